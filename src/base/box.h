@@ -1,0 +1,91 @@
+/* Axis-aligned boxes, and when a ray meets one (slab test: Kay and Kajiya 1986; robust bounds:
+ * Ize, "Robust BVH ray traversal", JCGT 2013). */
+#ifndef RK_BASE_BOX_H
+#define RK_BASE_BOX_H
+
+#include "base/ray.h"
+#include "base/vec3.h"
+
+#include <stdbool.h>
+
+typedef struct rk_box {
+    rk_vec3 corner[2]; /* corner[0] the lowest, corner[1] the highest coordinates */
+} rk_box;
+
+/* The box of nothing: merging it with any box gives that box. */
+static inline rk_box rk_box_empty(void)
+{
+    return (rk_box){{rk_vec(INFINITY, INFINITY, INFINITY), rk_vec(-INFINITY, -INFINITY, -INFINITY)}};
+}
+
+static inline rk_box rk_box_add(rk_box box, rk_vec3 point)
+{
+    return (rk_box){{rk_min3(point, box.corner[0]), rk_max3(point, box.corner[1])}};
+}
+
+static inline rk_box rk_box_merge(rk_box a, rk_box b)
+{
+    return (rk_box){{rk_min3(a.corner[0], b.corner[0]), rk_max3(a.corner[1], b.corner[1])}};
+}
+
+static inline rk_vec3 rk_box_extent(rk_box box)
+{
+    return rk_sub(box.corner[1], box.corner[0]);
+}
+
+/* Surface area; 0 for an empty box. */
+static inline float rk_box_area(rk_box box)
+{
+    rk_vec3 d = rk_box_extent(box);
+    return d.x >= 0 ? 2 * (d.x * d.y + d.y * d.z + d.z * d.x) : 0;
+}
+
+/* The axis of the largest extent; among equals x before y before z. */
+static inline int rk_box_longest_axis(rk_box box)
+{
+    rk_vec3 d = rk_box_extent(box);
+    int axis = d.y > d.x ? 1 : 0;
+    return d.z > rk_axis(d, axis) ? 2 : axis;
+}
+
+/* What the slab test needs of a ray, once for all boxes. The reciprocals are pushed apart by
+ * 2 gamma_3 (|gamma_3| <= 3 eps / (1 - 3 eps), Higham 2002), so that rounding never loses a box
+ * that the exact ray touches. */
+typedef struct rk_slabs {
+    rk_vec3 origin;
+    rk_vec3 inverse_near, inverse_far; /* 1 / direction, a little smaller and a little larger */
+    int near_x, near_y, near_z;        /* which corner the ray meets first on each axis */
+} rk_slabs;
+
+static inline rk_slabs rk_slabs_of(const rk_ray *ray)
+{
+    const float gamma_3 = 3 * 0x1p-24f / (1 - 3 * 0x1p-24f);
+    rk_vec3 d = ray->direction;
+    rk_vec3 inverse = rk_vec(1 / d.x, 1 / d.y, 1 / d.z);
+    return (rk_slabs){
+        .origin = ray->origin,
+        .inverse_near = rk_scale(inverse, 1 - 2 * gamma_3),
+        .inverse_far = rk_scale(inverse, 1 + 2 * gamma_3),
+        .near_x = signbit(d.x) ? 1 : 0,
+        .near_y = signbit(d.y) ? 1 : 0,
+        .near_z = signbit(d.z) ? 1 : 0,
+    };
+}
+
+/* Returns where the ray enters the box (0 if it starts inside), or infinity if it misses it or
+ * enters beyond t_max. A ray in the plane of a face gives 0 * infinity = NaN, which rk_min and
+ * rk_max pass over: that face does not bound the ray. */
+static inline float rk_box_enter(const rk_box *box, const rk_slabs *ray, float t_max)
+{
+    float near_x = (box->corner[ray->near_x].x - ray->origin.x) * ray->inverse_near.x;
+    float near_y = (box->corner[ray->near_y].y - ray->origin.y) * ray->inverse_near.y;
+    float near_z = (box->corner[ray->near_z].z - ray->origin.z) * ray->inverse_near.z;
+    float far_x = (box->corner[1 - ray->near_x].x - ray->origin.x) * ray->inverse_far.x;
+    float far_y = (box->corner[1 - ray->near_y].y - ray->origin.y) * ray->inverse_far.y;
+    float far_z = (box->corner[1 - ray->near_z].z - ray->origin.z) * ray->inverse_far.z;
+    float enter = rk_max(near_x, rk_max(near_y, rk_max(near_z, 0)));
+    float leave = rk_min(far_x, rk_min(far_y, rk_min(far_z, t_max)));
+    return enter <= leave ? enter : INFINITY;
+}
+
+#endif

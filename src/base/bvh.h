@@ -1,0 +1,52 @@
+/* The binary tree that all binary builders make and all binary traversals walk. */
+#ifndef RK_BASE_BVH_H
+#define RK_BASE_BVH_H
+
+#include "base/box.h"
+#include "base/error.h"
+#include "base/triangle.h"
+
+/* 32 bytes, so that a pair of children fills one cache line. */
+typedef struct rk_bvh_node {
+    rk_box box;
+    uint32_t first; /* inner: the left child, the right one follows; leaf: its first triangle */
+    uint32_t count; /* 0 for an inner node, else the triangles of the leaf */
+} rk_bvh_node;
+
+typedef struct rk_bvh {
+    uint32_t node_count;     /* nodes in use, node 1 not counted; 0 for a tree without triangles */
+    uint32_t triangle_count;
+    rk_bvh_node *nodes;      /* nodes[0] is the root; nodes[1] stays empty, so that pairs start even */
+    rk_triangle *triangles;  /* triangle_count, in the order of the leaves */
+} rk_bvh;
+
+enum {
+    /* A leaf is a handful: below about four triangles, testing them all costs less than testing
+     * two more boxes and choosing. */
+    RK_BVH_LEAF_MAX = 4,
+    /* No builder may go deeper, so a traversal can keep its stack in an array of this many. */
+    RK_BVH_LEVELS_MAX = 64,
+};
+
+/* Makes room for a tree with up to `triangles` leaves. False when memory is short. */
+bool rk_bvh_init(rk_bvh *bvh, uint32_t triangles, rk_error *error);
+void rk_bvh_free(rk_bvh *bvh);
+
+typedef struct rk_bvh_measures {
+    uint32_t levels; /* 0 without triangles, 1 for a single leaf */
+    uint32_t leaves;
+    double sah_cost; /* expected cost of a ray that meets the root: 1.5 an inner node and 1 a triangle
+                        met, each weighted by its node's area over the root's */
+} rk_bvh_measures;
+
+rk_bvh_measures rk_bvh_measure(const rk_bvh *bvh);
+
+/* Visits all nodes, parents before children: the callback gets each node with its level (root: 0). */
+typedef void rk_bvh_visitor(const rk_bvh_node *node, uint32_t level, void *context);
+void rk_bvh_visit(const rk_bvh *bvh, rk_bvh_visitor *visitor, void *context);
+
+/* True if the tree is sound: boxes nest and hold their triangles, every triangle is in one leaf,
+ * no leaf is over-full, no path is too deep. Otherwise false with the first fault found. */
+bool rk_bvh_validate(const rk_bvh *bvh, rk_error *error);
+
+#endif

@@ -1,0 +1,24 @@
+/* What was done, counted: proof that work which a scene does not need is not done. */
+#ifndef RK_BASE_COUNTERS_H
+#define RK_BASE_COUNTERS_H
+
+#include <stdint.h>
+
+typedef struct rk_counters {
+    uint64_t primary_rays;
+    uint64_t shadow_rays;
+    uint64_t box_tests;
+    uint64_t triangle_tests;
+    uint64_t pixel_samples; /* random positions drawn within pixels */
+} rk_counters;
+
+static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
+{
+    sum->primary_rays += part->primary_rays;
+    sum->shadow_rays += part->shadow_rays;
+    sum->box_tests += part->box_tests;
+    sum->triangle_tests += part->triangle_tests;
+    sum->pixel_samples += part->pixel_samples;
+}
+
+#endif

@@ -1,0 +1,42 @@
+#include "base/error.h"
+
+#include <stdarg.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+enum { cache_line = 64 };
+
+bool rk_fail(rk_error *error, const char *format, ...)
+{
+    if (error) {
+        va_list arguments;
+        va_start(arguments, format);
+        vsnprintf(error->text, sizeof error->text, format, arguments);
+        va_end(arguments);
+        for (char *c = error->text; *c; c++)
+            if (*c == '\n' || *c == '\r')
+                *c = ' ';
+    }
+    return false;
+}
+
+void *rk_allocate(size_t count, size_t size, const char *what, rk_error *error)
+{
+    if (size && count > (SIZE_MAX - cache_line) / size) {
+        rk_fail(error, "%s: %zu elements of %zu bytes are more than this machine can address", what,
+                count, size);
+        return NULL;
+    }
+    size_t bytes = (count * size + cache_line - 1) / cache_line * cache_line;
+    if (bytes == 0)
+        bytes = cache_line;
+    void *memory = aligned_alloc(cache_line, bytes);
+    if (!memory) {
+        rk_fail(error, "%s: no memory for %.1f MB: choose a smaller size, or close other programs",
+                what, (double)bytes / 1e6);
+        return NULL;
+    }
+    return memset(memory, 0, bytes);
+}

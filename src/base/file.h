@@ -1,0 +1,29 @@
+/* Whole files or none: output goes to a temporary file beside its destination and is renamed
+ * when everything, the closing included, went well. */
+#ifndef RK_BASE_FILE_H
+#define RK_BASE_FILE_H
+
+#include "base/error.h"
+
+#include <stdio.h>
+
+typedef struct rk_file {
+    FILE *stream; /* where to write; NULL when not open */
+    char path[4096];
+    char temporary[4096 + 32];
+} rk_file;
+
+/* Opens a temporary file for `path`. False with an error when the folder is missing or read-only. */
+bool rk_file_begin(rk_file *file, const char *path, rk_error *error);
+
+/* Flushes, closes and renames. On any failure (a full disk, a lost folder) nothing is left behind,
+ * an older file at `path` is untouched, and the error says why. */
+bool rk_file_commit(rk_file *file, rk_error *error);
+
+/* Closes and removes the temporary file; accepts a file that is not open. */
+void rk_file_abort(rk_file *file);
+
+/* Makes `path` and its missing parents. An existing folder is success. */
+bool rk_make_folder(const char *path, rk_error *error);
+
+#endif

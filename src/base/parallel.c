@@ -1,0 +1,149 @@
+/* A pool of POSIX threads around one atomic counter: whoever is free takes the next number. */
+#include "base/parallel.h"
+
+#include <pthread.h>
+#include <stdatomic.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+struct rk_pool {
+    uint32_t threads; /* the caller included */
+    uint32_t started; /* entries of `workers` that run */
+    pthread_t *workers;
+    pthread_mutex_t lock;
+    pthread_cond_t wake, done;
+    uint64_t round;   /* grows by one with each run */
+    uint32_t working; /* workers that have not finished this round */
+    bool stopping;
+    atomic_uint next;
+    uint32_t count;
+    rk_task *task;
+    void *context;
+};
+
+typedef struct worker_start {
+    rk_pool *pool;
+    uint32_t thread;
+} worker_start;
+
+uint32_t rk_processor_count(void)
+{
+    long count = sysconf(_SC_NPROCESSORS_ONLN);
+    return count < 1 ? 1 : count > RK_THREADS_MAX ? RK_THREADS_MAX : (uint32_t)count;
+}
+
+static void take_items(rk_pool *pool, uint32_t thread)
+{
+    for (;;) {
+        uint32_t index = atomic_fetch_add(&pool->next, 1);
+        if (index >= pool->count)
+            return;
+        pool->task(index, thread, pool->context);
+    }
+}
+
+static void *work(void *argument)
+{
+    worker_start start = *(worker_start *)argument;
+    free(argument);
+    rk_pool *pool = start.pool;
+    uint64_t seen = 0;
+    pthread_mutex_lock(&pool->lock);
+    for (;;) {
+        while (pool->round == seen && !pool->stopping)
+            pthread_cond_wait(&pool->wake, &pool->lock);
+        if (pool->stopping)
+            break;
+        seen = pool->round;
+        pthread_mutex_unlock(&pool->lock);
+        take_items(pool, start.thread);
+        pthread_mutex_lock(&pool->lock);
+        if (--pool->working == 0)
+            pthread_cond_signal(&pool->done);
+    }
+    pthread_mutex_unlock(&pool->lock);
+    return NULL;
+}
+
+static bool start_worker(rk_pool *pool, uint32_t thread, rk_error *error)
+{
+    worker_start *start = malloc(sizeof *start);
+    if (!start)
+        return rk_fail(error, "threads: no memory");
+    *start = (worker_start){pool, thread};
+    int failure = pthread_create(&pool->workers[pool->started], NULL, work, start);
+    if (failure) {
+        free(start);
+        return rk_fail(error, "thread %u of %u cannot be started: %s; choose fewer with --threads",
+                       thread + 1, pool->threads, strerror(failure));
+    }
+    pool->started++;
+    return true;
+}
+
+rk_pool *rk_pool_start(uint32_t threads, rk_error *error)
+{
+    if (threads == 0)
+        threads = rk_processor_count();
+    if (threads > RK_THREADS_MAX) {
+        rk_fail(error, "%u threads: the most is %d", threads, RK_THREADS_MAX);
+        return NULL;
+    }
+    rk_pool *pool = rk_allocate(1, sizeof *pool, "threads", error);
+    if (!pool)
+        return NULL;
+    pool->threads = threads;
+    pthread_mutex_init(&pool->lock, NULL);
+    pthread_cond_init(&pool->wake, NULL);
+    pthread_cond_init(&pool->done, NULL);
+    pool->workers = rk_allocate(threads, sizeof *pool->workers, "threads", error);
+    bool ok = pool->workers != NULL;
+    for (uint32_t i = 1; ok && i < threads; i++)
+        ok = start_worker(pool, i, error);
+    if (!ok) {
+        rk_pool_stop(pool);
+        return NULL;
+    }
+    return pool;
+}
+
+void rk_pool_stop(rk_pool *pool)
+{
+    if (!pool)
+        return;
+    pthread_mutex_lock(&pool->lock);
+    pool->stopping = true;
+    pthread_cond_broadcast(&pool->wake);
+    pthread_mutex_unlock(&pool->lock);
+    for (uint32_t i = 0; i < pool->started; i++)
+        pthread_join(pool->workers[i], NULL);
+    pthread_cond_destroy(&pool->done);
+    pthread_cond_destroy(&pool->wake);
+    pthread_mutex_destroy(&pool->lock);
+    free(pool->workers);
+    free(pool);
+}
+
+uint32_t rk_pool_threads(const rk_pool *pool)
+{
+    return pool->threads;
+}
+
+void rk_pool_run(rk_pool *pool, uint32_t count, rk_task *task, void *context)
+{
+    pthread_mutex_lock(&pool->lock);
+    pool->count = count;
+    pool->task = task;
+    pool->context = context;
+    atomic_store(&pool->next, 0);
+    pool->working = pool->started;
+    pool->round++;
+    pthread_cond_broadcast(&pool->wake);
+    pthread_mutex_unlock(&pool->lock);
+    take_items(pool, 0);
+    pthread_mutex_lock(&pool->lock);
+    while (pool->working)
+        pthread_cond_wait(&pool->done, &pool->lock);
+    pthread_mutex_unlock(&pool->lock);
+}

@@ -1,0 +1,27 @@
+/* A progress bar on standard error while it is a terminal; nothing elsewhere. */
+#ifndef RK_BASE_PROGRESS_H
+#define RK_BASE_PROGRESS_H
+
+#include <stdatomic.h>
+#include <stdbool.h>
+
+typedef struct rk_progress {
+    bool visible;
+    const char *label;
+    unsigned total;
+    atomic_uint done;
+    double started, drawn; /* rk_clock_wall */
+    atomic_flag drawing;
+} rk_progress;
+
+/* `quiet` keeps it invisible. */
+void rk_progress_start(rk_progress *progress, const char *label, unsigned total, bool quiet);
+
+/* One more item is done; any thread may say so. Draws at most ten times a second, and nothing in
+ * the first half second: short work needs no bar. */
+void rk_progress_step(rk_progress *progress);
+
+/* Clears the bar. */
+void rk_progress_end(rk_progress *progress);
+
+#endif

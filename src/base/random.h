@@ -1,0 +1,28 @@
+/* Random numbers without state: a value is a hash of where it is used, so that pictures do not
+ * depend on threads or on the order of work.
+ * Hash: pcg4d (Jarzynski and Olano, "Hash functions for GPU rendering", JCGT 2020). */
+#ifndef RK_BASE_RANDOM_H
+#define RK_BASE_RANDOM_H
+
+#include <stdint.h>
+
+/* Returns 32 well-mixed bits of the four numbers. */
+static inline uint32_t rk_hash(uint32_t a, uint32_t b, uint32_t c, uint32_t d)
+{
+    a = a * 1664525u + 1013904223u;
+    b = b * 1664525u + 1013904223u;
+    c = c * 1664525u + 1013904223u;
+    d = d * 1664525u + 1013904223u;
+    a += b * d, b += c * a, c += a * b, d += b * c;
+    a ^= a >> 16, b ^= b >> 16, c ^= c >> 16, d ^= d >> 16;
+    a += b * d, b += c * a, c += a * b, d += b * c;
+    return a ^ d;
+}
+
+/* Returns a multiple of 2^-24 in [0, 1): all that a float can hold evenly, and never 1. */
+static inline float rk_unit_float(uint32_t bits)
+{
+    return (float)(bits >> 8) * 0x1p-24f;
+}
+
+#endif

@@ -1,0 +1,43 @@
+/* Tidy tables: CSV files (RFC 4180) in which each row is one measurement. */
+#ifndef RK_BASE_TABLE_H
+#define RK_BASE_TABLE_H
+
+#include "base/error.h"
+
+/* Puts a row into the file at `path`, which is made with `header` if missing. A row whose first
+ * `key_columns` cells are the same is replaced, so that measuring again updates the table. Cells
+ * are quoted where they must be. An existing file with another header is an error and stays as it
+ * is. The file is replaced whole or not at all. */
+bool rk_table_put(const char *path, const char *const *header, const char *const *cells,
+                  size_t columns, size_t key_columns, rk_error *error);
+
+/* A timing row's statistics. */
+typedef struct rk_timing {
+    double median, min, max;
+    unsigned runs;
+} rk_timing;
+
+enum { RK_RUNS_MAX = 1000 };
+
+/* Statistics of 1 to RK_RUNS_MAX figures, which it sorts. The median of an even number is the mean
+ * of the middle two. */
+rk_timing rk_timing_of(double *figures, unsigned runs);
+
+/* Puts a row under feature,scene,triangles,method,isa,threads,metric,unit,median,min,max,runs; the
+ * columns up to `unit` are the key. */
+typedef struct rk_timing_row {
+    const char *feature, *scene;
+    unsigned long triangles;
+    const char *method, *isa;
+    unsigned threads;
+    const char *metric, *unit;
+    rk_timing timing;
+} rk_timing_row;
+
+bool rk_table_put_timing(const char *path, const rk_timing_row *row, rk_error *error);
+
+/* Seconds on the monotonic clock, and seconds of processor time of the calling thread. */
+double rk_clock_wall(void);
+double rk_clock_thread(void);
+
+#endif

@@ -1,0 +1,113 @@
+/* Vectors of three floats: points, directions and linear RGB colours. Vectors are the language of
+ * the whole kit, so they alone go without a module in their names: rk_add, rk_dot, rk_cross. */
+#ifndef RK_BASE_VEC3_H
+#define RK_BASE_VEC3_H
+
+#include <math.h>
+
+typedef struct rk_vec2 {
+    float x, y;
+} rk_vec2;
+
+typedef struct rk_vec3 {
+    float x, y, z;
+} rk_vec3;
+
+static inline rk_vec3 rk_vec(float x, float y, float z)
+{
+    return (rk_vec3){x, y, z};
+}
+
+static inline rk_vec3 rk_add(rk_vec3 a, rk_vec3 b)
+{
+    return rk_vec(a.x + b.x, a.y + b.y, a.z + b.z);
+}
+
+static inline rk_vec3 rk_sub(rk_vec3 a, rk_vec3 b)
+{
+    return rk_vec(a.x - b.x, a.y - b.y, a.z - b.z);
+}
+
+/* Componentwise, as light is filtered by a colour. */
+static inline rk_vec3 rk_mul(rk_vec3 a, rk_vec3 b)
+{
+    return rk_vec(a.x * b.x, a.y * b.y, a.z * b.z);
+}
+
+static inline rk_vec3 rk_scale(rk_vec3 a, float s)
+{
+    return rk_vec(a.x * s, a.y * s, a.z * s);
+}
+
+/* a + s b: the point at parameter s of the ray from a along b. */
+static inline rk_vec3 rk_madd(rk_vec3 a, rk_vec3 b, float s)
+{
+    return rk_vec(a.x + b.x * s, a.y + b.y * s, a.z + b.z * s);
+}
+
+static inline rk_vec3 rk_negate(rk_vec3 a)
+{
+    return rk_vec(-a.x, -a.y, -a.z);
+}
+
+static inline float rk_dot(rk_vec3 a, rk_vec3 b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static inline rk_vec3 rk_cross(rk_vec3 a, rk_vec3 b)
+{
+    return rk_vec(a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x);
+}
+
+static inline float rk_length(rk_vec3 a)
+{
+    return sqrtf(rk_dot(a, a));
+}
+
+/* Returns a / |a|. The zero vector, which has no direction, comes back as it is. */
+static inline rk_vec3 rk_normalize(rk_vec3 a)
+{
+    float length = rk_length(a);
+    return length > 0 ? rk_scale(a, 1 / length) : a;
+}
+
+/* Libm's fminf and fmaxf are calls that also settle NaN; these are one instruction, and return b
+ * when a is NaN. The box test relies on that. */
+static inline float rk_min(float a, float b)
+{
+    return a < b ? a : b;
+}
+
+static inline float rk_max(float a, float b)
+{
+    return a > b ? a : b;
+}
+
+static inline rk_vec3 rk_min3(rk_vec3 a, rk_vec3 b)
+{
+    return rk_vec(rk_min(a.x, b.x), rk_min(a.y, b.y), rk_min(a.z, b.z));
+}
+
+static inline rk_vec3 rk_max3(rk_vec3 a, rk_vec3 b)
+{
+    return rk_vec(rk_max(a.x, b.x), rk_max(a.y, b.y), rk_max(a.z, b.z));
+}
+
+static inline rk_vec3 rk_abs3(rk_vec3 a)
+{
+    return rk_vec(fabsf(a.x), fabsf(a.y), fabsf(a.z));
+}
+
+/* The component on axis 0 (x), 1 (y) or 2 (z). */
+static inline float rk_axis(rk_vec3 a, int axis)
+{
+    return axis == 0 ? a.x : axis == 1 ? a.y : a.z;
+}
+
+static inline rk_vec3 rk_mix(rk_vec3 a, rk_vec3 b, float t)
+{
+    return rk_add(rk_scale(a, 1 - t), rk_scale(b, t));
+}
+
+#endif

@@ -1,0 +1,25 @@
+/* Pictures in any format: PNG by libpng, all else through the helper program on OpenImageIO. */
+#ifndef RK_IO_IMAGE_FILE_H
+#define RK_IO_IMAGE_FILE_H
+
+#include "base/image.h"
+
+/* Reads JPG, PNG, EXR, HDR, TIFF and what else OpenImageIO knows, to linear RGB. */
+bool rk_image_read(rk_image *image, const char *path, rk_error *error);
+
+/* Writes .png (8 bits, sRGB-encoded) or .exr (32-bit float, linear), by the file's ending. */
+bool rk_image_write(const char *path, const rk_image *image, rk_error *error);
+
+typedef struct rk_image_difference {
+    double rms;        /* root mean square over pixels and channels, of linear values */
+    double psnr;       /* decibels, for a peak of 1; infinite for equal pictures */
+    double maximum;    /* largest absolute difference of a channel */
+    double max_x, max_y;
+    double perceptual; /* pixels in which a viewer would see a difference (Yee 2004) */
+} rk_image_difference;
+
+/* Compares two files of equal size. */
+bool rk_image_compare(rk_image_difference *difference, const char *path_a, const char *path_b,
+                      rk_error *error);
+
+#endif

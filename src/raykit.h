@@ -1,0 +1,10 @@
+/* raykit, all of it: include this one header, or just those that you need. */
+#ifndef RAYKIT_H
+#define RAYKIT_H
+
+#include "base/bvh.h"
+#include "base/image.h"
+#include "base/parallel.h"
+#include "scene/mesh.h"
+
+#endif

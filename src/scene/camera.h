@@ -1,0 +1,40 @@
+/* The camera of the classic course: it looks at a point from a distance, turned by Euler angles.
+ * position = look_at + R (0, 0, -distance), R = Rz Ry Rx; x grows to the left of the picture. */
+#ifndef RK_SCENE_CAMERA_H
+#define RK_SCENE_CAMERA_H
+
+#include "base/ray.h"
+#include "base/vec3.h"
+
+#include <stdbool.h>
+#include <stddef.h>
+
+typedef struct rk_camera {
+    rk_vec3 look_at;
+    float distance;
+    rk_vec3 rotation; /* degrees about x, then y, then z */
+    float fov;        /* vertical field of view, degrees, in (0, 180) */
+} rk_camera;
+
+/* Look at 0 from distance 3, rotation (20, 20, 0), field of view 50 degrees. */
+rk_camera rk_camera_default(void);
+
+/* A camera and a picture size, worked out. The axes are unit and orthogonal. */
+typedef struct rk_view {
+    rk_vec3 position;
+    rk_vec3 right, up, forward; /* of the picture */
+    float half_width, half_height; /* of the picture plane at distance 1 */
+    float width, height;           /* pixels */
+} rk_view;
+
+rk_view rk_view_of(const rk_camera *camera, size_t width, size_t height);
+
+/* The ray through the point (x, y) of the picture, in pixels from its top left corner; the centre
+ * of pixel (i, j) is (i + .5, j + .5). The direction is unit, t_max infinite. */
+rk_ray rk_view_ray(const rk_view *view, float x, float y);
+
+/* Where a point appears: pixels from the top left corner, and its depth along the view direction.
+ * False behind the camera (depth <= 0). */
+bool rk_view_project(const rk_view *view, rk_vec3 point, rk_vec2 *pixel, float *depth);
+
+#endif

@@ -1,0 +1,50 @@
+/* Indexed triangles with materials: what every scene is made of. */
+#ifndef RK_SCENE_MESH_H
+#define RK_SCENE_MESH_H
+
+#include "base/box.h"
+#include "base/error.h"
+#include "base/vec3.h"
+
+#include <stdint.h>
+
+typedef struct rk_material {
+    rk_vec3 kd;      /* diffuse colour, each component in [0, 1] */
+    rk_vec3 ks;      /* specular colour, each component in [0, 1] */
+    float shininess; /* exponent of the highlight, >= 0 */
+    float alpha;     /* opacity: 1 opaque, 0 invisible */
+} rk_material;
+
+typedef struct rk_mesh {
+    uint32_t vertex_count;
+    uint32_t triangle_count;
+    uint32_t material_count;
+    rk_vec3 *positions;            /* vertex_count */
+    rk_vec3 *normals;              /* vertex_count unit vectors, or NULL: faces are flat */
+    rk_vec2 *texcoords;            /* vertex_count, or NULL */
+    uint32_t (*triangles)[3];      /* triangle_count rows of vertex indices */
+    uint16_t *triangle_materials;  /* triangle_count indices into materials */
+    rk_material *materials;        /* material_count, at least 1 */
+} rk_mesh;
+
+enum { RK_MESH_NORMALS = 1, RK_MESH_TEXCOORDS = 2 }; /* which optional arrays to make */
+
+/* Makes a mesh with all arrays zeroed and every material the default one: kd .8, opaque. */
+bool rk_mesh_init(rk_mesh *mesh, uint32_t vertices, uint32_t triangles, uint32_t materials,
+                  int optional_arrays, rk_error *error);
+void rk_mesh_free(rk_mesh *mesh);
+
+/* Refuses what later code relies on not to see: indices out of range, a position, normal, texture
+ * coordinate or material that is NaN or infinite. `name` begins the error, the place follows. */
+bool rk_mesh_validate(const rk_mesh *mesh, const char *name, rk_error *error);
+
+rk_box rk_mesh_bounds(const rk_mesh *mesh);
+
+/* Moves the mesh into the unit ball: the mean of its distinct vertices goes to 0, the farthest
+ * vertex to distance 1. A mesh of one distinct point only moves. Computed in double. */
+bool rk_mesh_normalize(rk_mesh *mesh, rk_error *error);
+
+/* Replaces the normals by area-weighted averages of the faces around each vertex. */
+bool rk_mesh_smooth(rk_mesh *mesh, rk_error *error);
+
+#endif

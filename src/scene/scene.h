@@ -1,0 +1,42 @@
+/* A scene: a mesh, lights, a camera. */
+#ifndef RK_SCENE_SCENE_H
+#define RK_SCENE_SCENE_H
+
+#include "scene/camera.h"
+#include "scene/mesh.h"
+
+typedef struct rk_light {
+    rk_vec3 position;
+    rk_vec3 colour; /* linear RGB; no falloff with distance, as in the classic course */
+} rk_light;
+
+enum { RK_LIGHTS_MAX = 16 };
+
+typedef struct rk_scene {
+    char name[64];
+    rk_mesh mesh;
+    rk_camera camera;
+    uint32_t light_count;
+    rk_light lights[RK_LIGHTS_MAX];
+} rk_scene;
+
+void rk_scene_free(rk_scene *scene);
+
+/* The built-in scenes, which need no file. A name may carry a number after a colon:
+ *   triangle            a single triangle
+ *   cube                12 triangles
+ *   cornell             the Cornell box with a mirror, 32 triangles
+ *   sphere:N            a sphere of at least N triangles (default 1280)
+ *   teapot:N            the Utah teapot, each of its 32 patches as N x N squares (default 16)
+ *   scan:N              a scan-like statue of exactly N triangles (default 87130)
+ * False with an error that lists the names when there is no such scene or N is out of range. */
+bool rk_scene_builtin(rk_scene *scene, const char *name, rk_error *error);
+
+/* One line each for --help: the names and what they are. */
+extern const char rk_scene_builtin_help[];
+
+/* A scene around a mesh, which it takes over (and zeroes): the mesh moved into the unit ball, the
+ * default camera and light. */
+bool rk_scene_around(rk_scene *scene, const char *name, rk_mesh *mesh, rk_error *error);
+
+#endif

@@ -1,0 +1,66 @@
+/* What every suite stands on: checks that print what was got and wanted with a hint, and a main
+ * that speaks TAP under `make check`.
+ *
+ * cmocka's own float assertions pass for NaN and compare absolutely; these do not pass NaN, and
+ * the tolerance is the caller's, with its reason beside it. */
+#ifndef RK_TESTS_TEST_H
+#define RK_TESTS_TEST_H
+
+#include <math.h>
+#include <setjmp.h>
+#include <stdarg.h>
+#include <stddef.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#include <cmocka.h>
+
+/* True or the test fails with the hint (a printf format and its arguments). */
+#define rk_check(condition, ...)                                                                   \
+    do {                                                                                           \
+        if (!(condition)) {                                                                        \
+            print_error(__VA_ARGS__);                                                              \
+            print_error("\n");                                                                     \
+            _assert_true(0, #condition, __FILE__, __LINE__);                                       \
+        }                                                                                          \
+    } while (0)
+
+/* |got - want| <= tolerance; NaN fails. */
+#define rk_check_close(got, want, tolerance, hint)                                                 \
+    do {                                                                                           \
+        double got_ = (double)(got), want_ = (double)(want), tolerance_ = (double)(tolerance);     \
+        rk_check(fabs(got_ - want_) <= tolerance_, "%s: got %.9g, want %.9g within %.3g: %s", #got, \
+                 got_, want_, tolerance_, hint);                                                   \
+    } while (0)
+
+/* Equal integers, up to 64 bits. */
+#define rk_check_equal(got, want, hint)                                                            \
+    do {                                                                                           \
+        long long got_ = (long long)(got), want_ = (long long)(want);                              \
+        rk_check(got_ == want_, "%s: got %lld, want %lld: %s", #got, got_, want_, hint);           \
+    } while (0)
+
+/* The call succeeds, or the test fails with the error's own words. */
+#define rk_check_ok(call, error) rk_check(call, "%s: %s", #call, (error).text)
+
+/* The error is one line that contains `part`. */
+#define rk_check_error_names(error, part)                                                          \
+    rk_check(strstr((error).text, part) != NULL, "the error should name \"%s\", but says: %s", part, \
+             (error).text)
+
+/* Ends a suite's file: `tests` is its array of cmocka_unit_test. An optional argument picks tests
+ * by name, with * and ?. Under TAP the lines carry the verdict, and a non-zero exit means a crash
+ * or a leak. */
+#define RK_SUITE(name, tests)                                                                      \
+    int main(int argc, char **argv)                                                                \
+    {                                                                                              \
+        if (argc > 1)                                                                              \
+            cmocka_set_test_filter(argv[1]);                                                       \
+        int failures = cmocka_run_group_tests_name(name, tests, NULL, NULL);                       \
+        const char *format = getenv("CMOCKA_MESSAGE_OUTPUT");                                      \
+        return format && strcmp(format, "TAP") == 0 && failures >= 0 ? 0 : failures;               \
+    }
+
+#endif
