@@ -2,7 +2,7 @@
 #ifndef RAYKIT_H
 #define RAYKIT_H
 
-#include "base/bvh.h"
+#include "scene/bvh.h"
 #include "base/image.h"
 #include "base/parallel.h"
 #include "scene/mesh.h"

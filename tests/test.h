@@ -31,8 +31,8 @@
 #define rk_check_close(got, want, tolerance, hint)                                                 \
     do {                                                                                           \
         double got_ = (double)(got), want_ = (double)(want), tolerance_ = (double)(tolerance);     \
-        rk_check(fabs(got_ - want_) <= tolerance_, "%s: got %.9g, want %.9g within %.3g: %s", #got, \
-                 got_, want_, tolerance_, hint);                                                   \
+        rk_check(fabs(got_ - want_) <= tolerance_, "%s: got %.9g, want %.9g within %.3g: %s",      \
+                 #got, got_, want_, tolerance_, hint);                                             \
     } while (0)
 
 /* Equal integers, up to 64 bits. */
@@ -47,8 +47,8 @@
 
 /* The error is one line that contains `part`. */
 #define rk_check_error_names(error, part)                                                          \
-    rk_check(strstr((error).text, part) != NULL, "the error should name \"%s\", but says: %s", part, \
-             (error).text)
+    rk_check(strstr((error).text, part) != NULL, "the error should name \"%s\", but says: %s",     \
+             part, (error).text)
 
 /* Ends a suite's file: `tests` is its array of cmocka_unit_test. An optional argument picks tests
  * by name, with * and ?. Under TAP the lines carry the verdict, and a non-zero exit means a crash

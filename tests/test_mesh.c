@@ -99,7 +99,8 @@ static void huge_coordinates_normalize_without_overflow(void **state)
         mesh.positions[i] = rk_scale(mesh.positions[i], 5e37f);
     rk_error error;
     rk_check_ok(rk_mesh_normalize(&mesh, &error), error);
-    rk_check_close(mesh.positions[0].x, -0.70710678, 1e-6, "computed in double, so the squares fit");
+    rk_check_close(mesh.positions[0].x, -0.70710678, 1e-6,
+                   "computed in double, so the squares fit");
     rk_mesh_free(&mesh);
 }
 

@@ -15,7 +15,8 @@ typedef struct rk_box {
 /* The box of nothing: merging it with any box gives that box. */
 static inline rk_box rk_box_empty(void)
 {
-    return (rk_box){{rk_vec(INFINITY, INFINITY, INFINITY), rk_vec(-INFINITY, -INFINITY, -INFINITY)}};
+    return (rk_box){
+        {rk_vec(INFINITY, INFINITY, INFINITY), rk_vec(-INFINITY, -INFINITY, -INFINITY)}};
 }
 
 static inline rk_box rk_box_add(rk_box box, rk_vec3 point)

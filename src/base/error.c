@@ -22,7 +22,7 @@ bool rk_fail(rk_error *error, const char *format, ...)
     return false;
 }
 
-void *rk_allocate(size_t count, size_t size, const char *what, rk_error *error)
+void *rk_allocate_unset(size_t count, size_t size, const char *what, rk_error *error)
 {
     if (size && count > (SIZE_MAX - cache_line) / size) {
         rk_fail(error, "%s: %zu elements of %zu bytes are more than this machine can address", what,
@@ -38,5 +38,11 @@ void *rk_allocate(size_t count, size_t size, const char *what, rk_error *error)
                 what, (double)bytes / 1e6);
         return NULL;
     }
-    return memset(memory, 0, bytes);
+    return memory;
+}
+
+void *rk_allocate(size_t count, size_t size, const char *what, rk_error *error)
+{
+    void *memory = rk_allocate_unset(count, size, what, error);
+    return memory ? memset(memory, 0, count * size) : NULL;
 }

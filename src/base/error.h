@@ -19,4 +19,7 @@ bool rk_fail(rk_error *error, const char *format, ...) __attribute__((format(pri
  * Zero elements give a valid pointer. */
 void *rk_allocate(size_t count, size_t size, const char *what, rk_error *error);
 
+/* The same without the zeroes: for big arrays that are filled at once. */
+void *rk_allocate_unset(size_t count, size_t size, const char *what, rk_error *error);
+
 #endif

@@ -38,7 +38,8 @@ bool rk_file_commit(rk_file *file, rk_error *error)
         reason = errno;
     }
     unlink(file->temporary);
-    return rk_fail(error, "%s: could not be written whole: %s; free some space, or choose another place",
+    return rk_fail(error,
+                   "%s: could not be written whole: %s; free some space, or choose another place",
                    file->path, reason ? strerror(reason) : "write error");
 }
 

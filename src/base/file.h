@@ -13,7 +13,8 @@ typedef struct rk_file {
     char temporary[4096 + 32];
 } rk_file;
 
-/* Opens a temporary file for `path`. False with an error when the folder is missing or read-only. */
+/* Opens a temporary file for `path`. False with an error when the folder is missing or read-only.
+ */
 bool rk_file_begin(rk_file *file, const char *path, rk_error *error);
 
 /* Flushes, closes and renames. On any failure (a full disk, a lost folder) nothing is left behind,

@@ -6,8 +6,8 @@ bool rk_image_init(rk_image *image, size_t width, size_t height, rk_error *error
 {
     *image = (rk_image){0};
     if (width < 1 || height < 1 || width > RK_IMAGE_SIDE_MAX || height > RK_IMAGE_SIDE_MAX)
-        return rk_fail(error, "an image of %zu x %zu pixels: each side must be 1 to %d", width, height,
-                       RK_IMAGE_SIDE_MAX);
+        return rk_fail(error, "an image of %zu x %zu pixels: each side must be 1 to %d", width,
+                       height, RK_IMAGE_SIDE_MAX);
     rk_vec3 *pixels = rk_allocate(width * height, sizeof *pixels, "image", error);
     if (!pixels)
         return false;

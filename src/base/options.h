@@ -6,12 +6,12 @@
 #include "base/error.h"
 
 typedef enum rk_option_kind {
-    RK_OPTION_FLAG,   /* bool: --name sets it */
-    RK_OPTION_UINT,   /* uint32_t in [low, high] */
-    RK_OPTION_FLOAT,  /* float in [low, high]; NaN is refused */
-    RK_OPTION_TEXT,   /* const char *, pointing into argv */
-    RK_OPTION_LIST,   /* rk_text_list: --name may come again */
-    RK_OPTION_PIXEL,  /* rk_pixel: X,Y */
+    RK_OPTION_FLAG,  /* bool: --name sets it */
+    RK_OPTION_UINT,  /* uint32_t in [low, high] */
+    RK_OPTION_FLOAT, /* float in [low, high]; NaN is refused */
+    RK_OPTION_TEXT,  /* const char *, pointing into argv */
+    RK_OPTION_LIST,  /* rk_text_list: --name may come again */
+    RK_OPTION_PIXEL, /* rk_pixel: X,Y */
 } rk_option_kind;
 
 enum { RK_TEXT_LIST_MAX = 64 };
@@ -27,7 +27,7 @@ typedef struct rk_pixel {
 } rk_pixel;
 
 typedef struct rk_option {
-    const char *name;     /* without dashes; NULL ends a table */
+    const char *name; /* without dashes; NULL ends a table */
     rk_option_kind kind;
     void *value;          /* where the default stands and the given value goes */
     const char *argument; /* its name in --help: FILE, N; NULL for flags */

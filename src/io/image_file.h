@@ -11,9 +11,9 @@ bool rk_image_read(rk_image *image, const char *path, rk_error *error);
 bool rk_image_write(const char *path, const rk_image *image, rk_error *error);
 
 typedef struct rk_image_difference {
-    double rms;        /* root mean square over pixels and channels, of linear values */
-    double psnr;       /* decibels, for a peak of 1; infinite for equal pictures */
-    double maximum;    /* largest absolute difference of a channel */
+    double rms;     /* root mean square over pixels and channels, of linear values */
+    double psnr;    /* decibels, for a peak of 1; infinite for equal pictures */
+    double maximum; /* largest absolute difference of a channel */
     double max_x, max_y;
     double perceptual; /* pixels in which a viewer would see a difference (Yee 2004) */
 } rk_image_difference;

@@ -22,7 +22,7 @@ rk_camera rk_camera_default(void);
 /* A camera and a picture size, worked out. The axes are unit and orthogonal. */
 typedef struct rk_view {
     rk_vec3 position;
-    rk_vec3 right, up, forward; /* of the picture */
+    rk_vec3 right, up, forward;    /* of the picture */
     float half_width, half_height; /* of the picture plane at distance 1 */
     float width, height;           /* pixels */
 } rk_view;

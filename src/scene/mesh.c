@@ -14,10 +14,11 @@ bool rk_mesh_init(rk_mesh *mesh, uint32_t vertices, uint32_t triangles, uint32_t
     mesh->materials = rk_allocate(materials, sizeof *mesh->materials, "materials", error);
     bool ok = mesh->positions && mesh->triangles && mesh->triangle_materials && mesh->materials;
     if (ok && (optional_arrays & RK_MESH_NORMALS))
-        ok = (mesh->normals = rk_allocate(vertices, sizeof *mesh->normals, "normals", error)) != NULL;
+        ok = (mesh->normals = rk_allocate(vertices, sizeof *mesh->normals, "normals", error)) !=
+             NULL;
     if (ok && (optional_arrays & RK_MESH_TEXCOORDS))
-        ok = (mesh->texcoords = rk_allocate(vertices, sizeof *mesh->texcoords, "texture coordinates",
-                                            error)) != NULL;
+        ok = (mesh->texcoords = rk_allocate(vertices, sizeof *mesh->texcoords,
+                                            "texture coordinates", error)) != NULL;
     if (!ok) {
         rk_mesh_free(mesh);
         return false;
@@ -57,8 +58,8 @@ static bool validate_vertices(const rk_mesh *mesh, const char *name, rk_error *e
         if (mesh->normals && !is_finite3(mesh->normals[i]))
             return rk_fail(error, "%s: the normal of vertex %u is not finite: %s", name, i, remedy);
         if (mesh->texcoords && !(isfinite(mesh->texcoords[i].x) && isfinite(mesh->texcoords[i].y)))
-            return rk_fail(error, "%s: the texture coordinate of vertex %u is not finite: %s", name, i,
-                           remedy);
+            return rk_fail(error, "%s: the texture coordinate of vertex %u is not finite: %s", name,
+                           i, remedy);
     }
     return true;
 }
@@ -70,22 +71,24 @@ bool rk_mesh_validate(const rk_mesh *mesh, const char *name, rk_error *error)
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         for (int k = 0; k < 3; k++)
             if (mesh->triangles[i][k] >= mesh->vertex_count)
-                return rk_fail(error,
-                               "%s: triangle %u uses vertex %u, but there are only %u: repair the mesh "
-                               "or export it again",
-                               name, i, mesh->triangles[i][k], mesh->vertex_count);
+                return rk_fail(
+                    error,
+                    "%s: triangle %u uses vertex %u, but there are only %u: repair the mesh "
+                    "or export it again",
+                    name, i, mesh->triangles[i][k], mesh->vertex_count);
         if (mesh->triangle_materials[i] >= mesh->material_count)
-            return rk_fail(error, "%s: triangle %u uses material %u, but there are only %u", name, i,
-                           mesh->triangle_materials[i], mesh->material_count);
+            return rk_fail(error, "%s: triangle %u uses material %u, but there are only %u", name,
+                           i, mesh->triangle_materials[i], mesh->material_count);
     }
     for (uint32_t i = 0; i < mesh->material_count; i++) {
         const rk_material *m = &mesh->materials[i];
         if (!is_finite3(m->kd) || !is_finite3(m->ks) || !(m->shininess >= 0) ||
             !isfinite(m->shininess) || !is_fraction(m->alpha))
-            return rk_fail(error,
-                           "%s: material %u has a colour that is not finite, a negative shininess or an "
-                           "opacity outside [0, 1]",
-                           name, i);
+            return rk_fail(
+                error,
+                "%s: material %u has a colour that is not finite, a negative shininess or an "
+                "opacity outside [0, 1]",
+                name, i);
     }
     return true;
 }
@@ -155,7 +158,8 @@ bool rk_mesh_normalize(rk_mesh *mesh, rk_error *error)
     double scale = farthest > 0 ? 1 / sqrt(farthest) : 1;
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         rk_vec3 *p = &mesh->positions[i];
-        *p = rk_vec((float)(((double)p->x - mean[0]) * scale), (float)(((double)p->y - mean[1]) * scale),
+        *p = rk_vec((float)(((double)p->x - mean[0]) * scale),
+                    (float)(((double)p->y - mean[1]) * scale),
                     (float)(((double)p->z - mean[2]) * scale));
     }
     return true;
@@ -170,8 +174,8 @@ bool rk_mesh_smooth(rk_mesh *mesh, rk_error *error)
         const uint32_t *corner = mesh->triangles[i];
         rk_vec3 a = mesh->positions[corner[0]];
         /* The cross product's length is twice the area: the weight comes for free. */
-        rk_vec3 weighted = rk_cross(rk_sub(mesh->positions[corner[1]], a),
-                                    rk_sub(mesh->positions[corner[2]], a));
+        rk_vec3 weighted =
+            rk_cross(rk_sub(mesh->positions[corner[1]], a), rk_sub(mesh->positions[corner[2]], a));
         for (int k = 0; k < 3; k++)
             normals[corner[k]] = rk_add(normals[corner[k]], weighted);
     }

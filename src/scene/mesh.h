@@ -19,12 +19,12 @@ typedef struct rk_mesh {
     uint32_t vertex_count;
     uint32_t triangle_count;
     uint32_t material_count;
-    rk_vec3 *positions;            /* vertex_count */
-    rk_vec3 *normals;              /* vertex_count unit vectors, or NULL: faces are flat */
-    rk_vec2 *texcoords;            /* vertex_count, or NULL */
-    uint32_t (*triangles)[3];      /* triangle_count rows of vertex indices */
-    uint16_t *triangle_materials;  /* triangle_count indices into materials */
-    rk_material *materials;        /* material_count, at least 1 */
+    rk_vec3 *positions;           /* vertex_count */
+    rk_vec3 *normals;             /* vertex_count unit vectors, or NULL: faces are flat */
+    rk_vec2 *texcoords;           /* vertex_count, or NULL */
+    uint32_t (*triangles)[3];     /* triangle_count rows of vertex indices */
+    uint16_t *triangle_materials; /* triangle_count indices into materials */
+    rk_material *materials;       /* material_count, at least 1 */
 } rk_mesh;
 
 enum { RK_MESH_NORMALS = 1, RK_MESH_TEXCOORDS = 2 }; /* which optional arrays to make */

@@ -1,10 +1,12 @@
-/* The binary tree that all binary builders make and all binary traversals walk. */
-#ifndef RK_BASE_BVH_H
-#define RK_BASE_BVH_H
+/* The binary tree over a mesh's triangles that all binary builders make and all binary traversals
+ * walk. */
+#ifndef RK_SCENE_BVH_H
+#define RK_SCENE_BVH_H
 
 #include "base/box.h"
 #include "base/error.h"
 #include "base/triangle.h"
+#include "scene/mesh.h"
 
 /* 32 bytes, so that a pair of children fills one cache line. */
 typedef struct rk_bvh_node {
@@ -14,10 +16,10 @@ typedef struct rk_bvh_node {
 } rk_bvh_node;
 
 typedef struct rk_bvh {
-    uint32_t node_count;     /* nodes in use, node 1 not counted; 0 for a tree without triangles */
+    uint32_t node_count; /* entries of `nodes` in use; 0 for a tree without triangles */
     uint32_t triangle_count;
-    rk_bvh_node *nodes;      /* nodes[0] is the root; nodes[1] stays empty, so that pairs start even */
-    rk_triangle *triangles;  /* triangle_count, in the order of the leaves */
+    rk_bvh_node *nodes; /* nodes[0] is the root; nodes[1] is left out, so that pairs start even */
+    rk_triangle *triangles; /* triangle_count, in the order of the leaves */
 } rk_bvh;
 
 enum {
@@ -28,25 +30,27 @@ enum {
     RK_BVH_LEVELS_MAX = 64,
 };
 
-/* Makes room for a tree with up to `triangles` leaves. False when memory is short. */
-bool rk_bvh_init(rk_bvh *bvh, uint32_t triangles, rk_error *error);
+/* Makes room for `triangles` triangles and up to `leaves` leaves, and leaves both arrays unset;
+ * node_count is 0. False when memory is short. */
+bool rk_bvh_init(rk_bvh *bvh, uint32_t triangles, uint32_t leaves, rk_error *error);
 void rk_bvh_free(rk_bvh *bvh);
 
 typedef struct rk_bvh_measures {
     uint32_t levels; /* 0 without triangles, 1 for a single leaf */
     uint32_t leaves;
-    double sah_cost; /* expected cost of a ray that meets the root: 1.5 an inner node and 1 a triangle
-                        met, each weighted by its node's area over the root's */
+    double sah_cost; /* expected cost of a ray that meets the root: 1.5 an inner node and 1 a
+                        triangle met, each weighted by its node's area over the root's */
 } rk_bvh_measures;
 
 rk_bvh_measures rk_bvh_measure(const rk_bvh *bvh);
 
-/* Visits all nodes, parents before children: the callback gets each node with its level (root: 0). */
+/* Visits all nodes, parents before children and left before right: the callback gets each node
+ * with its level (root: 0). */
 typedef void rk_bvh_visitor(const rk_bvh_node *node, uint32_t level, void *context);
 void rk_bvh_visit(const rk_bvh *bvh, rk_bvh_visitor *visitor, void *context);
 
 /* True if the tree is sound: boxes nest and hold their triangles, every triangle is in one leaf,
  * no leaf is over-full, no path is too deep. Otherwise false with the first fault found. */
-bool rk_bvh_validate(const rk_bvh *bvh, rk_error *error);
+bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error);
 
 #endif

@@ -1,0 +1,265 @@
+/* A bounding volume hierarchy sorts triangles into a tree of boxes, so that a ray which misses a
+ * box misses all that is in it. This one cuts every node at the median of its longest axis: half
+ * of the triangles go left, half right, whatever they look like.
+ * Kay and Kajiya, "Ray tracing complex scenes", 1986; Pharr, Jakob, Humphreys, "Physically Based
+ * Rendering", section 7.3. */
+#include "features/bvh_median.h"
+
+#include "base/random.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+/* --- Building ----------------------------------------------------------------------------- */
+
+/* What the builder knows of a triangle. */
+typedef struct reference {
+    rk_box box;
+    rk_vec3 centroid;
+} reference;
+
+static reference reference_of(const rk_mesh *mesh, uint32_t triangle)
+{
+    const uint32_t *corner = mesh->triangles[triangle];
+    rk_vec3 a = mesh->positions[corner[0]];
+    rk_vec3 b = mesh->positions[corner[1]];
+    rk_vec3 c = mesh->positions[corner[2]];
+    return (reference){
+        .box = {{rk_min3(a, rk_min3(b, c)), rk_max3(a, rk_max3(b, c))}},
+        .centroid = rk_scale(rk_add(rk_add(a, b), c), 1.0f / 3),
+    };
+}
+
+/* A triangle's rank along an axis, as one integer: the centroid's coordinate above, the triangle's
+ * index below. One comparison then orders all triangles strictly, coinciding centroids too, and
+ * the tree is the same on every machine. A float's bits order like an integer once negative values
+ * are flipped whole and the others in their sign. */
+static inline uint64_t rank_of(float coordinate, uint32_t triangle)
+{
+    uint32_t bits;
+    memcpy(&bits, &coordinate, sizeof bits);
+    bits ^= bits >> 31 ? 0xffffffffu : 0x80000000u;
+    return (uint64_t)bits << 32 | triangle;
+}
+
+static inline uint32_t triangle_of(uint64_t rank)
+{
+    return (uint32_t)rank;
+}
+
+static inline void swap_ranks(uint64_t *a, uint64_t *b)
+{
+    uint64_t t = *a;
+    *a = *b;
+    *b = t;
+}
+
+static void sort_few(uint64_t *ranks, uint32_t count)
+{
+    for (uint32_t i = 1; i < count; i++)
+        for (uint32_t j = i; j > 0 && ranks[j] < ranks[j - 1]; j--)
+            swap_ranks(&ranks[j], &ranks[j - 1]);
+}
+
+/* Moves the `wanted` lowest ranks to the front (Hoare's FIND). A hash picks the pivots, so that no
+ * order in which a mesh comes is a slow one: linear time on average. The partition (Lomuto's)
+ * moves every rank and counts, where a branch could not be predicted. */
+static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted)
+{
+    const uint32_t few = 16; /* sorting these costs less than choosing pivots among them */
+    uint32_t begin = 0, end = count;
+    while (end - begin > few) {
+        swap_ranks(&ranks[begin], &ranks[begin + rk_hash(begin, end, 0, 0) % (end - begin)]);
+        uint64_t pivot = ranks[begin];
+        uint32_t cut = begin; /* ranks[begin + 1 .. cut] are below the pivot */
+        for (uint32_t i = begin + 1; i < end; i++) {
+            uint64_t rank = ranks[i];
+            ranks[i] = ranks[cut + 1];
+            ranks[cut + 1] = rank;
+            cut += rank < pivot;
+        }
+        swap_ranks(&ranks[begin], &ranks[cut]);
+        if (wanted <= cut)
+            end = cut;
+        else
+            begin = cut + 1;
+    }
+    sort_few(ranks + begin, end - begin);
+}
+
+static rk_box box_of(const reference *references, const uint64_t *ranks, uint32_t count)
+{
+    rk_box box = rk_box_empty();
+    for (uint32_t i = 0; i < count; i++)
+        box = rk_box_merge(box, references[triangle_of(ranks[i])].box);
+    return box;
+}
+
+/* Orders ranks so that the lower half, ceil(count / 2) of them, comes first; returns its size. */
+static uint32_t split_at_median(const reference *references, uint64_t *ranks, uint32_t count,
+                                const rk_box *box)
+{
+    int axis = rk_box_longest_axis(*box);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t triangle = triangle_of(ranks[i]);
+        ranks[i] = rank_of(rk_axis(references[triangle].centroid, axis), triangle);
+    }
+    uint32_t half = count - count / 2;
+    select_lowest(ranks, count, half);
+    return half;
+}
+
+/* A node that still has no box, over ranks[begin .. end - 1]. */
+typedef struct unbuilt {
+    uint32_t node, begin, end;
+} unbuilt;
+
+/* Halving 2^32 triangles down to leaves takes fewer levels than the stack has entries. */
+static void build_nodes(rk_bvh *bvh, const reference *references, uint64_t *ranks)
+{
+    unbuilt stack[RK_BVH_LEVELS_MAX];
+    uint32_t size = 0;
+    stack[size++] = (unbuilt){0, 0, bvh->triangle_count};
+    bvh->node_count = 2;
+    while (size) {
+        unbuilt part = stack[--size];
+        uint32_t count = part.end - part.begin;
+        rk_bvh_node *node = &bvh->nodes[part.node];
+        node->box = box_of(references, ranks + part.begin, count);
+        if (count <= RK_BVH_LEAF_MAX) {
+            node->first = part.begin;
+            node->count = count;
+            continue;
+        }
+        uint32_t middle =
+            part.begin + split_at_median(references, ranks + part.begin, count, &node->box);
+        uint32_t left = bvh->node_count;
+        bvh->node_count += 2;
+        node->first = left;
+        node->count = 0;
+        stack[size++] = (unbuilt){left + 1, middle, part.end};
+        stack[size++] = (unbuilt){left, part.begin, middle};
+    }
+}
+
+/* Copies the triangles in the order of the leaves, so that a leaf reads one stretch of memory. */
+static void fill_leaves(rk_bvh *bvh, const rk_mesh *mesh, const uint64_t *ranks)
+{
+    for (uint32_t i = 0; i < bvh->triangle_count; i++) {
+        uint32_t index = triangle_of(ranks[i]);
+        const uint32_t *corner = mesh->triangles[index];
+        rk_vec3 a = mesh->positions[corner[0]];
+        rk_vec3 edge_ab = rk_sub(mesh->positions[corner[1]], a);
+        rk_vec3 edge_ac = rk_sub(mesh->positions[corner[2]], a);
+        bvh->triangles[i] = (rk_triangle){a, edge_ab, edge_ac, index};
+    }
+}
+
+bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
+{
+    uint32_t count = mesh->triangle_count;
+    /* A cut node has at least 5 triangles, so a leaf below one has at least 2. */
+    if (!rk_bvh_init(bvh, count, count / 2 + 1, error) || count == 0)
+        return count == 0 && bvh->nodes;
+    reference *references = rk_allocate_unset(count, sizeof *references, "tree", error);
+    uint64_t *ranks = rk_allocate_unset(count, sizeof *ranks, "tree", error);
+    bool ok = references && ranks;
+    if (ok) {
+        for (uint32_t i = 0; i < count; i++) {
+            references[i] = reference_of(mesh, i);
+            ranks[i] = i;
+        }
+        build_nodes(bvh, references, ranks);
+        fill_leaves(bvh, mesh, ranks);
+    } else {
+        rk_bvh_free(bvh);
+    }
+    free(references);
+    free(ranks);
+    return ok;
+}
+
+/* --- Traversal ---------------------------------------------------------------------------- */
+
+/* A node still to be visited, and where the ray enters its box. */
+typedef struct waiting {
+    const rk_bvh_node *node;
+    float enter;
+} waiting;
+
+/* Puts the children whose boxes the ray enters by t_max on the stack, the nearer one on top: what
+ * is found in it may spare us the other. Returns the stack's new size. */
+static inline uint32_t push_children(waiting *stack, uint32_t size, const rk_bvh_node *children,
+                                     const rk_slabs *slabs, float t_max)
+{
+    waiting near = {&children[0], rk_box_enter(&children[0].box, slabs, t_max)};
+    waiting far = {&children[1], rk_box_enter(&children[1].box, slabs, t_max)};
+    if (far.enter < near.enter) {
+        waiting t = near;
+        near = far;
+        far = t;
+    }
+    if (far.enter < INFINITY)
+        stack[size++] = far;
+    if (near.enter < INFINITY)
+        stack[size++] = near;
+    return size;
+}
+
+rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
+{
+    rk_hit hit = {ray->t_max, 0, 0, RK_MISS};
+    if (bvh->node_count == 0)
+        return hit;
+    const rk_slabs slabs = rk_slabs_of(ray);
+    waiting stack[RK_BVH_LEVELS_MAX];
+    uint32_t size = 0;
+    uint64_t box_tests = 1, triangle_tests = 0;
+    float enter = rk_box_enter(&bvh->nodes[0].box, &slabs, hit.t);
+    if (enter < INFINITY)
+        stack[size++] = (waiting){&bvh->nodes[0], enter};
+    while (size) {
+        waiting next = stack[--size];
+        if (next.enter > hit.t)
+            continue;
+        const rk_bvh_node *node = next.node;
+        if (node->count) {
+            for (uint32_t i = 0; i < node->count; i++)
+                rk_triangle_closest(&bvh->triangles[node->first + i], ray, &hit);
+            triangle_tests += node->count;
+        } else {
+            size = push_children(stack, size, &bvh->nodes[node->first], &slabs, hit.t);
+            box_tests += 2;
+        }
+    }
+    counters->box_tests += box_tests;
+    counters->triangle_tests += triangle_tests;
+    return hit;
+}
+
+bool rk_bvh_any(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
+{
+    if (bvh->node_count == 0)
+        return false;
+    const rk_slabs slabs = rk_slabs_of(ray);
+    waiting stack[RK_BVH_LEVELS_MAX];
+    uint32_t size = 0;
+    uint64_t box_tests = 1, triangle_tests = 0;
+    bool found = false;
+    if (rk_box_enter(&bvh->nodes[0].box, &slabs, ray->t_max) < INFINITY)
+        stack[size++] = (waiting){&bvh->nodes[0], 0};
+    while (size && !found) {
+        const rk_bvh_node *node = stack[--size].node;
+        for (uint32_t i = 0; i < node->count && !found; i++) {
+            found = rk_triangle_any(&bvh->triangles[node->first + i], ray);
+            triangle_tests++;
+        }
+        if (node->count == 0) {
+            size = push_children(stack, size, &bvh->nodes[node->first], &slabs, ray->t_max);
+            box_tests += 2;
+        }
+    }
+    counters->box_tests += box_tests;
+    counters->triangle_tests += triangle_tests;
+    return found;
+}

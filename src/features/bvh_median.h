@@ -1,0 +1,21 @@
+/* Bounding volume hierarchy, split by the median: build the tree, then ask it what a ray meets. */
+#ifndef RK_FEATURES_BVH_MEDIAN_H
+#define RK_FEATURES_BVH_MEDIAN_H
+
+#include "base/counters.h"
+#include "scene/bvh.h"
+
+/* Builds the tree over a valid mesh (rk_mesh_validate): each node is cut on the longest axis of
+ * its box, the half ceil(N / 2) of its triangles with the lowest centroids to the left, until
+ * RK_BVH_LEAF_MAX or fewer remain. O(N log N) time, at most 31 levels. A mesh without triangles
+ * gives a tree without nodes. False when memory is short. Release with rk_bvh_free. */
+bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error);
+
+/* Returns the nearest hit at 0 < t <= ray->t_max; among equals the smallest triangle index. On a
+ * miss hit.triangle is RK_MISS. Counts box and triangle tests. */
+rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters);
+
+/* Does anything lie at 0 < t <= ray->t_max? Stops at the first triangle found. */
+bool rk_bvh_any(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters);
+
+#endif

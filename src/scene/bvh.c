@@ -1,0 +1,166 @@
+#include "scene/bvh.h"
+
+#include <stdlib.h>
+
+bool rk_bvh_init(rk_bvh *bvh, uint32_t triangles, uint32_t leaves, rk_error *error)
+{
+    *bvh = (rk_bvh){.triangle_count = triangles};
+    bvh->nodes = rk_allocate_unset(2 * (size_t)leaves, sizeof *bvh->nodes, "tree", error);
+    bvh->triangles = rk_allocate_unset(triangles, sizeof *bvh->triangles, "tree", error);
+    if (bvh->nodes && bvh->triangles)
+        return true;
+    rk_bvh_free(bvh);
+    return false;
+}
+
+void rk_bvh_free(rk_bvh *bvh)
+{
+    free(bvh->nodes);
+    free(bvh->triangles);
+    *bvh = (rk_bvh){0};
+}
+
+typedef struct stack_entry {
+    uint32_t node, level;
+} stack_entry;
+
+void rk_bvh_visit(const rk_bvh *bvh, rk_bvh_visitor *visitor, void *context)
+{
+    if (bvh->node_count == 0)
+        return;
+    stack_entry stack[RK_BVH_LEVELS_MAX];
+    uint32_t size = 0;
+    stack[size++] = (stack_entry){0, 0};
+    /* An unsound tree may have cycles or point outside: no more visits than nodes, and no child
+     * that is not there. */
+    for (uint32_t visits = 0; size && visits < bvh->node_count; visits++) {
+        stack_entry top = stack[--size];
+        const rk_bvh_node *node = &bvh->nodes[top.node];
+        visitor(node, top.level, context);
+        if (node->count || top.level + 1 >= RK_BVH_LEVELS_MAX || node->first >= bvh->node_count - 1)
+            continue;
+        stack[size++] = (stack_entry){node->first + 1, top.level + 1};
+        stack[size++] = (stack_entry){node->first, top.level + 1};
+    }
+}
+
+/* In double: the area of a box of huge extent overflows a float. */
+static double area(const rk_box *box)
+{
+    double x = (double)box->corner[1].x - (double)box->corner[0].x;
+    double y = (double)box->corner[1].y - (double)box->corner[0].y;
+    double z = (double)box->corner[1].z - (double)box->corner[0].z;
+    return 2 * (x * y + y * z + z * x);
+}
+
+typedef struct measuring {
+    rk_bvh_measures measures;
+    double weighted_cost; /* the sum of cost times area */
+} measuring;
+
+static void measure_node(const rk_bvh_node *node, uint32_t level, void *context)
+{
+    const double traversal_cost = 1.5, intersection_cost = 1;
+    measuring *m = context;
+    if (level + 1 > m->measures.levels)
+        m->measures.levels = level + 1;
+    if (node->count)
+        m->measures.leaves++;
+    m->weighted_cost +=
+        area(&node->box) * (node->count ? intersection_cost * node->count : traversal_cost);
+}
+
+rk_bvh_measures rk_bvh_measure(const rk_bvh *bvh)
+{
+    measuring m = {{0}, 0};
+    rk_bvh_visit(bvh, measure_node, &m);
+    double root = bvh->node_count ? area(&bvh->nodes[0].box) : 0;
+    m.measures.sah_cost = root > 0 ? m.weighted_cost / root : 0;
+    return m.measures;
+}
+
+static bool box_holds(const rk_box *outer, const rk_box *inner)
+{
+    const rk_vec3 *o = outer->corner, *i = inner->corner;
+    return o[0].x <= i[0].x && o[0].y <= i[0].y && o[0].z <= i[0].z && o[1].x >= i[1].x &&
+           o[1].y >= i[1].y && o[1].z >= i[1].z;
+}
+
+static rk_box triangle_box(const rk_mesh *mesh, uint32_t index)
+{
+    rk_box box = rk_box_empty();
+    for (int k = 0; k < 3; k++)
+        box = rk_box_add(box, mesh->positions[mesh->triangles[index][k]]);
+    return box;
+}
+
+typedef struct validation {
+    const rk_bvh *bvh;
+    const rk_mesh *mesh;
+    unsigned char *seen; /* how often each triangle of the mesh stands in a leaf */
+    bool sound;
+    rk_error *error;
+} validation;
+
+static void fault(validation *v, const char *what, uint32_t place)
+{
+    if (v->sound)
+        v->sound = rk_fail(v->error, "tree: %s (%u)", what, place);
+}
+
+static void validate_leaf(validation *v, const rk_bvh_node *node)
+{
+    if (node->count > RK_BVH_LEAF_MAX)
+        fault(v, "a leaf holds too many triangles", node->count);
+    if (node->first > v->bvh->triangle_count ||
+        node->count > v->bvh->triangle_count - node->first) {
+        fault(v, "a leaf points past the triangles", node->first);
+        return;
+    }
+    for (uint32_t i = node->first; i < node->first + node->count; i++) {
+        uint32_t index = v->bvh->triangles[i].index;
+        if (index >= v->mesh->triangle_count) {
+            fault(v, "a leaf names a triangle that the mesh does not have", index);
+            continue;
+        }
+        if (v->seen[index]++)
+            fault(v, "a triangle stands in two leaves", index);
+        rk_box box = triangle_box(v->mesh, index);
+        if (!box_holds(&node->box, &box))
+            fault(v, "a triangle sticks out of its leaf's box", index);
+    }
+}
+
+static void validate_node(const rk_bvh_node *node, uint32_t level, void *context)
+{
+    validation *v = context;
+    if (node->count) {
+        validate_leaf(v, node);
+        return;
+    }
+    if (level + 1 >= RK_BVH_LEVELS_MAX) {
+        fault(v, "a path is deeper than a traversal's stack", level + 1);
+        return;
+    }
+    if (node->first < 2 || node->first % 2 || node->first + 1 >= v->bvh->node_count) {
+        fault(v, "an inner node points outside the nodes, or at an odd one", node->first);
+        return;
+    }
+    for (uint32_t child = node->first; child < node->first + 2; child++)
+        if (!box_holds(&node->box, &v->bvh->nodes[child].box))
+            fault(v, "a child's box sticks out of its parent's", child);
+}
+
+bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
+{
+    validation v = {bvh, mesh, NULL, true, error};
+    v.seen = rk_allocate(mesh->triangle_count, 1, "tree check", error);
+    if (!v.seen)
+        return false;
+    rk_bvh_visit(bvh, validate_node, &v);
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        if (!v.seen[i])
+            fault(&v, "a triangle stands in no leaf", i);
+    free(v.seen);
+    return v.sound;
+}
