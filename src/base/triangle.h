@@ -16,25 +16,27 @@ typedef struct rk_triangle {
     uint32_t index;
 } rk_triangle;
 
-/* The shared part of both tests: true if the ray's line crosses the triangle at 0 < t <= t_max.
- * Multiplies instead of dividing until the crossing is certain. Edge-on (det = 0) and NaN miss. */
-static inline bool rk_triangle_cross(const rk_triangle *triangle, const rk_ray *ray, float t_max,
-                                     float *det, float *u_det, float *v_det, float *t_det)
+/* The shared part of both tests: true if the ray's line crosses the triangle at 0 < t < infinity.
+ * Divides only when the crossing is certain. Edge-on (det = 0), NaN and what overflows miss. */
+static inline bool rk_triangle_cross(const rk_triangle *triangle, const rk_ray *ray, rk_hit *cross)
 {
     rk_vec3 p = rk_cross(ray->direction, triangle->edge_ac);
-    *det = rk_dot(triangle->edge_ab, p);
-    float sign = *det < 0 ? -1.0f : 1.0f;
-    *det *= sign;
+    float det = rk_dot(triangle->edge_ab, p);
+    float sign = det < 0 ? -1.0f : 1.0f;
+    det *= sign;
     rk_vec3 s = rk_scale(rk_sub(ray->origin, triangle->a), sign);
-    *u_det = rk_dot(s, p);
-    if (!(*u_det >= 0 && *u_det <= *det))
+    float u_det = rk_dot(s, p);
+    if (!(u_det >= 0 && u_det <= det))
         return false;
     rk_vec3 q = rk_cross(s, triangle->edge_ab);
-    *v_det = rk_dot(ray->direction, q);
-    if (!(*v_det >= 0 && *u_det + *v_det <= *det))
+    float v_det = rk_dot(ray->direction, q);
+    if (!(v_det >= 0 && u_det + v_det <= det))
         return false;
-    *t_det = rk_dot(triangle->edge_ac, q);
-    return *det > 0 && *t_det > 0 && *t_det <= t_max * *det;
+    float t = rk_dot(triangle->edge_ac, q) / det;
+    if (!(t > 0 && t < INFINITY))
+        return false;
+    *cross = (rk_hit){t, u_det / det, v_det / det, triangle->index};
+    return true;
 }
 
 /* Closest-hit test. If the ray crosses nearer than hit->t, or at the same t with a smaller index
@@ -42,21 +44,20 @@ static inline bool rk_triangle_cross(const rk_triangle *triangle, const rk_ray *
  * whether it was. Start with hit = {ray->t_max, 0, 0, RK_MISS}. */
 static inline bool rk_triangle_closest(const rk_triangle *triangle, const rk_ray *ray, rk_hit *hit)
 {
-    float det, u_det, v_det, t_det;
-    if (!rk_triangle_cross(triangle, ray, INFINITY, &det, &u_det, &v_det, &t_det))
+    rk_hit cross;
+    if (!rk_triangle_cross(triangle, ray, &cross))
         return false;
-    float t = t_det / det;
-    if (!(t < hit->t || (t == hit->t && triangle->index < hit->triangle)))
+    if (!(cross.t < hit->t || (cross.t == hit->t && cross.triangle < hit->triangle)))
         return false;
-    *hit = (rk_hit){t, u_det / det, v_det / det, triangle->index};
+    *hit = cross;
     return true;
 }
 
-/* Any-hit test, for shadows: does anything lie at 0 < t <= t_max? */
+/* Any-hit test, for shadows: does it lie at 0 < t <= t_max? */
 static inline bool rk_triangle_any(const rk_triangle *triangle, const rk_ray *ray)
 {
-    float det, u_det, v_det, t_det;
-    return rk_triangle_cross(triangle, ray, ray->t_max, &det, &u_det, &v_det, &t_det);
+    rk_hit cross;
+    return rk_triangle_cross(triangle, ray, &cross) && cross.t <= ray->t_max;
 }
 
 #endif
