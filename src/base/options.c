@@ -1,0 +1,410 @@
+/* Tables of options become the table that getopt_long wants; its answers are checked here, so that
+ * every complaint is one sentence of ours. */
+#include "base/options.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <float.h>
+#include <getopt.h>
+#include <math.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+#ifndef PACKAGE_VERSION
+#define PACKAGE_VERSION "(unknown version)"
+#endif
+
+/* What getopt_long returns: these, or first_option + the option's number. All lie above the
+ * characters that it uses for itself. */
+enum { ask_help = 1000, ask_version, first_option };
+
+/* All tables in one, twice: as ours and as getopt_long's. */
+typedef struct option_list {
+    size_t count;
+    const rk_option **options; /* count */
+    struct option *getopt;     /* count, help, version, and a zeroed end */
+} option_list;
+
+static bool option_list_init(option_list *list, const rk_option *const *tables, size_t table_count,
+                             rk_error *error)
+{
+    *list = (option_list){0};
+    for (size_t t = 0; t < table_count; t++)
+        for (const rk_option *option = tables[t]; option->name; option++)
+            list->count++;
+    list->options = rk_allocate(list->count, sizeof *list->options, "options", error);
+    list->getopt = rk_allocate(list->count + 3, sizeof *list->getopt, "options", error);
+    if (!list->options || !list->getopt)
+        return false;
+    size_t i = 0;
+    for (size_t t = 0; t < table_count; t++)
+        for (const rk_option *option = tables[t]; option->name; option++, i++) {
+            int has_argument = option->kind == RK_OPTION_FLAG ? no_argument : required_argument;
+            list->options[i] = option;
+            list->getopt[i] =
+                (struct option){option->name, has_argument, NULL, first_option + (int)i};
+        }
+    list->getopt[i++] = (struct option){"help", no_argument, NULL, ask_help};
+    list->getopt[i] = (struct option){"version", no_argument, NULL, ask_version};
+    return true;
+}
+
+static void option_list_free(option_list *list)
+{
+    free(list->options);
+    free(list->getopt);
+}
+
+/* --- what an option takes, in words ---------------------------------------------------------- */
+
+typedef struct phrase {
+    char text[160];
+} phrase;
+
+/* "1 to 64", "0 or more", "up to 5", or "" when every number will do. */
+static phrase range_of(const rk_option *option)
+{
+    phrase range = {""};
+    bool whole = option->kind == RK_OPTION_UINT;
+    bool above = whole || option->low > -(double)FLT_MAX;
+    bool below = whole || option->high < (double)FLT_MAX;
+    int digits = whole ? 10 : 7; /* all of a uint32_t; what a float holds */
+    if (above && below)
+        snprintf(range.text, sizeof range.text, "%.*g to %.*g", digits, option->low, digits,
+                 option->high);
+    else if (above)
+        snprintf(range.text, sizeof range.text, "%.*g or more", digits, option->low);
+    else if (below)
+        snprintf(range.text, sizeof range.text, "up to %.*g", digits, option->high);
+    return range;
+}
+
+static phrase what_it_takes(const rk_option *option)
+{
+    phrase takes = {"no value"}, range = range_of(option);
+    const char *comma = *range.text ? ", " : "";
+    switch (option->kind) {
+    case RK_OPTION_FLAG:
+        break;
+    case RK_OPTION_UINT:
+        snprintf(takes.text, sizeof takes.text, "a whole number%s%.80s", comma, range.text);
+        break;
+    case RK_OPTION_FLOAT:
+        snprintf(takes.text, sizeof takes.text, "a number%s%.80s", comma, range.text);
+        break;
+    case RK_OPTION_PIXEL:
+        snprintf(takes.text, sizeof takes.text,
+                 "a pixel's column and row from the top left as X,Y (such as 3,4)");
+        break;
+    case RK_OPTION_TEXT:
+    case RK_OPTION_LIST:
+        snprintf(takes.text, sizeof takes.text, "a value (%.60s)",
+                 option->argument ? option->argument : "text");
+        break;
+    }
+    return takes;
+}
+
+/* --- reading values -------------------------------------------------------------------------- */
+
+/* Reads decimal digits, and moves *text behind them. strtoul alone would take " -1" for 2^64 - 1.
+ */
+static bool read_digits(const char **text, uint32_t *value)
+{
+    if (!isdigit((unsigned char)**text))
+        return false;
+    char *end;
+    errno = 0;
+    unsigned long long number = strtoull(*text, &end, 10);
+    if (errno || number > UINT32_MAX)
+        return false;
+    *text = end;
+    *value = (uint32_t)number;
+    return true;
+}
+
+static bool read_uint(const rk_option *option, const char *text)
+{
+    uint32_t value;
+    if (!read_digits(&text, &value) || *text)
+        return false;
+    if (!(value >= option->low && value <= option->high))
+        return false;
+    *(uint32_t *)option->value = value;
+    return true;
+}
+
+static bool read_float(const rk_option *option, const char *text)
+{
+    if (isspace((unsigned char)*text))
+        return false;
+    char *end;
+    double value = strtod(text, &end);
+    if (end == text || *end)
+        return false;
+    if (!(value >= option->low && value <= option->high)) /* false for NaN */
+        return false;
+    /* Infinity only for who asks for it by name: 1e39 is more than a float holds. */
+    if (isinf((float)value) && strpbrk(text, "0123456789"))
+        return false;
+    *(float *)option->value = (float)value;
+    return true;
+}
+
+static bool read_pixel(const rk_option *option, const char *text)
+{
+    uint32_t x, y;
+    if (!read_digits(&text, &x) || *text++ != ',' || !read_digits(&text, &y) || *text)
+        return false;
+    *(rk_pixel *)option->value = (rk_pixel){true, x, y};
+    return true;
+}
+
+static bool read_value(const rk_option *option, const char *text, rk_error *error)
+{
+    bool good = true;
+    rk_text_list *list = option->value;
+    switch (option->kind) {
+    case RK_OPTION_FLAG:
+        *(bool *)option->value = true;
+        break;
+    case RK_OPTION_UINT:
+        good = read_uint(option, text);
+        break;
+    case RK_OPTION_FLOAT:
+        good = read_float(option, text);
+        break;
+    case RK_OPTION_PIXEL:
+        good = read_pixel(option, text);
+        break;
+    case RK_OPTION_TEXT:
+        *(const char **)option->value = text;
+        break;
+    case RK_OPTION_LIST:
+        if (list->count == RK_TEXT_LIST_MAX)
+            return rk_fail(error, "--%s: given more than %d times; see --help", option->name,
+                           RK_TEXT_LIST_MAX);
+        list->items[list->count++] = text;
+        break;
+    }
+    return good || rk_fail(error, "--%s %.80s: it takes %s; see --help", option->name, text,
+                           what_it_takes(option).text);
+}
+
+/* --- --help ---------------------------------------------------------------------------------- */
+
+enum { columns = 80, help_column = 24 };
+
+static size_t width_of(const char *text, size_t bytes)
+{
+    size_t width = 0;
+    for (size_t i = 0; i < bytes; i++)
+        width += ((unsigned char)text[i] & 0xC0) != 0x80; /* UTF-8: not a continuation byte */
+    return width;
+}
+
+/* Prints words from `column` on, which is where the cursor stands; further lines begin at `indent`.
+ * Returns the column after the last word. */
+static size_t print_wrapped(const char *text, size_t column, size_t indent)
+{
+    bool line_begins = column <= indent;
+    while (*text) {
+        size_t bytes = strcspn(text, " \n"), width = width_of(text, bytes);
+        if (bytes) {
+            if (!line_begins && column + 1 + width > columns) {
+                putchar('\n');
+                column = 0;
+                line_begins = true;
+            }
+            size_t gap = line_begins ? (column < indent ? indent - column : 0) : 1;
+            printf("%*s%.*s", (int)gap, "", (int)bytes, text);
+            column += gap + width;
+            line_begins = false;
+        }
+        text += bytes;
+        if (*text == '\n') {
+            putchar('\n');
+            column = 0;
+            line_begins = true;
+        }
+        text += *text != '\0';
+    }
+    return column;
+}
+
+static phrase default_of(const rk_option *option)
+{
+    phrase value = {""};
+    const rk_text_list *list = option->value;
+    const rk_pixel *pixel = option->value;
+    const char *text;
+    switch (option->kind) {
+    case RK_OPTION_UINT:
+        snprintf(value.text, sizeof value.text, "%u", (unsigned)*(uint32_t *)option->value);
+        break;
+    case RK_OPTION_FLOAT:
+        snprintf(value.text, sizeof value.text, "%g", (double)*(float *)option->value);
+        break;
+    case RK_OPTION_TEXT:
+        text = *(const char **)option->value;
+        snprintf(value.text, sizeof value.text, "%.120s", text ? text : "");
+        break;
+    case RK_OPTION_LIST:
+        snprintf(value.text, sizeof value.text, "%.120s", list->count ? list->items[0] : "");
+        break;
+    case RK_OPTION_PIXEL:
+        if (pixel->given)
+            snprintf(value.text, sizeof value.text, "%u,%u", pixel->x, pixel->y);
+        break;
+    case RK_OPTION_FLAG:
+        break;
+    }
+    return value;
+}
+
+static void print_option(const rk_option *option)
+{
+    size_t column = (size_t)printf("  --%s", option->name);
+    if (option->argument && option->kind != RK_OPTION_FLAG)
+        column += (size_t)printf(" %s", option->argument);
+    if (column + 2 > help_column) {
+        putchar('\n');
+        column = 0;
+    }
+    column = print_wrapped(option->help, column, help_column);
+    bool is_number = option->kind == RK_OPTION_UINT || option->kind == RK_OPTION_FLOAT;
+    phrase range = is_number ? range_of(option) : (phrase){""}, value = default_of(option), note;
+    if (*range.text && *value.text)
+        snprintf(note.text, sizeof note.text, "(%.60s; default %.80s)", range.text, value.text);
+    else if (*range.text)
+        snprintf(note.text, sizeof note.text, "(%.80s)", range.text);
+    else if (*value.text)
+        snprintf(note.text, sizeof note.text, "(default %.120s)", value.text);
+    else
+        note.text[0] = '\0';
+    print_wrapped(note.text, column, help_column);
+    putchar('\n');
+}
+
+static void print_help(const char *program, const char *summary, const option_list *list)
+{
+    bool help = false, version = false;
+    const rk_option common[] = {
+        {"help", RK_OPTION_FLAG, &help, NULL, "this text", 0, 0},
+        {"version", RK_OPTION_FLAG, &version, NULL, "the version", 0, 0},
+    };
+    const char *slash = strrchr(program, '/');
+    printf("usage: %s [OPTION]...\n", slash ? slash + 1 : program);
+    print_wrapped(summary, 0, 0);
+    printf("\n\n");
+    for (size_t i = 0; i < list->count; i++)
+        print_option(list->options[i]);
+    for (size_t i = 0; i < sizeof common / sizeof *common; i++)
+        print_option(&common[i]);
+}
+
+static rk_options_result finish_printing(rk_error *error)
+{
+    errno = 0;
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return RK_OPTIONS_DONE;
+    rk_fail(error, "standard output cannot be written: %s",
+            errno ? strerror(errno) : "write error");
+    return RK_OPTIONS_BAD;
+}
+
+/* --- walking argv ---------------------------------------------------------------------------- */
+
+/* getopt_long keeps its place in globals; this starts it over, silent. */
+static void restart_getopt(void)
+{
+    optind = 0; /* to glibc and musl more than 1: forget all, even the place within an argument */
+    opterr = 0;
+}
+
+/* "+": stop at what is no option; ":": tell a missing value from an unknown option. */
+static int next_option(int argc, char **argv, const option_list *list)
+{
+    return getopt_long(argc, argv, "+:h", list->getopt, NULL);
+}
+
+/* Looks for --help and --version alone: help shows the defaults, so it comes before any value is
+ * stored, and it is there for who mistyped another option. */
+static int find_request(int argc, char **argv, const option_list *list)
+{
+    restart_getopt();
+    for (int answer; (answer = next_option(argc, argv, list)) != -1;)
+        if (answer == 'h' || answer == ask_help || answer == ask_version)
+            return answer == 'h' ? ask_help : answer;
+    return 0;
+}
+
+static bool is_ambiguous(const char *argument, const option_list *list)
+{
+    size_t length = strncmp(argument, "--", 2) == 0 ? strcspn(argument + 2, "=") : 0;
+    size_t matches = 0;
+    for (const struct option *option = list->getopt; length && option->name; option++)
+        matches += strncmp(option->name, argument + 2, length) == 0;
+    return matches > 1;
+}
+
+static bool refuse(char answer, const char *argument, const option_list *list, rk_error *error)
+{
+    const rk_option *option = optopt >= first_option ? list->options[optopt - first_option] : NULL;
+    if (answer == ':' && option)
+        return rk_fail(error, "--%s: the value is missing: it takes %s; see --help", option->name,
+                       what_it_takes(option).text);
+    if (option || optopt == ask_help || optopt == ask_version)
+        return rk_fail(error, "%.80s: this option takes no value; see --help", argument);
+    if (is_ambiguous(argument, list))
+        return rk_fail(error, "%.80s: stands for more than one option: write it out; see --help",
+                       argument);
+    return rk_fail(error, "%.80s: there is no such option; see --help", argument);
+}
+
+static bool read_all(int argc, char **argv, const option_list *list, rk_error *error)
+{
+    restart_getopt();
+    for (;;) {
+        /* Within -xyz getopt stays at the same argument, so note it before each step. */
+        const char *argument = argv[optind ? optind : 1];
+        int answer = next_option(argc, argv, list);
+        if (answer == -1)
+            break;
+        if (answer == '?' || answer == ':')
+            return refuse((char)answer, argument, list, error);
+        if (!read_value(list->options[answer - first_option], optarg, error))
+            return false;
+    }
+    if (optind < argc)
+        return rk_fail(error,
+                       "%.80s: no option comes before this, so it is not expected here; "
+                       "see --help",
+                       argv[optind]);
+    return true;
+}
+
+rk_options_result rk_options_parse(int argc, char **argv, const char *summary,
+                                   const rk_option *const *tables, size_t table_count,
+                                   rk_error *error)
+{
+    option_list list;
+    rk_options_result result = RK_OPTIONS_BAD;
+    if (!option_list_init(&list, tables, table_count, error)) {
+        option_list_free(&list);
+        return result;
+    }
+    int request = find_request(argc, argv, &list);
+    if (request == ask_help)
+        print_help(argc > 0 ? argv[0] : "raykit", summary, &list);
+    if (request == ask_version)
+        printf("raykit %s\n", PACKAGE_VERSION);
+    if (request)
+        result = finish_printing(error);
+    else if (read_all(argc, argv, &list, error))
+        result = RK_OPTIONS_OK;
+    option_list_free(&list);
+    return result;
+}

@@ -1,0 +1,61 @@
+#include "base/progress.h"
+
+#include "base/table.h"
+
+#include <stdio.h>
+#include <string.h>
+#include <unistd.h>
+
+static const double first_draw = 0.5, draw_interval = 0.1; /* seconds */
+
+/* A label of up to 32 columns, the bar and the percentage stay within 80 columns, where a line can
+ * be drawn over by going back to its beginning. */
+enum { label_width = 32, bar_width = 32, line_width = 1 + label_width + 2 + bar_width + 2 + 5 };
+
+void rk_progress_start(rk_progress *progress, const char *label, unsigned total, bool quiet)
+{
+    progress->visible = !quiet && isatty(STDERR_FILENO);
+    progress->label = label;
+    progress->total = total;
+    atomic_init(&progress->done, 0);
+    progress->started = rk_clock_wall();
+    progress->drawn = 0;
+    atomic_flag_clear(&progress->drawing);
+}
+
+static void draw(const rk_progress *progress, unsigned done)
+{
+    unsigned total = progress->total > done ? progress->total : done;
+    double part = total ? (double)done / total : 1;
+    int filled = (int)(part * bar_width);
+    char bar[bar_width + 1];
+    memset(bar, '.', bar_width);
+    memset(bar, '#', (size_t)filled);
+    bar[bar_width] = '\0';
+    fprintf(stderr, "\r%.*s [%s] %3d%%", label_width, progress->label, bar, (int)(part * 100));
+    fflush(stderr);
+}
+
+void rk_progress_step(rk_progress *progress)
+{
+    unsigned done = atomic_fetch_add(&progress->done, 1) + 1;
+    if (!progress->visible)
+        return;
+    double now = rk_clock_wall();
+    if (now - progress->started < first_draw || atomic_flag_test_and_set(&progress->drawing))
+        return;
+    if (now - progress->drawn >= draw_interval) {
+        draw(progress, done);
+        progress->drawn = now;
+    }
+    atomic_flag_clear(&progress->drawing);
+}
+
+void rk_progress_end(rk_progress *progress)
+{
+    if (progress->visible && progress->drawn > 0) {
+        fprintf(stderr, "\r%*s\r", line_width, "");
+        fflush(stderr);
+    }
+    progress->visible = false;
+}
