@@ -73,6 +73,15 @@ static inline rk_slabs rk_slabs_of(const rk_ray *ray)
     };
 }
 
+/* Returns where a ray that enters the box leaves it, or t_max if that comes first. */
+static inline float rk_box_leave(const rk_box *box, const rk_slabs *ray, float t_max)
+{
+    float far_x = (box->corner[1 - ray->near_x].x - ray->origin.x) * ray->inverse_far.x;
+    float far_y = (box->corner[1 - ray->near_y].y - ray->origin.y) * ray->inverse_far.y;
+    float far_z = (box->corner[1 - ray->near_z].z - ray->origin.z) * ray->inverse_far.z;
+    return rk_min(far_x, rk_min(far_y, rk_min(far_z, t_max)));
+}
+
 /* Returns where the ray enters the box (0 if it starts inside), or infinity if it misses it or
  * enters beyond t_max. A ray in the plane of a face gives 0 * infinity = NaN, which rk_min and
  * rk_max pass over: that face does not bound the ray. */
@@ -81,12 +90,8 @@ static inline float rk_box_enter(const rk_box *box, const rk_slabs *ray, float t
     float near_x = (box->corner[ray->near_x].x - ray->origin.x) * ray->inverse_near.x;
     float near_y = (box->corner[ray->near_y].y - ray->origin.y) * ray->inverse_near.y;
     float near_z = (box->corner[ray->near_z].z - ray->origin.z) * ray->inverse_near.z;
-    float far_x = (box->corner[1 - ray->near_x].x - ray->origin.x) * ray->inverse_far.x;
-    float far_y = (box->corner[1 - ray->near_y].y - ray->origin.y) * ray->inverse_far.y;
-    float far_z = (box->corner[1 - ray->near_z].z - ray->origin.z) * ray->inverse_far.z;
     float enter = rk_max(near_x, rk_max(near_y, rk_max(near_z, 0)));
-    float leave = rk_min(far_x, rk_min(far_y, rk_min(far_z, t_max)));
-    return enter <= leave ? enter : INFINITY;
+    return enter <= rk_box_leave(box, ray, t_max) ? enter : INFINITY;
 }
 
 #endif

@@ -1,0 +1,98 @@
+/* Draws the figures and measures the table of bvh_median: a scene, the boxes of one level of its
+ * tree, or one leaf with its triangles. */
+#include "render/driver.h"
+
+static const char summary[] =
+    "Builds a bounding volume hierarchy by median splits and renders a scene with it.\n"
+    "--debug level draws the boxes of one level, --debug leaf one leaf and its triangles.";
+
+/* What a visit of the tree draws: the boxes of one level, or one leaf. */
+typedef struct drawing {
+    rk_overlay overlay;
+    const rk_driver *driver;
+    uint32_t level, leaf;   /* wanted */
+    uint32_t boxes, leaves; /* met so far */
+} drawing;
+
+static void draw_level(const rk_bvh_node *node, uint32_t level, void *context)
+{
+    drawing *d = context;
+    if (level == d->level)
+        rk_overlay_wireframe(&d->overlay, &node->box, rk_overlay_colour(d->boxes++), 1.5f);
+}
+
+static void draw_leaf(const rk_bvh_node *node, uint32_t level, void *context)
+{
+    drawing *d = context;
+    (void)level;
+    if (node->count == 0 || d->leaves++ != d->leaf)
+        return;
+    const rk_mesh *mesh = &d->driver->scene.mesh;
+    for (uint32_t i = 0; i < node->count; i++) {
+        const uint32_t *corner =
+            mesh->triangles[d->driver->accel.bvh.triangles[node->first + i].index];
+        rk_overlay_triangle(&d->overlay, mesh->positions[corner[0]], mesh->positions[corner[1]],
+                            mesh->positions[corner[2]], rk_overlay_colour(i), 1);
+    }
+    rk_overlay_wireframe(&d->overlay, &node->box, rk_vec(1, 1, 1), 1.5f);
+}
+
+static bool draw(rk_driver *driver, uint32_t level, uint32_t leaf, rk_error *error)
+{
+    drawing d = {.driver = driver, .level = level, .leaf = leaf};
+    rk_bvh_measures tree = rk_bvh_measure(&driver->accel.bvh);
+    bool is_level = rk_driver_debug(driver, "level");
+    if (is_level ? level >= tree.levels : leaf >= tree.leaves)
+        return rk_fail(error, "--%s %u: this tree has %u %s, counted from 0",
+                       is_level ? "level" : "leaf", is_level ? level : leaf,
+                       is_level ? tree.levels : tree.leaves, is_level ? "levels" : "leaves");
+    if (!rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
+                         error))
+        return false;
+    rk_bvh_visit(&driver->accel.bvh, is_level ? draw_level : draw_leaf, &d);
+    rk_overlay_free(&d.overlay);
+    char label[32];
+    snprintf(label, sizeof label, "%s%u", driver->debug, is_level ? level : leaf);
+    return rk_driver_save(driver, label, error);
+}
+
+/* One row a figure: build, render, the tree's shape, the work of a ray. */
+static bool put_rows(rk_driver *driver, rk_error *error)
+{
+    rk_bvh_measures tree = rk_bvh_measure(&driver->accel.bvh);
+    double rays = (double)(driver->counters.primary_rays + driver->counters.shadow_rays);
+    rk_timing boxes = rk_timing_once((double)driver->counters.box_tests / rays);
+    rk_timing triangles = rk_timing_once((double)driver->counters.triangle_tests / rays);
+    return rk_driver_row(driver, "build", "ms", driver->build_ms, error) &&
+           rk_driver_row(driver, "render", "ms", driver->render_ms, error) &&
+           rk_driver_row(driver, "levels", "1", rk_timing_once(tree.levels), error) &&
+           rk_driver_row(driver, "leaves", "1", rk_timing_once(tree.leaves), error) &&
+           rk_driver_row(driver, "sah_cost", "1", rk_timing_once(tree.sah_cost), error) &&
+           rk_driver_row(driver, "boxes_per_ray", "1", boxes, error) &&
+           rk_driver_row(driver, "triangles_per_ray", "1", triangles, error);
+}
+
+int main(int argc, char **argv)
+{
+    uint32_t level = 3, leaf = 0;
+    const rk_option options[] = {
+        {"level", RK_OPTION_UINT, &level, "N", "level drawn by --debug level; 0 is the root", 0,
+         63},
+        {"leaf", RK_OPTION_UINT, &leaf, "N", "leaf drawn by --debug leaf, from the left", 0, 4e9},
+        {NULL},
+    };
+    const char *const views[] = {"level", "leaf", NULL};
+    rk_driver driver = rk_driver_default("bvh_median", summary);
+    int status;
+    if (!rk_driver_start(&driver, argc, argv, options, views, &status))
+        return status;
+    rk_error error = {""};
+    bool ok = rk_driver_render(&driver, &error);
+    if (ok && driver.timing)
+        ok = put_rows(&driver, &error);
+    else if (ok && driver.debug)
+        ok = draw(&driver, level, leaf, &error);
+    else if (ok)
+        ok = rk_driver_save(&driver, NULL, &error);
+    return rk_driver_finish(&driver, ok, &error);
+}

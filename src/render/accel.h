@@ -1,0 +1,32 @@
+/* The acceleration structure, whichever was chosen: built once, asked in batches. */
+#ifndef RK_RENDER_ACCEL_H
+#define RK_RENDER_ACCEL_H
+
+#include "base/counters.h"
+#include "render/batch.h"
+#include "scene/bvh.h"
+
+typedef enum rk_accel_kind {
+    RK_ACCEL_MEDIAN, /* bvh_median */
+} rk_accel_kind;
+
+typedef struct rk_accel {
+    rk_accel_kind kind;
+    rk_bvh bvh;
+} rk_accel;
+
+bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_mesh *mesh, rk_error *error);
+void rk_accel_free(rk_accel *accel);
+
+/* "median": the method's name in tables. */
+const char *rk_accel_name(rk_accel_kind kind);
+
+/* "scalar": the instruction set of the traversal, in tables. */
+const char *rk_accel_isa(rk_accel_kind kind);
+
+void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
+                      rk_counters *counters);
+void rk_accel_any(const rk_accel *accel, const rk_ray_batch *rays, rk_any_batch *answers,
+                  rk_counters *counters);
+
+#endif

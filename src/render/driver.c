@@ -1,0 +1,295 @@
+#include "render/driver.h"
+
+#include "base/file.h"
+#include "io/mesh_file.h"
+#include "io/png.h"
+#include "render/narrate.h"
+
+#include <ctype.h>
+#include <stdlib.h>
+#include <string.h>
+
+rk_driver rk_driver_default(const char *feature, const char *summary)
+{
+    return (rk_driver){
+        .feature = feature,
+        .summary = summary,
+        .render = rk_render_options_default(),
+        .runs = 1,
+        .scene_name = "cornell",
+        .out = "out",
+        .camera_given = {{NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}, NAN},
+    };
+}
+
+/* --- Starting -------------------------------------------------------------------------------- */
+
+/* The command line from the program's bare name on, files without their folders: it stands in
+ * captions, where nobody needs to know the machine's folders. */
+static void note_parameters(rk_driver *driver, int argc, char **argv)
+{
+    size_t used = 0;
+    for (int i = 0; i < argc && used < sizeof driver->parameters; i++) {
+        const char *word = i && strcmp(argv[i - 1], "--out") == 0 ? "DIR" : argv[i];
+        const char *slash = strrchr(word, '/');
+        int wrote = snprintf(driver->parameters + used, sizeof driver->parameters - used, "%s%s",
+                             i ? " " : "", slash ? slash + 1 : word);
+        used += (size_t)wrote;
+    }
+}
+
+static bool check_debug_view(const rk_driver *driver, const char *const *views, rk_error *error)
+{
+    if (!driver->debug)
+        return true;
+    char known[256] = "";
+    for (int i = 0; views[i]; i++) {
+        if (rk_driver_debug(driver, views[i]))
+            return true;
+        strncat(known, i ? ", " : "", sizeof known - strlen(known) - 1);
+        strncat(known, views[i], sizeof known - strlen(known) - 1);
+    }
+    return rk_fail(error, "--debug %s: no such view; there are: %s", driver->debug, known);
+}
+
+static bool check_pixel(const rk_driver *driver, rk_error *error)
+{
+    if (driver->pixel.given &&
+        (driver->pixel.x >= driver->render.width || driver->pixel.y >= driver->render.height))
+        return rk_fail(
+            error,
+            "--pixel %u,%u: the picture has %u x %u pixels, counted from 0,0 at the top left",
+            driver->pixel.x, driver->pixel.y, driver->render.width, driver->render.height);
+    return true;
+}
+
+/* Returns given, or the scene's own value where nothing was given. */
+static float or_own(float given, float own)
+{
+    return isnan(given) ? own : given;
+}
+
+static bool load_scene(rk_driver *driver, rk_error *error)
+{
+    if (driver->mesh_path) {
+        rk_mesh mesh;
+        const char *slash = strrchr(driver->mesh_path, '/');
+        if (!rk_mesh_read(&mesh, driver->mesh_path, error))
+            return false;
+        if (!rk_scene_around(&driver->scene, slash ? slash + 1 : driver->mesh_path, &mesh, error))
+            return false;
+    } else if (!rk_scene_builtin(&driver->scene, driver->scene_name, error)) {
+        return false;
+    }
+    rk_camera *own = &driver->scene.camera;
+    const rk_camera *given = &driver->camera_given;
+    own->distance = or_own(given->distance, own->distance);
+    own->fov = or_own(given->fov, own->fov);
+    own->rotation = rk_vec(or_own(given->rotation.x, own->rotation.x),
+                           or_own(given->rotation.y, own->rotation.y), own->rotation.z);
+    return true;
+}
+
+bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *own_options,
+                     const char *const *debug_views, int *status)
+{
+    const char *shown_scene = driver->scene_name;
+    const rk_option common[] = {
+        {"scene", RK_OPTION_TEXT, &driver->scene_name, "NAME", rk_scene_builtin_help, 0, 0},
+        {"mesh", RK_OPTION_TEXT, &driver->mesh_path, "FILE",
+         "a mesh file instead (OBJ, PLY, OFF, glTF ...), moved into the unit ball", 0, 0},
+        {"width", RK_OPTION_UINT, &driver->render.width, "N", "pixels", 1, RK_IMAGE_SIDE_MAX},
+        {"height", RK_OPTION_UINT, &driver->render.height, "N", "pixels", 1, RK_IMAGE_SIDE_MAX},
+        {"samples", RK_OPTION_UINT, &driver->render.samples, "N",
+         "a pixel; 1 looks through its centre", 1, 65536},
+        {"seed", RK_OPTION_UINT, &driver->render.seed, "N", "of the random samples", 0, UINT32_MAX},
+        {"shadows", RK_OPTION_FLAG, &driver->render.shadows, NULL, "send rays to the light", 0, 0},
+        {"distance", RK_OPTION_FLOAT, &driver->camera_given.distance, "D",
+         "of the camera from the point it looks at, world units", 1e-3, 1e6},
+        {"fov", RK_OPTION_FLOAT, &driver->camera_given.fov, "DEG", "vertical field of view", 1,
+         179},
+        {"pitch", RK_OPTION_FLOAT, &driver->camera_given.rotation.x, "DEG",
+         "the camera's turn about x: how far it looks down", -360, 360},
+        {"yaw", RK_OPTION_FLOAT, &driver->camera_given.rotation.y, "DEG",
+         "the camera's turn about y: how far it goes round", -360, 360},
+        {"threads", RK_OPTION_UINT, &driver->threads, "N", "0: all processors", 0, RK_THREADS_MAX},
+        {"runs", RK_OPTION_UINT, &driver->runs, "N",
+         "build and render so often; timings are medians", 1, RK_RUNS_MAX},
+        {"timing", RK_OPTION_FLAG, &driver->timing, NULL,
+         "put timings into DIR/tables instead of drawing a picture", 0, 0},
+        {"debug", RK_OPTION_TEXT, &driver->debug, "VIEW", "draw a debug view (see above)", 0, 0},
+        {"pixel", RK_OPTION_PIXEL, &driver->pixel, "X,Y", "tell the story of one pixel", 0, 0},
+        {"out", RK_OPTION_TEXT, &driver->out, "DIR",
+         "pictures go to DIR/figures, tables to DIR/tables", 0, 0},
+        {"quiet", RK_OPTION_FLAG, &driver->quiet, NULL, "no progress bar, no summary", 0, 0},
+        {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
+    };
+    const rk_option *const tables[] = {own_options, common};
+    rk_error error = {""};
+    rk_options_result result = rk_options_parse(argc, argv, driver->summary, tables, 2, &error);
+    bool ok = result == RK_OPTIONS_OK;
+    if (ok && driver->mesh_path && driver->scene_name != shown_scene)
+        ok = rk_fail(&error, "--scene and --mesh: choose one of them");
+    ok = ok && check_debug_view(driver, debug_views, &error) && check_pixel(driver, &error);
+    note_parameters(driver, argc, argv);
+    ok = ok && load_scene(driver, &error) &&
+         rk_image_init(&driver->image, driver->render.width, driver->render.height, &error) &&
+         (driver->pool = rk_pool_start(driver->threads, &error)) != NULL;
+    if (ok)
+        return true;
+    *status = rk_driver_finish(driver, result == RK_OPTIONS_DONE, &error);
+    return false;
+}
+
+/* --- Rendering ------------------------------------------------------------------------------- */
+
+static bool time_builds(rk_driver *driver, double *milliseconds, rk_error *error)
+{
+    for (uint32_t run = 0; run < driver->runs; run++) {
+        rk_accel_free(&driver->accel);
+        double start = rk_clock_wall();
+        if (!rk_accel_build(&driver->accel, RK_ACCEL_MEDIAN, &driver->scene.mesh, error))
+            return false;
+        milliseconds[run] = 1e3 * (rk_clock_wall() - start);
+    }
+    return true;
+}
+
+static bool time_renders(rk_driver *driver, double *milliseconds, rk_error *error)
+{
+    rk_progress progress;
+    rk_progress_start(&progress, "rendering", driver->runs * rk_render_tiles(&driver->render),
+                      driver->quiet);
+    bool ok = true;
+    for (uint32_t run = 0; ok && run < driver->runs; run++) {
+        double start = rk_clock_wall();
+        ok = rk_render(&driver->image, &driver->scene, &driver->accel, &driver->render,
+                       driver->pool, &driver->counters, &progress, error);
+        milliseconds[run] = 1e3 * (rk_clock_wall() - start);
+    }
+    rk_progress_end(&progress);
+    return ok;
+}
+
+bool rk_driver_render(rk_driver *driver, rk_error *error)
+{
+    double build[RK_RUNS_MAX], render[RK_RUNS_MAX];
+    if (!time_builds(driver, build, error))
+        return false;
+    if (driver->pixel.given)
+        rk_narrate_pixel(stdout, &driver->scene, &driver->accel, &driver->render, driver->pixel.x,
+                         driver->pixel.y);
+    if (!time_renders(driver, render, error))
+        return false;
+    driver->build_ms = rk_timing_of(build, driver->runs);
+    driver->render_ms = rk_timing_of(render, driver->runs);
+    return true;
+}
+
+bool rk_driver_debug(const rk_driver *driver, const char *view)
+{
+    return driver->debug && strcmp(driver->debug, view) == 0;
+}
+
+/* --- Saving ---------------------------------------------------------------------------------- */
+
+/* Scene names and file names become parts of file names: letters, digits, dots and dashes. */
+static void append_name(char *path, size_t size, const char *name)
+{
+    size_t used = strlen(path);
+    for (; *name && used + 1 < size; name++)
+        path[used++] = isalnum((unsigned char)*name) || *name == '.' ? *name : '-';
+    path[used] = '\0';
+}
+
+/* OUT/folder, made if it is missing. */
+static bool out_folder(const rk_driver *driver, const char *folder, char path[3072],
+                       rk_error *error)
+{
+    if (snprintf(path, 3072, "%s/%s", driver->out, folder) >= 3072)
+        return rk_fail(error, "--out: the folder's name is longer than 3000 bytes");
+    return rk_make_folder(path, error);
+}
+
+static bool write_picture(const rk_driver *driver, const char *path, const char *seconds,
+                          rk_error *error)
+{
+    char samples[16], triangles[16];
+    snprintf(samples, sizeof samples, "%u", driver->render.samples);
+    snprintf(triangles, sizeof triangles, "%u", driver->scene.mesh.triangle_count);
+    const rk_png_text texts[] = {
+        {"Software", "raykit " PACKAGE_VERSION},
+        {"raykit:command", driver->parameters},
+        {"raykit:scene", driver->scene.name},
+        {"raykit:triangles", triangles},
+        {"raykit:samples", samples},
+        {"raykit:seconds", seconds},
+    };
+    return rk_png_write(path, &driver->image, texts, sizeof texts / sizeof *texts, error);
+}
+
+bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)
+{
+    char folder[3072], path[4096], seconds[32];
+    if (!out_folder(driver, "figures", folder, error))
+        return false;
+    snprintf(path, sizeof path, "%s/%s_", folder, driver->feature);
+    append_name(path, sizeof path, driver->scene.name);
+    if (label) {
+        strcat(path, "_");
+        append_name(path, sizeof path, label);
+    }
+    strcat(path, ".png");
+    snprintf(seconds, sizeof seconds, "%.6f", driver->render_ms.median / 1e3);
+    if (!write_picture(driver, path, seconds, error))
+        return false;
+    if (!driver->quiet)
+        printf("%s: %s, %u triangles, %u x %u, %u %s a pixel, built in %.3g ms, rendered in %.3g "
+               "ms on "
+               "%u %s, raykit %s\n",
+               path, driver->scene.name, driver->scene.mesh.triangle_count, driver->render.width,
+               driver->render.height, driver->render.samples,
+               driver->render.samples == 1 ? "sample" : "samples", driver->build_ms.median,
+               driver->render_ms.median, rk_pool_threads(driver->pool),
+               rk_pool_threads(driver->pool) == 1 ? "thread" : "threads", PACKAGE_VERSION);
+    return true;
+}
+
+bool rk_driver_row(rk_driver *driver, const char *metric, const char *unit, rk_timing timing,
+                   rk_error *error)
+{
+    char path[4096], folder[3072];
+    if (!out_folder(driver, "tables", folder, error))
+        return false;
+    snprintf(path, sizeof path, "%s/%s.csv", folder, driver->feature);
+    const rk_timing_row row = {
+        .feature = driver->feature,
+        .scene = driver->scene.name,
+        .triangles = driver->scene.mesh.triangle_count,
+        .method = rk_accel_name(driver->accel.kind),
+        .isa = rk_accel_isa(driver->accel.kind),
+        .threads = rk_pool_threads(driver->pool),
+        .metric = metric,
+        .unit = unit,
+        .timing = timing,
+    };
+    return rk_table_put_timing(path, &row, error);
+}
+
+rk_timing rk_timing_once(double figure)
+{
+    return (rk_timing){figure, figure, figure, 1};
+}
+
+int rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error)
+{
+    rk_pool_stop(driver->pool);
+    rk_image_free(&driver->image);
+    rk_accel_free(&driver->accel);
+    rk_scene_free(&driver->scene);
+    if (ok && fflush(stdout) == 0)
+        return 0;
+    fprintf(stderr, "%s: %s\n", driver->feature,
+            ok ? "standard output could not be written" : error->text);
+    return 1;
+}

@@ -1,0 +1,28 @@
+/* What stands at a hit: the point with its error bound, the normals, the material; and how a new
+ * ray leaves from there without meeting the same surface again (Pharr, Jakob, Humphreys,
+ * "Physically Based Rendering", section 3.9 of the third edition). */
+#ifndef RK_SCENE_SURFACE_H
+#define RK_SCENE_SURFACE_H
+
+#include "base/ray.h"
+#include "scene/mesh.h"
+
+typedef struct rk_surface {
+    rk_vec3 point;
+    rk_vec3 point_error; /* bounds |point - the exact point on the triangle| on each axis */
+    rk_vec3 face_normal; /* unit, of the triangle's plane, turned to face the ray */
+    rk_vec3 normal;      /* unit, for shading: interpolated where the mesh has normals, on the same
+                            side as face_normal */
+    rk_vec3 barycentric; /* weights of the triangle's corners, sum 1 */
+    const rk_material *material;
+} rk_surface;
+
+/* `hit` is one that `ray` found in `mesh`. */
+rk_surface rk_surface_at(const rk_mesh *mesh, const rk_ray *ray, const rk_hit *hit);
+
+/* The point to start a ray from that leaves into `direction` (any length): moved along the face
+ * normal just past the error bound, to the side into which the ray leaves. No epsilon to tune: the
+ * step follows from the rounding errors, at any scale. */
+rk_vec3 rk_surface_leave(const rk_surface *surface, rk_vec3 direction);
+
+#endif
