@@ -7,6 +7,7 @@
 #include "base/ray.h"
 #include "base/vec3.h"
 
+#include <float.h>
 #include <stdbool.h>
 
 /* One corner, the two edges from it, and the triangle's index in its mesh: 40 bytes, which a leaf
@@ -16,10 +17,13 @@ typedef struct rk_triangle {
     uint32_t index;
 } rk_triangle;
 
-/* The shared part of both tests: true if the ray's line crosses the triangle at 0 < t <= t_max.
- * Multiplies instead of dividing until the crossing is certain. Edge-on (det = 0) and NaN miss. */
-static inline bool rk_triangle_cross(const rk_triangle *triangle, const rk_ray *ray, float t_max,
-                                     float *det, float *u_det, float *v_det, float *t_det)
+/* The shared part of both tests: true if the ray crosses the triangle, at a *t that is positive and
+ * finite. Divides only when the line's crossing is certain. Edge-on (det = 0) and NaN miss.
+ * t_det is a product of three lengths: between 2^-126 and 2^127 scaling a scene by a power of two
+ * changes no bit of u and v; beyond, underflow and overflow may lose a hit, but never invent one.
+ */
+static inline bool rk_triangle_cross(const rk_triangle *triangle, const rk_ray *ray, float *t,
+                                     float *det, float *u_det, float *v_det)
 {
     rk_vec3 p = rk_cross(ray->direction, triangle->edge_ac);
     *det = rk_dot(triangle->edge_ab, p);
@@ -33,8 +37,11 @@ static inline bool rk_triangle_cross(const rk_triangle *triangle, const rk_ray *
     *v_det = rk_dot(ray->direction, q);
     if (!(*v_det >= 0 && *u_det + *v_det <= *det))
         return false;
-    *t_det = rk_dot(triangle->edge_ac, q);
-    return *det > 0 && *t_det > 0 && *t_det <= t_max * *det;
+    float t_det = rk_dot(triangle->edge_ac, q);
+    if (!(*det > 0 && t_det > 0))
+        return false;
+    *t = t_det / *det;
+    return *t > 0 && *t <= FLT_MAX;
 }
 
 /* Closest-hit test. If the ray crosses nearer than hit->t, or at the same t with a smaller index
@@ -42,21 +49,21 @@ static inline bool rk_triangle_cross(const rk_triangle *triangle, const rk_ray *
  * whether it was. Start with hit = {ray->t_max, 0, 0, RK_MISS}. */
 static inline bool rk_triangle_closest(const rk_triangle *triangle, const rk_ray *ray, rk_hit *hit)
 {
-    float det, u_det, v_det, t_det;
-    if (!rk_triangle_cross(triangle, ray, INFINITY, &det, &u_det, &v_det, &t_det))
+    float t, det, u_det, v_det;
+    if (!rk_triangle_cross(triangle, ray, &t, &det, &u_det, &v_det))
         return false;
-    float t = t_det / det;
     if (!(t < hit->t || (t == hit->t && triangle->index < hit->triangle)))
         return false;
     *hit = (rk_hit){t, u_det / det, v_det / det, triangle->index};
     return true;
 }
 
-/* Any-hit test, for shadows: does anything lie at 0 < t <= t_max? */
+/* Any-hit test, for shadows: does the triangle lie at 0 < t <= t_max? The same t as the closest-hit
+ * test's, so that both agree to the bit. */
 static inline bool rk_triangle_any(const rk_triangle *triangle, const rk_ray *ray)
 {
-    float det, u_det, v_det, t_det;
-    return rk_triangle_cross(triangle, ray, ray->t_max, &det, &u_det, &v_det, &t_det);
+    float t, det, u_det, v_det;
+    return rk_triangle_cross(triangle, ray, &t, &det, &u_det, &v_det) && t <= ray->t_max;
 }
 
 #endif
