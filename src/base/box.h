@@ -6,6 +6,7 @@
 #include "base/ray.h"
 #include "base/vec3.h"
 
+#include <float.h>
 #include <stdbool.h>
 
 typedef struct rk_box {
@@ -51,21 +52,32 @@ static inline int rk_box_longest_axis(rk_box box)
 
 /* What the slab test needs of a ray, once for all boxes. The reciprocals are pushed apart by
  * 2 gamma_3 (|gamma_3| <= 3 eps / (1 - 3 eps), Higham 2002), so that rounding never loses a box
- * that the exact ray touches. */
+ * that the exact ray touches. This holds for direction components up to 2^126 (beyond, their
+ * reciprocals are denormal), and while the distances to the box and t itself do not overflow. */
 typedef struct rk_slabs {
     rk_vec3 origin;
     rk_vec3 inverse_near, inverse_far; /* 1 / direction, a little smaller and a little larger */
     int near_x, near_y, near_z;        /* which corner the ray meets first on each axis */
 } rk_slabs;
 
+/* The near bound of 1 / d. For the denormals below 2^-128 the reciprocal overflows, and infinity
+ * would put boxes out of reach that t below FLT_MAX does reach; only zero never gets there. */
+static inline float rk_slabs_inverse_near(float d, float inverse_near)
+{
+    return d != 0 && fabsf(inverse_near) > FLT_MAX ? copysignf(FLT_MAX, d) : inverse_near;
+}
+
 static inline rk_slabs rk_slabs_of(const rk_ray *ray)
 {
     const float gamma_3 = 3 * 0x1p-24f / (1 - 3 * 0x1p-24f);
     rk_vec3 d = ray->direction;
     rk_vec3 inverse = rk_vec(1 / d.x, 1 / d.y, 1 / d.z);
+    rk_vec3 near = rk_scale(inverse, 1 - 2 * gamma_3);
     return (rk_slabs){
         .origin = ray->origin,
-        .inverse_near = rk_scale(inverse, 1 - 2 * gamma_3),
+        .inverse_near =
+            rk_vec(rk_slabs_inverse_near(d.x, near.x), rk_slabs_inverse_near(d.y, near.y),
+                   rk_slabs_inverse_near(d.z, near.z)),
         .inverse_far = rk_scale(inverse, 1 + 2 * gamma_3),
         .near_x = signbit(d.x) ? 1 : 0,
         .near_y = signbit(d.y) ? 1 : 0,

@@ -12,8 +12,12 @@ bool rk_file_begin(rk_file *file, const char *path, rk_error *error)
         return rk_fail(error, "%.60s...: the path is longer than %zu bytes", path,
                        sizeof file->path - 1);
     struct stat status;
-    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+    bool exists = stat(path, &status) == 0;
+    if (exists && S_ISDIR(status.st_mode))
         return rk_fail(error, "%s: is a folder; name a file in it", path);
+    /* Renaming would put a plain file in the place of /dev/null or of a pipe. */
+    if (exists && !S_ISREG(status.st_mode))
+        return rk_fail(error, "%s: is a device or a pipe; name a file", path);
     snprintf(file->path, sizeof file->path, "%s", path);
     snprintf(file->temporary, sizeof file->temporary, "%s.part-%ld", path, (long)getpid());
     file->stream = fopen(file->temporary, "wb");

@@ -1,7 +1,12 @@
 /* A pool of POSIX threads around one atomic counter: whoever is free takes the next number. */
+#ifdef __linux__
+#define _GNU_SOURCE /* sched_getaffinity */
+#endif
 #include "base/parallel.h"
 
+#include <assert.h>
 #include <pthread.h>
+#include <sched.h>
 #include <stdatomic.h>
 #include <stdlib.h>
 #include <string.h>
@@ -30,6 +35,12 @@ typedef struct worker_start {
 uint32_t rk_processor_count(void)
 {
     long count = sysconf(_SC_NPROCESSORS_ONLN);
+#ifdef __linux__
+    /* taskset, batch systems and containers lend a process fewer than the machine has. */
+    cpu_set_t allowed;
+    if (sched_getaffinity(0, sizeof allowed, &allowed) == 0)
+        count = CPU_COUNT(&allowed);
+#endif
     return count < 1 ? 1 : count > RK_THREADS_MAX ? RK_THREADS_MAX : (uint32_t)count;
 }
 
@@ -132,6 +143,7 @@ uint32_t rk_pool_threads(const rk_pool *pool)
 
 void rk_pool_run(rk_pool *pool, uint32_t count, rk_task *task, void *context)
 {
+    assert(count <= RK_POOL_ITEMS_MAX && "the item counter must not wrap around");
     pthread_mutex_lock(&pool->lock);
     pool->count = count;
     pool->task = task;

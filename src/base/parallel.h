@@ -25,8 +25,12 @@ void rk_pool_stop(rk_pool *pool);
 
 uint32_t rk_pool_threads(const rk_pool *pool);
 
+/* Every thread looks once beyond the last item, so this many fit a 32-bit counter. */
+#define RK_POOL_ITEMS_MAX (UINT32_MAX - RK_THREADS_MAX)
+
 /* Runs task(0) .. task(count - 1), each once, in no fixed order, and returns when all are done.
- * One run at a time, from the thread that started the pool. */
+ * `count` is at most RK_POOL_ITEMS_MAX. One run at a time, from the thread that started the pool.
+ */
 void rk_pool_run(rk_pool *pool, uint32_t count, rk_task *task, void *context);
 
 #endif

@@ -16,8 +16,10 @@ typedef struct rk_triangle {
     uint32_t index;
 } rk_triangle;
 
-/* The shared part of both tests: true if the ray's line crosses the triangle at 0 < t < infinity.
- * Divides only when the crossing is certain. Edge-on (det = 0), NaN and what overflows miss. */
+/* The shared part of both tests: true if the ray crosses the triangle at a t that is positive and
+ * finite. Divides only when the line's crossing is certain. Edge-on (det = 0) and NaN miss. A
+ * product of three lengths is formed: between 2^-126 and 2^127 scaling a scene by a power of two
+ * changes no bit of t, u and v; beyond, underflow and overflow may lose a hit, never invent one. */
 static inline bool rk_triangle_cross(const rk_triangle *triangle, const rk_ray *ray, rk_hit *cross)
 {
     rk_vec3 p = rk_cross(ray->direction, triangle->edge_ac);
