@@ -22,9 +22,10 @@ rk_camera rk_camera_default(void);
 /* A camera and a picture size, worked out. The axes are unit and orthogonal. */
 typedef struct rk_view {
     rk_vec3 position;
-    rk_vec3 right, up, forward; /* of the picture */
+    rk_vec3 right, up, forward;    /* of the picture */
     float half_width, half_height; /* of the picture plane at distance 1 */
     float width, height;           /* pixels */
+    float pixel;                   /* side of a pixel, a square, on that plane */
 } rk_view;
 
 rk_view rk_view_of(const rk_camera *camera, size_t width, size_t height);
@@ -34,7 +35,7 @@ rk_view rk_view_of(const rk_camera *camera, size_t width, size_t height);
 rk_ray rk_view_ray(const rk_view *view, float x, float y);
 
 /* Where a point appears: pixels from the top left corner, and its depth along the view direction.
- * False behind the camera (depth <= 0). */
+ * False behind the camera (depth <= 0); the pixel is then left alone. */
 bool rk_view_project(const rk_view *view, rk_vec3 point, rk_vec2 *pixel, float *depth);
 
 #endif
