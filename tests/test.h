@@ -53,12 +53,16 @@
 /* Ends a suite's file: `tests` is its array of cmocka_unit_test. An optional argument picks tests
  * by name, with * and ?. Under TAP the lines carry the verdict, and a non-zero exit means a crash
  * or a leak. */
-#define RK_SUITE(name, tests)                                                                      \
+#define RK_SUITE(name, tests) RK_SUITE_IN(name, tests, NULL, NULL)
+
+/* The same, with what is made before the first test and removed after the last (cmocka's
+ * CMFixtureFunction: 0 is success). */
+#define RK_SUITE_IN(name, tests, set_up, tear_down)                                                \
     int main(int argc, char **argv)                                                                \
     {                                                                                              \
         if (argc > 1)                                                                              \
             cmocka_set_test_filter(argv[1]);                                                       \
-        int failures = cmocka_run_group_tests_name(name, tests, NULL, NULL);                       \
+        int failures = cmocka_run_group_tests_name(name, tests, set_up, tear_down);                \
         const char *format = getenv("CMOCKA_MESSAGE_OUTPUT");                                      \
         return format && strcmp(format, "TAP") == 0 && failures >= 0 ? 0 : failures;               \
     }

@@ -1,5 +1,6 @@
 /* PNG pictures: what is written comes back, what is broken is refused with a sentence. */
-#include "folder.h"
+#include "test.h"
+#include "test_folder.h"
 
 #include "base/random.h"
 #include "io/png.h"
@@ -28,9 +29,9 @@ static rk_image make_noise(size_t width, size_t height)
     return image;
 }
 
-static rk_path write_image(const rk_folder *folder, const char *name, const rk_image *image)
+static test_path write_image(const test_folder *folder, const char *name, const rk_image *image)
 {
-    rk_path path = rk_in_folder(folder, name);
+    test_path path = test_folder_path(folder, name);
     rk_error error;
     rk_check_ok(rk_png_write(path.text, image, NULL, 0, &error), error);
     return path;
@@ -112,7 +113,7 @@ static void values_outside_the_range_are_clamped_and_nan_is_black(void **state)
     rk_check_ok(rk_image_init(&image, count, 1, &error), error);
     for (int i = 0; i < count; i++)
         image.pixels[i] = rk_vec(linear[i], linear[i], linear[i]);
-    rk_path path = write_image(*state, "clamp.png", &image);
+    test_path path = write_image(*state, "clamp.png", &image);
     rk_image back = read_image(path.text);
     for (int i = 0; i < count; i++)
         rk_check_close(back.pixels[i].y, want[i], 0, "0 and 1 are stored as 0 and 255");
@@ -122,10 +123,10 @@ static void values_outside_the_range_are_clamped_and_nan_is_black(void **state)
 
 /* --- there and back -------------------------------------------------------------------------- */
 
-static void check_round_trip(const rk_folder *folder, size_t width, size_t height)
+static void check_round_trip(const test_folder *folder, size_t width, size_t height)
 {
     rk_image image = make_noise(width, height);
-    rk_path path = write_image(folder, "noise.png", &image);
+    test_path path = write_image(folder, "noise.png", &image);
     rk_image back = read_image(path.text);
     rk_check_equal(back.width, width, "the width is kept");
     rk_check_equal(back.height, height, "the height is kept");
@@ -155,8 +156,8 @@ static void the_same_picture_gives_the_same_file(void **state)
 {
     rk_image image = make_noise(20, 20);
     size_t size_a, size_b;
-    unsigned char *a = rk_get_file(write_image(*state, "a.png", &image).text, &size_a);
-    unsigned char *b = rk_get_file(write_image(*state, "b.png", &image).text, &size_b);
+    unsigned char *a = test_folder_read(write_image(*state, "a.png", &image), &size_a);
+    unsigned char *b = test_folder_read(write_image(*state, "b.png", &image), &size_b);
     rk_check(size_a == size_b && memcmp(a, b, size_a) == 0, "a date or an address is in the file");
     free(a);
     free(b);
@@ -167,7 +168,7 @@ static void the_file_says_that_it_is_srgb(void **state)
 {
     rk_image image = make_noise(1, 1);
     size_t size;
-    unsigned char *bytes = rk_get_file(write_image(*state, "one.png", &image).text, &size);
+    unsigned char *bytes = test_folder_read(write_image(*state, "one.png", &image), &size);
     /* Signature 8, IHDR 25, then the sRGB chunk's length 4 and its name. */
     rk_check(size > 41 && memcmp(bytes + 37, "sRGB", 4) == 0, "the sRGB chunk should follow IHDR");
     free(bytes);
@@ -186,7 +187,7 @@ static void texts_come_back(void **state)
                                  {"empty", ""}};
     enum { count = sizeof texts / sizeof *texts };
     rk_image image = make_noise(3, 2);
-    rk_path path = rk_in_folder(*state, "texts.png");
+    test_path path = test_folder_path(*state, "texts.png");
     rk_error error;
     rk_check_ok(rk_png_write(path.text, &image, texts, count, &error), error);
     for (int i = 0; i < count; i++) {
@@ -202,11 +203,11 @@ static void texts_come_back(void **state)
 static void a_missing_text_is_null_without_an_error(void **state)
 {
     rk_image image = make_noise(3, 2);
-    rk_path path = write_image(*state, "plain.png", &image);
+    test_path path = write_image(*state, "plain.png", &image);
     rk_error error;
     rk_check(!rk_png_read_text(path.text, "Software", &error), "a text from nowhere");
     rk_check(error.text[0] == '\0', "no text is no error, but it says: %s", error.text);
-    rk_check(!rk_png_read_text(rk_in_folder(*state, "none.png").text, "Software", &error),
+    rk_check(!rk_png_read_text(test_folder_path(*state, "none.png").text, "Software", &error),
              "a text from a missing file");
     rk_check_error_names(error, "none.png");
     rk_image_free(&image);
@@ -218,14 +219,14 @@ static void keys_that_png_forbids_are_refused(void **state)
     memset(long_key, 'k', 80);
     const char *keys[] = {"", " a", "a ", "a  b", "a\nb", "\x7f", "\xa0", long_key};
     rk_image image = make_noise(2, 2);
-    rk_path path = rk_in_folder(*state, "keys.png");
+    test_path path = test_folder_path(*state, "keys.png");
     for (size_t i = 0; i < sizeof keys / sizeof *keys; i++) {
         rk_error error;
         rk_check(!rk_png_write(path.text, &image, &(rk_png_text){keys[i], "v"}, 1, &error),
                  "the key \"%s\" was accepted", keys[i]);
         rk_check_error_names(error, "keys.png");
     }
-    rk_check_equal(rk_count_files(*state), 0, "nothing is left of a refused picture");
+    rk_check_equal(test_folder_count(*state), 0, "nothing is left of a refused picture");
     long_key[79] = '\0';
     rk_error error;
     rk_check_ok(rk_png_write(path.text, &image, &(rk_png_text){long_key, "v"}, 1, &error), error);
@@ -243,9 +244,9 @@ typedef struct kind {
 } kind;
 
 /* Writes a picture of any kind with libpng itself. */
-static rk_path write_kind(const rk_folder *folder, const kind *k)
+static test_path write_kind(const test_folder *folder, const kind *k)
 {
-    rk_path path = rk_in_folder(folder, "kind.png");
+    test_path path = test_folder_path(folder, "kind.png");
     FILE *stream = fopen(path.text, "wb");
     rk_check(stream, "%s: the test cannot write its file", path.text);
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
@@ -395,7 +396,7 @@ static void a_gamma_other_than_srgbs_is_honoured(void **state)
 static void latin1_texts_become_utf8(void **state)
 {
     /* A 1 x 1 picture with a tEXt chunk that holds byte 0xe9, put together by libpng. */
-    rk_path path = rk_in_folder(*state, "latin1.png");
+    test_path path = test_folder_path(*state, "latin1.png");
     FILE *stream = fopen(path.text, "wb");
     rk_check(stream, "%s: the test cannot write its file", path.text);
     png_structp png = png_create_write_struct(PNG_LIBPNG_VER_STRING, NULL, NULL, NULL);
@@ -424,10 +425,10 @@ static void every_truncation_is_refused(void **state)
 {
     rk_image image = make_noise(9, 7);
     size_t size;
-    unsigned char *bytes = rk_get_file(write_image(*state, "whole.png", &image).text, &size);
-    rk_path path = rk_in_folder(*state, "short.png");
+    unsigned char *bytes = test_folder_read(write_image(*state, "whole.png", &image), &size);
+    test_path path;
     for (size_t length = 0; length < size; length++) {
-        rk_put_file(path.text, bytes, length);
+        path = test_folder_write(*state, "short.png", bytes, length, 0600);
         check_refused(path.text, length ? "" : "empty");
         rk_error error;
         char *text = rk_png_read_text(path.text, "none", &error);
@@ -441,11 +442,11 @@ static void every_damaged_byte_is_refused_or_read(void **state)
 {
     rk_image image = make_noise(9, 7);
     size_t size;
-    unsigned char *bytes = rk_get_file(write_image(*state, "whole.png", &image).text, &size);
-    rk_path path = rk_in_folder(*state, "damaged.png");
+    unsigned char *bytes = test_folder_read(write_image(*state, "whole.png", &image), &size);
+    test_path path;
     for (size_t at = 0; at < size; at++) {
         bytes[at] ^= 0x55;
-        rk_put_file(path.text, bytes, size);
+        path = test_folder_write(*state, "damaged.png", bytes, size, 0600);
         rk_image back;
         rk_error error;
         if (rk_png_read(&back, path.text, &error))
@@ -459,11 +460,12 @@ static void every_damaged_byte_is_refused_or_read(void **state)
 }
 
 /* Reads a whole 1 x 1 picture whose header was changed to claim another size. */
-static void check_claim(const rk_folder *folder, uint32_t width, uint32_t height, const char *part)
+static void check_claim(const test_folder *folder, uint32_t width, uint32_t height,
+                        const char *part)
 {
     rk_image image = make_noise(1, 1);
     size_t size;
-    unsigned char *bytes = rk_get_file(write_image(folder, "one.png", &image).text, &size);
+    unsigned char *bytes = test_folder_read(write_image(folder, "one.png", &image), &size);
     rk_image_free(&image);
     for (int i = 0; i < 4; i++) {
         bytes[16 + i] = (unsigned char)(width >> (24 - 8 * i));
@@ -477,8 +479,7 @@ static void check_claim(const rk_folder *folder, uint32_t width, uint32_t height
     }
     for (int i = 0; i < 4; i++)
         bytes[29 + i] = (unsigned char)(~crc >> (24 - 8 * i));
-    rk_path path = rk_in_folder(folder, "claim.png");
-    rk_put_file(path.text, bytes, size);
+    test_path path = test_folder_write(folder, "claim.png", bytes, size, 0600);
     free(bytes);
     check_refused(path.text, part);
 }
@@ -496,14 +497,13 @@ static void absurd_sizes_are_refused_before_memory_is_taken(void **state)
 
 static void files_that_are_no_png_are_refused(void **state)
 {
-    rk_path path = rk_in_folder(*state, "photo.png");
     const char jpeg[] = "\xff\xd8\xff\xe0 JFIF and so on, longer than a header of PNG";
-    rk_put_file(path.text, jpeg, sizeof jpeg);
+    test_path path = test_folder_write(*state, "photo.png", jpeg, sizeof jpeg, 0600);
     check_refused(path.text, "not a PNG");
-    rk_put_file(path.text, "", 0);
+    path = test_folder_write(*state, "photo.png", "", 0, 0600);
     check_refused(path.text, "empty");
-    check_refused(rk_in_folder(*state, "none.png").text, strerror(ENOENT));
-    check_refused(((rk_folder *)*state)->path, strerror(EISDIR));
+    check_refused(test_folder_path(*state, "none.png").text, strerror(ENOENT));
+    check_refused(((test_folder *)*state)->path, strerror(EISDIR));
 }
 
 /* --- places that cannot be written ----------------------------------------------------------- */
@@ -511,15 +511,15 @@ static void files_that_are_no_png_are_refused(void **state)
 static void a_missing_folder_is_an_error(void **state)
 {
     rk_image image = make_noise(2, 2);
-    rk_put_file(rk_in_folder(*state, "file").text, "x", 1);
+    test_folder_write(*state, "file", "x", 1, 0600);
     const char *names[] = {"none/a.png", "file/a.png"};
     for (int i = 0; i < 2; i++) {
         rk_error error;
-        rk_path path = rk_in_folder(*state, names[i]);
+        test_path path = test_folder_path(*state, names[i]);
         rk_check(!rk_png_write(path.text, &image, NULL, 0, &error), "%s was written", path.text);
         rk_check_error_names(error, path.text);
     }
-    rk_check_equal(rk_count_files(*state), 1, "nothing is left of a failed picture");
+    rk_check_equal(test_folder_count(*state), 1, "nothing is left of a failed picture");
     rk_image_free(&image);
 }
 
@@ -543,7 +543,7 @@ static bool write_on_full_disk(const char *path, const rk_image *image, rlim_t r
 static void a_full_disk_keeps_the_older_picture(void **state)
 {
     rk_image older = make_noise(1, 1);
-    rk_path path = write_image(*state, "picture.png", &older);
+    test_path path = write_image(*state, "picture.png", &older);
     const size_t sides[] = {8, 200};
     for (int i = 0; i < 2; i++) {
         rk_image image = make_noise(sides[i], sides[i]);
@@ -551,7 +551,7 @@ static void a_full_disk_keeps_the_older_picture(void **state)
         rk_check(!write_on_full_disk(path.text, &image, 100, &error), "100 bytes were enough");
         rk_check_error_names(error, path.text);
         rk_check_error_names(error, strerror(EFBIG));
-        rk_check_equal(rk_count_files(*state), 1, "no temporary file may be left");
+        rk_check_equal(test_folder_count(*state), 1, "no temporary file may be left");
         rk_image_free(&image);
     }
     rk_image back = read_image(path.text);
@@ -564,27 +564,27 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(stored_values_are_exactly_rounded),
     cmocka_unit_test(stored_values_are_exactly_rounded_beside_each_step),
     cmocka_unit_test(the_fast_encoding_agrees_with_the_plain_one),
-    rk_folder_test(values_outside_the_range_are_clamped_and_nan_is_black),
-    rk_folder_test(a_picture_comes_back_within_half_a_step),
-    rk_folder_test(pictures_of_one_row_one_column_and_one_pixel_come_back),
-    rk_folder_test(the_same_picture_gives_the_same_file),
-    rk_folder_test(the_file_says_that_it_is_srgb),
-    rk_folder_test(texts_come_back),
-    rk_folder_test(a_missing_text_is_null_without_an_error),
-    rk_folder_test(keys_that_png_forbids_are_refused),
-    rk_folder_test(a_palette_is_looked_up_with_and_without_transparency),
-    rk_folder_test(grey_is_replicated_at_one_eight_and_sixteen_bits),
-    rk_folder_test(sixteen_bits_keep_what_eight_would_lose),
-    rk_folder_test(alpha_is_dropped_and_does_not_darken),
-    rk_folder_test(interlaced_rows_come_in_order),
-    rk_folder_test(a_gamma_other_than_srgbs_is_honoured),
-    rk_folder_test(latin1_texts_become_utf8),
-    rk_folder_test(every_truncation_is_refused),
-    rk_folder_test(every_damaged_byte_is_refused_or_read),
-    rk_folder_test(absurd_sizes_are_refused_before_memory_is_taken),
-    rk_folder_test(files_that_are_no_png_are_refused),
-    rk_folder_test(a_missing_folder_is_an_error),
-    rk_folder_test(a_full_disk_keeps_the_older_picture),
+    test_in_folder(values_outside_the_range_are_clamped_and_nan_is_black),
+    test_in_folder(a_picture_comes_back_within_half_a_step),
+    test_in_folder(pictures_of_one_row_one_column_and_one_pixel_come_back),
+    test_in_folder(the_same_picture_gives_the_same_file),
+    test_in_folder(the_file_says_that_it_is_srgb),
+    test_in_folder(texts_come_back),
+    test_in_folder(a_missing_text_is_null_without_an_error),
+    test_in_folder(keys_that_png_forbids_are_refused),
+    test_in_folder(a_palette_is_looked_up_with_and_without_transparency),
+    test_in_folder(grey_is_replicated_at_one_eight_and_sixteen_bits),
+    test_in_folder(sixteen_bits_keep_what_eight_would_lose),
+    test_in_folder(alpha_is_dropped_and_does_not_darken),
+    test_in_folder(interlaced_rows_come_in_order),
+    test_in_folder(a_gamma_other_than_srgbs_is_honoured),
+    test_in_folder(latin1_texts_become_utf8),
+    test_in_folder(every_truncation_is_refused),
+    test_in_folder(every_damaged_byte_is_refused_or_read),
+    test_in_folder(absurd_sizes_are_refused_before_memory_is_taken),
+    test_in_folder(files_that_are_no_png_are_refused),
+    test_in_folder(a_missing_folder_is_an_error),
+    test_in_folder(a_full_disk_keeps_the_older_picture),
 };
 
 RK_SUITE("png", tests)

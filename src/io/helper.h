@@ -7,17 +7,29 @@
 
 typedef struct rk_helper_call {
     const char *program;          /* "raykit-mesh" or "raykit-image" */
+    const char *package;          /* whose absence leaves it unbuilt: "libassimp-dev"; or NULL */
+    const char *subject;          /* what errors begin with: the file's name; NULL: the program's */
     const char *const *arguments; /* NULL-terminated, without the program's name */
     const void *input;            /* bytes for its standard input, or NULL */
     size_t input_size;
-    size_t output_max; /* a longer answer is an error */
+    size_t output_max;      /* a longer answer is an error */
+    double timeout_seconds; /* of silence after which it is stopped; 0 means 60 */
 } rk_helper_call;
 
 /* Runs the helper and returns its standard output in a new block to free(). False with an error:
  * when the program is missing (naming the package to install), when it exits non-zero (its last
- * line on standard error is the reason), when a signal ends it, when it is silent for 60 s, or
- * when it wants more memory than this machine has. */
+ * line on standard error, which should name the file, is the whole error), when a signal ends it,
+ * when it neither reads nor writes for the timeout, when its answer is longer than output_max.
+ * On success error->text is "" or the last line that it wrote to standard error: a note.
+ *
+ * The helper may use three quarters of the machine's memory, writes no core file, and is looked
+ * for in the folder that RAYKIT_HELPERS names, then in rk_helper_folder(). The caller's signal
+ * handlers, SIGPIPE included, stay as they are, and several threads may call at the same time. */
 bool rk_helper_run(const rk_helper_call *call, unsigned char **output, size_t *output_size,
                    rk_error *error);
+
+/* Where this copy of the library expects its helpers: the build folder inside the source tree, the
+ * package's libexec folder once installed. */
+const char *rk_helper_folder(void);
 
 #endif

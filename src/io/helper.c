@@ -1,0 +1,390 @@
+/* Starts a helper program, feeds it, collects its answer and its last words, and never hangs.
+ *
+ * The three standard streams are socket pairs, not pipes: close-on-exec comes with their making, so
+ * that no other thread's child inherits them, and a send can decline SIGPIPE. One poll loop serves
+ * all three, since a helper that blocks on a full stream would otherwise wait for us while we wait
+ * for it. Calls and their guarantees: POSIX.1-2017. */
+#include "io/helper.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <poll.h>
+#include <signal.h>
+#include <stdint.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/resource.h>
+#include <sys/socket.h>
+#include <sys/stat.h>
+#include <sys/types.h>
+#include <sys/wait.h>
+#include <time.h>
+#include <unistd.h>
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define BUILT_WITH_SHADOW_MEMORY 1
+#endif
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define BUILT_WITH_SHADOW_MEMORY 1
+#endif
+
+enum { INPUT, OUTPUT, REASON, streams }; /* the helper's standard input, output and error */
+enum { first_block = 1 << 16 };          /* of output: a small mesh fits */
+static const double default_timeout = 60;
+
+typedef struct session {
+    const rk_helper_call *call;
+    const char *subject;
+    pid_t process;
+    int ends[streams]; /* ours; -1 when closed */
+    size_t sent;
+    unsigned char *output;
+    size_t output_size, output_room;
+    char line[1000]; /* the last line of standard error that is not empty */
+    size_t line_length;
+    bool line_ended;
+    double deadline;
+} session;
+
+static double seconds_now(void)
+{
+    struct timespec now;
+    clock_gettime(CLOCK_MONOTONIC, &now);
+    return (double)now.tv_sec + (double)now.tv_nsec * 1e-9;
+}
+
+static double timeout_of(const rk_helper_call *call)
+{
+    return call->timeout_seconds > 0 ? call->timeout_seconds : default_timeout;
+}
+
+static void close_end(int *end)
+{
+    if (*end >= 0)
+        close(*end);
+    *end = -1;
+}
+
+/* --- finding ------------------------------------------------------------------------------- */
+
+static bool is_program(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode) && access(path, X_OK) == 0;
+}
+
+static bool find_program(const rk_helper_call *call, char *path, size_t size, rk_error *error)
+{
+    const char *named = getenv("RAYKIT_HELPERS");
+    const char *folders[] = {named, rk_helper_folder()};
+    for (int i = 0; i < 2; i++) {
+        if (!folders[i] || !*folders[i])
+            continue;
+        int length = snprintf(path, size, "%s/%s", folders[i], call->program);
+        if (length > 0 && (size_t)length < size && is_program(path))
+            return true;
+    }
+    return rk_fail(
+        error,
+        "%s: the helper program %s is not in %s%s%s: %s%s%srun ./configure and make again, "
+        "or name its folder in RAYKIT_HELPERS",
+        call->subject ? call->subject : call->program, call->program, named ? named : "",
+        named ? " nor in " : "", folders[1], call->package ? "install " : "",
+        call->package ? call->package : "", call->package ? ", then " : "");
+}
+
+/* --- starting ------------------------------------------------------------------------------ */
+
+/* Both ends above the standard three, which a caller may have closed: dup2 onto itself would leave
+ * close-on-exec set. */
+static bool make_stream(int ends[2])
+{
+    if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
+        return false;
+    for (int i = 0; i < 2; i++) {
+        if (ends[i] > STDERR_FILENO)
+            continue;
+        int moved = fcntl(ends[i], F_DUPFD_CLOEXEC, STDERR_FILENO + 1);
+        close(ends[i]);
+        ends[i] = moved;
+    }
+    if (ends[0] >= 0 && ends[1] >= 0)
+        return true;
+    close_end(&ends[0]);
+    close_end(&ends[1]);
+    return false;
+}
+
+/* Three quarters of the memory, so that a file that claims a billion vertices meets an allocation
+ * that fails and not a machine that swaps. Sanitizers reserve terabytes of addresses for their
+ * shadow; a build with them goes without. */
+static rlim_t memory_limit(void)
+{
+#ifndef BUILT_WITH_SHADOW_MEMORY
+    long pages = sysconf(_SC_PHYS_PAGES), page_size = sysconf(_SC_PAGESIZE);
+    if (pages > 0 && page_size > 0)
+        return (rlim_t)pages / 4 * 3 * (rlim_t)page_size;
+#endif
+    return RLIM_INFINITY;
+}
+
+static void lower_limit(int resource, rlim_t value)
+{
+    struct rlimit limit;
+    if (getrlimit(resource, &limit) != 0)
+        return;
+    if (limit.rlim_cur == RLIM_INFINITY || limit.rlim_cur > value)
+        limit.rlim_cur = value;
+    setrlimit(resource, &limit);
+}
+
+/* The child, between fork and exec: system calls only, since other threads' locks stay locked. */
+static _Noreturn void become_helper(const char *path, char *const *arguments,
+                                    const int ends[streams], rlim_t memory)
+{
+    for (int i = 0; i < streams; i++)
+        if (dup2(ends[i], i) < 0)
+            _exit(127);
+    lower_limit(RLIMIT_AS, memory);
+    lower_limit(RLIMIT_CORE, 0);
+    sigset_t none;
+    sigemptyset(&none);
+    sigprocmask(SIG_SETMASK, &none, NULL);
+    signal(SIGPIPE, SIG_DFL);
+    execv(path, arguments);
+    static const char reason[] =
+        "the helper program could not be started: it is no program for this "
+        "machine: run make again\n";
+    if (write(STDERR_FILENO, reason, sizeof reason - 1) < 0)
+        _exit(126);
+    _exit(127);
+}
+
+/* argv: the path, then the call's arguments; execv takes them as char *, though it changes none. */
+static char **make_arguments(const rk_helper_call *call, char *path, rk_error *error)
+{
+    size_t count = 0;
+    while (call->arguments && call->arguments[count])
+        count++;
+    char **arguments = rk_allocate(count + 2, sizeof *arguments, call->program, error);
+    if (!arguments)
+        return NULL;
+    arguments[0] = path;
+    if (count)
+        memcpy(arguments + 1, call->arguments, count * sizeof *arguments);
+    return arguments;
+}
+
+static bool start(session *s, rk_error *error)
+{
+    char path[4096];
+    if (!find_program(s->call, path, sizeof path, error))
+        return false;
+    char **arguments = make_arguments(s->call, path, error);
+    if (!arguments)
+        return false;
+    int theirs[streams] = {-1, -1, -1};
+    bool ready = true;
+    for (int i = 0; i < streams && ready; i++) {
+        int ends[2];
+        ready = make_stream(ends);
+        if (ready)
+            s->ends[i] = ends[0], theirs[i] = ends[1];
+    }
+    rlim_t memory = memory_limit();
+    s->process = ready ? fork() : -1;
+    int reason = errno;
+    if (s->process == 0)
+        become_helper(path, arguments, theirs, memory);
+    for (int i = 0; i < streams; i++)
+        close_end(&theirs[i]);
+    free(arguments);
+    if (s->process < 0)
+        return rk_fail(error, "%s: %s could not be started: %s: close other programs", s->subject,
+                       s->call->program, strerror(reason));
+    return true;
+}
+
+/* --- talking ------------------------------------------------------------------------------- */
+
+static void send_input(session *s)
+{
+    const char *input = s->call->input;
+    ssize_t n = send(s->ends[INPUT], input + s->sent, s->call->input_size - s->sent,
+                     MSG_NOSIGNAL | MSG_DONTWAIT);
+    if (n >= 0)
+        s->sent += (size_t)n;
+    bool again = n < 0 && (errno == EINTR || errno == EAGAIN);
+    /* A helper may close its input early: it has what it needs, or its exit status tells. */
+    if ((n < 0 && !again) || s->sent == s->call->input_size)
+        close_end(&s->ends[INPUT]);
+}
+
+/* Room for one byte more than allowed, so that the byte too many is seen. */
+static bool grow_output(session *s, rk_error *error)
+{
+    if (s->output_size < s->output_room)
+        return true;
+    size_t most = s->call->output_max < SIZE_MAX ? s->call->output_max + 1 : SIZE_MAX;
+    size_t room = s->output_room ? s->output_room : first_block / 2;
+    room = room < most / 2 ? room * 2 : most;
+    unsigned char *output = realloc(s->output, room);
+    if (!output)
+        return rk_fail(error, "%s: no memory for an answer of %.1f MB: close other programs",
+                       s->subject, (double)room / 1e6);
+    s->output = output;
+    s->output_room = room;
+    return true;
+}
+
+static bool read_output(session *s, rk_error *error)
+{
+    if (!grow_output(s, error))
+        return false;
+    ssize_t n = read(s->ends[OUTPUT], s->output + s->output_size, s->output_room - s->output_size);
+    if (n > 0)
+        s->output_size += (size_t)n;
+    else if (n == 0 || errno != EINTR)
+        close_end(&s->ends[OUTPUT]);
+    if (s->output_size > s->call->output_max)
+        return rk_fail(error,
+                       "%s: %s answers with more than the %zu bytes that are allowed: the file "
+                       "is damaged or too large",
+                       s->subject, s->call->program, s->call->output_max);
+    return true;
+}
+
+static void keep_last_line(session *s, const char *text, size_t length)
+{
+    for (size_t i = 0; i < length; i++) {
+        if (text[i] == '\n' || text[i] == '\r') {
+            s->line_ended = true;
+            continue;
+        }
+        if (s->line_ended)
+            s->line_length = 0;
+        s->line_ended = false;
+        if (s->line_length < sizeof s->line - 1)
+            s->line[s->line_length++] = text[i];
+    }
+    s->line[s->line_length] = '\0';
+}
+
+static void read_reason(session *s)
+{
+    char text[1024];
+    ssize_t n = read(s->ends[REASON], text, sizeof text);
+    if (n > 0)
+        keep_last_line(s, text, (size_t)n);
+    else if (n == 0 || errno != EINTR)
+        close_end(&s->ends[REASON]);
+}
+
+static bool fail_silent(const session *s, rk_error *error)
+{
+    return rk_fail(error,
+                   "%s: %s was silent for %g s and was stopped: the file is damaged or too large",
+                   s->subject, s->call->program, timeout_of(s->call));
+}
+
+/* Until the helper has closed its output and its error stream. */
+static bool talk(session *s, rk_error *error)
+{
+    if (s->call->input_size == 0)
+        close_end(&s->ends[INPUT]);
+    while (s->ends[OUTPUT] >= 0 || s->ends[REASON] >= 0) {
+        struct pollfd polled[streams] = {{s->ends[INPUT], POLLOUT, 0},
+                                         {s->ends[OUTPUT], POLLIN, 0},
+                                         {s->ends[REASON], POLLIN, 0}};
+        double left = s->deadline - seconds_now();
+        int wait_ms = left <= 0 ? 0 : left > 1e6 ? 1000000000 : (int)(left * 1e3) + 1;
+        int ready = poll(polled, streams, wait_ms);
+        if (ready < 0 && errno != EINTR && errno != EAGAIN)
+            return rk_fail(error, "%s: waiting for %s failed: %s", s->subject, s->call->program,
+                           strerror(errno));
+        if (ready == 0 && seconds_now() >= s->deadline)
+            return fail_silent(s, error);
+        if (ready <= 0)
+            continue;
+        if (polled[INPUT].revents)
+            send_input(s);
+        if (polled[OUTPUT].revents && !read_output(s, error))
+            return false;
+        if (polled[REASON].revents)
+            read_reason(s);
+        s->deadline = seconds_now() + timeout_of(s->call);
+    }
+    return true;
+}
+
+/* --- ending -------------------------------------------------------------------------------- */
+
+static void stop(session *s)
+{
+    kill(s->process, SIGKILL);
+    while (waitpid(s->process, NULL, 0) < 0 && errno == EINTR)
+        ;
+}
+
+/* A helper that closed its streams is about to end, within a millisecond as a rule; but one that
+ * goes on regardless must not hang the caller. */
+static bool reap(session *s, int *status, rk_error *error)
+{
+    long pause = 50000; /* nanoseconds, doubled up to 10 ms */
+    for (;;) {
+        pid_t ended = waitpid(s->process, status, WNOHANG);
+        if (ended == s->process)
+            return true;
+        if (ended < 0 && errno != EINTR)
+            return rk_fail(error, "%s: how %s ended is unknown: %s: leave SIGCHLD at its default",
+                           s->subject, s->call->program, strerror(errno));
+        if (seconds_now() >= s->deadline) {
+            stop(s);
+            return fail_silent(s, error);
+        }
+        nanosleep(&(struct timespec){0, pause}, NULL);
+        pause = pause < 5000000 ? pause * 2 : 10000000;
+    }
+}
+
+static bool judge(const session *s, int status, rk_error *error)
+{
+    if (WIFSIGNALED(status))
+        return rk_fail(error,
+                       "%s: %s was ended by signal %d (%s): the file is damaged or too large",
+                       s->subject, s->call->program, WTERMSIG(status), strsignal(WTERMSIG(status)));
+    if (WEXITSTATUS(status) == 0) {
+        rk_fail(error, "%s", s->line);
+        return true;
+    }
+    if (s->line_length == 0)
+        return rk_fail(error, "%s: %s failed with exit status %d and gave no reason", s->subject,
+                       s->call->program, WEXITSTATUS(status));
+    return rk_fail(error, "%s", s->line);
+}
+
+bool rk_helper_run(const rk_helper_call *call, unsigned char **output, size_t *output_size,
+                   rk_error *error)
+{
+    *output = NULL;
+    *output_size = 0;
+    session s = {.call = call, .ends = {-1, -1, -1}};
+    s.subject = call->subject ? call->subject : call->program;
+    s.deadline = seconds_now() + timeout_of(call);
+    int status = 0;
+    bool started = start(&s, error);
+    bool talked = started && talk(&s, error);
+    for (int i = 0; i < streams; i++)
+        close_end(&s.ends[i]);
+    if (started && !talked)
+        stop(&s);
+    if (!talked || !reap(&s, &status, error) || !judge(&s, status, error)) {
+        free(s.output);
+        return false;
+    }
+    *output = s.output;
+    *output_size = s.output_size;
+    return true;
+}

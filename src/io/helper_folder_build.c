@@ -1,0 +1,7 @@
+/* For programs inside the build tree: the helpers stand where make put them. */
+#include "io/helper.h"
+
+const char *rk_helper_folder(void)
+{
+    return RK_BUILD_FOLDER;
+}

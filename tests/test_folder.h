@@ -1,0 +1,111 @@
+/* A folder of its own for a suite that needs files: made under TMPDIR, removed with all it holds.
+ */
+#ifndef RK_TESTS_TEST_FOLDER_H
+#define RK_TESTS_TEST_FOLDER_H
+
+#include <dirent.h>
+#include <stdbool.h>
+#include <stddef.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+typedef struct test_folder {
+    char path[512];
+} test_folder;
+
+typedef struct test_path {
+    char text[800];
+} test_path;
+
+static inline bool test_folder_make(test_folder *folder)
+{
+    const char *parent = getenv("TMPDIR");
+    snprintf(folder->path, sizeof folder->path, "%s/raykit-test-XXXXXX", parent ? parent : "/tmp");
+    return mkdtemp(folder->path) != NULL;
+}
+
+/* The path of `name` in the folder. */
+static inline test_path test_folder_path(const test_folder *folder, const char *name)
+{
+    test_path path;
+    snprintf(path.text, sizeof path.text, "%s/%s", folder->path, name);
+    return path;
+}
+
+/* Writes `size` bytes to a new file with the given permissions and returns its path. */
+static inline test_path test_folder_write(const test_folder *folder, const char *name,
+                                          const void *bytes, size_t size, mode_t mode)
+{
+    test_path path = test_folder_path(folder, name);
+    FILE *file = fopen(path.text, "wb");
+    if (!file || fwrite(bytes, 1, size, file) != size || fclose(file) != 0 ||
+        chmod(path.text, mode) != 0) {
+        perror(path.text);
+        abort();
+    }
+    return path;
+}
+
+/* Files and empty folders directly in it are removed, then the folder. */
+static inline void test_folder_remove(const test_folder *folder)
+{
+    DIR *directory = opendir(folder->path);
+    for (struct dirent *entry; directory && (entry = readdir(directory));)
+        if (entry->d_name[0] != '.')
+            remove(test_folder_path(folder, entry->d_name).text);
+    if (directory)
+        closedir(directory);
+    rmdir(folder->path);
+}
+
+/* Files and folders directly in it. */
+static inline int test_folder_count(const test_folder *folder)
+{
+    DIR *directory = opendir(folder->path);
+    int count = 0;
+    for (struct dirent *entry; directory && (entry = readdir(directory));)
+        count += entry->d_name[0] != '.';
+    if (directory)
+        closedir(directory);
+    return count;
+}
+
+/* Returns a whole file in a new block to free(). */
+static inline unsigned char *test_folder_read(test_path path, size_t *size)
+{
+    FILE *file = fopen(path.text, "rb");
+    struct stat status = {0};
+    if (file)
+        fstat(fileno(file), &status);
+    *size = (size_t)status.st_size;
+    unsigned char *bytes = malloc(*size + 1);
+    if (!file || !bytes || fread(bytes, 1, *size, file) != *size) {
+        perror(path.text);
+        abort();
+    }
+    fclose(file);
+    return bytes;
+}
+
+/* A folder for one test, which finds it as a test_folder * in its state: removed even when the
+ * test fails. */
+static inline int test_folder_setup(void **state)
+{
+    test_folder *folder = malloc(sizeof *folder);
+    *state = folder;
+    return folder && test_folder_make(folder) ? 0 : -1;
+}
+
+static inline int test_folder_teardown(void **state)
+{
+    test_folder_remove(*state);
+    free(*state);
+    return 0;
+}
+
+#define test_in_folder(name)                                                                       \
+    cmocka_unit_test_setup_teardown(name, test_folder_setup, test_folder_teardown)
+
+#endif
