@@ -60,4 +60,52 @@ static inline void test_folder_remove(const test_folder *folder)
     rmdir(folder->path);
 }
 
+/* Files and folders directly in it. */
+static inline int test_folder_count(const test_folder *folder)
+{
+    DIR *directory = opendir(folder->path);
+    int count = 0;
+    for (struct dirent *entry; directory && (entry = readdir(directory));)
+        count += entry->d_name[0] != '.';
+    if (directory)
+        closedir(directory);
+    return count;
+}
+
+/* Returns a whole file in a new block to free(). */
+static inline unsigned char *test_folder_read(test_path path, size_t *size)
+{
+    FILE *file = fopen(path.text, "rb");
+    struct stat status = {0};
+    if (file)
+        fstat(fileno(file), &status);
+    *size = (size_t)status.st_size;
+    unsigned char *bytes = malloc(*size + 1);
+    if (!file || !bytes || fread(bytes, 1, *size, file) != *size) {
+        perror(path.text);
+        abort();
+    }
+    fclose(file);
+    return bytes;
+}
+
+/* A folder for one test, which finds it as a test_folder * in its state: removed even when the
+ * test fails. */
+static inline int test_folder_setup(void **state)
+{
+    test_folder *folder = malloc(sizeof *folder);
+    *state = folder;
+    return folder && test_folder_make(folder) ? 0 : -1;
+}
+
+static inline int test_folder_teardown(void **state)
+{
+    test_folder_remove(*state);
+    free(*state);
+    return 0;
+}
+
+#define test_in_folder(name)                                                                       \
+    cmocka_unit_test_setup_teardown(name, test_folder_setup, test_folder_teardown)
+
 #endif
