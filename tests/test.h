@@ -23,7 +23,7 @@
         if (!(condition)) {                                                                        \
             print_error(__VA_ARGS__);                                                              \
             print_error("\n");                                                                     \
-            _assert_true(0, #condition, __FILE__, __LINE__);                                       \
+            _fail(__FILE__, __LINE__);                                                             \
         }                                                                                          \
     } while (0)
 

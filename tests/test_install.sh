@@ -1,0 +1,55 @@
+#!/bin/sh
+# Can a stranger build against what `make install` left? Run by `make installcheck`.
+# usage: CC=compiler test_install.sh pkgconfigdir includedir version [destdir]
+set -eu
+pkgconfig=$1 include=$2 version=$3 staging=${4-}
+
+folder=$(mktemp -d)
+trap 'rm -rf "$folder"' EXIT
+trap 'exit 1' HUP INT TERM
+fail() {
+    echo "installcheck: $*" >&2
+    exit 1
+}
+
+PKG_CONFIG_PATH=$staging$pkgconfig${PKG_CONFIG_PATH:+:$PKG_CONFIG_PATH}
+export PKG_CONFIG_PATH
+if [ -n "$staging" ]; then
+    PKG_CONFIG_SYSROOT_DIR=$staging
+    export PKG_CONFIG_SYSROOT_DIR
+fi
+found=$(pkg-config --modversion raykit) || fail "pkg-config finds no raykit in $staging$pkgconfig"
+[ "$found" = "$version" ] || fail "raykit.pc says version $found, not $version"
+
+cat >"$folder/user.c" <<'END'
+#include <raykit.h>
+#include <stdio.h>
+int main(void)
+{
+    rk_mesh mesh;
+    rk_error error;
+    if (!rk_mesh_init(&mesh, 3, 1, 1, 0, &error))
+        return 1;
+    for (unsigned i = 0; i < 3; i++)
+        mesh.positions[i] = rk_vec((float)(i * i), 0, 0);
+    if (!rk_mesh_validate(&mesh, "mesh", &error) || !rk_mesh_normalize(&mesh, &error))
+        return 2;
+    for (unsigned i = 0; i < 3; i++)
+        printf("%.2f ", (double)mesh.positions[i].x);
+    rk_mesh_free(&mesh);
+}
+END
+# The words of CC and of pkg-config's answers are meant to be split.
+$CC -std=c17 -o "$folder/user" "$folder/user.c" $(pkg-config --cflags --libs raykit) ||
+    fail "a program does not build with what pkg-config says: $(pkg-config --cflags --libs raykit)"
+answer=$("$folder/user") || fail "the program ends with status $?"
+# 0, 1, 4 less their mean 5/3, over the largest distance 7/3.
+[ "$answer" = "-0.71 -0.29 1.00 " ] || fail "the normalized mesh should be -0.71 -0.29 1.00, not $answer"
+
+(cd "$staging$include" && find . -name '*.h') >"$folder/headers"
+while read -r header; do
+    echo "#include <${header#./}>" >"$folder/header.c"
+    $CC -std=c17 -Wall -Wextra -Werror -fsyntax-only $(pkg-config --cflags raykit) "$folder/header.c" ||
+        fail "$header does not compile on its own"
+done <"$folder/headers"
+echo "installcheck: a program builds and runs, $(wc -l <"$folder/headers") headers compile on their own"
