@@ -2,6 +2,8 @@
  * tree, or one leaf with its triangles. */
 #include "render/driver.h"
 
+#include <stdio.h>
+
 static const char summary[] =
     "Builds a bounding volume hierarchy by median splits and renders a scene with it.\n"
     "--debug level draws the boxes of one level, --debug leaf one leaf and its triangles.";

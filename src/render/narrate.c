@@ -76,7 +76,8 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
         fprintf(out, "    met nothing: the pixel is black\n");
         return;
     }
-    rk_surface surface = rk_surface_at(&scene->mesh, &ray, &hit);
+    rk_surface surface;
+    rk_surface_at(&surface, &scene->mesh, &ray, &hit);
     fprintf(out, "    met triangle %u at t = %.6f\n", hit.triangle, (double)hit.t);
     tell_vector(out, "    point", surface.point);
     tell_vector(out, "    barycentric", surface.barycentric);

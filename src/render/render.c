@@ -37,15 +37,14 @@ typedef struct tile {
     rk_vec3 sum[RK_BATCH_MAX]; /* over the samples so far, one a pixel */
 } tile;
 
-static tile tile_at(const rendering *r, uint32_t index)
+static void start_tile(const rendering *r, tile *t, uint32_t index)
 {
-    tile t;
-    t.x = index % r->tiles_across * RK_TILE_SIDE;
-    t.y = index / r->tiles_across * RK_TILE_SIDE;
-    t.width = r->options->width - t.x < RK_TILE_SIDE ? r->options->width - t.x : RK_TILE_SIDE;
-    t.height = r->options->height - t.y < RK_TILE_SIDE ? r->options->height - t.y : RK_TILE_SIDE;
-    memset(t.sum, 0, sizeof t.sum);
-    return t;
+    const rk_render_options *options = r->options;
+    t->x = index % r->tiles_across * RK_TILE_SIDE;
+    t->y = index / r->tiles_across * RK_TILE_SIDE;
+    t->width = options->width - t->x < RK_TILE_SIDE ? options->width - t->x : RK_TILE_SIDE;
+    t->height = options->height - t->y < RK_TILE_SIDE ? options->height - t->y : RK_TILE_SIDE;
+    memset(t->sum, 0, sizeof t->sum);
 }
 
 static void camera_stage(const rendering *r, tile *t, uint32_t sample, rk_counters *counters)
@@ -73,7 +72,7 @@ static void surface_stage(const rendering *r, tile *t)
         rk_ray ray = rk_batch_ray(&t->camera, i);
         rk_hit hit = rk_batch_hit(&t->hits, i);
         t->surface_pixel[t->surface_count] = (uint16_t)i;
-        t->surfaces[t->surface_count++] = rk_surface_at(&r->scene->mesh, &ray, &hit);
+        rk_surface_at(&t->surfaces[t->surface_count++], &r->scene->mesh, &ray, &hit);
     }
 }
 
@@ -127,7 +126,8 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
 {
     rendering *r = context;
     rk_counters *counters = &r->counters[thread];
-    tile t = tile_at(r, index);
+    tile t;
+    start_tile(r, &t, index);
     for (uint32_t sample = 0; r->plan.rays && sample < r->options->samples; sample++) {
         camera_stage(r, &t, sample, counters);
         rk_accel_closest(r->accel, &t.camera, &t.hits, counters);

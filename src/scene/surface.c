@@ -18,32 +18,28 @@ static rk_vec3 facing(rk_vec3 normal, rk_vec3 side)
     return rk_dot(normal, side) < 0 ? rk_negate(normal) : normal;
 }
 
-rk_surface rk_surface_at(const rk_mesh *mesh, const rk_ray *ray, const rk_hit *hit)
+void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, const rk_hit *hit)
 {
     const uint32_t *corner = mesh->triangles[hit->triangle];
     rk_vec3 a = mesh->positions[corner[0]];
     rk_vec3 b = mesh->positions[corner[1]];
     rk_vec3 c = mesh->positions[corner[2]];
     rk_vec3 weights = rk_vec(1 - hit->u - hit->v, hit->u, hit->v);
-    rk_surface surface = {
-        .point = weighted_sum(a, b, c, weights),
-        .barycentric = weights,
-        .material = &mesh->materials[mesh->triangle_materials[hit->triangle]],
-    };
+    surface->point = weighted_sum(a, b, c, weights);
+    surface->barycentric = weights;
+    surface->material = &mesh->materials[mesh->triangle_materials[hit->triangle]];
     /* A sum of three products of rounded weights: seven roundings at most. */
     rk_vec3 sizes = weighted_sum(rk_abs3(a), rk_abs3(b), rk_abs3(c), rk_abs3(weights));
-    surface.point_error = rk_scale(sizes, gamma_bound(7));
-    rk_vec3 to_viewer = rk_negate(ray->direction);
+    surface->point_error = rk_scale(sizes, gamma_bound(7));
     rk_vec3 normal = rk_normalize(rk_cross(rk_sub(b, a), rk_sub(c, a)));
-    surface.face_normal = facing(normal, to_viewer);
-    surface.normal = surface.face_normal;
+    surface->face_normal = facing(normal, rk_negate(ray->direction));
+    surface->normal = surface->face_normal;
     if (mesh->normals) {
-        rk_vec3 smooth = rk_normalize(weighted_sum(
-            mesh->normals[corner[0]], mesh->normals[corner[1]], mesh->normals[corner[2]], weights));
+        rk_vec3 smooth = rk_normalize(weighted_sum(mesh->normals[corner[0]], mesh->normals[corner[1]],
+                                                   mesh->normals[corner[2]], weights));
         if (rk_dot(smooth, smooth) > 0)
-            surface.normal = facing(smooth, surface.face_normal);
+            surface->normal = facing(smooth, surface->face_normal);
     }
-    return surface;
 }
 
 /* The next float away from zero in the direction of `step`. */

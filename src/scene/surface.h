@@ -17,8 +17,8 @@ typedef struct rk_surface {
     const rk_material *material;
 } rk_surface;
 
-/* `hit` is one that `ray` found in `mesh`. */
-rk_surface rk_surface_at(const rk_mesh *mesh, const rk_ray *ray, const rk_hit *hit);
+/* Fills in the surface at a hit that `ray` found in `mesh`. */
+void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, const rk_hit *hit);
 
 /* The point to start a ray from that leaves into `direction` (any length): moved along the face
  * normal just past the error bound, to the side into which the ray leaves. No epsilon to tune: the
