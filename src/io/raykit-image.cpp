@@ -38,6 +38,12 @@ struct Picture {
     throw std::runtime_error(path + ": " + what);
 }
 
+// OpenImageIO reports a line for each thing that went wrong; the others follow from the first.
+std::string first_line(const std::string &text)
+{
+    return text.substr(0, text.find('\n'));
+}
+
 std::string size_text(const Picture &picture)
 {
     return std::to_string(picture.width) + " x " + std::to_string(picture.height);
@@ -135,14 +141,27 @@ void turn_upright(Picture &picture, int orientation)
     picture.rgb = std::move(rgb);
 }
 
+// The system's reason is better than OpenImageIO's.
+void check_readable(const std::string &path)
+{
+    std::FILE *file = std::fopen(path.c_str(), "rb");
+    bool readable = file && (std::fgetc(file) != EOF || !std::ferror(file));
+    std::string reason = std::strerror(errno);
+    if (file)
+        std::fclose(file);
+    if (!readable)
+        fail(path, "cannot be read: " + reason);
+}
+
 Picture read_picture(const std::string &path)
 {
+    check_readable(path);
     // Colour that is to lose its alpha must not be multiplied by it first.
     OIIO::ImageSpec wishes;
     wishes["oiio:UnassociatedAlpha"] = 1;
     auto input = OIIO::ImageInput::open(path, &wishes);
     if (!input)
-        fail(path, "cannot be read: " + OIIO::geterror());
+        fail(path, "cannot be read: " + first_line(OIIO::geterror()));
     OIIO::ImageSpec spec = input->spec();
     check_size(path, spec);
     Channels channels = colour_channels(path, spec);
@@ -152,7 +171,7 @@ Picture read_picture(const std::string &path)
     if (!input->read_image(0, 0, channels.first, channels.first + channels.count,
                            OIIO::TypeDesc::FLOAT, values.data()) ||
         input->has_error())
-        fail(path, "is damaged: " + input->geterror());
+        fail(path, "is damaged: " + first_line(input->geterror()) + "; save or download it again");
     make_linear(values, spec);
     Picture picture{spec.width, spec.height, std::move(values)};
     if (channels.count == 1) {
@@ -254,19 +273,20 @@ void store(const std::string &path, Picture picture)
 {
     auto output = OIIO::ImageOutput::create(path);
     if (!output)
-        fail(path, "no such format: " + OIIO::geterror());
+        fail(path, "no such format: " + first_line(OIIO::geterror()));
     OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT);
     // Without one, OpenImageIO stores the time, and equal pictures would make different files.
     spec["DateTime"] = "1970:01:01 00:00:00";
     unfinished = {path, temporary_name(path)};
     std::atexit(on_exit_by_library);
     if (!output->open(unfinished.temporary, spec))
-        fail(path, "cannot be written: " + output->geterror() + "; choose another place");
+        fail(path,
+             "cannot be written: " + first_line(output->geterror()) + "; choose another place");
     if (!output->spec().format.is_floating_point()) // what the format made of the wish
         for (float &value : picture.rgb)
             value = OIIO::linear_to_sRGB(value > 0 ? std::min(value, 1.0f) : 0);
     if (!output->write_image(OIIO::TypeDesc::FLOAT, picture.rgb.data()) || !output->close())
-        fail_to_write(path, output->geterror());
+        fail_to_write(path, first_line(output->geterror()));
     try {
         check_written(picture);
     } catch (const std::exception &error) {
