@@ -28,7 +28,7 @@ void rk_scene_free(rk_scene *scene);
  *   cornell             the Cornell box with a mirror, 32 triangles
  *   sphere:N            a sphere of at least N triangles (default 1280)
  *   teapot:N            the Utah teapot, each of its 32 patches as N x N squares (default 16)
- *   scan:N              a scan-like statue of exactly N triangles (default 87130)
+ *   scan:N              a statue as from a scanner, of exactly N triangles (default 87130)
  * False with an error that lists the names when there is no such scene or N is out of range. */
 bool rk_scene_builtin(rk_scene *scene, const char *name, rk_error *error);
 
@@ -36,7 +36,7 @@ bool rk_scene_builtin(rk_scene *scene, const char *name, rk_error *error);
 extern const char rk_scene_builtin_help[];
 
 /* A scene around a mesh, which it takes over (and zeroes): the mesh moved into the unit ball, the
- * default camera and light. */
+ * default camera and a light above it, to the left. On failure the mesh is freed as well. */
 bool rk_scene_around(rk_scene *scene, const char *name, rk_mesh *mesh, rk_error *error);
 
 #endif

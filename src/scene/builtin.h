@@ -1,0 +1,29 @@
+/* The makers of the built-in scenes' meshes, for scene.c and its suite; not installed. Each makes a
+ * mesh in coordinates of its own, faces counter-clockwise as seen from outside. */
+#ifndef RK_SCENE_BUILTIN_H
+#define RK_SCENE_BUILTIN_H
+
+#include "scene/mesh.h"
+#include "scene/scene.h"
+
+/* What `number` means, and its range, stands in scene.c's table; the first three ignore it. */
+bool rk_mesh_make_triangle(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_cube(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_cornell(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_sphere(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_teapot(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_scan(rk_mesh *mesh, uint32_t number, rk_error *error);
+
+/* The Cornell box comes with a camera and a light of its own. */
+void rk_scene_arrange_cornell(rk_scene *scene);
+
+/* Vertices first .. first + count - 1 around an axis, right-handed; a ring of one is a pole. */
+typedef struct rk_ring {
+    uint32_t first, count;
+} rk_ring;
+
+/* Fills the band from ring a to ring b, farther along the axis, with as many triangles as the two
+ * have edges, and returns the row after the last. */
+uint32_t (*rk_ring_stitch(uint32_t (*row)[3], rk_ring a, rk_ring b))[3];
+
+#endif

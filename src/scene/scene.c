@@ -1,0 +1,116 @@
+#include "scene/scene.h"
+
+#include "scene/builtin.h"
+
+#include <stdio.h>
+#include <string.h>
+
+void rk_scene_free(rk_scene *scene)
+{
+    rk_mesh_free(&scene->mesh);
+    *scene = (rk_scene){0};
+}
+
+/* A scene that owns the mesh, without light and with the default camera. */
+static void take_over(rk_scene *scene, const char *name, rk_mesh *mesh)
+{
+    *scene = (rk_scene){.mesh = *mesh, .camera = rk_camera_default()};
+    snprintf(scene->name, sizeof scene->name, "%s", name);
+    *mesh = (rk_mesh){0};
+}
+
+bool rk_scene_around(rk_scene *scene, const char *name, rk_mesh *mesh, rk_error *error)
+{
+    take_over(scene, name, mesh);
+    if (!rk_mesh_normalize(&scene->mesh, error)) {
+        rk_scene_free(scene);
+        return false;
+    }
+    /* Above the default camera and to its left, so that shading and shadows show the shape. */
+    scene->lights[0] = (rk_light){rk_vec(1.5f, 3, -2.5f), rk_vec(1, 1, 1)};
+    scene->light_count = 1;
+    return true;
+}
+
+typedef struct builtin {
+    const char *name;
+    bool (*make)(rk_mesh *mesh, uint32_t number, rk_error *error);
+    void (*arrange)(rk_scene *scene);                       /* NULL: as rk_scene_around does */
+    uint32_t lowest_number, default_number, highest_number; /* 0: takes no number */
+} builtin;
+
+static const builtin builtins[] = {
+    {"triangle", rk_mesh_make_triangle, NULL, 0, 0, 0},
+    {"cube", rk_mesh_make_cube, NULL, 0, 0, 0},
+    {"cornell", rk_mesh_make_cornell, rk_scene_arrange_cornell, 0, 0, 0},
+    {"sphere", rk_mesh_make_sphere, NULL, 1, 1280, 100000000},
+    /* One square a patch would leave the spout's lip without area. */
+    {"teapot", rk_mesh_make_teapot, NULL, 2, 16, 1000},
+    {"scan", rk_mesh_make_scan, NULL, 1, 87130, 100000000},
+};
+
+const char rk_scene_builtin_help[] =
+    "  triangle    a single triangle\n"
+    "  cube        12 triangles, each side in its own colour\n"
+    "  cornell     the Cornell box with a mirror, 32 triangles\n"
+    "  sphere:N    a sphere of at least N triangles (default 1280)\n"
+    "  teapot:N    the Utah teapot, each of its 32 patches as N x N squares (default 16)\n"
+    "  scan:N      a statue as from a scanner, of exactly N triangles (default 87130)\n";
+
+static const builtin *find_builtin(const char *name, size_t length)
+{
+    for (size_t i = 0; i < sizeof builtins / sizeof builtins[0]; i++)
+        if (strlen(builtins[i].name) == length && strncmp(builtins[i].name, name, length) == 0)
+            return &builtins[i];
+    return NULL;
+}
+
+/* Digits only, to the end, from lowest to highest. */
+static bool read_number(const char *digits, const builtin *entry, uint32_t *number)
+{
+    uint64_t value = 0;
+    const char *c = digits;
+    for (; *c >= '0' && *c <= '9' && value <= entry->highest_number; c++)
+        value = 10 * value + (uint64_t)(*c - '0');
+    *number = (uint32_t)value;
+    return c > digits && *c == '\0' && value >= entry->lowest_number &&
+           value <= entry->highest_number;
+}
+
+static const char list_of_names[] = "triangle, cube, cornell, sphere:N, teapot:N, scan:N";
+
+static bool parse_name(const char *name, const builtin **entry, uint32_t *number, rk_error *error)
+{
+    const char *colon = strchr(name, ':');
+    *entry = find_builtin(name, colon ? (size_t)(colon - name) : strlen(name));
+    if (!*entry)
+        return rk_fail(error, "%s: there is no such built-in scene: choose one of %s", name,
+                       list_of_names);
+    *number = (*entry)->default_number;
+    if (!colon || ((*entry)->highest_number > 0 && read_number(colon + 1, *entry, number)))
+        return true;
+    if ((*entry)->highest_number == 0)
+        return rk_fail(error, "%s: %s takes no number: the built-in scenes are %s", name,
+                       (*entry)->name, list_of_names);
+    return rk_fail(
+        error,
+        "%s: after the colon stands a whole number from %u to %u, as in %s:%u: the built-in "
+        "scenes are %s",
+        name, (*entry)->lowest_number, (*entry)->highest_number, (*entry)->name,
+        (*entry)->default_number, list_of_names);
+}
+
+bool rk_scene_builtin(rk_scene *scene, const char *name, rk_error *error)
+{
+    const builtin *entry;
+    uint32_t number = 0;
+    rk_mesh mesh;
+    *scene = (rk_scene){0};
+    if (!parse_name(name, &entry, &number, error) || !entry->make(&mesh, number, error))
+        return false;
+    if (!entry->arrange)
+        return rk_scene_around(scene, name, &mesh, error);
+    take_over(scene, name, &mesh);
+    entry->arrange(scene);
+    return true;
+}

@@ -1,0 +1,125 @@
+/* The simplest scenes: a triangle, a cube, a sphere. */
+#include "scene/builtin.h"
+
+#include <string.h>
+
+bool rk_mesh_make_triangle(rk_mesh *mesh, uint32_t number, rk_error *error)
+{
+    (void)number;
+    if (!rk_mesh_init(mesh, 3, 1, 1, 0, error))
+        return false;
+    /* Equilateral, and facing the default camera, which looks along +z. */
+    const float half_root_3 = 0.8660254f;
+    mesh->positions[0] = rk_vec(0, 1, 0);
+    mesh->positions[1] = rk_vec(-half_root_3, -0.5f, 0);
+    mesh->positions[2] = rk_vec(half_root_3, -0.5f, 0);
+    memcpy(mesh->triangles, (uint32_t[1][3]){{0, 2, 1}}, sizeof(uint32_t[1][3]));
+    mesh->materials[0].kd = rk_vec(0.8f, 0.5f, 0.2f);
+    return true;
+}
+
+/* Corner c is at x, y, z = -1 or 1 by its bits 0, 1, 2. The faces, in the order of the colours:
+ * -x +x -y +y -z +z; a positive face has the full colour of its axis, red, green or blue. */
+static const uint8_t cube_faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
+                                         {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
+
+static const rk_vec3 cube_colours[6] = {{0.8f, 0.5f, 0.45f}, {0.8f, 0.1f, 0.08f},
+                                        {0.5f, 0.7f, 0.45f}, {0.15f, 0.6f, 0.1f},
+                                        {0.5f, 0.6f, 0.8f},  {0.1f, 0.2f, 0.75f}};
+
+bool rk_mesh_make_cube(rk_mesh *mesh, uint32_t number, rk_error *error)
+{
+    (void)number;
+    if (!rk_mesh_init(mesh, 8, 12, 6, 0, error))
+        return false;
+    for (int c = 0; c < 8; c++)
+        mesh->positions[c] = rk_vec(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
+    for (int i = 0; i < 12; i++) {
+        const uint8_t *corner = cube_faces[i / 2];
+        mesh->triangles[i][0] = corner[0];
+        mesh->triangles[i][1] = corner[1 + i % 2];
+        mesh->triangles[i][2] = corner[2 + i % 2];
+        mesh->triangle_materials[i] = (uint16_t)(i / 2);
+    }
+    for (int i = 0; i < 6; i++)
+        mesh->materials[i].kd = cube_colours[i];
+    return true;
+}
+
+/* --- sphere: an icosahedron whose edges are cut into f parts, blown up -------------------------
+ */
+
+/* Corners of the icosahedron of radius 1 with poles on the y axis: two pentagons between them. */
+typedef struct corner {
+    double x, y, z;
+} corner;
+
+static corner pentagon_corner(uint32_t s, double y, double offset)
+{
+    double angle = 6.28318530717958647692 * (s + offset) / 5;
+    return (corner){2 / sqrt(5) * sin(angle), y, 2 / sqrt(5) * cos(angle)};
+}
+
+static corner low_corner(uint32_t s)
+{
+    return pentagon_corner(s, -1 / sqrt(5), 0);
+}
+
+static corner high_corner(uint32_t s)
+{
+    return pentagon_corner(s, 1 / sqrt(5), 0.5);
+}
+
+/* The point with the weights i, j, k on a face, moved out to the sphere. */
+static rk_vec3 face_point(corner a, uint32_t i, corner b, uint32_t j, corner c, uint32_t k)
+{
+    double x = a.x * i + b.x * j + c.x * k;
+    double y = a.y * i + b.y * j + c.y * k;
+    double z = a.z * i + b.z * j + c.z * k;
+    double length = sqrt(x * x + y * y + z * z);
+    return rk_vec((float)(x / length), (float)(y / length), (float)(z / length));
+}
+
+/* Vertex j of sector s (a fifth) of ring k: rings 0 to f widen from the lower pole, f to 2 f run
+ * up between the pentagons, 2 f to 3 f narrow to the upper pole. */
+static rk_vec3 sphere_point(uint32_t f, uint32_t k, uint32_t s, uint32_t j)
+{
+    const corner lowest = {0, -1, 0}, highest = {0, 1, 0};
+    if (k <= f)
+        return face_point(low_corner(s), k - j, low_corner(s + 1), j, lowest, f - k);
+    if (k >= 2 * f)
+        return face_point(high_corner(s), 3 * f - k - j, high_corner(s + 1), j, highest, k - 2 * f);
+    uint32_t up = k - f, down = f - up;
+    if (j <= down)
+        return face_point(low_corner(s), down - j, low_corner(s + 1), j, high_corner(s), up);
+    return face_point(low_corner(s + 1), down, high_corner(s), up - (j - down), high_corner(s + 1),
+                      j - down);
+}
+
+static uint32_t sphere_sector(uint32_t f, uint32_t k)
+{
+    return k <= f ? k : k <= 2 * f ? f : 3 * f - k;
+}
+
+bool rk_mesh_make_sphere(rk_mesh *mesh, uint32_t number, rk_error *error)
+{
+    uint32_t f = 1;
+    while (20 * f * f < number)
+        f++;
+    if (!rk_mesh_init(mesh, 10 * f * f + 2, 20 * f * f, 1, RK_MESH_NORMALS, error))
+        return false;
+    uint32_t(*row)[3] = mesh->triangles;
+    rk_ring below = {0, 0};
+    for (uint32_t k = 0; k <= 3 * f; k++) {
+        uint32_t sector = sphere_sector(f, k);
+        rk_ring ring = {below.first + below.count, sector ? 5 * sector : 1};
+        for (uint32_t i = 0; i < ring.count; i++)
+            mesh->positions[ring.first + i] =
+                sphere_point(f, k, sector ? i / sector : 0, sector ? i % sector : 0);
+        if (k > 0)
+            row = rk_ring_stitch(row, below, ring);
+        below = ring;
+    }
+    memcpy(mesh->normals, mesh->positions, mesh->vertex_count * sizeof *mesh->normals);
+    return true;
+}
