@@ -5,6 +5,8 @@
 #include "scene/bvh.h"
 #include "base/image.h"
 #include "base/parallel.h"
+#include "scene/camera.h"
 #include "scene/mesh.h"
+#include "scene/scene.h"
 
 #endif
