@@ -5,8 +5,7 @@
 #include "scene/builtin.h"
 #include "scene/scene.h"
 
-/* --- measures of a mesh ------------------------------------------------------------------------
- */
+/* --- measures of a mesh ---------------------------------------------------------------------- */
 
 static rk_scene make_scene(const char *name)
 {
@@ -149,8 +148,7 @@ static uint32_t *weld(const rk_mesh *mesh)
     return id;
 }
 
-/* --- all scenes --------------------------------------------------------------------------------
- */
+/* --- all scenes ------------------------------------------------------------------------------ */
 
 static const char *const names[] = {"triangle", "cube",     "cornell", "sphere",
                                     "teapot",   "teapot:3", "scan",    "scan:967"};
@@ -283,8 +281,7 @@ static void the_help_names_every_scene(void **state)
         rk_check(strstr(rk_scene_builtin_help, wanted[i]), "the help misses %s", wanted[i]);
 }
 
-/* --- simple shapes -----------------------------------------------------------------------------
- */
+/* --- simple shapes --------------------------------------------------------------------------- */
 
 static void the_triangle_faces_the_camera(void **state)
 {
@@ -348,8 +345,7 @@ static void sphere_triangles_are_the_icosahedrons_own(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* --- the Cornell box ---------------------------------------------------------------------------
- */
+/* --- the Cornell box ------------------------------------------------------------------------- */
 
 enum { white, red, green, lamp, mirror };
 
@@ -425,8 +421,7 @@ static void the_cornell_light_hangs_just_below_the_lamp(void **state)
     rk_scene_free(&scene);
 }
 
-/* --- the teapot --------------------------------------------------------------------------------
- */
+/* --- the teapot ------------------------------------------------------------------------------ */
 
 static rk_mesh make_teapot(uint32_t n)
 {
@@ -448,6 +443,31 @@ static void teapot_patches_share_their_borders_to_the_bit(void **state)
         free(id);
         rk_mesh_free(&mesh);
     }
+}
+
+static void the_teapots_patches_are_the_published_ones(void **state)
+{
+    (void)state;
+    /* Each base patch's middle, sum of w_i w_j P_ij with w = (1, 3, 3, 1) / 8 over the 16 control
+     * points that are published for it one by one: every one of them weighs in. */
+    static const struct {
+        uint32_t patch;
+        double middle[3];
+    } wanted[] = {
+        {2, {-0.99621875, 2.4984375, -0.99621875}}, {6, {-1.3090625, 1.621875, -1.3090625}},
+        {10, {-1.2425, 0.384375, -1.2425}},         {14, {-0.23103125, 2.98125, -0.23103125}},
+        {18, {-0.58575, 2.55, -0.58575}},           {22, {-0.91190625, 0.046875, -0.91190625}},
+        {24, {2.51875, 2.0953125, -0.225}},         {26, {2.634375, 1.25390625, -0.225}},
+        {28, {-2.5375, 1.621875, -0.34125}},        {30, {-3.1265625, 2.46679688, -0.15}},
+    };
+    rk_mesh mesh = make_teapot(2);
+    for (int i = 0; i < 10; i++) {
+        rk_vec3 got = mesh.positions[9 * wanted[i].patch + 4];
+        const float component[3] = {got.x, got.y, got.z};
+        for (int k = 0; k < 3; k++)
+            rk_check_close(component[k], wanted[i].middle[k], 1.5e-7, "rounded to float below 4");
+    }
+    rk_mesh_free(&mesh);
 }
 
 static void the_teapot_has_its_known_size(void **state)
@@ -563,8 +583,7 @@ static void no_teapot_triangle_is_flat(void **state)
     }
 }
 
-/* --- the scan ----------------------------------------------------------------------------------
- */
+/* --- the scan -------------------------------------------------------------------------------- */
 
 static const uint32_t scan_counts[] = {6, 7, 50, 100, 333, 500, 966, 967, 5000, 20001, 87130};
 
@@ -666,6 +685,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(cornell_walls_face_inwards_and_blocks_outwards),
     cmocka_unit_test(the_cornell_light_hangs_just_below_the_lamp),
     cmocka_unit_test(teapot_patches_share_their_borders_to_the_bit),
+    cmocka_unit_test(the_teapots_patches_are_the_published_ones),
     cmocka_unit_test(the_teapot_has_its_known_size),
     cmocka_unit_test(the_teapot_is_its_own_mirror_image_to_the_bit),
     cmocka_unit_test(the_teapot_faces_outwards),
