@@ -35,8 +35,8 @@ void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, 
     surface->face_normal = facing(normal, rk_negate(ray->direction));
     surface->normal = surface->face_normal;
     if (mesh->normals) {
-        rk_vec3 smooth = rk_normalize(weighted_sum(mesh->normals[corner[0]], mesh->normals[corner[1]],
-                                                   mesh->normals[corner[2]], weights));
+        rk_vec3 smooth = rk_normalize(weighted_sum(
+            mesh->normals[corner[0]], mesh->normals[corner[1]], mesh->normals[corner[2]], weights));
         if (rk_dot(smooth, smooth) > 0)
             surface->normal = facing(smooth, surface->face_normal);
     }
