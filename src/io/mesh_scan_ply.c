@@ -315,8 +315,10 @@ static bool scan_binary(const ply_scan *s, text_cursor *c, rk_error *error)
     return true;
 }
 
-bool rk_scan_ply(const char *path, const char *text, size_t size, rk_error *error)
+bool rk_scan_ply(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                 rk_error *error)
 {
+    hints->plain = true;
     ply_scan s = {.path = path};
     text_cursor c = text_begin(text, size);
     if (!read_header(&s, &c, error) || !check_header(&s, error))
