@@ -40,12 +40,13 @@ typedef struct ply_element {
 
 typedef struct ply_scan {
     const char *path;
-    enum { ASCII, LITTLE, BIG } encoding;
+    int encoding;
     int element_count;
     ply_element elements[max_elements];
     long long vertices;
 } ply_scan;
 
+enum { ASCII, LITTLE, BIG }; /* encodings, in the order of their names in read_format */
 static const char *const remedy = "export the mesh again";
 
 /* --- header -------------------------------------------------------------------------------- */
