@@ -4,8 +4,11 @@
 
 #include "scene/mesh.h"
 
-/* Reads and validates a mesh, polygons cut into triangles, all its parts merged. False with an
- * error that names the file and the place when it is missing, empty, truncated or malformed. */
+/* Reads and validates a mesh: polygons cut into triangles, points and lines dropped, all its parts
+ * merged, equal vertices joined, unused vertices and materials left out. Coordinates are the
+ * file's own; see rk_mesh_normalize. False with an error that names the file and the place (the
+ * line in OBJ, ASCII PLY and OFF) when it is missing, empty, truncated or malformed; the mesh is
+ * then empty. On success error->text is "" or a note worth printing, such as a missing MTL. */
 bool rk_mesh_read(rk_mesh *mesh, const char *path, rk_error *error);
 
 #endif

@@ -1,0 +1,58 @@
+/* What raykit-mesh writes to its standard output and rk_mesh_read takes from it: this header, then
+ * the arrays in the order below without gaps, in the machine's own byte order (both ends run on
+ * the same machine). */
+#ifndef RK_IO_MESH_STREAM_H
+#define RK_IO_MESH_STREAM_H
+
+#include "scene/mesh.h"
+
+#include <assert.h>
+#include <stdint.h>
+#include <string.h>
+
+#define RK_MESH_STREAM_MAGIC "RKMESH\n"
+enum { RK_MESH_STREAM_VERSION = 1 };
+
+typedef struct rk_mesh_stream_header {
+    char magic[8];
+    uint32_t version;
+    uint32_t flags; /* RK_MESH_NORMALS | RK_MESH_TEXCOORDS: which optional arrays follow */
+    uint32_t vertex_count, triangle_count, material_count;
+    uint32_t reserved; /* 0 */
+} rk_mesh_stream_header;
+static_assert(sizeof(rk_mesh_stream_header) == 32, "no padding");
+
+/* On the wire a material is these floats, whatever else rk_material may come to hold. */
+typedef struct rk_mesh_stream_material {
+    float kd[3], ks[3], shininess, alpha;
+} rk_mesh_stream_material;
+static_assert(sizeof(rk_mesh_stream_material) == 32, "no padding");
+static_assert(sizeof(rk_vec3) == 12 && sizeof(rk_vec2) == 8, "vectors travel as they are");
+
+/* Bytes of each array, in the order of the stream: 0 for an optional one that is absent. */
+typedef struct rk_mesh_stream_sizes {
+    uint64_t positions, normals, texcoords, triangles, triangle_materials, materials;
+} rk_mesh_stream_sizes;
+
+static inline rk_mesh_stream_sizes rk_mesh_stream_sizes_of(const rk_mesh_stream_header *header)
+{
+    uint64_t vertices = header->vertex_count, triangles = header->triangle_count;
+    return (rk_mesh_stream_sizes){
+        .positions = vertices * sizeof(rk_vec3),
+        .normals = header->flags & RK_MESH_NORMALS ? vertices * sizeof(rk_vec3) : 0,
+        .texcoords = header->flags & RK_MESH_TEXCOORDS ? vertices * sizeof(rk_vec2) : 0,
+        .triangles = triangles * sizeof(uint32_t[3]),
+        .triangle_materials = triangles * sizeof(uint16_t),
+        .materials = (uint64_t)header->material_count * sizeof(rk_mesh_stream_material),
+    };
+}
+
+/* The whole stream's bytes; cannot overflow, since each count is below 2^32. */
+static inline uint64_t rk_mesh_stream_size(const rk_mesh_stream_header *header)
+{
+    rk_mesh_stream_sizes s = rk_mesh_stream_sizes_of(header);
+    return sizeof *header + s.positions + s.normals + s.texcoords + s.triangles +
+           s.triangle_materials + s.materials;
+}
+
+#endif
