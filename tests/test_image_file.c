@@ -266,7 +266,7 @@ static void a_difference_of_one_channel_is_counted_by_hand(void **state)
     rk_image_free(&image);
 }
 
-static void a_viewer_sees_black_beside_white_but_not_a_thousandth(void **state)
+static void a_viewer_sees_stripes_on_grey_but_not_a_thousandth(void **state)
 {
     rk_image image = make_constant(32, 32, rk_vec(0.5f, 0.5f, 0.5f));
     test_path a = write_image(*state, "a.exr", &image);
@@ -546,7 +546,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(sixteen_bits_are_decoded_and_alpha_is_dropped),
     test_in_folder(a_photo_taken_sideways_is_turned_upright),
     test_in_folder(a_difference_of_one_channel_is_counted_by_hand),
-    test_in_folder(a_viewer_sees_black_beside_white_but_not_a_thousandth),
+    test_in_folder(a_viewer_sees_stripes_on_grey_but_not_a_thousandth),
     test_in_folder(equal_pictures_differ_by_nothing_in_any_format),
     test_in_folder(pictures_of_unequal_size_are_not_compared),
     test_in_folder(a_pixel_that_is_no_number_is_named),

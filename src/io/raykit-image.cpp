@@ -7,6 +7,7 @@
 //
 // Errors are one line on standard error that begins with the file's name, and exit status 1.
 #include "io/image_stream.h"
+#include "io/perceptual.h"
 
 #include <OpenImageIO/color.h>
 #include <OpenImageIO/imagebuf.h>
@@ -20,6 +21,7 @@
 #include <cstdlib>
 #include <cstring>
 #include <functional>
+#include <memory>
 #include <new>
 #include <stdexcept>
 #include <string>
@@ -28,9 +30,38 @@
 
 namespace {
 
+// Unlike a vector's, its values are not set to zero: a small file that claims to be a huge picture
+// is found out by its reader before the memory is ever touched.
+class Floats {
+  public:
+    explicit Floats(size_t wanted) : values(new float[wanted]), count(wanted)
+    {
+    }
+    float *data() const
+    {
+        return values.get();
+    }
+    size_t size() const
+    {
+        return count;
+    }
+    float *begin() const
+    {
+        return values.get();
+    }
+    float *end() const
+    {
+        return values.get() + count;
+    }
+
+  private:
+    std::unique_ptr<float[]> values;
+    size_t count;
+};
+
 struct Picture {
-    int width = 0, height = 0;
-    std::vector<float> rgb; // linear, row by row from the top
+    int width, height;
+    Floats rgb; // linear, row by row from the top
 };
 
 [[noreturn]] void fail(const std::string &path, const std::string &what)
@@ -98,7 +129,7 @@ std::function<float(double)> curve_of(const OIIO::ImageSpec &spec)
 }
 
 // By a table where there are fewer stored values than pixels.
-void make_linear(std::vector<float> &values, const OIIO::ImageSpec &spec)
+void make_linear(const Floats &values, const OIIO::ImageSpec &spec)
 {
     auto curve = curve_of(spec);
     if (!curve)
@@ -134,11 +165,19 @@ void turn_upright(Picture &picture, int orientation)
     OIIO::ImageBuf lying(spec, picture.rgb.data());
     lying.set_orientation(orientation);
     OIIO::ImageBuf upright = OIIO::ImageBufAlgo::reorient(lying);
-    std::vector<float> rgb(picture.rgb.size());
+    Floats rgb(picture.rgb.size());
     upright.get_pixels(OIIO::ROI(), OIIO::TypeDesc::FLOAT, rgb.data());
     picture.width = upright.spec().width;
     picture.height = upright.spec().height;
     picture.rgb = std::move(rgb);
+}
+
+Floats replicate(const Floats &grey)
+{
+    Floats rgb(grey.size() * 3);
+    for (size_t i = 0; i < rgb.size(); i++)
+        rgb.data()[i] = grey.data()[i / 3];
+    return rgb;
 }
 
 // The system's reason is better than OpenImageIO's.
@@ -166,20 +205,15 @@ Picture read_picture(const std::string &path)
     check_size(path, spec);
     Channels channels = colour_channels(path, spec);
     size_t pixels = size_t(spec.width) * size_t(spec.height);
-    std::vector<float> values(pixels * size_t(channels.count));
+    Floats values(pixels * size_t(channels.count));
     // Some readers fill what is missing with grey and count it as success, but say what was wrong.
     if (!input->read_image(0, 0, channels.first, channels.first + channels.count,
                            OIIO::TypeDesc::FLOAT, values.data()) ||
         input->has_error())
         fail(path, "is damaged: " + first_line(input->geterror()) + "; save or download it again");
     make_linear(values, spec);
-    Picture picture{spec.width, spec.height, std::move(values)};
-    if (channels.count == 1) {
-        std::vector<float> grey = std::move(picture.rgb);
-        picture.rgb.resize(pixels * 3);
-        for (size_t i = 0; i < picture.rgb.size(); i++)
-            picture.rgb[i] = grey[i / 3];
-    }
+    Picture picture{spec.width, spec.height,
+                    channels.count == 3 ? std::move(values) : replicate(values)};
     turn_upright(picture, spec.get_int_attribute("Orientation", 1));
     return picture;
 }
@@ -214,8 +248,8 @@ Picture receive()
     const uint32_t most = RK_IMAGE_STREAM_SIDE_MAX;
     if (head.width < 1 || head.height < 1 || head.width > most || head.height > most)
         fail(source, "each side of a picture must be 1 to " + std::to_string(most) + " pixels");
-    Picture picture{int(head.width), int(head.height), {}};
-    picture.rgb.resize(size_t(head.width) * head.height * 3);
+    Picture picture{int(head.width), int(head.height),
+                    Floats(size_t(head.width) * head.height * 3)};
     if (std::fread(picture.rgb.data(), sizeof(float), picture.rgb.size(), stdin) !=
             picture.rgb.size() ||
         std::fgetc(stdin) != EOF)
@@ -313,11 +347,10 @@ void compare(const std::string &path_a, const std::string &path_b)
                          ": only pictures of equal size can be compared");
     OIIO::ImageBuf buffer_a = wrap(a), buffer_b = wrap(b);
     auto result = OIIO::ImageBufAlgo::compare(buffer_a, buffer_b, 0, 0);
-    OIIO::ImageBufAlgo::CompareResults yee;
-    int seen = OIIO::ImageBufAlgo::compare_Yee(buffer_a, buffer_b, yee);
+    size_t seen = count_seen(a.rgb.data(), b.rgb.data(), size_t(a.width), size_t(a.height));
     // OpenImageIO's own PSNR takes the brightest value of the two pictures as its peak.
-    double psnr = -20 * std::log10(result.rms_error);
-    std::printf("%.17g %.17g %.17g %d %d %d\n", result.rms_error, psnr, result.maxerror,
+    double psnr = 20 * std::log10(1 / result.rms_error);
+    std::printf("%.17g %.17g %.17g %d %d %zu\n", result.rms_error, psnr, result.maxerror,
                 result.maxx, result.maxy, seen);
 }
 
