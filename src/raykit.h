@@ -2,9 +2,11 @@
 #ifndef RAYKIT_H
 #define RAYKIT_H
 
-#include "scene/bvh.h"
 #include "base/image.h"
 #include "base/parallel.h"
+#include "scene/bvh.h"
+#include "scene/camera.h"
 #include "scene/mesh.h"
+#include "scene/scene.h"
 
 #endif

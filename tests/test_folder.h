@@ -3,11 +3,14 @@
 #ifndef RK_TESTS_TEST_FOLDER_H
 #define RK_TESTS_TEST_FOLDER_H
 
+#include "test.h"
+
 #include <dirent.h>
 #include <stdbool.h>
 #include <stddef.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -48,13 +51,18 @@ static inline test_path test_folder_write(const test_folder *folder, const char 
     return path;
 }
 
-/* Files and empty folders directly in it are removed, then the folder. */
+/* Removes the folder with all that is in it. */
 static inline void test_folder_remove(const test_folder *folder)
 {
     DIR *directory = opendir(folder->path);
-    for (struct dirent *entry; directory && (entry = readdir(directory));)
-        if (entry->d_name[0] != '.')
-            remove(test_folder_path(folder, entry->d_name).text);
+    for (struct dirent *entry; directory && (entry = readdir(directory));) {
+        if (strcmp(entry->d_name, ".") == 0 || strcmp(entry->d_name, "..") == 0)
+            continue;
+        test_folder below;
+        snprintf(below.path, sizeof below.path, "%.250s/%.250s", folder->path, entry->d_name);
+        if (unlink(below.path) != 0)
+            test_folder_remove(&below);
+    }
     if (directory)
         closedir(directory);
     rmdir(folder->path);
@@ -87,6 +95,25 @@ static inline unsigned char *test_folder_read(test_path path, size_t *size)
     }
     fclose(file);
     return bytes;
+}
+
+/* Makes a file of the text. */
+static inline void test_file_put(const char *path, const char *text)
+{
+    FILE *file = fopen(path, "wb");
+    rk_check(file && fputs(text, file) >= 0 && fclose(file) == 0, "%s cannot be made", path);
+}
+
+/* The file holds the text and nothing else. */
+static inline void test_file_check(const char *path, const char *want)
+{
+    char got[4096] = "";
+    FILE *file = fopen(path, "rb");
+    rk_check(file, "%s should exist", path);
+    size_t size = fread(got, 1, sizeof got - 1, file);
+    fclose(file);
+    rk_check(size == strlen(want) && memcmp(got, want, size) == 0,
+             "%s holds\n%s\nbut should hold\n%s", path, got, want);
 }
 
 /* A folder for one test, which finds it as a test_folder * in its state: removed even when the

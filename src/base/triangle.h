@@ -19,8 +19,10 @@ typedef struct rk_triangle {
 /* The shared part of both tests: true if the ray crosses the triangle at a t that is positive and
  * finite. Divides only when the line's crossing is certain. Edge-on (det = 0) and NaN miss. A
  * product of three lengths is formed: between 2^-126 and 2^127 scaling a scene by a power of two
- * changes no bit of t, u and v; beyond, underflow and overflow may lose a hit, never invent one. */
-__attribute__((always_inline)) static inline bool rk_triangle_cross(const rk_triangle *triangle, const rk_ray *ray, rk_hit *cross)
+ * changes no bit of t, u and v (so from 1e-11 to 1e11 around a unit scene). What is larger
+ * overflows into a miss; what is smaller underflows into one, or its edges blur before. */
+__attribute__((always_inline)) static inline bool
+rk_triangle_cross(const rk_triangle *triangle, const rk_ray *ray, rk_hit *cross)
 {
     rk_vec3 p = rk_cross(ray->direction, triangle->edge_ac);
     float det = rk_dot(triangle->edge_ab, p);

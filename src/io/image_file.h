@@ -4,10 +4,13 @@
 
 #include "base/image.h"
 
-/* Reads JPG, PNG, EXR, HDR, TIFF and what else OpenImageIO knows, to linear RGB. */
+/* Reads JPG, PNG, EXR, HDR, TIFF and what else OpenImageIO knows, to linear RGB: integers are
+ * sRGB-encoded and floats linear unless the file says otherwise, grey is replicated, alpha dropped,
+ * a photo turned upright. A pixel that is NaN or infinite is an error that names its x and y. */
 bool rk_image_read(rk_image *image, const char *path, rk_error *error);
 
-/* Writes .png (8 bits, sRGB-encoded) or .exr (32-bit float, linear), by the file's ending. */
+/* Writes .png (8 bits, sRGB-encoded) or .exr (32-bit float, linear, NaN and infinity kept for who
+ * looks for them), by the ending. Equal pictures give equal files; whole or not at all. */
 bool rk_image_write(const char *path, const rk_image *image, rk_error *error);
 
 typedef struct rk_image_difference {
@@ -15,10 +18,11 @@ typedef struct rk_image_difference {
     double psnr;    /* decibels, for a peak of 1; infinite for equal pictures */
     double maximum; /* largest absolute difference of a channel */
     double max_x, max_y;
-    double perceptual; /* pixels in which a viewer would see a difference (Yee 2004) */
+    double perceptual; /* pixels in which a viewer would see a difference (Yee 2004): 45 degrees
+                          wide, white at 100 cd/m^2 */
 } rk_image_difference;
 
-/* Compares two files of equal size. */
+/* Compares two files of equal size, PNG too, by their linear values. Needs the helper program. */
 bool rk_image_compare(rk_image_difference *difference, const char *path_a, const char *path_b,
                       rk_error *error);
 

@@ -18,6 +18,9 @@ static bool check_header(const rk_mesh_stream_header *header, size_t size, const
                        "%s: raykit-mesh answers in another version's format: run make, or install "
                        "raykit again",
                        path);
+    if (header->material_count > UINT16_MAX)
+        return rk_fail(error, "%s: uses %u materials, more than %d: merge those that are alike",
+                       path, header->material_count, UINT16_MAX);
     if (rk_mesh_stream_size(header) != size)
         return rk_fail(error, "%s: raykit-mesh answers %zu bytes where its counts make %llu", path,
                        size, (unsigned long long)rk_mesh_stream_size(header));

@@ -7,7 +7,7 @@
 #include <stdlib.h>
 #include <string.h>
 
-enum { most_materials = 65535, deepest_node = 1000 };
+enum { most_materials = UINT16_MAX, deepest_node = 1000 };
 
 /* Row-major 3 x 4: a point's place in the world. */
 typedef struct placement {
@@ -18,6 +18,7 @@ typedef struct placement {
 typedef struct gather {
     const char *path;
     const struct aiScene *scene;
+    bool plain;
     bool any_normals, any_texcoords;
     rk_vertex_pool pool;
     uint32_t (*triangles)[3];
@@ -240,8 +241,8 @@ static bool check_face(const gather *g, const part *p, uint32_t number, rk_error
 
 static bool find_material(gather *g, part *p, rk_error *error)
 {
-    uint32_t source = p->mesh->mMaterialIndex;
-    if (source >= g->scene->mNumMaterials)
+    uint32_t source = g->plain ? 0 : p->mesh->mMaterialIndex;
+    if (source >= g->scene->mNumMaterials && !g->plain)
         return rk_fail(error, "%s: part \"%.100s\" uses material %u, but the file has %u: %s",
                        g->path, p->mesh->mName.data, source, g->scene->mNumMaterials, remedy);
     if (g->material_numbers[source] == 0) {
@@ -330,14 +331,15 @@ static bool finish(gather *g, rk_mesh *mesh, rk_error *error)
     memcpy(mesh->triangles, g->triangles, g->triangle_count * sizeof *g->triangles);
     memcpy(mesh->triangle_materials, g->triangle_materials,
            g->triangle_count * sizeof *g->triangle_materials);
-    for (uint32_t i = 0; i < mesh->material_count; i++)
+    for (uint32_t i = 0; i < mesh->material_count && !g->plain; i++)
         mesh->materials[i] = rk_mesh_material(g->scene->mMaterials[g->material_sources[i]]);
     return true;
 }
 
-bool rk_mesh_gather(rk_mesh *mesh, const struct aiScene *scene, const char *path, rk_error *error)
+bool rk_mesh_gather(rk_mesh *mesh, const struct aiScene *scene, bool plain, const char *path,
+                    rk_error *error)
 {
-    gather g = {.path = path, .scene = scene, .pool.name = path};
+    gather g = {.path = path, .scene = scene, .plain = plain, .pool.name = path};
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
         g.any_normals |= scene->mMeshes[i]->mNormals != NULL;
         g.any_texcoords |= scene->mMeshes[i]->mTextureCoords[0] != NULL;

@@ -8,8 +8,10 @@
 
 /* Every part at every place where the scene's tree of nodes puts it, with that node's transform;
  * polygons cut, points and lines dropped, equal vertices joined, unused ones and unused materials
- * left out. A part without normals gets its faces' own when another part has some. False with an
- * error that begins with `path` and names the part. */
-bool rk_mesh_gather(rk_mesh *mesh, const struct aiScene *scene, const char *path, rk_error *error);
+ * left out. A part without normals gets its faces' own when another part has some. `plain`: give
+ * every surface the one default material. False with an error that begins with `path` and names the
+ * part. */
+bool rk_mesh_gather(rk_mesh *mesh, const struct aiScene *scene, bool plain, const char *path,
+                    rk_error *error);
 
 #endif

@@ -133,7 +133,8 @@ static bool library_is_there(const obj_scan *s)
     return access(path, R_OK) == 0;
 }
 
-bool rk_scan_obj(const char *path, const char *text, size_t size, rk_error *note, rk_error *error)
+bool rk_scan_obj(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                 rk_error *error)
 {
     obj_scan s = {.path = path};
     text_cursor c = text_begin(text, size);
@@ -148,8 +149,10 @@ bool rk_scan_obj(const char *path, const char *text, size_t size, rk_error *note
     if (s.faces == 0)
         return rk_fail(error, "%s: has no face in its %zu lines: is it an OBJ file with f lines?",
                        path, c.line);
-    if (s.library[0] && !library_is_there(&s))
-        rk_fail(note, "%s:%zu: the material file %s is missing: its surfaces are plain grey", path,
+    hints->plain = !s.library[0] || !library_is_there(&s);
+    if (s.library[0] && hints->plain)
+        rk_fail(&hints->note,
+                "%s:%zu: the material file %s is missing: all surfaces are plain grey", path,
                 s.library_line, s.library);
     return true;
 }

@@ -54,8 +54,10 @@ static bool scan_face(const char *path, text_cursor *c, long long vertices, rk_e
     return true;
 }
 
-bool rk_scan_off(const char *path, const char *text, size_t size, rk_error *error)
+bool rk_scan_off(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                 rk_error *error)
 {
+    hints->plain = true;
     text_cursor c = text_begin(text, size);
     char word[16] = "";
     size_t length =

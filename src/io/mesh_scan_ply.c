@@ -40,12 +40,13 @@ typedef struct ply_element {
 
 typedef struct ply_scan {
     const char *path;
-    enum { ASCII, LITTLE, BIG } encoding;
+    int encoding;
     int element_count;
     ply_element elements[max_elements];
     long long vertices;
 } ply_scan;
 
+enum { ASCII, LITTLE, BIG }; /* encodings, in the order of their names in read_format */
 static const char *const remedy = "export the mesh again";
 
 /* --- header -------------------------------------------------------------------------------- */
@@ -315,8 +316,10 @@ static bool scan_binary(const ply_scan *s, text_cursor *c, rk_error *error)
     return true;
 }
 
-bool rk_scan_ply(const char *path, const char *text, size_t size, rk_error *error)
+bool rk_scan_ply(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                 rk_error *error)
 {
+    hints->plain = true;
     ply_scan s = {.path = path};
     text_cursor c = text_begin(text, size);
     if (!read_header(&s, &c, error) || !check_header(&s, error))

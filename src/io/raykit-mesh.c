@@ -60,16 +60,16 @@ static bool write_mesh(const rk_mesh *mesh, rk_error *error)
 }
 
 /* No post-processing: Assimp's triangulation aborts on some broken files, its joining is slow. */
-static bool convert(const char *path, rk_error *note, rk_error *error)
+static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
 {
-    if (!rk_mesh_scan(path, note, error))
+    if (!rk_mesh_scan(path, hints, error))
         return false;
     const struct aiScene *scene = aiImportFile(path, 0);
     if (!scene)
         return rk_fail(error, "%s: Assimp cannot read it: %s", path, aiGetErrorString());
     rk_mesh mesh = {0};
-    bool ok = rk_mesh_gather(&mesh, scene, path, error) && rk_mesh_validate(&mesh, path, error) &&
-              write_mesh(&mesh, error);
+    bool ok = rk_mesh_gather(&mesh, scene, hints->plain, path, error) &&
+              rk_mesh_validate(&mesh, path, error) && write_mesh(&mesh, error);
     rk_mesh_free(&mesh);
     aiReleaseImport(scene);
     return ok;
@@ -82,9 +82,10 @@ int main(int argc, char **argv)
               stderr);
         return EXIT_FAILURE;
     }
-    rk_error note = {0}, error = {0};
-    bool ok = convert(argv[1], &note, &error);
-    const char *text = ok ? note.text : error.text;
+    rk_mesh_hints hints;
+    rk_error error = {0};
+    bool ok = convert(argv[1], &hints, &error);
+    const char *text = ok ? hints.note.text : error.text;
     if (*text)
         fprintf(stderr, "%s\n", text);
     return ok ? EXIT_SUCCESS : EXIT_FAILURE;

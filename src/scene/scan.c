@@ -12,8 +12,7 @@
 
 #include <stdlib.h>
 
-/* --- dealing out rings and vertices ------------------------------------------------------------
- */
+/* --- dealing out rings and vertices ---------------------------------------------------------- */
 
 /* A ring of the plan: a place on a part, and how many vertices it gets. */
 typedef struct plan_ring {
@@ -95,8 +94,7 @@ static bool make_plan(plan *p, uint32_t vertices, rk_error *error)
     return true;
 }
 
-/* --- filling the mesh --------------------------------------------------------------------------
- */
+/* --- filling the mesh ------------------------------------------------------------------------ */
 
 /* A part's rings with a pole before and behind; returns the vertex after its last. */
 static uint32_t put_part(rk_mesh *mesh, const plan *p, const plan_ring *rings, uint32_t count,

@@ -1,7 +1,9 @@
+/* The statue's smooth tubes: where a part's spine runs, how long and wide it is, and the points of
+ * a ring around it. Source of the spline: de Boor, "A practical guide to splines", 1978 (uniform
+ * cubic case). */
 #include "scene/scan_parts.h"
 
-/* --- arithmetic --------------------------------------------------------------------------------
- */
+/* --- arithmetic ------------------------------------------------------------------------------ */
 
 typedef rk_scan_vec vec;
 
@@ -41,8 +43,7 @@ static void sine_cosine(double turns, double *sine, double *cosine)
         *cosine = -*cosine;
 }
 
-/* --- the spine ---------------------------------------------------------------------------------
- */
+/* --- the spine ------------------------------------------------------------------------------- */
 
 /* The spine's place and direction at a key, and the oval's radii. */
 typedef struct section {
@@ -145,8 +146,7 @@ void rk_scan_locate(const rk_scan_part *part, double fraction, double *at, doubl
     *girth = oval_girth(here.wide * closed, here.thin * closed);
 }
 
-/* --- points ------------------------------------------------------------------------------------
- */
+/* --- points ---------------------------------------------------------------------------------- */
 
 /* In picture coordinates x grows to the right and z to the viewer; half a turn about y makes them
  * the world's. */

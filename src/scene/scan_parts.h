@@ -11,8 +11,7 @@ typedef struct rk_scan_vec {
     double x, y, z;
 } rk_scan_vec;
 
-/* --- scan_shapes.c: the table of parts ---------------------------------------------------------
- */
+/* --- scan_shapes.c: the table of parts ------------------------------------------------------- */
 
 enum { RK_SCAN_PARTS = 24, RK_SCAN_MATERIALS = 3, RK_SCAN_KEYS_MAX = 20 };
 
@@ -39,16 +38,14 @@ typedef struct rk_scan_shape {
 extern const rk_scan_shape rk_scan_shapes[RK_SCAN_PARTS];
 extern const rk_vec3 rk_scan_colours[RK_SCAN_MATERIALS];
 
-/* --- scan_relief.c -----------------------------------------------------------------------------
- */
+/* --- scan_relief.c --------------------------------------------------------------------------- */
 
 /* How far the surface stands out at a point of the smooth oval: `key` and `turns` say where on the
  * part it is, along the spine and around it. */
 double rk_scan_relief_at(rk_scan_relief kind, rk_scan_vec p, double key, double turns,
                          double radius);
 
-/* --- scan_parts.c ------------------------------------------------------------------------------
- */
+/* --- scan_parts.c ---------------------------------------------------------------------------- */
 
 enum { RK_SCAN_STEPS = 400 }; /* of a part's measure */
 

@@ -1,3 +1,4 @@
+/* What the statue is made of. The body comes first: it stays at any size. */
 #include "scene/scan_parts.h"
 
 enum { ochre, coral_red, stone };

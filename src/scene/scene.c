@@ -44,7 +44,8 @@ static const builtin builtins[] = {
     {"cube", rk_mesh_make_cube, NULL, 0, 0, 0},
     {"cornell", rk_mesh_make_cornell, rk_scene_arrange_cornell, 0, 0, 0},
     {"sphere", rk_mesh_make_sphere, NULL, 1, 1280, 100000000},
-    {"teapot", rk_mesh_make_teapot, NULL, 1, 16, 1000},
+    /* One square a patch would leave the spout's lip without area. */
+    {"teapot", rk_mesh_make_teapot, NULL, 2, 16, 1000},
     {"scan", rk_mesh_make_scan, NULL, 1, 87130, 100000000},
 };
 

@@ -46,8 +46,7 @@ bool rk_mesh_make_cube(rk_mesh *mesh, uint32_t number, rk_error *error)
     return true;
 }
 
-/* --- sphere: an icosahedron whose edges are cut into f parts, blown up -------------------------
- */
+/* --- sphere: an icosahedron whose edges are cut into f parts, blown up ----------------------- */
 
 /* Corners of the icosahedron of radius 1 with poles on the y axis: two pentagons between them. */
 typedef struct corner {

@@ -144,7 +144,7 @@ static point on_patch(const patch *p, const double along_u[4], const double alon
 static bool is_pole(const patch *p, int v)
 {
     const point *row = p->rows[v];
-    return row[0].x == row[3].x && row[0].z == row[3].z;
+    return row[0].x == row[3].x && row[0].y == row[3].y && row[0].z == row[3].z;
 }
 
 /* At a pole the tangent along u vanishes; its direction tends to that of the next row. */

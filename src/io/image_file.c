@@ -1,0 +1,163 @@
+/* Pictures in any format: PNG here, all else through raykit-image, whose answers are checked before
+ * they are believed. */
+#include "io/image_file.h"
+
+#include "io/helper.h"
+#include "io/image_stream.h"
+#include "io/png.h"
+
+#include <locale.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+_Static_assert((int)RK_IMAGE_STREAM_SIDE_MAX == (int)RK_IMAGE_SIDE_MAX,
+               "library and helper agree on the largest picture");
+_Static_assert(sizeof(rk_vec3) == 3 * sizeof(float), "pixels are sent as they lie in memory");
+
+typedef rk_image_stream_head head;
+
+enum { comparison_max = 400 }; /* bytes: six numbers of up to 25 characters, with room */
+
+static bool has_ending(const char *path, const char *ending)
+{
+    size_t length = strlen(path), end = strlen(ending);
+    return length > end && strcasecmp(path + length - end, ending) == 0;
+}
+
+static rk_helper_call make_call(const char *path, const char *const *arguments, size_t output_max)
+{
+    return (rk_helper_call){.program = "raykit-image",
+                            .package = "libopenimageio-dev",
+                            .subject = path,
+                            .arguments = arguments,
+                            .output_max = output_max};
+}
+
+/* --- reading --------------------------------------------------------------------------------- */
+
+static bool fail_reply(const char *path, rk_error *error)
+{
+    return rk_fail(error,
+                   "%s: raykit-image gave an answer that makes no sense: it is of another version "
+                   "than this library; run make again",
+                   path);
+}
+
+static bool check_finite(const rk_image *image, const char *path, rk_error *error)
+{
+    for (size_t i = 0; i < image->width * image->height; i++) {
+        rk_vec3 v = image->pixels[i];
+        if (!(isfinite(v.x) && isfinite(v.y) && isfinite(v.z)))
+            return rk_fail(error, "%s: the pixel at x %zu, y %zu is not a finite number; repair it",
+                           path, i % image->width, i / image->width);
+    }
+    return true;
+}
+
+static bool unpack(rk_image *image, const unsigned char *reply, size_t size, const char *path,
+                   rk_error *error)
+{
+    head h;
+    if (size < sizeof h)
+        return fail_reply(path, error);
+    memcpy(&h, reply, sizeof h);
+    if (h.magic != RK_IMAGE_STREAM_MAGIC || h.version != RK_IMAGE_STREAM_VERSION || h.width < 1 ||
+        h.height < 1 || h.width > RK_IMAGE_SIDE_MAX || h.height > RK_IMAGE_SIDE_MAX ||
+        (size - sizeof h) / sizeof(rk_vec3) != (size_t)h.width * h.height ||
+        (size - sizeof h) % sizeof(rk_vec3) != 0)
+        return fail_reply(path, error);
+    if (!rk_image_init(image, h.width, h.height, error))
+        return false;
+    memcpy(image->pixels, reply + sizeof h, size - sizeof h);
+    if (check_finite(image, path, error))
+        return true;
+    rk_image_free(image);
+    return false;
+}
+
+bool rk_image_read(rk_image *image, const char *path, rk_error *error)
+{
+    *image = (rk_image){0};
+    if (has_ending(path, ".png"))
+        return rk_png_read(image, path, error);
+    size_t most = sizeof(head) + sizeof(rk_vec3) * RK_IMAGE_SIDE_MAX * RK_IMAGE_SIDE_MAX;
+    rk_helper_call call = make_call(path, (const char *[]){"read", path, NULL}, most);
+    unsigned char *reply;
+    size_t size;
+    if (!rk_helper_run(&call, &reply, &size, error))
+        return false;
+    bool ok = unpack(image, reply, size, path, error);
+    free(reply);
+    return ok;
+}
+
+/* --- writing --------------------------------------------------------------------------------- */
+
+static bool write_exr(const char *path, const rk_image *image, rk_error *error)
+{
+    size_t bytes = image->width * image->height * sizeof *image->pixels;
+    unsigned char *input = rk_allocate(sizeof(head) + bytes, 1, path, error);
+    if (!input)
+        return false;
+    head h = {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION, (uint32_t)image->width,
+              (uint32_t)image->height};
+    memcpy(input, &h, sizeof h);
+    memcpy(input + sizeof h, image->pixels, bytes);
+    rk_helper_call call = make_call(path, (const char *[]){"write", path, NULL}, 0);
+    call.input = input;
+    call.input_size = sizeof h + bytes;
+    unsigned char *reply;
+    size_t size;
+    bool ok = rk_helper_run(&call, &reply, &size, error);
+    free(input);
+    if (ok)
+        free(reply);
+    return ok;
+}
+
+bool rk_image_write(const char *path, const rk_image *image, rk_error *error)
+{
+    if (has_ending(path, ".png"))
+        return rk_png_write(path, image, NULL, 0, error);
+    if (has_ending(path, ".exr"))
+        return write_exr(path, image, error);
+    return rk_fail(error, "%s: pictures are written as .png or .exr; give it one of these endings",
+                   path);
+}
+
+/* --- comparing ------------------------------------------------------------------------------- */
+
+/* Numbers are written with a point, whatever the caller's locale takes for one. */
+static bool parse_numbers(const char *text, rk_image_difference *d)
+{
+    locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
+    if (plain == (locale_t)0)
+        return false;
+    locale_t old = uselocale(plain);
+    int end = -1;
+    int count = sscanf(text, "%lf %lf %lf %lf %lf %lf %n", &d->rms, &d->psnr, &d->maximum,
+                       &d->max_x, &d->max_y, &d->perceptual, &end);
+    uselocale(old);
+    freelocale(plain);
+    return count == 6 && end >= 0 && text[end] == '\0' && d->rms >= 0 && !isnan(d->psnr) &&
+           d->maximum >= 0 && d->max_x >= 0 && d->max_y >= 0 && d->perceptual >= 0;
+}
+
+bool rk_image_compare(rk_image_difference *difference, const char *path_a, const char *path_b,
+                      rk_error *error)
+{
+    *difference = (rk_image_difference){0};
+    rk_helper_call call =
+        make_call(path_a, (const char *[]){"compare", path_a, path_b, NULL}, comparison_max);
+    unsigned char *reply;
+    size_t size;
+    if (!rk_helper_run(&call, &reply, &size, error))
+        return false;
+    char text[comparison_max + 1] = "";
+    if (size)
+        memcpy(text, reply, size);
+    free(reply);
+    return parse_numbers(text, difference) || fail_reply(path_a, error);
+}

@@ -1,0 +1,177 @@
+/* Files appear whole or not at all, and never leave anything else behind. */
+#include "test.h"
+#include "test_folder.h"
+#include "test_full_disk.h"
+
+#include "base/file.h"
+
+static rk_file begin(const char *path)
+{
+    rk_file file;
+    rk_error error;
+    rk_check_ok(rk_file_begin(&file, path, &error), error);
+    return file;
+}
+
+static void a_committed_file_holds_what_was_written(void **state)
+{
+    const test_folder *folder = *state;
+    rk_error error;
+    test_path path = test_folder_path(folder, "new.txt");
+    rk_file file = begin(path.text);
+    fputs("one\ntwo\r\n", file.stream);
+    rk_check_ok(rk_file_commit(&file, &error), error);
+    test_file_check(path.text, "one\ntwo\r\n");
+    rk_check(file.stream == NULL, "a committed file is closed");
+    rk_check_equal(test_folder_count(folder), 1, "the temporary file is gone");
+}
+
+static void an_older_file_stays_until_the_commit(void **state)
+{
+    const test_folder *folder = *state;
+    rk_error error;
+    test_path path = test_folder_path(folder, "old.txt");
+    test_file_put(path.text, "old");
+    rk_file file = begin(path.text);
+    fputs("new", file.stream);
+    fflush(file.stream);
+    test_file_check(path.text, "old");
+    rk_check_ok(rk_file_commit(&file, &error), error);
+    test_file_check(path.text, "new");
+}
+
+static void aborting_leaves_nothing_new(void **state)
+{
+    const test_folder *folder = *state;
+    test_path path = test_folder_path(folder, "old.txt");
+    test_file_put(path.text, "old");
+    rk_file file = begin(path.text);
+    fputs("half", file.stream);
+    rk_file_abort(&file);
+    test_file_check(path.text, "old");
+    rk_check_equal(test_folder_count(folder), 1, "the temporary file is gone");
+    rk_file_abort(&file);
+    rk_file_abort(&(rk_file){0});
+}
+
+static void check_refused(const char *path, const char *part)
+{
+    rk_file file;
+    rk_error error = {""};
+    rk_check(!rk_file_begin(&file, path, &error), "%.80s was opened", path);
+    rk_check(file.stream == NULL, "aborting a file that was refused is harmless");
+    rk_check_error_names(error, part);
+}
+
+static void places_that_cannot_be_written_are_refused_at_once(void **state)
+{
+    const test_folder *folder = *state;
+    check_refused(test_folder_path(folder, "missing/file.txt").text, "missing/file.txt");
+    check_refused(folder->path, "folder");
+    test_file_put(test_folder_path(folder, "file").text, "");
+    check_refused(test_folder_path(folder, "file/below").text, "Not a directory");
+    char endless[5000];
+    memset(endless, 'x', sizeof endless - 1);
+    endless[sizeof endless - 1] = '\0';
+    check_refused(endless, "longer");
+    rk_check_equal(test_folder_count(folder), 1, "nothing was made");
+}
+
+static void a_pipe_is_not_replaced_by_a_file(void **state)
+{
+    const test_folder *folder = *state;
+    test_path path = test_folder_path(folder, "pipe");
+    rk_check(mkfifo(path.text, 0600) == 0, "a pipe can be made");
+    check_refused(path.text, "pipe");
+    check_refused("/dev/null", "device");
+}
+
+static void a_full_disk_is_an_error_and_keeps_the_older_file(void **state)
+{
+    const test_folder *folder = *state;
+    test_path path = test_folder_path(folder, "old.txt");
+    test_file_put(path.text, "old");
+    /* A little waits in the stream's buffer and fails at the commit; a lot fails before. */
+    const int sizes[] = {100, 1000000};
+    for (int i = 0; i < 2; i++) {
+        rk_file file = begin(path.text);
+        rk_error error = {""};
+        fill_disk(64);
+        for (int k = 0; k < sizes[i]; k++)
+            putc('x', file.stream);
+        bool committed = rk_file_commit(&file, &error);
+        free_disk();
+        rk_check(!committed, "%d bytes were written to a disk of 64", sizes[i]);
+        rk_check_error_names(error, "old.txt");
+        test_file_check(path.text, "old");
+        rk_check_equal(test_folder_count(folder), 1, "the temporary file is gone");
+    }
+}
+
+static void a_lost_temporary_file_is_an_error(void **state)
+{
+    const test_folder *folder = *state;
+    rk_error error = {""};
+    test_path path = test_folder_path(folder, "new.txt");
+    rk_file file = begin(path.text);
+    unlink(file.temporary);
+    rk_check(!rk_file_commit(&file, &error), "there is nothing to rename");
+    rk_check_error_names(error, "No such file");
+}
+
+/* --- folders --------------------------------------------------------------------------------- */
+
+static void a_folder_is_made_with_its_parents(void **state)
+{
+    const test_folder *folder = *state;
+    rk_error error;
+    rk_check_ok(rk_make_folder(test_folder_path(folder, "a/b/c").text, &error), error);
+    rk_check(access(test_folder_path(folder, "a/b/c").text, W_OK | X_OK) == 0, "three new folders");
+    rk_check_ok(rk_make_folder(test_folder_path(folder, "a/b/c").text, &error), error);
+    rk_check_ok(rk_make_folder(test_folder_path(folder, "a//d/").text, &error), error);
+    rk_check(access(test_folder_path(folder, "a/d").text, W_OK | X_OK) == 0,
+             "doubled and last slashes are nothing");
+    rk_check_ok(rk_make_folder("/", &error), error);
+    rk_check_ok(rk_make_folder(".", &error), error);
+}
+
+static void a_file_in_the_way_of_a_folder_is_an_error(void **state)
+{
+    const test_folder *folder = *state;
+    test_file_put(test_folder_path(folder, "file").text, "");
+    const char *names[] = {"file", "file/below"};
+    for (int i = 0; i < 2; i++) {
+        rk_error error = {""};
+        rk_check(!rk_make_folder(test_folder_path(folder, names[i]).text, &error), "%s was made",
+                 names[i]);
+        rk_check_error_names(error, names[i]);
+        rk_check_error_names(error, "--out");
+    }
+}
+
+static void a_name_of_no_or_too_many_letters_is_no_folder(void **state)
+{
+    (void)state;
+    rk_error error = {""};
+    rk_check(!rk_make_folder("", &error), "an empty name was accepted");
+    char endless[5000];
+    memset(endless, '/', sizeof endless - 1);
+    endless[sizeof endless - 1] = '\0';
+    rk_check(!rk_make_folder(endless, &error), "a name of 4999 letters was accepted");
+    rk_check_error_names(error, "folder name");
+}
+
+static const struct CMUnitTest tests[] = {
+    test_in_folder(a_committed_file_holds_what_was_written),
+    test_in_folder(an_older_file_stays_until_the_commit),
+    test_in_folder(aborting_leaves_nothing_new),
+    test_in_folder(places_that_cannot_be_written_are_refused_at_once),
+    test_in_folder(a_pipe_is_not_replaced_by_a_file),
+    test_in_folder(a_full_disk_is_an_error_and_keeps_the_older_file),
+    test_in_folder(a_lost_temporary_file_is_an_error),
+    test_in_folder(a_folder_is_made_with_its_parents),
+    test_in_folder(a_file_in_the_way_of_a_folder_is_an_error),
+    cmocka_unit_test(a_name_of_no_or_too_many_letters_is_no_folder),
+};
+
+RK_SUITE("file", tests)

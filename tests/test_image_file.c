@@ -1,0 +1,567 @@
+/* Pictures in formats other than PNG, through the real helper and through false ones.
+ *
+ * Each start of the real helper loads OpenImageIO with its 260 libraries, a quarter of a second, so
+ * a test starts it as few times as its claim allows. */
+#include "test.h"
+#include "test_folder.h"
+
+#include "base/random.h"
+#include "io/helper.h"
+#include "io/image_file.h"
+#include "io/image_stream.h"
+
+#include <time.h>
+
+/* Stands in for the archive's own, so that a test can take the helper away. */
+static const char *helper_folder = RK_BUILD_FOLDER;
+
+const char *rk_helper_folder(void)
+{
+    return helper_folder;
+}
+
+static rk_image make_noise(size_t width, size_t height)
+{
+    rk_image image;
+    rk_error error;
+    rk_check_ok(rk_image_init(&image, width, height, &error), error);
+    for (uint32_t i = 0; i < width * height; i++)
+        image.pixels[i] =
+            rk_vec(rk_unit_float(rk_hash(5, i, 0, 0)), rk_unit_float(rk_hash(5, i, 1, 0)),
+                   rk_unit_float(rk_hash(5, i, 2, 0)));
+    return image;
+}
+
+static rk_image make_constant(size_t width, size_t height, rk_vec3 colour)
+{
+    rk_image image;
+    rk_error error;
+    rk_check_ok(rk_image_init(&image, width, height, &error), error);
+    for (size_t i = 0; i < width * height; i++)
+        image.pixels[i] = colour;
+    return image;
+}
+
+/* The helper writes more formats than the library offers. */
+static test_path write_by_helper(const test_folder *folder, const char *name, const rk_image *image)
+{
+    test_path path = test_folder_path(folder, name);
+    size_t bytes = image->width * image->height * sizeof *image->pixels;
+    rk_image_stream_head head = {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION,
+                                 (uint32_t)image->width, (uint32_t)image->height};
+    unsigned char *input = malloc(sizeof head + bytes);
+    rk_check(input, "no memory");
+    memcpy(input, &head, sizeof head);
+    memcpy(input + sizeof head, image->pixels, bytes);
+    rk_helper_call call = {.program = "raykit-image",
+                           .arguments = (const char *[]){"write", path.text, NULL},
+                           .input = input,
+                           .input_size = sizeof head + bytes};
+    unsigned char *output;
+    size_t size;
+    rk_error error;
+    bool ok = rk_helper_run(&call, &output, &size, &error);
+    free(input);
+    rk_check(ok, "%s: %s", name, error.text);
+    free(output);
+    return path;
+}
+
+static test_path write_image(const test_folder *folder, const char *name, const rk_image *image)
+{
+    test_path path = test_folder_path(folder, name);
+    rk_error error;
+    rk_check_ok(rk_image_write(path.text, image, &error), error);
+    return path;
+}
+
+static rk_image read_image(test_path path)
+{
+    rk_image image;
+    rk_error error;
+    rk_check_ok(rk_image_read(&image, path.text, &error), error);
+    return image;
+}
+
+static void check_refused(test_path path, const char *part)
+{
+    rk_image image;
+    rk_error error;
+    rk_check(!rk_image_read(&image, path.text, &error), "%s was accepted", path.text);
+    rk_check(!image.pixels, "%s: pixels were left behind", path.text);
+    rk_check_error_names(error, path.text);
+    rk_check_error_names(error, part);
+}
+
+/* --- there and back -------------------------------------------------------------------------- */
+
+static void exr_keeps_every_bit_of_every_float(void **state)
+{
+    rk_image image = make_noise(13, 7);
+    image.pixels[0] = rk_vec(-0.0f, 1e-45f, -1e-38f);
+    image.pixels[90] = rk_vec(3.4e38f, -3.4e38f, 1e6f);
+    rk_image back = read_image(write_image(*state, "noise.EXR", &image));
+    rk_check_equal(back.width, 13, "the width is kept");
+    rk_check_equal(back.height, 7, "the height is kept");
+    rk_check(memcmp(back.pixels, image.pixels, 13 * 7 * sizeof(rk_vec3)) == 0,
+             "32-bit floats without loss should come back as they were");
+    rk_check_equal(test_folder_count(*state), 1, "no temporary file may be left");
+    rk_image_free(&image);
+    rk_image_free(&back);
+}
+
+static void the_same_picture_gives_the_same_exr(void **state)
+{
+    rk_image image = make_noise(5, 5);
+    size_t size_a, size_b;
+    unsigned char *a = test_folder_read(write_image(*state, "a.exr", &image), &size_a);
+    /* The date in an EXR counts seconds, so let one go by. */
+    nanosleep(&(struct timespec){.tv_nsec = 800000000}, NULL);
+    unsigned char *b = test_folder_read(write_image(*state, "b.exr", &image), &size_b);
+    rk_check(size_a == size_b && memcmp(a, b, size_a) == 0, "a date or a name is in the file");
+    free(a);
+    free(b);
+    rk_image_free(&image);
+}
+
+static void float_tiff_is_linear_and_exact(void **state)
+{
+    rk_image image = make_noise(6, 5);
+    image.pixels[7] = rk_vec(-2, 1e20f, 0.5f);
+    rk_image back = read_image(write_by_helper(*state, "noise.tif", &image));
+    rk_check(memcmp(back.pixels, image.pixels, 6 * 5 * sizeof(rk_vec3)) == 0,
+             "floats in a TIFF should come back as they were");
+    rk_image_free(&image);
+    rk_image_free(&back);
+}
+
+static void hdr_keeps_a_hundredth_of_the_brightest_channel(void **state)
+{
+    rk_image image = make_noise(40, 30);
+    for (int i = 0; i < 40 * 30; i += 3)
+        image.pixels[i] = rk_scale(image.pixels[i], 1e4f);
+    rk_image back = read_image(write_by_helper(*state, "noise.hdr", &image));
+    for (size_t i = 0; i < 40 * 30; i++) {
+        rk_vec3 v = image.pixels[i];
+        /* RGBE: three mantissas of 8 bits share the exponent of the largest, whose mantissa is at
+         * least 128, and the last bit is cut off. */
+        float step = rk_max(v.x, rk_max(v.y, v.z)) / 128;
+        for (int c = 0; c < 3; c++)
+            rk_check_close(rk_axis(back.pixels[i], c), rk_axis(v, c), step,
+                           "linear, in steps of RGBE");
+    }
+    rk_image_free(&image);
+    rk_image_free(&back);
+}
+
+static void jpeg_is_srgb_encoded(void **state)
+{
+    rk_vec3 colour = rk_vec(0.5f, 0.02f, 0.2f);
+    rk_image image = make_constant(16, 16, colour);
+    rk_image back = read_image(write_by_helper(*state, "plain.jpg", &image));
+    for (int c = 0; c < 3; c++)
+        /* A plain picture survives the cosine transform; the colours go through 8 bits twice, as
+         * RGB and as YCbCr: each at most a step of half, 1.772 wide for blue. */
+        rk_check_close(255 * rk_srgb_encode(rk_axis(back.pixels[100], c)),
+                       255 * rk_srgb_encode(rk_axis(colour, c)), 2.5, "stored sRGB-encoded");
+    rk_image_free(&image);
+    rk_image_free(&back);
+}
+
+/* --- integers, byte by byte ------------------------------------------------------------------ */
+
+/* Writes an uncompressed TIFF 6.0 file, little-endian, all samples in one strip; `extra` is 0 or 2
+ * (the last sample is an alpha that is not multiplied in), `orientation` 1 to 8. */
+static test_path write_tiff(const test_folder *folder, uint16_t width, uint16_t height,
+                            uint16_t bits, uint16_t samples, uint16_t orientation,
+                            const void *pixels)
+{
+    bool rgb = samples >= 3, alpha = samples == 2 || samples == 4;
+    enum { entries = 11, data = 8 + 2 + entries * 12 + 4, strip = data + 8 };
+    uint16_t size = (uint16_t)(width * height * samples * bits / 8);
+    const uint16_t tags[entries][4] = {{256, 3, 1, width},
+                                       {257, 3, 1, height},
+                                       {258, 3, samples, samples > 2 ? data : bits},
+                                       {259, 3, 1, 1},
+                                       {262, 3, 1, rgb ? 2 : 1},
+                                       {273, 3, 1, strip},
+                                       {274, 3, 1, orientation},
+                                       {277, 3, 1, samples},
+                                       {278, 3, 1, height},
+                                       {279, 3, 1, size},
+                                       {338, 3, 1, 2}};
+    uint16_t count = alpha ? entries : entries - 1;
+    unsigned char bytes[strip + 256] = {'I', 'I', 42, 0, 8, 0, 0, 0, (unsigned char)count};
+    rk_check(size <= 256, "the test's own picture is too large");
+    for (int i = 0; i < count; i++) {
+        const uint16_t words[6] = {tags[i][0], tags[i][1], tags[i][2], 0, tags[i][3], 0};
+        for (int k = 0; k < 6; k++) {
+            bytes[10 + 12 * i + 2 * k] = (unsigned char)(words[k] & 255);
+            bytes[10 + 12 * i + 2 * k + 1] = (unsigned char)(words[k] >> 8);
+        }
+    }
+    for (int i = 0; i < 4; i++)
+        bytes[data + 2 * i] = (unsigned char)bits;
+    memcpy(bytes + strip, pixels, size);
+    return test_folder_write(folder, "made.tif", bytes, strip + (size_t)size, 0600);
+}
+
+/* The linear value of 128 / 255 stored, by IEC 61966-2-1. */
+static const double half = 0.21586050011389926;
+
+static void eight_bit_grey_is_decoded_and_replicated(void **state)
+{
+    rk_image image = read_image(write_tiff(*state, 3, 1, 8, 1, 1, (unsigned char[]){0, 128, 255}));
+    const double want[] = {0, half, 1};
+    for (size_t x = 0; x < 3; x++)
+        for (int c = 0; c < 3; c++)
+            rk_check_close(rk_axis(image.pixels[x], c), want[x], 1e-7, "one rounding to float");
+    rk_image_free(&image);
+}
+
+static void sixteen_bits_are_decoded_and_alpha_is_dropped(void **state)
+{
+    /* 0x8080 is 128 / 255 exactly; the alphas are a fourth and nothing. */
+    const unsigned char pixels[] = {0x80, 0x80, 0xff, 0xff, 1, 0, 0, 0x40,
+                                    0xff, 0xff, 0x80, 0x80, 0, 0, 0, 0};
+    rk_image image = read_image(write_tiff(*state, 2, 1, 16, 4, 1, pixels));
+    rk_check_close(image.pixels[0].x, half, 1e-7, "one rounding to float");
+    rk_check_close(image.pixels[0].y, 1, 0, "not darkened by its alpha");
+    rk_check_close(image.pixels[0].z, 1 / 65535.0 / 12.92, 1e-12, "what 8 bits would lose");
+    rk_check_close(image.pixels[1].x, 1, 0, "colour stays where alpha is 0");
+    rk_check_close(image.pixels[1].y, half, 1e-7, "one rounding to float");
+    rk_image_free(&image);
+}
+
+static void a_photo_taken_sideways_is_turned_upright(void **state)
+{
+    /* Orientation 6: the first row of the file is the right side of the picture. */
+    const unsigned char pixels[] = {0, 255, 128, 0, 0, 0};
+    rk_image image = read_image(write_tiff(*state, 3, 2, 8, 1, 6, pixels));
+    rk_check_equal(image.width, 2, "width and height change places");
+    rk_check_equal(image.height, 3, "width and height change places");
+    rk_check_close(rk_image_at(&image, 1, 1)->x, 1, 0, "the second pixel is right, in the middle");
+    rk_check_close(rk_image_at(&image, 1, 2)->x, half, 1e-7,
+                   "the third pixel is at the lower right");
+    rk_image_free(&image);
+}
+
+/* --- comparing ------------------------------------------------------------------------------- */
+
+static void a_difference_of_one_channel_is_counted_by_hand(void **state)
+{
+    rk_image image = make_constant(4, 3, rk_vec(0.25f, 0.25f, 0.25f));
+    test_path a = write_image(*state, "a.exr", &image);
+    rk_image_at(&image, 1, 2)->x = 3.25f;
+    test_path b = write_image(*state, "b.exr", &image);
+    rk_image_difference d;
+    rk_error error;
+    rk_check_ok(rk_image_compare(&d, a.text, b.text, &error), error);
+    /* One of 4 * 3 * 3 values differs, by 3: rms = sqrt(9 / 36), and a peak of 1 over it is 2. */
+    rk_check_close(d.rms, 0.5, 1e-9, "computed in double");
+    rk_check_close(d.psnr, -20 * log10(0.5), 1e-7, "20 log10(1 / rms)");
+    rk_check_close(d.maximum, 3, 0, "the largest difference");
+    rk_check_equal(d.max_x, 1, "where it is");
+    rk_check_equal(d.max_y, 2, "where it is");
+    rk_image_free(&image);
+}
+
+static void a_viewer_sees_stripes_on_grey_but_not_a_thousandth(void **state)
+{
+    rk_image image = make_constant(32, 32, rk_vec(0.5f, 0.5f, 0.5f));
+    test_path a = write_image(*state, "a.exr", &image);
+    for (size_t i = 0; i < 32 * 32; i++)
+        image.pixels[i] = rk_vec(0.5005f, 0.5005f, 0.5005f);
+    for (size_t y = 8; y < 24; y++)
+        for (size_t x = 0; x < 16; x++)
+            *rk_image_at(&image, x, y) = rk_vec((x & 4) != 0, (x & 4) != 0, (x & 4) != 0);
+    test_path b = write_image(*state, "b.exr", &image);
+    rk_image_difference d;
+    rk_error error;
+    rk_check_ok(rk_image_compare(&d, a.text, b.text, &error), error);
+    /* The 256 striped pixels are seen, with some of those around them, but not the right edge. */
+    rk_check(d.perceptual >= 256 && d.perceptual < 800, "%g pixels are seen of 256 that differ",
+             d.perceptual);
+    rk_image_free(&image);
+}
+
+static void equal_pictures_differ_by_nothing_in_any_format(void **state)
+{
+    /* 0 and 1 have the same value in 8 bits and in floats. */
+    rk_image image = make_constant(9, 5, rk_vec(0, 1, 0));
+    test_path a = write_image(*state, "a.png", &image), b = write_image(*state, "b.exr", &image);
+    rk_image_difference d;
+    rk_error error;
+    rk_check_ok(rk_image_compare(&d, a.text, b.text, &error), error);
+    rk_check_close(d.rms + d.maximum + d.perceptual, 0, 0, "nothing differs");
+    rk_check(isinf(d.psnr) && d.psnr > 0, "got psnr %g, want infinity", d.psnr);
+    rk_image_free(&image);
+}
+
+static void pictures_of_unequal_size_are_not_compared(void **state)
+{
+    rk_image small = make_noise(3, 2), large = make_noise(2, 3);
+    test_path a = write_image(*state, "small.png", &small);
+    test_path b = write_image(*state, "large.png", &large);
+    rk_image_difference d;
+    rk_error error;
+    rk_check(!rk_image_compare(&d, a.text, b.text, &error), "3 x 2 was compared to 2 x 3");
+    rk_check_error_names(error, "small.png");
+    rk_check_error_names(error, "large.png");
+    rk_check_error_names(error, "3 x 2");
+    rk_image_free(&small);
+    rk_image_free(&large);
+}
+
+/* --- broken files ---------------------------------------------------------------------------- */
+
+static void a_pixel_that_is_no_number_is_named(void **state)
+{
+    rk_image image = make_noise(4, 3);
+    rk_image_at(&image, 1, 2)->y = NAN;
+    rk_image_at(&image, 3, 2)->y = INFINITY;
+    test_path path = write_image(*state, "nan.exr", &image);
+    check_refused(path, "x 1, y 2");
+    rk_image_difference d;
+    rk_error error;
+    rk_check(!rk_image_compare(&d, path.text, path.text, &error), "NaN was compared");
+    rk_check_error_names(error, "x 1, y 2");
+    rk_image_free(&image);
+}
+
+static void check_broken_kind(const test_folder *folder, const char *name)
+{
+    rk_image image = make_noise(48, 40);
+    size_t size;
+    unsigned char *bytes = test_folder_read(write_by_helper(folder, name, &image), &size);
+    rk_image_free(&image);
+    check_refused(test_folder_write(folder, name, bytes, size * 3 / 5, 0600), "; save or download");
+    /* Damage in the middle may go unseen, but must not be worse than an error. */
+    for (size_t i = size / 2; i < size / 2 + 40; i++)
+        bytes[i] ^= 0x5a;
+    test_path path = test_folder_write(folder, name, bytes, size, 0600);
+    free(bytes);
+    rk_error error;
+    if (rk_image_read(&image, path.text, &error))
+        rk_image_free(&image);
+    else
+        rk_check_error_names(error, name);
+}
+
+static void a_broken_jpeg_is_refused(void **state)
+{
+    check_broken_kind(*state, "broken.jpg");
+}
+
+static void a_broken_tiff_is_refused(void **state)
+{
+    check_broken_kind(*state, "broken.tif");
+}
+
+static void a_broken_exr_is_refused(void **state)
+{
+    check_broken_kind(*state, "broken.exr");
+}
+
+static void a_broken_hdr_is_refused(void **state)
+{
+    check_broken_kind(*state, "broken.hdr");
+}
+
+static void missing_empty_and_foreign_files_are_refused(void **state)
+{
+    check_refused(test_folder_path(*state, "none.jpg"), "No such file");
+    check_refused(test_folder_write(*state, "empty.exr", "", 0, 0600), "");
+    check_refused(test_folder_write(*state, "text.hdr", "hello\n", 6, 0600), "");
+}
+
+static void absurd_sizes_are_refused(void **state)
+{
+    const char head[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000\n";
+    check_refused(test_folder_write(*state, "huge.hdr", head, sizeof head - 1, 0600), "1 to 32768");
+    const char wide[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 32768 +X 32768\n";
+    check_refused(test_folder_write(*state, "wide.hdr", wide, sizeof wide - 1, 0600), "");
+}
+
+/* --- places and endings ---------------------------------------------------------------------- */
+
+static void an_exr_into_a_missing_folder_is_an_error(void **state)
+{
+    rk_image image = make_noise(2, 2);
+    test_path path = test_folder_path(*state, "none/a.exr");
+    rk_error error;
+    rk_check(!rk_image_write(path.text, &image, &error), "%s was written", path.text);
+    rk_check_error_names(error, path.text);
+    rk_image_free(&image);
+}
+
+static void other_endings_are_not_written(void **state)
+{
+    rk_image image = make_noise(2, 2);
+    const char *names[] = {"a.jpg", "a", ".png", "exr", "a.exr.bak"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        rk_error error;
+        rk_check(!rk_image_write(names[i], &image, &error), "%s was written", names[i]);
+        rk_check_error_names(error, ".exr");
+    }
+    rk_check_equal(test_folder_count(*state), 0, "nothing is written");
+    rk_image_free(&image);
+}
+
+/* --- false helpers --------------------------------------------------------------------------- */
+
+/* From here until the end of the test, only the test's folder is searched for helpers. */
+static void use_helpers_of(const test_folder *folder)
+{
+    setenv("RAYKIT_HELPERS", folder->path, 1);
+    helper_folder = folder->path;
+}
+
+static char *named_folder; /* RAYKIT_HELPERS as it was */
+
+static int setup_false(void **state)
+{
+    const char *named = getenv("RAYKIT_HELPERS");
+    named_folder = named ? strdup(named) : NULL;
+    return test_folder_setup(state);
+}
+
+static int teardown_false(void **state)
+{
+    if (named_folder)
+        setenv("RAYKIT_HELPERS", named_folder, 1);
+    else
+        unsetenv("RAYKIT_HELPERS");
+    free(named_folder);
+    helper_folder = RK_BUILD_FOLDER;
+    return test_folder_teardown(state);
+}
+
+#define test_with_false_helper(name)                                                               \
+    cmocka_unit_test_setup_teardown(name, setup_false, teardown_false)
+
+/* A helper that answers with these bytes, whatever it is asked. */
+static void install_answer(const test_folder *folder, const void *bytes, size_t size)
+{
+    test_path answer = test_folder_write(folder, "answer", bytes, size, 0600);
+    char script[1000];
+    int length = snprintf(script, sizeof script, "#!/bin/sh\nexec cat '%s'\n", answer.text);
+    test_folder_write(folder, "raykit-image", script, (size_t)length, 0700);
+}
+
+static void a_missing_helper_names_the_package_but_png_needs_none(void **state)
+{
+    use_helpers_of(*state);
+    rk_image image = make_noise(2, 2);
+    rk_error error;
+    check_refused(test_folder_path(*state, "a.jpg"), "libopenimageio-dev");
+    rk_check(!rk_image_write("a.exr", &image, &error), "an EXR was written without a helper");
+    rk_check_error_names(error, "libopenimageio-dev");
+    rk_image_difference d;
+    rk_check(!rk_image_compare(&d, "a.png", "b.png", &error), "compared without a helper");
+    rk_check_error_names(error, "libopenimageio-dev");
+    rk_image back = read_image(write_image(*state, "a.PNG", &image));
+    rk_image_free(&back);
+    rk_image_free(&image);
+}
+
+static void answers_that_make_no_sense_are_refused(void **state)
+{
+    use_helpers_of(*state);
+    typedef struct answer {
+        rk_image_stream_head head;
+        float pixels[6];
+    } answer;
+    const answer sound = {{RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION, 2, 1},
+                          {1, 2, 3, 4, 5, 6}};
+    const rk_image_stream_head heads[] = {
+        {RK_IMAGE_STREAM_MAGIC + 1, RK_IMAGE_STREAM_VERSION, 2, 1},
+        {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION + 1, 2, 1},
+        {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION, 1, 1},
+        {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION, 2, 2},
+        {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION, 0, 1},
+        {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION, 2, 0},
+        {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION, 40000, 1}};
+    test_path path = test_folder_path(*state, "a.exr");
+    for (size_t i = 0; i < sizeof heads / sizeof *heads; i++) {
+        answer broken = sound;
+        broken.head = heads[i];
+        install_answer(*state, &broken, sizeof broken);
+        check_refused(path, "makes no sense");
+    }
+    const size_t sizes[] = {0, 1, sizeof sound.head, sizeof sound - 1};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        install_answer(*state, &sound, sizes[i]);
+        check_refused(path, "makes no sense");
+    }
+    answer infinite = sound;
+    infinite.pixels[4] = INFINITY;
+    install_answer(*state, &infinite, sizeof infinite);
+    check_refused(path, "x 1, y 0");
+    install_answer(*state, &sound, sizeof sound);
+    rk_image image = read_image(path);
+    rk_check_close(image.pixels[1].z, 6, 0, "the sound answer is believed");
+    rk_image_free(&image);
+}
+
+static void comparisons_that_make_no_sense_are_refused(void **state)
+{
+    use_helpers_of(*state);
+    const char *answers[] = {"",
+                             "1 2 3 4 5",
+                             "1 2 3 4 5 6 7",
+                             "1 2 3 4 5 x",
+                             "nan 2 3 4 5 6",
+                             "1 nan 3 4 5 6",
+                             "-1 2 3 4 5 6",
+                             "1,5 2 3 4 5 6"};
+    rk_image_difference d;
+    rk_error error;
+    for (size_t i = 0; i < sizeof answers / sizeof *answers; i++) {
+        install_answer(*state, answers[i], strlen(answers[i]));
+        rk_check(!rk_image_compare(&d, "a.png", "b.png", &error), "\"%s\" was believed",
+                 answers[i]);
+        rk_check_error_names(error, "a.png");
+    }
+    install_answer(*state, "0.5 inf 3 4 5 6\n", 16);
+    rk_check_ok(rk_image_compare(&d, "a.png", "b.png", &error), error);
+    rk_check_close(d.rms, 0.5, 0, "the sound answer is believed");
+}
+
+static void a_helper_that_dies_is_an_error_with_the_files_name(void **state)
+{
+    use_helpers_of(*state);
+    const char script[] = "#!/bin/sh\nkill -SEGV $$\n";
+    test_folder_write(*state, "raykit-image", script, sizeof script - 1, 0700);
+    check_refused(test_folder_path(*state, "a.exr"), "signal");
+}
+
+static const struct CMUnitTest tests[] = {
+    test_in_folder(exr_keeps_every_bit_of_every_float),
+    test_in_folder(the_same_picture_gives_the_same_exr),
+    test_in_folder(float_tiff_is_linear_and_exact),
+    test_in_folder(hdr_keeps_a_hundredth_of_the_brightest_channel),
+    test_in_folder(jpeg_is_srgb_encoded),
+    test_in_folder(eight_bit_grey_is_decoded_and_replicated),
+    test_in_folder(sixteen_bits_are_decoded_and_alpha_is_dropped),
+    test_in_folder(a_photo_taken_sideways_is_turned_upright),
+    test_in_folder(a_difference_of_one_channel_is_counted_by_hand),
+    test_in_folder(a_viewer_sees_stripes_on_grey_but_not_a_thousandth),
+    test_in_folder(equal_pictures_differ_by_nothing_in_any_format),
+    test_in_folder(pictures_of_unequal_size_are_not_compared),
+    test_in_folder(a_pixel_that_is_no_number_is_named),
+    test_in_folder(a_broken_jpeg_is_refused),
+    test_in_folder(a_broken_tiff_is_refused),
+    test_in_folder(a_broken_exr_is_refused),
+    test_in_folder(a_broken_hdr_is_refused),
+    test_in_folder(missing_empty_and_foreign_files_are_refused),
+    test_in_folder(absurd_sizes_are_refused),
+    test_in_folder(an_exr_into_a_missing_folder_is_an_error),
+    test_in_folder(other_endings_are_not_written),
+    test_with_false_helper(a_missing_helper_names_the_package_but_png_needs_none),
+    test_with_false_helper(answers_that_make_no_sense_are_refused),
+    test_with_false_helper(comparisons_that_make_no_sense_are_refused),
+    test_with_false_helper(a_helper_that_dies_is_an_error_with_the_files_name),
+};
+
+RK_SUITE("image_file", tests)

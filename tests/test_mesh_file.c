@@ -1,0 +1,454 @@
+/* Mesh files: each format loads to the same mesh, and what is wrong with a file is said in one
+ * line that names the file and the place. */
+#include "test.h"
+
+#include "mesh_seeds.h"
+#include "test_folder.h"
+
+#include "io/mesh_file.h"
+#include "io/mesh_stream.h"
+
+static test_folder folder;
+
+static test_path write_text(const char *name, const char *text)
+{
+    return test_folder_write(&folder, name, text, strlen(text), 0600);
+}
+
+static test_path write_seed(int format)
+{
+    mesh_seed seed = make_seed(format);
+    test_folder_write(&folder, "seed.mtl", seed_mtl, sizeof seed_mtl - 1, 0600);
+    return test_folder_write(&folder, seed.name, seed.bytes, seed.size, 0600);
+}
+
+static rk_mesh load(test_path path)
+{
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_read(&mesh, path.text, &error), error);
+    rk_check(error.text[0] == '\0', "an unexpected note: %s", error.text);
+    return mesh;
+}
+
+static void check_refused_path(const char *path, const char *place, const char *what)
+{
+    rk_mesh mesh;
+    rk_error error;
+    rk_check(!rk_mesh_read(&mesh, path, &error), "%s was accepted", path);
+    rk_check(mesh.triangle_count == 0 && !mesh.positions, "a failed read left a mesh behind");
+    char begin[1000];
+    snprintf(begin, sizeof begin, "%s%s", path, place);
+    rk_check(strncmp(error.text, begin, strlen(begin)) == 0,
+             "the error should begin with \"%s\", but says: %s", begin, error.text);
+    rk_check_error_names(error, what);
+}
+
+/* The file is refused with "PATHPLACE ...": `place` is what follows the file's name. */
+static void check_refused(const char *name, const char *text, const char *place, const char *what)
+{
+    check_refused_path(write_text(name, text).text, place, what);
+}
+
+static rk_vec3 corner(const rk_mesh *mesh, uint32_t triangle, int k)
+{
+    return mesh->positions[mesh->triangles[triangle][k]];
+}
+
+static rk_vec3 vector_area(const rk_mesh *mesh, uint32_t triangle)
+{
+    rk_vec3 a = corner(mesh, triangle, 0);
+    return rk_scale(
+        rk_cross(rk_sub(corner(mesh, triangle, 1), a), rk_sub(corner(mesh, triangle, 2), a)), 0.5f);
+}
+
+static void check_point(rk_vec3 got, float x, float y, float z)
+{
+    rk_check(got.x == x && got.y == y && got.z == z, "got (%g, %g, %g), want (%g, %g, %g)",
+             (double)got.x, (double)got.y, (double)got.z, (double)x, (double)y, (double)z);
+}
+
+/* --- what loads ---------------------------------------------------------------------------- */
+
+static void every_format_gives_the_same_square_and_triangle(void **state)
+{
+    (void)state;
+    for (int format = seed_obj; format <= seed_off; format++) {
+        rk_mesh mesh = load(write_seed(format));
+        rk_check_equal(mesh.triangle_count, 3, "a square cut in two, and a triangle");
+        check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
+        check_point(vector_area(&mesh, 1), 0, 0, 0.5f);
+        check_point(corner(&mesh, 2, 0), 0, 0, 0);
+        check_point(corner(&mesh, 2, 1), 1, 0, 0);
+        check_point(corner(&mesh, 2, 2), 0.5f, 0, 1);
+        if (format != seed_obj) {
+            rk_check_equal(mesh.vertex_count, 5, "shared corners are one vertex");
+            rk_check_equal(mesh.material_count, 1, "the default");
+            check_point(mesh.materials[0].kd, 0.8f, 0.8f, 0.8f);
+            rk_check(!mesh.normals && !mesh.texcoords, "the file has none");
+        }
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void obj_brings_materials_unit_normals_and_texture_coordinates(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_seed(seed_obj));
+    rk_check_equal(mesh.vertex_count, 7, "four corners, and three with another normal");
+    rk_check_equal(mesh.material_count, 2, "red and green");
+    const rk_material *red = &mesh.materials[mesh.triangle_materials[0]];
+    const rk_material *green = &mesh.materials[mesh.triangle_materials[2]];
+    rk_check_equal(mesh.triangle_materials[1], mesh.triangle_materials[0],
+                   "one square, one material");
+    check_point(red->kd, 1, 0, 0);
+    check_point(red->ks, 0.1f, 0.2f, 0.3f);
+    rk_check_close(red->shininess, 50, 0, "Ns as written");
+    rk_check_close(red->alpha, 0.5, 0, "d is the opacity");
+    check_point(green->kd, 0, 1, 0);
+    rk_check_close(green->alpha, 0.75, 0, "Tr is 1 - opacity");
+    assert_non_null(mesh.normals);
+    assert_non_null(mesh.texcoords);
+    check_point(mesh.normals[mesh.triangles[0][0]], 0, 0, 1);
+    check_point(mesh.normals[mesh.triangles[2][0]], 0, -1, 0);
+    rk_vec2 uv = mesh.texcoords[mesh.triangles[2][2]];
+    rk_check(uv.x == 1 && uv.y == 1, "got texture coordinate (%g, %g)", (double)uv.x, (double)uv.y);
+    rk_mesh_free(&mesh);
+}
+
+static void gltf_parts_stand_where_their_nodes_put_them(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_seed(seed_gltf));
+    rk_check_equal(mesh.triangle_count, 3, "two parts");
+    rk_check_equal(mesh.vertex_count, 7, "the parts share no point once moved; unused ones go");
+    check_point(corner(&mesh, 0, 0), 10, 0, 0);
+    check_point(corner(&mesh, 0, 2), 11, 1, 0);
+    check_point(corner(&mesh, 2, 2), 1, 0, 2);
+    const rk_material *glass = &mesh.materials[mesh.triangle_materials[0]];
+    const rk_material *solid = &mesh.materials[mesh.triangle_materials[2]];
+    check_point(glass->kd, 1, 0, 0);
+    rk_check_close(glass->alpha, 0.5, 0, "alphaMode BLEND takes the base colour's alpha");
+    check_point(solid->kd, 0, 1, 0);
+    rk_check_close(solid->alpha, 1, 0, "alphaMode OPAQUE, the default, ignores it");
+    rk_mesh_free(&mesh);
+}
+
+static void a_part_without_normals_takes_its_faces_own(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text("mixed.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nv 0 0 1\nvn 0 0 3\n"
+                                                "o a\nf 1//1 2//1 3//1\no b\nf 1 3 4\n"));
+    assert_non_null(mesh.normals);
+    check_point(mesh.normals[mesh.triangles[0][0]], 0, 0, 1);
+    for (int k = 0; k < 3; k++)
+        check_point(mesh.normals[mesh.triangles[1][k]], 1, 0, 0);
+    rk_mesh_free(&mesh);
+}
+
+static void a_zero_normal_is_replaced_by_the_faces(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text("zero.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\nvn 0 0 0\n"
+                                               "f 1//1 2//1 3//1\n"));
+    assert_non_null(mesh.normals);
+    check_point(mesh.normals[0], 0, 0, 1);
+    rk_mesh_free(&mesh);
+}
+
+/* An L, from its inner corner's neighbour, clockwise and counterclockwise: a fan would leave it. */
+static void a_polygon_that_is_not_convex_is_cut_inside(void **state)
+{
+    (void)state;
+    const char *texts[] = {"f 1 2 3 4 5 6\n", "f 6 5 4 3 2 1\n", "f 3 4 5 6 1 2\n"};
+    for (int i = 0; i < 3; i++) {
+        char text[200];
+        snprintf(text, sizeof text, "v 0 0 0\nv 2 0 0\nv 2 1 0\nv 1 1 0\nv 1 2 0\nv 0 2 0\n%s",
+                 texts[i]);
+        rk_mesh mesh = load(write_text("ell.obj", text));
+        rk_check_equal(mesh.triangle_count, 4, "corners - 2");
+        double area = 0;
+        for (uint32_t t = 0; t < 4; t++) {
+            float z = vector_area(&mesh, t).z;
+            rk_check(i == 1 ? z < 0 : z > 0, "triangle %u turns the other way", t);
+            area += fabs((double)z);
+        }
+        rk_check_close(area, 3, 0, "with one sense of turn, the area is right only inside the L");
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void points_and_lines_are_dropped(void **state)
+{
+    (void)state;
+    rk_mesh mesh =
+        load(write_text("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1\nl 1 2\nf 1 2 3\n"));
+    rk_check_equal(mesh.triangle_count, 1, "the one face");
+    rk_mesh_free(&mesh);
+}
+
+static void windows_line_ends_and_long_lines_are_fine(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text("dos.obj", "v 0 0 0\r\nv 1 0 0 # comment\r\nv 0 1 0\r\n"
+                                              "f 1 2 \\\r\n3\r\n"));
+    rk_check_equal(mesh.triangle_count, 1, "a backslash joins lines");
+    rk_mesh_free(&mesh);
+}
+
+static void a_missing_mtl_is_a_note_not_an_error(void **state)
+{
+    (void)state;
+    test_path path = write_text("lonely.obj", "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                              "usemtl red\nf 1 2 3\n");
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_read(&mesh, path.text, &error), error);
+    rk_check_error_names(error, "lonely.obj:1: the material file gone.mtl is missing");
+    check_point(mesh.materials[0].kd, 0.8f, 0.8f, 0.8f);
+    rk_mesh_free(&mesh);
+}
+
+/* --- what is refused ----------------------------------------------------------------------- */
+
+static void obj_mistakes_are_found_with_their_line(void **state)
+{
+    (void)state;
+#define CORNERS "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
+    check_refused("a.obj", "v 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ":1: ", "three finite numbers");
+    check_refused("a.obj", "v 0 0 0\n\n# c\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n", ":4: ", "finite");
+    check_refused("a.obj", "v 0 0 0\nv 1 1e999 0\nv 0 1 0\nf 1 2 3\n", ":2: ", "finite");
+    check_refused("a.obj", "v 0 0 0\nv 1 0,5 0\nv 0 1 0\nf 1 2 3\n", ":2: ", "finite");
+    check_refused("a.obj", CORNERS "f 1 2\n", ":4: ", "2 corners");
+    check_refused("a.obj", CORNERS "f 1 2 0\n", ":4: ", "index 0");
+    check_refused("a.obj", CORNERS "f 1 2 x\n", ":4: ", "not a number");
+    check_refused("a.obj", CORNERS "f 1 2 4\n", ":4: ", "index 4");
+    check_refused("a.obj", CORNERS "f 1 2 4294967297\n", ":4: ", "index 4294967297");
+    check_refused("a.obj", CORNERS "f 1 2 99999999999999999999\n", ":4: ", "not a number");
+    check_refused("a.obj", CORNERS "f -1 -2 -4\n", ":4: ", "index -4");
+    check_refused("a.obj", CORNERS "vt 0 0\nf 1/1 2/1 3/2\n", ":5: ", "texture coordinates");
+    check_refused("a.obj", CORNERS "vn 0 0 1\nf 1//1 2//1 3//2\n", ":5: ", "normals");
+    check_refused("a.obj", CORNERS "vn 0 0 inf\nf 1//1 2//1 3//1\n", ":4: ", "vn line");
+    check_refused("a.obj", CORNERS "f 1/1/1/1 2 3\n", ":4: ", "corner");
+    check_refused("a.obj", CORNERS, ": ", "no face");
+    check_refused("a.obj", "All that glitters\nis not gold\n", ": ", "no face");
+#undef CORNERS
+}
+
+static void ply_mistakes_are_found_with_their_place(void **state)
+{
+    (void)state;
+#define HEADER(vertices, faces)                                                                    \
+    "ply\nformat ascii 1.0\nelement vertex " vertices "\nproperty float x\nproperty float y\n"     \
+    "property float z\nelement face " faces                                                        \
+    "\nproperty list uchar int vertex_indices\nend_header\n"
+    check_refused("a.ply", HEADER("3", "1") "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", ":11: ", "finite");
+    check_refused("a.ply", HEADER("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":13: ", "vertex 3");
+    check_refused("a.ply", HEADER("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n",
+                  ":13: ", "vertex -1");
+    check_refused("a.ply", HEADER("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1\n", ":13: ", "missing");
+    check_refused("a.ply", HEADER("3", "1") "0 0 0\n1 0 0\n", ":3: ", "ends in row 3");
+    check_refused("a.ply", HEADER("3", "4000000000") "0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n",
+                  ":7: ", "4000000000 rows of face");
+    check_refused("a.ply", HEADER("9999999999", "1") "0 0 0\n", ":3: ", "32-bit");
+    check_refused("a.ply", HEADER("3", "0") "0 0 0\n1 0 0\n0 1 0\n", ": ", "no triangles");
+    check_refused("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\n",
+                  ":4: ", "within the header");
+    check_refused("a.ply", "solid cube\n", ":1: ", "begins with the line ply");
+#undef HEADER
+}
+
+static void binary_ply_mistakes_are_found_with_their_place(void **state)
+{
+    (void)state;
+    mesh_seed seed = make_seed(seed_ply_binary);
+    size_t body = seed.size - (60 + 17 + 13);
+    const float nan = NAN;
+    mesh_seed damaged = seed;
+    memcpy(damaged.bytes + body + 16, &nan, sizeof nan);
+    check_refused_path(
+        test_folder_write(&folder, "nan.ply", damaged.bytes, damaged.size, 0600).text, ": ",
+        "vertex 1 is not finite");
+    damaged = seed;
+    damaged.bytes[body + 60 + 17 + 1] = 200;
+    check_refused_path(
+        test_folder_write(&folder, "index.ply", damaged.bytes, damaged.size, 0600).text, ": ",
+        "face 1 uses vertex 200");
+    for (size_t cut = 1; cut <= 60 + 17 + 13; cut += 8)
+        check_refused_path(
+            test_folder_write(&folder, "cut.ply", seed.bytes, seed.size - cut, 0600).text,
+            cut <= 30 ? ":8: " : ":4: ", "the file ends in row");
+}
+
+static void off_mistakes_are_found_with_their_line(void **state)
+{
+    (void)state;
+    check_refused("a.off", "OFF\n3 1 0\n0 0 0\n1 0 inf\n0 1 0\n3 0 1 2\n", ":4: ", "finite");
+    check_refused("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":6: ", "vertex 3");
+    check_refused("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", ":6: ", "missing");
+    check_refused("a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", ":2: ", "after 4 of");
+    check_refused("a.off", "OFF\n4000000000 1 0\n0 0 0\n", ":2: ", "after 1 of");
+    check_refused("a.off", "OFF\nmany\n", ":2: ", "counts");
+    check_refused("a.off", "3 1 0\n0 0 0\n", ":1: ", "begins with the word OFF");
+}
+
+static void gltf_mistakes_are_refused(void **state)
+{
+    (void)state;
+    check_refused("a.gltf", "{\"asset\":{\"version\":\"2.0\"}}\n", ": ", "");
+    check_refused("a.gltf", "{\"asset\":{\"version\":\n", ": ", "");
+    check_refused("a.gltf", "not JSON at all\n", ": ", "");
+    mesh_seed seed = make_seed(seed_gltf);
+    seed.bytes[seed.size] = '\0';
+    char *count = strstr((char *)seed.bytes, "\"count\":6");
+    assert_non_null(count);
+    count[8] = '9'; /* the buffer's view holds no ninth: the next accessor's bytes end with it */
+    char *length = strstr((char *)seed.bytes, "\"byteLength\":96");
+    assert_non_null(length);
+    memcpy(length, "\"byteLength\":10", 15);
+    check_refused("short.gltf", (char *)seed.bytes, ": ", "");
+}
+
+static void what_is_no_mesh_file_is_refused(void **state)
+{
+    (void)state;
+    check_refused_path(test_folder_path(&folder, "nowhere.obj").text, ": ", "No such file");
+    check_refused("empty.obj", "", ": ", "is empty");
+    check_refused("empty.ply", "", ": ", "is empty");
+    check_refused("a.txt", "v 0 0 0\n", ": ", "cannot read it");
+    test_path inner = test_folder_path(&folder, "folder.obj");
+    mkdir(inner.text, 0700);
+    check_refused_path(inner.text, ": ", "is a folder");
+    test_path pipe = test_folder_path(&folder, "pipe.obj");
+    rk_check_equal(mkfifo(pipe.text, 0600), 0, "the test needs a pipe");
+    check_refused_path(pipe.text, ": ", "no ordinary file");
+    if (geteuid() != 0) /* root reads all */
+        check_refused_path(test_folder_write(&folder, "secret.obj", "v", 1, 0000).text, ": ",
+                           "Permission denied");
+}
+
+static void a_file_of_absurd_size_is_refused_unread(void **state)
+{
+    (void)state;
+    test_path path = write_text("huge.obj", "v 0 0 0\n");
+    rk_check_equal(truncate(path.text, (off_t)1 << 40), 0, "a hole of a terabyte takes no disk");
+    check_refused_path(path.text, ": ", "larger than 4 GB");
+}
+
+/* --- what a helper may answer -------------------------------------------------------------- */
+
+typedef struct triangle_stream {
+    rk_mesh_stream_header header;
+    float positions[3][3];
+    uint32_t triangle[3];
+    unsigned char rest[2 + sizeof(rk_mesh_stream_material)]; /* triangle's material, the material */
+} triangle_stream;
+
+enum { triangle_stream_size = 32 + 36 + 12 + 2 + 32 };
+
+static triangle_stream make_stream(void)
+{
+    triangle_stream s = {.header = {.magic = RK_MESH_STREAM_MAGIC,
+                                    .version = RK_MESH_STREAM_VERSION,
+                                    .vertex_count = 3,
+                                    .triangle_count = 1,
+                                    .material_count = 1},
+                         .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
+                         .triangle = {0, 1, 2}};
+    rk_mesh_stream_material material = {.kd = {1, 1, 1}, .alpha = 1};
+    memcpy(s.rest + 2, &material, sizeof material);
+    return s;
+}
+
+/* What rk_mesh_read makes of these bytes, which a shell script in the helper's place writes. */
+static bool read_stream(const triangle_stream *stream, size_t size, rk_error *error)
+{
+    const char *before = getenv("RAYKIT_HELPERS");
+    char *saved = before ? strdup(before) : NULL;
+    test_folder_write(&folder, "answer", stream, size, 0600);
+    char script[700];
+    int length = snprintf(script, sizeof script, "#!/bin/sh\nexec cat '%s/answer'\n", folder.path);
+    test_folder_write(&folder, "raykit-mesh", script, (size_t)length, 0700);
+    setenv("RAYKIT_HELPERS", folder.path, 1);
+    rk_mesh mesh;
+    bool ok = rk_mesh_read(&mesh, "fake.obj", error);
+    rk_mesh_free(&mesh);
+    if (saved)
+        setenv("RAYKIT_HELPERS", saved, 1);
+    else
+        unsetenv("RAYKIT_HELPERS");
+    free(saved);
+    return ok;
+}
+
+static void check_stream_refused(const triangle_stream *stream, size_t size, const char *what)
+{
+    rk_error error;
+    rk_check(!read_stream(stream, size, &error), "accepted, although: %s", what);
+    rk_check_error_names(error, "fake.obj: ");
+    rk_check_error_names(error, what);
+}
+
+static void an_answer_is_believed_only_when_it_is_consistent(void **state)
+{
+    (void)state;
+    rk_error error;
+    triangle_stream good = make_stream();
+    rk_check_ok(read_stream(&good, triangle_stream_size, &error), error);
+    check_stream_refused(&good, 0, "only 0 bytes");
+    check_stream_refused(&good, 31, "only 31 bytes");
+    check_stream_refused(&good, triangle_stream_size - 1, "113 bytes where its counts make 114");
+    triangle_stream bad = good;
+    bad.header.magic[0] = 'X';
+    check_stream_refused(&bad, triangle_stream_size, "another version's format");
+    bad = good;
+    bad.header.version = 2;
+    check_stream_refused(&bad, triangle_stream_size, "another version's format");
+    bad = good;
+    bad.header.vertex_count = UINT32_MAX;
+    check_stream_refused(&bad, triangle_stream_size, "where its counts make");
+    bad = good;
+    bad.triangle[2] = 3;
+    check_stream_refused(&bad, triangle_stream_size, "triangle 0 uses vertex 3");
+    bad = good;
+    bad.positions[1][1] = NAN;
+    check_stream_refused(&bad, triangle_stream_size, "vertex 1 is not a finite point");
+    bad = good;
+    bad.header.material_count = 65536;
+    check_stream_refused(&bad, triangle_stream_size, "uses 65536 materials, more than 65535");
+}
+
+static int make_folder(void **state)
+{
+    (void)state;
+    return !test_folder_make(&folder);
+}
+
+static int remove_folder(void **state)
+{
+    (void)state;
+    test_folder_remove(&folder);
+    return 0;
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(every_format_gives_the_same_square_and_triangle),
+    cmocka_unit_test(obj_brings_materials_unit_normals_and_texture_coordinates),
+    cmocka_unit_test(gltf_parts_stand_where_their_nodes_put_them),
+    cmocka_unit_test(a_part_without_normals_takes_its_faces_own),
+    cmocka_unit_test(a_zero_normal_is_replaced_by_the_faces),
+    cmocka_unit_test(a_polygon_that_is_not_convex_is_cut_inside),
+    cmocka_unit_test(points_and_lines_are_dropped),
+    cmocka_unit_test(windows_line_ends_and_long_lines_are_fine),
+    cmocka_unit_test(a_missing_mtl_is_a_note_not_an_error),
+    cmocka_unit_test(obj_mistakes_are_found_with_their_line),
+    cmocka_unit_test(ply_mistakes_are_found_with_their_place),
+    cmocka_unit_test(binary_ply_mistakes_are_found_with_their_place),
+    cmocka_unit_test(off_mistakes_are_found_with_their_line),
+    cmocka_unit_test(gltf_mistakes_are_refused),
+    cmocka_unit_test(what_is_no_mesh_file_is_refused),
+    cmocka_unit_test(a_file_of_absurd_size_is_refused_unread),
+    cmocka_unit_test(an_answer_is_believed_only_when_it_is_consistent),
+};
+
+RK_SUITE_IN("mesh_file", tests, make_folder, remove_folder)

@@ -1,0 +1,702 @@
+/* The built-in scenes: how many triangles, closed, outwards, in the unit ball, in view, well lit.
+ */
+#include "test.h"
+
+#include "scene/builtin.h"
+#include "scene/scene.h"
+
+/* --- measures of a mesh ---------------------------------------------------------------------- */
+
+static rk_scene make_scene(const char *name)
+{
+    rk_scene scene;
+    rk_error error;
+    rk_check_ok(rk_scene_builtin(&scene, name, &error), error);
+    rk_check_ok(rk_mesh_validate(&scene.mesh, name, &error), error);
+    return scene;
+}
+
+static rk_scene make_scan(uint32_t triangles)
+{
+    char name[32];
+    snprintf(name, sizeof name, "scan:%u", triangles);
+    return make_scene(name);
+}
+
+static void check_count(const char *name, uint32_t triangles)
+{
+    rk_scene scene = make_scene(name);
+    rk_check_equal(scene.mesh.triangle_count, triangles, name);
+    rk_check(strcmp(scene.name, name) == 0, "the scene is called %s instead of %s", scene.name,
+             name);
+    rk_scene_free(&scene);
+}
+
+typedef struct vec {
+    double x, y, z;
+} vec;
+
+static vec corner_of(const rk_mesh *mesh, uint32_t triangle, int k)
+{
+    rk_vec3 p = mesh->positions[mesh->triangles[triangle][k]];
+    return (vec){(double)p.x, (double)p.y, (double)p.z};
+}
+
+static vec minus(vec a, vec b)
+{
+    return (vec){a.x - b.x, a.y - b.y, a.z - b.z};
+}
+
+static double dot(vec a, vec b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/* Perpendicular to the triangle, as long as twice its area. */
+static vec normal_of(const rk_mesh *mesh, uint32_t triangle)
+{
+    vec a = corner_of(mesh, triangle, 0);
+    vec u = minus(corner_of(mesh, triangle, 1), a), v = minus(corner_of(mesh, triangle, 2), a);
+    return (vec){u.y * v.z - u.z * v.y, u.z * v.x - u.x * v.z, u.x * v.y - u.y * v.x};
+}
+
+static double area_of(const rk_mesh *mesh, uint32_t triangle)
+{
+    vec n = normal_of(mesh, triangle);
+    return 0.5 * sqrt(dot(n, n));
+}
+
+/* By the divergence theorem; positive if faces are counter-clockwise from outside. */
+static double volume_of(const rk_mesh *mesh)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        sum += dot(corner_of(mesh, i, 0), normal_of(mesh, i));
+    return sum / 6;
+}
+
+static void check_no_flat_triangle(const rk_mesh *mesh, const char *name)
+{
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        rk_check(area_of(mesh, i) > 0, "%s: triangle %u has no area", name, i);
+}
+
+static int compare_keys(const void *a, const void *b)
+{
+    uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
+    return (x > y) - (x < y);
+}
+
+/* How many edges belong to one triangle only; every other edge must belong to two that run along
+ * it in opposite directions. Vertices count as the same when `id` gives them the same number. */
+static uint32_t free_edges(const rk_mesh *mesh, const uint32_t *id)
+{
+    size_t count = 3 * (size_t)mesh->triangle_count;
+    uint64_t *edges = malloc(count * sizeof *edges);
+    for (size_t i = 0; i < count; i++) {
+        const uint32_t *row = mesh->triangles[i / 3];
+        uint64_t from = row[i % 3], to = row[(i + 1) % 3];
+        if (id)
+            from = id[from], to = id[to];
+        rk_check(from != to, "triangle %zu has an edge without length", i / 3);
+        /* The direction is the lowest bit, so that the two of a pair become neighbours. */
+        edges[i] = from < to ? from << 32 | to << 1 : to << 32 | from << 1 | 1;
+    }
+    qsort(edges, count, sizeof *edges, compare_keys);
+    uint32_t alone = 0;
+    for (size_t i = 0; i < count;) {
+        size_t same = i + 1;
+        while (same < count && edges[same] >> 1 == edges[i] >> 1)
+            same++;
+        bool paired = same == i + 2 && edges[i] != edges[i + 1];
+        rk_check(paired || same == i + 1,
+                 "edge %u - %u: %zu triangles, or two that run the same way",
+                 (unsigned)(edges[i] >> 32), (unsigned)(edges[i] >> 1 & 0x7fffffff), same - i);
+        alone += !paired;
+        i = same;
+    }
+    free(edges);
+    return alone;
+}
+
+static const rk_mesh *sorted_mesh; /* qsort passes no context */
+
+static int compare_positions(const void *a, const void *b)
+{
+    rk_vec3 p = sorted_mesh->positions[*(const uint32_t *)a];
+    rk_vec3 q = sorted_mesh->positions[*(const uint32_t *)b];
+    if (p.x != q.x)
+        return p.x < q.x ? -1 : 1;
+    if (p.y != q.y)
+        return p.y < q.y ? -1 : 1;
+    return (p.z > q.z) - (p.z < q.z);
+}
+
+/* Numbers the vertices so that those in exactly the same place have the same number. */
+static uint32_t *weld(const rk_mesh *mesh)
+{
+    uint32_t *order = malloc(mesh->vertex_count * sizeof *order);
+    uint32_t *id = malloc(mesh->vertex_count * sizeof *id);
+    for (uint32_t i = 0; i < mesh->vertex_count; i++)
+        order[i] = i;
+    sorted_mesh = mesh;
+    qsort(order, mesh->vertex_count, sizeof *order, compare_positions);
+    for (uint32_t i = 0; i < mesh->vertex_count; i++)
+        id[order[i]] =
+            i > 0 && compare_positions(&order[i - 1], &order[i]) == 0 ? id[order[i - 1]] : i;
+    free(order);
+    return id;
+}
+
+/* --- all scenes ------------------------------------------------------------------------------ */
+
+static const char *const names[] = {"triangle", "cube",     "cornell", "sphere",
+                                    "teapot",   "teapot:3", "scan",    "scan:967"};
+
+enum { name_count = sizeof names / sizeof names[0] };
+
+static void every_scene_is_valid_and_has_its_count(void **state)
+{
+    (void)state;
+    check_count("triangle", 1);
+    check_count("cube", 12);
+    check_count("cornell", 32);
+    check_count("sphere", 1280);
+    check_count("scan", 87130);
+    check_count("teapot", 16256); /* 32 x 16 x 16 squares of 2, less 8 x 16 at the poles */
+    check_count("teapot:2", 240);
+    check_count("teapot:7", 3080);
+}
+
+static void every_scene_fits_into_the_unit_ball(void **state)
+{
+    (void)state;
+    for (int i = 0; i < name_count; i++) {
+        rk_scene scene = make_scene(names[i]);
+        float farthest = 0;
+        for (uint32_t v = 0; v < scene.mesh.vertex_count; v++)
+            farthest = fmaxf(farthest, rk_length(scene.mesh.positions[v]));
+        const double rounding = 4 * 0x1p-24;
+        if (strcmp(names[i], "cornell") == 0)
+            rk_check(farthest <= 1 && farthest > 0.99f, "the Cornell box reaches to %f",
+                     (double)farthest);
+        else
+            rk_check_close(farthest, 1, rounding, names[i]);
+        rk_scene_free(&scene);
+    }
+}
+
+static void normals_are_unit_and_agree_with_the_faces(void **state)
+{
+    (void)state;
+    for (int i = 0; i < name_count; i++) {
+        rk_scene scene = make_scene(names[i]);
+        const rk_mesh *mesh = &scene.mesh;
+        for (uint32_t v = 0; mesh->normals && v < mesh->vertex_count; v++)
+            rk_check_close(rk_length(mesh->normals[v]), 1, 4 * 0x1p-24, names[i]);
+        /* On rough ground single corners may turn away from the mean of their faces. */
+        uint32_t turned = 0;
+        for (uint32_t t = 0; mesh->normals && t < mesh->triangle_count; t++)
+            for (int k = 0; k < 3; k++) {
+                rk_vec3 n = mesh->normals[mesh->triangles[t][k]];
+                turned += dot(normal_of(mesh, t), (vec){(double)n.x, (double)n.y, (double)n.z}) < 0;
+            }
+        rk_check(turned <= 3 * mesh->triangle_count / 100,
+                 "%s: %u corners turn their normal inwards", names[i], turned);
+        rk_scene_free(&scene);
+    }
+}
+
+static void the_light_stands_above_left_of_the_camera_and_lights_what_it_sees(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scene("sphere:80");
+    rk_view view = rk_view_of(&scene.camera, 800, 800);
+    rk_check_equal(scene.light_count, 1, "one light");
+    rk_vec3 light = rk_normalize(scene.lights[0].position);
+    rk_check(rk_dot(light, view.right) < -0.1f, "to the left");
+    rk_check(rk_dot(light, view.up) > 0.1f, "above");
+    rk_check(rk_dot(light, rk_normalize(view.position)) > 0.5f,
+             "more than 60 degrees from the view: most of what one sees is in the dark");
+    rk_check(rk_length(scene.lights[0].position) > 1, "outside the unit ball");
+    rk_scene_free(&scene);
+}
+
+static void a_scene_around_a_mesh_takes_it_over(void **state)
+{
+    (void)state;
+    rk_mesh mesh;
+    rk_scene scene;
+    rk_error error;
+    rk_check_ok(rk_mesh_make_cube(&mesh, 0, &error), error);
+    rk_check_ok(rk_scene_around(&scene, "dice", &mesh, &error), error);
+    rk_check(mesh.positions == NULL && mesh.triangle_count == 0, "the mesh is still the caller's");
+    rk_check_equal(scene.mesh.triangle_count, 12, "the scene has it");
+    rk_check_close(scene.mesh.positions[7].x, 1 / sqrt(3), 0x1p-24, "moved into the unit ball");
+    rk_check_close(scene.camera.distance, 3, 0, "the default camera");
+    rk_scene_free(&scene);
+    rk_scene_free(&scene); /* freeing twice, as freeing a zeroed scene, does nothing */
+}
+
+static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
+{
+    (void)state;
+    const char *const wrong[] = {"nosuch",
+                                 "",
+                                 "tri",
+                                 "triangles",
+                                 "cube:3",
+                                 "cornell:",
+                                 "teapot:",
+                                 "teapot:1",
+                                 "teapot:1001",
+                                 "scan:0",
+                                 "scan:abc",
+                                 "scan:-5",
+                                 "scan: 5",
+                                 "scan:5 ",
+                                 "scan:5x",
+                                 "scan:1e3",
+                                 "scan:99999999999",
+                                 "sphere:0",
+                                 ":",
+                                 ":5",
+                                 "scan:18446744073709551617",
+                                 "SCAN"};
+    for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
+        rk_scene scene;
+        rk_error error = {""};
+        rk_check(!rk_scene_builtin(&scene, wrong[i], &error), "\"%s\" was accepted", wrong[i]);
+        rk_check_error_names(error, wrong[i]);
+        rk_check_error_names(error, "triangle, cube, cornell, sphere:N, teapot:N, scan:N");
+        rk_scene_free(&scene); /* a refused scene is a zeroed one */
+    }
+}
+
+static void the_help_names_every_scene(void **state)
+{
+    (void)state;
+    const char *const wanted[] = {"triangle", "cube", "cornell", "sphere:N", "teapot:N", "scan:N"};
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++)
+        rk_check(strstr(rk_scene_builtin_help, wanted[i]), "the help misses %s", wanted[i]);
+}
+
+/* --- simple shapes --------------------------------------------------------------------------- */
+
+static void the_triangle_faces_the_camera(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scene("triangle");
+    rk_view view = rk_view_of(&scene.camera, 8, 8);
+    vec eye = {(double)view.position.x, (double)view.position.y, (double)view.position.z};
+    rk_check(dot(normal_of(&scene.mesh, 0), eye) > 0, "its back is to the camera");
+    rk_scene_free(&scene);
+}
+
+static void the_cube_is_closed_and_each_side_has_one_colour(void **state)
+{
+    (void)state;
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_make_cube(&mesh, 0, &error), error);
+    rk_check_equal(free_edges(&mesh, NULL), 0, "closed");
+    rk_check_close(volume_of(&mesh), 8, 0, "an edge of 2, outwards, in whole numbers");
+    for (uint32_t i = 0; i < 12; i++) {
+        /* The normals, 4 long, point to -x +x -y +y -z +z, as the materials are numbered. */
+        vec n = normal_of(&mesh, i);
+        const double component[3] = {n.x, n.y, n.z};
+        uint32_t side = mesh.triangle_materials[i];
+        rk_check_close(component[side / 2], side % 2 ? 4 : -4, 0, "the side of its material");
+    }
+    rk_mesh_free(&mesh);
+}
+
+static void the_sphere_is_the_smallest_with_enough_triangles(void **state)
+{
+    (void)state;
+    const uint32_t wanted[][2] = {{1, 20},  {20, 20},     {21, 80},
+                                  {80, 80}, {1281, 1620}, {2000, 2000}};
+    for (int i = 0; i < 6; i++) {
+        rk_mesh mesh;
+        rk_error error;
+        rk_check_ok(rk_mesh_make_sphere(&mesh, wanted[i][0], &error), error);
+        rk_check_equal(mesh.triangle_count, wanted[i][1], "20 f f");
+        rk_check_equal(mesh.vertex_count, wanted[i][1] / 2 + 2, "Euler: no vertex twice");
+        rk_check_equal(free_edges(&mesh, NULL), 0, "closed");
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void sphere_triangles_are_the_icosahedrons_own(void **state)
+{
+    (void)state;
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_make_sphere(&mesh, 20 * 12 * 12, &error), error);
+    double smallest = INFINITY, largest = 0;
+    for (uint32_t i = 0; i < mesh.triangle_count; i++) {
+        smallest = fmin(smallest, area_of(&mesh, i));
+        largest = fmax(largest, area_of(&mesh, i));
+    }
+    /* Blowing up stretches a face's middle against its corners by (R / r)^3 = 1.258^3 = 1.99 at
+     * most; a wrong diagonal somewhere would bring slivers. */
+    rk_check(largest < 2 * smallest, "areas from %g to %g", smallest, largest);
+    rk_check_close(volume_of(&mesh), 4.18879, 0.02, "4 pi / 3 less what 2880 flat faces cut off");
+    rk_mesh_free(&mesh);
+}
+
+/* --- the Cornell box ------------------------------------------------------------------------- */
+
+enum { white, red, green, lamp, mirror };
+
+static void every_corner_of_the_cornell_box_is_in_its_picture(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scene("cornell");
+    rk_view view = rk_view_of(&scene.camera, 800, 800);
+    for (uint32_t i = 0; i < scene.mesh.vertex_count; i++) {
+        rk_vec2 p;
+        float depth;
+        rk_check(rk_view_project(&view, scene.mesh.positions[i], &p, &depth), "behind the camera");
+        rk_check(p.x > 0 && p.x < 800 && p.y > 0 && p.y < 800, "corner %u appears at %f, %f", i,
+                 (double)p.x, (double)p.y);
+    }
+    rk_scene_free(&scene);
+}
+
+static void the_red_wall_is_left_and_the_green_one_right(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scene("cornell");
+    rk_view view = rk_view_of(&scene.camera, 800, 800);
+    int seen[5] = {0};
+    for (uint32_t i = 0; i < 32; i++) {
+        int material = scene.mesh.triangle_materials[i];
+        seen[material]++;
+        for (int k = 0; k < 3; k++) {
+            rk_vec2 p;
+            float depth;
+            rk_view_project(&view, scene.mesh.positions[scene.mesh.triangles[i][k]], &p, &depth);
+            rk_check(material != red || p.x < 250, "red at column %f of 800", (double)p.x);
+            rk_check(material != green || p.x > 550, "green at column %f of 800", (double)p.x);
+        }
+    }
+    const int wanted[5] = {16, 2, 2, 2, 10};
+    for (int m = 0; m < 5; m++)
+        rk_check_equal(seen[m], wanted[m], "white, red, green, lamp, mirror");
+    rk_check_close(scene.mesh.materials[mirror].ks.x, 0.95, 1e-7, "the tall block is a mirror");
+    rk_check_close(scene.mesh.materials[mirror].kd.x, 0.01, 1e-7, "the tall block is a mirror");
+    rk_scene_free(&scene);
+}
+
+static void cornell_walls_face_inwards_and_blocks_outwards(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scene("cornell");
+    for (uint32_t i = 0; i < 32; i++) {
+        uint32_t block_start = i < 12 ? 0 : i < 22 ? 12 : 22, block_end = i < 22 ? 22 : 32;
+        vec middle = {0, 0, 0};
+        for (uint32_t t = block_start; i >= 12 && t < block_end; t++)
+            for (int k = 0; k < 3; k++) {
+                vec c = corner_of(&scene.mesh, t, k);
+                middle.x += c.x / 30, middle.y += c.y / 30, middle.z += c.z / 30;
+            }
+        double out = dot(normal_of(&scene.mesh, i), minus(corner_of(&scene.mesh, i, 0), middle));
+        rk_check(i < 12 ? out < 0 : out > 0, "triangle %u faces the wrong way", i);
+    }
+    rk_scene_free(&scene);
+}
+
+static void the_cornell_light_hangs_just_below_the_lamp(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scene("cornell");
+    float lamp_y = NAN, ceiling = rk_mesh_bounds(&scene.mesh).corner[1].y;
+    for (uint32_t i = 0; i < 32; i++)
+        if (scene.mesh.triangle_materials[i] == lamp)
+            lamp_y = scene.mesh.positions[scene.mesh.triangles[i][0]].y;
+    rk_check(lamp_y < ceiling, "the lamp is hidden in the ceiling");
+    float below = lamp_y - scene.lights[0].position.y;
+    rk_check(below > 0 && below < 0.05f, "the light is %f below the lamp", (double)below);
+    rk_scene_free(&scene);
+}
+
+/* --- the teapot ------------------------------------------------------------------------------ */
+
+static rk_mesh make_teapot(uint32_t n)
+{
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_make_teapot(&mesh, n, &error), error);
+    return mesh;
+}
+
+static void teapot_patches_share_their_borders_to_the_bit(void **state)
+{
+    (void)state;
+    for (uint32_t n = 2; n <= 14; n += 3) {
+        rk_mesh mesh = make_teapot(n);
+        uint32_t *id = weld(&mesh);
+        /* Open are the rim inside and the lid's edge, 4 patches each, and both ends of handle and
+         * spout, 2 patches each. */
+        rk_check_equal(free_edges(&mesh, id), 16 * n, "free edges of the welded teapot");
+        free(id);
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void the_teapots_patches_are_the_published_ones(void **state)
+{
+    (void)state;
+    /* Each base patch's middle, sum of w_i w_j P_ij with w = (1, 3, 3, 1) / 8 over the 16 control
+     * points that are published for it one by one: every one of them weighs in. */
+    static const struct {
+        uint32_t patch;
+        double middle[3];
+    } wanted[] = {
+        {2, {-0.99621875, 2.4984375, -0.99621875}}, {6, {-1.3090625, 1.621875, -1.3090625}},
+        {10, {-1.2425, 0.384375, -1.2425}},         {14, {-0.23103125, 2.98125, -0.23103125}},
+        {18, {-0.58575, 2.55, -0.58575}},           {22, {-0.91190625, 0.046875, -0.91190625}},
+        {24, {2.51875, 2.0953125, -0.225}},         {26, {2.634375, 1.25390625, -0.225}},
+        {28, {-2.5375, 1.621875, -0.34125}},        {30, {-3.1265625, 2.46679688, -0.15}},
+    };
+    rk_mesh mesh = make_teapot(2);
+    for (int i = 0; i < 10; i++) {
+        rk_vec3 got = mesh.positions[9 * wanted[i].patch + 4];
+        const float component[3] = {got.x, got.y, got.z};
+        for (int k = 0; k < 3; k++)
+            rk_check_close(component[k], wanted[i].middle[k], 1.5e-7, "rounded to float below 4");
+    }
+    rk_mesh_free(&mesh);
+}
+
+static void the_teapot_has_its_known_size(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_teapot(64);
+    rk_box box = rk_mesh_bounds(&mesh);
+    rk_check_close(box.corner[1].x, 3, 0, "the handle reaches to 3 at a patch border");
+    /* The lip's control points 3.3, 3.525, 3.45, 3.2 are farthest out at t = .410025. */
+    const double t = 0.410025, s = 1 - t;
+    double lip = 3.3 * s * s * s + 3 * 3.525 * s * s * t + 3 * 3.45 * s * t * t + 3.2 * t * t * t;
+    rk_check_close(-box.corner[0].x, lip, 0.6 / 8 / 64 / 64, "a 64th of the curve, curvature .6");
+    rk_check_close(box.corner[0].y, 0, 0, "the bottom's pole");
+    rk_check_close(box.corner[1].y, 3.15, 1.2e-7, "the knob's pole, rounded to float");
+    rk_check_close(box.corner[0].z, -2, 0, "the belly");
+    rk_check_close(box.corner[1].z, 2, 0, "the belly");
+    rk_mesh_free(&mesh);
+}
+
+static void the_teapot_is_its_own_mirror_image_to_the_bit(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_teapot(6), both = make_teapot(6);
+    for (uint32_t i = 0; i < both.vertex_count; i++)
+        both.positions[i].z = -both.positions[i].z;
+    /* As sets of places: sort both, then compare. */
+    uint32_t *order[2];
+    const rk_mesh *meshes[2] = {&mesh, &both};
+    for (int m = 0; m < 2; m++) {
+        order[m] = malloc(mesh.vertex_count * sizeof *order[m]);
+        for (uint32_t i = 0; i < mesh.vertex_count; i++)
+            order[m][i] = i;
+        sorted_mesh = meshes[m];
+        qsort(order[m], mesh.vertex_count, sizeof *order[m], compare_positions);
+    }
+    for (uint32_t i = 0; i < mesh.vertex_count; i++) {
+        rk_vec3 p = mesh.positions[order[0][i]], q = both.positions[order[1][i]];
+        rk_check(p.x == q.x && p.y == q.y && p.z == q.z, "%.9g %.9g %.9g has no mirror image",
+                 (double)p.x, (double)p.y, (double)p.z);
+    }
+    free(order[0]);
+    free(order[1]);
+    rk_mesh_free(&mesh);
+    rk_mesh_free(&both);
+}
+
+static void the_teapot_faces_outwards(void **state)
+{
+    (void)state;
+    const uint32_t n = 8;
+    rk_mesh mesh = make_teapot(n);
+    for (uint32_t i = 0; i < mesh.triangle_count; i++) {
+        vec a = corner_of(&mesh, i, 0), face = normal_of(&mesh, i);
+        uint32_t patch = mesh.triangles[i][0] / ((n + 1) * (n + 1));
+        if (patch >= 4 && patch < 12) /* the body, away from the axis at half height */
+            rk_check(dot(face, (vec){a.x, a.y - 1.2, a.z}) > 0, "body triangle %u faces inwards",
+                     i);
+        if (patch >= 20 && patch < 24) /* the bottom */
+            rk_check(face.y <= 0, "bottom triangle %u faces up", i);
+        if (patch < 4) /* the rim: from the ring in its middle */
+            rk_check(dot(face, minus(a, (vec){a.x * 1.42 / hypot(a.x, a.z), 2.4,
+                                              a.z * 1.42 / hypot(a.x, a.z)})) > 0,
+                     "rim triangle %u faces inwards", i);
+        if (patch >= 24 && patch < 30 && fabs(a.z) > 0.1) /* handle and spout, but its lip */
+            rk_check(face.z * a.z > -1e-4 * fabs(a.z), "triangle %u of handle or spout", i);
+    }
+    rk_mesh_free(&mesh);
+}
+
+static void teapot_normals_are_those_of_the_surface(void **state)
+{
+    (void)state;
+    const uint32_t n = 64;
+    rk_mesh mesh = make_teapot(n);
+    for (uint32_t i = 0; i < mesh.triangle_count; i++) {
+        vec face = normal_of(&mesh, i);
+        double length = sqrt(dot(face, face));
+        for (int k = 0; k < 3; k++) {
+            rk_vec3 v = mesh.normals[mesh.triangles[i][k]];
+            double cosine = dot(face, (vec){(double)v.x, (double)v.y, (double)v.z}) / length;
+            rk_check(cosine > 0.8, "triangle %u and its corner's normal differ by cos %f", i,
+                     cosine);
+        }
+    }
+    rk_mesh_free(&mesh);
+}
+
+static void teapot_poles_have_vertical_normals(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_teapot(5);
+    int knob = 0, bottom = 0;
+    for (uint32_t i = 0; i < mesh.vertex_count; i++) {
+        rk_vec3 p = mesh.positions[i], n = mesh.normals[i];
+        if (p.x != 0 || p.z != 0)
+            continue;
+        bool top = p.y > 1;
+        rk_check_close(n.y, top ? 1 : -1, 0, "straight up on the knob, down below");
+        knob += top, bottom += !top;
+    }
+    rk_check_equal(knob, 4 * 6, "each patch of the knob ends in the pole");
+    rk_check_equal(bottom, 4 * 6, "each patch of the bottom ends in the pole");
+    rk_mesh_free(&mesh);
+}
+
+static void no_teapot_triangle_is_flat(void **state)
+{
+    (void)state;
+    for (uint32_t n = 2; n <= 34; n += 8) {
+        rk_mesh mesh = make_teapot(n);
+        check_no_flat_triangle(&mesh, "teapot");
+        rk_mesh_free(&mesh);
+    }
+}
+
+/* --- the scan -------------------------------------------------------------------------------- */
+
+static const uint32_t scan_counts[] = {6, 7, 50, 100, 333, 500, 966, 967, 5000, 20001, 87130};
+
+enum { scan_count_count = sizeof scan_counts / sizeof scan_counts[0] };
+
+static void a_scan_has_exactly_the_triangles_asked_for(void **state)
+{
+    (void)state;
+    for (uint32_t n = 1; n <= 50; n++) {
+        rk_scene scene = make_scan(n);
+        rk_check_equal(scene.mesh.triangle_count, n, "exactly N");
+        check_no_flat_triangle(&scene.mesh, scene.name);
+        rk_scene_free(&scene);
+    }
+    for (int i = 0; i < scan_count_count; i++) {
+        rk_scene scene = make_scan(scan_counts[i]);
+        rk_check_equal(scene.mesh.triangle_count, scan_counts[i], "exactly N");
+        check_no_flat_triangle(&scene.mesh, scene.name);
+        rk_scene_free(&scene);
+    }
+}
+
+static void a_scan_is_closed_but_for_one_hole_when_odd(void **state)
+{
+    (void)state;
+    for (int i = 0; i < scan_count_count; i++) {
+        rk_scene scene = make_scan(scan_counts[i]);
+        rk_check_equal(free_edges(&scene.mesh, NULL), scan_counts[i] % 2 ? 3 : 0, scene.name);
+        rk_check(volume_of(&scene.mesh) > 0, "%s is inside out", scene.name);
+        rk_scene_free(&scene);
+    }
+}
+
+static void every_vertex_of_a_scan_belongs_to_a_triangle(void **state)
+{
+    (void)state;
+    for (uint32_t n = 1; n < 300; n += n < 10 ? 1 : 37) {
+        rk_scene scene = make_scan(n);
+        char used[1000] = {0};
+        for (uint32_t i = 0; i < 3 * n; i++)
+            used[scene.mesh.triangles[i / 3][i % 3]] = 1;
+        for (uint32_t v = 0; v < scene.mesh.vertex_count; v++)
+            rk_check(used[v], "scan:%u: vertex %u hangs in the air", n, v);
+        rk_scene_free(&scene);
+    }
+}
+
+static void scan_triangles_are_of_similar_size(void **state)
+{
+    (void)state;
+    const uint32_t n = 87130;
+    rk_scene scene = make_scan(n);
+    double mean = 0;
+    for (uint32_t i = 0; i < n; i++)
+        mean += area_of(&scene.mesh, i) / n;
+    uint32_t odd = 0;
+    for (uint32_t i = 0; i < n; i++)
+        odd += area_of(&scene.mesh, i) < mean / 3 || area_of(&scene.mesh, i) > 3 * mean;
+    rk_check(odd < n / 100, "%u of %u triangles are under a third or over thrice the mean", odd, n);
+    rk_scene_free(&scene);
+}
+
+static uint64_t fingerprint(const rk_mesh *mesh)
+{
+    uint64_t hash = 0xcbf29ce484222325u; /* FNV-1a over the words */
+    for (uint32_t i = 0; i < 3 * mesh->vertex_count; i++) {
+        uint32_t word;
+        memcpy(&word, &mesh->positions[0].x + i, sizeof word);
+        hash = (hash ^ word) * 0x100000001b3u;
+    }
+    return hash;
+}
+
+static void a_scan_is_the_same_to_the_bit_on_every_machine(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scan(967);
+    uint64_t got = fingerprint(&scene.mesh);
+    rk_check(got == 0x1cea92e97efc7850u,
+             "the fingerprint is %#llx: only a change of the statue may change it",
+             (unsigned long long)got);
+    rk_scene_free(&scene);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(every_scene_is_valid_and_has_its_count),
+    cmocka_unit_test(every_scene_fits_into_the_unit_ball),
+    cmocka_unit_test(normals_are_unit_and_agree_with_the_faces),
+    cmocka_unit_test(the_light_stands_above_left_of_the_camera_and_lights_what_it_sees),
+    cmocka_unit_test(a_scene_around_a_mesh_takes_it_over),
+    cmocka_unit_test(a_wrong_name_or_number_is_refused_with_the_list),
+    cmocka_unit_test(the_help_names_every_scene),
+    cmocka_unit_test(the_triangle_faces_the_camera),
+    cmocka_unit_test(the_cube_is_closed_and_each_side_has_one_colour),
+    cmocka_unit_test(the_sphere_is_the_smallest_with_enough_triangles),
+    cmocka_unit_test(sphere_triangles_are_the_icosahedrons_own),
+    cmocka_unit_test(every_corner_of_the_cornell_box_is_in_its_picture),
+    cmocka_unit_test(the_red_wall_is_left_and_the_green_one_right),
+    cmocka_unit_test(cornell_walls_face_inwards_and_blocks_outwards),
+    cmocka_unit_test(the_cornell_light_hangs_just_below_the_lamp),
+    cmocka_unit_test(teapot_patches_share_their_borders_to_the_bit),
+    cmocka_unit_test(the_teapots_patches_are_the_published_ones),
+    cmocka_unit_test(the_teapot_has_its_known_size),
+    cmocka_unit_test(the_teapot_is_its_own_mirror_image_to_the_bit),
+    cmocka_unit_test(the_teapot_faces_outwards),
+    cmocka_unit_test(teapot_normals_are_those_of_the_surface),
+    cmocka_unit_test(teapot_poles_have_vertical_normals),
+    cmocka_unit_test(no_teapot_triangle_is_flat),
+    cmocka_unit_test(a_scan_has_exactly_the_triangles_asked_for),
+    cmocka_unit_test(a_scan_is_closed_but_for_one_hole_when_odd),
+    cmocka_unit_test(every_vertex_of_a_scan_belongs_to_a_triangle),
+    cmocka_unit_test(scan_triangles_are_of_similar_size),
+    cmocka_unit_test(a_scan_is_the_same_to_the_bit_on_every_machine),
+};
+
+RK_SUITE("scenes", tests)
