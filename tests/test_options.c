@@ -10,8 +10,8 @@
 static struct {
     bool quiet;
     uint32_t width, seed;
-    float fov, far;
-    const char *out;
+    float fov, far, near;
+    const char *out, *way;
     rk_text_list meshes;
     rk_pixel pixel;
 } values;
@@ -29,6 +29,9 @@ static const rk_option own[] = {
      "terminal",
      1, 179},
     {"far", RK_OPTION_FLOAT, &values.far, "X", "any distance", 0, INFINITY},
+    {"near", RK_OPTION_FLOAT, &values.near, "X", "any distance; by default none", 0, 9},
+    {"way", RK_OPTION_TEXT, &values.way, "NAME",
+     "left   a way\nright  a way which is told in more words than a line will ever hold", 0, 0},
     {"mesh", RK_OPTION_LIST, &values.meshes, "FILE", "a mesh file\nmay come again", 0, 0},
     {"pixel", RK_OPTION_PIXEL, &values.pixel, "X,Y", "narrates one pixel", 0, 0},
     {"an-option-with-a-long-name", RK_OPTION_FLAG, &values.quiet, NULL, "as quiet", 0, 0},
@@ -47,7 +50,8 @@ static rk_options_result parse(const char *line, rk_error *error)
     char *argv[arguments_max + 2] = {(char[]){"folder/program"}};
     int argc = 1;
     memset(&values, 0, sizeof values);
-    values.width = 800, values.fov = 50, values.far = 2.5f, values.out = "reports/out";
+    values.width = 800, values.fov = 50, values.far = 2.5f, values.near = NAN,
+    values.out = "reports/out";
     snprintf(text, sizeof text, "%s", line);
     for (char *word = strtok(text, " "); word && argc <= arguments_max; word = strtok(NULL, " "))
         argv[argc++] = word;
@@ -311,7 +315,8 @@ static void help_lists_every_option_with_range_and_default(void **state)
     check_lists(help.output,
                 "  --width N             picture width in pixels (1 to 32768; default 800)\n");
     check_lists(help.output, "  --seed N ");
-    check_lists(help.output, "(0 to 4294967295; default 0)\n");
+    check_lists(help.output, "seed of the random numbers (default 0)\n");
+    check_lists(help.output, "any distance; by default none (0 to 9)\n");
     check_lists(help.output, "  --quiet               shows no progress\n");
     check_lists(help.output,
                 "  --out FOLDER          where the pictures go (default reports/out)\n");
@@ -326,6 +331,14 @@ static void help_lists_every_option_with_range_and_default(void **state)
     check_lists(help.output, "  --version             the version\n");
     check_lists(help.output, "\nSecond line.\n\n");
     rk_check(help.errors[0] == '\0', "standard error should stay empty: %s", help.errors);
+}
+
+static void help_keeps_the_columns_of_a_list(void **state)
+{
+    print help = parse_printing(*state, "--help");
+    check_lists(help.output, "  --way NAME            left   a way\n"
+                             "                        right  a way which is told in more words\n"
+                             "                               than a line will ever hold\n");
 }
 
 static void help_fits_eighty_columns_and_fills_them(void **state)
@@ -401,6 +414,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_list_that_is_full_is_refused),
     cmocka_unit_test(the_longest_value_leaves_room_for_the_remedy),
     test_in_folder(help_lists_every_option_with_range_and_default),
+    test_in_folder(help_keeps_the_columns_of_a_list),
     test_in_folder(help_fits_eighty_columns_and_fills_them),
     test_in_folder(help_shows_defaults_whatever_else_is_given),
     test_in_folder(version_is_the_name_and_a_number),

@@ -1,0 +1,426 @@
+/* The drivers' common ways, tried on the first of them: the program itself is run, with its output
+ * caught, and what it leaves in its folder is looked at. */
+#include "test.h"
+#include "test_folder.h"
+
+#include "base/image.h"
+#include "io/png.h"
+
+#include <fcntl.h>
+#include <ftw.h>
+#include <sys/resource.h>
+#include <sys/wait.h>
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define BUILT_WITH_SHADOW_MEMORY 1
+#endif
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define BUILT_WITH_SHADOW_MEMORY 1
+#endif
+
+static const char program[] = RK_BUILD_FOLDER "/assignments/01_bvh_median/bvh_median";
+
+typedef struct run {
+    int status; /* of the exit; -1: killed */
+    char *out, *err;
+} run;
+
+static void run_free(run *r)
+{
+    free(r->out);
+    free(r->err);
+}
+
+static void open_as(const char *path, int descriptor)
+{
+    int file = open(path, O_WRONLY | O_CREAT | O_TRUNC, 0600);
+    if (file < 0 || dup2(file, descriptor) < 0)
+        _exit(126);
+    close(file);
+}
+
+static char *read_text(test_path path)
+{
+    size_t size;
+    char *text = (char *)test_folder_read(path, &size);
+    text[size] = '\0';
+    remove(path.text);
+    return text;
+}
+
+/* Runs the driver in `folder` with words separated by single spaces. */
+static run run_driver(const test_folder *folder, const char *arguments)
+{
+    char words[1024], *argv[64] = {(char *)(uintptr_t)program};
+    int argc = 1;
+    snprintf(words, sizeof words, "%s", arguments);
+    for (char *word = strtok(words, " "); word; word = strtok(NULL, " "))
+        argv[argc++] = word;
+    test_path out = test_folder_path(folder, "stdout"), err = test_folder_path(folder, "stderr");
+    pid_t child = fork();
+    if (child == 0) {
+        open_as(out.text, 1);
+        open_as(err.text, 2);
+        if (chdir(folder->path) == 0)
+            execv(program, argv);
+        _exit(127);
+    }
+    int status = 0;
+    waitpid(child, &status, 0);
+    return (run){WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
+}
+
+static run run_well(const test_folder *folder, const char *arguments)
+{
+    run r = run_driver(folder, arguments);
+    rk_check(r.status == 0, "%s: exit status %d: %s", arguments, r.status, r.err);
+    rk_check(r.err[0] == '\0', "%s: a success has nothing to complain about: %s", arguments, r.err);
+    return r;
+}
+
+/* --- What lies in the folder ----------------------------------------------------------------- */
+
+static int files_found;
+
+static int count_file(const char *path, const struct stat *status, int type, struct FTW *place)
+{
+    (void)path, (void)status, (void)place;
+    files_found += type != FTW_D;
+    return 0;
+}
+
+static int count_files(const test_folder *folder)
+{
+    files_found = 0;
+    nftw(folder->path, count_file, 8, FTW_PHYS);
+    return files_found;
+}
+
+static bool is_there(const test_folder *folder, const char *name)
+{
+    return access(test_folder_path(folder, name).text, F_OK) == 0;
+}
+
+/* --- Help and complaints --------------------------------------------------------------------- */
+
+static void check_contains(const char *text, const char *part)
+{
+    rk_check(strstr(text, part) != NULL, "\"%s\" should stand in:\n%s", part, text);
+}
+
+static void help_and_version_are_successes(void **state)
+{
+    run help = run_well(*state, "--help"), version = run_well(*state, "--version");
+    check_contains(help.out, "usage: bvh_median [OPTION]...");
+    check_contains(version.out, "raykit ");
+    rk_check_equal(count_files(*state), 0, "neither writes a file");
+    run_free(&help);
+    run_free(&version);
+}
+
+static void help_speaks_to_a_newcomer(void **state)
+{
+    run help = run_well(*state, "--help");
+    const char *const parts[] = {"draw a debug view: level, leaf", "by default the scene's",
+                                 "cube        12 triangles", "(default cornell)", "(default out)"};
+    for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
+        check_contains(help.out, parts[i]);
+    const char *const riddles[] = {"nan", "inf", "4294967295", "4000000000", "e+"};
+    for (size_t i = 0; i < sizeof riddles / sizeof *riddles; i++)
+        rk_check(!strstr(help.out, riddles[i]), "what is \"%s\" in\n%s", riddles[i], help.out);
+    for (const char *line = help.out; *line;) {
+        size_t length = strcspn(line, "\n");
+        rk_check(length <= 80, "a line of %zu columns: %.*s", length, (int)length, line);
+        line += length + (line[length] == '\n');
+    }
+    run_free(&help);
+}
+
+/* One line on standard error that begins with the program and names what is wrong; no file. */
+static void check_complaint(const test_folder *folder, const char *arguments, const char *thing,
+                            const char *remedy)
+{
+    int before = count_files(folder);
+    run r = run_driver(folder, arguments);
+    rk_check_equal(r.status, 1, arguments);
+    rk_check(r.out[0] == '\0', "%s: complaints go to standard error, not\n%s", arguments, r.out);
+    rk_check(strncmp(r.err, "bvh_median: ", 12) == 0, "%s: who says this? %s", arguments, r.err);
+    size_t length = strlen(r.err);
+    rk_check(strcspn(r.err, "\n") + 1 == length, "%s: it should be one line:\n%s", arguments,
+             r.err);
+    check_contains(r.err, thing);
+    check_contains(r.err, remedy);
+    rk_check_equal(count_files(folder), before, "a failure leaves no file");
+    run_free(&r);
+}
+
+static void every_bad_option_is_named_in_one_line(void **state)
+{
+    const char *const bad[][3] = {
+        {"--bogus", "--bogus", "see --help"},
+        {"--width 0", "--width 0", "1 to 32768"},
+        {"--height 32769", "--height 32769", "1 to 32768"},
+        {"--width 1e3", "--width 1e3", "a whole number"},
+        {"--samples", "--samples", "the value is missing"},
+        {"--fov nan", "--fov nan", "1 to 179"},
+        {"--seed 4294967296", "--seed 4294967296", "see --help"},
+        {"picture.png", "picture.png", "see --help"},
+        {"--pixel 3", "--pixel 3", "X,Y"},
+        {"--pixel 800,0", "--pixel 800,0", "800 x 800"},
+        {"--width 9 --height 7 --pixel 3,7", "--pixel 3,7", "9 x 7"},
+        {"--scene castle", "--scene castle", "cornell"},
+        {"--scene cube:3", "--scene cube:3", "no number"},
+        {"--debug everything", "--debug everything", "level, leaf"},
+        {"--debug", "--debug", "the value is missing"},
+        {"--scene cube --mesh a.obj", "--scene and --mesh", "choose one"},
+        {"--timing --debug leaf", "--timing and --debug", "choose one"},
+        {"--threads 1025", "--threads 1025", "0 to 1024"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        check_complaint(*state, bad[i][0], bad[i][1], bad[i][2]);
+}
+
+static void levels_and_leaves_that_are_not_there_are_named(void **state)
+{
+    check_complaint(*state, "--width 8 --height 8 --debug level --level 4", "--level 4", "0 to 3");
+    check_complaint(*state, "--width 8 --height 8 --debug leaf --leaf 8", "--leaf 8", "0 to 7");
+    check_complaint(*state, "--debug level --level 64", "--level 64", "0 to 63");
+}
+
+static void a_missing_mesh_is_named(void **state)
+{
+    check_complaint(*state, "--mesh nowhere/dragon.ply", "nowhere/dragon.ply", "No such file");
+}
+
+static void an_out_folder_that_cannot_be_is_named_before_rendering(void **state)
+{
+    const test_folder *folder = *state;
+    test_folder_write(folder, "file", "x", 1, 0600);
+    struct rusage before, after;
+    getrusage(RUSAGE_CHILDREN, &before);
+    check_complaint(folder, "--width 3000 --height 3000 --samples 50 --out file", "file/figures",
+                    "--out");
+    check_complaint(folder, "--width 3000 --height 3000 --samples 50 --out file/below",
+                    "file/below", "--out");
+    check_complaint(folder, "--width 3000 --height 3000 --samples 50 --timing --out file",
+                    "file/tables", "--out");
+    getrusage(RUSAGE_CHILDREN, &after);
+    rk_check(after.ru_utime.tv_sec - before.ru_utime.tv_sec < 10,
+             "a picture that takes a minute was rendered, and then could not be saved");
+}
+
+static void a_picture_that_cannot_be_written_leaves_nothing(void **state)
+{
+    const test_folder *folder = *state;
+    const char *const path[] = {"out", "out/figures", "out/figures/bvh_median_cube.png"};
+    for (int i = 0; i < 3; i++)
+        mkdir(test_folder_path(folder, path[i]).text, 0700);
+    check_complaint(folder, "--scene cube --width 8 --height 8", "bvh_median_cube.png", "");
+}
+
+/* --- Pictures -------------------------------------------------------------------------------- */
+
+static void check_metadata(test_path picture, const char *key, const char *want)
+{
+    rk_error error;
+    char *value = rk_png_read_text(picture.text, key, &error);
+    rk_check(value != NULL, "%s: no text \"%s\": %s", picture.text, key, error.text);
+    rk_check(strcmp(value, want) == 0, "%s: got \"%s\", want \"%s\"", key, value, want);
+    free(value);
+}
+
+static void a_picture_lands_in_figures_with_its_parameters(void **state)
+{
+    const test_folder *folder = *state;
+    run r = run_well(folder, "--scene sphere:99 --width 12 --height 9 --samples 3 --out my/folder");
+    test_path picture = test_folder_path(folder, "my/folder/figures/bvh_median_sphere-99.png");
+    rk_image image;
+    rk_error error;
+    rk_check_ok(rk_png_read(&image, picture.text, &error), error);
+    rk_check_equal(image.width, 12, "as asked");
+    rk_check_equal(image.height, 9, "as asked");
+    rk_image_free(&image);
+    rk_check_equal(count_files(folder), 1, "the picture and no other file");
+    check_metadata(picture, "raykit:scene", "sphere:99");
+    check_metadata(picture, "raykit:samples", "3");
+    check_metadata(picture, "raykit:command",
+                   "bvh_median --scene sphere:99 --width 12 --height 9 --samples 3 --out DIR");
+    char *software = rk_png_read_text(picture.text, "Software", &error);
+    char *seconds = rk_png_read_text(picture.text, "raykit:seconds", &error);
+    char *triangles = rk_png_read_text(picture.text, "raykit:triangles", &error);
+    rk_check(software && strncmp(software, "raykit ", 7) == 0, "the version is noted");
+    rk_check(seconds && atof(seconds) > 0 && atof(seconds) < 60, "the time is noted");
+    rk_check(triangles && atoi(triangles) >= 99, "the size of the mesh is noted");
+    free(software);
+    free(seconds);
+    free(triangles);
+    check_contains(r.out, "my/folder/figures/bvh_median_sphere-99.png: sphere:99");
+    check_contains(r.out, "3 samples a pixel");
+    run_free(&r);
+}
+
+static void captions_tell_nothing_of_the_machines_folders(void **state)
+{
+    const test_folder *folder = *state;
+    run r = run_well(folder, "--scene=cube --width=4 --height=4 --out=secret/place");
+    test_path picture = test_folder_path(folder, "secret/place/figures/bvh_median_cube.png");
+    check_metadata(picture, "raykit:command",
+                   "bvh_median --scene=cube --width=4 --height=4 --out=DIR");
+    run_free(&r);
+}
+
+static void debug_views_have_pictures_of_their_own(void **state)
+{
+    const test_folder *folder = *state;
+    run plain = run_well(folder, "--scene cornell --width 40 --height 40");
+    run level = run_well(folder, "--width 40 --height 40 --debug level --level 2");
+    run leaf = run_well(folder, "--width 40 --height 40 --debug leaf --leaf 5");
+    const char *const names[] = {"out/figures/bvh_median_cornell.png",
+                                 "out/figures/bvh_median_cornell_level2.png",
+                                 "out/figures/bvh_median_cornell_leaf5.png"};
+    rk_image image[3];
+    rk_error error;
+    for (int i = 0; i < 3; i++)
+        rk_check_ok(rk_png_read(&image[i], test_folder_path(folder, names[i]).text, &error), error);
+    for (int i = 1; i < 3; i++)
+        rk_check(memcmp(image[0].pixels, image[i].pixels, 1600 * sizeof(rk_vec3)) != 0,
+                 "%s shows the scene and nothing else", names[i]);
+    for (int i = 0; i < 3; i++)
+        rk_image_free(&image[i]);
+    run_free(&plain);
+    run_free(&level);
+    run_free(&leaf);
+}
+
+static void quiet_says_nothing(void **state)
+{
+    run r = run_well(*state, "--scene cube --width 4 --height 4 --quiet");
+    rk_check(r.out[0] == '\0', "quiet said: %s", r.out);
+    run timing = run_well(*state, "--scene cube --width 4 --height 4 --quiet --timing");
+    rk_check(timing.out[0] == '\0', "quiet said: %s", timing.out);
+    run_free(&r);
+    run_free(&timing);
+}
+
+static void a_pixel_is_narrated(void **state)
+{
+    run r = run_well(*state, "--width 20 --height 20 --pixel 10,10");
+    check_contains(r.out, "pixel (10, 10) of cornell");
+    check_contains(r.out, "colour (linear)");
+    run_free(&r);
+}
+
+/* --- Timings --------------------------------------------------------------------------------- */
+
+static int count_lines(const char *text)
+{
+    int lines = 0;
+    for (; *text; text++)
+        lines += *text == '\n';
+    return lines;
+}
+
+static char *read_table(const test_folder *folder)
+{
+    size_t size;
+    char *text =
+        (char *)test_folder_read(test_folder_path(folder, "out/tables/bvh_median.csv"), &size);
+    text[size] = '\0';
+    return text;
+}
+
+static void timings_become_rows_and_the_next_run_replaces_them(void **state)
+{
+    const test_folder *folder = *state;
+    run first = run_well(folder, "--scene cube --width 8 --height 8 --threads 2 --timing");
+    rk_check(!is_there(folder, "out/figures"), "--timing draws no picture");
+    char *table = read_table(folder);
+    check_contains(table,
+                   "feature,scene,triangles,method,isa,threads,metric,unit,median,min,max,runs\n");
+    check_contains(table, "\nbvh_median,cube,12,median,scalar,2,build,ms,");
+    check_contains(table, "\nbvh_median,cube,12,median,scalar,2,render,ms,");
+    check_contains(table, "\nbvh_median,cube,12,median,scalar,2,levels,1,3,3,3,1\n");
+    check_contains(table, "\nbvh_median,cube,12,median,scalar,2,leaves,1,4,4,4,1\n");
+    rk_check(!strstr(table, "nan"), "a table of numbers:\n%s", table);
+    int lines = count_lines(table);
+    rk_check_equal(lines, 8, "the header and seven figures");
+    free(table);
+    run second =
+        run_well(folder, "--scene cube --width 8 --height 8 --threads 2 --timing --runs 3");
+    table = read_table(folder);
+    rk_check_equal(count_lines(table), lines, "the same figures replace the older ones");
+    check_contains(table, ",3\n");
+    free(table);
+    run third = run_well(folder, "--scene triangle --width 8 --height 8 --threads 2 --timing");
+    table = read_table(folder);
+    rk_check_equal(count_lines(table), 2 * lines - 1, "another scene has rows of its own");
+    free(table);
+    rk_check_equal(count_files(folder), 1, "one table and no other file");
+    run_free(&first);
+    run_free(&second);
+    run_free(&third);
+}
+
+static void a_foreign_table_is_left_alone(void **state)
+{
+    const test_folder *folder = *state;
+    mkdir(test_folder_path(folder, "out").text, 0700);
+    mkdir(test_folder_path(folder, "out/tables").text, 0700);
+    test_folder_write(folder, "out/tables/bvh_median.csv", "a,b\n1,2\n", 8, 0600);
+    check_complaint(folder, "--scene cube --width 8 --height 8 --timing", "bvh_median.csv",
+                    "rename or remove");
+    char *table = read_table(folder);
+    rk_check(strcmp(table, "a,b\n1,2\n") == 0, "it became:\n%s", table);
+    free(table);
+}
+
+/* --- Speed ----------------------------------------------------------------------------------- */
+
+static double children_seconds(void)
+{
+    struct rusage usage;
+    getrusage(RUSAGE_CHILDREN, &usage);
+    return (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec) * 1e-6;
+}
+
+static void starting_up_takes_milliseconds(void **state)
+{
+#if defined(BUILT_WITH_SHADOW_MEMORY)
+    (void)state; /* setting up the shadow alone takes longer */
+#else
+    double best = INFINITY;
+    for (int i = 0; i < 5; i++) {
+        double start = children_seconds();
+        run r = run_well(*state, "--width 1 --height 1 --threads 2");
+        best = fmin(best, children_seconds() - start);
+        run_free(&r);
+    }
+    /* It is about 2 ms; the best of five, since other work disturbs. */
+    rk_check(best < 0.010,
+             "one pixel took %.1f ms of processor time: what is loaded or built that "
+             "it does not need?",
+             1e3 * best);
+#endif
+}
+
+static const struct CMUnitTest tests[] = {
+    test_in_folder(help_and_version_are_successes),
+    test_in_folder(help_speaks_to_a_newcomer),
+    test_in_folder(every_bad_option_is_named_in_one_line),
+    test_in_folder(levels_and_leaves_that_are_not_there_are_named),
+    test_in_folder(a_missing_mesh_is_named),
+    test_in_folder(an_out_folder_that_cannot_be_is_named_before_rendering),
+    test_in_folder(a_picture_that_cannot_be_written_leaves_nothing),
+    test_in_folder(a_picture_lands_in_figures_with_its_parameters),
+    test_in_folder(captions_tell_nothing_of_the_machines_folders),
+    test_in_folder(debug_views_have_pictures_of_their_own),
+    test_in_folder(quiet_says_nothing),
+    test_in_folder(a_pixel_is_narrated),
+    test_in_folder(timings_become_rows_and_the_next_run_replaces_them),
+    test_in_folder(a_foreign_table_is_left_alone),
+    test_in_folder(starting_up_takes_milliseconds),
+};
+
+RK_SUITE("driver", tests)

@@ -1,0 +1,434 @@
+/* The renderer: its light against formulas in double, its shadows against projection, its pictures
+ * the same for any threads, and its counters as proof that nothing needless is done. */
+#include "test_scene.h"
+
+static rk_render_options size_of(uint32_t width, uint32_t height)
+{
+    rk_render_options options = rk_render_options_default();
+    options.width = width;
+    options.height = height;
+    return options;
+}
+
+static void check_colour(const rk_image *image, size_t x, size_t y, const double want[3],
+                         double tolerance, const char *hint)
+{
+    const rk_vec3 *got = rk_image_at(image, x, y);
+    for (int c = 0; c < 3; c++)
+        rk_check(fabs((double)rk_axis(*got, c) - want[c]) <= tolerance,
+                 "pixel (%zu, %zu), channel %d: got %.9g, want %.9g within %.3g: %s", x, y, c,
+                 (double)rk_axis(*got, c), want[c], tolerance, hint);
+}
+
+/* --- Light ----------------------------------------------------------------------------------- */
+
+/* The plane z = depth seen from (0, 0, -3), worked out in double for a pixel. */
+typedef struct plane_point {
+    double x, y, z;
+} plane_point;
+
+static plane_point seen_on_plane(double depth, const rk_render_options *options, size_t x, size_t y)
+{
+    double half = tan(25 * 3.14159265358979323846 / 180), reach = depth + 3;
+    double across = 2 * ((double)x + 0.5) / options->width - 1;
+    double up = 1 - 2 * ((double)y + 0.5) / options->height;
+    double aspect = (double)options->width / options->height;
+    return (plane_point){-across * half * aspect * reach, up * half * reach, depth};
+}
+
+/* kd times the light's colour times the cosine, on a plane that faces -z. */
+static void lambert(plane_point p, const rk_light *light, rk_vec3 kd, double colour[3])
+{
+    double l[3] = {(double)light->position.x - p.x, (double)light->position.y - p.y,
+                   (double)light->position.z - p.z};
+    double cosine = -l[2] / sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]);
+    for (int c = 0; c < 3; c++)
+        colour[c] +=
+            cosine > 0 ? (double)rk_axis(kd, c) * (double)rk_axis(light->colour, c) * cosine : 0;
+}
+
+/* A triangle in the plane z = 0: x + y <= 0.5 and x, y >= -0.5. */
+static rk_scene make_facing_triangle(void)
+{
+    rk_scene scene = test_scene_make(1);
+    test_scene_triangle(&scene, 0, rk_vec(-0.5f, -0.5f, 0), rk_vec(1, -0.5f, 0),
+                        rk_vec(-0.5f, 1, 0));
+    scene.mesh.materials[0].kd = rk_vec(0.9f, 0.5f, 0.1f);
+    return scene;
+}
+
+/* The distance of a point of z = 0 from the triangle's edges, above 0 inside. */
+static double inside_facing_triangle(plane_point p)
+{
+    return fmin(fmin(p.x + 0.5, p.y + 0.5), (0.5 - p.x - p.y) / sqrt(2));
+}
+
+static void a_facing_triangle_shines_by_lamberts_law(void **state)
+{
+    (void)state;
+    rk_scene scene = make_facing_triangle();
+    test_scene_light(&scene, rk_vec(0.7f, -0.3f, -1.5f), rk_vec(1, 0.5f, 2));
+    rk_render_options options = size_of(67, 45);
+    test_picture picture = test_render(&scene, options, 1);
+    size_t lit = 0, black = 0;
+    for (size_t y = 0; y < options.height; y++)
+        for (size_t x = 0; x < options.width; x++) {
+            plane_point p = seen_on_plane(0, &options, x, y);
+            double colour[3] = {0}, inside = inside_facing_triangle(p);
+            /* On the edge itself roundings decide. */
+            if (fabs(inside) < 1e-5)
+                continue;
+            if (inside > 0)
+                lambert(p, &scene.lights[0], scene.mesh.materials[0].kd, colour);
+            *(inside > 0 ? &lit : &black) += 1;
+            /* A dozen roundings of float, 2^-24 each, in numbers up to 1.8. */
+            check_colour(&picture.image, x, y, colour, inside > 0 ? 2e-6 : 0,
+                         inside > 0 ? "kd colour n.l" : "nothing is there: exactly black");
+        }
+    rk_check(lit > 100 && black > 100, "the triangle should cover a part: %zu lit, %zu not", lit,
+             black);
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+static void several_lights_add_up(void **state)
+{
+    (void)state;
+    rk_scene scene = make_facing_triangle();
+    test_scene_light(&scene, rk_vec(0.7f, -0.3f, -1.5f), rk_vec(1, 0, 0.25f));
+    test_scene_light(&scene, rk_vec(-2, 1, -0.5f), rk_vec(0.5f, 0.75f, 0));
+    test_scene_light(&scene, rk_vec(0, 0, 4), rk_vec(9, 9, 9)); /* behind: adds nothing */
+    rk_render_options options = size_of(31, 31);
+    options.shadows = true;
+    test_picture picture = test_render(&scene, options, 1);
+    for (size_t y = 0; y < options.height; y++)
+        for (size_t x = 0; x < options.width; x++) {
+            plane_point p = seen_on_plane(0, &options, x, y);
+            double colour[3] = {0};
+            if (inside_facing_triangle(p) < 1e-5)
+                continue;
+            for (uint32_t i = 0; i < scene.light_count; i++)
+                lambert(p, &scene.lights[i], scene.mesh.materials[0].kd, colour);
+            check_colour(&picture.image, x, y, colour, 4e-6, "the sum over two lights");
+        }
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+static void a_surface_lit_from_behind_is_black(void **state)
+{
+    (void)state;
+    rk_scene scene = make_facing_triangle();
+    test_scene_light(&scene, rk_vec(0, 0, 2), rk_vec(1, 1, 1));
+    rk_render_options options = size_of(16, 16);
+    options.shadows = true;
+    test_picture picture = test_render(&scene, options, 1);
+    for (size_t i = 0; i < 256; i++)
+        rk_check(rk_length(picture.image.pixels[i]) == 0, "pixel %zu got light from behind", i);
+    rk_check_equal(picture.counters.shadow_rays, 0, "a cosine below 0 needs no shadow ray");
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+/* --- Shadows --------------------------------------------------------------------------------- */
+
+static void a_blocker_darkens_the_region_that_projects_onto_it(void **state)
+{
+    (void)state;
+    /* A wall at z = 1, and a square beside the camera's cone of view that is between the light and
+     * the wall: |x - 3| <= .25, |y + .06| <= .25 at z = 0, with the light at (6, 0, -1). Its
+     * diagonal passes between the pixels. */
+    rk_scene scene = test_scene_make(4);
+    test_scene_quad(&scene, 0, rk_vec(-9, -9, 1), rk_vec(18, 0, 0), rk_vec(0, 18, 0));
+    test_scene_quad(&scene, 2, rk_vec(2.75f, -0.31f, 0), rk_vec(0.5f, 0, 0), rk_vec(0, 0.5f, 0));
+    test_scene_light(&scene, rk_vec(6, 0, -1), rk_vec(1, 1, 1));
+    rk_render_options options = size_of(60, 60);
+    options.shadows = true;
+    test_picture picture = test_render(&scene, options, 2);
+    size_t dark = 0;
+    for (size_t y = 0; y < options.height; y++)
+        for (size_t x = 0; x < options.width; x++) {
+            plane_point p = seen_on_plane(1, &options, x, y);
+            /* The way to the light crosses z = 0 half-way. */
+            double inside = fmin(0.25 - fabs((p.x + 6) / 2 - 3), 0.25 - fabs(p.y / 2 + 0.06));
+            if (fabs(inside) < 1e-5)
+                continue;
+            double colour[3] = {0};
+            if (inside < 0)
+                lambert(p, &scene.lights[0], scene.mesh.materials[0].kd, colour);
+            dark += inside > 0;
+            check_colour(&picture.image, x, y, colour, inside > 0 ? 0 : 2e-6,
+                         inside > 0 ? "it lies in the shadow" : "nothing is in the way");
+        }
+    rk_check(dark > 50, "only %zu pixels lie in the shadow", dark);
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+static void what_lies_beyond_the_light_casts_no_shadow(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_make(4);
+    test_scene_quad(&scene, 0, rk_vec(-9, -9, 1), rk_vec(18, 0, 0), rk_vec(0, 18, 0));
+    test_scene_quad(&scene, 2, rk_vec(-9, -9, -5), rk_vec(18, 0, 0), rk_vec(0, 18, 0));
+    test_scene_light(&scene, rk_vec(0, 0, -4), rk_vec(1, 1, 1));
+    rk_render_options options = size_of(40, 40);
+    test_picture open = test_render(&scene, options, 1);
+    options.shadows = true;
+    test_picture shadowed = test_render(&scene, options, 1);
+    rk_check(test_same_pixels(&open.image, &shadowed.image),
+             "a shadow ray went on behind the light");
+    rk_image_free(&open.image);
+    rk_image_free(&shadowed.image);
+    rk_scene_free(&scene);
+}
+
+/* A convex body lit by a light outside casts no shadow on what faces the light, so with and without
+ * shadows the picture is the same, to the bit. */
+static void check_no_acne(const char *name, float size, rk_vec3 shift, rk_vec3 light)
+{
+    rk_scene scene = test_scene_builtin(name);
+    for (uint32_t i = 0; i < scene.mesh.vertex_count; i++)
+        scene.mesh.positions[i] = rk_madd(shift, scene.mesh.positions[i], size);
+    free(scene.mesh.normals); /* flat: where n.l > 0 the face itself sees the light */
+    scene.mesh.normals = NULL;
+    scene.camera.look_at = shift;
+    scene.camera.distance *= size;
+    scene.light_count = 0;
+    test_scene_light(&scene, rk_madd(shift, light, size), rk_vec(1, 1, 1));
+    rk_render_options options = size_of(300, 300);
+    test_picture open = test_render(&scene, options, 2);
+    options.shadows = true;
+    test_picture shadowed = test_render(&scene, options, 2);
+    size_t specks = 0;
+    for (size_t i = 0; i < 300 * 300; i++)
+        specks += memcmp(&open.image.pixels[i], &shadowed.image.pixels[i], sizeof(rk_vec3)) != 0;
+    rk_check(shadowed.counters.shadow_rays > 1000, "hardly anything is lit");
+    rk_check(specks == 0,
+             "%s, %g times as large, at (%g, %g, %g): %zu of %llu lit pixels are in the shadow of "
+             "nothing: shadow rays meet the surface that they leave",
+             name, (double)size, (double)shift.x, (double)shift.y, (double)shift.z, specks,
+             (unsigned long long)shadowed.counters.shadow_rays);
+    rk_image_free(&open.image);
+    rk_image_free(&shadowed.image);
+    rk_scene_free(&scene);
+}
+
+static void convex_bodies_cast_no_shadow_on_themselves(void **state)
+{
+    (void)state;
+    const rk_vec3 lights[] = {{1.5f, 3, -2.5f}, {4, 0.5f, -1}, {0.1f, 1.2f, -1.3f}};
+    for (int i = 0; i < 3; i++) {
+        check_no_acne("sphere:1280", 1, rk_vec(0, 0, 0), lights[i]);
+        check_no_acne("cube", 1, rk_vec(0, 0, 0), lights[i]);
+    }
+    check_no_acne("sphere:20000", 1e3f, rk_vec(0, 0, 0), lights[0]);
+    check_no_acne("sphere:320", 1e-3f, rk_vec(0, 0, 0), lights[0]);
+    check_no_acne("sphere:320", 1, rk_vec(300, -100, 200), lights[0]);
+    check_no_acne("cube", 1, rk_vec(300, -100, 200), lights[0]);
+}
+
+/* --- The same picture every time ------------------------------------------------------------- */
+
+static void check_threads_agree(const rk_scene *scene, rk_render_options options)
+{
+    const uint32_t threads[] = {2, 3, 7};
+    test_picture one = test_render(scene, options, 1);
+    for (int i = 0; i < 3; i++) {
+        test_picture many = test_render(scene, options, threads[i]);
+        rk_check(test_same_pixels(&one.image, &many.image),
+                 "%u x %u, %u samples: %u threads drew another picture than one", options.width,
+                 options.height, options.samples, threads[i]);
+        rk_check(memcmp(&one.counters, &many.counters, sizeof one.counters) == 0,
+                 "%u threads counted otherwise than one", threads[i]);
+        rk_image_free(&many.image);
+    }
+    rk_image_free(&one.image);
+}
+
+static void the_picture_is_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cornell");
+    const uint32_t sizes[][2] = {{1, 1}, {17, 5}, {800, 3}, {16, 16}, {33, 48}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++)
+        for (uint32_t samples = 1; samples <= 4; samples += 3) {
+            rk_render_options options = size_of(sizes[i][0], sizes[i][1]);
+            options.samples = samples;
+            options.shadows = true;
+            check_threads_agree(&scene, options);
+        }
+    rk_scene_free(&scene);
+}
+
+static void the_seed_changes_random_samples_and_nothing_else(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cornell");
+    for (uint32_t samples = 1; samples <= 4; samples += 3) {
+        rk_render_options options = size_of(40, 40);
+        options.samples = samples;
+        test_picture first = test_render(&scene, options, 1);
+        options.seed = 1;
+        test_picture second = test_render(&scene, options, 1);
+        rk_check(test_same_pixels(&first.image, &second.image) == (samples == 1),
+                 samples == 1 ? "pixel centres are not random"
+                              : "another seed gave the same samples");
+        rk_image_free(&first.image);
+        rk_image_free(&second.image);
+    }
+    rk_scene_free(&scene);
+}
+
+static void every_tile_is_a_step_of_progress(void **state)
+{
+    (void)state;
+    rk_render_options options = size_of(33, 16);
+    rk_check_equal(rk_render_tiles(&options), 3, "16 + 16 + 1 pixels across, 16 down");
+    options = size_of(1, 17);
+    rk_check_equal(rk_render_tiles(&options), 2, "1 across, 16 + 1 down");
+}
+
+/* --- Nothing needless ------------------------------------------------------------------------ */
+
+static void check_nothing_was_done(const rk_scene *scene)
+{
+    rk_render_options options = size_of(20, 20);
+    options.samples = 4;
+    options.shadows = true;
+    test_picture picture = test_render(scene, options, 2);
+    rk_counters none = {0};
+    rk_check(memcmp(&picture.counters, &none, sizeof none) == 0,
+             "rays were sent though nothing can be seen");
+    for (size_t i = 0; i < 400; i++)
+        rk_check(rk_length(picture.image.pixels[i]) == 0, "pixel %zu is not black", i);
+    rk_image_free(&picture.image);
+}
+
+static void without_triangles_lights_or_colour_no_ray_is_sent(void **state)
+{
+    (void)state;
+    rk_scene empty = test_scene_make(0);
+    test_scene_light(&empty, rk_vec(0, 0, -2), rk_vec(1, 1, 1));
+    check_nothing_was_done(&empty);
+    rk_scene_free(&empty);
+    rk_scene unlit = make_facing_triangle();
+    check_nothing_was_done(&unlit);
+    test_scene_light(&unlit, rk_vec(0, 0, -2), rk_vec(0, 0, 0));
+    check_nothing_was_done(&unlit);
+    rk_scene_free(&unlit);
+}
+
+static void the_counters_say_what_the_options_asked_for(void **state)
+{
+    (void)state;
+    rk_scene scene = make_facing_triangle();
+    test_scene_light(&scene, rk_vec(0, 0, -2), rk_vec(1, 1, 1));
+    for (uint32_t samples = 1; samples <= 4; samples += 3)
+        for (int shadows = 0; shadows < 2; shadows++) {
+            rk_render_options options = size_of(37, 21);
+            options.samples = samples;
+            options.shadows = shadows;
+            test_picture picture = test_render(&scene, options, 2);
+            uint64_t rays = 37 * 21 * samples;
+            rk_check_equal(picture.counters.primary_rays, rays, "one a pixel and sample");
+            rk_check_equal(picture.counters.pixel_samples, samples > 1 ? rays : 0,
+                           "the centre of a pixel is not drawn at random");
+            if (shadows)
+                rk_check(picture.counters.shadow_rays > 0 && picture.counters.shadow_rays < rays,
+                         "shadow rays go from where something is lit: %llu",
+                         (unsigned long long)picture.counters.shadow_rays);
+            else
+                rk_check_equal(picture.counters.shadow_rays, 0, "not asked for");
+            rk_image_free(&picture.image);
+        }
+    rk_scene_free(&scene);
+}
+
+static void black_lights_and_black_surfaces_cost_no_shadow_ray(void **state)
+{
+    (void)state;
+    rk_scene scene = make_facing_triangle();
+    test_scene_light(&scene, rk_vec(0, 0, -2), rk_vec(1, 0, 0));
+    rk_render_options options = size_of(30, 30);
+    options.shadows = true;
+    test_picture one = test_render(&scene, options, 1);
+    test_scene_light(&scene, rk_vec(1, 0, -2), rk_vec(0, 0, 0));
+    test_picture two = test_render(&scene, options, 1);
+    rk_check(test_same_pixels(&one.image, &two.image), "a black light adds nothing");
+    rk_check_equal(two.counters.shadow_rays, one.counters.shadow_rays, "nor asks for anything");
+    scene.mesh.materials[0].kd = rk_vec(0, 1, 1); /* reflects nothing of a red light */
+    test_picture black = test_render(&scene, options, 1);
+    rk_check_equal(black.counters.shadow_rays, 0, "there is nothing to keep in shadow");
+    rk_image_free(&one.image);
+    rk_image_free(&two.image);
+    rk_image_free(&black.image);
+    rk_scene_free(&scene);
+}
+
+/* --- Samples --------------------------------------------------------------------------------- */
+
+static void samples_converge_to_the_covered_part_of_the_pixel(void **state)
+{
+    (void)state;
+    /* One pixel; a quad ahead whose right edge is at x = 0 covers the left half in the picture, a
+     * second the lower half: a quarter, a half and three quarters are seen. The light is far
+     * away, so that n.l = 1 to 10^-11. */
+    const rk_vec3 corner[] = {{0, -9, 0}, {-9, -9, 0}, {0, 0, 0}};
+    const rk_vec3 side_a[] = {{9, 0, 0}, {18, 0, 0}, {9, 0, 0}};
+    const rk_vec3 side_b[] = {{0, 18, 0}, {0, 9, 0}, {0, 9, 0}};
+    const double coverage[] = {0.5, 0.5, 0.25};
+    for (int i = 0; i < 3; i++)
+        for (uint32_t seed = 0; seed < 4; seed++) {
+            rk_scene scene = test_scene_make(2);
+            test_scene_quad(&scene, 0, corner[i], side_a[i], side_b[i]);
+            scene.mesh.materials[0].kd = rk_vec(1, 1, 1);
+            test_scene_light(&scene, rk_vec(0, 0, -1e6f), rk_vec(1, 1, 1));
+            rk_render_options options = size_of(1, 1);
+            options.samples = 20000;
+            options.seed = seed;
+            test_picture picture = test_render(&scene, options, 1);
+            double error = sqrt(coverage[i] * (1 - coverage[i]) / options.samples);
+            rk_check_close(rk_image_at(&picture.image, 0, 0)->x, coverage[i], 4 * error,
+                           "4 standard errors of so many yes-or-no samples");
+            rk_image_free(&picture.image);
+            rk_scene_free(&scene);
+        }
+}
+
+static void each_pixel_has_samples_of_its_own(void **state)
+{
+    (void)state;
+    /* An edge through a column of pixels: with the same samples in all, all were equal. */
+    rk_scene scene = test_scene_make(2);
+    test_scene_quad(&scene, 0, rk_vec(0, -9, 0), rk_vec(9, 0, 0), rk_vec(0, 18, 0));
+    test_scene_light(&scene, rk_vec(0, 0, -1e6f), rk_vec(1, 1, 1));
+    rk_render_options options = size_of(1, 64);
+    options.samples = 64;
+    test_picture picture = test_render(&scene, options, 1);
+    size_t others = 0;
+    for (size_t y = 1; y < 64; y++)
+        others += rk_image_at(&picture.image, 0, y)->x != rk_image_at(&picture.image, 0, 0)->x;
+    rk_check(others > 32, "only %zu of 63 pixels differ from the first", others);
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(a_facing_triangle_shines_by_lamberts_law),
+    cmocka_unit_test(several_lights_add_up),
+    cmocka_unit_test(a_surface_lit_from_behind_is_black),
+    cmocka_unit_test(a_blocker_darkens_the_region_that_projects_onto_it),
+    cmocka_unit_test(what_lies_beyond_the_light_casts_no_shadow),
+    cmocka_unit_test(convex_bodies_cast_no_shadow_on_themselves),
+    cmocka_unit_test(the_picture_is_the_same_for_any_number_of_threads),
+    cmocka_unit_test(the_seed_changes_random_samples_and_nothing_else),
+    cmocka_unit_test(every_tile_is_a_step_of_progress),
+    cmocka_unit_test(without_triangles_lights_or_colour_no_ray_is_sent),
+    cmocka_unit_test(the_counters_say_what_the_options_asked_for),
+    cmocka_unit_test(black_lights_and_black_surfaces_cost_no_shadow_ray),
+    cmocka_unit_test(samples_converge_to_the_covered_part_of_the_pixel),
+    cmocka_unit_test(each_pixel_has_samples_of_its_own),
+};
+
+RK_SUITE("render", tests)

@@ -1,0 +1,438 @@
+/* Surfaces at a hit: the point within its error bound, the normals on the right side, and rays that
+ * leave without meeting the triangle again, which is what keeps shadows free of specks. */
+#include "test.h"
+
+#include "base/random.h"
+#include "scene/surface.h"
+
+/* --- Triangles and rays to try --------------------------------------------------------------- */
+
+typedef struct noise {
+    uint32_t key, drawn;
+} noise;
+
+static float between(noise *n, float low, float high)
+{
+    return low + (high - low) * rk_unit_float(rk_hash(n->key, n->drawn++, 3, 4));
+}
+
+static rk_vec3 in_cube(noise *n)
+{
+    float x = between(n, -1, 1), y = between(n, -1, 1);
+    return rk_vec(x, y, between(n, -1, 1));
+}
+
+static rk_mesh make_triangle(int optional_arrays)
+{
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_init(&mesh, 3, 1, 1, optional_arrays, &error), error);
+    memcpy(mesh.triangles, (uint32_t[1][3]){{0, 1, 2}}, sizeof(uint32_t[1][3]));
+    return mesh;
+}
+
+/* What to try: edges of about `scale`, at a distance of up to `offset` from the origin, the third
+ * corner within `width` times scale of the edge between the others. */
+typedef struct family {
+    float scale, offset, width;
+} family;
+
+static const family families[] = {
+    {1, 0, 1},       {1, 1, 1},         {1e-6f, 0, 1}, {1e-6f, 1e-3f, 1}, {1e6f, 0, 1},
+    {1e6f, 1e6f, 1}, {1, 1e3f, 1},      {1, 1e6f, 1},  {1e3f, 1e6f, 1},   {1, 1, 1e-2f},
+    {1, 0, 1e-4f},   {1e-3f, 1, 1e-2f}, {1, 0, 0.1f},  {1e6f, 0, 1e-3f},  {1e-6f, 0, 1e-3f},
+};
+
+static void place_corners(rk_mesh *mesh, noise *n, family f)
+{
+    rk_vec3 centre = rk_scale(in_cube(n), f.offset);
+    rk_vec3 a = rk_madd(centre, in_cube(n), f.scale);
+    rk_vec3 b = rk_madd(centre, in_cube(n), f.scale);
+    mesh->positions[0] = a;
+    mesh->positions[1] = b;
+    mesh->positions[2] = rk_madd(rk_mix(a, b, between(n, 0, 1)), in_cube(n), f.width * f.scale);
+}
+
+/* A ray at some place of the triangle, and its hit; false when roundings make it miss. */
+static bool aim(const rk_mesh *mesh, noise *n, family f, rk_ray *ray, rk_hit *hit)
+{
+    const rk_vec3 *p = mesh->positions;
+    float u = between(n, 0, 1), v = between(n, 0, 1 - u);
+    rk_vec3 target = rk_madd(rk_madd(rk_scale(p[0], 1 - u - v), p[1], u), p[2], v);
+    rk_vec3 from = rk_madd(target, in_cube(n), 3 * f.scale);
+    *ray = (rk_ray){from, rk_normalize(rk_sub(target, from)), INFINITY};
+    *hit = (rk_hit){INFINITY, 0, 0, RK_MISS};
+    rk_triangle triangle = {p[0], rk_sub(p[1], p[0]), rk_sub(p[2], p[0]), 0};
+    return rk_triangle_closest(&triangle, ray, hit);
+}
+
+static long double exact_coordinate(const rk_mesh *mesh, const rk_hit *hit, int axis)
+{
+    long double u = (long double)hit->u, v = (long double)hit->v;
+    const rk_vec3 *p = mesh->positions;
+    return (1 - u - v) * (long double)rk_axis(p[0], axis) + u * (long double)rk_axis(p[1], axis) +
+           v * (long double)rk_axis(p[2], axis);
+}
+
+/* --- The point ------------------------------------------------------------------------------- */
+
+static void check_point(const rk_mesh *mesh, const rk_surface *surface, const rk_hit *hit)
+{
+    for (int axis = 0; axis < 3; axis++) {
+        long double off =
+            fabsl((long double)rk_axis(surface->point, axis) - exact_coordinate(mesh, hit, axis));
+        float bound = rk_axis(surface->point_error, axis);
+        rk_check(
+            off <= (long double)bound,
+            "axis %d: the point at u = %.9g, v = %.9g is %.3Lg off the triangle, but the bound "
+            "says %.3g",
+            axis, (double)hit->u, (double)hit->v, off, (double)bound);
+    }
+}
+
+static void the_point_lies_within_its_error_bound(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_triangle(0);
+    noise n = {1, 0};
+    for (size_t f = 0; f < sizeof families / sizeof *families; f++)
+        for (int i = 0; i < 10000; i++) {
+            rk_ray ray;
+            rk_hit hit;
+            rk_surface surface;
+            place_corners(&mesh, &n, families[f]);
+            if (!aim(&mesh, &n, families[f], &ray, &hit))
+                continue;
+            rk_surface_at(&surface, &mesh, &ray, &hit);
+            check_point(&mesh, &surface, &hit);
+        }
+    rk_mesh_free(&mesh);
+}
+
+static void a_far_corner_does_not_carry_the_point_off_the_opposite_edge(void **state)
+{
+    (void)state;
+    /* 1 - u - v is about 0 there; an error of 2^-25 in it, times 10^6, is a hundred times more
+     * than all else. */
+    rk_mesh mesh = make_triangle(0);
+    noise n = {2, 0};
+    for (int i = 0; i < 50000; i++) {
+        mesh.positions[0] = rk_scale(in_cube(&n), 1e6f);
+        mesh.positions[1] = in_cube(&n);
+        mesh.positions[2] = in_cube(&n);
+        float u = between(&n, 0, 0.25f);
+        rk_hit hit = {1, u, 1 - u, 0};
+        if (hit.u + hit.v > 1)
+            continue;
+        rk_ray ray = {rk_vec(0, 0, 9), in_cube(&n), INFINITY};
+        rk_surface surface;
+        rk_surface_at(&surface, &mesh, &ray, &hit);
+        check_point(&mesh, &surface, &hit);
+    }
+    rk_mesh_free(&mesh);
+}
+
+static void the_error_bound_is_two_roundings_of_the_coordinates(void **state)
+{
+    (void)state;
+    /* A bound that is merely large would pass the tests above. */
+    rk_mesh mesh = make_triangle(0);
+    noise n = {3, 0};
+    for (int i = 0; i < 10000; i++) {
+        rk_ray ray;
+        rk_hit hit;
+        rk_surface surface;
+        place_corners(&mesh, &n, families[1]);
+        if (!aim(&mesh, &n, families[1], &ray, &hit))
+            continue;
+        rk_surface_at(&surface, &mesh, &ray, &hit);
+        rk_box box = rk_mesh_bounds(&mesh);
+        rk_vec3 largest = rk_max3(rk_abs3(box.corner[0]), rk_abs3(box.corner[1]));
+        for (int axis = 0; axis < 3; axis++)
+            rk_check(rk_axis(surface.point_error, axis) <= 0x1.001p-23f * rk_axis(largest, axis),
+                     "axis %d: an error of %.3g for coordinates up to %.3g is more than 2 x 2^-24",
+                     axis, (double)rk_axis(surface.point_error, axis),
+                     (double)rk_axis(largest, axis));
+    }
+    rk_mesh_free(&mesh);
+}
+
+static void the_surface_tells_where_and_of_what_it_is(void **state)
+{
+    (void)state;
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_init(&mesh, 3, 2, 3, 0, &error), error);
+    mesh.positions[1] = rk_vec(4, 0, 0);
+    mesh.positions[2] = rk_vec(0, 8, 0);
+    memcpy(mesh.triangles, (uint32_t[2][3]){{0, 0, 0}, {0, 1, 2}}, sizeof(uint32_t[2][3]));
+    mesh.triangle_materials[1] = 2;
+    rk_ray ray = {rk_vec(1, 4, 3), rk_vec(0, 0, -1), INFINITY};
+    rk_hit hit = {3, 0.25f, 0.5f, 1};
+    rk_surface surface;
+    rk_surface_at(&surface, &mesh, &ray, &hit);
+    rk_check(surface.material == &mesh.materials[2], "the material is the hit triangle's");
+    rk_check_close(surface.point.x, 1, 0, "a quarter of corner b; all numbers are exact");
+    rk_check_close(surface.point.y, 4, 0, "half of corner c");
+    rk_check_close(surface.barycentric.x, 0.25, 0, "the rest is corner a's");
+    rk_check_close(surface.barycentric.y, 0.25, 0, "u is corner b's");
+    rk_check_close(surface.barycentric.z, 0.5, 0, "v is corner c's");
+    rk_check_equal(surface.triangle.index, 1, "the triangle goes along");
+    rk_mesh_free(&mesh);
+}
+
+/* --- The normals ----------------------------------------------------------------------------- */
+
+static void face_normals_are_unit_orthogonal_and_face_the_ray(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_triangle(0);
+    noise n = {4, 0};
+    for (size_t f = 0; f < sizeof families / sizeof *families; f++)
+        for (int i = 0; i < 3000; i++) {
+            rk_ray ray;
+            rk_hit hit;
+            rk_surface surface;
+            place_corners(&mesh, &n, families[f]);
+            if (!aim(&mesh, &n, families[f], &ray, &hit))
+                continue;
+            rk_surface_at(&surface, &mesh, &ray, &hit);
+            const rk_vec3 *p = mesh.positions;
+            rk_check_close(rk_length(surface.face_normal), 1, 3e-7, "a few roundings of float");
+            rk_check(rk_dot(surface.face_normal, ray.direction) <= 0,
+                     "the normal looks away from the ray");
+            for (int k = 0; k < 3; k++) {
+                rk_vec3 edge = rk_normalize(rk_sub(p[(k + 1) % 3], p[k]));
+                /* Roundings of the normal and the edge; a difference of far corners may have lost
+                 * digits of its own, but is the exact one by Sterbenz or rounded once. */
+                rk_check_close(rk_dot(surface.face_normal, edge), 0, 1e-6,
+                               "the normal is orthogonal to the edges");
+            }
+            rk_check(memcmp(&surface.normal, &surface.face_normal, sizeof(rk_vec3)) == 0,
+                     "without vertex normals the surface is flat");
+        }
+    rk_mesh_free(&mesh);
+}
+
+static void tiny_triangles_keep_their_normal(void **state)
+{
+    (void)state;
+    /* The square of the cross product's length is 10^-80, far below what a float holds. */
+    rk_mesh mesh = make_triangle(0);
+    mesh.positions[1] = rk_vec(1e-20f, 0, 0);
+    mesh.positions[2] = rk_vec(0, 1e-20f, 0);
+    rk_ray ray = {rk_vec(0, 0, 1), rk_vec(0.6f, 0, -0.8f), INFINITY};
+    rk_hit hit = {1, 0.25f, 0.25f, 0};
+    rk_surface surface;
+    rk_surface_at(&surface, &mesh, &ray, &hit);
+    rk_check_close(surface.face_normal.z, 1, 0, "the triangle lies in the xy plane");
+    rk_mesh_free(&mesh);
+}
+
+static void interpolated_normals_are_unit_and_on_the_side_of_the_face_normal(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_triangle(RK_MESH_NORMALS);
+    noise n = {5, 0};
+    for (int i = 0; i < 50000; i++) {
+        rk_ray ray;
+        rk_hit hit;
+        rk_surface surface;
+        place_corners(&mesh, &n, families[1]);
+        for (int k = 0; k < 3; k++)
+            mesh.normals[k] = rk_normalize(in_cube(&n));
+        if (!aim(&mesh, &n, families[1], &ray, &hit))
+            continue;
+        rk_surface_at(&surface, &mesh, &ray, &hit);
+        rk_check_close(rk_length(surface.normal), 1, 3e-7, "a few roundings of float");
+        rk_check(rk_dot(surface.normal, surface.face_normal) >= 0,
+                 "the shading normal is on the other side than the face normal");
+    }
+    rk_mesh_free(&mesh);
+}
+
+static void interpolated_normals_are_weighted_by_the_corners(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_triangle(RK_MESH_NORMALS);
+    mesh.positions[1] = rk_vec(1, 0, 0);
+    mesh.positions[2] = rk_vec(0, 1, 0);
+    mesh.normals[0] = rk_vec(1, 0, 0);
+    mesh.normals[1] = rk_vec(0, 1, 0);
+    mesh.normals[2] = rk_vec(0, 0, 1);
+    rk_ray ray = {rk_vec(0, 0, 1), rk_vec(0, 0, -1), INFINITY};
+    rk_hit hit = {1, 0.25f, 0.5f, 0};
+    rk_surface surface;
+    rk_surface_at(&surface, &mesh, &ray, &hit);
+    double length = sqrt(0.25 * 0.25 + 0.25 * 0.25 + 0.5 * 0.5);
+    rk_check_close(surface.normal.x, 0.25 / length, 2e-7, "weight 1 - u - v");
+    rk_check_close(surface.normal.y, 0.25 / length, 2e-7, "weight u");
+    rk_check_close(surface.normal.z, 0.5 / length, 2e-7, "weight v");
+    rk_mesh_free(&mesh);
+}
+
+static void normals_that_cancel_give_way_to_the_face_normal(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_triangle(RK_MESH_NORMALS);
+    mesh.positions[1] = rk_vec(1, 0, 0);
+    mesh.positions[2] = rk_vec(0, 1, 0);
+    mesh.normals[1] = rk_vec(1, 0, 0);
+    mesh.normals[2] = rk_vec(-1, 0, 0);
+    rk_ray ray = {rk_vec(0, 0, -1), rk_vec(0, 0, 1), INFINITY};
+    rk_hit hit = {1, 0.5f, 0.5f, 0};
+    rk_surface surface;
+    rk_surface_at(&surface, &mesh, &ray, &hit);
+    rk_check_close(surface.normal.z, -1, 0, "the face's normal, facing the ray");
+    rk_mesh_free(&mesh);
+}
+
+static bool is_finite(rk_vec3 v)
+{
+    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
+}
+
+static void triangles_without_area_have_a_unit_normal_and_can_be_left(void **state)
+{
+    (void)state;
+    const rk_vec3 corners[][3] = {
+        {{1, 2, 3}, {1, 2, 3}, {1, 2, 3}},           {{0, 0, 0}, {0, 0, 0}, {0, 0, 0}},
+        {{0, 0, 0}, {1, 1, 1}, {2, 2, 2}},           {{1e30f, 0, 0}, {1e30f, 0, 0}, {0, 1e30f, 0}},
+        {{1e-40f, 0, 0}, {0, 1e-40f, 0}, {0, 0, 0}},
+    };
+    for (int arrays = 0; arrays <= RK_MESH_NORMALS; arrays += RK_MESH_NORMALS)
+        for (size_t i = 0; i < sizeof corners / sizeof *corners; i++) {
+            rk_mesh mesh = make_triangle(arrays);
+            memcpy(mesh.positions, corners[i], sizeof corners[i]);
+            rk_ray ray = {rk_vec(0, 0, 5), rk_vec(0, 0.6f, -0.8f), INFINITY};
+            rk_hit hit = {1, 0.25f, 0.5f, 0};
+            rk_surface surface;
+            rk_surface_at(&surface, &mesh, &ray, &hit);
+            rk_check_close(rk_length(surface.normal), 1, 3e-7, "unit, whatever the triangle");
+            rk_check(is_finite(surface.point) && is_finite(surface.point_error), "NaN appeared");
+            rk_check(is_finite(rk_surface_leave(&surface, rk_vec(0, 1, 0))), "NaN appeared");
+            rk_check(is_finite(rk_surface_leave(&surface, rk_vec(0, 0, 0))), "NaN appeared");
+            rk_mesh_free(&mesh);
+        }
+}
+
+/* --- Leaving --------------------------------------------------------------------------------- */
+
+/* Any direction; every second one within a thousandth, or a millionth, of the triangle's plane. */
+static rk_vec3 way_out(noise *n, const rk_surface *surface, int i)
+{
+    if (i % 2 == 0)
+        return in_cube(n);
+    rk_vec3 along = rk_cross(surface->face_normal, in_cube(n));
+    return rk_madd(along, surface->face_normal, between(n, -1, 1) * (i % 4 == 1 ? 1e-3f : 1e-6f));
+}
+
+static void check_that_nothing_returns(uint32_t key, family f, int triangles)
+{
+    rk_mesh mesh = make_triangle(0);
+    noise n = {key, 0};
+    for (int i = 0; i < triangles; i++) {
+        rk_ray ray;
+        rk_hit hit;
+        rk_surface surface;
+        place_corners(&mesh, &n, f);
+        if (!aim(&mesh, &n, f, &ray, &hit))
+            continue;
+        rk_surface_at(&surface, &mesh, &ray, &hit);
+        for (int k = 0; k < 8; k++) {
+            rk_vec3 direction = rk_scale(way_out(&n, &surface, k), k < 4 ? 1 : 1e3f);
+            rk_ray out = {rk_surface_leave(&surface, direction), direction, INFINITY};
+            rk_hit again = {INFINITY, 0, 0, RK_MISS};
+            rk_check(!rk_triangle_closest(&surface.triangle, &out, &again),
+                     "scale %g, offset %g, width %g: ray %d of triangle %d met it again at t = "
+                     "%.3g: a lit surface would get specks of shadow",
+                     (double)f.scale, (double)f.offset, (double)f.width, k, i, (double)again.t);
+        }
+    }
+    rk_mesh_free(&mesh);
+}
+
+static void a_ray_that_leaves_never_meets_its_triangle_again(void **state)
+{
+    (void)state;
+    for (size_t f = 0; f < sizeof families / sizeof *families; f++)
+        check_that_nothing_returns((uint32_t)(100 + f), families[f], 10000);
+}
+
+static void a_ray_leaves_to_the_side_to_which_it_heads(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_triangle(0);
+    noise n = {6, 0};
+    for (int i = 0; i < 20000; i++) {
+        rk_ray ray;
+        rk_hit hit;
+        rk_surface surface;
+        place_corners(&mesh, &n, families[0]);
+        if (!aim(&mesh, &n, families[0], &ray, &hit))
+            continue;
+        rk_surface_at(&surface, &mesh, &ray, &hit);
+        rk_vec3 direction = rk_normalize(in_cube(&n));
+        float cosine = rk_dot(direction, surface.face_normal);
+        if (fabsf(cosine) < 1e-3f)
+            continue;
+        rk_vec3 step = rk_sub(rk_surface_leave(&surface, direction), surface.point);
+        rk_check(rk_dot(step, surface.face_normal) * cosine >= 0,
+                 "cosine %.3g: the step goes to the other side", (double)cosine);
+    }
+    rk_mesh_free(&mesh);
+}
+
+/* The step for ordinary triangles: on each axis the error bound, two roundings of both edges, a
+ * rounding outward, and that at most doubled a few times where the triangle test needs more. The
+ * width of a triangle is at least a tenth of its length here. */
+static void the_step_is_a_few_error_bounds(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_triangle(0);
+    noise n = {7, 0};
+    size_t doubled = 0, steps = 0;
+    for (size_t f = 0; f < sizeof families / sizeof *families; f++)
+        for (int i = 0; i < 3000; i++) {
+            rk_ray ray;
+            rk_hit hit;
+            rk_surface surface;
+            place_corners(&mesh, &n, families[f]);
+            if (!aim(&mesh, &n, families[f], &ray, &hit))
+                continue;
+            rk_surface_at(&surface, &mesh, &ray, &hit);
+            const rk_triangle *t = &surface.triangle;
+            float longest = rk_max(rk_length(t->edge_ab), rk_length(t->edge_ac));
+            float area = rk_length(rk_cross(t->edge_ab, t->edge_ac));
+            if (!(area > 0.1f * longest * longest))
+                continue;
+            rk_vec3 step = rk_sub(rk_surface_leave(&surface, in_cube(&n)), surface.point);
+            float bound = rk_length(surface.point_error) + 0x1p-22f * longest;
+            /* 2 ulp = 4 x 2^-24 |point| is covered by twice the error bound. */
+            rk_check(rk_length(step) <= 8 * 3 * bound, "a step of %.3g where the errors are %.3g",
+                     (double)rk_length(step), (double)bound);
+            doubled += rk_length(step) > 3 * bound;
+            steps++;
+        }
+    rk_check(steps > 10000 && doubled < steps / 100, "%zu of %zu steps had to be lengthened",
+             doubled, steps);
+    rk_mesh_free(&mesh);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(the_surface_tells_where_and_of_what_it_is),
+    cmocka_unit_test(the_point_lies_within_its_error_bound),
+    cmocka_unit_test(a_far_corner_does_not_carry_the_point_off_the_opposite_edge),
+    cmocka_unit_test(the_error_bound_is_two_roundings_of_the_coordinates),
+    cmocka_unit_test(face_normals_are_unit_orthogonal_and_face_the_ray),
+    cmocka_unit_test(tiny_triangles_keep_their_normal),
+    cmocka_unit_test(interpolated_normals_are_unit_and_on_the_side_of_the_face_normal),
+    cmocka_unit_test(interpolated_normals_are_weighted_by_the_corners),
+    cmocka_unit_test(normals_that_cancel_give_way_to_the_face_normal),
+    cmocka_unit_test(triangles_without_area_have_a_unit_normal_and_can_be_left),
+    cmocka_unit_test(a_ray_that_leaves_never_meets_its_triangle_again),
+    cmocka_unit_test(a_ray_leaves_to_the_side_to_which_it_heads),
+    cmocka_unit_test(the_step_is_a_few_error_bounds),
+};
+
+RK_SUITE("surface", tests)
