@@ -336,9 +336,10 @@ static void help_lists_every_option_with_range_and_default(void **state)
 static void help_keeps_the_columns_of_a_list(void **state)
 {
     print help = parse_printing(*state, "--help");
-    check_lists(help.output, "  --way NAME            left   a way\n"
-                             "                        right  a way which is told in more words\n"
-                             "                               than a line will ever hold\n");
+    check_lists(help.output,
+                "  --way NAME            left   a way\n"
+                "                        right  a way which is told in more words than a line\n"
+                "                               will ever hold\n");
 }
 
 static void help_fits_eighty_columns_and_fills_them(void **state)

@@ -84,7 +84,7 @@ int main(int argc, char **argv)
          63},
         {"leaf", RK_OPTION_UINT, &leaf, "N", "leaf drawn by --debug leaf, from the left", 0,
          UINT32_MAX},
-        {NULL},
+        {0},
     };
     const char *const views[] = {"level", "leaf", NULL};
     rk_driver driver = rk_driver_default("bvh_median", summary);
