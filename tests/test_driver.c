@@ -79,6 +79,14 @@ static run run_well(const test_folder *folder, const char *arguments)
     return r;
 }
 
+static double children_seconds(void)
+{
+    struct rusage usage;
+    getrusage(RUSAGE_CHILDREN, &usage);
+    return (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
+           (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec) * 1e-6;
+}
+
 /* --- What lies in the folder ----------------------------------------------------------------- */
 
 static int files_found;
@@ -197,16 +205,14 @@ static void an_out_folder_that_cannot_be_is_named_before_rendering(void **state)
 {
     const test_folder *folder = *state;
     test_folder_write(folder, "file", "x", 1, 0600);
-    struct rusage before, after;
-    getrusage(RUSAGE_CHILDREN, &before);
+    double start = children_seconds();
     check_complaint(folder, "--width 3000 --height 3000 --samples 50 --out file", "file/figures",
                     "--out");
     check_complaint(folder, "--width 3000 --height 3000 --samples 50 --out file/below",
                     "file/below", "--out");
     check_complaint(folder, "--width 3000 --height 3000 --samples 50 --timing --out file",
                     "file/tables", "--out");
-    getrusage(RUSAGE_CHILDREN, &after);
-    rk_check(after.ru_utime.tv_sec - before.ru_utime.tv_sec < 10,
+    rk_check(children_seconds() - start < 10,
              "a picture that takes a minute was rendered, and then could not be saved");
 }
 
@@ -377,19 +383,8 @@ static void a_foreign_table_is_left_alone(void **state)
 
 /* --- Speed ----------------------------------------------------------------------------------- */
 
-static double children_seconds(void)
-{
-    struct rusage usage;
-    getrusage(RUSAGE_CHILDREN, &usage);
-    return (double)(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) +
-           (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec) * 1e-6;
-}
-
 static void starting_up_takes_milliseconds(void **state)
 {
-#if defined(BUILT_WITH_SHADOW_MEMORY)
-    (void)state; /* setting up the shadow alone takes longer */
-#else
     double best = INFINITY;
     for (int i = 0; i < 5; i++) {
         double start = children_seconds();
@@ -397,12 +392,16 @@ static void starting_up_takes_milliseconds(void **state)
         best = fmin(best, children_seconds() - start);
         run_free(&r);
     }
-    /* It is about 2 ms; the best of five, since other work disturbs. */
-    rk_check(best < 0.010,
-             "one pixel took %.1f ms of processor time: what is loaded or built that "
-             "it does not need?",
-             1e3 * best);
+#if defined(BUILT_WITH_SHADOW_MEMORY)
+    const double allowed = 1; /* setting up the shadow alone takes many milliseconds */
+#else
+    const double allowed =
+        0.010; /* it is about 2 ms; the best of five, since other work disturbs */
 #endif
+    rk_check(best < allowed,
+             "one pixel took %.1f ms of processor time: what is loaded or built "
+             "that it does not need?",
+             1e3 * best);
 }
 
 static const struct CMUnitTest tests[] = {
