@@ -192,16 +192,21 @@ static void lines_are_hidden_behind_surfaces_and_seen_before_them(void **state)
 static void a_line_into_the_depth_is_hidden_from_where_it_enters(void **state)
 {
     (void)state;
-    canvas *c = make_walled_canvas();
-    /* Through the wall at pixel 10: from z = -1 at pixel 4 to z = 1, by 1 / depth evenly. */
-    rk_vec3 middle = at_pixel(c, 10, 7.5f), from = rk_scale(at_pixel(c, 4, 7.5f), 2.0f / 3);
-    from.z = -1;
-    rk_overlay_line(&c->overlay, from, rk_sub(rk_scale(middle, 2), from), white, 1);
-    for (size_t x = 5; x < 9; x++)
-        rk_check(red(c, x, 7) > 0.9f, "pixel %zu: the line is before the wall there", x);
-    for (size_t x = 11; x < 20; x++)
-        rk_check(red(c, x, 7) == 0, "pixel %zu: the line is behind the wall there", x);
-    free_canvas(c);
+    /* Through the wall at pixel 10, half-way: from near the viewer, where a line's depth grows
+     * slowly across the picture, and from farther off. */
+    const float start_x[] = {4, 2}, start_z[] = {-1, -2.5f};
+    for (int i = 0; i < 2; i++) {
+        canvas *c = make_walled_canvas();
+        rk_vec3 middle = at_pixel(c, 10, 7.5f);
+        rk_vec3 from = rk_scale(at_pixel(c, start_x[i], 7.5f), (3 + start_z[i]) / 3);
+        from.z = start_z[i];
+        rk_overlay_line(&c->overlay, from, rk_sub(rk_scale(middle, 2), from), white, 1);
+        for (size_t x = 5; x < 9; x++)
+            rk_check(red(c, x, 7) > 0.9f, "line %d, pixel %zu: it is before the wall there", i, x);
+        for (size_t x = 11; x < 20; x++)
+            rk_check(red(c, x, 7) == 0, "line %d, pixel %zu: it is behind the wall there", i, x);
+        free_canvas(c);
+    }
 }
 
 static void lines_behind_the_viewer_are_cut(void **state)

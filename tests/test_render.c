@@ -319,6 +319,27 @@ static void without_triangles_lights_or_colour_no_ray_is_sent(void **state)
     rk_scene_free(&unlit);
 }
 
+static void the_plan_wants_nothing_for_a_picture_that_is_black_anyway(void **state)
+{
+    (void)state;
+    rk_scene scene = make_facing_triangle();
+    rk_render_options options = size_of(20, 20);
+    options.samples = 4;
+    options.shadows = true;
+    rk_plan plan = rk_plan_of(&scene, &options);
+    rk_check(!plan.rays && !plan.pixel_samples && !plan.lights && !plan.shadow_rays,
+             "no light shines, so nothing is needed");
+    test_scene_light(&scene, rk_vec(0, 0, -2), rk_vec(0, 0, 1));
+    plan = rk_plan_of(&scene, &options);
+    rk_check(plan.rays && plan.pixel_samples && plan.lights && plan.shadow_rays,
+             "a blue light shines: all that was asked for is needed");
+    scene.mesh.triangle_count = 0;
+    plan = rk_plan_of(&scene, &options);
+    rk_check(!plan.rays && !plan.pixel_samples && plan.lights && !plan.shadow_rays,
+             "a light, but nothing to shine on");
+    rk_scene_free(&scene);
+}
+
 static void the_counters_say_what_the_options_asked_for(void **state)
 {
     (void)state;
@@ -410,6 +431,10 @@ static void each_pixel_has_samples_of_its_own(void **state)
     for (size_t y = 1; y < 64; y++)
         others += rk_image_at(&picture.image, 0, y)->x != rk_image_at(&picture.image, 0, 0)->x;
     rk_check(others > 32, "only %zu of 63 pixels differ from the first", others);
+    others = 0;
+    for (size_t y = 0; y < 48; y++)
+        others += rk_image_at(&picture.image, 0, y)->x != rk_image_at(&picture.image, 0, y + 16)->x;
+    rk_check(others > 24, "only %zu of 48 pixels differ from those one tile below", others);
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
@@ -425,6 +450,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_seed_changes_random_samples_and_nothing_else),
     cmocka_unit_test(every_tile_is_a_step_of_progress),
     cmocka_unit_test(without_triangles_lights_or_colour_no_ray_is_sent),
+    cmocka_unit_test(the_plan_wants_nothing_for_a_picture_that_is_black_anyway),
     cmocka_unit_test(the_counters_say_what_the_options_asked_for),
     cmocka_unit_test(black_lights_and_black_surfaces_cost_no_shadow_ray),
     cmocka_unit_test(samples_converge_to_the_covered_part_of_the_pixel),
