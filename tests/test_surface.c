@@ -217,10 +217,10 @@ static void face_normals_are_unit_orthogonal_and_face_the_ray(void **state)
 static void tiny_triangles_keep_their_normal(void **state)
 {
     (void)state;
-    /* The square of the cross product's length is 10^-80, far below what a float holds. */
+    /* The square of the cross product's length is 10^-120, far below what a float holds. */
     rk_mesh mesh = make_triangle(0);
-    mesh.positions[1] = rk_vec(1e-20f, 0, 0);
-    mesh.positions[2] = rk_vec(0, 1e-20f, 0);
+    mesh.positions[1] = rk_vec(1e-30f, 0, 0);
+    mesh.positions[2] = rk_vec(0, 1e-30f, 0);
     rk_ray ray = {rk_vec(0, 0, 1), rk_vec(0.6f, 0, -0.8f), INFINITY};
     rk_hit hit = {1, 0.25f, 0.25f, 0};
     rk_surface surface;
