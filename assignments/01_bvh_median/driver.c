@@ -52,9 +52,9 @@ static bool draw(rk_driver *driver, uint32_t level, uint32_t leaf, rk_error *err
     rk_bvh_measures tree = rk_bvh_measure(&driver->accel.bvh);
     bool is_level = rk_driver_debug(driver, "level");
     if (is_level ? level >= tree.levels : leaf >= tree.leaves)
-        return rk_fail(error, "--%s %u: this tree has %u %s, counted from 0",
+        return rk_fail(error, "--%s %u: this tree's %s are 0 to %u; choose one of them",
                        is_level ? "level" : "leaf", is_level ? level : leaf,
-                       is_level ? tree.levels : tree.leaves, is_level ? "levels" : "leaves");
+                       is_level ? "levels" : "leaves", (is_level ? tree.levels : tree.leaves) - 1);
     if (!rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
                          error))
         return false;
@@ -91,7 +91,8 @@ int main(int argc, char **argv)
     const rk_option options[] = {
         {"level", RK_OPTION_UINT, &level, "N", "level drawn by --debug level; 0 is the root", 0,
          63},
-        {"leaf", RK_OPTION_UINT, &leaf, "N", "leaf drawn by --debug leaf, from the left", 0, 4e9},
+        {"leaf", RK_OPTION_UINT, &leaf, "N", "leaf drawn by --debug leaf, from the left", 0,
+         UINT32_MAX},
         {NULL},
     };
     const char *const views[] = {"level", "leaf", NULL};

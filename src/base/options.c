@@ -205,19 +205,26 @@ static size_t width_of(const char *text, size_t bytes)
 }
 
 /* Prints words from `column` on, which is where the cursor stands; further lines begin at `indent`.
- * Returns the column after the last word. */
+ * Several spaces between two words are kept, and what is wrapped behind them stays behind them: so
+ * a text may hold a list of names and what they are. Returns the column after the last word. */
 static size_t print_wrapped(const char *text, size_t column, size_t indent)
 {
     bool line_begins = column <= indent;
+    size_t hanging = indent;
     while (*text) {
+        size_t spaces = strspn(text, " ");
+        text += spaces;
         size_t bytes = strcspn(text, " \n"), width = width_of(text, bytes);
         if (bytes) {
-            if (!line_begins && column + 1 + width > columns) {
+            size_t between = spaces > 1 ? spaces : 1;
+            if (spaces > 1 && !line_begins)
+                hanging = column + between;
+            if (!line_begins && column + between + width > columns) {
                 putchar('\n');
                 column = 0;
                 line_begins = true;
             }
-            size_t gap = line_begins ? (column < indent ? indent - column : 0) : 1;
+            size_t gap = line_begins ? (column < hanging ? hanging - column : 0) : between;
             printf("%*s%.*s", (int)gap, "", (int)bytes, text);
             column += gap + width;
             line_begins = false;
@@ -227,8 +234,9 @@ static size_t print_wrapped(const char *text, size_t column, size_t indent)
             putchar('\n');
             column = 0;
             line_begins = true;
+            hanging = indent;
+            text++;
         }
-        text += *text != '\0';
     }
     return column;
 }
@@ -244,7 +252,8 @@ static phrase default_of(const rk_option *option)
         snprintf(value.text, sizeof value.text, "%u", (unsigned)*(uint32_t *)option->value);
         break;
     case RK_OPTION_FLOAT:
-        snprintf(value.text, sizeof value.text, "%g", (double)*(float *)option->value);
+        if (!isnan(*(float *)option->value)) /* not given: its help says what happens then */
+            snprintf(value.text, sizeof value.text, "%g", (double)*(float *)option->value);
         break;
     case RK_OPTION_TEXT:
         text = *(const char **)option->value;
@@ -263,6 +272,21 @@ static phrase default_of(const rk_option *option)
     return value;
 }
 
+/* The range where it tells something: not that a whole number fits 32 bits. */
+static phrase range_worth_showing(const rk_option *option)
+{
+    if (option->kind == RK_OPTION_FLOAT)
+        return range_of(option);
+    phrase range = {""};
+    if (option->kind != RK_OPTION_UINT)
+        return range;
+    if (option->high < UINT32_MAX)
+        return range_of(option);
+    if (option->low > 0)
+        snprintf(range.text, sizeof range.text, "%.10g or more", option->low);
+    return range;
+}
+
 static void print_option(const rk_option *option)
 {
     size_t column = (size_t)printf("  --%s", option->name);
@@ -273,8 +297,7 @@ static void print_option(const rk_option *option)
         column = 0;
     }
     column = print_wrapped(option->help, column, help_column);
-    bool is_number = option->kind == RK_OPTION_UINT || option->kind == RK_OPTION_FLOAT;
-    phrase range = is_number ? range_of(option) : (phrase){""}, value = default_of(option), note;
+    phrase range = range_worth_showing(option), value = default_of(option), note;
     if (*range.text && *value.text)
         snprintf(note.text, sizeof note.text, "(%.60s; default %.80s)", range.text, value.text);
     else if (*range.text)

@@ -8,7 +8,7 @@
 typedef enum rk_option_kind {
     RK_OPTION_FLAG,  /* bool: --name sets it */
     RK_OPTION_UINT,  /* uint32_t in [low, high] */
-    RK_OPTION_FLOAT, /* float in [low, high]; NaN is refused */
+    RK_OPTION_FLOAT, /* float in [low, high]; NaN is refused, but as a default means: not given */
     RK_OPTION_TEXT,  /* const char *, pointing into argv */
     RK_OPTION_LIST,  /* rk_text_list: --name may come again */
     RK_OPTION_PIXEL, /* rk_pixel: X,Y */
@@ -31,7 +31,8 @@ typedef struct rk_option {
     rk_option_kind kind;
     void *value;          /* where the default stands and the given value goes */
     const char *argument; /* its name in --help: FILE, N; NULL for flags */
-    const char *help;     /* what it is, with its unit; a newline starts a further line */
+    const char *help;     /* what it is, with its unit; a newline starts a further line; several
+                             spaces after a name in a list are kept */
     double low, high;     /* for numbers; both inclusive */
 } rk_option;
 

@@ -43,6 +43,21 @@ rk_triangle_cross(const rk_triangle *triangle, const rk_ray *ray, rk_hit *cross)
     return true;
 }
 
+/* Which side of the plane a point is on, and which side a direction points to: the numerator and
+ * the denominator of t, computed as the test computes them. A ray from `point` along `direction`
+ * meets the triangle only where both are above zero or both below, so whoever makes the two differ
+ * has a ray that misses whatever the roundings do. */
+static inline float rk_triangle_side(const rk_triangle *triangle, rk_vec3 point)
+{
+    rk_vec3 s = rk_sub(point, triangle->a);
+    return rk_dot(triangle->edge_ac, rk_cross(s, triangle->edge_ab));
+}
+
+static inline float rk_triangle_heading(const rk_triangle *triangle, rk_vec3 direction)
+{
+    return rk_dot(triangle->edge_ab, rk_cross(direction, triangle->edge_ac));
+}
+
 /* Closest-hit test. If the ray crosses nearer than hit->t, or at the same t with a smaller index
  * (so that the answer does not depend on the order of testing), the hit is replaced. Returns
  * whether it was. Start with hit = {ray->t_max, 0, 0, RK_MISS}. */

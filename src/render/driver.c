@@ -24,32 +24,56 @@ rk_driver rk_driver_default(const char *feature, const char *summary)
 
 /* --- Starting -------------------------------------------------------------------------------- */
 
+/* Adds to the caption's command line, as far as it fits. */
+static void note(rk_driver *driver, const char *text, size_t length)
+{
+    size_t used = strlen(driver->parameters), room = sizeof driver->parameters - 1 - used;
+    length = length < room ? length : room;
+    memcpy(driver->parameters + used, text, length);
+    driver->parameters[used + length] = '\0';
+}
+
 /* The command line from the program's bare name on, files without their folders: it stands in
  * captions, where nobody needs to know the machine's folders. */
 static void note_parameters(rk_driver *driver, int argc, char **argv)
 {
-    size_t used = 0;
-    for (int i = 0; i < argc && used < sizeof driver->parameters; i++) {
-        const char *word = i && strcmp(argv[i - 1], "--out") == 0 ? "DIR" : argv[i];
-        const char *slash = strrchr(word, '/');
-        int wrote = snprintf(driver->parameters + used, sizeof driver->parameters - used, "%s%s",
-                             i ? " " : "", slash ? slash + 1 : word);
-        used += (size_t)wrote;
+    for (int i = 0; i < argc; i++) {
+        const char *equals = strncmp(argv[i], "--", 2) == 0 ? strchr(argv[i], '=') : NULL;
+        const char *value = equals ? equals + 1 : argv[i];
+        bool is_out =
+            strncmp(argv[i], "--out=", 6) == 0 || (i && strcmp(argv[i - 1], "--out") == 0);
+        const char *slash = strrchr(value, '/');
+        const char *shown = is_out ? "DIR" : slash ? slash + 1 : value;
+        note(driver, " ", i > 0);
+        note(driver, argv[i], (size_t)(value - argv[i]));
+        note(driver, shown, strlen(shown));
     }
+}
+
+/* The views' names, for --help and complaints. */
+typedef struct view_list {
+    char text[256];
+} view_list;
+
+static view_list list_views(const char *const *views)
+{
+    view_list list = {""};
+    for (int i = 0; views[i]; i++) {
+        strncat(list.text, i ? ", " : "", sizeof list.text - strlen(list.text) - 1);
+        strncat(list.text, views[i], sizeof list.text - strlen(list.text) - 1);
+    }
+    return list;
 }
 
 static bool check_debug_view(const rk_driver *driver, const char *const *views, rk_error *error)
 {
     if (!driver->debug)
         return true;
-    char known[256] = "";
-    for (int i = 0; views[i]; i++) {
+    for (int i = 0; views[i]; i++)
         if (rk_driver_debug(driver, views[i]))
             return true;
-        strncat(known, i ? ", " : "", sizeof known - strlen(known) - 1);
-        strncat(known, views[i], sizeof known - strlen(known) - 1);
-    }
-    return rk_fail(error, "--debug %s: no such view; there are: %s", driver->debug, known);
+    return rk_fail(error, "--debug %.80s: there is no such view: choose one of %s", driver->debug,
+                   list_views(views).text);
 }
 
 static bool check_pixel(const rk_driver *driver, rk_error *error)
@@ -76,10 +100,14 @@ static bool load_scene(rk_driver *driver, rk_error *error)
         const char *slash = strrchr(driver->mesh_path, '/');
         if (!rk_mesh_read(&mesh, driver->mesh_path, error))
             return false;
+        if (*error->text && !driver->quiet) /* a note */
+            fprintf(stderr, "%s: %s\n", driver->feature, error->text);
         if (!rk_scene_around(&driver->scene, slash ? slash + 1 : driver->mesh_path, &mesh, error))
             return false;
-    } else if (!rk_scene_builtin(&driver->scene, driver->scene_name, error)) {
-        return false;
+    } else {
+        rk_error why = {""};
+        if (!rk_scene_builtin(&driver->scene, driver->scene_name, &why))
+            return rk_fail(error, "--scene %.1000s", why.text);
     }
     rk_camera *own = &driver->scene.camera;
     const rk_camera *given = &driver->camera_given;
@@ -94,31 +122,42 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
                      const char *const *debug_views, int *status)
 {
     const char *shown_scene = driver->scene_name;
+    char debug_help[300];
+    snprintf(debug_help, sizeof debug_help, "draw a debug view: %s", list_views(debug_views).text);
     const rk_option common[] = {
         {"scene", RK_OPTION_TEXT, &driver->scene_name, "NAME", rk_scene_builtin_help, 0, 0},
         {"mesh", RK_OPTION_TEXT, &driver->mesh_path, "FILE",
          "a mesh file instead (OBJ, PLY, OFF, glTF ...), moved into the unit ball", 0, 0},
-        {"width", RK_OPTION_UINT, &driver->render.width, "N", "pixels", 1, RK_IMAGE_SIDE_MAX},
-        {"height", RK_OPTION_UINT, &driver->render.height, "N", "pixels", 1, RK_IMAGE_SIDE_MAX},
+        {"width", RK_OPTION_UINT, &driver->render.width, "N", "of the picture, pixels", 1,
+         RK_IMAGE_SIDE_MAX},
+        {"height", RK_OPTION_UINT, &driver->render.height, "N", "of the picture, pixels", 1,
+         RK_IMAGE_SIDE_MAX},
         {"samples", RK_OPTION_UINT, &driver->render.samples, "N",
-         "a pixel; 1 looks through its centre", 1, 65536},
-        {"seed", RK_OPTION_UINT, &driver->render.seed, "N", "of the random samples", 0, UINT32_MAX},
-        {"shadows", RK_OPTION_FLAG, &driver->render.shadows, NULL, "send rays to the light", 0, 0},
+         "rays through each pixel; 1 looks through its centre", 1, 65536},
+        {"seed", RK_OPTION_UINT, &driver->render.seed, "N",
+         "of the random samples: another seed, other noise", 0, UINT32_MAX},
+        {"shadows", RK_OPTION_FLAG, &driver->render.shadows, NULL,
+         "ask for each light whether something is in its way", 0, 0},
         {"distance", RK_OPTION_FLOAT, &driver->camera_given.distance, "D",
-         "of the camera from the point it looks at, world units", 1e-3, 1e6},
-        {"fov", RK_OPTION_FLOAT, &driver->camera_given.fov, "DEG", "vertical field of view", 1,
-         179},
+         "of the camera from the point it looks at, world units; by default the scene's own", 1e-3,
+         1e6},
+        {"fov", RK_OPTION_FLOAT, &driver->camera_given.fov, "DEG",
+         "vertical field of view, degrees; by default the scene's own", 1, 179},
         {"pitch", RK_OPTION_FLOAT, &driver->camera_given.rotation.x, "DEG",
-         "the camera's turn about x: how far it looks down", -360, 360},
+         "the camera's turn about x, degrees: how far it looks down; by default the scene's own",
+         -360, 360},
         {"yaw", RK_OPTION_FLOAT, &driver->camera_given.rotation.y, "DEG",
-         "the camera's turn about y: how far it goes round", -360, 360},
-        {"threads", RK_OPTION_UINT, &driver->threads, "N", "0: all processors", 0, RK_THREADS_MAX},
+         "the camera's turn about y, degrees: how far it goes round; by default the scene's own",
+         -360, 360},
+        {"threads", RK_OPTION_UINT, &driver->threads, "N",
+         "that share the work; 0: as many as there are processors", 0, RK_THREADS_MAX},
         {"runs", RK_OPTION_UINT, &driver->runs, "N",
-         "build and render so often; timings are medians", 1, RK_RUNS_MAX},
+         "build and render so many times; timings are medians", 1, RK_RUNS_MAX},
         {"timing", RK_OPTION_FLAG, &driver->timing, NULL,
          "put timings into DIR/tables instead of drawing a picture", 0, 0},
-        {"debug", RK_OPTION_TEXT, &driver->debug, "VIEW", "draw a debug view (see above)", 0, 0},
-        {"pixel", RK_OPTION_PIXEL, &driver->pixel, "X,Y", "tell the story of one pixel", 0, 0},
+        {"debug", RK_OPTION_TEXT, &driver->debug, "VIEW", debug_help, 0, 0},
+        {"pixel", RK_OPTION_PIXEL, &driver->pixel, "X,Y",
+         "tell how this pixel gets its colour; 0,0 is at the top left", 0, 0},
         {"out", RK_OPTION_TEXT, &driver->out, "DIR",
          "pictures go to DIR/figures, tables to DIR/tables", 0, 0},
         {"quiet", RK_OPTION_FLAG, &driver->quiet, NULL, "no progress bar, no summary", 0, 0},
@@ -130,6 +169,8 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
     bool ok = result == RK_OPTIONS_OK;
     if (ok && driver->mesh_path && driver->scene_name != shown_scene)
         ok = rk_fail(&error, "--scene and --mesh: choose one of them");
+    if (ok && driver->timing && driver->debug)
+        ok = rk_fail(&error, "--timing and --debug: choose one of them; --timing draws no picture");
     ok = ok && check_debug_view(driver, debug_views, &error) && check_pixel(driver, &error);
     note_parameters(driver, argc, argv);
     ok = ok && load_scene(driver, &error) &&
@@ -142,6 +183,15 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
 }
 
 /* --- Rendering ------------------------------------------------------------------------------- */
+
+/* OUT/folder, made if it is missing. */
+static bool out_folder(const rk_driver *driver, const char *folder, char path[3072],
+                       rk_error *error)
+{
+    if (snprintf(path, 3072, "%s/%s", driver->out, folder) >= 3072)
+        return rk_fail(error, "--out: the folder's name is longer than 3000 bytes");
+    return rk_make_folder(path, error);
+}
 
 static bool time_builds(rk_driver *driver, double *milliseconds, rk_error *error)
 {
@@ -173,8 +223,11 @@ static bool time_renders(rk_driver *driver, double *milliseconds, rk_error *erro
 
 bool rk_driver_render(rk_driver *driver, rk_error *error)
 {
+    /* Who cannot save need not render. */
+    char folder[3072];
     double build[RK_RUNS_MAX], render[RK_RUNS_MAX];
-    if (!time_builds(driver, build, error))
+    if (!out_folder(driver, driver->timing ? "tables" : "figures", folder, error) ||
+        !time_builds(driver, build, error))
         return false;
     if (driver->pixel.given)
         rk_narrate_pixel(stdout, &driver->scene, &driver->accel, &driver->render, driver->pixel.x,
@@ -200,15 +253,6 @@ static void append_name(char *path, size_t size, const char *name)
     for (; *name && used + 1 < size; name++)
         path[used++] = isalnum((unsigned char)*name) || *name == '.' ? *name : '-';
     path[used] = '\0';
-}
-
-/* OUT/folder, made if it is missing. */
-static bool out_folder(const rk_driver *driver, const char *folder, char path[3072],
-                       rk_error *error)
-{
-    if (snprintf(path, 3072, "%s/%s", driver->out, folder) >= 3072)
-        return rk_fail(error, "--out: the folder's name is longer than 3000 bytes");
-    return rk_make_folder(path, error);
 }
 
 static bool write_picture(const rk_driver *driver, const char *path, const char *seconds,
@@ -273,7 +317,12 @@ bool rk_driver_row(rk_driver *driver, const char *metric, const char *unit, rk_t
         .unit = unit,
         .timing = timing,
     };
-    return rk_table_put_timing(path, &row, error);
+    if (!rk_table_put_timing(path, &row, error))
+        return false;
+    if (!driver->quiet)
+        printf("%s: %s, %s %.6g%s%s\n", path, row.scene, metric, timing.median,
+               strcmp(unit, "1") == 0 ? "" : " ", strcmp(unit, "1") == 0 ? "" : unit);
+    return true;
 }
 
 rk_timing rk_timing_once(double figure)

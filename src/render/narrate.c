@@ -43,6 +43,11 @@ static rk_vec3 tell_light(FILE *out, uint32_t index, const rk_scene *scene, cons
             cos_i > 0 ? "" : ": the surface is turned away, nothing arrives");
     if (!(cos_i > 0))
         return rk_vec(0, 0, 0);
+    rk_vec3 reflected = rk_mul(surface->material->kd, light->colour);
+    if (reflected.x == 0 && reflected.y == 0 && reflected.z == 0) {
+        fprintf(out, "    the light is black, or the surface is to it: nothing is reflected\n");
+        return rk_vec(0, 0, 0);
+    }
     if (shadows) {
         rk_vec3 start = rk_surface_leave(surface, to_light);
         rk_ray ray = {start, rk_sub(light->position, start), 1};
@@ -55,7 +60,7 @@ static rk_vec3 tell_light(FILE *out, uint32_t index, const rk_scene *scene, cons
         if (blocked)
             return rk_vec(0, 0, 0);
     }
-    rk_vec3 arriving = rk_scale(rk_mul(surface->material->kd, light->colour), cos_i);
+    rk_vec3 arriving = rk_scale(reflected, cos_i);
     tell_vector(out, "    kd colour n.l =", arriving);
     return arriving;
 }
@@ -68,7 +73,12 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
     rk_plan plan = rk_plan_of(scene, options);
     rk_counters counters = {0};
     rk_hit hit = closest(accel, &ray, &counters);
-    fprintf(out, "pixel (%u, %u) of %s\ncamera ray\n", x, y, scene->name);
+    fprintf(out, "pixel (%u, %u) of %s\n", x, y, scene->name);
+    if (plan.pixel_samples)
+        fprintf(out,
+                "the picture averages %u rays through it; this is the one through its centre\n",
+                options->samples);
+    fprintf(out, "camera ray\n");
     tell_vector(out, "    origin", ray.origin);
     tell_vector(out, "    direction", ray.direction);
     tell_tests(out, &counters);

@@ -123,6 +123,21 @@ static bool clip_to_front(const rk_view *view, rk_vec3 *from, rk_vec3 *to)
     return true;
 }
 
+/* The part of `range` in row y that a segment from a to b can reach. */
+static pixel_range range_in_row(const rk_overlay *overlay, pixel_range range, uint32_t y, rk_vec2 a,
+                                rk_vec2 b, float reach)
+{
+    if (a.y == b.y)
+        return range;
+    float middle = (float)y + 0.5f - a.y, slope = 1 / (b.y - a.y);
+    float s0 = rk_min(rk_max((middle - reach) * slope, 0), 1);
+    float s1 = rk_min(rk_max((middle + reach) * slope, 0), 1);
+    float x0 = a.x + s0 * (b.x - a.x), x1 = a.x + s1 * (b.x - a.x);
+    /* One pixel for the roundings of far ends. */
+    return range_around(overlay, (rk_vec2){rk_min(x0, x1), (float)y},
+                        (rk_vec2){rk_max(x0, x1), (float)y}, reach + 1);
+}
+
 void rk_overlay_line(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, rk_vec3 colour, float width)
 {
     rk_vec2 a, b;
@@ -133,11 +148,14 @@ void rk_overlay_line(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, rk_vec3 colo
         return;
     float dx = b.x - a.x, dy = b.y - a.y;
     float length_squared = dx * dx + dy * dy;
-    float reach = 0.5f * width + 0.5f;
+    /* Across the line these make a trapezium of area `width`, for lines thinner than a pixel too.
+     */
+    float reach = 0.5f * width + 0.5f, densest = rk_min(width, 1);
     rk_vec2 lo = {rk_min(a.x, b.x), rk_min(a.y, b.y)}, hi = {rk_max(a.x, b.x), rk_max(a.y, b.y)};
     pixel_range range = range_around(overlay, lo, hi, reach);
-    for (uint32_t y = range.y0; y < range.y1; y++)
-        for (uint32_t x = range.x0; x < range.x1; x++) {
+    for (uint32_t y = range.y0; y < range.y1; y++) {
+        pixel_range row = range_in_row(overlay, range, y, a, b, reach);
+        for (uint32_t x = row.x0; x < row.x1; x++) {
             float px = (float)x + 0.5f - a.x, py = (float)y + 0.5f - a.y;
             float s = length_squared > 0 ? (px * dx + py * dy) / length_squared : 0;
             s = rk_min(rk_max(s, 0), 1);
@@ -147,8 +165,9 @@ void rk_overlay_line(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, rk_vec3 colo
             /* Along a projected line it is 1 / depth that changes evenly. */
             float depth = 1 / ((1 - s) / a_depth + s / b_depth);
             if (!is_hidden(overlay, x, y, depth, width * pixel_size_at(overlay, depth)))
-                blend(overlay, x, y, colour, rk_min(coverage, 1));
+                blend(overlay, x, y, colour, rk_min(coverage, densest));
         }
+    }
 }
 
 void rk_overlay_point(rk_overlay *overlay, rk_vec3 point, rk_vec3 colour, float radius)
@@ -189,8 +208,12 @@ static pixel_range range_of(const rk_overlay *overlay, const rk_vec3 *points, in
     return range_around(overlay, lo, hi, 1);
 }
 
+/* An empty box, or one with NaN for a corner, is not drawn. */
 void rk_overlay_box(rk_overlay *overlay, const rk_box *box, rk_vec3 colour, float alpha)
 {
+    rk_vec3 extent = rk_box_extent(*box);
+    if (!(extent.x >= 0 && extent.y >= 0 && extent.z >= 0))
+        return;
     rk_vec3 corners[8];
     for (int i = 0; i < 8; i++)
         corners[i] = box_corner(box, i);

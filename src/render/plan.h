@@ -22,6 +22,9 @@ typedef struct rk_plan {
     bool shadow_rays;
 } rk_plan;
 
+/* Is it anything but black? */
+bool rk_light_shines(const rk_light *light);
+
 rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options);
 
 #endif

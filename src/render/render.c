@@ -76,7 +76,8 @@ static void surface_stage(const rendering *r, tile *t)
     }
 }
 
-/* Lambert's law. Surfaces turned away from the light need no shadow ray. */
+/* Lambert's law. Surfaces that are turned away from the light, or reflect none of it, need no
+ * shadow ray. */
 static void light_stage(const rendering *r, tile *t, const rk_light *light)
 {
     t->arriving_count = 0;
@@ -88,6 +89,8 @@ static void light_stage(const rendering *r, tile *t, const rk_light *light)
         if (!(cos_i > 0))
             continue;
         rk_vec3 reflected = rk_mul(surface->material->kd, light->colour);
+        if (reflected.x == 0 && reflected.y == 0 && reflected.z == 0)
+            continue;
         t->arriving_pixel[t->arriving_count] = t->surface_pixel[i];
         t->arriving[t->arriving_count++] = rk_scale(reflected, cos_i);
         if (r->plan.shadow_rays) {
@@ -133,6 +136,8 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
         rk_accel_closest(r->accel, &t.camera, &t.hits, counters);
         surface_stage(r, &t);
         for (uint32_t light = 0; light < r->scene->light_count; light++) {
+            if (!rk_light_shines(&r->scene->lights[light]))
+                continue;
             light_stage(r, &t, &r->scene->lights[light]);
             arrive_stage(r, &t, counters);
         }

@@ -97,7 +97,8 @@ static rk_box triangle_box(const rk_mesh *mesh, uint32_t index)
 typedef struct validation {
     const rk_bvh *bvh;
     const rk_mesh *mesh;
-    unsigned char *seen; /* how often each triangle of the mesh stands in a leaf */
+    unsigned char *reached; /* by node: was it visited? */
+    unsigned char *seen;    /* by triangle of the mesh: does it stand in a leaf? */
     bool sound;
     rk_error *error;
 } validation;
@@ -106,6 +107,20 @@ static void fault(validation *v, const char *what, uint32_t place)
 {
     if (v->sound)
         v->sound = rk_fail(v->error, "tree: %s (%u)", what, place);
+}
+
+static bool same_point(rk_vec3 a, rk_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool is_copy(const rk_triangle *triangle, const rk_mesh *mesh)
+{
+    const uint32_t *corner = mesh->triangles[triangle->index];
+    rk_vec3 a = mesh->positions[corner[0]];
+    return same_point(triangle->a, a) &&
+           same_point(triangle->edge_ab, rk_sub(mesh->positions[corner[1]], a)) &&
+           same_point(triangle->edge_ac, rk_sub(mesh->positions[corner[2]], a));
 }
 
 static void validate_leaf(validation *v, const rk_bvh_node *node)
@@ -123,8 +138,11 @@ static void validate_leaf(validation *v, const rk_bvh_node *node)
             fault(v, "a leaf names a triangle that the mesh does not have", index);
             continue;
         }
-        if (v->seen[index]++)
-            fault(v, "a triangle stands in two leaves", index);
+        if (v->seen[index])
+            fault(v, "a triangle stands in the leaves twice", index);
+        v->seen[index] = 1;
+        if (!is_copy(&v->bvh->triangles[i], v->mesh))
+            fault(v, "a leaf's copy of a triangle differs from the mesh's", index);
         rk_box box = triangle_box(v->mesh, index);
         if (!box_holds(&node->box, &box))
             fault(v, "a triangle sticks out of its leaf's box", index);
@@ -134,6 +152,10 @@ static void validate_leaf(validation *v, const rk_bvh_node *node)
 static void validate_node(const rk_bvh_node *node, uint32_t level, void *context)
 {
     validation *v = context;
+    uint32_t place = (uint32_t)(node - v->bvh->nodes);
+    if (v->reached[place])
+        fault(v, "a node has two parents, or the nodes form a cycle", place);
+    v->reached[place] = 1;
     if (node->count) {
         validate_leaf(v, node);
         return;
@@ -153,14 +175,16 @@ static void validate_node(const rk_bvh_node *node, uint32_t level, void *context
 
 bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
 {
-    validation v = {bvh, mesh, NULL, true, error};
+    validation v = {bvh, mesh, NULL, NULL, true, error};
+    v.reached = rk_allocate(bvh->node_count, 1, "tree check", error);
     v.seen = rk_allocate(mesh->triangle_count, 1, "tree check", error);
-    if (!v.seen)
-        return false;
-    rk_bvh_visit(bvh, validate_node, &v);
-    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+    v.sound = v.reached && v.seen;
+    if (v.sound)
+        rk_bvh_visit(bvh, validate_node, &v);
+    for (uint32_t i = 0; v.sound && i < mesh->triangle_count; i++)
         if (!v.seen[i])
             fault(&v, "a triangle stands in no leaf", i);
+    free(v.reached);
     free(v.seen);
     return v.sound;
 }

@@ -49,8 +49,9 @@ rk_bvh_measures rk_bvh_measure(const rk_bvh *bvh);
 typedef void rk_bvh_visitor(const rk_bvh_node *node, uint32_t level, void *context);
 void rk_bvh_visit(const rk_bvh *bvh, rk_bvh_visitor *visitor, void *context);
 
-/* True if the tree is sound: boxes nest and hold their triangles, every triangle is in one leaf,
- * no leaf is over-full, no path is too deep. Otherwise false with the first fault found. */
+/* True if the tree is sound: boxes nest and hold their triangles, every triangle is in one leaf
+ * and the same as in the mesh, every node has one parent, no leaf is over-full, no path is too
+ * deep. Otherwise false with the first fault found. */
 bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error);
 
 #endif

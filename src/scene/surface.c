@@ -13,9 +13,30 @@ static rk_vec3 weighted_sum(rk_vec3 a, rk_vec3 b, rk_vec3 c, rk_vec3 weights)
     return rk_madd(rk_madd(rk_scale(a, weights.x), b, weights.y), c, weights.z);
 }
 
+/* Summed in double and rounded once: 1 - u - v in float loses its digits near the edge opposite a,
+ * and a corner far away would then carry the point off the plane. */
+static float point_on_axis(float a, float b, float c, const rk_hit *hit)
+{
+    double u = (double)hit->u, v = (double)hit->v;
+    return (float)((1 - u - v) * (double)a + u * (double)b + v * (double)c);
+}
+
 static rk_vec3 facing(rk_vec3 normal, rk_vec3 side)
 {
     return rk_dot(normal, side) < 0 ? rk_negate(normal) : normal;
+}
+
+/* In double, where neither the differences of a sliver nor the squares of a tiny triangle vanish.
+ * A triangle without area has no normal: it comes back as 0. */
+static rk_vec3 unit_normal(rk_vec3 a, rk_vec3 b, rk_vec3 c)
+{
+    double bx = (double)b.x - (double)a.x, cx = (double)c.x - (double)a.x;
+    double by = (double)b.y - (double)a.y, cy = (double)c.y - (double)a.y;
+    double bz = (double)b.z - (double)a.z, cz = (double)c.z - (double)a.z;
+    double x = by * cz - bz * cy, y = bz * cx - bx * cz, z = bx * cy - by * cx;
+    double length = sqrt(x * x + y * y + z * z);
+    double scale = length > 0 ? 1 / length : 0;
+    return rk_vec((float)(x * scale), (float)(y * scale), (float)(z * scale));
 }
 
 void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, const rk_hit *hit)
@@ -25,14 +46,19 @@ void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, 
     rk_vec3 b = mesh->positions[corner[1]];
     rk_vec3 c = mesh->positions[corner[2]];
     rk_vec3 weights = rk_vec(1 - hit->u - hit->v, hit->u, hit->v);
-    surface->point = weighted_sum(a, b, c, weights);
+    surface->triangle = (rk_triangle){a, rk_sub(b, a), rk_sub(c, a), hit->triangle};
+    surface->point = rk_vec(point_on_axis(a.x, b.x, c.x, hit), point_on_axis(a.y, b.y, c.y, hit),
+                            point_on_axis(a.z, b.z, c.z, hit));
     surface->barycentric = weights;
     surface->material = &mesh->materials[mesh->triangle_materials[hit->triangle]];
-    /* A sum of three products of rounded weights: seven roundings at most. */
-    rk_vec3 sizes = weighted_sum(rk_abs3(a), rk_abs3(b), rk_abs3(c), rk_abs3(weights));
-    surface->point_error = rk_scale(sizes, gamma_bound(7));
-    rk_vec3 normal = rk_normalize(rk_cross(rk_sub(b, a), rk_sub(c, a)));
-    surface->face_normal = facing(normal, rk_negate(ray->direction));
+    /* The rounding to float is the one that counts; the second pays for this very sum and for
+     * what happened in double. */
+    rk_vec3 sizes = rk_max3(rk_abs3(surface->point),
+                            weighted_sum(rk_abs3(a), rk_abs3(b), rk_abs3(c), rk_abs3(weights)));
+    surface->point_error = rk_scale(sizes, gamma_bound(2));
+    surface->face_normal = facing(unit_normal(a, b, c), rk_negate(ray->direction));
+    if (!(rk_dot(surface->face_normal, surface->face_normal) > 0))
+        surface->face_normal = rk_normalize(rk_negate(ray->direction));
     surface->normal = surface->face_normal;
     if (mesh->normals) {
         rk_vec3 smooth = rk_normalize(weighted_sum(
@@ -48,12 +74,41 @@ static float round_outward(float value, float step)
     return step > 0 ? nextafterf(value, INFINITY) : step < 0 ? nextafterf(value, -INFINITY) : value;
 }
 
-rk_vec3 rk_surface_leave(const rk_surface *surface, rk_vec3 direction)
+static rk_vec3 step_along(rk_vec3 point, rk_vec3 normal, float distance)
 {
-    rk_vec3 normal = facing(surface->face_normal, direction);
-    float distance = rk_dot(rk_abs3(normal), surface->point_error);
     rk_vec3 step = rk_scale(normal, distance);
-    rk_vec3 start = rk_add(surface->point, step);
+    rk_vec3 start = rk_add(point, step);
     return rk_vec(round_outward(start.x, step.x), round_outward(start.y, step.y),
                   round_outward(start.z, step.z));
+}
+
+/* Does the triangle test see the ray from `start` meet the plane ahead of it? */
+static bool plane_is_ahead(const rk_triangle *triangle, rk_vec3 start, float heading)
+{
+    float side = rk_triangle_side(triangle, start);
+    return (side > 0 && heading > 0) || (side < 0 && heading < 0);
+}
+
+rk_vec3 rk_surface_leave(const rk_surface *surface, rk_vec3 direction)
+{
+    const rk_triangle *triangle = &surface->triangle;
+    rk_vec3 normal = facing(surface->face_normal, direction);
+    /* For tangents the signs may differ from those of the triangle test, which is to be pleased. */
+    float heading = rk_triangle_heading(triangle, direction);
+    float normal_heading = rk_triangle_heading(triangle, normal);
+    if ((heading > 0 && normal_heading < 0) || (heading < 0 && normal_heading > 0))
+        normal = rk_negate(normal);
+    /* Past the point's error, and past two roundings of the edges: the test, the neighbours' too,
+     * works on rounded edges and a rounded difference of points. */
+    rk_vec3 edges = rk_add(rk_abs3(triangle->edge_ab), rk_abs3(triangle->edge_ac));
+    rk_vec3 error = rk_madd(surface->point_error, edges, gamma_bound(2));
+    float distance = rk_dot(rk_abs3(normal), error);
+    rk_vec3 start = step_along(surface->point, normal, distance);
+    /* In slivers the test's error grows with their length over their width. A step of 2^-24 of
+     * the triangle's size is as long as the triangle after so many doublings. */
+    for (int i = 0; i < 24 && plane_is_ahead(triangle, start, heading); i++) {
+        distance *= 2;
+        start = step_along(surface->point, normal, distance);
+    }
+    return start;
 }

@@ -4,25 +4,28 @@
 #ifndef RK_SCENE_SURFACE_H
 #define RK_SCENE_SURFACE_H
 
-#include "base/ray.h"
+#include "base/triangle.h"
 #include "scene/mesh.h"
 
 typedef struct rk_surface {
     rk_vec3 point;
     rk_vec3 point_error; /* bounds |point - the exact point on the triangle| on each axis */
-    rk_vec3 face_normal; /* unit, of the triangle's plane, turned to face the ray */
+    rk_vec3 face_normal; /* unit, of the triangle's plane, turned to face the ray; a triangle
+                            without area has the ray's opposite */
     rk_vec3 normal;      /* unit, for shading: interpolated where the mesh has normals, on the same
                             side as face_normal */
     rk_vec3 barycentric; /* weights of the triangle's corners, sum 1 */
     const rk_material *material;
+    rk_triangle triangle; /* as the triangle test sees it */
 } rk_surface;
 
 /* Fills in the surface at a hit that `ray` found in `mesh`. */
 void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, const rk_hit *hit);
 
 /* The point to start a ray from that leaves into `direction` (any length): moved along the face
- * normal just past the error bound, to the side into which the ray leaves. No epsilon to tune: the
- * step follows from the rounding errors, at any scale. */
+ * normal just past the error bound, to the side into which the ray leaves, and farther where
+ * the triangle test itself is less exact than that. No epsilon to tune: the step follows from the
+ * rounding errors, at any scale. The ray never meets the triangle that it leaves. */
 rk_vec3 rk_surface_leave(const rk_surface *surface, rk_vec3 direction);
 
 #endif
