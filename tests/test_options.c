@@ -317,7 +317,7 @@ static void help_lists_every_option_with_range_and_default(void **state)
     check_lists(help.output,
                 "  --width N             picture width in pixels (1 to 32768; default 800)\n");
     check_lists(help.output, "  --seed N ");
-    check_lists(help.output, "(0 to 4294967295; default 0)\n");
+    check_lists(help.output, "seed of the random numbers (default 0)\n");
     check_lists(help.output, "  --quiet               shows no progress\n");
     check_lists(help.output,
                 "  --out FOLDER          where the pictures go (default reports/out)\n");
