@@ -18,12 +18,13 @@
 --   times likewise and becomes a log-log plot of the metrics over the number of triangles.
 --
 -- Environment: RAYKIT_BUILD (where the drivers are), RAYKIT_OUT, MESHES, RAYKIT_RUNS,
--- RAYKIT_SIZE (pixels a side, empty for the drivers' own).
+-- RAYKIT_SIZE (pixels a side, empty for the drivers' own), RAYKIT_GNUPLOT (empty: no plots).
 
 local build = os.getenv("RAYKIT_BUILD")
 local out = os.getenv("RAYKIT_OUT")
 local runs = os.getenv("RAYKIT_RUNS")
 local size = os.getenv("RAYKIT_SIZE") or ""
+local gnuplot = os.getenv("RAYKIT_GNUPLOT") or ""
 
 local function fail(...)
   io.stderr:write("report: ", string.format(...), "\n")
@@ -209,6 +210,10 @@ local function timings(div)
 end
 
 local function plot(div)
+  if gnuplot == "" then
+    io.stderr:write("report: a plot is left out: it needs gnuplot\n")
+    return pandoc.Para({pandoc.Emph("A plot is left out here: this build found no gnuplot.")})
+  end
   time(div, false)
   local wanted, names = {}, words(div.attributes.metrics)
   for _, scene in ipairs(wanted_scenes(div, false)) do wanted[scene] = true end
@@ -235,7 +240,7 @@ local function plot(div)
     "set style line 3 lc rgb '#009e73' pt 9 lw 2",
     table.concat(data, "\n"), "plot " .. table.concat(lines, ", "), "",
   }, "\n")
-  local pipe = io.popen("gnuplot", "w")
+  local pipe = io.popen(quote(gnuplot), "w")
   pipe:write(script)
   if not pipe:close() then fail("gnuplot failed (its reason stands above)") end
   local caption = pandoc.List(pandoc.utils.blocks_to_inlines(div.content))

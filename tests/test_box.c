@@ -106,7 +106,8 @@ static void zeros_of_both_signs_stay_between_their_faces(void **state)
     (void)state;
     const float zeros[] = {0.0f, -0.0f};
     for (int i = 0; i < 4; i++) {
-        rk_vec3 direction = rk_vec(1, zeros[i & 1], zeros[i >> 1]);
+        float p = zeros[i & 1], q = zeros[i >> 1];
+        rk_vec3 direction = rk_vec(1, p, q);
         rk_check(isfinite(enter(unit, rk_vec(-1, 0, 1), direction, INFINITY)),
                  "in two faces' planes");
         rk_check(isfinite(enter(unit, rk_vec(-1, 1, 0), direction, INFINITY)),
@@ -115,6 +116,13 @@ static void zeros_of_both_signs_stay_between_their_faces(void **state)
                  "just below y = 0");
         rk_check(isinf(enter(unit, rk_vec(-1, 1, 1.0000001f), direction, INFINITY)),
                  "just above z = 1");
+        rk_check(isinf(enter(unit, rk_vec(-1, -1e-40f, 0), direction, INFINITY)),
+                 "below by a denormal");
+        rk_check(isfinite(enter(unit, rk_vec(0, -1, 1), rk_vec(p, 1, q), INFINITY)), "along y");
+        rk_check(isfinite(enter(unit, rk_vec(1, 0, -1), rk_vec(p, q, 1), INFINITY)), "along z");
+        rk_check(isinf(enter(unit, rk_vec(-1e-40f, -1, 1), rk_vec(p, 1, q), INFINITY)), "along y");
+        rk_check(isinf(enter(unit, rk_vec(1.0000001f, 0, -1), rk_vec(p, q, 1), INFINITY)),
+                 "along z");
     }
 }
 
@@ -329,6 +337,11 @@ static void any_scale_and_distance_agrees_with_long_double(void **state)
             rk_check((long double)t <= sure.near && (long double)t >= possible.near,
                      "ray %u: enters at %.9g, want %.9Lg or a few roundings less", i, (double)t,
                      sure.near);
+            rk_slabs slabs = rk_slabs_of(&ray);
+            long double leave = (long double)rk_box_leave(&box, &slabs, INFINITY);
+            rk_check(leave >= sure.far && leave <= possible.far,
+                     "ray %u: leaves at %.9Lg, want %.9Lg or a few roundings more", i, leave,
+                     sure.far);
             met++;
         } else if (possible.near > possible.far) {
             rk_check(isinf(t), "ray %u surely passes by, but meets the box", i);

@@ -511,6 +511,8 @@ static void any_hit_stops_at_the_first_triangle_found(void **state)
     rk_check(rk_bvh_any(&bvh, &ray, &counters), "512 curtains in the way");
     rk_check(counters.triangle_tests <= 4, "tested %llu triangles, one leaf would do",
              (unsigned long long)counters.triangle_tests);
+    rk_check(counters.box_tests <= 1 + 2 * 8, "tested %llu boxes, two on each level would do",
+             (unsigned long long)counters.box_tests);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }

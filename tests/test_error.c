@@ -73,6 +73,26 @@ static void memory_comes_zeroed_on_a_cache_line(void **state)
     }
 }
 
+static void memory_that_was_used_before_comes_zeroed(void **state)
+{
+    (void)state;
+    enum { blocks = 100, bytes = 1000 };
+    for (int round = 0; round < 2; round++) {
+        unsigned char *memory[blocks];
+        for (int i = 0; i < blocks; i++) {
+            rk_error error;
+            memory[i] = rk_allocate(bytes, 1, "bytes", &error);
+            rk_check_ok(memory[i] != NULL, error);
+            for (int k = 0; k < bytes; k++)
+                rk_check_equal(memory[i][k], 0, "zeroed, whatever stood there");
+        }
+        for (int i = 0; i < blocks; i++) {
+            memset(memory[i], 255, bytes);
+            free(memory[i]);
+        }
+    }
+}
+
 static void memory_that_is_filled_at_once_comes_unset(void **state)
 {
     (void)state;
@@ -115,6 +135,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(line_breaks_become_spaces),
     cmocka_unit_test(a_long_sentence_is_cut_to_fit),
     cmocka_unit_test(memory_comes_zeroed_on_a_cache_line),
+    cmocka_unit_test(memory_that_was_used_before_comes_zeroed),
     cmocka_unit_test(memory_that_is_filled_at_once_comes_unset),
     cmocka_unit_test(a_product_that_overflows_is_refused_by_name),
     cmocka_unit_test(more_than_there_is_is_refused_by_name_and_size),

@@ -108,6 +108,20 @@ static void a_full_disk_is_an_error_and_keeps_the_older_file(void **state)
     }
 }
 
+static void a_write_that_failed_is_an_error_even_if_the_rest_fits(void **state)
+{
+    const test_folder *folder = *state;
+    rk_error error = {""};
+    rk_file file = begin(test_folder_path(folder, "new.txt").text);
+    fill_disk(64);
+    for (int k = 0; k < 1000000; k++)
+        putc('x', file.stream);
+    free_disk();
+    rk_check(!rk_file_commit(&file, &error), "a file with a hole was accepted");
+    rk_check_error_names(error, "new.txt");
+    rk_check_equal(test_folder_count(folder), 0, "nothing is left behind");
+}
+
 static void a_lost_temporary_file_is_an_error(void **state)
 {
     const test_folder *folder = *state;
@@ -168,6 +182,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(places_that_cannot_be_written_are_refused_at_once),
     test_in_folder(a_pipe_is_not_replaced_by_a_file),
     test_in_folder(a_full_disk_is_an_error_and_keeps_the_older_file),
+    test_in_folder(a_write_that_failed_is_an_error_even_if_the_rest_fits),
     test_in_folder(a_lost_temporary_file_is_an_error),
     test_in_folder(a_folder_is_made_with_its_parents),
     test_in_folder(a_file_in_the_way_of_a_folder_is_an_error),

@@ -4,6 +4,7 @@
 
 #include "io/helper.h"
 
+#include <pthread.h>
 #include <signal.h>
 #include <time.h>
 
@@ -93,6 +94,41 @@ static void large_input_and_output_pass_without_deadlock(void **state)
     rk_check(memcmp(got.output, input, size) == 0, "the bytes changed on their way");
     free(got.output);
     free(input);
+}
+
+static void *echo_much(void *unused)
+{
+    (void)unused;
+    size_t size = 1000000;
+    unsigned char *input = calloc(size, 1), *output;
+    rk_helper_call call = {.program = "echo",
+                           .input = input,
+                           .input_size = size,
+                           .output_max = size,
+                           .timeout_seconds = 10};
+    rk_error error;
+    bool ok = input && rk_helper_run(&call, &output, &size, &error) && size == 1000000;
+    if (ok)
+        free(output);
+    free(input);
+    return ok ? &folder : NULL;
+}
+
+/* A child that inherited another's input would keep it from ever ending: both would be silent. */
+static void threads_may_call_at_the_same_time(void **state)
+{
+    (void)state;
+    const char script[] = "#!/bin/sh\nexec cat\n";
+    test_folder_write(&folder, "echo", script, sizeof script - 1, 0700);
+    pthread_t threads[4];
+    for (int i = 0; i < 4; i++)
+        rk_check_equal(pthread_create(&threads[i], NULL, echo_much, NULL), 0,
+                       "the test needs threads");
+    for (int i = 0; i < 4; i++) {
+        void *good;
+        pthread_join(threads[i], &good);
+        rk_check(good != NULL, "thread %d did not get its million bytes back", i);
+    }
 }
 
 static void a_long_complaint_does_not_block_the_answer(void **state)
@@ -312,6 +348,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_empty_answer_is_an_answer),
     cmocka_unit_test(arguments_arrive_whole),
     cmocka_unit_test(large_input_and_output_pass_without_deadlock),
+    cmocka_unit_test(threads_may_call_at_the_same_time),
     cmocka_unit_test(a_long_complaint_does_not_block_the_answer),
     cmocka_unit_test(input_that_nobody_reads_neither_kills_nor_fails),
     cmocka_unit_test(a_failure_gives_its_last_line_as_the_reason),

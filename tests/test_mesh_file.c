@@ -91,6 +91,27 @@ static void every_format_gives_the_same_square_and_triangle(void **state)
     }
 }
 
+static void the_order_of_bytes_in_a_ply_does_not_matter(void **state)
+{
+    (void)state;
+    mesh_seed little = make_seed(seed_ply_binary), big = {.name = "big.ply"};
+    size_t body = little.size - (60 + 17 + 13), at = body;
+    const char *rest = strstr((char *)little.bytes, "1.0");
+    seed_append_text(&big, "ply\nformat binary_big_endian ");
+    seed_append(&big, rest, body - (size_t)(rest - (char *)little.bytes));
+    for (int word = 0; word < 15 + 4 + 3; word++) {
+        if (word == 15 || word == 19)
+            big.bytes[big.size++] = little.bytes[at++];
+        for (size_t i = 0; i < 4; i++)
+            big.bytes[big.size++] = little.bytes[at + 3 - i];
+        at += 4;
+    }
+    rk_mesh mesh = load(test_folder_write(&folder, big.name, big.bytes, big.size, 0600));
+    rk_check_equal(mesh.triangle_count, 3, "as from the other order");
+    check_point(corner(&mesh, 2, 2), 0.5f, 0, 1);
+    rk_mesh_free(&mesh);
+}
+
 static void obj_brings_materials_unit_normals_and_texture_coordinates(void **state)
 {
     (void)state;
@@ -433,6 +454,7 @@ static int remove_folder(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(every_format_gives_the_same_square_and_triangle),
+    cmocka_unit_test(the_order_of_bytes_in_a_ply_does_not_matter),
     cmocka_unit_test(obj_brings_materials_unit_normals_and_texture_coordinates),
     cmocka_unit_test(gltf_parts_stand_where_their_nodes_put_them),
     cmocka_unit_test(a_part_without_normals_takes_its_faces_own),

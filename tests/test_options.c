@@ -34,6 +34,10 @@ static const rk_option own[] = {
      "left   a way\nright  a way which is told in more words than a line will ever hold", 0, 0},
     {"mesh", RK_OPTION_LIST, &values.meshes, "FILE", "a mesh file\nmay come again", 0, 0},
     {"pixel", RK_OPTION_PIXEL, &values.pixel, "X,Y", "narrates one pixel", 0, 0},
+    {"narrow", RK_OPTION_FLAG, &values.quiet, NULL,
+     "a b c d e f g h i j k l m n o p q r s t u v w x y z a b c d e f g h i j k l m n o p q r s t "
+     "u v",
+     0, 0},
     {"an-option-with-a-long-name", RK_OPTION_FLAG, &values.quiet, NULL, "as quiet", 0, 0},
     {0},
 };
@@ -209,6 +213,7 @@ static void what_is_no_number_in_range_is_refused(void **state)
         rk_check_close(values.fov, 50, 0, "a refused value is not stored");
     }
     check_refused("--fov=", "--fov", "a number");
+    check_refused("--far=", "--far", "a number, 0 or more");
     check_refused("--far nan", "--far", "0 or more");
     check_refused("--far 1e39", "--far", "0 or more");
     check_refused("--far -0.001", "--far", "0 or more");
@@ -232,6 +237,7 @@ static void stray_words_are_refused(void **state)
     (void)state;
     check_refused("picture.png", "picture.png", "not expected");
     check_refused("--width 3 picture.png --quiet", "picture.png", "not expected");
+    check_refused("picture.png --widht", "picture.png", "not expected");
     check_refused("-- picture.png", "picture.png", "not expected");
     check_accepted("--width 3 --");
 }

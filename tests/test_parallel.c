@@ -86,6 +86,25 @@ static void a_pool_runs_again_and_again(void **state)
     rk_pool_stop(pool);
 }
 
+static void tally(uint32_t index, uint32_t thread, void *context)
+{
+    (void)thread;
+    ((unsigned char *)context)[index]++;
+}
+
+static void threads_in_a_hurry_take_no_item_twice(void **state)
+{
+    (void)state;
+    enum { rounds = 100 };
+    static unsigned char tallies[most_items];
+    rk_pool *pool = start(4);
+    for (int round = 0; round < rounds; round++)
+        rk_pool_run(pool, most_items, tally, tallies);
+    for (int i = 0; i < most_items; i++)
+        rk_check_equal(tallies[i], rounds, "items so short that threads meet at the counter");
+    rk_pool_stop(pool);
+}
+
 static void a_pool_that_never_ran_stops(void **state)
 {
     (void)state;
@@ -205,6 +224,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_pool_has_the_threads_asked_for),
     cmocka_unit_test(every_item_is_done_once),
     cmocka_unit_test(a_pool_runs_again_and_again),
+    cmocka_unit_test(threads_in_a_hurry_take_no_item_twice),
     cmocka_unit_test(a_pool_that_never_ran_stops),
     cmocka_unit_test(the_items_run_at_the_same_time),
     cmocka_unit_test(the_caller_sees_what_the_threads_wrote),

@@ -133,25 +133,25 @@ static void neighbours_in_every_coordinate_are_unrelated(void **state)
             }
 }
 
-static int compare_hashes(const void *a, const void *b)
+static int compare_numbers(const void *a, const void *b)
 {
-    uint32_t x = *(const uint32_t *)a, y = *(const uint32_t *)b;
+    float x = *(const float *)a, y = *(const float *)b;
     return (x > y) - (x < y);
 }
 
 static void the_four_coordinates_do_not_stand_in_for_each_other(void **state)
 {
     (void)state;
-    /* 16^4 places give 65,536 hashes; of 2^32 values, half a coincidence is to be expected, and
-     * more than 8 have a probability of 4e-9 (Poisson). */
-    static uint32_t hashes[draws];
+    /* 16^4 places give 65,536 numbers; of 2^24 values, 128 coincidences are to be expected, with a
+     * standard deviation of their root. */
+    static float numbers[draws];
     for (uint32_t i = 0; i < draws; i++)
-        hashes[i] = rk_hash(i & 15, i >> 4 & 15, i >> 8 & 15, i >> 12);
-    qsort(hashes, draws, sizeof *hashes, compare_hashes);
+        numbers[i] = draw((place){i & 15, i >> 4 & 15, i >> 8 & 15, i >> 12});
+    qsort(numbers, draws, sizeof *numbers, compare_numbers);
     unsigned coincidences = 0;
     for (uint32_t i = 1; i < draws; i++)
-        coincidences += hashes[i] == hashes[i - 1];
-    rk_check(coincidences <= 8, "%u coincidences in %d hashes", coincidences, draws);
+        coincidences += numbers[i] == numbers[i - 1];
+    rk_check_close(coincidences, 128, z_limit * sqrt(128), "pairs of places with the same number");
 }
 
 /* --- the sampler ----------------------------------------------------------------------------- */

@@ -159,10 +159,12 @@ static void a_damaged_row_is_refused_with_its_line(void **state)
 
 static void a_damaged_quote_is_refused_with_its_line(void **state)
 {
-    check_untouched(*state, "scene,method,ms\na,x,1\nb,\"never closed,3\nc,x,1\n", "line 3");
-    check_untouched(*state, "scene,method,ms\nb,\"closed\"early,3\n", "line 2");
-    check_untouched(*state, "scene,method,ms\nb,in\"side,3\n", "line 2");
-    check_untouched(*state, "scene,method,ms\nb,x,\"", "line 2");
+    check_untouched(*state, "scene,method,ms\na,x,1\nb,\"never closed,3\nc,x,1\n",
+                    "line 3 has a quote");
+    check_untouched(*state, "scene,method,ms\nb,\"closed\"early,3\n", "line 2 has a quote");
+    check_untouched(*state, "scene,method,ms\nb,x,\"3\"early", "line 2 has a quote");
+    check_untouched(*state, "scene,method,ms\nb,in\"side,3\n", "line 2 has a quote");
+    check_untouched(*state, "scene,method,ms\nb,x,\"", "line 2 has a quote");
 }
 
 static void a_truncated_file_is_never_read_wrongly(void **state)
@@ -200,6 +202,14 @@ static void places_that_cannot_hold_a_table_are_refused(void **state)
     rk_error error = {""};
     rk_check(!put(folder->path, "a", "x", "1", &error), "a folder was accepted");
     rk_check_error_names(error, folder->path);
+    test_path pipe = test_folder_path(folder, "pipe");
+    rk_check(mkfifo(pipe.text, 0600) == 0, "a pipe can be made");
+    rk_check(!put(pipe.text, "a", "x", "1", &error), "a pipe was accepted");
+    rk_check_error_names(error, "not a file");
+    test_file_put(test_folder_path(folder, "file").text, "");
+    rk_check(!put(test_folder_path(folder, "file/t.csv").text, "a", "x", "1", &error),
+             "a folder that is a file was accepted");
+    rk_check_error_names(error, "file/t.csv");
     rk_check(!put(test_folder_path(folder, "missing/t.csv").text, "a", "x", "1", &error),
              "a missing folder was accepted");
     rk_check_error_names(error, "missing/t.csv");

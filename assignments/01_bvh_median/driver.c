@@ -39,6 +39,13 @@ static void draw_leaf(const rk_bvh_node *node, uint32_t level, void *context)
     rk_overlay_wireframe(&d->overlay, &node->box, rk_vec(1, 1, 1), 1.5f);
 }
 
+/* A leaf is small: the rest of the picture steps back. */
+static void dim(const rk_image *image)
+{
+    for (size_t i = 0; i < image->width * image->height; i++)
+        image->pixels[i] = rk_scale(image->pixels[i], 0.2f);
+}
+
 static bool draw(rk_driver *driver, uint32_t level, uint32_t leaf, rk_error *error)
 {
     drawing d = {.driver = driver, .level = level, .leaf = leaf};
@@ -51,6 +58,8 @@ static bool draw(rk_driver *driver, uint32_t level, uint32_t leaf, rk_error *err
     if (!rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
                          error))
         return false;
+    if (!is_level)
+        dim(&driver->image);
     rk_bvh_visit(&driver->accel.bvh, is_level ? draw_level : draw_leaf, &d);
     rk_overlay_free(&d.overlay);
     char label[32];

@@ -116,9 +116,8 @@ static bool read_digits(const char **text, uint32_t *value)
     if (!isdigit((unsigned char)**text))
         return false;
     char *end;
-    errno = 0;
     unsigned long long number = strtoull(*text, &end, 10);
-    if (errno || number > UINT32_MAX)
+    if (number > UINT32_MAX)
         return false;
     *text = end;
     *value = (uint32_t)number;

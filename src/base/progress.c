@@ -26,7 +26,7 @@ void rk_progress_start(rk_progress *progress, const char *label, unsigned total,
 static void draw(const rk_progress *progress, unsigned done)
 {
     unsigned total = progress->total > done ? progress->total : done;
-    double part = total ? (double)done / total : 1;
+    double part = (double)done / total; /* done is at least 1 */
     int filled = (int)(part * bar_width);
     char bar[bar_width + 1];
     memset(bar, '.', bar_width);

@@ -123,14 +123,15 @@ static bool table_read(table *old, const char *const *header, size_t columns, co
 {
     *old = (table){0};
     struct stat status;
-    if (stat(path, &status) != 0 && errno == ENOENT)
-        return true;
+    if (stat(path, &status) != 0)
+        return errno == ENOENT || rk_fail(error, "%s: cannot be read: %s", path, strerror(errno));
+    /* Opening a pipe would wait for its other end. */
+    if (!S_ISREG(status.st_mode))
+        return rk_fail(error, "%s: is not a file, so no table; choose another name", path);
     FILE *stream = fopen(path, "rb");
     if (!stream)
         return rk_fail(error, "%s: cannot be read: %s", path, strerror(errno));
-    bool ok = S_ISREG(status.st_mode)
-                  ? read_text(old, stream, (size_t)status.st_size, path, error)
-                  : rk_fail(error, "%s: is not a file, so no table; choose another name", path);
+    bool ok = read_text(old, stream, (size_t)status.st_size, path, error);
     fclose(stream);
     return ok && split(old, header, columns, path, error);
 }

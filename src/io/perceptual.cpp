@@ -17,7 +17,7 @@ namespace {
 
 constexpr double degrees_wide = 45;
 constexpr double white = 100; // candela per square metre
-constexpr int levels = 8, bands = levels - 2;
+constexpr size_t levels = 8, bands = levels - 2;
 constexpr double least_luminance = 1e-5; // candela per square metre: far below what an eye can see
 
 using Plane = std::vector<float>;
@@ -104,7 +104,7 @@ View make_view(const float *rgb, size_t width, size_t height)
         view.a[i] = float(500 * (compress(x) - compress(y)));
         view.b[i] = float(200 * (compress(y) - compress(z)));
     }
-    for (int i = 1; i < levels; i++) {
+    for (size_t i = 1; i < levels; i++) {
         Plane rows = blur_axis(view.luminance[i - 1], width, height, 1L << (i - 1), true);
         view.luminance[i] = blur_axis(rows, width, height, 1L << (i - 1), false);
     }
@@ -116,7 +116,7 @@ View make_view(const float *rgb, size_t width, size_t height)
 struct Setting {
     std::array<double, bands> frequency; // cycles per degree
     std::array<double, bands> unease; // how much less sensitive than at its best the eye is there
-    int adaptation;                   // the level that blurs about one degree
+    size_t adaptation;                // the level that blurs about one degree
 };
 
 Setting make_setting(size_t width)
@@ -125,8 +125,8 @@ Setting make_setting(size_t width)
     double degrees = 2 * std::tan(degrees_wide / 2 * pi / 180) * 180 / pi;
     double pixels_per_degree = double(width) / degrees;
     Setting setting{};
-    for (int i = 0; i < bands; i++) {
-        setting.frequency[i] = 0.5 * pixels_per_degree / (1 << i);
+    for (size_t i = 0; i < bands; i++) {
+        setting.frequency[i] = 0.5 * pixels_per_degree / double(1 << i);
         setting.unease[i] = contrast_sensitivity(best_frequency, white) /
                             contrast_sensitivity(setting.frequency[i], white);
     }
@@ -139,7 +139,7 @@ Setting make_setting(size_t width)
 double elevation(const View &a, const View &b, const Setting &setting, double adapted, size_t i)
 {
     double sum = 0, weighted = 0;
-    for (int k = 0; k < bands; k++) {
+    for (size_t k = 0; k < bands; k++) {
         double detail = std::max(std::abs(a.luminance[k][i] - a.luminance[k + 1][i]),
                                  std::abs(b.luminance[k][i] - b.luminance[k + 1][i]));
         double mean = std::max(std::abs(a.luminance[k + 2][i]), std::abs(b.luminance[k + 2][i]));

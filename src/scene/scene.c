@@ -27,7 +27,7 @@ bool rk_scene_around(rk_scene *scene, const char *name, rk_mesh *mesh, rk_error 
         return false;
     }
     /* Above the default camera and to its left, so that shading and shadows show the shape. */
-    scene->lights[0] = (rk_light){rk_vec(1.5f, 3, -2.5f), rk_vec(1, 1, 1)};
+    scene->lights[0] = (rk_light){rk_vec(0, 2.4f, -3.2f), rk_vec(1, 1, 1)};
     scene->light_count = 1;
     return true;
 }
