@@ -46,11 +46,15 @@ static void dim(const rk_image *image)
         image->pixels[i] = rk_scale(image->pixels[i], 0.2f);
 }
 
+static const uint32_t not_given = UINT32_MAX;
+
 static bool draw(rk_driver *driver, uint32_t level, uint32_t leaf, rk_error *error)
 {
-    drawing d = {.driver = driver, .level = level, .leaf = leaf};
     rk_bvh_measures tree = rk_bvh_measure(&driver->accel.bvh);
     bool is_level = rk_driver_debug(driver, "level");
+    if (level == not_given)
+        level = tree.levels > 4 ? 4 : tree.levels - 1;
+    drawing d = {.driver = driver, .level = level, .leaf = leaf};
     if (is_level ? level >= tree.levels : leaf >= tree.leaves)
         return rk_fail(error, "--%s %u: this tree's %s are 0 to %u; choose one of them",
                        is_level ? "level" : "leaf", is_level ? level : leaf,
@@ -87,10 +91,11 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 
 int main(int argc, char **argv)
 {
-    uint32_t level = 3, leaf = 0;
+    uint32_t level = not_given, leaf = 0;
     const rk_option options[] = {
-        {"level", RK_OPTION_UINT, &level, "N", "level drawn by --debug level; 0 is the root", 0,
-         63},
+        {"level", RK_OPTION_UINT, &level, "N",
+         "level drawn by --debug level; 0 is the root (default: 4, or the deepest)", 0,
+         RK_BVH_LEVELS_MAX - 1},
         {"leaf", RK_OPTION_UINT, &leaf, "N", "leaf drawn by --debug leaf, from the left", 0,
          UINT32_MAX},
         {0},

@@ -248,11 +248,13 @@ static phrase default_of(const rk_option *option)
     const rk_pixel *pixel = option->value;
     const char *text;
     switch (option->kind) {
+    /* A number that nobody could give means "not given": its help says what happens then. */
     case RK_OPTION_UINT:
-        snprintf(value.text, sizeof value.text, "%u", (unsigned)*(uint32_t *)option->value);
+        if ((double)*(uint32_t *)option->value <= option->high)
+            snprintf(value.text, sizeof value.text, "%u", (unsigned)*(uint32_t *)option->value);
         break;
     case RK_OPTION_FLOAT:
-        if (!isnan(*(float *)option->value)) /* not given: its help says what happens then */
+        if (!isnan(*(float *)option->value))
             snprintf(value.text, sizeof value.text, "%g", (double)*(float *)option->value);
         break;
     case RK_OPTION_TEXT:

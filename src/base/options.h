@@ -29,7 +29,8 @@ typedef struct rk_pixel {
 typedef struct rk_option {
     const char *name; /* without dashes; NULL ends a table */
     rk_option_kind kind;
-    void *value;          /* where the default stands and the given value goes */
+    void *value; /* where the default stands and the given value goes; NaN or a whole number
+                    above `high` stands for "not given" */
     const char *argument; /* its name in --help: FILE, N; NULL for flags */
     const char *help;     /* what it is, with its unit; a newline starts a further line; several
                              spaces after a name in a list are kept */
