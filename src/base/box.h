@@ -73,11 +73,13 @@ static inline rk_slabs rk_slabs_of(const rk_ray *ray)
     rk_vec3 d = ray->direction;
     rk_vec3 inverse = rk_vec(1 / d.x, 1 / d.y, 1 / d.z);
     rk_vec3 near = rk_scale(inverse, 1 - 2 * gamma_3);
+    rk_vec3 size = rk_abs3(d);
+    if (rk_min(size.x, rk_min(size.y, size.z)) < FLT_MIN)
+        near = rk_vec(rk_slabs_inverse_near(d.x, near.x), rk_slabs_inverse_near(d.y, near.y),
+                      rk_slabs_inverse_near(d.z, near.z));
     return (rk_slabs){
         .origin = ray->origin,
-        .inverse_near =
-            rk_vec(rk_slabs_inverse_near(d.x, near.x), rk_slabs_inverse_near(d.y, near.y),
-                   rk_slabs_inverse_near(d.z, near.z)),
+        .inverse_near = near,
         .inverse_far = rk_scale(inverse, 1 + 2 * gamma_3),
         .near_x = signbit(d.x) ? 1 : 0,
         .near_y = signbit(d.y) ? 1 : 0,

@@ -181,29 +181,43 @@ bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
 
 /* --- Traversal ---------------------------------------------------------------------------- */
 
-/* A node still to be visited, and where the ray enters its box. */
-typedef struct waiting {
-    const rk_bvh_node *node;
-    float enter;
-} waiting;
+/* Nodes still to be visited, and where the ray enters their boxes. */
+typedef struct waiting_list {
+    uint32_t size;
+    struct {
+        const rk_bvh_node *node;
+        float enter;
+    } entries[RK_BVH_LEVELS_MAX];
+} waiting_list;
 
-/* Puts the children whose boxes the ray enters by t_max on the stack, the nearer one on top: what
- * is found in it may spare us the other. Returns the stack's new size. */
-static inline uint32_t push_children(waiting *stack, uint32_t size, const rk_bvh_node *children,
-                                     const rk_slabs *slabs, float t_max)
+/* Of the two children, the one that the ray enters first, by t_max at the latest: what lies in it
+ * may spare us the other, which has to wait. NULL if the ray enters neither. */
+static inline const rk_bvh_node *nearer_child(waiting_list *list, const rk_bvh_node *children,
+                                              const rk_slabs *slabs, float t_max)
 {
-    waiting near = {&children[0], rk_box_enter(&children[0].box, slabs, t_max)};
-    waiting far = {&children[1], rk_box_enter(&children[1].box, slabs, t_max)};
-    if (far.enter < near.enter) {
-        waiting t = near;
-        near = far;
-        far = t;
+    const rk_bvh_node *near = &children[0], *far = &children[1];
+    float enter_near = rk_box_enter(&near->box, slabs, t_max);
+    float enter_far = rk_box_enter(&far->box, slabs, t_max);
+    if (enter_far < enter_near) {
+        near = &children[1], far = &children[0];
+        float t = enter_near;
+        enter_near = enter_far;
+        enter_far = t;
     }
-    if (far.enter < INFINITY)
-        stack[size++] = far;
-    if (near.enter < INFINITY)
-        stack[size++] = near;
-    return size;
+    if (enter_far < INFINITY) {
+        list->entries[list->size].node = far;
+        list->entries[list->size++].enter = enter_far;
+    }
+    return enter_near < INFINITY ? near : NULL;
+}
+
+/* The last of those that the ray enters by t_max, or NULL. */
+static inline const rk_bvh_node *next_waiting(waiting_list *list, float t_max)
+{
+    while (list->size)
+        if (list->entries[--list->size].enter <= t_max)
+            return list->entries[list->size].node;
+    return NULL;
 }
 
 rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
@@ -212,25 +226,21 @@ rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counter
     if (bvh->node_count == 0)
         return hit;
     const rk_slabs slabs = rk_slabs_of(ray);
-    waiting stack[RK_BVH_LEVELS_MAX];
-    uint32_t size = 0;
+    waiting_list list;
+    list.size = 0;
     uint64_t box_tests = 1, triangle_tests = 0;
-    float enter = rk_box_enter(&bvh->nodes[0].box, &slabs, hit.t);
-    if (enter < INFINITY)
-        stack[size++] = (waiting){&bvh->nodes[0], enter};
-    while (size) {
-        waiting next = stack[--size];
-        if (next.enter > hit.t)
-            continue;
-        const rk_bvh_node *node = next.node;
-        if (node->count) {
-            for (uint32_t i = 0; i < node->count; i++)
-                rk_triangle_closest(&bvh->triangles[node->first + i], ray, &hit);
-            triangle_tests += node->count;
-        } else {
-            size = push_children(stack, size, &bvh->nodes[node->first], &slabs, hit.t);
+    const rk_bvh_node *root = &bvh->nodes[0];
+    const rk_bvh_node *node = rk_box_enter(&root->box, &slabs, hit.t) < INFINITY ? root : NULL;
+    while (node) {
+        const rk_bvh_node *next = NULL;
+        if (node->count == 0) {
+            next = nearer_child(&list, &bvh->nodes[node->first], &slabs, hit.t);
             box_tests += 2;
         }
+        for (uint32_t i = 0; i < node->count; i++)
+            rk_triangle_closest(&bvh->triangles[node->first + i], ray, &hit);
+        triangle_tests += node->count;
+        node = next ? next : next_waiting(&list, hit.t);
     }
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;
@@ -242,22 +252,23 @@ bool rk_bvh_any(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
     if (bvh->node_count == 0)
         return false;
     const rk_slabs slabs = rk_slabs_of(ray);
-    waiting stack[RK_BVH_LEVELS_MAX];
-    uint32_t size = 0;
+    waiting_list list;
+    list.size = 0;
     uint64_t box_tests = 1, triangle_tests = 0;
     bool found = false;
-    if (rk_box_enter(&bvh->nodes[0].box, &slabs, ray->t_max) < INFINITY)
-        stack[size++] = (waiting){&bvh->nodes[0], 0};
-    while (size && !found) {
-        const rk_bvh_node *node = stack[--size].node;
+    const rk_bvh_node *root = &bvh->nodes[0];
+    const rk_bvh_node *node = rk_box_enter(&root->box, &slabs, ray->t_max) < INFINITY ? root : NULL;
+    while (node && !found) {
+        const rk_bvh_node *next = NULL;
+        if (node->count == 0) {
+            next = nearer_child(&list, &bvh->nodes[node->first], &slabs, ray->t_max);
+            box_tests += 2;
+        }
         for (uint32_t i = 0; i < node->count && !found; i++) {
             found = rk_triangle_any(&bvh->triangles[node->first + i], ray);
             triangle_tests++;
         }
-        if (node->count == 0) {
-            size = push_children(stack, size, &bvh->nodes[node->first], &slabs, ray->t_max);
-            box_tests += 2;
-        }
+        node = next ? next : next_waiting(&list, ray->t_max);
     }
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;
