@@ -12,7 +12,7 @@ static char *narrate(const rk_scene *scene, rk_render_options options, uint32_t 
     char *text = NULL;
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
-    rk_check_ok(rk_accel_build(&accel, RK_ACCEL_MEDIAN, &scene->mesh, &error), error);
+    rk_check_ok(rk_accel_build(&accel, RK_ACCEL_MEDIAN, scene, &error), error);
     rk_narrate_pixel(out, scene, &accel, &options, x, y);
     rk_accel_free(&accel);
     fclose(out);

@@ -21,7 +21,7 @@ static canvas *make_canvas(rk_scene scene, uint32_t width, uint32_t height)
     rk_error error;
     c->scene = scene;
     rk_check_ok((c->pool = rk_pool_start(2, &error)) != NULL, error);
-    rk_check_ok(rk_accel_build(&c->accel, RK_ACCEL_MEDIAN, &c->scene.mesh, &error), error);
+    rk_check_ok(rk_accel_build(&c->accel, RK_ACCEL_MEDIAN, &c->scene, &error), error);
     rk_check_ok(rk_image_init(&c->image, width, height, &error), error);
     rk_check_ok(rk_overlay_init(&c->overlay, &c->image, &c->scene, &c->accel, c->pool, &error),
                 error);

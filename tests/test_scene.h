@@ -62,7 +62,7 @@ static inline test_picture test_render(const rk_scene *scene, rk_render_options 
     rk_error error;
     rk_pool *pool = rk_pool_start(threads, &error);
     rk_check_ok(pool != NULL, error);
-    rk_check_ok(rk_accel_build(&accel, RK_ACCEL_MEDIAN, &scene->mesh, &error), error);
+    rk_check_ok(rk_accel_build(&accel, RK_ACCEL_MEDIAN, scene, &error), error);
     rk_check_ok(rk_image_init(&picture.image, options.width, options.height, &error), error);
     /* What was in the image before must not show through. */
     memset(picture.image.pixels, 0x55, options.width * options.height * sizeof(rk_vec3));

@@ -268,7 +268,8 @@ static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
         rk_error error = {""};
         rk_check(!rk_scene_builtin(&scene, wrong[i], &error), "\"%s\" was accepted", wrong[i]);
         rk_check_error_names(error, wrong[i]);
-        rk_check_error_names(error, "triangle, cube, cornell, sphere:N, teapot:N, scan:N");
+        rk_check_error_names(error,
+                             "triangle, cube, cornell, sphere:N, spheres:N, teapot:N, scan:N");
         rk_scene_free(&scene); /* a refused scene is a zeroed one */
     }
 }

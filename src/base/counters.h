@@ -9,6 +9,7 @@ typedef struct rk_counters {
     uint64_t shadow_rays;
     uint64_t box_tests;
     uint64_t triangle_tests;
+    uint64_t sphere_tests;
     uint64_t pixel_samples; /* random positions drawn within pixels */
 } rk_counters;
 
@@ -18,6 +19,7 @@ static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
     sum->shadow_rays += part->shadow_rays;
     sum->box_tests += part->box_tests;
     sum->triangle_tests += part->triangle_tests;
+    sum->sphere_tests += part->sphere_tests;
     sum->pixel_samples += part->pixel_samples;
 }
 

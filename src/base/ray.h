@@ -17,7 +17,7 @@ typedef struct rk_ray {
 typedef struct rk_hit {
     float t;           /* the point is origin + t direction */
     float u, v;        /* barycentric: (1 - u - v) a + u b + v c */
-    uint32_t triangle; /* index in the mesh, or RK_MISS */
+    uint32_t triangle; /* index in the mesh, beyond its end the scene's spheres, or RK_MISS */
 } rk_hit;
 
 #endif

@@ -2,10 +2,10 @@
 
 #include "features/bvh_median.h"
 
-bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_mesh *mesh, rk_error *error)
+bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_scene *scene, rk_error *error)
 {
-    *accel = (rk_accel){.kind = kind};
-    return rk_bvh_build_median(&accel->bvh, mesh, error);
+    *accel = (rk_accel){.kind = kind, .scene = scene};
+    return rk_bvh_build_median(&accel->bvh, &scene->mesh, error);
 }
 
 void rk_accel_free(rk_accel *accel)
@@ -25,12 +25,31 @@ const char *rk_accel_isa(rk_accel_kind kind)
     return "scalar";
 }
 
+static void meet_spheres(const rk_scene *scene, const rk_ray *ray, rk_hit *hit,
+                         rk_counters *counters)
+{
+    for (uint32_t k = 0; k < scene->sphere_count; k++)
+        rk_sphere_closest(&scene->spheres[k], scene->mesh.triangle_count + k, ray, hit);
+    counters->sphere_tests += scene->sphere_count;
+}
+
+static bool meets_any_sphere(const rk_scene *scene, const rk_ray *ray, rk_counters *counters)
+{
+    bool found = false;
+    for (uint32_t k = 0; k < scene->sphere_count && !found; k++) {
+        found = rk_sphere_meet(&scene->spheres[k], ray, ray->t_max) < INFINITY;
+        counters->sphere_tests++;
+    }
+    return found;
+}
+
 void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                       rk_counters *counters)
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
         rk_hit hit = rk_bvh_closest(&accel->bvh, &ray, counters);
+        meet_spheres(accel->scene, &ray, &hit, counters);
         hits->t[i] = hit.t;
         hits->u[i] = hit.u;
         hits->v[i] = hit.v;
@@ -43,6 +62,7 @@ void rk_accel_any(const rk_accel *accel, const rk_ray_batch *rays, rk_any_batch 
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
-        answers->found[i] = rk_bvh_any(&accel->bvh, &ray, counters);
+        answers->found[i] = rk_bvh_any(&accel->bvh, &ray, counters) ||
+                            meets_any_sphere(accel->scene, &ray, counters);
     }
 }

@@ -5,6 +5,7 @@
 #include "base/counters.h"
 #include "render/batch.h"
 #include "scene/bvh.h"
+#include "scene/scene.h"
 
 typedef enum rk_accel_kind {
     RK_ACCEL_MEDIAN, /* bvh_median */
@@ -13,9 +14,11 @@ typedef enum rk_accel_kind {
 typedef struct rk_accel {
     rk_accel_kind kind;
     rk_bvh bvh;
+    const rk_scene *scene; /* for its spheres, which no tree holds */
 } rk_accel;
 
-bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_mesh *mesh, rk_error *error);
+/* `scene` stays where it is while the structure is in use. */
+bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_scene *scene, rk_error *error);
 void rk_accel_free(rk_accel *accel);
 
 /* "median": the method's name in tables. */

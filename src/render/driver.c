@@ -198,7 +198,7 @@ static bool time_builds(rk_driver *driver, double *milliseconds, rk_error *error
     for (uint32_t run = 0; run < driver->runs; run++) {
         rk_accel_free(&driver->accel);
         double start = rk_clock_wall();
-        if (!rk_accel_build(&driver->accel, RK_ACCEL_MEDIAN, &driver->scene.mesh, error))
+        if (!rk_accel_build(&driver->accel, RK_ACCEL_MEDIAN, &driver->scene, error))
             return false;
         milliseconds[run] = 1e3 * (rk_clock_wall() - start);
     }

@@ -87,10 +87,15 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
         return;
     }
     rk_surface surface;
-    rk_surface_at(&surface, &scene->mesh, &ray, &hit);
-    fprintf(out, "    met triangle %u at t = %.6f\n", hit.triangle, (double)hit.t);
+    rk_scene_surface(&surface, scene, &ray, &hit);
+    uint32_t triangles = scene->mesh.triangle_count;
+    if (hit.triangle < triangles)
+        fprintf(out, "    met triangle %u at t = %.6f\n", hit.triangle, (double)hit.t);
+    else
+        fprintf(out, "    met sphere %u at t = %.6f\n", hit.triangle - triangles, (double)hit.t);
     tell_vector(out, "    point", surface.point);
-    tell_vector(out, "    barycentric", surface.barycentric);
+    if (hit.triangle < triangles)
+        tell_vector(out, "    barycentric", surface.barycentric);
     tell_vector(out, "    face normal", surface.face_normal);
     tell_vector(out, "    shading normal", surface.normal);
     tell_vector(out, "    kd", surface.material->kd);

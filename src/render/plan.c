@@ -15,7 +15,7 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
     bool lights = false;
     for (uint32_t i = 0; i < scene->light_count; i++)
         lights |= rk_light_shines(&scene->lights[i]);
-    bool rays = scene->mesh.triangle_count > 0 && lights;
+    bool rays = (scene->mesh.triangle_count > 0 || scene->sphere_count > 0) && lights;
     return (rk_plan){
         .rays = rays,
         .pixel_samples = rays && options->samples > 1,

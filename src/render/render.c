@@ -72,7 +72,7 @@ static void surface_stage(const rendering *r, tile *t)
         rk_ray ray = rk_batch_ray(&t->camera, i);
         rk_hit hit = rk_batch_hit(&t->hits, i);
         t->surface_pixel[t->surface_count] = (uint16_t)i;
-        rk_surface_at(&t->surfaces[t->surface_count++], &r->scene->mesh, &ray, &hit);
+        rk_scene_surface(&t->surfaces[t->surface_count++], r->scene, &ray, &hit);
     }
 }
 

@@ -11,11 +11,17 @@ bool rk_mesh_make_triangle(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_cube(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_cornell(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_sphere(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_spheres(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_teapot(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_scan(rk_mesh *mesh, uint32_t number, rk_error *error);
 
 /* The Cornell box comes with a camera and a light of its own. */
 void rk_scene_arrange_cornell(rk_scene *scene);
+
+/* Adds the exact sphere and the default light. */
+void rk_scene_arrange_spheres(rk_scene *scene);
+
+void rk_scene_default_light(rk_scene *scene);
 
 /* Vertices first .. first + count - 1 around an axis, right-handed; a ring of one is a pole. */
 typedef struct rk_ring {

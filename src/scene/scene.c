@@ -19,6 +19,13 @@ static void take_over(rk_scene *scene, const char *name, rk_mesh *mesh)
     *mesh = (rk_mesh){0};
 }
 
+/* Above the default camera and to its left, so that shading and shadows show the shape. */
+void rk_scene_default_light(rk_scene *scene)
+{
+    scene->lights[0] = (rk_light){rk_vec(0, 2.4f, -3.2f), rk_vec(1, 1, 1)};
+    scene->light_count = 1;
+}
+
 bool rk_scene_around(rk_scene *scene, const char *name, rk_mesh *mesh, rk_error *error)
 {
     take_over(scene, name, mesh);
@@ -26,10 +33,19 @@ bool rk_scene_around(rk_scene *scene, const char *name, rk_mesh *mesh, rk_error 
         rk_scene_free(scene);
         return false;
     }
-    /* Above the default camera and to its left, so that shading and shadows show the shape. */
-    scene->lights[0] = (rk_light){rk_vec(0, 2.4f, -3.2f), rk_vec(1, 1, 1)};
-    scene->light_count = 1;
+    rk_scene_default_light(scene);
     return true;
+}
+
+void rk_scene_surface(rk_surface *surface, const rk_scene *scene, const rk_ray *ray,
+                      const rk_hit *hit)
+{
+    uint32_t triangles = scene->mesh.triangle_count;
+    if (hit->triangle < triangles)
+        rk_surface_at(surface, &scene->mesh, ray, hit);
+    else
+        rk_surface_at_sphere(surface, &scene->spheres[hit->triangle - triangles],
+                             &scene->sphere_materials[hit->triangle - triangles], ray, hit);
 }
 
 typedef struct builtin {
@@ -44,6 +60,7 @@ static const builtin builtins[] = {
     {"cube", rk_mesh_make_cube, NULL, 0, 0, 0},
     {"cornell", rk_mesh_make_cornell, rk_scene_arrange_cornell, 0, 0, 0},
     {"sphere", rk_mesh_make_sphere, NULL, 1, 1280, 100000000},
+    {"spheres", rk_mesh_make_spheres, rk_scene_arrange_spheres, 1, 80, 100000000},
     /* One square a patch would leave the spout's lip without area. */
     {"teapot", rk_mesh_make_teapot, NULL, 2, 16, 1000},
     {"scan", rk_mesh_make_scan, NULL, 1, 87130, 100000000},
@@ -54,6 +71,7 @@ const char rk_scene_builtin_help[] =
     "  cube        12 triangles, each side in its own colour\n"
     "  cornell     the Cornell box with a mirror, 32 triangles\n"
     "  sphere:N    a sphere of at least N triangles (default 1280)\n"
+    "  spheres:N   such a sphere (default 80) beside an exact one, on a floor\n"
     "  teapot:N    the Utah teapot, each of its 32 patches as N x N squares (default 16)\n"
     "  scan:N      a statue as from a scanner, of exactly N triangles (default 87130)\n";
 
@@ -77,7 +95,8 @@ static bool read_number(const char *digits, const builtin *entry, uint32_t *numb
            value <= entry->highest_number;
 }
 
-static const char list_of_names[] = "triangle, cube, cornell, sphere:N, teapot:N, scan:N";
+static const char list_of_names[] =
+    "triangle, cube, cornell, sphere:N, spheres:N, teapot:N, scan:N";
 
 static bool parse_name(const char *name, const builtin **entry, uint32_t *number, rk_error *error)
 {

@@ -1,20 +1,25 @@
-/* A scene: a mesh, lights, a camera. */
+/* A scene: a mesh, exact spheres, lights, a camera. */
 #ifndef RK_SCENE_SCENE_H
 #define RK_SCENE_SCENE_H
 
+#include "base/sphere.h"
 #include "scene/camera.h"
 #include "scene/mesh.h"
+#include "scene/surface.h"
 
 typedef struct rk_light {
     rk_vec3 position;
     rk_vec3 colour; /* linear RGB; no falloff with distance, as in the classic course */
 } rk_light;
 
-enum { RK_LIGHTS_MAX = 16 };
+enum { RK_LIGHTS_MAX = 16, RK_SPHERES_MAX = 16 };
 
 typedef struct rk_scene {
     char name[64];
     rk_mesh mesh;
+    uint32_t sphere_count; /* a handful: every ray is tested against each */
+    rk_sphere spheres[RK_SPHERES_MAX];
+    rk_material sphere_materials[RK_SPHERES_MAX];
     rk_camera camera;
     uint32_t light_count;
     rk_light lights[RK_LIGHTS_MAX];
@@ -27,6 +32,7 @@ void rk_scene_free(rk_scene *scene);
  *   cube                12 triangles
  *   cornell             the Cornell box with a mirror, 32 triangles
  *   sphere:N            a sphere of at least N triangles (default 1280)
+ *   spheres:N           such a sphere (default 80) beside an exact one, on a floor
  *   teapot:N            the Utah teapot, each of its 32 patches as N x N squares (default 16)
  *   scan:N              a statue as from a scanner, of exactly N triangles (default 87130)
  * False with an error that lists the names when there is no such scene or N is out of range. */
@@ -34,6 +40,11 @@ bool rk_scene_builtin(rk_scene *scene, const char *name, rk_error *error);
 
 /* One line each for --help: the names and what they are. */
 extern const char rk_scene_builtin_help[];
+
+/* Fills in the surface at a hit: of the mesh, or of sphere k where hit->triangle is the mesh's
+ * triangle_count + k. */
+void rk_scene_surface(rk_surface *surface, const rk_scene *scene, const rk_ray *ray,
+                      const rk_hit *hit);
 
 /* A scene around a mesh, which it takes over (and zeroes): the mesh moved into the unit ball, the
  * default camera and a light above it, to the left. On failure the mesh is freed as well. */

@@ -122,3 +122,38 @@ bool rk_mesh_make_sphere(rk_mesh *mesh, uint32_t number, rk_error *error)
     memcpy(mesh->normals, mesh->positions, mesh->vertex_count * sizeof *mesh->normals);
     return true;
 }
+
+/* Two balls on a floor, at x and -x; x grows to the left of the picture. */
+static const float ball_x = 0.5f, ball_radius = 0.48f;
+
+bool rk_mesh_make_spheres(rk_mesh *mesh, uint32_t number, rk_error *error)
+{
+    rk_mesh ball;
+    if (!rk_mesh_make_sphere(&ball, number, error))
+        return false;
+    uint32_t v = ball.vertex_count, t = ball.triangle_count;
+    bool ok = rk_mesh_init(mesh, v + 4, t + 2, 1, RK_MESH_NORMALS, error);
+    if (ok) {
+        for (uint32_t i = 0; i < v; i++)
+            mesh->positions[i] = rk_madd(rk_vec(ball_x, 0, 0), ball.positions[i], ball_radius);
+        memcpy(mesh->normals, ball.normals, v * sizeof *mesh->normals);
+        memcpy(mesh->triangles, ball.triangles, t * sizeof *mesh->triangles);
+        for (uint32_t i = 0; i < 4; i++) {
+            mesh->positions[v + i] =
+                rk_vec(i & 1 ? 1.1f : -1.1f, -ball_radius, i & 2 ? 0.8f : -0.8f);
+            mesh->normals[v + i] = rk_vec(0, 1, 0);
+        }
+        const uint32_t floor[2][3] = {{v, v + 2, v + 1}, {v + 1, v + 2, v + 3}};
+        memcpy(mesh->triangles[t], floor, sizeof floor);
+    }
+    rk_mesh_free(&ball);
+    return ok;
+}
+
+void rk_scene_arrange_spheres(rk_scene *scene)
+{
+    scene->spheres[0] = (rk_sphere){rk_vec(-ball_x, 0, 0), ball_radius};
+    scene->sphere_materials[0] = scene->mesh.materials[0];
+    scene->sphere_count = 1;
+    rk_scene_default_light(scene);
+}

@@ -68,6 +68,23 @@ void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, 
     }
 }
 
+void rk_surface_at_sphere(rk_surface *surface, const rk_sphere *sphere, const rk_material *material,
+                          const rk_ray *ray, const rk_hit *hit)
+{
+    /* The hit tells the direction from the centre; the point is put back on the sphere along it. */
+    rk_vec3 along = rk_madd(ray->origin, ray->direction, hit->t);
+    rk_vec3 outward = rk_normalize(rk_sub(along, sphere->centre));
+    /* There is no plane to leave: a triangle without edges is ahead of nobody. */
+    *surface = (rk_surface){.point = rk_madd(sphere->centre, outward, sphere->radius),
+                            .material = material};
+    /* Five roundings: of the unit vector (a sum of squares, a root, a quotient), of its product
+     * with the radius, of the sum; and as many again in the test that a new ray will meet. */
+    rk_vec3 radius = rk_vec(sphere->radius, sphere->radius, sphere->radius);
+    surface->point_error = rk_scale(rk_add(rk_abs3(sphere->centre), radius), gamma_bound(10));
+    surface->face_normal = facing(outward, rk_negate(ray->direction));
+    surface->normal = surface->face_normal;
+}
+
 /* The next float away from zero in the direction of `step`. */
 static float round_outward(float value, float step)
 {

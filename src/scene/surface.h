@@ -4,6 +4,7 @@
 #ifndef RK_SCENE_SURFACE_H
 #define RK_SCENE_SURFACE_H
 
+#include "base/sphere.h"
 #include "base/triangle.h"
 #include "scene/mesh.h"
 
@@ -21,6 +22,10 @@ typedef struct rk_surface {
 
 /* Fills in the surface at a hit that `ray` found in `mesh`. */
 void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, const rk_hit *hit);
+
+/* The same on a sphere made of `material`. */
+void rk_surface_at_sphere(rk_surface *surface, const rk_sphere *sphere, const rk_material *material,
+                          const rk_ray *ray, const rk_hit *hit);
 
 /* The point to start a ray from that leaves into `direction` (any length): moved along the face
  * normal just past the error bound, to the side into which the ray leaves, and farther where

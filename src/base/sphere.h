@@ -1,0 +1,50 @@
+/* Where a ray meets a sphere, also a small one far away (Haines, Guenther, Akenine-Moeller,
+ * "Precision improvements for ray/sphere intersection", Ray Tracing Gems, 2019, chapter 7). */
+#ifndef RK_BASE_SPHERE_H
+#define RK_BASE_SPHERE_H
+
+#include "base/ray.h"
+#include "base/vec3.h"
+
+#include <stdbool.h>
+
+typedef struct rk_sphere {
+    rk_vec3 centre;
+    float radius; /* > 0 */
+} rk_sphere;
+
+/* Returns the nearest t with 0 < t <= t_max at which the ray meets the sphere, or infinity. */
+static inline float rk_sphere_meet(const rk_sphere *sphere, const rk_ray *ray, float t_max)
+{
+    rk_vec3 d = ray->direction, f = rk_sub(ray->origin, sphere->centre);
+    float a = rk_dot(d, d), b = -rk_dot(f, d);
+    /* The squared distance from the centre to the ray's line, from the vector itself: as a
+     * difference of large squares it would lose its digits. */
+    rk_vec3 across = rk_madd(f, d, b / a);
+    float inside = sphere->radius * sphere->radius - rk_dot(across, across);
+    if (!(inside >= 0))
+        return INFINITY;
+    float q = b + copysignf(sqrtf(a * inside), b);
+    float t_far = q / a;
+    float t_near = (rk_dot(f, f) - sphere->radius * sphere->radius) / q;
+    if (t_far < t_near) {
+        float t = t_near;
+        t_near = t_far;
+        t_far = t;
+    }
+    float t = t_near > 0 ? t_near : t_far;
+    return t > 0 && t <= t_max && t < INFINITY ? t : INFINITY;
+}
+
+/* Closest-hit test: replaces the hit, as `index`, if the sphere is nearer than hit->t. */
+static inline bool rk_sphere_closest(const rk_sphere *sphere, uint32_t index, const rk_ray *ray,
+                                     rk_hit *hit)
+{
+    float t = rk_sphere_meet(sphere, ray, hit->t);
+    if (!(t < hit->t || (t == hit->t && t < INFINITY && index < hit->triangle)))
+        return false;
+    *hit = (rk_hit){t, 0, 0, index};
+    return true;
+}
+
+#endif
