@@ -389,6 +389,66 @@ static void black_lights_and_black_surfaces_cost_no_shadow_ray(void **state)
 
 /* --- Samples --------------------------------------------------------------------------------- */
 
+static void an_exact_sphere_is_round_and_lies_before_and_behind_triangles(void **state)
+{
+    (void)state;
+    /* A wall cuts the sphere in two: what shows is its front half, a disk on the wall. */
+    rk_scene scene = test_scene_make(2);
+    test_scene_quad(&scene, 0, rk_vec(-9, -9, 0.5f), rk_vec(18, 0, 0), rk_vec(0, 18, 0));
+    scene.spheres[0] = (rk_sphere){rk_vec(0, 0, 0.5f), 0.5f};
+    scene.sphere_materials[0] = (rk_material){.kd = rk_vec(1, 0, 0), .alpha = 1};
+    scene.sphere_count = 1;
+    test_scene_light(&scene, rk_vec(0, 0, -3), rk_vec(1, 1, 1));
+    const uint32_t side = 101;
+    test_picture picture = test_render(&scene, size_of(side, side), 2);
+    rk_view view = rk_view_of(&scene.camera, side, side);
+    for (uint32_t y = 0; y < side; y++)
+        for (uint32_t x = 0; x < side; x++) {
+            /* The line passes the centre at 3.5 sin(angle), seen before the wall if that is less
+             * than the radius: the rim's tangent points lie in front of the centre's plane. */
+            rk_ray ray = rk_view_ray(&view, (float)x + 0.5f, (float)y + 0.5f);
+            double cosine = (double)rk_dot(ray.direction, view.forward);
+            double passes = 3.5 * sqrt(1 - cosine * cosine);
+            if (fabs(passes - 0.5) < 1e-3)
+                continue;
+            rk_vec3 pixel = *rk_image_at(&picture.image, x, y);
+            rk_check((passes < 0.5) == (pixel.y == 0), "pixel (%u, %u) passes the centre at %g", x,
+                     y, passes);
+        }
+    rk_check_equal(picture.counters.sphere_tests, side * side, "one test a ray");
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+static void an_exact_sphere_casts_a_shadow_but_none_on_itself(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_make(0);
+    scene.spheres[0] = (rk_sphere){rk_vec(0, 0, 0), 1};
+    scene.sphere_materials[0] = (rk_material){.kd = rk_vec(1, 1, 1), .alpha = 1};
+    scene.sphere_count = 1;
+    test_scene_light(&scene, rk_vec(2, 3, -2), rk_vec(1, 1, 1));
+    rk_render_options options = size_of(300, 300);
+    test_picture open = test_render(&scene, options, 2);
+    options.shadows = true;
+    test_picture shadowed = test_render(&scene, options, 2);
+    rk_check(shadowed.counters.shadow_rays > 10000, "hardly anything is lit");
+    rk_check(test_same_pixels(&open.image, &shadowed.image), "specks of shadow on the lit side");
+    rk_image_free(&shadowed.image);
+    /* A second sphere between the first and the light. */
+    scene.spheres[1] = (rk_sphere){rk_vec(1, 1.5f, -1), 0.25f};
+    scene.sphere_materials[1] = scene.sphere_materials[0];
+    scene.sphere_count = 2;
+    shadowed = test_render(&scene, options, 2);
+    options.shadows = false;
+    rk_image_free(&open.image);
+    open = test_render(&scene, options, 2);
+    rk_check(!test_same_pixels(&open.image, &shadowed.image), "the second sphere casts no shadow");
+    rk_image_free(&open.image);
+    rk_image_free(&shadowed.image);
+    rk_scene_free(&scene);
+}
+
 static void samples_converge_to_the_covered_part_of_the_pixel(void **state)
 {
     (void)state;
@@ -453,6 +513,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_plan_wants_nothing_for_a_picture_that_is_black_anyway),
     cmocka_unit_test(the_counters_say_what_the_options_asked_for),
     cmocka_unit_test(black_lights_and_black_surfaces_cost_no_shadow_ray),
+    cmocka_unit_test(an_exact_sphere_is_round_and_lies_before_and_behind_triangles),
+    cmocka_unit_test(an_exact_sphere_casts_a_shadow_but_none_on_itself),
     cmocka_unit_test(samples_converge_to_the_covered_part_of_the_pixel),
     cmocka_unit_test(each_pixel_has_samples_of_its_own),
 };
