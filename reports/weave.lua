@@ -7,12 +7,12 @@
 -- parameters under it. With each=mesh it is repeated for every file in MESHES (and is left out
 -- when there is none).
 --
---   ::: {.timings driver=bvh_median scenes="cornell teapot" args="" variants="--shadows"}
+--   ::: {.timings driver=bvh_median scenes="cornell teapot" variants="--shadows" metrics="build render"}
 --   The caption.
 --   :::
 -- times the driver on each scene and each mesh, once plainly and once with each of the variants
 -- (separated by commas), and becomes a table with a row for each scene and a column for each
--- metric, from the driver's CSV file.
+-- of the metrics, from the driver's CSV file.
 --
 --   ::: {.plot driver=bvh_median scenes="scan:1000 scan:10000" metrics="build"}
 --   times likewise and becomes a log-log plot of the metrics over the number of triangles.
@@ -174,14 +174,14 @@ end
 
 local function timings(div)
   time(div, true)
-  local rows, by_scene, titles, seen = read_table(div.attributes.driver), {}, {}, {}
-  for _, row in ipairs(rows) do
+  local by_scene, titles, title_of = {}, {}, {}
+  for _, row in ipairs(read_table(div.attributes.driver)) do
     by_scene[row.scene] = by_scene[row.scene] or {triangles = row.triangles}
     by_scene[row.scene][title(row)] = row.median
-    if not seen[title(row)] then
-      seen[title(row)] = true
-      titles[#titles + 1] = title(row)
-    end
+    title_of[row.metric] = title(row)
+  end
+  for _, metric in ipairs(words(div.attributes.metrics)) do
+    titles[#titles + 1] = title_of[metric] or fail("no driver measured %s", metric)
   end
   local head = {{pandoc.Plain("scene")}, {pandoc.Plain("triangles")}}
   local aligns = {pandoc.AlignLeft, pandoc.AlignRight}

@@ -4,9 +4,12 @@
 
 #include "base/image.h"
 #include "base/parallel.h"
-#include "scene/bvh.h"
-#include "scene/camera.h"
-#include "scene/mesh.h"
+#include "features/bvh_median.h"
+#include "io/image_file.h"
+#include "io/mesh_file.h"
+#include "io/png.h"
+#include "render/overlay.h"
+#include "render/render.h"
 #include "scene/scene.h"
 
 #endif

@@ -84,7 +84,7 @@ static bool put_rows(rk_driver *driver, rk_error *error)
            rk_driver_row(driver, "render", "ms", driver->render_ms, error) &&
            rk_driver_row(driver, "levels", "1", rk_timing_once(tree.levels), error) &&
            rk_driver_row(driver, "leaves", "1", rk_timing_once(tree.leaves), error) &&
-           rk_driver_row(driver, "sah_cost", "1", rk_timing_once(tree.sah_cost), error) &&
+           rk_driver_row(driver, "SAH_cost", "1", rk_timing_once(tree.sah_cost), error) &&
            rk_driver_row(driver, "boxes_per_ray", "1", boxes, error) &&
            rk_driver_row(driver, "triangles_per_ray", "1", triangles, error);
 }
