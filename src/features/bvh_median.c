@@ -66,6 +66,7 @@ static void sort_few(uint64_t *ranks, uint32_t count)
  * moves every rank and counts, where a branch could not be predicted. */
 static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted)
 {
+    /* solution */
     const uint32_t few = 16; /* sorting these costs less than choosing pivots among them */
     uint32_t begin = 0, end = count;
     while (end - begin > few) {
@@ -85,20 +86,31 @@ static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted)
             begin = cut + 1;
     }
     sort_few(ranks + begin, end - begin);
+    /* starter
+    // Third step: nothing moves yet. Sorting them all, sort_few, would be right, but far too slow.
+    (void)ranks, (void)count, (void)wanted, (void)sort_few;
+    end */
 }
 
 static rk_box box_of(const reference *references, const uint64_t *ranks, uint32_t count)
 {
+    /* solution */
     rk_box box = rk_box_empty();
     for (uint32_t i = 0; i < count; i++)
         box = rk_box_merge(box, references[triangle_of(ranks[i])].box);
     return box;
+    /* starter
+    // First step: the smallest box around the boxes of all these triangles.
+    (void)references, (void)ranks, (void)count, (void)triangle_of;
+    return rk_box_empty();
+    end */
 }
 
 /* Orders ranks so that the lower half, ceil(count / 2) of them, comes first; returns its size. */
 static uint32_t split_at_median(const reference *references, uint64_t *ranks, uint32_t count,
                                 const rk_box *box)
 {
+    /* solution */
     int axis = rk_box_longest_axis(*box);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t triangle = triangle_of(ranks[i]);
@@ -107,6 +119,12 @@ static uint32_t split_at_median(const reference *references, uint64_t *ranks, ui
     uint32_t half = count - count / 2;
     select_lowest(ranks, count, half);
     return half;
+    /* starter
+    // Second step: give each triangle its rank along the longest axis of the box, then select.
+    (void)references, (void)box, (void)rank_of, (void)select_lowest;
+    (void)ranks;
+    return count;
+    end */
 }
 
 /* A node that still has no box, over ranks[begin .. end - 1]. */
@@ -117,6 +135,7 @@ typedef struct unbuilt {
 /* Halving 2^32 triangles down to leaves takes fewer levels than the stack has entries. */
 static void build_nodes(rk_bvh *bvh, const reference *references, uint64_t *ranks)
 {
+    /* solution */
     unbuilt stack[RK_BVH_LEVELS_MAX];
     uint32_t size = 0;
     stack[size++] = (unbuilt){0, 0, bvh->triangle_count};
@@ -140,6 +159,13 @@ static void build_nodes(rk_bvh *bvh, const reference *references, uint64_t *rank
         stack[size++] = (unbuilt){left + 1, middle, part.end};
         stack[size++] = (unbuilt){left, part.begin, middle};
     }
+    /* starter
+    // First step: the root is a leaf with all triangles in it; give it its box. Second step: cut
+    // what is too much for a leaf, and build both halves.
+    (void)references, (void)ranks, (void)box_of, (void)split_at_median;
+    bvh->node_count = 2;
+    bvh->nodes[0] = (rk_bvh_node){rk_box_empty(), 0, bvh->triangle_count};
+    end */
 }
 
 /* Copies the triangles in the order of the leaves, so that a leaf reads one stretch of memory. */
@@ -158,8 +184,7 @@ static void fill_leaves(rk_bvh *bvh, const rk_mesh *mesh, const uint64_t *ranks)
 bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
 {
     uint32_t count = mesh->triangle_count;
-    /* A cut node has at least 5 triangles, so a leaf below one has at least 2. */
-    if (!rk_bvh_init(bvh, count, count / 2 + 1, error) || count == 0)
+    if (!rk_bvh_init(bvh, count, count, error) || count == 0)
         return count == 0 && bvh->nodes;
     reference *references = rk_allocate_unset(count, sizeof *references, "tree", error);
     uint64_t *ranks = rk_allocate_unset(count, sizeof *ranks, "tree", error);
@@ -195,6 +220,7 @@ typedef struct waiting_list {
 static inline const rk_bvh_node *nearer_child(waiting_list *list, const rk_bvh_node *children,
                                               const rk_slabs *slabs, float t_max)
 {
+    /* solution */
     const rk_bvh_node *near = &children[0], *far = &children[1];
     float enter_near = rk_box_enter(&near->box, slabs, t_max);
     float enter_far = rk_box_enter(&far->box, slabs, t_max);
@@ -209,15 +235,26 @@ static inline const rk_bvh_node *nearer_child(waiting_list *list, const rk_bvh_n
         list->entries[list->size++].enter = enter_far;
     }
     return enter_near < INFINITY ? near : NULL;
+    /* starter
+    // Fourth step: rk_box_enter tells where a ray enters a box, or infinity.
+    (void)list, (void)children, (void)slabs, (void)t_max;
+    return NULL;
+    end */
 }
 
 /* The last of those that the ray enters by t_max, or NULL. */
 static inline const rk_bvh_node *next_waiting(waiting_list *list, float t_max)
 {
+    /* solution */
     while (list->size)
         if (list->entries[--list->size].enter <= t_max)
             return list->entries[list->size].node;
     return NULL;
+    /* starter
+    // Fourth step: what the ray enters only behind t_max is not worth a visit.
+    (void)list, (void)t_max;
+    return NULL;
+    end */
 }
 
 rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
@@ -225,6 +262,7 @@ rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counter
     rk_hit hit = {ray->t_max, 0, 0, RK_MISS};
     if (bvh->node_count == 0)
         return hit;
+    /* solution */
     const rk_slabs slabs = rk_slabs_of(ray);
     waiting_list list;
     list.size = 0;
@@ -244,6 +282,10 @@ rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counter
     }
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;
+    /* starter
+    // Fourth step: from the root down, leaves by rk_triangle_closest. Count the tests.
+    (void)nearer_child, (void)next_waiting, (void)counters;
+    end */
     return hit;
 }
 
@@ -251,6 +293,7 @@ bool rk_bvh_any(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
 {
     if (bvh->node_count == 0)
         return false;
+    /* solution */
     const rk_slabs slabs = rk_slabs_of(ray);
     waiting_list list;
     list.size = 0;
@@ -273,4 +316,9 @@ bool rk_bvh_any(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;
     return found;
+    /* starter
+    // Fifth step: as above, by rk_triangle_any, and the first triangle found is the last tested.
+    (void)ray, (void)counters;
+    return false;
+    end */
 }
