@@ -129,4 +129,4 @@ fi
 write_credits
 list
 cat "$folder/CREDITS.txt"
-[ -z "$missing" ] || say "went on without:$missing"
+[ -z "$missing" ] || { say "went on without:$missing"; exit 1; }

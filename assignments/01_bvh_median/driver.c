@@ -48,17 +48,30 @@ static void dim(const rk_image *image)
 
 static const uint32_t not_given = UINT32_MAX;
 
-static bool draw(rk_driver *driver, uint32_t level, uint32_t leaf, rk_error *error)
+/* Settles which level and leaf to draw; an error names what the tree has. */
+static bool choose_view(const rk_driver *driver, uint32_t *level, uint32_t *leaf, rk_error *error)
 {
     rk_bvh_measures tree = rk_bvh_measure(&driver->accel.bvh);
+    if ((*level != not_given && !rk_driver_debug(driver, "level")) ||
+        (*leaf != not_given && !rk_driver_debug(driver, "leaf")))
+        return rk_fail(error, "--level goes with --debug level, --leaf with --debug leaf");
+    if (*level == not_given)
+        *level = tree.levels > 4 ? 4 : tree.levels - 1;
+    if (*leaf == not_given)
+        *leaf = 0;
+    if (*level >= tree.levels)
+        return rk_fail(error, "--level %u: this tree's levels are 0 to %u; choose one of them",
+                       *level, tree.levels - 1);
+    if (*leaf >= tree.leaves)
+        return rk_fail(error, "--leaf %u: this tree's leaves are 0 to %u; choose one of them",
+                       *leaf, tree.leaves - 1);
+    return true;
+}
+
+static bool draw(rk_driver *driver, uint32_t level, uint32_t leaf, rk_error *error)
+{
     bool is_level = rk_driver_debug(driver, "level");
-    if (level == not_given)
-        level = tree.levels > 4 ? 4 : tree.levels - 1;
     drawing d = {.driver = driver, .level = level, .leaf = leaf};
-    if (is_level ? level >= tree.levels : leaf >= tree.leaves)
-        return rk_fail(error, "--%s %u: this tree's %s are 0 to %u; choose one of them",
-                       is_level ? "level" : "leaf", is_level ? level : leaf,
-                       is_level ? "levels" : "leaves", (is_level ? tree.levels : tree.leaves) - 1);
     if (!rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
                          error))
         return false;
@@ -91,13 +104,13 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 
 int main(int argc, char **argv)
 {
-    uint32_t level = not_given, leaf = 0;
+    uint32_t level = not_given, leaf = not_given;
     const rk_option options[] = {
         {"level", RK_OPTION_UINT, &level, "N",
          "level drawn by --debug level; 0 is the root (default: 4, or the deepest)", 0,
          RK_BVH_LEVELS_MAX - 1},
-        {"leaf", RK_OPTION_UINT, &leaf, "N", "leaf drawn by --debug leaf, from the left", 0,
-         UINT32_MAX},
+        {"leaf", RK_OPTION_UINT, &leaf, "N",
+         "leaf drawn by --debug leaf, from the left (default: 0)", 0, UINT32_MAX - 1},
         {0},
     };
     const char *const views[] = {"level", "leaf", NULL};
@@ -106,7 +119,8 @@ int main(int argc, char **argv)
     if (!rk_driver_start(&driver, argc, argv, options, views, &status))
         return status;
     rk_error error = {""};
-    bool ok = rk_driver_render(&driver, &error);
+    bool ok = rk_driver_build(&driver, &error) && choose_view(&driver, &level, &leaf, &error) &&
+              rk_driver_render(&driver, &error);
     if (ok && driver.timing)
         ok = put_rows(&driver, &error);
     else if (ok && driver.debug)

@@ -23,6 +23,16 @@ void rk_progress_start(rk_progress *progress, const char *label, unsigned total,
     atomic_flag_clear(&progress->drawing);
 }
 
+void rk_progress_say(rk_progress *progress, const char *label, bool quiet)
+{
+    rk_progress_start(progress, label, 0, quiet);
+    if (!progress->visible)
+        return;
+    fprintf(stderr, "\r%.*s ...", label_width, label);
+    fflush(stderr);
+    progress->drawn = rk_clock_wall();
+}
+
 static void draw(const rk_progress *progress, unsigned done)
 {
     unsigned total = progress->total > done ? progress->total : done;

@@ -17,6 +17,9 @@ typedef struct rk_progress {
 /* `quiet` keeps it invisible. */
 void rk_progress_start(rk_progress *progress, const char *label, unsigned total, bool quiet);
 
+/* Names work that has no steps to count, such as building a tree, until rk_progress_end. */
+void rk_progress_say(rk_progress *progress, const char *label, bool quiet);
+
 /* One more item is done; any thread may say so. Draws at most ten times a second, and nothing in
  * the first half second: short work needs no bar. */
 void rk_progress_step(rk_progress *progress);

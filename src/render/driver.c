@@ -118,6 +118,31 @@ static bool load_scene(rk_driver *driver, rk_error *error)
     return true;
 }
 
+/* OUT/folder, made if it is missing. */
+static bool out_folder(const rk_driver *driver, const char *folder, char path[3072],
+                       rk_error *error)
+{
+    if (snprintf(path, 3072, "%s/%s", driver->out, folder) >= 3072)
+        return rk_fail(error, "--out: the folder's name is longer than 3000 bytes");
+    return rk_make_folder(path, error);
+}
+
+/* Who cannot save need not render: tries to begin a file where one will be wanted. */
+static bool try_out_folder(const rk_driver *driver, rk_error *error)
+{
+    char folder[3072], path[4096];
+    rk_file file;
+    if (driver->out[0] == '\0')
+        return rk_fail(error, "--out: names no folder");
+    if (!out_folder(driver, driver->timing ? "tables" : "figures", folder, error))
+        return false;
+    snprintf(path, sizeof path, "%s/%s", folder, driver->feature);
+    if (!rk_file_begin(&file, path, error))
+        return false;
+    rk_file_abort(&file);
+    return true;
+}
+
 bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *own_options,
                      const char *const *debug_views, int *status)
 {
@@ -173,9 +198,12 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
         ok = rk_fail(&error, "--timing and --debug: choose one of them; --timing draws no picture");
     ok = ok && check_debug_view(driver, debug_views, &error) && check_pixel(driver, &error);
     note_parameters(driver, argc, argv);
-    ok = ok && load_scene(driver, &error) &&
+    rk_progress progress;
+    rk_progress_say(&progress, "making the scene", driver->quiet || !ok);
+    ok = ok && try_out_folder(driver, &error) && load_scene(driver, &error) &&
          rk_image_init(&driver->image, driver->render.width, driver->render.height, &error) &&
          (driver->pool = rk_pool_start(driver->threads, &error)) != NULL;
+    rk_progress_end(&progress);
     if (ok)
         return true;
     *status = rk_driver_finish(driver, result == RK_OPTIONS_DONE, &error);
@@ -184,25 +212,22 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
 
 /* --- Rendering ------------------------------------------------------------------------------- */
 
-/* OUT/folder, made if it is missing. */
-static bool out_folder(const rk_driver *driver, const char *folder, char path[3072],
-                       rk_error *error)
+bool rk_driver_build(rk_driver *driver, rk_error *error)
 {
-    if (snprintf(path, 3072, "%s/%s", driver->out, folder) >= 3072)
-        return rk_fail(error, "--out: the folder's name is longer than 3000 bytes");
-    return rk_make_folder(path, error);
-}
-
-static bool time_builds(rk_driver *driver, double *milliseconds, rk_error *error)
-{
-    for (uint32_t run = 0; run < driver->runs; run++) {
+    double milliseconds[RK_RUNS_MAX];
+    rk_progress progress;
+    rk_progress_say(&progress, "building the tree", driver->quiet);
+    bool ok = true;
+    for (uint32_t run = 0; ok && run < driver->runs; run++) {
         rk_accel_free(&driver->accel);
         double start = rk_clock_wall();
-        if (!rk_accel_build(&driver->accel, RK_ACCEL_MEDIAN, &driver->scene, error))
-            return false;
+        ok = rk_accel_build(&driver->accel, RK_ACCEL_MEDIAN, &driver->scene, error);
         milliseconds[run] = 1e3 * (rk_clock_wall() - start);
     }
-    return true;
+    rk_progress_end(&progress);
+    if (ok)
+        driver->build_ms = rk_timing_of(milliseconds, driver->runs);
+    return ok;
 }
 
 static bool time_renders(rk_driver *driver, double *milliseconds, rk_error *error)
@@ -223,19 +248,13 @@ static bool time_renders(rk_driver *driver, double *milliseconds, rk_error *erro
 
 bool rk_driver_render(rk_driver *driver, rk_error *error)
 {
-    /* Who cannot save need not render. */
-    char folder[3072];
-    double build[RK_RUNS_MAX], render[RK_RUNS_MAX];
-    if (!out_folder(driver, driver->timing ? "tables" : "figures", folder, error) ||
-        !time_builds(driver, build, error))
-        return false;
+    double milliseconds[RK_RUNS_MAX];
     if (driver->pixel.given)
         rk_narrate_pixel(stdout, &driver->scene, &driver->accel, &driver->render, driver->pixel.x,
                          driver->pixel.y);
-    if (!time_renders(driver, render, error))
+    if (!time_renders(driver, milliseconds, error))
         return false;
-    driver->build_ms = rk_timing_of(build, driver->runs);
-    driver->render_ms = rk_timing_of(render, driver->runs);
+    driver->render_ms = rk_timing_of(milliseconds, driver->runs);
     return true;
 }
 
@@ -246,12 +265,13 @@ bool rk_driver_debug(const rk_driver *driver, const char *view)
 
 /* --- Saving ---------------------------------------------------------------------------------- */
 
-/* Scene names and file names become parts of file names: letters, digits, dots and dashes. */
+/* Scene names and file names become parts of file names: letters, digits, dots, dashes and
+ * underscores. */
 static void append_name(char *path, size_t size, const char *name)
 {
     size_t used = strlen(path);
     for (; *name && used + 1 < size; name++)
-        path[used++] = isalnum((unsigned char)*name) || *name == '.' ? *name : '-';
+        path[used++] = isalnum((unsigned char)*name) || *name == '.' || *name == '_' ? *name : '-';
     path[used] = '\0';
 }
 
@@ -272,6 +292,23 @@ static bool write_picture(const rk_driver *driver, const char *path, const char 
     return rk_png_write(path, &driver->image, texts, sizeof texts / sizeof *texts, error);
 }
 
+typedef struct shown_duration {
+    char text[32];
+} shown_duration;
+
+/* Three digits in the unit that a person would choose. */
+static shown_duration duration(double milliseconds)
+{
+    shown_duration shown;
+    if (milliseconds < 999.5)
+        snprintf(shown.text, sizeof shown.text, "%.3g ms", milliseconds);
+    else if (milliseconds < 999500)
+        snprintf(shown.text, sizeof shown.text, "%.3g s", milliseconds / 1e3);
+    else
+        snprintf(shown.text, sizeof shown.text, "%.0f s", milliseconds / 1e3);
+    return shown;
+}
+
 bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)
 {
     char folder[3072], path[4096], seconds[32];
@@ -288,14 +325,15 @@ bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)
     if (!write_picture(driver, path, seconds, error))
         return false;
     if (!driver->quiet)
-        printf("%s: %s, %u triangles, %u x %u, %u %s a pixel, built in %.3g ms, rendered in %.3g "
-               "ms on "
-               "%u %s, raykit %s\n",
-               path, driver->scene.name, driver->scene.mesh.triangle_count, driver->render.width,
-               driver->render.height, driver->render.samples,
-               driver->render.samples == 1 ? "sample" : "samples", driver->build_ms.median,
-               driver->render_ms.median, rk_pool_threads(driver->pool),
-               rk_pool_threads(driver->pool) == 1 ? "thread" : "threads", PACKAGE_VERSION);
+        printf(
+            "%s: %s, %u triangles, %u x %u, %u %s a pixel, built in %s, rendered in %s on %u %s, "
+            "raykit %s\n",
+            path, driver->scene.name, driver->scene.mesh.triangle_count, driver->render.width,
+            driver->render.height, driver->render.samples,
+            driver->render.samples == 1 ? "sample" : "samples",
+            duration(driver->build_ms.median).text, duration(driver->render_ms.median).text,
+            rk_pool_threads(driver->pool),
+            rk_pool_threads(driver->pool) == 1 ? "thread" : "threads", PACKAGE_VERSION);
     return true;
 }
 

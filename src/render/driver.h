@@ -44,8 +44,10 @@ rk_driver rk_driver_default(const char *feature, const char *summary);
 bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *own_options,
                      const char *const *debug_views, int *status);
 
-/* Builds the acceleration structure and renders, `runs` times each, into driver->image, and
- * narrates --pixel. */
+/* Builds the acceleration structure, `runs` times. */
+bool rk_driver_build(rk_driver *driver, rk_error *error);
+
+/* Narrates --pixel, and renders into driver->image, `runs` times. */
 bool rk_driver_render(rk_driver *driver, rk_error *error);
 
 /* Is this the debug view that was asked for? */

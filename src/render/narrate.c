@@ -39,6 +39,7 @@ static rk_vec3 tell_light(FILE *out, uint32_t index, const rk_scene *scene, cons
     float cos_i = rk_dot(surface->normal, rk_normalize(to_light));
     fprintf(out, "light %u\n", index);
     tell_vector(out, "    position", light->position);
+    tell_vector(out, "    colour", light->colour);
     fprintf(out, "    n.l = %.6f%s\n", (double)cos_i,
             cos_i > 0 ? "" : ": the surface is turned away, nothing arrives");
     if (!(cos_i > 0))

@@ -161,6 +161,12 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
                const rk_render_options *options, rk_pool *pool, rk_counters *counters,
                rk_progress *progress, rk_error *error)
 {
+    if (!pool || image->width != options->width || image->height != options->height)
+        return rk_fail(error,
+                       "the renderer needs threads, and an image of the options' size, %u x %u",
+                       options->width, options->height);
+    if (options->width < 1 || options->height < 1 || options->samples < 1)
+        return rk_fail(error, "a picture has at least one pixel, and a pixel at least one sample");
     uint32_t threads = rk_pool_threads(pool);
     rendering r = {
         .scene = scene,

@@ -69,7 +69,7 @@ static const builtin builtins[] = {
 const char rk_scene_builtin_help[] =
     "  triangle    a single triangle\n"
     "  cube        12 triangles, each side in its own colour\n"
-    "  cornell     the Cornell box with a mirror, 32 triangles\n"
+    "  cornell     the Cornell box, 32 triangles; its mirror stays dark, as nothing reflects yet\n"
     "  sphere:N    a sphere of at least N triangles (default 1280)\n"
     "  spheres:N   such a sphere (default 80) beside an exact one, on a floor\n"
     "  teapot:N    the Utah teapot, each of its 32 patches as N x N squares (default 16)\n"
