@@ -46,7 +46,9 @@ end
 local function run(command)
   local pipe = io.popen(command, "r")
   local answer = pipe:read("a")
-  if not pipe:close() then fail("this command failed (its reason stands above): %s", command) end
+  local done, how = pipe:close()
+  if how == "signal" then os.exit(130) end
+  if not done then fail("this command failed (its reason stands above): %s", command) end
   return answer
 end
 
@@ -65,9 +67,11 @@ local function drive(name, args)
 end
 
 -- "out/figures/x.png: what it shows" -> "figures/x.png", "what it shows"
+local picture_size
 local function split_line(line)
   local path, parameters = line:match("^(.-%.png): ([^\n]*)")
   if not path then fail("a driver printed no line with its picture's path: %s", line) end
+  picture_size = parameters:match("%d+ x %d+")
   return path:sub(#out + 2), parameters
 end
 
@@ -201,7 +205,8 @@ local function timings(div)
   local widths = {}
   for i = 1, #head do widths[i] = 0 end
   local caption = pandoc.List(pandoc.utils.blocks_to_inlines(div.content))
-  caption:insert(pandoc.Span("medians of " .. runs .. (runs == "1" and " run; " or " runs; ") ..
+  caption:insert(pandoc.Span("medians of " .. runs .. (runs == "1" and " run, " or " runs, ") ..
+    (picture_size or "") .. " pixels; " ..
     "all of it: tables/" .. div.attributes.driver .. ".csv", {class = "parameters"}))
   return pandoc.Div({
     pandoc.utils.from_simple_table(pandoc.SimpleTable({}, aligns, widths, head, body)),

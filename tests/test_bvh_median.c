@@ -517,6 +517,27 @@ static void any_hit_stops_at_the_first_triangle_found(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void counts_of_several_rays_add_up(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_curtains(512);
+    rk_bvh bvh = build(&mesh);
+    rk_ray ray = {rk_vec(0.25f, 0.5f, -10), rk_vec(0, 0, 1), INFINITY};
+    rk_counters one = {0}, three = {0}, any_one = {0}, any_three = {0};
+    rk_bvh_closest(&bvh, &ray, &one);
+    rk_bvh_any(&bvh, &ray, &any_one);
+    for (int i = 0; i < 3; i++) {
+        rk_bvh_closest(&bvh, &ray, &three);
+        rk_bvh_any(&bvh, &ray, &any_three);
+    }
+    rk_check_equal(three.box_tests, 3 * one.box_tests, "counters are added to, not set");
+    rk_check_equal(three.triangle_tests, 3 * one.triangle_tests, "added to, not set");
+    rk_check_equal(any_three.box_tests, 3 * any_one.box_tests, "added to, not set");
+    rk_check_equal(any_three.triangle_tests, 3 * any_one.triangle_tests, "added to, not set");
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
 static void most_boxes_of_a_large_mesh_are_never_tested(void **state)
 {
     (void)state;
@@ -558,6 +579,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_ray_that_misses_the_root_tests_one_box),
     cmocka_unit_test(what_lies_behind_the_nearest_hit_is_skipped_from_either_side),
     cmocka_unit_test(any_hit_stops_at_the_first_triangle_found),
+    cmocka_unit_test(counts_of_several_rays_add_up),
     cmocka_unit_test(most_boxes_of_a_large_mesh_are_never_tested),
 };
 

@@ -46,6 +46,12 @@ answer=$("$folder/user") || fail "the program ends with status $?"
 # 0, 1, 4 less their mean 5/3, over the largest distance 7/3.
 [ "$answer" = "-0.71 -0.29 1.00 " ] || fail "the normalized mesh should be -0.71 -0.29 1.00, not $answer"
 
+example=$(dirname "$0")/../examples/render.c
+$CC -std=c17 -Wall -Wextra -o "$folder/render" "$example" $(pkg-config --cflags --libs raykit) ||
+    fail "examples/render.c does not build"
+"$folder/render" teapot "$folder/teapot.png" >/dev/null && [ -s "$folder/teapot.png" ] ||
+    fail "examples/render.c made no picture"
+
 (cd "$staging$include" && find . -name '*.h') >"$folder/headers"
 while read -r header; do
     echo "#include <${header#./}>" >"$folder/header.c"

@@ -2,7 +2,7 @@
  * box misses all that is in it. This one cuts every node at the median of its longest axis: half
  * of the triangles go left, half right, whatever they look like.
  * Kay and Kajiya, "Ray tracing complex scenes", 1986; Pharr, Jakob, Humphreys, "Physically Based
- * Rendering", section 7.3. */
+ * Rendering", 4th edition, section 7.3. */
 #include "features/bvh_median.h"
 
 #include "base/random.h"

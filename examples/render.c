@@ -1,0 +1,56 @@
+/* Renders a built-in scene, or a mesh file, to a PNG picture with the installed library.
+ *
+ *     cc render.c $(pkg-config --cflags --libs raykit) -o render
+ *     ./render teapot teapot.png
+ *     ./render dragon.obj dragon.png
+ */
+#include <raykit.h>
+
+#include <stdio.h>
+#include <string.h>
+
+static bool load(rk_scene *scene, const char *name, rk_error *error)
+{
+    rk_mesh mesh;
+    if (!strchr(name, '.'))
+        return rk_scene_builtin(scene, name, error);
+    return rk_mesh_read(&mesh, name, error) && rk_scene_around(scene, name, &mesh, error);
+}
+
+static bool render(const rk_scene *scene, const char *path, rk_error *error)
+{
+    rk_render_options options = rk_render_options_default();
+    options.shadows = true;
+    rk_image image = {0};
+    rk_accel accel = {0};
+    rk_counters counters;
+    rk_pool *pool = rk_pool_start(0, error);
+    bool ok = pool && rk_image_init(&image, options.width, options.height, error) &&
+              rk_accel_build(&accel, RK_ACCEL_MEDIAN, scene, error) &&
+              rk_render(&image, scene, &accel, &options, pool, &counters, NULL, error) &&
+              rk_png_write(path, &image, NULL, 0, error);
+    if (ok)
+        printf("%s: %.2f boxes and %.2f triangles tested a ray\n", path,
+               (double)counters.box_tests / (double)(counters.primary_rays + counters.shadow_rays),
+               (double)counters.triangle_tests /
+                   (double)(counters.primary_rays + counters.shadow_rays));
+    rk_accel_free(&accel);
+    rk_image_free(&image);
+    rk_pool_stop(pool);
+    return ok;
+}
+
+int main(int argc, char **argv)
+{
+    rk_error error = {""};
+    rk_scene scene = {0};
+    if (argc != 3) {
+        fprintf(stderr, "usage: render SCENE_OR_MESH_FILE PICTURE.png\n");
+        return 2;
+    }
+    bool ok = load(&scene, argv[1], &error) && render(&scene, argv[2], &error);
+    if (!ok)
+        fprintf(stderr, "render: %s\n", error.text);
+    rk_scene_free(&scene);
+    return ok ? 0 : 1;
+}
