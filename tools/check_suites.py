@@ -145,7 +145,7 @@ class Feature:
         self.points = root / "assignments" / row["folder"] / "points.tsv"
         self.patches = sorted((root / "tests" / "mutants" / self.stem).glob("*.patch"))
         self.needs = (row["needs"] or "").split()
-        self.faults = []
+        self.faults, self.notes = [], []
 
     def prepare(self):
         """Builds what all programs share, and the reference; finds the tests' names."""
@@ -168,15 +168,16 @@ class Feature:
     def scored(self, starter):
         """Returns the tests that carry points; without a table those that the starter fails."""
         if not self.points.exists():
-            print(f"{self.stem}: there is no {self.points.relative_to(self.root)}; so every test "
-                  "that the starter fails counts as scored")
+            self.notes.append(f"there is no {self.points.relative_to(self.root)}; so every test "
+                              "that the starter fails counts as scored")
             return [test for test in self.tests if starter[test] != 0]
-        scored = [row["test"] for row in read_table(self.points)]
-        for test in sorted(set(scored)):
+        name = self.points.relative_to(self.root)
+        scored = [row.get("test") for row in read_table(self.points)]
+        for test in dict.fromkeys(scored):
             if test not in self.tests:
-                self.faults.append(f"{self.points}: the suite has no test {test}; correct its name")
+                self.faults.append(f"{name}: the suite has no test {test}; correct its name")
             if scored.count(test) > 1:
-                self.faults.append(f"{self.points}: {test} has two lines; remove one")
+                self.faults.append(f"{name}: {test} has two lines; remove one")
         return [test for test in scored if test in self.tests]
 
     # --- jobs: each may raise a Fault
@@ -271,9 +272,9 @@ class Feature:
             self.progress.add(0, 1)
 
     def report(self):
-        for fault in self.faults:
-            print(f"{self.stem}: {fault}")
-        verdict = f"{len(self.faults)} faults" if self.faults else "ok"
+        for line in self.notes + self.faults:
+            print(f"{self.stem}: {line}")
+        verdict = f"faults: {len(self.faults)}" if self.faults else "ok"
         print(f"{self.stem}: {len(self.tests)} tests, {self.killed} of {len(self.patches)} mutants "
               f"killed: {verdict}")
 
@@ -290,8 +291,8 @@ def check(features, progress):
             feature.results = [pool.submit(feature.run, job) for job in jobs]
     progress.clear()
     for feature in features:
-        mutants = feature.results[1 : 1 + len(feature.patches)]
-        feature.killed = sum(result.result() for result in mutants)
+        sound = [result.result() for result in feature.results]
+        feature.killed = sum(sound[1 : 1 + len(feature.patches)])
         feature.report()
 
 
@@ -323,7 +324,7 @@ def main():
             return 1
     killed = sum(feature.killed for feature in features)
     faults = sum(len(feature.faults) for feature in features)
-    print(f"{killed} mutants killed" + (f", {faults} faults" if faults else ""))
+    print(f"{killed} mutants killed" + (f"; faults: {faults}" if faults else ""))
     return 1 if faults else 0
 
 
