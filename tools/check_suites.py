@@ -150,7 +150,8 @@ class Feature:
     def prepare(self):
         """Builds what all programs share, and the reference; finds the tests' names."""
         self.common = self.compile_common("", [])
-        self.reference = self.program(self.source, "reference", "the reference", ["-w"])
+        self.reference = self.program(self.source, "reference", f"{self.stem}'s reference",
+                                      ["-w"])
         self.tests = list_tests(self.reference)
 
     def compile_common(self, suffix, flags):
@@ -161,9 +162,8 @@ class Feature:
 
     def program(self, source, name, what, flags, link_flags=(), common=None):
         name = f"{self.stem}-{name}"
-        unit = self.builder.compile(source, name, flags, f"{self.stem}: {what}")
-        return self.builder.link([unit, *(common or self.common)], name, link_flags,
-                                 f"{self.stem}: {what}")
+        unit = self.builder.compile(source, name, flags, what)
+        return self.builder.link([unit, *(common or self.common)], name, link_flags, what)
 
     def scored(self, starter):
         """Returns the tests that carry points; without a table those that the starter fails."""
@@ -193,13 +193,14 @@ class Feature:
         plain = self.program(text, "starter", "the starter", ["-Werror"])
         status = {test: run_test(plain, test)[0] for test in self.tests}
         scored = self.scored(status)
-        for test in self.tests:
-            if test in scored and status[test] == 0:
-                self.faults.append(f"the starter passes {test}, which carries points; sharpen the "
-                                   "test, or take it out of points.tsv")
-            if test not in scored and status[test] != 0:
-                self.faults.append(f"the starter fails {test}, which carries no points; give it "
-                                   "a line in points.tsv")
+        lucky = [test for test in scored if status[test] == 0]
+        if lucky:
+            self.faults.append(f"the starter passes what carries points: {' '.join(lucky)}; sharpen "
+                               "these tests, or take them out of points.tsv")
+        worthless = [test for test in self.tests if test not in scored and status[test] != 0]
+        if worthless:
+            self.faults.append(f"the starter fails what carries no points: {' '.join(worthless)}; "
+                               "give these tests lines in points.tsv")
         self.check_safety(text, status)
 
     def check_safety(self, text, status):
