@@ -1,0 +1,333 @@
+#!/usr/bin/env python3
+"""Proves that suites tell right work from wrong: `make check-suites`.
+
+For each feature of assignments/features.tsv:
+- the reference passes every test of its suite;
+- the starter compiles without a warning, runs safely under the address, undefined behaviour and
+  leak sanitizers, fails every test that carries points, and passes every other one;
+- each mutant, a known mistake in tests/mutants/STEM/*.patch, fails the tests that its patch names.
+
+A patch is the unified difference from src/features/STEM.c, below two lines about it:
+
+    Mistake: one sentence.
+    Fails: the tests that must fail, separated by spaces
+
+This is mutation testing (DeMillo, Lipton, Sayward, "Hints on test data selection", 1978) with
+mistakes that people made, not random ones.
+
+Prints a line for each feature and each fault; the exit status is 0 if there is none. The build
+tells by RAYKIT_COMPILE and RAYKIT_LINK how it compiles and links, and by RAYKIT_LIBS with what.
+"""
+
+import argparse
+import concurrent.futures
+import csv
+import os
+import pathlib
+import shlex
+import shutil
+import subprocess
+import sys
+import tempfile
+import threading
+
+sys.dont_write_bytecode = True  # the source folder may be read-only, and stays clean
+sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import regions
+
+FEWEST_MUTANTS = 8
+SECONDS = 20  # for one test: a slow one takes half a second, ten times that under sanitizers
+SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"]
+
+# A sanitizer's report has a status of its own, and cmocka's handlers do not turn a crash into an
+# ordinary failed test.
+REPORTED = 86
+SANITIZER_ENVIRONMENT = {
+    "ASAN_OPTIONS": f"exitcode={REPORTED}:handle_segv=2:handle_sigbus=2:handle_sigfpe=2:"
+    "handle_sigill=2",
+    "UBSAN_OPTIONS": f"exitcode={REPORTED}:print_stacktrace=1",
+    "LSAN_OPTIONS": f"exitcode={REPORTED}",
+}
+
+
+class Fault(Exception):
+    """What is wrong, in one sentence with its remedy."""
+
+
+class Progress:
+    """One line that counts finished jobs, on a terminal only."""
+
+    def __init__(self):
+        self.started, self.finished, self.lock = 0, 0, threading.Lock()
+
+    def add(self, started, finished):
+        with self.lock:
+            self.started += started
+            self.finished += finished
+            if sys.stderr.isatty():
+                print(f"\r{self.finished} of {self.started} ", end="", file=sys.stderr, flush=True)
+
+    def clear(self):
+        if sys.stderr.isatty():
+            print("\r\033[K", end="", file=sys.stderr, flush=True)
+
+
+def read_table(path):
+    """Returns the rows of a tab-separated file with a header line, as dictionaries."""
+    with open(path, encoding="utf-8", newline="") as file:
+        return list(csv.DictReader(file, delimiter="\t"))
+
+
+# --- Building and running ---------------------------------------------------------------------
+
+
+class Builder:
+    """Compiles and links as the build does, into a temporary folder."""
+
+    def __init__(self, folder):
+        self.folder = folder
+        self.compiler = shlex.split(os.environ["RAYKIT_COMPILE"])
+        self.linker = shlex.split(os.environ["RAYKIT_LINK"])
+        self.libraries = shlex.split(os.environ["RAYKIT_LIBS"])
+
+    def run(self, command, what):
+        done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                              stderr=subprocess.STDOUT, text=True, check=False)
+        if done.returncode != 0:
+            raise Fault(f"{what} does not compile or link:\n{done.stdout.rstrip()}")
+
+    def compile(self, source, name, flags, what):
+        """Returns the object NAME.o."""
+        target = self.folder / f"{name}.o"
+        self.run([*self.compiler, *flags, "-c", "-o", str(target), str(source)], what)
+        return target
+
+    def compile_base_sanitized(self, root):
+        """Returns objects of what features call, so that a sanitizer sees into it too."""
+        sources = sorted([*(root / "src/base").glob("*.c"), *(root / "src/scene").glob("*.c")])
+        return [self.compile(source, f"{source.parent.name}-{source.stem}-sanitized", SANITIZE,
+                             source) for source in sources]
+
+    def link(self, objects, name, flags, what):
+        """Returns the program NAME."""
+        target = self.folder / name
+        self.run([*self.linker, *flags, "-o", str(target), *map(str, objects), *self.libraries],
+                 what)
+        return target
+
+
+def list_tests(program):
+    return subprocess.run([program, "--list"], stdout=subprocess.PIPE, text=True,
+                          check=True).stdout.split()
+
+
+def run_test(program, test, environment=None):
+    """Returns the exit status of one test, 0 for passed, and what it said. Out of time: 124."""
+    try:
+        done = subprocess.run([program, "--only", test], stdin=subprocess.DEVNULL,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace",
+                              env={**os.environ, **(environment or {})}, timeout=SECONDS,
+                              check=False)
+        return done.returncode, done.stdout.strip()
+    except subprocess.TimeoutExpired:
+        return 124, f"no verdict after {SECONDS} s"
+
+
+# --- A feature --------------------------------------------------------------------------------
+
+
+class Feature:
+    """A row of features.tsv, and what stands in the tree for it."""
+
+    def __init__(self, row, root, builder, progress):
+        self.stem, self.root, self.builder, self.progress = row["stem"], root, builder, progress
+        self.source = root / "src" / "features" / f"{self.stem}.c"
+        self.points = root / "assignments" / row["folder"] / "points.tsv"
+        self.patches = sorted((root / "tests" / "mutants" / self.stem).glob("*.patch"))
+        self.needs = (row["needs"] or "").split()
+        self.faults, self.notes = [], []
+
+    def prepare(self):
+        """Builds what all programs share, and the reference; finds the tests' names."""
+        self.common = self.compile_common("", [])
+        self.reference = self.program(self.source, "reference", f"{self.stem}'s reference",
+                                      ["-w"])
+        self.tests = list_tests(self.reference)
+
+    def compile_common(self, suffix, flags):
+        sources = [self.root / "tests" / f"test_{self.stem}.c"]
+        sources += [self.root / "src" / "features" / f"{stem}.c" for stem in self.needs]
+        return [self.builder.compile(source, f"{self.stem}-{source.stem}{suffix}", flags, source)
+                for source in sources]
+
+    def program(self, source, name, what, flags, link_flags=(), common=None):
+        name = f"{self.stem}-{name}"
+        unit = self.builder.compile(source, name, flags, what)
+        return self.builder.link([unit, *(common or self.common)], name, link_flags, what)
+
+    def scored(self, starter):
+        """Returns the tests that carry points; without a table those that the starter fails."""
+        if not self.points.exists():
+            self.notes.append(f"there is no {self.points.relative_to(self.root)}; so every test "
+                              "that the starter fails counts as scored")
+            return [test for test in self.tests if starter[test] != 0]
+        name = self.points.relative_to(self.root)
+        scored = [row.get("test") for row in read_table(self.points)]
+        for test in dict.fromkeys(scored):
+            if test not in self.tests:
+                self.faults.append(f"{name}: the suite has no test {test}; correct its name")
+            if scored.count(test) > 1:
+                self.faults.append(f"{name}: {test} has two lines; remove one")
+        return [test for test in scored if test in self.tests]
+
+    # --- jobs: each may raise a Fault
+
+    def check_reference(self, test):
+        status, said = run_test(self.reference, test)
+        if status != 0:
+            raise Fault(f"the reference fails {test}; one of them is wrong:\n{said}")
+
+    def check_starter(self):
+        text = self.builder.folder / f"{self.stem}-starter.c"
+        text.write_text(regions.starter_of(self.source), encoding="utf-8")
+        plain = self.program(text, "starter", "the starter", ["-Werror"])
+        status = {test: run_test(plain, test)[0] for test in self.tests}
+        scored = self.scored(status)
+        lucky = [test for test in scored if status[test] == 0]
+        if lucky:
+            self.faults.append(f"the starter passes what carries points: {' '.join(lucky)}; sharpen "
+                               "these tests, or take them out of points.tsv")
+        worthless = [test for test in self.tests if test not in scored and status[test] != 0]
+        if worthless:
+            self.faults.append(f"the starter fails what carries no points: {' '.join(worthless)}; "
+                               "give these tests lines in points.tsv")
+        self.check_safety(text, status)
+
+    def check_safety(self, text, status):
+        """A test that fails leaves its meshes behind, so leaks count in those that pass."""
+        common = self.compile_common("-sanitized", SANITIZE) + self.sanitized_base.result()
+        program = self.program(text, "starter-sanitized", "the starter with sanitizers", SANITIZE,
+                               SANITIZE, common)
+        for test in self.tests:
+            environment = dict(SANITIZER_ENVIRONMENT)
+            environment["ASAN_OPTIONS"] += f":detect_leaks={0 if status[test] else 1}"
+            got, said = run_test(program, test, environment)
+            if got not in (0, 1) or (got == 0) != (status[test] == 0):
+                self.faults.append(f"the starter does not run {test} safely (status {got} with "
+                                   f"sanitizers, {status[test]} without):\n{said}")
+
+    def check_mutant(self, patch):
+        name = patch.relative_to(self.root)
+        header = patch.read_text(encoding="utf-8").split("--- ", 1)[0].splitlines()
+        lines = dict(line.split(":", 1) for line in header if ":" in line)
+        tests = lines.get("Fails", "").split()
+        if not tests or not lines.get("Mistake", "").strip():
+            raise Fault(f"{name}: it must begin with the lines \"Mistake: one sentence\" and "
+                        "\"Fails: tests\"")
+        for test in tests:
+            if test not in self.tests:
+                raise Fault(f"{name}: the suite has no test {test}; correct its Fails line")
+        text = self.apply(patch, name)
+        program = self.program(text, patch.stem, f"the mutant {name}", ["-w"])
+        survived = [test for test in tests if run_test(program, test)[0] == 0]
+        if survived:
+            raise Fault(f"{name}: this mutant survives {' '.join(survived)}; sharpen the test, or "
+                        "name another that fails for a good reason")
+
+    def apply(self, patch, name):
+        """Returns the mutant's file."""
+        folder = self.builder.folder / f"{self.stem}-{patch.stem}.d"
+        text = folder / self.source.relative_to(self.root)
+        text.parent.mkdir(parents=True)
+        shutil.copy(self.source, text)
+        done = subprocess.run(["patch", "-p1", "--fuzz=0", "--batch", "--no-backup-if-mismatch",
+                               "-d", str(folder), "-i", str(patch)],
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                              check=False)
+        if done.returncode != 0 or text.read_bytes() == self.source.read_bytes():
+            raise Fault(f"{name}: this patch is stale, src/features/{self.stem}.c has changed "
+                        "under it; make the same mistake in a copy of that file, and write the "
+                        f"patch anew with diff -u:\n{done.stdout.rstrip()}")
+        return text
+
+    def jobs(self):
+        """Returns the functions that check this feature, in any order and at once."""
+        if len(self.patches) < FEWEST_MUTANTS:
+            self.faults.append(f"tests/mutants/{self.stem} has {len(self.patches)} mutants; a "
+                               f"suite is tried with {FEWEST_MUTANTS} at least")
+        jobs = [self.check_starter]
+        jobs += [lambda patch=patch: self.check_mutant(patch) for patch in self.patches]
+        jobs += [lambda test=test: self.check_reference(test) for test in self.tests]
+        self.progress.add(len(jobs), 0)
+        return jobs
+
+    def run(self, job):
+        """Returns whether the job found nothing wrong."""
+        try:
+            job()
+            return True
+        except (Fault, OSError, regions.RegionError) as fault:
+            self.faults.append(str(fault))
+            return False
+        finally:
+            self.progress.add(0, 1)
+
+    def report(self):
+        for line in self.notes + self.faults:
+            print(f"{self.stem}: {line}")
+        verdict = f"faults: {len(self.faults)}" if self.faults else "ok"
+        print(f"{self.stem}: {len(self.tests)} tests, {self.killed} of {len(self.patches)} mutants "
+              f"killed: {verdict}")
+
+
+def check(features, progress):
+    """Checks all features on all processors."""
+    with concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+        base = None
+        for feature in features:
+            feature.prepare()
+            base = base or pool.submit(feature.builder.compile_base_sanitized, feature.root)
+            feature.sanitized_base = base
+            jobs = feature.jobs()
+            feature.results = [pool.submit(feature.run, job) for job in jobs]
+    progress.clear()
+    for feature in features:
+        sound = [result.result() for result in feature.results]
+        feature.killed = sum(sound[1 : 1 + len(feature.patches)])
+        feature.report()
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        prog="make check-suites", formatter_class=argparse.RawDescriptionHelpFormatter,
+        description=__doc__)
+    parser.add_argument("stems", nargs="*", metavar="STEM", help="only these features")
+    stems = parser.parse_args().stems
+    root = pathlib.Path(__file__).resolve().parent.parent
+    rows = read_table(root / "assignments" / "features.tsv")
+    known = [row["stem"] for row in rows]
+    unknown = [stem for stem in stems if stem not in known]
+    if unknown or "RAYKIT_COMPILE" not in os.environ:
+        print(f"check_suites: there is no feature \"{unknown[0]}\"; choose of: {' '.join(known)}"
+              if unknown else "check_suites: start it by make check-suites, which knows the "
+              "compiler", file=sys.stderr)
+        return 2
+    progress = Progress()
+    with tempfile.TemporaryDirectory(prefix="check-suites-") as folder:
+        builder = Builder(pathlib.Path(folder))
+        features = [Feature(row, root, builder, progress) for row in rows
+                    if not stems or row["stem"] in stems]
+        try:
+            check(features, progress)
+        except Fault as fault:
+            progress.clear()
+            print(f"check_suites: {fault}", file=sys.stderr)
+            return 1
+    killed = sum(feature.killed for feature in features)
+    faults = sum(len(feature.faults) for feature in features)
+    print(f"{killed} mutants killed" + (f"; faults: {faults}" if faults else ""))
+    return 1 if faults else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
