@@ -17,10 +17,10 @@
 --   ::: {.plot driver=bvh_median scenes="scan:1000 scan:10000" metrics="build"}
 --   times likewise and becomes a log-log plot of the metrics over the number of triangles.
 --
--- Environment: RAYKIT_BUILD (where the drivers are), RAYKIT_OUT, MESHES, RAYKIT_RUNS,
+-- Environment: RAYKIT_DRIVERS (the folder over assignments/ with the drivers), RAYKIT_OUT, MESHES, RAYKIT_RUNS,
 -- RAYKIT_SIZE (pixels a side, empty for the drivers' own), RAYKIT_GNUPLOT (empty: no plots).
 
-local build = os.getenv("RAYKIT_BUILD")
+local drivers = os.getenv("RAYKIT_DRIVERS")
 local out = os.getenv("RAYKIT_OUT")
 local runs = os.getenv("RAYKIT_RUNS")
 local size = os.getenv("RAYKIT_SIZE") or ""
@@ -51,9 +51,9 @@ local function run(command)
 end
 
 local function driver_path(name)
-  local path = run("ls -d " .. quote(build) .. "/assignments/*_" .. name .. "/" .. name .. " 2>/dev/null || true")
+  local path = run("ls -d " .. quote(drivers) .. "/assignments/*_" .. name .. "/" .. name .. " 2>/dev/null || true")
   path = path:match("[^\n]+")
-  if not path then fail("no driver called %s under %s/assignments", name, build) end
+  if not path then fail("no driver called %s under %s/assignments", name, drivers) end
   return path
 end
 

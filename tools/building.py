@@ -39,10 +39,11 @@ class Toolchain:
         self.build, self.source = os.path.abspath(build), values["source"]
         self.compiler = shlex.split(values["cc"])
         self.flags = shlex.split(values["flags"]) + ["-Wno-error"]
+        self.base_sanitize = shlex.split(values["base_sanitize"])
         self.sanitize = shlex.split(values["sanitize"])
         self.link_flags = shlex.split(values["link_flags"])
         self.libraries = shlex.split(values["libraries"])
-        self.tools = {name: values[name] for name in ("nm", "objcopy", "objdump")}
+        self.tools = {name: values[name] for name in ("ar", "nm", "objcopy", "objdump")}
 
     def built(self, path):
         """Returns the absolute path of something in the build folder, which has to be there."""
@@ -154,6 +155,14 @@ def keep_interface(toolchain, feature, path):
 
 
 # --- Linking ------------------------------------------------------------------------------------
+
+
+def link(toolchain, output, parts, folder):
+    """Links a program with the build's own flags, or raises BuildError."""
+    command = [*toolchain.compiler, *toolchain.base_sanitize, *toolchain.link_flags, *parts, "-o", output]
+    outcome = _run_tool(command, folder)
+    if outcome.status != 0 or outcome.limit:
+        raise BuildError(f"{os.path.basename(output)} could not be linked", outcome.output)
 
 
 def link_suite(toolchain, unit, objects, folder, sanitize, output=None):

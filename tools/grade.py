@@ -116,26 +116,26 @@ def _environment(toolchain, folder, look_for_leaks):
     return environment
 
 
-def run_test(toolchain, suite, test, seconds):
+def run_test(toolchain, suite, test, seconds, megabytes):
     """Runs one scored test and returns its Verdict."""
     for look_for_leaks in (True, False):
         folder = tempfile.mkdtemp(dir=suite.folder)
         outcome = guarded.run(
-            [suite.program, "--only", test.name], seconds=seconds, megabytes=MEGABYTES,
+            [suite.program, "--only", test.name], seconds=seconds, megabytes=megabytes,
             folder=folder, environment=_environment(toolchain, folder, look_for_leaks), attest=True,
         )
         # Where processes may not be traced, the leak sanitizer itself fails.
         if "LeakSanitizer has encountered a fatal error" not in outcome.output:
             break
-    return judge(outcome, suite.unit, seconds, MEGABYTES)
+    return judge(outcome, suite.unit, seconds, megabytes)
 
 
-def grade(toolchain, suites, units, seconds):
+def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES):
     """Builds and runs all suites on all processors; fills in their verdicts."""
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
     def run_into(suite, test):
-        suite.verdicts[test.name] = run_test(toolchain, suite, test, seconds)
+        suite.verdicts[test.name] = run_test(toolchain, suite, test, seconds, megabytes)
 
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:
         try:

@@ -53,8 +53,7 @@ def _crash(text, unit):
     behaviour = re.search(r"^(\S+?):(\d+):\d+: runtime error: (.*)$", text, re.MULTILINE)
     if behaviour:
         path, line, what = behaviour.groups()
-        shown = unit.shown if os.path.basename(path) == os.path.basename(unit.path) else path
-        return f"undefined behaviour: {what}", f"{shown}:{line}"
+        return f"undefined behaviour: {what}", _place_in_unit(text, unit) or f"{path}:{line}"
     report = re.search(r"ERROR: AddressSanitizer:? (.*)", text)
     if not report:
         return None
@@ -106,7 +105,10 @@ def judge(outcome, unit, seconds, megabytes):
     if crash and "LeakSanitizer" not in crash[0]:
         return fail(*crash)
     if claim and outcome.status and not outcome.attested:
-        return fail(*claim)
+        verdict = fail(*claim)
+        # A test that fails leaves its memory as it is; that is nobody's fault.
+        verdict.details = re.split(r"\n=+\n==\d+==ERROR: LeakSanitizer", text)[0]
+        return verdict
     leak = re.search(r"SUMMARY: \w+Sanitizer: (\d+) byte\(s\) leaked in (\d+) alloc", text)
     if leak and outcome.attested:
         place = _place_in_unit(text, unit)
