@@ -68,6 +68,8 @@ def main():
         if not debugger and not arguments.prepare:
             raise ToolError("gdb is missing; install the package gdb")
         program, script, unit = build_for_debugging(toolchain, feature, features, arguments.impl)
+        if arguments.prepare:
+            return 0
         test = _first_failing(arguments.build, feature, arguments.impl, arguments.test)
     except ToolError as error:
         print(f"debug: {error}", file=sys.stderr)
@@ -78,10 +80,6 @@ def main():
     except KeyboardInterrupt:
         return 130
     print(f"{unit.shown}, test {test}; in gdb: n(ext), s(tep), p(rint) NAME, bt, c(ontinue), q(uit)", flush=True)
-    if arguments.prepare:
-        with open(os.path.join(os.path.dirname(script), "test"), "w", encoding="utf-8") as file:
-            file.write(test + "\n")
-        return 0
     os.environ["CMOCKA_MESSAGE_OUTPUT"] = "TAP"
     # set startup-with-shell off: neither quoting nor a shell's start files come between.
     os.execv(debugger, [debugger, "-q", "-ex", "set startup-with-shell off", "-x", script, "-ex", "run",
