@@ -4,6 +4,7 @@
 #include "io/mesh_file.h"
 #include "io/png.h"
 #include "render/narrate.h"
+#include "render/units.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -288,8 +289,10 @@ static bool write_picture(const rk_driver *driver, const char *path, const char 
         {"raykit:triangles", triangles},
         {"raykit:samples", samples},
         {"raykit:seconds", seconds},
+        {"raykit:units", rk_units},
     };
-    return rk_png_write(path, &driver->image, texts, sizeof texts / sizeof *texts, error);
+    size_t count = sizeof texts / sizeof *texts - (*rk_units ? 0 : 1);
+    return rk_png_write(path, &driver->image, texts, count, error);
 }
 
 typedef struct shown_duration {
@@ -327,13 +330,14 @@ bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)
     if (!driver->quiet)
         printf(
             "%s: %s, %u triangles, %u x %u, %u %s a pixel, built in %s, rendered in %s on %u %s, "
-            "raykit %s\n",
+            "%s%sraykit %s\n",
             path, driver->scene.name, driver->scene.mesh.triangle_count, driver->render.width,
             driver->render.height, driver->render.samples,
             driver->render.samples == 1 ? "sample" : "samples",
             duration(driver->build_ms.median).text, duration(driver->render_ms.median).text,
             rk_pool_threads(driver->pool),
-            rk_pool_threads(driver->pool) == 1 ? "thread" : "threads", PACKAGE_VERSION);
+            rk_pool_threads(driver->pool) == 1 ? "thread" : "threads", rk_units,
+            *rk_units ? ", " : "", PACKAGE_VERSION);
     return true;
 }
 

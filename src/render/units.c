@@ -1,0 +1,3 @@
+#include "render/units.h"
+
+const char rk_units[] = "";

@@ -1,0 +1,326 @@
+#!/usr/bin/env python3
+"""The grader and the workbook, tried on right, wrong and dishonest units of bvh_median. Speaks TAP,
+for make check; runs in a build folder."""
+
+import contextlib
+import io
+import json
+import os
+import shutil
+import signal
+import subprocess
+import sys
+import tempfile
+import time
+import xml.etree.ElementTree as ElementTree
+
+SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(SOURCE, "tools"))
+
+import building  # noqa: E402
+import grade  # noqa: E402
+import guarded  # noqa: E402
+import results  # noqa: E402
+from assignments import ScoredTest, ToolError, Unit, check_impl, read_features, read_points  # noqa: E402
+from regions import RegionError, read_regions, starter_of  # noqa: E402
+from workbook import make_workbook  # noqa: E402
+
+FEATURES = read_features(SOURCE)
+FEATURE = FEATURES["bvh_median"]
+with open(FEATURE.reference, encoding="utf-8") as source_file:
+    REFERENCE = source_file.read()
+try:
+    STARTER = starter_of(FEATURE.reference)
+    SOLVED = any(kind == "solution" for kind, _ in read_regions(FEATURE.reference))
+except RegionError:  # a pack for students: the reference's place holds the starter
+    STARTER, SOLVED = REFERENCE, False
+
+ONE = "up_to_four_triangles_are_one_leaf"
+EMPTY = "no_triangles_give_a_tree_without_nodes"
+
+
+def unit(build, before="", any_name="rk_bvh_any"):
+    """A small unit whose build begins so, and which passes EMPTY if it gets beyond that."""
+    return f"""
+#include "features/bvh_median.h"
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <unistd.h>
+
+{before}
+bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
+{{
+    uint32_t count = mesh->triangle_count;
+    {build}
+    return rk_bvh_init(bvh, count, count, error);
+}}
+
+rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
+{{
+    (void)bvh, (void)counters;
+    return (rk_hit){{ray->t_max, 0, 0, RK_MISS}};
+}}
+
+bool {any_name}(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters);
+bool {any_name}(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
+{{
+    (void)bvh, (void)ray, (void)counters;
+    return false;
+}}
+"""
+
+
+# claim: (unit, test, part of the reason); each must fail, with this reason.
+BAD = {
+    "a wrong answer is told by the claim": (unit(""), ONE, "rk_bvh_validate"),
+    "a NULL pointer is named, with its line": (
+        unit("*nowhere = 1;", "static volatile int *volatile nowhere;"), ONE, "NULL pointer"
+    ),
+    "an array overrun is named, with its line": (
+        unit("volatile uint32_t *few = malloc(4 * sizeof *few);\n    few[count + 3] = 1;\n    free((void *)few);"),
+        ONE, "goes beyond the end",
+    ),
+    "endless recursion is guessed, with its line": (
+        unit("count += deeper(count);",
+             "static uint32_t deeper(uint32_t n)\n{\n    volatile char room[1000] = {(char)n};\n"
+             "    return n == 12345 ? 0 : deeper(n + 1) + (uint32_t)room[0];\n}"),
+        ONE, "endless recursion",
+    ),
+    "an endless loop is stopped, with its line": (
+        unit("for (volatile int k = 0; k < 2; k = 0) { }"), ONE, "endless loop"
+    ),
+    "an endless allocation is stopped": (
+        unit("for (;;)\n        memset(kept = malloc(1 << 22), 1, 1 << 22);", "static void *volatile kept;"), ONE, "MB of memory"
+    ),
+    "endless printing is stopped": (
+        unit('for (;;) puts("again and again and again and again and again");'), ONE, "printed"
+    ),
+    "a leak is told, with its line": (unit("void *volatile lost = malloc(100 + count);\n    lost = NULL;"), EMPTY, "leaks memory"),
+    "a missing function is named": (
+        unit("", any_name="another"), ONE, "your file does not define rk_bvh_any, which the suite calls"
+    ),
+    "a unit that does not compile shows the first error": (unit("cuont++;"), ONE, "cuont"),
+    "exit in the middle of a test is no pass": (unit("exit(0);"), ONE, "ended in the middle of the test"),
+    "_Exit after printing ok is no pass": (
+        unit(f'printf("1..1\\nok 1 - {ONE}\\n");\n    fflush(stdout);\n    _Exit(0);'),
+        ONE, "what it printed counts for nothing",
+    ),
+    "exit before main is refused": (
+        unit("", "__attribute__((constructor)) static void early(void)\n{\n    exit(0);\n}"), ONE, "constructor"
+    ),
+    "a unit may not include the reference": ('#include "features/bvh_median.c"\n', ONE, "includes"),
+    "a child that stays behind does not hold up the verdict": (
+        unit("if (fork() == 0)\n    {\n        setsid();\n        for (;;)\n            pause();\n    }\n    _Exit(0);"),
+        ONE, "ended in the middle",
+    ),
+    "a passed test that ends with a failure is no pass": (
+        unit("atexit(late);", "static void late(void)\n{\n    _exit(3);\n}"), EMPTY, "exit status 3"
+    ),
+}
+
+GOOD = {
+    "a unit's own main, malloc and rk_bvh_validate change nothing elsewhere": unit("", """
+int main(void);
+int main(void)
+{
+    return 1;
+}
+void *malloc(size_t size)
+{
+    (void)size;
+    abort();
+}
+bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
+{
+    (void)bvh, (void)mesh, (void)error;
+    return false;
+}"""),
+    "a warning is no error": unit("int unused;"),
+}
+
+checks = []
+
+
+def check(condition, name, said=""):
+    """Notes a claim's verdict."""
+    checks.append(bool(condition))
+    for line in [] if condition else str(said).splitlines():
+        print(f"# {line}")
+    print(f"{'ok' if condition else 'not ok'} {len(checks)} - {name}", flush=True)
+
+
+def make_suite(folder, number, text, tests):
+    """A suite over a unit with this text, in a folder of its own."""
+    place = os.path.join(folder, str(number))
+    os.mkdir(place)
+    path = os.path.join(place, "bvh_median.c")
+    with open(path, "w", encoding="utf-8") as file:
+        file.write(text)
+    suite = grade.Suite(FEATURE, Unit(FEATURE, path, "mine/bvh_median.c", False), tests)
+    suite.folder = place
+    return suite
+
+
+def units_are_judged(toolchain, folder):
+    """Returns the graded suites of the right unit (or None) and of the starter."""
+    tests = read_points(FEATURE)
+    cases = [(claim, make_suite(folder, k, text, [ScoredTest(test, 1, "#")]), part)
+             for k, (claim, (text, test, part)) in enumerate(BAD.items())]
+    good = [(claim, make_suite(folder, f"good{k}", text, [ScoredTest(EMPTY, 1, "#")]))
+            for k, (claim, text) in enumerate(GOOD.items())]
+    right = make_suite(folder, "right", REFERENCE, tests) if SOLVED else None
+    starter = make_suite(folder, "starter", STARTER, tests)
+    grade.grade(toolchain, [starter] + ([right] if right else []) + [suite for _, suite in good], {}, seconds=60)
+    # The one that hangs waits for its end; the others take milliseconds.
+    grade.grade(toolchain, [suite for _, suite, _ in cases], {}, seconds=3, megabytes=500)
+    guarded.end_strays()
+    check(starter.points() == 0, "a starter gets no points", results.text([starter], ""))
+    if right:
+        check(right.points() == 100 and not right.warnings, "the reference's text gets all 100 points",
+              results.text([right], ""))
+    for name, suite, part in cases:
+        verdict = suite.verdicts[suite.tests[0].name]
+        check(not verdict.passed and part in verdict.reason, name,
+              f"passed: {verdict.passed}\n{verdict.reason}\n{verdict.place}\n{verdict.details}")
+    for name, suite in good:
+        check(suite.passed(), name, results.text([suite], ""))
+        if "with its line" in name and any("address" in flag for flag in toolchain.sanitize):
+            check("mine/bvh_median.c:" in verdict.place, f"{name}: the line is the unit's",
+                  f"{verdict.place}\n{verdict.details}")
+    check(not guarded._children(os.getpid()), "no process is left")
+    return right, starter
+
+
+def reports_can_be_read(suites):
+    root = ElementTree.fromstring(results.junit(suites, "mine"))
+    claims = sum(len(suite.tests) for suite in suites)
+    failed = sum(not suite.verdicts[test.name].passed for suite in suites for test in suite.tests)
+    check(len(root.findall("testsuite/testcase")) == claims, "JUnit has a test case for each claim")
+    check(len(root.findall("testsuite/testcase/failure")) == failed, "JUnit has a failure for each failed claim")
+    report = json.loads(results.gradescope(suites, "mine"))
+    check(report["score"] == sum(test["score"] for test in report["tests"]) and
+          report["score"] == sum(suite.points() for suite in suites), "Gradescope's score is the sum of its tests'")
+    check(all(test["status"] in ("passed", "failed") and {"name", "max_score", "output"} <= set(test)
+              for test in report["tests"]), "Gradescope's tests have all that it asks for")
+    lines = results.tap(suites, "mine").splitlines()
+    check(lines[0] == f"1..{claims}" and sum(line.startswith(("ok ", "not ok ")) for line in lines) == claims,
+          "TAP has as many verdicts as it plans", "\n".join(lines))
+    text = results.text(suites[-1:], "mine")
+    check(f"first: {ONE}" in text and "read docs/01_bvh_median.md#boxes" in text,
+          "the text says what to work on first and where to read", text)
+
+
+def a_report_is_written_whole(suites, folder):
+    path = os.path.join(folder, "results.json")
+    with contextlib.redirect_stdout(io.StringIO()):
+        results.write(suites, "gradescope", "mine", path)
+    with open(path, encoding="utf-8") as file:
+        json.load(file)
+    try:
+        results.write_whole(path, "\udfff")  # cannot be encoded
+    except UnicodeEncodeError:
+        pass
+    with open(path, encoding="utf-8") as file:
+        check("score" in json.load(file) and not [name for name in os.listdir(folder) if name.startswith(".part")],
+              "a report that cannot be written leaves the old one, and nothing else")
+
+
+def read(*path):
+    with open(os.path.join(*path), encoding="utf-8") as file:
+        return file.read()
+
+
+def a_workbook_is_the_students(folder):
+    mine = os.path.join(folder, "mine")
+    source = os.path.join(folder, "kit")  # a kit whose starter will change
+    for part in ("assignments/01_bvh_median", "src/features"):
+        os.makedirs(os.path.join(source, part))
+    with open(os.path.join(source, "assignments/features.tsv"), "w", encoding="utf-8") as file:
+        file.write("stem\tfolder\tneeds\nbvh_median\t01_bvh_median\t\n")
+    reference = os.path.join(source, "src/features/bvh_median.c")
+
+    def release(word):
+        with open(reference, "w", encoding="utf-8") as file:
+            file.write(f"/* solution */\nsolved\n/* starter\n{word}\nend */\n")
+
+    release("first")
+    make_workbook(source, mine)
+    check(read(mine, "bvh_median.c") == "first\n" and "make check-bvh_median" in read(mine, "README.txt"),
+          "a workbook holds the starters, and says what to do next")
+    release("second")
+    said = make_workbook(source, mine)
+    check(read(mine, "bvh_median.c") == "second\n", "an unchanged starter is renewed", said)
+    with open(os.path.join(mine, "bvh_median.c"), "a", encoding="utf-8") as file:
+        file.write("my own line\n")
+    release("third")
+    said = make_workbook(source, mine)
+    check(read(mine, "bvh_median.c") == "second\nmy own line\n" and any("kept" in line and "newer" in line for line in said),
+          "a changed file is kept, and said to be", said)
+    os.unlink(os.path.join(mine, ".workbook"))
+    make_workbook(source, mine)
+    check(read(mine, "bvh_median.c") == "second\nmy own line\n", "a changed file is kept without the manifest, too")
+    for place in (os.path.join(source, "src", "mine"), os.path.join(source, "src"), reference, ""):
+        try:
+            make_workbook(source, place)
+            check(False, f"a workbook at \"{place[len(folder):]}\" is refused")
+        except ToolError as error:
+            check("\n" not in str(error), f"a workbook at \"{place[len(folder):]}\" is refused in one sentence")
+
+
+def what_cannot_be_used_is_refused(folder):
+    for impl in ("", os.path.join(folder, "absent"), os.path.join(SOURCE, "README.md"), os.path.join(SOURCE, "docs")):
+        try:
+            check_impl(FEATURES, impl, ["bvh_median"])
+            check(False, f"IMPL=\"{os.path.basename(impl)}\" is refused")
+        except ToolError as error:
+            check("\n" not in str(error), f"IMPL=\"{os.path.basename(impl)}\" is refused in one sentence")
+
+
+def an_interrupt_ends_everything(folder):
+    place = os.path.join(folder, "interrupted")
+    os.mkdir(place)
+    mark = os.path.join(place, "started")
+    line = f'FILE *mark = fopen("{mark}", "w");\n    for (volatile int k = mark != NULL; k < 2; k = 0) {{ }}'
+    with open(os.path.join(place, "bvh_median.c"), "w", encoding="utf-8") as file:
+        file.write(unit(line))
+    grader = subprocess.Popen(
+        [sys.executable, "-B", os.path.join(SOURCE, "tools", "grade.py"), "bvh_median", "--impl", place, "--test", ONE],
+        env=dict(os.environ, TMPDIR=place), stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
+    )
+    patience = time.monotonic() + 20
+    while not os.path.exists(mark) and grader.poll() is None and time.monotonic() < patience:
+        time.sleep(0.02)
+    grader.send_signal(signal.SIGINT)
+    try:
+        status = grader.wait(5)
+    except subprocess.TimeoutExpired:
+        grader.kill()
+        status = grader.wait()
+    left = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=False).stdout
+    check(status == 130, "Ctrl-C ends a grader at once", status)
+    check(place + "/raykit-grade" not in left and not [n for n in os.listdir(place) if n.startswith("raykit-grade")],
+          "Ctrl-C leaves no process and no folder", os.listdir(place))
+
+
+def main():
+    guarded.prepare()
+    toolchain = building.Toolchain(".")
+    folder = tempfile.mkdtemp(prefix="raykit-test-grade-")
+    try:
+        right, starter = units_are_judged(toolchain, folder)
+        graded = [suite for suite in (right, starter) if suite]
+        reports_can_be_read(graded)
+        a_report_is_written_whole(graded, folder)
+        a_workbook_is_the_students(folder)
+        what_cannot_be_used_is_refused(folder)
+        an_interrupt_ends_everything(folder)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    print(f"1..{len(checks)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,134 @@
+"""The tables that say what there is to solve, and whose solution is meant.
+
+assignments/features.tsv lists the features (stem, folder, needs), assignments/FOLDER/points.tsv the
+scored tests of one (test, points, section of the chapter to read), simplest first. Both are read by
+every tool for students and instructors, so a new feature is two tables and no code.
+"""
+
+import csv
+import os
+
+
+class ToolError(Exception):
+    """Something that the user can put right; the text is one sentence that says how."""
+
+
+class Feature:
+    """A row of features.tsv."""
+
+    def __init__(self, source, stem, folder, needs):
+        self.stem, self.folder, self.needs = stem, folder, needs.split()
+        self.reference = os.path.join(source, "src", "features", stem + ".c")
+        self.header = os.path.join(source, "src", "features", stem + ".h")
+        self.chapter = f"docs/{folder}.md"
+        self.points_table = os.path.join(source, "assignments", folder, "points.tsv")
+
+
+class ScoredTest:
+    """A row of points.tsv."""
+
+    def __init__(self, name, points, section):
+        self.name, self.points, self.section = name, points, section
+
+
+def _read_table(path, columns):
+    try:
+        with open(path, encoding="utf-8", newline="") as file:
+            rows = list(csv.reader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
+    except OSError as error:
+        raise ToolError(f"{path} cannot be read: {error.strerror}") from error
+    if not rows or rows[0] != columns:
+        raise ToolError(f"{path}:1: the header should be {', '.join(columns)}, separated by tabs")
+    for number, row in enumerate(rows[1:], 2):
+        if len(row) != len(columns):
+            raise ToolError(f"{path}:{number}: {len(columns)} columns are wanted, here are {len(row)}")
+    return rows[1:]
+
+
+def read_features(source):
+    """Returns a dictionary from stem to Feature, in the table's order."""
+    path = os.path.join(source, "assignments", "features.tsv")
+    rows = _read_table(path, ["stem", "folder", "needs"])
+    features = {row[0]: Feature(source, *row) for row in rows}
+    for feature in features.values():
+        for need in feature.needs:
+            if need not in features:
+                raise ToolError(f"{path}: {feature.stem} needs {need}, which the table does not list")
+    return features
+
+
+def choose(features, stems):
+    """Returns the features with these stems, all of them for none."""
+    for stem in stems:
+        if stem not in features:
+            raise ToolError(f"there is no feature \"{stem}\"; choose one of: {', '.join(features)}")
+    return [features[stem] for stem in stems] if stems else list(features.values())
+
+
+def read_points(feature):
+    """Returns the feature's scored tests, in the order in which a student works."""
+    tests = []
+    for number, row in enumerate(
+        _read_table(feature.points_table, ["test", "points", "section"]), 2
+    ):
+        if not row[1].isdigit() or not int(row[1]):
+            raise ToolError(f"{feature.points_table}:{number}: points are whole and above 0, not {row[1]}")
+        if any(test.name == row[0] for test in tests):
+            raise ToolError(f"{feature.points_table}:{number}: {row[0]} is listed twice")
+        tests.append(ScoredTest(row[0], int(row[1]), row[2]))
+    if not tests:
+        raise ToolError(f"{feature.points_table} lists no tests")
+    return tests
+
+
+class Unit:
+    """The C file that solves a feature; `path` is None where there is none."""
+
+    def __init__(self, feature, path, shown, is_reference):
+        self.feature, self.path, self.shown = feature, path, shown
+        self.is_reference = is_reference
+
+
+def reference_unit(feature):
+    """Returns the reference as a unit."""
+    return Unit(feature, feature.reference, f"src/features/{feature.stem}.c", True)
+
+
+def _unit_in(feature, path):
+    if os.path.exists(feature.reference) and os.path.samefile(path, feature.reference):
+        return reference_unit(feature)
+    if not os.path.isfile(path):
+        raise ToolError(f"IMPL: {path} is not a plain file")
+    if not os.access(path, os.R_OK):
+        raise ToolError(f"IMPL: {path} cannot be read; look at its permissions")
+    return Unit(feature, path, path, False)
+
+
+def find_unit(feature, impl):
+    """Returns the unit for a feature in IMPL, a C file or a folder with STEM.c, or one without a
+    path where the folder has none."""
+    if os.path.isdir(impl):
+        path = os.path.join(impl, feature.stem + ".c")
+        if os.path.lexists(path):
+            return _unit_in(feature, path)
+        return Unit(feature, None, path, False)
+    return _unit_in(feature, impl)
+
+
+def check_impl(features, impl, stems):
+    """Raises ToolError unless IMPL names something that can be used for these stems."""
+    if not impl:
+        raise ToolError("say whose work is meant: IMPL=mine (a folder) or IMPL=my_file.c")
+    if os.path.isdir(impl):
+        if not any(os.path.lexists(os.path.join(impl, stem + ".c")) for stem in features):
+            names = ", ".join(stem + ".c" for stem in features)
+            raise ToolError(
+                f"IMPL: the folder {impl} holds no unit ({names}); "
+                f"make workbook DIR={impl} puts the starters there"
+            )
+    elif not os.path.exists(impl):
+        raise ToolError(f"IMPL: there is no file or folder {impl}; make workbook DIR=mine makes a folder to start in")
+    elif not impl.endswith(".c"):
+        raise ToolError(f"IMPL: {impl} is no C file; give a file that ends in .c, or a folder")
+    elif len(stems) != 1:
+        raise ToolError(f"IMPL: {impl} is one file, and this wants a folder with one for each feature")

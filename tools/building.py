@@ -1,0 +1,190 @@
+"""Builds a student's unit, alone or into a suite: exactly one object for each feature, so that a
+missing function is missing, and never silently the reference's.
+
+The build's compiler and flags stand in DIR/impl/toolchain, which the Makefile writes.
+"""
+
+import os
+import re
+import shlex
+import subprocess
+
+import guarded
+from assignments import ToolError
+
+_SECONDS = 60
+_MEGABYTES = 4096
+
+
+class BuildError(Exception):
+    """A unit that cannot be built: `reason` is one sentence, `details` what the tools said."""
+
+    def __init__(self, reason, details=""):
+        super().__init__(reason)
+        self.reason, self.details = reason, details
+
+
+class Toolchain:
+    """What DIR/impl/toolchain says: one NAME=VALUE a line."""
+
+    def __init__(self, build):
+        path = os.path.join(build, "impl", "toolchain")
+        try:
+            with open(path, encoding="utf-8") as file:
+                values = dict(line.rstrip("\n").split("=", 1) for line in file if "=" in line)
+        except OSError as error:
+            raise ToolError(
+                f"{path} cannot be read ({error.strerror}); run make check-... or make grade there once"
+            ) from error
+        self.build, self.source = os.path.abspath(build), values["source"]
+        self.compiler = shlex.split(values["cc"])
+        self.flags = shlex.split(values["flags"]) + ["-Wno-error"]
+        self.base_sanitize = shlex.split(values["base_sanitize"])
+        self.sanitize = shlex.split(values["sanitize"])
+        self.link_flags = shlex.split(values["link_flags"])
+        self.libraries = shlex.split(values["libraries"])
+        self.tools = {name: values[name] for name in ("ar", "nm", "objcopy", "objdump")}
+
+    def built(self, path):
+        """Returns the absolute path of something in the build folder, which has to be there."""
+        path = os.path.join(self.build, path)
+        if not os.path.exists(path):
+            raise ToolError(f"{path} is missing; run make there")
+        return path
+
+
+def _run_tool(command, folder):
+    environment = dict(os.environ, LC_ALL="C", TMPDIR=folder)
+    try:
+        return guarded.run(
+            command, seconds=_SECONDS, megabytes=_MEGABYTES, folder=os.getcwd(),
+            environment=environment, output_bytes=4 << 20,
+        )
+    except OSError as error:
+        raise ToolError(f"{command[0]} cannot be run: {error.strerror}") from error
+
+
+def global_symbols(toolchain, path):
+    """Returns the names that an object defines for others."""
+    command = [toolchain.tools["nm"], "-g", "--defined-only", path]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    if answer.returncode:
+        raise ToolError(f"{command[0]} could not read {path}: {answer.stderr.strip()}")
+    return [line.split()[-1] for line in answer.stdout.splitlines() if line.split()]
+
+
+# --- Compiling ----------------------------------------------------------------------------------
+
+
+def compile_unit(toolchain, unit, folder, extra_flags=(), output=None):
+    """Compiles the unit to an object in `folder`. Returns its path and the compiler's warnings."""
+    output = output or os.path.join(folder, unit.feature.stem + ".o")
+    listing = os.path.join(folder, unit.feature.stem + ".included")
+    command = [*toolchain.compiler, *toolchain.flags, *extra_flags, "-MD", "-MF", listing,
+               "-c", unit.path, "-o", output]
+    outcome = _run_tool(command, folder)
+    if outcome.limit:
+        raise BuildError(f"{unit.shown} could not be compiled: the compiler took more than its {outcome.limit}")
+    if outcome.status != 0:
+        first = next((line for line in outcome.output.splitlines() if "error:" in line), None)
+        reason = f"does not compile: {first}" if first else f"{unit.shown} does not compile"
+        raise BuildError(reason, outcome.output)
+    if not unit.is_reference:
+        _check_included(toolchain, unit, listing)
+    return output, outcome.output.strip()
+
+
+def _is_below(path, folder):
+    return os.path.commonpath([path, os.path.realpath(folder)]) == os.path.realpath(folder)
+
+
+def _check_included(toolchain, unit, listing):
+    """A solution may include the kit's headers, the system's, and what stands beside it."""
+    with open(listing, encoding="utf-8", errors="replace") as file:
+        words = shlex.split(file.read().replace("\\\n", " "))
+    for word in words[1:]:
+        path = os.path.realpath(word)
+        if path == os.path.realpath(unit.path):
+            continue
+        source = os.path.join(toolchain.source, "src")
+        allowed = (
+            path.endswith(".h") if _is_below(path, source)
+            else False if _is_below(path, os.path.join(toolchain.source, "tests"))
+            else _is_below(path, os.path.dirname(os.path.abspath(unit.path)))
+            or path.startswith(("/usr/", "/opt/", "/nix/", "/Library/"))
+        )
+        if not allowed:
+            raise BuildError(
+                f"{unit.shown} includes {word}: a unit may include the kit's headers, the system's, "
+                "and files beside it"
+            )
+
+
+def check_no_early_code(toolchain, unit, path):
+    """Code that runs before main or after it could speak for the tests; only the sanitizer's own
+    may."""
+    command = [toolchain.tools["objdump"], "-r", path]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    counts, section = {}, ""
+    for line in answer.stdout.splitlines():
+        heading = re.match(r"RELOCATION RECORDS FOR \[(.*)\]:", line)
+        if heading:
+            section = heading.group(1)
+        elif re.match(r"[0-9a-f]+ R_", line):
+            kind = re.match(r"\.(preinit_array|init_array|fini_array|ctors|dtors)", section)
+            if kind:
+                counts[kind.group(1)] = counts.get(kind.group(1), 0) + 1
+    sanitized = 1 if any("address" in flag for flag in toolchain.sanitize) else 0
+    for kind, count in counts.items():
+        if kind.startswith("pre") or count > sanitized:
+            raise BuildError(
+                f"{unit.shown} has code that runs before or after the tests (a constructor or "
+                "destructor); a unit consists of functions that are called"
+            )
+
+
+def keep_interface(toolchain, feature, path):
+    """Makes all names of an object its own but those of the feature's interface: a helper without
+    `static`, a `main` to try things, or a function called `malloc` then change nothing elsewhere."""
+    names = global_symbols(toolchain, toolchain.built(f"src/features/{feature.stem}.o"))
+    keep = [f"--keep-global-symbol={name}" for name in names]
+    command = [toolchain.tools["objcopy"], *keep, path]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    if answer.returncode:
+        raise ToolError(f"{command[0]} failed on {path}: {answer.stderr.strip()}")
+
+
+# --- Linking ------------------------------------------------------------------------------------
+
+
+def link(toolchain, output, parts, folder):
+    """Links a program with the build's own flags, or raises BuildError."""
+    command = [*toolchain.compiler, *toolchain.base_sanitize, *toolchain.link_flags, *parts, "-o", output]
+    outcome = _run_tool(command, folder)
+    if outcome.status != 0 or outcome.limit:
+        raise BuildError(f"{os.path.basename(output)} could not be linked", outcome.output)
+
+
+def link_suite(toolchain, unit, objects, folder, sanitize, output=None):
+    """Links the suite of the unit's feature with these objects. Returns the program's path."""
+    stem = unit.feature.stem
+    output = output or os.path.join(folder, "test_" + stem)
+    command = [*toolchain.compiler, *sanitize, *toolchain.link_flags,
+               toolchain.built(f"tests/test_{stem}.o"), *objects, toolchain.built("librktest.a"),
+               toolchain.built("librkbase.a"), *toolchain.libraries, "-o", output]
+    outcome = _run_tool(command, folder)
+    if outcome.status != 0 or outcome.limit:
+        interface = global_symbols(toolchain, toolchain.built(f"src/features/{stem}.o"))
+        raise BuildError(_why_not_linked(outcome.output, unit, interface), outcome.output)
+    return output
+
+
+def _why_not_linked(said, unit, interface):
+    names = re.findall(r"undefined (?:reference to|symbol:) [`'\"]?(\w+)", said)
+    missing = [name for name in dict.fromkeys(names) if name in interface]
+    unknown = [name for name in dict.fromkeys(names) if name not in interface]
+    if missing:
+        return f"your file does not define {' and '.join(missing)}, which the suite calls"
+    if unknown:
+        return f"your file uses {' and '.join(unknown)}, which nothing defines"
+    return f"{unit.shown} could not be linked with its suite"

@@ -1,0 +1,91 @@
+#!/usr/bin/env python3
+"""Starts gdb on a unit, stopped at the first of its functions that the test calls.
+
+The unit is built without optimization into impl/debug/test_STEM, and the breakpoints stand in
+impl/debug/STEM.gdb, for editors that bring their own view of gdb."""
+
+import argparse
+import os
+import shutil
+import sys
+
+import building
+from assignments import ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit
+from grade import grade_impl, stop_on_signals
+
+
+def build_for_debugging(toolchain, feature, features, impl):
+    """Builds impl/debug/test_STEM and STEM.gdb; returns their absolute paths and the unit."""
+    unit = find_unit(feature, impl) if impl else reference_unit(feature)
+    if unit.path is None:
+        raise ToolError(f"there is no {unit.shown}; make workbook DIR={impl} puts the starter there")
+    folder = os.path.join(toolchain.build, "impl", "debug")
+    os.makedirs(folder, exist_ok=True)
+    flags = [*toolchain.base_sanitize, "-O0", "-g3"]
+    path, warnings = building.compile_unit(toolchain, unit, folder, flags)
+    if warnings:
+        print(warnings, file=sys.stderr)
+    building.keep_interface(toolchain, feature, path)
+    objects = [path] + [toolchain.built(f"src/features/{need}.o") for need in feature.needs]
+    program = building.link_suite(toolchain, unit, objects, folder, toolchain.base_sanitize)
+    script = os.path.join(folder, feature.stem + ".gdb")
+    with open(script, "w", encoding="utf-8") as file:
+        file.write(f"source {toolchain.source}/tools/gdb_raykit.py\n")
+        file.write("set breakpoint pending on\nset print pretty on\n")
+        for name in building.global_symbols(toolchain, path):
+            file.write(f"break {name}\n")
+    return program, script, unit
+
+
+def _first_failing(build, feature, impl, test):
+    """Returns the given test, else the first that fails, else the first of all."""
+    tests = [scored.name for scored in read_points(feature)]
+    if test:
+        return test
+    if not impl:
+        return tests[0]
+    _, suites = grade_impl(build, [feature.stem], impl)
+    failing = [name for name in tests if not suites[0].verdicts[name].passed]
+    return failing[0] if failing else tests[0]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("stem", metavar="STEM")
+    parser.add_argument("--impl", default="", metavar="FILE_OR_DIR", help="the work; none means the reference")
+    parser.add_argument("--build", default=".", metavar="DIR")
+    parser.add_argument("--test", metavar="NAME", help="the test to run; none means the first that fails")
+    parser.add_argument("--prepare", action="store_true", help="only build, for an editor's debugger")
+    arguments = parser.parse_args()
+    stop_on_signals()
+    try:
+        toolchain = building.Toolchain(arguments.build)
+        features = read_features(toolchain.source)
+        feature = choose(features, [arguments.stem])[0]
+        if arguments.impl:
+            check_impl(features, arguments.impl, [arguments.stem])
+        debugger = shutil.which("gdb")
+        if not debugger and not arguments.prepare:
+            raise ToolError("gdb is missing; install the package gdb")
+        program, script, unit = build_for_debugging(toolchain, feature, features, arguments.impl)
+        if arguments.prepare:
+            return 0
+        test = _first_failing(arguments.build, feature, arguments.impl, arguments.test)
+    except ToolError as error:
+        print(f"debug: {error}", file=sys.stderr)
+        return 1
+    except building.BuildError as error:
+        print(f"{error.details}\ndebug: {error.reason}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        return 130
+    print(f"{unit.shown}, test {test}; in gdb: n(ext), s(tep), p(rint) NAME, bt, c(ontinue), q(uit)", flush=True)
+    os.environ["CMOCKA_MESSAGE_OUTPUT"] = "TAP"
+    # set startup-with-shell off: neither quoting nor a shell's start files come between.
+    os.execv(debugger, [debugger, "-q", "-ex", "set startup-with-shell off", "-x", script, "-ex", "run",
+                        "--args", program, "--only", test])
+    return 1
+
+
+if __name__ == "__main__":
+    sys.exit(main())

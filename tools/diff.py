@@ -1,0 +1,56 @@
+#!/usr/bin/env python3
+"""Shows what a student has changed: the unit against the starter that it began as."""
+
+import argparse
+import difflib
+import sys
+
+from assignments import ToolError, check_impl, choose, find_unit, read_features
+from regions import RegionError, starter_of
+
+
+def difference(source, stem, impl):
+    """Returns the lines of a unified difference, starter to unit, and a sentence about it."""
+    features = read_features(source)
+    feature = choose(features, [stem])[0]
+    check_impl(features, impl, [stem])
+    unit = find_unit(feature, impl)
+    if unit.path is None:
+        raise ToolError(f"there is no {unit.shown}; make workbook DIR={impl} puts the starter there")
+    with open(unit.path, encoding="utf-8", errors="replace") as file:
+        own = file.read().splitlines()
+    starter = starter_of(feature.reference).splitlines()
+    lines = list(difflib.unified_diff(starter, own, f"starter of {stem}", unit.shown, lineterm=""))
+    added = sum(line.startswith("+") for line in lines[2:])
+    removed = sum(line.startswith("-") for line in lines[2:])
+    if not lines:
+        return [], f"{unit.shown} is the starter, unchanged"
+    return lines, (
+        f"{unit.shown} against its starter: + {added} lines that are yours, - {removed} that you replaced"
+    )
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__)
+    parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
+    parser.add_argument("stem", metavar="STEM")
+    parser.add_argument("impl", metavar="FILE_OR_DIR")
+    arguments = parser.parse_args()
+    try:
+        lines, sentence = difference(arguments.source, arguments.stem, arguments.impl)
+    except (ToolError, RegionError) as error:
+        print(f"diff: {error}", file=sys.stderr)
+        return 1
+    colours = {"+": 32, "-": 31, "@": 36} if sys.stdout.isatty() else {}
+    for line in lines:
+        colour = colours.get(line[:1])
+        print(f"\033[{colour}m{line}\033[m" if colour else line)
+    print(sentence)
+    return 0
+
+
+if __name__ == "__main__":
+    try:
+        sys.exit(main())
+    except BrokenPipeError:  # a pager that was left
+        sys.stderr.close()

@@ -1,0 +1,225 @@
+"""Runs a program that nobody trusts: it ends in time, within its memory, with bounded output, and
+takes everything that it started with it.
+
+A program here has no input, leads a session of its own, and leaves no core file. Linux is asked
+through /proc what it and its children occupy; elsewhere that limit is left out.
+"""
+
+import ctypes
+import os
+import resource
+import secrets
+import selectors
+import signal
+import subprocess
+import threading
+import time
+
+stop = threading.Event()  # set: every run ends at once
+
+_PAGE = os.sysconf("SC_PAGE_SIZE")
+_PROCESSES_MAX = 64
+_FILE_BYTES_MAX = 256 << 20
+_KEPT = 64 << 10  # bytes of the output's beginning, and as many of its end
+
+
+class Outcome:
+    """How a run went. `status` is the exit status, negative for a signal; `limit` is None or what
+    ended the run: "seconds", "memory", "output", "processes" or "stopped"."""
+
+    def __init__(self):
+        self.status, self.limit, self.output, self.seconds = None, None, "", 0.0
+        self.attested = False
+
+
+def prepare():
+    """Called once: no core files, and orphans come to this process, where end_strays finds them."""
+    resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
+    try:
+        set_child_subreaper = 36  # PR_SET_CHILD_SUBREAPER of <linux/prctl.h>
+        ctypes.CDLL(None).prctl(set_child_subreaper, 1, 0, 0, 0)
+    except (OSError, AttributeError):
+        pass
+
+
+def _children(pid):
+    try:
+        with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
+            return [int(word) for word in file.read().split()]
+    except (OSError, ValueError):
+        return []
+
+
+def _occupied(pid):
+    """Returns the resident bytes of a process and its children, and how many they are."""
+    total, count, waiting = 0, 0, [pid]
+    while waiting and count <= _PROCESSES_MAX:
+        process = waiting.pop()
+        count += 1
+        try:
+            with open(f"/proc/{process}/statm", encoding="ascii") as file:
+                total += int(file.read().split()[1]) * _PAGE
+        except (OSError, IndexError, ValueError):
+            continue
+        waiting += _children(process)
+    return total, count
+
+
+def _kill(pid):
+    """Kills a session's first process, its group, and children that left the group."""
+    family, waiting = [], [pid]
+    while waiting and len(family) < 10 * _PROCESSES_MAX:
+        family.append(waiting.pop())
+        waiting += _children(family[-1])
+    for target in family:
+        for kill in (os.killpg, os.kill):
+            try:
+                kill(target, signal.SIGKILL)
+            except (ProcessLookupError, PermissionError):
+                pass
+
+
+def end_strays():
+    """Kills what escaped from its session and lost its parent. Called when no run is under way."""
+    for _ in range(100):
+        strays = _children(os.getpid())
+        if not strays:
+            return
+        for pid in strays:
+            _kill(pid)
+            try:
+                os.waitpid(pid, 0)
+            except ChildProcessError:
+                pass
+
+
+def _has_ended(process):
+    """Asks without burying it, so that its number stays its own until its group is killed."""
+    return os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
+
+
+class _Tail:
+    """Keeps the beginning and the end of what is fed to it."""
+
+    def __init__(self):
+        self.head, self.tail, self.total = b"", b"", 0
+
+    def add(self, data):
+        self.total += len(data)
+        room = _KEPT - len(self.head)
+        self.head += data[:room] if room > 0 else b""
+        if room < len(data):
+            self.tail = (self.tail + data[max(room, 0):])[-_KEPT:]
+
+    def text(self):
+        left_out = self.total - len(self.head) - len(self.tail)
+        middle = f"\n[... {left_out} bytes ...]\n".encode() if left_out else b""
+        return (self.head + middle + self.tail).decode("utf-8", "replace")
+
+
+def _limit_process(pid, seconds):
+    """For the case that this script is killed: a program that loops ends all the same."""
+    if hasattr(resource, "prlimit"):
+        cpu = int(seconds) * 8 + 60
+        try:
+            resource.prlimit(pid, resource.RLIMIT_CPU, (cpu, cpu))
+            resource.prlimit(pid, resource.RLIMIT_FSIZE, (_FILE_BYTES_MAX, _FILE_BYTES_MAX))
+        except (OSError, ValueError):
+            pass
+
+
+def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, attest=False):
+    """Runs the command in `folder` and returns its Outcome. With `attest` it is given RAYKIT_ATTEST,
+    a private descriptor and a fresh nonce; outcome.attested tells whether just that came back."""
+    outcome, kept, nonce = Outcome(), _Tail(), secrets.token_hex(24)
+    witness_in, witness_out = os.pipe() if attest else (None, None)
+    if attest:
+        environment = dict(environment, RAYKIT_ATTEST=f"{witness_out}:{nonce}")
+    began = time.monotonic()
+    try:
+        process = subprocess.Popen(
+            command, cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
+            pass_fds=(witness_out,) if attest else (),
+        )
+    except OSError:
+        if attest:
+            os.close(witness_in)
+            os.close(witness_out)
+        raise
+    try:
+        if attest:
+            os.close(witness_out)
+            witness_out = None
+        _limit_process(process.pid, seconds)
+        _watch(process, outcome, kept, began, seconds, megabytes << 20, output_bytes)
+    finally:
+        _kill(process.pid)
+        outcome.status = process.wait()
+        _drain(process.stdout, kept)
+        process.stdout.close()
+        if attest:
+            os.set_blocking(witness_in, False)
+            try:
+                outcome.attested = os.read(witness_in, 4096) == nonce.encode()
+            except BlockingIOError:
+                pass
+            os.close(witness_in)
+    outcome.seconds = time.monotonic() - began
+    outcome.output = kept.text()
+    return outcome
+
+
+def _drain(pipe, kept):
+    """Takes what is in the pipe now; somebody may still hold its other end."""
+    os.set_blocking(pipe.fileno(), False)
+    try:
+        for _ in range(64):
+            data = os.read(pipe.fileno(), 1 << 16)
+            if not data:
+                return
+            kept.add(data)
+    except BlockingIOError:
+        pass
+
+
+def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes):
+    """Reads until the program ends or has to be ended, and says why in outcome.limit."""
+    next_look = 0.0
+    with selectors.DefaultSelector() as selector:
+        selector.register(process.stdout, selectors.EVENT_READ)
+        while not _has_ended(process):
+            if selector.select(0.005):
+                data = os.read(process.stdout.fileno(), 1 << 16)
+                kept.add(data)
+                if not data:
+                    selector.unregister(process.stdout)
+            elif not selector.get_map():
+                time.sleep(0.005)
+            now = time.monotonic()
+            occupied, processes = 0, 1
+            if now >= next_look:
+                occupied, processes = _occupied(process.pid)
+                next_look = now + 0.02
+            if stop.is_set():
+                outcome.limit = "stopped"
+            elif kept.total > output_bytes:
+                outcome.limit = "output"
+            elif occupied > memory_bytes:
+                outcome.limit = "memory"
+            elif processes > _PROCESSES_MAX:
+                outcome.limit = "processes"
+            elif now - began > seconds:
+                outcome.limit = "seconds"
+                _ask_where(process, kept)
+            if outcome.limit:
+                return
+
+
+def _ask_where(process, kept):
+    """The address sanitizer answers SIGABRT with the place at which the program is."""
+    process.send_signal(signal.SIGABRT)
+    patience = time.monotonic() + 1
+    while not _has_ended(process) and time.monotonic() < patience and not stop.is_set():
+        _drain(process.stdout, kept)
+        time.sleep(0.01)

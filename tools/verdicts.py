@@ -1,0 +1,126 @@
+"""What became of a test, in plain words: from a run's outcome to a verdict with its reason.
+
+A test passes only when its program exits with 0 and sent back the secret of this very run, which
+the suite does after the test's function has returned. What a program prints is never believed.
+"""
+
+import os
+import re
+import signal
+
+
+class Verdict:
+    """`reason` is one or two lines, `place` a file and line or "", `details` all that was said."""
+
+    def __init__(self, passed, reason="", place="", details="", seconds=0.0):
+        self.passed, self.reason, self.place = passed, reason, place
+        self.details, self.seconds = details, seconds
+
+
+# What the sanitizers call it, and what it is.
+_CRASHES = [
+    ("stack-overflow", "ran out of stack: endless recursion, or a very large local array?"),
+    ("heap-buffer-overflow", "goes beyond the end of allocated memory"),
+    ("stack-buffer-overflow", "goes beyond the end of a local array"),
+    ("stack-buffer-underflow", "goes before the beginning of a local array"),
+    ("dynamic-stack-buffer-overflow", "goes beyond the end of a local array"),
+    ("global-buffer-overflow", "goes beyond the end of a constant or static array"),
+    ("heap-use-after-free", "uses memory after it was freed"),
+    ("stack-use-after-scope", "uses a local variable that no longer exists"),
+    ("stack-use-after-return", "uses a local variable of a function that has returned"),
+    ("attempting double-free", "frees the same memory twice"),
+    ("attempting free on address", "frees what was not allocated"),
+    ("alloc-dealloc-mismatch", "frees memory in another way than it was allocated"),
+    ("negative-size-param", "copies a negative number of bytes"),
+    ("param-overlap", "copies between places that overlap"),
+    ("FPE", "divides an integer by zero"),
+    ("ILL", "met an instruction that ends the program"),
+    ("BUS", "uses memory that is not there"),
+    ("ABRT", "called abort, or an assertion failed"),
+]
+
+
+def _place_in_unit(text, unit):
+    """Returns "file:line, in function" of the innermost place in the unit, or ""."""
+    name = re.escape(os.path.basename(unit.path))
+    for match in re.finditer(rf"^ *#\d+ 0x[0-9a-f]+ in (\S+) \S*?{name}:(\d+)", text, re.MULTILINE):
+        return f"{unit.shown}:{match.group(2)}, in {match.group(1)}"
+    return ""
+
+
+def _crash(text, unit):
+    """Returns (reason, place) for a sanitizer's report, or None."""
+    behaviour = re.search(r"^(\S+?):(\d+):\d+: runtime error: (.*)$", text, re.MULTILINE)
+    if behaviour:
+        path, line, what = behaviour.groups()
+        return f"undefined behaviour: {what}", _place_in_unit(text, unit) or f"{path}:{line}"
+    report = re.search(r"ERROR: AddressSanitizer:? (.*)", text)
+    if not report:
+        return None
+    what = report.group(1)
+    words = next((words for name, words in _CRASHES if what.startswith(name)), None)
+    if what.startswith("SEGV"):
+        null = re.search(r"address 0x0000000000[0-9a-f]{2}\b|zero page", text)
+        words = "uses a NULL pointer" if null else "uses a pointer to nowhere"
+    return f"crashed: it {words} ({what.split(' on ')[0]})" if words else f"crashed: {what}", (
+        _place_in_unit(text, unit)
+    )
+
+
+def _failed_claim(text):
+    """Returns (message, place) of a claim that the suite found false, or None."""
+    lines = text.splitlines()
+    for number, line in enumerate(lines):
+        if re.match(r"not ok 1 - ", line):
+            after = " ".join(lines[number + 1:number + 3])
+            place = re.search(r"# (\S+:\d+): error: Failure!", after)
+            said = [part for part in lines[:number] if part and not re.match(r"1\.\.1$|# ", part)]
+            return "\n".join(said[-6:]) or "failed", place.group(1) if place else ""
+    return None
+
+
+_LIMITS = {
+    "memory": "used more than {megabytes} MB of memory, and was stopped",
+    "output": "printed megabytes of output, and was stopped: is there a print in a loop?",
+    "processes": "started too many processes, and was stopped",
+    "stopped": "was stopped before it ended",
+}
+
+
+def judge(outcome, unit, seconds, megabytes):
+    """Returns the Verdict on the run of one test."""
+
+    def fail(reason, place=""):
+        return Verdict(False, reason, place, outcome.output, outcome.seconds)
+
+    text = outcome.output
+    if outcome.limit == "seconds":
+        where = _place_in_unit(text, unit)
+        return fail(f"did not end within {seconds:g} seconds: an endless loop?", where and f"was at {where}")
+    if outcome.limit:
+        return fail(_LIMITS[outcome.limit].format(megabytes=megabytes))
+    if outcome.status == 0 and outcome.attested:
+        return Verdict(True, details=text, seconds=outcome.seconds)
+    crash, claim = _crash(text, unit), _failed_claim(text)
+    if crash and "LeakSanitizer" not in crash[0]:
+        return fail(*crash)
+    if claim and outcome.status and not outcome.attested:
+        verdict = fail(*claim)
+        # A test that fails leaves its memory as it is; that is nobody's fault.
+        verdict.details = re.split(r"\n=+\n==\d+==ERROR: LeakSanitizer", text)[0]
+        return verdict
+    leak = re.search(r"SUMMARY: \w+Sanitizer: (\d+) byte\(s\) leaked in (\d+) alloc", text)
+    if leak and outcome.attested:
+        place = _place_in_unit(text, unit)
+        return fail(f"leaks memory: {leak.group(1)} bytes in {leak.group(2)} allocations were never freed", (
+            place and f"allocated at {place}"
+        ))
+    if outcome.status < 0:
+        return fail(f"crashed: {signal.strsignal(-outcome.status) or -outcome.status}")
+    if outcome.attested:
+        return fail(f"the test was passed, but then the program ended with exit status {outcome.status}")
+    pretends = "; what it printed counts for nothing" if re.search(r"^ok\b", text, re.MULTILINE) else ""
+    return fail(
+        f"the program ended in the middle of the test, with exit status {outcome.status}: does your "
+        f"code call exit?{pretends}"
+    )

@@ -1,0 +1,119 @@
+#!/usr/bin/env python3
+"""Makes a workbook: a folder of the student's own with a starter for every feature.
+
+A file that the student changed is never touched. What was generated is remembered by its hash in
+the folder's .workbook, so that a starter nobody has changed is renewed with the kit.
+"""
+
+import argparse
+import hashlib
+import os
+import sys
+
+from assignments import ToolError, read_features
+from regions import RegionError, starter_of
+from results import write_whole
+
+MANIFEST = ".workbook"
+
+README = """\
+This is your workbook: one C file for each assignment, yours to change.
+
+{assignments}
+
+In raykit's folder, with this folder as IMPL:
+
+    make check-{first} IMPL={folder}       tests one assignment, and says what to work on first
+    make watch-{first} IMPL={folder}       the same again whenever you save; Ctrl-C ends it
+    make debug-{first} IMPL={folder}       the first failing test in gdb, stopped in your code
+    make diff-{first} IMPL={folder}        what you have changed since the starter
+    make progress IMPL={folder}       all assignments with their points
+    make report IMPL={folder}         the report, its pictures drawn by your code
+
+Start with {first}.c and its chapter, {chapter}: read, run the check, solve the step that it names,
+and run it again. A file that is not here is replaced by the kit's own where something needs it.
+make workbook DIR={folder} brings new assignments later, and leaves alone what you have changed.
+"""
+
+
+def _digest(text):
+    return hashlib.sha256(text.encode()).hexdigest()
+
+
+def _read_manifest(path):
+    try:
+        with open(path, encoding="utf-8") as file:
+            return dict(reversed(line.split()) for line in file if len(line.split()) == 2)
+    except FileNotFoundError:
+        return {}
+
+
+def _put(path, text, generated, said):
+    """Writes the file unless the student changed it; says what was done."""
+    name = os.path.basename(path)
+    if not os.path.lexists(path):
+        write_whole(path, text)
+        said.append(f"wrote    {name}")
+    else:
+        try:
+            with open(path, encoding="utf-8", errors="surrogateescape", newline="") as file:
+                present = file.read()
+        except OSError as error:
+            said.append(f"kept     {name}, which cannot be read: {error.strerror}")
+            return
+        digest = hashlib.sha256(present.encode("utf-8", "surrogateescape")).hexdigest()
+        if present == text:
+            said.append(f"kept     {name}, as it was generated")
+        elif digest == generated.get(name) and not os.path.islink(path):
+            write_whole(path, text)
+            said.append(f"renewed  {name}, a starter that you have not changed")
+        else:
+            newer = name in generated and generated[name] != _digest(text)
+            said.append(f"kept     {name}, which you have changed" + ("; its starter is newer" if newer else ""))
+            return
+    generated[name] = _digest(text)
+
+
+def make_workbook(source, folder):
+    """Puts starters and a README.txt into the folder. Returns a line for each file."""
+    if not folder:
+        raise ToolError("say where: make workbook DIR=mine")
+    real, inside = os.path.realpath(folder), os.path.realpath(os.path.join(source, "src"))
+    if os.path.commonpath([real, inside]) == inside:
+        raise ToolError(f"DIR: {folder} lies in the kit's own src/; choose a folder of your own, say DIR=mine")
+    if os.path.lexists(folder) and not os.path.isdir(folder):
+        raise ToolError(f"DIR: {folder} is a file; choose another name")
+    features = read_features(source)
+    files = {feature.stem + ".c": starter_of(feature.reference) for feature in features.values()}
+    first = next(iter(features.values()))
+    files["README.txt"] = README.format(
+        assignments="\n".join(f"    {f.stem + '.c':<24}chapter {f.chapter}" for f in features.values()),
+        first=first.stem, chapter=first.chapter, folder=folder.rstrip("/") or "/",
+    )
+    os.makedirs(folder, exist_ok=True)
+    manifest, said = os.path.join(folder, MANIFEST), []
+    generated = _read_manifest(manifest)
+    for name, text in files.items():
+        _put(os.path.join(folder, name), text, generated, said)
+    write_whole(manifest, "".join(f"{digest}  {name}\n" for name, digest in sorted(generated.items())))
+    return said + [f"next: make check-{first.stem} IMPL={folder}"]
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
+    parser.add_argument("folder", metavar="DIR", help="the workbook")
+    arguments = parser.parse_args()
+    try:
+        print("\n".join(make_workbook(arguments.source, arguments.folder)))
+    except (ToolError, RegionError) as error:
+        print(f"workbook: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"workbook: {error.filename}: {error.strerror}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
