@@ -51,6 +51,10 @@
     rk_check(strstr((error).text, part) != NULL, "the error should name \"%s\", but says: %s",     \
              part, (error).text)
 
+/* How often memory was asked for so far, where that can be counted. */
+extern size_t rk_allocations;
+extern const bool rk_allocations_are_counted;
+
 typedef struct rk_suite {
     const char *name;
     const struct CMUnitTest *tests;

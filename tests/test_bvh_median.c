@@ -556,75 +556,25 @@ static void a_ray_of_nan_misses(void **state)
 }
 
 /* A solution that allocates for each ray is right but slow, and its threads wait for each other in
- * malloc. So calls are counted: by glibc's malloc under our own, or by the hook that a sanitizer's
- * offers (gcc and clang say differently that there is one). */
-static size_t allocations;
-
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define RK_MALLOC_HAS_HOOK
-#endif
-#endif
-#if defined(RK_MALLOC_HAS_HOOK) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-void __sanitizer_malloc_hook(const volatile void *memory, size_t size);
-void __sanitizer_malloc_hook(const volatile void *memory, size_t size)
-{
-    (void)memory, (void)size;
-    allocations++;
-}
-enum { ALLOCATIONS_ARE_COUNTED = 1 };
-#elif defined(__GLIBC__)
-extern void *__libc_malloc(size_t size);
-extern void *__libc_calloc(size_t count, size_t size);
-extern void *__libc_realloc(void *old, size_t size);
-extern void *__libc_memalign(size_t alignment, size_t size);
-
-void *malloc(size_t size)
-{
-    allocations++;
-    return __libc_malloc(size);
-}
-
-void *calloc(size_t count, size_t size)
-{
-    allocations++;
-    return __libc_calloc(count, size);
-}
-
-void *realloc(void *old, size_t size)
-{
-    allocations++;
-    return __libc_realloc(old, size);
-}
-
-void *aligned_alloc(size_t alignment, size_t size)
-{
-    allocations++;
-    return __libc_memalign(alignment, size);
-}
-enum { ALLOCATIONS_ARE_COUNTED = 1 };
-#else
-enum { ALLOCATIONS_ARE_COUNTED = 0 };
-#endif
-
+ * malloc. */
 static void a_ray_allocates_no_memory(void **state)
 {
     (void)state;
     rk_mesh mesh = make_soup(1000, 0.1f, 12);
-    size_t before = allocations;
+    size_t before = rk_allocations;
     rk_bvh bvh = build(&mesh);
-    rk_check(!ALLOCATIONS_ARE_COUNTED || allocations > before,
+    rk_check(!rk_allocations_are_counted || rk_allocations > before,
              "building allocates, but no call was counted: this test cannot tell");
     rk_box bounds = rk_mesh_bounds(&mesh);
     rk_counters counters = {0};
     uint32_t hits = 0;
-    before = allocations;
+    before = rk_allocations;
     for (uint32_t i = 0; i < 100; i++) {
         rk_ray ray = make_ray(i, 13, bounds);
         hits += rk_bvh_closest(&bvh, &ray, &counters).triangle != RK_MISS;
         hits += rk_bvh_any(&bvh, &ray, &counters);
     }
-    rk_check_equal(allocations - before, 0,
+    rk_check_equal(rk_allocations - before, 0,
                    "200 queries: keep the stack in an array of RK_BVH_LEVELS_MAX entries");
     rk_check(hits > 0, "got 0 hits by 200 queries, want some: nothing is searched yet");
     rk_bvh_free(&bvh);

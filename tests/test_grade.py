@@ -74,7 +74,7 @@ bool {any_name}(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
 
 # claim: (unit, test, part of the reason); each must fail, with this reason.
 BAD = {
-    "a wrong answer is told by the claim": (unit(""), ONE, "rk_bvh_validate"),
+    "a wrong answer is told by the claim": (unit(""), ONE, "is not sound"),
     "a NULL pointer is named, with its line": (
         unit("*nowhere = 1;", "static volatile int *volatile nowhere;"), ONE, "NULL pointer"
     ),

@@ -169,8 +169,10 @@ def link_suite(toolchain, unit, objects, folder, sanitize, output=None):
     """Links the suite of the unit's feature with these objects. Returns the program's path."""
     stem = unit.feature.stem
     output = output or os.path.join(folder, "test_" + stem)
-    command = [*toolchain.compiler, *sanitize, *toolchain.link_flags,
-               toolchain.built(f"tests/test_{stem}.o"), *objects, toolchain.built("librktest.a"),
+    # What counts allocations must be built like the program, so not the archive's copy of it.
+    counter = os.path.join(toolchain.source, "tests", "count_allocations.c")
+    command = [*toolchain.compiler, *sanitize, *toolchain.flags, *toolchain.link_flags,
+               toolchain.built(f"tests/test_{stem}.o"), *objects, counter, toolchain.built("librktest.a"),
                toolchain.built("librkbase.a"), *toolchain.libraries, "-o", output]
     outcome = _run_tool(command, folder)
     if outcome.status != 0 or outcome.limit:
