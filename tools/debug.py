@@ -26,8 +26,9 @@ def build_for_debugging(toolchain, feature, features, impl):
     if warnings:
         print(warnings, file=sys.stderr)
     building.keep_interface(toolchain, feature, path)
-    objects = [path] + [toolchain.built(f"src/features/{need}.o") for need in feature.needs]
-    program = building.link_suite(toolchain, unit, objects, folder, toolchain.base_sanitize)
+    needed = [reference_unit(features[stem]) for stem in feature.needs]
+    objects = [path] + [toolchain.built(f"src/features/{stem}.o") for stem in feature.needs]
+    program = building.link_suite(toolchain, [unit, *needed], objects, folder, toolchain.base_sanitize)
     script = os.path.join(folder, feature.stem + ".gdb")
     with open(script, "w", encoding="utf-8") as file:
         file.write(f"source {toolchain.source}/tools/gdb_raykit.py\n")

@@ -89,7 +89,7 @@ def build(toolchain, suite, needed_units):
             objects.append(path)
             suite.warnings += warnings if unit is suite.unit else ""
         suite.program = building.link_suite(
-            toolchain, suite.unit, objects, suite.folder, toolchain.sanitize
+            toolchain, [suite.unit, *needed_units], objects, suite.folder, toolchain.sanitize
         )
     except building.BuildError as error:
         suite.give_up(error.reason, error.details)
