@@ -84,7 +84,9 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
                "-c", unit.path, "-o", output]
     outcome = _run_tool(command, folder)
     if outcome.limit:
-        raise BuildError(f"{unit.shown} could not be compiled: the compiler took more than its {outcome.limit}")
+        raise BuildError(
+            f"{unit.shown} could not be compiled: the compiler took more than its {outcome.limit}"
+        )
     if outcome.status != 0:
         first = next((line for line in outcome.output.splitlines() if "error:" in line), None)
         reason = f"does not compile: {first}" if first else f"{unit.shown} does not compile"

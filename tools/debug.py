@@ -53,7 +53,9 @@ def _first_failing(build, feature, impl, test):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stem", metavar="STEM")
-    parser.add_argument("--impl", default="", metavar="FILE_OR_DIR", help="the work; none means the reference")
+    parser.add_argument(
+        "--impl", default="", metavar="FILE_OR_DIR", help="the work; none means the reference"
+    )
     parser.add_argument("--build", default=".", metavar="DIR")
     parser.add_argument("--test", metavar="NAME", help="the test to run; none means the first that fails")
     parser.add_argument("--prepare", action="store_true", help="only build, for an editor's debugger")
@@ -80,7 +82,8 @@ def main():
         return 1
     except KeyboardInterrupt:
         return 130
-    print(f"{unit.shown}, test {test}; in gdb: n(ext), s(tep), p(rint) NAME, bt, c(ontinue), q(uit)", flush=True)
+    keys = "n(ext), s(tep), p(rint) NAME, bt, c(ontinue), q(uit)"
+    print(f"{unit.shown}, test {test}; in gdb: {keys}", flush=True)
     os.environ["CMOCKA_MESSAGE_OUTPUT"] = "TAP"
     # set startup-with-shell off: neither quoting nor a shell's start files come between.
     os.execv(debugger, [debugger, "-q", "-ex", "set startup-with-shell off", "-x", script, "-ex", "run",
