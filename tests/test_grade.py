@@ -80,7 +80,7 @@ BAD = {
     ),
     "an array overrun is named, with its line": (
         unit("volatile uint32_t *few = malloc(4 * sizeof *few);\n    few[count + 3] = 1;\n    free((void *)few);"),
-        ONE, "goes beyond the end",
+        ONE, "goes beyond",
     ),
     "endless recursion is guessed, with its line": (
         unit("count += deeper(count);",
@@ -109,6 +109,15 @@ BAD = {
     ),
     "exit before main is refused": (
         unit("", "__attribute__((constructor)) static void early(void)\n{\n    exit(0);\n}"), ONE, "constructor"
+    ),
+    "a section that runs before main is refused": (
+        unit("", "static void early(void)\n{\n    exit(0);\n}\n"
+             '__attribute__((section(".preinit_array"), used)) static void (*entry)(void) = early;'), ONE, "constructor"
+    ),
+    "a function chosen while loading is refused": (
+        unit("", "static int plain(void)\n{\n    return 1;\n}\n"
+             "static int (*choose(void))(void)\n{\n    return plain;\n}\n"
+             'int chosen(void) __attribute__((ifunc("choose"), used));'), ONE, "constructor"
     ),
     "a unit may not include the reference": ('#include "features/bvh_median.c"\n', ONE, "includes"),
     "a child that stays behind does not hold up the verdict": (

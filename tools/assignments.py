@@ -127,7 +127,9 @@ def check_impl(features, impl, stems):
                 f"make workbook DIR={impl} puts the starters there"
             )
     elif not os.path.exists(impl):
-        raise ToolError(f"IMPL: there is no file or folder {impl}; make workbook DIR=mine makes a folder to start in")
+        raise ToolError(
+            f"IMPL: there is no file or folder {impl}; make workbook DIR=mine makes a folder to start in"
+        )
     elif not impl.endswith(".c"):
         raise ToolError(f"IMPL: {impl} is no C file; give a file that ends in .c, or a folder")
     elif len(stems) != 1:

@@ -76,15 +76,17 @@ def global_symbols(toolchain, path):
 # --- Compiling ----------------------------------------------------------------------------------
 
 
-def compile_unit(toolchain, unit, folder, extra_flags=(), output=None):
+def compile_unit(toolchain, unit, folder, extra_flags=()):
     """Compiles the unit to an object in `folder`. Returns its path and the compiler's warnings."""
-    output = output or os.path.join(folder, unit.feature.stem + ".o")
+    output = os.path.join(folder, unit.feature.stem + ".o")
     listing = os.path.join(folder, unit.feature.stem + ".included")
     command = [*toolchain.compiler, *toolchain.flags, *extra_flags, "-MD", "-MF", listing,
                "-c", unit.path, "-o", output]
     outcome = _run_tool(command, folder)
     if outcome.limit:
-        raise BuildError(f"{unit.shown} could not be compiled: the compiler took more than its {outcome.limit}")
+        raise BuildError(
+            f"{unit.shown} could not be compiled: the compiler took more than its {outcome.limit}"
+        )
     if outcome.status != 0:
         first = next((line for line in outcome.output.splitlines() if "error:" in line), None)
         reason = f"does not compile: {first}" if first else f"{unit.shown} does not compile"
@@ -123,10 +125,15 @@ def _check_included(toolchain, unit, listing):
 def check_no_early_code(toolchain, unit, path):
     """Code that runs before main or after it could speak for the tests; only the sanitizer's own
     may."""
-    command = [toolchain.tools["objdump"], "-r", path]
+    command = [toolchain.tools["objdump"], "-h", "-r", "-t", path]
     answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    if answer.returncode:
+        raise ToolError(f"{command[0]} could not read {path}: {answer.stderr.strip()}")
     counts, section = {}, ""
     for line in answer.stdout.splitlines():
+        # Sections that run as they are, and functions that are chosen when the program is loaded.
+        if re.match(r" *\d+ \.(init|fini) ", line) or re.match(r"[0-9a-f]{8,} .{4}i", line):
+            counts["preloaded"] = 1
         heading = re.match(r"RELOCATION RECORDS FOR \[(.*)\]:", line)
         if heading:
             section = heading.group(1)
@@ -165,10 +172,11 @@ def link(toolchain, output, parts, folder):
         raise BuildError(f"{os.path.basename(output)} could not be linked", outcome.output)
 
 
-def link_suite(toolchain, unit, objects, folder, sanitize, output=None):
-    """Links the suite of the unit's feature with these objects. Returns the program's path."""
-    stem = unit.feature.stem
-    output = output or os.path.join(folder, "test_" + stem)
+def link_suite(toolchain, units, objects, folder, sanitize):
+    """Links the suite of the first unit's feature with the units' objects. Returns the program's
+    path."""
+    stem = units[0].feature.stem
+    output = os.path.join(folder, "test_" + stem)
     # What counts allocations must be built like the program, so not the archive's copy of it.
     counter = os.path.join(toolchain.source, "tests", "count_allocations.c")
     command = [*toolchain.compiler, *sanitize, *toolchain.flags, *toolchain.link_flags,
@@ -176,17 +184,20 @@ def link_suite(toolchain, unit, objects, folder, sanitize, output=None):
                toolchain.built("librkbase.a"), *toolchain.libraries, "-o", output]
     outcome = _run_tool(command, folder)
     if outcome.status != 0 or outcome.limit:
-        interface = global_symbols(toolchain, toolchain.built(f"src/features/{stem}.o"))
-        raise BuildError(_why_not_linked(outcome.output, unit, interface), outcome.output)
+        raise BuildError(_why_not_linked(toolchain, outcome.output, units), outcome.output)
     return output
 
 
-def _why_not_linked(said, unit, interface):
-    names = re.findall(r"undefined (?:reference to|symbol:) [`'\"]?(\w+)", said)
-    missing = [name for name in dict.fromkeys(names) if name in interface]
-    unknown = [name for name in dict.fromkeys(names) if name not in interface]
-    if missing:
-        return f"your file does not define {' and '.join(missing)}, which the suite calls"
-    if unknown:
-        return f"your file uses {' and '.join(unknown)}, which nothing defines"
-    return f"{unit.shown} could not be linked with its suite"
+def _why_not_linked(toolchain, said, units):
+    names = list(dict.fromkeys(
+        re.findall(r"undefined (?:reference to|symbol:) [`'\"]?(\w+)", said)
+    ))
+    for unit in units:
+        interface = global_symbols(toolchain, toolchain.built(f"src/features/{unit.feature.stem}.o"))
+        missing = [name for name in names if name in interface]
+        if missing:
+            whose = "your file" if unit is units[0] else unit.shown
+            return f"{whose} does not define {' and '.join(missing)}, which the suite calls"
+    if names:
+        return f"your file uses {' and '.join(names)}, which nothing defines"
+    return f"{units[0].shown} could not be linked with its suite"

@@ -26,8 +26,9 @@ def build_for_debugging(toolchain, feature, features, impl):
     if warnings:
         print(warnings, file=sys.stderr)
     building.keep_interface(toolchain, feature, path)
-    objects = [path] + [toolchain.built(f"src/features/{need}.o") for need in feature.needs]
-    program = building.link_suite(toolchain, unit, objects, folder, toolchain.base_sanitize)
+    needed = [reference_unit(features[stem]) for stem in feature.needs]
+    objects = [path] + [toolchain.built(f"src/features/{stem}.o") for stem in feature.needs]
+    program = building.link_suite(toolchain, [unit, *needed], objects, folder, toolchain.base_sanitize)
     script = os.path.join(folder, feature.stem + ".gdb")
     with open(script, "w", encoding="utf-8") as file:
         file.write(f"source {toolchain.source}/tools/gdb_raykit.py\n")
@@ -52,7 +53,9 @@ def _first_failing(build, feature, impl, test):
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stem", metavar="STEM")
-    parser.add_argument("--impl", default="", metavar="FILE_OR_DIR", help="the work; none means the reference")
+    parser.add_argument(
+        "--impl", default="", metavar="FILE_OR_DIR", help="the work; none means the reference"
+    )
     parser.add_argument("--build", default=".", metavar="DIR")
     parser.add_argument("--test", metavar="NAME", help="the test to run; none means the first that fails")
     parser.add_argument("--prepare", action="store_true", help="only build, for an editor's debugger")
@@ -79,7 +82,8 @@ def main():
         return 1
     except KeyboardInterrupt:
         return 130
-    print(f"{unit.shown}, test {test}; in gdb: n(ext), s(tep), p(rint) NAME, bt, c(ontinue), q(uit)", flush=True)
+    keys = "n(ext), s(tep), p(rint) NAME, bt, c(ontinue), q(uit)"
+    print(f"{unit.shown}, test {test}; in gdb: {keys}", flush=True)
     os.environ["CMOCKA_MESSAGE_OUTPUT"] = "TAP"
     # set startup-with-shell off: neither quoting nor a shell's start files come between.
     os.execv(debugger, [debugger, "-q", "-ex", "set startup-with-shell off", "-x", script, "-ex", "run",

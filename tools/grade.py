@@ -89,7 +89,7 @@ def build(toolchain, suite, needed_units):
             objects.append(path)
             suite.warnings += warnings if unit is suite.unit else ""
         suite.program = building.link_suite(
-            toolchain, suite.unit, objects, suite.folder, toolchain.sanitize
+            toolchain, [suite.unit, *needed_units], objects, suite.folder, toolchain.sanitize
         )
     except building.BuildError as error:
         suite.give_up(error.reason, error.details)
@@ -163,12 +163,13 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES):
 def _arguments():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; none means all of them")
-    parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR", help="the work: a C file, or a folder with STEM.c")
-    parser.add_argument("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
-    parser.add_argument("--format", choices=sorted(results.FORMATS), default="text", help="of the report")
-    parser.add_argument("--out", metavar="FILE", help="write the report there instead of standard output")
-    parser.add_argument("--test", metavar="NAME", help="only this test")
-    parser.add_argument("--fallback", action="store_true", help="where DIR has no unit, try the reference, without points")
+    add = parser.add_argument
+    add("--impl", required=True, metavar="FILE_OR_DIR", help="a C file, or a folder with STEM.c")
+    add("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
+    add("--format", choices=sorted(results.FORMATS), default="text", help="of the report")
+    add("--out", metavar="FILE", help="write the report there instead of standard output")
+    add("--test", metavar="NAME", help="only this test")
+    add("--fallback", action="store_true", help="for units that are not there run the reference, without points")
     return parser.parse_args()
 
 
@@ -184,7 +185,8 @@ def prepare_suites(features, chosen, impl, fallback, only=None):
             raise ToolError(f"{feature.stem} has no scored test {only}; see {feature.points_table}")
         unit = units[feature.stem]
         absent = unit.path is None
-        suite = Suite(feature, reference_unit(feature) if absent and fallback else unit, tests, absent and fallback)
+        stand_in = absent and fallback
+        suite = Suite(feature, reference_unit(feature) if stand_in else unit, tests, stand_in)
         if absent and not fallback:
             suite.give_up(f"there is no {unit.shown}")
         suites.append(suite)

@@ -54,7 +54,8 @@ def _text_of_failures(suite):
     first = failed[0]
     if suite.problem:
         details = _details(suite.verdicts[first.name]).strip().split("\n")
-        return [f"      {_printable(suite.problem)}"] + [f"          {line}" for line in details[:20] if line]
+        said = [f"          {line}" for line in details[:20] if line]
+        return [f"      {_printable(suite.problem)}", *said]
     lines = [f"      work on this one first: {first.name} ({first.points} points)"]
     lines += [f"          {line}" for line in _explained(suite, first)]
     if len(failed) > 1:
@@ -71,9 +72,8 @@ def _whose(suite):
     return "  (this is the reference, which earns no points)" if suite.unit.is_reference else ""
 
 
-def text(suites, _impl):
+def text(suites, _impl, colours=False):
     """As `make check` speaks: a line for a suite, and what to do next."""
-    colours = sys.stdout.isatty()
     lines = []
     for suite in suites:
         if suite.warnings:
@@ -189,7 +189,10 @@ def write_whole(path, content):
 
 def write(suites, format_name, impl, path=None):
     """Writes the report in this format to a file, or to standard output."""
-    report = FORMATS[format_name](suites, impl)
+    if format_name == "text" and not path:
+        report = text(suites, impl, sys.stdout.isatty())
+    else:
+        report = FORMATS[format_name](suites, impl)
     if path:
         write_whole(path, report)
         total = f"{sum(suite.points() for suite in suites)} of {sum(suite.points_max() for suite in suites)}"

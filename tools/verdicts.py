@@ -53,6 +53,10 @@ def _crash(text, unit):
     behaviour = re.search(r"^(\S+?):(\d+):\d+: runtime error: (.*)$", text, re.MULTILINE)
     if behaviour:
         path, line, what = behaviour.groups()
+        if "null pointer" in what:
+            what = f"it uses a NULL pointer ({what})"
+        elif "insufficient space" in what:
+            what = f"it goes beyond the end of what it points to ({what})"
         return f"undefined behaviour: {what}", _place_in_unit(text, unit) or f"{path}:{line}"
     report = re.search(r"ERROR: AddressSanitizer:? (.*)", text)
     if not report:

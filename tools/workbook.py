@@ -69,7 +69,8 @@ def _put(path, text, generated, said):
             said.append(f"renewed  {name}, a starter that you have not changed")
         else:
             newer = name in generated and generated[name] != _digest(text)
-            said.append(f"kept     {name}, which you have changed" + ("; its starter is newer" if newer else ""))
+            more = "; its starter is newer" if newer else ""
+            said.append(f"kept     {name}, which you have changed{more}")
             return
     generated[name] = _digest(text)
 
@@ -80,7 +81,9 @@ def make_workbook(source, folder):
         raise ToolError("say where: make workbook DIR=mine")
     real, inside = os.path.realpath(folder), os.path.realpath(os.path.join(source, "src"))
     if os.path.commonpath([real, inside]) == inside:
-        raise ToolError(f"DIR: {folder} lies in the kit's own src/; choose a folder of your own, say DIR=mine")
+        raise ToolError(
+            f"DIR: {folder} lies in the kit's own src/; choose a folder of your own, say DIR=mine"
+        )
     if os.path.lexists(folder) and not os.path.isdir(folder):
         raise ToolError(f"DIR: {folder} is a file; choose another name")
     features = read_features(source)
