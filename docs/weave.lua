@@ -63,10 +63,15 @@ local function file_line(element, file, line)
   return pandoc.Link({pandoc.Code(file), pandoc.Str(", line " .. line)}, weave.link_to_file(file, element))
 end
 
+-- A name that may go on in the next line behind each underscore.
+local function breakable(name)
+  return pandoc.RawInline("html", "<code>" .. name:gsub("_", "_<wbr>") .. "</code>")
+end
+
 local function code_inline(element)
   local class = element.classes[1]
   if class == "code" or class == "test" then
-    return pandoc.Link({pandoc.Code(element.text)}, "#" .. class .. "-" .. element.text, "",
+    return pandoc.Link({breakable(element.text)}, "#" .. class .. "-" .. element.text, "",
       {["data-pos"] = element.attributes["data-pos"]})
   elseif class then
     fail("%s: there is no directive called .%s", place(element), class)
@@ -105,7 +110,8 @@ local function listing(block)
   if own and not solutions then
     content[3] = pandoc.Div({pandoc.Plain("Yours to write.")}, {class = "yours"})
   end
-  return pandoc.Div(content, {class = "listing"})
+  local _, line_ends = content[2].text:gsub("\n", "")
+  return pandoc.Div(content, {class = line_ends > 22 and "listing long" or "listing"})
 end
 
 local known_languages = {c = true, sh = true, text = true}
