@@ -268,6 +268,7 @@ local function plot(div)
   for _, scene in ipairs(wanted_scenes(div, false)) do wanted[scene] = true end
   local data, lines, unit = {}, {}, nil
   for i, metric in ipairs(names) do
+    local rows = #data + 1
     data[#data + 1] = "$data" .. i .. " << EOD"
     for _, row in ipairs(read_table(div)) do
       if row.metric == metric and wanted[row.scene] then
@@ -275,6 +276,7 @@ local function plot(div)
         unit = row.unit
       end
     end
+    if #data == rows then fail("%s: the driver measured no %s", place(div), metric) end
     data[#data + 1] = "EOD"
     lines[#lines + 1] = string.format("$data%d using 1:2 with linespoints linestyle %d title %q", i, i,
       (metric:gsub("_", " ")))
@@ -376,17 +378,17 @@ function weave.directives(own)
     Link = resolve}
 end
 
--- A wrapper in which pandoc put something only to say where it stands.
-local function unwrap(element)
-  element.attributes["data-pos"] = nil
-  if element.identifier == "" and #element.classes == 0 and #element.attributes == 0 then
-    return element.content
-  end
+local function forget(element)
+  while element.attributes["data-pos"] do element.attributes["data-pos"] = nil end -- lists have two
   return element
 end
 
-local function forget(element)
-  element.attributes["data-pos"] = nil
+-- A wrapper in which pandoc put something only to say where it stands.
+local function unwrap(element)
+  forget(element)
+  if element.identifier == "" and #element.classes == 0 and #element.attributes == 0 then
+    return element.content
+  end
   return element
 end
 
