@@ -1,0 +1,256 @@
+-- Weaves the book: a pandoc filter that puts the real code, tests, figures and numbers into the
+-- chapters. Beside the directives of tools/weave/weave.lua there are here:
+--
+--   ``` {.code file=src/features/bvh_median.c name=select_lowest}
+--   The caption, in Markdown; may be empty.
+--   ```
+-- becomes the definition of that name (or of several, one below the other), from the comment above
+-- it to its closing brace, with a link to its file. `select_lowest`{.code} links to it.
+--
+--   ::: {.claims stem=bvh_median}
+--   :::
+-- becomes the list of the suite's tests, each of which unfolds into its code, with its points and
+-- the section to read where the assignment has a table of points. `up_to_four_...`{.test} links to
+-- a test there.
+--
+--   ::: {.sketch file=docs/sketches/slabs.svg}
+--   The caption.
+--   :::
+-- takes a drawing into the page itself, where it follows the reader's colours.
+--
+--   ::: {.output driver=bvh_median args="--scene cornell --pixel 400,300"}
+--   The caption.
+--   :::
+-- shows what a driver prints.
+--
+-- Metadata: solutions=no shows starters in the places of solutions. Environment: RAYKIT_NODE and
+-- RAYKIT_KATEX (its folder) for formulas; without them they stay pandoc's affair.
+
+local tools = os.getenv("RAYKIT_SOURCE") .. "/tools/weave/"
+local weave = dofile(tools .. "weave.lua")
+local code = dofile(tools .. "code.lua")
+local fail, place, need = weave.fail, weave.place, weave.need
+
+local solutions = true
+local names = {} -- of anchors that are set already
+
+local function settings(meta)
+  local given = meta.solutions and pandoc.utils.stringify(meta.solutions) or "yes"
+  if given ~= "yes" and given ~= "no" then fail("solutions=%s: it is yes or no", given) end
+  solutions = given == "yes"
+end
+
+-- The name, the first time that it is asked for: an anchor can stand in one place only.
+local function anchor(name)
+  if names[name] then return "" end
+  names[name] = true
+  return name
+end
+
+local function caption_of(blocks)
+  return pandoc.Div({pandoc.Plain(pandoc.utils.blocks_to_inlines(blocks))}, {class = "caption"})
+end
+
+-- --- code and tests --------------------------------------------------------------------------
+
+local function definition(element, file, name)
+  local found, wrong = code.find(weave.source .. "/" .. file, file, name, solutions)
+  if not found then fail("%s: %s", place(element), wrong) end
+  return found
+end
+
+local function file_line(element, file, line)
+  return pandoc.Link({pandoc.Code(file), pandoc.Str(", line " .. line)}, weave.link_to_file(file, element))
+end
+
+-- A name that may go on in the next line behind each underscore.
+local function breakable(name)
+  return pandoc.RawInline("html", "<code>" .. name:gsub("_", "_<wbr>") .. "</code>")
+end
+
+local function code_inline(element)
+  local class = element.classes[1]
+  if class == "code" or class == "test" then
+    return pandoc.Link({breakable(element.text)}, "#" .. class .. "-" .. element.text, "",
+      {["data-pos"] = element.attributes["data-pos"]})
+  elseif class then
+    fail("%s: there is no directive called .%s", place(element), class)
+  end
+end
+
+-- A caption that stands where Markdown is not read, in a code block.
+local function inlines_of(block)
+  local function placed(directive)
+    return function(element)
+      element.attributes["data-pos"] = block.attributes["data-pos"]
+      return directive(element)
+    end
+  end
+  local inlines = pandoc.utils.blocks_to_inlines(pandoc.read(block.text, "commonmark_x").blocks)
+  return pandoc.Plain(inlines):walk({Code = placed(code_inline), Link = placed(weave.resolve)}).content
+end
+
+local function listing(block)
+  local file = need(block, "file")
+  local texts, first, own, anchors = {}, nil, false, pandoc.List()
+  for name in need(block, "name"):gmatch("%S+") do
+    local found = definition(block, file, name)
+    texts[#texts + 1] = found.text
+    first, own = first or found.line, own or found.own
+    local id = anchor("code-" .. name)
+    if id ~= "" then anchors:insert(pandoc.Span({}, {id = id})) end
+  end
+  local top = pandoc.List(anchors)
+  top:insert(pandoc.Span({file_line(block, file, first)}, {class = "from"}))
+  top:extend(inlines_of(block))
+  local content = {
+    pandoc.Div({pandoc.Plain(top)}, {class = "caption"}),
+    pandoc.CodeBlock(table.concat(texts, "\n\n"), {class = "c"}),
+  }
+  if own and not solutions then
+    content[3] = pandoc.Div({pandoc.Plain("Yours to write.")}, {class = "yours"})
+  end
+  local _, line_ends = content[2].text:gsub("\n", "")
+  return pandoc.Div(content, {class = line_ends > 22 and "listing long" or "listing"})
+end
+
+local known_languages = {c = true, sh = true, text = true}
+
+local function code_block(block)
+  local class = block.classes[1]
+  if class == "code" then return listing(block) end
+  if class and not known_languages[class] then
+    fail("%s: there is no directive called .%s", place(block), class)
+  end
+end
+
+-- Points and sections by test, in the order of the table; empty while there is no table.
+local function read_points(stem)
+  local path = weave.run("ls " .. weave.quote(weave.source) .. "/assignments/*_" .. stem ..
+    "/points.tsv 2>/dev/null || true", {attributes = {}}):match("[^\n]+")
+  local rows = {}
+  if not path then return rows end
+  local at = nil
+  for line in io.lines(path) do
+    local test, points, section = line:match("^([^\t]*)\t([^\t]*)\t#?([^\t]*)$")
+    if not test then fail("%s: this line is not test, points and section: %s", path, line) end
+    if at then rows[test] = {points = points, section = section} end
+    at = true -- the first line is the header
+  end
+  return rows
+end
+
+local function claims(div)
+  local stem = need(div, "stem")
+  local file = "tests/test_" .. stem .. ".c"
+  local tests, wrong = code.tests(weave.source .. "/" .. file, file)
+  if not tests then fail("%s: %s", place(div), wrong) end
+  local points, blocks = read_points(stem), pandoc.List()
+  for _, test in ipairs(tests) do
+    local found = definition(div, file, test)
+    local top = pandoc.List({pandoc.Str((test:gsub("_", " ")))})
+    local bottom = pandoc.List({file_line(div, file, found.line)})
+    if points[test] then
+      top:insert(pandoc.Span(points[test].points .. (points[test].points == "1" and " point" or " points"),
+        {class = "points"}))
+      bottom:extend({pandoc.Str("; explained in "), pandoc.Link("its section", "#" .. points[test].section,
+        "", {["data-pos"] = div.attributes["data-pos"]})})
+      points[test] = nil
+    end
+    blocks:extend({
+      pandoc.RawBlock("html", '<details class="claim" id="' .. anchor("test-" .. test) .. '"><summary>'),
+      pandoc.Plain(top), pandoc.RawBlock("html", "</summary>"),
+      pandoc.CodeBlock(found.text, {class = "c"}),
+      pandoc.Div({pandoc.Plain(bottom)}, {class = "caption"}),
+      pandoc.RawBlock("html", "</details>"),
+    })
+  end
+  local left = next(points)
+  if left then fail("%s: points.tsv names a test that %s does not have: %s", place(div), file, left) end
+  return pandoc.Div(blocks, {class = "claims"})
+end
+
+-- --- sketches and outputs --------------------------------------------------------------------
+
+local function sketch(div)
+  local path = need(div, "file")
+  weave.link_to_file(path, div)
+  local file = io.open(weave.source .. "/" .. path)
+  local drawing = file:read("a")
+  file:close()
+  return pandoc.Div({pandoc.RawBlock("html", drawing), caption_of(div.content)}, {class = "picture sketch"})
+end
+
+local function output(div)
+  local args = need(div, "args")
+  local text = weave.drive(div, args .. " --quiet", weave.out .. "/parts")
+  local command = "$ " .. weave.quote(div.attributes.driver):gsub("'", "") .. " " .. args .. "\n"
+  return pandoc.Div({
+    pandoc.CodeBlock(command .. text:gsub("%s+$", ""), {class = "text"}), caption_of(div.content),
+  }, {class = "listing"})
+end
+
+-- --- formulas --------------------------------------------------------------------------------
+
+local node, katex = os.getenv("RAYKIT_NODE") or "", os.getenv("RAYKIT_KATEX") or ""
+local formulas, places, rendered = pandoc.List(), {}, nil
+
+local function key_of(math)
+  return (math.mathtype == "DisplayMath" and "D" or "I") .. math.text
+end
+
+local collect = {
+  Math = function(math) formulas:insert(key_of(math)) end,
+  Span = function(span)
+    local first = span.content[1]
+    if first and first.t == "Math" then places[key_of(first)] = place(span) end
+  end,
+}
+
+local function render_all()
+  rendered = {}
+  local answers = pandoc.pipe(node, {tools .. "formulas.js", katex}, table.concat(formulas, "\30"))
+  local i = 0
+  for answer in (answers .. "\30"):gmatch("([^\30]*)\30") do
+    i = i + 1
+    if answer:sub(1, 1) ~= "H" then
+      fail("%s: %s", places[formulas[i]] or "a formula", answer:sub(2))
+    end
+    rendered[formulas[i]] = answer:sub(2)
+  end
+end
+
+local function render(math)
+  if katex == "" then return nil end
+  if not rendered then render_all() end
+  return pandoc.RawInline("html", rendered[key_of(math)])
+end
+
+-- --- links within the book ---------------------------------------------------------------------
+
+local function remember(element)
+  if element.identifier ~= "" then names[element.identifier] = true end
+end
+
+local anchors = {Header = remember, Div = remember, Span = remember, CodeBlock = remember}
+
+local function check_link(link)
+  local target = link.target:match("^#(.*)$")
+  if target and not names[target] then
+    fail("%s: nothing in the book is called #%s", place(link), target)
+  end
+end
+
+return {
+  {Meta = settings},
+  collect,
+  {Math = render},
+  weave.directives({
+    Div = {claims = claims, sketch = sketch, output = output},
+    Code = code_inline,
+    CodeBlock = code_block,
+  }),
+  anchors,
+  {Link = check_link},
+  weave.without_places,
+}

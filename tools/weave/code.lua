@@ -1,0 +1,127 @@
+-- Finds definitions in our C files by their names: functions, structs, enums and their constants,
+-- macros, tests. Returns the block from the comment above it to its closing brace, as .clang-format
+-- lays it out: what stands outside of everything begins in the first column and so does its end.
+-- Of the regions that tools/regions.py describes, either the solutions stay or the starters.
+
+local code = {}
+
+local follows = {common = "/* solution */", solution = "/* starter", starter = "end */"}
+local becomes = {["/* solution */"] = "solution", ["/* starter"] = "starter", ["end */"] = "common"}
+
+-- Returns the lines of a file as {number, text, kind} without markers; kind is "common", "solution"
+-- or "starter". Or nil and what is wrong.
+local function read_regions(path, label)
+  local file = io.open(path)
+  if not file then return nil, "there is no file " .. label end
+  local lines, state, number = {}, "common", 0
+  for text in file:lines() do
+    number = number + 1
+    local marker = becomes[text:match("^%s*(.-)%s*$")] and text:match("^%s*(.-)%s*$")
+    if not marker then
+      lines[#lines + 1] = {number = number, text = text, kind = state}
+    elseif marker == follows[state] then
+      state = becomes[marker]
+    else
+      file:close()
+      return nil, string.format('%s:%d: "%s" stands where "%s" should come', label, number, marker,
+        follows[state])
+    end
+  end
+  file:close()
+  if state ~= "common" then
+    return nil, string.format('%s: its last region has no "%s"', label, follows[state])
+  end
+  return lines
+end
+
+-- How many more braces a line opens than it closes, outside of strings and comments.
+local function opened_by(text)
+  text = text:gsub("\\.", ""):gsub('"[^"]*"', ""):gsub("'[^']*'", ""):gsub("/%*.-%*/", "")
+  local _, opening = text:gsub("{", "")
+  local _, closing = text:gsub("}", "")
+  return opening - closing
+end
+
+-- Where the comment, macro or definition that begins in line i ends.
+local function end_of(lines, i)
+  local first, open = lines[i].text, 0
+  for j = i, #lines do
+    local text = lines[j].text
+    if first:find("^/%*") then
+      if text:find("%*/%s*$") then return j end
+    elseif first:find("^#") then
+      if not text:find("\\$") then return j end
+    else
+      open = open + opened_by(text)
+      if open == 0 and (text:find(";%s*$") or text:find("^}")) then return j end
+    end
+  end
+  return #lines
+end
+
+local function text_of(lines, first, last)
+  local list = {}
+  for i = first, last do list[#list + 1] = lines[i].text end
+  return table.concat(list, "\n")
+end
+
+local function defines(block, name)
+  local word = name:gsub("%W", "%%%0")
+  local head = block:match("^[^{;=]*")
+  local before, after = "%f[%w_]" .. word, word .. "%f[^%w_]"
+  return head:find(before .. "%s*%(") or head:find(before .. "%s*%[") or head:find(before .. "%s*$") or
+    head:find("^#define " .. after) or block:find("\n} " .. word .. ";%s*$") or
+    (head:find("^enum") and block:find("%f[%w_]" .. after))
+end
+
+-- Returns {text, line, own} of a definition: its text, the number of the line where it begins (not
+-- its comment), and whether it has lines that are the student's to write. Or nil and what is wrong.
+-- solutions: whether these are shown, or the starters in their places.
+function code.find(path, label, name, solutions)
+  local all, wrong = read_regions(path, label)
+  if not all then return nil, wrong end
+  local lines = {}
+  for _, line in ipairs(all) do
+    if line.kind == "common" or (line.kind == "solution") == solutions then lines[#lines + 1] = line end
+  end
+  local found, i, comment = {}, 1, nil
+  while i <= #lines do
+    local text, last = lines[i].text, end_of(lines, i)
+    if text:find("^%s*$") then
+      comment, last = nil, i
+    elseif text:find("^/%*") then
+      comment = comment or i
+    else
+      if defines(text_of(lines, i, last), name) then
+        found[#found + 1] = {first = comment or i, begin = i, last = last}
+      end
+      comment = nil
+    end
+    i = last + 1
+  end
+  local best
+  for _, block in ipairs(found) do -- a definition counts for more than its declaration
+    if #found == 1 or text_of(lines, block.begin, block.last):find("{") then
+      if best then
+        return nil, string.format("%s defines %s twice, in lines %d and %d", label, name,
+          lines[best.begin].number, lines[block.begin].number)
+      end
+      best = block
+    end
+  end
+  if not best then return nil, string.format("%s defines no %s", label, name) end
+  local own = false
+  for i = best.first, best.last do own = own or lines[i].kind ~= "common" end
+  return {text = text_of(lines, best.first, best.last), line = lines[best.begin].number, own = own}
+end
+
+-- Returns the names of a suite's tests in its order, or nil and what is wrong.
+function code.tests(path, label)
+  local block, wrong = code.find(path, label, "tests", true)
+  if not block then return nil, wrong end
+  local names = {}
+  for name in block.text:gmatch("cmocka_unit_test%(([%w_]+)%)") do names[#names + 1] = name end
+  return names
+end
+
+return code
