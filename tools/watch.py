@@ -39,7 +39,8 @@ def main():
     stop_on_signals()
     cache = f"pycache_prefix={os.path.join(arguments.build, 'impl', 'python')}"
     grader = os.path.join(os.path.dirname(__file__), "grade.py")
-    command = [sys.executable, "-X", cache, grader, arguments.stem, "--build", arguments.build, "--impl", arguments.impl, "--fallback"]
+    command = [sys.executable, "-X", cache, grader, arguments.stem, "--build", arguments.build,
+               "--impl", arguments.impl, "--fallback"]
     command += ["--test", arguments.test] if arguments.test else []
     try:
         features = read_features(Toolchain(arguments.build).source)
