@@ -73,7 +73,7 @@ def _object_of(toolchain, unit, folder):
     """Returns a unit's object, as the suite links it, and the compiler's warnings."""
     if unit.is_reference:
         return toolchain.built(f"src/features/{unit.feature.stem}.o"), ""
-    flags = [*toolchain.sanitize, "-g", "-O1"]
+    flags = [*toolchain.sanitize, "-g1", "-O1"]
     path, warnings = building.compile_unit(toolchain, unit, folder, flags)
     building.check_no_early_code(toolchain, unit, path)
     building.keep_interface(toolchain, unit.feature, path)

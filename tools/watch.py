@@ -37,8 +37,10 @@ def main():
     parser.add_argument("--test", metavar="NAME")
     arguments = parser.parse_args()
     stop_on_signals()
-    command = [sys.executable, "-B", os.path.join(os.path.dirname(__file__), "grade.py"), arguments.stem,
-               "--build", arguments.build, "--impl", arguments.impl, "--fallback"]
+    cache = f"pycache_prefix={os.path.join(arguments.build, 'impl', 'python')}"
+    grader = os.path.join(os.path.dirname(__file__), "grade.py")
+    command = [sys.executable, "-X", cache, grader, arguments.stem, "--build", arguments.build,
+               "--impl", arguments.impl, "--fallback"]
     command += ["--test", arguments.test] if arguments.test else []
     try:
         features = read_features(Toolchain(arguments.build).source)
