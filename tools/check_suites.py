@@ -103,8 +103,10 @@ class Builder:
         return target
 
     def compile_base_sanitized(self, root):
-        """Returns objects of what features call, so that a sanitizer sees into it too."""
-        sources = sorted([*(root / "src/base").glob("*.c"), *(root / "src/scene").glob("*.c")])
+        """Returns objects of what features call, and of what counts allocations in them, so that a
+        sanitizer sees into it too."""
+        sources = sorted([*(root / "src/base").glob("*.c"), *(root / "src/scene").glob("*.c"),
+                          root / "tests/count_allocations.c"])
         return [self.compile(source, f"{source.parent.name}-{source.stem}-sanitized", SANITIZE,
                              source) for source in sources]
 
