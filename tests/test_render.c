@@ -43,8 +43,9 @@ static void lambert(plane_point p, const rk_light *light, rk_vec3 kd, double col
                    (double)light->position.z - p.z};
     double cosine = -l[2] / sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]);
     for (int c = 0; c < 3; c++)
-        colour[c] +=
-            cosine > 0 ? (double)rk_axis(kd, c) * (double)rk_axis(light->colour, c) * cosine : 0;
+        colour[c] += cosine > 0
+                         ? (double)rk_axis(kd, c) * (double)rk_axis(light->colours[0], c) * cosine
+                         : 0;
 }
 
 /* A triangle in the plane z = 0: x + y <= 0.5 and x, y >= -0.5. */

@@ -38,7 +38,7 @@ static inline void test_scene_quad(rk_scene *scene, uint32_t index, rk_vec3 corn
 
 static inline void test_scene_light(rk_scene *scene, rk_vec3 position, rk_vec3 colour)
 {
-    scene->lights[scene->light_count++] = (rk_light){position, colour};
+    scene->lights[scene->light_count++] = rk_light_point(position, colour);
 }
 
 static inline rk_scene test_scene_builtin(const char *name)

@@ -39,12 +39,12 @@ static rk_vec3 tell_light(FILE *out, uint32_t index, const rk_scene *scene, cons
     float cos_i = rk_dot(surface->normal, rk_normalize(to_light));
     fprintf(out, "light %u\n", index);
     tell_vector(out, "    position", light->position);
-    tell_vector(out, "    colour", light->colour);
+    tell_vector(out, "    colour", light->colours[0]);
     fprintf(out, "    n.l = %.6f%s\n", (double)cos_i,
             cos_i > 0 ? "" : ": the surface is turned away, nothing arrives");
     if (!(cos_i > 0))
         return rk_vec(0, 0, 0);
-    rk_vec3 reflected = rk_mul(surface->material->kd, light->colour);
+    rk_vec3 reflected = rk_mul(surface->material->kd, light->colours[0]);
     if (reflected.x == 0 && reflected.y == 0 && reflected.z == 0) {
         fprintf(out, "    the light is black, or the surface is to it: nothing is reflected\n");
         return rk_vec(0, 0, 0);

@@ -7,7 +7,13 @@ rk_render_options rk_render_options_default(void)
 
 bool rk_light_shines(const rk_light *light)
 {
-    return light->colour.x > 0 || light->colour.y > 0 || light->colour.z > 0;
+    const uint32_t corners = light->kind == RK_LIGHT_POINT     ? 1
+                             : light->kind == RK_LIGHT_SEGMENT ? 2
+                                                               : 4;
+    for (uint32_t i = 0; i < corners; i++)
+        if (light->colours[i].x > 0 || light->colours[i].y > 0 || light->colours[i].z > 0)
+            return true;
+    return false;
 }
 
 rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)

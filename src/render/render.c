@@ -88,7 +88,7 @@ static void light_stage(const rendering *r, tile *t, const rk_light *light)
         float cos_i = rk_dot(surface->normal, rk_normalize(to_light));
         if (!(cos_i > 0))
             continue;
-        rk_vec3 reflected = rk_mul(surface->material->kd, light->colour);
+        rk_vec3 reflected = rk_mul(surface->material->kd, light->colours[0]);
         if (reflected.x == 0 && reflected.y == 0 && reflected.z == 0)
             continue;
         t->arriving_pixel[t->arriving_count] = t->surface_pixel[i];

@@ -106,6 +106,6 @@ void rk_scene_arrange_cornell(rk_scene *scene)
         .distance = (float)((800 + centre[2]) * millimetres),
         .fov = 39.3076f, /* 2 atan(12.5 / 35) */
     };
-    scene->lights[0] = (rk_light){place(278, 540, 279.5f), rk_vec(1, 1, 1)};
+    scene->lights[0] = rk_light_point(place(278, 540, 279.5f), rk_vec(1, 1, 1));
     scene->light_count = 1;
 }

@@ -6,7 +6,8 @@
 bool rk_mesh_init(rk_mesh *mesh, uint32_t vertices, uint32_t triangles, uint32_t materials,
                   int optional_arrays, rk_error *error)
 {
-    *mesh = (rk_mesh){vertices, triangles, materials, NULL, NULL, NULL, NULL, NULL, NULL};
+    *mesh = (rk_mesh){
+        .vertex_count = vertices, .triangle_count = triangles, .material_count = materials};
     mesh->positions = rk_allocate(vertices, sizeof *mesh->positions, "vertices", error);
     mesh->triangles = rk_allocate(triangles, sizeof *mesh->triangles, "triangles", error);
     mesh->triangle_materials =
@@ -36,6 +37,9 @@ void rk_mesh_free(rk_mesh *mesh)
     free(mesh->triangles);
     free(mesh->triangle_materials);
     free(mesh->materials);
+    for (uint32_t i = 0; i < mesh->texture_count; i++)
+        rk_image_free(&mesh->textures[i].image);
+    free(mesh->textures);
     *mesh = (rk_mesh){0};
 }
 
@@ -82,8 +86,8 @@ bool rk_mesh_validate(const rk_mesh *mesh, const char *name, rk_error *error)
     }
     for (uint32_t i = 0; i < mesh->material_count; i++) {
         const rk_material *m = &mesh->materials[i];
-        if (!is_finite3(m->kd) || !is_finite3(m->ks) || !(m->shininess >= 0) ||
-            !isfinite(m->shininess) || !is_fraction(m->alpha))
+        if (!is_finite3(m->kd) || !is_finite3(m->ks) || !is_finite3(m->absorption) ||
+            !(m->shininess >= 0) || !isfinite(m->shininess) || !is_fraction(m->alpha))
             return rk_fail(
                 error,
                 "%s: material %u has a colour that is not finite, a negative shininess or an "

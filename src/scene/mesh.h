@@ -4,15 +4,18 @@
 
 #include "base/box.h"
 #include "base/error.h"
+#include "base/texture.h"
 #include "base/vec3.h"
 
 #include <stdint.h>
 
 typedef struct rk_material {
-    rk_vec3 kd;      /* diffuse colour, each component in [0, 1] */
-    rk_vec3 ks;      /* specular colour, each component in [0, 1] */
-    float shininess; /* exponent of the highlight, >= 0 */
-    float alpha;     /* opacity: 1 opaque, 0 invisible */
+    rk_vec3 kd;         /* diffuse colour, each component in [0, 1] */
+    rk_vec3 ks;         /* specular colour, each component in [0, 1] */
+    float shininess;    /* exponent of the highlight, >= 0 */
+    float alpha;        /* opacity: 1 opaque, 0 invisible */
+    rk_vec3 absorption; /* inside a closed block of it: share absorbed per world unit, >= 0 */
+    const rk_texture *kd_texture; /* multiplies kd, or NULL; one of the mesh's textures */
 } rk_material;
 
 typedef struct rk_mesh {
@@ -25,6 +28,8 @@ typedef struct rk_mesh {
     uint32_t (*triangles)[3];     /* triangle_count rows of vertex indices */
     uint16_t *triangle_materials; /* triangle_count indices into materials */
     rk_material *materials;       /* material_count, at least 1 */
+    uint32_t texture_count;
+    rk_texture *textures; /* texture_count, each owning its image; or NULL */
 } rk_mesh;
 
 enum { RK_MESH_NORMALS = 1, RK_MESH_TEXCOORDS = 2 }; /* which optional arrays to make */

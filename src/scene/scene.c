@@ -22,7 +22,7 @@ static void take_over(rk_scene *scene, const char *name, rk_mesh *mesh)
 /* Above the default camera and to its left, so that shading and shadows show the shape. */
 void rk_scene_default_light(rk_scene *scene)
 {
-    scene->lights[0] = (rk_light){rk_vec(0, 2.4f, -3.2f), rk_vec(1, 1, 1)};
+    scene->lights[0] = rk_light_point(rk_vec(0, 2.4f, -3.2f), rk_vec(1, 1, 1));
     scene->light_count = 1;
 }
 

@@ -4,13 +4,9 @@
 
 #include "base/sphere.h"
 #include "scene/camera.h"
+#include "scene/light.h"
 #include "scene/mesh.h"
 #include "scene/surface.h"
-
-typedef struct rk_light {
-    rk_vec3 position;
-    rk_vec3 colour; /* linear RGB; no falloff with distance, as in the classic course */
-} rk_light;
 
 enum { RK_LIGHTS_MAX = 16, RK_SPHERES_MAX = 16 };
 
