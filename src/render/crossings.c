@@ -76,7 +76,7 @@ static double area_of(projected a, projected b)
 }
 
 /* Fills in the place and the direction of the crossing; t is a mean of the corners' own, so a
- * triangle that is nearly edge-on does not lose it. */
+ * triangle that is nearly edge-on does not lose it. One that is a point has a t of NaN. */
 static bool cross_triangle(const projection *p, const rk_mesh *mesh, uint32_t triangle,
                            rk_crossing *crossing)
 {
@@ -85,7 +85,7 @@ static bool cross_triangle(const projection *p, const rk_mesh *mesh, uint32_t tr
     projected b = project(p, mesh->positions[corner[1]]);
     projected c = project(p, mesh->positions[corner[2]]);
     int side = side_of(a, b);
-    if (side == 0 || side_of(b, c) != side || side_of(c, a) != side)
+    if (side_of(b, c) != side || side_of(c, a) != side)
         return false;
     double of_a = area_of(b, c), of_b = area_of(c, a), of_c = area_of(a, b);
     double sum = of_a + of_b + of_c;
