@@ -4,6 +4,7 @@
 #include "io/mesh_file.h"
 #include "io/png.h"
 #include "render/narrate.h"
+#include "render/option_table.h"
 #include "render/units.h"
 
 #include <ctype.h>
@@ -154,16 +155,6 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
         {"scene", RK_OPTION_TEXT, &driver->scene_name, "NAME", rk_scene_builtin_help, 0, 0},
         {"mesh", RK_OPTION_TEXT, &driver->mesh_path, "FILE",
          "a mesh file instead (OBJ, PLY, OFF, glTF ...), moved into the unit ball", 0, 0},
-        {"width", RK_OPTION_UINT, &driver->render.width, "N", "of the picture, pixels", 1,
-         RK_IMAGE_SIDE_MAX},
-        {"height", RK_OPTION_UINT, &driver->render.height, "N", "of the picture, pixels", 1,
-         RK_IMAGE_SIDE_MAX},
-        {"samples", RK_OPTION_UINT, &driver->render.samples, "N",
-         "rays through each pixel; 1 looks through its centre", 1, 65536},
-        {"seed", RK_OPTION_UINT, &driver->render.seed, "N",
-         "of the random samples: another seed, other noise", 0, UINT32_MAX},
-        {"shadows", RK_OPTION_FLAG, &driver->render.shadows, NULL,
-         "ask for each light whether something is in its way", 0, 0},
         {"distance", RK_OPTION_FLOAT, &driver->camera_given.distance, "D",
          "of the camera from the point it looks at, world units; by default the scene's own", 1e-3,
          1e6},
@@ -189,9 +180,10 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
         {"quiet", RK_OPTION_FLAG, &driver->quiet, NULL, "no progress bar, no summary", 0, 0},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     };
-    const rk_option *const tables[] = {own_options, common};
+    const rk_option_table render = rk_render_option_table(&driver->render);
+    const rk_option *const tables[] = {own_options, common, render.options};
     rk_error error = {""};
-    rk_options_result result = rk_options_parse(argc, argv, driver->summary, tables, 2, &error);
+    rk_options_result result = rk_options_parse(argc, argv, driver->summary, tables, 3, &error);
     bool ok = result == RK_OPTIONS_OK;
     if (ok && driver->mesh_path && driver->scene_name != shown_scene)
         ok = rk_fail(&error, "--scene and --mesh: choose one of them");
