@@ -194,9 +194,13 @@ static void in_the_mirror_direction_both_highlights_are_one(void **state)
 static void a_highlight_ends_at_a_right_angle(void **state)
 {
     (void)state;
-    /* r is at 70 degrees to the one side, v at 30 to the other: 100 apart, and an even power of a
-     * negative cosine is positive. */
-    rk_vec3 l = direction(70, 180), v = direction(-30, 0);
+    /* r is at 70 degrees to the one side. With v at 10 to the other they are 80 apart, with v at 30
+     * they are 100 apart, and an even power of a negative cosine is positive. */
+    rk_vec3 l = direction(70, 180), v = direction(-10, 0);
+    double cosine = cos(80 * pi / 180);
+    rk_check_close(highlight(RK_SHADING_PHONG, 2, l, v), cosine * cosine, few_roundings,
+                   "up to a right angle there is a highlight");
+    v = direction(-30, 0);
     rk_check_close(highlight(RK_SHADING_PHONG, 2, l, v), 0, 0, "max(0, r.v), before the power");
     rk_check_close(highlight(RK_SHADING_PHONG, 0, l, v), 0, 0, "this holds for s = 0 too");
     /* A viewer below the surface, opposite to the light and on: n.h is not positive. */
