@@ -5,6 +5,7 @@
 #include "base/image.h"
 #include "base/parallel.h"
 #include "features/bvh_median.h"
+#include "features/sah_binning.h"
 #include "io/image_file.h"
 #include "io/mesh_file.h"
 #include "io/png.h"
