@@ -113,6 +113,18 @@ static bool is_settled(const gathering *g)
     return g->until_opaque && list->count && list->crossings[list->count - 1].alpha >= 1;
 }
 
+static rk_vec3 kd_at(const rk_scene *scene, const rk_crossing *crossing,
+                     const rk_material *material)
+{
+    bool is_sphere = crossing->primitive >= scene->mesh.triangle_count;
+    rk_surface surface = {
+        .material = material,
+        .barycentric = rk_vec(1 - crossing->u - crossing->v, crossing->u, crossing->v),
+        .triangle = {.index = is_sphere ? RK_MISS : crossing->primitive},
+    };
+    return rk_surface_kd(&surface, &scene->mesh);
+}
+
 /* Gives the crossing its material, and puts it into the list if it lies on the ray. NaN does not.
  */
 static void add_crossing(gathering *g, rk_crossing *crossing, uint32_t medium,
@@ -122,7 +134,7 @@ static void add_crossing(gathering *g, rk_crossing *crossing, uint32_t medium,
         return;
     crossing->medium = medium;
     crossing->alpha = material->alpha;
-    crossing->kd = material->kd;
+    crossing->kd = material->kd_texture ? kd_at(g->scene, crossing, material) : material->kd;
     crossing->absorption = material->absorption;
     rk_transparency_insert(g->list, crossing);
     g->end = rk_transparency_end(g->list, g->ray->t_max);

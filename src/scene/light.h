@@ -2,7 +2,9 @@
 #ifndef RK_SCENE_LIGHT_H
 #define RK_SCENE_LIGHT_H
 
-#include "base/vec3.h"
+#include "base/dvec3.h"
+
+#include <stdbool.h>
 
 typedef enum rk_light_kind {
     RK_LIGHT_POINT,
@@ -24,5 +26,13 @@ static inline rk_light rk_light_point(rk_vec3 position, rk_vec3 colour)
 {
     return (rk_light){.kind = RK_LIGHT_POINT, .position = position, .colours = {colour}};
 }
+
+/* Do all of its corners have the same colour? */
+bool rk_light_has_one_colour(const rk_light *light);
+
+/* Returns the integral of cos sin' / r^2 dl over the part above the horizon of the segment `from`
+ * to `from` + `edge`, both relative to the surface point whose unit normal is `normal`; sin' is of
+ * the angle between segment and direction. 0 for no length, or in line with the point. */
+double rk_segment_irradiance(rk_dvec3 from, rk_dvec3 edge, rk_dvec3 normal);
 
 #endif

@@ -1,0 +1,35 @@
+/* What lights are asked for apart from their samples. */
+#include "scene/light.h"
+
+#include <string.h>
+
+bool rk_light_has_one_colour(const rk_light *light)
+{
+    int count = light->kind == RK_LIGHT_POINT ? 1 : light->kind == RK_LIGHT_SEGMENT ? 2 : 4;
+    for (int i = 1; i < count; i++)
+        if (memcmp(&light->colours[i], &light->colours[0], sizeof *light->colours) != 0)
+            return false;
+    return true;
+}
+
+/* The segment is seen along p + t |p| tan phi, where p is the foot of the perpendicular, t the unit
+ * edge, and phi runs from phi0 to phi1. There r = |p| / cos phi and sin' = cos phi, so it is the
+ * integral of (n.p / |p| cos^2 phi + n.t sin phi cos phi) / |p|. */
+double rk_segment_irradiance(rk_dvec3 from, rk_dvec3 edge, rk_dvec3 normal)
+{
+    double whole = rk_dlength(edge);
+    rk_dvec3 t = rk_dscale(edge, 1 / whole);
+    double at = rk_ddot(from, t);
+    rk_dvec3 p = rk_dmadd(from, t, -at);
+    double distance = rk_dlength(p), begin = rk_ddot(normal, from);
+    double end = begin + rk_ddot(normal, edge);
+    if ((begin <= 0 && end <= 0) || !(distance > 0)) /* not positive: no length makes a NaN here */
+        return 0;
+    /* Clipped at the horizon. */
+    double low = begin < 0 ? begin / (begin - end) : 0, high = end < 0 ? begin / (begin - end) : 1;
+    double phi0 = atan2(at + low * whole, distance), phi1 = atan2(at + high * whole, distance);
+    /* Differences of squared sines and cosines, as products, which do not cancel. */
+    double turn = phi1 - phi0, sum = phi0 + phi1;
+    double across = (turn + sin(turn) * cos(sum)) * rk_ddot(normal, p) / distance;
+    return (across + sin(turn) * sin(sum) * rk_ddot(normal, t)) / (2 * distance);
+}

@@ -1,0 +1,910 @@
+/* Lights with an extent: where samples lie, what they weigh, that their mean is the whole light,
+ * and that the closed form, which judges that, is right itself. */
+#include "test.h"
+
+#include "base/random.h"
+#include "features/parallelogram_light.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* --- Lights and points to try ---------------------------------------------------------------- */
+
+/* A number in [0, 1), the same for the same three keys. */
+static float noise(uint32_t a, uint32_t b, uint32_t c)
+{
+    return rk_unit_float(rk_hash(a, b, c, 4));
+}
+
+static rk_vec3 noise3(uint32_t a, uint32_t b)
+{
+    return rk_vec(2 * noise(a, b, 0) - 1, 2 * noise(a, b, 1) - 1, 2 * noise(a, b, 2) - 1);
+}
+
+static rk_vec2 noise2(uint32_t a, uint32_t b)
+{
+    return (rk_vec2){noise(a, b, 3), noise(a, b, 4)};
+}
+
+static rk_light make_light(rk_light_kind kind, rk_vec3 position, rk_vec3 edge01, rk_vec3 edge02)
+{
+    return (rk_light){kind, position, edge01, edge02, {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}};
+}
+
+static rk_light make_parallelogram(rk_vec3 position, rk_vec3 edge01, rk_vec3 edge02)
+{
+    return make_light(RK_LIGHT_PARALLELOGRAM, position, edge01, edge02);
+}
+
+/* Corners in black, red, green and blue tell x from y. */
+static rk_light make_coloured(rk_light_kind kind)
+{
+    return (rk_light){
+        kind, {1, 2, 3}, {2, 0, 0}, {0, 4, 0}, {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}}};
+}
+
+/* A light, and a surface that it lights. */
+typedef struct configuration {
+    const char *name;
+    rk_light_kind kind;
+    rk_vec3 position, edge01, edge02; /* of the light */
+    rk_vec3 point, normal;
+    bool peaked; /* nearly all of it comes from a small part of the light */
+} configuration;
+
+#define P RK_LIGHT_PARALLELOGRAM
+#define S RK_LIGHT_SEGMENT
+static const configuration configurations[] = {
+    {"ordinary", P, {-0.5f, -0.5f, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"aside", P, {1, 0.5f, 1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"turned",
+     P,
+     {1, 0, 1},
+     {0.5f, 1, 0.25f},
+     {-0.5f, 0.25f, 1},
+     {0, 0, 0},
+     {0, 0.6f, 0.8f},
+     false},
+    {"oblique, a sharp angle",
+     P,
+     {0, 0, 1},
+     {1, 0, 0},
+     {2, 0.125f, 0},
+     {1, 1, 0},
+     {0, 0, 1},
+     false},
+    {"oblique, a wide angle",
+     P,
+     {1, 0, 1},
+     {1, 0, 0},
+     {-2, 0.5f, 0.5f},
+     {0, 1, 0},
+     {0, 0, 1},
+     false},
+    {"its other side", P, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"half below the horizon", P, {1, -1, -1}, {0, 2, 0}, {0, 0, 2}, {0, 0, 0}, {0, 0, 1}, false},
+    {"a corner below the horizon",
+     P,
+     {1, 0, -0.5f},
+     {0, 1, 1},
+     {1, 0, 1},
+     {0, 0, 0},
+     {0, 0, 1},
+     false},
+    {"a corner above the horizon",
+     P,
+     {1, 0, 0.5f},
+     {0, 1, -1},
+     {1, 0, -1},
+     {0, 0, 0},
+     {0, 0, 1},
+     false},
+    {"three corners above it",
+     P,
+     {1, 0, -0.25f},
+     {0, 1, 0.5f},
+     {1, 0, 0.5f},
+     {0, 0, 0},
+     {0, 0, 1},
+     false},
+    {"behind", P, {0, 0, -1}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"edge-on", P, {1, 0, 0.5f}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0.5f}, {1, 0, 0}, false},
+    {"nearly edge-on",
+     P,
+     {1, 0, 0.5f},
+     {1, 0, 0},
+     {0, 1, 0},
+     {0, 0, 0.4990234375f},
+     {0.6f, 0, 0.8f},
+     false},
+    {"an edge on the horizon", P, {1, 0, 0}, {0, 1, 0}, {0, 0, 1}, {0, 0, 0}, {0, 0, 1}, false},
+    {"a corner on the surface",
+     P,
+     {0, 0, 0},
+     {0, 1, 1},
+     {1, 0, 1},
+     {0, 0.0625f, 0},
+     {0, 0, 1},
+     false},
+    {"touching the point", P, {-1, -1, 0}, {2, 0, 0}, {0, 2, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"very near", P, {-0.25f, -0.25f, 1e-4f}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 0, 1}, true},
+    {"very near, surface turned",
+     P,
+     {-0.25f, -0.25f, 1e-4f},
+     {1, 0, 0},
+     {0, 1, 0},
+     {0, 0, 0},
+     {0.8f, 0, 0.6f},
+     true},
+    {"very near its edge",
+     P,
+     {0, -0.5f, 1e-4f},
+     {1, 0, 0},
+     {0, 1, 0},
+     {0, 0, 0},
+     {0.6f, 0, 0.8f},
+     true},
+    {"very far", P, {0, 0, 1e4f}, {1, 0, 0}, {0, 1, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"very far, turned",
+     P,
+     {6e3f, 0, 8e3f},
+     {1, 0, 1},
+     {0, 1, 0},
+     {0, 0, 0},
+     {0.6f, 0, 0.8f},
+     false},
+    {"tiny", P, {1, 1, 1}, {1e-6f, 0, 0}, {0, 1e-6f, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"huge", P, {-1e4f, -1e4f, 1}, {2e4f, 0, 0}, {0, 2e4f, 0}, {0, 0, 0}, {0, 0, 1}, true},
+    {"thin", P, {-1, 0, 1}, {2, 0, 0}, {0, 1e-5f, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"far from the origin",
+     P,
+     {1e4f, 1e4f, 1e4f},
+     {1, 0, 0},
+     {0, 1, 0},
+     {1e4f, 1e4f, 9999},
+     {0, 0, 1},
+     false},
+    {"without area: parallel edges",
+     P,
+     {-1, 0, 1},
+     {2, 0, 0},
+     {1, 0, 0},
+     {0, 0, 0},
+     {0, 0, 1},
+     false},
+    {"without area: one edge", P, {-1, 0, 1}, {2, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"without area: no edges", P, {-1, 0, 1}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"a segment", S, {-1, 0, 1}, {2, 1, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"a segment through the horizon",
+     S,
+     {1, 0, -0.5f},
+     {1, 0, 1},
+     {0, 0, 0},
+     {0, 0, 0},
+     {0, 0, 1},
+     false},
+    {"a segment from below",
+     S,
+     {2, 1, 1},
+     {-1, 0, -3},
+     {0, 0, 0},
+     {0, 0, 0},
+     {0.6f, 0, 0.8f},
+     false},
+    {"a segment in line with the point",
+     S,
+     {1, 0, 1},
+     {1, 0, 1},
+     {0, 0, 0},
+     {0, 0, 0},
+     {0, 0, 1},
+     false},
+    {"a segment, very far", S, {0, 0, 1e4f}, {1, 1, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"a segment, very near", S, {-1, 0, 1e-4f}, {2, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 1}, false},
+    {"a point", RK_LIGHT_POINT, {1, 2, 2}, {0, 0, 0}, {0, 0, 0}, {0, 0, 0}, {0, 0, 1}, false},
+};
+#undef P
+#undef S
+enum { CONFIGURATIONS = sizeof configurations / sizeof *configurations };
+
+static rk_light light_of(const configuration *c)
+{
+    return make_light(c->kind, c->position, c->edge01, c->edge02);
+}
+
+static void check_vec3(rk_vec3 got, rk_vec3 want, float tolerance, const char *hint)
+{
+    rk_check(fabsf(got.x - want.x) <= tolerance && fabsf(got.y - want.y) <= tolerance &&
+                 fabsf(got.z - want.z) <= tolerance,
+             "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g) within %.3g: %s", (double)got.x,
+             (double)got.y, (double)got.z, (double)want.x, (double)want.y, (double)want.z,
+             (double)tolerance, hint);
+}
+
+static rk_light_sample plain_sample(const rk_light *light, float x, float y)
+{
+    return rk_light_sample_at(light, RK_FALLOFF_NONE, RK_LIGHT_MAP_AREA, rk_vec(9, 9, 9),
+                              (rk_vec2){x, y});
+}
+
+/* --- Where samples lie ----------------------------------------------------------------------- */
+
+static void a_point_light_has_one_place_and_one_colour(void **state)
+{
+    (void)state;
+    rk_light light = rk_light_point(rk_vec(1, 2, 3), rk_vec(0.5f, 0.25f, 1));
+    light.edge01 = light.edge02 = light.colours[1] = rk_vec(NAN, NAN, NAN);
+    rk_light_sample sample = plain_sample(&light, 0.75f, 0.5f);
+    check_vec3(sample.position, rk_vec(1, 2, 3), 0, "a point light has no edges; don't read them");
+    check_vec3(sample.colour, rk_vec(0.5f, 0.25f, 1), 0, "its colour is that of corner 0");
+}
+
+static void a_segment_runs_from_corner_0_to_corner_1(void **state)
+{
+    (void)state;
+    rk_light light = make_coloured(RK_LIGHT_SEGMENT);
+    light.edge02 = light.colours[2] = light.colours[3] = rk_vec(NAN, NAN, NAN);
+    rk_light_sample sample = plain_sample(&light, 0.75f, 0.5f);
+    check_vec3(sample.position, rk_vec(2.5f, 2, 3), 0, "position + x edge01; a segment has no y");
+    check_vec3(sample.colour, rk_vec(0.75f, 0, 0), 0, "linear from corner 0's to corner 1's");
+}
+
+static void corners_have_their_own_colours(void **state)
+{
+    (void)state;
+    rk_light light = make_coloured(RK_LIGHT_PARALLELOGRAM);
+    for (int i = 0; i < 4; i++) {
+        float x = (float)(i % 2), y = (float)(i / 2);
+        rk_light_sample sample = plain_sample(&light, x, y);
+        check_vec3(sample.position, rk_vec(1 + 2 * x, 2 + 4 * y, 3), 0,
+                   "position + x edge01 + y edge02");
+        check_vec3(sample.colour, light.colours[i], 0,
+                   "colour 1 is at the end of edge01, 2 at the end of edge02, 3 opposite to 0");
+    }
+}
+
+static void colours_are_bilinear_between_the_corners(void **state)
+{
+    (void)state;
+    rk_light light = make_coloured(RK_LIGHT_PARALLELOGRAM);
+    /* The weights of corners 1 to 3: x (1 - y), (1 - x) y, x y; exact in floats. */
+    check_vec3(plain_sample(&light, 0.5f, 0.5f).colour, rk_vec(0.25f, 0.25f, 0.25f), 0,
+               "in the middle all corners count alike");
+    check_vec3(plain_sample(&light, 0.75f, 0.5f).colour, rk_vec(0.375f, 0.125f, 0.375f), 0,
+               "x runs from corner 0 to 1, and from 2 to 3");
+    check_vec3(plain_sample(&light, 0.25f, 0.75f).colour, rk_vec(0.0625f, 0.5625f, 0.1875f), 0,
+               "y runs from corner 0 to 2, and from 1 to 3");
+}
+
+static void a_sample_is_a_place_and_not_a_direction(void **state)
+{
+    (void)state;
+    const rk_vec3 by = {16, -32, 8};
+    for (int falloff = 0; falloff < 2; falloff++)
+        for (int map = 0; map < 2; map++) {
+            rk_light light = make_coloured(RK_LIGHT_PARALLELOGRAM), moved = light;
+            moved.position = rk_add(light.position, by);
+            rk_light_sample a =
+                rk_light_sample_at(&light, (rk_light_falloff)falloff, (rk_light_map)map,
+                                   rk_vec(0, 1, 0), (rk_vec2){0.25f, 0.75f});
+            rk_light_sample b =
+                rk_light_sample_at(&moved, (rk_light_falloff)falloff, (rk_light_map)map,
+                                   rk_add(rk_vec(0, 1, 0), by), (rk_vec2){0.25f, 0.75f});
+            /* Sums of small whole numbers and fractions round once, to 2^-24 of 32. */
+            check_vec3(b.position, rk_add(a.position, by), 0x1p-18f,
+                       "light and point moved alike move the sample alike");
+            check_vec3(b.colour, a.colour, 1e-6f * rk_length(a.colour),
+                       "what a sample weighs depends on the light as seen from the point");
+        }
+}
+
+static void without_falloff_neither_distance_nor_map_matters(void **state)
+{
+    (void)state;
+    rk_light light = make_coloured(RK_LIGHT_PARALLELOGRAM);
+    for (uint32_t i = 0; i < 100; i++) {
+        rk_vec2 xi = noise2(1, i);
+        rk_light_sample got = rk_light_sample_at(&light, RK_FALLOFF_NONE, (rk_light_map)(i % 2),
+                                                 rk_scale(noise3(1, i), 100), xi);
+        rk_light_sample want = plain_sample(&light, xi.x, xi.y);
+        check_vec3(got.position, want.position, 0, "evenly over the area, from every point");
+        check_vec3(got.colour, want.colour, 0, "the light's own colour, at every distance");
+        rk_check(got.colour.x > 0, "got a light without red");
+    }
+}
+
+/* --- What samples weigh ---------------------------------------------------------------------- */
+
+static float weight_at(const rk_light *light, rk_light_map map, rk_vec3 point, float x, float y)
+{
+    return rk_light_sample_at(light, RK_FALLOFF_PHYSICAL, map, point, (rk_vec2){x, y}).colour.x;
+}
+
+static void a_point_light_falls_off_with_the_square_of_the_distance(void **state)
+{
+    (void)state;
+    rk_light light = rk_light_point(rk_vec(1, 2, 2), rk_vec(4.5f, 0, 0));
+    for (int map = 0; map < 2; map++) {
+        rk_check_close(weight_at(&light, (rk_light_map)map, rk_vec(0, 0, 0), 0.5f, 0.5f), 0.5, 1e-7,
+                       "intensity over r^2: 4.5 / 9");
+        rk_check_close(weight_at(&light, (rk_light_map)map, rk_vec(-1, -2, -2), 0.5f, 0.5f), 0.125,
+                       1e-7, "twice as far, a quarter");
+    }
+}
+
+static void a_segment_is_seen_shortened(void **state)
+{
+    (void)state;
+    rk_light light =
+        make_light(RK_LIGHT_SEGMENT, rk_vec(0, 0, 0), rk_vec(2, 0, 0), rk_vec(NAN, NAN, NAN));
+    for (int map = 0; map < 2; map++) {
+        rk_check_close(weight_at(&light, (rk_light_map)map, rk_vec(1, 0, 2), 0.5f, 0), 0.5, 1e-7,
+                       "at a right angle: length / r^2 = 2 / 4");
+        /* 3 before the end and 4 aside: r = 5, sin' = 4 / 5. */
+        rk_check_close(weight_at(&light, (rk_light_map)map, rk_vec(-3, 4, 0), 0, 0), 2 * 0.8 / 25,
+                       1e-8, "length x sin' / r^2, with the angle between segment and direction");
+        rk_check_close(weight_at(&light, (rk_light_map)map, rk_vec(-3, 0, 0), 0.5f, 0), 0, 0,
+                       "in line with the point it is seen as a dot, and gives nothing");
+    }
+}
+
+static void a_parallelogram_is_seen_turned_and_from_both_sides(void **state)
+{
+    (void)state;
+    rk_light light = make_parallelogram(rk_vec(0, 0, 0), rk_vec(2, 0, 0), rk_vec(1, 3, 0));
+    for (float side = -1; side <= 1; side += 2) {
+        rk_check_close(weight_at(&light, RK_LIGHT_MAP_AREA, rk_vec(0, 0, 2 * side), 0, 0), 6.0 / 4,
+                       1e-6, "facing it: area / r^2 = 6 / 4, on both sides");
+        rk_check_close(weight_at(&light, RK_LIGHT_MAP_AREA, rk_vec(4, 0, 3 * side), 0, 0),
+                       6 * 0.6 / 25, 1e-7, "area x cos' / r^2, with |cos'|: it has two sides");
+    }
+}
+
+static void points_on_the_light_get_nothing_and_no_nan(void **state)
+{
+    (void)state;
+    for (int kind = 0; kind < 3; kind++)
+        for (int map = 0; map < 2; map++) {
+            rk_light light = make_coloured((rk_light_kind)kind);
+            light.colours[0] = rk_vec(1, 1, 1);
+            float got = weight_at(&light, (rk_light_map)map, light.position, 0, 0);
+            rk_check_close(got, 0, 0, "at r = 0 there is no direction: weight 0");
+            /* The control: just beside, there is light. */
+            got = weight_at(&light, (rk_light_map)map, rk_vec(0, 2, 2.5f), 0.5f, 0.5f);
+            rk_check(got > 0 && isfinite(got), "got %g from a point beside the light", (double)got);
+        }
+}
+
+/* --- The closed form ------------------------------------------------------------------------- */
+
+static void a_square_above_the_point_has_the_textbook_form_factor(void **state)
+{
+    (void)state;
+    /* A rectangle a by b, parallel to the surface at distance c, with one corner above the point
+     * (Howell, "A Catalog of Radiation Heat Transfer Configuration Factors", B-3). */
+    const double a = 2, b = 0.75, c = 0.5;
+    double x = a / c, y = b / c, along_x = sqrt(1 + x * x), along_y = sqrt(1 + y * y);
+    double want = x / along_x * atan(y / along_x) + y / along_y * atan(x / along_y);
+    rk_light light =
+        make_parallelogram(rk_vec(1, 1, (float)c), rk_vec((float)a, 0, 0), rk_vec(0, (float)b, 0));
+    double got = (double)rk_light_irradiance(&light, rk_vec(1, 1, 0), rk_vec(0, 0, 1));
+    rk_check_close(got, want / 2, 1e-7, "pi times the form factor; nothing is below the horizon");
+}
+
+static void a_light_all_around_gives_pi_and_half_of_it_half(void **state)
+{
+    (void)state;
+    rk_light sky =
+        make_parallelogram(rk_vec(-1e6f, -1e6f, 1), rk_vec(2e6f, 0, 0), rk_vec(0, 2e6f, 0));
+    /* What is missing near the horizon is below 1e-6 of the whole. */
+    rk_check_close(rk_light_irradiance(&sky, rk_vec(0, 0, 0), rk_vec(0, 0, 1)), pi, 1e-5,
+                   "a whole hemisphere of radiance 1 gives pi");
+    rk_check_close(rk_light_irradiance(&sky, rk_vec(0, 0, 0), rk_vec(1, 0, 0)), pi / 2, 1e-5,
+                   "for a wall, the half below its horizon is cut off");
+    rk_check_close(rk_light_irradiance(&sky, rk_vec(0, 0, 0), rk_vec(0, 0, -1)), 0, 0,
+                   "behind the surface there is nothing to see");
+}
+
+static void near_and_far_lights_have_the_textbook_form_factor_too(void **state)
+{
+    (void)state;
+    /* The same rectangle with the point below its inside is four with a common corner. */
+    const double x[] = {0.25, 0.75}, y[] = {0.5, 0.125};
+    for (float c = 1e-10f; c < 1e7f; c *= 10) {
+        double want = 0;
+        for (int i = 0; i < 4; i++) {
+            double a = x[i % 2] / (double)c, b = y[i / 2] / (double)c;
+            double along_a = sqrt(1 + a * a), along_b = sqrt(1 + b * b);
+            want += (a / along_a * atan(b / along_a) + b / along_b * atan(a / along_b)) / 2;
+        }
+        rk_light light =
+            make_parallelogram(rk_vec(-0.25f, -0.5f, c), rk_vec(1, 0, 0), rk_vec(0, 0.625f, 0));
+        double got = (double)rk_light_irradiance(&light, rk_vec(0, 0, 0), rk_vec(0, 0, 1));
+        /* A few roundings to float, and 2^-50 over the angle. */
+        rk_check_close(got / want, 1, 3e-7 + 0x1p-50 * (double)c,
+                       "at every distance: angles by atan2, and no constant that is a length");
+    }
+}
+
+/* Integrals by subdivision: Simpson's rule on a cell, in both directions, against that on its four
+ * quarters, until they agree. */
+static double irradiance_from(const configuration *c, double x, double y)
+{
+    rk_dvec3 edge01 = rk_widen(c->edge01), edge02 = rk_widen(c->edge02);
+    rk_dvec3 d = rk_dmadd(rk_dmadd(rk_widen(c->position), rk_widen(c->point), -1), edge01, x);
+    d = c->kind == RK_LIGHT_PARALLELOGRAM ? rk_dmadd(d, edge02, y) : d;
+    double r = rk_dlength(d), cos_r = fmax(rk_ddot(rk_widen(c->normal), d), 0);
+    double seen = c->kind == RK_LIGHT_PARALLELOGRAM ? fabs(rk_ddot(d, rk_dcross(edge01, edge02)))
+                                                    : rk_dlength(rk_dcross(d, edge01));
+    return seen * cos_r / (r * r * r * r);
+}
+
+typedef struct cell {
+    double x, y, side;
+} cell;
+
+static cell quarter(cell whole, int i)
+{
+    double half = whole.side / 2;
+    return (cell){whole.x + half * (i % 2), whole.y + half * (i / 2), half};
+}
+
+static double simpson(const configuration *c, cell at)
+{
+    double sum = 0;
+    for (int i = 0; i < 9; i++)
+        sum += (i % 3 == 1 ? 4 : 1) * (i / 3 == 1 ? 4 : 1) *
+               irradiance_from(c, at.x + at.side * (i % 3) / 2, at.y + at.side * (i / 3) / 2);
+    return sum * at.side * at.side / 36;
+}
+
+/* A segment does not depend on y, so the same square serves. The first levels are always divided,
+ * lest nine points miss what is between them. */
+static double integral(const configuration *c, cell at, double tolerance, int depth)
+{
+    double whole = simpson(c, at), sum = 0;
+    for (int i = 0; i < 4; i++)
+        sum += simpson(c, quarter(at, i));
+    if (depth > 12 || (depth > 2 && fabs(sum - whole) <= tolerance))
+        return sum;
+    sum = 0;
+    for (int i = 0; i < 4; i++)
+        sum += integral(c, quarter(at, i), tolerance / 2, depth + 1);
+    return sum;
+}
+
+static configuration random_configuration(uint32_t i, rk_light_kind kind)
+{
+    return (configuration){"random",
+                           kind,
+                           rk_scale(noise3(10, i), 1.5f),
+                           noise3(11, i),
+                           noise3(12, i),
+                           rk_scale(noise3(13, i), 0.5f),
+                           rk_normalize(noise3(14, i)),
+                           false};
+}
+
+static void the_closed_form_equals_quadrature(void **state)
+{
+    (void)state;
+    int cut = 0;
+    for (uint32_t i = 0; i < 150; i++) {
+        configuration c =
+            random_configuration(i, i % 3 ? RK_LIGHT_PARALLELOGRAM : RK_LIGHT_SEGMENT);
+        rk_light light = light_of(&c);
+        rk_dvec3 n = rk_widen(c.normal);
+        rk_dvec3 corner = rk_dmadd(rk_widen(c.position), rk_widen(c.point), -1);
+        double above = rk_ddot(n, corner),
+               far = rk_ddot(n, rk_dmadd(corner, rk_widen(c.edge01), 1));
+        cut += (above > 0) != (far > 0);
+        double got = (double)rk_light_irradiance(&light, c.point, c.normal);
+        double want = integral(&c, (cell){0, 0, 1}, 1e-7, 0);
+        char hint[160];
+        snprintf(hint, sizeof hint,
+                 "random light %u, a %s%s: integrate by the edges of what is above the horizon", i,
+                 i % 3 ? "parallelogram" : "segment",
+                 (above > 0) != (far > 0) ? " that is cut" : "");
+        /* Tolerances of the cells add up; measured, the integral is right to 2e-6. */
+        rk_check_close(got, want, 1e-5 * (1 + want), hint);
+    }
+    rk_check(cut > 30, "only %d of the lights are cut by the horizon", cut);
+}
+
+static void a_light_cut_in_two_gives_the_same_in_sum(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        configuration c = random_configuration(i, RK_LIGHT_PARALLELOGRAM);
+        rk_light whole = light_of(&c), left = whole, right = whole;
+        left.edge01 = right.edge01 = rk_scale(whole.edge01, 0.5f);
+        right.position = rk_add(whole.position, left.edge01);
+        double want = (double)rk_light_irradiance(&whole, c.point, c.normal);
+        double got = (double)rk_light_irradiance(&left, c.point, c.normal) +
+                     (double)rk_light_irradiance(&right, c.point, c.normal);
+        /* The right half's corner is rounded to 2^-24 of its coordinates, at distances of 0.05 and
+         * more: measured, 1e-6. */
+        rk_check_close(got, want, 1e-5 * (1 + want),
+                       "edges inside of the light cancel, if each has the right sign");
+    }
+}
+
+/* --- Evenly over the directions -------------------------------------------------------------- */
+
+static void the_side_of_a_cube_fills_a_sixth_of_the_sphere(void **state)
+{
+    (void)state;
+    rk_light side = make_parallelogram(rk_vec(-1, -1, 1), rk_vec(2, 0, 0), rk_vec(0, 2, 0));
+    rk_check_close(rk_light_solid_angle(&side, rk_vec(0, 0, 0)), 4 * pi / 6, 1e-12,
+                   "six sides around the middle of a cube fill the sphere, 4 pi");
+    side.position.z = 1e-6f;
+    /* An edge at distance 1 is seen 1e-6 above the horizon, all around. */
+    rk_check_close(rk_light_solid_angle(&side, rk_vec(0, 0, 0)), 2 * pi, 1e-5,
+                   "a light that nearly touches the point fills half of the sphere");
+    rk_check_close(rk_light_solid_angle(&side, rk_vec(5, 0, 1e-6f)), 0, 1e-12,
+                   "edge-on it fills nothing");
+}
+
+static void samples_over_the_solid_angle_all_weigh_the_same(void **state)
+{
+    (void)state;
+    rk_light light = make_parallelogram(rk_vec(-1, -1, 1), rk_vec(2, 0, 0), rk_vec(0, 2, 0));
+    for (uint32_t i = 0; i < 100; i++) {
+        rk_vec2 xi = noise2(20, i);
+        rk_check_close(weight_at(&light, RK_LIGHT_MAP_SOLID_ANGLE, rk_vec(0, 0, 0), xi.x, xi.y),
+                       4 * pi / 6, 1e-6,
+                       "cos' / r^2 is in their density: what is left is the angle");
+    }
+}
+
+/* Where on the light is the position? By the least squares that a parallelogram needs. */
+static rk_vec2 find_on(const rk_light *light, rk_vec3 position)
+{
+    rk_dvec3 a = rk_widen(light->edge01), b = rk_widen(light->edge02);
+    rk_dvec3 d = rk_dmadd(rk_widen(position), rk_widen(light->position), -1);
+    double aa = rk_ddot(a, a), ab = rk_ddot(a, b), bb = rk_ddot(b, b);
+    double da = rk_ddot(d, a), db = rk_ddot(d, b), determinant = aa * bb - ab * ab;
+    return (rk_vec2){(float)((da * bb - db * ab) / determinant),
+                     (float)((db * aa - da * ab) / determinant)};
+}
+
+static void samples_over_the_solid_angle_lie_on_the_light_with_its_colour(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 20000; i++) {
+        configuration c = random_configuration(i % 100, RK_LIGHT_PARALLELOGRAM);
+        rk_light light = light_of(&c);
+        light.colours[0] = light.colours[3] = rk_vec(1, 0, 0);
+        light.colours[1] = rk_vec(1, 1, 0), light.colours[2] = rk_vec(1, 0, 1);
+        rk_light_sample sample = rk_light_sample_at(
+            &light, RK_FALLOFF_PHYSICAL, RK_LIGHT_MAP_SOLID_ANGLE, c.point, noise2(21, i));
+        rk_vec2 at = find_on(&light, sample.position);
+        /* Random edges may be nearly parallel, which magnifies the rounding of positions. */
+        rk_check(at.x > -1e-4f && at.x < 1.0001f && at.y > -1e-4f && at.y < 1.0001f,
+                 "sample %u: got x = %g, y = %g, want both in [0, 1]: it lies on the light", i,
+                 (double)at.x, (double)at.y);
+        rk_vec3 got = rk_scale(sample.colour, 1 / sample.colour.x);
+        check_vec3(got, rk_vec(1, at.x * (1 - at.y), (1 - at.x) * at.y), 1e-3f,
+                   "the colour is that of the place, not of xi");
+    }
+}
+
+/* Chi-squared: samples in each of 8 x 8 cells of the light, against the cells' solid angles. */
+static void check_even_over_directions(const rk_light *light, rk_vec3 point, uint32_t seed)
+{
+    enum { SIDE = 8, SAMPLES = 100000 };
+    uint32_t counts[SIDE][SIDE] = {0};
+    for (uint32_t i = 0; i < SAMPLES; i++) {
+        rk_light_sample sample = rk_light_sample_at(
+            light, RK_FALLOFF_PHYSICAL, RK_LIGHT_MAP_SOLID_ANGLE, point, noise2(seed, i));
+        rk_vec2 at = find_on(light, sample.position);
+        int x = (int)(fminf(fmaxf(at.x, 0), 0.999f) * SIDE);
+        counts[(int)(fminf(fmaxf(at.y, 0), 0.999f) * SIDE)][x]++;
+    }
+    double chi2 = 0, whole = rk_light_solid_angle(light, point), sum = 0;
+    for (int i = 0; i < SIDE * SIDE; i++) {
+        rk_light part = *light;
+        part.edge01 = rk_scale(light->edge01, 1.0f / SIDE);
+        part.edge02 = rk_scale(light->edge02, 1.0f / SIDE);
+        part.position = rk_madd(rk_madd(light->position, part.edge01, (float)(i % SIDE)),
+                                part.edge02, (float)(i / SIDE));
+        double angle = rk_light_solid_angle(&part, point), want = SAMPLES * angle / whole;
+        double got = counts[i / SIDE][i % SIDE];
+        sum += angle;
+        chi2 += (got - want) * (got - want) / want;
+    }
+    rk_check_close(sum / whole, 1, 1e-5, "the cells' solid angles add up to the light's");
+    /* 63 degrees of freedom: mean 63, standard deviation sqrt(126) = 11.2; five of them above. */
+    rk_check(chi2 <= 63 + 5 * 11.2,
+             "chi squared: got %.1f, want 119 at most for 64 cells: directions are not even", chi2);
+}
+
+static void samples_over_the_solid_angle_are_even_over_directions(void **state)
+{
+    (void)state;
+    rk_light light =
+        make_parallelogram(rk_vec(-1, -1, 0), rk_vec(2, 0.5f, 0), rk_vec(0.5f, 2, 0.5f));
+    check_even_over_directions(&light, rk_vec(0, 0, 1), 30);
+    check_even_over_directions(&light, rk_vec(0.25f, -0.5f, -0.5f), 31);
+    check_even_over_directions(&light, rk_vec(4, 1, -1), 32);
+    check_even_over_directions(&light, rk_vec(50, 20, 80), 33);
+}
+
+/* --- The mean over samples is the whole light ------------------------------------------------ */
+
+enum { SAMPLES = 1 << 20, SIDE = 1 << 10 };
+
+typedef rk_vec2 draw(uint32_t i);
+
+static rk_vec2 draw_uniform(uint32_t i)
+{
+    return noise2(40, i);
+}
+
+/* Of SIDE x SIDE cells each has one. */
+static rk_vec2 draw_stratified(uint32_t i)
+{
+    rk_vec2 within = noise2(41, i);
+    return (rk_vec2){((float)(i % SIDE) + within.x) / SIDE, ((float)(i / SIDE) + within.y) / SIDE};
+}
+
+/* Hammersley's points: i / n, and i with its bits reversed. */
+static rk_vec2 draw_low_discrepancy(uint32_t i)
+{
+    uint32_t bits = i;
+    for (uint32_t shift = 16, mask = 0xffff; shift; shift /= 2, mask ^= mask << shift)
+        bits = (bits >> shift & mask) | (bits & mask) << shift;
+    return (rk_vec2){((float)i + 0.5f) / SAMPLES, rk_unit_float(bits)};
+}
+
+/* Lambert's cosine between the surface and the sample. */
+static double cos_to(const configuration *c, rk_vec3 position)
+{
+    rk_dvec3 l = rk_dmadd(rk_widen(position), rk_widen(c->point), -1);
+    double r = rk_dlength(l);
+    return r > 0 ? fmax(rk_ddot(rk_widen(c->normal), l) / r, 0) : 0;
+}
+
+/* What to allow for one standard error of the mean. That of the samples is an upper bound for those
+ * that are spread more evenly than independent ones. Where nearly all of a light's effect comes
+ * from a small part, a million may miss it, and the samples know nothing of it: f <= A / h^2 at
+ * the distance h from the light's plane bounds the variance by E A / h^2. */
+static double standard_error(const configuration *c, rk_light_map map, double mean, double squares,
+                             double want)
+{
+    double variance = fmax(squares / SAMPLES - mean * mean, 0);
+    if (c->peaked && map == RK_LIGHT_MAP_AREA) {
+        rk_dvec3 normal = rk_dcross(rk_widen(c->edge01), rk_widen(c->edge02));
+        double area = rk_dlength(normal);
+        double height =
+            rk_ddot(normal, rk_dmadd(rk_widen(c->position), rk_widen(c->point), -1)) / area;
+        variance = want * area / (height * height);
+    }
+    return sqrt(variance / SAMPLES);
+}
+
+static void check_unbiased(rk_light_map map, draw *draw_at)
+{
+    for (size_t k = 0; k < CONFIGURATIONS; k++) {
+        const configuration *c = &configurations[k];
+        rk_light light = light_of(c);
+        double sum = 0, squares = 0;
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            rk_light_sample sample =
+                rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, map, c->point, draw_at(i));
+            double f = (double)sample.colour.x * cos_to(c, sample.position);
+            sum += f;
+            squares += f * f;
+        }
+        double mean = sum / SAMPLES,
+               want = (double)rk_light_irradiance(&light, c->point, c->normal);
+        double error = standard_error(c, map, mean, squares, want);
+        char hint[160];
+        snprintf(hint, sizeof hint, "%s: the mean over samples against the closed form", c->name);
+        /* Weight and closed form are rounded to float, 2^-24 each; so is the position. */
+        rk_check_close(mean, want, 4 * error + 1e-6 * want, hint);
+        rk_check(4 * error <= 0.02 * want + 1e-12 || c->peaked || strstr(c->name, "very near"),
+                 "%s: a standard error of %g tests nothing; want 0.5 %% of %g at most", c->name,
+                 error, want);
+    }
+}
+
+static void uniform_samples_are_unbiased(void **state)
+{
+    (void)state;
+    check_unbiased(RK_LIGHT_MAP_AREA, draw_uniform);
+}
+
+static void stratified_samples_are_unbiased(void **state)
+{
+    (void)state;
+    check_unbiased(RK_LIGHT_MAP_AREA, draw_stratified);
+}
+
+static void low_discrepancy_samples_are_unbiased(void **state)
+{
+    (void)state;
+    check_unbiased(RK_LIGHT_MAP_AREA, draw_low_discrepancy);
+}
+
+static void solid_angle_samples_are_unbiased(void **state)
+{
+    (void)state;
+    check_unbiased(RK_LIGHT_MAP_SOLID_ANGLE, draw_uniform);
+}
+
+static void without_falloff_a_light_without_area_is_a_segment(void **state)
+{
+    (void)state;
+    rk_light flat = make_coloured(RK_LIGHT_PARALLELOGRAM),
+             segment = make_coloured(RK_LIGHT_SEGMENT);
+    flat.edge02 = rk_vec(0, 0, 0);
+    flat.colours[2] = flat.colours[0], flat.colours[3] = flat.colours[1];
+    for (uint32_t i = 0; i < 100; i++) {
+        rk_vec2 xi = noise2(50, i);
+        rk_light_sample got = plain_sample(&flat, xi.x, xi.y),
+                        want = plain_sample(&segment, xi.x, xi.y);
+        check_vec3(got.position, want.position, 0, "with edge02 = 0, y moves nothing");
+        check_vec3(got.colour, want.colour, 0x1p-23f, "nor does it change equal colours");
+    }
+}
+
+static void no_light_and_no_point_give_a_nan(void **state)
+{
+    (void)state;
+    /* Whole coordinates make points on the light, in its plane, and edges that are parallel or 0;
+     * scales from 1e-15 to 1e15. */
+    double lit = 0;
+    for (uint32_t i = 0; i < 200000; i++) {
+        rk_vec3 v[4];
+        for (uint32_t k = 0; k < 4; k++) {
+            rk_vec3 at = rk_scale(noise3(60 + k, i), 2.5f);
+            v[k] = rk_scale(rk_vec(rintf(at.x), rintf(at.y), rintf(at.z)),
+                            powf(10, (float)(i % 31) - 15));
+        }
+        rk_light light = make_light((rk_light_kind)(i % 3), v[0], v[1], v[2]);
+        rk_vec2 xi = i % 5 ? noise2(64, i)
+                           : (rk_vec2){i % 2 ? 0 : 0x0.ffffffp0f, i % 4 < 2 ? 0 : 0x0.ffffffp0f};
+        rk_light_sample sample =
+            rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, (rk_light_map)(i / 3 % 2), v[3], xi);
+        float irradiance = rk_light_irradiance(&light, v[3], rk_vec(0, 0.6f, 0.8f));
+        lit += (double)sample.colour.x > 0 && irradiance > 0;
+        rk_check(isfinite(sample.position.x + sample.position.y + sample.position.z) &&
+                     isfinite(sample.colour.x) && sample.colour.x >= 0,
+                 "light %u: got a sample at (%g, %g, %g) of weight %g, want finite numbers: no "
+                 "direction may be divided by a length of 0",
+                 i, (double)sample.position.x, (double)sample.position.y, (double)sample.position.z,
+                 (double)sample.colour.x);
+        rk_check(
+            isfinite(irradiance) && irradiance >= 0,
+            "light %u: got an irradiance of %g, want a finite one: skip edges without an angle", i,
+            (double)irradiance);
+    }
+    rk_check(lit > 50000, "only %g of 200000 points were lit: the test lost its subject", lit);
+}
+
+/* --- The ratio estimator --------------------------------------------------------------------- */
+
+static void the_ratio_is_exact_where_nothing_or_everything_is_blocked(void **state)
+{
+    (void)state;
+    const rk_vec3 unshadowed = {0.3f, 0.2f, 0.7f}, all = {7.3f, 1.9f, 3.1f};
+    check_vec3(rk_light_ratio(unshadowed, all, all), unshadowed, 0, "all of it arrives");
+    check_vec3(rk_light_ratio(unshadowed, rk_vec(0, 0, 0), all), rk_vec(0, 0, 0), 0, "none of it");
+    check_vec3(rk_light_ratio(unshadowed, rk_scale(all, 0.25f), all), rk_scale(unshadowed, 0.25f),
+               0, "a quarter");
+}
+
+static void a_channel_without_light_has_the_ratio_0(void **state)
+{
+    (void)state;
+    check_vec3(rk_light_ratio(rk_vec(1, 0, 1), rk_vec(2, 0, 0), rk_vec(4, 0, 0)),
+               rk_vec(0.5f, 0, 0), 0, "channels are divided each for itself, and 0 / 0 is 0");
+}
+
+/* The part of the light with x < 0.375 is visible; its effect is a closed form too. */
+static void the_ratio_converges_to_the_visible_part(void **state)
+{
+    (void)state;
+    for (size_t k = 0; k < CONFIGURATIONS; k++) {
+        const configuration *c = &configurations[k];
+        rk_light light = light_of(c), part = light;
+        part.edge01 = rk_scale(light.edge01, 0.375f);
+        if (c->kind != RK_LIGHT_PARALLELOGRAM || rk_light_solid_angle(&light, c->point) < 1e-11)
+            continue;
+        double visible = 0, all = 0, squares = 0, mixed = 0, visible_squares = 0;
+        for (uint32_t i = 0; i < SAMPLES; i++) {
+            rk_light_sample sample = rk_light_sample_at(
+                &light, RK_FALLOFF_PHYSICAL, RK_LIGHT_MAP_SOLID_ANGLE, c->point, noise2(70, i));
+            double f = (double)sample.colour.x * cos_to(c, sample.position);
+            double g = find_on(&light, sample.position).x < 0.375f ? f : 0;
+            all += f, visible += g, squares += f * f, mixed += f * g, visible_squares += g * g;
+        }
+        double whole = (double)rk_light_irradiance(&light, c->point, c->normal);
+        double want = (double)rk_light_irradiance(&part, c->point, c->normal);
+        rk_vec3 got = rk_light_ratio(rk_vec((float)whole, 0, 0), rk_vec((float)visible, 0, 0),
+                                     rk_vec((float)all, 0, 0));
+        /* A ratio's standard error is that of g - share f. */
+        double share = all > 0 ? visible / all : 0;
+        double error =
+            sqrt((visible_squares - 2 * share * mixed + share * share * squares)) / SAMPLES;
+        rk_check_close(got.x, want, 4 * error + 1e-5 * whole, c->name);
+    }
+}
+
+/* --- When to stop ---------------------------------------------------------------------------- */
+
+static void a_round_that_agrees_is_settled(void **state)
+{
+    (void)state;
+    rk_check(rk_light_settled(16, 0), "none of 16 arrived: blocked");
+    rk_check(rk_light_settled(16, 16), "all of 16 arrived: visible");
+    rk_check(rk_light_settled(1, 1) && rk_light_settled(1, 0), "a single ray always agrees");
+}
+
+static void a_round_that_disagrees_goes_on(void **state)
+{
+    (void)state;
+    for (uint32_t visible = 1; visible < 16; visible++)
+        rk_check(!rk_light_settled(16, visible), "%u of 16 arrived: penumbra, go on", visible);
+    rk_check(!rk_light_settled(0, 0), "no ray was traced: nothing is known");
+}
+
+static void settling_costs_less_than_its_bound(void **state)
+{
+    (void)state;
+    const uint32_t round = RK_LIGHT_ROUND, trials = 200000;
+    double bound = pow(round / (round + 1.0), round) / (round + 1), largest = 0;
+    for (int percent = 1; percent < 100; percent += 7) {
+        double v = percent / 100.0, sum = 0;
+        for (uint32_t i = 0; i < trials; i++) {
+            uint32_t visible = 0;
+            for (uint32_t k = 0; k < round; k++)
+                visible += (double)rk_unit_float(rk_hash((uint32_t)percent, i, k, 80)) < v;
+            /* Many more rays would find v; a settled round says what it saw. */
+            sum += rk_light_settled(round, visible) ? visible / (double)round : v;
+        }
+        double bias = fabs(sum / trials - v);
+        largest = fmax(largest, bias);
+        /* A settled point is off by 1 at most, with a probability of at most 0.4 + 0.4: 0.5 of a
+         * standard deviation bounds the mean's, 4 standard errors. */
+        rk_check(bias <= bound + 4 * 0.5 / sqrt(trials),
+                 "%d %% visible: got a bias of %g, want %g at most", percent, bias, bound);
+    }
+    rk_check(largest >= bound / 2, "got no bias above %g: is anything settled?", largest);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(a_point_light_has_one_place_and_one_colour),
+    cmocka_unit_test(a_segment_runs_from_corner_0_to_corner_1),
+    cmocka_unit_test(corners_have_their_own_colours),
+    cmocka_unit_test(colours_are_bilinear_between_the_corners),
+    cmocka_unit_test(a_sample_is_a_place_and_not_a_direction),
+    cmocka_unit_test(without_falloff_neither_distance_nor_map_matters),
+    cmocka_unit_test(a_point_light_falls_off_with_the_square_of_the_distance),
+    cmocka_unit_test(a_segment_is_seen_shortened),
+    cmocka_unit_test(a_parallelogram_is_seen_turned_and_from_both_sides),
+    cmocka_unit_test(points_on_the_light_get_nothing_and_no_nan),
+    cmocka_unit_test(a_square_above_the_point_has_the_textbook_form_factor),
+    cmocka_unit_test(a_light_all_around_gives_pi_and_half_of_it_half),
+    cmocka_unit_test(near_and_far_lights_have_the_textbook_form_factor_too),
+    cmocka_unit_test(the_closed_form_equals_quadrature),
+    cmocka_unit_test(a_light_cut_in_two_gives_the_same_in_sum),
+    cmocka_unit_test(the_side_of_a_cube_fills_a_sixth_of_the_sphere),
+    cmocka_unit_test(samples_over_the_solid_angle_all_weigh_the_same),
+    cmocka_unit_test(samples_over_the_solid_angle_lie_on_the_light_with_its_colour),
+    cmocka_unit_test(samples_over_the_solid_angle_are_even_over_directions),
+    cmocka_unit_test(uniform_samples_are_unbiased),
+    cmocka_unit_test(stratified_samples_are_unbiased),
+    cmocka_unit_test(low_discrepancy_samples_are_unbiased),
+    cmocka_unit_test(solid_angle_samples_are_unbiased),
+    cmocka_unit_test(without_falloff_a_light_without_area_is_a_segment),
+    cmocka_unit_test(no_light_and_no_point_give_a_nan),
+    cmocka_unit_test(the_ratio_is_exact_where_nothing_or_everything_is_blocked),
+    cmocka_unit_test(a_channel_without_light_has_the_ratio_0),
+    cmocka_unit_test(the_ratio_converges_to_the_visible_part),
+    cmocka_unit_test(a_round_that_agrees_is_settled),
+    cmocka_unit_test(a_round_that_disagrees_goes_on),
+    cmocka_unit_test(settling_costs_less_than_its_bound),
+};
+
+RK_SUITE("parallelogram_light", tests)
