@@ -82,8 +82,8 @@ static void an_unshadowed_light_is_its_mean_or_its_irradiance(void **state)
             options.light.falloff = physical ? RK_FALLOFF_PHYSICAL : RK_FALLOFF_NONE;
             options.light.map = map ? RK_LIGHT_MAP_SOLID_ANGLE : RK_LIGHT_MAP_AREA;
             test_picture picture = test_render(&scene, options, 2);
-            /* In 64 x 64 strata a smooth integrand errs by its change within one, at most 1/64, over
-             * the root of their number: 2.4e-4; the grid of 400 x 400 by much less. */
+            /* In 64 x 64 strata a smooth integrand errs by its change within one, at most 1/64,
+             * over the root of their number: 2.4e-4; the grid of 400 x 400 by much less. */
             check_wall(&picture, &options, physical, NULL, 2.5e-4, "no blocker is there");
             rk_image_free(&picture.image);
         }
@@ -112,7 +112,8 @@ static void a_soft_shadow_is_the_share_of_the_light_that_is_seen(void **state)
     for (size_t y = 0; y < options.height; y++)
         for (size_t x = 0; x < options.width; x++) {
             wall_point p = seen_on_wall(&options, x, y);
-            /* Seen from the camera, the blocker hides the wall where 3 / 4 of the way is at x > .1. */
+            /* Seen from the camera, the blocker hides the wall where 3 / 4 of the way is at x > .1.
+             */
             if (p.x * 0.75 > 0.1 - 1e-3)
                 continue;
             double got = (double)rk_image_at(&picture.image, x, y)->x;
@@ -242,8 +243,7 @@ static void the_shading_model_is_the_options(void **state)
                 if (model == RK_SHADING_BLINN_PHONG)
                     want += 0.25 * pow(-h[2] / sqrt(hh), 9);
                 /* The exponent multiplies the roundings of its base by 9. */
-                rk_check_close(rk_image_at(&picture.image, x, y)->x, want, 1e-5, "%s",
-                               names[model]);
+                rk_check_close(rk_image_at(&picture.image, x, y)->x, want, 1e-5, names[model]);
             }
         rk_image_free(&picture.image);
     }

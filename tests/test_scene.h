@@ -12,8 +12,7 @@ static inline rk_scene test_scene_of(uint32_t triangles, uint32_t materials)
 {
     rk_scene scene = {.name = "test", .camera = {.distance = 3, .fov = 50}};
     rk_error error;
-    rk_check_ok(rk_mesh_init(&scene.mesh, 3 * triangles, triangles, materials, 0, &error),
-                error);
+    rk_check_ok(rk_mesh_init(&scene.mesh, 3 * triangles, triangles, materials, 0, &error), error);
     for (uint32_t i = 0; i < triangles; i++)
         for (uint32_t k = 0; k < 3; k++)
             scene.mesh.triangles[i][k] = 3 * i + k;

@@ -37,25 +37,25 @@ static void see_nearest(const rk_rendering *r, rk_tile *t, const rk_path_batch *
 }
 
 void rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
-                     rk_crossings *list, float weights[RK_RECURSION_MAX + 1],
+                     rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
                      rk_counters *counters)
 {
     rk_ray ray = rk_batch_ray(&paths->rays, i);
     float behind;
     rk_crossings_gather(r->accel, &ray, paths->left[i] + 1u, list, counters);
-    rk_transparency_weights(list->entries, list->count, weights, &behind);
+    rk_transparency_weights(list->crossings, list->count, weights, &behind);
 }
 
 /* All panes that each ray passes, and the surface behind them. */
 static void see_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
 {
     for (uint32_t i = 0; i < paths->rays.count; i++) {
-        rk_crossings list;
+        rk_crossing_list list;
         float weights[RK_RECURSION_MAX + 1];
         rk_look_through(r, paths, i, &list, weights, t->counters);
         for (uint32_t k = 0; k < list.count; k++)
             if (weights[k] > 0) {
-                rk_hit hit = rk_crossing_hit(&list.entries[k]);
+                rk_hit hit = rk_crossing_hit(&list.crossings[k]);
                 rk_see(room_for_one(r, t), r, paths, i, &hit, k, weights[k]);
             }
     }

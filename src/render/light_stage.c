@@ -21,8 +21,8 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const 
     rk_vec2 xi = {0, 0};
     if (light->kind != RK_LIGHT_POINT) {
         /* Each bounce is a stream of its own; the samples of all rays of a pixel share one. */
-        uint32_t pixel = (t->y + seen->pixel / t->width) * r->options->width + t->x +
-                         seen->pixel % t->width;
+        uint32_t pixel =
+            (t->y + seen->pixel / t->width) * r->options->width + t->x + seen->pixel % t->width;
         uint32_t bounce = r->options->recursion - seen->left;
         const rk_sampler sampler = {options->sampling, r->options->seed,
                                     r->options->samples * options->samples};
@@ -90,7 +90,7 @@ static void arrive_in_part(const rk_rendering *r, rk_tile *t)
         if (tinted && !is_black(share))
             t->sums.state[i] = RK_LIGHT_TINTED;
         t->sums.asked[i]++;
-        t->sums.free[i] += !is_black(share);
+        t->sums.free[i] = (uint16_t)(t->sums.free[i] + !is_black(share));
         t->sums.lit[i] = rk_add(t->sums.lit[i], rk_mul(t->arriving[k], share));
     }
 }
@@ -115,10 +115,9 @@ static rk_vec3 closed_form(const rk_rendering *r, const rk_seen *seen, const rk_
 {
     const rk_surface *surface = &seen->surface;
     float irradiance = rk_light_irradiance(light, surface->point, surface->normal);
-    rk_vec3 unshadowed =
-        rk_shade(&r->options->shading, seen->kd, surface->material->ks,
-                 surface->material->shininess, surface->normal, surface->normal, seen->to_viewer,
-                 rk_scale(light->colours[0], irradiance));
+    rk_vec3 unshadowed = rk_shade(&r->options->shading, seen->kd, surface->material->ks,
+                                  surface->material->shininess, surface->normal, surface->normal,
+                                  seen->to_viewer, rk_scale(light->colours[0], irradiance));
     return rk_light_ratio(unshadowed, lit, all);
 }
 

@@ -39,10 +39,10 @@ static void tell_shadows(const story *s, const rk_light *light)
     }
     tell_tests(s);
     fprintf(s->out, "    %s\n",
-            free == 0                             ? "something is in the way: in shadow"
+            free == 0                           ? "something is in the way: in shadow"
             : sums->state[0] == RK_LIGHT_TINTED ? "the way leads through glass"
-            : free == asked                       ? "the way is free"
-                                                  : "the light is seen in part: in penumbra");
+            : free == asked                     ? "the way is free"
+                                                : "the light is seen in part: in penumbra");
 }
 
 static const char *const kinds[] = {
@@ -60,8 +60,8 @@ static void tell_light(const story *s, uint32_t index)
     fprintf(s->out, "light %u, %s\n", index, kinds[light->kind]);
     tell_vector(s->out, "    position", light->position);
     tell_vector(s->out, "    colour", light->colours[0]);
-    float cos_i = rk_dot(seen->surface.normal,
-                         rk_normalize(rk_sub(light->position, seen->surface.point)));
+    float cos_i =
+        rk_dot(seen->surface.normal, rk_normalize(rk_sub(light->position, seen->surface.point)));
     fprintf(s->out, "    n.l = %.6f%s\n", (double)cos_i,
             cos_i > 0 ? "" : ": the surface is turned away");
     if (!rk_light_shines(light)) {
@@ -118,7 +118,7 @@ static void tell_surface(const story *s, const rk_path_batch *path, const rk_hit
 
 static void tell_path(const story *s, const rk_path_batch *path, const char *name)
 {
-    rk_crossings list;
+    rk_crossing_list list;
     float weights[RK_RECURSION_MAX + 1];
     rk_ray ray = rk_batch_ray(&path->rays, 0);
     fprintf(s->out, "%s\n", name);
@@ -129,7 +129,7 @@ static void tell_path(const story *s, const rk_path_batch *path, const char *nam
         rk_look_through(s->r, path, 0, &list, weights, s->t->counters);
         tell_tests(s);
         for (uint32_t k = 0; k < list.count; k++) {
-            rk_hit hit = rk_crossing_hit(&list.entries[k]);
+            rk_hit hit = rk_crossing_hit(&list.crossings[k]);
             tell_surface(s, path, &hit, k, weights[k]);
         }
         if (list.count > 0)

@@ -39,7 +39,8 @@ rk_option_table rk_render_option_table(rk_render_options *options)
         {"falloff", RK_OPTION_CHOICE, &options->light.falloff, "none|physical",
          "does light get weaker with distance and slant?", 0, 0},
         {"ratio", RK_OPTION_FLAG, &options->light.ratio, NULL,
-         "unshadowed light by its closed form, times the share that is seen; for a parallelogram of "
+         "unshadowed light by its closed form, times the share that is seen; for a parallelogram "
+         "of "
          "one colour with --falloff physical and Lambert's law",
          0, 0},
         {"settle", RK_OPTION_UINT, &options->light.settle, "N",

@@ -56,8 +56,8 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
         .pixel_samples = rays && options->samples > 1,
         .lights = lights,
         .shadow_rays = rays && options->shadows,
-        .reflections = rays && options->reflections && options->recursion > 0 &&
-                       any_material(scene, reflects),
+        .reflections =
+            rays && options->reflections && options->recursion > 0 && any_material(scene, reflects),
         .transparency = rays && options->transparency && any_material(scene, lets_through),
     };
 }

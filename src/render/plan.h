@@ -26,10 +26,12 @@ typedef struct rk_render_options {
     uint32_t seed;
     bool shadows;
     rk_shading shading;
-    bool reflections;  /* surfaces with ks mirror what is around them */
-    bool transparency; /* surfaces with alpha < 1 show what is behind them, and tint their shadows */
+    bool reflections; /* surfaces with ks mirror what is around them */
+    bool
+        transparency; /* surfaces with alpha < 1 show what is behind them, and tint their shadows */
     rk_glass_model glass;
-    uint32_t recursion; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
+    uint32_t
+        recursion; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
     rk_light_options light;
 } rk_render_options;
 

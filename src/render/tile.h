@@ -39,11 +39,6 @@ static inline void rk_path_push(rk_path_batch *paths, const rk_ray *ray, uint32_
     rk_batch_push(&paths->rays, ray);
 }
 
-static inline rk_hit rk_crossing_hit(const rk_crossing *crossing)
-{
-    return (rk_hit){crossing->t, crossing->u, crossing->v, crossing->primitive};
-}
-
 /* A surface that a ray has met. */
 typedef struct rk_seen {
     rk_surface surface;
@@ -94,7 +89,7 @@ void rk_follow(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths);
 /* Their parts, for who tells the story of one ray: path i goes through panes to a list of hits,
  * nearest first, of which `weights` are the shares that reach its beginning; */
 void rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
-                     rk_crossings *list, float weights[RK_RECURSION_MAX + 1],
+                     rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
                      rk_counters *counters);
 /* what a hit of it shows, behind so many panes, with its share; */
 void rk_see(rk_seen *seen, const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
