@@ -17,23 +17,23 @@ local function quote(text) return "'" .. text:gsub("'", "''") .. "'" end
 local function coordinate(div, row, column)
   local value = tonumber(row[column])
   if not value then drive.fail_by_driver(div, "%s is no number: %s", column, row[column] or "") end
-  if value > 0 then return value end
-  drive.say("%s: a point whose %s is %s is left out: it has no logarithm", drive.place(div), column, row[column])
+  return value > 0 and value or nil
 end
 
--- Puts the rows into lines, one for each value of the column `by`, in the order of the rows.
+-- Puts the rows into lines, one for each value of the column `by`, in the order of the rows. Returns
+-- also how many rows have no place in the plot.
 local function lines_of(div, rows, x, y, by)
-  local lines, by_title = {}, {}
+  local lines, by_title, left_out = {}, {}, 0
   for _, row in ipairs(rows) do
-    local title = by and row[by] or tables.label(y)
+    local title = by == "metric" and tables.label(row.metric) or by and tables.cell(row, by) or tables.label(y)
     local line = by_title[title]
     if not line then
-      line = {title = title:gsub("_", " "), points = {}}
+      line = {title = title, points = {}}
       by_title[title] = line
       lines[#lines + 1] = line
     end
     local point = {coordinate(div, row, x), coordinate(div, row, y)}
-    if point[1] and point[2] then line.points[#line.points + 1] = point end
+    if point[1] and point[2] then line.points[#line.points + 1] = point else left_out = left_out + 1 end
   end
   for n = #lines, 1, -1 do
     local line = lines[n]
@@ -48,7 +48,7 @@ local function lines_of(div, rows, x, y, by)
   end
   if #lines == 0 then drive.fail_by_driver(div, "tables/%s.csv has nothing to plot", tables.name(div)) end
   if #lines > #styles then fail_at(div, "%d lines are too many to tell apart", #lines) end
-  return lines
+  return lines, left_out
 end
 
 -- Powers of ten where the numbers span two of them or more, else the numbers themselves.
@@ -70,11 +70,11 @@ end
 
 local drawn = {} -- pictures
 
-local function draw(div, lines, name, xlabel, ylabel)
+local function draw(div, name, xlabel, ylabel, lines, left_out)
   drawn[name] = (drawn[name] or 0) + 1
   local path = "figures/" .. name .. (drawn[name] > 1 and "_" .. drawn[name] or "") .. ".svg"
   local script, parts = {
-    "set terminal svg size 720,420 font 'Helvetica,15' background 'white'",
+    "set terminal svg size 600,380 font 'Helvetica,15' background 'white'",
     "set output " .. quote(drive.out .. "/" .. path),
     "set logscale xy", tics(lines, "x", 1), tics(lines, "y", 2), "set grid",
     "set key top " .. (falls(lines) and "right" or "left"),
@@ -93,7 +93,8 @@ local function draw(div, lines, name, xlabel, ylabel)
   pipe:write(table.concat(script, "\n"))
   if not pipe:close() then fail_at(div, "gnuplot failed (its reason stands above)") end
   return pandoc.Div({
-    pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}), drive.caption(div.content),
+    pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}),
+    drive.caption(div.content, left_out > 0 and "left out: values of 0 or less, which have no logarithm (" .. left_out .. ")" or nil),
   }, {class = "picture plot"})
 end
 
@@ -124,13 +125,13 @@ return function(div)
     drive.measure(div, drive.timing)
     local rows, unit = metric_rows(div, metrics)
     local x = given.x or "triangles"
-    return draw(div, lines_of(div, rows, x, "median", given.by or "metric"), tables.name(div) .. "_" .. metrics[1],
-      given.xlabel or tables.label(x), (given.ylabel or "time") .. ", " .. unit)
+    return draw(div, tables.name(div) .. "_" .. metrics[1], given.xlabel or tables.label(x),
+      (given.ylabel or "time") .. ", " .. unit, lines_of(div, rows, x, "median", given.by or "metric"))
   end
   local x, y = need(div, "x"), need(div, "y")
   if given.driver then drive.measure(div, "--quiet") end
   local rows, columns = tables.read(div)
   for _, column in ipairs({x, y, given.by}) do tables.check_column(div, columns, column) end
-  return draw(div, lines_of(div, rows, x, y, given.by), tables.name(div) .. "_" .. y .. "_over_" .. x,
-    given.xlabel or tables.label(x), given.ylabel or tables.label(y))
+  return draw(div, tables.name(div) .. "_" .. y .. "_over_" .. x, given.xlabel or tables.label(x),
+    given.ylabel or tables.label(y), lines_of(div, rows, x, y, given.by))
 end

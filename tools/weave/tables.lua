@@ -88,6 +88,14 @@ function tables.label(name, unit)
   return unit and unit ~= "1" and label .. ", " .. unit or label
 end
 
+-- A cell as readers see it: names of methods are words.
+function tables.cell(row, column)
+  local text = row[column] or ""
+  return column == "method" and text:gsub("_", " ") or text
+end
+
+local function minus(digits) return (digits:gsub("^-", "−")) end
+
 -- Three significant digits, or all of a larger number with its thousands marked; inlines.
 local function show(text)
   local value = tonumber(text)
@@ -95,12 +103,12 @@ local function show(text)
   local exponent = tonumber(string.format("%.2e", value):match("e(.*)$")) or 0
   if value ~= 0 and exponent < -3 then
     local digits = string.format("%.2f", value / 10 ^ exponent)
-    return pandoc.List({pandoc.Str(digits .. " × 10"), pandoc.Superscript({pandoc.Str("−" .. -exponent)})})
+    return pandoc.List({pandoc.Str(minus(digits) .. "\u{a0}×\u{a0}10"), pandoc.Superscript({pandoc.Str("−" .. -exponent)})})
   end
   local decimals = value == math.floor(value) and 0 or math.max(0, 2 - exponent)
   local digits, again = string.format("%." .. decimals .. "f", value), 1
   while again > 0 do digits, again = digits:gsub("^(-?%d+)(%d%d%d)", "%1,%2") end
-  return pandoc.List({pandoc.Str(digits)})
+  return pandoc.List({pandoc.Str(minus(digits))})
 end
 
 -- A table of headings and rows of texts, numbers to the right; with its caption.
@@ -131,7 +139,7 @@ local function group(div, rows, apart)
   local groups, by_key, titles = {}, {}, {}
   for _, row in ipairs(rows) do
     local key = {}
-    for i, column in ipairs(apart) do key[i] = row[column] end
+    for i, column in ipairs(apart) do key[i] = tables.cell(row, column) end
     local name = row.scene .. "\0" .. table.concat(key, "\0")
     local found = by_key[name]
     if not found then
@@ -193,7 +201,7 @@ function tables.table(div)
   end
   for r, row in ipairs(rows) do
     body[r] = {}
-    for i, name in ipairs(names) do body[r][i] = row[name] or "" end
+    for i, name in ipairs(names) do body[r][i] = tables.cell(row, name) end
   end
   if #body == 0 then drive.fail_by_driver(div, "tables/%s.csv has no such row", tables.name(div)) end
   return lay_out(div, head, body, "")
