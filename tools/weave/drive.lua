@@ -68,15 +68,16 @@ drive.meshes = drive.words(os.getenv("MESHES"))
 
 function drive.quote(word) return "'" .. word:gsub("'", "'\\''") .. "'" end
 
--- SIGHUP, SIGINT and SIGTERM, as the shell tells of them: somebody wants all of it to end.
-local interruptions = {[1] = true, [2] = true, [15] = true, [129] = true, [130] = true, [143] = true}
+-- SIGHUP, SIGINT and SIGTERM: somebody wants all of it to end.
+local interruptions = {[1] = true, [2] = true, [15] = true}
 
 -- Runs a command and returns what it printed, or nil and its exit status.
 local function answer_of(command)
   local pipe = io.popen(command, "r")
   local answer = pipe:read("a")
-  local done, _, number = pipe:close()
-  if interruptions[number] then os.exit(130) end
+  local done, how, number = pipe:close()
+  local signal = how == "signal" and number or number - 128 -- the shell's way to tell of it
+  if interruptions[signal] then os.exit(130) end
   if done then return answer end
   return nil, number
 end

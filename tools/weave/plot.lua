@@ -98,21 +98,12 @@ local function draw(div, name, xlabel, ylabel, lines, left_out)
   }, {class = "picture plot"})
 end
 
--- Rows of these metrics on the element's scenes, in the order of the metrics; and their unit.
-local function metric_rows(div, metrics)
-  local wanted, list, unit = {}, {}, nil
-  for _, scene in ipairs(tables.scenes(div)) do wanted[scene] = true end
-  for _, metric in ipairs(metrics) do
-    local before = #list
-    for _, row in ipairs((tables.read(div))) do
-      if row.metric == metric and wanted[row.scene] then
-        if (unit or row.unit) ~= row.unit then fail_at(div, "one axis cannot be in %s and %s", unit, row.unit) end
-        list[#list + 1], unit = row, row.unit
-      end
-    end
-    if #list == before then drive.fail_by_driver(div, "the driver measured no %s", metric) end
+local function unit_of(div, rows)
+  local unit = rows[1].unit
+  for _, row in ipairs(rows) do
+    if row.unit ~= unit then fail_at(div, "one axis cannot be in %s and %s", unit, row.unit) end
   end
-  return list, unit
+  return unit
 end
 
 return function(div)
@@ -123,10 +114,11 @@ return function(div)
   local given, metrics = div.attributes, words(div.attributes.metrics)
   if #metrics > 0 then
     drive.measure(div, drive.timing)
-    local rows, unit = metric_rows(div, metrics)
+    local rows, columns = tables.read_metrics(div, metrics)
     local x = given.x or "triangles"
+    for _, column in ipairs({x, given.by}) do tables.check_column(div, columns, column) end
     return draw(div, tables.name(div) .. "_" .. metrics[1], given.xlabel or tables.label(x),
-      (given.ylabel or "time") .. ", " .. unit, lines_of(div, rows, x, "median", given.by or "metric"))
+      (given.ylabel or "time") .. ", " .. unit_of(div, rows), lines_of(div, rows, x, "median", given.by or "metric"))
   end
   local x, y = need(div, "x"), need(div, "y")
   if given.driver then drive.measure(div, "--quiet") end

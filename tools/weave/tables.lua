@@ -77,6 +77,21 @@ function tables.scenes(element, with_meshes)
   return list
 end
 
+-- The rows of these metrics on the element's scenes, in the order of the metrics; and the columns.
+function tables.read_metrics(element, metrics, with_meshes)
+  local rows, columns = tables.read(element)
+  local list, wanted = {}, {}
+  for _, scene in ipairs(tables.scenes(element, with_meshes)) do wanted[scene] = true end
+  for _, metric in ipairs(metrics) do
+    local before = #list
+    for _, row in ipairs(rows) do
+      if row.metric == metric and wanted[row.scene] then list[#list + 1] = row end
+    end
+    if #list == before then drive.fail_by_driver(element, "the driver measured no %s", metric) end
+  end
+  return list, columns
+end
+
 -- --- showing ---------------------------------------------------------------------------------
 
 local labels = {samples = "samples a pixel", seconds = "time, s", rmse = "RMS error",
@@ -133,8 +148,8 @@ end
 
 -- --- directives ------------------------------------------------------------------------------
 
--- Collects medians by the columns that tell rows apart, then by metric. Returns the groups in the
--- table's order, and what each metric is called.
+-- Collects rows by the columns that tell them apart. Returns the groups, each with medians by metric,
+-- and what each metric is called.
 local function group(div, rows, apart)
   local groups, by_key, titles = {}, {}, {}
   for _, row in ipairs(rows) do
@@ -160,18 +175,15 @@ end
 function tables.timings(div)
   local scenes, metrics = tables.scenes(div, true), words(need(div, "metrics"))
   drive.measure(div, drive.timing, true)
-  local apart = words(div.attributes.rows or "scene")
-  local rows, columns = tables.read(div)
-  local head, body = {}, {}
-  for _, column in ipairs(apart) do
+  local rows, columns = tables.read_metrics(div, metrics, true)
+  local apart, head, body = words(div.attributes.rows or "scene"), {}, {}
+  for i, column in ipairs(apart) do
     tables.check_column(div, columns, column)
-    head[#head + 1] = tables.label(column)
+    head[i] = tables.label(column)
   end
   local groups, titles = group(div, rows, apart)
   head[#head + 1] = "triangles"
-  for _, metric in ipairs(metrics) do
-    head[#head + 1] = titles[metric] or drive.fail_by_driver(div, "the driver measured no %s", metric)
-  end
+  for _, metric in ipairs(metrics) do head[#head + 1] = titles[metric] end
   for _, scene in ipairs(scenes) do
     local before = #body
     for _, found in ipairs(groups) do
