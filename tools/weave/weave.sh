@@ -85,7 +85,8 @@ print_pdf() {
     [ "$(id -u)" != 0 ] || sandbox=--no-sandbox # chromium refuses root otherwise
     "$CHROMIUM" --headless $sandbox --disable-gpu --no-pdf-header-footer \
         --user-data-dir="$RAYKIT_SCRAPS/chromium" --print-to-pdf="$RAYKIT_OUT/$RAYKIT_WEAVES.pdf" \
-        "file://$RAYKIT_OUT/$RAYKIT_WEAVES.html" >"$RAYKIT_SCRAPS/log" 2>&1 && return
+        "file://$RAYKIT_OUT/$RAYKIT_WEAVES.html" >"$RAYKIT_SCRAPS/log" 2>&1 &&
+        [ -s "$RAYKIT_OUT/$RAYKIT_WEAVES.pdf" ] && return
     tail -n 3 "$RAYKIT_SCRAPS/log" >&2
     give_up "chromium could not print the PDF (its last words stand above)"
 }
