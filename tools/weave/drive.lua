@@ -105,7 +105,8 @@ local printed = {} -- by command: what was measured once is not measured again
 -- the size of a trial if it is one; or into `folder`, as they are.
 function drive.run(element, args, folder)
   if size ~= "" and not folder then args = args .. " --width " .. size .. " --height " .. size end
-  local command = drive.quote(driver_path(element)) .. " " .. args .. " --out " .. drive.quote(folder or drive.out)
+  folder = folder or drive.out
+  local command = drive.quote(driver_path(element)) .. " " .. args .. " --out " .. drive.quote(folder)
   if drive.units ~= "" then command = "timeout --foreground -k 5 " .. patience .. " " .. command end
   if printed[command] then return printed[command] end
   drive.say("%s %s", element.attributes.driver, args)

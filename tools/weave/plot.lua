@@ -25,7 +25,8 @@ end
 local function lines_of(div, rows, x, y, by)
   local lines, by_title, left_out = {}, {}, 0
   for _, row in ipairs(rows) do
-    local title = by == "metric" and tables.label(row.metric) or by and tables.cell(row, by) or tables.label(y)
+    local title = by == "metric" and tables.label(row.metric) or by and tables.cell(row, by) or
+      tables.label(y)
     local line = by_title[title]
     if not line then
       line = {title = title, points = {}}
@@ -73,17 +74,19 @@ local drawn = {} -- pictures
 local function draw(div, name, xlabel, ylabel, lines, left_out)
   drawn[name] = (drawn[name] or 0) + 1
   local path = "figures/" .. name .. (drawn[name] > 1 and "_" .. drawn[name] or "") .. ".svg"
-  local script, parts = {
+  local parts, script = {}, {
     "set terminal svg size 600,380 font 'Helvetica,15' background 'white'",
     "set output " .. quote(drive.out .. "/" .. path),
     "set logscale xy", tics(lines, "x", 1), tics(lines, "y", 2), "set grid",
     "set key top " .. (falls(lines) and "right" or "left"),
     "set xlabel " .. quote(xlabel), "set ylabel " .. quote(ylabel),
-  }, {}
+  }
   for i, line in ipairs(lines) do
     script[#script + 1] = string.format("set style line %d lc rgb '%s' pt %d lw 2", i, table.unpack(styles[i]))
     script[#script + 1] = "$data" .. i .. " << EOD"
-    for _, point in ipairs(line.points) do script[#script + 1] = string.format("%.9g %.9g", point[1], point[2]) end
+    for _, point in ipairs(line.points) do
+      script[#script + 1] = string.format("%.9g %.9g", point[1], point[2])
+    end
     script[#script + 1] = "EOD"
     parts[i] = string.format("$data%d using 1:2 with linespoints linestyle %d title %s noenhanced", i, i,
       quote(line.title))
@@ -92,9 +95,9 @@ local function draw(div, name, xlabel, ylabel, lines, left_out)
   local pipe = io.popen(drive.quote(gnuplot), "w")
   pipe:write(table.concat(script, "\n"))
   if not pipe:close() then fail_at(div, "gnuplot failed (its reason stands above)") end
+  local note = left_out > 0 and "left out: values of 0 or less, which have no logarithm (" .. left_out .. ")"
   return pandoc.Div({
-    pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}),
-    drive.caption(div.content, left_out > 0 and "left out: values of 0 or less, which have no logarithm (" .. left_out .. ")" or nil),
+    pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}), drive.caption(div.content, note),
   }, {class = "picture plot"})
 end
 
@@ -117,8 +120,9 @@ return function(div)
     local rows, columns = tables.read_metrics(div, metrics)
     local x = given.x or "triangles"
     for _, column in ipairs({x, given.by}) do tables.check_column(div, columns, column) end
-    return draw(div, tables.name(div) .. "_" .. metrics[1], given.xlabel or tables.label(x),
-      (given.ylabel or "time") .. ", " .. unit_of(div, rows), lines_of(div, rows, x, "median", given.by or "metric"))
+    local ylabel = (given.ylabel or "time") .. ", " .. unit_of(div, rows)
+    return draw(div, tables.name(div) .. "_" .. metrics[1], given.xlabel or tables.label(x), ylabel,
+      lines_of(div, rows, x, "median", given.by or "metric"))
   end
   local x, y = need(div, "x"), need(div, "y")
   if given.driver then drive.measure(div, "--quiet") end

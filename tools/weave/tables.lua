@@ -118,7 +118,8 @@ local function show(text)
   local exponent = tonumber(string.format("%.2e", value):match("e(.*)$")) or 0
   if value ~= 0 and exponent < -3 then
     local digits = string.format("%.2f", value / 10 ^ exponent)
-    return pandoc.List({pandoc.Str(minus(digits) .. "\u{a0}×\u{a0}10"), pandoc.Superscript({pandoc.Str("−" .. -exponent)})})
+    return pandoc.List({pandoc.Str(minus(digits) .. "\u{a0}×\u{a0}10"),
+      pandoc.Superscript({pandoc.Str("−" .. -exponent)})})
   end
   local decimals = value == math.floor(value) and 0 or math.max(0, 2 - exponent)
   local digits, again = string.format("%." .. decimals .. "f", value), 1
