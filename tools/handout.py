@@ -33,22 +33,22 @@ This is raykit, a teaching kit for ray tracing in C, with a part left open for y
     make check-{first}
 
 The first line installs what is missing and configures. The second tests your file and says what to
-work on first: now nearly everything fails. Then read, solve the first step in {file}, and run the
-check again.
+work on first; now nearly everything fails. Then read, solve the first step, and check again.
 
 {reading}
 
 ## Go on
 
-    make watch-{first}         the check again whenever you save; Ctrl-C ends it
-    make debug-{first}         the first failing test in gdb, stopped in your code
-    make diff-{first}          what you have changed since the starter
-    make progress{pad}         the points that you have
-    make report{pad}           pictures and measurements by your code, reports/out/report.html
-    make check{pad}            all suites; those that use your code fail until it is solved
+    {watch}  the check again whenever you save; Ctrl-C ends it
+    {debug}  the first failing test in gdb, stopped in your code
+    {diff}  what you have changed since the starter
+    {progress}  the points that you have
+    {report}  pictures and measurements by your code: reports/out/report.html
+    {check}  all suites; those that use your code fail until it is solved
 
-Where a text says `make workbook DIR=mine` and `IMPL=mine`: here your folder is workbook/. It is there
-already, and is meant wherever IMPL is not given. The file in src/features/ stays as it is.
+Where a text says `make workbook DIR=mine` and `IMPL=mine`: here your folder is `workbook`. It is there
+already, and it is meant wherever IMPL is not given. What stands in `src/features` for these
+assignments is the starter once more, for comparison; nothing uses it.
 
 ## Hand in
 
@@ -80,7 +80,8 @@ def place_of(out, folder):
 def _release(pack):
     """What make dist would pack, less what ./bootstrap makes."""
     command = [os.environ.get("MAKE", "make"), "-s", "distdir", f"distdir={pack}"]
-    answer = subprocess.run(command, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+    environment = {name: value for name, value in os.environ.items() if name != "MAKEFLAGS"}
+    answer = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                             errors="replace", check=False)
     if answer.returncode:
         raise ToolError(f"the kit's files could not be gathered:\n{answer.stdout.strip()}")
@@ -117,7 +118,8 @@ def _weave_book(pack, features):
         path = os.path.join("assignments", feature.folder, feature.stem)
         os.symlink(os.path.abspath(path), os.path.join(pack, path))
         drivers.append(os.path.join(pack, path))
-    environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, CHROMIUM="", SOLUTIONS="yes")
+    environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=pack,
+                       CHROMIUM="", SOLUTIONS="yes")
     answer = subprocess.run(["sh", os.path.join(pack, "docs", "make_book")], env=environment,
                             stderr=subprocess.PIPE, text=True, errors="replace", check=False)
     if answer.returncode:
@@ -143,13 +145,15 @@ def _write_handout(pack, features, has_book):
         rows.append(f"| [{_title(pack, feature)}]({task}) | [{file}]({file}) | {points} "
                     f"| [{feature.chapter}]({feature.chapter}) |")
     first = features[0].stem
-    reading = ("Open docs/handout/book.html in a browser: the chapters with their figures as they are when "
-               "all is\nsolved. `make book` makes docs/out/book.html, with figures by your code."
-               if has_book else "`make book` makes docs/out/book.html, the chapters with figures by your code.")
-    files = [f"workbook/{feature.stem}.c" for feature in features]
+    reading = ("Open `docs/handout/book.html` in a browser: the chapters, with figures as they should become.\n"
+               "`make book` makes `docs/out/book.html`, with figures by your code."
+               if has_book else "`make book` makes `docs/out/book.html`, the chapters, with figures by your code.")
+    width = len(f"make watch-{first}")
+    commands = {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "diff")}
+    commands |= {word: f"make {word}".ljust(width) for word in ("progress", "report", "check")}
+    files = " and ".join(f"`workbook/{feature.stem}.c`" for feature in features)
     write_whole(os.path.join(pack, "HANDOUT.md"), HANDOUT.format(
-        assignments="\n".join(rows), first=first, file=files[0], reading=reading,
-        pad=" " * max(0, len(first) - 3), files=" and ".join(files)))
+        assignments="\n".join(rows), first=first, reading=reading, files=files, **commands))
 
 
 # --- The proof ------------------------------------------------------------------------------------
