@@ -229,7 +229,8 @@ def make_handout(source, stems, out="", folder="", book=True):
     features = read_features(source)
     if not stems:
         raise ToolError(f"say what to hand out: make handout ASSIGNMENTS=\"...\", of: {' '.join(features)}")
-    chosen = choose(features, list(dict.fromkeys(stems)))
+    named = choose(features, stems)
+    chosen = [feature for feature in features.values() if feature in named]  # in the course's order
     place, name = place_of(out, folder)
     has_book = book and bool(os.environ.get("PANDOC"))
     work = tempfile.mkdtemp(prefix=".handout-", dir=os.path.dirname(os.path.abspath(place)))
