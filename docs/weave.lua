@@ -97,7 +97,7 @@ local function listing(block)
     pandoc.Div({pandoc.Plain(top)}, {class = "caption"}),
     pandoc.CodeBlock(table.concat(texts, "\n\n"), {class = "c"}),
   }
-  if own and not solutions then
+  if own then
     content[3] = pandoc.Div({pandoc.Plain("Yours to write.")}, {class = "yours"})
   end
   local _, line_ends = content[2].text:gsub("\n", "")

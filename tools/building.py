@@ -103,7 +103,9 @@ def _is_below(path, folder):
 def _check_included(toolchain, unit, listing):
     """A solution may include the kit's headers, the system's, and what stands beside it."""
     with open(listing, encoding="utf-8", errors="replace") as file:
-        words = shlex.split(file.read().replace("\\\n", " "))
+        # As make reads it: blanks in names are escaped, quotes stand for themselves.
+        words = [re.sub(r"\\([ #])", r"\1", word).replace("$$", "$")
+                 for word in re.findall(r"(?:\\.|\S)+", file.read().replace("\\\n", " "))]
     for word in words[1:]:
         path = os.path.realpath(word)
         if path == os.path.realpath(unit.path):
