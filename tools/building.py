@@ -37,6 +37,7 @@ class Toolchain:
                 f"{path} cannot be read ({error.strerror}); run make check-... or make grade there once"
             ) from error
         self.build, self.source = os.path.abspath(build), values["source"]
+        self.handed_out = values["handed_out"].split()  # features without a reference, in a pack
         self.compiler = shlex.split(values["cc"])
         self.flags = shlex.split(values["flags"]) + ["-Wno-error"]
         self.base_sanitize = shlex.split(values["base_sanitize"])
