@@ -315,19 +315,18 @@ static void ordered_is_what_a_view_ray_sees_of_a_white_light(void **state)
     (void)state;
     for (uint32_t trial = 0; trial < 1000; trial++) {
         rk_crossing crossings[8];
-        float weights[8], behind;
         for (uint32_t k = 0; k < 8; k++)
             crossings[k] = pane((float)(k + 1) / 9, rk_unit_float(rk_hash(trial, k, 6, 0)),
                                 rk_vec(rk_unit_float(rk_hash(trial, k, 7, 0)),
                                        rk_unit_float(rk_hash(trial, k, 8, 0)),
                                        rk_unit_float(rk_hash(trial, k, 9, 0))));
-        rk_transparency_weights(crossings, 8, weights, &behind);
-        rk_vec3 want = rk_vec(behind, behind, behind);
-        for (uint32_t k = 0; k < 8; k++)
-            want = rk_madd(want, crossings[k].kd, weights[k]);
+        /* alpha here + (1 - alpha) behind, from the light to the point. */
+        rk_vec3 want = white;
+        for (uint32_t k = 8; k-- > 0;)
+            want = rk_mix(want, crossings[k].kd, crossings[k].alpha);
         /* Four roundings a pane on either side, each of at most 2^-24 of a number below 1. */
         check_colour(rk_transparency_transmit(RK_GLASS_ORDERED, crossings, 8, 1), want,
-                     64 * 0x1p-24f, "the weights of view rays, over white");
+                     64 * 0x1p-24f, "each pane over what is behind it, a white light last");
     }
 }
 

@@ -76,7 +76,7 @@ static double area_of(projected a, projected b)
 }
 
 /* Fills in the place and the direction of the crossing; t is a mean of the corners' own, so a
- * triangle that is nearly edge-on does not lose it. */
+ * triangle that is nearly edge-on does not lose it. One that is a point has a t of NaN. */
 static bool cross_triangle(const projection *p, const rk_mesh *mesh, uint32_t triangle,
                            rk_crossing *crossing)
 {
@@ -85,7 +85,7 @@ static bool cross_triangle(const projection *p, const rk_mesh *mesh, uint32_t tr
     projected b = project(p, mesh->positions[corner[1]]);
     projected c = project(p, mesh->positions[corner[2]]);
     int side = side_of(a, b);
-    if (side == 0 || side_of(b, c) != side || side_of(c, a) != side)
+    if (side_of(b, c) != side || side_of(c, a) != side)
         return false;
     double of_a = area_of(b, c), of_b = area_of(c, a), of_c = area_of(a, b);
     double sum = of_a + of_b + of_c;
@@ -113,6 +113,18 @@ static bool is_settled(const gathering *g)
     return g->until_opaque && list->count && list->crossings[list->count - 1].alpha >= 1;
 }
 
+static rk_vec3 kd_at(const rk_scene *scene, const rk_crossing *crossing,
+                     const rk_material *material)
+{
+    bool is_sphere = crossing->primitive >= scene->mesh.triangle_count;
+    rk_surface surface = {
+        .material = material,
+        .barycentric = rk_vec(1 - crossing->u - crossing->v, crossing->u, crossing->v),
+        .triangle = {.index = is_sphere ? RK_MISS : crossing->primitive},
+    };
+    return rk_surface_kd(&surface, &scene->mesh);
+}
+
 /* Gives the crossing its material, and puts it into the list if it lies on the ray. NaN does not.
  */
 static void add_crossing(gathering *g, rk_crossing *crossing, uint32_t medium,
@@ -122,7 +134,7 @@ static void add_crossing(gathering *g, rk_crossing *crossing, uint32_t medium,
         return;
     crossing->medium = medium;
     crossing->alpha = material->alpha;
-    crossing->kd = material->kd;
+    crossing->kd = material->kd_texture ? kd_at(g->scene, crossing, material) : material->kd;
     crossing->absorption = material->absorption;
     rk_transparency_insert(g->list, crossing);
     g->end = rk_transparency_end(g->list, g->ray->t_max);
