@@ -405,6 +405,7 @@ static void the_closed_form_equals_quadrature(void **state)
 static void a_light_cut_in_two_gives_the_same_in_sum(void **state)
 {
     (void)state;
+    int lit = 0;
     for (uint32_t i = 0; i < 1000; i++) {
         configuration c = random_configuration(i, RK_LIGHT_PARALLELOGRAM);
         rk_light whole = light_of(&c), left = whole, right = whole;
@@ -417,7 +418,9 @@ static void a_light_cut_in_two_gives_the_same_in_sum(void **state)
          * more: measured, 1e-6. */
         rk_check_close(got, want, 1e-5 * (1 + want),
                        "edges inside of the light cancel, if each has the right sign");
+        lit += want > 0;
     }
+    rk_check(lit > 500, "got irradiance from %d of 1000 lights, want more than half", lit);
 }
 
 /* --- Evenly over the directions -------------------------------------------------------------- */
@@ -432,6 +435,8 @@ static void the_side_of_a_cube_fills_a_sixth_of_the_sphere(void **state)
     /* An edge at distance 1 is seen 1e-6 above the horizon, all around. */
     rk_check_close(rk_light_solid_angle(&side, rk_vec(0, 0, 0)), 2 * pi, 1e-5,
                    "a light that nearly touches the point fills half of the sphere");
+    rk_check_close(rk_light_solid_angle(&side, rk_vec(-0.5f, -0.25f, 0)), 2 * pi, 1e-5,
+                   "wherever it does: a triangle of more than pi needs an angle by atan2");
     rk_check_close(rk_light_solid_angle(&side, rk_vec(5, 0, 1e-6f)), 0, 1e-12,
                    "edge-on it fills nothing");
 }
@@ -586,10 +591,12 @@ static double standard_error(const configuration *c, rk_light_map map, double me
  * form is 0, a thousand must all be. */
 static void check_unbiased(rk_light_map map, draw *draw_at, size_t first, size_t end)
 {
+    size_t lit = 0;
     for (size_t k = first; k < end; k++) {
         const configuration *c = &configurations[k];
         rk_light light = light_of(c);
         double want = (double)rk_light_irradiance(&light, c->point, c->normal);
+        lit += want > 0;
         uint32_t samples = want > 0 ? SAMPLES : 1000;
         double sum = 0, squares = 0;
         for (uint32_t i = 0; i < samples; i++) {
@@ -609,6 +616,8 @@ static void check_unbiased(rk_light_map map, draw *draw_at, size_t first, size_t
                  "%s: a standard error of %g tests nothing; want 1.2 %% of %g at most", c->name,
                  error, want);
     }
+    rk_check(2 * lit > end - first, "got irradiance in %zu of %zu configurations, want most", lit,
+             end - first);
 }
 
 static void uniform_samples_are_unbiased(void **state)
@@ -716,12 +725,14 @@ static void the_ratio_converges_to_the_visible_part(void **state)
 {
     (void)state;
     const uint32_t samples = 1 << 16;
+    int tried = 0;
     for (size_t k = 0; k < CONFIGURATIONS; k++) {
         const configuration *c = &configurations[k];
         rk_light light = light_of(c), part = light;
         part.edge01 = rk_scale(light.edge01, 0.375f);
         if (c->kind != RK_LIGHT_PARALLELOGRAM || rk_light_solid_angle(&light, c->point) < 1e-11)
             continue;
+        tried++;
         double visible = 0, all = 0, squares = 0, mixed = 0, visible_squares = 0;
         for (uint32_t i = 0; i < samples; i++) {
             rk_light_sample sample = rk_light_sample_at(
@@ -740,6 +751,8 @@ static void the_ratio_converges_to_the_visible_part(void **state)
             sqrt((visible_squares - 2 * share * mixed + share * share * squares)) / samples;
         rk_check_close(got.x, want, 4 * error + 1e-5 * whole, c->name);
     }
+    rk_check(tried >= 20, "%d configurations were tried, want 20: is the solid angle right?",
+             tried);
 }
 
 /* --- When to stop ---------------------------------------------------------------------------- */
