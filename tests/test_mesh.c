@@ -51,6 +51,79 @@ static void nan_and_infinity_are_refused_with_their_place(void **state)
     }
 }
 
+static void a_broken_material_is_refused_with_its_place(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_square();
+    const rk_material sound = mesh.materials[0];
+    rk_material broken[10];
+    for (int i = 0; i < 10; i++)
+        broken[i] = sound;
+    broken[0].kd.y = NAN;
+    broken[1].ks.z = INFINITY;
+    broken[2].shininess = -1;
+    broken[3].alpha = 1.5f;
+    broken[4].alpha = NAN;
+    broken[5].absorption.x = -1e-30f;
+    broken[6].absorption.y = -1;
+    broken[7].absorption.z = -INFINITY;
+    broken[8].absorption.x = INFINITY;
+    broken[9].absorption.y = NAN;
+    for (int i = 0; i < 10; i++) {
+        rk_error error;
+        mesh.materials[0] = broken[i];
+        rk_check(!rk_mesh_validate(&mesh, "square", &error), "material %d was accepted", i);
+        rk_check_error_names(error, "square: material 0");
+        rk_check_error_names(error, i < 5 ? "colour" : "absorbs");
+    }
+    mesh.materials[0].absorption = rk_vec(0, 1, 1e30f);
+    rk_error error;
+    rk_check_ok(rk_mesh_validate(&mesh, "square", &error), error);
+    rk_mesh_free(&mesh);
+}
+
+/* --- textures -------------------------------------------------------------------------------- */
+
+static rk_mesh make_textured_square(void)
+{
+    rk_mesh mesh = make_square();
+    rk_error error;
+    mesh.textures = rk_allocate(2, sizeof *mesh.textures, "textures", &error);
+    mesh.texture_count = 2;
+    for (int i = 0; i < 2; i++)
+        rk_check_ok(rk_image_init(&mesh.textures[i].image, 4, 4, &error), error);
+    mesh.materials[0].kd_texture = &mesh.textures[1];
+    return mesh;
+}
+
+static void a_texture_is_one_of_the_meshs_and_has_an_image(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_textured_square();
+    rk_texture stranger = mesh.textures[1];
+    rk_error error;
+    rk_check_ok(rk_mesh_validate(&mesh, "square", &error), error);
+    mesh.materials[0].kd_texture = &stranger;
+    rk_check(!rk_mesh_validate(&mesh, "square", &error), "a stranger's texture was accepted");
+    rk_check_error_names(error, "material 0");
+    mesh.materials[0].kd_texture = &mesh.textures[1];
+    rk_image_free(&mesh.textures[1].image);
+    rk_check(!rk_mesh_validate(&mesh, "square", &error), "a texture without image was accepted");
+    rk_mesh_free(&mesh);
+}
+
+/* Who forgets the images fails under AddressSanitizer, which finds the leak. */
+static void a_mesh_frees_its_textures_and_may_be_freed_again(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_textured_square();
+    rk_mesh_free(&mesh);
+    rk_check(mesh.textures == NULL && mesh.texture_count == 0, "the textures are still there");
+    rk_mesh_free(&mesh);
+}
+
+/* --- moving and smoothing -------------------------------------------------------------------- */
+
 static void normalizing_puts_the_mean_at_zero_and_the_farthest_vertex_at_one(void **state)
 {
     (void)state;
@@ -126,6 +199,9 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_sound_mesh_is_accepted),
     cmocka_unit_test(an_index_out_of_range_is_refused_with_its_place),
     cmocka_unit_test(nan_and_infinity_are_refused_with_their_place),
+    cmocka_unit_test(a_broken_material_is_refused_with_its_place),
+    cmocka_unit_test(a_texture_is_one_of_the_meshs_and_has_an_image),
+    cmocka_unit_test(a_mesh_frees_its_textures_and_may_be_freed_again),
     cmocka_unit_test(normalizing_puts_the_mean_at_zero_and_the_farthest_vertex_at_one),
     cmocka_unit_test(a_vertex_stored_twice_counts_once_in_the_mean),
     cmocka_unit_test(a_mesh_of_one_point_normalizes_to_zero),

@@ -321,6 +321,70 @@ static void triangles_without_area_have_a_unit_normal_and_can_be_left(void **sta
         }
 }
 
+/* --- Textures -------------------------------------------------------------------------------- */
+
+/* Texture coordinates (0, 0), (1, 0), (0, 1) over a picture of 2 x 1: red left, green right. */
+static rk_mesh make_textured_triangle(void)
+{
+    rk_error error;
+    rk_mesh mesh = make_triangle(RK_MESH_TEXCOORDS);
+    mesh.positions[1] = rk_vec(1, 0, 0);
+    mesh.positions[2] = rk_vec(0, 1, 0);
+    mesh.texcoords[1] = (rk_vec2){1, 0};
+    mesh.texcoords[2] = (rk_vec2){0, 1};
+    mesh.textures = rk_allocate(1, sizeof *mesh.textures, "textures", &error);
+    mesh.texture_count = 1;
+    rk_check_ok(rk_image_init(&mesh.textures[0].image, 2, 1, &error), error);
+    *rk_image_at(&mesh.textures[0].image, 0, 0) = rk_vec(1, 0, 0);
+    *rk_image_at(&mesh.textures[0].image, 1, 0) = rk_vec(0, 1, 0);
+    mesh.materials[0].kd = rk_vec(0.5f, 0.25f, 0.125f);
+    mesh.materials[0].kd_texture = &mesh.textures[0];
+    return mesh;
+}
+
+static void check_kd(const rk_mesh *mesh, float u, float v, rk_vec3 want, const char *hint)
+{
+    rk_ray ray = {rk_vec(0, 0, 1), rk_vec(0, 0, -1), INFINITY};
+    rk_hit hit = {1, u, v, 0};
+    rk_surface surface;
+    rk_surface_at(&surface, mesh, &ray, &hit);
+    rk_vec3 got = rk_surface_kd(&surface, mesh);
+    for (int axis = 0; axis < 3; axis++)
+        rk_check_close(rk_axis(got, axis), rk_axis(want, axis), 0, hint);
+}
+
+static void the_texture_multiplies_the_diffuse_colour(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_textured_triangle();
+    const rk_vec3 left = {0.5f, 0, 0}, right = {0, 0.25f, 0};
+    check_kd(&mesh, 0, 0, left, "the first corner has u = 0");
+    check_kd(&mesh, 0.75f, 0, right, "three quarters to the second corner, which has u = 1");
+    check_kd(&mesh, 0, 0.75f, left, "the third corner has u = 0");
+    mesh.textures[0].filter = RK_TEXTURE_BILINEAR;
+    check_kd(&mesh, 0.5f, 0.25f, rk_vec(0.25f, 0.125f, 0), "between two texels, half of each");
+    rk_mesh_free(&mesh);
+}
+
+static void the_diffuse_colour_is_plain_where_there_is_no_texture(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_textured_triangle();
+    const rk_vec3 plain = mesh.materials[0].kd;
+    free(mesh.texcoords);
+    mesh.texcoords = NULL;
+    check_kd(&mesh, 0.75f, 0, plain, "the mesh has no texture coordinates");
+    rk_sphere sphere = {rk_vec(0, 0, 0), 1};
+    rk_ray ray = {rk_vec(0, 0, 3), rk_vec(0, 0, -1), INFINITY};
+    rk_hit hit = {2, 0, 0, 1};
+    rk_surface surface;
+    rk_surface_at_sphere(&surface, &sphere, &mesh.materials[0], &ray, &hit);
+    rk_check_close(rk_surface_kd(&surface, &mesh).y, plain.y, 0, "a sphere has no coordinates");
+    mesh.materials[0].kd_texture = NULL;
+    check_kd(&mesh, 0.75f, 0, plain, "the material has no texture");
+    rk_mesh_free(&mesh);
+}
+
 /* --- Leaving --------------------------------------------------------------------------------- */
 
 /* Any direction; every second one within a thousandth, or a millionth, of the triangle's plane. */
@@ -439,6 +503,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(interpolated_normals_are_weighted_by_the_corners),
     cmocka_unit_test(normals_that_cancel_give_way_to_the_face_normal),
     cmocka_unit_test(triangles_without_area_have_a_unit_normal_and_can_be_left),
+    cmocka_unit_test(the_texture_multiplies_the_diffuse_colour),
+    cmocka_unit_test(the_diffuse_colour_is_plain_where_there_is_no_texture),
     cmocka_unit_test(a_ray_that_leaves_never_meets_its_triangle_again),
     cmocka_unit_test(a_ray_leaves_to_the_side_to_which_it_heads),
     cmocka_unit_test(the_step_is_a_few_error_bounds),

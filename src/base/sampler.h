@@ -1,5 +1,7 @@
 /* A sampler gives sample k of a pixel one number in [0, 1) for each dimension: the lens, the time,
- * a light and so on each read dimensions of their own. */
+ * a light and so on each read dimensions of their own. Numbers of different pixels, or of different
+ * dimensions, are independent; those of one pixel and dimension are spread as the kind says.
+ * There is no state: a number depends on the place where it is used alone. */
 #ifndef RK_BASE_SAMPLER_H
 #define RK_BASE_SAMPLER_H
 
@@ -7,28 +9,31 @@
 #include "base/vec3.h"
 
 typedef enum rk_sampler_kind {
-    RK_SAMPLER_UNIFORM, /* independent, uniformly distributed */
+    RK_SAMPLER_UNIFORM,         /* independent of each other, uniformly distributed */
+    RK_SAMPLER_STRATIFIED,      /* one in each of as many equal cells as there are samples */
+    RK_SAMPLER_LOW_DISCREPANCY, /* a scrambled (0,2)-sequence: the first 2^k, for every k, have one
+                                   in each cell of 2^-a x 2^-b, for every a + b = k */
 } rk_sampler_kind;
 
 /* Dimensions taken so far; each is the first of a pair. */
 enum { RK_DIMENSION_PIXEL = 0 };
 
+/* Cells are halved down to 2^-24, the distance of the numbers that samplers give. */
+enum { RK_SAMPLES_MAX = 1 << 24 };
+
 typedef struct rk_sampler {
     rk_sampler_kind kind;
     uint32_t seed;
+    uint32_t samples; /* 1 to RK_SAMPLES_MAX: how many there will be of one pixel and dimension.
+                         Only the stratified kind needs to know, and gives no more than these. */
 } rk_sampler;
 
-static inline float rk_sample_1d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample,
-                                 uint32_t dimension)
-{
-    return rk_unit_float(rk_hash(sampler->seed, pixel, sample, dimension));
-}
+/* One number of `dimension`. Whoever reads a dimension with rk_sample_1d should not read it with
+ * rk_sample_2d as well: a pair is spread as a pair, and is not two single numbers. */
+float rk_sample_1d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, uint32_t dimension);
 
-static inline rk_vec2 rk_sample_2d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample,
-                                   uint32_t dimension)
-{
-    return (rk_vec2){rk_sample_1d(sampler, pixel, sample, dimension),
-                     rk_sample_1d(sampler, pixel, sample, dimension + 1)};
-}
+/* A pair of numbers, of `dimension` and the next one. */
+rk_vec2 rk_sample_2d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample,
+                     uint32_t dimension);
 
 #endif

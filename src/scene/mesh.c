@@ -38,7 +38,7 @@ void rk_mesh_free(rk_mesh *mesh)
     free(mesh->triangle_materials);
     free(mesh->materials);
     for (uint32_t i = 0; i < mesh->texture_count; i++)
-        rk_image_free(&mesh->textures[i].image);
+        rk_texture_free(&mesh->textures[i]);
     free(mesh->textures);
     *mesh = (rk_mesh){0};
 }
@@ -68,10 +68,8 @@ static bool validate_vertices(const rk_mesh *mesh, const char *name, rk_error *e
     return true;
 }
 
-bool rk_mesh_validate(const rk_mesh *mesh, const char *name, rk_error *error)
+static bool validate_triangles(const rk_mesh *mesh, const char *name, rk_error *error)
 {
-    if (!validate_vertices(mesh, name, error))
-        return false;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         for (int k = 0; k < 3; k++)
             if (mesh->triangles[i][k] >= mesh->vertex_count)
@@ -84,17 +82,48 @@ bool rk_mesh_validate(const rk_mesh *mesh, const char *name, rk_error *error)
             return rk_fail(error, "%s: triangle %u uses material %u, but there are only %u", name,
                            i, mesh->triangle_materials[i], mesh->material_count);
     }
+    return true;
+}
+
+/* One of the mesh's textures that has an image, or none at all. */
+static bool is_texture_of(const rk_texture *texture, const rk_mesh *mesh)
+{
+    for (uint32_t i = 0; texture && i < mesh->texture_count; i++)
+        if (texture == &mesh->textures[i])
+            return texture->image.pixels != NULL;
+    return texture == NULL;
+}
+
+static bool validate_materials(const rk_mesh *mesh, const char *name, rk_error *error)
+{
     for (uint32_t i = 0; i < mesh->material_count; i++) {
         const rk_material *m = &mesh->materials[i];
-        if (!is_finite3(m->kd) || !is_finite3(m->ks) || !is_finite3(m->absorption) ||
-            !(m->shininess >= 0) || !isfinite(m->shininess) || !is_fraction(m->alpha))
+        if (!is_finite3(m->kd) || !is_finite3(m->ks) || !(m->shininess >= 0) ||
+            !isfinite(m->shininess) || !is_fraction(m->alpha))
             return rk_fail(
                 error,
                 "%s: material %u has a colour that is not finite, a negative shininess or an "
                 "opacity outside [0, 1]",
                 name, i);
+        if (!is_finite3(m->absorption) || !(m->absorption.x >= 0) || !(m->absorption.y >= 0) ||
+            !(m->absorption.z >= 0))
+            return rk_fail(error,
+                           "%s: material %u absorbs a share of the light that is negative or not "
+                           "finite: 0 is clear glass, more is darker",
+                           name, i);
+        if (!is_texture_of(m->kd_texture, mesh))
+            return rk_fail(error,
+                           "%s: the texture of material %u is none of the mesh's, or without an "
+                           "image: put it into the mesh's textures",
+                           name, i);
     }
     return true;
+}
+
+bool rk_mesh_validate(const rk_mesh *mesh, const char *name, rk_error *error)
+{
+    return validate_vertices(mesh, name, error) && validate_triangles(mesh, name, error) &&
+           validate_materials(mesh, name, error);
 }
 
 rk_box rk_mesh_bounds(const rk_mesh *mesh)

@@ -14,7 +14,7 @@ typedef struct rk_material {
     rk_vec3 ks;         /* specular colour, each component in [0, 1] */
     float shininess;    /* exponent of the highlight, >= 0 */
     float alpha;        /* opacity: 1 opaque, 0 invisible */
-    rk_vec3 absorption; /* inside a closed block of it: share absorbed per world unit, >= 0 */
+    rk_vec3 absorption; /* sigma >= 0 of a closed block: exp(-sigma x) passes after x world units */
     const rk_texture *kd_texture; /* multiplies kd, or NULL; one of the mesh's textures */
 } rk_material;
 
@@ -40,7 +40,8 @@ bool rk_mesh_init(rk_mesh *mesh, uint32_t vertices, uint32_t triangles, uint32_t
 void rk_mesh_free(rk_mesh *mesh);
 
 /* Refuses what later code relies on not to see: indices out of range, a position, normal, texture
- * coordinate or material that is NaN or infinite. `name` begins the error, the place follows. */
+ * coordinate or material that is NaN or infinite, a negative absorption, a texture that is none of
+ * the mesh's. `name` begins the error, the place follows. */
 bool rk_mesh_validate(const rk_mesh *mesh, const char *name, rk_error *error);
 
 rk_box rk_mesh_bounds(const rk_mesh *mesh);

@@ -1,16 +1,13 @@
 #include "scene/surface.h"
 
+#include "base/interpolate.h"
+
 /* gamma_n = n eps / (1 - n eps) bounds the relative error of n roundings (Higham, "Accuracy and
  * Stability of Numerical Algorithms", 2002, section 3.1). */
 static float gamma_bound(int n)
 {
     const float eps = 0x1p-24f;
     return (float)n * eps / (1 - (float)n * eps);
-}
-
-static rk_vec3 weighted_sum(rk_vec3 a, rk_vec3 b, rk_vec3 c, rk_vec3 weights)
-{
-    return rk_madd(rk_madd(rk_scale(a, weights.x), b, weights.y), c, weights.z);
 }
 
 /* Summed in double and rounded once: 1 - u - v in float loses its digits near the edge opposite a,
@@ -54,14 +51,14 @@ void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, 
     /* The rounding to float is the one that counts; the second pays for this very sum and for
      * what happened in double. */
     rk_vec3 sizes = rk_max3(rk_abs3(surface->point),
-                            weighted_sum(rk_abs3(a), rk_abs3(b), rk_abs3(c), rk_abs3(weights)));
+                            rk_interpolate3(rk_abs3(a), rk_abs3(b), rk_abs3(c), rk_abs3(weights)));
     surface->point_error = rk_scale(sizes, gamma_bound(2));
     surface->face_normal = facing(unit_normal(a, b, c), rk_negate(ray->direction));
     if (!(rk_dot(surface->face_normal, surface->face_normal) > 0))
         surface->face_normal = rk_normalize(rk_negate(ray->direction));
     surface->normal = surface->face_normal;
     if (mesh->normals) {
-        rk_vec3 smooth = rk_normalize(weighted_sum(
+        rk_vec3 smooth = rk_normalize(rk_interpolate3(
             mesh->normals[corner[0]], mesh->normals[corner[1]], mesh->normals[corner[2]], weights));
         if (rk_dot(smooth, smooth) > 0)
             surface->normal = facing(smooth, surface->face_normal);
@@ -76,13 +73,25 @@ void rk_surface_at_sphere(rk_surface *surface, const rk_sphere *sphere, const rk
     rk_vec3 outward = rk_normalize(rk_sub(along, sphere->centre));
     /* There is no plane to leave: a triangle without edges is ahead of nobody. */
     *surface = (rk_surface){.point = rk_madd(sphere->centre, outward, sphere->radius),
-                            .material = material};
+                            .material = material,
+                            .triangle = {.index = RK_MISS}};
     /* Five roundings: of the unit vector (a sum of squares, a root, a quotient), of its product
      * with the radius, of the sum; and as many again in the test that a new ray will meet. */
     rk_vec3 radius = rk_vec(sphere->radius, sphere->radius, sphere->radius);
     surface->point_error = rk_scale(rk_add(rk_abs3(sphere->centre), radius), gamma_bound(10));
     surface->face_normal = facing(outward, rk_negate(ray->direction));
     surface->normal = surface->face_normal;
+}
+
+rk_vec3 rk_surface_textured_kd(const rk_surface *surface, const rk_mesh *mesh)
+{
+    const rk_material *material = surface->material;
+    if (!mesh->texcoords || surface->triangle.index == RK_MISS)
+        return material->kd;
+    const uint32_t *corner = mesh->triangles[surface->triangle.index];
+    rk_vec2 uv = rk_interpolate2(mesh->texcoords[corner[0]], mesh->texcoords[corner[1]],
+                                 mesh->texcoords[corner[2]], surface->barycentric);
+    return rk_mul(material->kd, rk_texture_at(material->kd_texture, uv));
 }
 
 /* The next float away from zero in the direction of `step`. */

@@ -17,7 +17,7 @@ typedef struct rk_surface {
                             side as face_normal */
     rk_vec3 barycentric; /* weights of the triangle's corners, sum 1 */
     const rk_material *material;
-    rk_triangle triangle; /* as the triangle test sees it */
+    rk_triangle triangle; /* as the triangle test sees it; on a sphere its index is RK_MISS */
 } rk_surface;
 
 /* Fills in the surface at a hit that `ray` found in `mesh`. */
@@ -26,6 +26,15 @@ void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, 
 /* The same on a sphere made of `material`. */
 void rk_surface_at_sphere(rk_surface *surface, const rk_sphere *sphere, const rk_material *material,
                           const rk_ray *ray, const rk_hit *hit);
+
+/* Returns the diffuse colour there: the material's kd, times its texture where it has one. `mesh`
+ * is the one of the hit; a mesh without texture coordinates and a sphere show no texture. */
+rk_vec3 rk_surface_textured_kd(const rk_surface *surface, const rk_mesh *mesh);
+static inline rk_vec3 rk_surface_kd(const rk_surface *surface, const rk_mesh *mesh)
+{
+    return surface->material->kd_texture ? rk_surface_textured_kd(surface, mesh)
+                                         : surface->material->kd;
+}
 
 /* The point to start a ray from that leaves into `direction` (any length): moved along the face
  * normal just past the error bound, to the side into which the ray leaves, and farther where

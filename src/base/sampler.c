@@ -1,0 +1,200 @@
+/* Uniform, stratified and low-discrepancy samples (Pharr, Jakob, Humphreys, "Physically Based
+ * Rendering", chapter 8 of the fourth edition), each worked out from its place alone. */
+#include "base/sampler.h"
+
+#include <assert.h>
+
+/* Where a number is used, but for its sample. */
+typedef struct place {
+    uint32_t seed, pixel, dimension;
+} place;
+
+/* What all samples of a place share: each of these is another hash. They stand where a sample's
+ * number does, counted from the end, where no sample is. */
+enum { first_key = 1, second_key, index_key };
+
+static uint32_t key_of(place at, uint32_t which)
+{
+    return rk_hash(at.seed, at.pixel, 0u - which, at.dimension);
+}
+
+static uint32_t random_bits(place at, uint32_t sample)
+{
+    return rk_hash(at.seed, at.pixel, sample, at.dimension);
+}
+
+static place next_dimension(place at)
+{
+    at.dimension++;
+    return at;
+}
+
+/* --- stratified ------------------------------------------------------------------------------ */
+
+/* Where i goes when 0 .. n - 1 are shuffled by the key: swap-or-not (Hoang, Morris, Rogaway, "An
+ * enciphering scheme based on a card shuffle", CRYPTO 2012). A round pairs each i with pivot - i,
+ * modulo n, and a bit that both partners see tells whether they swap. A linear congruential
+ * generator (Knuth's MMIX) gives each round 64 bits: the high half the pivot, the others an odd
+ * factor that hashes the larger partner to its product's top bit. */
+static uint32_t shuffled(uint32_t i, uint32_t n, uint64_t key)
+{
+    const int rounds = 12; /* each halves what the one before left unmixed */
+    for (int round = 0; round < rounds; round++) {
+        key = key * 6364136223846793005u + 1442695040888963407u;
+        uint32_t pivot = (uint32_t)((key >> 32) * n >> 32);
+        uint32_t partner = pivot >= i ? pivot - i : pivot + n - i;
+        uint64_t larger = i > partner ? i : partner;
+        if ((larger + 1) * (key << 20 | 1) >> 63)
+            i = partner;
+    }
+    return i;
+}
+
+/* A multiple of 2^-24 in [first / n, end / n), whichever the bits choose. In whole numbers, so that
+ * no rounding carries it out of its cell, or to 1. */
+static float within(uint32_t first, uint32_t end, uint32_t n, uint32_t bits)
+{
+    uint64_t low = (((uint64_t)first << 24) + n - 1) / n;
+    uint64_t high = (((uint64_t)end << 24) + n - 1) / n;
+    return (float)(low + ((high - low) * bits >> 32)) * 0x1p-24f;
+}
+
+static uint32_t cell_of(const rk_sampler *sampler, place at, uint32_t sample)
+{
+    assert(sampler->samples > 0 && sampler->samples <= RK_SAMPLES_MAX &&
+           "a stratified sampler is told how many samples there will be");
+    assert(sample < sampler->samples &&
+           "a stratified sampler has no more samples than it was told");
+    return shuffled(sample, sampler->samples, key_of(at, first_key));
+}
+
+static float stratified_1d(const rk_sampler *sampler, place at, uint32_t sample)
+{
+    uint32_t cell = cell_of(sampler, at, sample);
+    return within(cell, cell + 1, sampler->samples, random_bits(at, sample));
+}
+
+/* n cells, where n need not be a square: r rows, r the root of n rounded down, share them as evenly
+ * as whole numbers can. A row is as high as its share of the cells, so all cells have the area
+ * 1 / n. They are numbered row by row; row j begins with cell j n / r rounded down. */
+static uint32_t row_count(uint32_t n)
+{
+    return (uint32_t)sqrtf((float)n); /* exact, as n has no more digits than a float */
+}
+
+static uint32_t row_start(uint32_t row, uint32_t rows, uint32_t n)
+{
+    return (uint32_t)((uint64_t)row * n / rows);
+}
+
+static rk_vec2 stratified_2d(const rk_sampler *sampler, place at, uint32_t sample)
+{
+    const uint32_t n = sampler->samples, cell = cell_of(sampler, at, sample), rows = row_count(n);
+    /* The last row j with j n / r < cell + 1. */
+    uint32_t row = (uint32_t)((((uint64_t)cell + 1) * rows - 1) / n);
+    uint32_t start = row_start(row, rows, n), end = row_start(row + 1, rows, n);
+    uint32_t column = cell - start;
+    return (rk_vec2){within(column, column + 1, end - start, random_bits(at, sample)),
+                     within(start, end, n, random_bits(next_dimension(at), sample))};
+}
+
+/* --- low discrepancy ------------------------------------------------------------------------- */
+
+static uint32_t reverse_bits(uint32_t x)
+{
+    x = (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
+    x = (x >> 2 & 0x33333333u) | (x & 0x33333333u) << 2;
+    x = (x >> 4 & 0x0f0f0f0fu) | (x & 0x0f0f0f0fu) << 4;
+    x = (x >> 8 & 0x00ff00ffu) | (x & 0x00ff00ffu) << 8;
+    return x >> 16 | x << 16;
+}
+
+/* Each bit may flip, and whether it does depends on the key and the lower bits alone: what Owen's
+ * scrambling does to a number whose bits are reversed (Laine and Karras, "Stratified sampling for
+ * stochastic transparency", 2011; Burley, "Practical hash-based Owen scrambling", JCGT 2020). The
+ * operations that keep to that rule are sums, odd factors, and xor with an even multiple. The
+ * constants are Vegdahl's ("Building a better LK hash", 2021): with Burley's first ones, the flips
+ * of neighbouring intervals are not independent. */
+static uint32_t scramble_reversed(uint32_t x, uint32_t key)
+{
+    x ^= x * 0x3d20adeau;
+    x += key;
+    x *= key >> 16 | 1;
+    x ^= x * 0x05526c56u;
+    x ^= x * 0x53a22864u;
+    return x;
+}
+
+/* Every pixel and dimension takes the sequence in an order of its own: scrambling the numbers of
+ * the samples keeps blocks of 2^k together, and each such block is spread as well as the first. */
+static uint32_t shuffled_index(place at, uint32_t sample)
+{
+    return reverse_bits(scramble_reversed(reverse_bits(sample), key_of(at, index_key)));
+}
+
+/* The digits of i, reversed behind the point: van der Corput's sequence, Sobol's first dimension.
+ */
+static float van_der_corput(uint32_t i, uint32_t key)
+{
+    return rk_unit_float(reverse_bits(scramble_reversed(i, key)));
+}
+
+/* Sobol's second dimension: Pascal's triangle modulo 2 is the matrix that takes the digits of i to
+ * the reversed digits of the number. Digit j adds to digit r where all bits of r are set in j; that
+ * is done bit by bit of j. */
+static float second_sobol(uint32_t i, uint32_t key)
+{
+    i ^= (i & 0xaaaaaaaau) >> 1;
+    i ^= (i & 0xccccccccu) >> 2;
+    i ^= (i & 0xf0f0f0f0u) >> 4;
+    i ^= (i & 0xff00ff00u) >> 8;
+    i ^= (i & 0xffff0000u) >> 16;
+    return van_der_corput(i, key);
+}
+
+static float low_discrepancy_1d(place at, uint32_t sample)
+{
+    return van_der_corput(shuffled_index(at, sample), key_of(at, first_key));
+}
+
+static rk_vec2 low_discrepancy_2d(place at, uint32_t sample)
+{
+    uint32_t index = shuffled_index(at, sample);
+    return (rk_vec2){van_der_corput(index, key_of(at, first_key)),
+                     second_sobol(index, key_of(at, second_key))};
+}
+
+/* --- all kinds ------------------------------------------------------------------------------- */
+
+static float uniform(place at, uint32_t sample)
+{
+    return rk_unit_float(random_bits(at, sample));
+}
+
+float rk_sample_1d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, uint32_t dimension)
+{
+    const place at = {sampler->seed, pixel, dimension};
+    switch (sampler->kind) {
+    case RK_SAMPLER_STRATIFIED:
+        return stratified_1d(sampler, at, sample);
+    case RK_SAMPLER_LOW_DISCREPANCY:
+        return low_discrepancy_1d(at, sample);
+    case RK_SAMPLER_UNIFORM:
+        break;
+    }
+    return uniform(at, sample);
+}
+
+rk_vec2 rk_sample_2d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, uint32_t dimension)
+{
+    const place at = {sampler->seed, pixel, dimension};
+    switch (sampler->kind) {
+    case RK_SAMPLER_STRATIFIED:
+        return stratified_2d(sampler, at, sample);
+    case RK_SAMPLER_LOW_DISCREPANCY:
+        return low_discrepancy_2d(at, sample);
+    case RK_SAMPLER_UNIFORM:
+        break;
+    }
+    return (rk_vec2){uniform(at, sample), uniform(next_dimension(at), sample)};
+}
