@@ -6,6 +6,8 @@
 #include "base/parallel.h"
 #include "features/bvh_median.h"
 #include "features/parallelogram_light.h"
+#include "features/sah_binning.h"
+#include "features/shading.h"
 #include "io/image_file.h"
 #include "io/mesh_file.h"
 #include "io/png.h"

@@ -14,6 +14,7 @@ static struct {
     const char *out, *way;
     rk_text_list meshes;
     rk_pixel pixel;
+    enum { red, green, blue } light;
 } values;
 
 static const rk_option common[] = {
@@ -34,6 +35,7 @@ static const rk_option own[] = {
      "left   a way\nright  a way which is told in more words than a line will ever hold", 0, 0},
     {"mesh", RK_OPTION_LIST, &values.meshes, "FILE", "a mesh file\nmay come again", 0, 0},
     {"pixel", RK_OPTION_PIXEL, &values.pixel, "X,Y", "narrates one pixel", 0, 0},
+    {"light", RK_OPTION_CHOICE, &values.light, "red|green|blue", "its colour", 0, 0},
     {"narrow", RK_OPTION_FLAG, &values.quiet, NULL,
      "a b c d e f g h i j k l m n o p q r s t u v w x y z a b c d e f g h i j k l m n o p q r s t "
      "u v",
@@ -232,6 +234,21 @@ static void what_is_no_pixel_is_refused(void **state)
     }
 }
 
+static void a_choice_is_one_of_its_names(void **state)
+{
+    (void)state;
+    check_accepted("");
+    rk_check_equal(values.light, red, "the default");
+    check_accepted("--light blue");
+    rk_check_equal(values.light, blue, "--light blue");
+    const char *const bad[] = {"--light gre", "--light greenish", "--light red|green",
+                               "--light 1",   "--light=",         "--light |"};
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++) {
+        check_refused(bad[i], "--light", "one of red|green|blue");
+        rk_check_equal(values.light, red, "a refused value is not stored");
+    }
+}
+
 static void stray_words_are_refused(void **state)
 {
     (void)state;
@@ -332,6 +349,8 @@ static void help_lists_every_option_with_range_and_default(void **state)
     check_lists(help.output,
                 "  --mesh FILE           a mesh file\n                        may come again\n");
     check_lists(help.output, "  --pixel X,Y           narrates one pixel\n");
+    check_lists(help.output, "its colour (default red)\n");
+    check_lists(help.output, "  --light red|green|blue\n");
     check_lists(help.output, "  --an-option-with-a-long-name\n                        as quiet\n");
     check_lists(help.output, "  --help                this text\n");
     check_lists(help.output, "  --version             the version\n");
@@ -417,6 +436,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(what_is_no_whole_number_in_range_is_refused),
     cmocka_unit_test(what_is_no_number_in_range_is_refused),
     cmocka_unit_test(what_is_no_pixel_is_refused),
+    cmocka_unit_test(a_choice_is_one_of_its_names),
     cmocka_unit_test(stray_words_are_refused),
     cmocka_unit_test(a_list_that_is_full_is_refused),
     cmocka_unit_test(the_longest_value_leaves_room_for_the_remedy),

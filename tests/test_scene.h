@@ -6,17 +6,23 @@
 
 #include "render/render.h"
 
-/* A scene of `triangles` triangles with corners of their own, all 0, without lights. The camera
- * looks from (0, 0, -3) along +z; x grows to the left of the picture, y up. */
-static inline rk_scene test_scene_make(uint32_t triangles)
+/* A scene of `triangles` triangles with corners of their own, all 0, of material 0, without lights.
+ * The camera looks from (0, 0, -3) along +z; x grows to the left of the picture, y up. */
+static inline rk_scene test_scene_of(uint32_t triangles, uint32_t materials)
 {
     rk_scene scene = {.name = "test", .camera = {.distance = 3, .fov = 50}};
     rk_error error;
-    rk_check_ok(rk_mesh_init(&scene.mesh, 3 * triangles, triangles, 1, 0, &error), error);
+    rk_check_ok(rk_mesh_init(&scene.mesh, 3 * triangles, triangles, materials, 0, &error), error);
     for (uint32_t i = 0; i < triangles; i++)
         for (uint32_t k = 0; k < 3; k++)
             scene.mesh.triangles[i][k] = 3 * i + k;
     return scene;
+}
+
+/* The same of one material. */
+static inline rk_scene test_scene_make(uint32_t triangles)
+{
+    return test_scene_of(triangles, 1);
 }
 
 static inline void test_scene_triangle(rk_scene *scene, uint32_t index, rk_vec3 a, rk_vec3 b,
@@ -34,6 +40,13 @@ static inline void test_scene_quad(rk_scene *scene, uint32_t index, rk_vec3 corn
     rk_vec3 a = rk_add(corner, side_a), b = rk_add(corner, side_b), far = rk_add(a, side_b);
     test_scene_triangle(scene, index, corner, a, far);
     test_scene_triangle(scene, index + 1, corner, far, b);
+}
+
+/* A square wall at depth z, 20 units wide, as the triangles `index` and `index + 1`. */
+static inline void test_scene_wall(rk_scene *scene, uint32_t index, float z, uint16_t material)
+{
+    test_scene_quad(scene, index, rk_vec(-10, -10, z), rk_vec(20, 0, 0), rk_vec(0, 20, 0));
+    scene->mesh.triangle_materials[index] = scene->mesh.triangle_materials[index + 1] = material;
 }
 
 static inline void test_scene_light(rk_scene *scene, rk_vec3 position, rk_vec3 colour)

@@ -115,6 +115,7 @@ int main(int argc, char **argv)
     };
     const char *const views[] = {"level", "leaf", NULL};
     rk_driver driver = rk_driver_default("bvh_median", summary);
+    driver.split = "median";
     int status;
     if (!rk_driver_start(&driver, argc, argv, options, views, &status))
         return status;

@@ -35,11 +35,14 @@ static inline rk_vec3 rk_box_extent(rk_box box)
     return rk_sub(box.corner[1], box.corner[0]);
 }
 
-/* Surface area; 0 for an empty box. */
-static inline float rk_box_area(rk_box box)
+/* Surface area; 0 for an empty box. In double, as a huge box's overflows a float and a tiny one's
+ * vanishes. */
+static inline double rk_box_area(rk_box box)
 {
-    rk_vec3 d = rk_box_extent(box);
-    return d.x >= 0 ? 2 * (d.x * d.y + d.y * d.z + d.z * d.x) : 0;
+    double x = (double)box.corner[1].x - (double)box.corner[0].x;
+    double y = (double)box.corner[1].y - (double)box.corner[0].y;
+    double z = (double)box.corner[1].z - (double)box.corner[0].z;
+    return x >= 0 ? 2 * (x * y + y * z + z * x) : 0;
 }
 
 /* The axis of the largest extent; among equals x before y before z. */

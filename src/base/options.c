@@ -63,6 +63,16 @@ typedef struct phrase {
     char text[160];
 } phrase;
 
+/* The name of a choice's value, as long as *length says. */
+static const char *choice_name(const rk_option *option, uint32_t value, size_t *length)
+{
+    const char *name = option->argument;
+    for (; value > 0; value--)
+        name = strchr(name, '|') + 1;
+    *length = strcspn(name, "|");
+    return name;
+}
+
 /* "1 to 64", "0 or more", "up to 5", or "" when every number will do. */
 static phrase range_of(const rk_option *option)
 {
@@ -97,6 +107,9 @@ static phrase what_it_takes(const rk_option *option)
     case RK_OPTION_PIXEL:
         snprintf(takes.text, sizeof takes.text,
                  "a pixel's column and row from the top left as X,Y (such as 3,4)");
+        break;
+    case RK_OPTION_CHOICE:
+        snprintf(takes.text, sizeof takes.text, "one of %.140s", option->argument);
         break;
     case RK_OPTION_TEXT:
     case RK_OPTION_LIST:
@@ -161,6 +174,20 @@ static bool read_pixel(const rk_option *option, const char *text)
     return true;
 }
 
+static bool read_choice(const rk_option *option, const char *text)
+{
+    uint32_t value = 0;
+    for (const char *name = option->argument; name; value++) {
+        size_t length = strcspn(name, "|");
+        if (strlen(text) == length && strncmp(text, name, length) == 0) {
+            *(uint32_t *)option->value = value;
+            return true;
+        }
+        name = name[length] ? name + length + 1 : NULL;
+    }
+    return false;
+}
+
 static bool read_value(const rk_option *option, const char *text, rk_error *error)
 {
     bool good = true;
@@ -177,6 +204,9 @@ static bool read_value(const rk_option *option, const char *text, rk_error *erro
         break;
     case RK_OPTION_PIXEL:
         good = read_pixel(option, text);
+        break;
+    case RK_OPTION_CHOICE:
+        good = read_choice(option, text);
         break;
     case RK_OPTION_TEXT:
         *(const char **)option->value = text;
@@ -247,6 +277,7 @@ static phrase default_of(const rk_option *option)
     const rk_text_list *list = option->value;
     const rk_pixel *pixel = option->value;
     const char *text;
+    size_t length;
     switch (option->kind) {
     /* A number that nobody could give means "not given": its help says what happens then. */
     case RK_OPTION_UINT:
@@ -256,6 +287,10 @@ static phrase default_of(const rk_option *option)
     case RK_OPTION_FLOAT:
         if (!isnan(*(float *)option->value))
             snprintf(value.text, sizeof value.text, "%g", (double)*(float *)option->value);
+        break;
+    case RK_OPTION_CHOICE:
+        text = choice_name(option, *(uint32_t *)option->value, &length);
+        snprintf(value.text, sizeof value.text, "%.*s", (int)length, text);
         break;
     case RK_OPTION_TEXT:
         text = *(const char **)option->value;

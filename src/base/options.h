@@ -6,12 +6,13 @@
 #include "base/error.h"
 
 typedef enum rk_option_kind {
-    RK_OPTION_FLAG,  /* bool: --name sets it */
-    RK_OPTION_UINT,  /* uint32_t in [low, high] */
-    RK_OPTION_FLOAT, /* float in [low, high]; NaN is refused, but as a default means: not given */
-    RK_OPTION_TEXT,  /* const char *, pointing into argv */
-    RK_OPTION_LIST,  /* rk_text_list: --name may come again */
-    RK_OPTION_PIXEL, /* rk_pixel: X,Y */
+    RK_OPTION_FLAG,   /* bool: --name sets it */
+    RK_OPTION_UINT,   /* uint32_t in [low, high] */
+    RK_OPTION_FLOAT,  /* float in [low, high]; NaN is refused, but as a default means: not given */
+    RK_OPTION_TEXT,   /* const char *, pointing into argv */
+    RK_OPTION_LIST,   /* rk_text_list: --name may come again */
+    RK_OPTION_PIXEL,  /* rk_pixel: X,Y */
+    RK_OPTION_CHOICE, /* an enumeration from 0 on; `argument` has its names: "off|lambert|phong" */
 } rk_option_kind;
 
 enum { RK_TEXT_LIST_MAX = 64 };
@@ -31,7 +32,7 @@ typedef struct rk_option {
     rk_option_kind kind;
     void *value; /* where the default stands and the given value goes; NaN or a whole number
                     above `high` stands for "not given" */
-    const char *argument; /* its name in --help: FILE, N; NULL for flags */
+    const char *argument; /* its name in --help: FILE, N, or a choice's names; NULL for flags */
     const char *help;     /* what it is, with its unit; a newline starts a further line; several
                              spaces after a name in a list are kept */
     double low, high;     /* for numbers; both inclusive */

@@ -16,7 +16,10 @@ typedef enum rk_sampler_kind {
 } rk_sampler_kind;
 
 /* Dimensions taken so far; each is the first of a pair. */
-enum { RK_DIMENSION_PIXEL = 0 };
+enum { RK_DIMENSION_PIXEL = 0, RK_DIMENSION_LIGHT = 2 };
+
+/* Cells are halved down to 2^-24, the distance of the numbers that samplers give. */
+enum { RK_SAMPLES_MAX = 1 << 24 };
 
 /* Cells are halved down to 2^-24, the distance of the numbers that samplers give. */
 enum { RK_SAMPLES_MAX = 1 << 24 };

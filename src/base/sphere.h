@@ -13,8 +13,9 @@ typedef struct rk_sphere {
     float radius; /* > 0 */
 } rk_sphere;
 
-/* Returns the nearest t with 0 < t <= t_max at which the ray meets the sphere, or infinity. */
-static inline float rk_sphere_meet(const rk_sphere *sphere, const rk_ray *ray, float t_max)
+/* Where the ray's line enters the sphere and where it leaves it, at any sign of t, or false. */
+static inline bool rk_sphere_span(const rk_sphere *sphere, const rk_ray *ray, float *t_near,
+                                  float *t_far)
 {
     rk_vec3 d = ray->direction, f = rk_sub(ray->origin, sphere->centre);
     float a = rk_dot(d, d), b = -rk_dot(f, d);
@@ -23,15 +24,21 @@ static inline float rk_sphere_meet(const rk_sphere *sphere, const rk_ray *ray, f
     rk_vec3 across = rk_madd(f, d, b / a);
     float inside = sphere->radius * sphere->radius - rk_dot(across, across);
     if (!(inside >= 0))
-        return INFINITY;
+        return false;
     float q = b + copysignf(sqrtf(a * inside), b);
-    float t_far = q / a;
-    float t_near = (rk_dot(f, f) - sphere->radius * sphere->radius) / q;
-    if (t_far < t_near) {
-        float t = t_near;
-        t_near = t_far;
-        t_far = t;
-    }
+    float t_q = q / a;
+    float t_c = (rk_dot(f, f) - sphere->radius * sphere->radius) / q;
+    *t_near = t_q < t_c ? t_q : t_c;
+    *t_far = t_q < t_c ? t_c : t_q;
+    return true;
+}
+
+/* Returns the nearest t with 0 < t <= t_max at which the ray meets the sphere, or infinity. */
+static inline float rk_sphere_meet(const rk_sphere *sphere, const rk_ray *ray, float t_max)
+{
+    float t_near, t_far;
+    if (!rk_sphere_span(sphere, ray, &t_near, &t_far))
+        return INFINITY;
     float t = t_near > 0 ? t_near : t_far;
     return t > 0 && t <= t_max && t < INFINITY ? t : INFINITY;
 }

@@ -6,29 +6,12 @@
 #include "features/bvh_median.h"
 
 #include "base/random.h"
+#include "scene/bvh_build.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 /* --- Building ----------------------------------------------------------------------------- */
-
-/* What the builder knows of a triangle. */
-typedef struct reference {
-    rk_box box;
-    rk_vec3 centroid;
-} reference;
-
-static reference reference_of(const rk_mesh *mesh, uint32_t triangle)
-{
-    const uint32_t *corner = mesh->triangles[triangle];
-    rk_vec3 a = mesh->positions[corner[0]];
-    rk_vec3 b = mesh->positions[corner[1]];
-    rk_vec3 c = mesh->positions[corner[2]];
-    return (reference){
-        .box = {{rk_min3(a, rk_min3(b, c)), rk_max3(a, rk_max3(b, c))}},
-        .centroid = rk_scale(rk_add(rk_add(a, b), c), 1.0f / 3),
-    };
-}
 
 /* A triangle's rank along an axis, as one integer: the centroid's coordinate above, the triangle's
  * index below. One comparison then orders all triangles strictly, coinciding centroids too, and
@@ -92,7 +75,7 @@ static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted)
     end */
 }
 
-static rk_box box_of(const reference *references, const uint64_t *ranks, uint32_t count)
+static rk_box box_of(const rk_bvh_reference *references, const uint64_t *ranks, uint32_t count)
 {
     /* solution */
     rk_box box = rk_box_empty();
@@ -107,7 +90,7 @@ static rk_box box_of(const reference *references, const uint64_t *ranks, uint32_
 }
 
 /* Orders ranks so that the lower half, ceil(count / 2) of them, comes first; returns its size. */
-static uint32_t split_at_median(const reference *references, uint64_t *ranks, uint32_t count,
+static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *ranks, uint32_t count,
                                 const rk_box *box)
 {
     /* solution */
@@ -133,7 +116,7 @@ typedef struct unbuilt {
 } unbuilt;
 
 /* Halving 2^32 triangles down to leaves takes fewer levels than the stack has entries. */
-static void build_nodes(rk_bvh *bvh, const reference *references, uint64_t *ranks)
+static void build_nodes(rk_bvh *bvh, const rk_bvh_reference *references, uint64_t *ranks)
 {
     /* solution */
     unbuilt stack[RK_BVH_LEVELS_MAX];
@@ -171,14 +154,8 @@ static void build_nodes(rk_bvh *bvh, const reference *references, uint64_t *rank
 /* Copies the triangles in the order of the leaves, so that a leaf reads one stretch of memory. */
 static void fill_leaves(rk_bvh *bvh, const rk_mesh *mesh, const uint64_t *ranks)
 {
-    for (uint32_t i = 0; i < bvh->triangle_count; i++) {
-        uint32_t index = triangle_of(ranks[i]);
-        const uint32_t *corner = mesh->triangles[index];
-        rk_vec3 a = mesh->positions[corner[0]];
-        rk_vec3 edge_ab = rk_sub(mesh->positions[corner[1]], a);
-        rk_vec3 edge_ac = rk_sub(mesh->positions[corner[2]], a);
-        bvh->triangles[i] = (rk_triangle){a, edge_ab, edge_ac, index};
-    }
+    for (uint32_t i = 0; i < bvh->triangle_count; i++)
+        bvh->triangles[i] = rk_bvh_triangle_of(mesh, triangle_of(ranks[i]));
 }
 
 bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
@@ -186,12 +163,12 @@ bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
     uint32_t count = mesh->triangle_count;
     if (!rk_bvh_init(bvh, count, count, error) || count == 0)
         return count == 0 && bvh->nodes;
-    reference *references = rk_allocate_unset(count, sizeof *references, "tree", error);
+    rk_bvh_reference *references = rk_allocate_unset(count, sizeof *references, "tree", error);
     uint64_t *ranks = rk_allocate_unset(count, sizeof *ranks, "tree", error);
     bool ok = references && ranks;
     if (ok) {
         for (uint32_t i = 0; i < count; i++) {
-            references[i] = reference_of(mesh, i);
+            references[i] = rk_bvh_reference_of(mesh, i);
             ranks[i] = i;
         }
         build_nodes(bvh, references, ranks);

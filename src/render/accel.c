@@ -1,11 +1,23 @@
 #include "render/accel.h"
 
 #include "features/bvh_median.h"
+#include "features/sah_binning.h"
+
+#include <stdio.h>
+
+bool rk_accel_build_binned(rk_accel *accel, rk_accel_kind kind, uint32_t bins,
+                           const rk_scene *scene, rk_error *error)
+{
+    *accel = (rk_accel){.kind = kind, .bins = bins, .scene = scene};
+    if (kind == RK_ACCEL_MEDIAN)
+        return rk_bvh_build_median(&accel->bvh, &scene->mesh, error);
+    const rk_sah_options options = {bins, kind == RK_ACCEL_SAH_3};
+    return rk_bvh_build_sah(&accel->bvh, &scene->mesh, &options, error);
+}
 
 bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_scene *scene, rk_error *error)
 {
-    *accel = (rk_accel){.kind = kind, .scene = scene};
-    return rk_bvh_build_median(&accel->bvh, &scene->mesh, error);
+    return rk_accel_build_binned(accel, kind, rk_sah_options_default().bins, scene, error);
 }
 
 void rk_accel_free(rk_accel *accel)
@@ -13,10 +25,13 @@ void rk_accel_free(rk_accel *accel)
     rk_bvh_free(&accel->bvh);
 }
 
-const char *rk_accel_name(rk_accel_kind kind)
+rk_accel_title rk_accel_name(const rk_accel *accel)
 {
-    (void)kind;
-    return "median";
+    rk_accel_title title = {"median"};
+    if (accel->kind != RK_ACCEL_MEDIAN)
+        snprintf(title.text, sizeof title.text, "sah%u%s", accel->bins,
+                 accel->kind == RK_ACCEL_SAH_3 ? "_3" : "");
+    return title;
 }
 
 const char *rk_accel_isa(rk_accel_kind kind)

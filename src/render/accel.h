@@ -9,10 +9,13 @@
 
 typedef enum rk_accel_kind {
     RK_ACCEL_MEDIAN, /* bvh_median */
+    RK_ACCEL_SAH,    /* sah_binning, borders on the longest axis */
+    RK_ACCEL_SAH_3,  /* sah_binning, borders on all three axes */
 } rk_accel_kind;
 
 typedef struct rk_accel {
     rk_accel_kind kind;
+    uint32_t bins; /* of the two with bins */
     rk_bvh bvh;
     const rk_scene *scene; /* for its spheres, which no tree holds */
 } rk_accel;
@@ -21,8 +24,16 @@ typedef struct rk_accel {
 bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_scene *scene, rk_error *error);
 void rk_accel_free(rk_accel *accel);
 
-/* "median": the method's name in tables. */
-const char *rk_accel_name(rk_accel_kind kind);
+/* The same with so many bins, where the kind has any. */
+bool rk_accel_build_binned(rk_accel *accel, rk_accel_kind kind, uint32_t bins,
+                           const rk_scene *scene, rk_error *error);
+
+/* "median", "sah50" or "sah50_3", with the number of bins: the method's name in tables. */
+typedef struct rk_accel_title {
+    char text[24];
+} rk_accel_title;
+
+rk_accel_title rk_accel_name(const rk_accel *accel);
 
 /* "scalar": the instruction set of the traversal, in tables. */
 const char *rk_accel_isa(rk_accel_kind kind);

@@ -1,9 +1,11 @@
 #include "render/driver.h"
 
 #include "base/file.h"
+#include "features/sah_binning.h"
 #include "io/mesh_file.h"
 #include "io/png.h"
 #include "render/narrate.h"
+#include "render/option_table.h"
 #include "render/units.h"
 
 #include <ctype.h>
@@ -17,6 +19,8 @@ rk_driver rk_driver_default(const char *feature, const char *summary)
         .summary = summary,
         .render = rk_render_options_default(),
         .runs = 1,
+        .split = "sah",
+        .bins = rk_sah_options_default().bins,
         .scene_name = "cornell",
         .out = "out",
         .camera_given = {{NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}, NAN},
@@ -75,6 +79,26 @@ static bool check_debug_view(const rk_driver *driver, const char *const *views, 
             return true;
     return rk_fail(error, "--debug %.80s: there is no such view: choose one of %s", driver->debug,
                    list_views(views).text);
+}
+
+/* Returns false where --split names none. */
+static bool split_kind(const char *split, rk_accel_kind *kind)
+{
+    const char *const names[] = {"median", "sah", "sah3"};
+    const rk_accel_kind kinds[] = {RK_ACCEL_MEDIAN, RK_ACCEL_SAH, RK_ACCEL_SAH_3};
+    for (int i = 0; i < 3; i++)
+        if (strcmp(split, names[i]) == 0) {
+            *kind = kinds[i];
+            return true;
+        }
+    return false;
+}
+
+static bool check_split(const rk_driver *driver, rk_error *error)
+{
+    rk_accel_kind kind;
+    return split_kind(driver->split, &kind) ||
+           rk_fail(error, "--split %.80s: choose one of median, sah, sah3", driver->split);
 }
 
 static bool check_pixel(const rk_driver *driver, rk_error *error)
@@ -154,16 +178,6 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
         {"scene", RK_OPTION_TEXT, &driver->scene_name, "NAME", rk_scene_builtin_help, 0, 0},
         {"mesh", RK_OPTION_TEXT, &driver->mesh_path, "FILE",
          "a mesh file instead (OBJ, PLY, OFF, glTF ...), moved into the unit ball", 0, 0},
-        {"width", RK_OPTION_UINT, &driver->render.width, "N", "of the picture, pixels", 1,
-         RK_IMAGE_SIDE_MAX},
-        {"height", RK_OPTION_UINT, &driver->render.height, "N", "of the picture, pixels", 1,
-         RK_IMAGE_SIDE_MAX},
-        {"samples", RK_OPTION_UINT, &driver->render.samples, "N",
-         "rays through each pixel; 1 looks through its centre", 1, 65536},
-        {"seed", RK_OPTION_UINT, &driver->render.seed, "N",
-         "of the random samples: another seed, other noise", 0, UINT32_MAX},
-        {"shadows", RK_OPTION_FLAG, &driver->render.shadows, NULL,
-         "ask for each light whether something is in its way", 0, 0},
         {"distance", RK_OPTION_FLOAT, &driver->camera_given.distance, "D",
          "of the camera from the point it looks at, world units; by default the scene's own", 1e-3,
          1e6},
@@ -179,6 +193,12 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
          "that share the work; 0: as many as there are processors", 0, RK_THREADS_MAX},
         {"runs", RK_OPTION_UINT, &driver->runs, "N",
          "build and render so many times; timings are medians", 1, RK_RUNS_MAX},
+        {"split", RK_OPTION_TEXT, &driver->split, "HOW",
+         "nodes of the tree: median; sah, by the surface area heuristic on the\n"
+         "longest axis; sah3, on all three",
+         0, 0},
+        {"bins", RK_OPTION_UINT, &driver->bins, "N", "that sah and sah3 count triangles into", 2,
+         RK_SAH_BINS_MAX},
         {"timing", RK_OPTION_FLAG, &driver->timing, NULL,
          "put timings into DIR/tables instead of drawing a picture", 0, 0},
         {"debug", RK_OPTION_TEXT, &driver->debug, "VIEW", debug_help, 0, 0},
@@ -189,15 +209,17 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
         {"quiet", RK_OPTION_FLAG, &driver->quiet, NULL, "no progress bar, no summary", 0, 0},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     };
-    const rk_option *const tables[] = {own_options, common};
+    const rk_option_table render = rk_render_option_table(&driver->render);
+    const rk_option *const tables[] = {own_options, common, render.options};
     rk_error error = {""};
-    rk_options_result result = rk_options_parse(argc, argv, driver->summary, tables, 2, &error);
+    rk_options_result result = rk_options_parse(argc, argv, driver->summary, tables, 3, &error);
     bool ok = result == RK_OPTIONS_OK;
     if (ok && driver->mesh_path && driver->scene_name != shown_scene)
         ok = rk_fail(&error, "--scene and --mesh: choose one of them");
     if (ok && driver->timing && driver->debug)
         ok = rk_fail(&error, "--timing and --debug: choose one of them; --timing draws no picture");
-    ok = ok && check_debug_view(driver, debug_views, &error) && check_pixel(driver, &error);
+    ok = ok && check_debug_view(driver, debug_views, &error) && check_pixel(driver, &error) &&
+         check_split(driver, &error);
     note_parameters(driver, argc, argv);
     rk_progress progress;
     rk_progress_say(&progress, "making the scene", driver->quiet || !ok);
@@ -218,11 +240,12 @@ bool rk_driver_build(rk_driver *driver, rk_error *error)
     double milliseconds[RK_RUNS_MAX];
     rk_progress progress;
     rk_progress_say(&progress, "building the tree", driver->quiet);
-    bool ok = true;
+    rk_accel_kind kind;
+    bool ok = split_kind(driver->split, &kind);
     for (uint32_t run = 0; ok && run < driver->runs; run++) {
         rk_accel_free(&driver->accel);
         double start = rk_clock_wall();
-        ok = rk_accel_build(&driver->accel, RK_ACCEL_MEDIAN, &driver->scene, error);
+        ok = rk_accel_build_binned(&driver->accel, kind, driver->bins, &driver->scene, error);
         milliseconds[run] = 1e3 * (rk_clock_wall() - start);
     }
     rk_progress_end(&progress);
@@ -348,11 +371,12 @@ bool rk_driver_row(rk_driver *driver, const char *metric, const char *unit, rk_t
     if (!out_folder(driver, "tables", folder, error))
         return false;
     snprintf(path, sizeof path, "%s/%s.csv", folder, driver->feature);
+    const rk_accel_title method = rk_accel_name(&driver->accel);
     const rk_timing_row row = {
         .feature = driver->feature,
         .scene = driver->scene.name,
         .triangles = driver->scene.mesh.triangle_count,
-        .method = rk_accel_name(driver->accel.kind),
+        .method = method.text,
         .isa = rk_accel_isa(driver->accel.kind),
         .threads = rk_pool_threads(driver->pool),
         .metric = metric,

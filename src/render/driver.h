@@ -14,8 +14,10 @@ typedef struct rk_driver {
 
     /* options; set defaults before rk_driver_start where they differ from the common ones */
     rk_render_options render;
-    uint32_t threads; /* 0: all processors */
-    uint32_t runs;    /* timings are medians of this many */
+    uint32_t threads;  /* 0: all processors */
+    uint32_t runs;     /* timings are medians of this many */
+    const char *split; /* how the tree's nodes are cut: median, sah or sah3 */
+    uint32_t bins;     /* on an axis, for sah and sah3 */
     const char *scene_name;
     const char *mesh_path; /* NULL: the built-in scene */
     const char *out;

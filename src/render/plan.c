@@ -2,16 +2,45 @@
 
 rk_render_options rk_render_options_default(void)
 {
-    return (rk_render_options){.width = 800, .height = 800, .samples = 1};
+    return (rk_render_options){
+        .width = 800,
+        .height = 800,
+        .samples = 1,
+        .sampling = RK_SAMPLER_STRATIFIED,
+        .shading = {.model = RK_SHADING_LAMBERT},
+        .glass = RK_GLASS_ORDERED,
+        .recursion = 6,
+        .light = {.samples = 16, .sampling = RK_SAMPLER_STRATIFIED, .settle = 16},
+    };
 }
 
 bool rk_light_shines(const rk_light *light)
 {
-    const uint32_t corners = light->kind == RK_LIGHT_POINT     ? 1
-                             : light->kind == RK_LIGHT_SEGMENT ? 2
-                                                               : 4;
-    for (uint32_t i = 0; i < corners; i++)
+    const uint32_t corners[] = {
+        [RK_LIGHT_POINT] = 1, [RK_LIGHT_SEGMENT] = 2, [RK_LIGHT_PARALLELOGRAM] = 4};
+    for (uint32_t i = 0; i < corners[light->kind]; i++)
         if (light->colours[i].x > 0 || light->colours[i].y > 0 || light->colours[i].z > 0)
+            return true;
+    return false;
+}
+
+static bool reflects(const rk_material *material)
+{
+    return material->ks.x > 0 || material->ks.y > 0 || material->ks.z > 0;
+}
+
+static bool lets_through(const rk_material *material)
+{
+    return material->alpha < 1;
+}
+
+static bool any_material(const rk_scene *scene, bool (*holds)(const rk_material *material))
+{
+    for (uint32_t i = 0; i < scene->mesh.material_count; i++)
+        if (holds(&scene->mesh.materials[i]))
+            return true;
+    for (uint32_t i = 0; i < scene->sphere_count; i++)
+        if (holds(&scene->sphere_materials[i]))
             return true;
     return false;
 }
@@ -27,5 +56,8 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
         .pixel_samples = rays && options->samples > 1,
         .lights = lights,
         .shadow_rays = rays && options->shadows,
+        .reflections =
+            rays && options->reflections && options->recursion > 0 && any_material(scene, reflects),
+        .transparency = rays && options->transparency && any_material(scene, lets_through),
     };
 }

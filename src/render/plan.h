@@ -3,23 +3,51 @@
 #ifndef RK_RENDER_PLAN_H
 #define RK_RENDER_PLAN_H
 
+#include "base/sampler.h"
+#include "features/parallelogram_light.h"
+#include "features/shading.h"
+#include "features/transparency.h"
 #include "scene/scene.h"
+
+/* How lights with an extent are sampled. */
+typedef struct rk_light_options {
+    uint32_t samples; /* a light and a point that it may shine on */
+    rk_sampler_kind sampling;
+    rk_light_map map;
+    rk_light_falloff falloff;
+    bool ratio;      /* unshadowed light in closed form, times the share that is seen */
+    uint32_t settle; /* so many shadow rays that agree settle a point; 0: trace all */
+} rk_light_options;
 
 typedef struct rk_render_options {
     uint32_t width, height; /* pixels */
     uint32_t samples;       /* a pixel; 1 looks through its centre */
+    rk_sampler_kind sampling;
     uint32_t seed;
     bool shadows;
+    rk_shading shading;
+    bool reflections; /* surfaces with ks mirror what is around them */
+    bool
+        transparency; /* surfaces with alpha < 1 show what is behind them, and tint their shadows */
+    rk_glass_model glass;
+    uint32_t
+        recursion; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
+    rk_light_options light;
 } rk_render_options;
 
-/* 800 x 800, 1 sample, no shadows. */
+enum { RK_RECURSION_MAX = 16 };
+
+/* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
+ * stratified samples a light, settled by 16. */
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
-    bool rays;          /* is there anything to meet? */
+    bool rays;          /* is there anything to meet, and light to see it by? */
     bool pixel_samples; /* random positions within the pixel */
     bool lights;        /* any light that is not black */
     bool shadow_rays;
+    bool reflections;  /* a surface reflects, and may */
+    bool transparency; /* a surface lets light through, and may */
 } rk_plan;
 
 /* Is it anything but black? */

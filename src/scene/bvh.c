@@ -44,15 +44,6 @@ void rk_bvh_visit(const rk_bvh *bvh, rk_bvh_visitor *visitor, void *context)
     }
 }
 
-/* In double: the area of a box of huge extent overflows a float. */
-static double area(const rk_box *box)
-{
-    double x = (double)box->corner[1].x - (double)box->corner[0].x;
-    double y = (double)box->corner[1].y - (double)box->corner[0].y;
-    double z = (double)box->corner[1].z - (double)box->corner[0].z;
-    return 2 * (x * y + y * z + z * x);
-}
-
 typedef struct measuring {
     rk_bvh_measures measures;
     double weighted_cost; /* the sum of cost times area */
@@ -60,23 +51,34 @@ typedef struct measuring {
 
 static void measure_node(const rk_bvh_node *node, uint32_t level, void *context)
 {
-    const double traversal_cost = 1.5, intersection_cost = 1;
     measuring *m = context;
     if (level + 1 > m->measures.levels)
         m->measures.levels = level + 1;
     if (node->count)
         m->measures.leaves++;
     m->weighted_cost +=
-        area(&node->box) * (node->count ? intersection_cost * node->count : traversal_cost);
+        rk_box_area(node->box) *
+        (node->count ? RK_BVH_INTERSECTION_COST * node->count : RK_BVH_TRAVERSAL_COST);
 }
 
 rk_bvh_measures rk_bvh_measure(const rk_bvh *bvh)
 {
     measuring m = {{0}, 0};
     rk_bvh_visit(bvh, measure_node, &m);
-    double root = bvh->node_count ? area(&bvh->nodes[0].box) : 0;
+    double root = bvh->node_count ? rk_box_area(bvh->nodes[0].box) : 0;
     m.measures.sah_cost = root > 0 ? m.weighted_cost / root : 0;
     return m.measures;
+}
+
+rk_bvh_stretch rk_bvh_stretch_of(const rk_bvh *bvh, uint32_t node)
+{
+    uint32_t first = node, last = node;
+    while (bvh->nodes[first].count == 0)
+        first = bvh->nodes[first].first;
+    while (bvh->nodes[last].count == 0)
+        last = bvh->nodes[last].first + 1;
+    uint32_t begin = bvh->nodes[first].first;
+    return (rk_bvh_stretch){begin, bvh->nodes[last].first + bvh->nodes[last].count - begin};
 }
 
 static bool box_holds(const rk_box *outer, const rk_box *inner)
@@ -125,7 +127,7 @@ static bool is_copy(const rk_triangle *triangle, const rk_mesh *mesh)
 
 static void validate_leaf(validation *v, const rk_bvh_node *node)
 {
-    if (node->count > RK_BVH_LEAF_MAX)
+    if (node->count > RK_BVH_LEAF_LIMIT)
         fault(v, "a leaf holds too many triangles", node->count);
     if (node->first > v->bvh->triangle_count ||
         node->count > v->bvh->triangle_count - node->first) {

@@ -1,0 +1,357 @@
+/* A tree of boxes is good if its boxes are small, as the share of rays that meet a box is its area
+ * over that of the box around it. So of the ways to cut a node this builder takes the one that is
+ * expected to cost least. It does not try all of them: triangles are counted into bins along an
+ * axis, and only the borders between bins are tried.
+ * Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", 1987 (the
+ * heuristic); Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007 (bins).
+ */
+#include "features/sah_binning.h"
+
+#include <stdlib.h>
+
+rk_sah_options rk_sah_options_default(void)
+{
+    return (rk_sah_options){.bins = 50, .all_axes = false};
+}
+
+/* --- Bins --------------------------------------------------------------------------------- */
+
+/* Equal parts of the centroids' extent on an axis. */
+typedef struct bin_axis {
+    int axis;
+    uint32_t bins; /* 1 if all centroids coincide on it */
+    double low, bins_per_unit;
+} bin_axis;
+
+static bin_axis bin_axis_of(const rk_box *centroids, int axis, uint32_t bins)
+{
+    /* solution */
+    /* Centroids of huge triangles may be infinite: they belong to the outermost bins. */
+    double low = (double)rk_max(rk_axis(centroids->corner[0], axis), -FLT_MAX);
+    double high = (double)rk_min(rk_axis(centroids->corner[1], axis), FLT_MAX);
+    if (!(low < high))
+        return (bin_axis){axis, 1, low, 0};
+    return (bin_axis){axis, bins, low, bins / (high - low)};
+    /* starter
+    // First step: how many bins lie in one unit of length? Think of an extent of 0.
+    (void)centroids, (void)bins;
+    return (bin_axis){axis, 1, 0, 0};
+    end */
+}
+
+static uint32_t bin_of(const bin_axis *along, rk_vec3 centroid)
+{
+    /* solution */
+    double offset = (double)rk_axis(centroid, along->axis) - along->low;
+    double place = offset * along->bins_per_unit;
+    if (!(place < along->bins))
+        return along->bins - 1;
+    return place > 0 ? (uint32_t)place : 0;
+    /* starter
+    // First step: the highest centroid is in the last bin, not in one behind it.
+    (void)along, (void)centroid;
+    return 0;
+    end */
+}
+
+/* Some triangles: those of a bin, or of all bins on one side of a border. */
+typedef struct group {
+    rk_box box;
+    uint32_t count;
+} group;
+
+static const group nothing = {{{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}},
+                              0};
+
+static group merge(group a, const group *b)
+{
+    return (group){rk_box_merge(a.box, b->box), a.count + b->count};
+}
+
+static void fill_bins(group *bins, const bin_axis *along, const rk_bvh_reference *references,
+                      uint32_t count)
+{
+    /* solution */
+    for (uint32_t k = 0; k < along->bins; k++)
+        bins[k] = nothing;
+    for (uint32_t i = 0; i < count; i++) {
+        group *bin = &bins[bin_of(along, references[i].centroid)];
+        bin->box = rk_box_merge(bin->box, references[i].box);
+        bin->count++;
+    }
+    /* starter
+    // First step: each bin counts its triangles and has the box around theirs.
+    (void)references, (void)bin_of;
+    for (uint32_t k = 0; k < along->bins; k++)
+        bins[k] = (group){nothing.box, count};
+    end */
+}
+
+/* --- Candidates --------------------------------------------------------------------------- */
+
+/* A node without area is met by no ray; its parts then count as if they were as large. */
+static double cost_of(double area, const group *left, const group *right)
+{
+    /* solution */
+    double tests = (double)left->count + right->count;
+    if (area > 0)
+        tests =
+            (rk_box_area(left->box) * left->count + rk_box_area(right->box) * right->count) / area;
+    return RK_BVH_TRAVERSAL_COST + RK_BVH_INTERSECTION_COST * tests;
+    /* starter
+    // Second step: what a ray that meets the node is expected to cost if the node is cut here.
+    (void)area, (void)left, (void)right;
+    return 0;
+    end */
+}
+
+/* Two sweeps: from the last bin down, what lies above each border; from the first bin up, what
+ * lies below it. */
+static uint32_t sweep(const bin_axis *along, const group *bins, uint32_t count, double area,
+                      rk_sah_split *candidates)
+{
+    /* solution */
+    group above[RK_SAH_BINS_MAX];
+    above[along->bins - 1] = bins[along->bins - 1];
+    for (uint32_t k = along->bins - 1; k-- > 1;)
+        above[k] = merge(above[k + 1], &bins[k]);
+    uint32_t found = 0;
+    group below = nothing;
+    for (uint32_t border = 1; border < along->bins; border++) {
+        if (bins[border - 1].count == 0)
+            continue;
+        below = merge(below, &bins[border - 1]);
+        if (below.count == count)
+            break;
+        candidates[found++] = (rk_sah_split){
+            .axis = along->axis,
+            .border = border,
+            .count = {below.count, above[border].count},
+            .box = {below.box, above[border].box},
+            .cost = cost_of(area, &below, &above[border]),
+        };
+    }
+    return found;
+    /* starter
+    // Second step: the first sweep stores what lies above each border, the second goes up with
+    // what lies below it. Neither side of a cut may be empty.
+    (void)along, (void)bins, (void)count, (void)area, (void)candidates, (void)merge;
+    (void)cost_of;
+    return 0;
+    end */
+}
+
+/* What is measured of a node before it is cut. */
+typedef struct bounds {
+    rk_box box, centroids;
+} bounds;
+
+static bounds bounds_of(const rk_bvh_reference *references, uint32_t count)
+{
+    bounds b = {rk_box_empty(), rk_box_empty()};
+    for (uint32_t i = 0; i < count; i++) {
+        b.box = rk_box_merge(b.box, references[i].box);
+        b.centroids = rk_box_add(b.centroids, references[i].centroid);
+    }
+    return b;
+}
+
+static uint32_t bins_for(const rk_sah_options *options, uint32_t count)
+{
+    uint32_t bins = options->bins < RK_SAH_BINS_MAX ? options->bins : RK_SAH_BINS_MAX;
+    return bins < count ? bins : count;
+}
+
+static uint32_t candidates_on(int axis, const bounds *b, const rk_bvh_reference *references,
+                              uint32_t count, uint32_t bins, rk_sah_split *candidates)
+{
+    bin_axis along = bin_axis_of(&b->centroids, axis, bins);
+    if (along.bins < 2)
+        return 0;
+    group filled[RK_SAH_BINS_MAX];
+    fill_bins(filled, &along, references, count);
+    return sweep(&along, filled, count, rk_box_area(b->box), candidates);
+}
+
+static uint32_t candidates_within(const bounds *b, const rk_bvh_reference *references,
+                                  uint32_t count, const rk_sah_options *options,
+                                  rk_sah_split *candidates)
+{
+    /* solution */
+    uint32_t bins = bins_for(options, count), found = 0;
+    if (!options->all_axes)
+        found = candidates_on(rk_box_longest_axis(b->box), b, references, count, bins, candidates);
+    for (int axis = 0, all = found == 0; all && axis < 3; axis++)
+        found += candidates_on(axis, b, references, count, bins, candidates + found);
+    return found;
+    /* starter
+    // Third step: those on the longest axis of the box. When is it time to look at all three?
+    (void)b, (void)references, (void)count, (void)options, (void)candidates;
+    (void)bins_for, (void)candidates_on;
+    return 0;
+    end */
+}
+
+uint32_t rk_sah_candidates(const rk_bvh_reference *references, uint32_t count,
+                           const rk_sah_options *options, rk_sah_split *candidates)
+{
+    bounds b = bounds_of(references, count);
+    return candidates_within(&b, references, count, options, candidates);
+}
+
+const rk_sah_split *rk_sah_cheapest(const rk_sah_split *candidates, uint32_t count)
+{
+    /* solution */
+    const rk_sah_split *best = NULL;
+    for (uint32_t k = 0; k < count; k++)
+        if (!best || candidates[k].cost < best->cost)
+            best = &candidates[k];
+    return best;
+    /* starter
+    // Third step: among equals the first.
+    (void)candidates, (void)count;
+    return NULL;
+    end */
+}
+
+/* --- Cutting ------------------------------------------------------------------------------ */
+
+/* Moves what is in bins below the border to the front; returns how many those are. */
+static uint32_t partition(rk_bvh_reference *references, uint32_t count, const bin_axis *along,
+                          uint32_t border)
+{
+    /* solution */
+    uint32_t left = 0, right = count;
+    for (;;) {
+        while (left < right && bin_of(along, references[left].centroid) < border)
+            left++;
+        while (left < right && bin_of(along, references[right - 1].centroid) >= border)
+            right--;
+        if (left == right)
+            return left;
+        rk_bvh_reference swapped = references[left];
+        references[left++] = references[--right];
+        references[right] = swapped;
+    }
+    /* starter
+    // Fourth step: both sides of the border, each in any order.
+    (void)references, (void)along, (void)border;
+    return count;
+    end */
+}
+
+static uint32_t larger_part(const rk_sah_split *split)
+{
+    return split->count[0] > split->count[1] ? split->count[0] : split->count[1];
+}
+
+/* Can both parts still be halved down to leaves, with so many levels below the node? */
+static bool leaves_room(const rk_sah_split *split, uint32_t levels_below)
+{
+    /* solution */
+    if (levels_below == 0)
+        return false;
+    uint32_t halvings = levels_below - 1;
+    return halvings >= 32 || larger_part(split) <= (uint64_t)RK_BVH_LEAF_LIMIT << halvings;
+    /* starter
+    // Fifth step: how many triangles are too many for a leaf after so many halvings?
+    (void)split, (void)levels_below, (void)larger_part;
+    return true;
+    end */
+}
+
+static const rk_sah_split *most_even(const rk_sah_split *candidates, uint32_t count)
+{
+    const rk_sah_split *best = NULL;
+    for (uint32_t k = 0; k < count; k++)
+        if (!best || larger_part(&candidates[k]) < larger_part(best))
+            best = &candidates[k];
+    return best;
+}
+
+/* Cuts a node with so many levels below it, and returns the size of its left part, which comes
+ * first; 0: it is to be a leaf. Fills in the node's box. Where no cut pays, but a leaf would be too
+ * large, the most even one is taken: later ones may pay. Where even that does not leave room below,
+ * or all centroids coincide, half of the triangles go left as they stand, and the tree ends in
+ * time. */
+static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t levels_below,
+                    const rk_sah_options *options, rk_box *box)
+{
+    bounds b = bounds_of(references, count);
+    *box = b.box;
+    /* solution */
+    rk_sah_split candidates[RK_SAH_CANDIDATES_MAX];
+    uint32_t found = candidates_within(&b, references, count, options, candidates);
+    const rk_sah_split *split = rk_sah_cheapest(candidates, found);
+    bool pays = split && split->cost < RK_BVH_INTERSECTION_COST * count;
+    if (!pays || !leaves_room(split, levels_below)) {
+        if (count <= RK_BVH_LEAF_LIMIT)
+            return 0;
+        split = most_even(candidates, found);
+        if (!split || !leaves_room(split, levels_below))
+            return count - count / 2;
+    }
+    bin_axis along = bin_axis_of(&b.centroids, split->axis, bins_for(options, count));
+    return partition(references, count, &along, split->border);
+    /* starter
+    // Fourth step: cut where it costs least, if that is less than a leaf costs. Fifth step: leaves
+    // that would be too large, and trees that would be too deep.
+    (void)candidates_within, (void)partition, (void)leaves_room, (void)most_even;
+    (void)levels_below, (void)options;
+    return count <= RK_BVH_LEAF_LIMIT ? 0 : count - count / 2;
+    end */
+}
+
+/* --- The tree ----------------------------------------------------------------------------- */
+
+/* A node that still has no box, over references[begin .. end - 1]. */
+typedef struct unbuilt {
+    uint32_t node, begin, end;
+    uint32_t levels_below; /* that there may be */
+} unbuilt;
+
+/* The stack holds one node a level at most, and the last one's sibling. */
+static void build_nodes(rk_bvh *bvh, rk_bvh_reference *references, const rk_sah_options *options)
+{
+    unbuilt stack[RK_BVH_LEVELS_MAX];
+    uint32_t size = 0;
+    stack[size++] = (unbuilt){0, 0, bvh->triangle_count, RK_BVH_LEVELS_MAX - 1};
+    bvh->node_count = 2;
+    while (size) {
+        unbuilt part = stack[--size];
+        uint32_t count = part.end - part.begin, levels = part.levels_below;
+        rk_bvh_node *node = &bvh->nodes[part.node];
+        uint32_t left_count = cut(references + part.begin, count, levels, options, &node->box);
+        if (left_count == 0) {
+            node->first = part.begin;
+            node->count = count;
+            continue;
+        }
+        uint32_t left = bvh->node_count, middle = part.begin + left_count;
+        bvh->node_count += 2;
+        node->first = left;
+        node->count = 0;
+        stack[size++] = (unbuilt){left + 1, middle, part.end, levels - 1};
+        stack[size++] = (unbuilt){left, part.begin, middle, levels - 1};
+    }
+}
+
+bool rk_bvh_build_sah(rk_bvh *bvh, const rk_mesh *mesh, const rk_sah_options *options,
+                      rk_error *error)
+{
+    uint32_t count = mesh->triangle_count;
+    if (!rk_bvh_init(bvh, count, count, error) || count == 0)
+        return count == 0 && bvh->nodes;
+    rk_bvh_reference *references = rk_allocate_unset(count, sizeof *references, "tree", error);
+    if (!references) {
+        rk_bvh_free(bvh);
+        return false;
+    }
+    for (uint32_t i = 0; i < count; i++)
+        references[i] = rk_bvh_reference_of(mesh, i);
+    build_nodes(bvh, references, options);
+    for (uint32_t i = 0; i < count; i++)
+        bvh->triangles[i] = rk_bvh_triangle_of(mesh, references[i].triangle);
+    free(references);
+    return true;
+}

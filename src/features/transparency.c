@@ -1,0 +1,202 @@
+/* A ray crosses panes of glass; in which order, and what comes of their colours? The list of
+ * crossings is kept sorted, then folded: by alpha blending for what is seen (Porter and Duff,
+ * "Compositing digital images", SIGGRAPH 1984), by one of three models for the light that arrives
+ * (Beer-Lambert: Glassner, "Principles of Digital Image Synthesis", 1995, volume 2). */
+#include "features/transparency.h"
+
+#include <math.h>
+
+/* --- The list --------------------------------------------------------------------------------- */
+
+static bool is_opaque(const rk_crossing *crossing)
+{
+    return crossing->alpha >= 1;
+}
+
+static bool comes_before(const rk_crossing *a, const rk_crossing *b)
+{
+    return a->t < b->t || (a->t == b->t && a->primitive < b->primitive);
+}
+
+/* A few entries: insertion from the far end moves no more than what lies behind. */
+void rk_transparency_insert(rk_crossing_list *list, const rk_crossing *crossing)
+{
+    /* solution */
+    uint32_t place = list->count;
+    while (place > 0 && comes_before(crossing, &list->crossings[place - 1]))
+        place--;
+    if (place == list->limit || (place > 0 && is_opaque(&list->crossings[place - 1])))
+        return;
+    if (is_opaque(crossing))
+        list->count = place;
+    else if (list->count == list->limit)
+        list->count--;
+    for (uint32_t i = list->count; i > place; i--)
+        list->crossings[i] = list->crossings[i - 1];
+    list->crossings[place] = *crossing;
+    list->count++;
+    /* starter
+    // First step: the nearest `limit` crossings, in order, and nothing behind an opaque one.
+    (void)comes_before, (void)is_opaque;
+    (void)list, (void)crossing;
+    end */
+}
+
+float rk_transparency_end(const rk_crossing_list *list, float t_max)
+{
+    /* solution */
+    if (list->count == 0)
+        return t_max;
+    const rk_crossing *last = &list->crossings[list->count - 1];
+    return list->count == list->limit || is_opaque(last) ? last->t : t_max;
+    /* starter
+    // First step: what lies behind a full list, or behind an opaque crossing, need not be found.
+    (void)list;
+    return t_max;
+    end */
+}
+
+/* --- View rays -------------------------------------------------------------------------------- */
+
+void rk_transparency_weights(const rk_crossing *crossings, uint32_t count, float *weights,
+                             float *behind)
+{
+    /* solution */
+    float passing = 1; /* prod (1 - alpha_j) so far */
+    for (uint32_t k = 0; k < count; k++) {
+        weights[k] = crossings[k].alpha * passing;
+        passing *= 1 - crossings[k].alpha;
+    }
+    *behind = passing;
+    /* starter
+    // Second step: alpha here, and 1 - alpha of what is behind.
+    (void)crossings;
+    for (uint32_t k = 0; k < count; k++)
+        weights[k] = 0;
+    *behind = 0;
+    end */
+}
+
+/* --- Shadow rays ------------------------------------------------------------------------------ */
+
+static rk_vec3 multiplicative(const rk_crossing *crossings, uint32_t count)
+{
+    /* solution */
+    rk_vec3 share = rk_vec(1, 1, 1);
+    for (uint32_t k = 0; k < count; k++)
+        share = rk_mul(share, rk_scale(crossings[k].kd, 1 - crossings[k].alpha));
+    return share;
+    /* starter
+    // Third step: prod kd (1 - alpha).
+    (void)crossings, (void)count;
+    return rk_vec(0, 0, 0);
+    end */
+}
+
+/* What the point would see if it looked at a white light through the panes. */
+static rk_vec3 ordered(const rk_crossing *crossings, uint32_t count)
+{
+    /* solution */
+    rk_vec3 seen = rk_vec(0, 0, 0);
+    float passing = 1;
+    for (uint32_t k = 0; k < count; k++) {
+        seen = rk_madd(seen, crossings[k].kd, crossings[k].alpha * passing);
+        passing *= 1 - crossings[k].alpha;
+    }
+    return rk_madd(seen, rk_vec(1, 1, 1), passing);
+    /* starter
+    // Fourth step: blend the panes, the nearest to the point in front, over white.
+    (void)crossings, (void)count;
+    return rk_vec(0, 0, 0);
+    end */
+}
+
+/* How many more times the crossing enters its medium than it leaves it: 1 or -1, or 0 where it is
+ * of another. */
+static int step_into(const rk_crossing *crossing, uint32_t medium)
+{
+    return crossing->medium != medium ? 0 : crossing->entering ? 1 : -1;
+}
+
+/* In how many blocks of the medium the ray starts: the fewest with which it never leaves one that
+ * it is not in. All steps at one t count together, as roundings may have swapped them. */
+static int depth_at_start(const rk_crossing *crossings, uint32_t count, uint32_t medium)
+{
+    /* solution */
+    int depth = 0, lowest = 0;
+    for (uint32_t k = 0; k < count; k++) {
+        depth += step_into(&crossings[k], medium);
+        bool last_at_t = k + 1 == count || crossings[k + 1].t > crossings[k].t;
+        if (last_at_t && depth < lowest)
+            lowest = depth;
+    }
+    return -lowest;
+    /* starter
+    // Fifth step: 0 outside; a block that is left without having been entered surrounds the start.
+    (void)crossings, (void)count, (void)medium, (void)step_into;
+    return 0;
+    end */
+}
+
+/* The share of the way from t = 0 to t = 1 that runs inside the medium. */
+static float share_inside(const rk_crossing *crossings, uint32_t count, uint32_t medium)
+{
+    /* solution */
+    int depth = depth_at_start(crossings, count, medium);
+    float inside = 0, from = 0;
+    for (uint32_t k = 0; k < count; k++) {
+        if (depth > 0)
+            inside += crossings[k].t - from;
+        from = crossings[k].t;
+        depth += step_into(&crossings[k], medium);
+    }
+    return depth > 0 ? inside + (1 - from) : inside;
+    /* starter
+    // Fifth step: add up the stretches between crossings during which the depth is above 0.
+    (void)crossings, (void)count, (void)medium, (void)depth_at_start;
+    return 0;
+    end */
+}
+
+static bool is_first_of_its_medium(const rk_crossing *crossings, uint32_t k)
+{
+    for (uint32_t j = 0; j < k; j++)
+        if (crossings[j].medium == crossings[k].medium)
+            return false;
+    return true;
+}
+
+static rk_vec3 beer_lambert(const rk_crossing *crossings, uint32_t count, float length)
+{
+    /* solution */
+    rk_vec3 depth = rk_vec(0, 0, 0); /* optical: the sum of sigma thickness */
+    for (uint32_t k = 0; k < count; k++)
+        if (is_first_of_its_medium(crossings, k)) {
+            float thickness = share_inside(crossings, count, crossings[k].medium) * length;
+            depth = rk_madd(depth, crossings[k].absorption, thickness);
+        }
+    return rk_vec(expf(-depth.x), expf(-depth.y), expf(-depth.z));
+    /* starter
+    // Fifth step: exp(-sigma thickness), each medium once.
+    (void)crossings, (void)count, (void)length;
+    (void)is_first_of_its_medium, (void)share_inside;
+    return rk_vec(0, 0, 0);
+    end */
+}
+
+rk_vec3 rk_transparency_transmit(rk_glass_model model, const rk_crossing *crossings, uint32_t count,
+                                 float length)
+{
+    for (uint32_t k = 0; k < count; k++)
+        if (is_opaque(&crossings[k]))
+            return rk_vec(0, 0, 0);
+    switch (model) {
+    case RK_GLASS_MULTIPLICATIVE:
+        return multiplicative(crossings, count);
+    case RK_GLASS_ORDERED:
+        return ordered(crossings, count);
+    case RK_GLASS_BEER_LAMBERT:
+        return beer_lambert(crossings, count, length);
+    }
+    return rk_vec(0, 0, 0);
+}

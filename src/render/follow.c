@@ -1,0 +1,111 @@
+/* From rays to what they see: surfaces, their light, and what mirrors and panes show of further
+ * ones. A batch of rays makes a batch of seen surfaces, these make a batch of mirrored rays, and so
+ * on; a level of mirrors is a level of recursion. */
+#include "base/reflect.h"
+#include "render/tile.h"
+
+static void light_and_mirror(const rk_rendering *r, rk_tile *t);
+
+static rk_seen *room_for_one(const rk_rendering *r, rk_tile *t)
+{
+    if (t->seen_count == RK_BATCH_MAX)
+        light_and_mirror(r, t);
+    return &t->seen[t->seen_count++];
+}
+
+void rk_see(rk_seen *seen, const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+            const rk_hit *hit, uint32_t panes, float share)
+{
+    rk_ray ray = rk_batch_ray(&paths->rays, i);
+    rk_scene_surface(&seen->surface, r->scene, &ray, hit);
+    seen->kd = rk_surface_kd(&seen->surface, &r->scene->mesh);
+    seen->to_viewer = rk_negate(rk_normalize(ray.direction));
+    seen->weight = rk_scale(paths->weight[i], share);
+    seen->pixel = paths->pixel[i];
+    seen->left = (uint8_t)(paths->left[i] - panes);
+}
+
+static void see_nearest(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
+{
+    rk_accel_closest(r->accel, &paths->rays, &t->hits, t->counters);
+    for (uint32_t i = 0; i < paths->rays.count; i++) {
+        if (t->hits.triangle[i] == RK_MISS)
+            continue;
+        rk_hit hit = rk_batch_hit(&t->hits, i);
+        rk_see(room_for_one(r, t), r, paths, i, &hit, 0, 1);
+    }
+}
+
+void rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+                     rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
+                     rk_counters *counters)
+{
+    rk_ray ray = rk_batch_ray(&paths->rays, i);
+    float behind;
+    rk_crossings_gather(r->accel, &ray, paths->left[i] + 1u, list, counters);
+    rk_transparency_weights(list->crossings, list->count, weights, &behind);
+}
+
+/* All panes that each ray passes, and the surface behind them. */
+static void see_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
+{
+    for (uint32_t i = 0; i < paths->rays.count; i++) {
+        rk_crossing_list list;
+        float weights[RK_RECURSION_MAX + 1];
+        rk_look_through(r, paths, i, &list, weights, t->counters);
+        for (uint32_t k = 0; k < list.count; k++)
+            if (weights[k] > 0) {
+                rk_hit hit = rk_crossing_hit(&list.crossings[k]);
+                rk_see(room_for_one(r, t), r, paths, i, &hit, k, weights[k]);
+            }
+    }
+}
+
+/* About the shading normal, unless that would lead into the surface. */
+static rk_vec3 mirrored_direction(const rk_seen *seen)
+{
+    rk_vec3 incoming = rk_negate(seen->to_viewer);
+    rk_vec3 direction = rk_reflect(incoming, seen->surface.normal);
+    return rk_dot(direction, seen->surface.face_normal) > 0
+               ? direction
+               : rk_reflect(incoming, seen->surface.face_normal);
+}
+
+void rk_mirror(const rk_seen *seen, rk_path_batch *mirrored)
+{
+    rk_vec3 weight = rk_mul(seen->weight, seen->surface.material->ks);
+    if (seen->left == 0 || (weight.x == 0 && weight.y == 0 && weight.z == 0))
+        return;
+    rk_vec3 direction = mirrored_direction(seen);
+    rk_ray ray = {rk_surface_leave(&seen->surface, direction), direction, INFINITY};
+    rk_path_push(mirrored, &ray, seen->pixel, seen->left - 1u, weight);
+}
+
+/* Finishes with the seen surfaces, and makes room for others. */
+static void light_and_mirror(const rk_rendering *r, rk_tile *t)
+{
+    for (uint32_t light = 0; light < r->scene->light_count; light++)
+        if (rk_light_shines(&r->scene->lights[light]))
+            rk_light_stage(r, t, light);
+    if (!r->plan.reflections) {
+        t->seen_count = 0;
+        return;
+    }
+    rk_path_batch mirrored;
+    mirrored.rays.count = 0;
+    for (uint32_t i = 0; i < t->seen_count; i++)
+        rk_mirror(&t->seen[i], &mirrored);
+    t->seen_count = 0;
+    t->counters->reflected_rays += mirrored.rays.count;
+    if (mirrored.rays.count)
+        rk_follow(r, t, &mirrored);
+}
+
+void rk_follow(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
+{
+    if (r->plan.transparency)
+        see_through(r, t, paths);
+    else
+        see_nearest(r, t, paths);
+    light_and_mirror(r, t);
+}

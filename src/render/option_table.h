@@ -1,0 +1,15 @@
+/* The renderer's options as a table for the command line; not installed. */
+#ifndef RK_RENDER_OPTION_TABLE_H
+#define RK_RENDER_OPTION_TABLE_H
+
+#include "base/options.h"
+#include "render/plan.h"
+
+typedef struct rk_option_table {
+    rk_option options[24]; /* ended by a NULL name */
+} rk_option_table;
+
+/* A table that reads into `options`, whose present values are the defaults. */
+rk_option_table rk_render_option_table(rk_render_options *options);
+
+#endif

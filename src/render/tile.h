@@ -1,0 +1,103 @@
+/* What the renderer's stages hand to each other, and the stages; not installed. */
+#ifndef RK_RENDER_TILE_H
+#define RK_RENDER_TILE_H
+
+#include "base/image.h"
+#include "base/progress.h"
+#include "render/accel.h"
+#include "render/crossings.h"
+#include "render/plan.h"
+#include "scene/surface.h"
+
+typedef struct rk_rendering {
+    const rk_scene *scene;
+    const rk_accel *accel;
+    const rk_render_options *options;
+    rk_plan plan;
+    rk_view view;
+    uint32_t tiles_across;
+    rk_image *image;
+    rk_counters *counters; /* one for each thread */
+    rk_progress *progress;
+} rk_rendering;
+
+/* Rays, and what each is worth to the pixel that it was sent for. */
+typedef struct rk_path_batch {
+    rk_ray_batch rays;
+    uint16_t pixel[RK_BATCH_MAX]; /* within the tile, row by row */
+    uint8_t left[RK_BATCH_MAX];   /* surfaces behind the first that it may go on to */
+    rk_vec3 weight[RK_BATCH_MAX]; /* share of what it sees that reaches the pixel */
+} rk_path_batch;
+
+static inline void rk_path_push(rk_path_batch *paths, const rk_ray *ray, uint32_t pixel,
+                                uint32_t left, rk_vec3 weight)
+{
+    uint32_t i = paths->rays.count;
+    paths->pixel[i] = (uint16_t)pixel;
+    paths->left[i] = (uint8_t)left;
+    paths->weight[i] = weight;
+    rk_batch_push(&paths->rays, ray);
+}
+
+/* A surface that a ray has met. */
+typedef struct rk_seen {
+    rk_surface surface;
+    rk_vec3 kd;
+    rk_vec3 to_viewer; /* unit, back along the ray */
+    rk_vec3 weight;
+    uint16_t pixel;
+    uint8_t left;
+} rk_seen;
+
+/* What more light samples would tell of a seen surface: open questions, or no more; a tinted one
+ * stays open. */
+typedef enum rk_light_state {
+    RK_LIGHT_OPEN,
+    RK_LIGHT_TINTED,
+    RK_LIGHT_UNBLOCKED,
+    RK_LIGHT_BLOCKED
+} rk_light_state;
+
+/* One light's work on all that is seen, entry for entry. */
+typedef struct rk_light_sums {
+    rk_vec3 lit[RK_BATCH_MAX];    /* over samples, as far as it arrives */
+    rk_vec3 all[RK_BATCH_MAX];    /* as if nothing were in the way */
+    uint16_t asked[RK_BATCH_MAX]; /* shadow rays, and how many of them found the way free */
+    uint16_t free[RK_BATCH_MAX];
+    rk_light_state state[RK_BATCH_MAX];
+} rk_light_sums;
+
+/* A thread's workspace for a tile. */
+typedef struct rk_tile {
+    uint32_t x, y, width, height; /* pixels */
+    uint32_t sample;              /* of each pixel */
+    rk_hit_batch hits;
+    uint32_t seen_count;
+    rk_seen seen[RK_BATCH_MAX];
+    rk_light_sums sums;
+    uint32_t arriving_count; /* light on its way to what is seen, if nothing is in its way */
+    uint16_t arriving_at[RK_BATCH_MAX];
+    rk_vec3 arriving[RK_BATCH_MAX];
+    rk_ray_batch shadow;       /* asks that, a ray each */
+    rk_vec3 sum[RK_BATCH_MAX]; /* over the samples so far, one a pixel */
+    rk_counters *counters;
+} rk_tile;
+
+/* Adds to the pixels' sums what the rays of `paths` see, along mirrors and panes to the end. */
+void rk_follow(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths);
+
+/* Their parts, for who tells the story of one ray: path i goes through panes to a list of hits,
+ * nearest first, of which `weights` are the shares that reach its beginning; */
+void rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+                     rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
+                     rk_counters *counters);
+/* what a hit of it shows, behind so many panes, with its share; */
+void rk_see(rk_seen *seen, const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+            const rk_hit *hit, uint32_t panes, float share);
+/* and the ray that is mirrored there, if one is and may be. */
+void rk_mirror(const rk_seen *seen, rk_path_batch *mirrored);
+
+/* Adds to the pixels' sums what one light sends by way of the tile's seen surfaces. */
+void rk_light_stage(const rk_rendering *r, rk_tile *t, uint32_t light);
+
+#endif

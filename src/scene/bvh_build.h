@@ -1,0 +1,38 @@
+/* What all builders of binary trees share: what they know of a triangle while they sort it, and
+ * what a leaf keeps of it. */
+#ifndef RK_SCENE_BVH_BUILD_H
+#define RK_SCENE_BVH_BUILD_H
+
+#include "scene/bvh.h"
+
+/* A triangle's stand-in during the build. */
+typedef struct rk_bvh_reference {
+    rk_box box;
+    rk_vec3 centroid; /* the mean of the corners; infinite where their sum overflows */
+    uint32_t triangle;
+} rk_bvh_reference;
+
+static inline rk_bvh_reference rk_bvh_reference_of(const rk_mesh *mesh, uint32_t triangle)
+{
+    const uint32_t *corner = mesh->triangles[triangle];
+    rk_vec3 a = mesh->positions[corner[0]];
+    rk_vec3 b = mesh->positions[corner[1]];
+    rk_vec3 c = mesh->positions[corner[2]];
+    return (rk_bvh_reference){
+        .box = {{rk_min3(a, rk_min3(b, c)), rk_max3(a, rk_max3(b, c))}},
+        .centroid = rk_scale(rk_add(rk_add(a, b), c), 1.0f / 3),
+        .triangle = triangle,
+    };
+}
+
+/* A leaf's copy of a triangle of the mesh. */
+static inline rk_triangle rk_bvh_triangle_of(const rk_mesh *mesh, uint32_t triangle)
+{
+    const uint32_t *corner = mesh->triangles[triangle];
+    rk_vec3 a = mesh->positions[corner[0]];
+    rk_vec3 edge_ab = rk_sub(mesh->positions[corner[1]], a);
+    rk_vec3 edge_ac = rk_sub(mesh->positions[corner[2]], a);
+    return (rk_triangle){a, edge_ab, edge_ac, triangle};
+}
+
+#endif

@@ -1,0 +1,312 @@
+/* What rays see along mirrors and panes: colours against closed forms in double, and the limit to
+ * which they are followed, which is exact. */
+#include "test_scene.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* A small odd size: a pixel's centre then lies on no diagonal of a wall, except in the middle. */
+static rk_render_options small(void)
+{
+    rk_render_options options = rk_render_options_default();
+    options.width = 14;
+    options.height = 11;
+    options.reflections = options.transparency = true;
+    return options;
+}
+
+static const double light_at[3] = {0.4, 0.3, -2};
+
+static void shine(rk_scene *scene)
+{
+    test_scene_light(scene, rk_vec(0.4f, 0.3f, -2), rk_vec(1, 1, 1));
+}
+
+/* Lambert's cosine at a wall of depth z, seen after a way of `reach` along z from the camera. */
+static double cosine_on_wall(const rk_render_options *options, size_t x, size_t y, double z,
+                             double reach)
+{
+    double half = tan(25 * pi / 180);
+    double across = 2 * ((double)x + 0.5) / options->width - 1;
+    double up = 1 - 2 * ((double)y + 0.5) / options->height;
+    double px = -across * half * options->width / options->height * reach, py = up * half * reach;
+    double l[3] = {light_at[0] - px, light_at[1] - py, light_at[2] - z};
+    return fabs(l[2]) / sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]);
+}
+
+/* A dozen roundings a surface, of numbers up to 1; the eighth along a way adds up those of seven.
+ */
+static const double rounding = 8 * 12 * 0x1p-24;
+
+static void check_grey(const test_picture *picture, size_t x, size_t y, double want,
+                       const char *hint)
+{
+    double got = (double)rk_image_at(&picture->image, x, y)->x;
+    rk_check(fabs(got - want) <= rounding, "pixel (%zu, %zu): got %.9g, want %.9g within %.1g: %s",
+             x, y, got, want, rounding, hint);
+}
+
+/* --- Mirrors --------------------------------------------------------------------------------- */
+
+/* A mirror at z = 1, and a wall behind the viewer at z = -6. */
+static rk_scene make_mirror(void)
+{
+    rk_scene scene = test_scene_of(4, 2);
+    test_scene_wall(&scene, 0, 1, 1);
+    test_scene_wall(&scene, 2, -6, 0);
+    scene.mesh.materials[0].kd = rk_vec(0.5f, 0.5f, 0.5f);
+    scene.mesh.materials[1].kd = rk_vec(0, 0, 0);
+    scene.mesh.materials[1].ks = rk_vec(0.75f, 0.75f, 0.75f);
+    shine(&scene);
+    return scene;
+}
+
+static void a_mirror_shows_what_is_behind_the_viewer(void **state)
+{
+    (void)state;
+    rk_scene scene = make_mirror();
+    rk_render_options options = small();
+    test_picture picture = test_render(&scene, options, 1);
+    for (size_t y = 0; y < options.height; y++)
+        for (size_t x = 0; x < options.width; x++)
+            /* 4 to the mirror, 7 back to the wall. */
+            check_grey(&picture, x, y, 0.75 * 0.5 * cosine_on_wall(&options, x, y, -6, 11),
+                       "ks times what the mirrored ray sees");
+    rk_check_equal(picture.counters.reflected_rays, 14 * 11, "a mirrored ray a pixel");
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+static void without_a_specular_colour_or_the_option_no_ray_is_mirrored(void **state)
+{
+    (void)state;
+    rk_scene scene = make_mirror();
+    rk_render_options options = small();
+    options.reflections = false;
+    test_picture off = test_render(&scene, options, 1);
+    rk_check_equal(off.counters.reflected_rays, 0, "the option is off");
+    rk_check(rk_length(*rk_image_at(&off.image, 3, 3)) == 0, "the mirror itself is black");
+    options.reflections = true;
+    scene.mesh.materials[1].ks = rk_vec(0, 0, 0);
+    rk_check(!rk_plan_of(&scene, &options).reflections, "nothing here reflects");
+    test_picture dull = test_render(&scene, options, 1);
+    rk_check_equal(dull.counters.reflected_rays, 0, "no surface reflects");
+    rk_check(test_same_pixels(&off.image, &dull.image), "and so the picture is the same");
+    rk_image_free(&off.image);
+    rk_image_free(&dull.image);
+    rk_scene_free(&scene);
+}
+
+static void the_limit_of_mirrored_rays_is_exact(void **state)
+{
+    (void)state;
+    /* Two mirrors that face each other, the viewer and the light between them: what is added by the
+     * k-th mirrored ray is 2^-k of a Lambert's cosine, 7 units farther along each time. */
+    rk_scene scene = test_scene_of(4, 1);
+    for (uint32_t i = 0; i < 2; i++)
+        test_scene_quad(&scene, 2 * i, rk_vec(-99, -99, i ? -6 : 1), rk_vec(198, 0, 0),
+                        rk_vec(0, 198, 0));
+    scene.mesh.materials[0].kd = scene.mesh.materials[0].ks = rk_vec(0.5f, 0.5f, 0.5f);
+    shine(&scene);
+    rk_render_options options = small();
+    for (options.recursion = 0; options.recursion <= 7; options.recursion++) {
+        test_picture picture = test_render(&scene, options, 1);
+        for (size_t y = 0; y < options.height; y++)
+            for (size_t x = 0; x < options.width; x++) {
+                double want = 0;
+                for (uint32_t k = 0; k <= options.recursion; k++)
+                    want += 0.5 * pow(0.5, k) *
+                            cosine_on_wall(&options, x, y, k % 2 ? -6 : 1, 4 + 7 * (double)k);
+                check_grey(&picture, x, y, want, "one term for each mirrored ray, and no more");
+            }
+        rk_check_equal(picture.counters.reflected_rays, 14 * 11 * options.recursion,
+                       "one mirrored ray more for each step of the limit");
+        rk_image_free(&picture.image);
+    }
+    rk_scene_free(&scene);
+}
+
+static void a_convex_mirror_never_sees_itself(void **state)
+{
+    (void)state;
+    /* Interpolated normals would send rays at the rim into the body. */
+    const char *const names[] = {"sphere:80", "sphere:1280"};
+    for (size_t i = 0; i < 2; i++) {
+        rk_scene scene = test_scene_builtin(names[i]);
+        rk_check(scene.mesh.normals, "the sphere is smooth");
+        scene.mesh.materials[0].ks = rk_vec(1, 1, 1);
+        rk_render_options options = small();
+        options.width = options.height = 200;
+        test_picture mirror = test_render(&scene, options, 2);
+        options.reflections = false;
+        test_picture plain = test_render(&scene, options, 2);
+        rk_check(mirror.counters.reflected_rays > 1000, "the sphere is not in the picture");
+        rk_check(test_same_pixels(&mirror.image, &plain.image),
+                 "%s: a mirrored ray met the sphere that it left", names[i]);
+        rk_image_free(&mirror.image);
+        rk_image_free(&plain.image);
+        rk_scene_free(&scene);
+    }
+}
+
+/* --- Panes ----------------------------------------------------------------------------------- */
+
+enum { pane_count = 5 };
+
+/* Panes at z = 0, .1 ..., all half transparent, before a wall at z = 1. */
+static rk_scene make_panes(void)
+{
+    rk_scene scene = test_scene_of(2 * pane_count + 2, 2);
+    for (uint32_t i = 0; i < pane_count; i++)
+        test_scene_wall(&scene, 2 * i, 0.1f * (float)i, 1);
+    test_scene_wall(&scene, 2 * pane_count, 1, 0);
+    scene.mesh.materials[1].alpha = 0.5f;
+    shine(&scene);
+    return scene;
+}
+
+static void the_limit_of_panes_is_exact(void **state)
+{
+    (void)state;
+    rk_scene scene = make_panes();
+    rk_render_options options = small();
+    for (options.recursion = 0; options.recursion <= pane_count + 1; options.recursion++) {
+        test_picture picture = test_render(&scene, options, 1);
+        for (size_t y = 0; y < options.height; y++)
+            for (size_t x = 0; x < options.width; x++) {
+                double want = 0;
+                for (uint32_t k = 0; k <= options.recursion && k <= pane_count; k++) {
+                    double z = k == pane_count ? 1 : (double)(0.1f * (float)k);
+                    want += 0.8 * pow(0.5, k) * (k == pane_count ? 1 : 0.5) *
+                            cosine_on_wall(&options, x, y, z, 3 + z);
+                }
+                check_grey(&picture, x, y, want, "alpha here + (1 - alpha) behind, to the limit");
+            }
+        rk_image_free(&picture.image);
+    }
+    rk_scene_free(&scene);
+}
+
+static void without_the_option_glass_is_opaque(void **state)
+{
+    (void)state;
+    rk_scene scene = make_panes();
+    rk_render_options options = small();
+    options.transparency = false;
+    test_picture picture = test_render(&scene, options, 1);
+    for (size_t y = 0; y < options.height; y++)
+        for (size_t x = 0; x < options.width; x++)
+            check_grey(&picture, x, y, 0.8 * cosine_on_wall(&options, x, y, 0, 3),
+                       "the first pane, as if it were solid");
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+static void a_scene_without_glass_is_rendered_as_without_the_option(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cornell");
+    rk_render_options options = small();
+    options.shadows = true;
+    options.width = options.height = 64;
+    test_picture on = test_render(&scene, options, 2);
+    options.transparency = false;
+    test_picture off = test_render(&scene, options, 2);
+    rk_check(test_same_pixels(&on.image, &off.image), "not the same to the bit");
+    rk_check_equal(on.counters.box_tests, off.counters.box_tests, "box tests");
+    rk_check_equal(on.counters.triangle_tests, off.counters.triangle_tests, "triangle tests");
+    rk_image_free(&on.image);
+    rk_image_free(&off.image);
+    rk_scene_free(&scene);
+}
+
+static void mirrors_and_panes_share_the_limit(void **state)
+{
+    (void)state;
+    /* The way from the viewer: pane, mirror, pane again, wall. The wall is the third surface behind
+     * the first. */
+    rk_scene scene = test_scene_of(6, 3);
+    test_scene_wall(&scene, 0, 1, 1);
+    test_scene_wall(&scene, 2, -6, 0);
+    test_scene_wall(&scene, 4, 0, 2);
+    scene.mesh.materials[0].kd = rk_vec(0.5f, 0.5f, 0.5f);
+    scene.mesh.materials[1].kd = scene.mesh.materials[2].kd = rk_vec(0, 0, 0);
+    scene.mesh.materials[1].ks = rk_vec(1, 1, 1);
+    scene.mesh.materials[2].alpha = 0.5f;
+    shine(&scene);
+    rk_render_options options = small();
+    for (options.recursion = 0; options.recursion < 5; options.recursion++) {
+        test_picture picture = test_render(&scene, options, 1);
+        for (size_t y = 0; y < options.height; y++)
+            for (size_t x = 0; x < options.width; x++)
+                check_grey(
+                    &picture, x, y,
+                    options.recursion < 3 ? 0 : 0.25 * 0.5 * cosine_on_wall(&options, x, y, -6, 11),
+                    "the wall is seen through the pane, twice, from a limit of 3 on");
+        rk_image_free(&picture.image);
+    }
+    rk_scene_free(&scene);
+}
+
+static void a_mirror_of_glass_both_mirrors_and_shows(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_of(6, 3);
+    test_scene_wall(&scene, 0, 1, 0);
+    test_scene_wall(&scene, 2, 0, 1);
+    test_scene_wall(&scene, 4, -6, 2);
+    scene.mesh.materials[0].kd = rk_vec(1, 0, 0);
+    scene.mesh.materials[1].kd = rk_vec(0, 0, 0);
+    scene.mesh.materials[1].ks = rk_vec(1, 1, 1);
+    scene.mesh.materials[1].alpha = 0.25f;
+    scene.mesh.materials[2].kd = rk_vec(0, 1, 0);
+    shine(&scene);
+    rk_render_options options = small();
+    test_picture picture = test_render(&scene, options, 1);
+    for (size_t y = 0; y < options.height; y++)
+        for (size_t x = 0; x < options.width; x++) {
+            const rk_vec3 *got = rk_image_at(&picture.image, x, y);
+            check_grey(&picture, x, y, 0.75 * cosine_on_wall(&options, x, y, 1, 4),
+                       "1 - alpha of the wall behind it");
+            rk_check_close(got->y, 0.25 * cosine_on_wall(&options, x, y, -6, 9), rounding,
+                           "alpha of what is mirrored");
+        }
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+static void batches_that_overflow_lose_nothing(void **state)
+{
+    (void)state;
+    /* A full tile sees six surfaces a ray, more than a batch holds; the same tile in narrow
+     * pictures, a column at a time, sees few. */
+    rk_scene scene = make_panes();
+    rk_render_options options = small();
+    options.width = options.height = 64;
+    test_picture whole = test_render(&scene, options, 2);
+    for (size_t i = 0; i < 64 * 64; i++) {
+        double want = 0;
+        for (uint32_t k = 0; k <= pane_count; k++) {
+            double z = k == pane_count ? 1 : (double)(0.1f * (float)k);
+            want += 0.8 * pow(0.5, k) * (k == pane_count ? 1 : 0.5) *
+                    cosine_on_wall(&options, i % 64, i / 64, z, 3 + z);
+        }
+        check_grey(&whole, i % 64, i / 64, want, "six surfaces a ray");
+    }
+    rk_image_free(&whole.image);
+    rk_scene_free(&scene);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(a_mirror_shows_what_is_behind_the_viewer),
+    cmocka_unit_test(without_a_specular_colour_or_the_option_no_ray_is_mirrored),
+    cmocka_unit_test(the_limit_of_mirrored_rays_is_exact),
+    cmocka_unit_test(a_convex_mirror_never_sees_itself),
+    cmocka_unit_test(the_limit_of_panes_is_exact),
+    cmocka_unit_test(without_the_option_glass_is_opaque),
+    cmocka_unit_test(a_scene_without_glass_is_rendered_as_without_the_option),
+    cmocka_unit_test(mirrors_and_panes_share_the_limit),
+    cmocka_unit_test(a_mirror_of_glass_both_mirrors_and_shows),
+    cmocka_unit_test(batches_that_overflow_lose_nothing),
+};
+
+RK_SUITE("follow", tests)

@@ -1,0 +1,595 @@
+/* Shading: every model against values worked out by hand and in double, what normalised ones
+ * reflect of the light from all sides, and that nothing is ever NaN. */
+#include "test.h"
+
+#include "base/random.h"
+#include "features/shading.h"
+
+/* --- Surfaces and lights to try ------------------------------------------------------------- */
+
+static const double pi = 3.14159265358979323846;
+
+/* Roundings of a few operations on numbers of order one, each 2^-24. */
+static const double few_roundings = 8 * 0x1p-24;
+
+static const rk_vec3 up = {0, 0, 1}, white = {1, 1, 1}, black = {0, 0, 0};
+
+static const char *const model_names[] = {"off", "lambert", "phong", "blinn-phong", "gradient"};
+
+/* The unit vector at this angle from `up`, in the plane of x and z, turned about `up`. */
+static rk_vec3 direction(double degrees_from_up, double degrees_around)
+{
+    double theta = degrees_from_up * pi / 180, phi = degrees_around * pi / 180;
+    return rk_vec((float)(sin(theta) * cos(phi)), (float)(sin(theta) * sin(phi)),
+                  (float)cos(theta));
+}
+
+static rk_vec3 random_direction(uint32_t a, uint32_t b)
+{
+    double z = 2 * (double)rk_unit_float(rk_hash(a, b, 0, 1)) - 1;
+    return direction(acos(z) * 180 / pi, 360 * (double)rk_unit_float(rk_hash(a, b, 1, 1)));
+}
+
+static rk_vec3 random_colour(uint32_t a, uint32_t b)
+{
+    return rk_vec(rk_unit_float(rk_hash(a, b, 0, 2)), rk_unit_float(rk_hash(a, b, 1, 2)),
+                  rk_unit_float(rk_hash(a, b, 2, 2)));
+}
+
+/* The shading of a model, with a gradient of one stop, which is grey everywhere. */
+static rk_shading shading_of(rk_shading_model model, bool normalized)
+{
+    return (rk_shading){model, normalized, {1, {{0, {0.5f, 0.5f, 0.5f}}}}};
+}
+
+/* The lobe alone: kd black, ks white, light of colour one, `up` the normal. */
+static float highlight(rk_shading_model model, float shininess, rk_vec3 l, rk_vec3 v)
+{
+    rk_shading shading = shading_of(model, false);
+    return rk_shade(&shading, black, white, shininess, up, l, v, white).x;
+}
+
+static void check_colour(rk_vec3 got, rk_vec3 want, double tolerance, const char *hint)
+{
+    rk_check_close(got.x, want.x, tolerance, hint);
+    rk_check_close(got.y, want.y, tolerance, hint);
+    rk_check_close(got.z, want.z, tolerance, hint);
+}
+
+static bool equal_bits(rk_vec3 a, rk_vec3 b)
+{
+    return memcmp(&a, &b, sizeof a) == 0;
+}
+
+/* --- The models once more, in double -------------------------------------------------------- */
+
+typedef struct vec {
+    double x, y, z;
+} vec;
+
+static double dot(vec a, vec b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+/* a s + b t */
+static vec combine(vec a, double s, vec b, double t)
+{
+    return (vec){a.x * s + b.x * t, a.y * s + b.y * t, a.z * s + b.z * t};
+}
+
+/* The direction that a float vector stands for: its length is off by a rounding. */
+static vec exact(rk_vec3 a)
+{
+    vec v = {(double)a.x, (double)a.y, (double)a.z};
+    return combine(v, 1 / sqrt(dot(v, v)), v, 0);
+}
+
+/* What a model returns for kd = 0, ks = 1 and light of colour one. */
+static double exact_highlight(rk_shading_model model, bool normalized, double s, rk_vec3 n_,
+                              rk_vec3 l_, rk_vec3 v_)
+{
+    vec n = exact(n_), l = exact(l_), v = exact(v_);
+    double cos_i = dot(n, l), cosine, normalizer;
+    if (cos_i <= 0)
+        return 0;
+    if (model == RK_SHADING_PHONG) {
+        cosine = dot(combine(n, 2 * cos_i, l, -1), v);
+        normalizer = (s + 2) / (2 * pi);
+    } else {
+        vec sum = combine(l, 1, v, 1);
+        cosine = dot(n, sum) / sqrt(dot(sum, sum));
+        normalizer = (s + 2) * (s + 4) / (8 * pi * (pow(2, -s / 2) + s));
+    }
+    return cosine > 0 ? pow(cosine, s) * (normalized ? normalizer * cos_i : 1) : 0;
+}
+
+/* --- Off and Lambert ------------------------------------------------------------------------ */
+
+static void off_is_the_light_times_the_diffuse_colour(void **state)
+{
+    (void)state;
+    for (int normalized = 0; normalized < 2; normalized++) {
+        rk_shading shading = shading_of(RK_SHADING_OFF, normalized);
+        rk_vec3 got = rk_shade(&shading, rk_vec(0.5f, 0.25f, 0), white, 10, up, rk_vec(0, 0, -1),
+                               up, rk_vec(2, 1, 4));
+        check_colour(got, rk_vec(1, 0.25f, 0), 0, "I kd, wherever the light is");
+    }
+}
+
+static void lambert_falls_with_the_cosine(void **state)
+{
+    (void)state;
+    rk_shading shading = shading_of(RK_SHADING_LAMBERT, false);
+    rk_vec3 kd = rk_vec(0.5f, 0.25f, 1), light = rk_vec(2, 4, 1);
+    for (int degrees = 0; degrees < 90; degrees += 10) {
+        float cosine = (float)cos(degrees * pi / 180);
+        rk_vec3 got =
+            rk_shade(&shading, kd, white, 10, up, direction(degrees, 40), direction(30, 0), light);
+        check_colour(got, rk_scale(white, cosine), few_roundings,
+                     "I kd n.l, and nothing of ks: all three products of I and kd are one here");
+    }
+}
+
+static void light_from_behind_or_along_the_surface_gives_nothing(void **state)
+{
+    (void)state;
+    const rk_vec3 lights[] = {{1, 0, 0}, {0, -1, 0}, {0.6f, 0, -0.8f}, {0, 0, -1}};
+    for (int model = RK_SHADING_LAMBERT; model <= RK_SHADING_BLINN_PHONG; model++)
+        for (int k = 0; k < 16; k++) {
+            rk_shading shading = shading_of((rk_shading_model)model, k & 1);
+            rk_vec3 got = rk_shade(&shading, white, white, k & 2 ? 4.0f : 0, up, lights[k / 4],
+                                   direction(80, 180), white);
+            rk_check(equal_bits(got, black),
+                     "%s, light %d: got %g, want 0: n.l = %g is not above 0, so the highlight is "
+                     "out as well",
+                     model_names[model], k / 4, (double)got.x, (double)lights[k / 4].z);
+        }
+}
+
+/* --- Highlights ----------------------------------------------------------------------------- */
+
+static void phong_is_the_cosine_from_the_mirror_direction_to_a_power(void **state)
+{
+    (void)state;
+    /* The mirror direction of l, 30 degrees to one side, is 30 degrees to the other. */
+    rk_vec3 l = direction(30, 180);
+    const char *hint = "(r.v)^s with r = 2 (n.l) n - l";
+    rk_check_close(highlight(RK_SHADING_PHONG, 7, l, direction(30, 0)), 1, few_roundings, hint);
+    rk_check_close(highlight(RK_SHADING_PHONG, 1, l, direction(90, 0)), 0.5, few_roundings, hint);
+    rk_check_close(highlight(RK_SHADING_PHONG, 2, l, direction(90, 0)), 0.25, few_roundings, hint);
+    rk_check_close(highlight(RK_SHADING_PHONG, 2, l, direction(-30, 0)), 0.25, few_roundings, hint);
+    rk_check_close(highlight(RK_SHADING_PHONG, 4, l, direction(75, 0)), 0.25, few_roundings, hint);
+}
+
+static void blinn_phong_is_the_cosine_from_the_normal_to_the_half_vector_to_a_power(void **state)
+{
+    (void)state;
+    /* Halfway between 75 degrees to one side and 15 to the other is 30 degrees from `up`. */
+    rk_vec3 l = direction(75, 180), v = direction(15, 0);
+    const char *hint = "(n.h)^s with h = (l + v) / |l + v|";
+    rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, l, v), 0.75, few_roundings, hint);
+    rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 4, l, v), 0.5625, few_roundings, hint);
+    /* Out of the plane: h = (1, 1, 1) / sqrt 3 between the middles of two sides of a cube. */
+    rk_vec3 a = rk_vec(0.8944272f, 0, 0.4472136f), b = rk_vec(0, 0.8944272f, 0.4472136f);
+    rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, a, b), 1.0 / 3, few_roundings, hint);
+}
+
+static void in_the_mirror_direction_both_highlights_are_one(void **state)
+{
+    (void)state;
+    const float shininess[] = {0, 1, 10, 1e3f, 1e5f};
+    for (int degrees = 0; degrees < 90; degrees += 5)
+        for (int i = 0; i < 5; i++)
+            for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
+                rk_vec3 l = direction(degrees, 200), v = direction(degrees, 20);
+                float got = highlight((rk_shading_model)model, shininess[i], l, v);
+                rk_check(got <= 1, "%s, shininess %g: got %.9g, which is more than one",
+                         model_names[model], (double)shininess[i], (double)got);
+                /* v is off the mirror direction by some roundings, which a cosine hardly feels. */
+                rk_check_close(got, 1, few_roundings, "the cosine is one, and so is its power");
+            }
+}
+
+static void a_highlight_ends_at_a_right_angle(void **state)
+{
+    (void)state;
+    /* r is at 70 degrees to the one side. With v at 10 to the other they are 80 apart, with v at 30
+     * they are 100 apart, and an even power of a negative cosine is positive. */
+    rk_vec3 l = direction(70, 180), v = direction(-10, 0);
+    double cosine = cos(80 * pi / 180);
+    rk_check_close(highlight(RK_SHADING_PHONG, 2, l, v), cosine * cosine, few_roundings,
+                   "up to a right angle there is a highlight");
+    v = direction(-30, 0);
+    rk_check_close(highlight(RK_SHADING_PHONG, 2, l, v), 0, 0, "max(0, r.v), before the power");
+    rk_check_close(highlight(RK_SHADING_PHONG, 0, l, v), 0, 0, "this holds for s = 0 too");
+    /* A viewer below the surface, opposite to the light and on: n.h is not positive. */
+    v = direction(120, 0);
+    rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, l, v), 0, 0, "max(0, n.h)");
+    rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 0, l, v), 0, 0, "this holds for s = 0 too");
+    v = rk_negate(l);
+    rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, l, v), 0, 0,
+                   "l + v is zero: there is no half vector");
+}
+
+static void without_shininess_the_highlight_is_even(void **state)
+{
+    (void)state;
+    for (int degrees = -50; degrees < 90; degrees += 10) {
+        rk_vec3 l = direction(30, 180), v = direction(degrees, 0);
+        const char *hint = "a positive cosine to the power of 0 is one";
+        rk_check_close(highlight(RK_SHADING_PHONG, 0, l, v), 1, 0, hint);
+        rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 0, l, v), 1, 0, hint);
+    }
+}
+
+static void diffuse_part_and_highlight_add_up(void **state)
+{
+    (void)state;
+    /* n.l = 1/2, and the viewer is in the mirror direction. */
+    rk_vec3 l = direction(60, 180), v = direction(60, 0);
+    rk_vec3 kd = rk_vec(0.5f, 0, 0.25f), ks = rk_vec(0, 0.25f, 0.5f), light = rk_vec(2, 4, 8);
+    for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
+        rk_shading shading = shading_of((rk_shading_model)model, false);
+        check_colour(rk_shade(&shading, kd, ks, 5, up, l, v, light), rk_vec(0.5f, 1, 5),
+                     8 * few_roundings, "I (kd n.l + ks lobe): the classic lobe goes without n.l");
+    }
+}
+
+static void without_specular_colour_every_model_is_lambert(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_vec3 l = random_direction(i, 0), v = random_direction(i, 1), n = random_direction(i, 2);
+        rk_vec3 kd = random_colour(i, 0), light = random_colour(i, 1);
+        rk_shading lambert = shading_of(RK_SHADING_LAMBERT, i & 1);
+        rk_vec3 want = rk_shade(&lambert, kd, white, 3, n, l, v, light);
+        check_colour(want,
+                     rk_scale(rk_mul(kd, light), rk_max(0, rk_dot(n, l)) / (i & 1 ? (float)pi : 1)),
+                     few_roundings, "Lambert: I kd n.l, normalised by pi");
+        for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
+            rk_shading shading = shading_of((rk_shading_model)model, i & 1);
+            rk_vec3 got = rk_shade(&shading, kd, black, NAN, n, l, v, light);
+            rk_check(equal_bits(got, want),
+                     "%s with ks = 0 and a shininess that is not a number: got %.9g, Lambert has "
+                     "%.9g: what is not needed is not computed",
+                     model_names[model], (double)got.x, (double)want.x);
+        }
+    }
+}
+
+static void twice_the_light_is_twice_the_colour(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++)
+        for (int model = RK_SHADING_OFF; model <= RK_SHADING_GRADIENT; model++) {
+            rk_vec3 l = random_direction(i, 3), v = random_direction(i, 4);
+            rk_vec3 kd = random_colour(i, 2), ks = random_colour(i, 3), light = random_colour(i, 4);
+            rk_shading shading = shading_of((rk_shading_model)model, i & 1);
+            rk_vec3 once = rk_shade(&shading, kd, ks, 9, up, l, v, light);
+            rk_vec3 twice = rk_shade(&shading, kd, ks, 9, up, l, v, rk_scale(light, 2));
+            rk_check(equal_bits(twice, rk_scale(once, 2)),
+                     "%s: got %.9g for the light and %.9g for twice the light: doubling is exact",
+                     model_names[model], (double)once.x, (double)twice.x);
+        }
+}
+
+/* --- The gradient --------------------------------------------------------------------------- */
+
+static void a_gradient_is_linear_between_its_stops(void **state)
+{
+    (void)state;
+    const rk_gradient gradient = {3, {{-1, {0, 0, 1}}, {0, {1, 0, 0}}, {0.5f, {0, 1, 0}}}};
+    const char *hint = "between two neighbouring stops, by the share of the way";
+    check_colour(rk_gradient_at(&gradient, -1), rk_vec(0, 0, 1), 0, hint);
+    check_colour(rk_gradient_at(&gradient, -0.75f), rk_vec(0.25f, 0, 0.75f), 0, hint);
+    check_colour(rk_gradient_at(&gradient, 0), rk_vec(1, 0, 0), 0, hint);
+    check_colour(rk_gradient_at(&gradient, 0.125f), rk_vec(0.75f, 0.25f, 0), 0, hint);
+    check_colour(rk_gradient_at(&gradient, 0.5f), rk_vec(0, 1, 0), 0, hint);
+}
+
+static void beyond_its_end_stops_a_gradient_is_even(void **state)
+{
+    (void)state;
+    const rk_gradient gradient = {2, {{-0.5f, {1, 0, 0}}, {0.5f, {0, 1, 0}}}};
+    const char *hint = "the colour of the end stop, not the line continued";
+    check_colour(rk_gradient_at(&gradient, -0.75f), rk_vec(1, 0, 0), 0, hint);
+    check_colour(rk_gradient_at(&gradient, 0.75f), rk_vec(0, 1, 0), 0, hint);
+    check_colour(rk_gradient_at(&gradient, -INFINITY), rk_vec(1, 0, 0), 0, hint);
+    check_colour(rk_gradient_at(&gradient, INFINITY), rk_vec(0, 1, 0), 0, hint);
+    /* A unit vector's product with itself may be this. */
+    const rk_gradient whole = {2, {{-1, {1, 0, 0}}, {1, {0, 1, 0}}}};
+    check_colour(rk_gradient_at(&whole, 1 + 0x1p-22f), rk_vec(0, 1, 0), 0, hint);
+}
+
+static void stops_may_come_in_any_order(void **state)
+{
+    (void)state;
+    const rk_gradient_stop sorted[4] = {
+        {-1, {0, 0, 1}}, {-0.25f, {1, 0, 0}}, {0.25f, {0, 1, 0}}, {1, {1, 1, 1}}};
+    const rk_gradient want = {4, {sorted[0], sorted[1], sorted[2], sorted[3]}};
+    for (int order = 0; order < 256; order++) {
+        int place[4] = {order & 3, order >> 2 & 3, order >> 4 & 3, order >> 6};
+        if ((1 << place[0] | 1 << place[1] | 1 << place[2] | 1 << place[3]) != 15)
+            continue;
+        const rk_gradient gradient = {
+            4, {sorted[place[0]], sorted[place[1]], sorted[place[2]], sorted[place[3]]}};
+        for (float x = -1.125f; x <= 1.125f; x += 0.0625f) {
+            rk_vec3 got = rk_gradient_at(&gradient, x), expected = rk_gradient_at(&want, x);
+            rk_check(equal_bits(got, expected),
+                     "stops %d %d %d %d, x = %g: got (%g, %g, %g), in order (%g, %g, %g): it is "
+                     "neighbours in x that count, not in the list",
+                     place[0], place[1], place[2], place[3], (double)x, (double)got.x,
+                     (double)got.y, (double)got.z, (double)expected.x, (double)expected.y,
+                     (double)expected.z);
+        }
+    }
+    check_colour(rk_gradient_at(&want, 0), rk_vec(0.5f, 0.5f, 0), 0, "halfway");
+}
+
+static void stops_at_one_place_make_a_step(void **state)
+{
+    (void)state;
+    const rk_gradient gradient = {
+        5, {{1, {1, 1, 1}}, {0, {1, 0, 0}}, {0, {0, 0, 1}}, {0, {0, 1, 0}}, {-1, {0, 0, 0}}}};
+    check_colour(rk_gradient_at(&gradient, -0.5f), rk_vec(0.5f, 0, 0), 0,
+                 "below the step: on the way to the first of them");
+    check_colour(rk_gradient_at(&gradient, -0x1p-20f), rk_vec(1, 0, 0), 0x1p-19,
+                 "just below the step: the first of them");
+    check_colour(rk_gradient_at(&gradient, 0), rk_vec(0, 1, 0), 0, "at the step: the last of them");
+    check_colour(rk_gradient_at(&gradient, 0.5f), rk_vec(0.5f, 1, 0.5f), 0,
+                 "above the step: on the way from the last of them");
+    const rk_gradient ends = {4,
+                              {{-1, {1, 0, 0}}, {-1, {0, 1, 0}}, {1, {0, 0, 1}}, {1, {1, 1, 1}}}};
+    check_colour(rk_gradient_at(&ends, -2), rk_vec(1, 0, 0), 0,
+                 "below all: the first of the lowest");
+    check_colour(rk_gradient_at(&ends, 2), rk_vec(1, 1, 1), 0,
+                 "above all: the last of the highest");
+}
+
+static void one_stop_is_one_colour_and_none_is_black(void **state)
+{
+    (void)state;
+    const rk_gradient one = {1, {{0.25f, {0.5f, 0.25f, 1}}}}, none = {0};
+    for (float x = -1; x <= 1; x += 0.25f) {
+        check_colour(rk_gradient_at(&one, x), rk_vec(0.5f, 0.25f, 1), 0, "there is but one colour");
+        check_colour(rk_gradient_at(&none, x), black, 0, "no stops, no light");
+    }
+}
+
+static void a_gradient_colours_what_faces_away_too(void **state)
+{
+    (void)state;
+    rk_shading shading = {RK_SHADING_GRADIENT, false, {2, {{-1, {0, 0, 1}}, {1, {1, 0, 0}}}}};
+    for (int normalized = 0; normalized < 2; normalized++)
+        for (int degrees = 0; degrees <= 180; degrees += 15) {
+            shading.normalized = normalized;
+            float share = (float)(0.5 + 0.5 * cos(degrees * pi / 180));
+            rk_vec3 got = rk_shade(&shading, black, white, 5, up, direction(degrees, 70), up,
+                                   rk_vec(0.5f, 1, 0.25f));
+            check_colour(got, rk_vec(0.5f * share, 0, 0.25f * (1 - share)), few_roundings,
+                         "I gradient(n.l), n.l in [-1, 1], whatever kd and ks are");
+        }
+}
+
+/* --- In double ------------------------------------------------------------------------------ */
+
+/* Two unit vectors at the distance d have 1 - cos = d^2 / 2 between them. From their difference,
+ * each component of which is off by some roundings, that comes out off by d times roundings, and
+ * the power, about p = exp(-s d^2 / 2), by p s d times roundings: at most sqrt(s / e), where s d^2
+ * = 1. */
+static double highlight_tolerance(double s)
+{
+    return few_roundings * (1 + sqrt(s));
+}
+
+static void check_highlights(bool normalized, double s, uint32_t seed)
+{
+    /* Viewers around the mirror direction, from the lobe's middle out to where nothing is left. */
+    double spread = 6 / sqrt(s + 1) * 180 / pi;
+    for (uint32_t i = 0; i < 2000; i++) {
+        double theta = 89 * (double)rk_unit_float(rk_hash(seed, i, 0, 3));
+        double around = 360 * (double)rk_unit_float(rk_hash(seed, i, 1, 3));
+        rk_vec3 l = direction(theta, around);
+        rk_vec3 v = direction(
+            theta + spread * (2 * (double)rk_unit_float(rk_hash(seed, i, 2, 3)) - 1), around + 180);
+        for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
+            rk_shading shading = shading_of((rk_shading_model)model, normalized);
+            double want = exact_highlight((rk_shading_model)model, normalized, s, up, l, v);
+            double largest =
+                normalized ? exact_highlight((rk_shading_model)model, true, s, up, up, up) : 1;
+            /* Halfway between nearly opposite directions, roundings are large beside the sum. */
+            float sum = model == RK_SHADING_PHONG ? 1 : rk_length(rk_add(l, v));
+            double tolerance = highlight_tolerance(s) * largest / (double)rk_min(sum, 1);
+            double got = (double)rk_shade(&shading, black, white, (float)s, up, l, v, white).x;
+            rk_check(fabs(got - want) <= tolerance,
+                     "%s%s, shininess %g, light at %.3f degrees: got %.9g, want %.9g within %.3g",
+                     model_names[model], normalized ? ", normalised" : "", s, theta, got, want,
+                     tolerance);
+        }
+    }
+}
+
+static void highlights_equal_those_in_double(void **state)
+{
+    (void)state;
+    const double shininess[] = {0, 1, 1.5, 2, 7, 10, 50};
+    for (uint32_t i = 0; i < sizeof shininess / sizeof shininess[0]; i++)
+        check_highlights(false, shininess[i], i);
+}
+
+static void normalised_highlights_equal_those_in_double(void **state)
+{
+    (void)state;
+    const double shininess[] = {0, 1, 1.5, 2, 7, 10, 50};
+    for (uint32_t i = 0; i < sizeof shininess / sizeof shininess[0]; i++)
+        check_highlights(true, shininess[i], i);
+}
+
+/* Here the power of a dot product of floats is off by 1e-2. */
+static void the_sharpest_highlights_keep_three_digits(void **state)
+{
+    (void)state;
+    const double shininess[] = {1e3, 1e4, 1e5};
+    for (uint32_t i = 0; i < sizeof shininess / sizeof shininess[0]; i++)
+        check_highlights(false, shininess[i], 100 + i);
+    rk_check(highlight_tolerance(1e5) < 1e-3, "the tolerance is more than three digits allow");
+}
+
+/* --- Energy --------------------------------------------------------------------------------- */
+
+/* The share of even light from all around that goes to v: a white furnace. The integral over l is
+ * that over directions (u, phi) around an axis in which the lobe's power is u^s: for Phong l itself
+ * around the mirror direction of v, for Blinn-Phong the half vector around the normal, where
+ * dl = 4 (v.h) dh. With w = u^(s + 1), du = dw / ((s + 1) u^s), all that is left is smooth and of
+ * one size at any shininess, but for a bend at the horizon: the midpoint rule on 96 x 64 cells is
+ * off by less than 5e-4 (a hundred times as many cells show it). */
+static const double furnace_error = 5e-4;
+
+static double furnace(const rk_shading *shading, double s, double degrees)
+{
+    const int rings = 96, sectors = 64;
+    rk_vec3 v = direction(degrees, 0);
+    vec to_viewer = exact(v), axis = {-to_viewer.x, 0, to_viewer.z};
+    if (shading->model != RK_SHADING_PHONG)
+        axis = (vec){0, 0, 1};
+    vec side = {axis.z, 0, -axis.x};
+    double sum = 0;
+    for (int ring = 0; ring < rings; ring++) {
+        double u = pow((ring + 0.5) / rings, 1 / (s + 1)), across = sqrt(1 - u * u);
+        for (int sector = 0; sector < sectors; sector++) {
+            double phi = 2 * pi * (sector + 0.5) / sectors, weight = pow(u, -s);
+            vec l = combine(axis, u, side, across * cos(phi));
+            l.y += across * sin(phi);
+            if (shading->model != RK_SHADING_PHONG) {
+                double v_h = dot(to_viewer, l);
+                weight *= v_h > 0 ? 4 * v_h : 0;
+                l = combine(l, 2 * v_h, to_viewer, -1);
+            }
+            rk_vec3 to_light = rk_vec((float)l.x, (float)l.y, (float)l.z);
+            rk_vec3 got = rk_shade(shading, black, white, (float)s, up, to_light, v, white);
+            sum += (double)got.x * weight;
+        }
+    }
+    return sum / (s + 1) / rings * 2 * pi / sectors;
+}
+
+static const double furnace_shininess[] = {1, 2, 5, 10, 30, 100, 1e3, 1e4, 1e5};
+
+static void normalised_highlights_reflect_all_along_the_normal(void **state)
+{
+    (void)state;
+    for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++)
+        for (size_t i = 0; i < sizeof furnace_shininess / sizeof furnace_shininess[0]; i++) {
+            rk_shading shading = shading_of((rk_shading_model)model, true);
+            double s = furnace_shininess[i], got = furnace(&shading, s, 0);
+            rk_check(fabs(got - 1) <= furnace_error + highlight_tolerance(s),
+                     "%s, shininess %g: the lobe integrates to %.6f, want 1: times n.l, and with "
+                     "the factor of this model",
+                     model_names[model], s, got);
+        }
+}
+
+static void normalised_highlights_never_reflect_more_than_arrives(void **state)
+{
+    (void)state;
+    for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++)
+        for (size_t i = 0; i < sizeof furnace_shininess / sizeof furnace_shininess[0]; i++)
+            for (double degrees = 0; degrees < 90; degrees += 5.933) {
+                rk_shading shading = shading_of((rk_shading_model)model, true);
+                double s = furnace_shininess[i], got = furnace(&shading, s, degrees);
+                rk_check(got <= 1 + furnace_error + highlight_tolerance(s),
+                         "%s, shininess %g, viewer at %.1f degrees: the lobe integrates to %.6f, "
+                         "want at most 1",
+                         model_names[model], s, degrees, got);
+                rk_check(got > 0, "%s, shininess %g, viewer at %.1f degrees: nothing is reflected",
+                         model_names[model], s, degrees);
+            }
+}
+
+static void normalised_diffuse_light_reflects_the_share_kd(void **state)
+{
+    (void)state;
+    /* Cells of equal n.l^2 and equal angle around: the integral of a constant times n.l. */
+    rk_shading shading = shading_of(RK_SHADING_LAMBERT, true);
+    const int rings = 32;
+    double sum = 0;
+    for (int ring = 0; ring < rings; ring++) {
+        double cos_i = sqrt((ring + 0.5) / rings);
+        rk_vec3 l = direction(acos(cos_i) * 180 / pi, 25);
+        sum +=
+            (double)rk_shade(&shading, rk_vec(0.75f, 0, 0), black, 0, up, l, up, white).x / cos_i;
+    }
+    rk_check_close(sum / rings * pi, 0.75, 8 * few_roundings, "kd / pi integrates to kd");
+}
+
+static void swapping_light_and_viewer_changes_nothing_but_the_cosine(void **state)
+{
+    (void)state;
+    for (int model = RK_SHADING_LAMBERT; model <= RK_SHADING_BLINN_PHONG; model++)
+        for (uint32_t i = 0; i < 1000; i++) {
+            rk_shading shading = shading_of((rk_shading_model)model, true);
+            rk_vec3 l = random_direction(i, 5), v = random_direction(i, 6);
+            rk_vec3 kd = random_colour(i, 5), ks = random_colour(i, 6);
+            l.z = fabsf(l.z), v.z = fabsf(v.z);
+            float s = (float)(i % 100);
+            double there = (double)rk_shade(&shading, kd, ks, s, up, l, v, white).x * (double)v.z;
+            double back = (double)rk_shade(&shading, kd, ks, s, up, v, l, white).x * (double)l.z;
+            double largest = (double)(s + 2);
+            rk_check(there > 0, "%s: nothing is reflected from above to above", model_names[model]);
+            rk_check(fabs(there - back) <= highlight_tolerance((double)s) * largest,
+                     "%s, shininess %g: %.9g there, %.9g back: f(l, v) = f(v, l)",
+                     model_names[model], (double)s, there, back);
+        }
+}
+
+/* --- Odd values ----------------------------------------------------------------------------- */
+
+static void nothing_is_ever_not_a_number(void **state)
+{
+    (void)state;
+    const float shininess[] = {0, 0x1p-149f, 1e-30f, 0.5f, 1, 1e5f, 1e10f, 1e20f, 3.4e38f};
+    const double angles[] = {0, 1e-30, 1e-5, 45, 89.99999, 90, 90.00001, 120, 179.99999, 180};
+    for (int model = RK_SHADING_OFF; model <= RK_SHADING_GRADIENT; model++)
+        for (size_t s = 0; s < sizeof shininess / sizeof shininess[0]; s++)
+            for (uint32_t i = 0; i < 10 * 10 * 4; i++) {
+                rk_shading shading = shading_of((rk_shading_model)model, i & 1);
+                rk_vec3 l = direction(angles[i / 4 % 10], 0), v = direction(angles[i / 40], 180);
+                rk_vec3 got =
+                    rk_shade(&shading, white, i & 2 ? white : black, shininess[s], up, l, v, white);
+                rk_check(isfinite(got.x) && got.x >= 0,
+                         "%s%s, shininess %g, light at %g degrees, viewer at %g: got %g",
+                         model_names[model], i & 1 ? ", normalised" : "", (double)shininess[s],
+                         angles[i / 4 % 10], angles[i / 40], (double)got.x);
+            }
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(off_is_the_light_times_the_diffuse_colour),
+    cmocka_unit_test(lambert_falls_with_the_cosine),
+    cmocka_unit_test(light_from_behind_or_along_the_surface_gives_nothing),
+    cmocka_unit_test(phong_is_the_cosine_from_the_mirror_direction_to_a_power),
+    cmocka_unit_test(blinn_phong_is_the_cosine_from_the_normal_to_the_half_vector_to_a_power),
+    cmocka_unit_test(in_the_mirror_direction_both_highlights_are_one),
+    cmocka_unit_test(a_highlight_ends_at_a_right_angle),
+    cmocka_unit_test(without_shininess_the_highlight_is_even),
+    cmocka_unit_test(diffuse_part_and_highlight_add_up),
+    cmocka_unit_test(without_specular_colour_every_model_is_lambert),
+    cmocka_unit_test(twice_the_light_is_twice_the_colour),
+    cmocka_unit_test(a_gradient_is_linear_between_its_stops),
+    cmocka_unit_test(beyond_its_end_stops_a_gradient_is_even),
+    cmocka_unit_test(stops_may_come_in_any_order),
+    cmocka_unit_test(stops_at_one_place_make_a_step),
+    cmocka_unit_test(one_stop_is_one_colour_and_none_is_black),
+    cmocka_unit_test(a_gradient_colours_what_faces_away_too),
+    cmocka_unit_test(highlights_equal_those_in_double),
+    cmocka_unit_test(normalised_highlights_equal_those_in_double),
+    cmocka_unit_test(the_sharpest_highlights_keep_three_digits),
+    cmocka_unit_test(normalised_diffuse_light_reflects_the_share_kd),
+    cmocka_unit_test(normalised_highlights_reflect_all_along_the_normal),
+    cmocka_unit_test(normalised_highlights_never_reflect_more_than_arrives),
+    cmocka_unit_test(swapping_light_and_viewer_changes_nothing_but_the_cosine),
+    cmocka_unit_test(nothing_is_ever_not_a_number),
+};
+
+RK_SUITE("shading", tests)

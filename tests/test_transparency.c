@@ -1,0 +1,488 @@
+/* Transparency: the list keeps the nearest crossings in order, view rays blend them, and light
+ * passes them by three models. All numbers are exact: powers of two, unless a bound says else. */
+#include "test.h"
+
+#include "base/random.h"
+#include "features/transparency.h"
+
+/* --- Crossings to try ------------------------------------------------------------------------- */
+
+static const rk_vec3 white = {1, 1, 1}, red = {1, 0, 0}, yellow = {1, 1, 0};
+
+/* A pane: a sheet, crossed from its outside. */
+static rk_crossing pane(float t, float alpha, rk_vec3 kd)
+{
+    return (rk_crossing){.t = t, .alpha = alpha, .kd = kd, .entering = true};
+}
+
+/* A face of a block of clear glass that absorbs: its front where `entering`. */
+static rk_crossing face(float t, uint32_t medium, bool entering, rk_vec3 absorption)
+{
+    return (rk_crossing){
+        .t = t, .medium = medium, .entering = entering, .kd = white, .absorption = absorption};
+}
+
+static void check_colour(rk_vec3 got, rk_vec3 want, float tolerance, const char *hint)
+{
+    rk_check_close(got.x, want.x, tolerance, hint);
+    rk_check_close(got.y, want.y, tolerance, hint);
+    rk_check_close(got.z, want.z, tolerance, hint);
+}
+
+/* --- The list --------------------------------------------------------------------------------- */
+
+static void insert(rk_crossing_list *list, float t, uint32_t primitive, float alpha)
+{
+    rk_crossing crossing = {.t = t, .primitive = primitive, .alpha = alpha};
+    rk_transparency_insert(list, &crossing);
+}
+
+static void check_list(const rk_crossing_list *list, const uint32_t *primitives, uint32_t count,
+                       const char *hint)
+{
+    rk_check_equal(list->count, count, hint);
+    for (uint32_t i = 0; i < count; i++)
+        rk_check(list->crossings[i].primitive == primitives[i],
+                 "entry %u: got primitive %u, want %u: %s", i, list->crossings[i].primitive,
+                 primitives[i], hint);
+}
+
+static void crossings_come_in_any_order_and_stand_in_that_of_t(void **state)
+{
+    (void)state;
+    rk_crossing_list list;
+    rk_transparency_start(&list, RK_CROSSINGS_MAX);
+    const float t[] = {0.5f, 0.25f, 1, 0.125f, 0.75f};
+    for (uint32_t i = 0; i < 5; i++)
+        insert(&list, t[i], i, 0.5f);
+    check_list(&list, (const uint32_t[]){3, 1, 0, 4, 2}, 5, "sorted by t");
+}
+
+static void equal_distances_are_in_the_order_of_the_primitives(void **state)
+{
+    (void)state;
+    rk_crossing_list list;
+    rk_transparency_start(&list, RK_CROSSINGS_MAX);
+    const uint32_t primitives[] = {7, 2, 9, 4};
+    for (uint32_t i = 0; i < 4; i++)
+        insert(&list, 0.5f, primitives[i], 0.5f);
+    check_list(&list, (const uint32_t[]){2, 4, 7, 9}, 4,
+               "panes that coincide are all there, the smaller primitive first");
+}
+
+static void a_full_list_keeps_the_nearest(void **state)
+{
+    (void)state;
+    for (uint32_t limit = 1; limit <= 4; limit++) {
+        rk_crossing_list list;
+        rk_transparency_start(&list, limit);
+        const float t[] = {5, 3, 6, 1, 4, 2};
+        for (uint32_t i = 0; i < 6; i++)
+            insert(&list, t[i], (uint32_t)t[i], 0.5f);
+        check_list(&list, (const uint32_t[]){1, 2, 3, 4}, limit,
+                   "the list's limit, and of all that came the nearest");
+    }
+}
+
+static void nothing_stands_behind_an_opaque_crossing(void **state)
+{
+    (void)state;
+    rk_crossing_list list;
+    rk_transparency_start(&list, 4);
+    insert(&list, 1, 1, 0.5f);
+    insert(&list, 4, 4, 0.5f);
+    insert(&list, 5, 5, 0.5f);
+    insert(&list, 3, 3, 1);
+    check_list(&list, (const uint32_t[]){1, 3}, 2, "the opaque crossing at 3 hides 4 and 5");
+    insert(&list, 6, 6, 0.5f);
+    check_list(&list, (const uint32_t[]){1, 3}, 2, "6 lies behind the opaque crossing at 3");
+    insert(&list, 2, 2, 0.5f);
+    check_list(&list, (const uint32_t[]){1, 2, 3}, 3, "2 lies before it");
+}
+
+static void the_end_is_where_nothing_more_can_count(void **state)
+{
+    (void)state;
+    rk_crossing_list list;
+    rk_transparency_start(&list, 2);
+    rk_check_close(rk_transparency_end(&list, 9), 9, 0, "an empty list takes all up to t_max");
+    insert(&list, 5, 5, 0.5f);
+    rk_check_close(rk_transparency_end(&list, 9), 9, 0, "there is room for another one");
+    insert(&list, 7, 7, 0.5f);
+    rk_check_close(rk_transparency_end(&list, 9), 7, 0, "a full list ends with its last entry");
+    insert(&list, 3, 3, 1);
+    rk_check_close(rk_transparency_end(&list, 9), 3, 0, "an opaque crossing ends it in any case");
+}
+
+static bool is_before(const rk_crossing *a, const rk_crossing *b)
+{
+    return a->t < b->t || (a->t == b->t && a->primitive < b->primitive);
+}
+
+static void the_list_does_not_depend_on_the_order_of_coming(void **state)
+{
+    (void)state;
+    for (uint32_t trial = 0; trial < 2000; trial++) {
+        uint32_t count = rk_hash(trial, 0, 1, 0) % 12, limit = 1 + rk_hash(trial, 0, 2, 0) % 8;
+        rk_crossing all[12];
+        rk_crossing_list list;
+        rk_transparency_start(&list, limit);
+        for (uint32_t i = 0; i < count; i++) {
+            all[i] = (rk_crossing){.t = (float)(1 + rk_hash(trial, i, 3, 0) % 8),
+                                   .primitive = i,
+                                   .alpha = rk_hash(trial, i, 4, 0) % 6 == 0 ? 1 : 0.5f};
+            rk_transparency_insert(&list, &all[i]);
+        }
+        for (uint32_t i = 1; i < count; i++)
+            for (uint32_t j = i; j > 0 && is_before(&all[j], &all[j - 1]); j--) {
+                rk_crossing swapped = all[j];
+                all[j] = all[j - 1];
+                all[j - 1] = swapped;
+            }
+        uint32_t want[12], wanted = 0;
+        while (wanted < count && wanted < limit && (wanted == 0 || all[wanted - 1].alpha < 1)) {
+            want[wanted] = all[wanted].primitive;
+            wanted++;
+        }
+        check_list(&list, want, wanted,
+                   "the nearest up to the limit, none behind an opaque one, as if all had been "
+                   "sorted first");
+    }
+}
+
+/* --- View rays -------------------------------------------------------------------------------- */
+
+static void one_pane_shows_alpha_here_and_the_rest_behind(void **state)
+{
+    (void)state;
+    rk_crossing crossing = pane(1, 0.25f, red);
+    float weight, behind;
+    rk_transparency_weights(&crossing, 1, &weight, &behind);
+    rk_check_close(weight, 0.25, 0, "alpha is opacity: the share of the pane's own colour");
+    rk_check_close(behind, 0.75, 0, "1 - alpha is the share of what is behind");
+}
+
+static void weights_are_alpha_times_what_the_panes_before_let_through(void **state)
+{
+    (void)state;
+    const rk_crossing crossings[] = {pane(1, 0.5f, red), pane(2, 0.25f, red), pane(3, 0, red),
+                                     pane(4, 0.75f, red)};
+    const float want[] = {0.5f, 0.125f, 0, 0.28125f};
+    float weights[4], behind;
+    rk_transparency_weights(crossings, 4, weights, &behind);
+    for (int k = 0; k < 4; k++)
+        rk_check(weights[k] == want[k], "pane %d: got %g, want %g: alpha_k prod (1 - alpha_j)", k,
+                 (double)weights[k], (double)want[k]);
+    rk_check_close(behind, 0.09375, 0, "the product of all 1 - alpha");
+}
+
+static void nothing_is_seen_behind_an_opaque_surface(void **state)
+{
+    (void)state;
+    const rk_crossing crossings[] = {pane(1, 0.5f, red), pane(2, 1, red)};
+    float weights[2], behind;
+    rk_transparency_weights(crossings, 2, weights, &behind);
+    rk_check_close(weights[1], 0.5, 0, "opaque: all that is left");
+    rk_check_close(behind, 0, 0, "nothing is left for what is behind");
+}
+
+static void no_crossings_leave_everything_to_what_is_behind(void **state)
+{
+    (void)state;
+    float behind = 0;
+    rk_transparency_weights(NULL, 0, NULL, &behind);
+    rk_check_close(behind, 1, 0, "a ray that crosses nothing shows the background alone");
+}
+
+static void weights_and_what_is_behind_sum_to_one(void **state)
+{
+    (void)state;
+    for (uint32_t trial = 0; trial < 1000; trial++) {
+        rk_crossing crossings[16];
+        float weights[16], behind;
+        double sum = 0;
+        for (uint32_t k = 0; k < 16; k++)
+            crossings[k] = pane((float)k, rk_unit_float(rk_hash(trial, k, 5, 0)), white);
+        rk_transparency_weights(crossings, 16, weights, &behind);
+        for (uint32_t k = 0; k < 16; k++)
+            sum += (double)weights[k];
+        /* Three roundings a pane, each of at most 2^-24 of a number below 1. */
+        rk_check_close(sum + (double)behind, 1, 48 * 0x1p-24,
+                       "the pixel is shared out, no light is made and none lost");
+    }
+}
+
+static void the_recursion_limit_is_exact(void **state)
+{
+    (void)state;
+    const uint32_t panes = 12;
+    for (uint32_t limit = 0; limit < 10; limit++) {
+        rk_crossing_list list;
+        float weights[RK_CROSSINGS_MAX], behind;
+        rk_transparency_start(&list, limit + 1);
+        for (uint32_t i = 0; i < panes; i++)
+            insert(&list, (float)(panes - i), panes - i, 0.5f);
+        rk_check_equal(list.count, limit + 1,
+                       "a limit of n keeps the first surface and what is behind n panes");
+        rk_transparency_weights(list.crossings, list.count, weights, &behind);
+        rk_check_close(weights[limit], ldexp(1, -(int)limit - 1), 0,
+                       "the last surface kept is weighted like every other");
+        rk_check_close(behind, ldexp(1, -(int)limit - 1), 0, "and this much is not followed");
+    }
+}
+
+/* --- Shadow rays: all models ------------------------------------------------------------------ */
+
+static const rk_glass_model models[] = {RK_GLASS_MULTIPLICATIVE, RK_GLASS_ORDERED,
+                                        RK_GLASS_BEER_LAMBERT};
+enum { model_count = sizeof models / sizeof models[0] };
+
+static void all_light_arrives_where_nothing_is_crossed(void **state)
+{
+    (void)state;
+    for (int m = 0; m < model_count; m++)
+        check_colour(rk_transparency_transmit(models[m], NULL, 0, 2), white, 0,
+                     "no pane, no shadow, whatever the model");
+}
+
+static void nothing_arrives_through_anything_opaque(void **state)
+{
+    (void)state;
+    for (int m = 0; m < model_count; m++)
+        for (uint32_t opaque = 0; opaque < 3; opaque++) {
+            rk_crossing crossings[] = {pane(0.25f, 0.5f, white), pane(0.5f, 0.5f, white),
+                                       pane(0.75f, 0.5f, white)};
+            crossings[opaque].alpha = 1;
+            check_colour(rk_transparency_transmit(models[m], crossings, 3, 1), rk_vec(0, 0, 0), 0,
+                         "an opaque surface casts a black shadow, whatever its colour and place");
+            rk_vec3 without =
+                rk_transparency_transmit(models[m], crossings + opaque + 1, 2 - opaque, 1);
+            rk_check(without.x > 0, "got no light through %u panes of alpha 0.5, want some",
+                     2 - opaque);
+        }
+}
+
+/* --- Multiplicative --------------------------------------------------------------------------- */
+
+static void multiplicative_is_the_product_of_colours_and_what_passes(void **state)
+{
+    (void)state;
+    const rk_crossing crossings[] = {pane(0.25f, 0.5f, rk_vec(1, 0.5f, 0.25f)),
+                                     pane(0.5f, 0.75f, rk_vec(0.5f, 1, 0.5f))};
+    check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, crossings, 1, 1),
+                 rk_vec(0.5f, 0.25f, 0.125f), 0, "kd (1 - alpha)");
+    check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, crossings, 2, 1),
+                 rk_vec(0.0625f, 0.0625f, 0.015625f), 0, "the product over both panes");
+}
+
+static void multiplicative_is_blind_to_the_order(void **state)
+{
+    (void)state;
+    const rk_crossing red_first[] = {pane(0.25f, 0.5f, red), pane(0.5f, 0.5f, yellow)};
+    const rk_crossing yellow_first[] = {pane(0.25f, 0.5f, yellow), pane(0.5f, 0.5f, red)};
+    const rk_vec3 want = {0.25f, 0, 0};
+    check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, red_first, 2, 1), want, 0,
+                 "red then yellow");
+    check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, yellow_first, 2, 1), want, 0,
+                 "yellow then red: a product does not know the order");
+}
+
+/* --- Ordered ---------------------------------------------------------------------------------- */
+
+static void ordered_blends_one_pane_over_white(void **state)
+{
+    (void)state;
+    const rk_crossing crossing = pane(0.5f, 0.25f, rk_vec(0, 0.5f, 1));
+    check_colour(rk_transparency_transmit(RK_GLASS_ORDERED, &crossing, 1, 1),
+                 rk_vec(0.75f, 0.875f, 1), 0, "alpha kd + (1 - alpha) white");
+}
+
+static void ordered_tells_red_then_yellow_from_yellow_then_red(void **state)
+{
+    (void)state;
+    const rk_crossing red_first[] = {pane(0.25f, 0.5f, red), pane(0.5f, 0.5f, yellow)};
+    const rk_crossing yellow_first[] = {pane(0.25f, 0.5f, yellow), pane(0.5f, 0.5f, red)};
+    check_colour(rk_transparency_transmit(RK_GLASS_ORDERED, red_first, 2, 1),
+                 rk_vec(1, 0.5f, 0.25f), 0,
+                 "red nearest to the point: red / 2 + yellow / 4 + white / 4");
+    check_colour(rk_transparency_transmit(RK_GLASS_ORDERED, yellow_first, 2, 1),
+                 rk_vec(1, 0.75f, 0.25f), 0,
+                 "yellow nearest to the point: yellow / 2 + red / 4 + white / 4");
+}
+
+static void ordered_is_what_a_view_ray_sees_of_a_white_light(void **state)
+{
+    (void)state;
+    for (uint32_t trial = 0; trial < 1000; trial++) {
+        rk_crossing crossings[8];
+        float weights[8], behind;
+        for (uint32_t k = 0; k < 8; k++)
+            crossings[k] = pane((float)(k + 1) / 9, rk_unit_float(rk_hash(trial, k, 6, 0)),
+                                rk_vec(rk_unit_float(rk_hash(trial, k, 7, 0)),
+                                       rk_unit_float(rk_hash(trial, k, 8, 0)),
+                                       rk_unit_float(rk_hash(trial, k, 9, 0))));
+        rk_transparency_weights(crossings, 8, weights, &behind);
+        rk_vec3 want = rk_vec(behind, behind, behind);
+        for (uint32_t k = 0; k < 8; k++)
+            want = rk_madd(want, crossings[k].kd, weights[k]);
+        /* Four roundings a pane on either side, each of at most 2^-24 of a number below 1. */
+        check_colour(rk_transparency_transmit(RK_GLASS_ORDERED, crossings, 8, 1), want,
+                     64 * 0x1p-24f, "the weights of view rays, over white");
+    }
+}
+
+/* --- Beer-Lambert ----------------------------------------------------------------------------- */
+
+static const rk_vec3 sigma = {1, 0.5f, 0};
+
+/* `thickness` world units of glass that absorbs sigma; expf may be off by two units in the last
+ * place, and the product sigma thickness (at most 8) by one. */
+static void check_thickness(const rk_crossing *crossings, uint32_t count, float length,
+                            double thickness, const char *hint)
+{
+    rk_vec3 got = rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, crossings, count, length);
+    check_colour(got,
+                 rk_vec((float)exp(-(double)sigma.x * thickness),
+                        (float)exp(-(double)sigma.y * thickness), 1),
+                 10 * 0x1p-23f, hint);
+}
+
+static void a_block_absorbs_by_its_thickness(void **state)
+{
+    (void)state;
+    const rk_crossing thin[] = {face(0.5f, 1, true, sigma), face(0.625f, 1, false, sigma)};
+    const rk_crossing thick[] = {face(0.25f, 1, true, sigma), face(0.75f, 1, false, sigma)};
+    check_thickness(thin, 2, 1, 0.125, "exp(-sigma thickness), from entering to leaving");
+    check_thickness(thick, 2, 1, 0.5, "four times as thick");
+    check_thickness(thick, 2, 4, 2, "thickness is in world units: t times the ray's length");
+    rk_vec3 a = rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, thin, 2, 1);
+    rk_vec3 b = rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, thick, 2, 1);
+    check_colour(a, b, 0, "the multiplicative model does not see thickness");
+}
+
+static void several_blocks_of_a_medium_add_up(void **state)
+{
+    (void)state;
+    const rk_crossing crossings[] = {face(0.125f, 1, true, sigma), face(0.25f, 1, false, sigma),
+                                     face(0.5f, 1, true, sigma), face(0.875f, 1, false, sigma)};
+    check_thickness(crossings, 4, 2, 1, "an eighth and three eighths of 2");
+}
+
+static void a_start_inside_a_block_counts_from_the_start(void **state)
+{
+    (void)state;
+    const rk_crossing crossings[] = {face(0.25f, 1, false, sigma), face(0.5f, 1, true, sigma),
+                                     face(0.75f, 1, false, sigma)};
+    check_thickness(crossings, 1, 1, 0.25, "left without having been entered: the start is inside");
+    check_thickness(crossings, 3, 1, 0.5, "from the start to 0.25, from 0.5 to 0.75");
+}
+
+static void a_light_inside_a_block_counts_up_to_the_light(void **state)
+{
+    (void)state;
+    const rk_crossing crossings[] = {face(0.25f, 1, true, sigma), face(0.5f, 1, false, sigma),
+                                     face(0.75f, 1, true, sigma)};
+    check_thickness(crossings, 1, 1, 0.75, "entered and never left: the light is inside");
+    check_thickness(crossings, 3, 1, 0.5, "from 0.25 to 0.5, from 0.75 to the light");
+    check_thickness(crossings + 1, 2, 1, 0.75, "start and light in blocks of their own");
+}
+
+static void different_media_absorb_where_they_overlap(void **state)
+{
+    (void)state;
+    const rk_vec3 other = {0, 2, 4};
+    const rk_crossing crossings[] = {face(0.125f, 1, true, sigma), face(0.25f, 2, true, other),
+                                     face(0.5f, 2, false, other), face(0.875f, 1, false, sigma)};
+    /* Thickness 0.75 of the one, 0.25 of the other, inside it. */
+    check_colour(rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, crossings, 4, 1),
+                 rk_vec(expf(-0.75f), expf(-0.375f - 0.5f), expf(-1.0f)), 4 * 0x1p-23f,
+                 "each medium by its own pairs of crossings");
+}
+
+static void a_medium_absorbs_once_where_its_blocks_overlap(void **state)
+{
+    (void)state;
+    const rk_crossing overlapping[] = {face(0.125f, 1, true, sigma), face(0.25f, 1, true, sigma),
+                                       face(0.5f, 1, false, sigma), face(0.75f, 1, false, sigma)};
+    check_thickness(overlapping, 4, 1, 0.625, "glass in the same glass is one piece");
+    check_thickness(overlapping + 2, 2, 1, 0.75, "the start is in both blocks");
+}
+
+static void touching_blocks_are_one_piece(void **state)
+{
+    (void)state;
+    /* Faces at one t come in either order. */
+    for (int swapped = 0; swapped < 2; swapped++) {
+        const rk_crossing crossings[] = {face(0.25f, 1, true, sigma), face(0.5f, 1, swapped, sigma),
+                                         face(0.5f, 1, !swapped, sigma),
+                                         face(0.75f, 1, false, sigma)};
+        check_thickness(crossings, 4, 1, 0.5, "no gap, and nothing twice, where two blocks touch");
+        check_thickness(crossings + 1, 3, 1, 0.75, "the start is in the first of them");
+        check_thickness(crossings, 3, 1, 0.75, "the light is in the second of them");
+    }
+}
+
+static void a_grazed_edge_absorbs_nothing(void **state)
+{
+    (void)state;
+    const rk_crossing left_first[] = {face(0.5f, 1, false, sigma), face(0.5f, 1, true, sigma)};
+    const rk_crossing entered_first[] = {face(0.5f, 1, true, sigma), face(0.5f, 1, false, sigma)};
+    check_thickness(entered_first, 2, 1, 0, "no way inside");
+    check_thickness(left_first, 2, 1, 0,
+                    "roundings swap the faces at an edge: that does not put the start inside");
+    const rk_crossing block[] = {face(0.25f, 1, true, sigma), face(0.75f, 1, false, sigma)};
+    check_thickness(block, 2, 1, 0.5, "a block that is crossed does absorb");
+}
+
+static void a_sheet_fills_the_way_on_its_inner_side(void **state)
+{
+    (void)state;
+    const rk_crossing front = face(0.25f, 1, true, sigma), back = face(0.25f, 1, false, sigma);
+    check_thickness(&front, 1, 1, 0.75, "from outside: all that is behind the sheet");
+    check_thickness(&back, 1, 1, 0.25, "from inside: all that is before it");
+}
+
+static void clear_glass_absorbs_nothing_and_dense_glass_all(void **state)
+{
+    (void)state;
+    const rk_vec3 dense = {3e38f, 1e30f, 0};
+    rk_crossing block[] = {face(0.25f, 1, true, dense), face(0.75f, 1, false, dense)};
+    block[0].kd = block[1].kd = red;
+    block[0].alpha = block[1].alpha = 0.5f;
+    check_colour(rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, block, 2, 1), rk_vec(0, 0, 1), 0,
+                 "0 where all is absorbed, 1 where nothing is; kd and alpha play no part");
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(crossings_come_in_any_order_and_stand_in_that_of_t),
+    cmocka_unit_test(equal_distances_are_in_the_order_of_the_primitives),
+    cmocka_unit_test(a_full_list_keeps_the_nearest),
+    cmocka_unit_test(nothing_stands_behind_an_opaque_crossing),
+    cmocka_unit_test(the_end_is_where_nothing_more_can_count),
+    cmocka_unit_test(the_list_does_not_depend_on_the_order_of_coming),
+    cmocka_unit_test(one_pane_shows_alpha_here_and_the_rest_behind),
+    cmocka_unit_test(weights_are_alpha_times_what_the_panes_before_let_through),
+    cmocka_unit_test(nothing_is_seen_behind_an_opaque_surface),
+    cmocka_unit_test(no_crossings_leave_everything_to_what_is_behind),
+    cmocka_unit_test(weights_and_what_is_behind_sum_to_one),
+    cmocka_unit_test(the_recursion_limit_is_exact),
+    cmocka_unit_test(multiplicative_is_the_product_of_colours_and_what_passes),
+    cmocka_unit_test(multiplicative_is_blind_to_the_order),
+    cmocka_unit_test(ordered_blends_one_pane_over_white),
+    cmocka_unit_test(ordered_tells_red_then_yellow_from_yellow_then_red),
+    cmocka_unit_test(ordered_is_what_a_view_ray_sees_of_a_white_light),
+    cmocka_unit_test(a_block_absorbs_by_its_thickness),
+    cmocka_unit_test(several_blocks_of_a_medium_add_up),
+    cmocka_unit_test(a_start_inside_a_block_counts_from_the_start),
+    cmocka_unit_test(a_light_inside_a_block_counts_up_to_the_light),
+    cmocka_unit_test(different_media_absorb_where_they_overlap),
+    cmocka_unit_test(a_medium_absorbs_once_where_its_blocks_overlap),
+    cmocka_unit_test(touching_blocks_are_one_piece),
+    cmocka_unit_test(a_grazed_edge_absorbs_nothing),
+    cmocka_unit_test(a_sheet_fills_the_way_on_its_inner_side),
+    cmocka_unit_test(clear_glass_absorbs_nothing_and_dense_glass_all),
+    cmocka_unit_test(all_light_arrives_where_nothing_is_crossed),
+    cmocka_unit_test(nothing_arrives_through_anything_opaque),
+};
+
+RK_SUITE("transparency", tests)
