@@ -21,9 +21,6 @@ enum { RK_DIMENSION_PIXEL = 0, RK_DIMENSION_LIGHT = 2 };
 /* Cells are halved down to 2^-24, the distance of the numbers that samplers give. */
 enum { RK_SAMPLES_MAX = 1 << 24 };
 
-/* Cells are halved down to 2^-24, the distance of the numbers that samplers give. */
-enum { RK_SAMPLES_MAX = 1 << 24 };
-
 typedef struct rk_sampler {
     rk_sampler_kind kind;
     uint32_t seed;
