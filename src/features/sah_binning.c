@@ -26,9 +26,9 @@ typedef struct bin_axis {
 static bin_axis bin_axis_of(const rk_box *centroids, int axis, uint32_t bins)
 {
     /* solution */
-    /* Centroids of huge triangles may be infinite: they belong to the outermost bins. */
-    double low = (double)rk_max(rk_axis(centroids->corner[0], axis), -FLT_MAX);
-    double high = (double)rk_min(rk_axis(centroids->corner[1], axis), FLT_MAX);
+    /* In double, as the extent may overflow a float, and its reciprocal too. */
+    double low = (double)rk_axis(centroids->corner[0], axis);
+    double high = (double)rk_axis(centroids->corner[1], axis);
     if (!(low < high))
         return (bin_axis){axis, 1, low, 0};
     return (bin_axis){axis, bins, low, bins / (high - low)};
@@ -44,9 +44,7 @@ static uint32_t bin_of(const bin_axis *along, rk_vec3 centroid)
     /* solution */
     double offset = (double)rk_axis(centroid, along->axis) - along->low;
     double place = offset * along->bins_per_unit;
-    if (!(place < along->bins))
-        return along->bins - 1;
-    return place > 0 ? (uint32_t)place : 0;
+    return place < along->bins ? (uint32_t)place : along->bins - 1;
     /* starter
     // First step: the highest centroid is in the last bin, not in one behind it.
     (void)along, (void)centroid;
@@ -179,13 +177,13 @@ static uint32_t candidates_within(const bounds *b, const rk_bvh_reference *refer
 {
     /* solution */
     uint32_t bins = bins_for(options, count), found = 0;
-    if (!options->all_axes)
-        found = candidates_on(rk_box_longest_axis(b->box), b, references, count, bins, candidates);
-    for (int axis = 0, all = found == 0; all && axis < 3; axis++)
-        found += candidates_on(axis, b, references, count, bins, candidates + found);
+    int longest = rk_box_longest_axis(b->centroids);
+    for (int axis = 0; axis < 3; axis++)
+        if (options->all_axes || axis == longest)
+            found += candidates_on(axis, b, references, count, bins, candidates + found);
     return found;
     /* starter
-    // Third step: those on the longest axis of the box. When is it time to look at all three?
+    // Third step: those on the centroids' longest axis, or on all three in turn.
     (void)b, (void)references, (void)count, (void)options, (void)candidates;
     (void)bins_for, (void)candidates_on;
     return 0;
