@@ -410,6 +410,11 @@ static void a_node_is_a_leaf_where_no_cut_pays(void **state)
     rk_mesh mesh = make_mesh(20);
     for (uint32_t i = 0; i < 20; i++)
         place_across(&mesh, i, (float)i / 19);
+    rk_bvh_reference *references = references_of(&mesh);
+    rk_check_equal(list(references, 20, 20, false), 19, "one centroid a bin");
+    for (uint32_t k = 0; k < 19; k++)
+        rk_check_close(candidates[k].cost, 21.5, 0, "both boxes are as large as the node's");
+    free(references);
     rk_bvh bvh = build(&mesh);
     rk_check_equal(bvh.nodes[0].count, 20, "1.5 + 20 is more than 20: a leaf");
     rk_bvh_free(&bvh);
@@ -573,7 +578,7 @@ static void what_no_first_cut_pays_for_later_ones_may(void **state)
     for (uint32_t i = 0; i < mesh.vertex_count; i++)
         mesh.positions[i] = rk_add(rk_scale(mesh.positions[i], 0.15f), rk_vec(0.5f, 0.5f, 0.5f));
     for (uint32_t i = 0; i < large; i++)
-        place_across(&mesh, i, (float)i / (float)(large - 1));
+        place_across(&mesh, i * (n / large), (float)i / (float)(large - 1));
     rk_bvh bvh = build(&mesh);
     rk_counters counters = {0};
     const uint32_t rays = 500;
@@ -582,10 +587,13 @@ static void what_no_first_cut_pays_for_later_ones_may(void **state)
         rk_bvh_closest(&bvh, &ray, &counters);
     }
     uint64_t tests = counters.triangle_tests / rays;
-    rk_check(tests < 1000,
-             "got %llu triangle tests a ray, want fewer than 1000: cut evenly where a "
-             "leaf would be too large",
-             (unsigned long long)tests);
+    /* Measured: 108 by even cuts, 191 where the triangles are halved as they stand in the mesh,
+     * 1,018 by the cheapest cuts, which part off a few at a time. */
+    rk_check(
+        tests < 150,
+        "got %llu triangle tests a ray, want fewer than 150: where no cut pays, but a leaf would "
+        "be too large, take the most even one",
+        (unsigned long long)tests);
     check_rays(&mesh, &bvh, 50, 8);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);

@@ -104,8 +104,9 @@ static double cost_of(double area, const group *left, const group *right)
 }
 
 /* Two sweeps: from the last bin down, what lies above each border; from the first bin up, what
- * lies below it. */
-static uint32_t sweep(const bin_axis *along, const group *bins, uint32_t count, double area,
+ * lies below it. Neither is ever nothing, as the lowest centroid is in the first bin, the highest
+ * in the last. */
+static uint32_t sweep(const bin_axis *along, const group *bins, double area,
                       rk_sah_split *candidates)
 {
     /* solution */
@@ -119,8 +120,6 @@ static uint32_t sweep(const bin_axis *along, const group *bins, uint32_t count, 
         if (bins[border - 1].count == 0)
             continue;
         below = merge(below, &bins[border - 1]);
-        if (below.count == count)
-            break;
         candidates[found++] = (rk_sah_split){
             .axis = along->axis,
             .border = border,
@@ -132,8 +131,8 @@ static uint32_t sweep(const bin_axis *along, const group *bins, uint32_t count, 
     return found;
     /* starter
     // Second step: the first sweep stores what lies above each border, the second goes up with
-    // what lies below it. Neither side of a cut may be empty.
-    (void)along, (void)bins, (void)count, (void)area, (void)candidates, (void)merge;
+    // what lies below it. A border above an empty bin is none.
+    (void)along, (void)bins, (void)area, (void)candidates, (void)merge;
     (void)cost_of;
     return 0;
     end */
@@ -168,7 +167,7 @@ static uint32_t candidates_on(int axis, const bounds *b, const rk_bvh_reference 
         return 0;
     group filled[RK_SAH_BINS_MAX];
     fill_bins(filled, &along, references, count);
-    return sweep(&along, filled, count, rk_box_area(b->box), candidates);
+    return sweep(&along, filled, rk_box_area(b->box), candidates);
 }
 
 static uint32_t candidates_within(const bounds *b, const rk_bvh_reference *references,
@@ -292,11 +291,11 @@ static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t level
     bin_axis along = bin_axis_of(&b.centroids, split->axis, bins_for(options, count));
     return partition(references, count, &along, split->border);
     /* starter
-    // Fourth step: cut where it costs least, if that is less than a leaf costs. Fifth step: leaves
-    // that would be too large, and trees that would be too deep.
+    // For now all triangles are one leaf. Fourth step: cut where it costs least, if that is less
+    // than a leaf costs. Fifth step: leaves too large, trees too deep.
     (void)candidates_within, (void)partition, (void)leaves_room, (void)most_even;
     (void)levels_below, (void)options;
-    return count <= RK_BVH_LEAF_LIMIT ? 0 : count - count / 2;
+    return 0;
     end */
 }
 
