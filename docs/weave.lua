@@ -27,12 +27,13 @@
 -- RAYKIT_KATEX (its folder) for formulas; without them they stay pandoc's affair.
 
 local tools = os.getenv("RAYKIT_SOURCE") .. "/tools/weave/"
-local weave = dofile(tools .. "weave.lua")
-local code = dofile(tools .. "code.lua")
-local fail, place, need = weave.fail, weave.place, weave.need
+package.path = tools .. "?.lua;" .. package.path
+local code = require("code")
+local drive = require("drive")
+local weave = require("weave")
+local anchor, fail, fail_at, need, place = weave.anchor, drive.fail, drive.fail_at, drive.need, drive.place
 
 local solutions = true
-local names = {} -- of anchors that are set already
 
 local function settings(meta)
   local given = meta.solutions and pandoc.utils.stringify(meta.solutions) or "yes"
@@ -40,22 +41,11 @@ local function settings(meta)
   solutions = given == "yes"
 end
 
--- The name, the first time that it is asked for: an anchor can stand in one place only.
-local function anchor(name)
-  if names[name] then return "" end
-  names[name] = true
-  return name
-end
-
-local function caption_of(blocks)
-  return pandoc.Div({pandoc.Plain(pandoc.utils.blocks_to_inlines(blocks))}, {class = "caption"})
-end
-
 -- --- code and tests --------------------------------------------------------------------------
 
 local function definition(element, file, name)
-  local found, wrong = code.find(weave.source .. "/" .. file, file, name, solutions)
-  if not found then fail("%s: %s", place(element), wrong) end
+  local found, wrong = code.find(drive.source .. "/" .. file, file, name, solutions)
+  if not found then fail_at(element, "%s", wrong) end
   return found
 end
 
@@ -74,7 +64,7 @@ local function code_inline(element)
     return pandoc.Link({breakable(element.text)}, "#" .. class .. "-" .. element.text, "",
       {["data-pos"] = element.attributes["data-pos"]})
   elseif class then
-    fail("%s: there is no directive called .%s", place(element), class)
+    fail_at(element, "there is no directive called .%s", class)
   end
 end
 
@@ -107,7 +97,7 @@ local function listing(block)
     pandoc.Div({pandoc.Plain(top)}, {class = "caption"}),
     pandoc.CodeBlock(table.concat(texts, "\n\n"), {class = "c"}),
   }
-  if own and not solutions then
+  if own then
     content[3] = pandoc.Div({pandoc.Plain("Yours to write.")}, {class = "yours"})
   end
   local _, line_ends = content[2].text:gsub("\n", "")
@@ -120,14 +110,13 @@ local function code_block(block)
   local class = block.classes[1]
   if class == "code" then return listing(block) end
   if class and not known_languages[class] then
-    fail("%s: there is no directive called .%s", place(block), class)
+    fail_at(block, "there is no directive called .%s", class)
   end
 end
 
 -- Points and sections by test, in the order of the table; empty while there is no table.
 local function read_points(stem)
-  local path = weave.run("ls " .. weave.quote(weave.source) .. "/assignments/*_" .. stem ..
-    "/points.tsv 2>/dev/null || true", {attributes = {}}):match("[^\n]+")
+  local path = drive.list(drive.source, "assignments/*_" .. stem .. "/points.tsv")[1]
   local rows = {}
   if not path then return rows end
   local at = nil
@@ -143,8 +132,8 @@ end
 local function claims(div)
   local stem = need(div, "stem")
   local file = "tests/test_" .. stem .. ".c"
-  local tests, wrong = code.tests(weave.source .. "/" .. file, file)
-  if not tests then fail("%s: %s", place(div), wrong) end
+  local tests, wrong = code.tests(drive.source .. "/" .. file, file)
+  if not tests then fail_at(div, "%s", wrong) end
   local points, blocks = read_points(stem), pandoc.List()
   for _, test in ipairs(tests) do
     local found = definition(div, file, test)
@@ -166,7 +155,7 @@ local function claims(div)
     })
   end
   local left = next(points)
-  if left then fail("%s: points.tsv names a test that %s does not have: %s", place(div), file, left) end
+  if left then fail_at(div, "points.tsv names a test that %s does not have: %s", file, left) end
   return pandoc.Div(blocks, {class = "claims"})
 end
 
@@ -175,18 +164,18 @@ end
 local function sketch(div)
   local path = need(div, "file")
   weave.link_to_file(path, div)
-  local file = io.open(weave.source .. "/" .. path)
+  local file = io.open(drive.source .. "/" .. path)
   local drawing = file:read("a")
   file:close()
-  return pandoc.Div({pandoc.RawBlock("html", drawing), caption_of(div.content)}, {class = "picture sketch"})
+  return pandoc.Div({pandoc.RawBlock("html", drawing), drive.caption(div.content)}, {class = "picture sketch"})
 end
 
 local function output(div)
   local args = need(div, "args")
-  local text = weave.drive(div, args .. " --quiet", weave.out .. "/parts")
-  local command = "$ " .. weave.quote(div.attributes.driver):gsub("'", "") .. " " .. args .. "\n"
+  local text = drive.run(div, args .. " --quiet", drive.scraps)
+  local command = "$ " .. div.attributes.driver .. " " .. args .. "\n"
   return pandoc.Div({
-    pandoc.CodeBlock(command .. text:gsub("%s+$", ""), {class = "text"}), caption_of(div.content),
+    pandoc.CodeBlock(command .. text:gsub("%s+$", ""), {class = "text"}), drive.caption(div.content),
   }, {class = "listing"})
 end
 
@@ -226,31 +215,13 @@ local function render(math)
   return pandoc.RawInline("html", rendered[key_of(math)])
 end
 
--- --- links within the book ---------------------------------------------------------------------
-
-local function remember(element)
-  if element.identifier ~= "" then names[element.identifier] = true end
-end
-
-local anchors = {Header = remember, Div = remember, Span = remember, CodeBlock = remember}
-
-local function check_link(link)
-  local target = link.target:match("^#(.*)$")
-  if target and not names[target] then
-    fail("%s: nothing in the book is called #%s", place(link), target)
-  end
-end
-
 return {
   {Meta = settings},
   collect,
   {Math = render},
-  weave.directives({
+  table.unpack(weave.filters({
     Div = {claims = claims, sketch = sketch, output = output},
     Code = code_inline,
     CodeBlock = code_block,
-  }),
-  anchors,
-  {Link = check_link},
-  weave.without_places,
+  })),
 }

@@ -184,6 +184,8 @@ static void every_bad_option_is_named_in_one_line(void **state)
         {"--scene cube --mesh a.obj", "--scene and --mesh", "choose one"},
         {"--timing --debug leaf", "--timing and --debug", "choose one"},
         {"--threads 1025", "--threads 1025", "0 to 1024"},
+        {"--split half", "--split half", "median, sah, sah3"},
+        {"--bins 1", "--bins 1", "2 to 256"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         check_complaint(*state, bad[i][0], bad[i][1], bad[i][2]);

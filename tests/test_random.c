@@ -42,7 +42,7 @@ typedef struct place {
 
 static float draw(place p)
 {
-    rk_sampler sampler = {RK_SAMPLER_UNIFORM, p.seed};
+    rk_sampler sampler = {.kind = RK_SAMPLER_UNIFORM, .seed = p.seed};
     return rk_sample_1d(&sampler, p.pixel, p.sample, p.dimension);
 }
 
@@ -159,7 +159,7 @@ static void the_four_coordinates_do_not_stand_in_for_each_other(void **state)
 static void a_pair_of_numbers_is_its_two_dimensions(void **state)
 {
     (void)state;
-    rk_sampler sampler = {RK_SAMPLER_UNIFORM, 9};
+    rk_sampler sampler = {.kind = RK_SAMPLER_UNIFORM, .seed = 9};
     for (uint32_t i = 0; i < 100; i++) {
         rk_vec2 pair = rk_sample_2d(&sampler, i, 3 * i, 2 * i);
         rk_check_close(pair.x, rk_sample_1d(&sampler, i, 3 * i, 2 * i), 0, "the first dimension");

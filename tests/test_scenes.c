@@ -268,8 +268,8 @@ static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
         rk_error error = {""};
         rk_check(!rk_scene_builtin(&scene, wrong[i], &error), "\"%s\" was accepted", wrong[i]);
         rk_check_error_names(error, wrong[i]);
-        rk_check_error_names(error,
-                             "triangle, cube, cornell, sphere:N, spheres:N, teapot:N, scan:N");
+        rk_check_error_names(
+            error, "triangle, cube, cornell, sphere:N, spheres:N, shininess, teapot:N, scan:N");
         rk_scene_free(&scene); /* a refused scene is a zeroed one */
     }
 }
@@ -647,6 +647,22 @@ static void scan_triangles_are_of_similar_size(void **state)
     rk_scene_free(&scene);
 }
 
+static void the_shininess_scene_is_five_spheres_in_a_row_from_dull_to_sharp(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scene("shininess");
+    rk_check_equal(scene.sphere_count, 5, "shininess 1, 10, 100, 1000 and 100,000");
+    rk_check_equal(scene.mesh.triangle_count, 0, "exact spheres alone");
+    for (uint32_t i = 0; i + 1 < scene.sphere_count; i++) {
+        const rk_sphere *left = &scene.spheres[i], *right = &scene.spheres[i + 1];
+        rk_check(left->centre.x - left->radius > right->centre.x + right->radius,
+                 "spheres %u and %u touch, or do not go from left to right", i, i + 1);
+        rk_check(scene.sphere_materials[i].shininess < scene.sphere_materials[i + 1].shininess,
+                 "sphere %u is as shiny as the next", i);
+    }
+    rk_scene_free(&scene);
+}
+
 static uint64_t fingerprint(const rk_mesh *mesh)
 {
     uint64_t hash = 0xcbf29ce484222325u; /* FNV-1a over the words */
@@ -681,6 +697,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_cube_is_closed_and_each_side_has_one_colour),
     cmocka_unit_test(the_sphere_is_the_smallest_with_enough_triangles),
     cmocka_unit_test(sphere_triangles_are_the_icosahedrons_own),
+    cmocka_unit_test(the_shininess_scene_is_five_spheres_in_a_row_from_dull_to_sharp),
     cmocka_unit_test(every_corner_of_the_cornell_box_is_in_its_picture),
     cmocka_unit_test(the_red_wall_is_left_and_the_green_one_right),
     cmocka_unit_test(cornell_walls_face_inwards_and_blocks_outwards),

@@ -270,6 +270,26 @@ static void a_timing_row_is_replaced_when_measured_again(void **state)
                     "bvh,cube,12,median,scalar,1,build,us,0.000123457,1e-05,123457,9\n");
 }
 
+static void a_convergence_row_is_replaced_when_measured_again(void **state)
+{
+    const test_folder *folder = *state;
+    test_path path = test_folder_path(folder, "convergence.csv");
+    rk_convergence_row row = {"light", "cornell", "uniform", 16, 1.5, 0.25, 0.5, -0.125, "4096"};
+    rk_error error;
+    rk_check_ok(rk_table_put_convergence(path.text, &row, &error), error);
+    row.seconds = 1e-6, row.rmse = 0.01, row.bias = 0, row.reference = "closed form, 1 sample";
+    rk_check_ok(rk_table_put_convergence(path.text, &row, &error), error);
+    row.samples = 64;
+    rk_check_ok(rk_table_put_convergence(path.text, &row, &error), error);
+    row.method = "stratified";
+    rk_check_ok(rk_table_put_convergence(path.text, &row, &error), error);
+    test_file_check(path.text,
+                    "feature,scene,method,samples,seconds,rmse,max_error,bias,reference\n"
+                    "light,cornell,uniform,16,1e-06,0.01,0.5,0,\"closed form, 1 sample\"\n"
+                    "light,cornell,uniform,64,1e-06,0.01,0.5,0,\"closed form, 1 sample\"\n"
+                    "light,cornell,stratified,64,1e-06,0.01,0.5,0,\"closed form, 1 sample\"\n");
+}
+
 static void the_clocks_run_in_seconds(void **state)
 {
     (void)state;
@@ -307,6 +327,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_full_disk_keeps_the_older_table),
     cmocka_unit_test(the_median_is_the_middle_of_the_sorted_figures),
     test_in_folder(a_timing_row_is_replaced_when_measured_again),
+    test_in_folder(a_convergence_row_is_replaced_when_measured_again),
     cmocka_unit_test(the_clocks_run_in_seconds),
 };
 

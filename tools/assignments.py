@@ -115,6 +115,17 @@ def find_unit(feature, impl):
     return _unit_in(feature, impl)
 
 
+def unit_beside(feature, impl, handed_out):
+    """Returns the unit of a feature that another one's work is built with: the reference, so that
+    each assignment is judged by itself; where the feature is handed out too, and so has no
+    reference, the one in IMPL."""
+    if feature.stem in handed_out and os.path.isdir(impl):
+        unit = find_unit(feature, impl)
+        if unit.path is not None:
+            return unit
+    return reference_unit(feature)
+
+
 def check_impl(features, impl, stems):
     """Raises ToolError unless IMPL names something that can be used for these stems."""
     if not impl:

@@ -37,6 +37,7 @@ class Toolchain:
                 f"{path} cannot be read ({error.strerror}); run make check-... or make grade there once"
             ) from error
         self.build, self.source = os.path.abspath(build), values["source"]
+        self.handed_out = values["handed_out"].split()  # features without a reference, in a pack
         self.compiler = shlex.split(values["cc"])
         self.flags = shlex.split(values["flags"]) + ["-Wno-error"]
         self.base_sanitize = shlex.split(values["base_sanitize"])
@@ -103,7 +104,9 @@ def _is_below(path, folder):
 def _check_included(toolchain, unit, listing):
     """A solution may include the kit's headers, the system's, and what stands beside it."""
     with open(listing, encoding="utf-8", errors="replace") as file:
-        words = shlex.split(file.read().replace("\\\n", " "))
+        # As make reads it: blanks in names are escaped, quotes stand for themselves.
+        words = [re.sub(r"\\([ #])", r"\1", word).replace("$$", "$")
+                 for word in re.findall(r"(?:\\.|\S)+", file.read().replace("\\\n", " "))]
     for word in words[1:]:
         path = os.path.realpath(word)
         if path == os.path.realpath(unit.path):

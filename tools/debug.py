@@ -10,7 +10,9 @@ import shutil
 import sys
 
 import building
-from assignments import ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit
+from assignments import (
+    ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit, unit_beside,
+)
 from grade import grade_impl, stop_on_signals
 
 
@@ -26,8 +28,11 @@ def build_for_debugging(toolchain, feature, features, impl):
     if warnings:
         print(warnings, file=sys.stderr)
     building.keep_interface(toolchain, feature, path)
-    needed = [reference_unit(features[stem]) for stem in feature.needs]
-    objects = [path] + [toolchain.built(f"src/features/{stem}.o") for stem in feature.needs]
+    needed = [unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs]
+    objects = [path]
+    for other in needed:
+        objects.append(toolchain.built(f"src/features/{other.feature.stem}.o") if other.is_reference
+                       else building.compile_unit(toolchain, other, folder, flags)[0])
     program = building.link_suite(toolchain, [unit, *needed], objects, folder, toolchain.base_sanitize)
     script = os.path.join(folder, feature.stem + ".gdb")
     with open(script, "w", encoding="utf-8") as file:

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Links the drivers with a student's units, below impl/ in the build folder: impl/assignments is
-then to those units what assignments/ is to the reference's.
+"""Links each driver with the student's unit of its own feature, below impl/ in the build folder:
+impl/assignments is then to those units what assignments/ is to the reference's.
 
-The units that IMPL does not have are the reference's; pictures, captions and impl/units say which
-is which."""
+All other units are the reference's, so that an unsolved assignment does not spoil the pictures of
+the solved ones; pictures and impl/units say which is which."""
 
 import argparse
 import os
@@ -12,27 +12,24 @@ import subprocess
 import sys
 
 import building
-from assignments import ToolError, check_impl, find_unit, read_features, reference_unit
+from assignments import ToolError, check_impl, find_unit, read_features, unit_beside
 from results import write_whole
 
 
-def _objects(toolchain, units, folder):
-    """Compiles the student's units, and returns an object for every feature."""
-    objects = []
-    for unit in units:
-        path = toolchain.built(f"src/features/{unit.feature.stem}.o")
-        if not unit.is_reference:
-            flags = [*toolchain.base_sanitize]
-            interface = building.global_symbols(toolchain, path)
-            path, warnings = building.compile_unit(toolchain, unit, folder, flags)
-            if warnings:
-                print(warnings, file=sys.stderr)
-            building.keep_interface(toolchain, unit.feature, path)
-            missing = sorted(set(interface) - set(building.global_symbols(toolchain, path)))
-            if missing:
-                raise building.BuildError(f"{unit.shown} does not define {' and '.join(missing)}")
-        objects.append(path)
-    return objects
+def _object(toolchain, unit, folder):
+    """Compiles a unit, if it is a student's, and returns its object."""
+    reference = toolchain.built(f"src/features/{unit.feature.stem}.o")
+    if unit.is_reference:
+        return reference
+    path, warnings = building.compile_unit(toolchain, unit, folder, [*toolchain.base_sanitize])
+    if warnings:
+        print(warnings, file=sys.stderr)
+    building.keep_interface(toolchain, unit.feature, path)
+    interface = building.global_symbols(toolchain, reference)
+    missing = sorted(set(interface) - set(building.global_symbols(toolchain, path)))
+    if missing:
+        raise building.BuildError(f"{unit.shown} does not define {' and '.join(missing)}")
+    return path
 
 
 def _renderer_without_features(toolchain, features, folder):
@@ -44,17 +41,22 @@ def _renderer_without_features(toolchain, features, folder):
     return archive
 
 
-def _say_units(toolchain, units, impl, folder):
-    """Returns the sentence for captions, and the object that brings it into the drivers."""
+def _sentence(units, impl):
+    """Says whose units these are, for captions; nothing where all are the reference's."""
     own = [unit.feature.stem for unit in units if not unit.is_reference]
     name = os.path.basename(os.path.normpath(impl))
-    sentence = f"units: {name} ({', '.join(own)})" + (", others: reference" if len(own) < len(units) else "")
+    others = ", others: reference" if len(own) < len(units) else ""
+    return f"units: {name} ({', '.join(own)}){others}" if own else ""
+
+
+def _object_that_says(toolchain, sentence, folder):
+    """Returns the object that brings the sentence into a driver."""
     literal = sentence.replace("\\", "\\\\").replace('"', '\\"')
     source = os.path.join(folder, "units.c")
     write_whole(source, f'#include "render/units.h"\n\nconst char rk_units[] = "{literal}";\n')
     output = os.path.join(folder, "units.o")
     subprocess.run([*toolchain.compiler, *toolchain.flags, "-c", source, "-o", output], check=True)
-    return sentence, output
+    return output
 
 
 def link_drivers(toolchain, impl):
@@ -65,23 +67,29 @@ def link_drivers(toolchain, impl):
         name = os.path.splitext(os.path.basename(impl))[0]
         stems = [name] if name in features else stems
     check_impl(features, impl, stems)
-    found = {stem: find_unit(features[stem], impl) for stem in stems}
-    units = [found[stem] if stem in found and found[stem].path else reference_unit(features[stem])
-             for stem in features]
+    own = {stem: find_unit(features[stem], impl) for stem in stems}
+    own = {stem: unit for stem, unit in own.items() if unit.path}
+    beside = {stem: unit_beside(feature, impl, toolchain.handed_out) for stem, feature in features.items()}
     folder = os.path.join(toolchain.build, "impl")
     parts = os.path.join(folder, "drivers")
     os.makedirs(parts, exist_ok=True)
-    objects = _objects(toolchain, units, parts)
-    sentence, object_of_sentence = _say_units(toolchain, units, impl, parts)
     archive = _renderer_without_features(toolchain, features, parts)
+    objects = {}
+    for unit in [*own.values(), *beside.values()]:
+        key = unit.feature.stem, unit.is_reference
+        objects[key] = objects.get(key) or _object(toolchain, unit, parts)
     for feature in features.values():
         place = os.path.join(folder, "assignments", feature.folder)
         os.makedirs(place, exist_ok=True)
+        units = list({**beside, feature.stem: own.get(feature.stem, beside[feature.stem])}.values())
+        says = _object_that_says(toolchain, _sentence(units, impl), parts)
         building.link(
             toolchain, os.path.join(place, feature.stem),
-            [toolchain.built(f"assignments/{feature.folder}/driver.o"), object_of_sentence, *objects,
+            [toolchain.built(f"assignments/{feature.folder}/driver.o"), says,
+             *(objects[unit.feature.stem, unit.is_reference] for unit in units),
              archive, toolchain.built("librkbase.a"), *toolchain.libraries], parts,
         )
+    sentence = _sentence([own.get(stem, beside[stem]) for stem in features], impl)
     write_whole(os.path.join(folder, "units"), sentence + "\n")
     return sentence
 

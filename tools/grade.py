@@ -19,7 +19,7 @@ import building
 import guarded
 import results
 from assignments import (
-    ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit,
+    ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit, unit_beside,
 )
 from verdicts import Verdict, judge
 
@@ -131,7 +131,8 @@ def run_test(toolchain, suite, test, seconds, megabytes):
 
 
 def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES):
-    """Builds and runs all suites on all processors; fills in their verdicts."""
+    """Builds and runs all suites on all processors, with `units` for what they need beside their
+    own; fills in their verdicts."""
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
     def run_into(suite, test):
@@ -174,33 +175,29 @@ def _arguments():
 
 
 def prepare_suites(features, chosen, impl, fallback, only=None):
-    """Returns the suites to grade, and the unit of every feature that they link."""
+    """Returns the suites to grade."""
     check_impl(features, impl, [feature.stem for feature in chosen])
-    units = {feature.stem: find_unit(feature, impl) if os.path.isdir(impl) or feature in chosen
-             else reference_unit(feature) for feature in features.values()}
     suites = []
     for feature in chosen:
         tests = [test for test in read_points(feature) if only in (None, test.name)]
         if not tests:
             raise ToolError(f"{feature.stem} has no scored test {only}; see {feature.points_table}")
-        unit = units[feature.stem]
+        unit = find_unit(feature, impl)
         absent = unit.path is None
         stand_in = absent and fallback
         suite = Suite(feature, reference_unit(feature) if stand_in else unit, tests, stand_in)
         if absent and not fallback:
             suite.give_up(f"there is no {unit.shown}")
         suites.append(suite)
-    for stem, unit in units.items():
-        if unit.path is None:
-            units[stem] = reference_unit(features[stem])
-    return suites, units
+    return suites
 
 
 def grade_impl(build_folder, stems, impl, fallback=False, only=None):
     """Grades and returns (toolchain, suites); raises ToolError."""
     toolchain = building.Toolchain(build_folder)
     features = read_features(toolchain.source)
-    suites, units = prepare_suites(features, choose(features, stems), impl, fallback, only)
+    suites = prepare_suites(features, choose(features, stems), impl, fallback, only)
+    units = {stem: unit_beside(feature, impl, toolchain.handed_out) for stem, feature in features.items()}
     seconds = time_limit()
     guarded.prepare()
     work = tempfile.mkdtemp(prefix="raykit-grade-")

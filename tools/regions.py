@@ -56,6 +56,31 @@ def starter_of(path):
     return "".join(line for kind, line in read_regions(path) if kind in ("common", "starter"))
 
 
+_HANDED_OUT = "/* Handed out: "
+
+
+def handed_out_of(path, yours):
+    """Returns what stands in the file's place in a pack for students: its starter in both halves of
+    each region, so that compilers and tools find what they know. `yours` is the file to solve."""
+    note = f"{_HANDED_OUT}this starter is for comparison, the file to edit is {yours}. */\n\n"
+    text, starter = ["/* solution */\n", note, "/* starter\n", "end */\n"], []
+    for kind, line in read_regions(path):
+        if kind == "marker" and line.strip() == "end */":
+            text[-1:] = [*starter, text[-1], *starter]
+            starter = []
+        if kind == "starter":
+            starter.append(line)
+        elif kind != "solution":
+            text.append(line)
+    return "".join(text)
+
+
+def is_handed_out(path):
+    """Whether the file is what handed_out_of returned."""
+    with open(path, encoding="utf-8") as file:
+        return any(line.startswith(_HANDED_OUT) for line in file)
+
+
 def solution_lines(path):
     """Returns the set of the solution's lines, stripped, that say something of their own: what must
     not be found in a pack for students."""

@@ -10,7 +10,7 @@ import hashlib
 import os
 import sys
 
-from assignments import ToolError, read_features
+from assignments import ToolError, choose, read_features
 from regions import RegionError, starter_of
 from results import write_whole
 
@@ -75,8 +75,9 @@ def _put(path, text, generated, said):
     generated[name] = _digest(text)
 
 
-def make_workbook(source, folder):
-    """Puts starters and a README.txt into the folder. Returns a line for each file."""
+def make_workbook(source, folder, stems=()):
+    """Puts starters of these features, or of all, and a README.txt into the folder. Returns a line
+    for each file."""
     if not folder:
         raise ToolError("say where: make workbook DIR=mine")
     real, inside = os.path.realpath(folder), os.path.realpath(os.path.join(source, "src"))
@@ -86,11 +87,11 @@ def make_workbook(source, folder):
         )
     if os.path.lexists(folder) and not os.path.isdir(folder):
         raise ToolError(f"DIR: {folder} is a file; choose another name")
-    features = read_features(source)
-    files = {feature.stem + ".c": starter_of(feature.reference) for feature in features.values()}
-    first = next(iter(features.values()))
+    features = choose(read_features(source), stems)
+    files = {feature.stem + ".c": starter_of(feature.reference) for feature in features}
+    first = features[0]
     files["README.txt"] = README.format(
-        assignments="\n".join(f"    {f.stem + '.c':<24}chapter {f.chapter}" for f in features.values()),
+        assignments="\n".join(f"    {f.stem + '.c':<24}chapter {f.chapter}" for f in features),
         first=first.stem, chapter=first.chapter, folder=folder.rstrip("/") or "/",
     )
     os.makedirs(folder, exist_ok=True)
@@ -106,9 +107,10 @@ def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
     parser.add_argument("folder", metavar="DIR", help="the workbook")
+    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; none means all of them")
     arguments = parser.parse_args()
     try:
-        print("\n".join(make_workbook(arguments.source, arguments.folder)))
+        print("\n".join(make_workbook(arguments.source, arguments.folder, arguments.stems)))
     except (ToolError, RegionError) as error:
         print(f"workbook: {error}", file=sys.stderr)
         return 1

@@ -65,8 +65,7 @@ static uint32_t cell_of(const rk_sampler *sampler, place at, uint32_t sample)
            "a stratified sampler is told how many samples there will be");
     assert(sample < sampler->samples &&
            "a stratified sampler has no more samples than it was told");
-    uint64_t key = (uint64_t)key_of(at, first_key) << 32 | key_of(at, second_key);
-    return shuffled(sample, sampler->samples, key);
+    return shuffled(sample, sampler->samples, key_of(at, first_key));
 }
 
 static float stratified_1d(const rk_sampler *sampler, place at, uint32_t sample)

@@ -192,7 +192,8 @@ bool rk_table_put(const char *path, const char *const *header, const char *const
     return rk_file_commit(&file, error);
 }
 
-/* --- timings --------------------------------------------------------------------------------- */
+/* --- measurements
+ * --------------------------------------------------------------------------------- */
 
 static int compare_figures(const void *a, const void *b)
 {
@@ -239,6 +240,19 @@ bool rk_table_put_timing(const char *path, const rk_timing_row *row, rk_error *e
                                  row->isa,     threads.text, row->metric,    row->unit,
                                  median.text,  min.text,     max.text,       runs.text};
     return rk_table_put(path, header, cells, sizeof header / sizeof *header, 8, error);
+}
+
+bool rk_table_put_convergence(const char *path, const rk_convergence_row *row, rk_error *error)
+{
+    static const char *const header[] = {"feature", "scene",     "method", "samples",  "seconds",
+                                         "rmse",    "max_error", "bias",   "reference"};
+    number samples = count_text(row->samples), seconds = figure_text(row->seconds);
+    number rmse = figure_text(row->rmse), max_error = figure_text(row->max_error);
+    number bias = figure_text(row->bias);
+    const char *const cells[] = {row->feature,   row->scene,   row->method,
+                                 samples.text,   seconds.text, rmse.text,
+                                 max_error.text, bias.text,    row->reference};
+    return rk_table_put(path, header, cells, sizeof header / sizeof *header, 4, error);
 }
 
 static double seconds_on(clockid_t clock)

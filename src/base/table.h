@@ -36,6 +36,18 @@ typedef struct rk_timing_row {
 
 bool rk_table_put_timing(const char *path, const rk_timing_row *row, rk_error *error);
 
+/* Puts a row, how far a method is from the truth and after how long, under
+ * feature,scene,method,samples,seconds,rmse,max_error,bias,reference; the columns up to `samples`
+ * are the key. */
+typedef struct rk_convergence_row {
+    const char *feature, *scene, *method;
+    unsigned long samples;
+    double seconds, rmse, max_error, bias; /* the errors in the unit of what is measured */
+    const char *reference;                 /* what the truth was taken from: "closed form" */
+} rk_convergence_row;
+
+bool rk_table_put_convergence(const char *path, const rk_convergence_row *row, rk_error *error);
+
 /* Seconds on the monotonic clock, and seconds of processor time of the calling thread. */
 double rk_clock_wall(void);
 double rk_clock_thread(void);

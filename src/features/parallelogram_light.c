@@ -207,9 +207,8 @@ rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff fallo
 
 /* --- In closed form -------------------------------------------------------------------------- */
 
-/* Cuts off what of the convex polygon of `count` corners lies below the horizon n.p = 0, into
- * `kept` with room for one corner more; returns how many are left (Sutherland and Hodgman, 1974).
- */
+/* Cuts off what of the polygon of `count` corners lies below the horizon n.p = 0, into `kept` with
+ * room for twice as many; returns how many are left (Sutherland and Hodgman, 1974). */
 static int clip_at_horizon(rk_dvec3 *kept, const rk_dvec3 *corners, int count, rk_dvec3 n)
 {
     /* solution */
@@ -259,7 +258,7 @@ static double polygon_irradiance(const rk_dvec3 *corners, int count, rk_dvec3 n)
 float rk_light_irradiance(const rk_light *light, rk_vec3 point, rk_vec3 normal)
 {
     sight s = sight_of(light, point);
-    rk_dvec3 n = rk_widen(normal), kept[5];
+    rk_dvec3 n = rk_widen(normal), kept[8];
     double r = rk_dlength(s.corner), cos_r = fmax(rk_ddot(n, s.corner), 0);
     if (light->kind == RK_LIGHT_POINT)
         return r > 0 ? (float)(cos_r / (r * r * r)) : 0;
@@ -275,7 +274,13 @@ float rk_light_irradiance(const rk_light *light, rk_vec3 point, rk_vec3 normal)
 
 static float ratio(float unshadowed, float visible, float all)
 {
+    /* solution */
     return all > 0 ? unshadowed * (visible / all) : 0;
+    /* starter
+    // Fifth step: the share of all that is visible; 0 / 0 is 0.
+    (void)visible, (void)all;
+    return unshadowed;
+    end */
 }
 
 rk_vec3 rk_light_ratio(rk_vec3 unshadowed, rk_vec3 visible, rk_vec3 all)
@@ -286,5 +291,11 @@ rk_vec3 rk_light_ratio(rk_vec3 unshadowed, rk_vec3 visible, rk_vec3 all)
 
 bool rk_light_settled(uint32_t round, uint32_t visible)
 {
+    /* solution */
     return round > 0 && (visible == 0 || visible == round);
+    /* starter
+    // Fifth step: do all agree?
+    (void)round, (void)visible;
+    return false;
+    end */
 }

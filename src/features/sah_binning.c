@@ -26,9 +26,9 @@ typedef struct bin_axis {
 static bin_axis bin_axis_of(const rk_box *centroids, int axis, uint32_t bins)
 {
     /* solution */
-    /* Centroids of huge triangles may be infinite: they belong to the outermost bins. */
-    double low = (double)rk_max(rk_axis(centroids->corner[0], axis), -FLT_MAX);
-    double high = (double)rk_min(rk_axis(centroids->corner[1], axis), FLT_MAX);
+    /* In double, as the extent may overflow a float, and its reciprocal too. */
+    double low = (double)rk_axis(centroids->corner[0], axis);
+    double high = (double)rk_axis(centroids->corner[1], axis);
     if (!(low < high))
         return (bin_axis){axis, 1, low, 0};
     return (bin_axis){axis, bins, low, bins / (high - low)};
@@ -44,9 +44,7 @@ static uint32_t bin_of(const bin_axis *along, rk_vec3 centroid)
     /* solution */
     double offset = (double)rk_axis(centroid, along->axis) - along->low;
     double place = offset * along->bins_per_unit;
-    if (!(place < along->bins))
-        return along->bins - 1;
-    return place > 0 ? (uint32_t)place : 0;
+    return place < along->bins ? (uint32_t)place : along->bins - 1;
     /* starter
     // First step: the highest centroid is in the last bin, not in one behind it.
     (void)along, (void)centroid;
@@ -106,8 +104,9 @@ static double cost_of(double area, const group *left, const group *right)
 }
 
 /* Two sweeps: from the last bin down, what lies above each border; from the first bin up, what
- * lies below it. */
-static uint32_t sweep(const bin_axis *along, const group *bins, uint32_t count, double area,
+ * lies below it. Neither is ever nothing, as the lowest centroid is in the first bin, the highest
+ * in the last. */
+static uint32_t sweep(const bin_axis *along, const group *bins, double area,
                       rk_sah_split *candidates)
 {
     /* solution */
@@ -121,8 +120,6 @@ static uint32_t sweep(const bin_axis *along, const group *bins, uint32_t count, 
         if (bins[border - 1].count == 0)
             continue;
         below = merge(below, &bins[border - 1]);
-        if (below.count == count)
-            break;
         candidates[found++] = (rk_sah_split){
             .axis = along->axis,
             .border = border,
@@ -134,8 +131,8 @@ static uint32_t sweep(const bin_axis *along, const group *bins, uint32_t count, 
     return found;
     /* starter
     // Second step: the first sweep stores what lies above each border, the second goes up with
-    // what lies below it. Neither side of a cut may be empty.
-    (void)along, (void)bins, (void)count, (void)area, (void)candidates, (void)merge;
+    // what lies below it. A border above an empty bin is none.
+    (void)along, (void)bins, (void)area, (void)candidates, (void)merge;
     (void)cost_of;
     return 0;
     end */
@@ -170,7 +167,7 @@ static uint32_t candidates_on(int axis, const bounds *b, const rk_bvh_reference 
         return 0;
     group filled[RK_SAH_BINS_MAX];
     fill_bins(filled, &along, references, count);
-    return sweep(&along, filled, count, rk_box_area(b->box), candidates);
+    return sweep(&along, filled, rk_box_area(b->box), candidates);
 }
 
 static uint32_t candidates_within(const bounds *b, const rk_bvh_reference *references,
@@ -179,13 +176,13 @@ static uint32_t candidates_within(const bounds *b, const rk_bvh_reference *refer
 {
     /* solution */
     uint32_t bins = bins_for(options, count), found = 0;
-    if (!options->all_axes)
-        found = candidates_on(rk_box_longest_axis(b->box), b, references, count, bins, candidates);
-    for (int axis = 0, all = found == 0; all && axis < 3; axis++)
-        found += candidates_on(axis, b, references, count, bins, candidates + found);
+    int longest = rk_box_longest_axis(b->centroids);
+    for (int axis = 0; axis < 3; axis++)
+        if (options->all_axes || axis == longest)
+            found += candidates_on(axis, b, references, count, bins, candidates + found);
     return found;
     /* starter
-    // Third step: those on the longest axis of the box. When is it time to look at all three?
+    // Third step: those on the centroids' longest axis, or on all three in turn.
     (void)b, (void)references, (void)count, (void)options, (void)candidates;
     (void)bins_for, (void)candidates_on;
     return 0;
@@ -294,11 +291,11 @@ static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t level
     bin_axis along = bin_axis_of(&b.centroids, split->axis, bins_for(options, count));
     return partition(references, count, &along, split->border);
     /* starter
-    // Fourth step: cut where it costs least, if that is less than a leaf costs. Fifth step: leaves
-    // that would be too large, and trees that would be too deep.
+    // For now all triangles are one leaf. Fourth step: cut where it costs least, if that is less
+    // than a leaf costs. Fifth step: leaves too large, trees too deep.
     (void)candidates_within, (void)partition, (void)leaves_room, (void)most_even;
     (void)levels_below, (void)options;
-    return count <= RK_BVH_LEAF_LIMIT ? 0 : count - count / 2;
+    return 0;
     end */
 }
 

@@ -12,10 +12,12 @@ enum {
 
 typedef struct rk_sah_options {
     uint32_t bins; /* on an axis, 2 to RK_SAH_BINS_MAX; no more than a node has triangles */
-    bool all_axes; /* look for borders on all axes, not only on the longest of the node's box */
+    bool all_axes; /* look for borders on all axes, not only where the centroids reach farthest */
 } rk_sah_options;
 
-/* 50 bins on the longest axis. */
+/* 50 bins on the longest axis of the centroids' box (among equals x before y before z). The node's
+ * own box would be the wrong judge: one triangle that is longer than all others may leave an axis
+ * as the longest on which there is nothing to cut. */
 rk_sah_options rk_sah_options_default(void);
 
 /* A way to cut a node. The bins are equal parts of the centroids' extent [low, high] on the axis:
@@ -30,12 +32,10 @@ typedef struct rk_sah_split {
 } rk_sah_split;
 
 /* Lists the cuts of a node over these triangles, by axis, then border, and returns how many there
- * are: 0 if all centroids coincide. An empty bin has no border above it, which would be the same
- * cut again. If all centroids coincide on the longest axis, the others are looked at as well.
- * O(count + bins). */
+ * are, RK_SAH_CANDIDATES_MAX at most: 0 if all centroids coincide. An empty bin has no border above
+ * it, which would be the same cut again. O(count + bins) time. */
 uint32_t rk_sah_candidates(const rk_bvh_reference *references, uint32_t count,
-                           const rk_sah_options *options,
-                           rk_sah_split candidates[RK_SAH_CANDIDATES_MAX]);
+                           const rk_sah_options *options, rk_sah_split *candidates);
 
 /* The cheapest of them, among equals the first; NULL if there is none. */
 const rk_sah_split *rk_sah_cheapest(const rk_sah_split *candidates, uint32_t count);

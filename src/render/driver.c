@@ -194,7 +194,7 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
         {"runs", RK_OPTION_UINT, &driver->runs, "N",
          "build and render so many times; timings are medians", 1, RK_RUNS_MAX},
         {"split", RK_OPTION_TEXT, &driver->split, "HOW",
-         "nodes of the tree: median; sah, by the surface area heuristic on the\n"
+         "nodes of the tree: median; sah, by the surface area heuristic on the "
          "longest axis; sah3, on all three",
          0, 0},
         {"bins", RK_OPTION_UINT, &driver->bins, "N", "that sah and sah3 count triangles into", 2,

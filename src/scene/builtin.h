@@ -15,11 +15,17 @@ bool rk_mesh_make_spheres(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_teapot(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_scan(rk_mesh *mesh, uint32_t number, rk_error *error);
 
+/* No triangles, for scenes of exact spheres alone. */
+bool rk_mesh_make_nothing(rk_mesh *mesh, uint32_t number, rk_error *error);
+
 /* The Cornell box comes with a camera and a light of its own. */
 void rk_scene_arrange_cornell(rk_scene *scene);
 
 /* Adds the exact sphere and the default light. */
 void rk_scene_arrange_spheres(rk_scene *scene);
+
+/* Adds its spheres, with a camera and a light of their own. */
+void rk_scene_arrange_shininess(rk_scene *scene);
 
 void rk_scene_default_light(rk_scene *scene);
 

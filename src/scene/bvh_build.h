@@ -8,19 +8,22 @@
 /* A triangle's stand-in during the build. */
 typedef struct rk_bvh_reference {
     rk_box box;
-    rk_vec3 centroid; /* the mean of the corners; infinite where their sum overflows */
+    rk_vec3 centroid; /* the mean of the corners; finite, as they are */
     uint32_t triangle;
 } rk_bvh_reference;
 
 static inline rk_bvh_reference rk_bvh_reference_of(const rk_mesh *mesh, uint32_t triangle)
 {
+    /* Rounded down: three thirds of the largest float do not overflow, and neither does their sum.
+     */
+    const float third = 0x1.555554p-2f;
     const uint32_t *corner = mesh->triangles[triangle];
     rk_vec3 a = mesh->positions[corner[0]];
     rk_vec3 b = mesh->positions[corner[1]];
     rk_vec3 c = mesh->positions[corner[2]];
     return (rk_bvh_reference){
         .box = {{rk_min3(a, rk_min3(b, c)), rk_max3(a, rk_max3(b, c))}},
-        .centroid = rk_scale(rk_add(rk_add(a, b), c), 1.0f / 3),
+        .centroid = rk_madd(rk_madd(rk_scale(a, third), b, third), c, third),
         .triangle = triangle,
     };
 }

@@ -18,11 +18,10 @@ bool rk_light_has_one_colour(const rk_light *light)
 double rk_segment_irradiance(rk_dvec3 from, rk_dvec3 edge, rk_dvec3 normal)
 {
     double whole = rk_dlength(edge);
-    rk_dvec3 t = rk_dscale(edge, 1 / whole);
-    double at = rk_ddot(from, t);
-    rk_dvec3 p = rk_dmadd(from, t, -at);
-    double distance = rk_dlength(p), begin = rk_ddot(normal, from);
-    double end = begin + rk_ddot(normal, edge);
+    rk_dvec3 t = rk_dscale(edge, 1 / whole), moment = rk_dcross(from, edge);
+    rk_dvec3 p = rk_dscale(rk_dcross(t, moment), 1 / whole); /* from - t (t.from) would cancel */
+    double distance = rk_dlength(moment) / whole, at = rk_ddot(from, t);
+    double begin = rk_ddot(normal, from), end = begin + rk_ddot(normal, edge);
     if ((begin <= 0 && end <= 0) || !(distance > 0)) /* not positive: no length makes a NaN here */
         return 0;
     /* Clipped at the horizon. */

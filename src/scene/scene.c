@@ -61,6 +61,7 @@ static const builtin builtins[] = {
     {"cornell", rk_mesh_make_cornell, rk_scene_arrange_cornell, 0, 0, 0},
     {"sphere", rk_mesh_make_sphere, NULL, 1, 1280, 100000000},
     {"spheres", rk_mesh_make_spheres, rk_scene_arrange_spheres, 1, 80, 100000000},
+    {"shininess", rk_mesh_make_nothing, rk_scene_arrange_shininess, 0, 0, 0},
     /* One square a patch would leave the spout's lip without area. */
     {"teapot", rk_mesh_make_teapot, NULL, 2, 16, 1000},
     {"scan", rk_mesh_make_scan, NULL, 1, 87130, 100000000},
@@ -72,6 +73,7 @@ const char rk_scene_builtin_help[] =
     "  cornell     the Cornell box, 32 triangles; its mirror stays dark, as nothing reflects yet\n"
     "  sphere:N    a sphere of at least N triangles (default 1280)\n"
     "  spheres:N   such a sphere (default 80) beside an exact one, on a floor\n"
+    "  shininess   five exact spheres, of shininess 1 to 100,000\n"
     "  teapot:N    the Utah teapot, each of its 32 patches as N x N squares (default 16)\n"
     "  scan:N      a statue as from a scanner, of exactly N triangles (default 87130)\n";
 
@@ -96,7 +98,7 @@ static bool read_number(const char *digits, const builtin *entry, uint32_t *numb
 }
 
 static const char list_of_names[] =
-    "triangle, cube, cornell, sphere:N, spheres:N, teapot:N, scan:N";
+    "triangle, cube, cornell, sphere:N, spheres:N, shininess, teapot:N, scan:N";
 
 static bool parse_name(const char *name, const builtin **entry, uint32_t *number, rk_error *error)
 {

@@ -1,26 +1,43 @@
 -- Finds definitions in our C files by their names: functions, structs, enums and their constants,
 -- macros, tests. Returns the block from the comment above it to its closing brace, as .clang-format
 -- lays it out: what stands outside of everything begins in the first column and so does its end.
--- Of the regions that tools/regions.py describes, either the solutions stay or the starters.
+-- Of the regions that tools/regions.py describes, either the solutions stay or the starters; where
+-- both are the same, in a pack for students, there is only a starter.
 
 local code = {}
 
 local follows = {common = "/* solution */", solution = "/* starter", starter = "end */"}
 local becomes = {["/* solution */"] = "solution", ["/* starter"] = "starter", ["end */"] = "common"}
 
--- Returns the lines of a file as {number, text, kind} without markers; kind is "common", "solution"
--- or "starter". Or nil and what is wrong.
+-- Takes the solution out of a region, lines[first] and what follows, that is its starter twice; what
+-- is left is kind "handed out".
+local function merge_halves(lines, first)
+  local half = (#lines - first + 1) // 2
+  for i = first, first + half - 1 do
+    local other = lines[i + half]
+    if lines[i].kind ~= "solution" or other.kind ~= "starter" or lines[i].text ~= other.text then return end
+  end
+  if first + 2 * half <= #lines then return end
+  for i = first, first + half - 1 do
+    lines[i].kind, lines[#lines] = "handed out", nil
+  end
+end
+
+-- Returns the lines of a file as {number, text, kind} without markers; kind is "common", "solution",
+-- "starter" or "handed out". Or nil and what is wrong.
 local function read_regions(path, label)
   local file = io.open(path)
   if not file then return nil, "there is no file " .. label end
-  local lines, state, number = {}, "common", 0
+  local lines, state, number, first = {}, "common", 0, 1
   for text in file:lines() do
     number = number + 1
     local marker = becomes[text:match("^%s*(.-)%s*$")] and text:match("^%s*(.-)%s*$")
     if not marker then
       lines[#lines + 1] = {number = number, text = text, kind = state}
     elseif marker == follows[state] then
+      if state == "common" then first = #lines + 1 end
       state = becomes[marker]
+      if state == "common" then merge_halves(lines, first) end
     else
       file:close()
       return nil, string.format('%s:%d: "%s" stands where "%s" should come', label, number, marker,
@@ -75,14 +92,15 @@ local function defines(block, name)
 end
 
 -- Returns {text, line, own} of a definition: its text, the number of the line where it begins (not
--- its comment), and whether it has lines that are the student's to write. Or nil and what is wrong.
+-- its comment), and whether it shows a starter, the student's to solve. Or nil and what is wrong.
 -- solutions: whether these are shown, or the starters in their places.
 function code.find(path, label, name, solutions)
   local all, wrong = read_regions(path, label)
   if not all then return nil, wrong end
   local lines = {}
   for _, line in ipairs(all) do
-    if line.kind == "common" or (line.kind == "solution") == solutions then lines[#lines + 1] = line end
+    local hidden = solutions and "starter" or "solution"
+    if line.kind ~= hidden then lines[#lines + 1] = line end
   end
   local found, i, comment = {}, 1, nil
   while i <= #lines do
@@ -111,7 +129,7 @@ function code.find(path, label, name, solutions)
   end
   if not best then return nil, string.format("%s defines no %s", label, name) end
   local own = false
-  for i = best.first, best.last do own = own or lines[i].kind ~= "common" end
+  for i = best.first, best.last do own = own or lines[i].kind == "starter" or lines[i].kind == "handed out" end
   return {text = text_of(lines, best.first, best.last), line = lines[best.begin].number, own = own}
 end
 

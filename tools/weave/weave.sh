@@ -1,13 +1,29 @@
-# What make_report and make_book share, to be read in by them; they set RAYKIT_WEAVES first (book or
-# report), and make sets the rest.
-: "${RAYKIT_WEAVES:?}" "${RAYKIT_SOURCE:?run make $RAYKIT_WEAVES}" "${RAYKIT_BUILD:?}" "${RAYKIT_VERSION:?}"
+# What make_report and make_book share, to be read in by them. They set RAYKIT_WEAVES (report or
+# book) and texts (the folder with its texts, filter and stylesheet) first; make sets the rest.
+: "${RAYKIT_WEAVES:?}" "${texts:?}" "${RAYKIT_SOURCE:?}" "${RAYKIT_BUILD:?}" "${RAYKIT_DRIVERS:?}" \
+    "${RAYKIT_VERSION:?}"
+
+# The new page grows beside the old one and takes its place when it is whole.
+final=$RAYKIT_BUILD/$texts/out
+RAYKIT_OUT=$final.part
+RAYKIT_SCRAPS=$(mktemp -d)
 
 say() { echo "$RAYKIT_WEAVES: $*" >&2; }
 
-if [ -z "${PANDOC-}" ]; then
-    say "pandoc is missing: run ./bootstrap, or install pandoc and run ./configure again"
+give_up() {
+    say "$*; an older $RAYKIT_WEAVES, if there is one, is untouched"
     exit 1
-fi
+}
+
+interrupted() {
+    say "interrupted; an older $RAYKIT_WEAVES, if there is one, is untouched"
+    exit 130
+}
+
+trap 'rm -rf "$RAYKIT_OUT" "$RAYKIT_SCRAPS" || :' EXIT
+trap interrupted HUP INT TERM
+
+[ -n "${PANDOC-}" ] || give_up "pandoc is missing: run ./bootstrap, or install pandoc and run ./configure again"
 
 RAYKIT_RUNS=5
 RAYKIT_SIZE=
@@ -17,9 +33,17 @@ if [ -n "${QUICK-}" ]; then # a trial of the text itself, not of speed
 fi
 RAYKIT_GNUPLOT=${GNUPLOT-}
 
-# Mesh files are named as seen from where make was called.
+# All meshes are tried before anything is rendered. They are named as seen from where make was
+# called; their bare names stand in tables and captions, and must tell them apart.
+names=
 for mesh in ${MESHES-}; do
-    [ -r "$mesh" ] || { say "MESHES: $mesh cannot be read"; exit 1; }
+    name=$(basename "$mesh")
+    case " $names " in
+    *" $name "*) give_up "MESHES: two files are called $name; rename one of them" ;;
+    esac
+    names="$names $name"
+    "$RAYKIT_BUILD"/assignments/01_bvh_median/bvh_median --mesh "$mesh" --width 1 --height 1 --quiet \
+        --out "$RAYKIT_SCRAPS" || give_up "MESHES: $mesh cannot be used (its reason stands above)"
 done
 
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1)
@@ -27,48 +51,57 @@ machine="${processor:-$(uname -m)}, $(getconf _NPROCESSORS_ONLN) processors"
 system=$(sed -n 's/^PRETTY_NAME="\(.*\)"/\1/p' /etc/os-release 2>/dev/null)
 system="${system:-$(uname -s)}, $(uname -sr)"
 
+# A page drawn by a student's units says so under its title.
+RAYKIT_UNITS=
+[ ! -f "$RAYKIT_DRIVERS/units" ] || RAYKIT_UNITS=$(cat "$RAYKIT_DRIVERS/units")
+
 rm -rf "$RAYKIT_OUT"
 mkdir -p "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables"
-trap 'rm -rf "$RAYKIT_OUT/$RAYKIT_WEAVES".html.part "$RAYKIT_OUT/$RAYKIT_WEAVES".pdf.part "$RAYKIT_OUT/parts"' EXIT
 
 # Pages link to sources by relative ways, so that a folder can move as a whole.
 RAYKIT_SOURCE_LINK=$(realpath --relative-to="$RAYKIT_OUT" "$RAYKIT_SOURCE" 2>/dev/null) ||
     RAYKIT_SOURCE_LINK=$RAYKIT_SOURCE
-export RAYKIT_WEAVES RAYKIT_SOURCE RAYKIT_SOURCE_LINK RAYKIT_BUILD RAYKIT_OUT RAYKIT_RUNS RAYKIT_SIZE \
-    RAYKIT_GNUPLOT MESHES
+export RAYKIT_WEAVES RAYKIT_SOURCE RAYKIT_SOURCE_LINK RAYKIT_DRIVERS RAYKIT_UNITS RAYKIT_OUT \
+    RAYKIT_SCRAPS RAYKIT_RUNS RAYKIT_SIZE RAYKIT_GNUPLOT MESHES
 
-# weave FOLDER TEXT... OPTION...: the page, from FOLDER's filter, template and stylesheet
+# weave OPTION... TEXT...: the page
 weave() {
-    folder=$1
-    shift
+    say "running the drivers; timings want a quiet machine"
+    status=0
     "$PANDOC" --standalone --self-contained --from=commonmark_x+sourcepos --to=html5 --toc --toc-depth=2 \
-        --resource-path="$RAYKIT_OUT" --lua-filter="$RAYKIT_SOURCE/$folder/weave.lua" \
-        --template="$RAYKIT_SOURCE/$folder/template.html" \
-        --css="$RAYKIT_SOURCE/tools/weave/page.css" --css="$RAYKIT_SOURCE/$folder/$RAYKIT_WEAVES.css" \
-        --variable=version:"$RAYKIT_VERSION" --variable=machine:"$machine" --variable=system:"$system" \
-        --output="$RAYKIT_OUT/$RAYKIT_WEAVES.html.part" "$@"
-    mv "$RAYKIT_OUT/$RAYKIT_WEAVES.html.part" "$RAYKIT_OUT/$RAYKIT_WEAVES.html"
-    say "wrote $RAYKIT_OUT/$RAYKIT_WEAVES.html"
+        --resource-path="$RAYKIT_OUT" --lua-filter="$RAYKIT_SOURCE/$texts/weave.lua" \
+        --template="$RAYKIT_SOURCE/tools/weave/template.html" \
+        --css="$RAYKIT_SOURCE/tools/weave/page.css" --css="$RAYKIT_SOURCE/$texts/$RAYKIT_WEAVES.css" \
+        --variable=page:"$RAYKIT_WEAVES" --variable=version:"$RAYKIT_VERSION" \
+        --variable=machine:"$machine" --variable=system:"$system" \
+        ${RAYKIT_UNITS:+--variable=units:"$RAYKIT_UNITS"} \
+        --output="$RAYKIT_OUT/$RAYKIT_WEAVES.html" "$@" || status=$?
+    [ $status != 130 ] || interrupted
+    [ $status = 0 ] || give_up "the $RAYKIT_WEAVES could not be made"
 }
 
 print_pdf() {
-    if [ -z "${CHROMIUM-}" ]; then
-        say "no $RAYKIT_WEAVES.pdf: it needs chromium"
-        return
-    fi
     sandbox=
     [ "$(id -u)" != 0 ] || sandbox=--no-sandbox # chromium refuses root otherwise
-    profile=$(mktemp -d)
-    status=0
     "$CHROMIUM" --headless $sandbox --disable-gpu --no-pdf-header-footer \
-        --user-data-dir="$profile" --print-to-pdf="$RAYKIT_OUT/$RAYKIT_WEAVES.pdf.part" \
-        "file://$RAYKIT_OUT/$RAYKIT_WEAVES.html" >"$profile/log" 2>&1 || status=1
-    [ $status = 0 ] || tail -n 3 "$profile/log" >&2
-    rm -rf "$profile"
-    if [ $status != 0 ]; then
-        say "chromium could not print the PDF (its last words stand above)"
-        exit 1
+        --user-data-dir="$RAYKIT_SCRAPS/chromium" --print-to-pdf="$RAYKIT_OUT/$RAYKIT_WEAVES.pdf" \
+        "file://$RAYKIT_OUT/$RAYKIT_WEAVES.html" >"$RAYKIT_SCRAPS/log" 2>&1 &&
+        [ -s "$RAYKIT_OUT/$RAYKIT_WEAVES.pdf" ] && return
+    tail -n 3 "$RAYKIT_SCRAPS/log" >&2
+    give_up "chromium could not print the PDF (its last words stand above)"
+}
+
+# Prints the page where chromium is, and puts all of it in the old one's place.
+publish() {
+    pdf="(no $RAYKIT_WEAVES.pdf: it needs chromium)"
+    if [ -n "${CHROMIUM-}" ]; then
+        print_pdf
+        pdf="and $final/$RAYKIT_WEAVES.pdf"
     fi
-    mv "$RAYKIT_OUT/$RAYKIT_WEAVES.pdf.part" "$RAYKIT_OUT/$RAYKIT_WEAVES.pdf"
-    say "wrote $RAYKIT_OUT/$RAYKIT_WEAVES.pdf"
+    rm -rf "$final.old"
+    trap '' HUP INT TERM # the two moves belong together
+    [ ! -e "$final" ] || mv "$final" "$final.old"
+    mv "$RAYKIT_OUT" "$final"
+    rm -rf "$final.old"
+    say "wrote $final/$RAYKIT_WEAVES.html $pdf"
 }

@@ -1,0 +1,230 @@
+#!/usr/bin/env python3
+"""A course from end to end: a pack for students is made, built, failed and solved, and a class of
+submissions is graded. Speaks TAP, for make check-handout; runs in a build folder."""
+
+import html
+import json
+import os
+import shutil
+import subprocess
+import sys
+import tempfile
+
+SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(SOURCE, "tools"))
+
+import handout  # noqa: E402
+from assignments import ToolError, read_features, read_points  # noqa: E402
+from building import Toolchain  # noqa: E402
+from regions import solution_lines, starter_of  # noqa: E402
+
+STEM = "bvh_median"
+FEATURE = read_features(SOURCE)[STEM]
+STARTER = starter_of(FEATURE.reference)
+TESTS = read_points(FEATURE)
+TOTAL = sum(test.points for test in TESTS)
+SECRET = max(sorted(solution_lines(FEATURE.reference)), key=len)
+COMMON = "for (uint32_t i = 0; i < count; i++)"
+
+checks = []
+
+
+def check(condition, name, said=""):
+    """Notes a claim's verdict."""
+    checks.append(bool(condition))
+    for line in [] if condition else str(said).splitlines()[-30:]:
+        print(f"# {line}")
+    print(f"{'ok' if condition else 'not ok'} {len(checks)} - {name}", flush=True)
+
+
+def read(*path):
+    with open(os.path.join(*path), encoding="utf-8") as file:
+        return file.read()
+
+
+def write(text, *path):
+    os.makedirs(os.path.dirname(os.path.join(*path)), exist_ok=True)
+    with open(os.path.join(*path), "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+# --- The instructor packs -------------------------------------------------------------------------
+
+
+def mistakes_are_refused(folder):
+    taken = os.path.join(folder, "taken.tar.gz")
+    write("mine", taken)
+    cases = {
+        "no assignment is refused, and all are listed": ([], {}, STEM),
+        "an unknown assignment is refused": (["bvh_medina"], {}, "bvh_medina"),
+        "a place that is taken is refused": ([STEM], {"out": taken}, "exists"),
+        "an archive of another kind is refused": ([STEM], {"out": os.path.join(folder, "pack.zip")}, ".tar.gz"),
+        "a place in a folder that is not there is refused": ([STEM], {"folder": os.path.join(folder, "no", "pack")}, "no folder"),
+    }
+    for name, (stems, place, part) in cases.items():
+        try:
+            handout.make_handout(SOURCE, stems, book=False, **place)
+            check(False, name)
+        except ToolError as error:
+            check(part in str(error) and "\n" not in str(error), name, error)
+    check(os.listdir(folder) == ["taken.tar.gz"] and read(taken) == "mine", "what is refused leaves nothing behind",
+          os.listdir(folder))
+
+
+def the_pack_holds_no_solution(pack):
+    check(read(pack, "workbook", STEM + ".c") == STARTER, "the workbook holds the starter")
+    everything = b"".join(open(os.path.join(where, name), "rb").read()
+                          for where, _, names in os.walk(pack) for name in names)
+    check(SECRET.encode() not in everything, "no file holds a line of the solution")
+    check(STEM not in os.listdir(os.path.join(pack, "tests", "mutants")), "mutants, which hold solutions, are left out")
+    check(f"`workbook/{STEM}.c`, and nothing else" in read(pack, "HANDOUT.md"), "HANDOUT.md names the file to hand in")
+
+
+def smuggled_lines_are_found(pack):
+    secrets, common = handout.secret_lines(SOURCE, [FEATURE])
+    check(SECRET in secrets and SECRET not in common, "a line that only the solution has is looked for")
+    check(COMMON in common, "a line that the kit's other code has, too, says nothing")
+    cases = {
+        "in a text": ("README.md", "> and then " + SECRET + " it is done"),
+        "in a patch": ("tests/mutants/other/one.patch", "-        " + SECRET),
+        "with other spaces": ("src/scene/bvh.c", "  " + SECRET.replace(" ", "\t ")),
+        "coloured in a page": ("docs/handout/more.html", "<b>" + "</b><b>".join(map(html.escape, SECRET))),
+        "among bytes that are no text": ("docs/pictures/leaf.dat", "\udcff\udc80 " + SECRET),
+        "in the workbook": (f"workbook/{STEM}.c", SECRET),
+        "in the workbook, though common elsewhere": (f"workbook/{STEM}.c", COMMON),
+    }
+    for name, (path, line) in cases.items():
+        place = os.path.join(pack, path)
+        before = read(place) if os.path.exists(place) else None
+        os.makedirs(os.path.dirname(place), exist_ok=True)
+        with open(place, "a", encoding="utf-8", errors="surrogateescape") as file:
+            file.write("\n" + line + "\n")
+        found = handout.find_secrets(pack, [FEATURE], secrets, common)
+        check(len(found) == 1 and found[0].startswith(path + ":"), f"a solution line is found {name}", found)
+        os.unlink(place)
+        if before is not None:
+            write(before, place)
+    try:
+        write(SECRET, pack, "leak.txt")
+        handout.prove(SOURCE, pack, [FEATURE])
+        check(False, "a pack with a leak is refused")
+    except ToolError as error:
+        check("leak.txt:1" in str(error), "a pack with a leak is refused, with file and line", error)
+    os.unlink(os.path.join(pack, "leak.txt"))
+    check(not handout.find_secrets(pack, [FEATURE], secrets, common), "without the leaks the pack is clean again")
+
+
+# --- The student works ----------------------------------------------------------------------------
+
+
+def run(folder, *command):
+    """Runs a command as at a student's prompt; returns its exit status and all that it said."""
+    dropped = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "srcdir")
+    environment = {name: value for name, value in os.environ.items() if name not in dropped}
+    answer = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace", check=False)
+    return answer.returncode, answer.stdout
+
+
+def the_pack_is_failed_and_solved(pack):
+    make = os.environ.get("MAKE", "make")
+    compiler = " ".join(Toolchain(".").compiler)
+    status, said = run(pack, "./bootstrap", "--no-install", f"CC={compiler}")
+    check(status == 0, "the pack configures without git", said)
+    status, said = run(pack, make, "-s", "-j2", f"check-{STEM}")
+    check(status != 0 and f"first: {TESTS[0].name}" in said, "the starter fails, and the check says where to begin", said)
+    _, said = run(pack, make, "-s", "grade", "FORMAT=tap")
+    check(said.count("not ok ") == len(TESTS), "the starter fails every scored test", said)
+    status, said = run(pack, make, "-s", "progress")
+    check(status == 0 and f"0 of {TOTAL}" in said, "progress counts no points yet", said)
+    status, said = run(pack, make, "-s", f"diff-{STEM}")
+    check(status == 0 and "unchanged" in said, "the difference to the starter is none yet", said)
+    for target in ("handout", "check-suites"):
+        status, said = run(pack, make, "-s", target)
+        check(status != 0 and "this is a handout" in said, f"make {target} says that this is a handout", said)
+    status, said = run(pack, make, "-s", "-j2", "check-render")
+    check(status != 0 and "not ok" not in said, "a suite that uses the student's code fails", said)
+    shutil.copyfile(FEATURE.reference, os.path.join(pack, "workbook", STEM + ".c"))
+    status, said = run(pack, make, "-s", "-j2", f"check-{STEM}")
+    check(status == 0 and f"{TOTAL} of {TOTAL}" in said, "the solution passes with all points", said)
+    for suite in ("render", "vec3"):
+        status, said = run(pack, make, "-s", "-j2", f"check-{suite}")
+        check(status == 0, f"the suite {suite} passes with the solution", said)
+    status, said = run(pack, make, "-s", "-j2", "all")
+    check(status == 0, "the drivers are built from the workbook", said)
+    write("int broken = ;\n", pack, "workbook", STEM + ".c")
+    status, said = run(pack, make, "-s", f"check-{STEM}")
+    check(status != 0 and "does not compile" in said, "a file that does not compile is told as such", said)
+
+
+# --- The instructor grades ------------------------------------------------------------------------
+
+
+def mutant(folder, name):
+    """The reference with one of the known mistakes."""
+    place = os.path.join(folder, "src", "features")
+    os.makedirs(place)
+    shutil.copy(FEATURE.reference, place)
+    patch = os.path.join(SOURCE, "tests", "mutants", STEM, name + ".patch")
+    subprocess.run(["patch", "-s", "-p1", "-d", folder, "-i", patch], check=True)
+    return read(place, STEM + ".c")
+
+
+def a_class_is_graded(folder):
+    start = "uint32_t count = mesh->triangle_count;\n"
+    heads = "#include <stdio.h>\n#include <unistd.h>\n"
+    oks = "\\n".join(f"ok {number} - {test.name}" for number, test in enumerate(TESTS, 1))
+    any_hit = "bool rk_bvh_any(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)\n{\n"
+    reference = read(FEATURE.reference)
+    submissions = {  # text, fewest and most points, part of what is said about some test
+        "right": (reference, TOTAL, TOTAL, ""),
+        "wrong": (mutant(os.path.join(folder, "patched"), "floor_of_the_half"), 1, TOTAL - 1, "got"),
+        "crashing": ("static volatile int *volatile nowhere;\n" + reference.replace(start, start + "    *nowhere = 1;\n"), 0, 0, "NULL"),
+        "hanging, by O'Brien": (reference.replace(any_hit, any_hit + "    for (volatile int k = 0; k < 2; k = 0) { }\n"), 1, TOTAL - 1, "endless loop"),
+        "cheating by what it prints": (heads + STARTER.replace(
+            start, start + f'    printf("1..{len(TESTS)}\\n{oks}\\n");\n    fflush(stdout);\n    _Exit(0);\n'), 0, 0, "counts for nothing"),
+        "cheating before main": ("#include <stdlib.h>\n__attribute__((constructor)) static void early(void)\n{\n    exit(0);\n}\n"
+                                 + STARTER, 0, 0, "constructor"),
+        "cheating by the suite's own names": (
+            STARTER + "\nint rk_suite_main(void);\nint rk_suite_main(void)\n{\n    return 0;\n}\n"
+            "bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)\n{\n"
+            "    (void)bvh, (void)mesh, (void)error;\n    return true;\n}\n", 0, 0, ""),
+    }
+    for name, (text, fewest, most, part) in submissions.items():
+        place = os.path.join(folder, "submissions", name)
+        write(text, place, STEM + ".c")
+        out = place + ".json"
+        os.environ["RAYKIT_TEST_SECONDS"] = "2" if "hanging" in name else "60"
+        status, said = run(".", sys.executable, "-B", os.path.join(SOURCE, "tools", "grade.py"),
+                           "--impl", place, "--format", "gradescope", "--out", out)
+        report = json.loads(read(out)) if os.path.exists(out) else {"score": -1, "tests": []}
+        outputs = [test["output"] for test in report["tests"]]
+        check(fewest <= report["score"] <= most and status == (0 if fewest == TOTAL else 1)
+              and any(part in output for output in outputs), f"a submission that is {name} gets its verdict",
+              f"{report['score']} points, status {status}\n{said}\n" + "\n".join(outputs))
+
+
+def main():
+    folder = tempfile.mkdtemp(prefix="raykit-test-handout-")
+    try:
+        places = {name: os.path.join(folder, name) for name in ("refused", "packed", "class")}
+        for place in places.values():
+            os.mkdir(place)
+        mistakes_are_refused(places["refused"])
+        pack = os.path.join(places["packed"], "pack")
+        said = handout.make_handout(SOURCE, [STEM], folder=pack, book=False)
+        check(os.listdir(places["packed"]) == ["pack"] and "none found" in said[1],
+              "the pack is there with its proof, and nothing beside it", said)
+        the_pack_holds_no_solution(pack)
+        smuggled_lines_are_found(pack)
+        the_pack_is_failed_and_solved(pack)
+        a_class_is_graded(places["class"])
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    print(f"1..{len(checks)}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

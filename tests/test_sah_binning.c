@@ -1,0 +1,690 @@
+/* The bounding volume hierarchy split by the surface area heuristic: that bins lose nothing, that
+ * each cut is the one that a search by brute force finds, and that the tree is cheap and sound. */
+#include "test.h"
+#include "test_soup.h"
+
+#include "features/bvh_median.h"
+#include "features/sah_binning.h"
+#include "scene/scene.h"
+
+#include <time.h>
+
+/* --- Nodes to cut ---------------------------------------------------------------------------- */
+
+/* The stand-in of a triangle that fills a box, with the centroid in its middle. */
+static rk_bvh_reference box_at(rk_vec3 low, rk_vec3 extent)
+{
+    return (rk_bvh_reference){{{low, rk_add(low, extent)}}, rk_madd(low, extent, 0.5f), 0};
+}
+
+/* A cube with sides of 1. */
+static rk_bvh_reference cube_at(float x, float y, float z)
+{
+    return box_at(rk_vec(x, y, z), rk_vec(1, 1, 1));
+}
+
+static rk_bvh_reference *references_of(const rk_mesh *mesh)
+{
+    rk_bvh_reference *references = calloc(mesh->triangle_count, sizeof *references);
+    rk_check(references != NULL, "no memory for %u references", mesh->triangle_count);
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        references[i] = rk_bvh_reference_of(mesh, i);
+    return references;
+}
+
+static rk_sah_split candidates[RK_SAH_CANDIDATES_MAX];
+
+static uint32_t list(const rk_bvh_reference *references, uint32_t count, uint32_t bins,
+                     bool all_axes)
+{
+    const rk_sah_options options = {bins, all_axes};
+    return rk_sah_candidates(references, count, &options, candidates);
+}
+
+static void check_counts(const rk_sah_split *split, uint32_t left, uint32_t right, const char *hint)
+{
+    rk_check(split->count[0] == left && split->count[1] == right,
+             "border %u: got %u triangles to the left and %u to the right, want %u and %u: %s",
+             split->border, split->count[0], split->count[1], left, right, hint);
+}
+
+/* --- The same by brute force, in double ------------------------------------------------------ */
+
+static double area_of(const rk_box *box)
+{
+    double x = (double)box->corner[1].x - (double)box->corner[0].x;
+    double y = (double)box->corner[1].y - (double)box->corner[0].y;
+    double z = (double)box->corner[1].z - (double)box->corner[0].z;
+    return 2 * (x * y + y * z + z * x);
+}
+
+/* The cut at one border: every triangle is asked for its side. */
+static rk_sah_split try_border(const rk_bvh_reference *references, uint32_t count, int axis,
+                               uint32_t bins, uint32_t border)
+{
+    rk_sah_split split = {.axis = axis, .border = border, .box = {rk_box_empty(), rk_box_empty()}};
+    double low = INFINITY, high = -INFINITY;
+    for (uint32_t i = 0; i < count; i++) {
+        low = fmin(low, (double)rk_axis(references[i].centroid, axis));
+        high = fmax(high, (double)rk_axis(references[i].centroid, axis));
+    }
+    for (uint32_t i = 0; i < count; i++) {
+        double c = (double)rk_axis(references[i].centroid, axis);
+        double bin = fmin(floor((c - low) * (bins / (high - low))), bins - 1);
+        int side = bin < border ? 0 : 1;
+        split.count[side]++;
+        split.box[side] = rk_box_merge(split.box[side], references[i].box);
+    }
+    rk_box all = rk_box_merge(split.box[0], split.box[1]);
+    split.cost = INFINITY;
+    if (split.count[0] && split.count[1])
+        split.cost = 1.5 + (area_of(&split.box[0]) * split.count[0] +
+                            area_of(&split.box[1]) * split.count[1]) /
+                               area_of(&all);
+    return split;
+}
+
+static int longest_axis_of_centroids(const rk_bvh_reference *references, uint32_t count)
+{
+    rk_box box = rk_box_empty();
+    for (uint32_t i = 0; i < count; i++)
+        box = rk_box_add(box, references[i].centroid);
+    return rk_box_longest_axis(box);
+}
+
+/* All different cuts, by axis, then border; returns how many. */
+static uint32_t list_by_brute_force(const rk_bvh_reference *references, uint32_t count,
+                                    const rk_sah_options *options, rk_sah_split *splits)
+{
+    uint32_t bins = options->bins < count ? options->bins : count, found = 0;
+    int longest = longest_axis_of_centroids(references, count);
+    for (int axis = 0; axis < 3; axis++)
+        for (uint32_t border = 1; border < bins && (options->all_axes || axis == longest);
+             border++) {
+            rk_sah_split split = try_border(references, count, axis, bins, border);
+            bool again = found && splits[found - 1].axis == axis &&
+                         splits[found - 1].count[0] == split.count[0];
+            if (split.count[0] && split.count[1] && !again)
+                splits[found++] = split;
+        }
+    return found;
+}
+
+/* Boxes are minima and maxima of the same numbers, so they are equal to the bit. A cost takes a
+ * dozen roundings of double, in whatever order. */
+static const double cost_tolerance = 16 * 0x1p-53;
+
+static void check_split(const rk_sah_split *got, const rk_sah_split *want, uint32_t count)
+{
+    rk_check(got->axis == want->axis && got->border == want->border,
+             "%u triangles: got the border %u on axis %c, want %u on %c: each border between bins "
+             "that parts the triangles differently is listed, in order",
+             count, got->border, "xyz"[got->axis], want -> border, "xyz"[want->axis]);
+    check_counts(got, want->count[0], want->count[1],
+                 "is each triangle counted in the bin of its centroid?");
+    for (int side = 0; side < 2; side++)
+        rk_check(memcmp(&got->box[side], &want->box[side], sizeof got->box[side]) == 0,
+                 "border %u of %u triangles: the %s box is not the smallest around its triangles",
+                 got->border, count, side ? "right" : "left");
+    rk_check(fabs(got->cost - want->cost) <= cost_tolerance * want->cost,
+             "border %u of %u triangles: got the cost %.17g, want %.17g, which is 1.5 + (area_left "
+             "N_left + area_right N_right) / area, in double",
+             got->border, count, got->cost, want->cost);
+}
+
+/* --- Bins and candidates --------------------------------------------------------------------- */
+
+static void a_cut_costs_what_is_computed_by_hand(void **state)
+{
+    (void)state;
+    /* Cubes from 0 to 3 and from 9 to 10 in a row of 10 x 1 x 1, area 42. Left 3 x 1 x 1, area 14;
+     * right one cube, area 6. */
+    const rk_bvh_reference row[] = {cube_at(0, 0, 0), cube_at(9, 0, 0), cube_at(1, 0, 0),
+                                    cube_at(2, 0, 0)};
+    rk_check_equal(list(row, 4, 2, false), 1, "two bins have one border");
+    rk_check_equal(candidates[0].axis, 0, "the row is along x");
+    check_counts(&candidates[0], 3, 1,
+                 "three cubes lie in the lower half of the centroids' extent");
+    rk_check_close(candidates[0].cost, 1.5 + (14 * 3 + 6 * 1) / 42.0, 4 * cost_tolerance,
+                   "1.5 + (area_left N_left + area_right N_right) / area");
+}
+
+static void centroids_are_counted_into_equal_parts_of_their_extent(void **state)
+{
+    (void)state;
+    /* Centroids at 0.5, 1.5 ... 8.5 in four bins of two units each; the last one ends the extent.
+     */
+    rk_bvh_reference row[9];
+    for (uint32_t i = 0; i < 9; i++)
+        row[i] = cube_at((float)(i * 4 % 9), 0, 0);
+    rk_check_equal(list(row, 9, 4, false), 3, "four bins have three borders");
+    for (uint32_t k = 0; k < 3; k++) {
+        rk_check_equal(candidates[k].border, k + 1,
+                       "borders 1, 2, 3: so many bins are to the left");
+        check_counts(&candidates[k], 2 * k + 2, 7 - 2 * k,
+                     "two centroids a bin, three in the last, as the highest is in it");
+    }
+}
+
+static void no_centroid_is_beyond_the_last_bin(void **state)
+{
+    (void)state;
+    /* Extents whose product with bins / extent rounds up as well as down. */
+    for (uint32_t i = 0; i < 1000; i++) {
+        const rk_bvh_reference pair[] = {cube_at(noise(1, i, 0), 0, 0),
+                                         cube_at(3 + noise(2, i, 0), 0, 0),
+                                         cube_at(1 + noise(3, i, 0), 0, 0)};
+        for (uint32_t bins = 2; bins < 4; bins++) {
+            uint32_t found = list(pair, 3, bins, false);
+            rk_check(found > 0, "three different centroids: got no cut, want one at least");
+            rk_check_equal(candidates[found - 1].count[0] + candidates[found - 1].count[1], 3,
+                           "the highest centroid is in the last bin, and in no other");
+        }
+    }
+}
+
+static void empty_bins_have_no_border_and_no_box(void **state)
+{
+    (void)state;
+    const rk_bvh_reference row[] = {cube_at(5, 5, 5), cube_at(15, 5, 5), cube_at(6, 5, 5),
+                                    cube_at(14, 5, 5), cube_at(5, 5, 5)};
+    uint32_t found = list(row, 5, 5, false);
+    rk_check_equal(found, 1, "of five bins only the outermost are filled: one way to cut");
+    check_counts(&candidates[0], 3, 2, "three at 5 and 6, two at 14 and 15");
+    rk_check_equal(candidates[0].border, 1, "of the borders that make the same cut the first");
+    rk_check_close(candidates[0].box[0].corner[0].x, 5, 0, "an empty bin's box would begin at 0");
+    rk_check_close(candidates[0].box[0].corner[1].x, 7, 0, "the left box ends with its cubes");
+    rk_check_close(candidates[0].box[1].corner[0].x, 14, 0, "the right box begins with its cubes");
+}
+
+static void coinciding_centroids_have_no_border(void **state)
+{
+    (void)state;
+    rk_bvh_reference same[20];
+    for (uint32_t i = 0; i < 20; i++)
+        same[i] =
+            (rk_bvh_reference){cube_at(1, 2, 3).box, rk_vec(1.1f, 2.2f, i < 10 ? 0.0f : -0.0f), i};
+    rk_check_equal(list(same, 20, 50, false), 0,
+                   "an extent of 0 has no parts: do not divide by it");
+    rk_check_equal(list(same, 20, 50, true), 0, "nor on any other axis");
+    rk_check(rk_sah_cheapest(candidates, 0) == NULL, "none of none is the cheapest");
+    /* An answer only from those who find borders where there are some. */
+    same[7].centroid.y = 3;
+    rk_check_equal(list(same, 20, 50, false), 1, "one centroid apart from the others: one way");
+    check_counts(&candidates[0], 19, 1, "that one is alone");
+}
+
+static void tiny_and_huge_extents_are_counted_right(void **state)
+{
+    (void)state;
+    /* The smallest floats, and the largest, whose difference is no float any more. */
+    const float units[] = {0x1p-149f, 0x1p-140f, 0x1p-126f, 1, 0x1p125f};
+    for (uint32_t u = 0; u < sizeof units / sizeof *units; u++) {
+        rk_bvh_reference row[9];
+        for (uint32_t i = 0; i < 9; i++) {
+            rk_vec3 place = rk_vec(0, ((float)i - 4) * units[u], 0);
+            row[i] = (rk_bvh_reference){{{place, place}}, place, i};
+        }
+        rk_check_equal(list(row, 9, 8, false), 7, "eight bins over the whole range");
+        for (uint32_t k = 0; k < 7; k++) {
+            rk_check_equal(candidates[k].axis, 1, "along y");
+            check_counts(&candidates[k], k + 1, 8 - k,
+                         "one a bin, two in the last; an extent may be too small to divide by or "
+                         "too large for a float: compute the bin in double");
+        }
+    }
+}
+
+static void borders_are_where_the_centroids_reach_farthest(void **state)
+{
+    (void)state;
+    /* A long beam along x over cubes in a row along y: the node is longest where nothing is to cut.
+     */
+    rk_bvh_reference row[5] = {box_at(rk_vec(-100, 0, 0), rk_vec(200, 1, 1))};
+    for (uint32_t i = 1; i < 5; i++)
+        row[i] = cube_at(0, (float)i * 10, (float)i);
+    uint32_t found = list(row, 5, 5, false);
+    rk_check(found > 0, "got no candidate, want those along y");
+    for (uint32_t k = 0; k < found; k++)
+        rk_check_equal(candidates[k].axis, 1, "0, 1, 2: the longest axis of the centroids' box");
+    for (int axis = 0; axis < 3; axis++) {
+        const rk_bvh_reference pair[] = {cube_at(0, 0, 0), cube_at(axis == 0, axis <= 1, 1)};
+        rk_check_equal(list(pair, 2, 2, false), 1, "two cubes");
+        rk_check_equal(candidates[0].axis, axis, "among equal extents x before y before z");
+    }
+}
+
+static void all_axes_are_tried_if_asked_for(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(100, 0.1f, 1);
+    rk_bvh_reference *references = references_of(&mesh);
+    uint32_t found = list(references, 100, 8, true), on[3] = {0, 0, 0};
+    for (uint32_t k = 0; k < found; k++) {
+        on[candidates[k].axis]++;
+        rk_check(k == 0 || candidates[k].axis >= candidates[k - 1].axis,
+                 "candidate %u is on axis %c, behind one on %c: want x, then y, then z", k,
+                 "xyz"[candidates[k].axis], "xyz"[candidates[k - 1].axis]);
+    }
+    for (int axis = 0; axis < 3; axis++)
+        rk_check_equal(on[axis], 7, "eight bins, none of them empty, have seven borders an axis");
+    free(references);
+    rk_mesh_free(&mesh);
+}
+
+static void no_node_has_more_bins_than_triangles(void **state)
+{
+    (void)state;
+    const rk_bvh_reference row[] = {cube_at(0, 0, 0), cube_at(4, 0, 0), cube_at(10, 0, 0)};
+    rk_check_equal(list(row, 3, 50, false), 2, "three bins with one cube each");
+    rk_check_equal(candidates[1].border, 2, "more bins than triangles would mostly be empty");
+}
+
+static void the_first_of_equally_cheap_cuts_is_taken(void **state)
+{
+    (void)state;
+    /* Symmetrical, and all numbers are whole: the costs are equal to the bit. */
+    rk_bvh_reference square[9];
+    for (uint32_t i = 0; i < 9; i++)
+        square[i] = cube_at((float)(i % 3), 0, (float)(i / 3));
+    uint32_t found = list(square, 9, 3, true);
+    rk_check_equal(found, 4, "two borders on x, none on y, two on z");
+    const rk_sah_split *best = rk_sah_cheapest(candidates, found);
+    for (uint32_t k = 1; k < found; k++)
+        rk_check_close(candidates[k].cost, candidates[0].cost, 0, "all four cost the same");
+    rk_check(best == &candidates[0],
+             "got the cheapest on axis %c at border %u, want x and 1: an "
+             "equal cost is no reason to change",
+             best ? "xyz"[best->axis] : '-', best ? best->border : 0);
+}
+
+static void candidates_equal_those_of_brute_force(void **state)
+{
+    (void)state;
+    static rk_sah_split want[RK_SAH_CANDIDATES_MAX];
+    const uint32_t counts[] = {2, 3, 7, 49, 50, 51, 300}, bins[] = {2, 3, 16, 50, 256};
+    for (uint32_t c = 0; c < sizeof counts / sizeof *counts; c++)
+        for (uint32_t b = 0; b < sizeof bins / sizeof *bins; b++)
+            for (int all_axes = 0; all_axes < 2; all_axes++) {
+                rk_mesh mesh = make_soup(counts[c], 0.2f, 10 + b);
+                rk_bvh_reference *references = references_of(&mesh);
+                const rk_sah_options options = {bins[b], all_axes};
+                uint32_t found = rk_sah_candidates(references, counts[c], &options, candidates);
+                rk_check_equal(found, list_by_brute_force(references, counts[c], &options, want),
+                               "every border that parts the triangles differently, once");
+                for (uint32_t k = 0; k < found; k++)
+                    check_split(&candidates[k], &want[k], counts[c]);
+                free(references);
+                rk_mesh_free(&mesh);
+            }
+}
+
+/* Processor seconds of listing the candidates so many times; the least of five goes, as another
+ * program's work can only add. */
+static double seconds_of_listing(const rk_bvh_reference *references, uint32_t count, uint32_t bins,
+                                 uint32_t times)
+{
+    double least = INFINITY;
+    for (int attempt = 0; attempt < 5; attempt++) {
+        clock_t start = clock();
+        uint32_t found = 0;
+        for (uint32_t i = 0; i < times; i++)
+            found += list(references, count, bins, false);
+        rk_check(found >= times, "got %u candidates in %u calls, want one a call at least", found,
+                 times);
+        least = fmin(least, (double)(clock() - start) / CLOCKS_PER_SEC);
+    }
+    return least;
+}
+
+static void many_bins_cost_hardly_more_than_few(void **state)
+{
+    (void)state;
+    /* With O(count + bins), 256 bins instead of 2 take up to twice as long where there are many
+     * triangles, and up to five times where there are as few as bins. Asking every triangle at
+     * every border takes 128 times as long; merging all bins at every border, 60 times with few. */
+    rk_mesh mesh = make_soup(20000, 0.01f, 3);
+    rk_bvh_reference *references = references_of(&mesh);
+    const uint32_t counts[] = {20000, 256}, times[] = {5, 400};
+    for (int i = 0; i < 2; i++) {
+        double few = seconds_of_listing(references, counts[i], 2, times[i]);
+        double many = seconds_of_listing(references, counts[i], 256, times[i]);
+        rk_check(
+            many <= 20 * few,
+            "%u triangles: 256 bins take %.3g times as long as 2, want 20 times at most: count "
+            "each triangle once, then sweep over the bins",
+            counts[i], many / few);
+    }
+    free(references);
+    rk_mesh_free(&mesh);
+}
+
+/* --- The tree -------------------------------------------------------------------------------- */
+
+static rk_bvh build_with(const rk_mesh *mesh, uint32_t bins, bool all_axes)
+{
+    const rk_sah_options options = {bins, all_axes};
+    rk_bvh bvh;
+    rk_error error;
+    rk_check_ok(rk_bvh_build_sah(&bvh, mesh, &options, &error), error);
+    rk_check(rk_bvh_validate(&bvh, mesh, &error),
+             "the tree over %u triangles, with %u nodes, is not sound: %s", mesh->triangle_count,
+             bvh.node_count, error.text);
+    return bvh;
+}
+
+static rk_bvh build(const rk_mesh *mesh)
+{
+    return build_with(mesh, rk_sah_options_default().bins, false);
+}
+
+static void no_triangles_give_a_tree_without_nodes(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_mesh(0);
+    rk_bvh bvh = build(&mesh);
+    rk_check_equal(bvh.node_count, 0, "without triangles there is no root either");
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
+static void the_default_is_fifty_bins_on_the_longest_axis(void **state)
+{
+    (void)state;
+    rk_check_equal(rk_sah_options_default().bins, 50, "the classic course's");
+    rk_check(!rk_sah_options_default().all_axes, "the classic form looks at the longest axis only");
+}
+
+/* Triangles that have the unit cube for their box; their centroids lie on a line along x and y. */
+static void place_across(rk_mesh *mesh, uint32_t triangle, float where)
+{
+    mesh->positions[3 * triangle] = rk_vec(0, 1, 0);
+    mesh->positions[3 * triangle + 1] = rk_vec(1, 0, 1);
+    mesh->positions[3 * triangle + 2] = rk_vec(where, where, 0.5f);
+}
+
+static void a_node_is_a_leaf_where_no_cut_pays(void **state)
+{
+    (void)state;
+    /* Every box is the node's own: any cut costs 1.5 more than testing all. */
+    rk_mesh mesh = make_mesh(20);
+    for (uint32_t i = 0; i < 20; i++)
+        place_across(&mesh, i, (float)i / 19);
+    rk_bvh_reference *references = references_of(&mesh);
+    rk_check_equal(list(references, 20, 20, false), 19, "one centroid a bin");
+    for (uint32_t k = 0; k < 19; k++)
+        rk_check_close(candidates[k].cost, 21.5, 0, "both boxes are as large as the node's");
+    free(references);
+    rk_bvh bvh = build(&mesh);
+    rk_check_equal(bvh.nodes[0].count, 20, "1.5 + 20 is more than 20: a leaf");
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
+static void two_far_triangles_are_parted(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(2, 0.01f, 5);
+    for (uint32_t i = 3; i < 6; i++)
+        mesh.positions[i].x += 100;
+    rk_bvh bvh = build(&mesh);
+    rk_check_equal(bvh.nodes[0].count, 0, "1.5 and next to nothing is less than 2: no leaf yet");
+    rk_check_equal(bvh.nodes[bvh.nodes[0].first].count, 1, "one to the left");
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
+/* What a tree's nodes are held against. */
+typedef struct comparison {
+    const rk_bvh *bvh;
+    const rk_bvh_reference *references; /* of the mesh */
+    rk_bvh_reference *some;             /* room for those of one node */
+    rk_sah_options options;
+} comparison;
+
+static void compare_with_brute_force(const rk_bvh_node *node, uint32_t level, void *context)
+{
+    (void)level;
+    comparison *c = context;
+    static rk_sah_split all[RK_SAH_CANDIDATES_MAX];
+    rk_bvh_stretch stretch = rk_bvh_stretch_of(c->bvh, (uint32_t)(node - c->bvh->nodes));
+    for (uint32_t i = 0; i < stretch.count; i++)
+        c->some[i] = c->references[c->bvh->triangles[stretch.begin + i].index];
+    uint32_t found = list_by_brute_force(c->some, stretch.count, &c->options, all);
+    rk_sah_split best = {.cost = INFINITY};
+    for (uint32_t k = 0; k < found; k++)
+        if (all[k].cost < best.cost)
+            best = all[k];
+    bool pays = best.cost < stretch.count;
+    rk_check(pays == (node->count == 0),
+             "a node of %u triangles, whose cheapest cut costs %.9g: got %s, want %s",
+             stretch.count, best.cost, node->count ? "a leaf" : "a cut", pays ? "a cut" : "a leaf");
+    if (!pays)
+        return;
+    for (int side = 0; side < 2; side++) {
+        uint32_t got = rk_bvh_stretch_of(c->bvh, node->first + (uint32_t)side).count;
+        rk_check(got == best.count[side] && memcmp(&c->bvh->nodes[node->first + (uint32_t)side].box,
+                                                   &best.box[side], sizeof best.box[side]) == 0,
+                 "a node of %u triangles: its %s child has %u of them, want the %u, and their box, "
+                 "of the cheapest cut, on axis %c at border %u",
+                 stretch.count, side ? "right" : "left", got, best.count[side], "xyz"[best.axis],
+                 best.border);
+    }
+}
+
+static void check_tree(const rk_mesh *mesh, rk_sah_options options)
+{
+    rk_bvh bvh = build_with(mesh, options.bins, options.all_axes);
+    rk_bvh_reference *references = references_of(mesh);
+    comparison c = {&bvh, references, calloc(mesh->triangle_count, sizeof *references), options};
+    rk_check(c.some != NULL, "no memory for %u references", mesh->triangle_count);
+    rk_bvh_visit(&bvh, compare_with_brute_force, &c);
+    free(c.some);
+    free(references);
+    rk_bvh_free(&bvh);
+}
+
+static void every_node_is_cut_where_brute_force_would(void **state)
+{
+    (void)state;
+    const uint32_t counts[] = {1, 2, 3, 5, 50, 51, 400, 3000};
+    for (uint32_t i = 0; i < sizeof counts / sizeof *counts; i++) {
+        rk_mesh mesh = make_soup(counts[i], 0.05f, 20 + i);
+        check_tree(&mesh, rk_sah_options_default());
+        check_tree(&mesh, (rk_sah_options){16, true});
+        check_tree(&mesh, (rk_sah_options){2, false});
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void every_tree_of_a_scene_costs_less_than_the_median_s(void **state)
+{
+    (void)state;
+    const char *const names[] = {"cube",   "cornell",  "sphere",     "spheres",
+                                 "teapot", "scan:967", "scan:20000", "scan:87130"};
+    for (uint32_t i = 0; i < sizeof names / sizeof *names; i++) {
+        rk_scene scene;
+        rk_error error;
+        rk_check_ok(rk_scene_builtin(&scene, names[i], &error), error);
+        rk_bvh median;
+        rk_check_ok(rk_bvh_build_median(&median, &scene.mesh, &error), error);
+        double limit = rk_bvh_measure(&median).sah_cost;
+        rk_bvh_free(&median);
+        for (int all_axes = 0; all_axes < 2; all_axes++) {
+            rk_bvh bvh = build_with(&scene.mesh, 50, all_axes);
+            double cost = rk_bvh_measure(&bvh).sah_cost;
+            rk_check(cost < limit,
+                     "%s, %s: got a tree of cost %.6g, want less than %.6g, which is "
+                     "what cutting at the median gives",
+                     names[i], all_axes ? "all axes" : "longest axis", cost, limit);
+            rk_bvh_free(&bvh);
+        }
+        rk_scene_free(&scene);
+    }
+}
+
+/* --- Difficult meshes ------------------------------------------------------------------------ */
+
+static void check_rays(const rk_mesh *mesh, const rk_bvh *bvh, uint32_t rays, uint32_t seed)
+{
+    rk_counters counters = {0};
+    for (uint32_t i = 0; i < rays; i++) {
+        rk_ray ray = make_ray(i, seed, rk_mesh_bounds(mesh));
+        rk_hit want = closest_by_trying_all(mesh, &ray);
+        rk_hit got = rk_bvh_closest(bvh, &ray, &counters);
+        rk_check(got.triangle == want.triangle && got.t == want.t,
+                 "ray %u: got triangle %u at t = %.9g, want %u at %.9g, by trying all", i,
+                 got.triangle, (double)got.t, want.triangle, (double)want.t);
+        rk_check(rk_bvh_any(bvh, &ray, &counters) == (want.triangle != RK_MISS),
+                 "ray %u: any-hit differs from trying all", i);
+    }
+}
+
+static void rays_find_what_trying_all_finds(void **state)
+{
+    (void)state;
+    const uint32_t counts[] = {1, 5, 50, 500, 3000};
+    for (uint32_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        for (int all_axes = 0; all_axes < 2; all_axes++) {
+            rk_mesh mesh = make_soup(counts[i], 0.1f, 30 + i);
+            rk_bvh bvh = build_with(&mesh, 50, all_axes);
+            check_rays(&mesh, &bvh, 1000, 40 + i);
+            rk_bvh_free(&bvh);
+            rk_mesh_free(&mesh);
+        }
+}
+
+static void identical_triangles_become_leaves_of_64_at_most(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_mesh(1000);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++)
+        mesh.positions[i] = rk_vec(i % 3 == 1, i % 3 == 2, 0);
+    rk_bvh bvh = build(&mesh);
+    rk_check_equal(rk_bvh_measure(&bvh).leaves, 16, "no border: 1,000 are halved until 64 fit");
+    rk_check_equal(rk_bvh_measure(&bvh).levels, 5, "1,000, 500, 250, 125, then 62 or 63");
+    check_rays(&mesh, &bvh, 100, 50);
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
+static void what_no_first_cut_pays_for_later_ones_may(void **state)
+{
+    (void)state;
+    /* A hundred triangles from corner to corner of a cube, ten thousand small ones among them. Each
+     * border has large ones on both sides, so no cut pays, and still a leaf of all would be bad. */
+    const uint32_t large = 100, n = 10100;
+    rk_mesh mesh = make_soup(n, 0.001f, 6);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++)
+        mesh.positions[i] = rk_add(rk_scale(mesh.positions[i], 0.15f), rk_vec(0.5f, 0.5f, 0.5f));
+    for (uint32_t i = 0; i < large; i++)
+        place_across(&mesh, i * (n / large), (float)i / (float)(large - 1));
+    rk_bvh bvh = build(&mesh);
+    rk_counters counters = {0};
+    const uint32_t rays = 500;
+    for (uint32_t i = 0; i < rays; i++) {
+        rk_ray ray = make_ray(i, 7, rk_mesh_bounds(&mesh));
+        rk_bvh_closest(&bvh, &ray, &counters);
+    }
+    uint64_t tests = counters.triangle_tests / rays;
+    /* Measured: 108 by even cuts, 191 where the triangles are halved as they stand in the mesh,
+     * 1,018 by the cheapest cuts, which part off a few at a time. */
+    rk_check(
+        tests < 150,
+        "got %llu triangle tests a ray, want fewer than 150: where no cut pays, but a leaf would "
+        "be too large, take the most even one",
+        (unsigned long long)tests);
+    check_rays(&mesh, &bvh, 50, 8);
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
+static void a_geometric_progression_is_not_too_deep(void **state)
+{
+    (void)state;
+    /* Each triangle half as large and half as far from 0 as the one before: with two bins, each cut
+     * takes one octave away, and there are twice as many octaves as levels. Eight triangles an
+     * octave are too many for one last leaf. */
+    const uint32_t octaves = 2 * RK_BVH_LEVELS_MAX;
+    rk_mesh mesh = make_soup(8 * octaves, 0.05f, 9);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++)
+        mesh.positions[i] =
+            rk_scale(rk_add(mesh.positions[i], rk_vec(6, 0, 0)), ldexpf(1, 40 - (int)(i / 24)));
+    for (uint32_t bins = 2; bins <= 50; bins += 48) {
+        rk_bvh bvh = build_with(&mesh, bins, false);
+        uint32_t levels = rk_bvh_measure(&bvh).levels;
+        rk_check(bins > 2 || levels > 40,
+                 "got %u levels with two bins, want over 40: this test was to try a deep tree",
+                 levels);
+        check_rays(&mesh, &bvh, 200, 11);
+        rk_bvh_free(&bvh);
+    }
+    rk_mesh_free(&mesh);
+}
+
+static void flat_long_and_huge_meshes_equal_trying_all(void **state)
+{
+    (void)state;
+    const rk_vec3 stretch[] = {{1, 1, 0},
+                               {0, 1, 0},
+                               {0, 0, 0},
+                               {1e6f, 1, 1e-6f},
+                               {1e15f, 1e15f, 1e15f},
+                               {1e-6f, 1e-6f, 1e-6f}};
+    for (uint32_t s = 0; s < sizeof stretch / sizeof *stretch; s++) {
+        rk_mesh mesh = make_soup(200, 0.1f, 60 + s);
+        for (uint32_t i = 0; i < mesh.vertex_count; i++)
+            mesh.positions[i] = rk_mul(mesh.positions[i], stretch[s]);
+        rk_bvh bvh = build(&mesh);
+        check_rays(&mesh, &bvh, 500, s);
+        rk_bvh_free(&bvh);
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void coordinates_near_the_largest_float_build_as_good_a_tree(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(2000, 0.05f, 12);
+    rk_bvh plain = build(&mesh);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++)
+        mesh.positions[i] = rk_scale(mesh.positions[i], 0x1p127f);
+    rk_bvh huge = build(&mesh);
+    double got = rk_bvh_measure(&huge).sah_cost, want = rk_bvh_measure(&plain).sah_cost;
+    /* Of several extents that overflow, x is taken for the longest: a few cuts differ. */
+    rk_check_close(
+        got, want, 0.01 * want,
+        "areas overflow a float, and so may a part of an extent: compute them in double");
+    rk_bvh_free(&plain);
+    rk_bvh_free(&huge);
+    rk_mesh_free(&mesh);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(no_triangles_give_a_tree_without_nodes),
+    cmocka_unit_test(the_default_is_fifty_bins_on_the_longest_axis),
+    cmocka_unit_test(centroids_are_counted_into_equal_parts_of_their_extent),
+    cmocka_unit_test(no_centroid_is_beyond_the_last_bin),
+    cmocka_unit_test(a_cut_costs_what_is_computed_by_hand),
+    cmocka_unit_test(empty_bins_have_no_border_and_no_box),
+    cmocka_unit_test(coinciding_centroids_have_no_border),
+    cmocka_unit_test(tiny_and_huge_extents_are_counted_right),
+    cmocka_unit_test(no_node_has_more_bins_than_triangles),
+    cmocka_unit_test(borders_are_where_the_centroids_reach_farthest),
+    cmocka_unit_test(all_axes_are_tried_if_asked_for),
+    cmocka_unit_test(the_first_of_equally_cheap_cuts_is_taken),
+    cmocka_unit_test(candidates_equal_those_of_brute_force),
+    cmocka_unit_test(many_bins_cost_hardly_more_than_few),
+    cmocka_unit_test(two_far_triangles_are_parted),
+    cmocka_unit_test(a_node_is_a_leaf_where_no_cut_pays),
+    cmocka_unit_test(every_node_is_cut_where_brute_force_would),
+    cmocka_unit_test(rays_find_what_trying_all_finds),
+    cmocka_unit_test(identical_triangles_become_leaves_of_64_at_most),
+    cmocka_unit_test(what_no_first_cut_pays_for_later_ones_may),
+    cmocka_unit_test(a_geometric_progression_is_not_too_deep),
+    cmocka_unit_test(flat_long_and_huge_meshes_equal_trying_all),
+    cmocka_unit_test(coordinates_near_the_largest_float_build_as_good_a_tree),
+    cmocka_unit_test(every_tree_of_a_scene_costs_less_than_the_median_s),
+};
+
+RK_SUITE("sah_binning", tests)

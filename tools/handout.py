@@ -1,0 +1,288 @@
+#!/usr/bin/env python3
+"""Packs the kit for students: everything but the solutions of the named assignments, proven.
+
+The pack is a release of the kit in which those features' sources are starters in workbook/; its
+Makefile.am says so in `handed_out`. It grows beside its place and takes it when it is whole and no
+solution line was found in any of its files.
+"""
+
+import argparse
+import html
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tarfile
+import tempfile
+
+from assignments import ToolError, choose, read_features, read_points
+from regions import RegionError, handed_out_of, solution_lines, starter_of
+from results import write_whole
+
+HANDOUT = """\
+# What is handed out here
+
+This is raykit, a teaching kit for ray tracing in C, with a part left open for you to write.
+
+{assignments}
+
+## Begin
+
+    ./bootstrap
+    make check-{first}
+
+The first line installs what is missing and configures. The second tests your file and says what to
+work on first; now nearly everything fails. Then read, solve the first step, and check again.
+
+{reading}
+
+## Go on
+
+    {watch}  the check again whenever you save; Ctrl-C ends it
+    {debug}  the first failing test in gdb, stopped in your code
+    {diff}  what you have changed since the starter
+    {progress}  the points that you have
+    {report}  pictures and measurements by your code: reports/out/report.html
+    {check}  all suites; those that use your code fail until it is solved
+
+Where a text says `make workbook DIR=mine` and `IMPL=mine`: here your folder is `workbook`. It is there
+already, and it is meant wherever IMPL is not given. What stands in `src/features` for these
+assignments is the starter once more, for comparison; nothing uses it.
+
+## Hand in
+
+{files}, and nothing else, unless your instructor asks for more.
+"""
+
+
+# --- The place ------------------------------------------------------------------------------------
+
+
+def place_of(out, folder):
+    """Returns where the pack goes and the name of its top folder."""
+    if out and folder:
+        raise ToolError("give OUT=file.tar.gz or DIR=folder, not both")
+    place = os.path.normpath(out or folder or "raykit-handout.tar.gz")
+    if not folder and not place.endswith(".tar.gz"):
+        raise ToolError(f"OUT: {place} should end in .tar.gz; for a folder give DIR={place}")
+    if os.path.lexists(place):
+        raise ToolError(f"{place} exists; remove it, or choose another name by OUT=... or DIR=...")
+    parent = os.path.dirname(os.path.abspath(place))
+    if not os.path.isdir(parent):
+        raise ToolError(f"{place}: there is no folder {parent}; make it first")
+    return place, os.path.basename(place).removesuffix("" if folder else ".tar.gz")
+
+
+# --- The pack -------------------------------------------------------------------------------------
+
+
+def _release(pack):
+    """What make dist would pack, less what ./bootstrap makes."""
+    command = [os.environ.get("MAKE", "make"), "-s", "distdir", f"distdir={pack}"]
+    environment = {name: value for name, value in os.environ.items() if name != "MAKEFLAGS"}
+    answer = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                            errors="replace", check=False)
+    if answer.returncode:
+        raise ToolError(f"the kit's files could not be gathered:\n{answer.stdout.strip()}")
+    for name in ("configure", "Makefile.in", "aclocal.m4"):
+        os.unlink(os.path.join(pack, name))
+    shutil.rmtree(os.path.join(pack, "build-aux"))
+
+
+def _hand_out(pack, features):
+    """Puts starters in the solutions' places, and has them built from the workbook."""
+    path = os.path.join(pack, "Makefile.am")
+    with open(path, encoding="utf-8") as file:
+        makefile = file.read()
+    os.mkdir(os.path.join(pack, "workbook"))
+    for feature in features:
+        old, new = f"src/features/{feature.stem}.c", f"workbook/{feature.stem}.c"
+        write_whole(os.path.join(pack, new), starter_of(feature.reference))
+        write_whole(os.path.join(pack, old), handed_out_of(feature.reference, new))
+        shutil.rmtree(os.path.join(pack, "tests", "mutants", feature.stem), ignore_errors=True)
+        makefile = re.sub(rf"(?<![\w/]){re.escape(old)}\b", new, makefile)
+    stems = [feature.stem for feature in features]
+    makefile, found = re.subn("^handed_out =.*$", f"handed_out = {' '.join(stems)}", makefile, flags=re.M)
+    if found != 1:
+        raise ToolError("Makefile.am has no line of its own that begins with \"handed_out =\"")
+    starters = " ".join(f"src/features/{stem}.c" for stem in stems)
+    write_whole(path, f"{makefile}\nEXTRA_DIST += HANDOUT.md\nEXTRA_LIBRARIES = librkstarters.a\n"
+                      f"librkstarters_a_SOURCES = {starters}\n")
+
+
+def _weave_book(pack, features):
+    """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers."""
+    drivers = []
+    for feature in features:
+        path = os.path.join("assignments", feature.folder, feature.stem)
+        os.symlink(os.path.abspath(path), os.path.join(pack, path))
+        drivers.append(os.path.join(pack, path))
+    environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=pack,
+                       CHROMIUM="", SOLUTIONS="yes")
+    answer = subprocess.run(["sh", os.path.join(pack, "docs", "make_book")], env=environment,
+                            stderr=subprocess.PIPE, text=True, errors="replace", check=False)
+    if answer.returncode:
+        raise ToolError(f"the book could not be woven; BOOK=no leaves it out:\n{answer.stderr.strip()}")
+    os.mkdir(os.path.join(pack, "docs", "handout"))
+    os.rename(os.path.join(pack, "docs", "out", "book.html"), os.path.join(pack, "docs", "handout", "book.html"))
+    shutil.rmtree(os.path.join(pack, "docs", "out"))
+    for driver in drivers:
+        os.unlink(driver)
+
+
+def _title(pack, feature):
+    with open(os.path.join(pack, "assignments", feature.folder, "handout.md"), encoding="utf-8") as file:
+        return file.readline().lstrip("# ").rstrip()
+
+
+def _write_handout(pack, features, has_book):
+    """Writes HANDOUT.md, where a student begins."""
+    rows = ["| task | your file | points | chapter |", "|---|---|---|---|"]
+    for feature in features:
+        task, file = f"assignments/{feature.folder}/handout.md", f"workbook/{feature.stem}.c"
+        points = sum(test.points for test in read_points(feature))
+        rows.append(f"| [{_title(pack, feature)}]({task}) | [{file}]({file}) | {points} "
+                    f"| [{feature.chapter}]({feature.chapter}) |")
+    first = features[0].stem
+    reading = ("Open `docs/handout/book.html` in a browser: the chapters, with figures as they should become.\n"
+               "`make book` makes `docs/out/book.html`, with figures by your code."
+               if has_book else "`make book` makes `docs/out/book.html`, the chapters, with figures by your code.")
+    width = len(f"make watch-{first}")
+    commands = {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "diff")}
+    commands |= {word: f"make {word}".ljust(width) for word in ("progress", "report", "check")}
+    files = " and ".join(f"`workbook/{feature.stem}.c`" for feature in features)
+    write_whole(os.path.join(pack, "HANDOUT.md"), HANDOUT.format(
+        assignments="\n".join(rows), first=first, reading=reading, files=files, **commands))
+
+
+# --- The proof ------------------------------------------------------------------------------------
+
+
+def _files(folder):
+    return sorted(os.path.relpath(os.path.join(where, name), folder)
+                  for where, _, names in os.walk(folder) for name in names)
+
+
+def _spaced(text):
+    return " ".join(text.split())
+
+
+def _read_lines(path):
+    """The file's lines, spaces made even; a page's without its tags."""
+    with open(path, encoding="utf-8", errors="replace") as file:
+        text = file.read()
+    lines = text.split("\n")
+    if path.endswith(".html"):
+        lines = [html.unescape(re.sub("<[^>]*>", "", line)) for line in lines]
+    return [_spaced(line) for line in lines]
+
+
+def secret_lines(source, features):
+    """Returns the features' solution lines, spaces made even, and those of them that prove nothing:
+    at least two other C files of the kit have them, too."""
+    secrets = {_spaced(line) for feature in features for line in solution_lines(feature.reference)}
+    own = {os.path.realpath(feature.reference) for feature in features}
+    counts = dict.fromkeys(secrets, 0)
+    for part in ("src", "tests", "assignments"):
+        for name in _files(os.path.join(source, part)):
+            path = os.path.join(source, part, name)
+            if name.endswith((".c", ".h")) and os.path.realpath(path) not in own:
+                text = "\n".join(_read_lines(path))
+                for line in secrets:
+                    counts[line] += line in text
+    return secrets, {line for line in secrets if counts[line] >= 2}
+
+
+def find_secrets(pack, features, secrets, common):
+    """Returns "file:line: text" for each line of the pack that holds a secret. In the places of the
+    solutions it is whole lines that count, the common ones among them."""
+    own = {f"{folder}/{feature.stem}.c" for feature in features for folder in ("workbook", "src/features")}
+    found = []
+    for name in _files(pack):
+        lines = _read_lines(os.path.join(pack, name))
+        whole = "\n".join(lines)
+        held = secrets if name in own else [line for line in secrets - common if line in whole]
+        for number, line in enumerate(lines, 1):
+            if line in held if name in own else any(secret in line for secret in held):
+                found.append(f"{name}:{number}: {line[:100]}")
+    return found
+
+
+def prove(source, pack, features):
+    """Returns a sentence that no file holds a solution line, or raises ToolError with the places."""
+    secrets, common = secret_lines(source, features)
+    found = find_secrets(pack, features, secrets, common)
+    if found:
+        more = [f"and {len(found) - 10} more"] if len(found) > 10 else []
+        raise ToolError("\n".join(["these lines of the pack are solutions:", *found[:10], *more,
+                                   "take them out; if another feature has them, name it in ASSIGNMENTS, too"]))
+    return (f"{len(secrets)} solution lines looked for in {len(_files(pack))} files, none found "
+            f"({len(common)} of them, common in the kit's other code, only where students write)")
+
+
+# --- The command ----------------------------------------------------------------------------------
+
+
+def make_handout(source, stems, out="", folder="", book=True):
+    """Makes the pack; returns lines that say what it is."""
+    features = read_features(source)
+    if not stems:
+        raise ToolError(f"say what to hand out: make handout ASSIGNMENTS=\"...\", of: {' '.join(features)}")
+    named = choose(features, stems)
+    chosen = [feature for feature in features.values() if feature in named]  # in the course's order
+    place, name = place_of(out, folder)
+    has_book = book and bool(os.environ.get("PANDOC"))
+    work = tempfile.mkdtemp(prefix=".handout-", dir=os.path.dirname(os.path.abspath(place)))
+    try:
+        pack = os.path.join(work, name)
+        _release(pack)
+        _hand_out(pack, chosen)
+        if has_book:
+            _weave_book(pack, features.values())
+        _write_handout(pack, chosen, has_book)
+        proof = prove(source, pack, chosen)
+        if not folder:
+            with tarfile.open(pack + ".tar.gz", "w:gz") as archive:
+                archive.add(pack, name, filter=_anonymous)
+        os.rename(pack + ("" if folder else ".tar.gz"), place)
+    finally:
+        shutil.rmtree(work, ignore_errors=True)
+    without = "" if has_book else ", without the book" + (" (it needs pandoc)" if book else "")
+    return [f"handed out: {' '.join(feature.stem for feature in chosen)}{without}", proof,
+            f"wrote {place}; students begin with its HANDOUT.md"]
+
+
+def _anonymous(entry):
+    entry.uid = entry.gid = 0
+    entry.uname = entry.gname = ""
+    return entry
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("stems", nargs="*", metavar="STEM", help="features to hand out")
+    parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
+    parser.add_argument("--out", default="", metavar="FILE", help="the archive")
+    parser.add_argument("--dir", default="", metavar="DIR", help="a folder instead of an archive")
+    parser.add_argument("--book", default="", metavar="yes|no", help="no leaves the woven book out")
+    arguments = parser.parse_args()
+    try:
+        if arguments.book not in ("", "yes", "no"):
+            raise ToolError(f"BOOK={arguments.book}: it is yes or no")
+        print("\n".join(make_handout(arguments.source, arguments.stems, arguments.out, arguments.dir,
+                                     arguments.book != "no")))
+    except (ToolError, RegionError) as error:
+        print(f"handout: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"handout: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("handout: stopped", file=sys.stderr)
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

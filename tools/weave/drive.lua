@@ -1,0 +1,149 @@
+-- The weaver's ground: what it is told by the environment, errors that name the text's file and
+-- line (pandoc reads it with the extension sourcepos), and running drivers.
+
+local drive = {
+  page = os.getenv("RAYKIT_WEAVES"),
+  source = os.getenv("RAYKIT_SOURCE"),
+  out = os.getenv("RAYKIT_OUT"),
+  scraps = os.getenv("RAYKIT_SCRAPS"),
+  runs = os.getenv("RAYKIT_RUNS"),
+  units = os.getenv("RAYKIT_UNITS") or "",
+}
+local drivers = os.getenv("RAYKIT_DRIVERS")
+local size = os.getenv("RAYKIT_SIZE") or ""
+
+function drive.say(...) io.stderr:write(drive.page, ": ", string.format(...), "\n") end
+
+function drive.fail(...)
+  drive.say(...)
+  os.exit(1)
+end
+
+-- "docs/01_bvh_median.md:12", where an element stands.
+function drive.place(element)
+  local file, line = (element.attributes["data-pos"] or ""):match("^(.-)@(%d+):")
+  if not file then return "a text" end
+  if file:sub(1, #drive.source + 1) == drive.source .. "/" then file = file:sub(#drive.source + 2) end
+  return file .. ":" .. line
+end
+
+-- A text's mistake ends the weaving.
+function drive.fail_at(element, ...)
+  drive.fail("%s: %s", drive.place(element), string.format(...))
+end
+
+-- A driver's failure does too, but with a student's units it costs only what the driver was to
+-- make: see drive.forgiving.
+local function fail_by_driver(element, ...)
+  if drive.units == "" then drive.fail_at(element, ...) end
+  drive.say("%s: %s", drive.place(element), string.format(...))
+  error({by_driver = true})
+end
+drive.fail_by_driver = fail_by_driver
+
+-- Returns what a directive makes of an element, or nil where a student's units failed.
+function drive.forgiving(directive, element)
+  local made, result = pcall(directive, element)
+  if made then return result end
+  if type(result) ~= "table" or not result.by_driver then error(result, 0) end
+  return nil
+end
+
+-- An attribute that a directive cannot do without.
+function drive.need(element, key)
+  local value = element.attributes[key]
+  if not value or value == "" then
+    drive.fail_at(element, ".%s wants %s=...", element.classes[1], key)
+  end
+  return value
+end
+
+function drive.words(text)
+  local list = {}
+  for word in (text or ""):gmatch("%S+") do list[#list + 1] = word end
+  return list
+end
+
+drive.meshes = drive.words(os.getenv("MESHES"))
+
+function drive.quote(word) return "'" .. word:gsub("'", "'\\''") .. "'" end
+
+-- SIGHUP, SIGINT and SIGTERM: somebody wants all of it to end.
+local interruptions = {[1] = true, [2] = true, [15] = true}
+
+-- Runs a command and returns what it printed, or nil and its exit status.
+local function answer_of(command)
+  local pipe = io.popen(command, "r")
+  local answer = pipe:read("a")
+  local done, how, number = pipe:close()
+  local signal = how == "signal" and number or number - 128 -- the shell's way to tell of it
+  if interruptions[signal] then os.exit(130) end
+  if done then return answer end
+  return nil, number
+end
+
+-- Paths in the source tree and the build folder that fit a shell's pattern.
+function drive.list(folder, pattern)
+  local list = answer_of("ls -d " .. drive.quote(folder) .. "/" .. pattern .. " 2>/dev/null || true")
+  local paths = {}
+  for path in list:gmatch("[^\n]+") do paths[#paths + 1] = path end
+  return paths
+end
+
+local function driver_path(element)
+  local name = drive.need(element, "driver")
+  if not name:find("^[%w_]+$") then drive.fail_at(element, "there is no driver called %s", name) end
+  return drive.list(drivers, "assignments/*_" .. name .. "/" .. name)[1] or
+    drive.fail_at(element, "there is no driver called %s", name)
+end
+
+local patience = 120 -- seconds for a driver with a student's units, which may never end
+local timed_out = 124 -- timeout's exit status
+local printed = {} -- by command: what was measured once is not measured again
+
+-- Runs the driver that an element names and returns what it printed. Its files go where all go, in
+-- the size of a trial if it is one; or into `folder`, as they are.
+function drive.run(element, args, folder)
+  if size ~= "" and not folder then args = args .. " --width " .. size .. " --height " .. size end
+  folder = folder or drive.out
+  local command = drive.quote(driver_path(element)) .. " " .. args .. " --out " .. drive.quote(folder)
+  if drive.units ~= "" then command = "timeout --foreground -k 5 " .. patience .. " " .. command end
+  if printed[command] then return printed[command] end
+  drive.say("%s %s", element.attributes.driver, args)
+  local answer, status = answer_of(command)
+  if not answer and drive.units ~= "" and status == timed_out then
+    fail_by_driver(element, "this command did not end within %d seconds: %s", patience, command)
+  elseif not answer then
+    fail_by_driver(element, "this command failed (its reason stands above): %s", command)
+  end
+  printed[command] = answer
+  return answer
+end
+
+-- Runs the driver on each of the element's scenes, and on each mesh where these count too; once
+-- plainly and once with each of the variants. What it measures goes to its CSV file.
+function drive.measure(element, options, with_meshes)
+  local attributes, targets, variants = element.attributes, {}, {""}
+  for variant in (attributes.variants or ""):gmatch("[^,]+") do variants[#variants + 1] = variant end
+  for _, scene in ipairs(drive.words(attributes.scenes)) do targets[#targets + 1] = "--scene " .. scene end
+  for _, mesh in ipairs(with_meshes and drive.meshes or {}) do
+    targets[#targets + 1] = "--mesh " .. drive.quote(mesh)
+  end
+  if #targets == 0 then targets[1] = "" end
+  for _, target in ipairs(targets) do
+    for _, variant in ipairs(variants) do
+      drive.run(element, target .. " " .. (attributes.args or "") .. " " .. variant .. " " .. options)
+    end
+  end
+end
+
+drive.timing = "--timing --quiet --runs " .. drive.runs
+
+-- What stands under a picture or a table: a text, and in small print what it was made with.
+function drive.caption(blocks, small)
+  local caption = {pandoc.Plain(pandoc.utils.blocks_to_inlines(blocks))}
+  if small then caption[2] = pandoc.Plain({pandoc.Span(small, {class = "parameters"})}) end
+  return pandoc.Div(caption, {class = "caption"})
+end
+
+return drive

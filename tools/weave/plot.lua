@@ -1,0 +1,133 @@
+-- Log-log plots by gnuplot from the CSV files that drivers write: .plot.
+
+local drive = require("drive")
+local tables = require("tables")
+local fail_at, need, words = drive.fail_at, drive.need, drive.words
+
+local gnuplot = os.getenv("RAYKIT_GNUPLOT") or ""
+
+-- Colours that people with any colour vision tell apart (M. Okabe and K. Ito, 2008), and points of
+-- different shapes for print.
+local styles = {{"#0072b2", 7}, {"#d55e00", 5}, {"#009e73", 9}, {"#cc79a7", 13}, {"#56b4e9", 11},
+  {"#e69f00", 6}, {"#000000", 4}, {"#777777", 8}}
+
+local function quote(text) return "'" .. text:gsub("'", "''") .. "'" end
+
+-- The number in a row's column, or nil where a logarithm has no place for it.
+local function coordinate(div, row, column)
+  local value = tonumber(row[column])
+  if not value then drive.fail_by_driver(div, "%s is no number: %s", column, row[column] or "") end
+  return value > 0 and value or nil
+end
+
+-- Puts the rows into lines, one for each value of the column `by`, in the order of the rows. Returns
+-- also how many rows have no place in the plot.
+local function lines_of(div, rows, x, y, by)
+  local lines, by_title, left_out = {}, {}, 0
+  for _, row in ipairs(rows) do
+    local title = by == "metric" and tables.label(row.metric) or by and tables.cell(row, by) or
+      tables.label(y)
+    local line = by_title[title]
+    if not line then
+      line = {title = title, points = {}}
+      by_title[title] = line
+      lines[#lines + 1] = line
+    end
+    local point = {coordinate(div, row, x), coordinate(div, row, y)}
+    if point[1] and point[2] then line.points[#line.points + 1] = point else left_out = left_out + 1 end
+  end
+  for n = #lines, 1, -1 do
+    local line = lines[n]
+    if #line.points == 0 then table.remove(lines, n) end
+    table.sort(line.points, function(a, b) return a[1] < b[1] end)
+    for i = 2, #line.points do -- measured times may be equal by chance
+      if x ~= "seconds" and line.points[i][1] == line.points[i - 1][1] then
+        fail_at(div, "%s has several values at one %s; tell the rows apart by by=... or where=...",
+          line.title, x)
+      end
+    end
+  end
+  if #lines == 0 then drive.fail_by_driver(div, "tables/%s.csv has nothing to plot", tables.name(div)) end
+  if #lines > #styles then fail_at(div, "%d lines are too many to tell apart", #lines) end
+  return lines, left_out
+end
+
+-- Powers of ten where the numbers span two of them or more, else the numbers themselves.
+local function tics(lines, axis, i)
+  local least, most = math.huge, 0
+  for _, line in ipairs(lines) do
+    for _, point in ipairs(line.points) do
+      least, most = math.min(least, point[i]), math.max(most, point[i])
+    end
+  end
+  return "set format " .. axis .. (most / least >= 100 and " '10^{%L}'" or " '%g'")
+end
+
+-- The legend stands where lines that fall or rise leave room.
+local function falls(lines)
+  local points = lines[1].points
+  return #points > 1 and points[#points][2] < points[1][2]
+end
+
+local drawn = {} -- pictures
+
+local function draw(div, name, xlabel, ylabel, lines, left_out)
+  drawn[name] = (drawn[name] or 0) + 1
+  local path = "figures/" .. name .. (drawn[name] > 1 and "_" .. drawn[name] or "") .. ".svg"
+  local parts, script = {}, {
+    "set terminal svg size 600,380 font 'Helvetica,15' background 'white'",
+    "set output " .. quote(drive.out .. "/" .. path),
+    "set logscale xy", tics(lines, "x", 1), tics(lines, "y", 2), "set grid",
+    "set key top " .. (falls(lines) and "right" or "left"),
+    "set xlabel " .. quote(xlabel), "set ylabel " .. quote(ylabel),
+  }
+  for i, line in ipairs(lines) do
+    script[#script + 1] = string.format("set style line %d lc rgb '%s' pt %d lw 2", i, table.unpack(styles[i]))
+    script[#script + 1] = "$data" .. i .. " << EOD"
+    for _, point in ipairs(line.points) do
+      script[#script + 1] = string.format("%.9g %.9g", point[1], point[2])
+    end
+    script[#script + 1] = "EOD"
+    parts[i] = string.format("$data%d using 1:2 with linespoints linestyle %d title %s noenhanced", i, i,
+      quote(line.title))
+  end
+  script[#script + 1] = "plot " .. table.concat(parts, ", ") .. "\n"
+  local pipe = io.popen(drive.quote(gnuplot), "w")
+  pipe:write(table.concat(script, "\n"))
+  if not pipe:close() then fail_at(div, "gnuplot failed (its reason stands above)") end
+  local note = left_out > 0 and "left out: values of 0 or less, which have no logarithm (" .. left_out .. ")"
+  return pandoc.Div({
+    pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}), drive.caption(div.content, note),
+  }, {class = "picture plot"})
+end
+
+local function unit_of(div, rows)
+  local unit = rows[1].unit
+  for _, row in ipairs(rows) do
+    if row.unit ~= unit then fail_at(div, "one axis cannot be in %s and %s", unit, row.unit) end
+  end
+  return unit
+end
+
+return function(div)
+  if gnuplot == "" then
+    drive.say("a plot is left out: it needs gnuplot")
+    return pandoc.Para({pandoc.Emph("A plot is left out here: this build found no gnuplot.")})
+  end
+  local given, metrics = div.attributes, words(div.attributes.metrics)
+  if #metrics > 0 then
+    drive.measure(div, drive.timing)
+    local rows, columns = tables.read_metrics(div, metrics)
+    local x = given.x or "triangles"
+    for _, column in ipairs({x, given.by}) do tables.check_column(div, columns, column) end
+    local ylabel = (given.ylabel or "time") .. ", " .. unit_of(div, rows)
+    return draw(div, tables.name(div) .. "_" .. metrics[1], given.xlabel or tables.label(x), ylabel,
+      lines_of(div, rows, x, "median", given.by or "metric"))
+  end
+  local x, y = need(div, "x"), need(div, "y")
+  if given.driver then drive.measure(div, "--quiet") end
+  local rows, columns = tables.read(div)
+  for _, column in ipairs({x, y, given.by}) do tables.check_column(div, columns, column) end
+  return draw(div, tables.name(div) .. "_" .. y .. "_over_" .. x, given.xlabel or tables.label(x),
+    given.ylabel or tables.label(y), lines_of(div, rows, x, y, given.by))
+end
