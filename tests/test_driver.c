@@ -131,7 +131,8 @@ static void help_speaks_to_a_newcomer(void **state)
 {
     run help = run_well(*state, "--help");
     const char *const parts[] = {"draw a debug view: level, leaf", "by default the scene's",
-                                 "cube        12 triangles", "(default cornell)", "(default out)"};
+                                 "cube            12 triangles", "(default cornell)",
+                                 "(default out)"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         check_contains(help.out, parts[i]);
     const char *const riddles[] = {"nan", "inf", "4294967295", "4000000000", "e+"};

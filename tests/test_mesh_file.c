@@ -128,6 +128,7 @@ static void obj_brings_materials_unit_normals_and_texture_coordinates(void **sta
     rk_check_close(red->alpha, 0.5, 0, "d is the opacity");
     check_point(green->kd, 0, 1, 0);
     rk_check_close(green->alpha, 0.75, 0, "Tr is 1 - opacity");
+    rk_check_close(rk_length(red->absorption), 0, 0, "not read from meshes: clear glass");
     assert_non_null(mesh.normals);
     assert_non_null(mesh.texcoords);
     check_point(mesh.normals[mesh.triangles[0][0]], 0, 0, 1);

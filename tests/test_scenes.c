@@ -150,17 +150,31 @@ static uint32_t *weld(const rk_mesh *mesh)
 
 /* --- all scenes ------------------------------------------------------------------------------ */
 
-static const char *const names[] = {"triangle", "cube",     "cornell", "sphere",
-                                    "teapot",   "teapot:3", "scan",    "scan:967"};
+static const char *const names[] = {
+    "triangle", "cube",  "cube-textured", "cornell", "cornell-glass", "cornell-light", "panes",
+    "panes:1",  "glass", "sphere",        "teapot",  "teapot:3",      "scan",          "scan:967"};
 
 enum { name_count = sizeof names / sizeof names[0] };
+
+/* These keep the size that their makers gave them. */
+static bool is_arranged(const char *name)
+{
+    return strncmp(name, "cornell", 7) == 0 || strncmp(name, "panes", 5) == 0 ||
+           strcmp(name, "glass") == 0;
+}
 
 static void every_scene_is_valid_and_has_its_count(void **state)
 {
     (void)state;
     check_count("triangle", 1);
     check_count("cube", 12);
+    check_count("cube-textured", 12);
     check_count("cornell", 32);
+    check_count("cornell-glass", 36); /* bottoms, too: 2 blocks x 2 */
+    check_count("cornell-light", 30); /* no lamp */
+    check_count("panes", 8);
+    check_count("panes:1", 8);
+    check_count("glass", 26);
     check_count("sphere", 1280);
     check_count("scan", 87130);
     check_count("teapot", 16256); /* 32 x 16 x 16 squares of 2, less 8 x 16 at the poles */
@@ -177,8 +191,8 @@ static void every_scene_fits_into_the_unit_ball(void **state)
         for (uint32_t v = 0; v < scene.mesh.vertex_count; v++)
             farthest = fmaxf(farthest, rk_length(scene.mesh.positions[v]));
         const double rounding = 4 * 0x1p-24;
-        if (strcmp(names[i], "cornell") == 0)
-            rk_check(farthest <= 1 && farthest > 0.99f, "the Cornell box reaches to %f",
+        if (is_arranged(names[i]))
+            rk_check(farthest <= 1 && farthest > 0.98f, "%s reaches to %f", names[i],
                      (double)farthest);
         else
             rk_check_close(farthest, 1, rounding, names[i]);
@@ -247,6 +261,12 @@ static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
                                  "triangles",
                                  "cube:3",
                                  "cornell:",
+                                 "cornell-",
+                                 "cornell-mirror",
+                                 "cornell-glass:1",
+                                 "cube_textured",
+                                 "panes:2",
+                                 "panes:",
                                  "teapot:",
                                  "teapot:1",
                                  "teapot:1001",
@@ -269,7 +289,9 @@ static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
         rk_check(!rk_scene_builtin(&scene, wrong[i], &error), "\"%s\" was accepted", wrong[i]);
         rk_check_error_names(error, wrong[i]);
         rk_check_error_names(
-            error, "triangle, cube, cornell, sphere:N, spheres:N, shininess, teapot:N, scan:N");
+            error,
+            "triangle, cube, cube-textured, cornell, cornell-glass, "
+            "cornell-light, panes:N, glass, sphere:N, spheres:N, shininess, teapot:N, scan:N");
         rk_scene_free(&scene); /* a refused scene is a zeroed one */
     }
 }
@@ -277,9 +299,14 @@ static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
 static void the_help_names_every_scene(void **state)
 {
     (void)state;
-    const char *const wanted[] = {"triangle", "cube", "cornell", "sphere:N", "teapot:N", "scan:N"};
-    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++)
-        rk_check(strstr(rk_scene_builtin_help, wanted[i]), "the help misses %s", wanted[i]);
+    const char *const wanted[] = {"triangle", "cube",      "cube-textured", "cornell",
+                                  "panes:N",  "glass",     "cornell-glass", "cornell-light",
+                                  "sphere:N", "spheres:N", "teapot:N",      "scan:N"};
+    for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
+        char line[40];
+        snprintf(line, sizeof line, "  %s  ", wanted[i]);
+        rk_check(strstr(rk_scene_builtin_help, line), "the help misses %s", wanted[i]);
+    }
 }
 
 /* --- simple shapes --------------------------------------------------------------------------- */
@@ -309,6 +336,68 @@ static void the_cube_is_closed_and_each_side_has_one_colour(void **state)
         uint32_t side = mesh.triangle_materials[i];
         rk_check_close(component[side / 2], side % 2 ? 4 : -4, 0, "the side of its material");
     }
+    rk_mesh_free(&mesh);
+}
+
+/* How fast p grows along one texture coordinate of a triangle, where the other stands still. */
+static void texture_axes(const rk_mesh *mesh, uint32_t triangle, vec *along_u, vec *along_v)
+{
+    const uint32_t *row = mesh->triangles[triangle];
+    const rk_vec2 *t = mesh->texcoords;
+    vec a = corner_of(mesh, triangle, 0);
+    vec p = minus(corner_of(mesh, triangle, 1), a), q = minus(corner_of(mesh, triangle, 2), a);
+    double pu = (double)(t[row[1]].x - t[row[0]].x), pv = (double)(t[row[1]].y - t[row[0]].y);
+    double qu = (double)(t[row[2]].x - t[row[0]].x), qv = (double)(t[row[2]].y - t[row[0]].y);
+    double det = pu * qv - pv * qu;
+    *along_u = (vec){(qv * p.x - pv * q.x) / det, (qv * p.y - pv * q.y) / det,
+                     (qv * p.z - pv * q.z) / det};
+    *along_v = (vec){(pu * q.x - qu * p.x) / det, (pu * q.y - qu * p.y) / det,
+                     (pu * q.z - qu * p.z) / det};
+}
+
+static void the_textured_cube_shows_each_letter_upright_and_unmirrored(void **state)
+{
+    (void)state;
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_make_cube_textured(&mesh, 0, &error), error);
+    rk_check_ok(rk_mesh_validate(&mesh, "cube", &error), error);
+    uint32_t *id = weld(&mesh);
+    rk_check_equal(free_edges(&mesh, id), 0, "closed");
+    free(id);
+    for (uint32_t i = 0; i < 12; i++) {
+        vec n = normal_of(&mesh, i), right, up;
+        texture_axes(&mesh, i, &right, &up);
+        const double normal[3] = {n.x, n.y, n.z};
+        uint32_t side = mesh.triangle_materials[i];
+        rk_check_close(normal[side / 2], side % 2 ? 4 : -4, 0, "the side of its material");
+        /* The picture is 1 across, the side 2; on top up is to the back, below to the front. */
+        rk_check_close(up.y, side / 2 == 1 ? 0 : 2, 0, "v goes up");
+        rk_check_close(up.z, side == 3 ? 2 : side == 2 ? -2 : 0, 0, "v goes up");
+        vec outwards = {right.y * up.z - right.z * up.y, right.z * up.x - right.x * up.z,
+                        right.x * up.y - right.y * up.x};
+        rk_check_close(dot(outwards, n), 16, 0, "u goes right as seen from outside: no mirror");
+        rk_check(mesh.materials[side].kd_texture == &mesh.textures[0], "side %u is plain", side);
+    }
+    rk_mesh_free(&mesh);
+}
+
+static void the_letter_differs_from_its_turned_and_mirrored_selves(void **state)
+{
+    (void)state;
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_make_cube_textured(&mesh, 0, &error), error);
+    /* Ink in the quarters: top left, top right, bottom left, bottom right; an F has the most in the
+     * first and the least in the last, and no two alike that a mirror would swap. */
+    int ink[4] = {0};
+    const rk_image *image = &mesh.textures[0].image;
+    for (size_t y = 0; y < image->height; y++)
+        for (size_t x = 0; x < image->width; x++)
+            ink[2 * (y >= image->height / 2) + (x >= image->width / 2)] +=
+                rk_image_at(image, x, y)->x < 0.5f;
+    rk_check(ink[0] > ink[1] && ink[0] > ink[2] && ink[1] != ink[2] && ink[3] == 0,
+             "%d and %d above %d and %d", ink[0], ink[1], ink[2], ink[3]);
     rk_mesh_free(&mesh);
 }
 
@@ -350,19 +439,26 @@ static void sphere_triangles_are_the_icosahedrons_own(void **state)
 
 enum { white, red, green, lamp, mirror };
 
-static void every_corner_of_the_cornell_box_is_in_its_picture(void **state)
+static void check_corners_are_in_the_picture(const char *name)
 {
-    (void)state;
-    rk_scene scene = make_scene("cornell");
+    rk_scene scene = make_scene(name);
     rk_view view = rk_view_of(&scene.camera, 800, 800);
     for (uint32_t i = 0; i < scene.mesh.vertex_count; i++) {
         rk_vec2 p;
         float depth;
         rk_check(rk_view_project(&view, scene.mesh.positions[i], &p, &depth), "behind the camera");
-        rk_check(p.x > 0 && p.x < 800 && p.y > 0 && p.y < 800, "corner %u appears at %f, %f", i,
-                 (double)p.x, (double)p.y);
+        rk_check(p.x > 0 && p.x < 800 && p.y > 0 && p.y < 800, "%s: corner %u appears at %f, %f",
+                 name, i, (double)p.x, (double)p.y);
     }
     rk_scene_free(&scene);
+}
+
+static void every_corner_of_an_arranged_scene_is_in_its_picture(void **state)
+{
+    (void)state;
+    for (int i = 0; i < name_count; i++)
+        if (is_arranged(names[i]))
+            check_corners_are_in_the_picture(names[i]);
 }
 
 static void the_red_wall_is_left_and_the_green_one_right(void **state)
@@ -419,6 +515,236 @@ static void the_cornell_light_hangs_just_below_the_lamp(void **state)
     rk_check(lamp_y < ceiling, "the lamp is hidden in the ceiling");
     float below = lamp_y - scene.lights[0].position.y;
     rk_check(below > 0 && below < 0.05f, "the light is %f below the lamp", (double)below);
+    rk_scene_free(&scene);
+}
+
+static void only_the_mirror_of_the_cornell_box_reflects(void **state)
+{
+    (void)state;
+    const char *const boxes[] = {"cornell", "cornell-glass", "cornell-light"};
+    for (int i = 0; i < 3; i++) {
+        rk_scene scene = make_scene(boxes[i]);
+        for (uint32_t t = 0; t < scene.mesh.triangle_count; t++) {
+            uint32_t m = scene.mesh.triangle_materials[t];
+            rk_vec3 ks = scene.mesh.materials[m].ks;
+            bool reflects = ks.x > 0 || ks.y > 0 || ks.z > 0;
+            rk_check(reflects == (i == 0 && m == mirror), "%s: material %u", boxes[i], m);
+        }
+        rk_scene_free(&scene);
+    }
+}
+
+/* Some triangles of a mesh, as a mesh of its own that borrows all arrays. */
+static rk_mesh part_of(const rk_mesh *mesh, uint32_t first, uint32_t count)
+{
+    rk_mesh part = *mesh;
+    part.triangles = mesh->triangles + first;
+    part.triangle_count = count;
+    return part;
+}
+
+/* Triangles first .. first + 11 are a closed block of glass, outwards, and of this volume. */
+static void check_block(const rk_mesh *mesh, uint32_t first, double volume, double tolerance)
+{
+    rk_mesh block = part_of(mesh, first, 12);
+    uint32_t *id = weld(&block);
+    rk_check_equal(free_edges(&block, id), 0, "a block is closed, or rays never leave it");
+    free(id);
+    rk_check_close(volume_of(&block), volume, tolerance, "the volume, outwards");
+    for (uint32_t t = first; t < first + 12; t++) {
+        const rk_material *m = &mesh->materials[mesh->triangle_materials[t]];
+        rk_check_close(m->alpha, 0.3, 1e-7, "transparent");
+        /* A tint: no light passes it unchanged, and none is swallowed whole. */
+        rk_check(m->absorption.x > 0 && m->absorption.y > 0 && m->absorption.z > 0 &&
+                     m->absorption.x < 10,
+                 "the glass is clear, or black");
+    }
+}
+
+/* The footprint's area, by the shoelace formula, times the height less 1 mm, in 481 mm. */
+static double cornell_block(const double (*p)[2], double height)
+{
+    double twice = 0;
+    for (int i = 0; i < 4; i++)
+        twice += p[i][0] * p[(i + 1) % 4][1] - p[i][1] * p[(i + 1) % 4][0];
+    return fabs(twice) / 2 * (height - 1) / (481.0 * 481 * 481);
+}
+
+static void the_cornell_blocks_of_glass_are_closed_and_coloured(void **state)
+{
+    (void)state;
+    const double low[4][2] = {{130, 65}, {82, 225}, {240, 272}, {290, 114}};
+    const double tall[4][2] = {{423, 247}, {265, 296}, {314, 456}, {472, 406}};
+    rk_scene scene = make_scene("cornell-glass");
+    /* Corners below 1 are rounded by 2^-25, faces are below 1 large; there are 12. */
+    const double rounding = 12 * 0x1p-25;
+    check_block(&scene.mesh, 12, cornell_block(low, 165), rounding);
+    check_block(&scene.mesh, 24, cornell_block(tall, 330), rounding);
+    const rk_material *m = scene.mesh.materials;
+    rk_vec3 amber = m[scene.mesh.triangle_materials[12]].kd;
+    rk_vec3 blue = m[scene.mesh.triangle_materials[24]].kd;
+    rk_check(amber.x > amber.z && blue.z > blue.x, "one is amber, the other blue");
+    rk_scene_free(&scene);
+}
+
+static void glass_of_its_thickness_filters_to_its_colour(void **state)
+{
+    (void)state;
+    rk_material m = rk_glass(rk_vec(0.25f, 0.5f, 1), 0.3f, 2);
+    for (int axis = 0; axis < 3; axis++)
+        rk_check_close(exp(-2 * (double)rk_axis(m.absorption, axis)), rk_axis(m.kd, axis), 1e-7,
+                       "exp(-sigma 2), a few roundings");
+    rk_check_close(m.ks.x, 0, 0, "it does not reflect");
+}
+
+static void the_parallelogram_light_is_where_the_lamp_was(void **state)
+{
+    (void)state;
+    rk_scene with_lamp = make_scene("cornell"), scene = make_scene("cornell-light");
+    const rk_mesh *mesh = &with_lamp.mesh;
+    const rk_light *light = &scene.lights[0];
+    rk_check(scene.light_count == 1 && light->kind == RK_LIGHT_PARALLELOGRAM, "one light");
+    for (uint32_t t = 0; t < scene.mesh.triangle_count; t++)
+        rk_check(scene.mesh.triangle_materials[t] != lamp, "triangle %u blocks the light", t);
+    int met = 0;
+    for (uint32_t t = 0; t < mesh->triangle_count; t++)
+        for (int k = 0; k < 3; k++) {
+            if (mesh->triangle_materials[t] != lamp)
+                continue;
+            rk_vec3 p = mesh->positions[mesh->triangles[t][k]];
+            for (int c = 0; c < 4; c++) {
+                rk_vec3 q = rk_madd(light->position, light->edge01, (float)(c & 1));
+                q = rk_madd(q, light->edge02, (float)(c >> 1));
+                met += rk_length(rk_sub(p, q)) < 4 * 0x1p-24f; /* edges are rounded */
+            }
+        }
+    rk_check_equal(met, 6, "all corners of the lamp's two triangles are the light's");
+    for (int c = 0; c < 4; c++)
+        rk_check(light->colours[c].x > 0, "corner %d is dark", c);
+    rk_scene_free(&with_lamp);
+    rk_scene_free(&scene);
+}
+
+/* --- panes and blocks of glass --------------------------------------------------------------- */
+
+/* The materials that the segment from a to b crosses, nearest first; the ends do not count. */
+static uint32_t crossed(const rk_scene *scene, rk_vec3 a, rk_vec3 b, uint32_t materials[8],
+                        float t[8])
+{
+    const rk_mesh *mesh = &scene->mesh;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < mesh->triangle_count; i++) {
+        rk_vec3 corner = mesh->positions[mesh->triangles[i][0]];
+        rk_triangle triangle = {corner, rk_sub(mesh->positions[mesh->triangles[i][1]], corner),
+                                rk_sub(mesh->positions[mesh->triangles[i][2]], corner), i};
+        rk_ray ray = {a, rk_sub(b, a), 1};
+        rk_hit hit;
+        /* What stands within a thousandth of an end is the surface that the end is on. */
+        if (!rk_triangle_cross(&triangle, &ray, &hit) || hit.t < 0.001f || hit.t > 0.999f)
+            continue;
+        rk_check(count < 8, "more than 8 crossings");
+        uint32_t k = count++;
+        for (; k > 0 && t[k - 1] > hit.t; k--)
+            t[k] = t[k - 1], materials[k] = materials[k - 1];
+        t[k] = hit.t, materials[k] = mesh->triangle_materials[i];
+    }
+    return count;
+}
+
+enum { plaster, red_pane, yellow_pane };
+
+static void panes_stand_in_the_same_order_for_the_light_and_the_viewer(void **state)
+{
+    (void)state;
+    for (uint32_t order = 0; order < 2; order++) {
+        rk_scene scene = make_scene(order ? "panes:1" : "panes");
+        const rk_vec3 eye = rk_view_of(&scene.camera, 8, 8).position,
+                      lit = scene.lights[0].position;
+        uint32_t first = order ? yellow_pane : red_pane, second = order ? red_pane : yellow_pane;
+        int seen_through_both = 0, seen_through_one[2] = {0}, in_full_shadow = 0, in_light = 0;
+        /* Places on the wall: what stands between each of them and the viewer, and the light? */
+        for (int y = 0; y < 40; y++)
+            for (int x = 0; x < 40; x++) {
+                rk_vec3 p = rk_vec(((float)x + 0.5f) * 0.035f - 0.7f,
+                                   ((float)y + 0.5f) * 0.025f - 0.5f, 0.5f);
+                uint32_t m[8], n[8];
+                float t[8];
+                uint32_t to_eye = crossed(&scene, eye, p, m, t);
+                uint32_t to_light = crossed(&scene, lit, p, n, t);
+                rk_check(to_eye < 2 || (m[0] == first && m[1] == second), "the viewer's order");
+                rk_check(to_light < 2 || (n[0] == first && n[1] == second), "the light's order");
+                seen_through_both += to_eye == 2;
+                if (to_eye == 1)
+                    seen_through_one[m[0] - red_pane]++;
+                in_full_shadow += to_eye == 0 && to_light == 2;
+                in_light += to_eye == 0 && to_light == 0;
+            }
+        /* Of 1600 places. */
+        rk_check(seen_through_both > 50, "%d places are seen through both", seen_through_both);
+        rk_check(seen_through_one[0] > 50 && seen_through_one[1] > 50,
+                 "%d and %d are seen through one", seen_through_one[0], seen_through_one[1]);
+        rk_check(in_full_shadow > 50, "both panes' shadow is seen at %d places", in_full_shadow);
+        rk_check(in_light > 200, "%d places are in the light and in view", in_light);
+        rk_scene_free(&scene);
+    }
+}
+
+static void the_two_orders_differ_in_depth_alone(void **state)
+{
+    (void)state;
+    rk_scene a = make_scene("panes:0"), b = make_scene("panes:1");
+    for (uint32_t t = 0; t < 8; t++)
+        for (int k = 0; k < 3; k++) {
+            vec p = corner_of(&a.mesh, t, k), q = corner_of(&b.mesh, t, k);
+            rk_check(p.x == q.x && p.y == q.y, "triangle %u stands elsewhere", t);
+            rk_check((p.z != q.z) == (a.mesh.triangle_materials[t] != plaster), "triangle %u", t);
+            rk_check(a.mesh.triangle_materials[t] == b.mesh.triangle_materials[t], "colours");
+        }
+    rk_vec3 red_kd = a.mesh.materials[red_pane].kd, yellow_kd = a.mesh.materials[yellow_pane].kd;
+    rk_check(red_kd.x > 0.5f && red_kd.y < 0.2f && yellow_kd.y > 0.5f && yellow_kd.z < 0.2f,
+             "red and yellow");
+    rk_check_close(a.mesh.materials[red_pane].alpha, 0.5, 0, "half transparent");
+    rk_check_close(a.mesh.materials[yellow_pane].alpha, 0.5, 0, "half transparent");
+    rk_scene_free(&a);
+    rk_scene_free(&b);
+}
+
+static void thin_and_thick_glass_are_closed_and_of_one_material(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scene("glass");
+    check_block(&scene.mesh, 2, 0.4 * 0.35 * 0.06, 12 * 0x1p-25);
+    check_block(&scene.mesh, 14, 0.4 * 0.35 * 0.4, 12 * 0x1p-25);
+    for (uint32_t t = 2; t < 26; t++)
+        rk_check_equal(scene.mesh.triangle_materials[t], scene.mesh.triangle_materials[2],
+                       "the same glass");
+    rk_scene_free(&scene);
+}
+
+static void both_shadows_of_the_glass_are_seen_on_the_floor(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scene("glass");
+    const rk_vec3 eye = rk_view_of(&scene.camera, 8, 8).position, lit = scene.lights[0].position;
+    int in_shadow[2] = {0};
+    double inside[2] = {0}; /* how far light goes in the glass, at most */
+    for (int z = 0; z < 60; z++)
+        for (int x = 0; x < 60; x++) {
+            rk_vec3 p = rk_vec(((float)x + 0.5f) * 1.4f / 60 - 0.7f, -0.35f,
+                               ((float)z + 0.5f) * 0.02f - 0.6f);
+            uint32_t m[8];
+            float t[8];
+            if (crossed(&scene, eye, p, m, t) > 0 || crossed(&scene, p, lit, m, t) != 2)
+                continue;
+            bool thin = p.x > 0; /* x grows to the left of the picture */
+            in_shadow[thin]++;
+            inside[thin] = fmax(inside[thin], (double)((t[1] - t[0]) * rk_length(rk_sub(lit, p))));
+        }
+    /* Of 3600 places on the floor. */
+    rk_check(in_shadow[0] > 100 && in_shadow[1] > 100, "shadows are seen at %d and %d places",
+             in_shadow[0], in_shadow[1]);
+    rk_check(inside[0] > 4 * inside[1], "light goes %f in the thick block, %f in the thin one",
+             inside[0], inside[1]);
     rk_scene_free(&scene);
 }
 
@@ -695,13 +1021,23 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_help_names_every_scene),
     cmocka_unit_test(the_triangle_faces_the_camera),
     cmocka_unit_test(the_cube_is_closed_and_each_side_has_one_colour),
+    cmocka_unit_test(the_textured_cube_shows_each_letter_upright_and_unmirrored),
+    cmocka_unit_test(the_letter_differs_from_its_turned_and_mirrored_selves),
     cmocka_unit_test(the_sphere_is_the_smallest_with_enough_triangles),
     cmocka_unit_test(sphere_triangles_are_the_icosahedrons_own),
     cmocka_unit_test(the_shininess_scene_is_five_spheres_in_a_row_from_dull_to_sharp),
-    cmocka_unit_test(every_corner_of_the_cornell_box_is_in_its_picture),
+    cmocka_unit_test(every_corner_of_an_arranged_scene_is_in_its_picture),
     cmocka_unit_test(the_red_wall_is_left_and_the_green_one_right),
     cmocka_unit_test(cornell_walls_face_inwards_and_blocks_outwards),
     cmocka_unit_test(the_cornell_light_hangs_just_below_the_lamp),
+    cmocka_unit_test(only_the_mirror_of_the_cornell_box_reflects),
+    cmocka_unit_test(the_cornell_blocks_of_glass_are_closed_and_coloured),
+    cmocka_unit_test(glass_of_its_thickness_filters_to_its_colour),
+    cmocka_unit_test(the_parallelogram_light_is_where_the_lamp_was),
+    cmocka_unit_test(panes_stand_in_the_same_order_for_the_light_and_the_viewer),
+    cmocka_unit_test(the_two_orders_differ_in_depth_alone),
+    cmocka_unit_test(thin_and_thick_glass_are_closed_and_of_one_material),
+    cmocka_unit_test(both_shadows_of_the_glass_are_seen_on_the_floor),
     cmocka_unit_test(teapot_patches_share_their_borders_to_the_bit),
     cmocka_unit_test(the_teapots_patches_are_the_published_ones),
     cmocka_unit_test(the_teapot_has_its_known_size),

@@ -79,7 +79,7 @@ static float stratified_1d(const rk_sampler *sampler, place at, uint32_t sample)
  * 1 / n. They are numbered row by row; row j begins with cell j n / r rounded down. */
 static uint32_t row_count(uint32_t n)
 {
-    return (uint32_t)sqrtf((float)n); /* exact, as n has no more digits than a float */
+    return (uint32_t)sqrtf((float)n); /* right for all n up to RK_SAMPLES_MAX */
 }
 
 static uint32_t row_start(uint32_t row, uint32_t rows, uint32_t n)

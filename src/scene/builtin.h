@@ -6,10 +6,16 @@
 #include "scene/mesh.h"
 #include "scene/scene.h"
 
-/* What `number` means, and its range, stands in scene.c's table; the first three ignore it. */
+/* What `number` means, and its range, stands in scene.c's table; those without a range ignore it.
+ */
 bool rk_mesh_make_triangle(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_cube(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_cube_textured(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_cornell(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_cornell_glass(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_cornell_light(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_panes(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_glass(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_sphere(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_spheres(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_teapot(rk_mesh *mesh, uint32_t number, rk_error *error);
@@ -18,8 +24,15 @@ bool rk_mesh_make_scan(rk_mesh *mesh, uint32_t number, rk_error *error);
 /* No triangles, for scenes of exact spheres alone. */
 bool rk_mesh_make_nothing(rk_mesh *mesh, uint32_t number, rk_error *error);
 
-/* The Cornell box comes with a camera and a light of its own. */
+/* These come with a camera and a light of their own. */
 void rk_scene_arrange_cornell(rk_scene *scene);
+void rk_scene_arrange_cornell_light(rk_scene *scene);
+void rk_scene_arrange_panes(rk_scene *scene);
+void rk_scene_arrange_glass(rk_scene *scene);
+
+/* Glass of a colour and an opacity; `thickness` world units of it filter white light to `colour`,
+ * whose components are above 0. */
+rk_material rk_glass(rk_vec3 colour, float alpha, float thickness);
 
 /* Adds the exact sphere and the default light. */
 void rk_scene_arrange_spheres(rk_scene *scene);

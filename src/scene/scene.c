@@ -58,7 +58,12 @@ typedef struct builtin {
 static const builtin builtins[] = {
     {"triangle", rk_mesh_make_triangle, NULL, 0, 0, 0},
     {"cube", rk_mesh_make_cube, NULL, 0, 0, 0},
+    {"cube-textured", rk_mesh_make_cube_textured, NULL, 0, 0, 0},
     {"cornell", rk_mesh_make_cornell, rk_scene_arrange_cornell, 0, 0, 0},
+    {"cornell-glass", rk_mesh_make_cornell_glass, rk_scene_arrange_cornell, 0, 0, 0},
+    {"cornell-light", rk_mesh_make_cornell_light, rk_scene_arrange_cornell_light, 0, 0, 0},
+    {"panes", rk_mesh_make_panes, rk_scene_arrange_panes, 0, 0, 1},
+    {"glass", rk_mesh_make_glass, rk_scene_arrange_glass, 0, 0, 0},
     {"sphere", rk_mesh_make_sphere, NULL, 1, 1280, 100000000},
     {"spheres", rk_mesh_make_spheres, rk_scene_arrange_spheres, 1, 80, 100000000},
     {"shininess", rk_mesh_make_nothing, rk_scene_arrange_shininess, 0, 0, 0},
@@ -68,14 +73,19 @@ static const builtin builtins[] = {
 };
 
 const char rk_scene_builtin_help[] =
-    "  triangle    a single triangle\n"
-    "  cube        12 triangles, each side in its own colour\n"
-    "  cornell     the Cornell box, 32 triangles; its mirror stays dark, as nothing reflects yet\n"
-    "  sphere:N    a sphere of at least N triangles (default 1280)\n"
-    "  spheres:N   such a sphere (default 80) beside an exact one, on a floor\n"
-    "  shininess   five exact spheres, of shininess 1 to 100,000\n"
-    "  teapot:N    the Utah teapot, each of its 32 patches as N x N squares (default 16)\n"
-    "  scan:N      a statue as from a scanner, of exactly N triangles (default 87130)\n";
+    "  triangle        a single triangle\n"
+    "  cube            12 triangles, each side in its own colour\n"
+    "  cube-textured   the same, with a letter on each side\n"
+    "  cornell         the Cornell box, 32 triangles, with a mirror (--reflections)\n"
+    "  cornell-glass   the Cornell box with two blocks of glass (--transparency)\n"
+    "  cornell-light   the Cornell box with a parallelogram light\n"
+    "  panes:N         a red pane before a yellow one (0), or yellow before red (1)\n"
+    "  glass           a thin and a thick block of the same glass\n"
+    "  sphere:N        a sphere of at least N triangles (default 1280)\n"
+    "  spheres:N       such a sphere (default 80) beside an exact one, on a floor\n"
+    "  shininess       five exact spheres, of shininess 1 to 100,000\n"
+    "  teapot:N        the Utah teapot, each of its 32 patches as N x N squares (default 16)\n"
+    "  scan:N          a statue as from a scanner, of exactly N triangles (default 87130)\n";
 
 static const builtin *find_builtin(const char *name, size_t length)
 {
@@ -98,7 +108,8 @@ static bool read_number(const char *digits, const builtin *entry, uint32_t *numb
 }
 
 static const char list_of_names[] =
-    "triangle, cube, cornell, sphere:N, spheres:N, shininess, teapot:N, scan:N";
+    "triangle, cube, cube-textured, cornell, cornell-glass, cornell-light, panes:N, glass, "
+    "sphere:N, spheres:N, shininess, teapot:N, scan:N";
 
 static bool parse_name(const char *name, const builtin **entry, uint32_t *number, rk_error *error)
 {

@@ -24,14 +24,22 @@ typedef struct rk_scene {
 void rk_scene_free(rk_scene *scene);
 
 /* The built-in scenes, which need no file. A name may carry a number after a colon:
- *   triangle            a single triangle
- *   cube                12 triangles
- *   cornell             the Cornell box, 32 triangles; its mirror stays dark, as nothing reflects
- * yet sphere:N            a sphere of at least N triangles (default 1280) spheres:N           such
- * a sphere (default 80) beside an exact one, on a floor teapot:N            the Utah teapot, each
- * of its 32 patches as N x N squares (default 16) scan:N              a statue as from a scanner,
- * of exactly N triangles (default 87130) False with an error that lists the names when there is no
- * such scene or N is out of range. */
+ *
+ *   triangle        a single triangle
+ *   cube            12 triangles
+ *   cube-textured   the same with a letter on each side: u to the right, v up
+ *   cornell         the Cornell box, 32 triangles, one of its blocks a mirror
+ *   cornell-glass   the Cornell box with two closed blocks of glass, 36 triangles
+ *   cornell-light   the Cornell box with a parallelogram light in place of the lamp, 30 triangles
+ *   panes:N         two coloured panes between a light and a wall, on the viewer's side: red before
+ *                   yellow (0, the default) or yellow before red (1), for the light as for the eye
+ *   glass           a thin and a thick closed block of the same glass, and their shadows
+ *   sphere:N        a sphere of at least N triangles (default 1280)
+ *   spheres:N       such a sphere (default 80) beside an exact one, on a floor
+ *   teapot:N        the Utah teapot, each of its 32 patches as N x N squares (default 16)
+ *   scan:N          a statue as from a scanner, of exactly N triangles (default 87130)
+ *
+ * False with an error that lists the names when there is no such scene or N is out of range. */
 bool rk_scene_builtin(rk_scene *scene, const char *name, rk_error *error);
 
 /* One line each for --help: the names and what they are. */

@@ -1,4 +1,4 @@
-/* The simplest scenes: a triangle, a cube, a sphere. */
+/* The simplest scenes: a triangle, a sphere, a sphere beside an exact one. */
 #include "scene/builtin.h"
 
 #include <string.h>
@@ -15,34 +15,6 @@ bool rk_mesh_make_triangle(rk_mesh *mesh, uint32_t number, rk_error *error)
     mesh->positions[2] = rk_vec(half_root_3, -0.5f, 0);
     memcpy(mesh->triangles, (uint32_t[1][3]){{0, 2, 1}}, sizeof(uint32_t[1][3]));
     mesh->materials[0].kd = rk_vec(0.8f, 0.5f, 0.2f);
-    return true;
-}
-
-/* Corner c is at x, y, z = -1 or 1 by its bits 0, 1, 2. The faces, in the order of the colours:
- * -x +x -y +y -z +z; a positive face has the full colour of its axis, red, green or blue. */
-static const uint8_t cube_faces[6][4] = {{0, 4, 6, 2}, {1, 3, 7, 5}, {0, 1, 5, 4},
-                                         {2, 6, 7, 3}, {0, 2, 3, 1}, {4, 5, 7, 6}};
-
-static const rk_vec3 cube_colours[6] = {{0.8f, 0.5f, 0.45f}, {0.8f, 0.1f, 0.08f},
-                                        {0.5f, 0.7f, 0.45f}, {0.15f, 0.6f, 0.1f},
-                                        {0.5f, 0.6f, 0.8f},  {0.1f, 0.2f, 0.75f}};
-
-bool rk_mesh_make_cube(rk_mesh *mesh, uint32_t number, rk_error *error)
-{
-    (void)number;
-    if (!rk_mesh_init(mesh, 8, 12, 6, 0, error))
-        return false;
-    for (int c = 0; c < 8; c++)
-        mesh->positions[c] = rk_vec(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
-    for (int i = 0; i < 12; i++) {
-        const uint8_t *corner = cube_faces[i / 2];
-        mesh->triangles[i][0] = corner[0];
-        mesh->triangles[i][1] = corner[1 + i % 2];
-        mesh->triangles[i][2] = corner[2 + i % 2];
-        mesh->triangle_materials[i] = (uint16_t)(i / 2);
-    }
-    for (int i = 0; i < 6; i++)
-        mesh->materials[i].kd = cube_colours[i];
     return true;
 }
 
