@@ -152,8 +152,7 @@ static const method methods[] = {
     {"uniform", RK_SAMPLER_UNIFORM, RK_LIGHT_MAP_AREA, false, 0},
     {"stratified", RK_SAMPLER_STRATIFIED, RK_LIGHT_MAP_AREA, false, 0},
     {"low discrepancy", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_MAP_AREA, false, 0},
-    {"low discrepancy, settled", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_MAP_AREA, false,
-     RK_LIGHT_ROUND},
+    {"settled", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_MAP_AREA, false, RK_LIGHT_ROUND},
     {"solid angle", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_MAP_SOLID_ANGLE, false, 0},
     {"ratio", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_MAP_AREA, true, 0},
 };
