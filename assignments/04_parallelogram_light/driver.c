@@ -8,11 +8,10 @@
 
 static const char summary[] =
     "Renders a scene with lights that have an extent.\n"
-    "--debug rays draws the shadow rays of one pixel, green where they pass and red where they "
-    "are\n"
-    "blocked; --debug samples draws the samples on the light in its colours.\n"
-    "--convergence puts the error of each method against time into a table, by which the report\n"
-    "plots them; with and without --falloff physical into tables of their own.";
+    "--debug rays draws the shadow rays of one pixel (--pixel): green pass, red are blocked.\n"
+    "--debug samples draws the samples on the light in its colours.\n"
+    "--convergence puts the error of each method against time into a table; with and without\n"
+    "--falloff physical into tables of their own.";
 
 typedef struct choices {
     uint32_t light; /* 0: as the scene has it; or 1 + rk_light_kind */
@@ -47,6 +46,25 @@ static void set_lights(rk_driver *driver, const choices *c)
 }
 
 /* --- Debug views ----------------------------------------------------------------------------- */
+
+/* Names a picture by all that it depends on here. */
+typedef struct label {
+    char text[128];
+} label;
+
+static label label_of(const rk_driver *driver, const choices *c)
+{
+    static const char *const kinds[] = {"", "point_", "segment_", "parallelogram_"};
+    static const char *const samplings[] = {"uniform", "stratified", "low-discrepancy"};
+    const rk_light_options *light = &driver->render.light;
+    label made;
+    snprintf(
+        made.text, sizeof made.text, "%s%s%s%s%u_%s%s%s%s", driver->debug ? driver->debug : "",
+        driver->debug ? "_" : "", kinds[c->light], c->coloured ? "coloured_" : "", light->samples,
+        samplings[light->sampling], light->map == RK_LIGHT_MAP_SOLID_ANGLE ? "_solid-angle" : "",
+        light->falloff == RK_FALLOFF_PHYSICAL ? "_physical" : "", light->ratio ? "_ratio" : "");
+    return made;
+}
 
 typedef struct drawing {
     rk_overlay overlay;
@@ -122,7 +140,7 @@ static void draw_light(drawing *d, uint32_t index, uint32_t pixel)
     }
 }
 
-static bool draw(rk_driver *driver, rk_pixel pixel, rk_error *error)
+static bool draw(rk_driver *driver, rk_pixel pixel, const choices *c, rk_error *error)
 {
     drawing d = {.driver = driver};
     if (!rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
@@ -134,7 +152,7 @@ static bool draw(rk_driver *driver, rk_pixel pixel, rk_error *error)
     for (uint32_t i = 0; ok && i < driver->scene.light_count; i++)
         draw_light(&d, i, pixel.y * driver->render.width + pixel.x);
     rk_overlay_free(&d.overlay);
-    return ok && rk_driver_save(driver, driver->debug, error);
+    return ok && rk_driver_save(driver, label_of(driver, c).text, error);
 }
 
 /* --- Error against time ---------------------------------------------------------------------- */
@@ -245,7 +263,7 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 
 int main(int argc, char **argv)
 {
-    choices c = {.brightness = 1, .most = 256, .reference = 4096};
+    choices c = {.brightness = 1, .most = 64, .reference = 2048};
     const rk_option options[] = {
         {"light", RK_OPTION_CHOICE, &c.light, "own|point|segment|parallelogram",
          "shrink the scene's parallelograms to their middle, or to a line through it", 0, 0},
@@ -269,7 +287,8 @@ int main(int argc, char **argv)
     if (!rk_driver_start(&driver, argc, argv, options, views, &status))
         return status;
     rk_error error = {""};
-    rk_pixel pixel = {true, driver.render.width / 2, driver.render.height / 2};
+    /* In the Cornell box, a place on the floor that sees a part of the lamp. */
+    rk_pixel pixel = {true, driver.render.width * 69 / 80, driver.render.height * 7 / 8};
     if (driver.debug && driver.pixel.given) {
         pixel = driver.pixel;
         driver.pixel.given = false; /* drawn, not told */
@@ -283,8 +302,8 @@ int main(int argc, char **argv)
     if (ok && driver.timing)
         ok = put_rows(&driver, &error);
     else if (ok && driver.debug)
-        ok = draw(&driver, pixel, &error);
+        ok = draw(&driver, pixel, &c, &error);
     else if (ok && !c.convergence)
-        ok = rk_driver_save(&driver, NULL, &error);
+        ok = rk_driver_save(&driver, label_of(&driver, &c).text, &error);
     return rk_driver_finish(&driver, ok, &error);
 }
