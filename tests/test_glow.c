@@ -250,7 +250,7 @@ static void what_is_not_finite_stays_where_it_is(void **state)
     glow(&image, &options, 1);
     size_t odd = 0;
     for (size_t i = 0; i < 900; i++)
-        odd += !isfinite(image.pixels[i].x);
+        odd += isfinite(image.pixels[i].x) ? 0 : 1;
     rk_check_equal(odd, 2, "pixels that are not finite");
     rk_image_free(&image);
 }
@@ -283,7 +283,7 @@ static void cheaper_methods_are_close_to_the_filter(void **state)
     (void)state;
     /* What was measured, rounded up, in the unit of the lamps; Young and van Vliet's recursion is
      * the coarsest. */
-    const double most[] = {0, 0.004, 0.04, 0.012};
+    const double most[] = {0, 0.004, 0.035, 0.012};
     const uint32_t radii[] = {15, 100, 400};
     for (size_t r = 0; r < 3; r++)
         for (int border = RK_BLOOM_ZERO; border <= RK_BLOOM_RENORMALIZE; border++) {
