@@ -87,15 +87,6 @@ static const float *line_at(const by_taps *b, size_t strip, ptrdiff_t y)
     return strip >= wet.first && strip < wet.end ? block_at(b, strip, (size_t)y) : NULL;
 }
 
-/* The picture's rows are far apart in memory, too far for the processor to guess the next. */
-static void fetch_early(const rk_glowing *g, size_t x, size_t y)
-{
-    const size_t line = 64; /* bytes of a cache line */
-    const char *pixels = (const char *)rk_image_at(g->to, x, y < g->target_rows.end ? y : 0);
-    for (size_t at = 0; at < RK_BLOOM_BLOCK * sizeof(float); at += line)
-        __builtin_prefetch(pixels + at, 1);
-}
-
 static void filter_strip(uint32_t strip, uint32_t thread, void *context)
 {
     by_taps *b = context;
@@ -110,7 +101,6 @@ static void filter_strip(uint32_t strip, uint32_t thread, void *context)
     for (size_t i = 0; i < rows; i++) {
         float sum[RK_BLOOM_BLOCK];
         size_t y = first + i;
-        fetch_early(g, from, y + 4);
         uint32_t taps = rk_bloom_weigh(&g->filter, lines + i, RK_BLOOM_BLOCK, sum);
         if (taps == 0)
             continue;
