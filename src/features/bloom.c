@@ -1,7 +1,7 @@
 /* Bloom: bright pixels, blurred by a binomial filter, are added to their picture.
  * The filter is separable: first along rows, then along columns. Either way a line of the result is
  * a weighted sum of lines, and one function computes it, in blocks that stay in registers.
- * Binomial filters: Jaehne, "Digital Image Processing", 6th edition 2005, section 11.4. */
+ * Binomial filters: Jaehne, "Digital Image Processing", 6th edition 2005, chapter 11. */
 #include "features/bloom.h"
 
 #include <string.h>
