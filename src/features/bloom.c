@@ -151,26 +151,18 @@ static tap_pair pair_of(const float *a, const float *b, float weight)
     return (tap_pair){a, b, weight};
 }
 
-/* Inner loops have a fixed length, so that compilers turn them into vector code at -O2; four pairs
- * at a time, so that sums go to memory and back less often. */
+/* The loop over a block has a fixed length, so that compilers make vector code of it at -O2; with
+ * four pairs at a time, sums go to memory and back less often. `count` is a multiple of four. */
 static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *sum)
 {
     float block[RK_BLOOM_BLOCK] = {0};
-    uint32_t p = 0;
-    for (; p + 4 <= count; p += 4) {
-        const tap_pair *q = &pairs[p];
-        const float *a0 = q[0].a + at, *a1 = q[1].a + at, *a2 = q[2].a + at, *a3 = q[3].a + at;
-        const float *b0 = q[0].b + at, *b1 = q[1].b + at, *b2 = q[2].b + at, *b3 = q[3].b + at;
-        float w0 = q[0].weight, w1 = q[1].weight, w2 = q[2].weight, w3 = q[3].weight;
+    for (const tap_pair *p = pairs; p < pairs + count; p += 4) {
+        const float *a0 = p[0].a + at, *a1 = p[1].a + at, *a2 = p[2].a + at, *a3 = p[3].a + at;
+        const float *b0 = p[0].b + at, *b1 = p[1].b + at, *b2 = p[2].b + at, *b3 = p[3].b + at;
+        float w0 = p[0].weight, w1 = p[1].weight, w2 = p[2].weight, w3 = p[3].weight;
         for (int i = 0; i < RK_BLOOM_BLOCK; i++)
             block[i] += w0 * (a0[i] + b0[i]) + w1 * (a1[i] + b1[i]) + w2 * (a2[i] + b2[i]) +
                         w3 * (a3[i] + b3[i]);
-    }
-    for (; p < count; p++) {
-        const float *a = pairs[p].a + at, *b = pairs[p].b + at;
-        float weight = pairs[p].weight;
-        for (int i = 0; i < RK_BLOOM_BLOCK; i++)
-            block[i] += weight * (a[i] + b[i]);
     }
     memcpy(sum + at, block, sizeof block);
 }
@@ -179,7 +171,7 @@ uint32_t rk_bloom_weigh(const rk_bloom_filter *filter, const float *const *lines
                         float *sum)
 {
     /* solution */
-    tap_pair pairs[RK_BLOOM_RADIUS_MAX + 1];
+    tap_pair pairs[RK_BLOOM_RADIUS_MAX + 1 + 3];
     uint32_t used = 0, taps = 0;
     /* From the far ends to the middle, so that small terms are added first. */
     for (uint32_t k = filter->reach + 1; k-- > 0;) {
@@ -188,12 +180,15 @@ uint32_t rk_bloom_weigh(const rk_bloom_filter *filter, const float *const *lines
         if (a || b)
             pairs[used++] = pair_of(a, b, filter->weights[k]);
     }
+    for (; used % 4; used++) /* filled up with pairs that weigh nothing */
+        pairs[used] = (tap_pair){pairs[0].a, pairs[0].b, 0};
     for (size_t at = 0; at < count; at += RK_BLOOM_BLOCK)
         add_pairs(pairs, used, at, sum);
     return taps;
     /* starter
     // Third step: for each line that is not NULL, its weight times its values. Sixth step: list the
-    // pairs of lines with the same weight (pair_of), and add them up by add_pairs.
+    // pairs of lines with the same weight (pair_of), fill the list up to a multiple of four with
+    // pairs of weight 0, and add them up by add_pairs.
     (void)filter, (void)lines, (void)pair_of, (void)add_pairs;
     memset(sum, 0, count * sizeof *sum);
     return 0;
