@@ -155,7 +155,7 @@ static void beyond_the_border_the_mask_is_zero(void **state)
     check_mask(RK_BLOOM_ZERO, 8, 2, all + 8, "a part at the right border");
 }
 
-static void clamping_repeats_the_border_s_own_pixel(void **state)
+static void clamping_repeats_the_borders_own_pixel(void **state)
 {
     (void)state;
     const float all[] = {0, 0, 0, 0, 0, 0, 0, 0, 0, 0, 6, 7, 8, 9, 9, 9, 9, 9};
@@ -172,7 +172,7 @@ static void clamping_repeats_the_border_s_own_pixel(void **state)
 
 /* --- Weights ---------------------------------------------------------------------------------- */
 
-static void small_filters_are_those_of_pascal_s_triangle(void **state)
+static void small_filters_are_those_of_pascals_triangle(void **state)
 {
     (void)state;
     const float want[4][4] = {{1},
@@ -230,7 +230,7 @@ static float nearest_float(const big *b, int radius)
 }
 
 /* Goes down Pascal's triangle, in place, and compares rows 2 r. Half of each row is enough. */
-static void weights_are_pascal_s_rows_to_the_last_bit(void **state)
+static void weights_are_pascals_rows_to_the_last_bit(void **state)
 {
     (void)state;
     static big row[1001]; /* C(n, 0) .. C(n, n / 2) */
@@ -613,8 +613,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(lit_is_from_the_first_to_the_last_pixel_that_glows),
     cmocka_unit_test(the_mask_keeps_what_glows_and_nothing_else),
     cmocka_unit_test(beyond_the_border_the_mask_is_zero),
-    cmocka_unit_test(small_filters_are_those_of_pascal_s_triangle),
-    cmocka_unit_test(weights_are_pascal_s_rows_to_the_last_bit),
+    cmocka_unit_test(small_filters_are_those_of_pascals_triangle),
+    cmocka_unit_test(weights_are_pascals_rows_to_the_last_bit),
     cmocka_unit_test(the_weights_of_any_radius_sum_to_one),
     cmocka_unit_test(the_variance_is_half_the_radius),
     cmocka_unit_test(a_line_alone_is_weighed_by_its_distance),
@@ -625,7 +625,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_point_of_light_becomes_the_filter),
     cmocka_unit_test(an_even_picture_glows_evenly_far_from_borders),
     cmocka_unit_test(at_a_border_of_zeros_light_is_lost),
-    cmocka_unit_test(clamping_repeats_the_border_s_own_pixel),
+    cmocka_unit_test(clamping_repeats_the_borders_own_pixel),
     cmocka_unit_test(the_share_is_the_weights_inside),
     cmocka_unit_test(clamped_or_renormalised_an_even_picture_stays_even),
     cmocka_unit_test(rows_then_columns_are_the_full_filter),

@@ -129,7 +129,7 @@ static void a_glow_is_the_full_filter(void **state)
             }
 }
 
-static void light_in_a_corner_glows_by_the_border_s_rule(void **state)
+static void light_in_a_corner_glows_by_the_borders_rule(void **state)
 {
     (void)state;
     for (int corner = 0; corner < 4; corner++)
@@ -304,7 +304,7 @@ static void cheaper_methods_are_close_to_the_filter(void **state)
         }
 }
 
-static void a_gaussian_s_weights_sum_to_one(void **state)
+static void a_gaussians_weights_sum_to_one(void **state)
 {
     (void)state;
     for (uint32_t radius = 0; radius <= 1000; radius += 1 + radius / 3) {
@@ -387,7 +387,7 @@ static void the_renderer_lets_its_picture_glow(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_glow_is_the_full_filter),
-    cmocka_unit_test(light_in_a_corner_glows_by_the_border_s_rule),
+    cmocka_unit_test(light_in_a_corner_glows_by_the_borders_rule),
     cmocka_unit_test(any_number_of_threads_makes_the_same_picture),
     cmocka_unit_test(where_nothing_glows_each_pixel_is_read_once),
     cmocka_unit_test(bloom_that_is_off_does_nothing),
@@ -396,7 +396,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_large_radius_costs_its_square_root),
     cmocka_unit_test(what_is_not_finite_stays_where_it_is),
     cmocka_unit_test(cheaper_methods_are_close_to_the_filter),
-    cmocka_unit_test(a_gaussian_s_weights_sum_to_one),
+    cmocka_unit_test(a_gaussians_weights_sum_to_one),
     cmocka_unit_test(small_radii_suit_every_method),
     cmocka_unit_test(options_out_of_range_are_refused),
     cmocka_unit_test(the_renderer_lets_its_picture_glow),
