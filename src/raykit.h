@@ -4,6 +4,7 @@
 
 #include "base/image.h"
 #include "base/parallel.h"
+#include "features/bloom.h"
 #include "features/bvh_median.h"
 #include "features/parallelogram_light.h"
 #include "features/sah_binning.h"
@@ -11,6 +12,7 @@
 #include "io/image_file.h"
 #include "io/mesh_file.h"
 #include "io/png.h"
+#include "render/glow.h"
 #include "render/overlay.h"
 #include "render/render.h"
 #include "scene/scene.h"

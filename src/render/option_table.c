@@ -45,6 +45,21 @@ rk_option_table rk_render_option_table(rk_render_options *options)
          0, 0},
         {"settle", RK_OPTION_UINT, &options->light.settle, "N",
          "so many shadow rays that agree settle a point; 0: all are traced", 0, 16384},
+        {"bloom", RK_OPTION_FLAG, &options->bloom.on, NULL,
+         "what is bright glows into what is around it", 0, 0},
+        {"bloom-threshold", RK_OPTION_FLOAT, &options->bloom.threshold, "Y",
+         "brightness from which on a pixel glows", -1e6, 1e6},
+        {"bloom-intensity", RK_OPTION_FLOAT, &options->bloom.intensity, "I",
+         "of the glow that is added", 0, 1e6},
+        {"bloom-radius", RK_OPTION_UINT, &options->bloom.radius, "R",
+         "of the filter, pixels: it has 2R + 1 taps", 0, RK_BLOOM_RADIUS_MAX},
+        {"bloom-border", RK_OPTION_CHOICE, &options->bloom.border, "zero|clamp|renormalize",
+         "the filter sees beyond the picture: nothing; what is at the border; nothing, and the "
+         "other weights count as all",
+         0, 0},
+        {"bloom-method", RK_OPTION_CHOICE, &options->bloom.method,
+         "exact|gaussian|recursive|pyramid",
+         "the filter itself, or one that is close to it and cheaper", 0, 0},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     }};
 }

@@ -1,5 +1,7 @@
 #include "render/plan.h"
 
+#include "render/glow.h"
+
 rk_render_options rk_render_options_default(void)
 {
     return (rk_render_options){
@@ -11,6 +13,7 @@ rk_render_options rk_render_options_default(void)
         .glass = RK_GLASS_ORDERED,
         .recursion = 6,
         .light = {.samples = 16, .sampling = RK_SAMPLER_LOW_DISCREPANCY, .settle = RK_LIGHT_ROUND},
+        .bloom = rk_bloom_options_default(),
     };
 }
 
@@ -59,5 +62,6 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
         .reflections =
             rays && options->reflections && options->recursion > 0 && any_material(scene, reflects),
         .transparency = rays && options->transparency && any_material(scene, lets_through),
+        .bloom = rays && rk_bloom_wanted(&options->bloom),
     };
 }

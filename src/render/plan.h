@@ -4,6 +4,7 @@
 #define RK_RENDER_PLAN_H
 
 #include "base/sampler.h"
+#include "features/bloom.h"
 #include "features/parallelogram_light.h"
 #include "features/shading.h"
 #include "features/transparency.h"
@@ -33,12 +34,13 @@ typedef struct rk_render_options {
     uint32_t
         recursion; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
     rk_light_options light;
+    rk_bloom_options bloom;
 } rk_render_options;
 
 enum { RK_RECURSION_MAX = 16 };
 
 /* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
- * low-discrepancy samples a light, settled by 16. */
+ * low-discrepancy samples a light, settled by 16; no bloom. */
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
@@ -48,6 +50,7 @@ typedef struct rk_plan {
     bool shadow_rays;
     bool reflections;  /* a surface reflects, and may */
     bool transparency; /* a surface lets light through, and may */
+    bool bloom;        /* what is bright glows into what is around it */
 } rk_plan;
 
 /* Is it anything but black? */

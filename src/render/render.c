@@ -3,6 +3,7 @@
  * the next tile's number. */
 #include "render/render.h"
 
+#include "render/glow.h"
 #include "render/tile.h"
 
 #include <stdlib.h>
@@ -103,5 +104,5 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
     for (uint32_t i = 0; i < threads; i++)
         rk_counters_add(counters, &r.counters[i]);
     free(r.counters);
-    return true;
+    return !r.plan.bloom || rk_glow(image, &options->bloom, pool, counters, error);
 }
