@@ -45,6 +45,8 @@ rk_option_table rk_render_option_table(rk_render_options *options)
          0, 0},
         {"settle", RK_OPTION_UINT, &options->light.settle, "N",
          "so many shadow rays that agree settle a point; 0: all are traced", 0, 16384},
+        {"environment-filter", RK_OPTION_CHOICE, &options->environment_filter,
+         "nearest|bilinear|seamless", "between the texels of --environment", 0, 0},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     }};
 }
