@@ -269,8 +269,9 @@ static const rk_sah_split *most_even(const rk_sah_split *candidates, uint32_t co
 /* Cuts a node with so many levels below it, and returns the size of its left part, which comes
  * first; 0: it is to be a leaf. Fills in the node's box. Where no cut pays, but a leaf would be too
  * large, the most even one is taken: later ones may pay. Where even that does not leave room below,
- * or all centroids coincide, half of the triangles go left as they stand, and the tree ends in
- * time. */
+ * or all centroids coincide, half of the triangles go left as they stand. So no node ever has more
+ * than RK_BVH_LEAF_LIMIT << levels_below triangles, and those with no level below them are leaves.
+ */
 static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t levels_below,
                     const rk_sah_options *options, rk_box *box)
 {
