@@ -2,7 +2,8 @@
 
 static const rk_vec3 zenith = {0.1f, 0.25f, 0.65f};
 static const rk_vec3 horizon = {0.7f, 0.82f, 0.95f};
-static const rk_vec3 ground = {0.16f, 0.12f, 0.09f};
+static const rk_vec3 ground_far = {0.3f, 0.26f, 0.2f};
+static const rk_vec3 ground_near = {0.04f, 0.05f, 0.02f};
 static const rk_vec3 sun = {30, 27, 20};
 
 /* That of the default light, (0, 2.4, -3.2). */
@@ -19,8 +20,15 @@ static float smooth_step(float from, float to, float x)
  * along the way. */
 static rk_vec3 air(float height)
 {
-    float above = rk_max(height, 0), low = 1 - above;
+    float low = 1 - rk_max(height, 0);
     return rk_mix(zenith, horizon, low * low * low * low);
+}
+
+/* Through more of it the ground is brighter, too. */
+static rk_vec3 ground(float height)
+{
+    float far = 1 - rk_max(-height, 0);
+    return rk_mix(ground_near, ground_far, far * far * far);
 }
 
 /* The sine between two directions is exact where their cosine, near 1, is not. */
@@ -35,7 +43,7 @@ static float sun_disk(rk_vec3 d)
 rk_vec3 rk_sky_at(rk_vec3 direction)
 {
     rk_vec3 d = rk_normalize(direction);
-    rk_vec3 colour = rk_mix(ground, air(d.y), smooth_step(-0.06f, 0, d.y));
+    rk_vec3 colour = rk_mix(ground(d.y), air(d.y), smooth_step(-0.06f, 0, d.y));
     return rk_mix(colour, sun, sun_disk(d));
 }
 

@@ -1,4 +1,4 @@
-/* The built-in sky, for environments without a file: blue above, bright at the horizon, brown
+/* The built-in sky, for environments without a file: blue above, bright at the horizon, dark
  * ground below, and a sun where the default light stands. */
 #ifndef RK_SCENE_SKY_H
 #define RK_SCENE_SKY_H
