@@ -1,5 +1,5 @@
 /* Draws the figures and measures the tables of cubemap: a scene in its environment, the map as a
- * cross, its faces marked, the filters close up where faces meet, and how far they are off. */
+ * cross, marked faces, the filters close up where faces meet, and how far they are off. */
 #include "render/driver.h"
 #include "base/file.h"
 #include "base/random.h"
@@ -11,7 +11,7 @@
 
 static const char summary[] =
     "Renders a scene in an environment (--environment), which mirrors and misses see.\n"
-    "--debug cross draws the map unfolded, --debug faces the scene among marked faces, and\n"
+    "--marked takes a map with a letter on each face. --debug cross draws the map unfolded, and\n"
     "--debug seam a corner of a coarse map of random colours, where three faces meet.\n"
     "--filters puts the filters' errors and steps into a table.";
 
@@ -21,7 +21,7 @@ enum { filter_count = sizeof filter_names / sizeof filter_names[0] };
 typedef struct choices {
     float mirror;  /* NaN: materials are their own */
     uint32_t side; /* 0: the map's own */
-    bool filters;
+    bool marked, filters;
 } choices;
 
 static void set_material(rk_material *material, float mirror)
@@ -84,17 +84,15 @@ static rk_vec3 marked(uint32_t side, rk_cube_face face, uint32_t column, uint32_
 static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
 {
     rk_scene *scene = &driver->scene;
-    bool is_sky = strcmp(driver->environment, "sky") == 0;
-    bool has_own_map = !is_sky && !rk_driver_debug(driver, "seam") &&
-                       !rk_driver_debug(driver, "faces") && !c->filters;
-    if (c->side && has_own_map)
-        return rk_fail(error, "--side goes with --environment sky, and with maps that the debug "
-                              "views make; a file has a size of its own");
+    bool seam = rk_driver_debug(driver, "seam"), is_sky = strcmp(driver->environment, "sky") == 0;
+    if (c->side && !is_sky && !seam && !c->marked)
+        return rk_fail(error, "--side: a file has a size of its own; this goes with --environment "
+                              "sky, --marked and --debug seam");
     if (!isnan(c->mirror))
         set_materials(scene, c->mirror);
-    if (rk_driver_debug(driver, "seam"))
+    if (seam)
         return paint_map(&scene->environment, c->side ? c->side : 8, random_colour, error);
-    if (rk_driver_debug(driver, "faces"))
+    if (c->marked)
         return paint_map(&scene->environment, c->side ? c->side : 256, marked, error);
     return c->side == 0 || paint_map(&scene->environment, c->side, sky, error);
 }
@@ -257,9 +255,9 @@ static bool put_filters(rk_driver *driver, rk_error *error)
 static bool save(rk_driver *driver, const choices *c, rk_error *error)
 {
     char label[64];
-    snprintf(label, sizeof label, "%s%s%s%s", driver->debug ? driver->debug : "",
-             driver->debug ? "_" : "", isnan(c->mirror) ? "" : "mirror_",
-             filter_names[driver->render.environment_filter]);
+    snprintf(label, sizeof label, "%s%s%s%s%s", driver->debug ? driver->debug : "",
+             driver->debug ? "_" : "", c->marked ? "marked_" : "",
+             isnan(c->mirror) ? "" : "mirror_", filter_names[driver->render.environment_filter]);
     return rk_driver_save(driver, label, error);
 }
 
@@ -272,15 +270,17 @@ int main(int argc, char **argv)
          "their own",
          0, 1},
         {"side", RK_OPTION_UINT, &c.side, "N",
-         "texels a side of the built-in sky, or of a debug view's map; 0: 256, in --debug seam 8",
+         "texels a side of the built-in sky, or of --marked or --debug seam; 0: 256, of the last 8",
          0, RK_CUBEMAP_SIDE_MAX},
+        {"marked", RK_OPTION_FLAG, &c.marked, NULL,
+         "an environment of six colours, with the letter F upright on each face", 0, 0},
         {"filters", RK_OPTION_FLAG, &c.filters, NULL,
          "put errors and steps at edges, by the map's size, into DIR/tables/cubemap_filters.csv "
          "instead of drawing",
          0, 0},
         {0},
     };
-    const char *const views[] = {"cross", "faces", "seam", NULL};
+    const char *const views[] = {"cross", "seam", NULL};
     rk_driver driver = rk_driver_default("cubemap", summary);
     driver.scene_name = "scan";
     driver.environment = "sky";
