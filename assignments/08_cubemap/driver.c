@@ -169,8 +169,9 @@ static bool put_rows(rk_driver *driver, rk_error *error)
                             .x;
             nanoseconds[run] = 1e9 * (rk_clock_thread() - start) / (rounds * directions);
         }
-        char metric[32];
-        snprintf(metric, sizeof metric, "lookup_%s", filter_names[filter]);
+        char metric[48];
+        snprintf(metric, sizeof metric, "lookup_%s_%u", filter_names[filter],
+                 driver->scene.environment.side);
         ok = rk_driver_row(driver, metric, "ns", rk_timing_of(nanoseconds, driver->runs), error);
     }
     free(d);

@@ -1,7 +1,7 @@
 /* An environment on the faces of a cube: a direction, divided by its largest component, is a place
  * on a face, and the texels around it are mixed, beyond the edges too.
  * Greene, "Environment mapping and other applications of world projections", IEEE Computer Graphics
- * and Applications 6(11), 1986; seamless: the OpenGL 3.2 specification, 2009, section 3.8.10. */
+ * and Applications 6(11), 1986; seamless: the OpenGL extension ARB_seamless_cube_map, 2009. */
 #include "features/cubemap.h"
 
 /* --- Directions ------------------------------------------------------------------------------- */
