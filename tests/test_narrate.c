@@ -59,12 +59,13 @@ static rk_render_options size_of(uint32_t width, uint32_t height, bool shadows)
 static void the_told_colour_is_the_rendered_one(void **state)
 {
     (void)state;
-    const char *const names[] = {"cornell", "sphere:320", "cube"};
-    for (int i = 0; i < 3; i++)
+    const char *const names[] = {"cornell", "sphere:320", "cube", "panes", "cornell-light"};
+    for (int i = 0; i < 5; i++)
         for (int shadows = 0; shadows < 2; shadows++) {
             rk_scene scene = test_scene_builtin(names[i]);
             test_scene_light(&scene, rk_vec(-3, 0, -1), rk_vec(0.5f, 0, 0.25f));
             rk_render_options options = size_of(19, 13, shadows);
+            options.reflections = options.transparency = shadows;
             test_picture picture = test_render(&scene, options, 1);
             for (uint32_t y = 0; y < options.height; y++)
                 for (uint32_t x = 0; x < options.width; x++) {
@@ -199,6 +200,44 @@ static void more_samples_than_the_centre_are_mentioned(void **state)
     rk_scene_free(&scene);
 }
 
+static void mirrors_and_panes_on_the_way_are_told(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_of(6, 3);
+    test_scene_wall(&scene, 0, 0, 1);
+    test_scene_wall(&scene, 2, 1, 2);
+    test_scene_wall(&scene, 4, -6, 0);
+    scene.mesh.materials[1].alpha = 0.25f;
+    scene.mesh.materials[2].ks = rk_vec(1, 1, 1);
+    test_scene_light(&scene, rk_vec(1, 2, -2), rk_vec(1, 1, 1));
+    rk_render_options options = size_of(20, 20, true);
+    options.reflections = options.transparency = true;
+    options.recursion = 1;
+    char *story = narrate(&scene, options, 5, 9);
+    rk_check(tells(story, "alpha = 0.250000"), "the pane's opacity:\n%s", story);
+    rk_check(tells(story, "the way leads through glass") || tells(story, "the way is free"),
+             "what became of the shadow rays:\n%s", story);
+    rk_check(!tells(story, "mirrored ray"), "the limit of 1 ends at the mirror:\n%s", story);
+    free(story);
+    options.recursion = 3;
+    story = narrate(&scene, options, 5, 9);
+    rk_check(tells(story, "mirrored ray"), "the limit of 3 lets it be mirrored:\n%s", story);
+    free(story);
+    rk_scene_free(&scene);
+}
+
+static void a_light_with_an_extent_tells_how_much_of_it_is_seen(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cornell-light");
+    rk_render_options options = size_of(40, 40, true);
+    char *story = narrate(&scene, options, 20, 12);
+    rk_check(tells(story, "a parallelogram") && tells(story, "16 shadow rays, 16 of them not"),
+             "the back wall sees the whole light:\n%s", story);
+    free(story);
+    rk_scene_free(&scene);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_told_colour_is_the_rendered_one),
     cmocka_unit_test(a_miss_is_told),
@@ -206,6 +245,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(shadow_and_free_ways_are_told),
     cmocka_unit_test(the_hit_is_told),
     cmocka_unit_test(lights_that_add_nothing_are_told),
+    cmocka_unit_test(mirrors_and_panes_on_the_way_are_told),
+    cmocka_unit_test(a_light_with_an_extent_tells_how_much_of_it_is_seen),
     cmocka_unit_test(more_samples_than_the_centre_are_mentioned),
 };
 

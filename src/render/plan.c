@@ -10,7 +10,7 @@ rk_render_options rk_render_options_default(void)
         .shading = {.model = RK_SHADING_LAMBERT, .gradient = rk_gradient_cool_to_warm()},
         .glass = RK_GLASS_ORDERED,
         .recursion = 6,
-        .light = {.samples = 16, .sampling = RK_SAMPLER_STRATIFIED, .settle = 16},
+        .light = {.samples = 16, .sampling = RK_SAMPLER_LOW_DISCREPANCY, .settle = RK_LIGHT_ROUND},
         .environment_filter = RK_CUBEMAP_SEAMLESS,
     };
 }

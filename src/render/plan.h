@@ -40,7 +40,7 @@ typedef struct rk_render_options {
 enum { RK_RECURSION_MAX = 16 };
 
 /* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
- * stratified samples a light, settled by 16; environments without a seam. */
+ * low-discrepancy samples a light, settled by 16; environments without a seam. */
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
