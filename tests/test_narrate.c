@@ -3,6 +3,7 @@
 #include "test_scene.h"
 
 #include "render/narrate.h"
+#include "scene/sky.h"
 
 /* A new string to free(). */
 static char *narrate(const rk_scene *scene, rk_render_options options, uint32_t x, uint32_t y)
@@ -97,6 +98,36 @@ static void a_miss_is_told(void **state)
     rk_check(tells(story, "pixel (15, 10)"), "the story begins with its pixel:\n%s", story);
     rk_check(!tells(story, "light 0"), "no light shines on nothing:\n%s", story);
     free(story);
+    rk_scene_free(&scene);
+}
+
+static void an_environment_is_told(void **state)
+{
+    (void)state;
+    /* Misses, glass in front of nothing, and a mirror. */
+    rk_scene scene = test_scene_of(4, 2);
+    rk_error error;
+    test_scene_quad(&scene, 0, rk_vec(0, -9, 1), rk_vec(9, 0, 0), rk_vec(0, 18, 0));
+    test_scene_quad(&scene, 2, rk_vec(-1, -0.3f, 0), rk_vec(2, 0, 0), rk_vec(0, 0.5f, 0));
+    scene.mesh.triangle_materials[2] = scene.mesh.triangle_materials[3] = 1;
+    scene.mesh.materials[0].ks = rk_vec(0.5f, 0.5f, 0.5f);
+    scene.mesh.materials[1].alpha = 0.25f;
+    test_scene_light(&scene, rk_vec(5, 0, -1), rk_vec(1, 1, 1));
+    rk_check_ok(rk_sky_make(&scene.environment, 8, &error), error);
+    rk_render_options options = size_of(19, 13, true);
+    options.reflections = options.transparency = true;
+    test_picture picture = test_render(&scene, options, 1);
+    int misses = 0, behind = 0;
+    for (uint32_t y = 0; y < options.height; y++)
+        for (uint32_t x = 0; x < options.width; x++) {
+            char *story = narrate(&scene, options, x, y);
+            check_told(story, "colour (linear)", *rk_image_at(&picture.image, x, y));
+            misses += tells(story, "met nothing: the environment");
+            behind += tells(story, "behind it all: the environment");
+            free(story);
+        }
+    rk_check(misses > 10 && behind > 2, "%d misses, %d through glass", misses, behind);
+    rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
 
@@ -210,6 +241,7 @@ static void a_light_with_an_extent_tells_how_much_of_it_is_seen(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_told_colour_is_the_rendered_one),
     cmocka_unit_test(a_miss_is_told),
+    cmocka_unit_test(an_environment_is_told),
     cmocka_unit_test(shadow_and_free_ways_are_told),
     cmocka_unit_test(the_hit_is_told),
     cmocka_unit_test(lights_that_add_nothing_are_told),

@@ -60,6 +60,8 @@ rk_option_table rk_render_option_table(rk_render_options *options)
         {"bloom-method", RK_OPTION_CHOICE, &options->bloom.method,
          "exact|gaussian|recursive|pyramid",
          "the filter itself, or one that is close to it and cheaper", 0, 0},
+        {"environment-filter", RK_OPTION_CHOICE, &options->environment_filter,
+         "nearest|bilinear|seamless", "between the texels of --environment", 0, 0},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     }};
 }

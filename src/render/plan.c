@@ -14,6 +14,7 @@ rk_render_options rk_render_options_default(void)
         .recursion = 6,
         .light = {.samples = 16, .sampling = RK_SAMPLER_LOW_DISCREPANCY, .settle = RK_LIGHT_ROUND},
         .bloom = rk_bloom_options_default(),
+        .environment_filter = RK_CUBEMAP_SEAMLESS,
     };
 }
 
@@ -53,15 +54,18 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
     bool lights = false;
     for (uint32_t i = 0; i < scene->light_count; i++)
         lights |= rk_light_shines(&scene->lights[i]);
-    bool rays = (scene->mesh.triangle_count > 0 || scene->sphere_count > 0) && lights;
+    bool environment = scene->environment.side > 0;
+    bool anything = scene->mesh.triangle_count > 0 || scene->sphere_count > 0;
+    bool rays = (anything && lights) || environment;
     return (rk_plan){
         .rays = rays,
         .pixel_samples = rays && options->samples > 1,
         .lights = lights,
-        .shadow_rays = rays && options->shadows,
+        .shadow_rays = anything && lights && options->shadows,
         .reflections =
             rays && options->reflections && options->recursion > 0 && any_material(scene, reflects),
         .transparency = rays && options->transparency && any_material(scene, lets_through),
         .bloom = rays && rk_bloom_wanted(&options->bloom),
+        .environment = environment,
     };
 }

@@ -5,6 +5,7 @@
 
 #include "base/sampler.h"
 #include "features/bloom.h"
+#include "features/cubemap.h"
 #include "features/parallelogram_light.h"
 #include "features/shading.h"
 #include "features/transparency.h"
@@ -35,22 +36,25 @@ typedef struct rk_render_options {
         recursion; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
     rk_light_options light;
     rk_bloom_options bloom;
+    rk_cubemap_filter environment_filter;
 } rk_render_options;
 
 enum { RK_RECURSION_MAX = 16 };
 
 /* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
- * low-discrepancy samples a light, settled by 16; no bloom. */
+ * low-discrepancy samples a light, settled by 16; environments without a seam; no bloom, no lens.
+ */
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
-    bool rays;          /* is there anything to meet, and light to see it by? */
+    bool rays;          /* is there an environment, or anything to meet and light to see it by? */
     bool pixel_samples; /* random positions within the pixel */
     bool lights;        /* any light that is not black */
     bool shadow_rays;
     bool reflections;  /* a surface reflects, and may */
     bool transparency; /* a surface lets light through, and may */
     bool bloom;        /* what is bright glows into what is around it */
+    bool environment;  /* what meets nothing is looked up */
 } rk_plan;
 
 /* Is it anything but black? */

@@ -87,13 +87,17 @@ typedef struct rk_tile {
 void rk_follow(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths);
 
 /* Their parts, for who tells the story of one ray: path i goes through panes to a list of hits,
- * nearest first, of which `weights` are the shares that reach its beginning; */
-void rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
-                     rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
-                     rk_counters *counters);
+ * nearest first, of which `weights` are the shares that reach its beginning. Returns the share of
+ * the environment: 0 behind something opaque, and where the ray may not go on that far; */
+float rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+                      rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
+                      rk_counters *counters);
 /* what a hit of it shows, behind so many panes, with its share; */
 void rk_see(rk_seen *seen, const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
             const rk_hit *hit, uint32_t panes, float share);
+/* what is there where path i meets nothing, with its share; */
+rk_vec3 rk_see_environment(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+                           float share, rk_counters *counters);
 /* and the ray that is mirrored there, if one is and may be. */
 void rk_mirror(const rk_seen *seen, rk_path_batch *mirrored);
 
