@@ -11,6 +11,8 @@ rk_render_options rk_render_options_default(void)
         .glass = RK_GLASS_ORDERED,
         .recursion = 6,
         .light = {.samples = 16, .sampling = RK_SAMPLER_STRATIFIED, .settle = 16},
+        .lens = rk_lens_default(),
+        .lens_sampling = RK_SAMPLER_LOW_DISCREPANCY,
     };
 }
 
@@ -59,5 +61,6 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
         .reflections =
             rays && options->reflections && options->recursion > 0 && any_material(scene, reflects),
         .transparency = rays && options->transparency && any_material(scene, lets_through),
+        .lens = rays && options->lens_samples > 0 && options->lens.aperture > 0,
     };
 }

@@ -4,6 +4,7 @@
 #define RK_RENDER_PLAN_H
 
 #include "base/sampler.h"
+#include "features/depth_of_field.h"
 #include "features/parallelogram_light.h"
 #include "features/shading.h"
 #include "features/transparency.h"
@@ -33,12 +34,16 @@ typedef struct rk_render_options {
     uint32_t
         recursion; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
     rk_light_options light;
+    rk_lens lens;
+    uint32_t lens_samples; /* a pixel that is out of focus, each with a place in the pixel of its
+                              own, and at least `samples`; 0 is a pinhole */
+    rk_sampler_kind lens_sampling;
 } rk_render_options;
 
 enum { RK_RECURSION_MAX = 16 };
 
 /* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
- * stratified samples a light, settled by 16. */
+ * stratified samples a light, settled by 16; no lens samples. */
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
@@ -48,6 +53,7 @@ typedef struct rk_plan {
     bool shadow_rays;
     bool reflections;  /* a surface reflects, and may */
     bool transparency; /* a surface lets light through, and may */
+    bool lens;         /* something may be out of focus */
 } rk_plan;
 
 /* Is it anything but black? */
