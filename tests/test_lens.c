@@ -171,7 +171,7 @@ static void check_spot(rk_vec3 rotation, float focal_distance, float depth, rk_f
     white_light(&scene);
     rk_render_options options = with_lens(focal_distance, 400, 4096);
     options.lens.focal = focal;
-    options.sampling = options.lens_sampling = RK_SAMPLER_UNIFORM;
+    options.lens_sampling = RK_SAMPLER_UNIFORM;
     test_picture picture = test_render(&scene, options, 2);
     check_disk(&picture.image, circle_at(&options, (double)depth), 2, 4096);
     options.lens_samples = 0;
@@ -220,7 +220,7 @@ static void what_a_mirror_shows_is_blurred_by_the_whole_way(void **state)
     scene.mesh.triangle_materials[2] = scene.mesh.triangle_materials[3] = 1;
     white_light(&scene);
     rk_render_options options = with_lens(3, 400, 4096);
-    options.sampling = options.lens_sampling = RK_SAMPLER_UNIFORM;
+    options.lens_sampling = RK_SAMPLER_UNIFORM;
     check_same_as_pinhole(&scene, options, "the mirror itself is in focus");
     options.reflections = true;
     test_picture picture = test_render(&scene, options, 2);

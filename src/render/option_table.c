@@ -54,7 +54,8 @@ rk_option_table rk_render_option_table(rk_render_options *options)
         {"lens-samples", RK_OPTION_UINT, &options->lens_samples, "N",
          "rays through the lens for each pixel that is out of focus; 0: a pinhole", 0, 65536},
         {"lens-sampling", RK_OPTION_CHOICE, &options->lens_sampling,
-         "uniform|stratified|low-discrepancy", "how they are spread over the lens", 0, 0},
+         "uniform|stratified|low-discrepancy", "how they are spread over the lens and the pixel", 0,
+         0},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     }};
 }

@@ -35,9 +35,9 @@ typedef struct rk_render_options {
         recursion; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
     rk_light_options light;
     rk_lens lens;
-    uint32_t lens_samples; /* a pixel that is out of focus, each with a place in the pixel of its
-                              own, and at least `samples`; 0 is a pinhole */
-    rk_sampler_kind lens_sampling;
+    uint32_t lens_samples; /* a pixel that is out of focus, and at least `samples`; each has a place
+                              of its own on the lens and in the pixel; 0 is a pinhole */
+    rk_sampler_kind lens_sampling; /* of both places */
 } rk_render_options;
 
 enum { RK_RECURSION_MAX = 16 };

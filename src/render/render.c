@@ -41,18 +41,20 @@ static void choose_pixels(const rk_rendering *r, rk_tile *t, bool blurred)
                 t->chosen[t->chosen_count++] = (uint8_t)pixel;
 }
 
+/* Through the centre of a pixel, or a random place of it; from the camera's position, or a random
+ * place of the lens. */
 static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
 {
     const rk_render_options *options = r->options;
-    const rk_sampler within_pixel = {options->sampling, options->seed, t->samples};
-    const rk_sampler on_lens = {options->lens_sampling, options->seed, t->samples};
+    const rk_sampler sampler = {t->blurred ? options->lens_sampling : options->sampling,
+                                options->seed, t->samples};
     uint32_t pixel = y * options->width + x;
     rk_vec2 within = {0.5f, 0.5f};
     if (r->plan.pixel_samples || t->blurred)
-        within = rk_sample_2d(&within_pixel, pixel, t->sample, RK_DIMENSION_PIXEL);
+        within = rk_sample_2d(&sampler, pixel, t->sample, RK_DIMENSION_PIXEL);
     if (!t->blurred)
         return rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
-    rk_vec2 xi = rk_sample_2d(&on_lens, pixel, t->sample, RK_DIMENSION_LENS);
+    rk_vec2 xi = rk_sample_2d(&sampler, pixel, t->sample, RK_DIMENSION_LENS);
     return rk_lens_ray(&options->lens, &r->view, (float)x + within.x, (float)y + within.y, xi);
 }
 
