@@ -350,6 +350,27 @@ static void the_picture_is_the_same_for_any_number_of_threads(void **state)
     rk_scene_free(&scene);
 }
 
+static void each_pixel_has_lens_points_of_its_own(void **state)
+{
+    (void)state;
+    /* In a blurred edge: with the same points for all, the rows of a column were equal. */
+    rk_scene scene = make_halves(3, 2);
+    rk_render_options options = with_lens(3, 300, 64);
+    options.lens_sampling = RK_SAMPLER_UNIFORM;
+    test_picture picture = test_render(&scene, options, 2);
+    const rk_image *image = &picture.image;
+    size_t others = 0, below = 0;
+    for (size_t y = 1; y < side; y++)
+        others += rk_image_at(image, side / 2, y)->y != rk_image_at(image, side / 2, 0)->y;
+    for (size_t y = 0; y + 16 < side; y++)
+        below += rk_image_at(image, side / 2, y)->y != rk_image_at(image, side / 2, y + 16)->y;
+    rk_check(others > side / 2, "only %zu of %d pixels differ from the first", others, side - 1);
+    rk_check(below > side / 2 - 8, "only %zu of %d pixels differ from those one tile below", below,
+             side - 16);
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
 static void a_blurred_pixel_takes_as_many_samples_as_the_more_demanding_asks(void **state)
 {
     (void)state;
@@ -405,6 +426,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_plane_is_flat_and_a_sphere_is_round),
     cmocka_unit_test(panes_in_focus_take_samples_for_what_is_behind_them),
     cmocka_unit_test(the_picture_is_the_same_for_any_number_of_threads),
+    cmocka_unit_test(each_pixel_has_lens_points_of_its_own),
     cmocka_unit_test(a_blurred_pixel_takes_as_many_samples_as_the_more_demanding_asks),
     cmocka_unit_test(a_lens_without_focus_is_refused),
 };

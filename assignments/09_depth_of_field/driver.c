@@ -9,8 +9,8 @@
 
 static const char summary[] =
     "Renders a scene through a lens (--focal-distance, --aperture, --lens-samples).\n"
-    "--debug focus shows the focal surface, and --debug rays the lens rays of --pixel, from the "
-    "side.\n"
+    "--debug focus shows the focal surface, and --debug rays the lens rays of --pixel, or of "
+    "the middle, from the side.\n"
     "--debug blurred marks the pixels that take lens samples.\n"
     "--convergence puts the errors of a blurred edge into a table.";
 
@@ -25,8 +25,6 @@ typedef struct choices {
 
 static bool check(const rk_driver *driver, rk_error *error)
 {
-    if (rk_driver_debug(driver, "rays") && !driver->pixel.given)
-        return rk_fail(error, "--debug rays goes with the pixel whose rays it draws: --pixel X,Y");
     if (driver->debug && (driver->render.lens_samples == 0 || !(driver->render.lens.aperture > 0)))
         return rk_fail(error, "--debug %s goes with a lens: --lens-samples and --aperture above 0",
                        driver->debug);
@@ -134,6 +132,8 @@ static bool render_from_the_side(rk_driver *driver, const choices *c, rk_error *
     bool rays = rk_driver_debug(driver, "rays");
     rk_view view = view_of(driver);
     rk_overlay overlay;
+    if (!driver->pixel.given)
+        driver->pixel = (rk_pixel){.x = driver->render.width / 2, .y = driver->render.height / 2};
     look_from_the_side(&driver->scene.camera, &view, c);
     uint32_t lens_samples = driver->render.lens_samples;
     driver->render.lens_samples = 0;
@@ -199,8 +199,10 @@ static bool put_rows(rk_driver *driver, rk_error *error)
     if (o->lens_samples > 0)
         snprintf(metric, sizeof metric, "render_%g_%g", (double)o->lens.focal_distance,
                  (double)o->lens.aperture);
-    if (!rk_driver_row(driver, metric, "ms", driver->render_ms, error) || o->lens_samples == 0)
-        return o->lens_samples == 0;
+    if (!rk_driver_row(driver, metric, "ms", driver->render_ms, error))
+        return false;
+    if (o->lens_samples == 0)
+        return true;
     snprintf(metric, sizeof metric, "blurred_%g_%g", (double)o->lens.focal_distance,
              (double)o->lens.aperture);
     double blurred = (double)driver->counters.lens_samples /
@@ -282,11 +284,9 @@ static bool put_convergence(rk_driver *driver, rk_error *error)
         !rk_make_folder(path, error))
         return false;
     snprintf(path, sizeof path, "%s/tables/depth_of_field_convergence.csv", driver->out);
-    rk_view view = view_of(driver);
-    const double diameter = 32;
-    rk_ray ahead = rk_view_ray(&view, 0.5f * view.width, 0.5f * view.height);
-    o->lens.aperture = 1;
-    o->lens.aperture = (float)diameter / rk_lens_blur(&o->lens, &view, &ahead, 3);
+    /* The aperture for a circle of so many pixels, by the closed form. */
+    const double diameter = 32, d = 3, f = (double)o->lens.focal_distance;
+    o->lens.aperture = (float)(1e3 * diameter * (double)view_of(driver).pixel * d * f / (d - f));
     for (int kind = RK_SAMPLER_UNIFORM; kind <= RK_SAMPLER_LOW_DISCREPANCY; kind++)
         for (uint32_t samples = 1; samples <= 1024; samples *= 2) {
             o->lens_samples = samples;
