@@ -119,7 +119,7 @@ static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_vie
 
 static void look_from_the_side(rk_camera *camera, const rk_view *view, const choices *c)
 {
-    rk_vec3 forward = rk_scale(view->forward, 0.5f * camera->distance);
+    rk_vec3 forward = rk_scale(view->forward, 0.6f * camera->distance);
     camera->look_at = rk_add(view->position, forward);
     camera->rotation.x += c->viewer_pitch;
     camera->rotation.y += c->viewer_yaw;
@@ -321,7 +321,7 @@ static bool save(rk_driver *driver, rk_error *error)
 
 int main(int argc, char **argv)
 {
-    choices c = {.viewer_yaw = 75, .viewer_pitch = -5, .viewer_far = 1.7f};
+    choices c = {.viewer_yaw = 75, .viewer_pitch = -5, .viewer_far = 1.8f};
     const rk_option options[] = {
         {"viewer-yaw", RK_OPTION_FLOAT, &c.viewer_yaw, "DEG",
          "the side is the camera's, turned so far about y", -360, 360},

@@ -170,6 +170,9 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
         fprintf(out,
                 "the picture averages %u rays through it; this is the one through its centre\n",
                 options->samples);
+    if (r.plan.lens)
+        fprintf(out,
+                "where it is out of focus, rays start all over the lens; this one at its centre\n");
     const story s = {out, &r, &t};
     tell_path(&s, &camera, "camera ray");
     tell_vector(out, "colour (linear)", t.sum[0]);

@@ -20,25 +20,19 @@ void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t t
     memset(t->sum, 0, sizeof t->sum);
 }
 
-/* Out of focus is what a circle of confusion reaches. */
-static bool is_blurred(const rk_rendering *r, uint32_t x, uint32_t y)
-{
-    return r->circles && r->circles[(size_t)y * (r->options->width + 1) + x] > 0;
-}
-
-/* The tile's pixels that are out of focus, or those that are not; how many samples they take. */
+/* The tile's pixels that a circle of confusion reaches, or all others, and how many samples they
+ * take. */
 static void choose_pixels(const rk_rendering *r, rk_tile *t, bool blurred)
 {
-    uint32_t pixel = 0;
-    t->chosen_count = 0;
     t->blurred = blurred;
     t->samples = r->options->samples;
     if (blurred && t->samples < r->options->lens_samples)
         t->samples = r->options->lens_samples;
-    for (uint32_t y = t->y; y < t->y + t->height; y++)
-        for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
-            if (is_blurred(r, x, y) == blurred)
-                t->chosen[t->chosen_count++] = (uint8_t)pixel;
+}
+
+static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
+{
+    return !r->circles || (r->circles[(size_t)y * (r->options->width + 1) + x] > 0) == t->blurred;
 }
 
 /* Through the centre of a pixel, or a random place of it; from the camera's position, or a random
@@ -60,12 +54,14 @@ static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, uint32_t x, ui
 
 static void camera_stage(const rk_rendering *r, const rk_tile *t, rk_path_batch *camera)
 {
+    uint32_t pixel = 0;
     camera->rays.count = 0;
-    for (uint32_t i = 0; i < t->chosen_count; i++) {
-        uint32_t pixel = t->chosen[i];
-        rk_ray ray = camera_ray(r, t, t->x + pixel % t->width, t->y + pixel / t->width);
-        rk_path_push(camera, &ray, pixel, r->options->recursion, rk_vec(1, 1, 1));
-    }
+    for (uint32_t y = t->y; y < t->y + t->height; y++)
+        for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
+            if (is_chosen(r, t, x, y)) {
+                rk_ray ray = camera_ray(r, t, x, y);
+                rk_path_push(camera, &ray, pixel, r->options->recursion, rk_vec(1, 1, 1));
+            }
     t->counters->primary_rays += camera->rays.count;
     t->counters->pixel_samples += r->plan.pixel_samples || t->blurred ? camera->rays.count : 0;
     t->counters->lens_samples += t->blurred ? camera->rays.count : 0;
@@ -73,11 +69,11 @@ static void camera_stage(const rk_rendering *r, const rk_tile *t, rk_path_batch 
 
 static void film_stage(const rk_rendering *r, const rk_tile *t)
 {
-    for (uint32_t i = 0; i < t->chosen_count; i++) {
-        uint32_t pixel = t->chosen[i];
-        *rk_image_at(r->image, t->x + pixel % t->width, t->y + pixel / t->width) =
-            rk_scale(t->sum[pixel], 1 / (float)t->samples);
-    }
+    for (uint32_t y = 0; y < t->height; y++)
+        for (uint32_t x = 0; x < t->width; x++)
+            if (is_chosen(r, t, t->x + x, t->y + y))
+                *rk_image_at(r->image, t->x + x, t->y + y) =
+                    rk_scale(t->sum[y * t->width + x], 1 / (float)t->samples);
 }
 
 static void render_tile(uint32_t index, uint32_t thread, void *context)
@@ -88,9 +84,10 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
     rk_tile_start(r, &t, index, thread);
     for (int blurred = 0; blurred <= r->plan.lens; blurred++) {
         choose_pixels(r, &t, blurred);
-        bool rays = r->plan.rays && t.chosen_count > 0;
-        for (t.sample = 0; rays && t.sample < t.samples; t.sample++) {
+        for (t.sample = 0; r->plan.rays && t.sample < t.samples; t.sample++) {
             camera_stage(r, &t, &camera);
+            if (camera.rays.count == 0)
+                break;
             rk_follow(r, &t, &camera);
         }
         film_stage(r, &t);

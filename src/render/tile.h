@@ -72,9 +72,7 @@ typedef struct rk_light_sums {
 /* A thread's workspace for a tile. */
 typedef struct rk_tile {
     uint32_t x, y, width, height; /* pixels */
-    uint32_t chosen_count;        /* the pixels at work: those in focus, or all others */
-    uint8_t chosen[RK_BATCH_MAX]; /* within the tile, row by row */
-    bool blurred;                 /* they are out of focus, their rays start on the lens */
+    bool blurred;                 /* at work: pixels out of focus, by the lens, or all others */
     uint32_t sample, samples;     /* of each of them, and how many there will be */
     rk_hit_batch hits;
     uint32_t seen_count;
