@@ -97,8 +97,8 @@ typedef struct span {
     uint32_t from, end;
 } span;
 
-/* A circle's centre is anywhere in its pixel, and it reaches a pixel by touching its border: with
- * radius r it gets beyond r pixels between the two. */
+/* The circle's centre is anywhere in its pixel, and may touch another pixel anywhere: with radius r
+ * it reaches those that are k columns away where k - 1 < r. */
 static span span_around(uint32_t at, float blur, uint32_t size)
 {
     /* solution */
