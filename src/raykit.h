@@ -7,6 +7,7 @@
 #include "features/bloom.h"
 #include "features/bvh_median.h"
 #include "features/cubemap.h"
+#include "features/depth_of_field.h"
 #include "features/parallelogram_light.h"
 #include "features/sah_binning.h"
 #include "features/shading.h"

@@ -238,6 +238,19 @@ static void a_light_with_an_extent_tells_how_much_of_it_is_seen(void **state)
     rk_scene_free(&scene);
 }
 
+static void a_lens_is_told_of_where_there_is_one(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cube");
+    rk_render_options options = size_of(40, 40, false);
+    for (options.lens_samples = 0; options.lens_samples <= 15; options.lens_samples += 15) {
+        char *story = narrate(&scene, options, 20, 20);
+        rk_check(tells(story, "lens") == (options.lens_samples > 0), "the story is:\n%s", story);
+        free(story);
+    }
+    rk_scene_free(&scene);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_told_colour_is_the_rendered_one),
     cmocka_unit_test(a_miss_is_told),
@@ -248,6 +261,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(mirrors_and_panes_on_the_way_are_told),
     cmocka_unit_test(a_light_with_an_extent_tells_how_much_of_it_is_seen),
     cmocka_unit_test(more_samples_than_the_centre_are_mentioned),
+    cmocka_unit_test(a_lens_is_told_of_where_there_is_one),
 };
 
 RK_SUITE("narrate", tests)

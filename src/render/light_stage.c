@@ -25,7 +25,7 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const 
             (t->y + seen->pixel / t->width) * r->options->width + t->x + seen->pixel % t->width;
         uint32_t bounce = r->options->recursion - seen->left;
         const rk_sampler sampler = {options->sampling, r->options->seed,
-                                    r->options->samples * options->samples};
+                                    t->samples * options->samples};
         xi = rk_sample_2d(&sampler, pixel, t->sample * options->samples + sample,
                           RK_DIMENSION_LIGHT + 2 * (bounce * RK_LIGHTS_MAX + index));
         t->counters->light_samples++;

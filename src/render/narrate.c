@@ -166,7 +166,12 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                       .options = options,
                       .plan = rk_plan_of(scene, options),
                       .view = rk_view_of(&scene->camera, options->width, options->height)};
-    rk_tile t = {.x = x, .y = y, .width = 1, .height = 1, .counters = &counters};
+    rk_tile t = {.x = x,
+                 .y = y,
+                 .width = 1,
+                 .height = 1,
+                 .samples = options->samples,
+                 .counters = &counters};
     rk_path_batch camera;
     rk_ray ray = rk_view_ray(&r.view, (float)x + 0.5f, (float)y + 0.5f);
     camera.rays.count = 0;
@@ -176,6 +181,9 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
         fprintf(out,
                 "the picture averages %u rays through it; this is the one through its centre\n",
                 options->samples);
+    if (r.plan.lens)
+        fprintf(out,
+                "where it is out of focus, rays start all over the lens; this one at its centre\n");
     const story s = {out, &r, &t};
     tell_path(&s, &camera, "camera ray");
     tell_vector(out, "colour (linear)", t.sum[0]);

@@ -62,6 +62,17 @@ rk_option_table rk_render_option_table(rk_render_options *options)
          "the filter itself, or one that is close to it and cheaper", 0, 0},
         {"environment-filter", RK_OPTION_CHOICE, &options->environment_filter,
          "nearest|bilinear|seamless", "between the texels of --environment", 0, 0},
+        {"focal-distance", RK_OPTION_FLOAT, &options->lens.focal_distance, "D",
+         "what is so far from the camera is sharp, world units", 1e-3, 1e6},
+        {"focal", RK_OPTION_CHOICE, &options->lens.focal, "plane|sphere",
+         "so far along the view, as in photographs, or in any direction", 0, 0},
+        {"aperture", RK_OPTION_FLOAT, &options->lens.aperture, "A",
+         "diameter of the lens, thousandths of a world unit; 0 is a pinhole", 0, 1e6},
+        {"lens-samples", RK_OPTION_UINT, &options->lens_samples, "N",
+         "rays through the lens for each pixel that is out of focus; 0: a pinhole", 0, 65536},
+        {"lens-sampling", RK_OPTION_CHOICE, &options->lens_sampling,
+         "uniform|stratified|low-discrepancy", "how they are spread over the lens and the pixel", 0,
+         0},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     }};
 }

@@ -15,6 +15,8 @@ rk_render_options rk_render_options_default(void)
         .light = {.samples = 16, .sampling = RK_SAMPLER_LOW_DISCREPANCY, .settle = RK_LIGHT_ROUND},
         .bloom = rk_bloom_options_default(),
         .environment_filter = RK_CUBEMAP_SEAMLESS,
+        .lens = rk_lens_default(),
+        .lens_sampling = RK_SAMPLER_LOW_DISCREPANCY,
     };
 }
 
@@ -67,5 +69,6 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
         .transparency = rays && options->transparency && any_material(scene, lets_through),
         .bloom = rays && rk_bloom_wanted(&options->bloom),
         .environment = environment,
+        .lens = rays && options->lens_samples > 0 && options->lens.aperture > 0,
     };
 }

@@ -6,6 +6,7 @@
 #include "base/sampler.h"
 #include "features/bloom.h"
 #include "features/cubemap.h"
+#include "features/depth_of_field.h"
 #include "features/parallelogram_light.h"
 #include "features/shading.h"
 #include "features/transparency.h"
@@ -37,6 +38,10 @@ typedef struct rk_render_options {
     rk_light_options light;
     rk_bloom_options bloom;
     rk_cubemap_filter environment_filter;
+    rk_lens lens;
+    uint32_t lens_samples; /* a pixel that is out of focus, and at least `samples`; each has a place
+                              of its own on the lens and in the pixel; 0 is a pinhole */
+    rk_sampler_kind lens_sampling; /* of both places */
 } rk_render_options;
 
 enum { RK_RECURSION_MAX = 16 };
@@ -55,6 +60,7 @@ typedef struct rk_plan {
     bool transparency; /* a surface lets light through, and may */
     bool bloom;        /* what is bright glows into what is around it */
     bool environment;  /* what meets nothing is looked up */
+    bool lens;         /* something may be out of focus */
 } rk_plan;
 
 /* Is it anything but black? */

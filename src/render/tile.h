@@ -3,6 +3,7 @@
 #define RK_RENDER_TILE_H
 
 #include "base/image.h"
+#include "base/parallel.h"
 #include "base/progress.h"
 #include "render/accel.h"
 #include "render/crossings.h"
@@ -15,6 +16,7 @@ typedef struct rk_rendering {
     const rk_render_options *options;
     rk_plan plan;
     rk_view view;
+    int32_t *circles; /* see rk_lens_spread; NULL without a lens */
     uint32_t tiles_across;
     rk_image *image;
     rk_counters *counters; /* one for each thread */
@@ -70,7 +72,8 @@ typedef struct rk_light_sums {
 /* A thread's workspace for a tile. */
 typedef struct rk_tile {
     uint32_t x, y, width, height; /* pixels */
-    uint32_t sample;              /* of each pixel */
+    bool blurred;                 /* at work: pixels out of focus, by the lens, or all others */
+    uint32_t sample, samples;     /* of each of them, and how many there will be */
     rk_hit_batch hits;
     uint32_t seen_count;
     rk_seen seen[RK_BATCH_MAX];
@@ -82,6 +85,13 @@ typedef struct rk_tile {
     rk_vec3 sum[RK_BATCH_MAX]; /* over the samples so far, one a pixel */
     rk_counters *counters;
 } rk_tile;
+
+/* A tile before its first sample: its part of the picture, nothing seen, black. */
+void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t thread);
+
+/* Finds r->circles, by a ray through the centre of each pixel; leaves it NULL where the plan has no
+ * lens. */
+bool rk_focus_find(rk_rendering *r, rk_pool *pool, rk_error *error);
 
 /* Adds to the pixels' sums what the rays of `paths` see, along mirrors and panes to the end. */
 void rk_follow(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths);
