@@ -13,6 +13,7 @@ typedef struct rk_counters {
     uint64_t triangle_tests;
     uint64_t sphere_tests;
     uint64_t pixel_samples; /* random positions drawn within pixels */
+    uint64_t time_samples;  /* times drawn, for samples of pixels that motion may change */
 } rk_counters;
 
 static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
@@ -25,6 +26,7 @@ static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
     sum->triangle_tests += part->triangle_tests;
     sum->sphere_tests += part->sphere_tests;
     sum->pixel_samples += part->pixel_samples;
+    sum->time_samples += part->time_samples;
 }
 
 #endif

@@ -21,6 +21,7 @@ enum {
     RK_DIMENSION_PIXEL = 0,
     RK_DIMENSION_LIGHT = 2,
     RK_DIMENSION_TIME = 1 << 16,
+    RK_DIMENSION_FURTHER = 1 << 20, /* added to these for samples that a pixel takes further on */
 };
 
 /* Cells are halved down to 2^-24, the distance of the numbers that samplers give. */

@@ -10,6 +10,9 @@ rk_render_options rk_render_options_default(void)
         .shading = {.model = RK_SHADING_LAMBERT, .gradient = rk_gradient_cool_to_warm()},
         .glass = RK_GLASS_ORDERED,
         .recursion = 6,
+        .motion = {.shutter = rk_shutter_default(),
+                   .sampling = RK_TIME_STRATIFIED,
+                   .isolate = NAN},
         .light = {.samples = 16, .sampling = RK_SAMPLER_STRATIFIED, .settle = 16},
     };
 }
@@ -51,6 +54,11 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
     for (uint32_t i = 0; i < scene->light_count; i++)
         lights |= rk_light_shines(&scene->lights[i]);
     bool rays = (scene->mesh.triangle_count > 0 || scene->sphere_count > 0) && lights;
+    const rk_motion_options *motion = &options->motion;
+    bool moves = rays && motion->samples > 0 && scene->moving_count > 0;
+    bool many_times =
+        moves && isnan(motion->isolate) && motion->shutter.open < motion->shutter.close;
+    bool more = many_times && motion->samples > options->samples;
     return (rk_plan){
         .rays = rays,
         .pixel_samples = rays && options->samples > 1,
@@ -59,5 +67,8 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
         .reflections =
             rays && options->reflections && options->recursion > 0 && any_material(scene, reflects),
         .transparency = rays && options->transparency && any_material(scene, lets_through),
+        .motion = moves,
+        .time_samples = many_times,
+        .samples = more ? motion->samples : options->samples,
     };
 }

@@ -4,6 +4,7 @@
 #define RK_RENDER_PLAN_H
 
 #include "base/sampler.h"
+#include "features/motion_blur.h"
 #include "features/parallelogram_light.h"
 #include "features/shading.h"
 #include "features/transparency.h"
@@ -19,6 +20,14 @@ typedef struct rk_light_options {
     uint32_t settle; /* so many shadow rays that agree settle a point; 0: trace all */
 } rk_light_options;
 
+/* When what moves is seen. */
+typedef struct rk_motion_options {
+    rk_shutter shutter;
+    uint32_t samples; /* times a pixel that motion may change; 0: everything rests */
+    rk_time_sampling sampling;
+    float isolate; /* NaN, or the one equidistant time to see, 1 to `samples` or beyond */
+} rk_motion_options;
+
 typedef struct rk_render_options {
     uint32_t width, height; /* pixels */
     uint32_t samples;       /* a pixel; 1 looks through its centre */
@@ -33,12 +42,13 @@ typedef struct rk_render_options {
     uint32_t
         recursion; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
     rk_light_options light;
+    rk_motion_options motion;
 } rk_render_options;
 
 enum { RK_RECURSION_MAX = 16 };
 
 /* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
- * stratified samples a light, settled by 16. */
+ * stratified samples a light, settled by 16; everything at rest. */
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
@@ -48,6 +58,9 @@ typedef struct rk_plan {
     bool shadow_rays;
     bool reflections;  /* a surface reflects, and may */
     bool transparency; /* a surface lets light through, and may */
+    bool motion;       /* something moves, and may */
+    bool time_samples; /* at times that differ from sample to sample */
+    uint32_t samples;  /* of a pixel that motion may change; of others options->samples */
 } rk_plan;
 
 /* Is it anything but black? */

@@ -18,24 +18,37 @@ static void start_tile(const rk_rendering *r, rk_tile *t, uint32_t index, uint32
     t->seen_count = 0;
     t->counters = &r->counters[thread];
     memset(t->sum, 0, sizeof t->sum);
+    if (r->plan.motion)
+        memset(t->in_motion, 0, sizeof t->in_motion);
 }
 
-static void camera_stage(const rk_rendering *r, const rk_tile *t, rk_path_batch *camera)
+static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
 {
     const rk_render_options *options = r->options;
-    const rk_sampler sampler = {options->sampling, options->seed, options->samples};
+    const rk_draw draw = rk_draw_of(r, t->sample);
+    const rk_sampler sampler = {options->sampling, options->seed, draw.samples};
+    bool all = t->sample < options->samples; /* or only those that motion may change */
     camera->rays.count = 0;
-    for (uint32_t y = t->y; y < t->y + t->height; y++)
-        for (uint32_t x = t->x; x < t->x + t->width; x++) {
-            rk_vec2 within = {0.5f, 0.5f};
-            if (r->plan.pixel_samples)
-                within =
-                    rk_sample_2d(&sampler, y * options->width + x, t->sample, RK_DIMENSION_PIXEL);
-            rk_ray ray = rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
-            rk_path_push(camera, &ray, camera->rays.count, options->recursion, rk_vec(1, 1, 1));
-        }
+    if (r->plan.time_samples)
+        memset(t->has_time, 0, sizeof t->has_time);
+    for (uint32_t pixel = 0; pixel < t->width * t->height; pixel++) {
+        if (!all && !t->in_motion[pixel])
+            continue;
+        uint32_t x = t->x + pixel % t->width, y = t->y + pixel / t->width;
+        rk_vec2 within = {0.5f, 0.5f};
+        if (r->plan.pixel_samples)
+            within = rk_sample_2d(&sampler, y * options->width + x, draw.sample,
+                                  draw.dimension + RK_DIMENSION_PIXEL);
+        rk_ray ray = rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
+        rk_path_push(camera, &ray, pixel, options->recursion, rk_vec(1, 1, 1));
+    }
     t->counters->primary_rays += camera->rays.count;
     t->counters->pixel_samples += r->plan.pixel_samples ? camera->rays.count : 0;
+}
+
+static uint32_t samples_of(const rk_rendering *r, const rk_tile *t, uint32_t pixel)
+{
+    return r->plan.motion && t->in_motion[pixel] ? r->plan.samples : r->options->samples;
 }
 
 static void film_stage(const rk_rendering *r, const rk_tile *t)
@@ -43,7 +56,7 @@ static void film_stage(const rk_rendering *r, const rk_tile *t)
     for (uint32_t y = 0; y < t->height; y++)
         for (uint32_t x = 0; x < t->width; x++)
             *rk_image_at(r->image, t->x + x, t->y + y) =
-                rk_scale(t->sum[y * t->width + x], 1 / (float)r->options->samples);
+                rk_scale(t->sum[y * t->width + x], 1 / (float)samples_of(r, t, y * t->width + x));
 }
 
 static void render_tile(uint32_t index, uint32_t thread, void *context)
@@ -52,8 +65,10 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
     rk_tile t;
     rk_path_batch camera;
     start_tile(r, &t, index, thread);
-    for (t.sample = 0; r->plan.rays && t.sample < r->options->samples; t.sample++) {
+    for (t.sample = 0; r->plan.rays && t.sample < r->plan.samples; t.sample++) {
         camera_stage(r, &t, &camera);
+        if (camera.rays.count == 0)
+            break;
         rk_follow(r, &t, &camera);
     }
     film_stage(r, &t);
@@ -84,6 +99,9 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
     if (options->recursion > RK_RECURSION_MAX || options->light.samples < 1)
         return rk_fail(error, "rays go on at most %d times, and a light gets at least one sample",
                        RK_RECURSION_MAX);
+    if (!(options->motion.shutter.open <= options->motion.shutter.close))
+        return rk_fail(error, "the shutter opens at x = %g, behind x = %g, where it closes",
+                       (double)options->motion.shutter.open, (double)options->motion.shutter.close);
     uint32_t threads = rk_pool_threads(pool);
     rk_rendering r = {
         .scene = scene,
@@ -98,6 +116,7 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
     };
     if (!r.counters)
         return false;
+    rk_moving_prepare(&r);
     rk_pool_run(pool, rk_render_tiles(options), render_tile, &r);
     *counters = (rk_counters){0};
     for (uint32_t i = 0; i < threads; i++)
