@@ -206,10 +206,10 @@ static void times_fill_the_shutter_and_never_leave_it(void **state)
 
 /* --- Where it may be -------------------------------------------------------------------------- */
 
-/* What the header allows: 2^-20 of corner and offset, and the floats that are rounded. */
+/* What the header allows: 2^-19 of corner and offset, and the floats that are rounded. */
 static double leave(double corner, double offset)
 {
-    return (fabs(corner) + fabs(offset)) * (0x1p-20 + 2 * 0x1p-24);
+    return (fabs(corner) + fabs(offset)) * (0x1p-19 + 2 * 0x1p-24);
 }
 
 static void check_heights(rk_motion motion, rk_shutter shutter, double low, double high,
@@ -385,8 +385,8 @@ static rk_ray grazing_ray(uint32_t i, const rk_box *rest, rk_vec3 offset)
 {
     bool right = i & 1, top = i & 2;
     float far = exp2f(random_float(i, 50, 0, 12)), aside = far * 0x1p-24f;
-    rk_vec3 at = rk_vec(rest->corner[right].x + random_float(i, 51, -32, 32) * aside,
-                        rest->corner[top].y + random_float(i, 52, -32, 32) * aside,
+    rk_vec3 at = rk_vec(rest->corner[right].x + random_float(i, 51, -64, 64) * aside,
+                        rest->corner[top].y + random_float(i, 52, -64, 64) * aside,
                         random_float(i, 53, rest->corner[0].z, rest->corner[1].z));
     float x = random_float(i, 54, 0, 1), y = random_float(i, 55, 0, right == top ? -1 : 1);
     rk_vec3 direction = rk_vec(x, y, random_float(i, 56, -1, 1));
@@ -414,6 +414,70 @@ static void a_ray_that_does_not_reach_the_swept_box_never_meets_the_object(void 
     }
     rk_check(met > 1000 && missed > 1000, "%u rays met the box and %u missed the swept one", met,
              missed);
+}
+
+/* Two leaves and their root. */
+typedef struct small_tree {
+    rk_bvh_node nodes[4];
+    rk_bvh bvh;
+} small_tree;
+
+static void grow(small_tree *tree, rk_box left, rk_box right)
+{
+    tree->nodes[0] = (rk_bvh_node){rk_box_merge(left, right), 2, 0};
+    tree->nodes[2] = (rk_bvh_node){left, 0, 1};
+    tree->nodes[3] = (rk_bvh_node){right, 1, 1};
+    tree->bvh = (rk_bvh){.node_count = 4, .triangle_count = 2, .nodes = tree->nodes};
+}
+
+static void check_leaf(float x, float close, float t_max, bool want, const char *hint)
+{
+    small_tree tree;
+    grow(&tree, (rk_box){{{-4, -1, 4}, {-2, 1, 5}}}, (rk_box){{{2, -1, 4}, {4, 1, 5}}});
+    const rk_motion level = {0, 0, 0};
+    const rk_shutter shutter = {0, close};
+    const rk_box swept = rk_motion_sweep(&level, &shutter, &tree.nodes[0].box);
+    const rk_ray ray = {{x, 0, 0}, {0, 0, 1}, INFINITY};
+    const rk_slabs slabs = rk_slabs_of(&ray);
+    rk_check(rk_motion_reaches(&swept, &slabs, INFINITY), "the root's box holds all of it");
+    rk_check(rk_motion_reaches_leaf(&tree.bvh, &swept, &slabs, t_max) == want,
+             "a ray at x = %g to t = %g should %s a leaf: %s", (double)x, (double)t_max,
+             want ? "reach" : "not reach", hint);
+}
+
+static void a_ray_between_the_leaves_reaches_none(void **state)
+{
+    (void)state;
+    check_leaf(-3, 1, INFINITY, true, "straight into the left one");
+    check_leaf(3, 1, INFINITY, true, "straight into the right one");
+    check_leaf(3, 1, 3.5f, false, "it is stopped before");
+    check_leaf(0, 1, INFINITY, false, "the left one comes as far as -1");
+    check_leaf(-1.5f, 1, INFINITY, true, "the left one comes there");
+    check_leaf(1.5f, 1, INFINITY, false, "the right one moves away");
+    check_leaf(0, 3, INFINITY, true, "the left one comes as far as 1");
+}
+
+static void a_ray_that_reaches_no_leaf_never_meets_one(void **state)
+{
+    (void)state;
+    uint32_t met = 0, missed = 0;
+    for (uint32_t i = 0; i < 200000; i++) {
+        const rk_motion motion = random_path(i);
+        const rk_shutter shutter = random_shutter(i / 2);
+        small_tree tree;
+        grow(&tree, random_box(i / 2), random_box(i / 2 + 200000));
+        const rk_box *leaf = &tree.nodes[2 + i % 2].box;
+        rk_vec3 offset = rk_motion_offset(&motion, i & 4 ? shutter.open : shutter.close);
+        const rk_ray ray = grazing_ray(i, leaf, offset), moved = rk_motion_ray(offset, &ray);
+        const rk_slabs slabs = rk_slabs_of(&ray), moved_slabs = rk_slabs_of(&moved);
+        const rk_box swept = rk_motion_sweep(&motion, &shutter, &tree.nodes[0].box);
+        bool meets = rk_box_enter(leaf, &moved_slabs, INFINITY) < INFINITY;
+        bool reaches = rk_motion_reaches_leaf(&tree.bvh, &swept, &slabs, INFINITY);
+        rk_check(!meets || reaches, "ray %u enters a leaf, but is said never to reach one", i);
+        met += meets;
+        missed += !reaches;
+    }
+    rk_check(met > 1000 && missed > 1000, "%u rays met a leaf and %u reached none", met, missed);
 }
 
 /* --- Coverage --------------------------------------------------------------------------------- */
@@ -523,6 +587,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_swept_box_is_no_larger_than_the_way),
     cmocka_unit_test(a_ray_reaches_what_its_way_to_t_max_enters),
     cmocka_unit_test(a_ray_that_does_not_reach_the_swept_box_never_meets_the_object),
+    cmocka_unit_test(a_ray_between_the_leaves_reaches_none),
+    cmocka_unit_test(a_ray_that_reaches_no_leaf_never_meets_one),
     cmocka_unit_test(a_moving_edge_covers_a_point_for_its_share_of_the_time),
     cmocka_unit_test(a_moving_disk_covers_a_point_for_its_chord_of_the_way),
 };

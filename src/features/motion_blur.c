@@ -147,11 +147,11 @@ static range heights(const rk_motion *motion, const rk_shutter *shutter)
 
 /* How far roundings may carry a moved ray on one axis, for each unit of what is added there:
  * origin, offset, corner. 1 eps, 2^-24, for the moved origin, 10 for the test of the box at rest
- * (its reciprocals are pushed apart by 6, and it rounds three times, on either side); the others
- * are for the sums that use this. */
-static const double rounding = 16 * 0x1p-24;
+ * (its reciprocals are pushed apart by 6, and it rounds three times, on either side); the sums
+ * that use this round a few times more. Then doubled: a box that is too large by a few roundings
+ * costs nothing. */
+static const double rounding = 32 * 0x1p-24;
 
-/* A float is rounded by less than the 16 eps leave to spare. */
 static void sweep_axis(float *low, float *high, range offset)
 {
     double size =
@@ -176,15 +176,59 @@ rk_box rk_motion_sweep(const rk_motion *motion, const rk_shutter *shutter, const
     return box;
 }
 
+/* --- Which rays need a time ------------------------------------------------------------------- */
+
+/* The box with its corners moved by those of `by`. */
+static rk_box widened(const rk_box *box, const rk_box *by)
+{
+    return (rk_box){{rk_add(box->corner[0], by->corner[0]), rk_add(box->corner[1], by->corner[1])}};
+}
+
+/* What roundings of the ray's own origin ask for. */
+static rk_box spare_for(const rk_slabs *ray)
+{
+    rk_vec3 spare = rk_scale(rk_abs3(ray->origin), (float)rounding);
+    return (rk_box){{rk_negate(spare), spare}};
+}
+
 bool rk_motion_reaches(const rk_box *swept, const rk_slabs *ray, float t_max)
 {
     /* solution */
-    rk_vec3 spare = rk_scale(rk_abs3(ray->origin), (float)rounding);
-    const rk_box box = {{rk_sub(swept->corner[0], spare), rk_add(swept->corner[1], spare)}};
+    const rk_box spare = spare_for(ray), box = widened(swept, &spare);
     return rk_box_enter(&box, ray, t_max) < INFINITY;
     /* starter
-    // Seventh step: does the ray enter the box, grown by `rounding` of its origin?
-    (void)swept, (void)ray, (void)t_max;
+    // Seventh step: does the ray enter the box, widened by spare_for(ray)?
+    (void)swept, (void)ray, (void)t_max, (void)widened, (void)spare_for;
+    return true;
+    end */
+}
+
+/* All boxes of the tree move alike: what the root's box gained, each of them gains. */
+bool rk_motion_reaches_leaf(const rk_bvh *bvh, const rk_box *swept, const rk_slabs *ray,
+                            float t_max)
+{
+    /* solution */
+    const rk_box *root = &bvh->nodes[0].box;
+    const rk_box way = {
+        {rk_sub(swept->corner[0], root->corner[0]), rk_sub(swept->corner[1], root->corner[1])}};
+    const rk_box spare = spare_for(ray), gain = widened(&way, &spare);
+    const rk_bvh_node *waiting[RK_BVH_LEVELS_MAX + 1];
+    uint32_t size = 0;
+    waiting[size++] = &bvh->nodes[0];
+    while (size) {
+        const rk_bvh_node *node = waiting[--size];
+        const rk_box box = widened(&node->box, &gain);
+        if (!(rk_box_enter(&box, ray, t_max) < INFINITY))
+            continue;
+        if (node->count)
+            return true;
+        waiting[size++] = &bvh->nodes[node->first + 1];
+        waiting[size++] = &bvh->nodes[node->first];
+    }
+    return false;
+    /* starter
+    // Eighth step: down the tree, into boxes that are widened as the root's was, to the first leaf.
+    (void)bvh, (void)swept, (void)ray, (void)t_max;
     return true;
     end */
 }

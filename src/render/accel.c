@@ -57,8 +57,7 @@ bool rk_accel_build_binned(rk_accel *accel, rk_accel_kind kind, uint32_t bins,
 {
     *accel = (rk_accel){.kind = kind, .bins = bins, .scene = scene};
     uint32_t still = 0;
-    bool ok =
-        check_moving(scene, &still, error) && build_part(&accel->bvh, accel, 0, still, error);
+    bool ok = check_moving(scene, &still, error) && build_part(&accel->bvh, accel, 0, still, error);
     for (uint32_t i = 0; ok && i < scene->moving_count; i++)
         ok = build_part(&accel->moving[i], accel, scene->moving[i].first, scene->moving[i].count,
                         error);
@@ -158,17 +157,14 @@ void rk_accel_any(const rk_accel *accel, const rk_ray_batch *rays, rk_any_batch 
 
 /* --- Asking what moves ------------------------------------------------------------------------ */
 
-/* Last of all: what stands still may stop a ray before it needs a time. */
 static void meet_moving(const rk_accel *accel, const rk_moments *when, uint32_t i,
                         const rk_ray *ray, rk_hit *hit, rk_counters *counters)
 {
     const rk_slabs slabs = rk_slabs_of(ray);
-    for (uint32_t k = 0; k < accel->scene->moving_count; k++) {
-        counters->box_tests++;
-        if (rk_motion_reaches(&when->swept[k], &slabs, hit->t))
-            meet_object(&accel->moving[k],
-                        rk_motion_ray(when->offset(when->asker, i, k), ray), hit, counters);
-    }
+    rk_vec3 offset;
+    for (uint32_t k = 0; k < accel->scene->moving_count; k++)
+        if (when->reaches(when->asker, i, k, &slabs, hit->t, &offset))
+            meet_object(&accel->moving[k], rk_motion_ray(offset, ray), hit, counters);
 }
 
 void rk_accel_closest_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
@@ -187,14 +183,13 @@ static bool meets_any_moving(const rk_accel *accel, const rk_moments *when, uint
                              const rk_ray *ray, rk_counters *counters)
 {
     const rk_slabs slabs = rk_slabs_of(ray);
+    rk_vec3 offset;
     bool found = false;
-    for (uint32_t k = 0; k < accel->scene->moving_count && !found; k++) {
-        counters->box_tests++;
-        if (rk_motion_reaches(&when->swept[k], &slabs, ray->t_max)) {
-            rk_ray moved = rk_motion_ray(when->offset(when->asker, i, k), ray);
+    for (uint32_t k = 0; k < accel->scene->moving_count && !found; k++)
+        if (when->reaches(when->asker, i, k, &slabs, ray->t_max, &offset)) {
+            rk_ray moved = rk_motion_ray(offset, ray);
             found = rk_bvh_any(&accel->moving[k], &moved, counters);
         }
-    }
     return found;
 }
 

@@ -16,7 +16,7 @@ typedef enum rk_accel_kind {
 
 typedef struct rk_accel {
     rk_accel_kind kind;
-    uint32_t bins; /* of the two with bins */
+    uint32_t bins;                /* of the two with bins */
     rk_bvh bvh;                   /* over what stands still */
     rk_bvh moving[RK_MOVING_MAX]; /* one over each moving object, where it rests */
     const rk_scene *scene;        /* for its spheres, which no tree holds */
@@ -47,11 +47,12 @@ void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_ba
 void rk_accel_any(const rk_accel *accel, const rk_ray_batch *rays, rk_any_batch *answers,
                   rk_counters *counters);
 
-/* Where moving objects are when the rays of a batch are traced. Asked only for a ray that reaches
- * an object's swept box before it is stopped: others need no time. */
+/* Where moving objects stand when the rays of a batch are traced. `reaches` is asked last, when all
+ * that stands still has shortened the ray to t_max: may ray `index` meet the object at all? If so
+ * it fills in the object's offset. */
 typedef struct rk_moments {
-    const rk_box *swept; /* one for each moving object */
-    rk_vec3 (*offset)(void *asker, uint32_t ray, uint32_t object);
+    bool (*reaches)(void *asker, uint32_t index, uint32_t object, const rk_slabs *ray, float t_max,
+                    rk_vec3 *offset);
     void *asker;
 } rk_moments;
 

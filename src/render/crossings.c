@@ -219,18 +219,16 @@ static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
     }
 }
 
-/* Where an object stands at the moment of the ray. */
 static void gather_moving(gathering *g, const rk_accel *accel, const rk_moments *when,
                           uint32_t index, rk_counters *counters)
 {
     const rk_slabs slabs = rk_slabs_of(g->ray);
-    for (uint32_t k = 0; k < accel->scene->moving_count && !is_settled(g); k++) {
-        counters->box_tests++;
-        if (!rk_motion_reaches(&when->swept[k], &slabs, g->end))
-            continue;
-        rk_ray moved = rk_motion_ray(when->offset(when->asker, index, k), g->ray);
-        gather_triangles(g, &accel->moving[k], &moved, counters);
-    }
+    rk_vec3 offset;
+    for (uint32_t k = 0; k < accel->scene->moving_count && !is_settled(g); k++)
+        if (when->reaches(when->asker, index, k, &slabs, g->end, &offset)) {
+            rk_ray moved = rk_motion_ray(offset, g->ray);
+            gather_triangles(g, &accel->moving[k], &moved, counters);
+        }
 }
 
 static void gather(gathering *g, const rk_accel *accel, const rk_moments *when, uint32_t index,

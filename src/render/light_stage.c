@@ -25,10 +25,9 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const 
         uint32_t bounce = r->options->recursion - seen->left;
         const rk_sampler sampler = {options->sampling, r->options->seed,
                                     draw.samples * options->samples};
-        xi = rk_sample_2d(&sampler, rk_tile_pixel(r, t, seen->pixel),
-                          draw.sample * options->samples + sample,
-                          draw.dimension + RK_DIMENSION_LIGHT +
-                              2 * (bounce * RK_LIGHTS_MAX + index));
+        xi = rk_sample_2d(
+            &sampler, rk_tile_pixel(r, t, seen->pixel), draw.sample * options->samples + sample,
+            draw.dimension + RK_DIMENSION_LIGHT + 2 * (bounce * RK_LIGHTS_MAX + index));
         t->counters->light_samples++;
     }
     return rk_light_sample_at(light, options->falloff, options->map, seen->surface.point, xi);

@@ -58,7 +58,8 @@ rk_option_table rk_render_option_table(rk_render_options *options)
          "equidistant|stratified|low-discrepancy",
          "how times are spread; equidistant ones are the same for all pixels", 0, 0},
         {"isolate", RK_OPTION_FLOAT, &options->motion.isolate, "K",
-         "show the equidistant time K of --time-samples alone; below 1 or above N it lies before or "
+         "show the equidistant time K of --time-samples alone; below 1 or above N it lies before "
+         "or "
          "after the shutter",
          -1e6, 1e6},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},

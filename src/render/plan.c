@@ -10,9 +10,7 @@ rk_render_options rk_render_options_default(void)
         .shading = {.model = RK_SHADING_LAMBERT, .gradient = rk_gradient_cool_to_warm()},
         .glass = RK_GLASS_ORDERED,
         .recursion = 6,
-        .motion = {.shutter = rk_shutter_default(),
-                   .sampling = RK_TIME_STRATIFIED,
-                   .isolate = NAN},
+        .motion = {.shutter = rk_shutter_default(), .sampling = RK_TIME_STRATIFIED, .isolate = NAN},
         .light = {.samples = 16, .sampling = RK_SAMPLER_STRATIFIED, .settle = 16},
     };
 }

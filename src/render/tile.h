@@ -79,8 +79,8 @@ typedef struct rk_tile {
     uint32_t arriving_count; /* light on its way to what is seen, if nothing is in its way */
     uint16_t arriving_at[RK_BATCH_MAX];
     rk_vec3 arriving[RK_BATCH_MAX];
-    rk_ray_batch shadow;       /* asks that, a ray each */
-    rk_vec3 sum[RK_BATCH_MAX]; /* over the samples so far, one a pixel */
+    rk_ray_batch shadow;          /* asks that, a ray each */
+    rk_vec3 sum[RK_BATCH_MAX];    /* over the samples so far, one a pixel */
     bool in_motion[RK_BATCH_MAX]; /* did a ray of the pixel ever need a time? */
     bool has_time[RK_BATCH_MAX];  /* did one of this sample? */
     float time[RK_BATCH_MAX];     /* then it is this */

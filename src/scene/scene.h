@@ -42,8 +42,8 @@ void rk_scene_free(rk_scene *scene);
  *   spheres:N       such a sphere (default 80) beside an exact one, on a floor
  *   teapot:N        the Utah teapot, each of its 32 patches as N x N squares (default 16)
  *   scan:N          a statue as from a scanner, of exactly N triangles (default 87130)
- *   moving:N        the teapot, each patch as N x N squares (default 8), and a ball, which move over
- *                   a floor on paths of their own
+ *   moving:N        the teapot, each patch as N x N squares (default 8), and a ball, which move
+ * over a floor on paths of their own
  *
  * False with an error that lists the names when there is no such scene or N is out of range. */
 bool rk_scene_builtin(rk_scene *scene, const char *name, rk_error *error);
