@@ -419,7 +419,7 @@ static void no_ray_meets_the_moving_surface_that_it_leaves(void **state)
     (void)state;
     const float at[] = {0.05f, 1, 30, 1000, 30000};
     for (int i = 0; i < 5; i++) {
-        rk_scene scene = test_scene_builtin("sphere:20480");
+        rk_scene scene = test_scene_builtin("sphere:1280");
         free(scene.mesh.normals); /* flat: interpolated normals are lit where faces are not */
         scene.mesh.normals = NULL;
         rk_scene_move_mesh(&scene, (rk_motion){0, 0, 0.75f});
