@@ -134,7 +134,7 @@ static void equidistant_times_are_the_same_for_all_pixels(void **state)
     for (uint32_t pixel = 0; pixel < 100; pixel++)
         for (uint32_t i = 0; i < 20; i++)
             rk_check_close(rk_shutter_time(&shutter, RK_TIME_EQUIDISTANT, pixel, pixel, i, 20),
-                           rk_shutter_equidistant(&shutter, (float)(i + 1), 20), 0,
+                           (i + 0.5) / 80, 0x1p-24,
                            "sample 0 is the time 1, whatever pixel and seed");
 }
 
@@ -314,6 +314,13 @@ static rk_box random_box(uint32_t i)
     return (rk_box){{corner, rk_add(corner, size)}};
 }
 
+/* The path, worked out here. */
+static rk_vec3 true_offset(const rk_motion *motion, float x)
+{
+    double a = (double)motion->a, b = (double)motion->b, c = (double)motion->c, t = (double)x;
+    return rk_vec(x, (float)(((a * t + b) * t + c) * t), 0);
+}
+
 static float time_in(const rk_shutter *shutter, uint32_t i, uint32_t of)
 {
     float x = shutter->open + (shutter->close - shutter->open) * ((float)i / (float)of);
@@ -328,7 +335,7 @@ static void a_swept_box_holds_the_box_at_every_time(void **state)
         const rk_shutter shutter = random_shutter(i);
         const rk_box rest = random_box(i), swept = rk_motion_sweep(&motion, &shutter, &rest);
         for (uint32_t k = 0; k <= 1000; k++) {
-            rk_vec3 offset = rk_motion_offset(&motion, time_in(&shutter, k, 1000));
+            rk_vec3 offset = true_offset(&motion, time_in(&shutter, k, 1000));
             rk_vec3 low = rk_add(rest.corner[0], offset), high = rk_add(rest.corner[1], offset);
             for (int axis = 0; axis < 3; axis++)
                 rk_check(rk_axis(swept.corner[0], axis) <= rk_axis(low, axis) &&
@@ -350,7 +357,7 @@ static void a_swept_box_is_no_larger_than_the_way(void **state)
         const rk_box swept = rk_motion_sweep(&motion, &shutter, &point);
         double low = INFINITY, high = -INFINITY;
         for (uint32_t k = 0; k <= 1000; k++) {
-            double y = (double)rk_motion_offset(&motion, time_in(&shutter, k, 1000)).y;
+            double y = (double)true_offset(&motion, time_in(&shutter, k, 1000)).y;
             low = fmin(low, y);
             high = fmax(high, y);
         }
