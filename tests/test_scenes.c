@@ -150,9 +150,10 @@ static uint32_t *weld(const rk_mesh *mesh)
 
 /* --- all scenes ------------------------------------------------------------------------------ */
 
-static const char *const names[] = {
-    "triangle", "cube",  "cube-textured", "cornell", "cornell-glass", "cornell-light", "panes",
-    "panes:1",  "glass", "sphere",        "teapot",  "teapot:3",      "scan",          "scan:967", "moving"};
+static const char *const names[] = {"triangle",      "cube",          "cube-textured", "cornell",
+                                    "cornell-glass", "cornell-light", "panes",         "panes:1",
+                                    "glass",         "sphere",        "teapot",        "teapot:3",
+                                    "scan",          "scan:967",      "moving"};
 
 enum { name_count = sizeof names / sizeof names[0] };
 
