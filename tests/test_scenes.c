@@ -150,9 +150,10 @@ static uint32_t *weld(const rk_mesh *mesh)
 
 /* --- all scenes ------------------------------------------------------------------------------ */
 
-static const char *const names[] = {
-    "triangle", "cube",  "cube-textured", "cornell", "cornell-glass", "cornell-light", "panes",
-    "panes:1",  "glass", "sphere",        "teapot",  "teapot:3",      "scan",          "scan:967"};
+static const char *const names[] = {"triangle",      "cube",          "cube-textured", "cornell",
+                                    "cornell-glass", "cornell-light", "panes",         "panes:1",
+                                    "glass",         "sphere",        "teapot",        "teapot:3",
+                                    "scan",          "scan:967",      "moving"};
 
 enum { name_count = sizeof names / sizeof names[0] };
 
@@ -160,7 +161,7 @@ enum { name_count = sizeof names / sizeof names[0] };
 static bool is_arranged(const char *name)
 {
     return strncmp(name, "cornell", 7) == 0 || strncmp(name, "panes", 5) == 0 ||
-           strcmp(name, "glass") == 0;
+           strcmp(name, "glass") == 0 || strcmp(name, "moving") == 0;
 }
 
 static void every_scene_is_valid_and_has_its_count(void **state)
@@ -176,6 +177,7 @@ static void every_scene_is_valid_and_has_its_count(void **state)
     check_count("panes:1", 8);
     check_count("glass", 26);
     check_count("sphere", 1280);
+    check_count("moving", 2 + 4032 + 320); /* 32 x 8 x 8 squares of 2, less 8 x 8 at the poles */
     check_count("scan", 87130);
     check_count("teapot", 16256); /* 32 x 16 x 16 squares of 2, less 8 x 16 at the poles */
     check_count("teapot:2", 240);

@@ -17,6 +17,7 @@ typedef struct rk_counters {
     uint64_t bloom_taps;        /* weights times pixels, along rows and columns */
     uint64_t environment_lookups;
     uint64_t lens_samples; /* random points drawn on the lens */
+    uint64_t time_samples; /* times drawn, for samples of pixels that motion may change */
 } rk_counters;
 
 static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
@@ -33,6 +34,7 @@ static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
     sum->bloom_taps += part->bloom_taps;
     sum->environment_lookups += part->environment_lookups;
     sum->lens_samples += part->lens_samples;
+    sum->time_samples += part->time_samples;
 }
 
 #endif

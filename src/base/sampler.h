@@ -15,8 +15,15 @@ typedef enum rk_sampler_kind {
                                    in each cell of 2^-a x 2^-b, for every a + b = k */
 } rk_sampler_kind;
 
-/* Dimensions taken so far; each is the first of a pair. Lights take a pair for each bounce. */
-enum { RK_DIMENSION_PIXEL = 0, RK_DIMENSION_LIGHT = 2, RK_DIMENSION_LENS = 1 << 16 };
+/* Dimensions taken so far; each is the first of a pair. The lights' are many, a pair for each light
+ * and bounce. */
+enum {
+    RK_DIMENSION_PIXEL = 0,
+    RK_DIMENSION_LIGHT = 2,
+    RK_DIMENSION_LENS = 1 << 16,
+    RK_DIMENSION_TIME = 1 << 17,
+    RK_DIMENSION_FURTHER = 1 << 20, /* added to these for samples that a pixel takes further on */
+};
 
 /* Cells are halved down to 2^-24, the distance of the numbers that samplers give. */
 enum { RK_SAMPLES_MAX = 1 << 24 };

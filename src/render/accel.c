@@ -5,14 +5,65 @@
 
 #include <stdio.h>
 
+/* --- Building --------------------------------------------------------------------------------- */
+
+static bool build_tree(rk_bvh *bvh, const rk_accel *accel, const rk_mesh *mesh, rk_error *error)
+{
+    if (accel->kind == RK_ACCEL_MEDIAN)
+        return rk_bvh_build_median(bvh, mesh, error);
+    const rk_sah_options options = {accel->bins, accel->kind == RK_ACCEL_SAH_3};
+    return rk_bvh_build_sah(bvh, mesh, &options, error);
+}
+
+/* A tree over these triangles of the mesh alone; in it they keep their numbers. */
+static bool build_part(rk_bvh *bvh, const rk_accel *accel, uint32_t first, uint32_t count,
+                       rk_error *error)
+{
+    rk_mesh part = accel->scene->mesh;
+    part.triangle_count = count;
+    if (first > 0) {
+        part.triangles += first;
+        part.triangle_materials += first;
+    }
+    if (!build_tree(bvh, accel, &part, error))
+        return false;
+    for (uint32_t i = 0; first > 0 && i < count; i++)
+        bvh->triangles[i].index += first;
+    return true;
+}
+
+/* Fills in how many triangles stand still. */
+static bool check_moving(const rk_scene *scene, uint32_t *still, rk_error *error)
+{
+    uint32_t end = scene->mesh.triangle_count;
+    if (scene->moving_count > RK_MOVING_MAX)
+        return rk_fail(error, "%s: %u objects move, but at most %d can", scene->name,
+                       scene->moving_count, RK_MOVING_MAX);
+    for (uint32_t i = scene->moving_count; i > 0; i--) {
+        const rk_moving *object = &scene->moving[i - 1];
+        if (object->count < 1 || object->count > end || object->first != end - object->count)
+            return rk_fail(error,
+                           "%s: moving object %u has %u triangles from %u on: moving objects are a "
+                           "mesh's last triangles, one behind the other",
+                           scene->name, i - 1, object->count, object->first);
+        end = object->first;
+    }
+    *still = end;
+    return true;
+}
+
 bool rk_accel_build_binned(rk_accel *accel, rk_accel_kind kind, uint32_t bins,
                            const rk_scene *scene, rk_error *error)
 {
     *accel = (rk_accel){.kind = kind, .bins = bins, .scene = scene};
-    if (kind == RK_ACCEL_MEDIAN)
-        return rk_bvh_build_median(&accel->bvh, &scene->mesh, error);
-    const rk_sah_options options = {bins, kind == RK_ACCEL_SAH_3};
-    return rk_bvh_build_sah(&accel->bvh, &scene->mesh, &options, error);
+    uint32_t still = 0;
+    bool ok = check_moving(scene, &still, error) && build_part(&accel->bvh, accel, 0, still, error);
+    for (uint32_t i = 0; ok && i < scene->moving_count; i++)
+        ok = build_part(&accel->moving[i], accel, scene->moving[i].first, scene->moving[i].count,
+                        error);
+    if (!ok)
+        rk_accel_free(accel);
+    return ok;
 }
 
 bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_scene *scene, rk_error *error)
@@ -23,6 +74,8 @@ bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_scene *scene, 
 void rk_accel_free(rk_accel *accel)
 {
     rk_bvh_free(&accel->bvh);
+    for (uint32_t i = 0; i < RK_MOVING_MAX; i++)
+        rk_bvh_free(&accel->moving[i]);
 }
 
 rk_accel_title rk_accel_name(const rk_accel *accel)
@@ -39,6 +92,8 @@ const char *rk_accel_isa(rk_accel_kind kind)
     (void)kind;
     return "scalar";
 }
+
+/* --- Asking ----------------------------------------------------------------------------------- */
 
 static void meet_spheres(const rk_scene *scene, const rk_ray *ray, rk_hit *hit,
                          rk_counters *counters)
@@ -58,17 +113,33 @@ static bool meets_any_sphere(const rk_scene *scene, const rk_ray *ray, rk_counte
     return found;
 }
 
+/* The ray as the object at rest sees it. */
+static void meet_object(const rk_bvh *bvh, rk_ray ray, rk_hit *hit, rk_counters *counters)
+{
+    ray.t_max = hit->t;
+    rk_hit found = rk_bvh_closest(bvh, &ray, counters);
+    if (found.t < hit->t || found.triangle < hit->triangle)
+        *hit = found;
+}
+
+static void put_hit(rk_hit_batch *hits, uint32_t i, const rk_hit *hit)
+{
+    hits->t[i] = hit->t;
+    hits->u[i] = hit->u;
+    hits->v[i] = hit->v;
+    hits->triangle[i] = hit->triangle;
+}
+
 void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                       rk_counters *counters)
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
         rk_hit hit = rk_bvh_closest(&accel->bvh, &ray, counters);
+        for (uint32_t k = 0; k < accel->scene->moving_count; k++)
+            meet_object(&accel->moving[k], ray, &hit, counters);
         meet_spheres(accel->scene, &ray, &hit, counters);
-        hits->t[i] = hit.t;
-        hits->u[i] = hit.u;
-        hits->v[i] = hit.v;
-        hits->triangle[i] = hit.triangle;
+        put_hit(hits, i, &hit);
     }
 }
 
@@ -77,7 +148,58 @@ void rk_accel_any(const rk_accel *accel, const rk_ray_batch *rays, rk_any_batch 
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
+        bool found = rk_bvh_any(&accel->bvh, &ray, counters);
+        for (uint32_t k = 0; k < accel->scene->moving_count && !found; k++)
+            found = rk_bvh_any(&accel->moving[k], &ray, counters);
+        answers->found[i] = found || meets_any_sphere(accel->scene, &ray, counters);
+    }
+}
+
+/* --- Asking what moves ------------------------------------------------------------------------ */
+
+static void meet_moving(const rk_accel *accel, const rk_moments *when, uint32_t i,
+                        const rk_ray *ray, rk_hit *hit, rk_counters *counters)
+{
+    const rk_slabs slabs = rk_slabs_of(ray);
+    rk_vec3 offset;
+    for (uint32_t k = 0; k < accel->scene->moving_count; k++)
+        if (when->reaches(when->asker, i, k, &slabs, hit->t, &offset))
+            meet_object(&accel->moving[k], rk_motion_ray(offset, ray), hit, counters);
+}
+
+void rk_accel_closest_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
+                         rk_hit_batch *hits, rk_counters *counters)
+{
+    for (uint32_t i = 0; i < rays->count; i++) {
+        rk_ray ray = rk_batch_ray(rays, i);
+        rk_hit hit = rk_bvh_closest(&accel->bvh, &ray, counters);
+        meet_spheres(accel->scene, &ray, &hit, counters);
+        meet_moving(accel, when, i, &ray, &hit, counters);
+        put_hit(hits, i, &hit);
+    }
+}
+
+static bool meets_any_moving(const rk_accel *accel, const rk_moments *when, uint32_t i,
+                             const rk_ray *ray, rk_counters *counters)
+{
+    const rk_slabs slabs = rk_slabs_of(ray);
+    rk_vec3 offset;
+    bool found = false;
+    for (uint32_t k = 0; k < accel->scene->moving_count && !found; k++)
+        if (when->reaches(when->asker, i, k, &slabs, ray->t_max, &offset)) {
+            rk_ray moved = rk_motion_ray(offset, ray);
+            found = rk_bvh_any(&accel->moving[k], &moved, counters);
+        }
+    return found;
+}
+
+void rk_accel_any_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
+                     rk_any_batch *answers, rk_counters *counters)
+{
+    for (uint32_t i = 0; i < rays->count; i++) {
+        rk_ray ray = rk_batch_ray(rays, i);
         answers->found[i] = rk_bvh_any(&accel->bvh, &ray, counters) ||
-                            meets_any_sphere(accel->scene, &ray, counters);
+                            meets_any_sphere(accel->scene, &ray, counters) ||
+                            meets_any_moving(accel, when, i, &ray, counters);
     }
 }

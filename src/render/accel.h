@@ -3,6 +3,7 @@
 #define RK_RENDER_ACCEL_H
 
 #include "base/counters.h"
+#include "features/motion_blur.h"
 #include "render/batch.h"
 #include "scene/bvh.h"
 #include "scene/scene.h"
@@ -15,12 +16,14 @@ typedef enum rk_accel_kind {
 
 typedef struct rk_accel {
     rk_accel_kind kind;
-    uint32_t bins; /* of the two with bins */
-    rk_bvh bvh;
-    const rk_scene *scene; /* for its spheres, which no tree holds */
+    uint32_t bins;                /* of the two with bins */
+    rk_bvh bvh;                   /* over what stands still */
+    rk_bvh moving[RK_MOVING_MAX]; /* one over each moving object, where it rests */
+    const rk_scene *scene;        /* for its spheres, which no tree holds */
 } rk_accel;
 
-/* `scene` stays where it is while the structure is in use. */
+/* `scene` stays where it is while the structure is in use. A scene whose moving objects are not its
+ * last triangles, in order, is an error. */
 bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_scene *scene, rk_error *error);
 void rk_accel_free(rk_accel *accel);
 
@@ -38,9 +41,24 @@ rk_accel_title rk_accel_name(const rk_accel *accel);
 /* "scalar": the instruction set of the traversal, in tables. */
 const char *rk_accel_isa(rk_accel_kind kind);
 
+/* All that moves is met where it rests. */
 void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                       rk_counters *counters);
 void rk_accel_any(const rk_accel *accel, const rk_ray_batch *rays, rk_any_batch *answers,
                   rk_counters *counters);
+
+/* Where moving objects stand when the rays of a batch are traced. `reaches` is asked last, when all
+ * that stands still has shortened the ray to t_max: may ray `index` meet the object at all? If so
+ * it fills in the object's offset. */
+typedef struct rk_moments {
+    bool (*reaches)(void *asker, uint32_t index, uint32_t object, const rk_slabs *ray, float t_max,
+                    rk_vec3 *offset);
+    void *asker;
+} rk_moments;
+
+void rk_accel_closest_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
+                         rk_hit_batch *hits, rk_counters *counters);
+void rk_accel_any_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
+                     rk_any_batch *answers, rk_counters *counters);
 
 #endif

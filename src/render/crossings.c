@@ -200,12 +200,13 @@ static void visit_children(waiting_list *list, const rk_bvh_node *children, cons
     wait_for(list, &children[right_first ? 1 : 0], right_first ? right : left);
 }
 
-static void gather_triangles(gathering *g, const rk_bvh *bvh, rk_counters *counters)
+static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
+                             rk_counters *counters)
 {
     if (bvh->node_count == 0 || is_settled(g))
         return;
-    const rk_slabs slabs = rk_slabs_of(g->ray);
-    const projection p = projection_along(g->ray);
+    const rk_slabs slabs = rk_slabs_of(ray);
+    const projection p = projection_along(ray);
     waiting_list list;
     list.size = 0;
     counters->box_tests++;
@@ -223,28 +224,58 @@ static void gather_triangles(gathering *g, const rk_bvh *bvh, rk_counters *count
     }
 }
 
-static void gather(gathering *g, const rk_accel *accel, uint32_t limit, rk_counters *counters)
+static void gather_moving(gathering *g, const rk_accel *accel, const rk_moments *when,
+                          uint32_t index, rk_counters *counters)
+{
+    const rk_slabs slabs = rk_slabs_of(g->ray);
+    rk_vec3 offset;
+    for (uint32_t k = 0; k < accel->scene->moving_count && !is_settled(g); k++)
+        if (when->reaches(when->asker, index, k, &slabs, g->end, &offset)) {
+            rk_ray moved = rk_motion_ray(offset, g->ray);
+            gather_triangles(g, &accel->moving[k], &moved, counters);
+        }
+}
+
+static void gather(gathering *g, const rk_accel *accel, const rk_moments *when, uint32_t index,
+                   uint32_t limit, rk_counters *counters)
 {
     rk_transparency_start(g->list, limit);
     gather_spheres(g, counters);
-    gather_triangles(g, &accel->bvh, counters);
+    gather_triangles(g, &accel->bvh, g->ray, counters);
+    if (when)
+        gather_moving(g, accel, when, index, counters);
+    for (uint32_t k = 0; !when && k < accel->scene->moving_count; k++)
+        gather_triangles(g, &accel->moving[k], g->ray, counters);
+}
+
+void rk_crossings_gather_at(const rk_accel *accel, const rk_ray *ray, const rk_moments *when,
+                            uint32_t index, uint32_t limit, rk_crossing_list *list,
+                            rk_counters *counters)
+{
+    gathering g = {.scene = accel->scene, .ray = ray, .list = list, .end = ray->t_max};
+    gather(&g, accel, when, index, limit, counters);
 }
 
 void rk_crossings_gather(const rk_accel *accel, const rk_ray *ray, uint32_t limit,
                          rk_crossing_list *list, rk_counters *counters)
 {
-    gathering g = {.scene = accel->scene, .ray = ray, .list = list, .end = ray->t_max};
-    gather(&g, accel, limit, counters);
+    rk_crossings_gather_at(accel, ray, NULL, 0, limit, list, counters);
+}
+
+rk_vec3 rk_crossings_transmit_at(const rk_accel *accel, const rk_ray *ray, const rk_moments *when,
+                                 uint32_t index, rk_glass_model model, rk_counters *counters)
+{
+    rk_crossing_list list;
+    gathering g = {
+        .scene = accel->scene, .ray = ray, .list = &list, .end = ray->t_max, .until_opaque = true};
+    gather(&g, accel, when, index, RK_CROSSINGS_MAX, counters);
+    if (is_settled(&g) || list.count == RK_CROSSINGS_MAX)
+        return rk_vec(0, 0, 0);
+    return rk_transparency_transmit(model, list.crossings, list.count, rk_length(ray->direction));
 }
 
 rk_vec3 rk_crossings_transmit(const rk_accel *accel, const rk_ray *ray, rk_glass_model model,
                               rk_counters *counters)
 {
-    rk_crossing_list list;
-    gathering g = {
-        .scene = accel->scene, .ray = ray, .list = &list, .end = ray->t_max, .until_opaque = true};
-    gather(&g, accel, RK_CROSSINGS_MAX, counters);
-    if (is_settled(&g) || list.count == RK_CROSSINGS_MAX)
-        return rk_vec(0, 0, 0);
-    return rk_transparency_transmit(model, list.crossings, list.count, rk_length(ray->direction));
+    return rk_crossings_transmit_at(accel, ray, NULL, 0, model, counters);
 }

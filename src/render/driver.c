@@ -25,6 +25,7 @@ rk_driver rk_driver_default(const char *feature, const char *summary)
         .bins = rk_sah_options_default().bins,
         .scene_name = "cornell",
         .out = "out",
+        .motion = rk_motion_default(),
         .camera_given = {{NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}, NAN},
     };
 }
@@ -148,6 +149,8 @@ static bool load_scene(rk_driver *driver, rk_error *error)
         if (!rk_scene_builtin(&driver->scene, driver->scene_name, &why))
             return rk_fail(error, "--scene %.1000s", why.text);
     }
+    if (driver->move && driver->scene.moving_count == 0)
+        rk_scene_move_mesh(&driver->scene, driver->motion);
     rk_camera *own = &driver->scene.camera;
     const rk_camera *given = &driver->camera_given;
     own->distance = or_own(given->distance, own->distance);
@@ -208,6 +211,9 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
         {"yaw", RK_OPTION_FLOAT, &driver->camera_given.rotation.y, "DEG",
          "the camera's turn about y, degrees: how far it goes round; by default the scene's own",
          -360, 360},
+        {"move", RK_OPTION_FLAG, &driver->move, NULL,
+         "the whole mesh moves (with --time-samples), if nothing in the scene moves by itself", 0,
+         0},
         {"threads", RK_OPTION_UINT, &driver->threads, "N",
          "that share the work; 0: as many as there are processors", 0, RK_THREADS_MAX},
         {"runs", RK_OPTION_UINT, &driver->runs, "N",

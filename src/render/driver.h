@@ -27,6 +27,8 @@ typedef struct rk_driver {
     bool quiet;
     bool timing;            /* put rows into the table, draw no picture */
     rk_camera camera_given; /* what the user set; NaN elsewhere: the scene's own */
+    bool move;              /* the whole mesh moves, if nothing in the scene moves by itself */
+    rk_motion motion;       /* and this is its path */
 
     /* from rk_driver_start on */
     rk_scene scene;

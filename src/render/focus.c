@@ -4,11 +4,12 @@
  * Nothing nearer than the focal surface is overlooked: what hides a blurred thing there is nearer
  * still, and has a larger circle. Overlooked is what no centre ray sees: things smaller than a
  * pixel, and things behind the focal surface that sharper ones hide altogether, which a lens sees
- * around their edges. */
+ * around their edges; and things that move, where they are at other times. */
 #include "render/render.h"
 #include "render/tile.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 typedef struct focus_pass {
     const rk_rendering *r;
@@ -33,6 +34,12 @@ static float blur_at(const rk_rendering *r, const rk_ray *ray, const rk_hit *hit
     return ks.x > 0 || ks.y > 0 || ks.z > 0 ? rk_max(blur, RK_LENS_SHARP) : blur;
 }
 
+/* What is as far as the environment; without one, nothing is there to be blurred. */
+static float blur_at_infinity(const rk_rendering *r, const rk_ray *ray)
+{
+    return r->plan.environment ? rk_lens_blur(&r->options->lens, &r->view, ray, INFINITY) : 0;
+}
+
 /* The largest circle of all that a ray sees, through panes as well. */
 static float blur_through_panes(const rk_rendering *r, rk_tile *t, const rk_path_batch *camera,
                                 uint32_t i)
@@ -40,7 +47,9 @@ static float blur_through_panes(const rk_rendering *r, rk_tile *t, const rk_path
     rk_crossing_list list;
     float weights[RK_RECURSION_MAX + 1], blur = 0;
     rk_ray ray = rk_batch_ray(&camera->rays, i);
-    rk_look_through(r, camera, i, &list, weights, t->counters);
+    float behind = rk_look_through(r, t, camera, i, &list, weights);
+    if (r->plan.environment && behind > 0)
+        blur = blur_at_infinity(r, &ray);
     for (uint32_t k = 0; k < list.count; k++) {
         rk_hit hit = rk_crossing_hit(&list.crossings[k]);
         if (weights[k] > 0)
@@ -53,7 +62,7 @@ static void find_blur(const focus_pass *pass, rk_tile *t, const rk_path_batch *c
 {
     const rk_rendering *r = pass->r;
     if (!r->plan.transparency)
-        rk_accel_closest(r->accel, &camera->rays, &t->hits, t->counters);
+        rk_meet(r, t, camera);
     for (uint32_t i = 0; i < camera->rays.count; i++) {
         rk_ray ray = rk_batch_ray(&camera->rays, i);
         float *blur =
@@ -62,7 +71,7 @@ static void find_blur(const focus_pass *pass, rk_tile *t, const rk_path_batch *c
         if (r->plan.transparency)
             *blur = blur_through_panes(r, t, camera, i);
         else
-            *blur = hit.triangle == RK_MISS ? 0 : blur_at(r, &ray, &hit);
+            *blur = hit.triangle != RK_MISS ? blur_at(r, &ray, &hit) : blur_at_infinity(r, &ray);
     }
 }
 
@@ -73,6 +82,10 @@ static void find_blur_of_tile(uint32_t index, uint32_t thread, void *context)
     rk_tile t;
     rk_path_batch camera;
     rk_tile_start(r, &t, index, thread);
+    t.sample = 0; /* what moves is seen at the first of its times */
+    t.samples = t.samples_in_motion = 1;
+    if (r->plan.time_samples)
+        memset(t.has_time, 0, sizeof t.has_time);
     camera.rays.count = 0;
     for (uint32_t y = t.y; y < t.y + t.height; y++)
         for (uint32_t x = t.x; x < t.x + t.width; x++) {

@@ -13,11 +13,13 @@ static rk_seen *room_for_one(const rk_rendering *r, rk_tile *t)
     return &t->seen[t->seen_count++];
 }
 
-void rk_see(rk_seen *seen, const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
-            const rk_hit *hit, uint32_t panes, float share)
+void rk_see(rk_seen *seen, const rk_rendering *r, rk_tile *t, const rk_path_batch *paths,
+            uint32_t i, const rk_hit *hit, uint32_t panes, float share)
 {
     rk_ray ray = rk_batch_ray(&paths->rays, i);
     rk_scene_surface(&seen->surface, r->scene, &ray, hit);
+    if (r->plan.motion)
+        rk_moving_place(r, t, paths->pixel[i], hit->triangle, &seen->surface);
     seen->kd = rk_surface_kd(&seen->surface, &r->scene->mesh);
     seen->to_viewer = rk_negate(rk_normalize(ray.direction));
     seen->weight = rk_scale(paths->weight[i], share);
@@ -44,26 +46,39 @@ static void see_behind(const rk_rendering *r, rk_tile *t, const rk_path_batch *p
     *sum = rk_add(*sum, rk_see_environment(r, paths, i, share, t->counters));
 }
 
+void rk_meet(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
+{
+    if (!r->plan.motion) {
+        rk_accel_closest(r->accel, &paths->rays, &t->hits, t->counters);
+        return;
+    }
+    rk_asker asker = {r, t, paths->pixel};
+    const rk_moments when = rk_moments_of(&asker);
+    rk_accel_closest_at(r->accel, &paths->rays, &when, &t->hits, t->counters);
+}
+
 static void see_nearest(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
 {
-    rk_accel_closest(r->accel, &paths->rays, &t->hits, t->counters);
+    rk_meet(r, t, paths);
     for (uint32_t i = 0; i < paths->rays.count; i++) {
         if (t->hits.triangle[i] == RK_MISS) {
             see_behind(r, t, paths, i, 1);
             continue;
         }
         rk_hit hit = rk_batch_hit(&t->hits, i);
-        rk_see(room_for_one(r, t), r, paths, i, &hit, 0, 1);
+        rk_see(room_for_one(r, t), r, t, paths, i, &hit, 0, 1);
     }
 }
 
-float rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
-                      rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
-                      rk_counters *counters)
+float rk_look_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths, uint32_t i,
+                      rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1])
 {
+    rk_asker asker = {r, t, paths->pixel};
+    const rk_moments when = rk_moments_of(&asker);
     rk_ray ray = rk_batch_ray(&paths->rays, i);
     float behind;
-    rk_crossings_gather(r->accel, &ray, paths->left[i] + 1u, list, counters);
+    rk_crossings_gather_at(r->accel, &ray, r->plan.motion ? &when : NULL, i, paths->left[i] + 1u,
+                           list, t->counters);
     rk_transparency_weights(list->crossings, list->count, weights, &behind);
     return list->count < list->limit ? behind : 0;
 }
@@ -74,11 +89,11 @@ static void see_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *
     for (uint32_t i = 0; i < paths->rays.count; i++) {
         rk_crossing_list list;
         float weights[RK_RECURSION_MAX + 1];
-        see_behind(r, t, paths, i, rk_look_through(r, paths, i, &list, weights, t->counters));
+        see_behind(r, t, paths, i, rk_look_through(r, t, paths, i, &list, weights));
         for (uint32_t k = 0; k < list.count; k++)
             if (weights[k] > 0) {
                 rk_hit hit = rk_crossing_hit(&list.crossings[k]);
-                rk_see(room_for_one(r, t), r, paths, i, &hit, k, weights[k]);
+                rk_see(room_for_one(r, t), r, t, paths, i, &hit, k, weights[k]);
             }
     }
 }

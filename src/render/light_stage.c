@@ -21,13 +21,13 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const 
     rk_vec2 xi = {0, 0};
     if (light->kind != RK_LIGHT_POINT) {
         /* Each bounce is a stream of its own; the samples of all rays of a pixel share one. */
-        uint32_t pixel =
-            (t->y + seen->pixel / t->width) * r->options->width + t->x + seen->pixel % t->width;
+        const rk_draw draw = rk_draw_of(t);
         uint32_t bounce = r->options->recursion - seen->left;
         const rk_sampler sampler = {options->sampling, r->options->seed,
-                                    t->samples * options->samples};
-        xi = rk_sample_2d(&sampler, pixel, t->sample * options->samples + sample,
-                          RK_DIMENSION_LIGHT + 2 * (bounce * RK_LIGHTS_MAX + index));
+                                    draw.samples * options->samples};
+        xi = rk_sample_2d(
+            &sampler, rk_tile_pixel(r, t, seen->pixel), draw.sample * options->samples + sample,
+            draw.dimension + RK_DIMENSION_LIGHT + 2 * (bounce * RK_LIGHTS_MAX + index));
         t->counters->light_samples++;
     }
     return rk_light_sample_at(light, options->falloff, options->map, seen->surface.point, xi);
@@ -65,10 +65,26 @@ static void send(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t sam
     }
 }
 
+/* Shadow rays are traced at the time of the pixel that they are for. */
+static rk_moments shadow_moments(rk_asker *asker, uint16_t *pixels)
+{
+    const rk_tile *t = asker->t;
+    for (uint32_t k = 0; k < t->arriving_count; k++)
+        pixels[k] = t->seen[t->arriving_at[k]].pixel;
+    return rk_moments_of(asker);
+}
+
 static void arrive_or_not(const rk_rendering *r, rk_tile *t)
 {
     rk_any_batch blocked;
-    rk_accel_any(r->accel, &t->shadow, &blocked, t->counters);
+    if (r->plan.motion) {
+        uint16_t pixels[RK_BATCH_MAX];
+        rk_asker asker = {r, t, pixels};
+        const rk_moments when = shadow_moments(&asker, pixels);
+        rk_accel_any_at(r->accel, &t->shadow, &when, &blocked, t->counters);
+    } else {
+        rk_accel_any(r->accel, &t->shadow, &blocked, t->counters);
+    }
     for (uint32_t k = 0; k < t->arriving_count; k++) {
         uint32_t i = t->arriving_at[k];
         t->sums.asked[i]++;
@@ -82,10 +98,14 @@ static void arrive_or_not(const rk_rendering *r, rk_tile *t)
 /* Through panes, a part of the light arrives. */
 static void arrive_in_part(const rk_rendering *r, rk_tile *t)
 {
+    uint16_t pixels[RK_BATCH_MAX];
+    rk_asker asker = {r, t, pixels};
+    const rk_moments when = shadow_moments(&asker, pixels);
     for (uint32_t k = 0; k < t->arriving_count; k++) {
         uint32_t i = t->arriving_at[k];
         rk_ray ray = rk_batch_ray(&t->shadow, k);
-        rk_vec3 share = rk_crossings_transmit(r->accel, &ray, r->options->glass, t->counters);
+        rk_vec3 share = rk_crossings_transmit_at(r->accel, &ray, r->plan.motion ? &when : NULL, k,
+                                                 r->options->glass, t->counters);
         bool tinted = share.x < 1 || share.y < 1 || share.z < 1;
         if (tinted && !is_black(share))
             t->sums.state[i] = RK_LIGHT_TINTED;

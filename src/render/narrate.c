@@ -105,7 +105,7 @@ static void tell_surface(const story *s, const rk_path_batch *path, const rk_hit
 {
     rk_path_batch mirrored;
     mirrored.rays.count = 0;
-    rk_see(&s->t->seen[0], s->r, path, 0, hit, panes, share);
+    rk_see(&s->t->seen[0], s->r, s->t, path, 0, hit, panes, share);
     s->t->seen_count = 1;
     tell_hit(s, hit);
     for (uint32_t i = 0; i < s->r->scene->light_count; i++)
@@ -134,7 +134,7 @@ static void tell_path(const story *s, const rk_path_batch *path, const char *nam
     tell_vector(s->out, "    direction", ray.direction);
     *s->t->counters = (rk_counters){0};
     if (s->r->plan.transparency) {
-        behind = rk_look_through(s->r, path, 0, &list, weights, s->t->counters);
+        behind = rk_look_through(s->r, s->t, path, 0, &list, weights);
         tell_tests(s);
         for (uint32_t k = 0; k < list.count; k++) {
             rk_hit hit = rk_crossing_hit(&list.crossings[k]);
@@ -143,7 +143,7 @@ static void tell_path(const story *s, const rk_path_batch *path, const char *nam
         if (list.count > 0 && !(s->r->plan.environment && behind > 0))
             return;
     } else {
-        rk_accel_closest(s->r->accel, &path->rays, &s->t->hits, s->t->counters);
+        rk_meet(s->r, s->t, path);
         tell_tests(s);
         rk_hit hit = rk_batch_hit(&s->t->hits, 0);
         if (hit.triangle != RK_MISS) {
@@ -166,12 +166,16 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                       .options = options,
                       .plan = rk_plan_of(scene, options),
                       .view = rk_view_of(&scene->camera, options->width, options->height)};
+    rk_moving_prepare(&r);
     rk_tile t = {.x = x,
                  .y = y,
                  .width = 1,
                  .height = 1,
                  .samples = options->samples,
+                 .samples_in_motion = options->samples,
                  .counters = &counters};
+    if (r.plan.time_samples && t.samples < options->motion.samples)
+        t.samples_in_motion = options->motion.samples;
     rk_path_batch camera;
     rk_ray ray = rk_view_ray(&r.view, (float)x + 0.5f, (float)y + 0.5f);
     camera.rays.count = 0;
@@ -186,5 +190,8 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                 "where it is out of focus, rays start all over the lens; this one at its centre\n");
     const story s = {out, &r, &t};
     tell_path(&s, &camera, "camera ray");
+    if (t.in_motion[0])
+        fprintf(out, "a ray may meet what moves: this was seen at x = %.6f, one of %u times\n",
+                (double)t.time[0], t.samples_in_motion);
     tell_vector(out, "colour (linear)", t.sum[0]);
 }

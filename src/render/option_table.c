@@ -73,6 +73,23 @@ rk_option_table rk_render_option_table(rk_render_options *options)
         {"lens-sampling", RK_OPTION_CHOICE, &options->lens_sampling,
          "uniform|stratified|low-discrepancy", "how they are spread over the lens and the pixel", 0,
          0},
+        {"shutter-open", RK_OPTION_FLOAT, &options->motion.shutter.open, "X",
+         "when the shutter opens; what moves is then at (X, y(X), 0) from where it rests", -1e3,
+         1e3},
+        {"shutter-close", RK_OPTION_FLOAT, &options->motion.shutter.close, "X", "when it closes",
+         -1e3, 1e3},
+        {"time-samples", RK_OPTION_UINT, &options->motion.samples, "N",
+         "rays, each at a time of its own, through a pixel that motion may change; 0: everything "
+         "rests",
+         0, 65536},
+        {"time-sampling", RK_OPTION_CHOICE, &options->motion.sampling,
+         "equidistant|stratified|low-discrepancy",
+         "how times are spread; equidistant ones are the same for all pixels", 0, 0},
+        {"isolate", RK_OPTION_FLOAT, &options->motion.isolate, "K",
+         "show the equidistant time K of --time-samples alone; below 1 or above N it lies before "
+         "or "
+         "after the shutter",
+         -1e6, 1e6},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     }};
 }

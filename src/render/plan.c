@@ -17,6 +17,7 @@ rk_render_options rk_render_options_default(void)
         .environment_filter = RK_CUBEMAP_SEAMLESS,
         .lens = rk_lens_default(),
         .lens_sampling = RK_SAMPLER_LOW_DISCREPANCY,
+        .motion = {.shutter = rk_shutter_default(), .sampling = RK_TIME_STRATIFIED, .isolate = NAN},
     };
 }
 
@@ -59,6 +60,8 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
     bool environment = scene->environment.side > 0;
     bool anything = scene->mesh.triangle_count > 0 || scene->sphere_count > 0;
     bool rays = (anything && lights) || environment;
+    const rk_motion_options *motion = &options->motion;
+    bool moves = rays && motion->samples > 0 && scene->moving_count > 0;
     return (rk_plan){
         .rays = rays,
         .pixel_samples = rays && options->samples > 1,
@@ -70,5 +73,8 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
         .bloom = rays && rk_bloom_wanted(&options->bloom),
         .environment = environment,
         .lens = rays && options->lens_samples > 0 && options->lens.aperture > 0,
+        .motion = moves,
+        .time_samples =
+            moves && isnan(motion->isolate) && motion->shutter.open < motion->shutter.close,
     };
 }

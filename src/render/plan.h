@@ -7,6 +7,7 @@
 #include "features/bloom.h"
 #include "features/cubemap.h"
 #include "features/depth_of_field.h"
+#include "features/motion_blur.h"
 #include "features/parallelogram_light.h"
 #include "features/shading.h"
 #include "features/transparency.h"
@@ -21,6 +22,14 @@ typedef struct rk_light_options {
     bool ratio;      /* unshadowed light in closed form, times the share that is seen */
     uint32_t settle; /* so many shadow rays that agree settle a point; 0: trace all */
 } rk_light_options;
+
+/* When what moves is seen. */
+typedef struct rk_motion_options {
+    rk_shutter shutter;
+    uint32_t samples; /* times a pixel that motion may change; 0: everything rests */
+    rk_time_sampling sampling;
+    float isolate; /* NaN, or the one equidistant time to see, 1 to `samples` or beyond */
+} rk_motion_options;
 
 typedef struct rk_render_options {
     uint32_t width, height; /* pixels */
@@ -42,13 +51,14 @@ typedef struct rk_render_options {
     uint32_t lens_samples; /* a pixel that is out of focus, and at least `samples`; each has a place
                               of its own on the lens and in the pixel; 0 is a pinhole */
     rk_sampler_kind lens_sampling; /* of both places */
+    rk_motion_options motion;
 } rk_render_options;
 
 enum { RK_RECURSION_MAX = 16 };
 
 /* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
- * low-discrepancy samples a light, settled by 16; environments without a seam; no bloom, no lens.
- */
+ * low-discrepancy samples a light, settled by 16; environments without a seam; no bloom, no lens,
+ * everything at rest. */
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
@@ -61,6 +71,8 @@ typedef struct rk_plan {
     bool bloom;        /* what is bright glows into what is around it */
     bool environment;  /* what meets nothing is looked up */
     bool lens;         /* something may be out of focus */
+    bool motion;       /* something moves, and may */
+    bool time_samples; /* at times that differ from sample to sample */
 } rk_plan;
 
 /* Is it anything but black? */

@@ -19,16 +19,22 @@ void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t t
     t->seen_count = 0;
     t->counters = &r->counters[thread];
     memset(t->sum, 0, sizeof t->sum);
+    if (r->plan.motion)
+        memset(t->in_motion, 0, sizeof t->in_motion);
 }
 
 /* The tile's pixels that a circle of confusion reaches, or all others, and how many samples they
  * take. */
 static void choose_pixels(const rk_rendering *r, rk_tile *t, bool blurred)
 {
+    const rk_render_options *options = r->options;
     t->blurred = blurred;
-    t->samples = r->options->samples;
-    if (blurred && t->samples < r->options->lens_samples)
-        t->samples = r->options->lens_samples;
+    t->samples = options->samples;
+    if (blurred && t->samples < options->lens_samples)
+        t->samples = options->lens_samples;
+    t->samples_in_motion = t->samples;
+    if (r->plan.time_samples && t->samples < options->motion.samples)
+        t->samples_in_motion = options->motion.samples;
 }
 
 static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
@@ -41,25 +47,30 @@ static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint3
 static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
 {
     const rk_render_options *options = r->options;
+    const rk_draw draw = rk_draw_of(t);
     const rk_sampler sampler = {t->blurred ? options->lens_sampling : options->sampling,
-                                options->seed, t->samples};
+                                options->seed, draw.samples};
     uint32_t pixel = y * options->width + x;
     rk_vec2 within = {0.5f, 0.5f};
     if (r->plan.pixel_samples || t->blurred)
-        within = rk_sample_2d(&sampler, pixel, t->sample, RK_DIMENSION_PIXEL);
+        within = rk_sample_2d(&sampler, pixel, draw.sample, draw.dimension + RK_DIMENSION_PIXEL);
     if (!t->blurred)
         return rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
-    rk_vec2 xi = rk_sample_2d(&sampler, pixel, t->sample, RK_DIMENSION_LENS);
+    rk_vec2 xi = rk_sample_2d(&sampler, pixel, draw.sample, draw.dimension + RK_DIMENSION_LENS);
     return rk_lens_ray(&options->lens, &r->view, (float)x + within.x, (float)y + within.y, xi);
 }
 
-static void camera_stage(const rk_rendering *r, const rk_tile *t, rk_path_batch *camera)
+/* A ray for each chosen pixel; the samples beyond the first set are for those in motion alone. */
+static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
 {
+    bool all = t->sample < t->samples;
     uint32_t pixel = 0;
     camera->rays.count = 0;
+    if (r->plan.time_samples)
+        memset(t->has_time, 0, sizeof t->has_time);
     for (uint32_t y = t->y; y < t->y + t->height; y++)
         for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
-            if (is_chosen(r, t, x, y)) {
+            if (is_chosen(r, t, x, y) && (all || t->in_motion[pixel])) {
                 rk_ray ray = camera_ray(r, t, x, y);
                 rk_path_push(camera, &ray, pixel, r->options->recursion, rk_vec(1, 1, 1));
             }
@@ -68,13 +79,18 @@ static void camera_stage(const rk_rendering *r, const rk_tile *t, rk_path_batch 
     t->counters->lens_samples += t->blurred ? camera->rays.count : 0;
 }
 
+static uint32_t samples_of(const rk_rendering *r, const rk_tile *t, uint32_t pixel)
+{
+    return r->plan.motion && t->in_motion[pixel] ? t->samples_in_motion : t->samples;
+}
+
 static void film_stage(const rk_rendering *r, const rk_tile *t)
 {
     for (uint32_t y = 0; y < t->height; y++)
         for (uint32_t x = 0; x < t->width; x++)
             if (is_chosen(r, t, t->x + x, t->y + y))
-                *rk_image_at(r->image, t->x + x, t->y + y) =
-                    rk_scale(t->sum[y * t->width + x], 1 / (float)t->samples);
+                *rk_image_at(r->image, t->x + x, t->y + y) = rk_scale(
+                    t->sum[y * t->width + x], 1 / (float)samples_of(r, t, y * t->width + x));
 }
 
 static void render_tile(uint32_t index, uint32_t thread, void *context)
@@ -85,7 +101,7 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
     rk_tile_start(r, &t, index, thread);
     for (int blurred = 0; blurred <= r->plan.lens; blurred++) {
         choose_pixels(r, &t, blurred);
-        for (t.sample = 0; r->plan.rays && t.sample < t.samples; t.sample++) {
+        for (t.sample = 0; r->plan.rays && t.sample < t.samples_in_motion; t.sample++) {
             camera_stage(r, &t, &camera);
             if (camera.rays.count == 0)
                 break;
@@ -123,6 +139,9 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
     if (!(options->lens.focal_distance > 0 && options->lens.aperture >= 0))
         return rk_fail(error,
                        "a lens is focused at a distance above 0, and no smaller than a point");
+    if (!(options->motion.shutter.open <= options->motion.shutter.close))
+        return rk_fail(error, "the shutter opens at x = %g, behind x = %g, where it closes",
+                       (double)options->motion.shutter.open, (double)options->motion.shutter.close);
     uint32_t threads = rk_pool_threads(pool);
     rk_rendering r = {
         .scene = scene,
@@ -135,6 +154,7 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
         .counters = rk_allocate(threads, sizeof *r.counters, "counters", error),
         .progress = progress,
     };
+    rk_moving_prepare(&r);
     if (!r.counters || !rk_focus_find(&r, pool, error)) {
         free(r.counters);
         return false;

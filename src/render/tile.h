@@ -16,7 +16,8 @@ typedef struct rk_rendering {
     const rk_render_options *options;
     rk_plan plan;
     rk_view view;
-    int32_t *circles; /* see rk_lens_spread; NULL without a lens */
+    int32_t *circles;            /* see rk_lens_spread; NULL without a lens */
+    rk_box swept[RK_MOVING_MAX]; /* by each moving object; unset unless plan.motion */
     uint32_t tiles_across;
     rk_image *image;
     rk_counters *counters; /* one for each thread */
@@ -74,6 +75,7 @@ typedef struct rk_tile {
     uint32_t x, y, width, height; /* pixels */
     bool blurred;                 /* at work: pixels out of focus, by the lens, or all others */
     uint32_t sample, samples;     /* of each of them, and how many there will be */
+    uint32_t samples_in_motion;   /* of those that motion may change; no fewer */
     rk_hit_batch hits;
     uint32_t seen_count;
     rk_seen seen[RK_BATCH_MAX];
@@ -81,8 +83,11 @@ typedef struct rk_tile {
     uint32_t arriving_count; /* light on its way to what is seen, if nothing is in its way */
     uint16_t arriving_at[RK_BATCH_MAX];
     rk_vec3 arriving[RK_BATCH_MAX];
-    rk_ray_batch shadow;       /* asks that, a ray each */
-    rk_vec3 sum[RK_BATCH_MAX]; /* over the samples so far, one a pixel */
+    rk_ray_batch shadow;          /* asks that, a ray each */
+    rk_vec3 sum[RK_BATCH_MAX];    /* over the samples so far, one a pixel */
+    bool in_motion[RK_BATCH_MAX]; /* did a ray of the pixel ever need a time? */
+    bool has_time[RK_BATCH_MAX];  /* did one of this sample? */
+    float time[RK_BATCH_MAX];     /* then it is this */
     rk_counters *counters;
 } rk_tile;
 
@@ -93,19 +98,58 @@ void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t t
  * lens. */
 bool rk_focus_find(rk_rendering *r, rk_pool *pool, rk_error *error);
 
+/* Where a sample stands among those that are spread together. What a pixel takes further on,
+ * because of motion, is a set of its own: so the first set is the same as without motion. */
+typedef struct rk_draw {
+    uint32_t sample, samples;
+    uint32_t dimension; /* to be added */
+} rk_draw;
+
+static inline rk_draw rk_draw_of(const rk_tile *t)
+{
+    if (t->sample < t->samples)
+        return (rk_draw){t->sample, t->samples, 0};
+    return (rk_draw){t->sample - t->samples, t->samples_in_motion - t->samples,
+                     RK_DIMENSION_FURTHER};
+}
+
+static inline uint32_t rk_tile_pixel(const rk_rendering *r, const rk_tile *t, uint32_t pixel)
+{
+    return (t->y + pixel / t->width) * r->options->width + t->x + pixel % t->width;
+}
+
+/* Whose rays ask for a time: ray i of a batch is for pixels[i]. */
+typedef struct rk_asker {
+    const rk_rendering *r;
+    rk_tile *t;
+    const uint16_t *pixels;
+} rk_asker;
+
+/* The moments of the asker's rays: a pixel's time is drawn when the first of its rays asks. */
+rk_moments rk_moments_of(rk_asker *asker);
+
+/* Works out the swept boxes. */
+void rk_moving_prepare(rk_rendering *r);
+
+/* Takes a surface that a ray of the pixel met to where its object stands then. */
+void rk_moving_place(const rk_rendering *r, rk_tile *t, uint32_t pixel, uint32_t triangle,
+                     rk_surface *surface);
+
 /* Adds to the pixels' sums what the rays of `paths` see, along mirrors and panes to the end. */
 void rk_follow(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths);
+
+/* The nearest hits of the rays go into the tile's `hits`. */
+void rk_meet(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths);
 
 /* Their parts, for who tells the story of one ray: path i goes through panes to a list of hits,
  * nearest first, of which `weights` are the shares that reach its beginning. Returns the share of
  * the environment: 0 behind something opaque, and where the ray may not go on that far; */
-float rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
-                      rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
-                      rk_counters *counters);
+float rk_look_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths, uint32_t i,
+                      rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1]);
 /* what a hit of it shows, behind so many panes, with its share; */
-void rk_see(rk_seen *seen, const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
-            const rk_hit *hit, uint32_t panes, float share);
-/* what is there where path i meets nothing, with its share; */
+void rk_see(rk_seen *seen, const rk_rendering *r, rk_tile *t, const rk_path_batch *paths,
+            uint32_t i, const rk_hit *hit, uint32_t panes, float share);
+/* what the environment adds, with its share; */
 rk_vec3 rk_see_environment(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
                            float share, rk_counters *counters);
 /* and the ray that is mirrored there, if one is and may be. */

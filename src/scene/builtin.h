@@ -20,6 +20,7 @@ bool rk_mesh_make_sphere(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_spheres(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_teapot(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_scan(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_moving(rk_mesh *mesh, uint32_t number, rk_error *error);
 
 /* No triangles, for scenes of exact spheres alone. */
 bool rk_mesh_make_nothing(rk_mesh *mesh, uint32_t number, rk_error *error);
@@ -29,6 +30,7 @@ void rk_scene_arrange_cornell(rk_scene *scene);
 void rk_scene_arrange_cornell_light(rk_scene *scene);
 void rk_scene_arrange_panes(rk_scene *scene);
 void rk_scene_arrange_glass(rk_scene *scene);
+void rk_scene_arrange_moving(rk_scene *scene);
 
 /* Glass of a colour and an opacity; `thickness` world units of it filter white light to `colour`,
  * whose components are above 0. */

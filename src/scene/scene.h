@@ -7,9 +7,10 @@
 #include "scene/environment.h"
 #include "scene/light.h"
 #include "scene/mesh.h"
+#include "scene/motion.h"
 #include "scene/surface.h"
 
-enum { RK_LIGHTS_MAX = 16, RK_SPHERES_MAX = 16 };
+enum { RK_LIGHTS_MAX = 16, RK_SPHERES_MAX = 16, RK_MOVING_MAX = 16 };
 
 typedef struct rk_scene {
     char name[64];
@@ -21,6 +22,9 @@ typedef struct rk_scene {
     uint32_t light_count;
     rk_light lights[RK_LIGHTS_MAX];
     rk_cubemap environment; /* what rays see that meet nothing; side 0: black */
+    uint32_t moving_count; /* objects that move are the mesh's last triangles, one behind the other;
+                              all before them stand still */
+    rk_moving moving[RK_MOVING_MAX];
 } rk_scene;
 
 void rk_scene_free(rk_scene *scene);
@@ -40,6 +44,8 @@ void rk_scene_free(rk_scene *scene);
  *   spheres:N       such a sphere (default 80) beside an exact one, on a floor
  *   teapot:N        the Utah teapot, each of its 32 patches as N x N squares (default 16)
  *   scan:N          a statue as from a scanner, of exactly N triangles (default 87130)
+ *   moving:N        the teapot, each patch as N x N squares (default 8), and a ball, which move
+ * over a floor on paths of their own
  *
  * False with an error that lists the names when there is no such scene or N is out of range. */
 bool rk_scene_builtin(rk_scene *scene, const char *name, rk_error *error);
@@ -51,6 +57,18 @@ extern const char rk_scene_builtin_help[];
  * triangle_count + k. */
 void rk_scene_surface(rk_surface *surface, const rk_scene *scene, const rk_ray *ray,
                       const rk_hit *hit);
+
+/* The whole mesh moves, as one object. */
+void rk_scene_move_mesh(rk_scene *scene, rk_motion motion);
+
+/* Returns which of the moving objects the triangle belongs to, or RK_MISS. */
+static inline uint32_t rk_scene_mover(const rk_scene *scene, uint32_t triangle)
+{
+    for (uint32_t i = 0; i < scene->moving_count; i++)
+        if (triangle - scene->moving[i].first < scene->moving[i].count)
+            return i;
+    return RK_MISS;
+}
 
 /* A scene around a mesh, which it takes over (and zeroes): the mesh moved into the unit ball, the
  * default camera and a light above it, to the left. On failure the mesh is freed as well. */

@@ -44,6 +44,7 @@ void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, 
     rk_vec3 c = mesh->positions[corner[2]];
     rk_vec3 weights = rk_vec(1 - hit->u - hit->v, hit->u, hit->v);
     surface->triangle = (rk_triangle){a, rk_sub(b, a), rk_sub(c, a), hit->triangle};
+    surface->offset = rk_vec(0, 0, 0);
     surface->point = rk_vec(point_on_axis(a.x, b.x, c.x, hit), point_on_axis(a.y, b.y, c.y, hit),
                             point_on_axis(a.z, b.z, c.z, hit));
     surface->barycentric = weights;
@@ -83,6 +84,17 @@ void rk_surface_at_sphere(rk_surface *surface, const rk_sphere *sphere, const rk
     surface->normal = surface->face_normal;
 }
 
+void rk_surface_move(rk_surface *surface, rk_vec3 offset)
+{
+    rk_vec3 rest = surface->point;
+    surface->point = rk_add(rest, offset);
+    surface->offset = offset;
+    /* The point is rounded here, and the origin of a ray that leaves from it when the ray is moved
+     * back; the third pays for this sum, and for the origin being a step away. */
+    rk_vec3 sizes = rk_max3(rk_abs3(surface->point), rk_abs3(rest));
+    surface->point_error = rk_madd(surface->point_error, sizes, gamma_bound(3));
+}
+
 rk_vec3 rk_surface_textured_kd(const rk_surface *surface, const rk_mesh *mesh)
 {
     const rk_material *material = surface->material;
@@ -108,10 +120,11 @@ static rk_vec3 step_along(rk_vec3 point, rk_vec3 normal, float distance)
                   round_outward(start.z, step.z));
 }
 
-/* Does the triangle test see the ray from `start` meet the plane ahead of it? */
-static bool plane_is_ahead(const rk_triangle *triangle, rk_vec3 start, float heading)
+/* Does the triangle test see the ray from `start` meet the plane ahead of it? To what moves the ray
+ * comes moved back, with this very rounding; without an offset nothing is rounded. */
+static bool plane_is_ahead(const rk_surface *surface, rk_vec3 start, float heading)
 {
-    float side = rk_triangle_side(triangle, start);
+    float side = rk_triangle_side(&surface->triangle, rk_sub(start, surface->offset));
     return (side > 0 && heading > 0) || (side < 0 && heading < 0);
 }
 
@@ -132,7 +145,7 @@ rk_vec3 rk_surface_leave(const rk_surface *surface, rk_vec3 direction)
     rk_vec3 start = step_along(surface->point, normal, distance);
     /* In slivers the test's error grows with their length over their width. A step of 2^-24 of
      * the triangle's size is as long as the triangle after so many doublings. */
-    for (int i = 0; i < 24 && plane_is_ahead(triangle, start, heading); i++) {
+    for (int i = 0; i < 24 && plane_is_ahead(surface, start, heading); i++) {
         distance *= 2;
         start = step_along(surface->point, normal, distance);
     }

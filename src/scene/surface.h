@@ -18,6 +18,7 @@ typedef struct rk_surface {
     rk_vec3 barycentric; /* weights of the triangle's corners, sum 1 */
     const rk_material *material;
     rk_triangle triangle; /* as the triangle test sees it; on a sphere its index is RK_MISS */
+    rk_vec3 offset;       /* of what moves: where it stands, from where its triangle rests; or 0 */
 } rk_surface;
 
 /* Fills in the surface at a hit that `ray` found in `mesh`. */
@@ -26,6 +27,10 @@ void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, 
 /* The same on a sphere made of `material`. */
 void rk_surface_at_sphere(rk_surface *surface, const rk_sphere *sphere, const rk_material *material,
                           const rk_ray *ray, const rk_hit *hit);
+
+/* Takes a surface of an object at rest to where the object stands, `offset` from there. The point's
+ * error then bounds what this rounds and what moving a ray from there the other way rounds. */
+void rk_surface_move(rk_surface *surface, rk_vec3 offset);
 
 /* Returns the diffuse colour there: the material's kd, times its texture where it has one. `mesh`
  * is the one of the hit; a mesh without texture coordinates and a sphere show no texture. */

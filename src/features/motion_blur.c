@@ -1,0 +1,234 @@
+/* Distributed ray tracing over time (Cook, Porter, Carpenter, "Distributed ray tracing", SIGGRAPH
+ * 1984): each ray sees the scene at a time of its own, and the mean over times is the blur. Instead
+ * of the object the ray moves, the other way; a box around the whole way tells early which rays
+ * need no time. */
+#include "features/motion_blur.h"
+
+#include "base/sampler.h"
+
+rk_motion rk_motion_default(void)
+{
+    return (rk_motion){-4, 0.5f, 1.5f};
+}
+
+rk_shutter rk_shutter_default(void)
+{
+    return (rk_shutter){0, 0.05f};
+}
+
+/* --- Where it is ------------------------------------------------------------------------------ */
+
+static double height_at(const rk_motion *motion, double x)
+{
+    /* solution */
+    return (((double)motion->a * x + (double)motion->b) * x + (double)motion->c) * x;
+    /* starter
+    // First step: a x^3 + b x^2 + c x.
+    (void)motion, (void)x;
+    return 0;
+    end */
+}
+
+rk_vec3 rk_motion_offset(const rk_motion *motion, float x)
+{
+    /* solution */
+    return rk_vec(x, (float)height_at(motion, (double)x), 0);
+    /* starter
+    // First step: (x, y(x), 0).
+    (void)motion, (void)x, (void)height_at;
+    return rk_vec(0, 0, 0);
+    end */
+}
+
+/* To whom moves to the left, the world moves to the right. */
+rk_ray rk_motion_ray(rk_vec3 offset, const rk_ray *ray)
+{
+    /* solution */
+    return (rk_ray){rk_sub(ray->origin, offset), ray->direction, ray->t_max};
+    /* starter
+    // Second step: move the ray instead of the object.
+    (void)offset;
+    return *ray;
+    end */
+}
+
+/* --- When ------------------------------------------------------------------------------------- */
+
+/* The time at a share of the shutter, 0 where it opens and 1 where it closes. */
+static float time_at(const rk_shutter *shutter, double share)
+{
+    double open = (double)shutter->open, close = (double)shutter->close;
+    return (float)(open + share * (close - open));
+}
+
+float rk_shutter_equidistant(const rk_shutter *shutter, float k, uint32_t samples)
+{
+    /* solution */
+    return time_at(shutter, ((double)k - 0.5) / samples);
+    /* starter
+    // Third step: the middle of part k of `samples`, counted from 1.
+    (void)k, (void)samples, (void)time_at;
+    return shutter->open;
+    end */
+}
+
+float rk_shutter_time(const rk_shutter *shutter, rk_time_sampling sampling, uint32_t seed,
+                      uint32_t pixel, uint32_t sample, uint32_t samples)
+{
+    /* solution */
+    if (sampling == RK_TIME_EQUIDISTANT)
+        return rk_shutter_equidistant(shutter, (float)(sample + 1), samples);
+    const rk_sampler sampler = {sampling == RK_TIME_STRATIFIED ? RK_SAMPLER_STRATIFIED
+                                                               : RK_SAMPLER_LOW_DISCREPANCY,
+                                seed, samples};
+    return time_at(shutter, (double)rk_sample_1d(&sampler, pixel, sample, RK_DIMENSION_TIME));
+    /* starter
+    // Fourth step: rk_sample_1d of RK_DIMENSION_TIME gives the share of the shutter.
+    (void)sampling, (void)seed, (void)pixel, (void)sample, (void)samples;
+    return shutter->open;
+    end */
+}
+
+/* --- Where it may be -------------------------------------------------------------------------- */
+
+typedef struct range {
+    double low, high;
+} range;
+
+static range range_with(range r, double y)
+{
+    return (range){y < r.low ? y : r.low, y > r.high ? y : r.high};
+}
+
+/* Returns how many turning points the path has, 0 or 2: where 3 a x^2 + 2 b x + c changes its sign.
+ * The two roots as q / 3a and c / q, of which neither subtracts numbers of one sign; for a = 0 the
+ * first is at infinity. Of floats, b^2 and 3 a c are exact in double, so the sign of the
+ * discriminant is right. Where it is 0 the path has a level point, but does not turn. */
+static int turning_points(const rk_motion *motion, double x[2])
+{
+    /* solution */
+    double a = (double)motion->a, b = (double)motion->b, c = (double)motion->c;
+    double discriminant = b * b - 3 * a * c;
+    if (!(discriminant > 0))
+        return 0;
+    double q = -(b + copysign(sqrt(discriminant), b));
+    x[0] = q / (3 * a);
+    x[1] = c / q;
+    return 2;
+    /* starter
+    // Fifth step: the roots of y' = 3 a x^2 + 2 b x + c, also for a = 0.
+    (void)motion, (void)x;
+    return 0;
+    end */
+}
+
+/* Between two turning points a path only rises or only falls. */
+static range heights(const rk_motion *motion, const rk_shutter *shutter)
+{
+    /* solution */
+    double open = (double)shutter->open, close = (double)shutter->close, x[2];
+    double first = height_at(motion, open);
+    range y = range_with((range){first, first}, height_at(motion, close));
+    int count = turning_points(motion, x);
+    for (int i = 0; i < count; i++)
+        if (x[i] > open && x[i] < close)
+            y = range_with(y, height_at(motion, x[i]));
+    /* Five roundings, of terms that may nearly cancel; and as many when the offset is computed. */
+    double size = fmax(fabs(open), fabs(close));
+    const rk_motion all = {fabsf(motion->a), fabsf(motion->b), fabsf(motion->c)};
+    double error = 10 * 0x1p-53 * height_at(&all, size);
+    return (range){y.low - error, y.high + error};
+    /* starter
+    // Fifth step: the lowest and the highest y while the shutter is open.
+    (void)motion, (void)shutter, (void)range_with, (void)turning_points;
+    return (range){0, 0};
+    end */
+}
+
+/* How far roundings may carry a moved ray on one axis, for each unit of what is added there:
+ * origin, offset, corner. 1 eps, 2^-24, for the moved origin, 10 for the test of the box at rest
+ * (its reciprocals are pushed apart by 6, and it rounds three times, on either side); the sums
+ * that use this round a few times more. Then doubled: a box that is too large by a few roundings
+ * costs nothing. */
+static const double rounding = 32 * 0x1p-24;
+
+static void sweep_axis(float *low, float *high, range offset)
+{
+    double size =
+        fmax(fabs((double)*low), fabs((double)*high)) + fmax(fabs(offset.low), fabs(offset.high));
+    *low = (float)((double)*low + offset.low - rounding * size);
+    *high = (float)((double)*high + offset.high + rounding * size);
+}
+
+rk_box rk_motion_sweep(const rk_motion *motion, const rk_shutter *shutter, const rk_box *rest)
+{
+    rk_box box = *rest;
+    rk_vec3 *low = &box.corner[0], *high = &box.corner[1];
+    /* solution */
+    sweep_axis(&low->x, &high->x, (range){(double)shutter->open, (double)shutter->close});
+    sweep_axis(&low->y, &high->y, heights(motion, shutter));
+    sweep_axis(&low->z, &high->z, (range){0, 0});
+    /* starter
+    // Sixth step: sweep_axis widens each axis by the range of its offset.
+    (void)motion, (void)shutter, (void)low, (void)high;
+    (void)heights, (void)sweep_axis;
+    end */
+    return box;
+}
+
+/* --- Which rays need a time ------------------------------------------------------------------- */
+
+/* The box with its corners moved by those of `by`. */
+static rk_box widened(const rk_box *box, const rk_box *by)
+{
+    return (rk_box){{rk_add(box->corner[0], by->corner[0]), rk_add(box->corner[1], by->corner[1])}};
+}
+
+/* What roundings of the ray's own origin ask for. */
+static rk_box spare_for(const rk_slabs *ray)
+{
+    rk_vec3 spare = rk_scale(rk_abs3(ray->origin), (float)rounding);
+    return (rk_box){{rk_negate(spare), spare}};
+}
+
+bool rk_motion_reaches(const rk_box *swept, const rk_slabs *ray, float t_max)
+{
+    /* solution */
+    const rk_box spare = spare_for(ray), box = widened(swept, &spare);
+    return rk_box_enter(&box, ray, t_max) < INFINITY;
+    /* starter
+    // Seventh step: does the ray enter the box, widened by spare_for(ray)?
+    (void)swept, (void)ray, (void)t_max, (void)widened, (void)spare_for;
+    return true;
+    end */
+}
+
+/* All boxes of the tree move alike: what the root's box gained, each of them gains. */
+bool rk_motion_reaches_leaf(const rk_bvh *bvh, const rk_box *swept, const rk_slabs *ray,
+                            float t_max)
+{
+    /* solution */
+    const rk_box *root = &bvh->nodes[0].box;
+    const rk_box way = {
+        {rk_sub(swept->corner[0], root->corner[0]), rk_sub(swept->corner[1], root->corner[1])}};
+    const rk_box spare = spare_for(ray), gain = widened(&way, &spare);
+    const rk_bvh_node *waiting[RK_BVH_LEVELS_MAX + 1];
+    uint32_t size = 0;
+    waiting[size++] = &bvh->nodes[0];
+    while (size) {
+        const rk_bvh_node *node = waiting[--size];
+        const rk_box box = widened(&node->box, &gain);
+        if (!(rk_box_enter(&box, ray, t_max) < INFINITY))
+            continue;
+        if (node->count)
+            return true;
+        waiting[size++] = &bvh->nodes[node->first + 1];
+        waiting[size++] = &bvh->nodes[node->first];
+    }
+    return false;
+    /* starter
+    // Eighth step: down the tree, into boxes that are widened as the root's was, to the first leaf.
+    (void)bvh, (void)swept, (void)ray, (void)t_max;
+    return true;
+    end */
+}
