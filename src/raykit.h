@@ -5,6 +5,7 @@
 #include "base/image.h"
 #include "base/parallel.h"
 #include "features/bvh_median.h"
+#include "features/glossy_reflection.h"
 #include "features/parallelogram_light.h"
 #include "features/sah_binning.h"
 #include "features/shading.h"
