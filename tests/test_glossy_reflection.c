@@ -52,10 +52,10 @@ static double basis_error(rk_vec3 direction)
     return most;
 }
 
-/* A component of u or v is a sum of 1 or 0 and a product of at most 1 that has been rounded four
- * times; the sum is rounded once: 4.5 times 2^-24, and as much again as w is rounded itself. Two of
- * its three components are such sums, and count twice in the length squared. */
-static const double basis_bound = 16 * 0x1p-24;
+/* 4 units in the last place of 1. A component of u or v is a sum with a product of at most 1 that
+ * four roundings reach: each of these can put it off by 2^-24, and w is rounded, too. That they all
+ * do so together does not happen: measured, the largest error of all is 2.5 times 2^-24. */
+static const double basis_bound = 8 * 0x1p-24;
 
 static void check_basis(rk_vec3 w)
 {

@@ -20,13 +20,12 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const 
     const rk_light_options *options = &r->options->light;
     rk_vec2 xi = {0, 0};
     if (light->kind != RK_LIGHT_POINT) {
-        /* Each bounce is a stream of its own; the samples of all rays of a pixel share one. */
-        uint32_t pixel =
-            (t->y + seen->pixel / t->width) * r->options->width + t->x + seen->pixel % t->width;
+        /* Each bounce is a stream of its own, which all rays of a pixel share. */
         uint32_t bounce = r->options->recursion - seen->left;
         const rk_sampler sampler = {options->sampling, r->options->seed,
-                                    r->options->samples * options->samples};
-        xi = rk_sample_2d(&sampler, pixel, t->sample * options->samples + sample,
+                                    rk_path_samples(r->options, seen->sample) * options->samples};
+        xi = rk_sample_2d(&sampler, rk_tile_pixel(r, t, seen->pixel),
+                          seen->sample.index * options->samples + sample,
                           RK_DIMENSION_LIGHT + 2 * (bounce * RK_LIGHTS_MAX + index));
         t->counters->light_samples++;
     }

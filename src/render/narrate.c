@@ -159,7 +159,7 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
     rk_path_batch camera;
     rk_ray ray = rk_view_ray(&r.view, (float)x + 0.5f, (float)y + 0.5f);
     camera.rays.count = 0;
-    rk_path_push(&camera, &ray, 0, options->recursion, rk_vec(1, 1, 1));
+    rk_path_push(&camera, &ray, 0, options->recursion, rk_vec(1, 1, 1), (rk_path_sample){0, false});
     fprintf(out, "pixel (%u, %u) of %s\n", x, y, scene->name);
     if (r.plan.pixel_samples)
         fprintf(out,

@@ -45,6 +45,20 @@ rk_option_table rk_render_option_table(rk_render_options *options)
          0, 0},
         {"settle", RK_OPTION_UINT, &options->light.settle, "N",
          "so many shadow rays that agree settle a point; 0: all are traced", 0, 16384},
+        {"glossy", RK_OPTION_UINT, &options->glossy.samples, "N",
+         "directions that the first rough mirror on a way sends a ray into; 0: mirrors are perfect",
+         0, 16384},
+        {"glossy-radius", RK_OPTION_FLOAT, &options->glossy.radius, "R",
+         "of the disk around mirrored directions, at distance 1; negative, and by default, 0.5 "
+         "over "
+         "the material's shininess",
+         -1, 1000},
+        {"glossy-weights", RK_OPTION_CHOICE, &options->glossy.weights, "classic|renormalized",
+         "directions that lead into the surface count as black, or not at all", 0, 0},
+        {"glossy-map", RK_OPTION_CHOICE, &options->glossy.map, "polar|concentric",
+         "how the disk is filled", 0, 0},
+        {"glossy-sampling", RK_OPTION_CHOICE, &options->glossy.sampling,
+         "uniform|stratified|low-discrepancy", "how directions are spread over it", 0, 0},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     }};
 }

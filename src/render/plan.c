@@ -11,6 +11,10 @@ rk_render_options rk_render_options_default(void)
         .glass = RK_GLASS_ORDERED,
         .recursion = 6,
         .light = {.samples = 16, .sampling = RK_SAMPLER_STRATIFIED, .settle = 16},
+        .glossy = {.radius = NAN,
+                   .weights = RK_GLOSSY_RENORMALIZED,
+                   .map = RK_DISK_CONCENTRIC,
+                   .sampling = RK_SAMPLER_LOW_DISCREPANCY},
     };
 }
 
@@ -51,13 +55,15 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
     for (uint32_t i = 0; i < scene->light_count; i++)
         lights |= rk_light_shines(&scene->lights[i]);
     bool rays = (scene->mesh.triangle_count > 0 || scene->sphere_count > 0) && lights;
+    bool reflections =
+        rays && options->reflections && options->recursion > 0 && any_material(scene, reflects);
     return (rk_plan){
         .rays = rays,
         .pixel_samples = rays && options->samples > 1,
         .lights = lights,
         .shadow_rays = rays && options->shadows,
-        .reflections =
-            rays && options->reflections && options->recursion > 0 && any_material(scene, reflects),
+        .reflections = reflections,
+        .glossy = reflections && options->glossy.samples > 0 && options->glossy.radius != 0,
         .transparency = rays && options->transparency && any_material(scene, lets_through),
     };
 }

@@ -4,6 +4,7 @@
 #define RK_RENDER_PLAN_H
 
 #include "base/sampler.h"
+#include "features/glossy_reflection.h"
 #include "features/parallelogram_light.h"
 #include "features/shading.h"
 #include "features/transparency.h"
@@ -19,6 +20,16 @@ typedef struct rk_light_options {
     uint32_t settle; /* so many shadow rays that agree settle a point; 0: trace all */
 } rk_light_options;
 
+/* How rough mirrors blur what they show. The first one on a way spreads a ray into `samples`; each
+ * of those takes a single random direction at every further one, so that work does not multiply. */
+typedef struct rk_glossy_options {
+    uint32_t samples; /* 0: mirrors are perfect */
+    float radius;     /* of all disks; NaN or negative: by the material's shininess */
+    rk_glossy_weights weights;
+    rk_disk_map map;
+    rk_sampler_kind sampling;
+} rk_glossy_options;
+
 typedef struct rk_render_options {
     uint32_t width, height; /* pixels */
     uint32_t samples;       /* a pixel; 1 looks through its centre */
@@ -33,12 +44,13 @@ typedef struct rk_render_options {
     uint32_t
         recursion; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
     rk_light_options light;
+    rk_glossy_options glossy;
 } rk_render_options;
 
 enum { RK_RECURSION_MAX = 16 };
 
 /* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
- * stratified samples a light, settled by 16. */
+ * stratified samples a light, settled by 16; perfect mirrors. */
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
@@ -47,6 +59,7 @@ typedef struct rk_plan {
     bool lights;        /* any light that is not black */
     bool shadow_rays;
     bool reflections;  /* a surface reflects, and may */
+    bool glossy;       /* and mirrors may be rough */
     bool transparency; /* a surface lets light through, and may */
 } rk_plan;
 

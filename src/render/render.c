@@ -32,7 +32,8 @@ static void camera_stage(const rk_rendering *r, const rk_tile *t, rk_path_batch 
                 within =
                     rk_sample_2d(&sampler, y * options->width + x, t->sample, RK_DIMENSION_PIXEL);
             rk_ray ray = rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
-            rk_path_push(camera, &ray, camera->rays.count, options->recursion, rk_vec(1, 1, 1));
+            rk_path_push(camera, &ray, camera->rays.count, options->recursion, rk_vec(1, 1, 1),
+                         (rk_path_sample){t->sample, false});
         }
     t->counters->primary_rays += camera->rays.count;
     t->counters->pixel_samples += r->plan.pixel_samples ? camera->rays.count : 0;
