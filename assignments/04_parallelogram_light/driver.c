@@ -2,6 +2,7 @@
  * shadow rays of one pixel, the samples on the light, and how fast each method gets exact. */
 #include "render/driver.h"
 #include "base/file.h"
+#include "render/converge.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -189,21 +190,6 @@ static bool render_by(rk_driver *driver, const method *m, uint32_t samples, rk_e
     return rk_driver_render(driver, error);
 }
 
-/* Compares the picture with the reference, all channels of all pixels alike. */
-static void compare(rk_convergence_row *row, const rk_image *got, const rk_image *want)
-{
-    double squares = 0, sum = 0, count = 3 * (double)(got->width * got->height);
-    for (size_t i = 0; i < got->width * got->height; i++)
-        for (int k = 0; k < 3; k++) {
-            double error = (double)(rk_axis(got->pixels[i], k) - rk_axis(want->pixels[i], k));
-            squares += error * error;
-            sum += error;
-            row->max_error = fmax(row->max_error, fabs(error));
-        }
-    row->rmse = sqrt(squares / count);
-    row->bias = sum / count;
-}
-
 static bool put_errors(rk_driver *driver, const rk_image *want, const choices *c, rk_error *error)
 {
     bool physical = driver->render.light.falloff == RK_FALLOFF_PHYSICAL;
@@ -223,7 +209,7 @@ static bool put_errors(rk_driver *driver, const rk_image *want, const choices *c
                                       .reference = reference};
             ok = render_by(driver, &methods[i], samples, error);
             row.seconds = driver->render_ms.median / 1e3;
-            compare(&row, &driver->image, want);
+            rk_converge_compare(&row, &driver->image, want);
             ok = ok && rk_table_put_convergence(path, &row, error);
         }
     return ok;

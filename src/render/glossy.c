@@ -76,13 +76,17 @@ static void send(const rk_rendering *r, rk_tile *t, const rk_seen *seen, rk_path
     rk_vec3 weight = rk_scale(rk_mul(seen->weight, seen->surface.material->ks),
                               weight_of(&s, r->options->glossy.weights));
     t->counters->glossy_samples += s.count;
+    const rk_surface *surface = &seen->surface;
+    rk_vec3 start = rk_surface_leave(surface, s.disk.w);
     for (uint32_t i = 0; i < s.count; i++) {
         rk_vec3 direction;
         if (!direction_of(&s, i, &direction))
             continue;
         if (mirrored->rays.count == RK_BATCH_MAX)
             follow(r, t, mirrored);
-        rk_ray ray = {rk_surface_leave(&seen->surface, direction), direction, INFINITY};
+        rk_ray ray = {start, direction, INFINITY};
+        if (!rk_surface_leaves_alike(surface, s.disk.w, direction))
+            ray.origin = rk_surface_leave(surface, direction);
         rk_path_push(mirrored, &ray, seen->pixel, seen->left - 1u, weight,
                      (rk_path_sample){s.first + i, true});
     }

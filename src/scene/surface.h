@@ -42,4 +42,7 @@ static inline rk_vec3 rk_surface_kd(const rk_surface *surface, const rk_mesh *me
  * rounding errors, at any scale. The ray never meets the triangle that it leaves. */
 rk_vec3 rk_surface_leave(const rk_surface *surface, rk_vec3 direction);
 
+/* Do rays into both directions start from the same point? */
+bool rk_surface_leaves_alike(const rk_surface *surface, rk_vec3 a, rk_vec3 b);
+
 #endif
