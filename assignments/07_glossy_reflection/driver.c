@@ -319,16 +319,15 @@ static bool put_table(rk_driver *driver, const choices *c, rk_error *error)
     return c->convergence ? converge(driver, c, path, error) : put_policies(driver, path, error);
 }
 
+/* Under names of their own for each number of samples. */
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
-    double pixels = (double)driver->counters.primary_rays;
-    char metric[64];
-    snprintf(metric, sizeof metric, "render_%u", driver->render.glossy.samples);
-    return rk_driver_row(driver, metric, "ms", driver->render_ms, error) &&
-           rk_driver_row(driver, "glossy_samples", "1",
-                         rk_timing_once((double)driver->counters.glossy_samples / pixels), error) &&
-           rk_driver_row(driver, "reflected_rays", "1",
-                         rk_timing_once((double)driver->counters.reflected_rays / pixels), error);
+    double rays = (double)driver->counters.reflected_rays / (double)driver->counters.primary_rays;
+    char render[32], reflected[32];
+    snprintf(render, sizeof render, "render_%u", driver->render.glossy.samples);
+    snprintf(reflected, sizeof reflected, "reflected_rays_%u", driver->render.glossy.samples);
+    return rk_driver_row(driver, render, "ms", driver->render_ms, error) &&
+           rk_driver_row(driver, reflected, "1", rk_timing_once(rays), error);
 }
 
 static bool save(rk_driver *driver, rk_error *error)
