@@ -2,6 +2,8 @@
  * that nothing is drawn where nothing is rough. */
 #include "test_scene.h"
 
+#include "render/bundle.h"
+
 static const double pi = 3.14159265358979323846;
 
 /* Surfaces show their colour, however they are lit. */
@@ -240,6 +242,75 @@ static void a_mirror_behind_a_pane_spreads_rays_too(void **state)
     rk_scene_free(&scene);
 }
 
+/* --- Rays that are followed together ---------------------------------------------------------- */
+
+static float noise(uint32_t a, uint32_t b, uint32_t c)
+{
+    return rk_unit_float(rk_hash(a, b, c, 17));
+}
+
+static rk_vec3 noise3(uint32_t a, uint32_t b)
+{
+    return rk_vec(2 * noise(a, b, 0) - 1, 2 * noise(a, b, 1) - 1, 2 * noise(a, b, 2) - 1);
+}
+
+/* A few bundles of all widths, from 2 rays to 64. */
+static rk_ray_batch make_bundles(uint32_t key)
+{
+    rk_ray_batch rays = {.count = 0};
+    for (uint32_t k = 0; rays.count + 64 <= RK_BATCH_MAX; k++) {
+        uint32_t size = 2 + (uint32_t)(63 * noise(key, k, 3));
+        rk_vec3 origin = rk_scale(noise3(key, k), 0.9f), w = rk_normalize(noise3(key, k + 100));
+        float radius = 2 * powf(noise(key, k, 4), 4);
+        if (k % 4 == 3) /* around an axis, on which directions change their sign */
+            w = rk_vec(0, 0, k % 8 == 3 ? 1 : -1);
+        for (uint32_t i = 0; i < size; i++) {
+            rk_vec3 aside = rk_scale(noise3(key + 1000, 100 * k + i), radius);
+            rk_ray ray = {origin, rk_normalize(rk_add(w, aside)), INFINITY};
+            rk_batch_push(&rays, &ray);
+        }
+    }
+    return rays;
+}
+
+static void bundles_find_what_single_rays_find(void **state)
+{
+    (void)state;
+    const char *const names[] = {"cornell", "cornell-glass", "sphere:1280", "spheres", "scan:2000"};
+    for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
+        rk_scene scene = test_scene_builtin(names[n]);
+        rk_accel accel;
+        rk_error error;
+        rk_check_ok(rk_accel_build(&accel, RK_ACCEL_SAH_3, &scene, &error), error);
+        uint32_t met = 0;
+        rk_counters single = {0}, together = {0};
+        for (uint32_t key = 0; key < 400; key++) {
+            rk_ray_batch rays = make_bundles(key);
+            rk_hit_batch want, got;
+            rk_accel_closest(&accel, &rays, &want, &single);
+            rk_bundle_closest(&accel, &rays, &got, &together);
+            for (uint32_t i = 0; i < rays.count; i++) {
+                met += want.triangle[i] != RK_MISS;
+                rk_check(got.triangle[i] == want.triangle[i] && got.t[i] == want.t[i] &&
+                             (want.triangle[i] == RK_MISS ||
+                              (got.u[i] == want.u[i] && got.v[i] == want.v[i])),
+                         "%s, batch %u, ray %u: met triangle %d at %.9g, want %d at %.9g", names[n],
+                         key, i, (int)got.triangle[i], (double)got.t[i], (int)want.triangle[i],
+                         (double)want.t[i]);
+            }
+        }
+        rk_check(met > 5000, "%s: only %u rays meet anything", names[n], met);
+        if (n == 0)
+            rk_check(together.box_tests + together.triangle_tests <
+                         (single.box_tests + single.triangle_tests) / 2,
+                     "the box: %llu tests together, %llu by single rays: no work is saved",
+                     (unsigned long long)(together.box_tests + together.triangle_tests),
+                     (unsigned long long)(single.box_tests + single.triangle_tests));
+        rk_accel_free(&accel);
+        rk_scene_free(&scene);
+    }
+}
+
 /* --- What is not needed ----------------------------------------------------------------------- */
 
 static void check_same_as_perfect(const rk_scene *scene, rk_render_options options,
@@ -377,6 +448,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(renormalised_weights_keep_a_white_room_white),
     cmocka_unit_test(only_the_first_mirror_spreads_a_ray),
     cmocka_unit_test(a_mirror_behind_a_pane_spreads_rays_too),
+    cmocka_unit_test(bundles_find_what_single_rays_find),
     cmocka_unit_test(radius_0_is_a_perfect_mirror),
     cmocka_unit_test(a_tiny_radius_is_nearly_a_perfect_mirror),
     cmocka_unit_test(without_rough_mirrors_no_sample_is_drawn),

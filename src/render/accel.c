@@ -58,17 +58,23 @@ static bool meets_any_sphere(const rk_scene *scene, const rk_ray *ray, rk_counte
     return found;
 }
 
+void rk_accel_put_hit(const rk_accel *accel, const rk_ray *ray, rk_hit hit, rk_hit_batch *hits,
+                      uint32_t i, rk_counters *counters)
+{
+    meet_spheres(accel->scene, ray, &hit, counters);
+    hits->t[i] = hit.t;
+    hits->u[i] = hit.u;
+    hits->v[i] = hit.v;
+    hits->triangle[i] = hit.triangle;
+}
+
 void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                       rk_counters *counters)
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
         rk_hit hit = rk_bvh_closest(&accel->bvh, &ray, counters);
-        meet_spheres(accel->scene, &ray, &hit, counters);
-        hits->t[i] = hit.t;
-        hits->u[i] = hit.u;
-        hits->v[i] = hit.v;
-        hits->triangle[i] = hit.triangle;
+        rk_accel_put_hit(accel, &ray, hit, hits, i, counters);
     }
 }
 

@@ -2,6 +2,7 @@
  * ones. A batch of rays makes a batch of seen surfaces, these make a batch of mirrored rays, and so
  * on; a level of mirrors is a level of recursion. */
 #include "base/reflect.h"
+#include "render/bundle.h"
 #include "render/tile.h"
 
 static void light_and_mirror(const rk_rendering *r, rk_tile *t);
@@ -28,7 +29,10 @@ void rk_see(rk_seen *seen, const rk_rendering *r, const rk_path_batch *paths, ui
 
 static void see_nearest(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
 {
-    rk_accel_closest(r->accel, &paths->rays, &t->hits, t->counters);
+    if (paths->sample[0].spread)
+        rk_bundle_closest(r->accel, &paths->rays, &t->hits, t->counters);
+    else
+        rk_accel_closest(r->accel, &paths->rays, &t->hits, t->counters);
     for (uint32_t i = 0; i < paths->rays.count; i++) {
         if (t->hits.triangle[i] == RK_MISS)
             continue;

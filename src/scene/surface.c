@@ -115,20 +115,6 @@ static bool plane_is_ahead(const rk_triangle *triangle, rk_vec3 start, float hea
     return (side > 0 && heading > 0) || (side < 0 && heading < 0);
 }
 
-static int sign_of(float x)
-{
-    return (x > 0) - (x < 0);
-}
-
-/* A start depends on the sides of the plane into which a direction leads: as normals say it, and as
- * the triangle test does. */
-bool rk_surface_leaves_alike(const rk_surface *surface, rk_vec3 a, rk_vec3 b)
-{
-    return (rk_dot(surface->face_normal, a) < 0) == (rk_dot(surface->face_normal, b) < 0) &&
-           sign_of(rk_triangle_heading(&surface->triangle, a)) ==
-               sign_of(rk_triangle_heading(&surface->triangle, b));
-}
-
 rk_vec3 rk_surface_leave(const rk_surface *surface, rk_vec3 direction)
 {
     const rk_triangle *triangle = &surface->triangle;
