@@ -1,5 +1,6 @@
 #include "render/bundle.h"
 
+#include "base/dvec3.h"
 #include "features/bvh_median.h"
 
 /* A bundle that may meet more triangles than this is wide for its scene, and its rays go each their
@@ -10,7 +11,7 @@ enum { found_max = 16, fewest_rays = 4 };
  * the triangle test's roundings, so that a ray between two triangles loses neither; far less than
  * the rays of a rough mirror differ. */
 typedef struct bundle {
-    double origin[3], inverse_low[3], inverse_high[3];
+    double origin[3], low[3], high[3], inverse_low[3], inverse_high[3];
     bool low_is_positive[3], high_is_positive[3];
 } bundle;
 
@@ -33,6 +34,8 @@ static bundle bundle_of(const rk_ray_batch *rays, uint32_t first, uint32_t end)
         }
         double wide_low = (double)low - 0x1p-16, wide_high = (double)high + 0x1p-16;
         b.origin[axis] = (double)origins[axis][first];
+        b.low[axis] = wide_low;
+        b.high[axis] = wide_high;
         b.inverse_low[axis] = 1 / wide_low;
         b.inverse_high[axis] = 1 / wide_high;
         b.low_is_positive[axis] = wide_low > 0;
@@ -72,6 +75,34 @@ static rk_box box_of(const rk_triangle *triangle)
     return rk_box_add(rk_box_add(rk_box_add(rk_box_empty(), triangle->a), b), c);
 }
 
+static rk_dvec3 from_origin(const bundle *b, rk_vec3 point)
+{
+    return (rk_dvec3){(double)point.x - b->origin[0], (double)point.y - b->origin[1],
+                      (double)point.z - b->origin[2]};
+}
+
+/* The largest n.d of all directions d. */
+static double largest_along(const bundle *b, rk_dvec3 n)
+{
+    return fmax(n.x * b->low[0], n.x * b->high[0]) + fmax(n.y * b->low[1], n.y * b->high[1]) +
+           fmax(n.z * b->low[2], n.z * b->high[2]);
+}
+
+/* False if all rays pass on the outer side of one edge: the origin and the edge span a plane. */
+static bool may_meet(const bundle *b, const rk_triangle *triangle)
+{
+    const rk_dvec3 corner[3] = {from_origin(b, triangle->a),
+                                from_origin(b, rk_add(triangle->a, triangle->edge_ab)),
+                                from_origin(b, rk_add(triangle->a, triangle->edge_ac))};
+    double volume = rk_ddot(corner[0], rk_dcross(corner[1], corner[2]));
+    for (int i = 0; i < 3 && volume != 0; i++) {
+        rk_dvec3 across = rk_dcross(corner[i], corner[(i + 1) % 3]);
+        if (largest_along(b, rk_dscale(across, volume > 0 ? 1 : -1)) < 0)
+            return false;
+    }
+    return true;
+}
+
 /* False if there is no room. */
 static bool add_triangle(found_list *list, const rk_triangle *triangle, double enter)
 {
@@ -92,7 +123,8 @@ static bool add_leaf(found_list *list, const bundle *b, const rk_bvh *bvh, const
     for (uint32_t i = leaf->first; i < leaf->first + leaf->count; i++) {
         rk_box box = box_of(&bvh->triangles[i]);
         double enter = enter_box(b, &box);
-        if (enter < INFINITY && !add_triangle(list, &bvh->triangles[i], enter))
+        if (enter < INFINITY && may_meet(b, &bvh->triangles[i]) &&
+            !add_triangle(list, &bvh->triangles[i], enter))
             return false;
     }
     return true;
