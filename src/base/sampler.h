@@ -37,4 +37,9 @@ float rk_sample_1d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, u
 rk_vec2 rk_sample_2d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample,
                      uint32_t dimension);
 
+/* The pairs of samples `first` to `first + count - 1` of one pixel and dimension: the same, sooner.
+ */
+void rk_sample_2d_run(const rk_sampler *sampler, uint32_t pixel, uint32_t first, uint32_t count,
+                      uint32_t dimension, rk_vec2 *pairs);
+
 #endif

@@ -10,6 +10,8 @@ rk_glossy_disk rk_glossy_disk_at(const rk_glossy_options *options, const rk_seen
     return rk_glossy_disk_of(rk_mirrored_direction(seen), radius, seen->surface.face_normal);
 }
 
+enum { at_once = 64 }; /* samples are drawn so many together */
+
 /* Where a mirror's samples come from. */
 typedef struct source {
     rk_glossy_disk disk;
@@ -17,6 +19,7 @@ typedef struct source {
     rk_sampler sampler;
     uint32_t pixel, dimension;
     uint32_t first, count; /* samples of the pixel */
+    rk_vec2 drawn[at_once];
 } source;
 
 static source source_of(const rk_rendering *r, const rk_tile *t, const rk_seen *seen)
@@ -37,15 +40,19 @@ static source source_of(const rk_rendering *r, const rk_tile *t, const rk_seen *
     };
 }
 
-static bool direction_of(const source *s, uint32_t i, rk_vec3 *direction)
+/* To be asked for one i after the other, from 0. */
+static bool direction_of(source *s, uint32_t i, rk_vec3 *direction)
 {
-    rk_vec2 xi = rk_sample_2d(&s->sampler, s->pixel, s->first + i, s->dimension);
-    return rk_glossy_direction(&s->disk, rk_disk_at(s->map, xi), direction);
+    uint32_t left = s->count - i;
+    if (i % at_once == 0)
+        rk_sample_2d_run(&s->sampler, s->pixel, s->first + i, left < at_once ? left : at_once,
+                         s->dimension, s->drawn);
+    return rk_glossy_direction(&s->disk, rk_disk_at(s->map, s->drawn[i % at_once]), direction);
 }
 
 /* What each direction counts for. How many are above has to be known beforehand, but can be asked
  * only where the surface cuts the disk. */
-static float weight_of(const source *s, rk_glossy_weights weights)
+static float weight_of(source *s, rk_glossy_weights weights)
 {
     float share = rk_glossy_share(&s->disk);
     uint32_t above = s->count;
