@@ -1,8 +1,6 @@
 /* Draws the figures and measures the tables of parallelogram_light: hard and soft shadows, the
  * shadow rays of one pixel, the samples on the light, and how fast each method gets exact. */
-#include "render/driver.h"
-#include "base/file.h"
-#include "render/converge.h"
+#include "render/convergence.h"
 
 #include <stdio.h>
 #include <string.h>
@@ -179,7 +177,7 @@ static const method methods[] = {
 /* The least noisy of all; its bias falls with 1 / samples. */
 static const method best = {"", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_MAP_SOLID_ANGLE, true, 0};
 
-static bool render_by(rk_driver *driver, const method *m, uint32_t samples, rk_error *error)
+static void choose(rk_driver *driver, const method *m, uint32_t samples)
 {
     rk_light_options *light = &driver->render.light;
     light->sampling = m->sampling;
@@ -187,47 +185,27 @@ static bool render_by(rk_driver *driver, const method *m, uint32_t samples, rk_e
     light->ratio = m->ratio;
     light->settle = m->settle;
     light->samples = samples;
-    return rk_driver_render(driver, error);
-}
-
-static bool put_errors(rk_driver *driver, const rk_image *want, const choices *c, rk_error *error)
-{
-    bool physical = driver->render.light.falloff == RK_FALLOFF_PHYSICAL;
-    size_t count = sizeof methods / sizeof *methods - (physical ? 0 : 2);
-    char folder[3072], path[4096], reference[32];
-    snprintf(folder, sizeof folder, "%s/tables", driver->out);
-    snprintf(path, sizeof path, "%s/%s_convergence%s.csv", folder, driver->feature,
-             physical ? "_physical" : "");
-    snprintf(reference, sizeof reference, "%u samples", c->reference);
-    bool ok = rk_make_folder(folder, error);
-    for (size_t i = 0; i < count; i++)
-        for (uint32_t samples = 1; ok && samples <= c->most; samples *= 4) {
-            rk_convergence_row row = {.feature = driver->feature,
-                                      .scene = driver->scene.name,
-                                      .method = methods[i].name,
-                                      .samples = samples,
-                                      .reference = reference};
-            ok = render_by(driver, &methods[i], samples, error);
-            row.seconds = driver->render_ms.median / 1e3;
-            rk_converge_compare(&row, &driver->image, want);
-            ok = ok && rk_table_put_convergence(path, &row, error);
-        }
-    return ok;
 }
 
 static bool converge(rk_driver *driver, const choices *c, rk_error *error)
 {
-    rk_image want, other = driver->image;
-    uint32_t seed = driver->render.seed;
-    if (!rk_image_init(&want, other.width, other.height, error))
+    bool physical = driver->render.light.falloff == RK_FALLOFF_PHYSICAL;
+    size_t count = sizeof methods / sizeof *methods - (physical ? 0 : 2);
+    char name[64], truth[32];
+    rk_image reference;
+    snprintf(name, sizeof name, "%s_convergence%s", driver->feature, physical ? "_physical" : "");
+    snprintf(truth, sizeof truth, "%u samples", c->reference);
+    choose(driver, &best, c->reference);
+    if (!rk_convergence_reference(driver, &reference, error))
         return false;
-    driver->image = want;
-    driver->render.seed = ~seed; /* its samples are not among those that it judges */
-    bool ok = render_by(driver, &best, c->reference, error);
-    driver->image = other;
-    driver->render.seed = seed;
-    ok = ok && put_errors(driver, &want, c, error);
-    rk_image_free(&want);
+    bool ok = true;
+    for (size_t i = 0; i < count; i++)
+        for (uint32_t samples = 1; ok && samples <= c->most; samples *= 4) {
+            choose(driver, &methods[i], samples);
+            ok = rk_convergence_row_of(driver, name, methods[i].name, samples, &reference, truth,
+                                       error);
+        }
+    rk_image_free(&reference);
     return ok;
 }
 

@@ -2,7 +2,7 @@
  * samples, the rays of one pixel, the dots in their disk, and what the ways to weigh them make of
  * directions that lead into the surface. */
 #include "base/file.h"
-#include "render/converge.h"
+#include "render/convergence.h"
 #include "render/side_view.h"
 #include "render/tile.h"
 
@@ -173,51 +173,24 @@ static bool draw_dots(rk_driver *driver, rk_error *error)
 
 /* --- Error against time ----------------------------------------------------------------------- */
 
-static bool render_by(rk_driver *driver, rk_disk_map map, rk_sampler_kind sampling,
-                      uint32_t samples, rk_error *error)
+static bool converge(rk_driver *driver, const choices *c, rk_error *error)
 {
-    driver->render.glossy.map = map;
-    driver->render.glossy.sampling = sampling;
-    driver->render.glossy.samples = samples;
-    return rk_driver_render(driver, error);
-}
-
-static bool put_errors(rk_driver *driver, const rk_image *want, const choices *c, const char *path,
-                       rk_error *error)
-{
-    char reference[32], method[64];
-    snprintf(reference, sizeof reference, "%u samples", c->reference);
-    for (uint32_t i = 0; i < 6; i++)
-        for (uint32_t samples = 1; samples <= c->most; samples *= 4) {
-            snprintf(method, sizeof method, "%s, %s", sampler_names[i / 2], map_names[i % 2]);
-            rk_convergence_row row = {.feature = driver->feature,
-                                      .scene = driver->scene.name,
-                                      .method = method,
-                                      .samples = samples,
-                                      .reference = reference};
-            if (!render_by(driver, (rk_disk_map)(i % 2), (rk_sampler_kind)(i / 2), samples, error))
-                return false;
-            row.seconds = driver->render_ms.median / 1e3;
-            rk_converge_compare(&row, &driver->image, want);
-            if (!rk_table_put_convergence(path, &row, error))
-                return false;
-        }
-    return true;
-}
-
-static bool converge(rk_driver *driver, const choices *c, const char *path, rk_error *error)
-{
-    rk_image want, other = driver->image;
-    uint32_t seed = driver->render.seed;
-    if (!rk_image_init(&want, other.width, other.height, error))
+    rk_glossy_options *glossy = &driver->render.glossy;
+    char truth[32], method[64];
+    rk_image want;
+    snprintf(truth, sizeof truth, "%u samples", c->reference);
+    glossy->samples = c->reference;
+    if (!rk_convergence_reference(driver, &want, error))
         return false;
-    driver->image = want;
-    driver->render.seed = ~seed; /* its samples are not among those that it judges */
-    bool ok =
-        render_by(driver, RK_DISK_CONCENTRIC, RK_SAMPLER_LOW_DISCREPANCY, c->reference, error);
-    driver->image = other;
-    driver->render.seed = seed;
-    ok = ok && put_errors(driver, &want, c, path, error);
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < 6; i++) {
+        glossy->sampling = (rk_sampler_kind)(i / 2);
+        glossy->map = (rk_disk_map)(i % 2);
+        snprintf(method, sizeof method, "%s, %s", sampler_names[i / 2], map_names[i % 2]);
+        for (glossy->samples = 1; ok && glossy->samples <= c->most; glossy->samples *= 4)
+            ok = rk_convergence_row_of(driver, "glossy_reflection_convergence", method,
+                                       glossy->samples, &want, truth, error);
+    }
     rk_image_free(&want);
     return ok;
 }
@@ -275,11 +248,16 @@ static double estimate_of(const rk_driver *driver, const rk_glossy_disk *disk,
     return mean;
 }
 
-static bool put_policies(rk_driver *driver, const char *path, rk_error *error)
+static bool put_policies(rk_driver *driver, rk_error *error)
 {
     static const char *const header[] = {"degrees", "radius",     "share above",  "black below",
                                          "classic", "above only", "renormalised", NULL};
     static const float degrees[] = {1, 2, 5, 10, 15, 20, 30};
+    char path[4096];
+    snprintf(path, sizeof path, "%s/tables", driver->out);
+    if (!rk_make_folder(path, error))
+        return false;
+    snprintf(path, sizeof path, "%s/tables/glossy_reflection_policies.csv", driver->out);
     float radius = driver->render.glossy.radius >= 0 ? driver->render.glossy.radius : 0.5f;
     for (size_t i = 0; i < sizeof degrees / sizeof *degrees; i++) {
         float height = degrees[i] * 0.017453293f;
@@ -306,18 +284,6 @@ static bool put_policies(rk_driver *driver, const char *path, rk_error *error)
 }
 
 /* --- The driver ------------------------------------------------------------------------------- */
-
-/* A table beside the one of timings. */
-static bool put_table(rk_driver *driver, const choices *c, rk_error *error)
-{
-    char path[4096];
-    snprintf(path, sizeof path, "%s/tables", driver->out);
-    if (!rk_make_folder(path, error))
-        return false;
-    snprintf(path, sizeof path, "%s/tables/%s_%s.csv", driver->out, driver->feature,
-             c->convergence ? "convergence" : "policies");
-    return c->convergence ? converge(driver, c, path, error) : put_policies(driver, path, error);
-}
 
 /* Under names of their own for each number of samples. */
 static bool put_rows(rk_driver *driver, rk_error *error)
@@ -379,8 +345,10 @@ int main(int argc, char **argv)
     bool given = driver.pixel.given, ok = rk_driver_build(&driver, &error);
     if (ok && rk_driver_debug(&driver, "rays") && !given)
         ok = rk_fail(&error, "--debug rays needs the pixel whose rays it draws: --pixel X,Y");
-    if (c.convergence || c.policies)
-        return rk_driver_finish(&driver, ok && put_table(&driver, &c, &error), &error);
+    if (ok && (c.convergence || c.policies)) {
+        ok = c.convergence ? converge(&driver, &c, &error) : put_policies(&driver, &error);
+        return rk_driver_finish(&driver, ok, &error);
+    }
     ok = ok && draw(&driver, &c, &error);
     driver.pixel.given = given;
     if (ok)

@@ -16,8 +16,13 @@ typedef enum rk_sampler_kind {
 } rk_sampler_kind;
 
 /* Dimensions taken so far; each is the first of a pair. Lights take a pair for each light and
- * bounce, glossy mirrors one for each bounce. */
-enum { RK_DIMENSION_PIXEL = 0, RK_DIMENSION_LIGHT = 2, RK_DIMENSION_GLOSSY = 1 << 16 };
+ * bounce, rough mirrors one for each bounce. */
+enum {
+    RK_DIMENSION_PIXEL = 0,
+    RK_DIMENSION_LIGHT = 2,
+    RK_DIMENSION_LENS = 1 << 16,
+    RK_DIMENSION_GLOSSY = 1 << 17
+};
 
 /* Cells are halved down to 2^-24, the distance of the numbers that samplers give. */
 enum { RK_SAMPLES_MAX = 1 << 24 };

@@ -148,6 +148,14 @@ static void gather_triangle(gathering *g, const projection *p, uint32_t triangle
     add_crossing(g, &crossing, medium, &mesh->materials[medium]);
 }
 
+static void gather_leaf(gathering *g, const projection *p, const rk_triangle *triangles,
+                        uint32_t count, rk_counters *counters)
+{
+    counters->triangle_tests += count;
+    for (uint32_t i = 0; i < count; i++)
+        gather_triangle(g, p, triangles[i].index);
+}
+
 static void gather_spheres(gathering *g, rk_counters *counters)
 {
     const rk_scene *scene = g->scene;
@@ -206,13 +214,12 @@ static void gather_triangles(gathering *g, const rk_bvh *bvh, rk_counters *count
         if (list.entries[--list.size].enter > g->end)
             continue;
         const rk_bvh_node *node = list.entries[list.size].node;
-        if (node->count == 0) {
+        if (node->count > 0) {
+            gather_leaf(g, &p, &bvh->triangles[node->first], node->count, counters);
+        } else {
             visit_children(&list, &bvh->nodes[node->first], &slabs, g->end);
             counters->box_tests += 2;
         }
-        for (uint32_t i = 0; i < node->count; i++)
-            gather_triangle(g, &p, bvh->triangles[node->first + i].index);
-        counters->triangle_tests += node->count;
     }
 }
 

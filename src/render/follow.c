@@ -27,6 +27,25 @@ void rk_see(rk_seen *seen, const rk_rendering *r, const rk_path_batch *paths, ui
     seen->left = (uint8_t)(paths->left[i] - panes);
 }
 
+rk_vec3 rk_see_environment(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+                           float share, rk_counters *counters)
+{
+    rk_vec3 colour = rk_cubemap_at(&r->scene->environment, rk_batch_ray(&paths->rays, i).direction,
+                                   r->options->environment_filter);
+    counters->environment_lookups++;
+    return rk_mul(rk_scale(paths->weight[i], share), colour);
+}
+
+/* The rest of path i meets nothing. */
+static void see_behind(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths, uint32_t i,
+                       float share)
+{
+    if (!r->plan.environment || !(share > 0))
+        return;
+    rk_vec3 *sum = &t->sum[paths->pixel[i]];
+    *sum = rk_add(*sum, rk_see_environment(r, paths, i, share, t->counters));
+}
+
 static void see_nearest(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
 {
     if (paths->sample[0].spread)
@@ -34,21 +53,24 @@ static void see_nearest(const rk_rendering *r, rk_tile *t, const rk_path_batch *
     else
         rk_accel_closest(r->accel, &paths->rays, &t->hits, t->counters);
     for (uint32_t i = 0; i < paths->rays.count; i++) {
-        if (t->hits.triangle[i] == RK_MISS)
+        if (t->hits.triangle[i] == RK_MISS) {
+            see_behind(r, t, paths, i, 1);
             continue;
+        }
         rk_hit hit = rk_batch_hit(&t->hits, i);
         rk_see(room_for_one(r, t), r, paths, i, &hit, 0, 1);
     }
 }
 
-void rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
-                     rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
-                     rk_counters *counters)
+float rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+                      rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
+                      rk_counters *counters)
 {
     rk_ray ray = rk_batch_ray(&paths->rays, i);
     float behind;
     rk_crossings_gather(r->accel, &ray, paths->left[i] + 1u, list, counters);
     rk_transparency_weights(list->crossings, list->count, weights, &behind);
+    return list->count < list->limit ? behind : 0;
 }
 
 /* All panes that each ray passes, and the surface behind them. */
@@ -57,7 +79,7 @@ static void see_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *
     for (uint32_t i = 0; i < paths->rays.count; i++) {
         rk_crossing_list list;
         float weights[RK_RECURSION_MAX + 1];
-        rk_look_through(r, paths, i, &list, weights, t->counters);
+        see_behind(r, t, paths, i, rk_look_through(r, paths, i, &list, weights, t->counters));
         for (uint32_t k = 0; k < list.count; k++)
             if (weights[k] > 0) {
                 rk_hit hit = rk_crossing_hit(&list.crossings[k]);

@@ -23,7 +23,7 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const 
         /* Each bounce is a stream of its own, which all rays of a pixel share. */
         uint32_t bounce = r->options->recursion - seen->left;
         const rk_sampler sampler = {options->sampling, r->options->seed,
-                                    rk_path_samples(r->options, seen->sample) * options->samples};
+                                    rk_path_samples(r, t, seen->sample) * options->samples};
         xi = rk_sample_2d(&sampler, rk_tile_pixel(r, t, seen->pixel),
                           seen->sample.index * options->samples + sample,
                           RK_DIMENSION_LIGHT + 2 * (bounce * RK_LIGHTS_MAX + index));

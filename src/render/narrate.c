@@ -125,23 +125,31 @@ static void tell_surface(const story *s, const rk_path_batch *path, const rk_hit
         tell_path(s, &mirrored, "mirrored ray");
 }
 
+static void tell_environment(const story *s, const rk_path_batch *path, float share)
+{
+    rk_vec3 adds = rk_see_environment(s->r, path, 0, share, s->t->counters);
+    fprintf(s->out, "%s: the environment\n", share < 1 ? "    behind it all" : "    met nothing");
+    tell_vector(s->out, "    adds to the pixel", adds);
+    s->t->sum[0] = rk_add(s->t->sum[0], adds);
+}
+
 static void tell_path(const story *s, const rk_path_batch *path, const char *name)
 {
     rk_crossing_list list;
-    float weights[RK_RECURSION_MAX + 1];
+    float weights[RK_RECURSION_MAX + 1], behind = 1;
     rk_ray ray = rk_batch_ray(&path->rays, 0);
     fprintf(s->out, "%s\n", name);
     tell_vector(s->out, "    origin", ray.origin);
     tell_vector(s->out, "    direction", ray.direction);
     *s->t->counters = (rk_counters){0};
     if (s->r->plan.transparency) {
-        rk_look_through(s->r, path, 0, &list, weights, s->t->counters);
+        behind = rk_look_through(s->r, path, 0, &list, weights, s->t->counters);
         tell_tests(s);
         for (uint32_t k = 0; k < list.count; k++) {
             rk_hit hit = rk_crossing_hit(&list.crossings[k]);
             tell_surface(s, path, &hit, k, weights[k]);
         }
-        if (list.count > 0)
+        if (list.count > 0 && !(s->r->plan.environment && behind > 0))
             return;
     } else {
         rk_accel_closest(s->r->accel, &path->rays, &s->t->hits, s->t->counters);
@@ -152,7 +160,10 @@ static void tell_path(const story *s, const rk_path_batch *path, const char *nam
             return;
         }
     }
-    fprintf(s->out, "    met nothing: black\n");
+    if (s->r->plan.environment)
+        tell_environment(s, path, behind);
+    else
+        fprintf(s->out, "    met nothing: black\n");
 }
 
 void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
@@ -164,7 +175,12 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                       .options = options,
                       .plan = rk_plan_of(scene, options),
                       .view = rk_view_of(&scene->camera, options->width, options->height)};
-    rk_tile t = {.x = x, .y = y, .width = 1, .height = 1, .counters = &counters};
+    rk_tile t = {.x = x,
+                 .y = y,
+                 .width = 1,
+                 .height = 1,
+                 .samples = options->samples,
+                 .counters = &counters};
     rk_path_batch camera;
     rk_ray ray = rk_view_ray(&r.view, (float)x + 0.5f, (float)y + 0.5f);
     camera.rays.count = 0;
@@ -174,6 +190,9 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
         fprintf(out,
                 "the picture averages %u rays through it; this is the one through its centre\n",
                 options->samples);
+    if (r.plan.lens)
+        fprintf(out,
+                "where it is out of focus, rays start all over the lens; this one at its centre\n");
     if (r.plan.glossy)
         fprintf(out,
                 "the picture averages %u rays in the disk of a rough mirror; those told here go "

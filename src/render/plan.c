@@ -1,5 +1,7 @@
 #include "render/plan.h"
 
+#include "render/glow.h"
+
 rk_render_options rk_render_options_default(void)
 {
     return (rk_render_options){
@@ -10,7 +12,11 @@ rk_render_options rk_render_options_default(void)
         .shading = {.model = RK_SHADING_LAMBERT, .gradient = rk_gradient_cool_to_warm()},
         .glass = RK_GLASS_ORDERED,
         .recursion = 6,
-        .light = {.samples = 16, .sampling = RK_SAMPLER_STRATIFIED, .settle = 16},
+        .light = {.samples = 16, .sampling = RK_SAMPLER_LOW_DISCREPANCY, .settle = RK_LIGHT_ROUND},
+        .bloom = rk_bloom_options_default(),
+        .environment_filter = RK_CUBEMAP_SEAMLESS,
+        .lens = rk_lens_default(),
+        .lens_sampling = RK_SAMPLER_LOW_DISCREPANCY,
         .glossy = {.radius = NAN,
                    .weights = RK_GLOSSY_RENORMALIZED,
                    .map = RK_DISK_CONCENTRIC,
@@ -54,16 +60,21 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
     bool lights = false;
     for (uint32_t i = 0; i < scene->light_count; i++)
         lights |= rk_light_shines(&scene->lights[i]);
-    bool rays = (scene->mesh.triangle_count > 0 || scene->sphere_count > 0) && lights;
+    bool environment = scene->environment.side > 0;
+    bool anything = scene->mesh.triangle_count > 0 || scene->sphere_count > 0;
+    bool rays = (anything && lights) || environment;
     bool reflections =
         rays && options->reflections && options->recursion > 0 && any_material(scene, reflects);
     return (rk_plan){
         .rays = rays,
         .pixel_samples = rays && options->samples > 1,
         .lights = lights,
-        .shadow_rays = rays && options->shadows,
+        .shadow_rays = anything && lights && options->shadows,
         .reflections = reflections,
         .glossy = reflections && options->glossy.samples > 0 && options->glossy.radius != 0,
         .transparency = rays && options->transparency && any_material(scene, lets_through),
+        .bloom = rays && rk_bloom_wanted(&options->bloom),
+        .environment = environment,
+        .lens = rays && options->lens_samples > 0 && options->lens.aperture > 0,
     };
 }

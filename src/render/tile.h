@@ -3,6 +3,7 @@
 #define RK_RENDER_TILE_H
 
 #include "base/image.h"
+#include "base/parallel.h"
 #include "base/progress.h"
 #include "render/accel.h"
 #include "render/crossings.h"
@@ -15,14 +16,15 @@ typedef struct rk_rendering {
     const rk_render_options *options;
     rk_plan plan;
     rk_view view;
+    int32_t *circles; /* see rk_lens_spread; NULL without a lens */
     uint32_t tiles_across;
     rk_image *image;
     rk_counters *counters; /* one for each thread */
     rk_progress *progress;
 } rk_rendering;
 
-/* Which of its pixel's samples a ray is: of options->samples, or, once a glossy mirror has spread
- * it, of glossy.samples times as many. */
+/* Which of its pixel's samples a ray is: of the tile's, or, once a rough mirror has spread it, of
+ * glossy.samples times as many. */
 typedef struct rk_path_sample {
     uint32_t index;
     bool spread;
@@ -80,7 +82,8 @@ typedef struct rk_light_sums {
 /* A thread's workspace for a tile. */
 typedef struct rk_tile {
     uint32_t x, y, width, height; /* pixels */
-    uint32_t sample;              /* of each pixel */
+    bool blurred;                 /* at work: pixels out of focus, by the lens, or all others */
+    uint32_t sample, samples;     /* of each of them, and how many there will be */
     rk_hit_batch hits;
     uint32_t seen_count;
     rk_seen seen[RK_BATCH_MAX];
@@ -93,6 +96,13 @@ typedef struct rk_tile {
     rk_counters *counters;
 } rk_tile;
 
+/* A tile before its first sample: its part of the picture, nothing seen, black. */
+void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t thread);
+
+/* Finds r->circles, by a ray through the centre of each pixel; leaves it NULL where the plan has no
+ * lens. */
+bool rk_focus_find(rk_rendering *r, rk_pool *pool, rk_error *error);
+
 /* The place in the picture, row by row, of a tile's pixel: where random numbers start from. */
 static inline uint32_t rk_tile_pixel(const rk_rendering *r, const rk_tile *t, uint32_t pixel)
 {
@@ -100,22 +110,27 @@ static inline uint32_t rk_tile_pixel(const rk_rendering *r, const rk_tile *t, ui
 }
 
 /* How many samples like this one its pixel takes. */
-static inline uint32_t rk_path_samples(const rk_render_options *options, rk_path_sample sample)
+static inline uint32_t rk_path_samples(const rk_rendering *r, const rk_tile *t,
+                                       rk_path_sample sample)
 {
-    return options->samples * (sample.spread ? options->glossy.samples : 1);
+    return t->samples * (sample.spread ? r->options->glossy.samples : 1);
 }
 
 /* Adds to the pixels' sums what the rays of `paths` see, along mirrors and panes to the end. */
 void rk_follow(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths);
 
 /* Their parts, for who tells the story of one ray: path i goes through panes to a list of hits,
- * nearest first, of which `weights` are the shares that reach its beginning; */
-void rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
-                     rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
-                     rk_counters *counters);
+ * nearest first, of which `weights` are the shares that reach its beginning. Returns the share of
+ * the environment: 0 behind something opaque, and where the ray may not go on that far; */
+float rk_look_through(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+                      rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1],
+                      rk_counters *counters);
 /* what a hit of it shows, behind so many panes, with its share; */
 void rk_see(rk_seen *seen, const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
             const rk_hit *hit, uint32_t panes, float share);
+/* what is there where path i meets nothing, with its share; */
+rk_vec3 rk_see_environment(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+                           float share, rk_counters *counters);
 /* and the ray that a perfect mirror sends on there, if one is and may be. */
 void rk_mirror(const rk_seen *seen, rk_path_batch *mirrored);
 /* Is there a mirror, and may a ray go on? */

@@ -1,9 +1,10 @@
-/* A scene: a mesh, exact spheres, lights, a camera. */
+/* A scene: a mesh, exact spheres, lights, an environment, a camera. */
 #ifndef RK_SCENE_SCENE_H
 #define RK_SCENE_SCENE_H
 
 #include "base/sphere.h"
 #include "scene/camera.h"
+#include "scene/environment.h"
 #include "scene/light.h"
 #include "scene/mesh.h"
 #include "scene/surface.h"
@@ -19,6 +20,7 @@ typedef struct rk_scene {
     rk_camera camera;
     uint32_t light_count;
     rk_light lights[RK_LIGHTS_MAX];
+    rk_cubemap environment; /* what rays see that meet nothing; side 0: black */
 } rk_scene;
 
 void rk_scene_free(rk_scene *scene);
