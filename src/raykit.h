@@ -8,6 +8,7 @@
 #include "features/bvh_median.h"
 #include "features/cubemap.h"
 #include "features/depth_of_field.h"
+#include "features/glossy_reflection.h"
 #include "features/motion_blur.h"
 #include "features/parallelogram_light.h"
 #include "features/sah_binning.h"

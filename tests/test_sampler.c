@@ -54,6 +54,25 @@ static void numbers_are_multiples_of_2_to_the_minus_24_below_one(void **state)
             }
 }
 
+static void a_run_of_samples_is_the_samples_one_by_one(void **state)
+{
+    (void)state;
+    enum { n = 1000 };
+    for (int k = 0; k < 3; k++) {
+        rk_sampler sampler = sampler_of(kinds[k], n);
+        rk_vec2 run[n];
+        for (uint32_t first = 0, count; first < n; first += count) {
+            count = first % 97 + 1 < n - first ? first % 97 + 1 : n - first;
+            rk_sample_2d_run(&sampler, 5, first, count, 8, run);
+            for (uint32_t i = 0; i < count; i++) {
+                rk_vec2 one = rk_sample_2d(&sampler, 5, first + i, 8);
+                rk_check(run[i].x == one.x && run[i].y == one.y, "%s: sample %u differs",
+                         kind_names[k], first + i);
+            }
+        }
+    }
+}
+
 static void the_same_place_gives_the_same_numbers_in_any_order(void **state)
 {
     (void)state;
@@ -498,6 +517,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(uniform_samples_are_the_hash_of_their_place),
     cmocka_unit_test(numbers_are_multiples_of_2_to_the_minus_24_below_one),
     cmocka_unit_test(the_same_place_gives_the_same_numbers_in_any_order),
+    cmocka_unit_test(a_run_of_samples_is_the_samples_one_by_one),
     cmocka_unit_test(one_sample_is_in_each_of_n_intervals),
     cmocka_unit_test(one_sample_is_in_each_of_n_cells_of_the_square),
     cmocka_unit_test(square_counts_make_square_cells),

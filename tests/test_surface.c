@@ -428,6 +428,37 @@ static void a_ray_that_leaves_never_meets_its_triangle_again(void **state)
         check_that_nothing_returns((uint32_t)(100 + f), families[f], 10000);
 }
 
+static void directions_that_leave_alike_start_from_one_point(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_triangle(0);
+    noise n = {27, 0};
+    int alike = 0, unlike = 0;
+    for (size_t f = 0; f < sizeof families / sizeof *families; f++)
+        for (int i = 0; i < 3000; i++) {
+            rk_ray ray;
+            rk_hit hit;
+            rk_surface surface;
+            place_corners(&mesh, &n, families[f]);
+            if (!aim(&mesh, &n, families[f], &ray, &hit))
+                continue;
+            rk_surface_at(&surface, &mesh, &ray, &hit);
+            rk_vec3 a = way_out(&n, &surface, i % 8), b = way_out(&n, &surface, i / 8 % 8);
+            if (!rk_surface_leaves_alike(&surface, a, b)) {
+                unlike++;
+                continue;
+            }
+            alike++;
+            rk_vec3 from_a = rk_surface_leave(&surface, a), from_b = rk_surface_leave(&surface, b);
+            rk_check(memcmp(&from_a, &from_b, sizeof from_a) == 0,
+                     "alike, but from (%.9g, %.9g, %.9g) and (%.9g, %.9g, %.9g)", (double)from_a.x,
+                     (double)from_a.y, (double)from_a.z, (double)from_b.x, (double)from_b.y,
+                     (double)from_b.z);
+        }
+    rk_check(alike > 1000 && unlike > 1000, "%d alike, %d not: both should happen", alike, unlike);
+    rk_mesh_free(&mesh);
+}
+
 static void a_ray_leaves_to_the_side_to_which_it_heads(void **state)
 {
     (void)state;
@@ -506,6 +537,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_texture_multiplies_the_diffuse_colour),
     cmocka_unit_test(the_diffuse_colour_is_plain_where_there_is_no_texture),
     cmocka_unit_test(a_ray_that_leaves_never_meets_its_triangle_again),
+    cmocka_unit_test(directions_that_leave_alike_start_from_one_point),
     cmocka_unit_test(a_ray_leaves_to_the_side_to_which_it_heads),
     cmocka_unit_test(the_step_is_a_few_error_bounds),
 };

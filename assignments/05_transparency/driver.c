@@ -3,6 +3,7 @@
 #include "render/driver.h"
 #include "base/file.h"
 #include "render/crossings.h"
+#include "render/side_view.h"
 
 #include <stdio.h>
 
@@ -15,8 +16,8 @@ static const char *const model_names[] = {"multiplicative", "ordered", "beer-lam
 enum { model_count = sizeof model_names / sizeof model_names[0] };
 
 typedef struct choices {
-    float alpha, absorption;                    /* of all materials; NaN: their own */
-    float viewer_yaw, viewer_pitch, viewer_far; /* where --debug rays is seen from */
+    float alpha, absorption; /* of all materials; NaN: their own */
+    rk_side_view viewer;     /* where --debug rays is seen from */
     bool models;
 } choices;
 
@@ -129,22 +130,10 @@ static void draw_rays(drawing *d, const rk_ray *ray)
  * seen through walls as well. */
 static bool render_rays(rk_driver *driver, const choices *c, rk_error *error)
 {
-    rk_camera *camera = &driver->scene.camera;
-    rk_view view = rk_view_of(camera, driver->render.width, driver->render.height);
-    rk_ray ray = rk_view_ray(&view, (float)driver->pixel.x + 0.5f, (float)driver->pixel.y + 0.5f);
-    driver->pixel.given = false; /* it is not one of the picture that is rendered now */
-    camera->rotation.x += c->viewer_pitch;
-    camera->rotation.y += c->viewer_yaw;
-    camera->distance *= c->viewer_far;
+    rk_ray ray = rk_side_view_ray(driver);
     drawing d = {.driver = driver};
-    if (!rk_driver_render(driver, error) ||
-        !rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
-                         error))
+    if (!rk_side_view_render(&c->viewer, driver, &d.overlay, error))
         return false;
-    for (size_t i = 0; i < driver->image.width * driver->image.height; i++) {
-        d.overlay.depth[i] = INFINITY;
-        driver->image.pixels[i] = rk_scale(driver->image.pixels[i], 0.6f);
-    }
     draw_rays(&d, &ray);
     rk_overlay_free(&d.overlay);
     return true;
@@ -244,7 +233,7 @@ static bool save(rk_driver *driver, rk_error *error)
 
 int main(int argc, char **argv)
 {
-    choices c = {.alpha = NAN, .absorption = NAN, .viewer_yaw = 40, .viewer_far = 1};
+    choices c = {.alpha = NAN, .absorption = NAN, .viewer = rk_side_view_default()};
     const rk_option options[] = {
         {"alpha", RK_OPTION_FLOAT, &c.alpha, "A",
          "opacity of all materials, 1 is opaque; by default their own", 0, 1},
@@ -252,11 +241,7 @@ int main(int argc, char **argv)
          "of all materials: what their colour lacks of white, times S in each world unit; by "
          "default their own",
          0, 1e6},
-        {"viewer-yaw", RK_OPTION_FLOAT, &c.viewer_yaw, "DEG",
-         "--debug rays is seen from the camera turned so far about y", -360, 360},
-        {"viewer-pitch", RK_OPTION_FLOAT, &c.viewer_pitch, "DEG", "and so far about x", -360, 360},
-        {"viewer-far", RK_OPTION_FLOAT, &c.viewer_far, "F", "from F times the camera's distance",
-         0.01, 100},
+        RK_SIDE_VIEW_OPTIONS(c.viewer),
         {"models", RK_OPTION_FLAG, &c.models, NULL,
          "put the models' light into DIR/tables/transparency_models.csv instead of drawing", 0, 0},
         {0},

@@ -8,7 +8,8 @@ typedef struct rk_counters {
     uint64_t primary_rays;
     uint64_t shadow_rays;
     uint64_t reflected_rays;
-    uint64_t light_samples; /* random points drawn on lights with an extent */
+    uint64_t glossy_samples; /* directions drawn around mirrored ones, those discarded included */
+    uint64_t light_samples;  /* random points drawn on lights with an extent */
     uint64_t box_tests;
     uint64_t triangle_tests;
     uint64_t sphere_tests;
@@ -25,6 +26,7 @@ static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
     sum->primary_rays += part->primary_rays;
     sum->shadow_rays += part->shadow_rays;
     sum->reflected_rays += part->reflected_rays;
+    sum->glossy_samples += part->glossy_samples;
     sum->light_samples += part->light_samples;
     sum->box_tests += part->box_tests;
     sum->triangle_tests += part->triangle_tests;

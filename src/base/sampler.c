@@ -127,9 +127,9 @@ static uint32_t scramble_reversed(uint32_t x, uint32_t key)
 
 /* Every pixel and dimension takes the sequence in an order of its own: scrambling the numbers of
  * the samples keeps blocks of 2^k together, and each such block is spread as well as the first. */
-static uint32_t shuffled_index(place at, uint32_t sample)
+static uint32_t shuffled_index(uint32_t sample, uint32_t key)
 {
-    return reverse_bits(scramble_reversed(reverse_bits(sample), key_of(at, index_key)));
+    return reverse_bits(scramble_reversed(reverse_bits(sample), key));
 }
 
 /* The digits of i, reversed behind the point: van der Corput's sequence, Sobol's first dimension.
@@ -154,14 +154,17 @@ static float second_sobol(uint32_t i, uint32_t key)
 
 static float low_discrepancy_1d(place at, uint32_t sample)
 {
-    return van_der_corput(shuffled_index(at, sample), key_of(at, first_key));
+    return van_der_corput(shuffled_index(sample, key_of(at, index_key)), key_of(at, first_key));
 }
 
-static rk_vec2 low_discrepancy_2d(place at, uint32_t sample)
+static void low_discrepancy_2d(place at, uint32_t first, uint32_t count, rk_vec2 *pairs)
 {
-    uint32_t index = shuffled_index(at, sample);
-    return (rk_vec2){van_der_corput(index, key_of(at, first_key)),
-                     second_sobol(index, key_of(at, second_key))};
+    const uint32_t of_index = key_of(at, index_key), of_x = key_of(at, first_key);
+    const uint32_t of_y = key_of(at, second_key);
+    for (uint32_t i = 0; i < count; i++) {
+        uint32_t index = shuffled_index(first + i, of_index);
+        pairs[i] = (rk_vec2){van_der_corput(index, of_x), second_sobol(index, of_y)};
+    }
 }
 
 /* --- all kinds ------------------------------------------------------------------------------- */
@@ -185,16 +188,28 @@ float rk_sample_1d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, u
     return uniform(at, sample);
 }
 
-rk_vec2 rk_sample_2d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, uint32_t dimension)
+void rk_sample_2d_run(const rk_sampler *sampler, uint32_t pixel, uint32_t first, uint32_t count,
+                      uint32_t dimension, rk_vec2 *pairs)
 {
     const place at = {sampler->seed, pixel, dimension};
     switch (sampler->kind) {
     case RK_SAMPLER_STRATIFIED:
-        return stratified_2d(sampler, at, sample);
+        for (uint32_t i = 0; i < count; i++)
+            pairs[i] = stratified_2d(sampler, at, first + i);
+        return;
     case RK_SAMPLER_LOW_DISCREPANCY:
-        return low_discrepancy_2d(at, sample);
+        low_discrepancy_2d(at, first, count, pairs);
+        return;
     case RK_SAMPLER_UNIFORM:
         break;
     }
-    return (rk_vec2){uniform(at, sample), uniform(next_dimension(at), sample)};
+    for (uint32_t i = 0; i < count; i++)
+        pairs[i] = (rk_vec2){uniform(at, first + i), uniform(next_dimension(at), first + i)};
+}
+
+rk_vec2 rk_sample_2d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, uint32_t dimension)
+{
+    rk_vec2 pair;
+    rk_sample_2d_run(sampler, pixel, sample, 1, dimension, &pair);
+    return pair;
 }

@@ -15,13 +15,14 @@ typedef enum rk_sampler_kind {
                                    in each cell of 2^-a x 2^-b, for every a + b = k */
 } rk_sampler_kind;
 
-/* Dimensions taken so far; each is the first of a pair. The lights' are many, a pair for each light
- * and bounce. */
+/* Dimensions taken so far; each is the first of a pair. Lights take a pair for each light and
+ * bounce, rough mirrors one for each bounce. */
 enum {
     RK_DIMENSION_PIXEL = 0,
     RK_DIMENSION_LIGHT = 2,
     RK_DIMENSION_LENS = 1 << 16,
-    RK_DIMENSION_TIME = 1 << 17,
+    RK_DIMENSION_GLOSSY = 1 << 17,
+    RK_DIMENSION_TIME = 1 << 18,
     RK_DIMENSION_FURTHER = 1 << 20, /* added to these for samples that a pixel takes further on */
 };
 
@@ -42,5 +43,10 @@ float rk_sample_1d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, u
 /* A pair of numbers, of `dimension` and the next one. */
 rk_vec2 rk_sample_2d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample,
                      uint32_t dimension);
+
+/* The pairs of samples `first` to `first + count - 1` of one pixel and dimension: the same, sooner.
+ */
+void rk_sample_2d_run(const rk_sampler *sampler, uint32_t pixel, uint32_t first, uint32_t count,
+                      uint32_t dimension, rk_vec2 *pairs);
 
 #endif

@@ -130,6 +130,13 @@ static void put_hit(rk_hit_batch *hits, uint32_t i, const rk_hit *hit)
     hits->triangle[i] = hit->triangle;
 }
 
+void rk_accel_put_hit(const rk_accel *accel, const rk_ray *ray, rk_hit hit, rk_hit_batch *hits,
+                      uint32_t i, rk_counters *counters)
+{
+    meet_spheres(accel->scene, ray, &hit, counters);
+    put_hit(hits, i, &hit);
+}
+
 void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                       rk_counters *counters)
 {
@@ -138,8 +145,7 @@ void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_ba
         rk_hit hit = rk_bvh_closest(&accel->bvh, &ray, counters);
         for (uint32_t k = 0; k < accel->scene->moving_count; k++)
             meet_object(&accel->moving[k], ray, &hit, counters);
-        meet_spheres(accel->scene, &ray, &hit, counters);
-        put_hit(hits, i, &hit);
+        rk_accel_put_hit(accel, &ray, hit, hits, i, counters);
     }
 }
 

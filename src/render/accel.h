@@ -44,6 +44,9 @@ const char *rk_accel_isa(rk_accel_kind kind);
 /* All that moves is met where it rests. */
 void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                       rk_counters *counters);
+/* Makes entry i of `hits` from the closest hit in the tree, or a nearer sphere. */
+void rk_accel_put_hit(const rk_accel *accel, const rk_ray *ray, rk_hit hit, rk_hit_batch *hits,
+                      uint32_t i, rk_counters *counters);
 void rk_accel_any(const rk_accel *accel, const rk_ray_batch *rays, rk_any_batch *answers,
                   rk_counters *counters);
 

@@ -2,6 +2,7 @@
  * ones. A batch of rays makes a batch of seen surfaces, these make a batch of mirrored rays, and so
  * on; a level of mirrors is a level of recursion. */
 #include "base/reflect.h"
+#include "render/bundle.h"
 #include "render/tile.h"
 
 static void light_and_mirror(const rk_rendering *r, rk_tile *t);
@@ -23,6 +24,7 @@ void rk_see(rk_seen *seen, const rk_rendering *r, rk_tile *t, const rk_path_batc
     seen->kd = rk_surface_kd(&seen->surface, &r->scene->mesh);
     seen->to_viewer = rk_negate(rk_normalize(ray.direction));
     seen->weight = rk_scale(paths->weight[i], share);
+    seen->sample = paths->sample[i];
     seen->pixel = paths->pixel[i];
     seen->left = (uint8_t)(paths->left[i] - panes);
 }
@@ -59,7 +61,11 @@ void rk_meet(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
 
 static void see_nearest(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
 {
-    rk_meet(r, t, paths);
+    /* A bundle knows one tree. */
+    if (paths->sample[0].spread && r->scene->moving_count == 0)
+        rk_bundle_closest(r->accel, &paths->rays, &t->hits, t->counters);
+    else
+        rk_meet(r, t, paths);
     for (uint32_t i = 0; i < paths->rays.count; i++) {
         if (t->hits.triangle[i] == RK_MISS) {
             see_behind(r, t, paths, i, 1);
@@ -98,8 +104,7 @@ static void see_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *
     }
 }
 
-/* About the shading normal, unless that would lead into the surface. */
-static rk_vec3 mirrored_direction(const rk_seen *seen)
+rk_vec3 rk_mirrored_direction(const rk_seen *seen)
 {
     rk_vec3 incoming = rk_negate(seen->to_viewer);
     rk_vec3 direction = rk_reflect(incoming, seen->surface.normal);
@@ -108,26 +113,24 @@ static rk_vec3 mirrored_direction(const rk_seen *seen)
                : rk_reflect(incoming, seen->surface.face_normal);
 }
 
-void rk_mirror(const rk_seen *seen, rk_path_batch *mirrored)
+bool rk_mirrors(const rk_seen *seen)
 {
     rk_vec3 weight = rk_mul(seen->weight, seen->surface.material->ks);
-    if (seen->left == 0 || (weight.x == 0 && weight.y == 0 && weight.z == 0))
-        return;
-    rk_vec3 direction = mirrored_direction(seen);
-    rk_ray ray = {rk_surface_leave(&seen->surface, direction), direction, INFINITY};
-    rk_path_push(mirrored, &ray, seen->pixel, seen->left - 1u, weight);
+    return seen->left > 0 && (weight.x != 0 || weight.y != 0 || weight.z != 0);
 }
 
-/* Finishes with the seen surfaces, and makes room for others. */
-static void light_and_mirror(const rk_rendering *r, rk_tile *t)
+void rk_mirror(const rk_seen *seen, rk_path_batch *mirrored)
 {
-    for (uint32_t light = 0; light < r->scene->light_count; light++)
-        if (rk_light_shines(&r->scene->lights[light]))
-            rk_light_stage(r, t, light);
-    if (!r->plan.reflections) {
-        t->seen_count = 0;
+    if (!rk_mirrors(seen))
         return;
-    }
+    rk_vec3 direction = rk_mirrored_direction(seen);
+    rk_ray ray = {rk_surface_leave(&seen->surface, direction), direction, INFINITY};
+    rk_path_push(mirrored, &ray, seen->pixel, seen->left - 1u,
+                 rk_mul(seen->weight, seen->surface.material->ks), seen->sample);
+}
+
+static void mirror_all(const rk_rendering *r, rk_tile *t)
+{
     rk_path_batch mirrored;
     mirrored.rays.count = 0;
     for (uint32_t i = 0; i < t->seen_count; i++)
@@ -136,6 +139,19 @@ static void light_and_mirror(const rk_rendering *r, rk_tile *t)
     t->counters->reflected_rays += mirrored.rays.count;
     if (mirrored.rays.count)
         rk_follow(r, t, &mirrored);
+}
+
+/* Finishes with the seen surfaces, and makes room for others. */
+static void light_and_mirror(const rk_rendering *r, rk_tile *t)
+{
+    for (uint32_t light = 0; light < r->scene->light_count; light++)
+        if (rk_light_shines(&r->scene->lights[light]))
+            rk_light_stage(r, t, light);
+    if (r->plan.glossy)
+        rk_glossy_stage(r, t);
+    else if (r->plan.reflections)
+        mirror_all(r, t);
+    t->seen_count = 0;
 }
 
 void rk_follow(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)

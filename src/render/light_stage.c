@@ -20,14 +20,15 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const 
     const rk_light_options *options = &r->options->light;
     rk_vec2 xi = {0, 0};
     if (light->kind != RK_LIGHT_POINT) {
-        /* Each bounce is a stream of its own; the samples of all rays of a pixel share one. */
+        /* Each bounce is a stream of its own, which all rays of a pixel share. */
         const rk_draw draw = rk_draw_of(t);
         uint32_t bounce = r->options->recursion - seen->left;
         const rk_sampler sampler = {options->sampling, r->options->seed,
-                                    draw.samples * options->samples};
-        xi = rk_sample_2d(
-            &sampler, rk_tile_pixel(r, t, seen->pixel), draw.sample * options->samples + sample,
-            draw.dimension + RK_DIMENSION_LIGHT + 2 * (bounce * RK_LIGHTS_MAX + index));
+                                    rk_path_samples(r, t, seen->sample) * options->samples};
+        xi = rk_sample_2d(&sampler, rk_tile_pixel(r, t, seen->pixel),
+                          seen->sample.index * options->samples + sample,
+                          draw.dimension + RK_DIMENSION_LIGHT +
+                              2 * (bounce * RK_LIGHTS_MAX + index));
         t->counters->light_samples++;
     }
     return rk_light_sample_at(light, options->falloff, options->map, seen->surface.point, xi);

@@ -99,6 +99,13 @@ static void tell_hit(const story *s, const rk_hit *hit)
 
 static void tell_path(const story *s, const rk_path_batch *path, const char *name);
 
+static void tell_disk(const story *s)
+{
+    const rk_glossy_disk disk = rk_glossy_disk_at(&s->r->options->glossy, &s->t->seen[0]);
+    fprintf(s->out, "    mirrors into a disk of radius %g, %.1f %% of which is above the surface\n",
+            (double)disk.radius, 100 * (double)rk_glossy_share(&disk));
+}
+
 /* A surface on a path, its light, and what it mirrors. */
 static void tell_surface(const story *s, const rk_path_batch *path, const rk_hit *hit,
                          uint32_t panes, float share)
@@ -112,6 +119,8 @@ static void tell_surface(const story *s, const rk_path_batch *path, const rk_hit
         tell_light(s, i);
     if (s->r->plan.reflections)
         rk_mirror(&s->t->seen[0], &mirrored);
+    if (mirrored.rays.count && s->r->plan.glossy)
+        tell_disk(s);
     if (mirrored.rays.count)
         tell_path(s, &mirrored, "mirrored ray");
 }
@@ -179,7 +188,7 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
     rk_path_batch camera;
     rk_ray ray = rk_view_ray(&r.view, (float)x + 0.5f, (float)y + 0.5f);
     camera.rays.count = 0;
-    rk_path_push(&camera, &ray, 0, options->recursion, rk_vec(1, 1, 1));
+    rk_path_push(&camera, &ray, 0, options->recursion, rk_vec(1, 1, 1), (rk_path_sample){0, false});
     fprintf(out, "pixel (%u, %u) of %s\n", x, y, scene->name);
     if (r.plan.pixel_samples)
         fprintf(out,
@@ -188,6 +197,11 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
     if (r.plan.lens)
         fprintf(out,
                 "where it is out of focus, rays start all over the lens; this one at its centre\n");
+    if (r.plan.glossy)
+        fprintf(out,
+                "the picture averages %u rays in the disk of a rough mirror; those told here go "
+                "through its middle\n",
+                options->glossy.samples);
     const story s = {out, &r, &t};
     tell_path(&s, &camera, "camera ray");
     if (t.in_motion[0])

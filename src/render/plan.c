@@ -18,6 +18,10 @@ rk_render_options rk_render_options_default(void)
         .lens = rk_lens_default(),
         .lens_sampling = RK_SAMPLER_LOW_DISCREPANCY,
         .motion = {.shutter = rk_shutter_default(), .sampling = RK_TIME_STRATIFIED, .isolate = NAN},
+        .glossy = {.radius = NAN,
+                   .weights = RK_GLOSSY_RENORMALIZED,
+                   .map = RK_DISK_CONCENTRIC,
+                   .sampling = RK_SAMPLER_LOW_DISCREPANCY},
     };
 }
 
@@ -62,13 +66,15 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
     bool rays = (anything && lights) || environment;
     const rk_motion_options *motion = &options->motion;
     bool moves = rays && motion->samples > 0 && scene->moving_count > 0;
+    bool reflections =
+        rays && options->reflections && options->recursion > 0 && any_material(scene, reflects);
     return (rk_plan){
         .rays = rays,
         .pixel_samples = rays && options->samples > 1,
         .lights = lights,
         .shadow_rays = anything && lights && options->shadows,
-        .reflections =
-            rays && options->reflections && options->recursion > 0 && any_material(scene, reflects),
+        .reflections = reflections,
+        .glossy = reflections && options->glossy.samples > 0 && options->glossy.radius != 0,
         .transparency = rays && options->transparency && any_material(scene, lets_through),
         .bloom = rays && rk_bloom_wanted(&options->bloom),
         .environment = environment,

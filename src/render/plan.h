@@ -7,6 +7,7 @@
 #include "features/bloom.h"
 #include "features/cubemap.h"
 #include "features/depth_of_field.h"
+#include "features/glossy_reflection.h"
 #include "features/motion_blur.h"
 #include "features/parallelogram_light.h"
 #include "features/shading.h"
@@ -30,6 +31,15 @@ typedef struct rk_motion_options {
     rk_time_sampling sampling;
     float isolate; /* NaN, or the one equidistant time to see, 1 to `samples` or beyond */
 } rk_motion_options;
+/* How rough mirrors blur what they show. The first one on a way spreads a ray into `samples`; each
+ * of those takes a single random direction at every further one, so that work does not multiply. */
+typedef struct rk_glossy_options {
+    uint32_t samples; /* 0: mirrors are perfect */
+    float radius;     /* of all disks; NaN or negative: by the material's shininess */
+    rk_glossy_weights weights;
+    rk_disk_map map;
+    rk_sampler_kind sampling;
+} rk_glossy_options;
 
 typedef struct rk_render_options {
     uint32_t width, height; /* pixels */
@@ -52,13 +62,14 @@ typedef struct rk_render_options {
                               of its own on the lens and in the pixel; 0 is a pinhole */
     rk_sampler_kind lens_sampling; /* of both places */
     rk_motion_options motion;
+    rk_glossy_options glossy;
 } rk_render_options;
 
 enum { RK_RECURSION_MAX = 16 };
 
 /* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
- * low-discrepancy samples a light, settled by 16; environments without a seam; no bloom, no lens,
- * everything at rest. */
+ * low-discrepancy samples a light, settled by 16; environments without a seam; no bloom, no lens;
+ * everything at rest; perfect mirrors. */
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
@@ -67,6 +78,7 @@ typedef struct rk_plan {
     bool lights;        /* any light that is not black */
     bool shadow_rays;
     bool reflections;  /* a surface reflects, and may */
+    bool glossy;       /* and mirrors may be rough */
     bool transparency; /* a surface lets light through, and may */
     bool bloom;        /* what is bright glows into what is around it */
     bool environment;  /* what meets nothing is looked up */

@@ -72,7 +72,8 @@ static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camer
         for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
             if (is_chosen(r, t, x, y) && (all || t->in_motion[pixel])) {
                 rk_ray ray = camera_ray(r, t, x, y);
-                rk_path_push(camera, &ray, pixel, r->options->recursion, rk_vec(1, 1, 1));
+                rk_path_push(camera, &ray, pixel, r->options->recursion, rk_vec(1, 1, 1),
+                             (rk_path_sample){rk_draw_of(t).sample, false});
             }
     t->counters->primary_rays += camera->rays.count;
     t->counters->pixel_samples += r->plan.pixel_samples || t->blurred ? camera->rays.count : 0;
@@ -123,6 +124,23 @@ uint32_t rk_render_tiles(const rk_render_options *options)
     return tiles_along(options->width) * tiles_along(options->height);
 }
 
+/* Of a pixel, in the dimension that takes the most. */
+static uint64_t most_samples(const rk_scene *scene, const rk_render_options *options,
+                             const rk_plan *plan)
+{
+    uint64_t samples = options->samples;
+    if (plan->lens && options->lens_samples > samples)
+        samples = options->lens_samples;
+    if (plan->time_samples && options->motion.samples > samples)
+        samples = options->motion.samples;
+    if (plan->glossy)
+        samples *= options->glossy.samples;
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (plan->rays && scene->lights[i].kind != RK_LIGHT_POINT)
+            return samples > RK_SAMPLES_MAX ? samples : samples * options->light.samples;
+    return samples;
+}
+
 bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
                const rk_render_options *options, rk_pool *pool, rk_counters *counters,
                rk_progress *progress, rk_error *error)
@@ -142,12 +160,18 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
     if (!(options->motion.shutter.open <= options->motion.shutter.close))
         return rk_fail(error, "the shutter opens at x = %g, behind x = %g, where it closes",
                        (double)options->motion.shutter.open, (double)options->motion.shutter.close);
+    const rk_plan plan = rk_plan_of(scene, options);
+    if (most_samples(scene, options, &plan) > RK_SAMPLES_MAX)
+        return rk_fail(error,
+                       "a pixel takes at most %d samples, but its own, those of rough mirrors and "
+                       "those of lights multiply to more: ask for fewer",
+                       RK_SAMPLES_MAX);
     uint32_t threads = rk_pool_threads(pool);
     rk_rendering r = {
         .scene = scene,
         .accel = accel,
         .options = options,
-        .plan = rk_plan_of(scene, options),
+        .plan = plan,
         .view = rk_view_of(&scene->camera, options->width, options->height),
         .tiles_across = tiles_along(options->width),
         .image = image,

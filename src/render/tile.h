@@ -24,21 +24,30 @@ typedef struct rk_rendering {
     rk_progress *progress;
 } rk_rendering;
 
+/* Which of its pixel's samples a ray is: of the tile's, or, once a rough mirror has spread it, of
+ * glossy.samples times as many. */
+typedef struct rk_path_sample {
+    uint32_t index;
+    bool spread;
+} rk_path_sample;
+
 /* Rays, and what each is worth to the pixel that it was sent for. */
 typedef struct rk_path_batch {
     rk_ray_batch rays;
     uint16_t pixel[RK_BATCH_MAX]; /* within the tile, row by row */
     uint8_t left[RK_BATCH_MAX];   /* surfaces behind the first that it may go on to */
     rk_vec3 weight[RK_BATCH_MAX]; /* share of what it sees that reaches the pixel */
+    rk_path_sample sample[RK_BATCH_MAX];
 } rk_path_batch;
 
 static inline void rk_path_push(rk_path_batch *paths, const rk_ray *ray, uint32_t pixel,
-                                uint32_t left, rk_vec3 weight)
+                                uint32_t left, rk_vec3 weight, rk_path_sample sample)
 {
     uint32_t i = paths->rays.count;
     paths->pixel[i] = (uint16_t)pixel;
     paths->left[i] = (uint8_t)left;
     paths->weight[i] = weight;
+    paths->sample[i] = sample;
     rk_batch_push(&paths->rays, ray);
 }
 
@@ -48,6 +57,7 @@ typedef struct rk_seen {
     rk_vec3 kd;
     rk_vec3 to_viewer; /* unit, back along the ray */
     rk_vec3 weight;
+    rk_path_sample sample;
     uint16_t pixel;
     uint8_t left;
 } rk_seen;
@@ -113,6 +123,7 @@ static inline rk_draw rk_draw_of(const rk_tile *t)
                      RK_DIMENSION_FURTHER};
 }
 
+/* The place in the picture, row by row, of a tile's pixel: where random numbers start from. */
 static inline uint32_t rk_tile_pixel(const rk_rendering *r, const rk_tile *t, uint32_t pixel)
 {
     return (t->y + pixel / t->width) * r->options->width + t->x + pixel % t->width;
@@ -134,6 +145,12 @@ void rk_moving_prepare(rk_rendering *r);
 /* Takes a surface that a ray of the pixel met to where its object stands then. */
 void rk_moving_place(const rk_rendering *r, rk_tile *t, uint32_t pixel, uint32_t triangle,
                      rk_surface *surface);
+/* How many samples like this one its pixel takes. */
+static inline uint32_t rk_path_samples(const rk_rendering *r, const rk_tile *t,
+                                       rk_path_sample sample)
+{
+    return rk_draw_of(t).samples * (sample.spread ? r->options->glossy.samples : 1);
+}
 
 /* Adds to the pixels' sums what the rays of `paths` see, along mirrors and panes to the end. */
 void rk_follow(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths);
@@ -152,8 +169,19 @@ void rk_see(rk_seen *seen, const rk_rendering *r, rk_tile *t, const rk_path_batc
 /* what the environment adds, with its share; */
 rk_vec3 rk_see_environment(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
                            float share, rk_counters *counters);
-/* and the ray that is mirrored there, if one is and may be. */
+/* and the ray that a perfect mirror sends on there, if one is and may be. */
 void rk_mirror(const rk_seen *seen, rk_path_batch *mirrored);
+/* Is there a mirror, and may a ray go on? */
+bool rk_mirrors(const rk_seen *seen);
+/* Where it goes: about the shading normal, unless that would lead into the surface. */
+rk_vec3 rk_mirrored_direction(const rk_seen *seen);
+
+/* Sends on the rays of all mirrors among the tile's seen surfaces, rough ones among them, and
+ * follows them to the end. No surface is left seen. */
+void rk_glossy_stage(const rk_rendering *r, rk_tile *t);
+
+/* The disk of directions of a rough mirror; of radius 0 where it is perfect. */
+rk_glossy_disk rk_glossy_disk_at(const rk_glossy_options *options, const rk_seen *seen);
 
 /* Adds to the pixels' sums what one light sends by way of the tile's seen surfaces. */
 void rk_light_stage(const rk_rendering *r, rk_tile *t, uint32_t light);

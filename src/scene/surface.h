@@ -47,4 +47,14 @@ static inline rk_vec3 rk_surface_kd(const rk_surface *surface, const rk_mesh *me
  * rounding errors, at any scale. The ray never meets the triangle that it leaves. */
 rk_vec3 rk_surface_leave(const rk_surface *surface, rk_vec3 direction);
 
+/* Do rays into both directions start from the same point? It depends on the sides of the plane into
+ * which they lead: as the normal says it, and as the triangle test does. */
+static inline bool rk_surface_leaves_alike(const rk_surface *surface, rk_vec3 a, rk_vec3 b)
+{
+    float heading_a = rk_triangle_heading(&surface->triangle, a);
+    float heading_b = rk_triangle_heading(&surface->triangle, b);
+    return (rk_dot(surface->face_normal, a) < 0) == (rk_dot(surface->face_normal, b) < 0) &&
+           (heading_a > 0) == (heading_b > 0) && (heading_a < 0) == (heading_b < 0);
+}
+
 #endif

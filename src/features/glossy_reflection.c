@@ -1,0 +1,135 @@
+/* A ray that is mirrored leaves through a random point of a disk around the mirrored direction. A
+ * basis from one vector turns the disk; a map from the unit square fills it evenly; what leads into
+ * the surface is discarded, and weighed.
+ * Cook, Porter, Carpenter, "Distributed ray tracing", SIGGRAPH 1984; Duff and others, "Building an
+ * orthonormal basis, revisited", JCGT 6(1), 2017; Shirley and Chiu, "A low distortion map between
+ * disk and square", JGT 2(3), 1997. */
+#include "features/glossy_reflection.h"
+
+static const float pi = 3.14159265f;
+
+/* --- The basis -------------------------------------------------------------------------------- */
+
+/* The x and y axes, turned along the shortest way that takes the z axis, or its opposite if that is
+ * nearer, to w. So sign + w.z is at least 1 in size, and nothing is divided by nearly 0. */
+void rk_basis_of(rk_vec3 w, rk_vec3 *u, rk_vec3 *v)
+{
+    /* solution */
+    float sign = copysignf(1, w.z);
+    float a = -1 / (sign + w.z), b = w.x * w.y * a;
+    *u = rk_vec(1 + sign * w.x * w.x * a, sign * b, -sign * w.x);
+    *v = rk_vec(b, sign + w.y * w.y * a, -w.y);
+    /* starter
+    // First step: two unit vectors at right angles to w and to each other, for every w.
+    (void)w;
+    *u = *v = rk_vec(0, 0, 0);
+    end */
+}
+
+/* --- Points of the disk ----------------------------------------------------------------------- */
+
+static rk_vec2 polar(float radius, float angle)
+{
+    return (rk_vec2){radius * cosf(angle), radius * sinf(angle)};
+}
+
+/* Of the square [-1, 1)^2: its distance from the middle, by the larger coordinate, becomes the
+ * radius, and its place on the side of the square around it the angle. */
+static rk_vec2 concentric(float x, float y)
+{
+    /* solution */
+    if (fabsf(x) > fabsf(y))
+        return polar(x, pi / 4 * (y / x));
+    return y == 0 ? (rk_vec2){0, 0} : polar(y, pi / 2 - pi / 4 * (x / y));
+    /* starter
+    // Second step: of the sector of the larger coordinate, the sides +x and -x first.
+    (void)x, (void)y;
+    return (rk_vec2){0, 0};
+    end */
+}
+
+rk_vec2 rk_disk_at(rk_disk_map map, rk_vec2 xi)
+{
+    if (map == RK_DISK_CONCENTRIC)
+        return concentric(2 * xi.x - 1, 2 * xi.y - 1);
+    /* solution */
+    return polar(sqrtf(xi.x), 2 * pi * xi.y);
+    /* starter
+    // Second step: a ring twice as far out is twice as long, and gets twice as many points.
+    (void)polar;
+    return (rk_vec2){0, 0};
+    end */
+}
+
+/* --- Directions ------------------------------------------------------------------------------- */
+
+float rk_glossy_radius(float shininess)
+{
+    /* solution */
+    return rk_min(0.5f / shininess, 1);
+    /* starter
+    // Third step: inversely proportional to the shininess.
+    (void)shininess;
+    return NAN;
+    end */
+}
+
+rk_glossy_disk rk_glossy_disk_of(rk_vec3 reflected, float radius, rk_vec3 face_normal)
+{
+    rk_glossy_disk disk = {.w = reflected, .radius = radius, .face_normal = face_normal};
+    rk_basis_of(reflected, &disk.u, &disk.v);
+    return disk;
+}
+
+bool rk_glossy_direction(const rk_glossy_disk *disk, rk_vec2 at, rk_vec3 *direction)
+{
+    /* solution */
+    float x = disk->radius * at.x, y = disk->radius * at.y;
+    rk_vec3 to = rk_madd(rk_madd(disk->w, disk->u, x), disk->v, y);
+    /* Its length is known, as the axes are at right angles. */
+    *direction = rk_scale(to, 1 / sqrtf(1 + x * x + y * y));
+    return rk_dot(*direction, disk->face_normal) > 0;
+    /* starter
+    // Third step: w + x u + y v with radius times the point for x and y; its unit vector.
+    (void)disk, (void)at;
+    *direction = rk_vec(0, 0, 0);
+    return false;
+    end */
+}
+
+/* --- What is below the surface ---------------------------------------------------------------- */
+
+/* The face's plane cuts the disk along a line, at `d` of the radius from the middle. Beyond that
+ * line lies a segment of the circle: a sector of the angle 2 acos(d) without its triangle. */
+float rk_glossy_share(const rk_glossy_disk *disk)
+{
+    /* solution */
+    float height = rk_dot(disk->w, disk->face_normal); /* of the middle above the plane */
+    float reach = disk->radius * rk_length(rk_cross(disk->w, disk->face_normal));
+    if (height <= -reach)
+        return 0;
+    if (height >= reach)
+        return 1;
+    float d = height / reach;
+    return 1 - (acosf(d) - d * sqrtf(1 - d * d)) / pi;
+    /* starter
+    // Fourth step: how high above the plane is the middle, and how much lower is the lowest point?
+    (void)disk, (void)pi;
+    return -1;
+    end */
+}
+
+float rk_glossy_weight(rk_glossy_weights weights, uint32_t above, uint32_t samples, float share)
+{
+    /* solution */
+    if (above == 0)
+        return 0;
+    if (weights == RK_GLOSSY_CLASSIC)
+        return 1 / (float)samples;
+    return 1 / ((float)above * (1 - powf(1 - share, (float)samples)));
+    /* starter
+    // Fourth step: classic first; then renormalised, which makes up for estimates with no sample.
+    (void)weights, (void)above, (void)samples, (void)share;
+    return -1;
+    end */
+}

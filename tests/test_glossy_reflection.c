@@ -1,0 +1,617 @@
+/* Glossy reflection: the basis, the maps from square to disk, which directions are kept, and that
+ * both ways to weigh them estimate the integrals that they should. */
+#include "test.h"
+
+#include "base/dvec3.h"
+#include "base/random.h"
+#include "features/glossy_reflection.h"
+
+static const double pi = 3.14159265358979323846;
+
+/* A number in [0, 1), the same for the same three keys. */
+static float noise(uint32_t a, uint32_t b, uint32_t c)
+{
+    return rk_unit_float(rk_hash(a, b, c, 7));
+}
+
+static rk_vec2 noise2(uint32_t a, uint32_t b)
+{
+    return (rk_vec2){noise(a, b, 0), noise(a, b, 1)};
+}
+
+/* Even over the sphere: height and angle are. In double, so that it is a unit vector but for the
+ * rounding to float. */
+static rk_vec3 noise_direction(uint32_t a, uint32_t b)
+{
+    double z = 2 * (double)noise(a, b, 2) - 1, phi = 2 * pi * (double)noise(a, b, 3);
+    double r = sqrt(fmax(1 - z * z, 0));
+    return rk_vec((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z);
+}
+
+/* --- The basis ------------------------------------------------------------------------------- */
+
+/* Largest error of the basis: of the three lengths squared, the three products, and of u x v = w.
+ */
+static double basis_error(rk_vec3 direction)
+{
+    rk_vec3 u_float, v_float;
+    rk_basis_of(direction, &u_float, &v_float);
+    rk_dvec3 w = rk_widen(direction), u = rk_widen(u_float), v = rk_widen(v_float);
+    rk_dvec3 off = rk_dmadd(rk_dcross(u, v), w, -1);
+    const double errors[] = {rk_ddot(u, u) - 1,
+                             rk_ddot(v, v) - 1,
+                             rk_ddot(u, v),
+                             rk_ddot(u, w),
+                             rk_ddot(v, w),
+                             off.x,
+                             off.y,
+                             off.z};
+    double most = 0;
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++)
+        most = isnan(errors[i]) ? INFINITY : fmax(most, fabs(errors[i]));
+    return most;
+}
+
+/* 4 units in the last place of 1. A component of u or v is a sum with a product of at most 1 that
+ * four roundings reach: each of these can put it off by 2^-24, and w is rounded, too. That they all
+ * do so together does not happen: measured, the largest error of all is 2.5 times 2^-24. */
+static const double basis_bound = 8 * 0x1p-24;
+
+static void check_basis(rk_vec3 w)
+{
+    double error = basis_error(w);
+    rk_check(error <= basis_bound, "w = (%.9g, %.9g, %.9g): off by %.3g, want %.3g at most",
+             (double)w.x, (double)w.y, (double)w.z, error, basis_bound);
+}
+
+static void a_basis_around_an_axis_is_exact(void **state)
+{
+    (void)state;
+    for (int axis = 0; axis < 3; axis++)
+        for (int sign = -1; sign <= 1; sign += 2)
+            for (int zeros = -1; zeros <= 1; zeros += 2) {
+                float zero = copysignf(0, (float)zeros), one = (float)sign;
+                rk_vec3 w =
+                    rk_vec(axis == 0 ? one : zero, axis == 1 ? one : zero, axis == 2 ? one : zero);
+                double error = basis_error(w);
+                rk_check_close(error, 0, 0, "around the axes u and v are axes, too");
+            }
+}
+
+static void a_basis_is_orthonormal_for_a_million_directions(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000000; i++)
+        check_basis(noise_direction(1, i));
+}
+
+static void a_basis_is_orthonormal_near_the_poles(void **state)
+{
+    (void)state;
+    /* From 45 degrees down to a tilt that the smallest float holds, on both sides. */
+    for (int e = 0; e <= 149; e++)
+        for (uint32_t i = 0; i < 64; i++) {
+            double tilt = ldexp(pi / 4, -e), phi = 2 * pi * (double)noise(2, i, 0);
+            float x = (float)(sin(tilt) * cos(phi)), y = (float)(sin(tilt) * sin(phi));
+            float z = (float)cos(tilt);
+            check_basis(rk_vec(x, y, z));
+            check_basis(rk_vec(x, y, -z));
+        }
+}
+
+static void a_basis_is_orthonormal_on_and_near_the_equator(void **state)
+{
+    (void)state;
+    for (int e = 0; e <= 149; e++)
+        for (uint32_t i = 0; i < 64; i++) {
+            double z = ldexp(1, -e), phi = 2 * pi * (double)noise(3, i, 0), r = sqrt(1 - z * z);
+            rk_vec3 w = rk_vec((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z);
+            check_basis(w);
+            check_basis(rk_vec(w.x, w.y, -w.z));
+            double error = basis_error(rk_vec((float)cos(phi), (float)sin(phi), e % 2 ? -0.f : 0));
+            rk_check(error <= basis_bound, "on the equator: off by %.3g", error);
+        }
+}
+
+/* --- Points of the disk ----------------------------------------------------------------------- */
+
+static const rk_disk_map maps[] = {RK_DISK_POLAR, RK_DISK_CONCENTRIC};
+static const char *const map_names[] = {"polar", "concentric"};
+
+/* A few roundings of numbers up to 1, and of an angle up to 2 pi. */
+static const double disk_rounding = 0x1p-20;
+
+static void check_point(rk_vec2 got, double x, double y, const char *hint)
+{
+    rk_check(fabs((double)got.x - x) <= disk_rounding && fabs((double)got.y - y) <= disk_rounding,
+             "got (%.9g, %.9g), want (%.9g, %.9g): %s", (double)got.x, (double)got.y, x, y, hint);
+}
+
+static void the_polar_map_takes_a_root_and_an_angle(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_vec2 xi = noise2(4, i);
+        double r = sqrt((double)xi.x), theta = 2 * pi * (double)xi.y;
+        check_point(rk_disk_at(RK_DISK_POLAR, xi), r * cos(theta), r * sin(theta),
+                    "r = sqrt(xi.x), theta = 2 pi xi.y");
+    }
+}
+
+static void the_concentric_map_keeps_the_middle_and_the_axes(void **state)
+{
+    (void)state;
+    check_point(rk_disk_at(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f}), 0, 0, "the middle");
+    for (float r = -1; r < 1; r += 0.125f) {
+        float at = (1 + r) / 2;
+        check_point(rk_disk_at(RK_DISK_CONCENTRIC, (rk_vec2){at, 0.5f}), (double)r, 0,
+                    "along the x axis nothing moves");
+        check_point(rk_disk_at(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, at}), 0, (double)r,
+                    "along the y axis nothing moves");
+        check_point(rk_disk_at(RK_DISK_CONCENTRIC, (rk_vec2){at, at}), (double)r * sqrt(0.5),
+                    (double)r * sqrt(0.5), "the diagonal is shortened to the circle");
+    }
+}
+
+static void the_concentric_map_makes_squares_into_circles(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 10000; i++) {
+        rk_vec2 xi = noise2(5, i), got = rk_disk_at(RK_DISK_CONCENTRIC, xi);
+        double r = fmax(fabs(2 * (double)xi.x - 1), fabs(2 * (double)xi.y - 1));
+        rk_check_close(hypot((double)got.x, (double)got.y), r, disk_rounding,
+                       "the larger coordinate is the radius");
+    }
+}
+
+static void the_concentric_map_keeps_neighbours_together(void **state)
+{
+    (void)state;
+    /* A step of the square, twice as long from -1 to 1, grows by sqrt(1.911) at most: the larger
+     * singular value of ((1, 0), (pi / 4, pi / 4)), on a diagonal. */
+    const double step = 0x1p-10, most = 2 * sqrt(1.911) * step;
+    double longest = 0;
+    for (uint32_t i = 0; i < 100000; i++) {
+        rk_vec2 xi = noise2(6, i);
+        double phi = 2 * pi * (double)noise(6, i, 2);
+        rk_vec2 beside = {xi.x + (float)(step * cos(phi)), xi.y + (float)(step * sin(phi))};
+        if (!(beside.x >= 0 && beside.x < 1 && beside.y >= 0 && beside.y < 1))
+            continue;
+        rk_vec2 a = rk_disk_at(RK_DISK_CONCENTRIC, xi), b = rk_disk_at(RK_DISK_CONCENTRIC, beside);
+        double moved = hypot((double)(a.x - b.x), (double)(a.y - b.y));
+        longest = fmax(longest, moved);
+        rk_check(moved <= most + disk_rounding,
+                 "(%g, %g): a step of %g became one of %g, want %g at most: no seams", (double)xi.x,
+                 (double)xi.y, step, moved, most);
+    }
+    rk_check(longest > step, "nothing moved farther than %g: is this a disk of radius 1?", longest);
+}
+
+static void points_stay_in_the_disk(void **state)
+{
+    (void)state;
+    double longest = 0;
+    for (int m = 0; m < 2; m++)
+        for (uint32_t i = 0; i <= 4096; i++)
+            for (int edge = 0; edge < 4; edge++) {
+                float along = (float)i / 4097, end = edge % 2 ? 1 - 0x1p-24f : 0;
+                rk_vec2 xi = edge < 2 ? (rk_vec2){end, along} : (rk_vec2){along, end};
+                rk_vec2 p = rk_disk_at(maps[m], xi);
+                double length = hypot((double)p.x, (double)p.y);
+                longest = fmax(longest, length);
+                rk_check(length <= 1 + 0x1p-22, "%s map of (%.9g, %.9g): %.9g from the middle",
+                         map_names[m], (double)xi.x, (double)xi.y, length);
+            }
+    rk_check(longest > 0.999, "no point near the rim: the farthest is at %g", longest);
+}
+
+/* 16 rings of equal area, cut into 16 sectors. */
+static void points_are_even_over_cells_of_the_disk(void **state)
+{
+    (void)state;
+    enum { side = 16, cells = side * side, points = 256 * 1000 };
+    for (int m = 0; m < 2; m++) {
+        static uint32_t counts[cells];
+        memset(counts, 0, sizeof counts);
+        for (uint32_t i = 0; i < points; i++) {
+            rk_vec2 p = rk_disk_at(maps[m], noise2(8 + (uint32_t)m, i));
+            double area = (double)p.x * (double)p.x + (double)p.y * (double)p.y;
+            double turn = atan2((double)p.y, (double)p.x) / (2 * pi) + 0.5;
+            int ring = (int)fmin(area * side, side - 1), sector = (int)fmin(turn * side, side - 1);
+            counts[ring * side + sector]++;
+        }
+        double chi2 = 0, want = (double)points / cells;
+        for (int i = 0; i < cells; i++)
+            chi2 += (counts[i] - want) * (counts[i] - want) / want;
+        /* 255 degrees of freedom: above 378 once in a million times, below 161 as rarely. */
+        rk_check(chi2 > 161 && chi2 < 378, "%s map: chi^2 of %d cells: got %.1f, want 161 to 378",
+                 map_names[m], cells, chi2);
+    }
+}
+
+static int compare_doubles(const void *a, const void *b)
+{
+    double x = *(const double *)a, y = *(const double *)b;
+    return (x > y) - (x < y);
+}
+
+/* Kolmogorov's: the largest distance of the numbers' distribution from the even one on [0, 1]. */
+static double distance_from_even(double *numbers, size_t count)
+{
+    double most = 0;
+    qsort(numbers, count, sizeof *numbers, compare_doubles);
+    for (size_t i = 0; i < count; i++)
+        most = fmax(most, fmax(numbers[i] - (double)i / (double)count,
+                               (double)(i + 1) / (double)count - numbers[i]));
+    return most;
+}
+
+static void radius_squared_and_angle_are_even(void **state)
+{
+    (void)state;
+    enum { points = 100000 };
+    static double areas[points], turns[points];
+    for (int m = 0; m < 2; m++) {
+        for (uint32_t i = 0; i < points; i++) {
+            rk_vec2 p = rk_disk_at(maps[m], noise2(10 + (uint32_t)m, i));
+            areas[i] = (double)p.x * (double)p.x + (double)p.y * (double)p.y;
+            turns[i] = atan2((double)p.y, (double)p.x) / (2 * pi) + 0.5;
+        }
+        /* Exceeded once in a million times: 2 exp(-2 n d^2) = 1e-6 for d = 2.69 / sqrt(n). */
+        double most = 2.69 / sqrt(points);
+        rk_check_close(distance_from_even(areas, points), 0, most,
+                       "the radius squared, which is the share of the area inside, is even");
+        rk_check_close(distance_from_even(turns, points), 0, most, "the angle is even");
+    }
+}
+
+/* --- Directions ------------------------------------------------------------------------------- */
+
+static void the_radius_is_half_over_the_shininess(void **state)
+{
+    (void)state;
+    rk_check_close(rk_glossy_radius(1), 0.5, 0, "0.5 / s");
+    rk_check_close(rk_glossy_radius(8), 0.0625, 0, "0.5 / s");
+    rk_check_close(rk_glossy_radius(1000), 0.0005, 1e-10, "a shiny surface has a small disk");
+    rk_check_close(rk_glossy_radius(INFINITY), 0, 0, "a perfect mirror");
+}
+
+static void a_dull_surface_has_the_widest_disk(void **state)
+{
+    (void)state;
+    rk_check_close(rk_glossy_radius(0), 1, 0,
+                   "shininess 0: no infinite disk, but that of radius 1");
+    rk_check_close(rk_glossy_radius(0.25f), 1, 0, "0.5 / 0.25 would be wider than 1");
+    rk_check_close(rk_glossy_radius(0.5f), 1, 0, "where 0.5 / s reaches 1");
+}
+
+/* A surface, and the direction that it reflects into. */
+typedef struct setting {
+    rk_vec3 reflected, face_normal;
+} setting;
+
+static setting random_setting(uint32_t i)
+{
+    setting s = {noise_direction(20, i), noise_direction(21, i)};
+    if (rk_dot(s.reflected, s.face_normal) < 0)
+        s.face_normal = rk_negate(s.face_normal);
+    return s;
+}
+
+/* The reflected direction `degrees` above the surface, which is turned any way. */
+static setting setting_at(double degrees, uint32_t i)
+{
+    rk_vec3 n = noise_direction(22, i), aside = noise_direction(23, i);
+    rk_dvec3 normal = rk_widen(n);
+    normal = rk_dscale(normal, 1 / rk_dlength(normal));
+    rk_dvec3 along = rk_dmadd(rk_widen(aside), normal, -rk_ddot(rk_widen(aside), normal));
+    along = rk_dscale(along, cos(degrees * pi / 180) / rk_dlength(along));
+    rk_dvec3 w = rk_dmadd(along, normal, sin(degrees * pi / 180));
+    return (setting){rk_vec((float)w.x, (float)w.y, (float)w.z), n};
+}
+
+static void radius_0_gives_the_reflected_direction_exactly(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 10000; i++) {
+        setting s = random_setting(i);
+        rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, 0, s.face_normal);
+        rk_vec3 direction;
+        bool above = rk_glossy_direction(&disk, rk_disk_at(maps[i % 2], noise2(24, i)), &direction);
+        rk_check(above, "the mirrored direction is above the surface");
+        rk_check(direction.x == s.reflected.x && direction.y == s.reflected.y &&
+                     direction.z == s.reflected.z,
+                 "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g) to the bit", (double)direction.x,
+                 (double)direction.y, (double)direction.z, (double)s.reflected.x,
+                 (double)s.reflected.y, (double)s.reflected.z);
+    }
+}
+
+static void directions_are_unit_and_go_through_their_point_of_the_disk(void **state)
+{
+    (void)state;
+    const float radii[] = {1e-4f, 0.1f, 1, 30};
+    uint32_t kept = 0;
+    for (uint32_t i = 0; i < 20000; i++) {
+        setting s = random_setting(i);
+        float radius = radii[i % 4];
+        rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, radius, s.face_normal);
+        rk_vec2 at = rk_disk_at(maps[i / 4 % 2], noise2(25, i));
+        rk_vec3 got;
+        kept += rk_glossy_direction(&disk, at, &got);
+        rk_dvec3 to =
+            rk_dmadd(rk_dmadd(rk_widen(disk.w), rk_widen(disk.u), (double)(radius * at.x)),
+                     rk_widen(disk.v), (double)(radius * at.y));
+        rk_dvec3 want = rk_dscale(to, 1 / rk_dlength(to));
+        rk_dvec3 off = rk_dmadd(rk_widen(got), want, -1);
+        /* The basis' own error, and a handful of roundings. */
+        rk_check(rk_dlength(off) <= basis_bound + 8 * 0x1p-24,
+                 "radius %g, point (%g, %g): off by %.3g: normalize(w + x u + y v)", (double)radius,
+                 (double)at.x, (double)at.y, rk_dlength(off));
+    }
+    rk_check(kept > 10000, "only %u of 20000 are above the surface", kept);
+}
+
+static void no_direction_leads_into_the_surface(void **state)
+{
+    (void)state;
+    uint32_t kept = 0, discarded = 0;
+    for (uint32_t i = 0; i < 200000; i++) {
+        /* From a grazing direction to a steep one. */
+        setting s = setting_at(90 * pow((double)noise(26, i, 0), 3), i);
+        rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, noise(26, i, 1), s.face_normal);
+        rk_vec3 direction;
+        bool above = rk_glossy_direction(&disk, rk_disk_at(maps[i % 2], noise2(27, i)), &direction);
+        double height = rk_ddot(rk_widen(direction), rk_widen(s.face_normal));
+        /* Three products and two sums of numbers up to 1. */
+        rk_check(above ? height > -3 * 0x1p-24 : height <= 3 * 0x1p-24,
+                 "%s a direction whose height above the surface is %.9g",
+                 above ? "kept" : "discarded", height);
+        kept += above;
+        discarded += !above;
+    }
+    rk_check(kept > 20000 && discarded > 20000, "kept %u, discarded %u: both should happen", kept,
+             discarded);
+}
+
+static void a_direction_along_the_surface_is_discarded(void **state)
+{
+    (void)state;
+    rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(1, 0, 0), 0.5f, rk_vec(0, 0, 1));
+    rk_vec3 direction;
+    /* u is -z here, and v is y. */
+    rk_check(!rk_glossy_direction(&disk, (rk_vec2){0, 0.5f}, &direction), "it runs in the face");
+    rk_check(!rk_glossy_direction(&disk, (rk_vec2){0.5f, 0}, &direction), "it leads below it");
+    rk_check(rk_glossy_direction(&disk, (rk_vec2){-0.5f, 0}, &direction), "it leads above it");
+}
+
+/* --- What is above the surface ---------------------------------------------------------------- */
+
+/* What might be seen in a direction: smooth, and not even. */
+static double seen_in(rk_dvec3 d)
+{
+    return 1 + 0.5 * d.x - 0.25 * d.y + 0.75 * d.z * d.z;
+}
+
+typedef struct integral {
+    double share, seen; /* the mean over the disk of 1 and of what is seen, 0 below the surface */
+} integral;
+
+/* In double, with axes of its own: for each angle the radii above the surface are known exactly,
+ * and Simpson's rule does the rest. */
+static integral integrate(const setting *s, double radius)
+{
+    enum { angles = 16384, steps = 8 };
+    rk_dvec3 w = rk_widen(s->reflected), n = rk_widen(s->face_normal);
+    rk_dvec3 other = fabs(w.x) < 0.5 ? (rk_dvec3){1, 0, 0} : (rk_dvec3){0, 1, 0};
+    rk_dvec3 u = rk_dcross(w, other);
+    u = rk_dscale(u, 1 / rk_dlength(u));
+    rk_dvec3 v = rk_dcross(w, u);
+    integral sum = {0, 0};
+    for (int i = 0; i < angles; i++) {
+        double theta = 2 * pi * (i + 0.5) / angles;
+        rk_dvec3 out = rk_dmadd(rk_dscale(u, cos(theta)), v, sin(theta));
+        double slope = radius * rk_ddot(n, out), end = 1;
+        if (rk_ddot(n, w) + slope < 0)
+            end = -rk_ddot(n, w) / slope;
+        sum.share += end * end;
+        for (int k = 0; k <= steps; k++) {
+            double r = end * k / steps, weight = k % steps == 0 ? 1 : k % 2 ? 4 : 2;
+            rk_dvec3 d = rk_dmadd(w, out, radius * r);
+            sum.seen +=
+                weight * end / (3 * steps) * 2 * r * seen_in(rk_dscale(d, 1 / rk_dlength(d)));
+        }
+    }
+    return (integral){sum.share / angles, sum.seen / angles};
+}
+
+static void a_disk_above_the_surface_has_the_share_1(void **state)
+{
+    (void)state;
+    const float radii[] = {0, 0.01f, 0.5f, 1};
+    for (int i = 0; i < 4; i++) {
+        rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 0, 1), radii[i], rk_vec(0, 0, 1));
+        rk_check_close(rk_glossy_share(&disk), 1, 0, "looking straight away from the surface");
+        disk = rk_glossy_disk_of(rk_vec(0.6f, 0, 0.8f), radii[i], rk_vec(0, 0, 1));
+        rk_check_close(rk_glossy_share(&disk), 1, 0, "tan of 53 degrees is above 1");
+        disk = rk_glossy_disk_of(rk_vec(0, 0, -1), radii[i], rk_vec(0, 0, 1));
+        rk_check_close(rk_glossy_share(&disk), 0, 0, "looking straight into it");
+    }
+}
+
+static void a_disk_that_the_surface_halves_has_the_share_one_half(void **state)
+{
+    (void)state;
+    const float radii[] = {0.01f, 0.5f, 1, 100};
+    for (int i = 0; i < 4; i++) {
+        rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 1, 0), radii[i], rk_vec(0, 0, 1));
+        rk_check_close(rk_glossy_share(&disk), 0.5, 0x1p-22, "the middle is in the plane");
+    }
+}
+
+static void the_share_equals_quadrature(void **state)
+{
+    (void)state;
+    const double radii[] = {0.02, 0.3, 1, 5};
+    for (uint32_t i = 0; i < 200; i++) {
+        double radius = radii[i % 4], degrees = atan(radius) * 180 / pi * (i % 50 + 0.5) / 50;
+        setting s = setting_at(degrees, i);
+        rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, (float)radius, s.face_normal);
+        /* Roundings of 2^-24, which an angle near the surface has divided by the radius; and the
+         * kink where the plane cuts the rim, between two of 16384 angles. */
+        rk_check_close(rk_glossy_share(&disk), integrate(&s, radius).share,
+                       8 * 0x1p-24 / radius + 2e-6, "the circle without its segment");
+    }
+}
+
+/* --- Weights ---------------------------------------------------------------------------------- */
+
+static void classic_counts_what_is_discarded(void **state)
+{
+    (void)state;
+    rk_check_close(rk_glossy_weight(RK_GLOSSY_CLASSIC, 64, 64, 1), 1 / 64.0, 0, "1 / samples");
+    rk_check_close(rk_glossy_weight(RK_GLOSSY_CLASSIC, 32, 64, 0.5f), 1 / 64.0, 0,
+                   "1 / samples, however many are discarded");
+}
+
+static void renormalised_divides_by_those_above(void **state)
+{
+    (void)state;
+    rk_check_close(rk_glossy_weight(RK_GLOSSY_RENORMALIZED, 64, 64, 1), 1 / 64.0, 0, "all above");
+    /* (1/2)^64 is far below the rounding. */
+    rk_check_close(rk_glossy_weight(RK_GLOSSY_RENORMALIZED, 40, 64, 0.5f), 1 / 40.0, 1e-9,
+                   "1 / above");
+}
+
+static void a_single_sample_counts_for_more_where_it_might_be_discarded(void **state)
+{
+    (void)state;
+    rk_check_close(rk_glossy_weight(RK_GLOSSY_RENORMALIZED, 1, 1, 0.625f), 1 / 0.625, 1e-6,
+                   "it stands for those that are discarded: 1 / share");
+    rk_check_close(rk_glossy_weight(RK_GLOSSY_RENORMALIZED, 1, 2, 0.5f), 1 / 0.75, 1e-6,
+                   "1 / (above (1 - (1 - share)^samples))");
+    rk_check_close(rk_glossy_weight(RK_GLOSSY_RENORMALIZED, 1, 1, 1), 1, 0, "nothing is discarded");
+}
+
+static void without_a_direction_above_nothing_is_weighed(void **state)
+{
+    (void)state;
+    for (int weights = 0; weights < 2; weights++)
+        for (int i = 0; i < 3; i++)
+            rk_check_close(rk_glossy_weight((rk_glossy_weights)weights, 0, 64, (float)i / 2), 0, 0,
+                           "no division by 0");
+}
+
+/* The mean of many estimates with `samples` samples each, against `want`. */
+static void check_unbiased(const setting *s, float radius, rk_glossy_weights weights,
+                           rk_disk_map map, uint32_t samples, double want)
+{
+    const uint32_t estimates = 200000 / samples;
+    rk_glossy_disk disk = rk_glossy_disk_of(s->reflected, radius, s->face_normal);
+    float share = rk_glossy_share(&disk);
+    double sum = 0, squares = 0;
+    for (uint32_t i = 0; i < estimates; i++) {
+        double seen = 0;
+        uint32_t above = 0;
+        for (uint32_t k = 0; k < samples; k++) {
+            rk_vec3 direction;
+            if (!rk_glossy_direction(&disk, rk_disk_at(map, noise2(30 + samples, i * samples + k)),
+                                     &direction))
+                continue;
+            seen += seen_in(rk_widen(direction));
+            above++;
+        }
+        seen *= (double)rk_glossy_weight(weights, above, samples, share);
+        sum += seen;
+        squares += seen * seen;
+    }
+    double mean = sum / estimates;
+    double deviation = sqrt(fmax(squares / estimates - mean * mean, 0) / estimates);
+    /* 5 standard errors, exceeded once in 1.7 million times; and roundings to float. */
+    rk_check(fabs(mean - want) <= 5 * deviation + 1e-5,
+             "%s weights, %u samples, radius %g: got %.6f, want %.6f within %.6f",
+             weights == RK_GLOSSY_CLASSIC ? "classic" : "renormalised", samples, (double)radius,
+             mean, want, 5 * deviation + 1e-5);
+}
+
+static const uint32_t sample_counts[] = {1, 2, 5, 64};
+
+static void classic_weights_estimate_the_integral_with_black_below(void **state)
+{
+    (void)state;
+    const double heights[] = {0.5, 10, 30, 60};
+    for (uint32_t i = 0; i < 16; i++) {
+        setting s = setting_at(heights[i / 4], i);
+        check_unbiased(&s, 0.6f, RK_GLOSSY_CLASSIC, maps[i % 2], sample_counts[i % 4],
+                       integrate(&s, 0.6).seen);
+    }
+}
+
+static void renormalised_weights_estimate_the_mean_over_what_is_above(void **state)
+{
+    (void)state;
+    const double heights[] = {0.5, 10, 30, 60};
+    for (uint32_t i = 0; i < 16; i++) {
+        setting s = setting_at(heights[i / 4], i);
+        integral want = integrate(&s, 0.6);
+        check_unbiased(&s, 0.6f, RK_GLOSSY_RENORMALIZED, maps[i % 2], sample_counts[i % 4],
+                       want.seen / want.share);
+    }
+}
+
+static void in_a_white_room_classic_loses_the_share_below(void **state)
+{
+    (void)state;
+    enum { samples = 100000 };
+    const double heights[] = {0, 5, 15, 30, 45};
+    for (uint32_t i = 0; i < 5; i++) {
+        setting s = setting_at(heights[i], i);
+        rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, 0.6f, s.face_normal);
+        float share = rk_glossy_share(&disk);
+        uint32_t above = 0;
+        for (uint32_t k = 0; k < samples; k++) {
+            rk_vec3 direction;
+            above += rk_glossy_direction(&disk, rk_disk_at(RK_DISK_CONCENTRIC, noise2(40, k)),
+                                         &direction);
+        }
+        double classic = above * (double)rk_glossy_weight(RK_GLOSSY_CLASSIC, above, samples, share);
+        double renormalised =
+            above * (double)rk_glossy_weight(RK_GLOSSY_RENORMALIZED, above, samples, share);
+        /* 5 standard deviations of a share of at most 1/2 a sample. */
+        rk_check_close(classic, integrate(&s, 0.6).share, 5 * 0.5 / sqrt(samples),
+                       "of a room that is white all around, it mirrors what is above only");
+        rk_check_close(renormalised, 1, 1e-6, "and this stays white");
+    }
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(a_basis_around_an_axis_is_exact),
+    cmocka_unit_test(a_basis_is_orthonormal_for_a_million_directions),
+    cmocka_unit_test(a_basis_is_orthonormal_near_the_poles),
+    cmocka_unit_test(a_basis_is_orthonormal_on_and_near_the_equator),
+    cmocka_unit_test(the_polar_map_takes_a_root_and_an_angle),
+    cmocka_unit_test(the_concentric_map_keeps_the_middle_and_the_axes),
+    cmocka_unit_test(the_concentric_map_makes_squares_into_circles),
+    cmocka_unit_test(the_concentric_map_keeps_neighbours_together),
+    cmocka_unit_test(points_stay_in_the_disk),
+    cmocka_unit_test(points_are_even_over_cells_of_the_disk),
+    cmocka_unit_test(radius_squared_and_angle_are_even),
+    cmocka_unit_test(the_radius_is_half_over_the_shininess),
+    cmocka_unit_test(a_dull_surface_has_the_widest_disk),
+    cmocka_unit_test(radius_0_gives_the_reflected_direction_exactly),
+    cmocka_unit_test(directions_are_unit_and_go_through_their_point_of_the_disk),
+    cmocka_unit_test(no_direction_leads_into_the_surface),
+    cmocka_unit_test(a_direction_along_the_surface_is_discarded),
+    cmocka_unit_test(a_disk_above_the_surface_has_the_share_1),
+    cmocka_unit_test(a_disk_that_the_surface_halves_has_the_share_one_half),
+    cmocka_unit_test(the_share_equals_quadrature),
+    cmocka_unit_test(classic_counts_what_is_discarded),
+    cmocka_unit_test(renormalised_divides_by_those_above),
+    cmocka_unit_test(a_single_sample_counts_for_more_where_it_might_be_discarded),
+    cmocka_unit_test(without_a_direction_above_nothing_is_weighed),
+    cmocka_unit_test(classic_weights_estimate_the_integral_with_black_below),
+    cmocka_unit_test(renormalised_weights_estimate_the_mean_over_what_is_above),
+    cmocka_unit_test(in_a_white_room_classic_loses_the_share_below),
+};
+
+RK_SUITE("glossy_reflection", tests)
