@@ -95,8 +95,8 @@ const char *rk_accel_isa(rk_accel_kind kind)
 
 /* --- Asking ----------------------------------------------------------------------------------- */
 
-static void meet_spheres(const rk_scene *scene, const rk_ray *ray, rk_hit *hit,
-                         rk_counters *counters)
+__attribute__((always_inline)) static inline void
+meet_spheres(const rk_scene *scene, const rk_ray *ray, rk_hit *hit, rk_counters *counters)
 {
     for (uint32_t k = 0; k < scene->sphere_count; k++)
         rk_sphere_closest(&scene->spheres[k], scene->mesh.triangle_count + k, ray, hit);

@@ -31,17 +31,18 @@ static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camer
     camera->rays.count = 0;
     if (r->plan.time_samples)
         memset(t->has_time, 0, sizeof t->has_time);
-    for (uint32_t pixel = 0; pixel < t->width * t->height; pixel++) {
-        if (!all && !t->in_motion[pixel])
-            continue;
-        uint32_t x = t->x + pixel % t->width, y = t->y + pixel / t->width;
-        rk_vec2 within = {0.5f, 0.5f};
-        if (r->plan.pixel_samples)
-            within = rk_sample_2d(&sampler, y * options->width + x, draw.sample,
-                                  draw.dimension + RK_DIMENSION_PIXEL);
-        rk_ray ray = rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
-        rk_path_push(camera, &ray, pixel, options->recursion, rk_vec(1, 1, 1));
-    }
+    uint32_t pixel = 0;
+    for (uint32_t y = t->y; y < t->y + t->height; y++)
+        for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++) {
+            if (!all && !t->in_motion[pixel])
+                continue;
+            rk_vec2 within = {0.5f, 0.5f};
+            if (r->plan.pixel_samples)
+                within = rk_sample_2d(&sampler, y * options->width + x, draw.sample,
+                                      draw.dimension + RK_DIMENSION_PIXEL);
+            rk_ray ray = rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
+            rk_path_push(camera, &ray, pixel, options->recursion, rk_vec(1, 1, 1));
+        }
     t->counters->primary_rays += camera->rays.count;
     t->counters->pixel_samples += r->plan.pixel_samples ? camera->rays.count : 0;
 }
