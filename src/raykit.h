@@ -4,16 +4,22 @@
 
 #include "base/image.h"
 #include "base/parallel.h"
+#include "features/bloom.h"
 #include "features/bvh_median.h"
+#include "features/cubemap.h"
+#include "features/depth_of_field.h"
 #include "features/motion_blur.h"
 #include "features/parallelogram_light.h"
 #include "features/sah_binning.h"
 #include "features/shading.h"
+#include "io/environment_file.h"
 #include "io/image_file.h"
 #include "io/mesh_file.h"
 #include "io/png.h"
+#include "render/glow.h"
 #include "render/overlay.h"
 #include "render/render.h"
 #include "scene/scene.h"
+#include "scene/sky.h"
 
 #endif

@@ -20,6 +20,7 @@
 #endif
 
 static const char program[] = RK_BUILD_FOLDER "/assignments/01_bvh_median/bvh_median";
+static const char sah_program[] = RK_BUILD_FOLDER "/assignments/02_sah_binning/sah_binning";
 
 typedef struct run {
     int status; /* of the exit; -1: killed */
@@ -49,10 +50,10 @@ static char *read_text(test_path path)
     return text;
 }
 
-/* Runs the driver in `folder` with words separated by single spaces. */
-static run run_driver(const test_folder *folder, const char *arguments)
+/* Runs a driver in `folder` with words separated by single spaces. */
+static run run_program(const char *path, const test_folder *folder, const char *arguments)
 {
-    char words[1024], *argv[64] = {(char *)(uintptr_t)program};
+    char words[1024], *argv[64] = {(char *)(uintptr_t)path};
     int argc = 1;
     snprintf(words, sizeof words, "%s", arguments);
     for (char *word = strtok(words, " "); word; word = strtok(NULL, " "))
@@ -63,12 +64,17 @@ static run run_driver(const test_folder *folder, const char *arguments)
         open_as(out.text, 1);
         open_as(err.text, 2);
         if (chdir(folder->path) == 0)
-            execv(program, argv);
+            execv(path, argv);
         _exit(127);
     }
     int status = 0;
     waitpid(child, &status, 0);
     return (run){WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
+}
+
+static run run_driver(const test_folder *folder, const char *arguments)
+{
+    return run_program(program, folder, arguments);
 }
 
 static run run_well(const test_folder *folder, const char *arguments)
@@ -302,6 +308,32 @@ static void debug_views_have_pictures_of_their_own(void **state)
     run_free(&leaf);
 }
 
+static void the_cuts_of_a_node_are_drawn_and_told(void **state)
+{
+    const test_folder *folder = *state;
+    const char *const views[] = {"split", "bad-split --candidate 2", "candidates"};
+    const char *const told[] = {
+        ", the cheapest\n", "candidate 2: axis x, border 3: ", "candidate 0: axis x, border 1: "};
+    const char *const pictures[] = {"out/figures/sah_binning_scan-500_split1.png",
+                                    "out/figures/sah_binning_scan-500_bad-split1_2.png",
+                                    "out/figures/sah_binning_scan-500_candidates1.png"};
+    for (int i = 0; i < 3; i++) {
+        char words[128];
+        snprintf(words, sizeof words,
+                 "--scene scan:500 --width 40 --height 40 --bins 6 --node 1 --debug %s", views[i]);
+        run r = run_program(sah_program, folder, words);
+        rk_check(r.status == 0, "%s: exit status %d: %s", words, r.status, r.err);
+        check_contains(r.out, told[i]);
+        rk_check(is_there(folder, pictures[i]), "%s is missing", pictures[i]);
+        run_free(&r);
+    }
+    rk_check(is_there(folder, "out/tables/sah_binning_candidates.csv"), "all costs, as a table");
+    run far = run_program(sah_program, folder, "--debug split --node 999999");
+    rk_check_equal(far.status, 1, "there is no such node");
+    check_contains(far.err, "--node 999999: this tree's nodes are 0 to ");
+    run_free(&far);
+}
+
 static void quiet_says_nothing(void **state)
 {
     run r = run_well(*state, "--scene cube --width 4 --height 4 --quiet");
@@ -371,6 +403,24 @@ static void timings_become_rows_and_the_next_run_replaces_them(void **state)
     run_free(&third);
 }
 
+static void rows_name_how_the_tree_was_cut(void **state)
+{
+    const test_folder *folder = *state;
+    const char *const splits[] = {"median", "sah --bins 16", "sah3"};
+    for (int i = 0; i < 3; i++) {
+        char words[128];
+        snprintf(words, sizeof words,
+                 "--scene cube --width 8 --height 8 --threads 1 --timing --split %s", splits[i]);
+        run r = run_well(folder, words);
+        run_free(&r);
+    }
+    char *table = read_table(folder);
+    check_contains(table, "\nbvh_median,cube,12,median,scalar,1,leaves,1,4,4,4,1\n");
+    check_contains(table, "\nbvh_median,cube,12,sah16,scalar,1,leaves,1,1,1,1,1\n");
+    check_contains(table, "\nbvh_median,cube,12,sah50_3,scalar,1,leaves,1,1,1,1,1\n");
+    free(table);
+}
+
 static void a_foreign_table_is_left_alone(void **state)
 {
     const test_folder *folder = *state;
@@ -418,9 +468,11 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_picture_lands_in_figures_with_its_parameters),
     test_in_folder(captions_tell_nothing_of_the_machines_folders),
     test_in_folder(debug_views_have_pictures_of_their_own),
+    test_in_folder(the_cuts_of_a_node_are_drawn_and_told),
     test_in_folder(quiet_says_nothing),
     test_in_folder(a_pixel_is_narrated),
     test_in_folder(timings_become_rows_and_the_next_run_replaces_them),
+    test_in_folder(rows_name_how_the_tree_was_cut),
     test_in_folder(a_foreign_table_is_left_alone),
     test_in_folder(starting_up_takes_milliseconds),
 };

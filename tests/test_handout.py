@@ -85,6 +85,9 @@ def smuggled_lines_are_found(pack):
     secrets, common = handout.secret_lines(SOURCE, [FEATURE])
     check(SECRET in secrets and SECRET not in common, "a line that only the solution has is looked for")
     check(COMMON in common, "a line that the kit's other code has, too, says nothing")
+    solved = [" ".join(line.split()) for line in read(FEATURE.reference).split("\n")]
+    check(handout._passages(solved, secrets), "a passage of the solution in the kit's own code is found")
+    check(not handout._passages(solved[::40], secrets), "its lines one by one, by chance, are none")
     cases = {
         "in a text": ("README.md", "> and then " + SECRET + " it is done"),
         "in a patch": ("tests/mutants/other/one.patch", "-        " + SECRET),
@@ -100,7 +103,7 @@ def smuggled_lines_are_found(pack):
         os.makedirs(os.path.dirname(place), exist_ok=True)
         with open(place, "a", encoding="utf-8", errors="surrogateescape") as file:
             file.write("\n" + line + "\n")
-        found = handout.find_secrets(pack, [FEATURE], secrets, common)
+        found = handout.find_secrets(SOURCE, pack, [FEATURE], secrets, common)
         check(len(found) == 1 and found[0].startswith(path + ":"), f"a solution line is found {name}", found)
         os.unlink(place)
         if before is not None:
@@ -112,7 +115,7 @@ def smuggled_lines_are_found(pack):
     except ToolError as error:
         check("leak.txt:1" in str(error), "a pack with a leak is refused, with file and line", error)
     os.unlink(os.path.join(pack, "leak.txt"))
-    check(not handout.find_secrets(pack, [FEATURE], secrets, common), "without the leaks the pack is clean again")
+    check(not handout.find_secrets(SOURCE, pack, [FEATURE], secrets, common), "without the leaks the pack is clean again")
 
 
 # --- The student works ----------------------------------------------------------------------------

@@ -3,6 +3,7 @@
 #include "test_scene.h"
 
 #include "render/narrate.h"
+#include "scene/sky.h"
 
 /* A new string to free(). */
 static char *narrate(const rk_scene *scene, rk_render_options options, uint32_t x, uint32_t y)
@@ -58,12 +59,13 @@ static rk_render_options size_of(uint32_t width, uint32_t height, bool shadows)
 static void the_told_colour_is_the_rendered_one(void **state)
 {
     (void)state;
-    const char *const names[] = {"cornell", "sphere:320", "cube"};
-    for (int i = 0; i < 3; i++)
+    const char *const names[] = {"cornell", "sphere:320", "cube", "panes", "cornell-light"};
+    for (int i = 0; i < 5; i++)
         for (int shadows = 0; shadows < 2; shadows++) {
             rk_scene scene = test_scene_builtin(names[i]);
             test_scene_light(&scene, rk_vec(-3, 0, -1), rk_vec(0.5f, 0, 0.25f));
             rk_render_options options = size_of(19, 13, shadows);
+            options.reflections = options.transparency = shadows;
             test_picture picture = test_render(&scene, options, 1);
             for (uint32_t y = 0; y < options.height; y++)
                 for (uint32_t x = 0; x < options.width; x++) {
@@ -96,6 +98,36 @@ static void a_miss_is_told(void **state)
     rk_check(tells(story, "pixel (15, 10)"), "the story begins with its pixel:\n%s", story);
     rk_check(!tells(story, "light 0"), "no light shines on nothing:\n%s", story);
     free(story);
+    rk_scene_free(&scene);
+}
+
+static void an_environment_is_told(void **state)
+{
+    (void)state;
+    /* Misses, glass in front of nothing, and a mirror. */
+    rk_scene scene = test_scene_of(4, 2);
+    rk_error error;
+    test_scene_quad(&scene, 0, rk_vec(0, -9, 1), rk_vec(9, 0, 0), rk_vec(0, 18, 0));
+    test_scene_quad(&scene, 2, rk_vec(-1, -0.3f, 0), rk_vec(2, 0, 0), rk_vec(0, 0.5f, 0));
+    scene.mesh.triangle_materials[2] = scene.mesh.triangle_materials[3] = 1;
+    scene.mesh.materials[0].ks = rk_vec(0.5f, 0.5f, 0.5f);
+    scene.mesh.materials[1].alpha = 0.25f;
+    test_scene_light(&scene, rk_vec(5, 0, -1), rk_vec(1, 1, 1));
+    rk_check_ok(rk_sky_make(&scene.environment, 8, &error), error);
+    rk_render_options options = size_of(19, 13, true);
+    options.reflections = options.transparency = true;
+    test_picture picture = test_render(&scene, options, 1);
+    int misses = 0, behind = 0;
+    for (uint32_t y = 0; y < options.height; y++)
+        for (uint32_t x = 0; x < options.width; x++) {
+            char *story = narrate(&scene, options, x, y);
+            check_told(story, "colour (linear)", *rk_image_at(&picture.image, x, y));
+            misses += tells(story, "met nothing: the environment");
+            behind += tells(story, "behind it all: the environment");
+            free(story);
+        }
+    rk_check(misses > 10 && behind > 2, "%d misses, %d through glass", misses, behind);
+    rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
 
@@ -168,13 +200,68 @@ static void more_samples_than_the_centre_are_mentioned(void **state)
     rk_scene_free(&scene);
 }
 
+static void mirrors_and_panes_on_the_way_are_told(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_of(6, 3);
+    test_scene_wall(&scene, 0, 0, 1);
+    test_scene_wall(&scene, 2, 1, 2);
+    test_scene_wall(&scene, 4, -6, 0);
+    scene.mesh.materials[1].alpha = 0.25f;
+    scene.mesh.materials[2].ks = rk_vec(1, 1, 1);
+    test_scene_light(&scene, rk_vec(1, 2, -2), rk_vec(1, 1, 1));
+    rk_render_options options = size_of(20, 20, true);
+    options.reflections = options.transparency = true;
+    options.recursion = 1;
+    char *story = narrate(&scene, options, 5, 9);
+    rk_check(tells(story, "alpha = 0.250000"), "the pane's opacity:\n%s", story);
+    rk_check(tells(story, "the way leads through glass") || tells(story, "the way is free"),
+             "what became of the shadow rays:\n%s", story);
+    rk_check(!tells(story, "mirrored ray"), "the limit of 1 ends at the mirror:\n%s", story);
+    free(story);
+    options.recursion = 3;
+    story = narrate(&scene, options, 5, 9);
+    rk_check(tells(story, "mirrored ray"), "the limit of 3 lets it be mirrored:\n%s", story);
+    free(story);
+    rk_scene_free(&scene);
+}
+
+static void a_light_with_an_extent_tells_how_much_of_it_is_seen(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cornell-light");
+    rk_render_options options = size_of(40, 40, true);
+    char *story = narrate(&scene, options, 20, 12);
+    rk_check(tells(story, "a parallelogram") && tells(story, "16 shadow rays, 16 of them not"),
+             "the back wall sees the whole light:\n%s", story);
+    free(story);
+    rk_scene_free(&scene);
+}
+
+static void a_lens_is_told_of_where_there_is_one(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cube");
+    rk_render_options options = size_of(40, 40, false);
+    for (options.lens_samples = 0; options.lens_samples <= 15; options.lens_samples += 15) {
+        char *story = narrate(&scene, options, 20, 20);
+        rk_check(tells(story, "lens") == (options.lens_samples > 0), "the story is:\n%s", story);
+        free(story);
+    }
+    rk_scene_free(&scene);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_told_colour_is_the_rendered_one),
     cmocka_unit_test(a_miss_is_told),
+    cmocka_unit_test(an_environment_is_told),
     cmocka_unit_test(shadow_and_free_ways_are_told),
     cmocka_unit_test(the_hit_is_told),
     cmocka_unit_test(lights_that_add_nothing_are_told),
+    cmocka_unit_test(mirrors_and_panes_on_the_way_are_told),
+    cmocka_unit_test(a_light_with_an_extent_tells_how_much_of_it_is_seen),
     cmocka_unit_test(more_samples_than_the_centre_are_mentioned),
+    cmocka_unit_test(a_lens_is_told_of_where_there_is_one),
 };
 
 RK_SUITE("narrate", tests)

@@ -3,11 +3,10 @@
 #include "test.h"
 #include "test_soup.h"
 
+#include "base/table.h"
 #include "features/bvh_median.h"
 #include "features/sah_binning.h"
 #include "scene/scene.h"
-
-#include <time.h>
 
 /* --- Nodes to cut ---------------------------------------------------------------------------- */
 
@@ -326,13 +325,13 @@ static double seconds_of_listing(const rk_bvh_reference *references, uint32_t co
 {
     double least = INFINITY;
     for (int attempt = 0; attempt < 5; attempt++) {
-        clock_t start = clock();
+        double start = rk_clock_thread();
         uint32_t found = 0;
         for (uint32_t i = 0; i < times; i++)
             found += list(references, count, bins, false);
         rk_check(found >= times, "got %u candidates in %u calls, want one a call at least", found,
                  times);
-        least = fmin(least, (double)(clock() - start) / CLOCKS_PER_SEC);
+        least = fmin(least, rk_clock_thread() - start);
     }
     return least;
 }
@@ -345,15 +344,15 @@ static void many_bins_cost_hardly_more_than_few(void **state)
      * every border takes 128 times as long; merging all bins at every border, 60 times with few. */
     rk_mesh mesh = make_soup(20000, 0.01f, 3);
     rk_bvh_reference *references = references_of(&mesh);
-    const uint32_t counts[] = {20000, 256}, times[] = {5, 400};
+    const uint32_t counts[] = {20000, 256}, times[] = {20, 2000};
     for (int i = 0; i < 2; i++) {
         double few = seconds_of_listing(references, counts[i], 2, times[i]);
         double many = seconds_of_listing(references, counts[i], 256, times[i]);
-        rk_check(
-            many <= 20 * few,
-            "%u triangles: 256 bins take %.3g times as long as 2, want 20 times at most: count "
-            "each triangle once, then sweep over the bins",
-            counts[i], many / few);
+        rk_check(many <= 20 * few,
+                 "%u triangles: 256 bins take %.3g s and 2 bins %.3g s, want 20 times as much at "
+                 "most: count "
+                 "each triangle once, then sweep over the bins",
+                 counts[i], many, few);
     }
     free(references);
     rk_mesh_free(&mesh);
@@ -500,8 +499,9 @@ static void every_node_is_cut_where_brute_force_would(void **state)
 static void every_tree_of_a_scene_costs_less_than_the_median_s(void **state)
 {
     (void)state;
-    const char *const names[] = {"cube",   "cornell",  "sphere",     "spheres",
-                                 "teapot", "scan:967", "scan:20000", "scan:87130"};
+    const char *const names[] = {
+        "cube",   "cornell", "cornell-glass", "cornell-light", "panes",      "panes:1",   "glass",
+        "sphere", "spheres", "teapot",        "scan:967",      "scan:20000", "scan:87130"};
     for (uint32_t i = 0; i < sizeof names / sizeof *names; i++) {
         rk_scene scene;
         rk_error error;
@@ -510,7 +510,10 @@ static void every_tree_of_a_scene_costs_less_than_the_median_s(void **state)
         rk_check_ok(rk_bvh_build_median(&median, &scene.mesh, &error), error);
         double limit = rk_bvh_measure(&median).sah_cost;
         rk_bvh_free(&median);
-        for (int all_axes = 0; all_axes < 2; all_axes++) {
+        /* The blocks of "glass" stand side by side along one axis; above each other, along another,
+         * stand their floor and they: who looks at one axis only does not see it. */
+        bool one_axis_pays = strcmp(names[i], "glass") != 0;
+        for (int all_axes = !one_axis_pays; all_axes < 2; all_axes++) {
             rk_bvh bvh = build_with(&scene.mesh, 50, all_axes);
             double cost = rk_bvh_measure(&bvh).sah_cost;
             rk_check(cost < limit,

@@ -7,6 +7,7 @@ solution line was found in any of its files.
 """
 
 import argparse
+import filecmp
 import html
 import os
 import re
@@ -179,40 +180,62 @@ def _read_lines(path):
 
 
 def secret_lines(source, features):
-    """Returns the features' solution lines, spaces made even, and those of them that prove nothing:
-    at least two other C files of the kit have them, too."""
+    """Returns the features' solution lines, spaces made even, and those of them that prove nothing
+    by themselves: another C file of the kit has them, too."""
     secrets = {_spaced(line) for feature in features for line in solution_lines(feature.reference)}
+    for feature in features:
+        secrets -= {_spaced(line) for line in starter_of(feature.reference).split("\n")}
     own = {os.path.realpath(feature.reference) for feature in features}
-    counts = dict.fromkeys(secrets, 0)
+    common = set()
     for part in ("src", "tests", "assignments"):
         for name in _files(os.path.join(source, part)):
             path = os.path.join(source, part, name)
             if name.endswith((".c", ".h")) and os.path.realpath(path) not in own:
                 text = "\n".join(_read_lines(path))
-                for line in secrets:
-                    counts[line] += line in text
-    return secrets, {line for line in secrets if counts[line] >= 2}
+                common |= {line for line in secrets if line in text}
+    return secrets, common
 
 
-def find_secrets(pack, features, secrets, common):
-    """Returns "file:line: text" for each line of the pack that holds a secret. In the places of the
-    solutions it is whole lines that count, the common ones among them."""
+def _is_the_kits(source, pack, name):
+    """Whether packing left this file of the kit as it was."""
+    own, packed = os.path.join(source, name), os.path.join(pack, name)
+    return os.path.isfile(own) and filecmp.cmp(own, packed, shallow=False)
+
+
+_PASSAGE = 4  # lines of a solution, and how near to each other they tell more than chance
+
+
+def _passages(lines, secrets):
+    """Returns the numbers of lines where a passage of a solution begins: several of its lines,
+    different ones, that are hardly interrupted."""
+    places = [number for number, line in enumerate(lines) if line in secrets]
+    return [number for number in places
+            if len({line for line in lines[number:number + _PASSAGE + 1] if line in secrets}) >= _PASSAGE]
+
+
+def find_secrets(source, pack, features, secrets, common):
+    """Returns "file:line: text" for each line of the pack that gives a solution away. In the places
+    of the solutions it is any line of them, the common ones too; in what packing made or changed,
+    any that is not common; in the kit's other files, which may have a line by chance, a passage."""
     own = {f"{folder}/{feature.stem}.c" for feature in features for folder in ("workbook", "src/features")}
     found = []
     for name in _files(pack):
         lines = _read_lines(os.path.join(pack, name))
-        whole = "\n".join(lines)
-        held = secrets if name in own else [line for line in secrets - common if line in whole]
-        for number, line in enumerate(lines, 1):
-            if line in held if name in own else any(secret in line for secret in held):
-                found.append(f"{name}:{number}: {line[:100]}")
+        if name in own:
+            numbers = [number for number, line in enumerate(lines) if line in secrets]
+        elif _is_the_kits(source, pack, name):
+            numbers = _passages(lines, secrets)
+        else:
+            held = [line for line in secrets - common if line in "\n".join(lines)]
+            numbers = [number for number, line in enumerate(lines) if any(secret in line for secret in held)]
+        found += [f"{name}:{number + 1}: {lines[number][:100]}" for number in numbers]
     return found
 
 
 def prove(source, pack, features):
     """Returns a sentence that no file holds a solution line, or raises ToolError with the places."""
     secrets, common = secret_lines(source, features)
-    found = find_secrets(pack, features, secrets, common)
+    found = find_secrets(source, pack, features, secrets, common)
     if found:
         more = [f"and {len(found) - 10} more"] if len(found) > 10 else []
         raise ToolError("\n".join(["these lines of the pack are solutions:", *found[:10], *more,

@@ -12,8 +12,12 @@ typedef struct rk_counters {
     uint64_t box_tests;
     uint64_t triangle_tests;
     uint64_t sphere_tests;
-    uint64_t pixel_samples; /* random positions drawn within pixels */
-    uint64_t time_samples;  /* times drawn, for samples of pixels that motion may change */
+    uint64_t pixel_samples;     /* random positions drawn within pixels */
+    uint64_t bloom_pixels_read; /* looked at to find light, and to filter it */
+    uint64_t bloom_taps;        /* weights times pixels, along rows and columns */
+    uint64_t environment_lookups;
+    uint64_t lens_samples; /* random points drawn on the lens */
+    uint64_t time_samples; /* times drawn, for samples of pixels that motion may change */
 } rk_counters;
 
 static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
@@ -26,6 +30,10 @@ static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
     sum->triangle_tests += part->triangle_tests;
     sum->sphere_tests += part->sphere_tests;
     sum->pixel_samples += part->pixel_samples;
+    sum->bloom_pixels_read += part->bloom_pixels_read;
+    sum->bloom_taps += part->bloom_taps;
+    sum->environment_lookups += part->environment_lookups;
+    sum->lens_samples += part->lens_samples;
     sum->time_samples += part->time_samples;
 }
 

@@ -15,12 +15,12 @@ typedef enum rk_sampler_kind {
                                    in each cell of 2^-a x 2^-b, for every a + b = k */
 } rk_sampler_kind;
 
-/* Dimensions taken so far; each is the first of a pair. The lights' are many, one for each light
- * and bounce. */
+/* Dimensions taken so far; each is the first of a pair. Lights take a pair for each bounce. */
 enum {
     RK_DIMENSION_PIXEL = 0,
     RK_DIMENSION_LIGHT = 2,
-    RK_DIMENSION_TIME = 1 << 16,
+    RK_DIMENSION_LENS = 1 << 16,
+    RK_DIMENSION_TIME = 1 << 17,
     RK_DIMENSION_FURTHER = 1 << 20, /* added to these for samples that a pixel takes further on */
 };
 

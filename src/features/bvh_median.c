@@ -110,45 +110,61 @@ static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *ra
     end */
 }
 
-/* A node that still has no box, over ranks[begin .. end - 1]. */
+/* A node that still has no box, over `count` triangles from `begin` on. */
 typedef struct unbuilt {
-    uint32_t node, begin, end;
+    uint32_t node, begin, count;
+    uint32_t levels_below; /* that there may be */
 } unbuilt;
 
-/* Halving 2^32 triangles down to leaves takes fewer levels than the stack has entries. */
-static void build_nodes(rk_bvh *bvh, const rk_bvh_reference *references, uint64_t *ranks)
+/* The stack never holds more than one node a level, and the last one's sibling. */
+void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_cut cut, void *builder)
 {
     /* solution */
     unbuilt stack[RK_BVH_LEVELS_MAX];
     uint32_t size = 0;
-    stack[size++] = (unbuilt){0, 0, bvh->triangle_count};
+    stack[size++] = (unbuilt){0, 0, bvh->triangle_count, RK_BVH_LEVELS_MAX - 1};
     bvh->node_count = 2;
     while (size) {
         unbuilt part = stack[--size];
-        uint32_t count = part.end - part.begin;
         rk_bvh_node *node = &bvh->nodes[part.node];
-        node->box = box_of(references, ranks + part.begin, count);
-        if (count <= RK_BVH_LEAF_MAX) {
+        uint32_t half = cut(builder, part.begin, part.count, part.levels_below, &node->box);
+        if (half == 0) {
             node->first = part.begin;
-            node->count = count;
+            node->count = part.count;
             continue;
         }
-        uint32_t middle =
-            part.begin + split_at_median(references, ranks + part.begin, count, &node->box);
-        uint32_t left = bvh->node_count;
+        uint32_t left = bvh->node_count, levels = part.levels_below - 1;
         bvh->node_count += 2;
         node->first = left;
         node->count = 0;
-        stack[size++] = (unbuilt){left + 1, middle, part.end};
-        stack[size++] = (unbuilt){left, part.begin, middle};
+        stack[size++] = (unbuilt){left + 1, part.begin + half, part.count - half, levels};
+        stack[size++] = (unbuilt){left, part.begin, half, levels};
     }
     /* starter
-    // First step: the root is a leaf with all triangles in it; give it its box. Second step: cut
-    // what is too much for a leaf, and build both halves.
-    (void)references, (void)ranks, (void)box_of, (void)split_at_median;
+    // First step: the root is a leaf with all triangles in it; `cut` gives it its box. Second step:
+    // where `cut` returns more than 0, reserve two children, and build them in the same way.
+    (void)cut, (void)builder;
     bvh->node_count = 2;
     bvh->nodes[0] = (rk_bvh_node){rk_box_empty(), 0, bvh->triangle_count};
     end */
+}
+
+/* What cuts nodes at the median. */
+typedef struct median_builder {
+    const rk_bvh_reference *references;
+    uint64_t *ranks;
+} median_builder;
+
+/* Halving 2^32 triangles takes 31 levels, so there are always enough below. */
+static uint32_t cut_at_median(void *context, uint32_t begin, uint32_t count, uint32_t levels_below,
+                              rk_box *box)
+{
+    const median_builder *builder = context;
+    (void)levels_below;
+    *box = box_of(builder->references, builder->ranks + begin, count);
+    if (count <= RK_BVH_LEAF_MAX)
+        return 0;
+    return split_at_median(builder->references, builder->ranks + begin, count, box);
 }
 
 /* Copies the triangles in the order of the leaves, so that a leaf reads one stretch of memory. */
@@ -171,7 +187,7 @@ bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
             references[i] = rk_bvh_reference_of(mesh, i);
             ranks[i] = i;
         }
-        build_nodes(bvh, references, ranks);
+        rk_bvh_build_nodes(bvh, cut_at_median, &(median_builder){references, ranks});
         fill_leaves(bvh, mesh, ranks);
     } else {
         rk_bvh_free(bvh);

@@ -7,6 +7,8 @@
  */
 #include "features/sah_binning.h"
 
+#include "features/bvh_median.h"
+
 #include <stdlib.h>
 
 rk_sah_options rk_sah_options_default(void)
@@ -269,8 +271,9 @@ static const rk_sah_split *most_even(const rk_sah_split *candidates, uint32_t co
 /* Cuts a node with so many levels below it, and returns the size of its left part, which comes
  * first; 0: it is to be a leaf. Fills in the node's box. Where no cut pays, but a leaf would be too
  * large, the most even one is taken: later ones may pay. Where even that does not leave room below,
- * or all centroids coincide, half of the triangles go left as they stand, and the tree ends in
- * time. */
+ * or all centroids coincide, half of the triangles go left as they stand. So no node ever has more
+ * than RK_BVH_LEAF_LIMIT << levels_below triangles, and those with no level below them are leaves.
+ */
 static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t levels_below,
                     const rk_sah_options *options, rk_box *box)
 {
@@ -301,36 +304,17 @@ static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t level
 
 /* --- The tree ----------------------------------------------------------------------------- */
 
-/* A node that still has no box, over references[begin .. end - 1]. */
-typedef struct unbuilt {
-    uint32_t node, begin, end;
-    uint32_t levels_below; /* that there may be */
-} unbuilt;
+/* What cuts nodes by the heuristic. */
+typedef struct sah_builder {
+    rk_bvh_reference *references;
+    const rk_sah_options *options;
+} sah_builder;
 
-/* The stack holds one node a level at most, and the last one's sibling. */
-static void build_nodes(rk_bvh *bvh, rk_bvh_reference *references, const rk_sah_options *options)
+static uint32_t cut_by_cost(void *context, uint32_t begin, uint32_t count, uint32_t levels_below,
+                            rk_box *box)
 {
-    unbuilt stack[RK_BVH_LEVELS_MAX];
-    uint32_t size = 0;
-    stack[size++] = (unbuilt){0, 0, bvh->triangle_count, RK_BVH_LEVELS_MAX - 1};
-    bvh->node_count = 2;
-    while (size) {
-        unbuilt part = stack[--size];
-        uint32_t count = part.end - part.begin, levels = part.levels_below;
-        rk_bvh_node *node = &bvh->nodes[part.node];
-        uint32_t left_count = cut(references + part.begin, count, levels, options, &node->box);
-        if (left_count == 0) {
-            node->first = part.begin;
-            node->count = count;
-            continue;
-        }
-        uint32_t left = bvh->node_count, middle = part.begin + left_count;
-        bvh->node_count += 2;
-        node->first = left;
-        node->count = 0;
-        stack[size++] = (unbuilt){left + 1, middle, part.end, levels - 1};
-        stack[size++] = (unbuilt){left, part.begin, middle, levels - 1};
-    }
+    const sah_builder *builder = context;
+    return cut(builder->references + begin, count, levels_below, builder->options, box);
 }
 
 bool rk_bvh_build_sah(rk_bvh *bvh, const rk_mesh *mesh, const rk_sah_options *options,
@@ -346,7 +330,7 @@ bool rk_bvh_build_sah(rk_bvh *bvh, const rk_mesh *mesh, const rk_sah_options *op
     }
     for (uint32_t i = 0; i < count; i++)
         references[i] = rk_bvh_reference_of(mesh, i);
-    build_nodes(bvh, references, options);
+    rk_bvh_build_nodes(bvh, cut_by_cost, &(sah_builder){references, options});
     for (uint32_t i = 0; i < count; i++)
         bvh->triangles[i] = rk_bvh_triangle_of(mesh, references[i].triangle);
     free(references);

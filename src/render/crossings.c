@@ -10,10 +10,10 @@
 /* The ray's own axes: x and y across it, z the one on which its direction is longest. In double:
  * roundings are then far below what a box test is widened by, so no box is left out. */
 typedef struct projection {
-    rk_vec3 origin;
-    int x, y, z;              /* right-handed, z along the ray */
-    double shear_x, shear_y;  /* of x and y for each unit of z: the ray becomes the z axis */
-    double inverse_direction; /* 1 / the direction's z */
+    int x, y, z;                         /* right-handed, z along the ray */
+    double origin_x, origin_y, origin_z; /* on these axes */
+    double shear_x, shear_y;             /* for each unit of z: the ray becomes the z axis */
+    double inverse_direction;            /* 1 / the direction's z */
 } projection;
 
 typedef struct projected {
@@ -28,29 +28,27 @@ static projection projection_along(const rk_ray *ray)
     bool backward = rk_axis(ray->direction, z) < 0;
     int x = (z + (backward ? 2 : 1)) % 3, y = (z + (backward ? 1 : 2)) % 3;
     double along = (double)rk_axis(ray->direction, z);
-    return (projection){.origin = ray->origin,
-                        .x = x,
+    return (projection){.x = x,
                         .y = y,
                         .z = z,
+                        .origin_x = (double)rk_axis(ray->origin, x),
+                        .origin_y = (double)rk_axis(ray->origin, y),
+                        .origin_z = (double)rk_axis(ray->origin, z),
                         .shear_x = (double)rk_axis(ray->direction, x) / along,
                         .shear_y = (double)rk_axis(ray->direction, y) / along,
                         .inverse_direction = 1 / along};
 }
 
-static double offset_on(rk_vec3 point, rk_vec3 origin, int axis)
+static inline projected project(const projection *p, rk_vec3 point)
 {
-    return (double)rk_axis(point, axis) - (double)rk_axis(origin, axis);
-}
-
-static projected project(const projection *p, rk_vec3 point)
-{
-    double z = offset_on(point, p->origin, p->z);
-    return (projected){.x = offset_on(point, p->origin, p->x) - p->shear_x * z,
-                       .y = offset_on(point, p->origin, p->y) - p->shear_y * z,
+    const float on_axis[3] = {point.x, point.y, point.z};
+    double z = (double)on_axis[p->z] - p->origin_z;
+    return (projected){.x = (double)on_axis[p->x] - p->origin_x - p->shear_x * z,
+                       .y = (double)on_axis[p->y] - p->origin_y - p->shear_y * z,
                        .t = z * p->inverse_direction};
 }
 
-static int sign_of_difference(double a, double b)
+static inline int sign_of_difference(double a, double b)
 {
     return (a > b) - (a < b);
 }
@@ -59,7 +57,7 @@ static int sign_of_difference(double a, double b)
  * the ray, or -1; 0 only for a = b. Exact: rounding keeps the order of two products, and where they
  * round alike their errors, which fma gives, decide. A ray through the edge is taken to pass at
  * (e, e^2) for an e above 0 and below any number, so e decides, and then e^2. */
-static int side_of(projected a, projected b)
+static inline int side_of(projected a, projected b)
 {
     double ab = a.x * b.y, ba = a.y * b.x;
     int side = sign_of_difference(ab, ba);
@@ -150,6 +148,14 @@ static void gather_triangle(gathering *g, const projection *p, uint32_t triangle
     add_crossing(g, &crossing, medium, &mesh->materials[medium]);
 }
 
+static void gather_leaf(gathering *g, const projection *p, const rk_triangle *triangles,
+                        uint32_t count, rk_counters *counters)
+{
+    counters->triangle_tests += count;
+    for (uint32_t i = 0; i < count; i++)
+        gather_triangle(g, p, triangles[i].index);
+}
+
 static void gather_spheres(gathering *g, rk_counters *counters)
 {
     const rk_scene *scene = g->scene;
@@ -209,13 +215,12 @@ static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
         if (list.entries[--list.size].enter > g->end)
             continue;
         const rk_bvh_node *node = list.entries[list.size].node;
-        if (node->count == 0) {
+        if (node->count > 0) {
+            gather_leaf(g, &p, &bvh->triangles[node->first], node->count, counters);
+        } else {
             visit_children(&list, &bvh->nodes[node->first], &slabs, g->end);
             counters->box_tests += 2;
         }
-        for (uint32_t i = 0; i < node->count; i++)
-            gather_triangle(g, &p, bvh->triangles[node->first + i].index);
-        counters->triangle_tests += node->count;
     }
 }
 

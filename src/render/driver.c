@@ -2,11 +2,13 @@
 
 #include "base/file.h"
 #include "features/sah_binning.h"
+#include "io/environment_file.h"
 #include "io/mesh_file.h"
 #include "io/png.h"
 #include "render/narrate.h"
 #include "render/option_table.h"
 #include "render/units.h"
+#include "scene/sky.h"
 
 #include <ctype.h>
 #include <stdlib.h>
@@ -119,6 +121,18 @@ static float or_own(float given, float own)
     return isnan(given) ? own : given;
 }
 
+/* Fine enough for the sun's edge to be round. */
+enum { SKY_SIDE = 256 };
+
+static bool load_environment(rk_driver *driver, rk_error *error)
+{
+    const char *name = driver->environment;
+    if (!name)
+        return true;
+    return strcmp(name, "sky") == 0 ? rk_sky_make(&driver->scene.environment, SKY_SIDE, error)
+                                    : rk_environment_read(&driver->scene.environment, name, error);
+}
+
 static bool load_scene(rk_driver *driver, rk_error *error)
 {
     if (driver->mesh_path) {
@@ -181,6 +195,11 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
         {"scene", RK_OPTION_TEXT, &driver->scene_name, "NAME", rk_scene_builtin_help, 0, 0},
         {"mesh", RK_OPTION_TEXT, &driver->mesh_path, "FILE",
          "a mesh file instead (OBJ, PLY, OFF, glTF ...), moved into the unit ball", 0, 0},
+        {"environment", RK_OPTION_TEXT, &driver->environment, "sky|FILE",
+         "what is seen where nothing is met: the built-in sky, or a picture (JPG, PNG, EXR, HDR "
+         "...) that is a cross (4:3, 3:4), a strip (6:1, 1:6) or longitude and latitude (2:1), or "
+         "six: a folder of px.*, nx.* ..., or a name with %s in their place",
+         0, 0},
         {"distance", RK_OPTION_FLOAT, &driver->camera_given.distance, "D",
          "of the camera from the point it looks at, world units; by default the scene's own", 1e-3,
          1e6},
@@ -230,6 +249,7 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
     rk_progress progress;
     rk_progress_say(&progress, "making the scene", driver->quiet || !ok);
     ok = ok && try_out_folder(driver, &error) && load_scene(driver, &error) &&
+         load_environment(driver, &error) &&
          rk_image_init(&driver->image, driver->render.width, driver->render.height, &error) &&
          (driver->pool = rk_pool_start(driver->threads, &error)) != NULL;
     rk_progress_end(&progress);

@@ -19,7 +19,8 @@ typedef struct rk_driver {
     const char *split; /* how the tree's nodes are cut: median, sah or sah3 */
     uint32_t bins;     /* on an axis, for sah and sah3 */
     const char *scene_name;
-    const char *mesh_path; /* NULL: the built-in scene */
+    const char *mesh_path;   /* NULL: the built-in scene */
+    const char *environment; /* NULL: none; "sky", or files as in io/environment_file.h */
     const char *out;
     const char *debug; /* NULL, or one of debug_views */
     rk_pixel pixel;

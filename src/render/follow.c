@@ -38,19 +38,40 @@ void rk_meet(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
     rk_accel_closest_at(r->accel, &paths->rays, &when, &t->hits, t->counters);
 }
 
+rk_vec3 rk_see_environment(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+                           float share, rk_counters *counters)
+{
+    rk_vec3 colour = rk_cubemap_at(&r->scene->environment, rk_batch_ray(&paths->rays, i).direction,
+                                   r->options->environment_filter);
+    counters->environment_lookups++;
+    return rk_mul(rk_scale(paths->weight[i], share), colour);
+}
+
+/* The rest of path i meets nothing. */
+static void see_behind(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths, uint32_t i,
+                       float share)
+{
+    if (!r->plan.environment || !(share > 0))
+        return;
+    rk_vec3 *sum = &t->sum[paths->pixel[i]];
+    *sum = rk_add(*sum, rk_see_environment(r, paths, i, share, t->counters));
+}
+
 static void see_nearest(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
 {
     rk_meet(r, t, paths);
     for (uint32_t i = 0; i < paths->rays.count; i++) {
-        if (t->hits.triangle[i] == RK_MISS)
+        if (t->hits.triangle[i] == RK_MISS) {
+            see_behind(r, t, paths, i, 1);
             continue;
+        }
         rk_hit hit = rk_batch_hit(&t->hits, i);
         rk_see(room_for_one(r, t), r, t, paths, i, &hit, 0, 1);
     }
 }
 
-void rk_look_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths, uint32_t i,
-                     rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1])
+float rk_look_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths, uint32_t i,
+                      rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1])
 {
     rk_asker asker = {r, t, paths->pixel};
     const rk_moments when = rk_moments_of(&asker);
@@ -59,6 +80,7 @@ void rk_look_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *pat
     rk_crossings_gather_at(r->accel, &ray, r->plan.motion ? &when : NULL, i, paths->left[i] + 1u,
                            list, t->counters);
     rk_transparency_weights(list->crossings, list->count, weights, &behind);
+    return list->count < list->limit ? behind : 0;
 }
 
 /* All panes that each ray passes, and the surface behind them. */
@@ -67,7 +89,7 @@ static void see_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *
     for (uint32_t i = 0; i < paths->rays.count; i++) {
         rk_crossing_list list;
         float weights[RK_RECURSION_MAX + 1];
-        rk_look_through(r, t, paths, i, &list, weights);
+        see_behind(r, t, paths, i, rk_look_through(r, t, paths, i, &list, weights));
         for (uint32_t k = 0; k < list.count; k++)
             if (weights[k] > 0) {
                 rk_hit hit = rk_crossing_hit(&list.crossings[k]);

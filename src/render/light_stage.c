@@ -21,7 +21,7 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const 
     rk_vec2 xi = {0, 0};
     if (light->kind != RK_LIGHT_POINT) {
         /* Each bounce is a stream of its own; the samples of all rays of a pixel share one. */
-        const rk_draw draw = rk_draw_of(r, t->sample);
+        const rk_draw draw = rk_draw_of(t);
         uint32_t bounce = r->options->recursion - seen->left;
         const rk_sampler sampler = {options->sampling, r->options->seed,
                                     draw.samples * options->samples};

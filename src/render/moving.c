@@ -14,7 +14,7 @@ static float time_of(const rk_rendering *r, rk_tile *t, uint32_t pixel)
     if (!t->has_time[pixel]) {
         t->has_time[pixel] = t->in_motion[pixel] = true;
         t->time[pixel] = rk_shutter_time(&motion->shutter, motion->sampling, r->options->seed,
-                                         rk_tile_pixel(r, t, pixel), t->sample, r->plan.samples);
+                                         rk_tile_pixel(r, t, pixel), t->sample, t->most);
         t->counters->time_samples++;
     }
     return t->time[pixel];

@@ -116,23 +116,31 @@ static void tell_surface(const story *s, const rk_path_batch *path, const rk_hit
         tell_path(s, &mirrored, "mirrored ray");
 }
 
+static void tell_environment(const story *s, const rk_path_batch *path, float share)
+{
+    rk_vec3 adds = rk_see_environment(s->r, path, 0, share, s->t->counters);
+    fprintf(s->out, "%s: the environment\n", share < 1 ? "    behind it all" : "    met nothing");
+    tell_vector(s->out, "    adds to the pixel", adds);
+    s->t->sum[0] = rk_add(s->t->sum[0], adds);
+}
+
 static void tell_path(const story *s, const rk_path_batch *path, const char *name)
 {
     rk_crossing_list list;
-    float weights[RK_RECURSION_MAX + 1];
+    float weights[RK_RECURSION_MAX + 1], behind = 1;
     rk_ray ray = rk_batch_ray(&path->rays, 0);
     fprintf(s->out, "%s\n", name);
     tell_vector(s->out, "    origin", ray.origin);
     tell_vector(s->out, "    direction", ray.direction);
     *s->t->counters = (rk_counters){0};
     if (s->r->plan.transparency) {
-        rk_look_through(s->r, s->t, path, 0, &list, weights);
+        behind = rk_look_through(s->r, s->t, path, 0, &list, weights);
         tell_tests(s);
         for (uint32_t k = 0; k < list.count; k++) {
             rk_hit hit = rk_crossing_hit(&list.crossings[k]);
             tell_surface(s, path, &hit, k, weights[k]);
         }
-        if (list.count > 0)
+        if (list.count > 0 && !(s->r->plan.environment && behind > 0))
             return;
     } else {
         rk_meet(s->r, s->t, path);
@@ -143,7 +151,10 @@ static void tell_path(const story *s, const rk_path_batch *path, const char *nam
             return;
         }
     }
-    fprintf(s->out, "    met nothing: black\n");
+    if (s->r->plan.environment)
+        tell_environment(s, path, behind);
+    else
+        fprintf(s->out, "    met nothing: black\n");
 }
 
 void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
@@ -156,7 +167,13 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                       .plan = rk_plan_of(scene, options),
                       .view = rk_view_of(&scene->camera, options->width, options->height)};
     rk_moving_prepare(&r);
-    rk_tile t = {.x = x, .y = y, .width = 1, .height = 1, .counters = &counters};
+    rk_tile t = {.x = x,
+                 .y = y,
+                 .width = 1,
+                 .height = 1,
+                 .samples = options->samples,
+                 .most = rk_samples_in_motion(&r, options->samples),
+                 .counters = &counters};
     rk_path_batch camera;
     rk_ray ray = rk_view_ray(&r.view, (float)x + 0.5f, (float)y + 0.5f);
     camera.rays.count = 0;
@@ -166,10 +183,13 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
         fprintf(out,
                 "the picture averages %u rays through it; this is the one through its centre\n",
                 options->samples);
+    if (r.plan.lens)
+        fprintf(out,
+                "where it is out of focus, rays start all over the lens; this one at its centre\n");
     const story s = {out, &r, &t};
     tell_path(&s, &camera, "camera ray");
     if (t.in_motion[0])
         fprintf(out, "a ray may meet what moves: this was seen at x = %.6f, one of %u times\n",
-                (double)t.time[0], r.plan.samples);
+                (double)t.time[0], t.most);
     tell_vector(out, "colour (linear)", t.sum[0]);
 }

@@ -6,7 +6,7 @@
 #include "render/plan.h"
 
 typedef struct rk_option_table {
-    rk_option options[24]; /* ended by a NULL name */
+    rk_option options[48]; /* ended by a NULL name */
 } rk_option_table;
 
 /* A table that reads into `options`, whose present values are the defaults. */

@@ -1,5 +1,7 @@
 #include "render/plan.h"
 
+#include "render/glow.h"
+
 rk_render_options rk_render_options_default(void)
 {
     return (rk_render_options){
@@ -11,7 +13,11 @@ rk_render_options rk_render_options_default(void)
         .glass = RK_GLASS_ORDERED,
         .recursion = 6,
         .motion = {.shutter = rk_shutter_default(), .sampling = RK_TIME_STRATIFIED, .isolate = NAN},
-        .light = {.samples = 16, .sampling = RK_SAMPLER_STRATIFIED, .settle = 16},
+        .light = {.samples = 16, .sampling = RK_SAMPLER_LOW_DISCREPANCY, .settle = RK_LIGHT_ROUND},
+        .bloom = rk_bloom_options_default(),
+        .environment_filter = RK_CUBEMAP_SEAMLESS,
+        .lens = rk_lens_default(),
+        .lens_sampling = RK_SAMPLER_LOW_DISCREPANCY,
     };
 }
 
@@ -51,22 +57,24 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
     bool lights = false;
     for (uint32_t i = 0; i < scene->light_count; i++)
         lights |= rk_light_shines(&scene->lights[i]);
-    bool rays = (scene->mesh.triangle_count > 0 || scene->sphere_count > 0) && lights;
+    bool environment = scene->environment.side > 0;
+    bool anything = scene->mesh.triangle_count > 0 || scene->sphere_count > 0;
+    bool rays = (anything && lights) || environment;
     const rk_motion_options *motion = &options->motion;
     bool moves = rays && motion->samples > 0 && scene->moving_count > 0;
-    bool many_times =
-        moves && isnan(motion->isolate) && motion->shutter.open < motion->shutter.close;
-    bool more = many_times && motion->samples > options->samples;
+    bool opens = motion->shutter.open < motion->shutter.close;
     return (rk_plan){
         .rays = rays,
         .pixel_samples = rays && options->samples > 1,
         .lights = lights,
-        .shadow_rays = rays && options->shadows,
+        .shadow_rays = anything && lights && options->shadows,
         .reflections =
             rays && options->reflections && options->recursion > 0 && any_material(scene, reflects),
         .transparency = rays && options->transparency && any_material(scene, lets_through),
+        .bloom = rays && rk_bloom_wanted(&options->bloom),
+        .environment = environment,
+        .lens = rays && options->lens_samples > 0 && options->lens.aperture > 0,
         .motion = moves,
-        .time_samples = many_times,
-        .samples = more ? motion->samples : options->samples,
+        .time_samples = moves && opens && isnan(motion->isolate),
     };
 }

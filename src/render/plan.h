@@ -4,6 +4,9 @@
 #define RK_RENDER_PLAN_H
 
 #include "base/sampler.h"
+#include "features/bloom.h"
+#include "features/cubemap.h"
+#include "features/depth_of_field.h"
 #include "features/motion_blur.h"
 #include "features/parallelogram_light.h"
 #include "features/shading.h"
@@ -42,25 +45,34 @@ typedef struct rk_render_options {
     uint32_t
         recursion; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
     rk_light_options light;
+    rk_bloom_options bloom;
+    rk_cubemap_filter environment_filter;
+    rk_lens lens;
+    uint32_t lens_samples; /* a pixel that is out of focus, and at least `samples`; each has a place
+                              of its own on the lens and in the pixel; 0 is a pinhole */
+    rk_sampler_kind lens_sampling; /* of both places */
     rk_motion_options motion;
 } rk_render_options;
 
 enum { RK_RECURSION_MAX = 16 };
 
 /* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
- * stratified samples a light, settled by 16; everything at rest. */
+ * low-discrepancy samples a light, settled by 16; environments without a seam; no bloom, no lens,
+ * everything at rest. */
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
-    bool rays;          /* is there anything to meet, and light to see it by? */
+    bool rays;          /* is there an environment, or anything to meet and light to see it by? */
     bool pixel_samples; /* random positions within the pixel */
     bool lights;        /* any light that is not black */
     bool shadow_rays;
     bool reflections;  /* a surface reflects, and may */
     bool transparency; /* a surface lets light through, and may */
+    bool bloom;        /* what is bright glows into what is around it */
+    bool environment;  /* what meets nothing is looked up */
+    bool lens;         /* something may be out of focus */
     bool motion;       /* something moves, and may */
     bool time_samples; /* at times that differ from sample to sample */
-    uint32_t samples;  /* of a pixel that motion may change; of others options->samples */
 } rk_plan;
 
 /* Is it anything but black? */

@@ -1,14 +1,26 @@
-/* Each tile goes through the stages once a sample: camera rays, what they see (follow.c), the light
- * that it gets (light_stage.c). Light arrives on the tile's own sums, so threads share nothing but
- * the next tile's number. */
+/* Each tile goes through the stages once a sample, its pixels in focus first, then the others:
+ * camera rays, what they see (follow.c), the light that it gets (light_stage.c). Light arrives on
+ * the tile's own sums, so threads share nothing but the next tile's number. */
 #include "render/render.h"
 
+#include "render/glow.h"
 #include "render/tile.h"
 
 #include <stdlib.h>
 #include <string.h>
 
-static void start_tile(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t thread)
+/* The tile's pixels that a circle of confusion reaches, or all others, and how many samples they
+ * take. */
+static void choose_pixels(const rk_rendering *r, rk_tile *t, bool blurred)
+{
+    t->blurred = blurred;
+    t->samples = r->options->samples;
+    if (blurred && t->samples < r->options->lens_samples)
+        t->samples = r->options->lens_samples;
+    t->most = rk_samples_in_motion(r, t->samples);
+}
+
+void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t thread)
 {
     const rk_render_options *options = r->options;
     t->x = index % r->tiles_across * RK_TILE_SIDE;
@@ -18,46 +30,69 @@ static void start_tile(const rk_rendering *r, rk_tile *t, uint32_t index, uint32
     t->seen_count = 0;
     t->counters = &r->counters[thread];
     memset(t->sum, 0, sizeof t->sum);
-    if (r->plan.motion)
+    t->sample = 0;
+    choose_pixels(r, t, false);
+    if (r->plan.motion) {
         memset(t->in_motion, 0, sizeof t->in_motion);
+        memset(t->has_time, 0, sizeof t->has_time);
+    }
+}
+
+static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
+{
+    return !r->circles || (r->circles[(size_t)y * (r->options->width + 1) + x] > 0) == t->blurred;
+}
+
+/* Its own number, and more where motion may change the pixel. */
+static uint32_t samples_of(const rk_rendering *r, const rk_tile *t, uint32_t pixel)
+{
+    return r->plan.motion && t->in_motion[pixel] ? t->most : t->samples;
+}
+
+/* Through the centre of a pixel, or a random place of it; from the camera's position, or a random
+ * place of the lens. */
+static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
+{
+    const rk_render_options *options = r->options;
+    const rk_draw draw = rk_draw_of(t);
+    const rk_sampler sampler = {t->blurred ? options->lens_sampling : options->sampling,
+                                options->seed, draw.samples};
+    uint32_t pixel = y * options->width + x;
+    rk_vec2 within = {0.5f, 0.5f};
+    if (r->plan.pixel_samples || t->blurred)
+        within = rk_sample_2d(&sampler, pixel, draw.sample, draw.dimension + RK_DIMENSION_PIXEL);
+    if (!t->blurred)
+        return rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
+    rk_vec2 xi = rk_sample_2d(&sampler, pixel, draw.sample, draw.dimension + RK_DIMENSION_LENS);
+    return rk_lens_ray(&options->lens, &r->view, (float)x + within.x, (float)y + within.y, xi);
 }
 
 static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
 {
-    const rk_render_options *options = r->options;
-    const rk_draw draw = rk_draw_of(r, t->sample);
-    const rk_sampler sampler = {options->sampling, options->seed, draw.samples};
-    bool all = t->sample < options->samples; /* or only those that motion may change */
     camera->rays.count = 0;
     if (r->plan.time_samples)
         memset(t->has_time, 0, sizeof t->has_time);
     uint32_t pixel = 0;
     for (uint32_t y = t->y; y < t->y + t->height; y++)
-        for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++) {
-            if (!all && !t->in_motion[pixel])
-                continue;
-            rk_vec2 within = {0.5f, 0.5f};
-            if (r->plan.pixel_samples)
-                within = rk_sample_2d(&sampler, y * options->width + x, draw.sample,
-                                      draw.dimension + RK_DIMENSION_PIXEL);
-            rk_ray ray = rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
-            rk_path_push(camera, &ray, pixel, options->recursion, rk_vec(1, 1, 1));
-        }
+        for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
+            if (is_chosen(r, t, x, y) && t->sample < samples_of(r, t, pixel)) {
+                rk_ray ray = camera_ray(r, t, x, y);
+                rk_path_push(camera, &ray, pixel, r->options->recursion, rk_vec(1, 1, 1));
+            }
     t->counters->primary_rays += camera->rays.count;
-    t->counters->pixel_samples += r->plan.pixel_samples ? camera->rays.count : 0;
-}
-
-static uint32_t samples_of(const rk_rendering *r, const rk_tile *t, uint32_t pixel)
-{
-    return r->plan.motion && t->in_motion[pixel] ? r->plan.samples : r->options->samples;
+    t->counters->pixel_samples += r->plan.pixel_samples || t->blurred ? camera->rays.count : 0;
+    t->counters->lens_samples += t->blurred ? camera->rays.count : 0;
 }
 
 static void film_stage(const rk_rendering *r, const rk_tile *t)
 {
     for (uint32_t y = 0; y < t->height; y++)
         for (uint32_t x = 0; x < t->width; x++)
-            *rk_image_at(r->image, t->x + x, t->y + y) =
-                rk_scale(t->sum[y * t->width + x], 1 / (float)samples_of(r, t, y * t->width + x));
+            if (is_chosen(r, t, t->x + x, t->y + y)) {
+                uint32_t pixel = y * t->width + x;
+                *rk_image_at(r->image, t->x + x, t->y + y) =
+                    rk_scale(t->sum[pixel], 1 / (float)samples_of(r, t, pixel));
+            }
 }
 
 static void render_tile(uint32_t index, uint32_t thread, void *context)
@@ -65,14 +100,17 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
     rk_rendering *r = context;
     rk_tile t;
     rk_path_batch camera;
-    start_tile(r, &t, index, thread);
-    for (t.sample = 0; r->plan.rays && t.sample < r->plan.samples; t.sample++) {
-        camera_stage(r, &t, &camera);
-        if (camera.rays.count == 0)
-            break;
-        rk_follow(r, &t, &camera);
+    rk_tile_start(r, &t, index, thread);
+    for (int blurred = 0; blurred <= r->plan.lens; blurred++) {
+        choose_pixels(r, &t, blurred);
+        for (t.sample = 0; r->plan.rays && t.sample < t.most; t.sample++) {
+            camera_stage(r, &t, &camera);
+            if (camera.rays.count == 0)
+                break;
+            rk_follow(r, &t, &camera);
+        }
+        film_stage(r, &t);
     }
-    film_stage(r, &t);
     if (r->progress)
         rk_progress_step(r->progress);
 }
@@ -103,6 +141,9 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
     if (!(options->motion.shutter.open <= options->motion.shutter.close))
         return rk_fail(error, "the shutter opens at x = %g, behind x = %g, where it closes",
                        (double)options->motion.shutter.open, (double)options->motion.shutter.close);
+    if (!(options->lens.focal_distance > 0 && options->lens.aperture >= 0))
+        return rk_fail(error,
+                       "a lens is focused at a distance above 0, and no smaller than a point");
     uint32_t threads = rk_pool_threads(pool);
     rk_rendering r = {
         .scene = scene,
@@ -115,13 +156,16 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
         .counters = rk_allocate(threads, sizeof *r.counters, "counters", error),
         .progress = progress,
     };
-    if (!r.counters)
-        return false;
     rk_moving_prepare(&r);
+    if (!r.counters || !rk_focus_find(&r, pool, error)) {
+        free(r.counters);
+        return false;
+    }
     rk_pool_run(pool, rk_render_tiles(options), render_tile, &r);
     *counters = (rk_counters){0};
     for (uint32_t i = 0; i < threads; i++)
         rk_counters_add(counters, &r.counters[i]);
     free(r.counters);
-    return true;
+    free(r.circles);
+    return !r.plan.bloom || rk_glow(image, &options->bloom, pool, counters, error);
 }

@@ -3,6 +3,7 @@
 #define RK_RENDER_TILE_H
 
 #include "base/image.h"
+#include "base/parallel.h"
 #include "base/progress.h"
 #include "render/accel.h"
 #include "render/crossings.h"
@@ -15,6 +16,7 @@ typedef struct rk_rendering {
     const rk_render_options *options;
     rk_plan plan;
     rk_view view;
+    int32_t *circles;            /* see rk_lens_spread; NULL without a lens */
     rk_box swept[RK_MOVING_MAX]; /* by each moving object; unset unless plan.motion */
     uint32_t tiles_across;
     rk_image *image;
@@ -71,7 +73,9 @@ typedef struct rk_light_sums {
 /* A thread's workspace for a tile. */
 typedef struct rk_tile {
     uint32_t x, y, width, height; /* pixels */
-    uint32_t sample;              /* of each pixel */
+    bool blurred;                 /* at work: pixels out of focus, by the lens, or all others */
+    uint32_t sample, samples;     /* of each of them, and how many there will be */
+    uint32_t most;                /* of those that motion may change */
     rk_hit_batch hits;
     uint32_t seen_count;
     rk_seen seen[RK_BATCH_MAX];
@@ -87,6 +91,13 @@ typedef struct rk_tile {
     rk_counters *counters;
 } rk_tile;
 
+/* How many samples of a pixel with so many motion may make. */
+static inline uint32_t rk_samples_in_motion(const rk_rendering *r, uint32_t samples)
+{
+    uint32_t times = r->options->motion.samples;
+    return r->plan.time_samples && times > samples ? times : samples;
+}
+
 /* Where a sample stands among those that are spread together. What a pixel takes further on,
  * because of motion, is a set of its own: so the first set is the same as without motion. */
 typedef struct rk_draw {
@@ -94,12 +105,11 @@ typedef struct rk_draw {
     uint32_t dimension; /* to be added */
 } rk_draw;
 
-static inline rk_draw rk_draw_of(const rk_rendering *r, uint32_t sample)
+static inline rk_draw rk_draw_of(const rk_tile *t)
 {
-    uint32_t first = r->options->samples;
-    if (sample < first)
-        return (rk_draw){sample, first, 0};
-    return (rk_draw){sample - first, r->plan.samples - first, RK_DIMENSION_FURTHER};
+    if (t->sample < t->samples)
+        return (rk_draw){t->sample, t->samples, 0};
+    return (rk_draw){t->sample - t->samples, t->most - t->samples, RK_DIMENSION_FURTHER};
 }
 
 static inline uint32_t rk_tile_pixel(const rk_rendering *r, const rk_tile *t, uint32_t pixel)
@@ -124,6 +134,13 @@ void rk_moving_prepare(rk_rendering *r);
 void rk_moving_place(const rk_rendering *r, rk_tile *t, uint32_t pixel, uint32_t triangle,
                      rk_surface *surface);
 
+/* A tile before its first sample: its part of the picture, nothing seen, black. */
+void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t thread);
+
+/* Finds r->circles, by a ray through the centre of each pixel; leaves it NULL where the plan has no
+ * lens. */
+bool rk_focus_find(rk_rendering *r, rk_pool *pool, rk_error *error);
+
 /* Adds to the pixels' sums what the rays of `paths` see, along mirrors and panes to the end. */
 void rk_follow(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths);
 
@@ -131,12 +148,16 @@ void rk_follow(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths);
 void rk_meet(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths);
 
 /* Their parts, for who tells the story of one ray: path i goes through panes to a list of hits,
- * nearest first, of which `weights` are the shares that reach its beginning; */
-void rk_look_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths, uint32_t i,
-                     rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1]);
+ * nearest first, of which `weights` are the shares that reach its beginning. Returns the share of
+ * the environment: 0 behind something opaque, and where the ray may not go on that far; */
+float rk_look_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths, uint32_t i,
+                      rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1]);
 /* what a hit of it shows, behind so many panes, with its share; */
 void rk_see(rk_seen *seen, const rk_rendering *r, rk_tile *t, const rk_path_batch *paths,
             uint32_t i, const rk_hit *hit, uint32_t panes, float share);
+/* what is there where path i meets nothing, with its share; */
+rk_vec3 rk_see_environment(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
+                           float share, rk_counters *counters);
 /* and the ray that is mirrored there, if one is and may be. */
 void rk_mirror(const rk_seen *seen, rk_path_batch *mirrored);
 

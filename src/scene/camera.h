@@ -34,6 +34,10 @@ rk_view rk_view_of(const rk_camera *camera, size_t width, size_t height);
  * of pixel (i, j) is (i + .5, j + .5). The direction is unit, t_max infinite. */
 rk_ray rk_view_ray(const rk_view *view, float x, float y);
 
+/* The point of the picture plane at distance 1 that this ray goes through, seen from the camera: a
+ * vector of component 1 along the view. */
+rk_vec3 rk_view_through(const rk_view *view, float x, float y);
+
 /* Where a point appears: pixels from the top left corner, and its depth along the view direction.
  * False behind the camera (depth <= 0); the pixel is then left alone. */
 bool rk_view_project(const rk_view *view, rk_vec3 point, rk_vec2 *pixel, float *depth);

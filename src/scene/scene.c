@@ -8,6 +8,7 @@
 void rk_scene_free(rk_scene *scene)
 {
     rk_mesh_free(&scene->mesh);
+    rk_cubemap_free(&scene->environment);
     *scene = (rk_scene){0};
 }
 

@@ -1,9 +1,10 @@
-/* A scene: a mesh, exact spheres, lights, a camera. */
+/* A scene: a mesh, exact spheres, lights, an environment, a camera. */
 #ifndef RK_SCENE_SCENE_H
 #define RK_SCENE_SCENE_H
 
 #include "base/sphere.h"
 #include "scene/camera.h"
+#include "scene/environment.h"
 #include "scene/light.h"
 #include "scene/mesh.h"
 #include "scene/motion.h"
@@ -23,6 +24,7 @@ typedef struct rk_scene {
     uint32_t moving_count; /* objects that move are the mesh's last triangles, one behind the other;
                               all before them stand still */
     rk_moving moving[RK_MOVING_MAX];
+    rk_cubemap environment; /* what rays see that meet nothing; side 0: black */
 } rk_scene;
 
 void rk_scene_free(rk_scene *scene);

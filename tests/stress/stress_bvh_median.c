@@ -1,9 +1,11 @@
-/* The tree at sizes that make check has no time for. RAYKIT_STRESS is the factor over make check,
- * which builds 100,000 triangles; make stress builds 10 million. */
+/* Trees at sizes that make check has no time for, cut at the median and by the surface area
+ * heuristic. RAYKIT_STRESS is the factor over make check, which builds 100,000 triangles; make
+ * stress builds 10 million. */
 #include "../test.h"
 
 #include "base/random.h"
 #include "features/bvh_median.h"
+#include "features/sah_binning.h"
 
 static uint32_t triangle_count(void)
 {
@@ -42,6 +44,24 @@ static rk_bvh_measures halve(uint32_t count)
                              left.leaves + right.leaves, 0};
 }
 
+/* By the heuristic: sound, and no dearer than the median's tree. */
+static void check_heuristic(const rk_mesh *mesh, double median_cost)
+{
+    for (int all_axes = 0; all_axes < 2; all_axes++) {
+        const rk_sah_options options = {50, all_axes};
+        rk_bvh bvh;
+        rk_error error;
+        rk_check_ok(rk_bvh_build_sah(&bvh, mesh, &options, &error), error);
+        rk_check_ok(rk_bvh_validate(&bvh, mesh, &error), error);
+        double cost = rk_bvh_measure(&bvh).sah_cost;
+        rk_check(cost <= median_cost,
+                 "%u triangles: got a cost of %.6g, want %.6g at most, the "
+                 "median's",
+                 mesh->triangle_count, cost, median_cost);
+        rk_bvh_free(&bvh);
+    }
+}
+
 static void check_size(uint32_t triangles, float size)
 {
     rk_mesh mesh = make_soup(triangles, size);
@@ -53,6 +73,7 @@ static void check_size(uint32_t triangles, float size)
     rk_check_equal(got.levels, want.levels, "levels of halving");
     rk_check_equal(got.leaves, want.leaves, "leaves of halving");
     rk_bvh_free(&bvh);
+    check_heuristic(&mesh, got.sah_cost);
     rk_mesh_free(&mesh);
 }
 
@@ -75,10 +96,32 @@ static void so_does_every_size_up_to_a_few_thousand(void **state)
         check_size(n, 0.1f);
 }
 
+/* The triangles of each octave are half as large and half as far away as those before: the deepest
+ * tree that floats allow wants more levels than there are. */
+static void a_progression_of_all_octaves_keeps_to_the_levels(void **state)
+{
+    (void)state;
+    const uint32_t octaves = 250, each = triangle_count() / octaves;
+    rk_mesh mesh = make_soup(octaves * each, 0.05f);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++)
+        mesh.positions[i] = rk_scale(rk_add(mesh.positions[i], rk_vec(3, 0, 0)),
+                                     ldexpf(1, 124 - (int)(i / 3 / each)));
+    for (uint32_t bins = 2; bins <= 256; bins *= 2) {
+        const rk_sah_options options = {bins, false};
+        rk_bvh bvh;
+        rk_error error;
+        rk_check_ok(rk_bvh_build_sah(&bvh, &mesh, &options, &error), error);
+        rk_check_ok(rk_bvh_validate(&bvh, &mesh, &error), error);
+        rk_bvh_free(&bvh);
+    }
+    rk_mesh_free(&mesh);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_huge_soup_gives_a_sound_tree_of_the_levels_of_halving),
     cmocka_unit_test(as_many_triangles_at_one_point_do_too),
     cmocka_unit_test(so_does_every_size_up_to_a_few_thousand),
+    cmocka_unit_test(a_progression_of_all_octaves_keeps_to_the_levels),
 };
 
 RK_SUITE("stress bvh_median", tests)

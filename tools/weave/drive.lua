@@ -102,9 +102,10 @@ local timed_out = 124 -- timeout's exit status
 local printed = {} -- by command: what was measured once is not measured again
 
 -- Runs the driver that an element names and returns what it printed. Its files go where all go, in
--- the size of a trial if it is one; or into `folder`, as they are.
+-- the size of a trial if it is one and the text names no size; or into `folder`, as they are.
 function drive.run(element, args, folder)
-  if size ~= "" and not folder then args = args .. " --width " .. size .. " --height " .. size end
+  local sized = args:find("--width", 1, true) or args:find("--height", 1, true)
+  if size ~= "" and not folder and not sized then args = args .. " --width " .. size .. " --height " .. size end
   folder = folder or drive.out
   local command = drive.quote(driver_path(element)) .. " " .. args .. " --out " .. drive.quote(folder)
   if drive.units ~= "" then command = "timeout --foreground -k 5 " .. patience .. " " .. command end

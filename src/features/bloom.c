@@ -1,0 +1,212 @@
+/* Bloom: bright pixels, blurred by a binomial filter, are added to their picture.
+ * The filter is separable: first along rows, then along columns. Either way a line of the result is
+ * a weighted sum of lines, and one function computes it, in blocks that stay in registers.
+ * Binomial filters: Jaehne, "Digital Image Processing", 6th edition 2005, chapter 11. */
+#include "features/bloom.h"
+
+#include <string.h>
+
+/* --- What glows ------------------------------------------------------------------------------- */
+
+/* Written by differences, so that roundings cannot push a white of 1 below a threshold of 1. */
+float rk_bloom_luminance(rk_vec3 colour)
+{
+    /* solution */
+    float red = colour.x, green = colour.y, blue = colour.z;
+    return green + 0.2126f * (red - green) + 0.0722f * (blue - green);
+    /* starter
+    // First step: the weighted sum, such that that of a grey is the grey.
+    (void)colour;
+    return 0;
+    end */
+}
+
+bool rk_bloom_glows(rk_vec3 colour, float threshold)
+{
+    /* solution */
+    float luminance = rk_bloom_luminance(colour);
+    return luminance >= threshold && luminance < INFINITY;
+    /* starter
+    // First step: at or above the threshold, and finite.
+    (void)colour, (void)threshold;
+    return false;
+    end */
+}
+
+rk_bloom_span rk_bloom_lit(const rk_vec3 *row, size_t width, float threshold)
+{
+    /* solution */
+    size_t first = 0, end = width;
+    while (first < width && !rk_bloom_glows(row[first], threshold))
+        first++;
+    while (end > first && !rk_bloom_glows(row[end - 1], threshold))
+        end--;
+    return (rk_bloom_span){first, end};
+    /* starter
+    // First step: search from both ends.
+    (void)row, (void)width, (void)threshold;
+    return (rk_bloom_span){0, 0};
+    end */
+}
+
+/* --- The filter's weights --------------------------------------------------------------------- */
+
+/* Along the row of Pascal's triangle, from its end. A double with an exponent of its own holds
+ * C(2r, k): to the bit up to 2^53, and with two roundings a step from then on, far from what a
+ * float can tell. Only the quotient by 4^r may become too small for a float, and is then as good as
+ * 0. */
+void rk_bloom_weights(uint32_t radius, float *weights)
+{
+    /* solution */
+    double mantissa = 1; /* C(2r, k) = mantissa 2^exponent */
+    int exponent = 0;
+    for (uint32_t k = 0; k <= radius; k++) {
+        weights[radius - k] = (float)ldexp(mantissa, exponent - 2 * (int)radius);
+        int more;
+        mantissa = frexp(mantissa * (2 * radius - k) / (k + 1), &more);
+        exponent += more;
+    }
+    /* starter
+    // Second step: C(2r, k + 1) = C(2r, k) (2r - k) / (k + 1). C(200, 100) is beyond any float.
+    for (uint32_t k = 0; k <= radius; k++)
+        weights[k] = 0;
+    end */
+}
+
+uint32_t rk_bloom_reach(uint32_t radius, const float *weights)
+{
+    /* solution */
+    const double half_an_ulp = 0x1p-25;
+    double left_out = 0;
+    uint32_t reach = radius;
+    while (reach > 0 && left_out + 2 * (double)weights[reach] <= half_an_ulp)
+        left_out += 2 * (double)weights[reach--];
+    return reach;
+    /* starter
+    // Fifth step: from the ends inwards, as long as it makes no difference.
+    (void)weights;
+    return radius;
+    end */
+}
+
+/* --- The mask, and what lies beyond the border ------------------------------------------------ */
+
+void rk_bloom_mask(const rk_bloom_filter *filter, const rk_vec3 *row, size_t width, float threshold,
+                   rk_bloom_span lit, size_t from, size_t count, rk_vec3 *masked)
+{
+    /* solution */
+    size_t reach = filter->reach, total = count + 2 * reach;
+    size_t before = reach > from ? reach - from : 0; /* so many begin beyond the left border */
+    size_t start = from + before - reach;            /* the row's pixel at masked[before] */
+    size_t after = start + (total - before) > width ? start + (total - before) - width : 0;
+    size_t first = lit.first > start ? lit.first : start;
+    size_t last = start + (total - before - after), end = lit.end < last ? lit.end : last;
+    memset(masked, 0, total * sizeof *masked);
+    for (size_t x = first; x < end; x++)
+        if (rk_bloom_glows(row[x], threshold))
+            masked[before + (x - start)] = row[x];
+    if (filter->border != RK_BLOOM_CLAMP)
+        return;
+    for (size_t i = 0; i < before; i++)
+        masked[i] = masked[before];
+    for (size_t i = total - after; i < total; i++)
+        masked[i] = masked[total - after - 1];
+    /* starter
+    // First step: the row's pixels that glow, in their places; 0 everywhere else. Fourth step: with
+    // RK_BLOOM_CLAMP, what lies beyond the border is masked like the border's own pixel.
+    (void)row, (void)width, (void)threshold, (void)lit, (void)from;
+    memset(masked, 0, (count + 2 * filter->reach) * sizeof *masked);
+    end */
+}
+
+float rk_bloom_share(const rk_bloom_filter *filter, size_t place, size_t length)
+{
+    /* solution */
+    double share = (double)filter->weights[0];
+    for (size_t k = 1; k <= filter->reach; k++) {
+        share += place >= k ? (double)filter->weights[k] : 0;
+        share += place + k < length ? (double)filter->weights[k] : 0;
+    }
+    return (float)share;
+    /* starter
+    // Fourth step: the sum of the weights that fall inside.
+    (void)filter, (void)place, (void)length;
+    return 1;
+    end */
+}
+
+/* --- The weighted sum ------------------------------------------------------------------------- */
+
+/* Two lines at the same distance from the middle: one multiplication for both. */
+typedef struct tap_pair {
+    const float *a, *b;
+    float weight;
+} tap_pair;
+
+/* A line without a partner is its own, at half the weight; doubling and halving are exact. */
+static tap_pair pair_of(const float *a, const float *b, float weight)
+{
+    if (!a || !b)
+        return (tap_pair){a ? a : b, a ? a : b, weight / 2};
+    return (tap_pair){a, b, weight};
+}
+
+/* The loop over a block has a fixed length, so that compilers make vector code of it at -O2; with
+ * four pairs at a time, sums go to memory and back less often. `count` is a multiple of four. */
+static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *sum)
+{
+    float block[RK_BLOOM_BLOCK] = {0};
+    for (const tap_pair *p = pairs; p < pairs + count; p += 4) {
+        const float *a0 = p[0].a + at, *a1 = p[1].a + at, *a2 = p[2].a + at, *a3 = p[3].a + at;
+        const float *b0 = p[0].b + at, *b1 = p[1].b + at, *b2 = p[2].b + at, *b3 = p[3].b + at;
+        float w0 = p[0].weight, w1 = p[1].weight, w2 = p[2].weight, w3 = p[3].weight;
+        for (int i = 0; i < RK_BLOOM_BLOCK; i++)
+            block[i] += w0 * (a0[i] + b0[i]) + w1 * (a1[i] + b1[i]) + w2 * (a2[i] + b2[i]) +
+                        w3 * (a3[i] + b3[i]);
+    }
+    memcpy(sum + at, block, sizeof block);
+}
+
+uint32_t rk_bloom_weigh(const rk_bloom_filter *filter, const float *const *lines, size_t count,
+                        float *sum)
+{
+    /* solution */
+    tap_pair pairs[RK_BLOOM_RADIUS_MAX + 1 + 3];
+    uint32_t used = 0, taps = 0;
+    /* From the far ends to the middle, so that small terms are added first. */
+    for (uint32_t k = filter->reach + 1; k-- > 0;) {
+        const float *a = lines[filter->reach - k], *b = k ? lines[filter->reach + k] : NULL;
+        taps += (a ? 1u : 0u) + (b ? 1u : 0u);
+        if (a || b)
+            pairs[used++] = pair_of(a, b, filter->weights[k]);
+    }
+    for (; used % 4; used++) /* filled up with pairs that weigh nothing */
+        pairs[used] = (tap_pair){pairs[0].a, pairs[0].b, 0};
+    for (size_t at = 0; at < count; at += RK_BLOOM_BLOCK)
+        add_pairs(pairs, used, at, sum);
+    return taps;
+    /* starter
+    // Third step: for each line that is not NULL, its weight times its values. Sixth step: list the
+    // pairs of lines with the same weight (pair_of), fill the list up to a multiple of four with
+    // pairs of weight 0, and add them up by add_pairs.
+    (void)filter, (void)lines, (void)pair_of, (void)add_pairs;
+    memset(sum, 0, count * sizeof *sum);
+    return 0;
+    end */
+}
+
+void rk_bloom_add(float *restrict pixels, const float *restrict glow, size_t count, float gain)
+{
+    /* solution */
+    enum { together = 16 }; /* as above: a fixed length is vector code */
+    size_t i = 0;
+    for (; i + together <= count; i += together)
+        for (size_t j = 0; j < together; j++)
+            pixels[i + j] += gain * glow[i + j];
+    for (; i < count; i++)
+        pixels[i] += gain * glow[i];
+    /* starter
+    // Third step.
+    (void)pixels, (void)glow, (void)count, (void)gain;
+    end */
+}

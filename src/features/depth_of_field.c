@@ -1,0 +1,146 @@
+/* A lens gathers the light that a point sends to all of its disk, and brings it together in one
+ * point of the picture if the point is in focus. Backwards: the rays of one place of the picture
+ * start all over the disk, and meet on the focal surface (Cook, Porter, Carpenter, "Distributed ray
+ * tracing", SIGGRAPH 1984; the lens is thin: Potmesil and Chakravarty, "A lens and aperture camera
+ * model for synthetic image generation", SIGGRAPH 1981). */
+#include "features/depth_of_field.h"
+
+#include <math.h>
+#include <string.h>
+
+rk_lens rk_lens_default(void)
+{
+    return (rk_lens){.focal_distance = 1.8f, .aperture = 10, .focal = RK_FOCAL_PLANE};
+}
+
+static float diameter_of(const rk_lens *lens)
+{
+    return 0.001f * lens->aperture;
+}
+
+/* --- Rays ------------------------------------------------------------------------------------- */
+
+/* The larger of |a| and |b|, the side of the square around the middle that xi lies on, becomes the
+ * radius, and how far along the side, up to an eighth of a turn to both sides, the angle (Shirley
+ * and Chiu, "A low distortion map between disk and square", Journal of Graphics Tools 2(3), 1997).
+ */
+rk_vec2 rk_lens_disk(rk_vec2 xi)
+{
+    /* solution */
+    const float eighth = 0.785398163f; /* of a turn, pi / 4 */
+    float a = 2 * xi.x - 1, b = 2 * xi.y - 1;
+    if (a == 0 && b == 0)
+        return (rk_vec2){0, 0};
+    if (fabsf(a) > fabsf(b)) {
+        float angle = eighth * (b / a);
+        return (rk_vec2){a * cosf(angle), a * sinf(angle)};
+    }
+    float angle = eighth * (a / b);
+    return (rk_vec2){b * sinf(angle), b * cosf(angle)};
+    /* starter
+    // First step: from the square to the disk.
+    (void)xi;
+    return (rk_vec2){0, 0};
+    end */
+}
+
+/* How many times farther along `through`, whose depth is 1, the focal surface is. */
+static float focus_along(const rk_lens *lens, rk_vec3 through)
+{
+    /* solution */
+    return lens->focal == RK_FOCAL_PLANE ? lens->focal_distance
+                                         : lens->focal_distance / rk_length(through);
+    /* starter
+    // Third step: the plane at this depth, or the sphere of this radius.
+    (void)lens, (void)through;
+    return 1;
+    end */
+}
+
+rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, rk_vec2 xi)
+{
+    /* solution */
+    float radius = 0.5f * diameter_of(lens);
+    rk_vec2 disk = rk_lens_disk(xi);
+    rk_vec3 offset = rk_madd(rk_scale(view->right, radius * disk.x), view->up, radius * disk.y);
+    /* From the lens's point to the focus, s through - offset, divided by s: so that no offset
+     * leaves the pinhole's direction as it is. */
+    rk_vec3 through = rk_view_through(view, x, y);
+    rk_vec3 towards = rk_madd(through, offset, -1 / focus_along(lens, through));
+    return (rk_ray){rk_add(view->position, offset), rk_normalize(towards), INFINITY};
+    /* starter
+    // Second step: start at a point of the lens, and go through the focus.
+    (void)lens, (void)view, (void)x, (void)y, (void)xi, (void)diameter_of, (void)focus_along;
+    return (rk_ray){rk_vec(0, 0, 0), rk_vec(0, 0, 0), 0};
+    end */
+}
+
+/* --- Circles of confusion --------------------------------------------------------------------- */
+
+float rk_lens_blur(const rk_lens *lens, const rk_view *view, const rk_ray *ray, float t)
+{
+    /* solution */
+    float cosine = rk_dot(ray->direction, view->forward);
+    bool plane = lens->focal == RK_FOCAL_PLANE;
+    float d = plane ? t * cosine : t, f = lens->focal_distance;
+    float angle = diameter_of(lens) * fabsf(1 - f / d) / f; /* |d - f| / d for infinite d, too */
+    return angle / (plane ? view->pixel : view->pixel * cosine);
+    /* starter
+    // Fourth step: the circle's diameter where the lens is in focus, then in pixels.
+    (void)lens, (void)view, (void)ray, (void)t;
+    return -1;
+    end */
+}
+
+/* The first pixel that a square reaches, and the first behind it that it does not. */
+typedef struct span {
+    uint32_t from, end;
+} span;
+
+/* The circle's centre is anywhere in its pixel, and may touch another pixel anywhere: with radius r
+ * it reaches those that are k columns away where k - 1 < r. */
+static span span_around(uint32_t at, float blur, uint32_t size)
+{
+    /* solution */
+    float reach = ceilf(0.5f * blur);
+    uint32_t pixels = reach < (float)size ? (uint32_t)reach : size;
+    return (span){at > pixels ? at - pixels : 0, size - at > pixels ? at + pixels + 1 : size};
+    /* starter
+    // Fifth step: pixels from and up to which a circle around pixel `at` reaches, in the picture.
+    (void)at, (void)blur;
+    return (span){0, size};
+    end */
+}
+
+/* A square is four numbers: with 1 at its first corner, -1 behind the end of its first row and its
+ * first column, and 1 behind its last corner, the sum of all numbers above and to the left of a
+ * pixel is 1 inside and 0 outside. So a circle costs the same whatever its size (Crow, "Summed-area
+ * tables for texture mapping", SIGGRAPH 1984, read backwards). */
+void rk_lens_spread(const float *blur, uint32_t width, uint32_t height, int32_t *circles)
+{
+    size_t stride = (size_t)width + 1;
+    memset(circles, 0, stride * (height + 1) * sizeof *circles);
+    /* solution */
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++) {
+            float diameter = blur[(size_t)y * width + x];
+            if (diameter < RK_LENS_SHARP)
+                continue;
+            span across = span_around(x, diameter, width), down = span_around(y, diameter, height);
+            circles[down.from * stride + across.from]++;
+            circles[down.from * stride + across.end]--;
+            circles[down.end * stride + across.from]--;
+            circles[down.end * stride + across.end]++;
+        }
+    for (size_t y = 0; y < height; y++)
+        for (size_t x = 1; x < width; x++)
+            circles[y * stride + x] += circles[y * stride + x - 1];
+    for (size_t y = 1; y < height; y++)
+        for (size_t x = 0; x < width; x++)
+            circles[y * stride + x] += circles[(y - 1) * stride + x];
+    /* starter
+    // Sixth step: for each circle four numbers at its square's corners, then sums along rows, then
+    // along columns.
+    (void)blur, (void)stride, (void)span_around;
+    end */
+}

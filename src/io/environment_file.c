@@ -1,0 +1,282 @@
+/* Layouts are tables of cells; longitude and latitude are looked up for each texel of the cube. */
+#include "io/environment_file.h"
+
+#include "io/image_file.h"
+
+#include <dirent.h>
+#include <stdio.h>
+#include <string.h>
+#include <sys/stat.h>
+
+/* Every path here is shorter; longer ones are refused. */
+typedef struct long_path {
+    char text[4096];
+} long_path;
+
+/* --- Faces in one picture --------------------------------------------------------------------- */
+
+/* Where a face is, in columns and rows of faces. */
+typedef struct cell {
+    rk_cube_face face;
+    uint8_t column, row;
+    bool upside_down;
+} cell;
+
+typedef struct layout {
+    uint8_t columns, rows;
+    cell cells[RK_FACES];
+} layout;
+
+/* Strips in OpenGL's order, in which +z is ahead; see the header. */
+static const layout layouts[] = {
+    {4,
+     3,
+     {{RK_FACE_Y, 1, 0, false},
+      {RK_FACE_MINUS_X, 0, 1, false},
+      {RK_FACE_MINUS_Z, 1, 1, false},
+      {RK_FACE_X, 2, 1, false},
+      {RK_FACE_Z, 3, 1, false},
+      {RK_FACE_MINUS_Y, 1, 2, false}}},
+    {3,
+     4,
+     {{RK_FACE_Y, 1, 0, false},
+      {RK_FACE_MINUS_X, 0, 1, false},
+      {RK_FACE_MINUS_Z, 1, 1, false},
+      {RK_FACE_X, 2, 1, false},
+      {RK_FACE_MINUS_Y, 1, 2, false},
+      {RK_FACE_Z, 1, 3, true}}},
+    {6,
+     1,
+     {{RK_FACE_X, 0, 0, false},
+      {RK_FACE_MINUS_X, 1, 0, false},
+      {RK_FACE_Y, 2, 0, false},
+      {RK_FACE_MINUS_Y, 3, 0, false},
+      {RK_FACE_MINUS_Z, 4, 0, false},
+      {RK_FACE_Z, 5, 0, false}}},
+    {1,
+     6,
+     {{RK_FACE_X, 0, 0, false},
+      {RK_FACE_MINUS_X, 0, 1, false},
+      {RK_FACE_Y, 0, 2, false},
+      {RK_FACE_MINUS_Y, 0, 3, false},
+      {RK_FACE_MINUS_Z, 0, 4, false},
+      {RK_FACE_Z, 0, 5, false}}},
+};
+
+static void copy_cell(rk_cubemap *map, const rk_image *image, const cell *from)
+{
+    uint32_t side = map->side, last = side - 1;
+    for (uint32_t row = 0; row < side; row++)
+        for (uint32_t column = 0; column < side; column++) {
+            uint32_t x = from->upside_down ? last - column : column;
+            uint32_t y = from->upside_down ? last - row : row;
+            *rk_cubemap_texel(map, from->face, column, row) =
+                *rk_image_at(image, (size_t)from->column * side + x, (size_t)from->row * side + y);
+        }
+}
+
+/* As rk_cubemap_init, with the file's name in the error. */
+static bool make_map(rk_cubemap *map, size_t side, const char *path, rk_error *error)
+{
+    if (side > RK_CUBEMAP_SIDE_MAX)
+        return rk_fail(error, "%.800s: faces of %zu texels a side: make it smaller, to %d at most",
+                       path, side, RK_CUBEMAP_SIDE_MAX);
+    return rk_cubemap_init(map, (uint32_t)side, error);
+}
+
+static bool unfold(rk_cubemap *map, const rk_image *image, const layout *l, const char *path,
+                   rk_error *error)
+{
+    if (!make_map(map, image->width / l->columns, path, error))
+        return false;
+    for (int i = 0; i < RK_FACES; i++)
+        copy_cell(map, image, &l->cells[i]);
+    return true;
+}
+
+/* --- Longitude and latitude ------------------------------------------------------------------- */
+
+static const float pi = 3.14159265f;
+
+/* Longitudes go round; beyond a pole lies the other side of the world. */
+static rk_vec3 world_pixel(const rk_image *world, long x, long y)
+{
+    const long width = (long)world->width, height = (long)world->height;
+    if (y < 0 || y >= height) {
+        x += width / 2;
+        y = y < 0 ? 0 : height - 1;
+    }
+    return *rk_image_at(world, (size_t)((x + width) % width), (size_t)y);
+}
+
+static rk_vec3 world_at(const rk_image *world, rk_vec3 direction)
+{
+    float longitude = atan2f(direction.x, -direction.z); /* from -z, to the right */
+    float from_top = atan2f(hypotf(direction.x, direction.z), direction.y);
+    float x = (0.5f + longitude / (2 * pi)) * (float)world->width - 0.5f;
+    float y = from_top / pi * (float)world->height - 0.5f;
+    float left = floorf(x), above = floorf(y);
+    long i = (long)left, j = (long)above;
+    rk_vec3 upper = rk_mix(world_pixel(world, i, j), world_pixel(world, i + 1, j), x - left);
+    rk_vec3 lower =
+        rk_mix(world_pixel(world, i, j + 1), world_pixel(world, i + 1, j + 1), x - left);
+    return rk_mix(upper, lower, y - above);
+}
+
+/* A face's texels are largest in its middle: 2 / side. There they should be as fine as pixels on
+ * the equator, 2 pi / width. */
+static size_t side_for_world(const rk_image *world)
+{
+    size_t side = (size_t)ceil((double)world->width / (double)pi);
+    return side < RK_CUBEMAP_SIDE_MAX ? side : RK_CUBEMAP_SIDE_MAX;
+}
+
+static bool convert_world(rk_cubemap *map, const rk_image *world, const char *path, rk_error *error)
+{
+    if (!make_map(map, side_for_world(world), path, error))
+        return false;
+    for (int face = 0; face < RK_FACES; face++)
+        for (uint32_t row = 0; row < map->side; row++)
+            for (uint32_t column = 0; column < map->side; column++)
+                *rk_cubemap_texel(map, (rk_cube_face)face, column, row) = world_at(
+                    world, rk_cubemap_texel_direction(map->side, (rk_cube_face)face, column, row));
+    return true;
+}
+
+/* --- One file --------------------------------------------------------------------------------- */
+
+static bool has_shape(const rk_image *image, size_t columns, size_t rows)
+{
+    return image->width * rows == image->height * columns && image->width % columns == 0;
+}
+
+static bool convert(rk_cubemap *map, const rk_image *image, const char *path, rk_error *error)
+{
+    for (size_t i = 0; i < sizeof layouts / sizeof *layouts; i++)
+        if (has_shape(image, layouts[i].columns, layouts[i].rows))
+            return unfold(map, image, &layouts[i], path, error);
+    if (has_shape(image, 2, 1))
+        return convert_world(map, image, path, error);
+    return rk_fail(
+        error,
+        "%.700s: has %zu x %zu pixels: width : height of an environment is 4:3 or 3:4 (a "
+        "cross), 6:1 or 1:6 (a strip), or 2:1 (longitude and latitude)",
+        path, image->width, image->height);
+}
+
+static bool read_one(rk_cubemap *map, const char *path, rk_error *error)
+{
+    rk_image image;
+    if (!rk_image_read(&image, path, error))
+        return false;
+    bool ok = convert(map, &image, path, error);
+    rk_image_free(&image);
+    return ok;
+}
+
+/* --- Six files -------------------------------------------------------------------------------- */
+
+static const struct {
+    const char *name;
+    rk_cube_face face;
+} names[RK_FACES] = {
+    {"px", RK_FACE_X},       {"nx", RK_FACE_MINUS_X}, {"py", RK_FACE_Y},
+    {"ny", RK_FACE_MINUS_Y}, {"pz", RK_FACE_MINUS_Z}, {"nz", RK_FACE_Z},
+};
+
+static bool fits(const rk_image *image, const rk_cubemap *map, const char *path, rk_error *error)
+{
+    if (image->width != image->height)
+        return rk_fail(error, "%.800s: has %zu x %zu pixels: a face is as wide as it is high", path,
+                       image->width, image->height);
+    if (map->side > 0 && image->width != map->side)
+        return rk_fail(error,
+                       "%.700s: has %zu x %zu pixels, but the first face has %u x %u: all six have "
+                       "one size",
+                       path, image->width, image->height, map->side, map->side);
+    return true;
+}
+
+/* The first face says how large all are. */
+static bool read_face(rk_cubemap *map, rk_cube_face face, const char *path, rk_error *error)
+{
+    rk_image image;
+    if (!rk_image_read(&image, path, error))
+        return false;
+    bool ok = fits(&image, map, path, error) &&
+              (map->side > 0 || make_map(map, image.width, path, error));
+    if (ok)
+        copy_cell(map, &image, &(cell){.face = face});
+    rk_image_free(&image);
+    return ok;
+}
+
+/* Replaces the pattern's %s. */
+static bool name_in_pattern(long_path *path, const char *pattern, const char *name, rk_error *error)
+{
+    const char *hole = strstr(pattern, "%s");
+    if (strstr(hole + 2, "%s"))
+        return rk_fail(error,
+                       "%.800s: has more than one %%s, which stands for px, nx, py, ny, pz, nz",
+                       pattern);
+    int length = snprintf(path->text, sizeof path->text, "%.*s%s%s", (int)(hole - pattern), pattern,
+                          name, hole + 2);
+    return (length >= 0 && (size_t)length < sizeof path->text) ||
+           rk_fail(error, "%.800s: this name is too long", pattern);
+}
+
+static bool is_named(const char *file, const char *name)
+{
+    size_t length = strlen(name);
+    return strncmp(file, name, length) == 0 && file[length] == '.';
+}
+
+/* Finds the one file that begins with the name and a dot. */
+static bool name_in_folder(long_path *path, const char *folder, const char *name, rk_error *error)
+{
+    DIR *directory = opendir(folder);
+    int found = 0;
+    bool short_enough = true;
+    for (struct dirent *entry; directory && (entry = readdir(directory));)
+        if (is_named(entry->d_name, name)) {
+            int length = snprintf(path->text, sizeof path->text, "%s/%s", folder, entry->d_name);
+            short_enough = length >= 0 && (size_t)length < sizeof path->text;
+            found++;
+        }
+    if (directory)
+        closedir(directory);
+    if (!short_enough)
+        return rk_fail(error, "%.800s: this name is too long", folder);
+    return found == 1 ||
+           rk_fail(error,
+                   "%.700s: holds %s picture %s.*: the faces of an environment are px, nx, "
+                   "py, ny, pz, nz, each in one file",
+                   folder, found ? "more than one" : "no", name);
+}
+
+typedef bool find_face(long_path *path, const char *where, const char *name, rk_error *error);
+
+static bool read_six(rk_cubemap *map, const char *where, find_face *find, rk_error *error)
+{
+    long_path paths[RK_FACES]; /* all are found before the first is read, which may take a while */
+    for (int i = 0; i < RK_FACES; i++)
+        if (!find(&paths[i], where, names[i].name, error))
+            return false;
+    for (int i = 0; i < RK_FACES; i++)
+        if (!read_face(map, names[i].face, paths[i].text, error)) {
+            rk_cubemap_free(map);
+            return false;
+        }
+    return true;
+}
+
+bool rk_environment_read(rk_cubemap *map, const char *path, rk_error *error)
+{
+    struct stat status;
+    *map = (rk_cubemap){0};
+    if (strstr(path, "%s"))
+        return read_six(map, path, name_in_pattern, error);
+    if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
+        return read_six(map, path, name_in_folder, error);
+    return read_one(map, path, error);
+}

@@ -1,0 +1,72 @@
+/* How far a picture is from the truth: against figures worked out by hand. */
+#include "test.h"
+
+#include "render/convergence.h"
+
+static rk_image make_image(const rk_vec3 *pixels, size_t count)
+{
+    rk_image image;
+    rk_error error;
+    rk_check_ok(rk_image_init(&image, count, 1, &error), error);
+    memcpy(image.pixels, pixels, count * sizeof *pixels);
+    return image;
+}
+
+static void a_picture_is_no_way_from_itself(void **state)
+{
+    (void)state;
+    const rk_vec3 pixels[] = {{0.25f, 1, 7}, {0, -3, 0.1f}};
+    rk_image image = make_image(pixels, 2);
+    rk_picture_error off = rk_picture_compare(&image, &image);
+    rk_check(off.rmse == 0 && off.max_error == 0 && off.bias == 0, "rmse %g, max %g, bias %g",
+             off.rmse, off.max_error, off.bias);
+    rk_image_free(&image);
+}
+
+static void errors_are_taken_over_all_channels(void **state)
+{
+    (void)state;
+    const rk_vec3 want_pixels[] = {{1, 1, 1}, {0, 0, 0}};
+    const rk_vec3 got_pixels[] = {{1, 1, 0}, {0, 0, 0.5f}};
+    rk_image want = make_image(want_pixels, 2), got = make_image(got_pixels, 2);
+    rk_picture_error off = rk_picture_compare(&got, &want);
+    /* Six channels, off by -1 and .5; all of it exact in binary but the root's last rounding. */
+    rk_check_close(off.rmse, sqrt(1.25 / 6), 1e-15, "root of the mean square");
+    rk_check_close(off.bias, -0.5 / 6, 1e-15, "the mean of got - want");
+    rk_check_close(off.max_error, 1, 0, "the largest, whatever its sign");
+    rk_image_free(&want);
+    rk_image_free(&got);
+}
+
+static void a_reference_has_samples_of_its_own_and_leaves_the_driver_as_it_was(void **state)
+{
+    (void)state;
+    rk_error error;
+    rk_driver driver = rk_driver_default("test", "");
+    driver.render.width = driver.render.height = 8;
+    driver.render.samples = 4;
+    driver.render.sampling = RK_SAMPLER_UNIFORM;
+    driver.render.seed = 5;
+    driver.quiet = true;
+    rk_check_ok(rk_scene_builtin(&driver.scene, "sphere:80", &error), error);
+    rk_check_ok(rk_image_init(&driver.image, 8, 8, &error), error);
+    driver.pool = rk_pool_start(1, &error);
+    rk_check_ok(driver.pool && rk_driver_build(&driver, &error), error);
+    rk_vec3 *pixels = driver.image.pixels;
+    rk_image reference;
+    rk_check_ok(rk_convergence_reference(&driver, &reference, &error), error);
+    rk_check(driver.image.pixels == pixels && driver.render.seed == 5, "the driver has changed");
+    rk_check_ok(rk_driver_render(&driver, &error), error);
+    rk_picture_error off = rk_picture_compare(&driver.image, &reference);
+    rk_check(off.rmse > 0, "at the sphere's rim, other samples see another part of it");
+    rk_image_free(&reference);
+    rk_check_equal(rk_driver_finish(&driver, true, &error), 0, "all is freed");
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(a_picture_is_no_way_from_itself),
+    cmocka_unit_test(errors_are_taken_over_all_channels),
+    cmocka_unit_test(a_reference_has_samples_of_its_own_and_leaves_the_driver_as_it_was),
+};
+
+RK_SUITE("convergence", tests)

@@ -1,0 +1,696 @@
+/* Environment lookups: the cube against one that is written down once more here, filters against a
+ * search through all texels and against maps made from smooth functions, and that no filtered
+ * colour ever steps at an edge or a corner. */
+#include "test.h"
+
+#include "base/random.h"
+#include "features/cubemap.h"
+
+/* --- The cube once more, in double ------------------------------------------------------------ */
+
+static const double pi = 3.14159265358979323846;
+
+/* Roundings of a few operations on numbers up to one, each 2^-24. */
+static const double few_roundings = 8 * 0x1p-24;
+
+typedef struct vec {
+    double x, y, z;
+} vec;
+
+static vec combine(vec a, double s, vec b, double t)
+{
+    return (vec){a.x * s + b.x * t, a.y * s + b.y * t, a.z * s + b.z * t};
+}
+
+static double dot(vec a, vec b)
+{
+    return a.x * b.x + a.y * b.y + a.z * b.z;
+}
+
+static vec widen(rk_vec3 a)
+{
+    return (vec){(double)a.x, (double)a.y, (double)a.z};
+}
+
+static vec unit(vec a)
+{
+    return combine(a, 1 / sqrt(dot(a, a)), a, 0);
+}
+
+static rk_vec3 narrow(vec a)
+{
+    return rk_vec((float)a.x, (float)a.y, (float)a.z);
+}
+
+/* Read off the cross: for each face what is in its middle, to its right and above it. */
+static const struct {
+    rk_cube_face face;
+    const char *name;
+    vec ahead, right, up;
+} cross[RK_FACES] = {
+    {RK_FACE_X, "+x", {1, 0, 0}, {0, 0, 1}, {0, 1, 0}},
+    {RK_FACE_MINUS_X, "-x", {-1, 0, 0}, {0, 0, -1}, {0, 1, 0}},
+    {RK_FACE_Y, "+y", {0, 1, 0}, {1, 0, 0}, {0, 0, 1}},
+    {RK_FACE_MINUS_Y, "-y", {0, -1, 0}, {1, 0, 0}, {0, 0, -1}},
+    {RK_FACE_Z, "+z", {0, 0, 1}, {-1, 0, 0}, {0, 1, 0}},
+    {RK_FACE_MINUS_Z, "-z", {0, 0, -1}, {1, 0, 0}, {0, 1, 0}},
+};
+
+/* To the place (a, b) of face k of that table, in [-1, 1] to the right and upwards. */
+static vec towards(int k, double a, double b)
+{
+    return combine(combine(cross[k].ahead, 1, cross[k].right, a), 1, cross[k].up, b);
+}
+
+static rk_vec3 random_direction(uint32_t n)
+{
+    double z = 2 * (double)rk_unit_float(rk_hash(n, 0, 0, 7)) - 1, r = sqrt(1 - z * z);
+    double phi = 2 * pi * (double)rk_unit_float(rk_hash(n, 1, 0, 7));
+    return rk_vec((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z);
+}
+
+/* --- Maps to try ------------------------------------------------------------------------------ */
+
+static rk_cubemap make_map(uint32_t side)
+{
+    rk_cubemap map;
+    rk_error error;
+    rk_check_ok(rk_cubemap_init(&map, side, &error), error);
+    return map;
+}
+
+typedef rk_vec3 paint(uint32_t side, int face, uint32_t column, uint32_t row);
+
+static rk_cubemap paint_map(uint32_t side, paint *colour)
+{
+    rk_cubemap map = make_map(side);
+    for (int face = 0; face < RK_FACES; face++)
+        for (uint32_t row = 0; row < side; row++)
+            for (uint32_t column = 0; column < side; column++)
+                *rk_cubemap_texel(&map, (rk_cube_face)face, column, row) =
+                    colour(side, face, column, row);
+    return map;
+}
+
+/* Says which texel it is. */
+static rk_vec3 its_name(uint32_t side, int face, uint32_t column, uint32_t row)
+{
+    (void)side;
+    return rk_vec((float)face, (float)column, (float)row);
+}
+
+static rk_vec3 noise(uint32_t side, int face, uint32_t column, uint32_t row)
+{
+    uint32_t n = ((uint32_t)face * side + row) * side + column;
+    return rk_vec(rk_unit_float(rk_hash(n, 0, 0, 3)), rk_unit_float(rk_hash(n, 1, 0, 3)),
+                  rk_unit_float(rk_hash(n, 2, 0, 3)));
+}
+
+static rk_vec3 one_colour_a_face(uint32_t side, int face, uint32_t column, uint32_t row)
+{
+    (void)side, (void)column, (void)row;
+    return rk_vec((float)face, (float)(face * face), 1);
+}
+
+/* A smooth function of direction; no component changes by more than `steepest` a radian. */
+static const double steepest = 2;
+
+static vec smooth(vec d)
+{
+    d = unit(d);
+    return (vec){sin(2 * d.x), d.y * d.z * 2, cos(1.5 * d.z + 0.5 * d.x)};
+}
+
+static rk_vec3 smooth_texel(uint32_t side, int face, uint32_t column, uint32_t row)
+{
+    return narrow(smooth(towards(face, (2 * column + 1.0) / side - 1, 1 - (2 * row + 1.0) / side)));
+}
+
+static double distance(rk_vec3 a, rk_vec3 b)
+{
+    rk_vec3 apart = rk_abs3(rk_sub(a, b));
+    return (double)rk_max(apart.x, rk_max(apart.y, apart.z));
+}
+
+static void check_colour(rk_vec3 got, rk_vec3 want, double tolerance, const char *hint)
+{
+    rk_check(distance(got, want) <= tolerance,
+             "got (%g, %g, %g), want (%g, %g, %g) within %.3g: %s", (double)got.x, (double)got.y,
+             (double)got.z, (double)want.x, (double)want.y, (double)want.z, tolerance, hint);
+}
+
+/* --- Directions ------------------------------------------------------------------------------- */
+
+static void the_largest_component_chooses_the_face(void **state)
+{
+    (void)state;
+    for (int k = 0; k < RK_FACES; k++)
+        for (int turn = 0; turn < 8; turn++) {
+            double a = 0.9 * cos(turn * pi / 4), b = 0.9 * sin(turn * pi / 4);
+            rk_cube_place place = rk_cubemap_place(narrow(towards(k, a, b)));
+            rk_check(place.face == cross[k].face, "near the middle of %s: got face %d, want %d",
+                     cross[k].name, (int)place.face, (int)cross[k].face);
+        }
+}
+
+static void on_edges_x_comes_before_y_before_z(void **state)
+{
+    (void)state;
+    for (int sign = 0; sign < 8; sign++) {
+        float x = sign & 1 ? -1 : 1, y = sign & 2 ? -1 : 1, z = sign & 4 ? -1 : 1;
+        rk_cube_face on_x = x < 0 ? RK_FACE_MINUS_X : RK_FACE_X;
+        rk_cube_face on_y = y < 0 ? RK_FACE_MINUS_Y : RK_FACE_Y;
+        rk_check_equal(rk_cubemap_place(rk_vec(x, y, z)).face, on_x, "a corner is on x");
+        rk_check_equal(rk_cubemap_place(rk_vec(x, y, 0)).face, on_x, "x before y");
+        rk_check_equal(rk_cubemap_place(rk_vec(x, 0.3f, z)).face, on_x, "x before z");
+        rk_check_equal(rk_cubemap_place(rk_vec(0.3f, y, z)).face, on_y, "y before z");
+    }
+}
+
+static void places_run_to_the_right_and_upwards(void **state)
+{
+    (void)state;
+    /* By hand, with the cross beside: ahead 2, so that (u, v) = (.75, .375) is 1 to the right and
+     * .5 down. */
+    const rk_vec3 directions[RK_FACES] = {
+        {2, -0.5f, 1}, {-2, -0.5f, -1}, {1, 2, -0.5f},
+        {1, -2, 0.5f}, {-1, -0.5f, 2},  {1, -0.5f, -2},
+    };
+    for (int face = 0; face < RK_FACES; face++) {
+        rk_cube_place place = rk_cubemap_place(directions[face]);
+        rk_check(place.face == (rk_cube_face)face && place.u == 0.75f && place.v == 0.375f,
+                 "got face %d, (%g, %g), want face %d (%s), (0.75, 0.375): mirrored or turned?",
+                 (int)place.face, (double)place.u, (double)place.v, face, cross[face].name);
+    }
+}
+
+static void the_length_of_a_direction_does_not_matter(void **state)
+{
+    (void)state;
+    for (uint32_t n = 0; n < 1000; n++) {
+        rk_vec3 direction = random_direction(n);
+        rk_cube_place want = rk_cubemap_place(direction);
+        vec back = unit(widen(rk_cube_direction(want.face, want.u, want.v)));
+        check_colour(narrow(back), narrow(unit(widen(direction))), few_roundings,
+                     "of length 1 already wrong");
+        for (int power = -100; power <= 120; power += 20) {
+            /* Powers of two are exact, down to the smallest floats. */
+            rk_vec3 scaled = rk_scale(direction, ldexpf(1, power));
+            if (rk_min(fabsf(scaled.x), rk_min(fabsf(scaled.y), fabsf(scaled.z))) < 0x1p-126f)
+                continue;
+            rk_cube_place got = rk_cubemap_place(scaled);
+            rk_check(got.face == want.face && got.u == want.u && got.v == want.v,
+                     "direction %u times 2^%d: another place", n, power);
+        }
+    }
+}
+
+static void texel_centres_come_back_as_they_went(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {1, 2, 3, 10, 64, 255};
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++)
+        for (uint32_t i = 0; i < RK_FACES * sides[k] * sides[k]; i++) {
+            uint32_t side = sides[k], column = i % side, row = i / side % side;
+            rk_cube_face face = (rk_cube_face)(i / side / side);
+            rk_vec3 direction = rk_cubemap_texel_direction(side, face, column, row);
+            rk_cube_place place = rk_cubemap_place(direction);
+            rk_check(place.face == face, "side %u, face %d, texel (%u, %u): got face %d", side,
+                     (int)face, column, row, (int)place.face);
+            rk_check_close(place.u, (column + 0.5) / side, few_roundings, "to the right");
+            rk_check_close(place.v, 1 - (row + 0.5) / side, few_roundings, "upwards");
+        }
+}
+
+static void places_and_directions_are_inverse(void **state)
+{
+    (void)state;
+    for (uint32_t n = 0; n < 100000; n++) {
+        rk_vec3 direction = random_direction(n);
+        rk_cube_place place = rk_cubemap_place(direction);
+        rk_check(place.u >= 0 && place.u <= 1 && place.v >= 0 && place.v <= 1,
+                 "direction %u: (%g, %g) is not on the face", n, (double)place.u, (double)place.v);
+        vec back = widen(rk_cube_direction(place.face, place.u, place.v));
+        check_colour(narrow(unit(back)), direction, few_roundings, "direction, place, direction");
+    }
+}
+
+static void what_has_no_direction_is_somewhere_on_the_cube(void **state)
+{
+    (void)state;
+    const float odd[] = {0, NAN, INFINITY, -INFINITY, -0.0f, 1, 3e38f};
+    enum { count = sizeof odd / sizeof *odd };
+    rk_cubemap map = paint_map(3, one_colour_a_face);
+    for (int n = 0; n < count * count * count; n++) {
+        rk_vec3 direction = {odd[n % count], odd[n / count % count], odd[n / count / count]};
+        rk_cube_place place = rk_cubemap_place(direction);
+        rk_check((int)place.face >= 0 && place.face < RK_FACES, "there is no face %d",
+                 (int)place.face);
+        rk_check(place.u >= 0 && place.u <= 1 && place.v >= 0 && place.v <= 1,
+                 "(%g, %g) is not on the face", (double)place.u, (double)place.v);
+        for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
+            rk_check(isfinite(rk_cubemap_at(&map, direction, (rk_cubemap_filter)filter).x),
+                     "a lookup made a number that is none");
+    }
+    rk_cubemap_free(&map);
+}
+
+/* --- Nearest ---------------------------------------------------------------------------------- */
+
+static void nearest_is_the_texel_that_the_direction_meets(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {1, 2, 5, 16};
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        uint32_t side = sides[k];
+        rk_cubemap map = paint_map(side, its_name);
+        for (uint32_t i = 0; i < RK_FACES * side * side * 9; i++) {
+            /* Nine places in each texel, near its corners too. */
+            uint32_t column = i / 9 % side, row = i / 9 / side % side, face = i / 9 / side / side;
+            double x = column + 0.5 + 0.49 * (i % 3 - 1.0),
+                   y = row + 0.5 + 0.49 * (i / 3 % 3 - 1.0);
+            vec d = towards((int)face, 2 * x / side - 1, 1 - 2 * y / side);
+            check_colour(rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_NEAREST),
+                         rk_vec((float)face, (float)column, (float)row), 0, "face, column, row");
+        }
+        rk_cubemap_free(&map);
+    }
+}
+
+static void the_last_texels_reach_to_the_edge(void **state)
+{
+    (void)state;
+    rk_cubemap map = paint_map(4, its_name);
+    /* Corners and edges that belong to x, by the rule for ties. */
+    check_colour(rk_cubemap_at(&map, rk_vec(1, 1, 1), RK_CUBEMAP_NEAREST), rk_vec(RK_FACE_X, 3, 0),
+                 0, "u = 1, v = 1 is in the last column, the first row");
+    check_colour(rk_cubemap_at(&map, rk_vec(1, -1, -1), RK_CUBEMAP_NEAREST),
+                 rk_vec(RK_FACE_X, 0, 3), 0, "u = 0, v = 0 is in the first column, the last row");
+    check_colour(rk_cubemap_at(&map, rk_vec(-1, 1, 0.1f), RK_CUBEMAP_NEAREST),
+                 rk_vec(RK_FACE_MINUS_X, 1, 0), 0, "v = 1 is in the first row");
+    rk_cubemap_free(&map);
+}
+
+/* --- Bilinear --------------------------------------------------------------------------------- */
+
+static void filters_return_the_texel_at_its_centre(void **state)
+{
+    (void)state;
+    const uint32_t side = 6;
+    rk_cubemap map = paint_map(side, noise);
+    for (int filter = RK_CUBEMAP_BILINEAR; filter <= RK_CUBEMAP_SEAMLESS; filter++)
+        for (uint32_t i = 0; i < RK_FACES * side * side; i++) {
+            uint32_t column = i % side, row = i / side % side;
+            int face = (int)(i / side / side);
+            rk_vec3 d = rk_cubemap_texel_direction(side, (rk_cube_face)face, column, row);
+            /* The place is off by roundings of u, `side` times as many texels. */
+            check_colour(rk_cubemap_at(&map, d, (rk_cubemap_filter)filter),
+                         noise(side, face, column, row), side * few_roundings,
+                         "no neighbour has a share at a centre");
+        }
+    rk_cubemap_free(&map);
+}
+
+/* Linear across each face. */
+static rk_vec3 slope(uint32_t side, int face, uint32_t column, uint32_t row)
+{
+    float u = ((float)column + 0.5f) / (float)side, v = 1 - ((float)row + 0.5f) / (float)side;
+    return rk_vec(u, v, (float)face + 2 * u - 3 * v);
+}
+
+static void filters_are_linear_between_centres(void **state)
+{
+    (void)state;
+    const uint32_t side = 8;
+    rk_cubemap map = paint_map(side, slope);
+    for (int filter = RK_CUBEMAP_BILINEAR; filter <= RK_CUBEMAP_SEAMLESS; filter++)
+        for (int i = 0; i < RK_FACES * 400; i++) {
+            /* Between the first and the last centre. */
+            double u = (0.5 + 7 * (i % 20) / 19.0) / side,
+                   v = (0.5 + 7 * (i / 20 % 20) / 19.0) / side;
+            int face = i / 400;
+            rk_vec3 want = narrow((vec){u, v, face + 2 * u - 3 * v});
+            /* Blue reaches 7: that many times the roundings. */
+            check_colour(rk_cubemap_at(&map, narrow(towards(face, 2 * u - 1, 2 * v - 1)),
+                                       (rk_cubemap_filter)filter),
+                         want, 7 * few_roundings, "a mix of four texels");
+        }
+    rk_cubemap_free(&map);
+}
+
+static void bilinear_stays_within_its_face(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {1, 2, 7};
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        rk_cubemap map = paint_map(sides[k], one_colour_a_face);
+        for (uint32_t n = 0; n < 20000; n++) {
+            rk_vec3 d = random_direction(n);
+            rk_vec3 want = one_colour_a_face(0, (int)rk_cubemap_place(d).face, 0, 0);
+            check_colour(rk_cubemap_at(&map, d, RK_CUBEMAP_BILINEAR), want, 25 * few_roundings,
+                         "no other face has a share");
+        }
+        rk_check(distance(rk_cubemap_at(&map, rk_vec(0.9f, 0.999f, 0), RK_CUBEMAP_BILINEAR),
+                          one_colour_a_face(0, RK_FACE_Y, 0, 0)) < 0.01,
+                 "just above the edge it is +y");
+        rk_cubemap_free(&map);
+    }
+}
+
+/* --- Seamless --------------------------------------------------------------------------------- */
+
+/* The mean of the `count` texels whose centres are nearest to a direction, by a search of all. */
+static rk_vec3 mean_of_nearest(const rk_cubemap *map, vec d, int count)
+{
+    rk_vec3 colours[4];
+    double cosines[4];
+    uint32_t side = map->side;
+    int found = 0;
+    d = unit(d);
+    for (uint32_t i = 0; i < RK_FACES * side * side; i++) {
+        uint32_t column = i % side, row = i / side % side;
+        int face = (int)(i / side / side), place = found;
+        vec centre = towards(face, (2 * column + 1.0) / side - 1, 1 - (2 * row + 1.0) / side);
+        double cosine = dot(unit(centre), d);
+        for (; place > 0 && cosines[place - 1] < cosine; place--)
+            if (place < count) {
+                cosines[place] = cosines[place - 1];
+                colours[place] = colours[place - 1];
+            }
+        if (place < count) {
+            cosines[place] = cosine;
+            colours[place] = *rk_cubemap_texel(map, (rk_cube_face)face, column, row);
+            found += found < count;
+        }
+    }
+    rk_vec3 sum = {0, 0, 0};
+    for (int i = 0; i < count; i++)
+        sum = rk_add(sum, rk_scale(colours[i], 1 / (float)count));
+    return sum;
+}
+
+static void within_a_face_seamless_is_bilinear(void **state)
+{
+    (void)state;
+    const uint32_t side = 9;
+    rk_cubemap map = paint_map(side, noise);
+    vec between = towards(RK_FACE_Y, 1.0 / 9, 1.0 / 9); /* where four texels meet */
+    check_colour(rk_cubemap_at(&map, narrow(between), RK_CUBEMAP_SEAMLESS),
+                 mean_of_nearest(&map, between, 4), side * few_roundings,
+                 "the mean of the four texels around it");
+    for (uint32_t n = 0; n < 20000; n++) {
+        rk_vec3 d = random_direction(n);
+        rk_cube_place place = rk_cubemap_place(d);
+        if (fabsf(place.u - 0.5f) > 0.44f || fabsf(place.v - 0.5f) > 0.44f)
+            continue;
+        rk_vec3 a = rk_cubemap_at(&map, d, RK_CUBEMAP_BILINEAR);
+        rk_vec3 b = rk_cubemap_at(&map, d, RK_CUBEMAP_SEAMLESS);
+        rk_vec3 c = rk_cubemap_at(&map, d, RK_CUBEMAP_NEAREST);
+        rk_check(memcmp(&a, &b, sizeof a) == 0, "direction %u: not the same to the bit", n);
+        rk_check(distance(a, c) < 1, "direction %u: not a mix of colours around it", n);
+    }
+    rk_cubemap_free(&map);
+}
+
+static void on_an_edge_the_two_texels_beside_it_meet_halfway(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {2, 3, 8};
+    const int left = 0, right = 1, below = 2, above = 3;
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        uint32_t side = sides[k];
+        rk_cubemap map = paint_map(side, noise);
+        for (int face = 0; face < RK_FACES; face++)
+            for (int edge = left; edge <= above; edge++)
+                for (uint32_t i = 0; i < side; i++) {
+                    double along = (2 * i + 1.0) / side - 1;
+                    double a = edge == left ? -1 : edge == right ? 1 : along;
+                    double b = edge == below ? -1 : edge == above ? 1 : along;
+                    vec d = towards(face, a, b);
+                    check_colour(rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS),
+                                 mean_of_nearest(&map, d, 2), side * few_roundings,
+                                 "the mean of the texels on both sides of the edge");
+                }
+        rk_cubemap_free(&map);
+    }
+}
+
+static void at_a_corner_three_texels_meet_alike(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {1, 2, 5};
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        rk_cubemap map = paint_map(sides[k], noise);
+        for (int sign = 0; sign < 8; sign++)
+            for (int axis = 0; axis < 3; axis++) {
+                vec d = {sign & 1 ? -1 : 1, sign & 2 ? -1 : 1, sign & 4 ? -1 : 1};
+                vec want = d;
+                /* From each of the three faces; the distance is that of floats. */
+                double *component = axis == 0 ? &d.x : axis == 1 ? &d.y : &d.z;
+                *component *= 1 + 0x1p-22;
+                check_colour(rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS),
+                             mean_of_nearest(&map, want, 3), sides[k] * few_roundings,
+                             "the mean of the three texels around the corner");
+            }
+        rk_cubemap_free(&map);
+    }
+}
+
+static void one_colour_stays_one_colour(void **state)
+{
+    (void)state;
+    rk_cubemap map = make_map(3);
+    for (int i = 0; i < RK_FACES * 9; i++)
+        map.faces[0][i] = rk_vec(0.25f, 0.5f, 4);
+    for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
+        for (uint32_t n = 0; n < 20000; n++)
+            check_colour(rk_cubemap_at(&map, random_direction(n), (rk_cubemap_filter)filter),
+                         rk_vec(0.25f, 0.5f, 4), 4 * few_roundings, "weights sum to one");
+    rk_cubemap_free(&map);
+}
+
+/* The largest difference of colours across the cube's edges and around its corners, over pairs of
+ * directions that are a millionth apart. */
+static double largest_step(const rk_cubemap *map, rk_cubemap_filter filter)
+{
+    const double near = 1e-6;
+    double largest = 0;
+    for (int face = 0; face < RK_FACES; face++)
+        for (int edge = 0; edge < 4; edge++)
+            for (int i = -1000; i <= 1000; i++) {
+                /* Closest at the edge's ends, which are corners. */
+                double along = sin(i * pi / 2002), edge_at = edge & 1 ? 1 : -1;
+                double in = edge_at * (1 - near), out = edge_at * (1 + near);
+                bool upright = edge & 2;
+                vec a = upright ? towards(face, in, along) : towards(face, along, in);
+                vec b = upright ? towards(face, out, along) : towards(face, along, out);
+                double step = distance(rk_cubemap_at(map, narrow(a), filter),
+                                       rk_cubemap_at(map, narrow(b), filter));
+                largest = step > largest ? step : largest;
+            }
+    return largest;
+}
+
+static void nothing_steps_at_edges_and_corners(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {1, 2, 3, 16};
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        uint32_t side = sides[k];
+        rk_cubemap map = paint_map(side, noise);
+        /* Colours in [0, 1] change by 1 a texel at most, over `side` texels in 2 units, in both
+         * directions; twice, as the two points are on different faces. */
+        double slope_allows = 2e-6 * side * 2, floats_allow = side * few_roundings;
+        double step = largest_step(&map, RK_CUBEMAP_SEAMLESS);
+        rk_check(
+            step <= slope_allows + floats_allow,
+            "side %u: a step of %g between directions 2e-6 apart, of noise: the two faces must "
+            "mix the same texels by the same shares",
+            side, step);
+        rk_check(largest_step(&map, RK_CUBEMAP_BILINEAR) > 0.5,
+                 "bilinear within a face must show a step here, or this test sees none");
+        rk_cubemap_free(&map);
+    }
+}
+
+static void nothing_steps_on_the_way_round_a_corner(void **state)
+{
+    (void)state;
+    const uint32_t side = 6;
+    rk_cubemap map = paint_map(side, noise);
+    for (int sign = 0; sign < 8; sign++)
+        for (int circle = 1; circle <= 10; circle++) {
+            vec corner = unit((vec){sign & 1 ? -1 : 1, sign & 2 ? -1 : 1, sign & 4 ? -1 : 1});
+            vec a = unit((vec){corner.y, -corner.x, 0});
+            vec b = {corner.y * a.z - corner.z * a.y, corner.z * a.x - corner.x * a.z,
+                     corner.x * a.y - corner.y * a.x};
+            double radius = 0.03 * circle;
+            check_colour(rk_cubemap_at(&map, narrow(corner), RK_CUBEMAP_SEAMLESS),
+                         mean_of_nearest(&map, corner, 3), side * few_roundings,
+                         "in the circle's middle");
+            rk_vec3 last = {0, 0, 0};
+            for (int i = 0; i <= 3000; i++) {
+                double angle = 2 * pi * i / 3000;
+                vec d = combine(combine(a, cos(angle), b, sin(angle)), radius, corner, 1);
+                rk_vec3 next = rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS);
+                /* A way of 2 pi radius / 3000 at distance 1 is up to 3 times as long on the cube,
+                 * where a unit has side / 2 texels; the slope is 1 a texel in both directions. */
+                double most = 2 * pi * radius / 3000 * 3 * side / 2 * 2 + side * few_roundings;
+                if (i > 0)
+                    check_colour(next, last, most, "a step on a circle around a corner");
+                last = next;
+            }
+        }
+    rk_cubemap_free(&map);
+}
+
+static void a_smooth_function_comes_back_everywhere(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {4, 16, 64};
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        uint32_t side = sides[k];
+        rk_cubemap map = paint_map(side, smooth_texel);
+        /* All texels that take part have their centres within one texel's diagonal, 2 sqrt(2) /
+         * side; beyond edges and corners, where faces meet at an angle, within one and a half. */
+        double reach = 1.5 * 2 * sqrt(2) / side;
+        for (uint32_t n = 0; n < 20000; n++) {
+            /* On all of the sphere, then near edges. */
+            vec d = widen(random_direction(n));
+            if (n & 1) {
+                d.x = copysign(1, d.x);
+                d.y = copysign(1 + 0.1 * d.z * d.z * d.z, d.y);
+            }
+            if (n & 2)
+                d = (vec){d.z, d.x, d.y};
+            for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
+                check_colour(rk_cubemap_at(&map, narrow(d), (rk_cubemap_filter)filter),
+                             narrow(smooth(d)), steepest * reach,
+                             "a map of a smooth function is that function, but for its texels");
+        }
+        rk_cubemap_free(&map);
+    }
+}
+
+static void lookups_ask_for_no_memory(void **state)
+{
+    (void)state;
+    if (!rk_allocations_are_counted)
+        return;
+    rk_cubemap map = paint_map(4, noise);
+    size_t before = rk_allocations;
+    for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
+        for (uint32_t n = 0; n < 1000; n++)
+            rk_cubemap_at(&map, random_direction(n), (rk_cubemap_filter)filter);
+    rk_check_equal(rk_allocations - before, 0, "a lookup must not allocate");
+    rk_cubemap_free(&map);
+}
+
+/* --- Solid angles ----------------------------------------------------------------------------- */
+
+static void a_face_is_a_sixth_of_the_sphere(void **state)
+{
+    (void)state;
+    rk_check_close(rk_cubemap_solid_angle(1, 0, 0), 4 * pi / 6, 1e-14, "a face");
+    for (uint32_t i = 0; i < 4; i++)
+        rk_check_close(rk_cubemap_solid_angle(2, i & 1, i >> 1), 4 * pi / 24, 1e-14,
+                       "a quarter of a face");
+}
+
+static void solid_angles_sum_to_the_sphere(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {1, 2, 3, 10, 101, 512};
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        double sum = 0;
+        for (uint32_t row = 0; row < sides[k]; row++)
+            for (uint32_t column = 0; column < sides[k]; column++) {
+                double angle = rk_cubemap_solid_angle(sides[k], column, row);
+                rk_check(angle > 0, "texel (%u, %u) covers %g", column, row, angle);
+                sum += angle;
+            }
+        /* Four roundings of numbers up to 1/2 a texel. */
+        rk_check_close(RK_FACES * sum, 4 * pi, 4 * 0x1p-54 * RK_FACES * sides[k] * sides[k] + 1e-14,
+                       "all texels of six faces");
+    }
+}
+
+/* A texel's solid angle is the integral of 1 / (1 + x^2 + y^2)^(3/2): here by the midpoint rule. */
+static double integral(uint32_t side, uint32_t column, uint32_t row, int parts)
+{
+    double width = 2.0 / side / parts, sum = 0;
+    for (int i = 0; i < parts; i++)
+        for (int j = 0; j < parts; j++) {
+            double x = 2.0 * column / side - 1 + (i + 0.5) * width;
+            double y = 2.0 * row / side - 1 + (j + 0.5) * width;
+            sum += pow(1 + x * x + y * y, -1.5) * width * width;
+        }
+    return sum;
+}
+
+static void a_texel_s_solid_angle_is_its_integral(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {3, 7, 32};
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++)
+        for (uint32_t i = 0; i < sides[k] * sides[k]; i++) {
+            double want = integral(sides[k], i % sides[k], i / sides[k], 50);
+            /* The midpoint rule's error is width^2 / 24 of the second derivatives, at most 6 of the
+             * value, so less than 1e-3 of it for 150 steps or more across. */
+            rk_check_close(rk_cubemap_solid_angle(sides[k], i % sides[k], i / sides[k]) / want, 1,
+                           1e-3, "against the midpoint rule");
+        }
+    /* In the largest map: seven digits are left of the differences. */
+    const uint32_t corner = RK_CUBEMAP_SIDE_MAX - 1;
+    rk_check_close(rk_cubemap_solid_angle(RK_CUBEMAP_SIDE_MAX, 0, corner) /
+                       integral(RK_CUBEMAP_SIDE_MAX, 0, corner, 1),
+                   1, 1e-6, "the smallest texel");
+}
+
+static void solid_angles_weigh_what_comes_from_all_sides(void **state)
+{
+    (void)state;
+    /* The integrals over the sphere of x^2 and of y^4 are 4 pi / 3 and 4 pi / 5. */
+    const uint32_t side = 128;
+    double square = 0, fourth = 0;
+    for (uint32_t i = 0; i < RK_FACES * side * side; i++) {
+        uint32_t column = i % side, row = i / side % side;
+        rk_cube_face face = (rk_cube_face)(i / side / side);
+        vec d = unit(widen(rk_cubemap_texel_direction(side, face, column, row)));
+        double angle = rk_cubemap_solid_angle(side, column, row);
+        square += d.x * d.x * angle;
+        fourth += d.y * d.y * d.y * d.y * angle;
+    }
+    /* A texel's centre stands for it up to the square of its size, 2^-12. */
+    rk_check_close(square, 4 * pi / 3, 0x1p-12, "the integral of x^2");
+    rk_check_close(fourth, 4 * pi / 5, 0x1p-12, "the integral of y^4");
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(the_largest_component_chooses_the_face),
+    cmocka_unit_test(on_edges_x_comes_before_y_before_z),
+    cmocka_unit_test(places_run_to_the_right_and_upwards),
+    cmocka_unit_test(the_length_of_a_direction_does_not_matter),
+    cmocka_unit_test(texel_centres_come_back_as_they_went),
+    cmocka_unit_test(places_and_directions_are_inverse),
+    cmocka_unit_test(what_has_no_direction_is_somewhere_on_the_cube),
+    cmocka_unit_test(nearest_is_the_texel_that_the_direction_meets),
+    cmocka_unit_test(the_last_texels_reach_to_the_edge),
+    cmocka_unit_test(filters_return_the_texel_at_its_centre),
+    cmocka_unit_test(filters_are_linear_between_centres),
+    cmocka_unit_test(bilinear_stays_within_its_face),
+    cmocka_unit_test(within_a_face_seamless_is_bilinear),
+    cmocka_unit_test(on_an_edge_the_two_texels_beside_it_meet_halfway),
+    cmocka_unit_test(at_a_corner_three_texels_meet_alike),
+    cmocka_unit_test(one_colour_stays_one_colour),
+    cmocka_unit_test(nothing_steps_at_edges_and_corners),
+    cmocka_unit_test(nothing_steps_on_the_way_round_a_corner),
+    cmocka_unit_test(a_smooth_function_comes_back_everywhere),
+    cmocka_unit_test(a_face_is_a_sixth_of_the_sphere),
+    cmocka_unit_test(solid_angles_sum_to_the_sphere),
+    cmocka_unit_test(a_texel_s_solid_angle_is_its_integral),
+    cmocka_unit_test(solid_angles_weigh_what_comes_from_all_sides),
+    cmocka_unit_test(lookups_ask_for_no_memory),
+};
+
+RK_SUITE("cubemap", tests)

@@ -1,0 +1,488 @@
+/* The lens: its disk, rays that meet in focus, circles of confusion against the closed form and
+ * against the rays themselves, and which pixels they reach. */
+#include "test.h"
+
+#include "base/dvec3.h"
+#include "base/random.h"
+#include "features/depth_of_field.h"
+
+static const double epsilon = 0x1p-24; /* half an ulp of 1: one rounding to float */
+
+static float unit_float(uint32_t i, uint32_t which)
+{
+    return rk_unit_float(rk_hash(i, which, 0, 9));
+}
+
+/* A camera that is turned about all axes; another for each i. */
+static rk_view turned_view(uint32_t i)
+{
+    rk_camera camera = {
+        .look_at = rk_vec(0.5f, -1, 2),
+        .distance = 3,
+        .rotation = rk_vec(360 * unit_float(i, 0), 360 * unit_float(i, 1), 360 * unit_float(i, 2)),
+        .fov = 50};
+    return rk_view_of(&camera, 400, 300);
+}
+
+static rk_lens lens_of(float focal_distance, float aperture, rk_focal_surface focal)
+{
+    return (rk_lens){.focal_distance = focal_distance, .aperture = aperture, .focal = focal};
+}
+
+static rk_dvec3 from_to(rk_dvec3 from, rk_dvec3 to)
+{
+    return rk_dmadd(to, from, -1);
+}
+
+static rk_vec2 random_place(uint32_t i)
+{
+    return (rk_vec2){400 * unit_float(i, 3), 300 * unit_float(i, 4)};
+}
+
+static rk_vec2 random_xi(uint32_t i)
+{
+    return (rk_vec2){unit_float(i, 5), unit_float(i, 6)};
+}
+
+/* --- The disk --------------------------------------------------------------------------------- */
+
+static void check_disk(float xi_x, float xi_y, double x, double y)
+{
+    rk_vec2 got = rk_lens_disk((rk_vec2){xi_x, xi_y});
+    rk_check(fabs((double)got.x - x) <= 4 * epsilon && fabs((double)got.y - y) <= 4 * epsilon,
+             "xi (%g, %g): got (%.9g, %.9g), want (%.9g, %.9g): the square's radius is the disk's",
+             (double)xi_x, (double)xi_y, (double)got.x, (double)got.y, x, y);
+}
+
+static void places_of_the_square_have_their_place_on_the_disk(void **state)
+{
+    (void)state;
+    const double diagonal = sqrt(0.5), pi = 3.14159265358979323846;
+    check_disk(0.5f, 0.5f, 0, 0);
+    check_disk(1, 0.5f, 1, 0);
+    check_disk(0.25f, 0.5f, -0.5, 0);
+    check_disk(0.5f, 0.75f, 0, 0.5);
+    check_disk(0.5f, 0, 0, -1);
+    check_disk(1, 1, diagonal, diagonal);
+    check_disk(0, 1, -diagonal, diagonal);
+    check_disk(0.25f, 0.25f, -0.5 * diagonal, -0.5 * diagonal);
+    check_disk(0.75f, 0.25f, 0.5 * diagonal, -0.5 * diagonal);
+    /* Half-way along half a side is half of an eighth of a turn. */
+    check_disk(1, 0.75f, cos(pi / 8), sin(pi / 8));
+    check_disk(0.25f, 1, -sin(pi / 8), cos(pi / 8));
+}
+
+static void squares_become_circles(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 10000; i++) {
+        rk_vec2 xi = random_xi(i), got = rk_lens_disk(xi);
+        double side = fmax(fabs(2 * (double)xi.x - 1), fabs(2 * (double)xi.y - 1));
+        rk_check_close(hypot((double)got.x, (double)got.y), side, 4 * epsilon,
+                       "the larger of |2 xi - 1| is the radius");
+    }
+}
+
+static void the_disk_is_covered_evenly(void **state)
+{
+    (void)state;
+    enum { rings = 8, sectors = 16, samples = 1 << 18 };
+    uint32_t counts[rings][sectors] = {0};
+    for (uint32_t i = 0; i < samples; i++) {
+        rk_vec2 p = rk_lens_disk(random_xi(i));
+        double square = (double)(p.x * p.x + p.y * p.y);
+        double turn = atan2((double)p.y, (double)p.x) / (2 * 3.14159265358979323846) + 0.5;
+        uint32_t ring = (uint32_t)fmin(rings * square, rings - 1);
+        counts[ring][(uint32_t)fmin(sectors * turn, sectors - 1)]++;
+    }
+    double chi_squared = 0, want = (double)samples / (rings * sectors);
+    for (int r = 0; r < rings; r++)
+        for (int s = 0; s < sectors; s++)
+            chi_squared += (counts[r][s] - want) * (counts[r][s] - want) / want;
+    /* 127 degrees of freedom: mean 127, standard deviation sqrt(2 127). */
+    rk_check(chi_squared < 127 + 5 * sqrt(2 * 127.0),
+             "chi-squared is %.1f over %d parts of equal area, expected 127 +- 16", chi_squared,
+             rings * sectors);
+}
+
+static void neighbours_in_the_square_are_neighbours_on_the_disk(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 20000; i++) {
+        rk_vec2 a = random_xi(i), b = {a.x + 0.01f * (unit_float(i, 7) - 0.5f),
+                                       a.y + 0.01f * (unit_float(i, 8) - 0.5f)};
+        rk_vec2 p = rk_lens_disk(a), q = rk_lens_disk(b);
+        double apart = hypot((double)(p.x - q.x), (double)(p.y - q.y));
+        /* Along a side at most 2 (1 + (pi / 4)^2)^.5, across it 2 pi / 4: below 3 together. */
+        rk_check(apart <= 3 * hypot((double)(a.x - b.x), (double)(a.y - b.y)) + 8 * epsilon,
+                 "from (%g, %g) to (%g, %g) the disk's points are %g apart", (double)a.x,
+                 (double)a.y, (double)b.x, (double)b.y, apart);
+    }
+}
+
+/* --- Rays ------------------------------------------------------------------------------------- */
+
+/* Where the pinhole ray through (x, y) meets the focal surface, in double. */
+static rk_dvec3 focus_of(const rk_lens *lens, const rk_view *view, rk_vec2 place)
+{
+    double right = ((double)place.x - 0.5 * (double)view->width) * (double)view->pixel;
+    double up = (0.5 * (double)view->height - (double)place.y) * (double)view->pixel;
+    rk_dvec3 through = rk_widen(view->forward);
+    through = rk_dmadd(through, rk_widen(view->right), right);
+    through = rk_dmadd(through, rk_widen(view->up), up);
+    double f = (double)lens->focal_distance;
+    double along = lens->focal == RK_FOCAL_PLANE ? f : f / rk_dlength(through);
+    return rk_dmadd(rk_widen(view->position), through, along);
+}
+
+static double distance_to(const rk_ray *ray, rk_dvec3 point)
+{
+    rk_dvec3 direction = rk_widen(ray->direction);
+    rk_dvec3 apart = rk_dcross(from_to(rk_widen(ray->origin), point), direction);
+    return rk_dlength(apart) / rk_dlength(direction);
+}
+
+static void rays_start_on_a_disk_in_the_cameras_own_axes(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_view view = turned_view(i);
+        rk_lens lens = lens_of(2, 400, i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        rk_vec2 place = random_place(i), xi = random_xi(i), disk = rk_lens_disk(xi);
+        rk_ray ray = rk_lens_ray(&lens, &view, place.x, place.y, xi);
+        rk_vec3 offset = rk_sub(ray.origin, view.position);
+        /* Roundings of a position up to 5 from the origin. */
+        const double tolerance = 2 * 5 * epsilon;
+        rk_check_close(rk_dot(offset, view.right), 0.2 * (double)disk.x, tolerance,
+                       "the disk's x is along the picture's rows");
+        rk_check_close(rk_dot(offset, view.up), 0.2 * (double)disk.y, tolerance,
+                       "the disk's y is along the picture's columns");
+        rk_check_close(rk_dot(offset, view.forward), 0, tolerance, "the lens stands across");
+    }
+}
+
+static void the_aperture_is_the_diameter_in_thousandths_of_a_unit(void **state)
+{
+    (void)state;
+    rk_camera camera = {.distance = 3, .fov = 50};
+    rk_view view = rk_view_of(&camera, 400, 300);
+    const float apertures[] = {1, 10, 50, 1000};
+    for (int i = 0; i < 4; i++) {
+        rk_lens lens = lens_of(1.8f, apertures[i], RK_FOCAL_PLANE);
+        rk_ray left = rk_lens_ray(&lens, &view, 100, 100, (rk_vec2){0, 0.5f});
+        rk_ray right = rk_lens_ray(&lens, &view, 100, 100, (rk_vec2){1, 0.5f});
+        rk_check_close(rk_length(rk_sub(right.origin, left.origin)), 0.001 * (double)apertures[i],
+                       8 * epsilon, "from rim to rim");
+    }
+}
+
+static void check_meeting(rk_focal_surface focal)
+{
+    for (uint32_t i = 0; i < 2000; i++) {
+        rk_view view = turned_view(i);
+        rk_lens lens = lens_of(exp2f(6 * unit_float(i, 7) - 2), 100, focal);
+        rk_vec2 place = random_place(i);
+        rk_dvec3 focus = focus_of(&lens, &view, place);
+        double f = rk_dlength(from_to(rk_widen(view.position), focus));
+        for (uint32_t k = 0; k < 8; k++) {
+            rk_ray ray = rk_lens_ray(&lens, &view, place.x, place.y, random_xi(8 * i + k));
+            double missed = distance_to(&ray, focus);
+            /* A rounding of the origin, a dozen of the direction, f long. */
+            double tolerance = epsilon * ((double)rk_length(view.position) + 12 * f);
+            rk_check(missed <= tolerance,
+                     "place (%g, %g), focused at %g: a ray misses the focus by %g, allowed %g",
+                     (double)place.x, (double)place.y, (double)lens.focal_distance, missed,
+                     tolerance);
+        }
+    }
+}
+
+static void rays_of_a_place_meet_on_the_focal_plane(void **state)
+{
+    (void)state;
+    check_meeting(RK_FOCAL_PLANE);
+}
+
+static void rays_of_a_place_meet_on_the_focal_sphere(void **state)
+{
+    (void)state;
+    check_meeting(RK_FOCAL_SPHERE);
+}
+
+static void check_pinhole_ray(const rk_lens *lens, const rk_view *view, rk_vec2 place, rk_vec2 xi,
+                              const char *hint)
+{
+    rk_ray got = rk_lens_ray(lens, view, place.x, place.y, xi);
+    rk_ray want = rk_view_ray(view, place.x, place.y);
+    rk_check(memcmp(&got.direction, &want.direction, sizeof got.direction) == 0 &&
+                 rk_length(rk_sub(got.origin, want.origin)) == 0,
+             "place (%g, %g): %s", (double)place.x, (double)place.y, hint);
+}
+
+static void the_lens_centre_sees_what_a_pinhole_sees_to_the_bit(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_view view = turned_view(i);
+        rk_lens lens =
+            lens_of(0.1f + 5 * unit_float(i, 7), 300, i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        check_pinhole_ray(&lens, &view, random_place(i), (rk_vec2){0.5f, 0.5f},
+                          "the ray through the centre is not rk_view_ray's");
+    }
+}
+
+static void without_aperture_every_ray_is_the_pinholes_to_the_bit(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_view view = turned_view(i);
+        rk_lens lens =
+            lens_of(0.1f + 5 * unit_float(i, 7), 0, i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        check_pinhole_ray(&lens, &view, random_place(i), random_xi(i),
+                          "aperture 0, and not the pinhole's ray");
+    }
+}
+
+static void directions_are_unit_and_rays_have_no_end(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_view view = turned_view(i);
+        rk_lens lens = lens_of(1.8f, 500, i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        rk_vec2 place = random_place(i);
+        rk_ray ray = rk_lens_ray(&lens, &view, place.x, place.y, random_xi(i));
+        rk_check_close(rk_length(ray.direction), 1, 4 * epsilon, "see rk_normalize");
+        rk_check(isinf(ray.t_max) && ray.t_max > 0, "t_max is %g", (double)ray.t_max);
+        rk_check(rk_dot(ray.direction, view.forward) > 0, "it leads backwards");
+    }
+}
+
+/* --- Circles of confusion --------------------------------------------------------------------- */
+
+static double cosine_of(const rk_view *view, const rk_ray *ray)
+{
+    return rk_ddot(rk_widen(ray->direction), rk_widen(view->forward));
+}
+
+static void what_is_in_focus_has_no_circle(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_view view = turned_view(i);
+        rk_vec2 place = random_place(i);
+        rk_ray ray = rk_view_ray(&view, place.x, place.y);
+        float f = 0.5f + 4 * unit_float(i, 7);
+        rk_lens plane = lens_of(f, 50, RK_FOCAL_PLANE), sphere = lens_of(f, 50, RK_FOCAL_SPHERE);
+        /* f / d is 1 but for six roundings. */
+        double infinitely_far = 0.05 / ((double)f * (double)view.pixel);
+        rk_check_close(rk_lens_blur(&plane, &view, &ray, f / (float)cosine_of(&view, &ray)), 0,
+                       6 * epsilon * infinitely_far, "a point of the focal plane");
+        rk_check_close(rk_lens_blur(&sphere, &view, &ray, f), 0, 0, "a point of the focal sphere");
+    }
+}
+
+/* |d - f| / d x aperture, over what a pixel measures on the focal surface. */
+static void the_circle_is_that_of_the_closed_form(void **state)
+{
+    (void)state;
+    rk_camera camera = {.distance = 3, .fov = 50};
+    rk_view view = rk_view_of(&camera, 800, 800);
+    rk_ray ahead = rk_view_ray(&view, 400, 400);
+    double pixel = 2 * tan(25 * 3.14159265358979323846 / 180) / 800;
+    const float distances[] = {0.5f, 1, 1.5f, 2, 4, 100};
+    for (int i = 0; i < 6; i++)
+        for (int focal = RK_FOCAL_PLANE; focal <= RK_FOCAL_SPHERE; focal++) {
+            rk_lens lens = lens_of(1.8f, 50, (rk_focal_surface)focal);
+            double d = (double)distances[i], f = (double)lens.focal_distance;
+            double want = 0.05 * fabs(d - f) / d / (f * pixel);
+            rk_check_close(rk_lens_blur(&lens, &view, &ahead, distances[i]), want, 1e-5 * want,
+                           "ahead, a plane and a sphere are the same");
+        }
+}
+
+static void a_plane_goes_by_depth_and_a_sphere_by_distance(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_view view = turned_view(i);
+        rk_vec2 place = random_place(i);
+        rk_ray ray = rk_view_ray(&view, place.x, place.y);
+        double cosine = cosine_of(&view, &ray), t = 0.5 + 4 * (double)unit_float(i, 7);
+        double largest = 0.05 / (1.8 * (double)view.pixel);
+        rk_lens plane = lens_of(1.8f, 50, RK_FOCAL_PLANE);
+        rk_lens sphere = lens_of(1.8f, 50, RK_FOCAL_SPHERE);
+        /* Errors of a few roundings, multiplied where f / d is large: below 2 here, so 2^-20. */
+        rk_check_close(rk_lens_blur(&plane, &view, &ray, (float)t),
+                       largest * fabs(1 - 1.8 / (t * cosine)), largest * 0x1p-20,
+                       "the plane: d is the depth, t cos");
+        rk_check_close(rk_lens_blur(&sphere, &view, &ray, (float)t),
+                       largest * fabs(1 - 1.8 / t) / cosine, largest * 0x1p-20,
+                       "the sphere: d is t, and a pixel is seen at an angle");
+    }
+}
+
+static void the_circle_of_what_is_infinitely_far_is_finite(void **state)
+{
+    (void)state;
+    rk_view view = turned_view(0);
+    rk_ray ahead = rk_view_ray(&view, 200, 150);
+    for (int focal = RK_FOCAL_PLANE; focal <= RK_FOCAL_SPHERE; focal++) {
+        rk_lens lens = lens_of(2, 50, (rk_focal_surface)focal);
+        double want = 0.025 / (double)view.pixel;
+        rk_check_close(rk_lens_blur(&lens, &view, &ahead, INFINITY), want, 1e-5 * want,
+                       "|d - f| / d is 1");
+    }
+}
+
+/* Where the ray from a lens's point through `point` meets the focal surface, first of all. */
+static rk_vec3 focus_behind(const rk_lens *lens, const rk_view *view, rk_vec3 from, rk_vec3 point)
+{
+    rk_dvec3 o = from_to(rk_widen(view->position), rk_widen(from));
+    rk_dvec3 towards = from_to(rk_widen(from), rk_widen(point)), ahead = rk_widen(view->forward);
+    double f = (double)lens->focal_distance, along;
+    if (lens->focal == RK_FOCAL_PLANE) {
+        along = (f - rk_ddot(o, ahead)) / rk_ddot(towards, ahead);
+    } else { /* |o + s towards| = f */
+        double a = rk_ddot(towards, towards), b = rk_ddot(o, towards);
+        along = (sqrt(b * b - a * (rk_ddot(o, o) - f * f)) - b) / a;
+    }
+    rk_dvec3 focus = rk_dmadd(rk_widen(from), towards, along);
+    return rk_vec((float)focus.x, (float)focus.y, (float)focus.z);
+}
+
+/* A point sends light to a place of the lens, and that comes to the picture where the lens's ray
+ * through the point meets the focal surface: all of these places make the circle. */
+static void the_rim_of_the_lens_draws_the_rim_of_the_circle(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 4000; i++) {
+        rk_view view = turned_view(i);
+        rk_focal_surface focal = i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE;
+        rk_lens lens = lens_of(1 + 2 * unit_float(i, 7), 10, focal);
+        rk_vec2 place = random_place(i), seen, rim = {1, unit_float(i, 9)};
+        rk_ray pinhole = rk_view_ray(&view, place.x, place.y);
+        float t = 0.8f + 4 * unit_float(i, 8), depth;
+        rk_vec3 point = rk_madd(pinhole.origin, pinhole.direction, t);
+        rk_ray from_rim = rk_lens_ray(&lens, &view, place.x, place.y, rim);
+        rk_vec3 focus = focus_behind(&lens, &view, from_rim.origin, point);
+        rk_check(rk_view_project(&view, focus, &seen, &depth), "the focus is in front");
+        double got = hypot((double)(seen.x - place.x), (double)(seen.y - place.y));
+        double want = 0.5 * (double)rk_lens_blur(&lens, &view, &pinhole, t);
+        /* Pixels of 400 within 24 roundings; on a sphere the next order in A / d as well, .0125. */
+        double tolerance = 400 * 24 * epsilon + (focal == RK_FOCAL_SPHERE ? 0.0125 * want : 0);
+        rk_check_close(got, want, tolerance, "the place's distance from the centre, in pixels");
+        rk_ray back = rk_lens_ray(&lens, &view, seen.x, seen.y, rim);
+        rk_check(distance_to(&back, rk_widen(point)) <= 5 * 24 * epsilon,
+                 "the ray of that place misses the point by %g",
+                 distance_to(&back, rk_widen(point)));
+    }
+}
+
+/* --- Which pixels circles reach --------------------------------------------------------------- */
+
+enum { width = 37, height = 23, stride = width + 1 };
+
+typedef struct pixels {
+    float blur[width * height];
+    int32_t circles[stride * (height + 1)];
+} pixels;
+
+static void spread(pixels *p)
+{
+    memset(p->circles, 0x55, sizeof p->circles);
+    rk_lens_spread(p->blur, width, height, p->circles);
+}
+
+static bool reaches(int from, int to, float diameter)
+{
+    return abs(to - from) <= ceil((double)diameter / 2);
+}
+
+/* Each pixel against each, without haste. */
+static void check_spread(pixels *p)
+{
+    spread(p);
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            int want = 0;
+            for (int v = 0; v < height; v++)
+                for (int u = 0; u < width; u++) {
+                    float diameter = p->blur[v * width + u];
+                    want += diameter >= 0.5f && reaches(u, x, diameter) && reaches(v, y, diameter);
+                }
+            rk_check(p->circles[y * stride + x] == want, "pixel (%d, %d): got %d circles, want %d",
+                     x, y, p->circles[y * stride + x], want);
+        }
+}
+
+static void circles_below_half_a_pixel_are_points(void **state)
+{
+    (void)state;
+    pixels p = {.blur = {0}};
+    for (uint32_t i = 0; i < width * height; i++)
+        p.blur[i] = 0.49f * unit_float(i, 0);
+    check_spread(&p);
+    p.blur[5 * width + 7] = 0.5f;
+    check_spread(&p);
+}
+
+static void a_circle_reaches_every_pixel_that_it_may_touch(void **state)
+{
+    (void)state;
+    const float diameters[] = {0.5f, 1, 2, 2.1f, 4, 5, 7.9f, 12};
+    for (int i = 0; i < 8; i++) {
+        pixels p = {.blur = {0}};
+        p.blur[11 * width + 18] = diameters[i];
+        check_spread(&p);
+    }
+}
+
+static void circles_end_at_the_border_of_the_picture(void **state)
+{
+    (void)state;
+    const float diameters[] = {0.5f, 3, 60, 1e9f, INFINITY};
+    const int corners[] = {0, width - 1, (height - 1) * width, height * width - 1};
+    for (int i = 0; i < 5; i++)
+        for (int k = 0; k < 4; k++) {
+            pixels p = {.blur = {0}};
+            p.blur[corners[k]] = diameters[i];
+            check_spread(&p);
+        }
+}
+
+static void every_pixel_counts_the_circles_that_reach_it(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 30; i++) {
+        pixels p = {.blur = {0}};
+        for (uint32_t k = 0; k < width * height; k++)
+            if (rk_hash(i, k, 0, 1) % 64 <= i)
+                p.blur[k] = exp2f(8 * unit_float(k, i) - 3);
+        check_spread(&p);
+    }
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(places_of_the_square_have_their_place_on_the_disk),
+    cmocka_unit_test(squares_become_circles),
+    cmocka_unit_test(the_disk_is_covered_evenly),
+    cmocka_unit_test(neighbours_in_the_square_are_neighbours_on_the_disk),
+    cmocka_unit_test(rays_start_on_a_disk_in_the_cameras_own_axes),
+    cmocka_unit_test(the_aperture_is_the_diameter_in_thousandths_of_a_unit),
+    cmocka_unit_test(directions_are_unit_and_rays_have_no_end),
+    cmocka_unit_test(the_lens_centre_sees_what_a_pinhole_sees_to_the_bit),
+    cmocka_unit_test(without_aperture_every_ray_is_the_pinholes_to_the_bit),
+    cmocka_unit_test(rays_of_a_place_meet_on_the_focal_plane),
+    cmocka_unit_test(rays_of_a_place_meet_on_the_focal_sphere),
+    cmocka_unit_test(what_is_in_focus_has_no_circle),
+    cmocka_unit_test(the_circle_is_that_of_the_closed_form),
+    cmocka_unit_test(a_plane_goes_by_depth_and_a_sphere_by_distance),
+    cmocka_unit_test(the_circle_of_what_is_infinitely_far_is_finite),
+    cmocka_unit_test(the_rim_of_the_lens_draws_the_rim_of_the_circle),
+    cmocka_unit_test(circles_below_half_a_pixel_are_points),
+    cmocka_unit_test(a_circle_reaches_every_pixel_that_it_may_touch),
+    cmocka_unit_test(circles_end_at_the_border_of_the_picture),
+    cmocka_unit_test(every_pixel_counts_the_circles_that_reach_it),
+};
+
+RK_SUITE("depth_of_field", tests)

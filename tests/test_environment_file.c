@@ -1,0 +1,465 @@
+/* Environments from files: every layout with marked faces, so that one that is mirrored, turned or
+ * swapped is found out; the same map by every layout; and what cannot be one refused in a sentence.
+ *
+ * Each start of the helper takes a quarter of a second, so most pictures here are PNG, which needs
+ * none. */
+#include "test.h"
+#include "test_folder.h"
+
+#include "base/random.h"
+#include "io/environment_file.h"
+#include "io/helper.h"
+#include "io/image_file.h"
+#include "io/image_stream.h"
+
+/* --- Marked faces ----------------------------------------------------------------------------- */
+
+/* Of a face's 2 x 2 texels the top left one says which face it is, the top right one is white, and
+ * those below are black, so that none looks the same mirrored or turned. PNG keeps 0 and 1 exactly.
+ */
+typedef struct mark {
+    rk_cube_face face;
+    rk_vec3 colour;
+} mark;
+
+static const mark marks[RK_FACES] = {
+    {RK_FACE_X, {1, 0, 0}},       {RK_FACE_MINUS_X, {0, 1, 1}}, {RK_FACE_Y, {0, 1, 0}},
+    {RK_FACE_MINUS_Y, {1, 0, 1}}, {RK_FACE_Z, {0, 0, 1}},       {RK_FACE_MINUS_Z, {1, 1, 0}},
+};
+
+static rk_image make_image(size_t width, size_t height)
+{
+    rk_image image;
+    rk_error error;
+    rk_check_ok(rk_image_init(&image, width, height, &error), error);
+    return image;
+}
+
+static rk_vec3 marked(rk_cube_face face, size_t column, size_t row)
+{
+    return row > 0 ? rk_vec(0, 0, 0) : column > 0 ? rk_vec(1, 1, 1) : marks[face].colour;
+}
+
+/* A 2 x 2 face with its top left corner at (x, y), turned by a half where the layout wants it. */
+static void draw_face(rk_image *image, rk_cube_face face, size_t x, size_t y, bool upside_down)
+{
+    for (size_t row = 0; row < 2; row++)
+        for (size_t column = 0; column < 2; column++)
+            *rk_image_at(image, x + (upside_down ? 1 - column : column),
+                         y + (upside_down ? 1 - row : row)) = marked(face, column, row);
+}
+
+static test_path write_image(const test_folder *folder, const char *name, rk_image *image)
+{
+    test_path path = test_folder_path(folder, name);
+    rk_error error;
+    rk_check_ok(rk_image_write(path.text, image, &error), error);
+    rk_image_free(image);
+    return path;
+}
+
+static rk_cubemap read_map(const char *path)
+{
+    rk_cubemap map;
+    rk_error error = {""};
+    rk_check_ok(rk_environment_read(&map, path, &error), error);
+    return map;
+}
+
+static void check_marks(const char *path)
+{
+    rk_cubemap map = read_map(path);
+    rk_check_equal(map.side, 2, path);
+    for (int face = 0; face < RK_FACES; face++)
+        for (uint32_t i = 0; i < 4; i++) {
+            rk_vec3 got = map.faces[face][i];
+            rk_vec3 want = marked((rk_cube_face)face, i % 2, i / 2);
+            rk_check(
+                rk_length(rk_sub(got, want)) == 0,
+                "%s: face %d, column %u, row %u: got (%g, %g, %g), want (%g, %g, %g): swapped, "
+                "mirrored or turned",
+                path, face, i % 2, i / 2, (double)got.x, (double)got.y, (double)got.z,
+                (double)want.x, (double)want.y, (double)want.z);
+        }
+    rk_cubemap_free(&map);
+}
+
+static void check_refused(const char *path, const char *part)
+{
+    rk_cubemap map;
+    rk_error error = {""};
+    rk_check(!rk_environment_read(&map, path, &error), "%s was accepted", path);
+    rk_check(map.side == 0 && !map.faces[0], "%s: a map was left behind", path);
+    rk_check_error_names(error, part);
+    rk_check(!strchr(error.text, '\n'), "one line: %s", error.text);
+}
+
+/* --- Layouts ---------------------------------------------------------------------------------- */
+
+/* The row of four that both crosses share, as far as it goes. */
+static void draw_row(rk_image *image)
+{
+    draw_face(image, RK_FACE_MINUS_X, 0, 2, false);
+    draw_face(image, RK_FACE_MINUS_Z, 2, 2, false);
+    draw_face(image, RK_FACE_X, 4, 2, false);
+    draw_face(image, RK_FACE_Y, 2, 0, false);
+    draw_face(image, RK_FACE_MINUS_Y, 2, 4, false);
+}
+
+static void a_lying_cross_is_the_header_s_picture(void **state)
+{
+    rk_image image = make_image(8, 6);
+    draw_row(&image);
+    draw_face(&image, RK_FACE_Z, 6, 2, false);
+    check_marks(write_image(*state, "lying.png", &image).text);
+}
+
+static void a_standing_cross_has_z_below_upside_down(void **state)
+{
+    rk_image image = make_image(6, 8);
+    draw_row(&image);
+    draw_face(&image, RK_FACE_Z, 2, 6, true);
+    check_marks(write_image(*state, "standing.png", &image).text);
+}
+
+/* The order and the names of OpenGL, whose +z is ahead, as our -z is. */
+static const struct {
+    const char *name;
+    rk_cube_face face;
+} order[RK_FACES] = {
+    {"px", RK_FACE_X},       {"nx", RK_FACE_MINUS_X}, {"py", RK_FACE_Y},
+    {"ny", RK_FACE_MINUS_Y}, {"pz", RK_FACE_MINUS_Z}, {"nz", RK_FACE_Z},
+};
+
+static void strips_are_in_the_order_of_opengl(void **state)
+{
+    rk_image lying = make_image(12, 2), standing = make_image(2, 12);
+    for (size_t i = 0; i < RK_FACES; i++) {
+        draw_face(&lying, order[i].face, 2 * i, 0, false);
+        draw_face(&standing, order[i].face, 0, 2 * i, false);
+    }
+    check_marks(write_image(*state, "lying.png", &lying).text);
+    check_marks(write_image(*state, "standing.png", &standing).text);
+}
+
+static void write_six(const test_folder *folder, const char *before, const char *after)
+{
+    for (int i = 0; i < RK_FACES; i++) {
+        char name[64];
+        rk_image image = make_image(2, 2);
+        draw_face(&image, order[i].face, 0, 0, false);
+        snprintf(name, sizeof name, "%s%s%s", before, order[i].name, after);
+        write_image(folder, name, &image);
+    }
+}
+
+static void six_files_go_by_a_pattern(void **state)
+{
+    write_six(*state, "room_", "_2k.png");
+    check_marks(test_folder_path(*state, "room_%s_2k.png").text);
+    /* Other signs of printf are just signs. */
+    write_six(*state, "100%d_", ".png");
+    check_marks(test_folder_path(*state, "100%d_%s.png").text);
+}
+
+static void six_files_go_by_their_folder(void **state)
+{
+    const test_folder *folder = *state;
+    write_six(folder, "", ".png");
+    test_folder_write(folder, "readme.txt", "x", 1, 0600);
+    test_folder_write(folder, "pxx.png", "x", 1, 0600);
+    check_marks(folder->path);
+    check_marks(test_folder_path(folder, "").text); /* with a slash at its end */
+}
+
+/* --- Longitude and latitude ------------------------------------------------------------------- */
+
+/* A smooth function of direction, in [0, 1]. */
+static rk_vec3 smooth(rk_vec3 d)
+{
+    d = rk_normalize(d);
+    return rk_vec(0.5f + 0.4f * d.x, 0.5f + 0.4f * d.y, 0.5f + 0.4f * d.z);
+}
+
+static rk_image make_world(size_t width)
+{
+    const double pi = 3.14159265358979323846;
+    rk_image image = make_image(width, width / 2);
+    for (size_t y = 0; y < image.height; y++)
+        for (size_t x = 0; x < width; x++) {
+            double longitude = ((double)x + 0.5) / (double)width * 2 * pi - pi;
+            double from_top = ((double)y + 0.5) / (double)image.height * pi;
+            *rk_image_at(&image, x, y) =
+                smooth(rk_vec((float)(sin(from_top) * sin(longitude)), (float)cos(from_top),
+                              (float)(-sin(from_top) * cos(longitude))));
+        }
+    return image;
+}
+
+static void check_smooth(const char *path, double tolerance)
+{
+    rk_cubemap map = read_map(path);
+    for (int face = 0; face < RK_FACES; face++)
+        for (uint32_t i = 0; i < map.side * map.side; i++) {
+            rk_vec3 want = smooth(rk_cubemap_texel_direction(map.side, (rk_cube_face)face,
+                                                             i % map.side, i / map.side));
+            rk_vec3 got = map.faces[face][i], apart = rk_abs3(rk_sub(got, want));
+            rk_check((double)rk_max(apart.x, rk_max(apart.y, apart.z)) <= tolerance,
+                     "%s: face %d, texel %u: got (%g, %g, %g), want (%g, %g, %g) within %g", path,
+                     face, i, (double)got.x, (double)got.y, (double)got.z, (double)want.x,
+                     (double)want.y, (double)want.z, tolerance);
+        }
+    rk_cubemap_free(&map);
+}
+
+static void longitude_and_latitude_become_the_cube(void **state)
+{
+    rk_image world = make_world(128);
+    test_path path = write_image(*state, "world.exr", &world);
+    rk_cubemap map = read_map(path.text);
+    /* 128 pixels around: texels in the middle of a face are no coarser from 128 / pi on. */
+    rk_check_equal(map.side, 41, "as fine as the picture's equator");
+    rk_cubemap_free(&map);
+    /* Linear between pixels 2 pi / 128 apart: the square of that, an eighth of it, on each axis;
+     * 1 / 10 more at the poles, where the ring of the last pixels is. */
+    double pixel = 2 * 3.1416 / 128;
+    check_smooth(path.text, 2 * pixel * pixel / 8);
+}
+
+static void the_smallest_world_is_two_pixels(void **state)
+{
+    rk_image world = make_image(2, 1);
+    *rk_image_at(&world, 0, 0) = rk_vec(1, 0, 0);
+    *rk_image_at(&world, 1, 0) = rk_vec(0, 1, 0);
+    rk_cubemap map = read_map(write_image(*state, "world.png", &world).text);
+    rk_check_equal(map.side, 1, "a texel a face");
+    rk_check(rk_length(rk_sub(map.faces[RK_FACE_X][0], rk_vec(0, 1, 0))) < 1e-6f,
+             "the right half is around +x");
+    rk_check(rk_length(rk_sub(map.faces[RK_FACE_MINUS_X][0], rk_vec(1, 0, 0))) < 1e-6f,
+             "the left half is around -x");
+    rk_check(rk_length(rk_sub(map.faces[RK_FACE_Y][0], rk_vec(0.5f, 0.5f, 0))) < 1e-6f,
+             "at the pole both meet");
+    rk_cubemap_free(&map);
+}
+
+/* --- Formats ---------------------------------------------------------------------------------- */
+
+/* A smooth function on the lying cross. */
+static rk_image make_cross(size_t side)
+{
+    const struct {
+        rk_cube_face face;
+        size_t column, row;
+    } cells[] = {{RK_FACE_Y, 1, 0}, {RK_FACE_MINUS_X, 0, 1}, {RK_FACE_MINUS_Z, 1, 1},
+                 {RK_FACE_X, 2, 1}, {RK_FACE_Z, 3, 1},       {RK_FACE_MINUS_Y, 1, 2}};
+    rk_image image = make_image(4 * side, 3 * side);
+    for (int i = 0; i < RK_FACES; i++)
+        for (size_t k = 0; k < side * side; k++) {
+            size_t column = k % side, row = k / side;
+            *rk_image_at(&image, cells[i].column * side + column, cells[i].row * side + row) =
+                smooth(rk_cubemap_texel_direction((uint32_t)side, cells[i].face, (uint32_t)column,
+                                                  (uint32_t)row));
+        }
+    return image;
+}
+
+static test_path write_by_helper(const test_folder *folder, const char *name, rk_image *image)
+{
+    test_path path = test_folder_path(folder, name);
+    size_t bytes = image->width * image->height * sizeof *image->pixels;
+    rk_image_stream_head head = {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION,
+                                 (uint32_t)image->width, (uint32_t)image->height};
+    unsigned char *input = malloc(sizeof head + bytes);
+    rk_check(input, "no memory");
+    memcpy(input, &head, sizeof head);
+    memcpy(input + sizeof head, image->pixels, bytes);
+    rk_helper_call call = {.program = "raykit-image",
+                           .arguments = (const char *[]){"write", path.text, NULL},
+                           .input = input,
+                           .input_size = sizeof head + bytes};
+    unsigned char *output;
+    size_t size;
+    rk_error error;
+    bool ok = rk_helper_run(&call, &output, &size, &error);
+    free(input);
+    rk_check(ok, "%s: %s", name, error.text);
+    free(output);
+    rk_image_free(image);
+    return path;
+}
+
+static void every_format_arrives_linear(void **state)
+{
+    /* What a format loses: nothing; a step of 8-bit sRGB, whose slope is 2.3 at 1; a 128th of the
+     * brightest channel. JPG blurs the borders of cells, so it gets one colour. */
+    const struct {
+        const char *name;
+        double tolerance;
+    } formats[] = {{"cross.exr", 1e-6}, {"cross.png", 0.5 / 255 * 2.3}, {"cross.hdr", 1.0 / 128}};
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
+        rk_image image = make_cross(16);
+        check_smooth(write_by_helper(*state, formats[i].name, &image).text, formats[i].tolerance);
+    }
+    rk_image grey = make_image(64, 48);
+    for (size_t i = 0; i < 64 * 48; i++)
+        grey.pixels[i] = rk_vec(0.2f, 0.2f, 0.2f);
+    rk_cubemap map = read_map(write_by_helper(*state, "grey.jpg", &grey).text);
+    for (int i = 0; i < RK_FACES * 256; i++)
+        rk_check_close(map.faces[0][i].x, 0.2, 1.0 / 255 * 2.3, "JPG stores sRGB: decode it");
+    rk_cubemap_free(&map);
+}
+
+static void one_pixel_faces_are_a_map(void **state)
+{
+    const size_t sizes[][2] = {{4, 3}, {3, 4}, {6, 1}, {1, 6}};
+    for (size_t i = 0; i < 4; i++) {
+        rk_image image = make_image(sizes[i][0], sizes[i][1]);
+        for (size_t k = 0; k < image.width * image.height; k++)
+            image.pixels[k] = rk_vec(1, 1, 0);
+        rk_cubemap map = read_map(write_image(*state, "tiny.png", &image).text);
+        rk_check_equal(map.side, 1, "one texel a face");
+        for (int face = 0; face < RK_FACES; face++)
+            rk_check(rk_length(rk_sub(map.faces[face][0], rk_vec(1, 1, 0))) == 0, "its colour");
+        rk_cubemap_free(&map);
+    }
+}
+
+/* --- What cannot be an environment ------------------------------------------------------------ */
+
+static void other_shapes_are_refused_with_their_size(void **state)
+{
+    const size_t sizes[][2] = {{1, 1}, {5, 5}, {16, 9}, {8, 7}, {13, 2}, {2, 3}, {1, 2}, {7, 1}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        char part[32];
+        rk_image image = make_image(sizes[i][0], sizes[i][1]);
+        test_path path = write_image(*state, "shape.png", &image);
+        snprintf(part, sizeof part, "%zu x %zu pixels", sizes[i][0], sizes[i][1]);
+        check_refused(path.text, part);
+        check_refused(path.text, "4:3");
+        check_refused(path.text, path.text);
+    }
+}
+
+static void a_missing_face_is_named(void **state)
+{
+    const test_folder *folder = *state;
+    write_six(folder, "", ".png");
+    remove(test_folder_path(folder, "ny.png").text);
+    check_refused(folder->path, "no picture ny.*");
+    check_refused(test_folder_path(folder, "%s.png").text, "ny.png");
+    write_six(folder, "", ".png");
+    test_folder_write(folder, "px.txt", "x", 1, 0600);
+    check_refused(folder->path, "more than one picture px.*");
+    check_refused(test_folder_path(folder, "%s_%s.png").text, "more than one %s");
+}
+
+static void faces_of_different_sizes_are_refused(void **state)
+{
+    const test_folder *folder = *state;
+    write_six(folder, "", ".png");
+    rk_image larger = make_image(3, 3);
+    write_image(folder, "nz.png", &larger);
+    check_refused(folder->path, "nz.png: has 3 x 3 pixels, but the first face has 2 x 2");
+    rk_image oblong = make_image(3, 2);
+    write_image(folder, "px.png", &oblong);
+    check_refused(folder->path, "px.png: has 3 x 2 pixels: a face is as wide as it is high");
+}
+
+static void what_is_not_there_is_an_error(void **state)
+{
+    const test_folder *folder = *state;
+    check_refused(test_folder_path(folder, "none.png").text, "none.png");
+    check_refused(test_folder_path(folder, "none.exr").text, "none.exr");
+    check_refused(folder->path, "no picture px.*");
+    check_refused("", "");
+    char path[6000];
+    memset(path, 'a', sizeof path);
+    memcpy(path + 5000, "%s", 3);
+    check_refused(path, "too long");
+}
+
+static void a_pixel_that_is_no_number_is_named(void **state)
+{
+    rk_image image = make_cross(4);
+    image.pixels[5].y = NAN;
+    check_refused(write_image(*state, "nan.exr", &image).text, "x 5, y 0");
+}
+
+/* The files end behind a head that claims much. */
+static void huge_sizes_are_refused(void **state)
+{
+    const char more[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 75000 +X 100000\n";
+    check_refused(test_folder_write(*state, "more.hdr", more, sizeof more - 1, 0600).text,
+                  "1 to 32768");
+    const char most[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 24576 +X 32768\n";
+    check_refused(test_folder_write(*state, "most.hdr", most, sizeof most - 1, 0600).text,
+                  "most.hdr");
+}
+
+/* Files cut short and with bytes changed: whatever comes of it, it is a map or one sentence. */
+static void damaged_files_are_refused_or_read(void **state)
+{
+    const test_folder *folder = *state;
+    rk_image image = make_cross(4);
+    size_t size;
+    unsigned char *whole = test_folder_read(write_image(folder, "whole.png", &image), &size);
+    unsigned refused = 0;
+    for (uint32_t n = 0; n < 300; n++) {
+        unsigned char *damaged = malloc(size);
+        rk_check(damaged, "no memory");
+        memcpy(damaged, whole, size);
+        size_t length = n < 100 ? size * n / 100 : size;
+        for (uint32_t k = 0; n >= 100 && k < 1 + n % 4; k++)
+            damaged[rk_hash(n, k, 0, 0) % size] = (unsigned char)rk_hash(n, k, 1, 0);
+        test_path path = test_folder_write(folder, "damaged.png", damaged, length, 0600);
+        free(damaged);
+        rk_cubemap map;
+        rk_error error = {""};
+        if (rk_environment_read(&map, path.text, &error)) {
+            rk_check(n >= 100, "a file cut to %zu of %zu bytes was accepted", length, size);
+        } else {
+            rk_check(map.side == 0 && !map.faces[0], "a map was left behind");
+            rk_check_error_names(error, "damaged.png");
+            refused++;
+        }
+        rk_cubemap_free(&map);
+    }
+    rk_check(refused > 200, "only %u of 300 were refused", refused);
+    free(whole);
+}
+
+static void truncated_files_of_other_formats_are_refused(void **state)
+{
+    const test_folder *folder = *state;
+    const char *const names[] = {"cut.exr", "cut.hdr", "cut.jpg"};
+    for (int i = 0; i < 3; i++) {
+        size_t size;
+        rk_image image = make_cross(16);
+        unsigned char *whole = test_folder_read(write_by_helper(folder, names[i], &image), &size);
+        test_path path = test_folder_write(folder, names[i], whole, size / 2, 0600);
+        free(whole);
+        check_refused(path.text, names[i]);
+    }
+}
+
+static const struct CMUnitTest tests[] = {
+    test_in_folder(a_lying_cross_is_the_header_s_picture),
+    test_in_folder(a_standing_cross_has_z_below_upside_down),
+    test_in_folder(strips_are_in_the_order_of_opengl),
+    test_in_folder(six_files_go_by_a_pattern),
+    test_in_folder(six_files_go_by_their_folder),
+    test_in_folder(longitude_and_latitude_become_the_cube),
+    test_in_folder(the_smallest_world_is_two_pixels),
+    test_in_folder(every_format_arrives_linear),
+    test_in_folder(one_pixel_faces_are_a_map),
+    test_in_folder(other_shapes_are_refused_with_their_size),
+    test_in_folder(a_missing_face_is_named),
+    test_in_folder(faces_of_different_sizes_are_refused),
+    test_in_folder(what_is_not_there_is_an_error),
+    test_in_folder(a_pixel_that_is_no_number_is_named),
+    test_in_folder(huge_sizes_are_refused),
+    test_in_folder(damaged_files_are_refused_or_read),
+    test_in_folder(truncated_files_of_other_formats_are_refused),
+};
+
+RK_SUITE("environment_file", tests)
