@@ -32,13 +32,16 @@ This is raykit, a teaching kit for ray tracing in C, with a part left open for y
     ./bootstrap
     make check-{first}
 
-The first line installs what is missing and configures. The second tests your file and says what to
-work on first; now nearly everything fails. Then read, solve the first step, and check again.
+The first line installs what is missing and configures. The second builds what it needs, tests your
+file and says what to work on first; now all that gives points fails. Then read, solve the first step,
+and check again. `make` alone builds the rest: the drivers in `assignments/`, which draw pictures by
+your code; `--help` lists their options.
 
 {reading}
 
 ## Go on
 
+    {one}  one test alone, by its name
     {watch}  the check again whenever you save; Ctrl-C ends it
     {debug}  the first failing test in gdb, stopped in your code
     {diff}  what you have changed since the starter
@@ -46,9 +49,12 @@ work on first; now nearly everything fails. Then read, solve the first step, and
     {report}  pictures and measurements by your code: reports/out/report.html
     {check}  all suites; those that use your code fail until it is solved
 
-Where a text says `make workbook DIR=mine` and `IMPL=mine`: here your folder is `workbook`. It is there
-already, and it is meant wherever IMPL is not given. What stands in `src/features` for these
-assignments is the starter once more, for comparison; nothing uses it.
+`watch` and `debug` take `TEST=name`, too. A test that takes longer than 10 seconds is stopped and has
+failed; `RAYKIT_TEST_SECONDS=60 make check-{first}` gives each a minute.
+
+`IMPL=folder` with any of these means the files of another folder, a copy of an older state, say. What
+stands in `src/features` for these assignments is the starter once more, for comparison; nothing uses
+it.
 
 ## Hand in
 
@@ -111,6 +117,42 @@ def _hand_out(pack, features):
                       f"librkstarters_a_SOURCES = {starters}\n")
 
 
+# In texts: what stands between the first two lines is for the whole kit, and what follows for packs.
+_KIT_OR_PACK = re.compile(r"^<!-- kit -->\n.*?^<!-- pack\n(.*?)^end -->\n", re.MULTILINE | re.DOTALL)
+_OF_THE_KIT = re.compile(r"\b(IMPL|DIR)=mine\b|(?<![\w/])mine/|`mine`|<!-- (kit|pack)\b")
+
+
+def as_packed(text, name, stems):
+    """Returns a text of the kit as it is true in a pack, where the workbook is meant without a word."""
+    text = _KIT_OR_PACK.sub(r"\1", text)
+    text = re.sub(r" IMPL=mine\b", "", text)
+    for stem in stems:
+        text = text.replace(f"mine/{stem}.c", f"workbook/{stem}.c")
+        text = text.replace(f"[`src/features/{stem}.c`](file:src/features/{stem}.c)",
+                            f"[`workbook/{stem}.c`](file:workbook/{stem}.c)")
+    left = _OF_THE_KIT.search(text)
+    if left:
+        line = text.count("\n", 0, left.start()) + 1
+        raise ToolError(f"{name}:{line} of the pack says {left.group()}, which is true in the whole kit only; "
+                        "put it between <!-- kit --> and <!-- pack")
+    return text
+
+
+def _adapt_texts(pack, features, chosen):
+    """Chapters and handouts speak of the workbook; assignments that are not handed out go."""
+    for feature in features:
+        if feature not in chosen:
+            os.unlink(os.path.join(pack, "assignments", feature.folder, "handout.md"))
+    stems = [feature.stem for feature in chosen]
+    names = ["docs/book.md", *(feature.chapter for feature in features),
+             *(f"assignments/{feature.folder}/handout.md" for feature in chosen)]
+    for name in names:
+        path = os.path.join(pack, name)
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        write_whole(path, as_packed(text, name, stems))
+
+
 def _weave_book(pack, features):
     """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers."""
     drivers = []
@@ -148,8 +190,9 @@ def _write_handout(pack, features, has_book):
     reading = ("Open `docs/handout/book.html` in a browser: the chapters, with figures as they should become.\n"
                "`make book` makes `docs/out/book.html`, with figures by your code."
                if has_book else "`make book` makes `docs/out/book.html`, the chapters, with figures by your code.")
-    width = len(f"make watch-{first}")
-    commands = {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "diff")}
+    one = f"make check-{first} TEST=name"
+    width = len(one)
+    commands = {"one": one} | {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "diff")}
     commands |= {word: f"make {word}".ljust(width) for word in ("progress", "report", "check")}
     files = " and ".join(f"`workbook/{feature.stem}.c`" for feature in features)
     write_whole(os.path.join(pack, "HANDOUT.md"), HANDOUT.format(
@@ -179,19 +222,20 @@ def _read_lines(path):
 
 
 def secret_lines(source, features):
-    """Returns the features' solution lines, spaces made even, and those of them that prove nothing:
-    at least two other C files of the kit have them, too."""
+    """Returns the features' solution lines, spaces made even, and those of them that prove nothing,
+    each with the other C files of the kit that have it, too."""
     secrets = {_spaced(line) for feature in features for line in solution_lines(feature.reference)}
     own = {os.path.realpath(feature.reference) for feature in features}
-    counts = dict.fromkeys(secrets, 0)
+    common = {}
     for part in ("src", "tests", "assignments"):
         for name in _files(os.path.join(source, part)):
             path = os.path.join(source, part, name)
             if name.endswith((".c", ".h")) and os.path.realpath(path) not in own:
                 text = "\n".join(_read_lines(path))
                 for line in secrets:
-                    counts[line] += line in text
-    return secrets, {line for line in secrets if counts[line] >= 2}
+                    if line in text:
+                        common.setdefault(line, []).append(os.path.join(part, name))
+    return secrets, common
 
 
 def find_secrets(pack, features, secrets, common):
@@ -202,7 +246,7 @@ def find_secrets(pack, features, secrets, common):
     for name in _files(pack):
         lines = _read_lines(os.path.join(pack, name))
         whole = "\n".join(lines)
-        held = secrets if name in own else [line for line in secrets - common if line in whole]
+        held = secrets if name in own else [line for line in secrets - common.keys() if line in whole]
         for number, line in enumerate(lines, 1):
             if line in held if name in own else any(secret in line for secret in held):
                 found.append(f"{name}:{number}: {line[:100]}")
@@ -217,8 +261,11 @@ def prove(source, pack, features):
         more = [f"and {len(found) - 10} more"] if len(found) > 10 else []
         raise ToolError("\n".join(["these lines of the pack are solutions:", *found[:10], *more,
                                    "take them out; if another feature has them, name it in ASSIGNMENTS, too"]))
-    return (f"{len(secrets)} solution lines looked for in {len(_files(pack))} files, none found "
-            f"({len(common)} of them, common in the kit's other code, only where students write)")
+    places = sorted({place for line in common for place in common[line]},
+                    key=lambda place: -sum(place in common[line] for line in common))
+    most = f", most in {' and '.join(places[:2])}" if places else ""
+    return (f"{len(secrets)} solution lines looked for in {len(_files(pack))} files, none found ({len(common)} "
+            f"of them, which the kit's other code has, too{most}, only where students write)")
 
 
 # --- The command ----------------------------------------------------------------------------------
@@ -238,6 +285,7 @@ def make_handout(source, stems, out="", folder="", book=True):
         pack = os.path.join(work, name)
         _release(pack)
         _hand_out(pack, chosen)
+        _adapt_texts(pack, features.values(), chosen)
         if has_book:
             _weave_book(pack, features.values())
         _write_handout(pack, chosen, has_book)
