@@ -212,7 +212,7 @@ def a_class_is_graded(folder):
         write(text, place, STEM + ".c")
         out = place + ".json"
         os.environ["RAYKIT_TEST_SECONDS"] = "2" if "hanging" in name else "60"
-        status, said = run(".", sys.executable, "-B", os.path.join(SOURCE, "tools", "grade.py"),
+        status, said = run(".", sys.executable, "-B", os.path.join(SOURCE, "tools", "grade.py"), STEM,
                            "--impl", place, "--format", "gradescope", "--out", out)
         report = json.loads(read(out)) if os.path.exists(out) else {"score": -1, "tests": []}
         outputs = [test["output"] for test in report["tests"]]
