@@ -137,7 +137,7 @@ local function claims(div)
   local points, blocks = read_points(stem), pandoc.List()
   for _, test in ipairs(tests) do
     local found = definition(div, file, test)
-    local top = pandoc.List({pandoc.Str((test:gsub("_", " ")))})
+    local top = pandoc.List({breakable(test)})
     local bottom = pandoc.List({file_line(div, file, found.line)})
     if points[test] then
       top:insert(pandoc.Span(points[test].points .. (points[test].points == "1" and " point" or " points"),

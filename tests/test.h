@@ -44,7 +44,7 @@
     } while (0)
 
 /* The call succeeds, or the test fails with the error's own words. */
-#define rk_check_ok(call, error) rk_check(call, "%s: %s", #call, (error).text)
+#define rk_check_ok(call, error) rk_check(call, "%s", (error).text)
 
 /* The error is one line that contains `part`. */
 #define rk_check_error_names(error, part)                                                          \

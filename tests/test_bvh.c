@@ -185,8 +185,8 @@ static void a_triangle_in_two_leaves_is_found(void **state)
 {
     fixture *f = *state;
     f->bvh.triangles[4] = f->bvh.triangles[3];
-    char place[16];
-    snprintf(place, sizeof place, "(%u)", f->bvh.triangles[3].index);
+    char place[24];
+    snprintf(place, sizeof place, "triangle %u)", f->bvh.triangles[3].index);
     check_fault(f, "twice", place);
 }
 
@@ -196,8 +196,8 @@ static void a_missing_triangle_is_found(void **state)
     rk_bvh_node *leaf = first_leaf(f);
     uint32_t lost = f->bvh.triangles[leaf->first + leaf->count - 1].index;
     leaf->count--;
-    char place[16];
-    snprintf(place, sizeof place, "(%u)", lost);
+    char place[24];
+    snprintf(place, sizeof place, "triangle %u)", lost);
     check_fault(f, "no leaf", place);
 }
 
@@ -205,7 +205,7 @@ static void a_tree_without_nodes_over_triangles_is_found(void **state)
 {
     fixture *f = *state;
     f->bvh.node_count = 0;
-    check_fault(f, "no leaf", "(0)");
+    check_fault(f, "no leaf", "triangle 0)");
 }
 
 static void a_leaf_box_that_is_too_small_is_found(void **state)
@@ -217,7 +217,7 @@ static void a_leaf_box_that_is_too_small_is_found(void **state)
             rk_box sound = leaf->box;
             float *bound = &leaf->box.corner[side].x + axis;
             *bound = nextafterf(*bound, side ? -INFINITY : INFINITY);
-            check_fault(f, "triangle sticks out", "(");
+            check_fault(f, "triangle sticks out", "(triangle ");
             leaf->box = sound;
         }
 }
@@ -226,14 +226,14 @@ static void a_box_with_nan_is_found(void **state)
 {
     fixture *f = *state;
     f->bvh.nodes[0].box.corner[1].y = NAN;
-    check_fault(f, "child's box sticks out", "(2)");
+    check_fault(f, "child's box sticks out", "(node 2)");
 }
 
 static void a_child_that_sticks_out_of_its_parent_is_found(void **state)
 {
     fixture *f = *state;
     f->bvh.nodes[3].box.corner[1].x = nextafterf(12, 13);
-    check_fault(f, "child's box sticks out", "(3)");
+    check_fault(f, "child's box sticks out", "(node 3)");
 }
 
 static void children_out_of_range_are_found(void **state)
@@ -241,8 +241,8 @@ static void children_out_of_range_are_found(void **state)
     fixture *f = *state;
     const uint32_t first[] = {8, 7, 1000, UINT32_MAX, UINT32_MAX - 1, 0, 1, 5};
     for (size_t i = 0; i < sizeof first / sizeof *first; i++) {
-        char place[16];
-        snprintf(place, sizeof place, "(%u)", first[i]);
+        char place[24];
+        snprintf(place, sizeof place, "(first %u)", first[i]);
         f->bvh.nodes[3].first = first[i];
         check_fault(f, "points outside the nodes", place);
     }
@@ -253,7 +253,7 @@ static void a_cycle_is_found(void **state)
     fixture *f = *state;
     f->bvh.nodes[3].first = 2;
     f->bvh.nodes[3].box = f->bvh.nodes[2].box = f->bvh.nodes[0].box;
-    check_fault(f, "cycle", "(2)");
+    check_fault(f, "cycle", "(node 2)");
 }
 
 static void two_parents_of_a_node_are_found(void **state)
@@ -262,8 +262,8 @@ static void two_parents_of_a_node_are_found(void **state)
     uint32_t shared = f->bvh.nodes[2].first;
     f->bvh.nodes[3].first = shared;
     f->bvh.nodes[3].box = f->bvh.nodes[0].box;
-    char place[16];
-    snprintf(place, sizeof place, "(%u)", shared);
+    char place[24];
+    snprintf(place, sizeof place, "(node %u)", shared);
     check_fault(f, "two parents", place);
 }
 
@@ -273,7 +273,7 @@ static void leaves_past_the_triangles_are_found(void **state)
     const uint32_t first[] = {10, 12, 13, UINT32_MAX};
     for (size_t i = 0; i < sizeof first / sizeof *first; i++) {
         first_leaf(f)->first = first[i];
-        check_fault(f, "past the triangles", "(");
+        check_fault(f, "past the triangles", "(first ");
     }
 }
 
@@ -290,7 +290,7 @@ static void an_over_full_leaf_is_found(void **state)
         const rk_vec3 *p = &f.mesh.positions[3 * i];
         f.bvh.triangles[i] = (rk_triangle){p[0], rk_sub(p[1], p[0]), rk_sub(p[2], p[0]), i};
     }
-    check_fault(&f, "too many", "(65)");
+    check_fault(&f, "too many", "(it has 65)");
     rk_bvh_free(&f.bvh);
     rk_mesh_free(&f.mesh);
 }
@@ -299,7 +299,7 @@ static void a_triangle_that_the_mesh_lacks_is_found(void **state)
 {
     fixture *f = *state;
     f->bvh.triangles[1].index = 12;
-    check_fault(f, "does not have", "(12)");
+    check_fault(f, "does not have", "(triangle 12)");
 }
 
 static void a_false_copy_of_a_triangle_is_found(void **state)
@@ -309,7 +309,7 @@ static void a_false_copy_of_a_triangle_is_found(void **state)
         rk_triangle sound = f->bvh.triangles[7];
         float *number = &f->bvh.triangles[7].a.x + i;
         *number = nextafterf(*number, INFINITY);
-        check_fault(f, "copy of a triangle", "(");
+        check_fault(f, "copy of a triangle", "(triangle ");
         f->bvh.triangles[7] = sound;
     }
 }
@@ -352,7 +352,7 @@ static void a_path_that_is_too_deep_is_found(void **state)
 {
     (void)state;
     fixture f = make_chain(RK_BVH_LEVELS_MAX);
-    check_fault(&f, "deeper", "(64)");
+    check_fault(&f, "deeper", "(level 64)");
     rk_bvh_free(&f.bvh);
     rk_mesh_free(&f.mesh);
 }

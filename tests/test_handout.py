@@ -81,6 +81,22 @@ def the_pack_holds_no_solution(pack):
     check(f"`workbook/{STEM}.c`, and nothing else" in read(pack, "HANDOUT.md"), "HANDOUT.md names the file to hand in")
 
 
+def texts_speak_of_the_pack(pack):
+    task, chapter = read(pack, "assignments", FEATURE.folder, "handout.md"), read(pack, FEATURE.chapter)
+    for name, text in (("handout", task), ("chapter", chapter), ("book's first page", read(pack, "docs", "book.md")),
+                       ("HANDOUT.md", read(pack, "HANDOUT.md"))):
+        check("=mine" not in text and "mine/" not in text and "<!--" not in text,
+              f"the {name} speaks of the workbook, not of a folder to be made", text[:2000])
+    check(f"make debug-{STEM} TEST=" in chapter, "the chapter's commands are those of the pack")
+    check(f"workbook/{STEM}.c" in task and f"(file:workbook/{STEM}.c)" in chapter, "texts name the file to edit")
+    try:
+        handout.as_packed("one\nmake check IMPL=mine_too DIR=mine\n", "docs/some.md", [STEM])
+        check(False, "a text that is true in the kit only is refused")
+    except ToolError as error:
+        check("docs/some.md:2" in str(error) and "DIR=mine" in str(error),
+              "a text that is true in the kit only is refused, with file and line", error)
+
+
 def smuggled_lines_are_found(pack):
     secrets, common = handout.secret_lines(SOURCE, [FEATURE])
     check(SECRET in secrets and SECRET not in common, "a line that only the solution has is looked for")
@@ -199,7 +215,7 @@ def a_class_is_graded(folder):
         write(text, place, STEM + ".c")
         out = place + ".json"
         os.environ["RAYKIT_TEST_SECONDS"] = "2" if "hanging" in name else "60"
-        status, said = run(".", sys.executable, "-B", os.path.join(SOURCE, "tools", "grade.py"),
+        status, said = run(".", sys.executable, "-B", os.path.join(SOURCE, "tools", "grade.py"), STEM,
                            "--impl", place, "--format", "gradescope", "--out", out)
         report = json.loads(read(out)) if os.path.exists(out) else {"score": -1, "tests": []}
         outputs = [test["output"] for test in report["tests"]]
@@ -220,6 +236,7 @@ def main():
         check(os.listdir(places["packed"]) == ["pack"] and "none found" in said[1],
               "the pack is there with its proof, and nothing beside it", said)
         the_pack_holds_no_solution(pack)
+        texts_speak_of_the_pack(pack)
         smuggled_lines_are_found(pack)
         the_pack_is_failed_and_solved(pack)
         a_class_is_graded(places["class"])

@@ -5,6 +5,8 @@ For each feature of assignments/features.tsv:
 - the reference passes every test of its suite;
 - the starter compiles without a warning, runs safely under the address, undefined behaviour and
   leak sanitizers, fails every test that carries points, and passes every other one;
+- the steps of the assignment's handout.md name the tests that carry points, each once, in the order
+  of points.tsv, and no other;
 - each mutant, a known mistake in tests/mutants/STEM/*.patch, fails the tests that its patch names.
 
 A patch is the unified difference from src/features/STEM.c, below two lines about it:
@@ -24,6 +26,7 @@ import concurrent.futures
 import csv
 import os
 import pathlib
+import re
 import shlex
 import shutil
 import subprocess
@@ -184,6 +187,26 @@ class Feature:
 
     # --- jobs: each may raise a Fault
 
+    def check_handout(self):
+        """What students read of the tests is the table that they are graded by."""
+        handout = self.points.with_name("handout.md")
+        if not self.points.exists() or not handout.exists():
+            return
+        rows = re.findall(r"^\| \d+ \|.*\|(.*)\|$", handout.read_text(encoding="utf-8"), re.MULTILINE)
+        told = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
+        scored = [row["test"] for row in read_table(self.points)]
+        name = handout.relative_to(self.root)
+        faults = [f"{name}: no step names {test}" for test in scored if test not in told]
+        faults += [f"{name}: a step names {test}, which carries no points" for test in told
+                   if test not in scored]
+        faults += [f"{name}: {test} stands in the steps twice" for test in dict.fromkeys(told)
+                   if told.count(test) > 1]
+        if not faults and told != scored:
+            at = next(i for i, test in enumerate(told) if test != scored[i])
+            faults = [f"{name}: {told[at]} stands where points.tsv has {scored[at]}; order them alike"]
+        if faults:
+            raise Fault("\n".join(faults))
+
     def check_reference(self, test):
         status, said = run_test(self.reference, test)
         if status != 0:
@@ -257,7 +280,7 @@ class Feature:
         if len(self.patches) < FEWEST_MUTANTS:
             self.faults.append(f"tests/mutants/{self.stem} has {len(self.patches)} mutants; a "
                                f"suite is tried with {FEWEST_MUTANTS} at least")
-        jobs = [self.check_starter]
+        jobs = [self.check_starter, self.check_handout]
         jobs += [lambda patch=patch: self.check_mutant(patch) for patch in self.patches]
         jobs += [lambda test=test: self.check_reference(test) for test in self.tests]
         self.progress.add(len(jobs), 0)
@@ -295,7 +318,7 @@ def check(features, progress):
     progress.clear()
     for feature in features:
         sound = [result.result() for result in feature.results]
-        feature.killed = sum(sound[1 : 1 + len(feature.patches)])
+        feature.killed = sum(sound[2 : 2 + len(feature.patches)])
         feature.report()
 
 

@@ -1,12 +1,16 @@
 #!/usr/bin/env python3
 """Starts gdb on a unit, stopped at the first of its functions that the test calls.
 
-The unit is built without optimization into impl/debug/test_STEM, and the breakpoints stand in
-impl/debug/STEM.gdb, for editors that bring their own view of gdb."""
+The unit is built without optimization and with the sanitizers that grade it into
+impl/debug/test_STEM: a stray index stops where it happens, and not where it shows. What gdb is to do
+stands in impl/debug/STEM.gdb, for editors that bring their own view of gdb. It stops once in each
+function that students write; those that are given are no news."""
 
 import argparse
 import os
+import re
 import shutil
+import subprocess
 import sys
 
 import building
@@ -14,6 +18,35 @@ from assignments import (
     ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit, unit_beside,
 )
 from grade import grade_impl, stop_on_signals
+from regions import read_regions
+
+# A report is an abort, at which gdb stops; leaks cannot be looked for under a debugger. The suite's
+# own signal handlers stand back, as when grading.
+_ASAN_OPTIONS = "abort_on_error=1:detect_leaks=0:handle_segv=0:handle_abort=0:allow_user_segv_handler=1"
+_UBSAN_OPTIONS = "abort_on_error=1:handle_abort=0:print_stacktrace=0"
+
+
+def functions_to_write(path):
+    """Returns the names of the functions that hold a region to solve, in the order of the file."""
+    names, function = [], None
+    for kind, line in read_regions(path):
+        head = re.match(r"[a-z].*?(\w+)\(", line)
+        if kind != "marker" and head:
+            function = head.group(1)
+        if kind == "marker" and function and function not in names:
+            names.append(function)
+    return names
+
+
+def tests_of(toolchain, stem):
+    """Returns the names of all tests of the suite, those without points too."""
+    with open(os.path.join(toolchain.source, "tests", f"test_{stem}.c"), encoding="utf-8") as file:
+        return re.findall(r"^ *cmocka_unit_test\((\w+)\)", file.read(), re.MULTILINE)
+
+
+def _functions_in(toolchain, path):
+    answer = subprocess.run([toolchain.tools["nm"], path], capture_output=True, text=True, check=True)
+    return [line.split()[-1] for line in answer.stdout.splitlines() if re.search(" [Tt] ", line)]
 
 
 def build_for_debugging(toolchain, feature, features, impl):
@@ -23,7 +56,7 @@ def build_for_debugging(toolchain, feature, features, impl):
         raise ToolError(f"there is no {unit.shown}; make workbook DIR={impl} puts the starter there")
     folder = os.path.join(toolchain.build, "impl", "debug")
     os.makedirs(folder, exist_ok=True)
-    flags = [*toolchain.base_sanitize, "-O0", "-g3"]
+    flags = [*toolchain.sanitize, "-O0", "-g3"]
     path, warnings = building.compile_unit(toolchain, unit, folder, flags)
     if warnings:
         print(warnings, file=sys.stderr)
@@ -33,13 +66,19 @@ def build_for_debugging(toolchain, feature, features, impl):
     for other in needed:
         objects.append(toolchain.built(f"src/features/{other.feature.stem}.o") if other.is_reference
                        else building.compile_unit(toolchain, other, folder, flags)[0])
-    program = building.link_suite(toolchain, [unit, *needed], objects, folder, toolchain.base_sanitize)
+    program = building.link_suite(toolchain, [unit, *needed], objects, folder, toolchain.sanitize)
     script = os.path.join(folder, feature.stem + ".gdb")
     with open(script, "w", encoding="utf-8") as file:
         file.write(f"source {toolchain.source}/tools/gdb_raykit.py\n")
         file.write("set breakpoint pending on\nset print pretty on\n")
-        for name in building.global_symbols(toolchain, path):
-            file.write(f"break {name}\n")
+        file.write(f"set environment ASAN_OPTIONS {_ASAN_OPTIONS}\n")
+        file.write(f"set environment UBSAN_OPTIONS {_UBSAN_OPTIONS}\n")
+        name = os.path.basename(unit.path)
+        file.write(f"python stop_in({name!r})\n")
+        present = _functions_in(toolchain, path)
+        yours = [function for function in functions_to_write(feature.reference) if function in present]
+        for function in yours or building.global_symbols(toolchain, path):
+            file.write(f"tbreak '{name}':{function}\n")
     return program, script, unit
 
 
@@ -72,6 +111,9 @@ def main():
         feature = choose(features, [arguments.stem])[0]
         if arguments.impl:
             check_impl(features, arguments.impl, [arguments.stem])
+        tests = tests_of(toolchain, feature.stem)
+        if arguments.test and arguments.test not in tests:
+            raise ToolError("\n    ".join([f"there is no test {arguments.test}; TEST is one of:", *tests]))
         debugger = shutil.which("gdb")
         if not debugger and not arguments.prepare:
             raise ToolError("gdb is missing; install the package gdb")
@@ -87,7 +129,7 @@ def main():
         return 1
     except KeyboardInterrupt:
         return 130
-    keys = "n(ext), s(tep), p(rint) NAME, bt, c(ontinue), q(uit)"
+    keys = "n(ext), s(tep), p(rint) NAME, bt, c(ontinue to the next function of yours), q(uit)"
     print(f"{unit.shown}, test {test}; in gdb: {keys}", flush=True)
     os.environ["CMOCKA_MESSAGE_OUTPUT"] = "TAP"
     # set startup-with-shell off: neither quoting nor a shell's start files come between.

@@ -1,8 +1,11 @@
-"""gdb: vectors, rays, boxes and nodes of trees as a person would write them.
+"""gdb: vectors, rays, boxes and nodes of trees as a person would write them. When the program
+fails in the middle of a library, the frame of the unit that called it is the one selected.
 
     (gdb) source tools/gdb_raykit.py
     (gdb) print ray          ->  from (0, 0, -1) along (0, 0, 1), t_max inf
     (gdb) print bvh.nodes[0] ->  inner, children 2 and 3, box (-1, -1, 0) .. (1, 1, 9)
+    (gdb) print list         ->  1 waiting, the last comes next
+                                 [0] from t 2.5: leaf, triangles 0 to 3, box ...
 """
 
 import gdb
@@ -47,6 +50,16 @@ def _node(value):
     return f"leaf, triangles {first} to {first + count - 1}, box {_box(value['box'])}"
 
 
+def _waiting_list(value):
+    size, entries = int(value["size"]), value["entries"]
+    room = entries.type.range()[1] + 1
+    if not 0 <= size <= room:
+        return f"size {size}, but there is room for {room} entries only; was it set before its first use?"
+    lines = [f"[{i}] from t {_number(entries[i]['enter'])}: {_node(entries[i]['node'].dereference())}"
+             for i in range(size)]
+    return "\n  ".join([f"{size} waiting" + (", the last comes next" if size else ""), *lines])
+
+
 class _Printer:
     """Says a value in one line."""
 
@@ -58,15 +71,37 @@ class _Printer:
             return self._say(self._value)
         except gdb.MemoryError:
             return "(no such memory)"
+        except gdb.error as error:  # a type of the student's own that only has the same name
+            return f"({error}; print /r shows it raw)"
 
 
 def _collection():
     printers = gdb.printing.RegexpCollectionPrettyPrinter("raykit")
     for name, say in {
         "rk_vec3": _vector, "rk_box": _box, "rk_ray": _ray, "rk_hit": _hit, "rk_bvh_node": _node,
+        "waiting_list": _waiting_list,
     }.items():
         printers.add_printer(name, f"^{name}$", lambda value, say=say: _Printer(say, value))
     return printers
 
 
 gdb.printing.register_pretty_printer(gdb.current_objfile(), _collection(), replace=True)
+
+
+def stop_in(name):
+    """From now on, whenever a signal stops the program, selects the innermost frame in the file of
+    this name: a sanitizer stops deep in its own code."""
+
+    def select():
+        frame = gdb.newest_frame()
+        while frame and not (frame.find_sal().symtab and frame.find_sal().symtab.filename.endswith(name)):
+            frame = frame.older()
+        if frame and frame != gdb.selected_frame():
+            print("This is where your code stands (bt shows the way there):")
+            gdb.execute(f"frame {frame.level()}")
+
+    def stopped(event):
+        if isinstance(event, gdb.SignalEvent):
+            gdb.post_event(select)
+
+    gdb.events.stop.connect(stopped)

@@ -33,13 +33,16 @@ This is raykit, a teaching kit for ray tracing in C, with a part left open for y
     ./bootstrap
     make check-{first}
 
-The first line installs what is missing and configures. The second tests your file and says what to
-work on first; now nearly everything fails. Then read, solve the first step, and check again.
+The first line installs what is missing and configures. The second builds what it needs, tests your
+file and says what to work on first; now all that gives points fails. Then read, solve the first step,
+and check again. `make` alone builds the rest: the drivers in `assignments/`, which draw pictures by
+your code; `--help` lists their options.
 
 {reading}
 
 ## Go on
 
+    {one}  one test alone, by its name
     {watch}  the check again whenever you save; Ctrl-C ends it
     {debug}  the first failing test in gdb, stopped in your code
     {diff}  what you have changed since the starter
@@ -47,9 +50,12 @@ work on first; now nearly everything fails. Then read, solve the first step, and
     {report}  pictures and measurements by your code: reports/out/report.html
     {check}  all suites; those that use your code fail until it is solved
 
-Where a text says `make workbook DIR=mine` and `IMPL=mine`: here your folder is `workbook`. It is there
-already, and it is meant wherever IMPL is not given. What stands in `src/features` for these
-assignments is the starter once more, for comparison; nothing uses it.
+`watch` and `debug` take `TEST=name`, too. A test that takes longer than 10 seconds is stopped and has
+failed; `RAYKIT_TEST_SECONDS=60 make check-{first}` gives each a minute.
+
+`IMPL=folder` with any of these means the files of another folder, a copy of an older state, say. What
+stands in `src/features` for these assignments is the starter once more, for comparison; nothing uses
+it.
 
 ## Hand in
 
@@ -112,6 +118,42 @@ def _hand_out(pack, features):
                       f"librkstarters_a_SOURCES = {starters}\n")
 
 
+# In texts: what stands between the first two lines is for the whole kit, and what follows for packs.
+_KIT_OR_PACK = re.compile(r"^<!-- kit -->\n.*?^<!-- pack\n(.*?)^end -->\n", re.MULTILINE | re.DOTALL)
+_OF_THE_KIT = re.compile(r"\b(IMPL|DIR)=mine\b|(?<![\w/])mine/|`mine`|<!-- (kit|pack)\b")
+
+
+def as_packed(text, name, stems):
+    """Returns a text of the kit as it is true in a pack, where the workbook is meant without a word."""
+    text = _KIT_OR_PACK.sub(r"\1", text)
+    text = re.sub(r" IMPL=mine\b", "", text)
+    for stem in stems:
+        text = text.replace(f"mine/{stem}.c", f"workbook/{stem}.c")
+        text = text.replace(f"[`src/features/{stem}.c`](file:src/features/{stem}.c)",
+                            f"[`workbook/{stem}.c`](file:workbook/{stem}.c)")
+    left = _OF_THE_KIT.search(text)
+    if left:
+        line = text.count("\n", 0, left.start()) + 1
+        raise ToolError(f"{name}:{line} of the pack says {left.group()}, which is true in the whole kit only; "
+                        "put it between <!-- kit --> and <!-- pack")
+    return text
+
+
+def _adapt_texts(pack, features, chosen):
+    """Chapters and handouts speak of the workbook; assignments that are not handed out go."""
+    for feature in features:
+        if feature not in chosen:
+            os.unlink(os.path.join(pack, "assignments", feature.folder, "handout.md"))
+    stems = [feature.stem for feature in chosen]
+    names = ["docs/book.md", *(feature.chapter for feature in features),
+             *(f"assignments/{feature.folder}/handout.md" for feature in chosen)]
+    for name in names:
+        path = os.path.join(pack, name)
+        with open(path, encoding="utf-8") as file:
+            text = file.read()
+        write_whole(path, as_packed(text, name, stems))
+
+
 def _weave_book(pack, features):
     """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers."""
     drivers = []
@@ -149,8 +191,9 @@ def _write_handout(pack, features, has_book):
     reading = ("Open `docs/handout/book.html` in a browser: the chapters, with figures as they should become.\n"
                "`make book` makes `docs/out/book.html`, with figures by your code."
                if has_book else "`make book` makes `docs/out/book.html`, the chapters, with figures by your code.")
-    width = len(f"make watch-{first}")
-    commands = {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "diff")}
+    one = f"make check-{first} TEST=name"
+    width = len(one)
+    commands = {"one": one} | {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "diff")}
     commands |= {word: f"make {word}".ljust(width) for word in ("progress", "report", "check")}
     files = " and ".join(f"`workbook/{feature.stem}.c`" for feature in features)
     write_whole(os.path.join(pack, "HANDOUT.md"), HANDOUT.format(
@@ -261,6 +304,7 @@ def make_handout(source, stems, out="", folder="", book=True):
         pack = os.path.join(work, name)
         _release(pack)
         _hand_out(pack, chosen)
+        _adapt_texts(pack, features.values(), chosen)
         if has_book:
             _weave_book(pack, features.values())
         _write_handout(pack, chosen, has_book)

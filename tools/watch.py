@@ -1,10 +1,16 @@
 #!/usr/bin/env python3
-"""Grades a unit again whenever it is saved. Ctrl-C ends it."""
+"""Grades a unit again whenever it is saved. Ctrl-C ends it.
+
+The last verdict stays to be read while the next is on its way. A save meanwhile ends that check and
+begins another: what it would find is about a file that is no more."""
 
 import argparse
 import os
+import re
+import signal
 import subprocess
 import sys
+import tempfile
 import time
 
 from assignments import ToolError, check_impl, read_features
@@ -12,6 +18,7 @@ from building import Toolchain
 from grade import stop_on_signals
 
 _LOOK_SECONDS = 0.15  # between looks at the files: soon enough, and no load
+_GOODBYE_SECONDS = 5  # for a check to end what it started; it takes a fraction of one
 
 
 def state(impl):
@@ -29,8 +36,81 @@ def state(impl):
     return sorted(files)
 
 
+class Check:
+    """One run of the grader, in a session of its own: Ctrl-C is for the watcher, who ends it."""
+
+    def __init__(self, command):
+        self._said = tempfile.TemporaryFile()
+        self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self._said,
+                                         stderr=subprocess.STDOUT, start_new_session=True)
+
+    def is_over(self):
+        return self._process.poll() is not None
+
+    def verdict(self):
+        """Returns what the grader said."""
+        self._said.seek(0)
+        return self._said.read().decode(errors="replace")
+
+    def end(self):
+        """Ends the grader, if need be, with everything that it started."""
+        self._process.terminate()
+        try:
+            self._process.wait(_GOODBYE_SECONDS)
+        except subprocess.TimeoutExpired:
+            self._process.kill()
+            self._process.wait()
+        self._said.close()
+
+
+class Screen:
+    """A terminal that shows one verdict, and a line on what goes on; else one after the other."""
+
+    def __init__(self):
+        self._is_terminal = sys.stdout.isatty()
+
+    def status(self, text):
+        """Replaces the line below the verdict."""
+        if self._is_terminal:
+            print(f"\r\033[K{text}", end="", flush=True)
+        else:
+            print(text, flush=True)
+
+    def verdict(self, text):
+        """Replaces everything."""
+        if self._is_terminal:
+            text = re.sub("^ok ", "\033[32mok\033[m ", text, flags=re.M)
+            text = re.sub("^FAIL ", "\033[31mFAIL\033[m ", text, flags=re.M)
+            text = "\033[H\033[2J\033[3J" + text
+        print(text, end="", flush=True)
+
+
+def watch(command, impl):
+    """Checks at once and after every save, until interrupted."""
+    screen, check, seen = Screen(), None, None
+    try:
+        while True:
+            now = state(impl)
+            if now != seen:
+                again = " again, as you have saved" if check else ""
+                if check:
+                    check.end()
+                seen, check = now, Check(command)
+                screen.status(f"{time.strftime('%H:%M:%S')}, checking{again} ...")
+            elif check and check.is_over():
+                screen.verdict(check.verdict())
+                check.end()
+                check = None
+                screen.status(f"{time.strftime('%H:%M:%S')}, waiting for you to save; Ctrl-C ends")
+            time.sleep(_LOOK_SECONDS)
+    finally:
+        signal.signal(signal.SIGINT, signal.SIG_IGN)  # a second Ctrl-C changes nothing
+        if check:
+            check.end()
+
+
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stem", metavar="STEM")
     parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
     parser.add_argument("--build", default=".", metavar="DIR")
@@ -45,21 +125,13 @@ def main():
     try:
         features = read_features(Toolchain(arguments.build).source)
         check_impl(features, arguments.impl, [arguments.stem])
-        seen = None
-        while True:
-            now = state(arguments.impl)
-            if now != seen:
-                seen = now
-                print("\033[H\033[2J\033[3J" if sys.stdout.isatty() else "", end="", flush=True)
-                subprocess.run(command, check=False)
-                print(f"{time.strftime('%H:%M:%S')}, waiting for you to save; Ctrl-C ends", flush=True)
-            time.sleep(_LOOK_SECONDS)
+        watch(command, arguments.impl)
     except ToolError as error:
         print(f"watch: {error}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print()
-        return 0
+    return 0
 
 
 if __name__ == "__main__":

@@ -208,8 +208,9 @@ typedef struct waiting_list {
     } entries[RK_BVH_LEVELS_MAX];
 } waiting_list;
 
-/* Of the two children, the one that the ray enters first, by t_max at the latest: what lies in it
- * may spare us the other, which has to wait. NULL if the ray enters neither. */
+/* Of the two children, the one that the ray enters first: what lies in it may spare us the other,
+ * which has to wait. NULL if the ray enters neither. Not entered is INFINITY, which is no greater
+ * than a t_max of infinity: compare with INFINITY itself. */
 static inline const rk_bvh_node *nearer_child(waiting_list *list, const rk_bvh_node *children,
                                               const rk_slabs *slabs, float t_max)
 {
@@ -229,13 +230,13 @@ static inline const rk_bvh_node *nearer_child(waiting_list *list, const rk_bvh_n
     }
     return enter_near < INFINITY ? near : NULL;
     /* starter
-    // Fourth step: rk_box_enter tells where a ray enters a box, or infinity.
+    // Fourth step: rk_box_enter tells where a ray enters a box; INFINITY says that it does not.
     (void)list, (void)children, (void)slabs, (void)t_max;
     return NULL;
     end */
 }
 
-/* The last of those that the ray enters by t_max, or NULL. */
+/* The last of those that the ray enters at t_max or before, or NULL. */
 static inline const rk_bvh_node *next_waiting(waiting_list *list, float t_max)
 {
     /* solution */

@@ -105,10 +105,10 @@ typedef struct validation {
     rk_error *error;
 } validation;
 
-static void fault(validation *v, const char *what, uint32_t place)
+static void fault(validation *v, const char *what, const char *unit, uint32_t number)
 {
     if (v->sound)
-        v->sound = rk_fail(v->error, "tree: %s (%u)", what, place);
+        v->sound = rk_fail(v->error, "tree: %s (%s %u)", what, unit, number);
 }
 
 static bool same_point(rk_vec3 a, rk_vec3 b)
@@ -128,26 +128,26 @@ static bool is_copy(const rk_triangle *triangle, const rk_mesh *mesh)
 static void validate_leaf(validation *v, const rk_bvh_node *node)
 {
     if (node->count > RK_BVH_LEAF_LIMIT)
-        fault(v, "a leaf holds too many triangles", node->count);
+        fault(v, "a leaf holds too many triangles", "it has", node->count);
     if (node->first > v->bvh->triangle_count ||
         node->count > v->bvh->triangle_count - node->first) {
-        fault(v, "a leaf points past the triangles", node->first);
+        fault(v, "a leaf points past the triangles", "first", node->first);
         return;
     }
     for (uint32_t i = node->first; i < node->first + node->count; i++) {
         uint32_t index = v->bvh->triangles[i].index;
         if (index >= v->mesh->triangle_count) {
-            fault(v, "a leaf names a triangle that the mesh does not have", index);
+            fault(v, "a leaf names a triangle that the mesh does not have", "triangle", index);
             continue;
         }
         if (v->seen[index])
-            fault(v, "a triangle stands in the leaves twice", index);
+            fault(v, "a triangle stands in the leaves twice", "triangle", index);
         v->seen[index] = 1;
         if (!is_copy(&v->bvh->triangles[i], v->mesh))
-            fault(v, "a leaf's copy of a triangle differs from the mesh's", index);
+            fault(v, "a leaf's copy of a triangle differs from the mesh's", "triangle", index);
         rk_box box = triangle_box(v->mesh, index);
         if (!box_holds(&node->box, &box))
-            fault(v, "a triangle sticks out of its leaf's box", index);
+            fault(v, "a triangle sticks out of its leaf's box", "triangle", index);
     }
 }
 
@@ -156,23 +156,23 @@ static void validate_node(const rk_bvh_node *node, uint32_t level, void *context
     validation *v = context;
     uint32_t place = (uint32_t)(node - v->bvh->nodes);
     if (v->reached[place])
-        fault(v, "a node has two parents, or the nodes form a cycle", place);
+        fault(v, "a node has two parents, or the nodes form a cycle", "node", place);
     v->reached[place] = 1;
     if (node->count) {
         validate_leaf(v, node);
         return;
     }
     if (level + 1 >= RK_BVH_LEVELS_MAX) {
-        fault(v, "a path is deeper than a traversal's stack", level + 1);
+        fault(v, "a path is deeper than a traversal's stack", "level", level + 1);
         return;
     }
     if (node->first < 2 || node->first % 2 || node->first + 1 >= v->bvh->node_count) {
-        fault(v, "an inner node points outside the nodes, or at an odd one", node->first);
+        fault(v, "an inner node points outside the nodes, or at an odd one", "first", node->first);
         return;
     }
     for (uint32_t child = node->first; child < node->first + 2; child++)
         if (!box_holds(&node->box, &v->bvh->nodes[child].box))
-            fault(v, "a child's box sticks out of its parent's", child);
+            fault(v, "a child's box sticks out of its parent's", "node", child);
 }
 
 bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
@@ -185,7 +185,7 @@ bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
         rk_bvh_visit(bvh, validate_node, &v);
     for (uint32_t i = 0; v.sound && i < mesh->triangle_count; i++)
         if (!v.seen[i])
-            fault(&v, "a triangle stands in no leaf", i);
+            fault(&v, "a triangle stands in no leaf", "triangle", i);
     free(v.reached);
     free(v.seen);
     return v.sound;
