@@ -413,6 +413,33 @@ static void moving_glass_dims_what_is_behind_it_for_its_share_of_the_time(void *
     rk_scene_free(&scene);
 }
 
+static void a_lens_and_motion_go_together(void **state)
+{
+    (void)state;
+    rk_scene scene = one_square();
+    rk_render_options options = blurred(-0.5f, 1);
+    options.lens.focal_distance = 3; /* the square's plane: what blurs it is motion alone */
+    options.lens.aperture = 100;
+    options.lens_samples = 16;
+    test_picture picture = test_render(&scene, options, 2);
+    /* A sample looks anywhere in its pixel, in which the share changes by the pixel's width over
+     * the way; the square's upper and lower border may run through a pixel. */
+    double side = 2 * tan(25 * pi / 180) * 3 / height, tolerance = doubt + side / 1.5;
+    for (size_t y = 0; y < height; y++)
+        for (size_t x = 0; x < width; x++) {
+            place p = seen_at(x, y, 3);
+            double share = share_between(options.motion.shutter, -0.75, 0.25, p.x);
+            if (fabs(fabs(p.y) - 0.5) < side)
+                continue;
+            share = fabs(p.y) < 0.5 ? share : 0;
+            check_share(&picture, x, y, share, share, tolerance, "the share of the time");
+        }
+    rk_check(picture.counters.lens_samples > 0 && picture.counters.time_samples > 0,
+             "each ray has its place on the lens and its time");
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
 /* A convex body has no shadow on itself, wherever its rays are carried. */
 static void no_ray_meets_the_moving_surface_that_it_leaves(void **state)
 {
@@ -539,6 +566,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_shadow_of_what_moves_is_blurred),
     cmocka_unit_test(a_mirror_shows_what_moves_blurred),
     cmocka_unit_test(moving_glass_dims_what_is_behind_it_for_its_share_of_the_time),
+    cmocka_unit_test(a_lens_and_motion_go_together),
     cmocka_unit_test(no_ray_meets_the_moving_surface_that_it_leaves),
     cmocka_unit_test(the_blur_is_the_same_for_any_number_of_threads),
     cmocka_unit_test(memory_does_not_grow_with_the_samples),

@@ -1,10 +1,8 @@
 /* Draws the figures and measures the tables of motion blur: a scene on the move, one of its times,
  * the path with the boxes that are swept, and the error against the number of samples. */
-#include "render/driver.h"
-#include "base/file.h"
+#include "render/convergence.h"
 
 #include <stdio.h>
-#include <string.h>
 
 static const char summary[] =
     "Renders a scene while it moves, by --time-samples rays a pixel; a mesh moves as a whole.\n"
@@ -95,40 +93,14 @@ static bool put_rows(rk_driver *driver, rk_error *error)
                          rk_timing_once((double)driver->counters.time_samples / pixels), error);
 }
 
-/* Errors of green over all pixels whose colour motion changes. */
-static void compare(const rk_image *image, const rk_image *truth, rk_convergence_row *row)
-{
-    double sum = 0, squares = 0, most = 0;
-    size_t count = image->width * image->height;
-    for (size_t i = 0; i < count; i++) {
-        double error = (double)image->pixels[i].y - (double)truth->pixels[i].y;
-        sum += error;
-        squares += error * error;
-        most = fabs(error) > most ? fabs(error) : most;
-    }
-    row->rmse = sqrt(squares / (double)count);
-    row->bias = sum / (double)count;
-    row->max_error = most;
-}
-
 static bool put_errors(rk_driver *driver, const rk_image *truth, const char *name, rk_error *error)
 {
-    char path[4096];
-    snprintf(path, sizeof path, "%s/tables/motion_blur_convergence.csv", driver->out);
     for (int sampling = 0; sampling < sampling_count; sampling++)
         for (uint32_t samples = 1; samples <= 256; samples *= 2) {
             driver->render.motion.sampling = (rk_time_sampling)sampling;
             driver->render.motion.samples = samples;
-            if (!rk_driver_render(driver, error))
-                return false;
-            rk_convergence_row row = {.feature = "motion_blur",
-                                      .scene = driver->scene.name,
-                                      .method = sampling_names[sampling],
-                                      .samples = samples,
-                                      .seconds = driver->render_ms.median / 1e3,
-                                      .reference = name};
-            compare(&driver->image, truth, &row);
-            if (!rk_table_put_convergence(path, &row, error))
+            if (!rk_convergence_row_of(driver, "motion_blur_convergence", sampling_names[sampling],
+                                       samples, truth, name, error))
                 return false;
         }
     return true;
@@ -137,19 +109,13 @@ static bool put_errors(rk_driver *driver, const rk_image *truth, const char *nam
 /* The truth: equidistant times, so many that their error is far below the others'. */
 static bool put_convergence(rk_driver *driver, const choices *c, rk_error *error)
 {
-    char folder[4096], name[64];
-    snprintf(folder, sizeof folder, "%s/tables", driver->out);
+    char name[64];
     snprintf(name, sizeof name, "%u equidistant times", c->reference);
     driver->render.motion.sampling = RK_TIME_EQUIDISTANT;
     driver->render.motion.samples = c->reference;
     rk_image truth = {0};
-    bool ok = rk_make_folder(folder, error) && rk_driver_render(driver, error) &&
-              rk_image_init(&truth, driver->render.width, driver->render.height, error);
-    if (ok) {
-        memcpy(truth.pixels, driver->image.pixels,
-               truth.width * truth.height * sizeof *truth.pixels);
-        ok = put_errors(driver, &truth, name, error);
-    }
+    bool ok =
+        rk_convergence_reference(driver, &truth, error) && put_errors(driver, &truth, name, error);
     rk_image_free(&truth);
     return ok;
 }

@@ -4,7 +4,7 @@
  * Nothing nearer than the focal surface is overlooked: what hides a blurred thing there is nearer
  * still, and has a larger circle. Overlooked is what no centre ray sees: things smaller than a
  * pixel, and things behind the focal surface that sharper ones hide altogether, which a lens sees
- * around their edges; and things that move, where they are at other times. */
+ * around their edges. */
 #include "render/render.h"
 #include "render/tile.h"
 
@@ -72,6 +72,9 @@ static void find_blur(const focus_pass *pass, rk_tile *t, const rk_path_batch *c
             *blur = blur_through_panes(r, t, camera, i);
         else
             *blur = hit.triangle != RK_MISS ? blur_at(r, &ray, &hit) : blur_at_infinity(r, &ray);
+        /* At other times it may see something else. */
+        if (r->plan.motion && t->in_motion[i])
+            *blur = rk_max(*blur, RK_LENS_SHARP);
     }
 }
 
