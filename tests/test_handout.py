@@ -200,7 +200,7 @@ def a_class_is_graded(folder):
                            "--impl", place, "--format", "gradescope", "--out", out)
         report = json.loads(read(out)) if os.path.exists(out) else {"score": -1, "tests": []}
         outputs = [test["output"] for test in report["tests"]]
-        check(fewest <= report["score"] <= most and status == (0 if fewest == TOTAL else 1)
+        check(fewest <= report["score"] <= most and status == 0
               and any(part in output for output in outputs), f"a submission that is {name} gets its verdict",
               f"{report['score']} points, status {status}\n{said}\n" + "\n".join(outputs))
 

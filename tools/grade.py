@@ -222,7 +222,7 @@ def _prepare_suite(feature, impl, fallback, only):
             return Suite(feature, reference_unit(feature), tests, True)
         unit = submitted_unit(feature, impl)
         if not fallback and not unit.is_reference:
-            unit.shown = feature.stem + ".c"
+            unit.shown = os.path.basename(unit.path)
         return Suite(feature, unit, tests)
     except UnitError as error:
         suite = Suite(feature, Unit(feature, None, feature.stem + ".c", False), tests)

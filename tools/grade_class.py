@@ -39,8 +39,10 @@ def submissions_in(folder):
 
 def _remarks(suites):
     """What an instructor should know beside the points."""
-    remarks = [f"{suite.feature.stem}: {suite.problem}" for suite in suites if suite.problem]
+    told = next((suite for suite in suites if not suite.passed()), None)  # stands in a column of its own
+    remarks = []
     for suite in suites:
+        remarks += [f"{suite.feature.stem}: {suite.problem}"] if suite.problem and suite is not told else []
         hung = sum(verdict.timed_out for verdict in suite.verdicts.values())
         remarks += [f"{suite.feature.stem}: {hung} claims timed out"] if hung else []
         if suite.unit.is_reference:
@@ -78,7 +80,7 @@ def grade_class(build, stems, submissions, out, format_name):
     table = Table(os.path.join(out, "class.csv"), [feature.stem for feature in features])
     ungraded = 0
     for number, (name, path) in enumerate(found.items(), 1):
-        said = f"{number} of {len(found)}  {results.name_of(name):<24}"
+        said = f"{number:>{len(str(len(found)))}} of {len(found)}  {results.name_of(name):<24}"
         try:
             if os.path.isfile(path) and not path.endswith(".c"):
                 raise ToolError("neither a folder nor a C file")

@@ -23,6 +23,7 @@ stop = threading.Event()  # set: every run ends at once
 _PAGE = os.sysconf("SC_PAGE_SIZE")
 _PROCESSES_MAX = 64
 _FILE_BYTES_MAX = 256 << 20
+_PATIENCE = 4  # so many times its seconds may pass for a program that did not work all of the time
 _KEPT = 64 << 10  # bytes of the output's beginning, and as many of its end
 
 
@@ -78,19 +79,39 @@ def _children(pid):
         return []
 
 
+def _family(pid):
+    """Returns a process and its children, a few more than are allowed at most."""
+    family, waiting = [], [pid]
+    while waiting and len(family) <= _PROCESSES_MAX:
+        family.append(waiting.pop())
+        waiting += _children(family[-1])
+    return family
+
+
+def _worked(pid):
+    """Returns the processor seconds that a process and its children had; more than any limit where
+    that is not known. A busy machine makes no program fail."""
+    ticks = 0
+    for process in _family(pid):
+        try:
+            with open(f"/proc/{process}/stat", encoding="ascii", errors="replace") as file:
+                ticks += sum(map(int, file.read().rpartition(")")[2].split()[11:15]))
+        except (OSError, ValueError):
+            if process == pid:
+                return float("inf")
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
 def _occupied(pid):
     """Returns the resident bytes of a process and its children, and how many they are."""
-    total, count, waiting = 0, 0, [pid]
-    while waiting and count <= _PROCESSES_MAX:
-        process = waiting.pop()
-        count += 1
+    total, family = 0, _family(pid)
+    for process in family:
         try:
             with open(f"/proc/{process}/statm", encoding="ascii") as file:
                 total += int(file.read().split()[1]) * _PAGE
         except (OSError, IndexError, ValueError):
             continue
-        waiting += _children(process)
-    return total, count
+    return total, len(family)
 
 
 def _kill(pid):
@@ -238,7 +259,7 @@ def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes):
                 outcome.limit = "memory"
             elif processes > _PROCESSES_MAX:
                 outcome.limit = "processes"
-            elif now - began > seconds:
+            elif now - began > seconds and (now - began > _PATIENCE * seconds or _worked(process.pid) > seconds):
                 outcome.limit = "seconds"
                 _ask_where(process, kept)
             if outcome.limit:

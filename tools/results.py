@@ -32,7 +32,7 @@ def _counts(suite):
 
 def name_of(impl):
     """Whose work it is, without the way there, which is the grader's own."""
-    return _printable(os.path.basename(os.path.normpath(impl)))
+    return _printable(os.path.basename(os.path.normpath(impl))).replace("\n", "?")
 
 
 def _explained(suite, test):
