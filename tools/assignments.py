@@ -102,9 +102,9 @@ def _unit_in(feature, path):
     if os.path.exists(feature.reference) and os.path.exists(path) and os.path.samefile(path, feature.reference):
         return reference_unit(feature)
     if not os.path.isfile(path):
-        raise UnitError(f"{path} is not a plain file")
+        raise UnitError(f"{os.path.basename(path)} is not a plain file")
     if not os.access(path, os.R_OK):
-        raise UnitError(f"{path} cannot be read; look at its permissions")
+        raise UnitError(f"{os.path.basename(path)} cannot be read; look at its permissions")
     return Unit(feature, path, path, False)
 
 
