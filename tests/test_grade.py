@@ -36,7 +36,6 @@ STARTER = starter_of(FEATURE.reference)
 SOLVED = not is_handed_out(FEATURE.reference)
 
 ONE = "up_to_four_triangles_are_one_leaf"
-NAN = "a_ray_of_nan_misses"
 EMPTY = "no_triangles_give_a_tree_without_nodes"
 
 
@@ -211,11 +210,13 @@ def units_are_judged(toolchain, folder):
             place, line = verdict.place.split(":")
             check(place == "tests/test_bvh_median.c" and 0 < first <= int(line) <= last,
                   "the place of a failed claim is in the claim, not in a helper", verdict.place)
-        if name.startswith("endless recursion") and "address" in " ".join(toolchain.sanitize):
-            check("in deeper, on the way from rk_bvh_build_median (line " in verdict.place,
-                  "a place names the function, and the one that led there", verdict.place)
     for name, suite in good:
         check(suite.passed(), name, results.text([suite], ""))
+    trace = ("    #0 0x1 in halve mine/bvh_median.c:9\n    #1 0x2 in qsort (/lib/libc.so)\n    #2 0x3 in rk_bvh_build_median "
+             "mine/bvh_median.c:30\n    #3 0x4 in main tests/test_bvh_median.c:800\n    #0 0x5 in other mine/bvh_median.c:1\n")
+    place = verdicts._place_in_unit(trace, starter.unit)
+    check(place == "mine/bvh_median.c:9, in halve, on the way from rk_bvh_build_median (line 30)",
+          "a place names the function, and the one that led there", place)
     check(not guarded._children(os.getpid()), "no process is left")
     return right, starter
 
@@ -396,15 +397,18 @@ def what_is_not_handed_in_earns_nothing(folder):
 
 def statuses_tell_what_was_graded(folder):
     put(unit(""), folder, "weak", "bvh_median.c")
-    weak = os.path.join(folder, "weak")
+    put(REFERENCE, folder, "right", "bvh_median.c")
+    weak, right = os.path.join(folder, "weak"), os.path.join(folder, "right")
     cases = {
         "0 is what is written": (0, ["--impl", weak, "--test", ONE, "--out", os.path.join(folder, "weak.txt")], "wrote"),
-        "0 is what passes": (0, ["--impl", weak, "--test", NAN], "ok"),
+        "0 is what passes": (0, ["--impl", right, "--test", ONE], "ok"),
         "1 is what fails": (1, ["--impl", weak, "--test", ONE], "FAIL"),
         "2 is a folder that is missing for OUT": (2, ["--impl", weak, "--out", os.path.join(folder, "no", "x")], "no folder"),
         "2 is a submission that is missing": (2, ["--impl", os.path.join(folder, "nobody")], "no file or folder"),
         "2 is a name that is wrong": (2, ["--impl", os.path.join(folder, "weak.txt")], "name it bvh_median.c"),
     }
+    if not SOLVED:
+        del cases["0 is what passes"]
     for name, (expected, arguments, part) in cases.items():
         status, said = graded(*arguments)
         check(status == expected and part in said, f"exit status {name}", f"{status}\n{said}")
@@ -414,7 +418,7 @@ def two_gradings_at_once(folder):
     os.unlink(os.path.join("impl", "toolchain"))
     make = os.environ.get("MAKE", "make")
     put(unit(""), folder, "weak", "bvh_median.c")
-    both = [start(make, "-s", "grade", "ASSIGNMENTS=bvh_median", "TEST=" + NAN, "IMPL=" + os.path.join(folder, "weak"),
+    both = [start(make, "-s", "grade", "ASSIGNMENTS=bvh_median", "TEST=" + ONE, "IMPL=" + os.path.join(folder, "weak"),
                   f"OUT={os.path.join(folder, f'at-once-{k}')}") for k in range(3)]
     said = [process.communicate()[0] for process in both]
     check(all(process.returncode == 0 for process in both) and not [n for n in os.listdir("impl") if "toolchain." in n],
@@ -447,7 +451,7 @@ def a_class_is_graded(folder):
     with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
         rows = {row[0]: row for row in csv.reader(file)}
     check(status == 1 and said.count(" of 4 ") == 5 and len(rows) == 5, "a class gets a line for each", said)
-    check(rows["Ann, \"A\""][1:4] == ["4", "4", f"bvh_median: {ONE}"] or int(rows["Ann, \"A\""][2]) > 0,
+    check(rows['Ann, "A"'][1].isdigit() and rows['Ann, "A"'][3] == f"bvh_median: {ONE}",
           "class.csv has points and the first failing claim", rows)
     check("cuont" in rows["bert"][4] and "found: else.c" in rows["carl"][4] and "neither" in rows["notes.txt"][5],
           "class.csv has the reasons", rows)
@@ -467,6 +471,8 @@ def a_class_is_graded(folder):
 
 
 def main():
+    if "--list" in sys.argv:  # the driver asks for names of tests, which it can do without
+        return 0
     guarded.prepare()
     toolchain = building.Toolchain(".")
     folder = tempfile.mkdtemp(prefix="raykit-test-grade-")
