@@ -45,7 +45,8 @@ def _place_in_unit(text, unit):
     unit that led there, or ""."""
     name = re.escape(os.path.basename(unit.path))
     frames = []
-    for number, function, line in re.findall(rf"^ *#(\d+) 0x[0-9a-f]+ in (\S+) (?:[^\n]*/)?{name}:(\d+)", text, re.MULTILINE):
+    own_frame = rf"^ *#(\d+) 0x[0-9a-f]+ in (\S+) (?:[^\n]*/)?{name}:(\d+)"
+    for number, function, line in re.findall(own_frame, text, re.MULTILINE):
         if frames and int(number) <= frames[-1][0]:
             break  # another trace
         frames.append((int(number), function, line))
