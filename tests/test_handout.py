@@ -146,9 +146,9 @@ def the_pack_is_failed_and_solved(pack):
     status, said = run(pack, make, "-s", "-j2", "check-render")
     check(status != 0 and "not ok" not in said, "a suite that uses the student's code fails", said)
     status, said = run(pack, make, "-s", "-j2", "check", "check_PROGRAMS=tests/test_render", "TESTS=tests/test_render")
-    last = [line for line in said.splitlines() if not line.startswith("make")][-1:]
-    check(status != 0 and last and f"red because {STEM} is yours to solve: test_render" in last[0] and
-          f"make check-{STEM}" in last[0], "make check ends with the suites that wait for the student", said)
+    told = next((line for line in said.splitlines() if line.startswith(f"red until {STEM} is solved:")), "")
+    check(status != 0 and "test_render" in told and "test_vec3" not in told and f"make check-{STEM}" in told,
+          "make check names the suites that wait for the student", said)
     shutil.copyfile(FEATURE.reference, os.path.join(pack, "workbook", STEM + ".c"))
     status, said = run(pack, make, "-s", "-j2", f"check-{STEM}")
     check(status == 0 and f"{TOTAL} of {TOTAL}" in said, "the solution passes with all points", said)
