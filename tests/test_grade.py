@@ -3,6 +3,7 @@
 for make check; runs in a build folder."""
 
 import contextlib
+import csv
 import io
 import json
 import os
@@ -22,6 +23,7 @@ import building  # noqa: E402
 import grade  # noqa: E402
 import guarded  # noqa: E402
 import results  # noqa: E402
+import verdicts  # noqa: E402
 from assignments import ScoredTest, ToolError, Unit, check_impl, read_features, read_points  # noqa: E402
 from regions import is_handed_out, starter_of  # noqa: E402
 from workbook import make_workbook  # noqa: E402
@@ -117,6 +119,12 @@ BAD = {
              'int chosen(void) __attribute__((ifunc("choose"), used));'), ONE, "constructor"
     ),
     "a unit may not include the reference": ('#include "features/bvh_median.c"\n', ONE, "includes"),
+    "a print does not hide what the claim says": (
+        unit('puts("I was here");\n    fputs("and here\\n", stderr);'), ONE, "is not sound"
+    ),
+    "what a unit prints comes after it": (
+        unit('puts("I was here");\n    fputs("and here\\n", stderr);'), ONE, "\nyour code printed: and here | I was here"
+    ),
     "a child that stays behind does not hold up the verdict": (
         unit("if (fork() == 0)\n    {\n        setsid();\n        for (;;)\n            pause();\n    }\n    _Exit(0);"),
         ONE, "ended in the middle",
@@ -144,6 +152,10 @@ bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
     return false;
 }"""),
     "a warning is no error": unit("int unused;"),
+    "a unit is told no way to the kit, and cannot write its program": unit(
+        'if (getenv("PATH") || getenv("RAYKIT_HELPERS") || getenv("RAYKIT_ATTEST") || fopen("/proc/self/exe", "r+")\n'
+        '        || access("../test_bvh_median", F_OK) == 0)\n        abort();'
+    ),
 }
 
 checks = []
@@ -152,7 +164,7 @@ checks = []
 def check(condition, name, said=""):
     """Notes a claim's verdict."""
     checks.append(bool(condition))
-    for line in [] if condition else str(said).splitlines():
+    for line in [] if condition else str(said).splitlines()[-25:]:
         print(f"# {line}")
     print(f"{'ok' if condition else 'not ok'} {len(checks)} - {name}", flush=True)
 
@@ -190,11 +202,21 @@ def units_are_judged(toolchain, folder):
         verdict = suite.verdicts[suite.tests[0].name]
         check(not verdict.passed and part in verdict.reason, name,
               f"passed: {verdict.passed}\n{verdict.reason}\n{verdict.place}\n{verdict.details}")
-    for name, suite in good:
-        check(suite.passed(), name, results.text([suite], ""))
         if "with its line" in name and any("address" in flag for flag in toolchain.sanitize):
             check("mine/bvh_median.c:" in verdict.place, f"{name}: the line is the unit's",
                   f"{verdict.place}\n{verdict.details}")
+        if name == "a wrong answer is told by the claim":
+            first, last = verdicts._lines_of(ONE, suite.source)
+            place, line = verdict.place.split(":")
+            check(place == "tests/test_bvh_median.c" and 0 < first <= int(line) <= last,
+                  "the place of a failed claim is in the claim, not in a helper", verdict.place)
+    for name, suite in good:
+        check(suite.passed(), name, results.text([suite], ""))
+    trace = ("    #0 0x1 in halve mine/bvh_median.c:9\n    #1 0x2 in qsort (/lib/libc.so)\n    #2 0x3 in rk_bvh_build_median "
+             "mine/bvh_median.c:30\n    #3 0x4 in main tests/test_bvh_median.c:800\n    #0 0x5 in other mine/bvh_median.c:1\n")
+    place = verdicts._place_in_unit(trace, starter.unit)
+    check(place == "mine/bvh_median.c:9, in halve, on the way from rk_bvh_build_median (line 30)",
+          "a place names the function, and the one that led there", place)
     check(not guarded._children(os.getpid()), "no process is left")
     return right, starter
 
@@ -310,7 +332,147 @@ def an_interrupt_ends_everything(folder):
           "Ctrl-C leaves no process and no folder", os.listdir(place))
 
 
+# --- Submissions --------------------------------------------------------------------------------
+
+
+def put(text, *path):
+    os.makedirs(os.path.join(*path[:-1]), exist_ok=True)
+    with open(os.path.join(*path), "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+def start(*command):
+    """Starts a command as at an instructor's prompt."""
+    dropped = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "srcdir", "TESTS_ENVIRONMENT")
+    environment = {name: value for name, value in os.environ.items() if name not in dropped}
+    return subprocess.Popen(command, env=dict(environment, RAYKIT_TEST_SECONDS="60"), stdin=subprocess.DEVNULL,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
+
+
+def run(*command):
+    """Returns the exit status and all that was said."""
+    process = start(*command)
+    said = process.communicate()[0]
+    return process.returncode, said
+
+
+def graded(*arguments):
+    return run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade.py"), "bvh_median", *arguments)
+
+
+def names_are_no_commands(folder):
+    make = os.environ.get("MAKE", "make")
+    for name in ("$(shell touch mark)eve", "`touch mark`", "Ke$ha O'Neil", "$$two", "a\n\ttouch mark"):
+        put(STARTER, folder, "names", name, "bvh_median.c")
+        status, said = run(make, "-s", "diff-bvh_median", "IMPL=" + os.path.join(folder, "names", name))
+        check(status == 0 and "unchanged" in said and not os.path.exists("mark"),
+              f"a folder called {name!r} is just that", said)
+
+
+def what_is_not_handed_in_earns_nothing(folder):
+    put(STARTER, folder, "bob", "bvh_median.c")
+    put(STARTER, folder, "misplaced", "src", "bvh.c")
+    put('#include "alice.c"\n', folder, "flat.c")
+    put(STARTER, folder, "alice.c")
+    for name, target in {"linked": "../bob/bvh_median.c", "broken": "nowhere", "copycat": FEATURE.reference}.items():
+        os.makedirs(os.path.join(folder, name))
+        os.symlink(os.path.abspath(target) if name == "copycat" else target, os.path.join(folder, name, "bvh_median.c"))
+    os.makedirs(os.path.join(folder, "strange", "bvh_median.c"))
+    cases = {
+        "misplaced": "there is no bvh_median.c; found: src/bvh.c", "linked": "a link to a file outside of the submission",
+        "broken": "not a plain file", "copycat": "a link to the reference, which earns no points",
+        "flat.c": "flat.c includes alice.c", "strange": "not a plain file",
+    }
+    for name, part in cases.items():
+        _, suites = grade.grade_impl(".", ["bvh_median"], os.path.join(folder, name))
+        for form, write in results.FORMATS.items():
+            report = write(suites, os.path.join(folder, name))
+            told = json.loads(report)["tests"][0]["output"] if form == "gradescope" else report
+            check(suites[0].points() == 0 and part[:38] in told and "workbook" not in report and folder not in report,
+                  f"a submission that is {name} gets 0 points and the reason ({form})", told)
+        report = json.loads(results.gradescope(suites, name))
+        check(sum(part in test["output"] or "read" in test["output"] for test in report["tests"]) == 1,
+              f"a submission that is {name} gets the reason once", report["tests"][:2])
+
+
+def statuses_tell_what_was_graded(folder):
+    put(unit(""), folder, "weak", "bvh_median.c")
+    put(REFERENCE, folder, "right", "bvh_median.c")
+    weak, right = os.path.join(folder, "weak"), os.path.join(folder, "right")
+    cases = {
+        "0 is what is written": (0, ["--impl", weak, "--test", ONE, "--out", os.path.join(folder, "weak.txt")], "wrote"),
+        "0 is what passes": (0, ["--impl", right, "--test", ONE], "ok"),
+        "1 is what fails": (1, ["--impl", weak, "--test", ONE], "FAIL"),
+        "2 is a folder that is missing for OUT": (2, ["--impl", weak, "--out", os.path.join(folder, "no", "x")], "no folder"),
+        "2 is a submission that is missing": (2, ["--impl", os.path.join(folder, "nobody")], "no file or folder"),
+        "2 is a name that is wrong": (2, ["--impl", os.path.join(folder, "weak.txt")], "name it bvh_median.c"),
+    }
+    if not SOLVED:
+        del cases["0 is what passes"]
+    for name, (expected, arguments, part) in cases.items():
+        status, said = graded(*arguments)
+        check(status == expected and part in said, f"exit status {name}", f"{status}\n{said}")
+
+
+def two_gradings_at_once(folder):
+    os.unlink(os.path.join("impl", "toolchain"))
+    make = os.environ.get("MAKE", "make")
+    put(unit(""), folder, "weak", "bvh_median.c")
+    both = [start(make, "-s", "grade", "ASSIGNMENTS=bvh_median", "TEST=" + ONE, "IMPL=" + os.path.join(folder, "weak"),
+                  f"OUT={os.path.join(folder, f'at-once-{k}')}") for k in range(3)]
+    said = [process.communicate()[0] for process in both]
+    check(all(process.returncode == 0 for process in both) and not [n for n in os.listdir("impl") if "toolchain." in n],
+          "gradings at the same time do not meet", "\n".join(said))
+
+
+def hanging_does_not_last(toolchain, folder):
+    put(unit("for (volatile int k = 0; k < 2; k = 0) { }"), folder, "hangs", "bvh_median.c")
+    suite = grade.Suite(FEATURE, Unit(FEATURE, os.path.join(folder, "hangs", "bvh_median.c"), "x.c", False),
+                        read_points(FEATURE))
+    suite.folder = os.path.join(folder, "hangs")
+    grade.grade(toolchain, [suite], {}, seconds=5)
+    long = [v for v in suite.verdicts.values() if v.timed_out and "short limit" not in v.reason]
+    short = [v for v in suite.verdicts.values() if "short limit" in v.reason]
+    check(2 <= len(long) <= 2 + os.cpu_count() and len(short) > 10, "after two claims that hang the others get less time",
+          results.text([suite], ""))
+    text = results.text([suite], "")
+    check(text.count("short limit") == 1 and "..." not in text, "what fails for the same reason is told together", text)
+
+
+def a_class_is_graded(folder):
+    place, out = os.path.join(folder, "class"), os.path.join(folder, "results")
+    put(unit(""), place, "Ann, \"A\"", "bvh_median.c")
+    put(unit("cuont++;"), place, "bert.c")
+    put("", place, "carl", "else.c")
+    put("me too", place, "notes.txt")
+    grader = [sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
+              "--submissions", place, "--out", out]
+    status, said = run(*grader)
+    with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
+        rows = {row[0]: row for row in csv.reader(file)}
+    check(status == 1 and said.count(" of 4 ") == 5 and len(rows) == 5, "a class gets a line for each", said)
+    check(rows['Ann, "A"'][1].isdigit() and rows['Ann, "A"'][3] == f"bvh_median: {ONE}",
+          "class.csv has points and the first failing claim", rows)
+    check("cuont" in rows["bert"][4] and "found: else.c" in rows["carl"][4] and "neither" in rows["notes.txt"][5],
+          "class.csv has the reasons", rows)
+    check(sorted(os.listdir(out)) == ["Ann, \"A\".json", "bert.json", "carl.json", "class.csv"], "each has a report")
+    planted = os.path.abspath(os.path.join("tests", "planted.o"))
+    put(unit(f'FILE *file = fopen("{planted}", "w");\n    if (file)\n        fclose(file);'), place, "bill", "bvh_median.c")
+    status, said = run(*grader)
+    os.unlink(planted)
+    with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
+        rows = list(csv.reader(file))
+    check(status == 2 and "planted.o" in said and os.path.join(place, "bill") in said and rows[-1][0] == "bill"
+          and rows[-1][1] == "" and not os.path.exists(os.path.join(out, "bill.json")),
+          "a submission that changes the kit ends the class and gets no verdict", said)
+    put(unit(f'FILE *file = fopen("{place}/bert.c", "w");\n    if (file)\n        fclose(file);'), place, "bill", "bvh_median.c")
+    status, said = run(*grader)
+    check(status == 2 and "bert.c" in said, "so does one that changes another's", said)
+
+
 def main():
+    if "--list" in sys.argv:  # the driver asks for names of tests, which it can do without
+        return 0
     guarded.prepare()
     toolchain = building.Toolchain(".")
     folder = tempfile.mkdtemp(prefix="raykit-test-grade-")
@@ -321,6 +483,12 @@ def main():
         a_report_is_written_whole(graded, folder)
         a_workbook_is_the_students(folder)
         what_cannot_be_used_is_refused(folder)
+        names_are_no_commands(folder)
+        what_is_not_handed_in_earns_nothing(os.path.join(folder, "odd"))
+        statuses_tell_what_was_graded(folder)
+        two_gradings_at_once(folder)
+        hanging_does_not_last(toolchain, folder)
+        a_class_is_graded(folder)
         an_interrupt_ends_everything(folder)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

@@ -13,6 +13,10 @@ class ToolError(Exception):
     """Something that the user can put right; the text is one sentence that says how."""
 
 
+class UnitError(ToolError):
+    """A submission that cannot be judged, and so earns nothing; the text is the reason."""
+
+
 class Feature:
     """A row of features.tsv."""
 
@@ -95,12 +99,12 @@ def reference_unit(feature):
 
 
 def _unit_in(feature, path):
-    if os.path.exists(feature.reference) and os.path.samefile(path, feature.reference):
+    if os.path.exists(feature.reference) and os.path.exists(path) and os.path.samefile(path, feature.reference):
         return reference_unit(feature)
     if not os.path.isfile(path):
-        raise ToolError(f"IMPL: {path} is not a plain file")
+        raise UnitError(f"{os.path.basename(path)} is not a plain file")
     if not os.access(path, os.R_OK):
-        raise ToolError(f"IMPL: {path} cannot be read; look at its permissions")
+        raise UnitError(f"{os.path.basename(path)} cannot be read; look at its permissions")
     return Unit(feature, path, path, False)
 
 
@@ -115,33 +119,65 @@ def find_unit(feature, impl):
     return _unit_in(feature, impl)
 
 
+def submitted_unit(feature, impl):
+    """Returns the unit that was handed in, or raises UnitError: it has to be there, and no link to
+    somebody else's work."""
+    path = os.path.join(impl, feature.stem + ".c") if os.path.isdir(impl) else impl
+    if os.path.islink(path):
+        place = os.path.realpath(path)
+        if place == os.path.realpath(feature.reference):
+            raise UnitError(f"{os.path.basename(path)} is a link to the reference, which earns no points")
+        if not os.path.isdir(impl) or not place.startswith(os.path.join(os.path.realpath(impl), "")):
+            raise UnitError(f"{os.path.basename(path)} is a link to a file outside of the submission")
+    unit = find_unit(feature, impl)
+    if unit.path is None:
+        raise UnitError(f"there is no {feature.stem}.c; found: {_what_is_in(impl)}")
+    return unit
+
+
+def _what_is_in(folder):
+    """Names up to eight files below the folder."""
+    names = []
+    for where, folders, files in os.walk(folder):
+        folders[:] = sorted(name for name in folders if not name.startswith("."))
+        names += [os.path.relpath(os.path.join(where, name), folder) for name in sorted(files) if name[0] != "."]
+        if len(names) > 8:
+            return ", ".join([*names[:8], "..."])
+    return ", ".join(names) or "nothing"
+
+
 def unit_beside(feature, impl, handed_out):
     """Returns the unit of a feature that another one's work is built with: the reference, so that
     each assignment is judged by itself; where the feature is handed out too, and so has no
     reference, the one in IMPL."""
     if feature.stem in handed_out and os.path.isdir(impl):
-        unit = find_unit(feature, impl)
+        try:
+            unit = find_unit(feature, impl)
+        except UnitError:
+            return reference_unit(feature)
         if unit.path is not None:
             return unit
     return reference_unit(feature)
 
 
-def check_impl(features, impl, stems):
-    """Raises ToolError unless IMPL names something that can be used for these stems."""
+def check_impl(features, impl, stems, may_be_empty=False):
+    """Raises ToolError unless IMPL names something that can be used for these stems; for a grader a
+    folder may also hold nothing that fits."""
     if not impl:
         raise ToolError("say whose work is meant: IMPL=mine (a folder) or IMPL=my_file.c")
     if os.path.isdir(impl):
-        if not any(os.path.lexists(os.path.join(impl, stem + ".c")) for stem in features):
+        if not may_be_empty and not any(os.path.lexists(os.path.join(impl, stem + ".c")) for stem in features):
             names = ", ".join(stem + ".c" for stem in features)
             raise ToolError(
                 f"IMPL: the folder {impl} holds no unit ({names}); "
                 f"make workbook DIR={impl} puts the starters there"
             )
-    elif not os.path.exists(impl):
+    elif not os.path.lexists(impl):
         raise ToolError(
             f"IMPL: there is no file or folder {impl}; make workbook DIR=mine makes a folder to start in"
         )
     elif not impl.endswith(".c"):
-        raise ToolError(f"IMPL: {impl} is no C file; give a file that ends in .c, or a folder")
+        name = stems[0] + ".c" if len(stems) == 1 else "STEM.c"
+        raise ToolError(f"IMPL: {impl} is no C file; name it {name}, or give a folder that holds {name}")
     elif len(stems) != 1:
         raise ToolError(f"IMPL: {impl} is one file, and this wants a folder with one for each feature")

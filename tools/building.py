@@ -89,12 +89,24 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
             f"{unit.shown} could not be compiled: the compiler took more than its {outcome.limit}"
         )
     if outcome.status != 0:
-        first = next((line for line in outcome.output.splitlines() if "error:" in line), None)
+        said = plain(toolchain, unit, outcome.output)
+        first = next((line for line in said.splitlines() if "error:" in line), None)
         reason = f"does not compile: {first}" if first else f"{unit.shown} does not compile"
-        raise BuildError(reason, outcome.output)
+        raise BuildError(reason, said)
     if not unit.is_reference:
         _check_included(toolchain, unit, listing)
-    return output, outcome.output.strip()
+    return output, plain(toolchain, unit, outcome.output).strip()
+
+
+def plain(toolchain, unit, text):
+    """Shortens the paths in what tools say: the unit's are as unit.shown is, the kit's from its top."""
+    own, shown = os.path.dirname(unit.path), os.path.dirname(unit.shown)
+    shorter = {os.path.realpath(own): shown, os.path.abspath(own): shown, own: shown}
+    shorter |= {os.path.realpath(toolchain.source): "", toolchain.source: ""}
+    for path, short in shorter.items():
+        if path.strip("/"):
+            text = re.sub(rf"(?<![\w./-]){re.escape(path)}/+", lambda _, s=short: s and s + "/", text)
+    return text
 
 
 def _is_below(path, folder):
@@ -102,26 +114,21 @@ def _is_below(path, folder):
 
 
 def _check_included(toolchain, unit, listing):
-    """A solution may include the kit's headers, the system's, and what stands beside it."""
+    """A solution may include the kit's headers, the system's, and headers that stand beside it."""
     with open(listing, encoding="utf-8", errors="replace") as file:
         # As make reads it: blanks in names are escaped, quotes stand for themselves.
         words = [re.sub(r"\\([ #])", r"\1", word).replace("$$", "$")
                  for word in re.findall(r"(?:\\.|\S)+", file.read().replace("\\\n", " "))]
+    own, source = os.path.dirname(os.path.abspath(unit.path)), os.path.join(toolchain.source, "src")
     for word in words[1:]:
         path = os.path.realpath(word)
-        if path == os.path.realpath(unit.path):
-            continue
-        source = os.path.join(toolchain.source, "src")
-        allowed = (
-            path.endswith(".h") if _is_below(path, source)
-            else False if _is_below(path, os.path.join(toolchain.source, "tests"))
-            else _is_below(path, os.path.dirname(os.path.abspath(unit.path)))
-            or path.startswith(("/usr/", "/opt/", "/nix/", "/Library/"))
-        )
-        if not allowed:
+        is_header = path.endswith(".h") and (_is_below(path, source) or _is_below(path, own))
+        is_systems = path.startswith(("/usr/", "/opt/", "/nix/", "/Library/")) and not path.endswith(".c")
+        is_suites = _is_below(path, os.path.join(toolchain.source, "tests"))
+        if path != os.path.realpath(unit.path) and (is_suites or not (is_header or is_systems)):
             raise BuildError(
-                f"{unit.shown} includes {word}: a unit may include the kit's headers, the system's, "
-                "and files beside it"
+                f"{unit.shown} includes {plain(toolchain, unit, word)}: a unit may include the kit's headers, "
+                "the system's, and headers (.h) beside it"
             )
 
 

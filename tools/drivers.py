@@ -3,7 +3,8 @@
 impl/assignments is then to those units what assignments/ is to the reference's.
 
 All other units are the reference's, so that an unsolved assignment does not spoil the pictures of
-the solved ones; pictures and impl/units say which is which."""
+the solved ones; pictures and impl/units say which is which. Where a unit cannot be built, a script
+that says so stands in its driver's place, and the reason in STEM.unmade beside it."""
 
 import argparse
 import os
@@ -59,6 +60,12 @@ def _object_that_says(toolchain, sentence, folder):
     return output
 
 
+def _told(error):
+    """Shows why a driver cannot be made, and returns it for the page."""
+    print(f"{error.details}\nreport: {error.reason}".strip(), file=sys.stderr)
+    return error.reason
+
+
 def link_drivers(toolchain, impl):
     """Makes impl/assignments/FOLDER/STEM for all features; returns the sentence for captions."""
     features = read_features(toolchain.source)
@@ -69,26 +76,44 @@ def link_drivers(toolchain, impl):
     check_impl(features, impl, stems)
     own = {stem: find_unit(features[stem], impl) for stem in stems}
     own = {stem: unit for stem, unit in own.items() if unit.path}
+    for unit in own.values():
+        unit.shown = os.path.basename(unit.path)
     beside = {stem: unit_beside(feature, impl, toolchain.handed_out) for stem, feature in features.items()}
     folder = os.path.join(toolchain.build, "impl")
     parts = os.path.join(folder, "drivers")
     os.makedirs(parts, exist_ok=True)
     archive = _renderer_without_features(toolchain, features, parts)
-    objects = {}
+    objects, unmade = {}, {}
     for unit in [*own.values(), *beside.values()]:
         key = unit.feature.stem, unit.is_reference
-        objects[key] = objects.get(key) or _object(toolchain, unit, parts)
+        if key in objects or key in unmade:
+            continue
+        try:
+            objects[key] = _object(toolchain, unit, parts)
+        except building.BuildError as error:
+            unmade[key] = _told(error)
     for feature in features.values():
         place = os.path.join(folder, "assignments", feature.folder)
         os.makedirs(place, exist_ok=True)
         units = list({**beside, feature.stem: own.get(feature.stem, beside[feature.stem])}.values())
         says = _object_that_says(toolchain, _sentence(units, impl), parts)
-        building.link(
-            toolchain, os.path.join(place, feature.stem),
-            [toolchain.built(f"assignments/{feature.folder}/driver.o"), says,
-             *(objects[unit.feature.stem, unit.is_reference] for unit in units),
-             archive, toolchain.built("librkbase.a"), *toolchain.libraries], parts,
-        )
+        keys = [(unit.feature.stem, unit.is_reference) for unit in units]
+        reason = next((unmade[key] for key in keys if key in unmade), None)
+        driver = os.path.join(place, feature.stem)
+        for path in (driver, driver + ".unmade"):
+            if os.path.lexists(path):
+                os.unlink(path)
+        try:
+            if not reason:
+                building.link(toolchain, driver, [
+                    toolchain.built(f"assignments/{feature.folder}/driver.o"), says, *(objects[key] for key in keys),
+                    archive, toolchain.built("librkbase.a"), *toolchain.libraries], parts)
+        except building.BuildError as error:
+            reason = _told(error)
+        if reason:
+            write_whole(driver + ".unmade", reason + "\n")
+            write_whole(driver, "#!/bin/sh\nexit 1\n")
+            os.chmod(driver, 0o755)
     sentence = _sentence([own.get(stem, beside[stem]) for stem in features], impl)
     write_whole(os.path.join(folder, "units"), sentence + "\n")
     return sentence
@@ -103,9 +128,6 @@ def main():
         print(f"report: {link_drivers(building.Toolchain(arguments.build), arguments.impl)}", file=sys.stderr)
     except ToolError as error:
         print(f"report: {error}", file=sys.stderr)
-        return 1
-    except building.BuildError as error:
-        print(f"{error.details}\nreport: {error.reason}".strip(), file=sys.stderr)
         return 1
     except subprocess.CalledProcessError as error:
         print(f"report: {error.cmd[0]} failed; its reason stands above", file=sys.stderr)

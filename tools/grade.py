@@ -9,21 +9,26 @@ crashes, endless loops, leaks and programs that end early are failed tests with 
 import argparse
 import concurrent.futures
 import os
+import re
 import shutil
 import signal
+import subprocess
 import sys
 import tempfile
 import threading
 
 import building
 import guarded
+import kit
 import results
 from assignments import (
-    ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit, unit_beside,
+    ToolError, Unit, UnitError, check_impl, choose, find_unit, read_features, read_points, reference_unit,
+    submitted_unit, unit_beside,
 )
 from verdicts import Verdict, judge
 
 MEGABYTES = 2048  # the suites stay below 300 with the sanitizers
+TIMEOUTS = 2  # so many tests of a suite may take all their time; the others then get a part of it
 
 
 class Suite:
@@ -33,7 +38,7 @@ class Suite:
     def __init__(self, feature, unit, tests, fallback=False):
         self.feature, self.unit, self.tests, self.fallback = feature, unit, tests, fallback
         self.verdicts, self.warnings, self.problem = {}, "", ""
-        self.program, self.folder = None, None
+        self.program, self.folder, self.source = None, None, ""
 
     def passed(self):
         return all(self.verdicts[test.name].passed for test in self.tests)
@@ -52,6 +57,16 @@ class Suite:
         self.problem = reason
         for test in self.tests:
             self.verdicts[test.name] = Verdict(False, reason, "", details)
+
+    def time_for_a_test(self, seconds):
+        """Returns the limit for the next test, and a phrase for it: short after two that took all of
+        theirs, but three times as long as those that passed."""
+        verdicts = list(self.verdicts.values())
+        if sum(verdict.timed_out for verdict in verdicts) < TIMEOUTS:
+            return seconds, f"{seconds:g} seconds"
+        slowest = max((verdict.seconds for verdict in verdicts if verdict.passed), default=0)
+        short = min(seconds, max(seconds / 10, 3 * slowest))
+        return short, f"{short:.3g} s (a short limit, as {TIMEOUTS} tests before it took all of {seconds:g} seconds)"
 
 
 def time_limit():
@@ -88,9 +103,10 @@ def build(toolchain, suite, needed_units):
             path, warnings = _object_of(toolchain, unit, suite.folder)
             objects.append(path)
             suite.warnings += warnings if unit is suite.unit else ""
-        suite.program = building.link_suite(
+        suite.source = os.path.join(toolchain.source, "tests", f"test_{suite.feature.stem}.c")
+        suite.program = guarded.Program(building.link_suite(
             toolchain, [suite.unit, *needed_units], objects, suite.folder, toolchain.sanitize
-        )
+        ))
     except building.BuildError as error:
         suite.give_up(error.reason, error.details)
 
@@ -98,15 +114,13 @@ def build(toolchain, suite, needed_units):
 # --- Running ------------------------------------------------------------------------------------
 
 
-def _environment(toolchain, folder, look_for_leaks):
-    """What the program sees: nothing of the caller's but where programs and libraries are."""
-    kept = ("PATH", "LD_LIBRARY_PATH", "RAYKIT_ISA", "ASAN_SYMBOLIZER_PATH")
+def _environment(folder, look_for_leaks):
+    """What the program sees: nothing of the caller's but where libraries are, and nothing that leads
+    to the kit."""
+    kept = ("LD_LIBRARY_PATH", "RAYKIT_ISA")
     environment = {name: os.environ[name] for name in kept if name in os.environ}
-    leaks = os.path.join(toolchain.source, "tests", "leaks.txt")
     environment.update(
-        HOME=folder, TMPDIR=folder, LC_ALL="C", CMOCKA_MESSAGE_OUTPUT="TAP",
-        RAYKIT_HELPERS=toolchain.build, UBSAN_OPTIONS="print_stacktrace=1",
-        LSAN_OPTIONS=f"suppressions={leaks}:print_suppressions=0",
+        HOME=folder, TMPDIR=folder, LC_ALL="C", CMOCKA_MESSAGE_OUTPUT="TAP", UBSAN_OPTIONS="print_stacktrace=1",
         # 2: the suite's own signal handlers stand back. The slow unwinder sees through code
         # without frame pointers, so that a leak's trace reaches the unit.
         ASAN_OPTIONS="handle_segv=2:handle_sigbus=2:handle_sigfpe=2:handle_sigill=2:handle_abort=1:"
@@ -116,53 +130,76 @@ def _environment(toolchain, folder, look_for_leaks):
     return environment
 
 
+def _with_lines(program, text):
+    """Names functions and lines in traces whose program could not be found, being in memory only."""
+    unnamed = r"(#\d+ 0x[0-9a-f]+) +\(/memfd:\S+ \(deleted\)\+(0x[0-9a-f]+)\).*"
+    addresses = list(dict.fromkeys(address for _, address in re.findall(unnamed, text)))
+    finder = shutil.which("addr2line")
+    if not addresses or not finder or program.descriptor is None:
+        return text
+    answer = subprocess.run([finder, "-f", "-e", program.path, *addresses], pass_fds=(program.descriptor,),
+                            capture_output=True, text=True, errors="replace", check=False).stdout.splitlines()
+    names = {address: f"{function} {place}" for address, function, place in zip(addresses, answer[::2], answer[1::2])}
+    return re.sub(unnamed, lambda match: f"{match[1]} in {names.get(match[2], '?')}", text)
+
+
 def run_test(toolchain, suite, test, seconds, megabytes):
     """Runs one scored test and returns its Verdict."""
+    limit, phrase = suite.time_for_a_test(seconds)
     for look_for_leaks in (True, False):
         folder = tempfile.mkdtemp(dir=suite.folder)
         outcome = guarded.run(
-            [suite.program, "--only", test.name], seconds=seconds, megabytes=megabytes,
-            folder=folder, environment=_environment(toolchain, folder, look_for_leaks), attest=True,
+            ["test_" + suite.feature.stem, "--only", test.name], seconds=limit, megabytes=megabytes,
+            folder=folder, environment=_environment(folder, look_for_leaks), witnessed=suite.program,
         )
         # Where processes may not be traced, the leak sanitizer itself fails.
         if "LeakSanitizer has encountered a fatal error" not in outcome.output:
             break
-    return judge(outcome, suite.unit, seconds, megabytes)
+    outcome.output = building.plain(toolchain, suite.unit, _with_lines(suite.program, outcome.output))
+    return judge(outcome, suite, test.name, phrase, megabytes)
 
 
-def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES):
-    """Builds and runs all suites on all processors, with `units` for what they need beside their
-    own; fills in their verdicts."""
+def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None):
+    """Builds all suites, then runs them, on all processors, with `units` for what they need beside
+    their own; fills in their verdicts. All are built before any unit runs, and so could meddle.
+    `progress` is called with the numbers of tests that ran and will run."""
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
     def run_into(suite, test):
         suite.verdicts[test.name] = run_test(toolchain, suite, test, seconds, megabytes)
 
+    def finish(futures, tell=None):
+        for number, done in enumerate(concurrent.futures.as_completed(futures), 1):
+            done.result()
+            if tell:
+                tell(number, len(futures))
+
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:
         try:
-            building_now = {
-                pool.submit(build, toolchain, suite, [units[stem] for stem in suite.feature.needs]): suite
-                for suite in suites if not suite.problem
-            }
-            running = []
-            for done in concurrent.futures.as_completed(building_now):
-                done.result()
-                suite = building_now[done]
-                if suite.program:
-                    running += [pool.submit(run_into, suite, test) for test in suite.tests]
-            for done in concurrent.futures.as_completed(running):
-                done.result()
+            finish([pool.submit(build, toolchain, suite, [units[stem] for stem in suite.feature.needs])
+                    for suite in suites if not suite.problem])
+            runs = [(suite, test) for suite in suites if suite.program for test in suite.tests]
+            if progress:
+                progress(0, len(runs))
+            finish([pool.submit(run_into, suite, test) for suite, test in runs], progress)
         except BaseException:
             guarded.stop.set()
             pool.shutdown(cancel_futures=True)
             raise
+        finally:
+            for suite in suites:
+                if suite.program:
+                    suite.program.close()
 
 
 # --- The command --------------------------------------------------------------------------------
 
 
 def _arguments():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = argparse.ArgumentParser(
+        description=__doc__.split("\n\n")[0],
+        epilog="Exit status: 0 all tests passed, or FILE was written; 1 some test failed; 2 nothing could be graded.",
+    )
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; none means all of them")
     add = parser.add_argument
     add("--impl", required=True, metavar="FILE_OR_DIR", help="a C file, or a folder with STEM.c")
@@ -170,29 +207,36 @@ def _arguments():
     add("--format", choices=sorted(results.FORMATS), default="text", help="of the report")
     add("--out", metavar="FILE", help="write the report there instead of standard output")
     add("--test", metavar="NAME", help="only this test")
-    add("--fallback", action="store_true", help="for units that are not there run the reference, without points")
+    add("--fallback", action="store_true", help="a student's own check: for units that are not there run the "
+        "reference, without points, and name files as IMPL does")
     return parser.parse_args()
+
+
+def _prepare_suite(feature, impl, fallback, only):
+    """Returns the suite of one feature; one that has given up where there is nothing to judge."""
+    tests = [test for test in read_points(feature) if only in (None, test.name)]
+    if not tests:
+        raise ToolError(f"{feature.stem} has no scored test {only}; see {feature.points_table}")
+    try:
+        if fallback and find_unit(feature, impl).path is None:
+            return Suite(feature, reference_unit(feature), tests, True)
+        unit = submitted_unit(feature, impl)
+        if not fallback and not unit.is_reference:
+            unit.shown = os.path.basename(unit.path)
+        return Suite(feature, unit, tests)
+    except UnitError as error:
+        suite = Suite(feature, Unit(feature, None, feature.stem + ".c", False), tests)
+        suite.give_up(str(error))
+        return suite
 
 
 def prepare_suites(features, chosen, impl, fallback, only=None):
     """Returns the suites to grade."""
-    check_impl(features, impl, [feature.stem for feature in chosen])
-    suites = []
-    for feature in chosen:
-        tests = [test for test in read_points(feature) if only in (None, test.name)]
-        if not tests:
-            raise ToolError(f"{feature.stem} has no scored test {only}; see {feature.points_table}")
-        unit = find_unit(feature, impl)
-        absent = unit.path is None
-        stand_in = absent and fallback
-        suite = Suite(feature, reference_unit(feature) if stand_in else unit, tests, stand_in)
-        if absent and not fallback:
-            suite.give_up(f"there is no {unit.shown}")
-        suites.append(suite)
-    return suites
+    check_impl(features, impl, [feature.stem for feature in chosen], may_be_empty=not fallback)
+    return [_prepare_suite(feature, impl, fallback, only) for feature in chosen]
 
 
-def grade_impl(build_folder, stems, impl, fallback=False, only=None):
+def grade_impl(build_folder, stems, impl, fallback=False, only=None, progress=None):
     """Grades and returns (toolchain, suites); raises ToolError."""
     toolchain = building.Toolchain(build_folder)
     features = read_features(toolchain.source)
@@ -205,11 +249,20 @@ def grade_impl(build_folder, stems, impl, fallback=False, only=None):
         for suite in suites:
             suite.folder = os.path.join(work, suite.feature.stem)
             os.mkdir(suite.folder)
-        grade(toolchain, suites, units, seconds)
+        grade(toolchain, suites, units, seconds, progress=progress)
     finally:
         guarded.end_strays()
         shutil.rmtree(work, ignore_errors=True)
     return toolchain, suites
+
+
+def grade_submission(build_folder, stems, impl, only=None, progress=None, places=()):
+    """The same for somebody else's work: it must not have changed the kit, nor these folders."""
+    toolchain = building.Toolchain(build_folder)
+    before = kit.state(toolchain, *places)
+    _, suites = grade_impl(build_folder, stems, impl, only=only, progress=progress)
+    kit.check_unchanged(before, kit.state(toolchain, *places), impl)
+    return suites
 
 
 def stop_on_signals():
@@ -223,13 +276,22 @@ def stop_on_signals():
             signal.signal(number, interrupt)
 
 
+def show_progress(done, total):
+    """For a terminal: one line that is written over, and gone in the end."""
+    text = f"running test {done + 1} of {total}" if done < total else ""
+    print(f"\r{text:<40}" + ("" if text else "\r"), end="", file=sys.stderr, flush=True)
+
+
 def main():
     arguments = _arguments()
     stop_on_signals()
+    progress = show_progress if sys.stderr.isatty() else None
     try:
-        _, suites = grade_impl(
-            arguments.build, arguments.stems, arguments.impl, arguments.fallback, arguments.test
-        )
+        results.check_place(arguments.out)
+        if arguments.fallback:
+            _, suites = grade_impl(arguments.build, arguments.stems, arguments.impl, True, arguments.test, progress)
+        else:
+            suites = grade_submission(arguments.build, arguments.stems, arguments.impl, arguments.test, progress)
         results.write(suites, arguments.format, arguments.impl, arguments.out)
     except ToolError as error:
         print(f"grade: {error}", file=sys.stderr)
@@ -240,7 +302,7 @@ def main():
     except KeyboardInterrupt:
         print("grade: stopped", file=sys.stderr)
         return 130
-    return 0 if all(suite.passed() for suite in suites) else 1
+    return 0 if arguments.out or all(suite.passed() for suite in suites) else 1
 
 
 if __name__ == "__main__":

@@ -6,11 +6,14 @@ through /proc what it and its children occupy; elsewhere that limit is left out.
 """
 
 import ctypes
+import fcntl
 import os
 import resource
 import secrets
 import selectors
+import shutil
 import signal
+import socket
 import subprocess
 import threading
 import time
@@ -20,23 +23,49 @@ stop = threading.Event()  # set: every run ends at once
 _PAGE = os.sysconf("SC_PAGE_SIZE")
 _PROCESSES_MAX = 64
 _FILE_BYTES_MAX = 256 << 20
+_PATIENCE = 4  # so many times its seconds may pass for a program that did not work all of the time
 _KEPT = 64 << 10  # bytes of the output's beginning, and as many of its end
 
 
 class Outcome:
     """How a run went. `status` is the exit status, negative for a signal; `limit` is None or what
-    ended the run: "seconds", "memory", "output", "processes" or "stopped"."""
+    ended the run: "seconds", "memory", "output", "processes" or "stopped". `testimony` is what came
+    by the witness instead of the secret: the claim that failed."""
 
     def __init__(self):
         self.status, self.limit, self.output, self.seconds = None, None, "", 0.0
-        self.attested = False
+        self.attested, self.testimony = False, ""
+
+
+class Program:
+    """A copy of a program in memory, sealed, so that no run of it can change the next one. Where the
+    system has no such copies it is the file itself."""
+
+    def __init__(self, path):
+        self.path, self.descriptor = path, None
+        if not hasattr(os, "memfd_create"):
+            return
+        self.descriptor = os.memfd_create(os.path.basename(path), os.MFD_ALLOW_SEALING | os.MFD_CLOEXEC)
+        with open(path, "rb") as source, open(self.descriptor, "wb", closefd=False) as copy:
+            shutil.copyfileobj(source, copy)
+        seals = fcntl.F_SEAL_WRITE | fcntl.F_SEAL_SHRINK | fcntl.F_SEAL_GROW | fcntl.F_SEAL_SEAL
+        fcntl.fcntl(self.descriptor, fcntl.F_ADD_SEALS, seals)
+        os.unlink(path)
+        self.path = f"/proc/self/fd/{self.descriptor}"
+
+    def close(self):
+        if self.descriptor is not None:
+            os.close(self.descriptor)
+            self.descriptor = None
 
 
 def prepare():
-    """Called once: no core files, and orphans come to this process, where end_strays finds them."""
+    """Called once: no core files, orphans come to this process, where end_strays finds them, and what
+    it started cannot look into its memory (unless that runs as root)."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     try:
-        set_child_subreaper = 36  # PR_SET_CHILD_SUBREAPER of <linux/prctl.h>
+        set_dumpable, set_child_subreaper = 4, 36  # PR_SET_... of <linux/prctl.h>
+        ctypes.CDLL(None).prctl(set_dumpable, 0, 0, 0, 0)
         ctypes.CDLL(None).prctl(set_child_subreaper, 1, 0, 0, 0)
     except (OSError, AttributeError):
         pass
@@ -50,19 +79,39 @@ def _children(pid):
         return []
 
 
+def _family(pid):
+    """Returns a process and its children, a few more than are allowed at most."""
+    family, waiting = [], [pid]
+    while waiting and len(family) <= _PROCESSES_MAX:
+        family.append(waiting.pop())
+        waiting += _children(family[-1])
+    return family
+
+
+def _worked(pid):
+    """Returns the processor seconds that a process and its children had; more than any limit where
+    that is not known. A busy machine makes no program fail."""
+    ticks = 0
+    for process in _family(pid):
+        try:
+            with open(f"/proc/{process}/stat", encoding="ascii", errors="replace") as file:
+                ticks += sum(map(int, file.read().rpartition(")")[2].split()[11:15]))
+        except (OSError, ValueError):
+            if process == pid:
+                return float("inf")
+    return ticks / os.sysconf("SC_CLK_TCK")
+
+
 def _occupied(pid):
     """Returns the resident bytes of a process and its children, and how many they are."""
-    total, count, waiting = 0, 0, [pid]
-    while waiting and count <= _PROCESSES_MAX:
-        process = waiting.pop()
-        count += 1
+    total, family = 0, _family(pid)
+    for process in family:
         try:
             with open(f"/proc/{process}/statm", encoding="ascii") as file:
                 total += int(file.read().split()[1]) * _PAGE
         except (OSError, IndexError, ValueError):
             continue
-        waiting += _children(process)
-    return total, count
+    return total, len(family)
 
 
 def _kill(pid):
@@ -128,29 +177,28 @@ def _limit_process(pid, seconds):
             pass
 
 
-def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, attest=False):
-    """Runs the command in `folder` and returns its Outcome. With `attest` it is given RAYKIT_ATTEST,
-    a private descriptor and a fresh nonce; outcome.attested tells whether just that came back."""
-    outcome, kept, nonce = Outcome(), _Tail(), secrets.token_hex(24)
-    witness_in, witness_out = os.pipe() if attest else (None, None)
-    if attest:
-        environment = dict(environment, RAYKIT_ATTEST=f"{witness_out}:{nonce}")
+def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, witnessed=None):
+    """Runs the command in `folder` and returns its Outcome. With a Program as `witnessed`, that is
+    what runs; it is given RAYKIT_ATTEST, a descriptor from which it reads a fresh secret, and
+    outcome.attested tells whether just that came back."""
+    outcome, kept, secret = Outcome(), _Tail(), secrets.token_hex(24).encode()
+    descriptors, options = (), {}
+    if witnessed:
+        ours, theirs = socket.socketpair()
+        ours.send(secret)
+        environment = dict(environment, RAYKIT_ATTEST=str(theirs.fileno()))
+        descriptors = tuple(d for d in (theirs.fileno(), witnessed.descriptor) if d is not None)
+        options = {"executable": witnessed.path}
     began = time.monotonic()
     try:
         process = subprocess.Popen(
-            command, cwd=folder, env=environment, stdin=subprocess.DEVNULL,
-            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True,
-            pass_fds=(witness_out,) if attest else (),
+            command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            stderr=subprocess.STDOUT, start_new_session=True, pass_fds=descriptors, **options,
         )
-    except OSError:
-        if attest:
-            os.close(witness_in)
-            os.close(witness_out)
-        raise
+    finally:
+        if witnessed:
+            theirs.close()
     try:
-        if attest:
-            os.close(witness_out)
-            witness_out = None
         _limit_process(process.pid, seconds)
         _watch(process, outcome, kept, began, seconds, megabytes << 20, output_bytes)
     finally:
@@ -158,13 +206,15 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
         outcome.status = process.wait()
         _drain(process.stdout, kept)
         process.stdout.close()
-        if attest:
-            os.set_blocking(witness_in, False)
+    if witnessed:
+        with ours:
+            ours.setblocking(False)
             try:
-                outcome.attested = os.read(witness_in, 4096) == nonce.encode()
-            except BlockingIOError:
-                pass
-            os.close(witness_in)
+                answer = ours.recv(4096)
+            except (BlockingIOError, ConnectionResetError):
+                answer = b""
+        outcome.attested = answer == secret
+        outcome.testimony = "" if outcome.attested else answer.decode("utf-8", "replace")
     outcome.seconds = time.monotonic() - began
     outcome.output = kept.text()
     return outcome
@@ -209,7 +259,7 @@ def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes):
                 outcome.limit = "memory"
             elif processes > _PROCESSES_MAX:
                 outcome.limit = "processes"
-            elif now - began > seconds:
+            elif now - began > seconds and (now - began > _PATIENCE * seconds or _worked(process.pid) > seconds):
                 outcome.limit = "seconds"
                 _ask_where(process, kept)
             if outcome.limit:

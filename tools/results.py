@@ -6,6 +6,9 @@ import os
 import re
 import sys
 import tempfile
+import textwrap
+
+from assignments import ToolError
 
 _DETAILS_MAX = 10000  # characters of a program's output that go into a report
 
@@ -27,23 +30,26 @@ def _counts(suite):
     return f"{passed} of {len(suite.tests)} claims, {suite.points()} of {suite.points_max()} points"
 
 
-def _read(suite, test):
-    return f"read {suite.feature.chapter}{test.section}"
+def name_of(impl):
+    """Whose work it is, without the way there, which is the grader's own."""
+    return _printable(os.path.basename(os.path.normpath(impl))).replace("\n", "?")
 
 
 def _explained(suite, test):
-    """The reason, the place and where to read, a line each."""
+    """The reason, the place and where to read, a line each. What concerns the whole unit stands once."""
     verdict = suite.verdicts[test.name]
+    if suite.problem:
+        return [_printable(suite.problem)] if test is suite.tests[0] else ["not run, for the reason above"]
     lines = _printable(verdict.reason).split("\n") + ([verdict.place] if verdict.place else [])
-    return lines + [_read(suite, test)]
+    return [*lines, f"read {suite.feature.chapter}{test.section}"]
 
 
 # --- Text ---------------------------------------------------------------------------------------
 
 
-def _short(reason, width):
-    line = _printable(reason).split("\n")[-1]
-    return line if len(line) <= width else line[:width - 3] + "..."
+def _wrapped(text, indent):
+    return textwrap.wrap(text, 100, initial_indent=indent, subsequent_indent=indent, break_long_words=False,
+                         break_on_hyphens=False)
 
 
 def _text_of_failures(suite):
@@ -59,16 +65,21 @@ def _text_of_failures(suite):
     lines += [f"          {line}" for line in _explained(suite, first)]
     if len(failed) > 1:
         lines.append("      after that:")
+    groups = {}  # by reason, in the order of the tests
     for test in failed[1:]:
-        reason = _short(suite.verdicts[test.name].reason, max(40, 130 - len(test.name)))
-        lines.append(f"          {test.name} ({test.points}): {reason}")
+        reason = _printable(suite.verdicts[test.name].reason).split("\n")[0]
+        groups.setdefault(reason, []).append(test)
+    for reason, tests in groups.items():
+        lines += [f"          {test.name} ({test.points})" for test in tests]
+        same = reason == _printable(suite.verdicts[first.name].reason).split("\n")[0]
+        lines += _wrapped("as the first" if same else reason, " " * 14)
     return lines
 
 
 def _whose(suite):
     if suite.fallback:
-        return "  (not there; this is the reference, which earns no points)"
-    return "  (this is the reference, which earns no points)" if suite.unit.is_reference else ""
+        return "not there; this is the reference, which earns no points"
+    return "this is the reference, which earns no points" if suite.unit.is_reference else ""
 
 
 def text(suites, _impl, colours=False):
@@ -80,24 +91,43 @@ def text(suites, _impl, colours=False):
         word = "ok    " if suite.passed() else "FAIL  "
         if colours:
             word = f"\033[{32 if suite.passed() else 31}m{word}\033[m"
-        lines.append(f"{word}{suite.feature.stem:<24}{_counts(suite)}{_whose(suite)}")
+        whose = f"  ({_whose(suite)})" if _whose(suite) else ""
+        lines.append(f"{word}{suite.feature.stem:<24}{_counts(suite)}{whose}")
         lines += _text_of_failures(suite)
     if len(suites) > 1:
-        lines.append(f"in all {sum(s.points() for s in suites)} of {sum(s.points_max() for s in suites)} points")
+        lines.append(f"in all {total(suites)} points")
     return "\n".join(lines) + "\n"
+
+
+def total(suites):
+    """Returns "91 of 500"."""
+    return f"{sum(suite.points() for suite in suites)} of {sum(suite.points_max() for suite in suites)}"
+
+
+def first_failed(suites):
+    """Returns the claim to work on first, as "STEM: NAME", and why; ("", "") where all hold."""
+    for suite in suites:
+        for test in suite.tests:
+            verdict = suite.verdicts[test.name]
+            if not verdict.passed:
+                reason = _printable(verdict.reason).split("\n")[0]
+                return f"{suite.feature.stem}: {test.name}", reason
+    return "", ""
 
 
 def table(suites, impl):
     """One line for each assignment: how far a student has come."""
-    lines = [f"{'assignment':<24}{'claims':>10}{'points':>12}  next"]
+    name = "total, " + name_of(impl)
+    width = 2 + max(len(name), *(len(suite.feature.folder) for suite in suites))
+    lines = [f"{'assignment':<{width}}{'claims':>10}{'points':>14}  next"]
     for suite in suites:
         failed = [test for test in suite.tests if not suite.verdicts[test.name].passed]
         passed = f"{len(suite.tests) - len(failed)} of {len(suite.tests)}"
         points = f"{suite.points()} of {suite.points_max()}"
-        following = "done" if not failed else suite.problem or failed[0].name
-        lines.append(f"{suite.feature.folder:<24}{passed:>10}{points:>12}  {_short(following, 80)}")
-    total = f"{sum(suite.points() for suite in suites)} of {sum(suite.points_max() for suite in suites)}"
-    lines.append(f"{'total, ' + impl:<24}{'':>10}{total:>12}")
+        following = suite.problem or failed[0].name if failed else _whose(suite) or "done"
+        following = textwrap.shorten(_printable(following), 80, placeholder=" ...")
+        lines.append(f"{suite.feature.folder:<{width}}{passed:>10}{points:>14}  {following}")
+    lines.append(f"{name:<{width}}{'':>10}{total(suites):>14}")
     return "\n".join(lines) + "\n"
 
 
@@ -114,6 +144,8 @@ def tap(suites, _impl):
                          f"{suite.feature.stem}: {test.name} ({test.points} points)")
             if word == "not ok":
                 lines += [f"# {line}" for line in _explained(suite, test)]
+            elif _whose(suite):
+                lines.append(f"# {_whose(suite)}")
     return "\n".join(lines) + "\n"
 
 
@@ -121,7 +153,7 @@ def junit(suites, impl):
     """JUnit XML, a test case for each claim."""
     import xml.etree.ElementTree as ElementTree  # takes 20 ms, which only this report should pay
 
-    root = ElementTree.Element("testsuites", name=impl)
+    root = ElementTree.Element("testsuites", name=name_of(impl))
     for suite in suites:
         failures = sum(not suite.verdicts[test.name].passed for test in suite.tests)
         seconds = sum(verdict.seconds for verdict in suite.verdicts.values())
@@ -132,6 +164,8 @@ def junit(suites, impl):
         properties = ElementTree.SubElement(element, "properties")
         ElementTree.SubElement(properties, "property", name="points", value=str(suite.points()))
         ElementTree.SubElement(properties, "property", name="points_max", value=str(suite.points_max()))
+        if _whose(suite):
+            ElementTree.SubElement(properties, "property", name="remark", value=_whose(suite))
         for test in suite.tests:
             verdict = suite.verdicts[test.name]
             case = ElementTree.SubElement(
@@ -139,8 +173,10 @@ def junit(suites, impl):
                 time=f"{verdict.seconds:.3f}",
             )
             if not verdict.passed:
-                failure = ElementTree.SubElement(case, "failure", message=_printable(verdict.reason))
-                failure.text = "\n".join([*_explained(suite, test), "", _details(verdict)])
+                explained = _explained(suite, test)
+                failure = ElementTree.SubElement(case, "failure", message=explained[0])
+                once = suite.problem and test is not suite.tests[0]
+                failure.text = "\n".join(explained if once else [*explained, "", _details(verdict)])
     ElementTree.indent(root)
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
@@ -156,7 +192,7 @@ def gradescope(suites, impl):
                 "score": test.points if verdict.passed and not suite.unit.is_reference else 0,
                 "max_score": test.points,
                 "status": "passed" if verdict.passed else "failed",
-                "output": "" if verdict.passed else "\n".join(_explained(suite, test)),
+                "output": _whose(suite) if verdict.passed else "\n".join(_explained(suite, test)),
             })
     report = {
         "score": sum(suite.points() for suite in suites),
@@ -188,6 +224,15 @@ def write_whole(path, content):
         raise
 
 
+def check_place(path):
+    """Raises ToolError unless a file can stand there."""
+    folder = os.path.dirname(path or "") or "."
+    if not os.path.isdir(folder):
+        raise ToolError(f"OUT: there is no folder {folder}; make it first")
+    if path and os.path.isdir(path):
+        raise ToolError(f"OUT: {path} is a folder; name a file")
+
+
 def write(suites, format_name, impl, path=None):
     """Writes the report in this format to a file, or to standard output."""
     if format_name == "text" and not path:
@@ -196,7 +241,6 @@ def write(suites, format_name, impl, path=None):
         report = FORMATS[format_name](suites, impl)
     if path:
         write_whole(path, report)
-        total = f"{sum(suite.points() for suite in suites)} of {sum(suite.points_max() for suite in suites)}"
-        print(f"grade: {impl}: {total} points; wrote {path}")
+        print(_printable(f"grade: {impl}: {total(suites)} points; wrote {path}"))
     else:
         sys.stdout.write(report)

@@ -14,7 +14,7 @@ class Verdict:
 
     def __init__(self, passed, reason="", place="", details="", seconds=0.0):
         self.passed, self.reason, self.place = passed, reason, place
-        self.details, self.seconds = details, seconds
+        self.details, self.seconds, self.timed_out = details, seconds, False
 
 
 # What the sanitizers call it, and what it is.
@@ -41,11 +41,20 @@ _CRASHES = [
 
 
 def _place_in_unit(text, unit):
-    """Returns "file:line, in function" of the innermost place in the unit, or ""."""
+    """Returns "file:line, in function" of the innermost place in the unit, with the function of the
+    unit that led there, or ""."""
     name = re.escape(os.path.basename(unit.path))
-    for match in re.finditer(rf"^ *#\d+ 0x[0-9a-f]+ in (\S+) \S*?{name}:(\d+)", text, re.MULTILINE):
-        return f"{unit.shown}:{match.group(2)}, in {match.group(1)}"
-    return ""
+    frames = []
+    own_frame = rf"^ *#(\d+) 0x[0-9a-f]+ in (\S+) (?:[^\n]*/)?{name}:(\d+)"
+    for number, function, line in re.findall(own_frame, text, re.MULTILINE):
+        if frames and int(number) <= frames[-1][0]:
+            break  # another trace
+        frames.append((int(number), function, line))
+    if not frames:
+        return ""
+    (_, inner, line), (_, outer, outer_line) = frames[0], frames[-1]
+    led = "" if outer == inner else f", on the way from {outer} (line {outer_line})"
+    return f"{unit.shown}:{line}, in {inner}{led}"
 
 
 def _crash(text, unit):
@@ -71,16 +80,37 @@ def _crash(text, unit):
     )
 
 
-def _failed_claim(text):
-    """Returns (message, place) of a claim that the suite found false, or None."""
-    lines = text.splitlines()
-    for number, line in enumerate(lines):
-        if re.match(r"not ok 1 - ", line):
-            after = " ".join(lines[number + 1:number + 3])
-            place = re.search(r"# (\S+:\d+): error: Failure!", after)
-            said = [part for part in lines[:number] if part and not re.match(r"1\.\.1$|# ", part)]
-            return "\n".join(said[-6:]) or "failed", place.group(1) if place else ""
-    return None
+def _failed_claim(outcome, name, suite_source):
+    """Returns (message, place) of a claim that the suite found false, or None. Where a helper of the
+    suite found it, the place is the claim's own beginning."""
+    told = re.match(r"([^\n]*):(\d+)\n(.*)", outcome.testimony, re.DOTALL)
+    if not told:
+        return None
+    file, line, message = told.groups()
+    before_leaks = re.split(r"^=+\n==\d+==ERROR", outcome.output, maxsplit=1, flags=re.MULTILINE)[0]
+    printed = [text for text in before_leaks.split("\n")
+               if text.strip() and text not in message and not re.match(r"1\.\.1$|not ok|# ", text)]
+    if printed:
+        more = f" (and {len(printed) - 3} more lines)" if len(printed) > 3 else ""
+        message += "\nyour code printed: " + " | ".join(text[:100] for text in printed[:3]) + more
+    if not file:
+        return message, ""
+    first, last = _lines_of(name, suite_source)
+    place = f"tests/{os.path.basename(file)}"
+    return message, f"{place}:{line if first <= int(line) <= last else first}" if last else place
+
+
+def _lines_of(name, suite_source):
+    """Returns the first and last line of a claim's function, or (0, 0)."""
+    try:
+        with open(suite_source, encoding="utf-8", errors="replace") as file:
+            text = file.read()
+    except OSError:
+        text = ""
+    found = re.search(rf"^static void {re.escape(name)}\(.*?^}}", text, re.DOTALL | re.MULTILINE)
+    if not found:
+        return 0, 0
+    return text.count("\n", 0, found.start()) + 1, text.count("\n", 0, found.end()) + 1
 
 
 _LIMITS = {
@@ -91,8 +121,9 @@ _LIMITS = {
 }
 
 
-def judge(outcome, unit, seconds, megabytes):
-    """Returns the Verdict on the run of one test."""
+def judge(outcome, suite, name, limit, megabytes):
+    """Returns the Verdict on the run of one test. `limit` is the sentence about the time it had."""
+    unit = suite.unit
 
     def fail(reason, place=""):
         return Verdict(False, reason, place, outcome.output, outcome.seconds)
@@ -100,12 +131,14 @@ def judge(outcome, unit, seconds, megabytes):
     text = outcome.output
     if outcome.limit == "seconds":
         where = _place_in_unit(text, unit)
-        return fail(f"did not end within {seconds:g} seconds: an endless loop?", where and f"was at {where}")
+        verdict = fail(f"did not end within {limit}: an endless loop, or far too slow?", where and f"was at {where}")
+        verdict.timed_out = True
+        return verdict
     if outcome.limit:
         return fail(_LIMITS[outcome.limit].format(megabytes=megabytes))
     if outcome.status == 0 and outcome.attested:
         return Verdict(True, details=text, seconds=outcome.seconds)
-    crash, claim = _crash(text, unit), _failed_claim(text)
+    crash, claim = _crash(text, unit), _failed_claim(outcome, name, suite.source)
     if crash and "LeakSanitizer" not in crash[0]:
         return fail(*crash)
     if claim and outcome.status and not outcome.attested:

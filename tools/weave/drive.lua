@@ -97,6 +97,12 @@ local function driver_path(element)
     drive.fail_at(element, "there is no driver called %s", name)
 end
 
+-- Why a student's unit could not be built into this driver, or nil where it could.
+function drive.unmade(element)
+  local file = io.open(driver_path(element) .. ".unmade")
+  return file and file:read("a"):gsub("%s+$", "") or nil
+end
+
 local patience = 120 -- seconds for a driver with a student's units, which may never end
 local timed_out = 124 -- timeout's exit status
 local printed = {} -- by command: what was measured once is not measured again

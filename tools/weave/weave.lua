@@ -167,7 +167,8 @@ local plain_classes = {row = true, pair = true}
 
 -- What stands where a student's units failed.
 local function missing(element)
-  local sentence = "Not made: the driver failed with these units."
+  local reason = drive.unmade(element) or "the driver failed with these units."
+  local sentence = "Not made: " .. reason
   if element.t == "Span" then return pandoc.Emph(sentence) end
   return pandoc.Div({pandoc.Plain({pandoc.Strong(sentence)}), drive.caption(element.content)},
     {class = "picture missing"})

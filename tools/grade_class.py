@@ -1,0 +1,130 @@
+#!/usr/bin/env python3
+"""Grades a class: each folder or C file in SUBMISSIONS, one after the other. Writes a report for each
+and class.csv, which is renewed after each, so that an interruption keeps what is done.
+
+A submission that cannot be graded gets a remark and no points. One that changes the kit, another's
+submission or the results ends the class: nothing after it could be believed.
+"""
+
+import argparse
+import csv
+import io
+import os
+import sys
+
+import building
+import results
+from assignments import ToolError, choose, read_features, read_points
+from grade import grade_submission, stop_on_signals
+from kit import KitChanged
+
+_ENDINGS = {"text": ".txt", "table": ".txt", "tap": ".tap", "junit": ".xml", "gradescope": ".json"}
+
+
+def submissions_in(folder):
+    """Returns a dictionary from name to path: all entries but hidden ones."""
+    if not folder or not os.path.isdir(folder):
+        raise ToolError(f"SUBMISSIONS: there is no folder {folder}" if folder else
+                        "say where the submissions are: make grade-class SUBMISSIONS=folder OUT=results")
+    found = {}
+    for entry in sorted(os.listdir(folder)):
+        if not entry.startswith("."):
+            stem = entry.removesuffix(".c")
+            name = entry if stem != entry and os.path.lexists(os.path.join(folder, stem)) else stem
+            found[name] = os.path.join(folder, entry)
+    if not found:
+        raise ToolError(f"SUBMISSIONS: the folder {folder} is empty")
+    return found
+
+
+def _remarks(suites):
+    """What an instructor should know beside the points."""
+    told = next((suite for suite in suites if not suite.passed()), None)  # stands in a column of its own
+    remarks = []
+    for suite in suites:
+        remarks += [f"{suite.feature.stem}: {suite.problem}"] if suite.problem and suite is not told else []
+        hung = sum(verdict.timed_out for verdict in suite.verdicts.values())
+        remarks += [f"{suite.feature.stem}: {hung} claims timed out"] if hung else []
+        if suite.unit.is_reference:
+            remarks.append(f"{suite.feature.stem}: this is the reference")
+    return "; ".join(remark.replace("\n", " ") for remark in remarks)
+
+
+class Table:
+    """class.csv, a row for each submission."""
+
+    def __init__(self, path, stems):
+        self.path = path
+        self.rows = [["name", *stems, "total", "first failing claim", "reason", "remarks"]]
+
+    def add(self, name, points, first=("", ""), remarks=""):
+        """Adds a row, of empty cells where there are no points, and renews the file."""
+        cells = [*points, sum(points)] if points else [""] * (len(self.rows[0]) - 4)
+        self.rows.append([results.name_of(name), *cells, *first, remarks])
+        text = io.StringIO()
+        csv.writer(text, lineterminator="\n").writerows(self.rows)
+        results.write_whole(self.path, text.getvalue())
+
+
+def grade_class(build, stems, submissions, out, format_name):
+    """Grades all; returns how many could not be graded."""
+    toolchain = building.Toolchain(build)
+    features = choose(read_features(toolchain.source), stems)
+    found = submissions_in(submissions)
+    if not out:
+        raise ToolError("say where the results go: OUT=results, a folder")
+    if os.path.realpath(out).startswith(os.path.join(os.path.realpath(submissions), "")):
+        raise ToolError(f"OUT: {out} lies among the submissions; choose another place")
+    os.makedirs(out, exist_ok=True)
+    most = sum(test.points for feature in features for test in read_points(feature))
+    table = Table(os.path.join(out, "class.csv"), [feature.stem for feature in features])
+    ungraded = 0
+    for number, (name, path) in enumerate(found.items(), 1):
+        said = f"{number:>{len(str(len(found)))}} of {len(found)}  {results.name_of(name):<24}"
+        try:
+            if os.path.isfile(path) and not path.endswith(".c"):
+                raise ToolError("neither a folder nor a C file")
+            suites = grade_submission(build, [feature.stem for feature in features], path, places=(submissions, out))
+            results.write_whole(os.path.join(out, name + _ENDINGS[format_name]),
+                                results.FORMATS[format_name](suites, name))
+            table.add(name, [suite.points() for suite in suites], results.first_failed(suites), _remarks(suites))
+            print(f"{said}{results.total(suites):>12} points", flush=True)
+        except KitChanged:
+            table.add(name, [], remarks="changed the kit, a submission or the results; the class stopped here")
+            raise
+        except Exception as error:  # whatever one submission brings about, the others are graded
+            ungraded += 1
+            table.add(name, [], remarks=f"not graded: {error}".replace("\n", " "))
+            print(f"{said}   not graded: {error}", flush=True)
+    print(f"grade-class: {len(found) - ungraded} of {len(found)} graded, of {most} points each; wrote {table.path}")
+    return ungraded
+
+
+def main():
+    parser = argparse.ArgumentParser(
+        description=__doc__.split("\n\n")[0],
+        epilog="Exit status: 0 all were graded; 1 some could not be; 2 it could not begin, or had to stop.",
+    )
+    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; none means all of them")
+    parser.add_argument("--submissions", required=True, metavar="DIR", help="a folder or C file for each student")
+    parser.add_argument("--out", required=True, metavar="DIR", help="where the results go")
+    parser.add_argument("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
+    parser.add_argument("--format", choices=sorted(_ENDINGS), default="gradescope", help="of the reports")
+    arguments = parser.parse_args()
+    stop_on_signals()
+    try:
+        ungraded = grade_class(arguments.build, arguments.stems, arguments.submissions, arguments.out, arguments.format)
+    except ToolError as error:
+        print(f"grade-class: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"grade-class: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("grade-class: stopped; what was done stands in the results", file=sys.stderr)
+        return 130
+    return 1 if ungraded else 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
