@@ -63,10 +63,13 @@ local function tics(lines, axis, i)
   return "set format " .. axis .. (most / least >= 100 and " '10^{%L}'" or " '%g'")
 end
 
--- The legend stands where lines that fall or rise leave room.
-local function falls(lines)
+-- The legend stands where lines that fall or rise leave room; that of many lines, beside the plot.
+local many = 5
+
+local function legend(lines)
   local points = lines[1].points
-  return #points > 1 and points[#points][2] < points[1][2]
+  if #lines > many then return "outside right top" end
+  return #points > 1 and points[#points][2] < points[1][2] and "top right" or "top left"
 end
 
 local drawn = {} -- pictures
@@ -75,10 +78,10 @@ local function draw(div, name, xlabel, ylabel, lines, left_out)
   drawn[name] = (drawn[name] or 0) + 1
   local path = "figures/" .. name .. (drawn[name] > 1 and "_" .. drawn[name] or "") .. ".svg"
   local parts, script = {}, {
-    "set terminal svg size 600,380 font 'Helvetica,15' background 'white'",
+    "set terminal svg size " .. (#lines > many and 820 or 600) .. ",380 font 'Helvetica,15' background 'white'",
     "set output " .. quote(drive.out .. "/" .. path),
     "set logscale xy", tics(lines, "x", 1), tics(lines, "y", 2), "set grid",
-    "set key top " .. (falls(lines) and "right" or "left"),
+    "set key " .. legend(lines),
     "set xlabel " .. quote(xlabel), "set ylabel " .. quote(ylabel),
   }
   for i, line in ipairs(lines) do
