@@ -20,6 +20,7 @@ bool rk_mesh_make_sphere(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_spheres(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_teapot(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_scan(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_cover(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_moving(rk_mesh *mesh, uint32_t number, rk_error *error);
 
 /* No triangles, for scenes of exact spheres alone. */
@@ -30,6 +31,7 @@ void rk_scene_arrange_cornell(rk_scene *scene);
 void rk_scene_arrange_cornell_light(rk_scene *scene);
 void rk_scene_arrange_panes(rk_scene *scene);
 void rk_scene_arrange_glass(rk_scene *scene);
+void rk_scene_arrange_cover(rk_scene *scene);
 void rk_scene_arrange_moving(rk_scene *scene);
 
 /* Glass of a colour and an opacity; `thickness` world units of it filter white light to `colour`,
@@ -43,6 +45,12 @@ void rk_scene_arrange_spheres(rk_scene *scene);
 void rk_scene_arrange_shininess(rk_scene *scene);
 
 void rk_scene_default_light(rk_scene *scene);
+
+/* Puts a part with normals behind what is there, `scale` times as large, moved by `shift`, its
+ * materials from number `material` on. The arrays are large enough; the counts say how far they are
+ * filled. */
+void rk_mesh_append(rk_mesh *mesh, const rk_mesh *part, rk_vec3 shift, float scale,
+                    uint16_t material);
 
 /* Vertices first .. first + count - 1 around an axis, right-handed; a ring of one is a pole. */
 typedef struct rk_ring {

@@ -6,23 +6,6 @@
 
 enum { floor_material, teapot_material, ball_material, material_count };
 
-/* A mesh that grows from the front of arrays that are large enough; its counts say how far. */
-static void append(rk_mesh *mesh, const rk_mesh *part, rk_vec3 shift, float scale,
-                   uint16_t material)
-{
-    uint32_t v = mesh->vertex_count, t = mesh->triangle_count;
-    for (uint32_t i = 0; i < part->vertex_count; i++)
-        mesh->positions[v + i] = rk_madd(shift, part->positions[i], scale);
-    memcpy(&mesh->normals[v], part->normals, part->vertex_count * sizeof *mesh->normals);
-    for (uint32_t i = 0; i < part->triangle_count; i++) {
-        for (int k = 0; k < 3; k++)
-            mesh->triangles[t + i][k] = v + part->triangles[i][k];
-        mesh->triangle_materials[t + i] = material;
-    }
-    mesh->vertex_count += part->vertex_count;
-    mesh->triangle_count += part->triangle_count;
-}
-
 static bool make_floor(rk_mesh *mesh, rk_error *error)
 {
     if (!rk_mesh_init(mesh, 4, 2, 1, RK_MESH_NORMALS, error))
@@ -43,9 +26,9 @@ static bool put_together(rk_mesh *mesh, const rk_mesh *floor, const rk_mesh *tea
                       material_count, RK_MESH_NORMALS, error))
         return false;
     mesh->vertex_count = mesh->triangle_count = 0;
-    append(mesh, floor, rk_vec(0, 0, 0), 1, floor_material);
-    append(mesh, teapot, rk_vec(0.1f, -0.1f, 0.1f), 0.42f, teapot_material);
-    append(mesh, ball, rk_vec(-0.45f, -0.05f, -0.2f), 0.12f, ball_material);
+    rk_mesh_append(mesh, floor, rk_vec(0, 0, 0), 1, floor_material);
+    rk_mesh_append(mesh, teapot, rk_vec(0.1f, -0.1f, 0.1f), 0.42f, teapot_material);
+    rk_mesh_append(mesh, ball, rk_vec(-0.45f, -0.05f, -0.2f), 0.12f, ball_material);
     mesh->materials[teapot_material].kd = rk_vec(0.85f, 0.45f, 0.2f);
     mesh->materials[ball_material].kd = rk_vec(0.25f, 0.5f, 0.85f);
     return true;

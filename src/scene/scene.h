@@ -44,6 +44,7 @@ void rk_scene_free(rk_scene *scene);
  *   spheres:N       such a sphere (default 80) beside an exact one, on a floor
  *   teapot:N        the Utah teapot, each of its 32 patches as N x N squares (default 16)
  *   scan:N          a statue as from a scanner, of exactly N triangles (default 87130)
+ *   cover:N         all features in one scene, its statue of N triangles (default 87130)
  *   moving:N        the teapot, each patch as N x N squares (default 8), and a ball, which move
  * over a floor on paths of their own
  *
