@@ -140,12 +140,16 @@ void rk_accel_put_hit(const rk_accel *accel, const rk_ray *ray, rk_hit hit, rk_h
 void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                       rk_counters *counters)
 {
+    const uint32_t moving = accel->scene->moving_count;
+    const bool spheres = accel->scene->sphere_count > 0;
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
         rk_hit hit = rk_bvh_closest(&accel->bvh, &ray, counters);
-        for (uint32_t k = 0; k < accel->scene->moving_count; k++)
+        for (uint32_t k = 0; k < moving; k++)
             meet_object(&accel->moving[k], ray, &hit, counters);
-        rk_accel_put_hit(accel, &ray, hit, hits, i, counters);
+        if (spheres)
+            meet_spheres(accel->scene, &ray, &hit, counters);
+        put_hit(hits, i, &hit);
     }
 }
 

@@ -44,16 +44,17 @@ static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint3
 
 /* Through the centre of a pixel, or a random place of it; from the camera's position, or a random
  * place of the lens. */
-static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
+static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, rk_draw draw, uint32_t x,
+                         uint32_t y)
 {
     const rk_render_options *options = r->options;
-    const rk_draw draw = rk_draw_of(t);
+    if (!r->plan.pixel_samples && !t->blurred)
+        return rk_view_ray(&r->view, (float)x + 0.5f, (float)y + 0.5f);
     const rk_sampler sampler = {t->blurred ? options->lens_sampling : options->sampling,
                                 options->seed, draw.samples};
     uint32_t pixel = y * options->width + x;
-    rk_vec2 within = {0.5f, 0.5f};
-    if (r->plan.pixel_samples || t->blurred)
-        within = rk_sample_2d(&sampler, pixel, draw.sample, draw.dimension + RK_DIMENSION_PIXEL);
+    rk_vec2 within =
+        rk_sample_2d(&sampler, pixel, draw.sample, draw.dimension + RK_DIMENSION_PIXEL);
     if (!t->blurred)
         return rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
     rk_vec2 xi = rk_sample_2d(&sampler, pixel, draw.sample, draw.dimension + RK_DIMENSION_LENS);
@@ -63,6 +64,7 @@ static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, uint32_t x, ui
 /* A ray for each chosen pixel; the samples beyond the first set are for those in motion alone. */
 static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
 {
+    const rk_draw draw = rk_draw_of(t);
     bool all = t->sample < t->samples;
     uint32_t pixel = 0;
     camera->rays.count = 0;
@@ -71,9 +73,9 @@ static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camer
     for (uint32_t y = t->y; y < t->y + t->height; y++)
         for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
             if (is_chosen(r, t, x, y) && (all || t->in_motion[pixel])) {
-                rk_ray ray = camera_ray(r, t, x, y);
+                rk_ray ray = camera_ray(r, t, draw, x, y);
                 rk_path_push(camera, &ray, pixel, r->options->recursion, rk_vec(1, 1, 1),
-                             (rk_path_sample){rk_draw_of(t).sample, false});
+                             (rk_path_sample){draw.sample, false});
             }
     t->counters->primary_rays += camera->rays.count;
     t->counters->pixel_samples += r->plan.pixel_samples || t->blurred ? camera->rays.count : 0;
