@@ -251,6 +251,20 @@ static void a_lens_is_told_of_where_there_is_one(void **state)
     rk_scene_free(&scene);
 }
 
+static void a_glow_is_told_of_where_there_may_be_one(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cube");
+    rk_render_options options = size_of(40, 40, false);
+    for (int on = 0; on < 2; on++) {
+        options.bloom.on = on;
+        char *story = narrate(&scene, options, 20, 20);
+        rk_check(tells(story, "glow") == on, "the story is:\n%s", story);
+        free(story);
+    }
+    rk_scene_free(&scene);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_told_colour_is_the_rendered_one),
     cmocka_unit_test(a_miss_is_told),
@@ -261,6 +275,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(mirrors_and_panes_on_the_way_are_told),
     cmocka_unit_test(a_light_with_an_extent_tells_how_much_of_it_is_seen),
     cmocka_unit_test(more_samples_than_the_centre_are_mentioned),
+    cmocka_unit_test(a_glow_is_told_of_where_there_may_be_one),
     cmocka_unit_test(a_lens_is_told_of_where_there_is_one),
 };
 

@@ -208,4 +208,6 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
         fprintf(out, "a ray may meet what moves: this was seen at x = %.6f, one of %u times\n",
                 (double)t.time[0], t.samples_in_motion);
     tell_vector(out, "colour (linear)", t.sum[0]);
+    if (r.plan.bloom)
+        fprintf(out, "the glow of bright pixels comes on top, when all are rendered\n");
 }
