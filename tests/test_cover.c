@@ -1,5 +1,5 @@
 /* All features in one picture: each takes part, each can be left out, and what is left out, or what
- * a scene has no use for, costs nothing. */
+ * a scene has no use for, is not counted once. */
 #include "test_scene.h"
 
 #include "scene/sky.h"

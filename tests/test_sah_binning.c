@@ -510,8 +510,8 @@ static void every_tree_of_a_scene_costs_less_than_the_median_s(void **state)
         rk_check_ok(rk_bvh_build_median(&median, &scene.mesh, &error), error);
         double limit = rk_bvh_measure(&median).sah_cost;
         rk_bvh_free(&median);
-        /* The blocks of "glass" stand side by side along one axis; above each other, along another,
-         * stand their floor and they: who looks at one axis only does not see it. */
+        /* In "glass" few cuts on the longest axis pay: three large leaves, of a cost of 18.4 where
+         * the median's eight have 17.2. On all axes it is 7.0. */
         bool one_axis_pays = strcmp(names[i], "glass") != 0;
         for (int all_axes = !one_axis_pays; all_axes < 2; all_axes++) {
             rk_bvh bvh = build_with(&scene.mesh, 50, all_axes);

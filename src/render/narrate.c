@@ -181,10 +181,8 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                  .width = 1,
                  .height = 1,
                  .samples = options->samples,
-                 .samples_in_motion = options->samples,
+                 .samples_in_motion = rk_samples_in_motion(&r.plan, options, options->samples),
                  .counters = &counters};
-    if (r.plan.time_samples && t.samples < options->motion.samples)
-        t.samples_in_motion = options->motion.samples;
     rk_path_batch camera;
     rk_ray ray = rk_view_ray(&r.view, (float)x + 0.5f, (float)y + 0.5f);
     camera.rays.count = 0;

@@ -31,6 +31,7 @@ typedef struct rk_motion_options {
     rk_time_sampling sampling;
     float isolate; /* NaN, or the one equidistant time to see, 1 to `samples` or beyond */
 } rk_motion_options;
+
 /* How rough mirrors blur what they show. The first one on a way spreads a ray into `samples`; each
  * of those takes a single random direction at every further one, so that work does not multiply. */
 typedef struct rk_glossy_options {

@@ -32,9 +32,7 @@ static void choose_pixels(const rk_rendering *r, rk_tile *t, bool blurred)
     t->samples = options->samples;
     if (blurred && t->samples < options->lens_samples)
         t->samples = options->lens_samples;
-    t->samples_in_motion = t->samples;
-    if (r->plan.time_samples && t->samples < options->motion.samples)
-        t->samples_in_motion = options->motion.samples;
+    t->samples_in_motion = rk_samples_in_motion(&r->plan, options, t->samples);
 }
 
 static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
@@ -133,8 +131,7 @@ static uint64_t most_samples(const rk_scene *scene, const rk_render_options *opt
     uint64_t samples = options->samples;
     if (plan->lens && options->lens_samples > samples)
         samples = options->lens_samples;
-    if (plan->time_samples && options->motion.samples > samples)
-        samples = options->motion.samples;
+    samples = rk_samples_in_motion(plan, options, (uint32_t)samples);
     if (plan->glossy)
         samples *= options->glossy.samples;
     for (uint32_t i = 0; i < scene->light_count; i++)

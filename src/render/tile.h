@@ -108,6 +108,14 @@ void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t t
  * lens. */
 bool rk_focus_find(rk_rendering *r, rk_pool *pool, rk_error *error);
 
+/* How many samples a pixel takes that motion may change, where others take `samples`. */
+static inline uint32_t rk_samples_in_motion(const rk_plan *plan, const rk_render_options *options,
+                                            uint32_t samples)
+{
+    return plan->time_samples && samples < options->motion.samples ? options->motion.samples
+                                                                   : samples;
+}
+
 /* Where a sample stands among those that are spread together. What a pixel takes further on,
  * because of motion, is a set of its own: so the first set is the same as without motion. */
 typedef struct rk_draw {
