@@ -31,9 +31,8 @@ static void set_material(rk_material *material, const choices *c)
 
 static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
 {
-    if (rk_driver_debug(driver, "rays") && !(driver->pixel.given && driver->render.transparency))
-        return rk_fail(error, "--debug rays goes with --transparency, and with the pixel whose ray "
-                              "it draws: --pixel X,Y");
+    if (rk_driver_debug(driver, "rays") && !driver->render.transparency)
+        return rk_fail(error, "--debug rays goes with --transparency: without it no ray goes on");
     rk_scene *scene = &driver->scene;
     for (uint32_t i = 0; i < scene->mesh.material_count; i++)
         set_material(&scene->mesh.materials[i], c);
@@ -249,6 +248,8 @@ int main(int argc, char **argv)
     const char *const views[] = {"rays", NULL};
     rk_driver driver = rk_driver_default("transparency", summary);
     driver.scene_name = "panes";
+    driver.drawn_x = 65; /* through all of the panes */
+    driver.drawn_y = 58;
     int status;
     if (!rk_driver_start(&driver, argc, argv, options, views, &status))
         return status;

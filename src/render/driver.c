@@ -24,6 +24,8 @@ rk_driver rk_driver_default(const char *feature, const char *summary)
         .split = "sah",
         .bins = rk_sah_options_default().bins,
         .scene_name = "cornell",
+        .drawn_x = 50,
+        .drawn_y = 50,
         .out = "out",
         .motion = rk_motion_default(),
         .camera_given = {{NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}, NAN},
@@ -58,7 +60,7 @@ static void note_parameters(rk_driver *driver, int argc, char **argv)
     }
 }
 
-/* The views' names, for --help and complaints. */
+/* What --help and complaints say of the views. */
 typedef struct view_list {
     char text[256];
 } view_list;
@@ -71,6 +73,21 @@ static view_list list_views(const char *const *views)
         strncat(list.text, views[i], sizeof list.text - strlen(list.text) - 1);
     }
     return list;
+}
+
+/* What --pixel does, in a driver that draws a pixel's rays and in one that does not. */
+static view_list pixel_help(const rk_driver *driver, const char *const *views)
+{
+    view_list help = {"tell how this pixel gets its colour; 0,0 is at the top left"};
+    for (int i = 0; views[i]; i++)
+        if (strcmp(views[i], "rays") == 0) {
+            size_t length = strlen(help.text);
+            snprintf(help.text + length, sizeof help.text - length,
+                     "; --debug rays draws its rays instead, and without --pixel those of the "
+                     "pixel at %u %% of the width and %u %% of the height",
+                     driver->drawn_x, driver->drawn_y);
+        }
+    return help;
 }
 
 static bool check_debug_view(const rk_driver *driver, const char *const *views, rk_error *error)
@@ -191,6 +208,7 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
     const char *shown_scene = driver->scene_name;
     char debug_help[300];
     snprintf(debug_help, sizeof debug_help, "draw a debug view: %s", list_views(debug_views).text);
+    const view_list of_pixel = pixel_help(driver, debug_views);
     const rk_option common[] = {
         {"scene", RK_OPTION_TEXT, &driver->scene_name, "NAME", rk_scene_builtin_help, 0, 0},
         {"mesh", RK_OPTION_TEXT, &driver->mesh_path, "FILE",
@@ -211,9 +229,6 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
         {"yaw", RK_OPTION_FLOAT, &driver->camera_given.rotation.y, "DEG",
          "the camera's turn about y, degrees: how far it goes round; by default the scene's own",
          -360, 360},
-        {"move", RK_OPTION_FLAG, &driver->move, NULL,
-         "the whole mesh moves (with --time-samples), if nothing in the scene moves by itself", 0,
-         0},
         {"threads", RK_OPTION_UINT, &driver->threads, "N",
          "that share the work; 0: as many as there are processors", 0, RK_THREADS_MAX},
         {"runs", RK_OPTION_UINT, &driver->runs, "N",
@@ -227,11 +242,14 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
         {"timing", RK_OPTION_FLAG, &driver->timing, NULL,
          "put timings into DIR/tables instead of drawing a picture", 0, 0},
         {"debug", RK_OPTION_TEXT, &driver->debug, "VIEW", debug_help, 0, 0},
-        {"pixel", RK_OPTION_PIXEL, &driver->pixel, "X,Y",
-         "tell how this pixel gets its colour; 0,0 is at the top left", 0, 0},
+        {"pixel", RK_OPTION_PIXEL, &driver->pixel, "X,Y", of_pixel.text, 0, 0},
         {"out", RK_OPTION_TEXT, &driver->out, "DIR",
          "pictures go to DIR/figures, tables to DIR/tables", 0, 0},
         {"quiet", RK_OPTION_FLAG, &driver->quiet, NULL, "no progress bar, no summary", 0, 0},
+        /* Last: where everything moves anyway there is no such option, and the table ends here. */
+        {driver->move ? NULL : "move", RK_OPTION_FLAG, &driver->move, NULL,
+         "the whole mesh moves (with --time-samples), if nothing in the scene moves by itself", 0,
+         0},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     };
     const rk_option_table render = rk_render_option_table(&driver->render);
@@ -244,7 +262,7 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
     if (ok && driver->timing && driver->debug)
         ok = rk_fail(&error, "--timing and --debug: choose one of them; --timing draws no picture");
     ok = ok && check_debug_view(driver, debug_views, &error) && check_pixel(driver, &error) &&
-         check_split(driver, &error);
+         check_split(driver, &error) && rk_render_options_check(&driver->render, &error);
     note_parameters(driver, argc, argv);
     rk_progress progress;
     rk_progress_say(&progress, "making the scene", driver->quiet || !ok);
@@ -311,6 +329,15 @@ bool rk_driver_render(rk_driver *driver, rk_error *error)
 bool rk_driver_debug(const rk_driver *driver, const char *view)
 {
     return driver->debug && strcmp(driver->debug, view) == 0;
+}
+
+void rk_driver_draw_pixel(rk_driver *driver)
+{
+    rk_pixel *pixel = &driver->pixel;
+    if (!pixel->given)
+        *pixel = (rk_pixel){.x = driver->render.width * driver->drawn_x / 100,
+                            .y = driver->render.height * driver->drawn_y / 100};
+    pixel->given = false;
 }
 
 /* --- Saving ---------------------------------------------------------------------------------- */

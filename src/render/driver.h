@@ -24,6 +24,8 @@ typedef struct rk_driver {
     const char *out;
     const char *debug; /* NULL, or one of debug_views */
     rk_pixel pixel;
+    uint32_t drawn_x,
+        drawn_y; /* where --debug rays looks without --pixel: per cent of the picture */
     bool quiet;
     bool timing;            /* put rows into the table, draw no picture */
     rk_camera camera_given; /* what the user set; NaN elsewhere: the scene's own */
@@ -57,6 +59,10 @@ bool rk_driver_render(rk_driver *driver, rk_error *error);
 
 /* Is this the debug view that was asked for? */
 bool rk_driver_debug(const rk_driver *driver, const char *view);
+
+/* The pixel whose rays a debug view draws becomes driver->pixel: --pixel, or the one at drawn_x and
+ * drawn_y. It is drawn then, and not told. */
+void rk_driver_draw_pixel(rk_driver *driver);
 
 /* Writes the picture to OUT/figures/FEATURE_SCENE[_LABEL].png, label being the debug view and its
  * number, or NULL, and prints a line for its caption. */

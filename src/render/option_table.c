@@ -107,3 +107,14 @@ rk_option_table rk_render_option_table(rk_render_options *options)
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     }};
 }
+
+bool rk_render_options_check(const rk_render_options *options, rk_error *error)
+{
+    const rk_motion_options *motion = &options->motion;
+    if (!isnan(motion->isolate) && motion->samples == 0)
+        return rk_fail(error,
+                       "--isolate %g: it is one of the --time-samples, and there are none; give "
+                       "--time-samples N, 1 or more",
+                       (double)motion->isolate);
+    return true;
+}

@@ -29,7 +29,8 @@ typedef struct rk_motion_options {
     rk_shutter shutter;
     uint32_t samples; /* times a pixel that motion may change; 0: everything rests */
     rk_time_sampling sampling;
-    float isolate; /* NaN, or the one equidistant time to see, 1 to `samples` or beyond */
+    float isolate; /* NaN, or the one equidistant time to see, 1 to `samples` or beyond; counts for
+                      nothing where `samples` is 0 */
 } rk_motion_options;
 
 /* How rough mirrors blur what they show. The first one on a way spreads a ray into `samples`; each
