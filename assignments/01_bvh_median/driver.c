@@ -4,7 +4,7 @@
 
 static const char summary[] =
     "Builds a bounding volume hierarchy by median splits and renders a scene with it.\n"
-    "--debug level draws the boxes of one level, --debug leaf one leaf and its triangles.";
+    "--debug level draws the boxes of one level, --debug leaf the triangles of one leaf.";
 
 int main(int argc, char **argv)
 {

@@ -11,10 +11,10 @@
 
 static const char summary[] =
     "Builds a bounding volume hierarchy by the surface area heuristic and renders with it.\n"
-    "--debug level draws the boxes of one level, --debug leaf one leaf and its triangles;\n"
-    "--debug split the cheapest cut of a node, --debug bad-split another one, and\n"
-    "--debug candidates all of them, blue where they are cheap, orange where they are\n"
-    "dear, and the cheapest white.";
+    "--debug level draws the boxes of one level, --debug leaf the triangles of one leaf.\n"
+    "--debug split draws the cheapest cut of a node, --debug bad-split another one.\n"
+    "--debug candidates draws all cuts of a node: blue where they are cheap, orange where they "
+    "are dear, and the cheapest white.";
 
 /* A node, and the ways to cut it. */
 typedef struct cuts {
@@ -180,8 +180,8 @@ int main(int argc, char **argv)
          "whose cuts are drawn: 0 is the root, parents come before children, left before right", 0,
          UINT32_MAX - 1},
         {"candidate", RK_OPTION_UINT, &node_cuts.candidate, "K",
-         "cut drawn by --debug bad-split, as --debug candidates numbers them (default: the "
-         "dearest)",
+         "cut drawn by --debug bad-split, as --debug candidates numbers them; by default "
+         "the dearest",
          0, RK_SAH_CANDIDATES_MAX - 1},
         {0},
     };

@@ -7,10 +7,10 @@
 
 static const char summary[] =
     "Renders a scene with lights that have an extent.\n"
-    "--debug rays draws the shadow rays of --pixel: green ones pass, red ones are blocked.\n"
+    "--debug rays draws the shadow rays of --pixel: green pass, red are blocked.\n"
     "--debug samples draws the samples on the light in its colours.\n"
-    "--convergence puts the error of each method against time into a table; with\n"
-    "--falloff physical into another one.";
+    "--convergence puts the error of each method against time into a table; with --falloff "
+    "physical into another one.";
 
 typedef struct choices {
     uint32_t light; /* 0: as the scene has it; or 1 + rk_light_kind */

@@ -8,9 +8,9 @@
 #include <stdio.h>
 
 static const char summary[] =
-    "Renders a scene with glass (--transparency, and --shadows by the model of --glass).\n"
+    "Renders a scene with glass (--transparency; --shadows as --glass says).\n"
     "--debug rays shows the way of the ray of --pixel from beside the camera.\n"
-    "--models puts the light that arrives through a few panes and blocks into a table.";
+    "--models puts the light behind a few panes and blocks into a table.";
 
 static const char *const model_names[] = {"multiplicative", "ordered", "beer-lambert"};
 enum { model_count = sizeof model_names / sizeof model_names[0] };

@@ -10,10 +10,10 @@
 
 static const char summary[] =
     "Renders a scene whose mirrors are rough (--glossy samples in a disk of --glossy-radius).\n"
-    "--debug rays shows the mirrored rays of --pixel from beside the camera; --debug dots shows\n"
-    "where they go through the disk.\n"
-    "--convergence puts the error of each map and sampler against time into a table, --policies\n"
-    "the light that each way to weigh samples keeps.";
+    "--debug rays shows the mirrored rays of --pixel from beside the camera.\n"
+    "--debug dots shows their disk: as a whole, or what --pixel makes of it.\n"
+    "--convergence puts the error of each map and sampler against time into a table.\n"
+    "--policies puts the light that each way to weigh samples keeps into a table.";
 
 typedef struct choices {
     rk_side_view viewer;

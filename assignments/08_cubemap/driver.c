@@ -11,8 +11,9 @@
 
 static const char summary[] =
     "Renders a scene in an environment (--environment), which mirrors and misses see.\n"
-    "--marked takes a map with a letter on each face. --debug cross draws the map unfolded, and\n"
-    "--debug seam a corner of a coarse map of random colours, where three faces meet.\n"
+    "--marked takes a map with a letter on each face.\n"
+    "--debug cross draws the map unfolded.\n"
+    "--debug seam draws a map of random colours where three faces meet.\n"
     "--filters puts the filters' errors and steps into a table.";
 
 static const char *const filter_names[] = {"nearest", "bilinear", "seamless"};
@@ -298,7 +299,8 @@ int main(int argc, char **argv)
          "their own",
          0, 1},
         {"side", RK_OPTION_UINT, &c.side, "N",
-         "texels a side of the built-in sky, or of --marked or --debug seam; 0: 256, of the last 8",
+         "texels a side of the built-in sky, or of --marked or --debug seam; 0: 256, "
+         "and 8 for --debug seam",
          0, RK_CUBEMAP_SIDE_MAX},
         {"marked", RK_OPTION_FLAG, &c.marked, NULL,
          "an environment of six colours, with the letter F upright on each face", 0, 0},

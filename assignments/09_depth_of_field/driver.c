@@ -9,8 +9,8 @@
 
 static const char summary[] =
     "Renders a scene through a lens (--focal-distance, --aperture, --lens-samples).\n"
-    "--debug focus shows the focal surface, and --debug rays the lens rays of --pixel, from\n"
-    "the side.\n"
+    "--debug focus shows the focal surface, --debug rays the lens rays of --pixel, both from the "
+    "side.\n"
     "--debug blurred marks the pixels that take lens samples.\n"
     "--convergence puts the errors of a blurred edge into a table.";
 

@@ -317,11 +317,20 @@ static phrase range_worth_showing(const rk_option *option)
     phrase range = {""};
     if (option->kind != RK_OPTION_UINT)
         return range;
-    if (option->high < UINT32_MAX)
+    if (option->high < UINT32_MAX - 1) /* the very last may mean "not given" */
         return range_of(option);
     if (option->low > 0)
         snprintf(range.text, sizeof range.text, "%.10g or more", option->low);
     return range;
+}
+
+/* Prints a note behind the text, or on a line of its own where it does not fit. */
+static void print_whole(const char *note, size_t column)
+{
+    if (column + 1 + strlen(note) > columns)
+        printf("\n%*s%s", (int)help_column, "", note);
+    else
+        printf(" %s", note);
 }
 
 static void print_option(const rk_option *option)
@@ -343,7 +352,8 @@ static void print_option(const rk_option *option)
         snprintf(note.text, sizeof note.text, "(default %.120s)", value.text);
     else
         note.text[0] = '\0';
-    print_wrapped(note.text, column, help_column);
+    if (*note.text)
+        print_whole(note.text, column);
     putchar('\n');
 }
 

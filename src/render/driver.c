@@ -146,6 +146,8 @@ static bool load_environment(rk_driver *driver, rk_error *error)
     const char *name = driver->environment;
     if (!name)
         return true;
+    if (*name == '\0')
+        return rk_fail(error, "--environment: names no picture; give it a file's name, or sky");
     return strcmp(name, "sky") == 0 ? rk_sky_make(&driver->scene.environment, SKY_SIDE, error)
                                     : rk_environment_read(&driver->scene.environment, name, error);
 }
