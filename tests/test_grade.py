@@ -404,6 +404,10 @@ def statuses_tell_what_was_graded(folder):
         "0 is what passes": (0, ["--impl", right, "--test", ONE], "ok"),
         "1 is what fails": (1, ["--impl", weak, "--test", ONE], "FAIL"),
         "2 is a folder that is missing for OUT": (2, ["--impl", weak, "--out", os.path.join(folder, "no", "x")], "no folder"),
+        "2 is a place for OUT that takes no file": (2, ["--impl", weak, "--test", ONE, "--out", "/proc/x.txt"],
+                                                    "/proc/x.txt: cannot be written"),
+        "2 is a FORMAT that there is not": (2, ["--impl", weak, "--format", "bogus"], "FORMAT=bogus: choose one of"),
+        "2 is an option that there is not": (2, ["--impl", weak, "--bogus"], "--bogus; see --help"),
         "2 is a submission that is missing": (2, ["--impl", os.path.join(folder, "nobody")], "no file or folder"),
         "2 is a name that is wrong": (2, ["--impl", os.path.join(folder, "weak.txt")], "name it bvh_median.c"),
     }
@@ -411,7 +415,7 @@ def statuses_tell_what_was_graded(folder):
         del cases["0 is what passes"]
     for name, (expected, arguments, part) in cases.items():
         status, said = graded(*arguments)
-        check(status == expected and part in said, f"exit status {name}", f"{status}\n{said}")
+        check(status == expected and part in said and "usage:" not in said, f"exit status {name}", f"{status}\n{said}")
 
 
 def two_gradings_at_once(folder):

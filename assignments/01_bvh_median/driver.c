@@ -4,7 +4,7 @@
 
 static const char summary[] =
     "Builds a bounding volume hierarchy by median splits and renders a scene with it.\n"
-    "--debug level draws the boxes of one level, --debug leaf the triangles of one leaf.";
+    "--debug level draws the boxes of a level, --debug leaf the triangles of a leaf.";
 
 int main(int argc, char **argv)
 {

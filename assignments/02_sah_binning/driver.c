@@ -11,7 +11,7 @@
 
 static const char summary[] =
     "Builds a bounding volume hierarchy by the surface area heuristic and renders with it.\n"
-    "--debug level draws the boxes of one level, --debug leaf the triangles of one leaf.\n"
+    "--debug level draws the boxes of a level, --debug leaf the triangles of a leaf.\n"
     "--debug split draws the cheapest cut of a node, --debug bad-split another one.\n"
     "--debug candidates draws all cuts of a node: blue where they are cheap, orange where they "
     "are dear, and the cheapest white.";
