@@ -59,7 +59,9 @@ it.
 
 ## Hand in
 
-{files}, and nothing else, unless your instructor asks for more.
+{files}
+
+Hand in nothing else, unless your instructor asks for more.
 """
 
 
@@ -195,7 +197,7 @@ def _write_handout(pack, features, has_book):
     width = len(one)
     commands = {"one": one} | {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "diff")}
     commands |= {word: f"make {word}".ljust(width) for word in ("progress", "report", "check")}
-    files = " and ".join(f"`workbook/{feature.stem}.c`" for feature in features)
+    files = "\n".join(f"- `workbook/{feature.stem}.c`" for feature in features)
     write_whole(os.path.join(pack, "HANDOUT.md"), HANDOUT.format(
         assignments="\n".join(rows), first=first, reading=reading, files=files, **commands))
 
