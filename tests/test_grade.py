@@ -429,6 +429,28 @@ def two_gradings_at_once(folder):
           "gradings at the same time do not meet", "\n".join(said))
 
 
+def the_editors_files_name_what_there_is(folder):
+    put(unit(""), folder, "editor", "bvh_median.c")
+    file = os.path.join(folder, "editor", "bvh_median.c")
+
+    def read_settings(name):
+        with open(os.path.join(SOURCE, ".vscode", name), encoding="utf-8") as settings:
+            text = "".join(line for line in settings if not line.lstrip().startswith("//"))
+        for variable, value in {"workspaceFolder": ".", "fileBasenameNoExtension": "bvh_median", "file": file}.items():
+            text = text.replace("${%s}" % variable, value)
+        return json.loads(text)
+
+    tasks = {task["label"]: task for task in read_settings("tasks.json")["tasks"]}
+    launch = read_settings("launch.json")["configurations"][0]
+    prepare = tasks[launch["preLaunchTask"]]
+    status, said = run(os.environ.get("MAKE", "make"), "-s", *prepare["args"])
+    script = launch["setupCommands"][-1]["text"].removeprefix("source ")
+    check(status == 0 and os.access(launch["program"], os.X_OK) and os.path.exists(script),
+          "F5 in an editor finds the program and the script that its task builds", said)
+    status, said = run(os.environ.get("MAKE", "make"), "-s", *tasks["check this unit"]["args"])
+    check("bvh_median" in said and "points" in said, "so does the task that checks the open file", said)
+
+
 def hanging_does_not_last(toolchain, folder):
     put(unit("for (volatile int k = 0; k < 2; k = 0) { }"), folder, "hangs", "bvh_median.c")
     suite = grade.Suite(FEATURE, Unit(FEATURE, os.path.join(folder, "hangs", "bvh_median.c"), "x.c", False),
@@ -492,6 +514,7 @@ def main():
         statuses_tell_what_was_graded(folder)
         two_gradings_at_once(folder)
         hanging_does_not_last(toolchain, folder)
+        the_editors_files_name_what_there_is(folder)
         a_class_is_graded(folder)
         an_interrupt_ends_everything(folder)
     finally:
