@@ -161,7 +161,7 @@ static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *r
         const float *a4 = p[4].a + at, *b4 = p[4].b + at;
         float w0 = p[0].weight, w1 = p[1].weight, w2 = p[2].weight, w3 = p[3].weight;
         float w4 = p[4].weight;
-        for (int i = 0; i < RK_BLOOM_BLOCK; i++)
+        for (size_t i = 0; i < RK_BLOOM_BLOCK; i++)
             sum[at + i] += w0 * (a0[i] + b0[i]) + w1 * (a1[i] + b1[i]) + w2 * (a2[i] + b2[i]) +
                            w3 * (a3[i] + b3[i]) + w4 * (a4[i] + b4[i]);
     }
