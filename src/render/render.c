@@ -40,14 +40,26 @@ static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint3
     return !r->circles || (r->circles[(size_t)y * (r->options->width + 1) + x] > 0) == t->blurred;
 }
 
-/* Through the centre of a pixel, or a random place of it; from the camera's position, or a random
- * place of the lens. */
-static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, rk_draw draw, uint32_t x,
-                         uint32_t y)
+/* What is the same for all camera rays of a sample. */
+static void start_paths(rk_path_batch *camera, uint32_t left, uint32_t sample)
+{
+    camera->rays.count = 0;
+    camera->path[0] = rk_path_start(sample, left);
+    for (uint32_t filled = 1; filled < RK_BATCH_MAX; filled *= 2)
+        memcpy(camera->path + filled, camera->path, filled * sizeof *camera->path);
+}
+
+static rk_ray centre_ray(const rk_view *view, uint32_t x, uint32_t y)
+{
+    return rk_view_ray(view, (float)x + 0.5f, (float)y + 0.5f);
+}
+
+/* Through a random place of the pixel; from the camera's position, or a random place of the lens.
+ */
+static rk_ray sampled_ray(const rk_rendering *r, const rk_tile *t, rk_draw draw, uint32_t x,
+                          uint32_t y)
 {
     const rk_render_options *options = r->options;
-    if (!r->plan.pixel_samples && !t->blurred)
-        return rk_view_ray(&r->view, (float)x + 0.5f, (float)y + 0.5f);
     const rk_sampler sampler = {t->blurred ? options->lens_sampling : options->sampling,
                                 options->seed, draw.samples};
     uint32_t pixel = y * options->width + x;
@@ -59,39 +71,65 @@ static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, rk_draw draw, 
     return rk_lens_ray(&options->lens, &r->view, (float)x + within.x, (float)y + within.y, xi);
 }
 
-/* A ray for each chosen pixel; the samples beyond the first set are for those in motion alone. */
-static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
+/* Rays for the chosen pixels; the samples beyond the first set are for those in motion alone. */
+static void push_chosen(const rk_rendering *r, const rk_tile *t, rk_path_batch *camera)
 {
     const rk_draw draw = rk_draw_of(t);
-    bool all = t->sample < t->samples;
+    bool sampled = r->plan.pixel_samples || t->blurred, first_set = t->sample < t->samples;
     uint32_t pixel = 0;
-    camera->rays.count = 0;
-    if (r->plan.time_samples)
-        memset(t->has_time, 0, sizeof t->has_time);
     for (uint32_t y = t->y; y < t->y + t->height; y++)
         for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
-            if (is_chosen(r, t, x, y) && (all || t->in_motion[pixel])) {
-                rk_ray ray = camera_ray(r, t, draw, x, y);
-                rk_path_push(camera, &ray, pixel, r->options->recursion, rk_vec(1, 1, 1),
-                             (rk_path_sample){draw.sample, false});
+            if (is_chosen(r, t, x, y) && (first_set || t->in_motion[pixel])) {
+                rk_ray ray = sampled ? sampled_ray(r, t, draw, x, y) : centre_ray(&r->view, x, y);
+                rk_path_push_ray(camera, &ray, pixel);
             }
-    t->counters->primary_rays += camera->rays.count;
-    t->counters->pixel_samples += r->plan.pixel_samples || t->blurred ? camera->rays.count : 0;
+    t->counters->pixel_samples += sampled ? camera->rays.count : 0;
     t->counters->lens_samples += t->blurred ? camera->rays.count : 0;
 }
 
-static uint32_t samples_of(const rk_rendering *r, const rk_tile *t, uint32_t pixel)
+/* A ray through the centre of every pixel. */
+static void push_all(rk_view view, const rk_tile *t, rk_path_batch *camera)
 {
-    return r->plan.motion && t->in_motion[pixel] ? t->samples_in_motion : t->samples;
+    uint32_t pixel = 0;
+    for (uint32_t y = t->y; y < t->y + t->height; y++)
+        for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++) {
+            rk_ray ray = centre_ray(&view, x, y);
+            rk_path_push_ray(camera, &ray, pixel);
+        }
+}
+
+static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
+{
+    start_paths(camera, r->options->recursion, rk_draw_of(t).sample);
+    if (r->plan.time_samples)
+        memset(t->has_time, 0, sizeof t->has_time);
+    if (r->plan.pixel_samples || r->plan.lens || r->plan.motion)
+        push_chosen(r, t, camera);
+    else
+        push_all(r->view, t, camera);
+    t->counters->primary_rays += camera->rays.count;
+}
+
+/* The chosen pixels' sums become means. */
+static void mean_stage(const rk_rendering *r, rk_tile *t)
+{
+    if (t->samples_in_motion == 1)
+        return;
+    uint32_t pixel = 0;
+    for (uint32_t y = t->y; y < t->y + t->height; y++)
+        for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
+            if (is_chosen(r, t, x, y)) {
+                bool moves = r->plan.motion && t->in_motion[pixel];
+                float samples = (float)(moves ? t->samples_in_motion : t->samples);
+                t->sum[pixel] = rk_scale(t->sum[pixel], 1 / samples);
+            }
 }
 
 static void film_stage(const rk_rendering *r, const rk_tile *t)
 {
     for (uint32_t y = 0; y < t->height; y++)
-        for (uint32_t x = 0; x < t->width; x++)
-            if (is_chosen(r, t, t->x + x, t->y + y))
-                *rk_image_at(r->image, t->x + x, t->y + y) = rk_scale(
-                    t->sum[y * t->width + x], 1 / (float)samples_of(r, t, y * t->width + x));
+        memcpy(rk_image_at(r->image, t->x, t->y + y), t->sum + y * t->width,
+               t->width * sizeof *t->sum);
 }
 
 static void render_tile(uint32_t index, uint32_t thread, void *context)
@@ -108,8 +146,9 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
                 break;
             rk_follow(r, &t, &camera);
         }
-        film_stage(r, &t);
+        mean_stage(r, &t);
     }
+    film_stage(r, &t);
     if (r->progress)
         rk_progress_step(r->progress);
 }
