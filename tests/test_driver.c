@@ -242,7 +242,7 @@ static void every_bad_option_is_named_in_one_line(void **state)
         {"--scene cube --mesh a.obj", "--scene and --mesh", "choose one"},
         {"--timing --debug leaf", "--timing and --debug", "choose one"},
         {"--threads 1025", "--threads 1025", "0 to 1024"},
-        {"--split half", "--split half", "median, sah, sah3"},
+        {"--split half", "--split half", "median|sah|sah3"},
         {"--bins 1", "--bins 1", "2 to 256"},
         {"--isolate 3", "--isolate 3", "--time-samples N"},
         {"--environment=", "--environment", "sky"},

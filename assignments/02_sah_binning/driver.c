@@ -50,7 +50,7 @@ static bool list_cuts(cuts *c, const rk_driver *driver, rk_error *error)
     for (uint32_t i = 0; i < stretch.count; i++)
         references[i] =
             rk_bvh_reference_of(&driver->scene.mesh, bvh->triangles[stretch.begin + i].index);
-    const rk_sah_options options = {driver->bins, strcmp(driver->split, "sah3") == 0};
+    const rk_sah_options options = {driver->bins, driver->split == RK_ACCEL_SAH_3};
     c->count = rk_sah_candidates(references, stretch.count, &options, c->list);
     free(references);
     if (c->count == 0)
@@ -163,7 +163,7 @@ static bool wants_cuts(const rk_driver *driver)
 
 static bool check_options(const cuts *c, const rk_driver *driver, rk_error *error)
 {
-    if (wants_cuts(driver) && strcmp(driver->split, "median") == 0)
+    if (wants_cuts(driver) && driver->split == RK_ACCEL_MEDIAN)
         return rk_fail(error, "--debug %s goes with --split sah or sah3", driver->debug);
     if (c->candidate != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "bad-split"))
         return rk_fail(error, "--candidate goes with --debug bad-split");

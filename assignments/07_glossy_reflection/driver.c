@@ -336,7 +336,7 @@ int main(int argc, char **argv)
     };
     const char *const views[] = {"rays", "dots", NULL};
     rk_driver driver = rk_driver_default("glossy_reflection", summary);
-    driver.split = "sah3";
+    driver.split = RK_ACCEL_SAH_3;
     driver.drawn_x = 36; /* the mirror of the Cornell box */
     driver.drawn_y = 56;
     driver.render.reflections = true;
