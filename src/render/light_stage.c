@@ -21,10 +21,11 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const 
     rk_vec2 xi = {0, 0};
     if (light->kind != RK_LIGHT_POINT) {
         /* Each bounce is a stream of its own, which all rays of a pixel share. */
-        const rk_draw draw = rk_draw_of(t);
+        const rk_draw draw = rk_draw_of(t, seen->pixel);
         uint32_t bounce = r->options->recursion - seen->left;
         const rk_sampler sampler = {options->sampling, r->options->seed,
-                                    rk_path_samples(r, t, seen->sample) * options->samples};
+                                    rk_path_samples(r, t, seen->pixel, seen->sample) *
+                                        options->samples};
         xi = rk_sample_2d(&sampler, rk_tile_pixel(r, t, seen->pixel),
                           seen->sample.index * options->samples + sample,
                           draw.dimension + RK_DIMENSION_LIGHT +
@@ -80,7 +81,7 @@ static void arrive_or_not(const rk_rendering *r, rk_tile *t)
     rk_any_batch blocked;
     if (r->plan.motion) {
         uint16_t pixels[RK_BATCH_MAX];
-        rk_asker asker = {r, t, pixels};
+        rk_asker asker = {r, t, pixels, false};
         const rk_moments when = shadow_moments(&asker, pixels);
         rk_accel_any_at(r->accel, &t->shadow, &when, &blocked, t->counters);
     } else {
@@ -100,7 +101,7 @@ static void arrive_or_not(const rk_rendering *r, rk_tile *t)
 static void arrive_in_part(const rk_rendering *r, rk_tile *t)
 {
     uint16_t pixels[RK_BATCH_MAX];
-    rk_asker asker = {r, t, pixels};
+    rk_asker asker = {r, t, pixels, false};
     const rk_moments when = shadow_moments(&asker, pixels);
     for (uint32_t k = 0; k < t->arriving_count; k++) {
         uint32_t i = t->arriving_at[k];

@@ -9,6 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void forget_motion(rk_tile *t)
+{
+    memset(t->in_motion, 0, sizeof t->in_motion);
+    memset(t->in_sight, 0, sizeof t->in_sight);
+    memset(t->has_time, 0, sizeof t->has_time);
+}
+
 void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t thread)
 {
     const rk_render_options *options = r->options;
@@ -19,8 +26,9 @@ void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t t
     t->seen_count = 0;
     t->counters = &r->counters[thread];
     memset(t->sum, 0, sizeof t->sum);
+    t->turn = 0;
     if (r->plan.motion)
-        memset(t->in_motion, 0, sizeof t->in_motion);
+        forget_motion(t);
 }
 
 /* The tile's pixels that a circle of confusion reaches, or all others, and how many samples they
@@ -32,7 +40,7 @@ static void choose_pixels(const rk_rendering *r, rk_tile *t, bool blurred)
     t->samples = options->samples;
     if (blurred && t->samples < options->lens_samples)
         t->samples = options->lens_samples;
-    t->samples_in_motion = rk_samples_in_motion(&r->plan, options, t->samples);
+    t->turns = rk_turns(&r->plan, options, t->samples);
 }
 
 static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
@@ -42,47 +50,68 @@ static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint3
 
 /* Through the centre of a pixel, or a random place of it; from the camera's position, or a random
  * place of the lens. */
-static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, rk_draw draw, uint32_t x,
-                         uint32_t y)
+static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
 {
     const rk_render_options *options = r->options;
     if (!r->plan.pixel_samples && !t->blurred)
         return rk_view_ray(&r->view, (float)x + 0.5f, (float)y + 0.5f);
     const rk_sampler sampler = {t->blurred ? options->lens_sampling : options->sampling,
-                                options->seed, draw.samples};
+                                options->seed, t->samples};
     uint32_t pixel = y * options->width + x;
-    rk_vec2 within =
-        rk_sample_2d(&sampler, pixel, draw.sample, draw.dimension + RK_DIMENSION_PIXEL);
+    rk_vec2 within = rk_sample_2d(&sampler, pixel, t->sample, RK_DIMENSION_PIXEL);
     if (!t->blurred)
         return rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
-    rk_vec2 xi = rk_sample_2d(&sampler, pixel, draw.sample, draw.dimension + RK_DIMENSION_LENS);
+    rk_vec2 xi = rk_sample_2d(&sampler, pixel, t->sample, RK_DIMENSION_LENS);
     return rk_lens_ray(&options->lens, &r->view, (float)x + within.x, (float)y + within.y, xi);
 }
 
-/* A ray for each chosen pixel; the samples beyond the first set are for those in motion alone. */
+/* A ray for each chosen pixel; the turns beyond the first are for samples in motion alone, and look
+ * along the same ray: were there others, whether there are any would hang on the first. */
 static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
 {
-    const rk_draw draw = rk_draw_of(t);
-    bool all = t->sample < t->samples;
     uint32_t pixel = 0;
     camera->rays.count = 0;
-    if (r->plan.time_samples)
-        memset(t->has_time, 0, sizeof t->has_time);
     for (uint32_t y = t->y; y < t->y + t->height; y++)
         for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
-            if (is_chosen(r, t, x, y) && (all || t->in_motion[pixel])) {
-                rk_ray ray = camera_ray(r, t, draw, x, y);
+            if (is_chosen(r, t, x, y) && (t->turn == 0 || t->in_motion[pixel])) {
+                rk_ray ray = camera_ray(r, t, x, y);
                 rk_path_push(camera, &ray, pixel, r->options->recursion, rk_vec(1, 1, 1),
-                             (rk_path_sample){draw.sample, false});
+                             (rk_path_sample){rk_draw_of(t, pixel).sample, false});
             }
     t->counters->primary_rays += camera->rays.count;
     t->counters->pixel_samples += r->plan.pixel_samples || t->blurred ? camera->rays.count : 0;
     t->counters->lens_samples += t->blurred ? camera->rays.count : 0;
 }
 
-static uint32_t samples_of(const rk_rendering *r, const rk_tile *t, uint32_t pixel)
+/* False if no pixel asks for it. */
+static bool take_turn(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
 {
-    return r->plan.motion && t->in_motion[pixel] ? t->samples_in_motion : t->samples;
+    camera_stage(r, t, camera);
+    if (camera->rays.count)
+        rk_follow(r, t, camera);
+    return camera->rays.count > 0;
+}
+
+/* The next sample of each chosen pixel; where it is in motion, the mean over its turns. False if no
+ * pixel is chosen. */
+static bool take_sample(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
+{
+    rk_vec3 before[RK_BATCH_MAX];
+    t->turn = 0;
+    if (!r->plan.time_samples)
+        return take_turn(r, t, camera);
+    memcpy(before, t->sum, sizeof before);
+    forget_motion(t);
+    bool any = take_turn(r, t, camera);
+    for (t->turn = 1; t->turn < t->turns; t->turn++) {
+        memset(t->has_time, 0, sizeof t->has_time);
+        if (!take_turn(r, t, camera))
+            break;
+    }
+    for (uint32_t i = 0; i < t->width * t->height && t->turns > 1; i++)
+        if (t->in_motion[i])
+            t->sum[i] = rk_madd(before[i], rk_sub(t->sum[i], before[i]), 1 / (float)t->turns);
+    return any;
 }
 
 static void film_stage(const rk_rendering *r, const rk_tile *t)
@@ -90,8 +119,8 @@ static void film_stage(const rk_rendering *r, const rk_tile *t)
     for (uint32_t y = 0; y < t->height; y++)
         for (uint32_t x = 0; x < t->width; x++)
             if (is_chosen(r, t, t->x + x, t->y + y))
-                *rk_image_at(r->image, t->x + x, t->y + y) = rk_scale(
-                    t->sum[y * t->width + x], 1 / (float)samples_of(r, t, y * t->width + x));
+                *rk_image_at(r->image, t->x + x, t->y + y) =
+                    rk_scale(t->sum[y * t->width + x], 1 / (float)t->samples);
 }
 
 static void render_tile(uint32_t index, uint32_t thread, void *context)
@@ -102,12 +131,9 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
     rk_tile_start(r, &t, index, thread);
     for (int blurred = 0; blurred <= r->plan.lens; blurred++) {
         choose_pixels(r, &t, blurred);
-        for (t.sample = 0; r->plan.rays && t.sample < t.samples_in_motion; t.sample++) {
-            camera_stage(r, &t, &camera);
-            if (camera.rays.count == 0)
+        for (t.sample = 0; r->plan.rays && t.sample < t.samples; t.sample++)
+            if (!take_sample(r, &t, &camera))
                 break;
-            rk_follow(r, &t, &camera);
-        }
         film_stage(r, &t);
     }
     if (r->progress)
@@ -131,7 +157,7 @@ static uint64_t most_samples(const rk_scene *scene, const rk_render_options *opt
     uint64_t samples = options->samples;
     if (plan->lens && options->lens_samples > samples)
         samples = options->lens_samples;
-    samples = rk_samples_in_motion(plan, options, (uint32_t)samples);
+    samples *= rk_turns(plan, options, (uint32_t)samples);
     if (plan->glossy)
         samples *= options->glossy.samples;
     for (uint32_t i = 0; i < scene->light_count; i++)
