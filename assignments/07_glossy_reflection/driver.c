@@ -37,7 +37,7 @@ static bool look(const rk_driver *driver, const rk_ray *ray, rk_seen *seen, rk_e
     rk_batch_push(&rays, ray);
     rk_accel_closest(&driver->accel, &rays, &hits, &counters);
     rk_hit hit = rk_batch_hit(&hits, 0);
-    *seen = (rk_seen){.left = 1, .weight = {1, 1, 1}, .to_viewer = rk_negate(ray->direction)};
+    *seen = (rk_seen){.path = rk_path_start(0, 1), .to_viewer = rk_negate(ray->direction)};
     if (hit.triangle != RK_MISS)
         rk_scene_surface(&seen->surface, &driver->scene, ray, &hit);
     return (hit.triangle != RK_MISS && rk_mirrors(seen)) ||

@@ -91,8 +91,7 @@ static void find_blur_of_tile(uint32_t index, uint32_t thread, void *context)
     for (uint32_t y = t.y; y < t.y + t.height; y++)
         for (uint32_t x = t.x; x < t.x + t.width; x++) {
             rk_ray ray = rk_view_ray(&r->view, (float)x + 0.5f, (float)y + 0.5f);
-            rk_path_push(&camera, &ray, camera.rays.count, r->options->recursion, rk_vec(1, 1, 1),
-                         (rk_path_sample){0, false});
+            rk_path_push(&camera, &ray, camera.rays.count, rk_path_start(0, r->options->recursion));
         }
     t.counters->primary_rays += camera.rays.count;
     find_blur(pass, &t, &camera);

@@ -3,7 +3,7 @@
  * on; a level of mirrors is a level of recursion. */
 #include "base/reflect.h"
 #include "render/bundle.h"
-#include "render/tile.h"
+#include "render/lighting.h"
 
 static void light_and_mirror(const rk_rendering *r, rk_tile *t);
 
@@ -14,19 +14,31 @@ static rk_seen *room_for_one(const rk_rendering *r, rk_tile *t)
     return &t->seen[t->seen_count++];
 }
 
-void rk_see(rk_seen *seen, const rk_rendering *r, rk_tile *t, const rk_path_batch *paths,
-            uint32_t i, const rk_hit *hit, uint32_t panes, float share)
+__attribute__((always_inline)) static inline void see(rk_seen *seen, const rk_rendering *r,
+                                                      rk_tile *t, const rk_path_batch *paths,
+                                                      uint32_t i, const rk_hit *hit)
 {
     rk_ray ray = rk_batch_ray(&paths->rays, i);
     rk_scene_surface(&seen->surface, r->scene, &ray, hit);
     if (r->plan.motion)
         rk_moving_place(r, t, paths->pixel[i], hit->triangle, &seen->surface);
-    seen->kd = rk_surface_kd(&seen->surface, &r->scene->mesh);
-    seen->to_viewer = rk_negate(rk_normalize(ray.direction));
-    seen->weight = rk_scale(paths->weight[i], share);
-    seen->sample = paths->sample[i];
+    seen->kd = seen->surface.material->kd;
+    if (r->plan.textures)
+        seen->kd = rk_surface_kd(&seen->surface, &r->scene->mesh);
+    seen->to_viewer = rk_vec(0, 0, 0);
+    if (r->plan.viewer)
+        seen->to_viewer = rk_negate(rk_normalize(ray.direction));
+    seen->path = paths->path[i];
     seen->pixel = paths->pixel[i];
-    seen->left = (uint8_t)(paths->left[i] - panes);
+}
+
+void rk_see(rk_seen *seen, const rk_rendering *r, rk_tile *t, const rk_path_batch *paths,
+            uint32_t i, const rk_hit *hit, uint32_t panes, float share)
+{
+    see(seen, r, t, paths, i, hit);
+    const rk_path *path = &paths->path[i];
+    seen->path =
+        rk_path_of(rk_scale(path->weight, share), path->sample, path->spread, path->left - panes);
 }
 
 rk_vec3 rk_see_environment(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
@@ -35,7 +47,7 @@ rk_vec3 rk_see_environment(const rk_rendering *r, const rk_path_batch *paths, ui
     rk_vec3 colour = rk_cubemap_at(&r->scene->environment, rk_batch_ray(&paths->rays, i).direction,
                                    r->options->environment_filter);
     counters->environment_lookups++;
-    return rk_mul(rk_scale(paths->weight[i], share), colour);
+    return rk_mul(rk_scale(paths->path[i].weight, share), colour);
 }
 
 /* The rest of path i meets nothing. */
@@ -54,7 +66,7 @@ void rk_meet(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
         rk_accel_closest(r->accel, &paths->rays, &t->hits, t->counters);
         return;
     }
-    rk_asker asker = {r, t, paths->pixel, paths->left[0] == r->options->recursion};
+    rk_asker asker = {r, t, paths->pixel, paths->path[0].left == r->options->recursion};
     const rk_moments when = rk_moments_of(&asker);
     rk_accel_closest_at(r->accel, &paths->rays, &when, &t->hits, t->counters);
 }
@@ -62,29 +74,33 @@ void rk_meet(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
 static void see_nearest(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
 {
     /* A bundle knows one tree. */
-    if (paths->sample[0].spread && r->scene->moving_count == 0)
+    if (paths->path[0].spread && r->scene->moving_count == 0)
         rk_bundle_closest(r->accel, &paths->rays, &t->hits, t->counters);
     else
         rk_meet(r, t, paths);
+    const bool environment = r->plan.environment;
+    rk_seen *seen = t->seen; /* nothing else is seen now, so there is room for all */
     for (uint32_t i = 0; i < paths->rays.count; i++) {
         if (t->hits.triangle[i] == RK_MISS) {
-            see_behind(r, t, paths, i, 1);
+            if (environment)
+                see_behind(r, t, paths, i, 1);
             continue;
         }
         rk_hit hit = rk_batch_hit(&t->hits, i);
-        rk_see(room_for_one(r, t), r, t, paths, i, &hit, 0, 1);
+        see(seen++, r, t, paths, i, &hit);
     }
+    t->seen_count = (uint32_t)(seen - t->seen);
 }
 
 float rk_look_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths, uint32_t i,
                       rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1])
 {
-    rk_asker asker = {r, t, paths->pixel, paths->left[i] == r->options->recursion};
+    rk_asker asker = {r, t, paths->pixel, paths->path[i].left == r->options->recursion};
     const rk_moments when = rk_moments_of(&asker);
     rk_ray ray = rk_batch_ray(&paths->rays, i);
     float behind;
-    rk_crossings_gather_at(r->accel, &ray, r->plan.motion ? &when : NULL, i, paths->left[i] + 1u,
-                           list, t->counters);
+    rk_crossings_gather_at(r->accel, &ray, r->plan.motion ? &when : NULL, i,
+                           paths->path[i].left + 1u, list, t->counters);
     rk_transparency_weights(list->crossings, list->count, weights, &behind);
     return list->count < list->limit ? behind : 0;
 }
@@ -115,8 +131,8 @@ rk_vec3 rk_mirrored_direction(const rk_seen *seen)
 
 bool rk_mirrors(const rk_seen *seen)
 {
-    rk_vec3 weight = rk_mul(seen->weight, seen->surface.material->ks);
-    return seen->left > 0 && (weight.x != 0 || weight.y != 0 || weight.z != 0);
+    rk_vec3 weight = rk_mul(seen->path.weight, seen->surface.material->ks);
+    return seen->path.left > 0 && (weight.x != 0 || weight.y != 0 || weight.z != 0);
 }
 
 void rk_mirror(const rk_seen *seen, rk_path_batch *mirrored)
@@ -125,8 +141,10 @@ void rk_mirror(const rk_seen *seen, rk_path_batch *mirrored)
         return;
     rk_vec3 direction = rk_mirrored_direction(seen);
     rk_ray ray = {rk_surface_leave(&seen->surface, direction), direction, INFINITY};
-    rk_path_push(mirrored, &ray, seen->pixel, seen->left - 1u,
-                 rk_mul(seen->weight, seen->surface.material->ks), seen->sample);
+    const rk_path *path = &seen->path;
+    rk_path_push(mirrored, &ray, seen->pixel,
+                 rk_path_of(rk_mul(path->weight, seen->surface.material->ks), path->sample,
+                            path->spread, path->left - 1u));
 }
 
 static void mirror_all(const rk_rendering *r, rk_tile *t)
@@ -144,9 +162,16 @@ static void mirror_all(const rk_rendering *r, rk_tile *t)
 /* Finishes with the seen surfaces, and makes room for others. */
 static void light_and_mirror(const rk_rendering *r, rk_tile *t)
 {
-    for (uint32_t light = 0; light < r->scene->light_count; light++)
-        if (rk_light_shines(&r->scene->lights[light]))
-            rk_light_stage(r, t, light);
+    bool physical = r->options->light.falloff == RK_FALLOFF_PHYSICAL;
+    for (uint32_t i = 0; i < r->scene->light_count; i++) {
+        const rk_light *light = &r->scene->lights[i];
+        if (!rk_light_shines(light))
+            continue;
+        if (light->kind == RK_LIGHT_POINT && !physical)
+            rk_point_light_stage(r, t, light);
+        else
+            rk_light_stage(r, t, i);
+    }
     if (r->plan.glossy)
         rk_glossy_stage(r, t);
     else if (r->plan.reflections)

@@ -26,16 +26,16 @@ static source source_of(const rk_rendering *r, const rk_tile *t, const rk_seen *
 {
     const rk_render_options *options = r->options;
     /* Each bounce is a stream of its own. */
-    uint32_t bounce = options->recursion - seen->left;
-    uint32_t count = seen->sample.spread ? 1 : options->glossy.samples;
+    uint32_t bounce = options->recursion - seen->path.left;
+    uint32_t count = seen->path.spread ? 1 : options->glossy.samples;
     return (source){
         .disk = rk_glossy_disk_at(&options->glossy, seen),
         .map = options->glossy.map,
         .sampler = {options->glossy.sampling, options->seed,
-                    rk_path_samples(r, t, seen->pixel, (rk_path_sample){0, true})},
+                    rk_path_samples(r, t, seen->pixel, true)},
         .pixel = rk_tile_pixel(r, t, seen->pixel),
         .dimension = rk_draw_of(t, seen->pixel).dimension + RK_DIMENSION_GLOSSY + 2 * bounce,
-        .first = seen->sample.index * count,
+        .first = seen->path.sample * count,
         .count = count,
     };
 }
@@ -80,7 +80,7 @@ static void send(const rk_rendering *r, rk_tile *t, const rk_seen *seen, rk_path
         rk_mirror(seen, mirrored);
         return;
     }
-    rk_vec3 weight = rk_scale(rk_mul(seen->weight, seen->surface.material->ks),
+    rk_vec3 weight = rk_scale(rk_mul(seen->path.weight, seen->surface.material->ks),
                               weight_of(&s, r->options->glossy.weights));
     t->counters->glossy_samples += s.count;
     const rk_surface *surface = &seen->surface;
@@ -94,8 +94,8 @@ static void send(const rk_rendering *r, rk_tile *t, const rk_seen *seen, rk_path
         rk_ray ray = {start, direction, INFINITY};
         if (!rk_surface_leaves_alike(surface, s.disk.w, direction))
             ray.origin = rk_surface_leave(surface, direction);
-        rk_path_push(mirrored, &ray, seen->pixel, seen->left - 1u, weight,
-                     (rk_path_sample){s.first + i, true});
+        rk_path_push(mirrored, &ray, seen->pixel,
+                     rk_path_of(weight, s.first + i, true, seen->path.left - 1u));
     }
 }
 

@@ -2,7 +2,7 @@
 #include "render/narrate.h"
 
 #include "render/crossings.h"
-#include "render/tile.h"
+#include "render/lighting.h"
 
 typedef struct story {
     FILE *out;
@@ -94,7 +94,7 @@ static void tell_hit(const story *s, const rk_hit *hit)
     tell_vector(s->out, "    kd", seen->kd);
     if (s->r->plan.transparency)
         fprintf(s->out, "    alpha = %.6f\n", (double)seen->surface.material->alpha);
-    tell_vector(s->out, "    counts in the pixel", seen->weight);
+    tell_vector(s->out, "    counts in the pixel", seen->path.weight);
 }
 
 static void tell_path(const story *s, const rk_path_batch *path, const char *name);
@@ -186,7 +186,7 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
     rk_path_batch camera;
     rk_ray ray = rk_view_ray(&r.view, (float)x + 0.5f, (float)y + 0.5f);
     camera.rays.count = 0;
-    rk_path_push(&camera, &ray, 0, options->recursion, rk_vec(1, 1, 1), (rk_path_sample){0, false});
+    rk_path_push(&camera, &ray, 0, rk_path_start(0, options->recursion));
     fprintf(out, "pixel (%u, %u) of %s\n", x, y, scene->name);
     if (r.plan.pixel_samples)
         fprintf(out,

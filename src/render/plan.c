@@ -45,6 +45,11 @@ static bool lets_through(const rk_material *material)
     return material->alpha < 1;
 }
 
+static bool is_textured(const rk_material *material)
+{
+    return material->kd_texture != NULL;
+}
+
 static bool any_material(const rk_scene *scene, bool (*holds)(const rk_material *material))
 {
     for (uint32_t i = 0; i < scene->mesh.material_count; i++)
@@ -73,6 +78,10 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
         .pixel_samples = rays && options->samples > 1,
         .lights = lights,
         .shadow_rays = anything && lights && options->shadows,
+        .textures = any_material(scene, is_textured),
+        .viewer = reflections || ((options->shading.model == RK_SHADING_PHONG ||
+                                   options->shading.model == RK_SHADING_BLINN_PHONG) &&
+                                  any_material(scene, reflects)),
         .reflections = reflections,
         .glossy = reflections && options->glossy.samples > 0 && options->glossy.radius != 0,
         .transparency = rays && options->transparency && any_material(scene, lets_through),

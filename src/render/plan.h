@@ -79,6 +79,8 @@ typedef struct rk_plan {
     bool pixel_samples; /* random positions within the pixel */
     bool lights;        /* any light that is not black */
     bool shadow_rays;
+    bool textures;     /* some material has one */
+    bool viewer;       /* something looks different from elsewhere: highlights, mirrors */
     bool reflections;  /* a surface reflects, and may */
     bool glossy;       /* and mirrors may be rough */
     bool transparency; /* a surface lets light through, and may */

@@ -48,13 +48,24 @@ static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint3
     return !r->circles || (r->circles[(size_t)y * (r->options->width + 1) + x] > 0) == t->blurred;
 }
 
-/* Through the centre of a pixel, or a random place of it; from the camera's position, or a random
- * place of the lens. */
-static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
+/* What is the same for all camera rays of a sample. */
+static void start_paths(rk_path_batch *camera, uint32_t left, uint32_t sample)
+{
+    camera->path[0] = rk_path_start(sample, left);
+    for (uint32_t filled = 1; filled < RK_BATCH_MAX; filled *= 2)
+        memcpy(camera->path + filled, camera->path, filled * sizeof *camera->path);
+}
+
+static rk_ray centre_ray(const rk_view *view, uint32_t x, uint32_t y)
+{
+    return rk_view_ray(view, (float)x + 0.5f, (float)y + 0.5f);
+}
+
+/* Through a random place of the pixel; from the camera's position, or a random place of the lens.
+ */
+static rk_ray sampled_ray(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
 {
     const rk_render_options *options = r->options;
-    if (!r->plan.pixel_samples && !t->blurred)
-        return rk_view_ray(&r->view, (float)x + 0.5f, (float)y + 0.5f);
     const rk_sampler sampler = {t->blurred ? options->lens_sampling : options->sampling,
                                 options->seed, t->samples};
     uint32_t pixel = y * options->width + x;
@@ -65,22 +76,46 @@ static rk_ray camera_ray(const rk_rendering *r, const rk_tile *t, uint32_t x, ui
     return rk_lens_ray(&options->lens, &r->view, (float)x + within.x, (float)y + within.y, xi);
 }
 
-/* A ray for each chosen pixel; the turns beyond the first are for samples in motion alone, and look
+/* Rays for the chosen pixels; the turns beyond the first are for samples in motion alone, and look
  * along the same ray: were there others, whether there are any would hang on the first. */
-static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
+static void push_chosen(const rk_rendering *r, const rk_tile *t, rk_path_batch *camera)
 {
+    bool sampled = r->plan.pixel_samples || t->blurred;
     uint32_t pixel = 0;
-    camera->rays.count = 0;
     for (uint32_t y = t->y; y < t->y + t->height; y++)
         for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
             if (is_chosen(r, t, x, y) && (t->turn == 0 || t->in_motion[pixel])) {
-                rk_ray ray = camera_ray(r, t, x, y);
-                rk_path_push(camera, &ray, pixel, r->options->recursion, rk_vec(1, 1, 1),
-                             (rk_path_sample){rk_draw_of(t, pixel).sample, false});
+                rk_ray ray = sampled ? sampled_ray(r, t, x, y) : centre_ray(&r->view, x, y);
+                if (t->turn > 0)
+                    camera->path[camera->rays.count] =
+                        rk_path_start(rk_draw_of(t, pixel).sample, r->options->recursion);
+                rk_path_push_ray(camera, &ray, pixel);
             }
-    t->counters->primary_rays += camera->rays.count;
-    t->counters->pixel_samples += r->plan.pixel_samples || t->blurred ? camera->rays.count : 0;
+    t->counters->pixel_samples += sampled ? camera->rays.count : 0;
     t->counters->lens_samples += t->blurred ? camera->rays.count : 0;
+}
+
+/* A ray through the centre of every pixel. */
+static void push_all(rk_view view, const rk_tile *t, rk_path_batch *camera)
+{
+    uint32_t pixel = 0;
+    for (uint32_t y = t->y; y < t->y + t->height; y++)
+        for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++) {
+            rk_ray ray = centre_ray(&view, x, y);
+            rk_path_push_ray(camera, &ray, pixel);
+        }
+}
+
+static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
+{
+    camera->rays.count = 0;
+    if (t->turn == 0)
+        start_paths(camera, r->options->recursion, t->sample);
+    if (r->plan.pixel_samples || r->plan.lens || r->plan.motion)
+        push_chosen(r, t, camera);
+    else
+        push_all(r->view, t, camera);
+    t->counters->primary_rays += camera->rays.count;
 }
 
 /* False if no pixel asks for it. */
@@ -114,13 +149,23 @@ static bool take_sample(const rk_rendering *r, rk_tile *t, rk_path_batch *camera
     return any;
 }
 
+/* The chosen pixels' sums become means. */
+static void mean_stage(const rk_rendering *r, rk_tile *t)
+{
+    if (t->samples == 1)
+        return;
+    uint32_t pixel = 0;
+    for (uint32_t y = t->y; y < t->y + t->height; y++)
+        for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
+            if (is_chosen(r, t, x, y))
+                t->sum[pixel] = rk_scale(t->sum[pixel], 1 / (float)t->samples);
+}
+
 static void film_stage(const rk_rendering *r, const rk_tile *t)
 {
     for (uint32_t y = 0; y < t->height; y++)
-        for (uint32_t x = 0; x < t->width; x++)
-            if (is_chosen(r, t, t->x + x, t->y + y))
-                *rk_image_at(r->image, t->x + x, t->y + y) =
-                    rk_scale(t->sum[y * t->width + x], 1 / (float)t->samples);
+        memcpy(rk_image_at(r->image, t->x, t->y + y), t->sum + y * t->width,
+               t->width * sizeof *t->sum);
 }
 
 static void render_tile(uint32_t index, uint32_t thread, void *context)
@@ -134,8 +179,9 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
         for (t.sample = 0; r->plan.rays && t.sample < t.samples; t.sample++)
             if (!take_sample(r, &t, &camera))
                 break;
-        film_stage(r, &t);
+        mean_stage(r, &t);
     }
+    film_stage(r, &t);
     if (r->progress)
         rk_progress_step(r->progress);
 }

@@ -24,42 +24,56 @@ typedef struct rk_rendering {
     rk_progress *progress;
 } rk_rendering;
 
-/* Which of its pixel's samples a ray is: of the tile's, or, once a rough mirror has spread it, of
- * glossy.samples times as many. */
-typedef struct rk_path_sample {
-    uint32_t index;
-    bool spread;
-} rk_path_sample;
+/* How a ray belongs to the pixel that it was sent for. */
+typedef struct rk_path {
+    rk_vec3 weight; /* share of what it sees that reaches the pixel */
+    /* Which of the pixel's samples it is: of the tile's, or, once a rough mirror has spread it, of
+     * glossy.samples times as many. */
+    uint32_t sample : 25;
+    uint32_t spread : 1;
+    uint32_t left : 6; /* surfaces behind the first that it may go on to */
+} rk_path;
 
-/* Rays, and what each is worth to the pixel that it was sent for. */
+_Static_assert(RK_SAMPLES_MAX <= 1 << 25 && RK_RECURSION_MAX < 1 << 6, "both fit");
+
+static inline rk_path rk_path_of(rk_vec3 weight, uint32_t sample, bool spread, uint32_t left)
+{
+    return (rk_path){weight, sample & ((1 << 25) - 1), spread, left & ((1 << 6) - 1)};
+}
+
+/* A camera ray. */
+static inline rk_path rk_path_start(uint32_t sample, uint32_t left)
+{
+    return rk_path_of(rk_vec(1, 1, 1), sample, false, left);
+}
+
 typedef struct rk_path_batch {
     rk_ray_batch rays;
     uint16_t pixel[RK_BATCH_MAX]; /* within the tile, row by row */
-    uint8_t left[RK_BATCH_MAX];   /* surfaces behind the first that it may go on to */
-    rk_vec3 weight[RK_BATCH_MAX]; /* share of what it sees that reaches the pixel */
-    rk_path_sample sample[RK_BATCH_MAX];
+    rk_path path[RK_BATCH_MAX];
 } rk_path_batch;
 
-static inline void rk_path_push(rk_path_batch *paths, const rk_ray *ray, uint32_t pixel,
-                                uint32_t left, rk_vec3 weight, rk_path_sample sample)
+/* A ray whose path stands in the batch already. */
+static inline void rk_path_push_ray(rk_path_batch *paths, const rk_ray *ray, uint32_t pixel)
 {
-    uint32_t i = paths->rays.count;
-    paths->pixel[i] = (uint16_t)pixel;
-    paths->left[i] = (uint8_t)left;
-    paths->weight[i] = weight;
-    paths->sample[i] = sample;
+    paths->pixel[paths->rays.count] = (uint16_t)pixel;
     rk_batch_push(&paths->rays, ray);
+}
+
+static inline void rk_path_push(rk_path_batch *paths, const rk_ray *ray, uint32_t pixel,
+                                rk_path path)
+{
+    paths->path[paths->rays.count] = path;
+    rk_path_push_ray(paths, ray, pixel);
 }
 
 /* A surface that a ray has met. */
 typedef struct rk_seen {
     rk_surface surface;
     rk_vec3 kd;
-    rk_vec3 to_viewer; /* unit, back along the ray */
-    rk_vec3 weight;
-    rk_path_sample sample;
+    rk_vec3 to_viewer; /* unit, back along the ray; 0 unless plan.viewer */
+    rk_path path;      /* the part of it that is left here */
     uint16_t pixel;
-    uint8_t left;
 } rk_seen;
 
 /* What more light samples would tell of a seen surface: open questions, or no more; a tinted one
@@ -90,15 +104,16 @@ typedef struct rk_tile {
     uint32_t seen_count;
     rk_seen seen[RK_BATCH_MAX];
     rk_light_sums sums;
-    uint32_t arriving_count; /* light on its way to what is seen, if nothing is in its way */
-    uint16_t arriving_at[RK_BATCH_MAX];
-    rk_vec3 arriving[RK_BATCH_MAX];
-    rk_ray_batch shadow;          /* asks that, a ray each */
-    rk_vec3 sum[RK_BATCH_MAX];    /* over the samples so far, one a pixel */
-    bool in_motion[RK_BATCH_MAX]; /* did a ray of this sample need a time? */
-    bool in_sight[RK_BATCH_MAX];  /* did the camera's? */
-    bool has_time[RK_BATCH_MAX];  /* did one in this turn? */
-    float time[RK_BATCH_MAX];     /* then it is this */
+    rk_ray_batch shadow; /* each asks whether something is in the way of a light; and for each: */
+    uint16_t arriving_at[RK_BATCH_MAX]; /* the seen surface */
+    rk_vec3 arriving[RK_BATCH_MAX]; /* what it would reflect of the light, or does, behind panes */
+    rk_any_batch blocked;           /* the answers */
+    bool tinted[RK_BATCH_MAX];      /* with transparency alone: do panes take a part of it? */
+    rk_vec3 sum[RK_BATCH_MAX];      /* over the samples so far, one a pixel */
+    bool in_motion[RK_BATCH_MAX];   /* did a ray of this sample need a time? */
+    bool in_sight[RK_BATCH_MAX];    /* did the camera's? */
+    bool has_time[RK_BATCH_MAX];    /* did one in this turn? */
+    float time[RK_BATCH_MAX];       /* then it is this */
     rk_counters *counters;
 } rk_tile;
 
@@ -160,9 +175,9 @@ void rk_moving_place(const rk_rendering *r, rk_tile *t, uint32_t pixel, uint32_t
 
 /* How many samples like this one its pixel takes. */
 static inline uint32_t rk_path_samples(const rk_rendering *r, const rk_tile *t, uint32_t pixel,
-                                       rk_path_sample sample)
+                                       bool spread)
 {
-    return rk_draw_of(t, pixel).samples * (sample.spread ? r->options->glossy.samples : 1);
+    return rk_draw_of(t, pixel).samples * (spread ? r->options->glossy.samples : 1);
 }
 
 /* Adds to the pixels' sums what the rays of `paths` see, along mirrors and panes to the end. */
@@ -195,8 +210,5 @@ void rk_glossy_stage(const rk_rendering *r, rk_tile *t);
 
 /* The disk of directions of a rough mirror; of radius 0 where it is perfect. */
 rk_glossy_disk rk_glossy_disk_at(const rk_glossy_options *options, const rk_seen *seen);
-
-/* Adds to the pixels' sums what one light sends by way of the tile's seen surfaces. */
-void rk_light_stage(const rk_rendering *r, rk_tile *t, uint32_t light);
 
 #endif

@@ -55,18 +55,6 @@ rk_view rk_view_of(const rk_camera *camera, size_t width, size_t height)
     };
 }
 
-rk_vec3 rk_view_through(const rk_view *view, float x, float y)
-{
-    float right = (x - 0.5f * view->width) * view->pixel;
-    float up = (0.5f * view->height - y) * view->pixel;
-    return rk_madd(rk_madd(view->forward, view->right, right), view->up, up);
-}
-
-rk_ray rk_view_ray(const rk_view *view, float x, float y)
-{
-    return (rk_ray){view->position, rk_normalize(rk_view_through(view, x, y)), INFINITY};
-}
-
 bool rk_view_project(const rk_view *view, rk_vec3 point, rk_vec2 *pixel, float *depth)
 {
     rk_vec3 offset = rk_sub(point, view->position);

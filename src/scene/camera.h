@@ -30,13 +30,21 @@ typedef struct rk_view {
 
 rk_view rk_view_of(const rk_camera *camera, size_t width, size_t height);
 
-/* The ray through the point (x, y) of the picture, in pixels from its top left corner; the centre
- * of pixel (i, j) is (i + .5, j + .5). The direction is unit, t_max infinite. */
-rk_ray rk_view_ray(const rk_view *view, float x, float y);
+/* The point of the picture plane at distance 1 that the ray through the point (x, y) of the picture
+ * goes through, seen from the camera: a vector of component 1 along the view. x and y are pixels
+ * from the top left corner; the centre of pixel (i, j) is (i + .5, j + .5). */
+static inline rk_vec3 rk_view_through(const rk_view *view, float x, float y)
+{
+    float right = (x - 0.5f * view->width) * view->pixel;
+    float up = (0.5f * view->height - y) * view->pixel;
+    return rk_madd(rk_madd(view->forward, view->right, right), view->up, up);
+}
 
-/* The point of the picture plane at distance 1 that this ray goes through, seen from the camera: a
- * vector of component 1 along the view. */
-rk_vec3 rk_view_through(const rk_view *view, float x, float y);
+/* That ray. The direction is unit, t_max infinite. */
+static inline rk_ray rk_view_ray(const rk_view *view, float x, float y)
+{
+    return (rk_ray){view->position, rk_normalize(rk_view_through(view, x, y)), INFINITY};
+}
 
 /* Where a point appears: pixels from the top left corner, and its depth along the view direction.
  * False behind the camera (depth <= 0); the pixel is then left alone. */

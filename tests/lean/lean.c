@@ -1,0 +1,155 @@
+/* What does a feature cost that a scene does not need? Here is the renderer with nothing but what a
+ * scene of Lambert surfaces and point lights does need: camera rays, nearest hits, shadow rays.
+ * `check` counts the instructions that it takes, and those of rk_render for the same picture. */
+#include "render/render.h"
+
+#include "scene/surface.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct lean_seen {
+    rk_surface surface;
+    uint16_t pixel;
+} lean_seen;
+
+typedef struct lean_tile {
+    const rk_scene *scene;
+    const rk_accel *accel;
+    const rk_render_options *options;
+    rk_view view;
+    rk_counters counters;
+    uint32_t x, y, width, height;
+    rk_ray_batch camera;
+    rk_hit_batch hits;
+    uint32_t seen_count;
+    lean_seen seen[RK_BATCH_MAX];
+    uint32_t arriving_count;
+    uint16_t arriving_pixel[RK_BATCH_MAX];
+    rk_vec3 arriving[RK_BATCH_MAX];
+    rk_ray_batch shadow;
+    rk_any_batch blocked;
+    rk_vec3 sum[RK_BATCH_MAX];
+} lean_tile;
+
+static void look(lean_tile *t)
+{
+    t->camera.count = t->seen_count = 0;
+    for (uint32_t y = t->y; y < t->y + t->height; y++)
+        for (uint32_t x = t->x; x < t->x + t->width; x++) {
+            rk_ray ray = rk_view_ray(&t->view, (float)x + 0.5f, (float)y + 0.5f);
+            rk_batch_push(&t->camera, &ray);
+        }
+    t->counters.primary_rays += t->camera.count;
+    rk_accel_closest(t->accel, &t->camera, &t->hits, &t->counters);
+    for (uint32_t i = 0; i < t->camera.count; i++) {
+        if (t->hits.triangle[i] == RK_MISS)
+            continue;
+        rk_ray ray = rk_batch_ray(&t->camera, i);
+        rk_hit hit = rk_batch_hit(&t->hits, i);
+        t->seen[t->seen_count].pixel = (uint16_t)i;
+        rk_scene_surface(&t->seen[t->seen_count++].surface, t->scene, &ray, &hit);
+    }
+}
+
+static void send(lean_tile *t, const rk_light *light)
+{
+    t->arriving_count = t->shadow.count = 0;
+    for (uint32_t i = 0; i < t->seen_count; i++) {
+        const rk_surface *surface = &t->seen[i].surface;
+        rk_vec3 to_light = rk_sub(light->position, surface->point);
+        float cos_i = rk_dot(surface->normal, rk_normalize(to_light));
+        rk_vec3 kd = surface->material->kd;
+        if (!(cos_i > 0) || (kd.x == 0 && kd.y == 0 && kd.z == 0))
+            continue;
+        t->arriving_pixel[t->arriving_count] = t->seen[i].pixel;
+        t->arriving[t->arriving_count++] = rk_mul(light->colours[0], rk_scale(kd, cos_i));
+        if (!t->options->shadows)
+            continue;
+        rk_vec3 start = rk_surface_leave(surface, to_light);
+        rk_ray ray = {start, rk_sub(light->position, start), 1};
+        rk_batch_push(&t->shadow, &ray);
+    }
+}
+
+static void arrive(lean_tile *t)
+{
+    if (t->options->shadows)
+        rk_accel_any(t->accel, &t->shadow, &t->blocked, &t->counters);
+    t->counters.shadow_rays += t->shadow.count;
+    for (uint32_t i = 0; i < t->arriving_count; i++) {
+        rk_vec3 *sum = &t->sum[t->arriving_pixel[i]];
+        if (!t->options->shadows || !t->blocked.found[i])
+            *sum = rk_add(*sum, t->arriving[i]);
+    }
+}
+
+static void render_tile(lean_tile *t, rk_image *image)
+{
+    memset(t->sum, 0, sizeof t->sum);
+    look(t);
+    for (uint32_t i = 0; i < t->scene->light_count; i++) {
+        send(t, &t->scene->lights[i]);
+        arrive(t);
+    }
+    const rk_vec3 *sum = t->sum;
+    for (uint32_t y = 0; y < t->height; y++)
+        for (uint32_t x = 0; x < t->width; x++)
+            *rk_image_at(image, t->x + x, t->y + y) = *sum++;
+}
+
+__attribute__((noinline)) static void render_lean(rk_image *image, const rk_scene *scene,
+                                                  const rk_accel *accel,
+                                                  const rk_render_options *options)
+{
+    static lean_tile t;
+    t = (lean_tile){.scene = scene, .accel = accel, .options = options};
+    t.view = rk_view_of(&scene->camera, options->width, options->height);
+    for (t.y = 0; t.y < options->height; t.y += RK_TILE_SIDE)
+        for (t.x = 0; t.x < options->width; t.x += RK_TILE_SIDE) {
+            t.width = options->width - t.x < RK_TILE_SIDE ? options->width - t.x : RK_TILE_SIDE;
+            t.height = options->height - t.y < RK_TILE_SIDE ? options->height - t.y : RK_TILE_SIDE;
+            render_tile(&t, image);
+        }
+}
+
+static bool run(const char *name, bool shadows, rk_error *error)
+{
+    rk_render_options options = rk_render_options_default();
+    rk_scene scene;
+    rk_accel accel;
+    rk_image lean, whole;
+    rk_counters counters;
+    options.width = options.height = 200;
+    options.shadows = shadows;
+    rk_pool *pool = rk_pool_start(1, error);
+    if (!pool || !rk_scene_builtin(&scene, name, error) ||
+        !rk_accel_build(&accel, RK_ACCEL_MEDIAN, &scene, error) ||
+        !rk_image_init(&lean, options.width, options.height, error) ||
+        !rk_image_init(&whole, options.width, options.height, error) ||
+        !rk_render(&whole, &scene, &accel, &options, pool, &counters, NULL, error))
+        return false;
+    render_lean(&lean, &scene, &accel, &options);
+    bool same =
+        memcmp(lean.pixels, whole.pixels, sizeof(rk_vec3) * options.width * options.height) == 0;
+    rk_image_free(&lean);
+    rk_image_free(&whole);
+    rk_accel_free(&accel);
+    rk_scene_free(&scene);
+    rk_pool_stop(pool);
+    return same || rk_fail(error, "%s: the two pictures differ", name);
+}
+
+int main(int count, char **arguments)
+{
+    rk_error error;
+    if (count < 2 || count > 3 || (count == 3 && strcmp(arguments[2], "shadows") != 0)) {
+        fprintf(stderr, "usage: lean SCENE [shadows]\n");
+        return 2;
+    }
+    if (run(arguments[1], count == 3, &error))
+        return 0;
+    fprintf(stderr, "lean: %s\n", error.text);
+    return 1;
+}
