@@ -109,6 +109,8 @@ static void push_all(rk_view view, const rk_tile *t, rk_path_batch *camera)
 static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
 {
     camera->rays.count = 0;
+    if (r->plan.time_samples)
+        memset(t->has_time, 0, sizeof t->has_time);
     if (t->turn == 0)
         start_paths(camera, r->options->recursion, t->sample);
     if (r->plan.pixel_samples || r->plan.lens || r->plan.motion)
@@ -118,35 +120,25 @@ static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camer
     t->counters->primary_rays += camera->rays.count;
 }
 
-/* False if no pixel asks for it. */
-static bool take_turn(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
-{
-    camera_stage(r, t, camera);
-    if (camera->rays.count)
-        rk_follow(r, t, camera);
-    return camera->rays.count > 0;
-}
-
 /* The next sample of each chosen pixel; where it is in motion, the mean over its turns. False if no
  * pixel is chosen. */
 static bool take_sample(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
 {
     rk_vec3 before[RK_BATCH_MAX];
-    t->turn = 0;
-    if (!r->plan.time_samples)
-        return take_turn(r, t, camera);
-    memcpy(before, t->sum, sizeof before);
-    forget_motion(t);
-    bool any = take_turn(r, t, camera);
-    for (t->turn = 1; t->turn < t->turns; t->turn++) {
-        memset(t->has_time, 0, sizeof t->has_time);
-        if (!take_turn(r, t, camera))
+    if (r->plan.time_samples) {
+        memcpy(before, t->sum, sizeof before);
+        forget_motion(t);
+    }
+    for (t->turn = 0; t->turn < t->turns; t->turn++) {
+        camera_stage(r, t, camera);
+        if (camera->rays.count == 0)
             break;
+        rk_follow(r, t, camera);
     }
     for (uint32_t i = 0; i < t->width * t->height && t->turns > 1; i++)
         if (t->in_motion[i])
             t->sum[i] = rk_madd(before[i], rk_sub(t->sum[i], before[i]), 1 / (float)t->turns);
-    return any;
+    return t->turn > 0;
 }
 
 /* The chosen pixels' sums become means. */
