@@ -93,7 +93,7 @@ rk_option_table rk_render_option_table(rk_render_options *options)
         {"shutter-close", RK_OPTION_FLOAT, &options->motion.shutter.close, "X", "when it closes",
          -1e3, 1e3},
         {"time-samples", RK_OPTION_UINT, &options->motion.samples, "N",
-         "rays, each at a time of its own, through a pixel that motion may change; 0: everything "
+         "times that a pixel's --samples see together, where motion may change them; 0: everything "
          "rests",
          0, 65536},
         {"time-sampling", RK_OPTION_CHOICE, &options->motion.sampling,
