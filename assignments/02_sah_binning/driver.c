@@ -44,9 +44,9 @@ int main(int argc, char **argv)
               rk_tree_view_choose(&c.tree, &driver, &error);
     if (ok && driver.debug)
         ok = draw_view(&driver, &c, &error);
-    else if (ok && driver.timing)
-        ok = rk_driver_render(&driver, &error) && rk_tree_view_rows(&driver, &error);
     else if (ok)
-        ok = rk_driver_render(&driver, &error) && rk_driver_save(&driver, NULL, &error);
+        ok = rk_driver_render(&driver, &error) &&
+             (driver.timing ? rk_tree_view_rows(&driver, &error)
+                            : rk_driver_save(&driver, NULL, &error));
     return rk_driver_finish(&driver, ok, &error);
 }

@@ -1,4 +1,4 @@
-/* What --debug draws: a level or a leaf of the tree, or a node's cuts, which are told as well. */
+/* The debug views: a level or a leaf of the tree, or a node's cuts, which are told as well. */
 #include "driver.h"
 
 #include "base/file.h"

@@ -101,9 +101,8 @@ int main(int argc, char **argv)
         ok = put_study(&driver, &c, &error);
     else if (ok && driver.debug)
         ok = draw_view(&driver, &c, &error) && save(&driver, &c, &error);
-    else if (ok && driver.timing)
-        ok = rk_driver_render(&driver, &error) && put_rows(&driver, &error);
     else if (ok)
-        ok = rk_driver_render(&driver, &error) && save(&driver, &c, &error);
+        ok = rk_driver_render(&driver, &error) &&
+             (driver.timing ? put_rows(&driver, &error) : save(&driver, &c, &error));
     return rk_driver_finish(&driver, ok, &error);
 }

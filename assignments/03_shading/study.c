@@ -1,4 +1,4 @@
-/* What --lobes measures: how far the highlights of each model reach. */
+/* The table: how far the highlights of each model reach. */
 #include "driver.h"
 
 #include "base/file.h"

@@ -1,4 +1,4 @@
-/* What --debug draws: the lobes of a model over a plane. */
+/* The debug view: the lobes of a model over a plane. */
 #include "driver.h"
 
 #include <string.h>

@@ -1,4 +1,4 @@
-/* What --models measures: the light behind a few panes and blocks, by each model of shadows. */
+/* The table: the light behind a few panes and blocks, by each model of shadows. */
 #include "driver.h"
 
 #include "base/file.h"

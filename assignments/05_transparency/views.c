@@ -1,4 +1,4 @@
-/* What --debug draws: the way of one pixel's ray through glass, and from its end to the lights. */
+/* The debug view: the way of one pixel's ray through glass, and from its end to the lights. */
 #include "driver.h"
 
 typedef struct drawing {

@@ -42,8 +42,9 @@ bool glow_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *cop
 }
 
 /* A picture as it is, a dark one, and one that glows everywhere. */
-static bool put_rows(rk_driver *driver, const rk_bloom_options *options, rk_error *error)
+static bool put_rows(rk_driver *driver, const choices *c, rk_error *error)
 {
+    const rk_bloom_options *options = &c->bloom;
     const char *const names[] = {"as_is", "dark", "all"};
     const float thresholds[] = {options->threshold, 1e6f, -1e6f};
     rk_image copy;
@@ -64,8 +65,9 @@ static bool put_rows(rk_driver *driver, const rk_bloom_options *options, rk_erro
     return ok;
 }
 
-static bool save(rk_driver *driver, const rk_bloom_options *options, rk_error *error)
+static bool save(rk_driver *driver, const choices *c, rk_error *error)
 {
+    const rk_bloom_options *options = &c->bloom;
     char label[96];
     snprintf(label, sizeof label, "%s_%g_r%u_%s_%s", driver->debug ? driver->debug : "glow",
              (double)options->threshold, options->radius, border_names[options->border],
@@ -100,10 +102,9 @@ int main(int argc, char **argv)
     if (ok && c.errors)
         ok = put_study(&driver, &c, &error);
     else if (ok && driver.debug)
-        ok = draw_view(&driver, &c, &error) && save(&driver, &c.bloom, &error);
-    else if (ok && driver.timing)
-        ok = rk_driver_render(&driver, &error) && put_rows(&driver, &c.bloom, &error);
+        ok = draw_view(&driver, &c, &error) && save(&driver, &c, &error);
     else if (ok)
-        ok = rk_driver_render(&driver, &error) && save(&driver, &c.bloom, &error);
+        ok = rk_driver_render(&driver, &error) &&
+             (driver.timing ? put_rows(&driver, &c, &error) : save(&driver, &c, &error));
     return rk_driver_finish(&driver, ok, &error);
 }

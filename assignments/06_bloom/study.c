@@ -1,5 +1,4 @@
-/* What --errors measures: the time of each method of bloom, and how far it is from the filter
- * itself. */
+/* The table: how long each method of bloom takes, and how far it is from the filter itself. */
 #include "driver.h"
 
 #include "base/file.h"

@@ -1,4 +1,4 @@
-/* What --debug draws: what of a picture glows, and the glow alone. */
+/* The debug views: what of a picture glows, and the glow alone. */
 #include "driver.h"
 
 static void show_threshold(rk_image *image, float threshold)

@@ -1,5 +1,4 @@
-/* What is measured of the filters: how long a lookup takes, and for --filters how far each is off.
- */
+/* The tables: how long a lookup by each filter takes, and how far each is off. */
 #include "driver.h"
 
 #include "base/file.h"

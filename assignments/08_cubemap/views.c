@@ -1,4 +1,4 @@
-/* What --debug draws: the map as a cross, and close up where faces meet. */
+/* The debug views: the map as a cross, and close up where faces meet. */
 #include "driver.h"
 
 #include <stdio.h>

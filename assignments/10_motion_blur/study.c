@@ -1,4 +1,4 @@
-/* What --convergence measures: errors of each sampling against the number of times. */
+/* The table: how soon each sampling of times gets exact. */
 #include "driver.h"
 
 #include "render/convergence.h"

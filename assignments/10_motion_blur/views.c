@@ -1,4 +1,4 @@
-/* What --debug draws: the path of what moves, the times on it, and what is swept. */
+/* The debug view: the path of what moves, the times on it, and what is swept. */
 #include "driver.h"
 
 static float isolated_or(const rk_motion_options *motion, float x)
