@@ -1,0 +1,23 @@
+/* What the files of this driver share. */
+#ifndef RK_05_TRANSPARENCY_DRIVER_H
+#define RK_05_TRANSPARENCY_DRIVER_H
+
+#include "render/crossings.h"
+#include "render/side_view.h"
+
+static const char *const model_names[] = {"multiplicative", "ordered", "beer-lambert"};
+enum { model_count = sizeof model_names / sizeof model_names[0] };
+
+typedef struct choices {
+    float alpha, absorption; /* of all materials; NaN: their own */
+    rk_side_view viewer;     /* where --debug rays is seen from */
+    bool models;
+} choices;
+
+/* Renders from beside the camera and draws driver->debug over it. */
+bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+
+/* Puts the table of --models. */
+bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+
+#endif

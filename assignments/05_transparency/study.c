@@ -1,0 +1,59 @@
+/* The table: the light behind a few panes and blocks, by each model of shadows. */
+#include "driver.h"
+
+#include "base/file.h"
+
+#include <stdio.h>
+
+/* On the way from the point to the light: two panes of half opacity, or a block of blue glass that
+ * is entered and left. */
+typedef struct way {
+    const char *name;
+    float t[2];
+    float alpha;
+    rk_vec3 kd[2], absorption;
+} way;
+
+static const way ways[] = {
+    {"red, then yellow glass", {0.25f, 0.5f}, 0.5f, {{1, 0, 0}, {1, 1, 0}}, {0, 0, 0}},
+    {"yellow, then red glass", {0.25f, 0.5f}, 0.5f, {{1, 1, 0}, {1, 0, 0}}, {0, 0, 0}},
+    {"a block 0.125 thick",
+     {0.25f, 0.375f},
+     0.25f,
+     {{0.5f, 0.75f, 1}, {0.5f, 0.75f, 1}},
+     {2, 1, 0}},
+    {"a block 0.5 thick", {0.25f, 0.75f}, 0.25f, {{0.5f, 0.75f, 1}, {0.5f, 0.75f, 1}}, {2, 1, 0}},
+};
+
+static rk_vec3 light_along(const way *w, rk_glass_model model)
+{
+    rk_crossing crossings[2];
+    for (int i = 0; i < 2; i++)
+        crossings[i] = (rk_crossing){.t = w->t[i],
+                                     .entering = i == 0,
+                                     .alpha = w->alpha,
+                                     .kd = w->kd[i],
+                                     .absorption = w->absorption};
+    return rk_transparency_transmit(model, crossings, 2, 1);
+}
+
+bool put_study(rk_driver *driver, const choices *c, rk_error *error)
+{
+    static const char *const header[] = {"way", "model", "red", "green", "blue", NULL};
+    char path[4096], cells[3][32];
+    (void)c;
+    snprintf(path, sizeof path, "%s/tables", driver->out);
+    if (!rk_make_folder(path, error))
+        return false;
+    snprintf(path, sizeof path, "%s/tables/transparency_models.csv", driver->out);
+    for (size_t w = 0; w < sizeof ways / sizeof *ways; w++)
+        for (int model = 0; model < model_count; model++) {
+            rk_vec3 share = light_along(&ways[w], (rk_glass_model)model);
+            for (int axis = 0; axis < 3; axis++)
+                snprintf(cells[axis], sizeof cells[axis], "%.4f", (double)rk_axis(share, axis));
+            const char *row[] = {ways[w].name, model_names[model], cells[0], cells[1], cells[2]};
+            if (!rk_table_put(path, header, row, 5, 2, error))
+                return false;
+        }
+    return true;
+}

@@ -1,0 +1,31 @@
+/* What the files of this driver share. */
+#ifndef RK_06_BLOOM_DRIVER_H
+#define RK_06_BLOOM_DRIVER_H
+
+#include "render/driver.h"
+
+static const char *const method_names[] = {"exact", "gaussian", "recursive", "pyramid"};
+enum { method_count = sizeof method_names / sizeof method_names[0] };
+
+typedef struct choices {
+    float light; /* times as bright as the scene's own */
+    bool errors;
+    rk_bloom_options bloom; /* as given; see prepare */
+} choices;
+
+static inline size_t pixels_of(const rk_image *image)
+{
+    return image->width * image->height;
+}
+
+/* Lets a copy of the picture glow, `runs` times. */
+bool glow_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *copy, rk_timing *ms,
+               rk_error *error);
+
+/* Renders without a glow and draws driver->debug. */
+bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+
+/* Renders without a glow and puts the table of --errors. */
+bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+
+#endif

@@ -1,0 +1,69 @@
+/* The table: how long each method of bloom takes, and how far it is from the filter itself. */
+#include "driver.h"
+
+#include "base/file.h"
+
+#include <stdio.h>
+
+typedef struct difference {
+    double largest, rms;
+} difference;
+
+static difference difference_of(const rk_image *a, const rk_image *b)
+{
+    double largest = 0, squares = 0;
+    for (size_t i = 0; i < pixels_of(a); i++)
+        for (int axis = 0; axis < 3; axis++) {
+            double d =
+                fabs((double)rk_axis(a->pixels[i], axis) - (double)rk_axis(b->pixels[i], axis));
+            largest = d > largest ? d : largest;
+            squares += d * d;
+        }
+    return (difference){largest, sqrt(squares / (3 * (double)pixels_of(a)))};
+}
+
+static bool put_error(rk_driver *driver, const rk_bloom_options *options, double ms, difference d,
+                      rk_error *error)
+{
+    static const char *const header[] = {"scene",     "radius", "method", "milliseconds",
+                                         "max_error", "rmse",   NULL};
+    char path[4096], cells[4][32];
+    snprintf(path, sizeof path, "%s/tables", driver->out);
+    if (!rk_make_folder(path, error))
+        return false;
+    snprintf(path, sizeof path, "%s/tables/bloom_errors.csv", driver->out);
+    snprintf(cells[0], sizeof cells[0], "%u", options->radius);
+    snprintf(cells[1], sizeof cells[1], "%.4g", ms);
+    snprintf(cells[2], sizeof cells[2], "%.3g", d.largest);
+    snprintf(cells[3], sizeof cells[3], "%.3g", d.rms);
+    const char *row[] = {driver->scene.name, cells[0], method_names[options->method],
+                         cells[1],           cells[2], cells[3]};
+    return rk_table_put(path, header, row, 6, 3, error);
+}
+
+/* Each method at several radii, against the filter itself. */
+static bool put_errors(rk_driver *driver, const rk_bloom_options *options, rk_error *error)
+{
+    const uint32_t radii[] = {15, 50, 100, 250, 1000};
+    rk_image exact = {0}, near = {0};
+    bool ok = rk_image_init(&exact, driver->image.width, driver->image.height, error) &&
+              rk_image_init(&near, driver->image.width, driver->image.height, error);
+    for (size_t i = 0; ok && i < sizeof radii / sizeof *radii; i++)
+        for (int method = 0; ok && method < method_count; method++) {
+            rk_bloom_options now = *options;
+            rk_timing ms;
+            now.radius = radii[i];
+            now.method = (rk_bloom_method)method;
+            rk_image *result = method == RK_BLOOM_EXACT ? &exact : &near;
+            ok = glow_copy(driver, &now, result, &ms, error) &&
+                 put_error(driver, &now, ms.median, difference_of(result, &exact), error);
+        }
+    rk_image_free(&exact);
+    rk_image_free(&near);
+    return ok;
+}
+
+bool put_study(rk_driver *driver, const choices *c, rk_error *error)
+{
+    return rk_driver_render(driver, error) && put_errors(driver, &c->bloom, error);
+}

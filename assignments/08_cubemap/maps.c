@@ -1,0 +1,54 @@
+/* Maps that show something: what the environment is where it is not read from files. */
+#include "driver.h"
+
+#include "base/random.h"
+#include "scene/sky.h"
+
+bool paint_map(rk_cubemap *map, uint32_t side, paint *colour, rk_error *error)
+{
+    rk_cubemap_free(map);
+    if (!rk_cubemap_init(map, side, error))
+        return false;
+    for (int face = 0; face < RK_FACES; face++)
+        for (uint32_t row = 0; row < side; row++)
+            for (uint32_t column = 0; column < side; column++)
+                *rk_cubemap_texel(map, (rk_cube_face)face, column, row) =
+                    colour(side, (rk_cube_face)face, column, row);
+    return true;
+}
+
+static rk_vec3 sky(uint32_t side, rk_cube_face face, uint32_t column, uint32_t row)
+{
+    return rk_sky_at(rk_cubemap_texel_direction(side, face, column, row));
+}
+
+static rk_vec3 random_colour(uint32_t side, rk_cube_face face, uint32_t column, uint32_t row)
+{
+    uint32_t texel = ((uint32_t)face * side + row) * side + column;
+    return rk_vec(rk_unit_float(rk_hash(texel, 0, 0, 0)), rk_unit_float(rk_hash(texel, 1, 0, 0)),
+                  rk_unit_float(rk_hash(texel, 2, 0, 0)));
+}
+
+/* Each face in a colour: that of its axis, red, green or blue, or the opposite of it for the
+ * negative side; and on it an F, which is another letter in a mirror, and however it is turned. */
+static rk_vec3 marked(uint32_t side, rk_cube_face face, uint32_t column, uint32_t row)
+{
+    static const rk_vec3 colours[RK_FACES] = {{0.7f, 0.1f, 0.1f}, {0.1f, 0.6f, 0.6f},
+                                              {0.1f, 0.6f, 0.1f}, {0.6f, 0.1f, 0.6f},
+                                              {0.1f, 0.1f, 0.7f}, {0.7f, 0.6f, 0.1f}};
+    static const char letter[5][4] = {"###", "#..", "##.", "#..", "#.."};
+    uint32_t x = column * 11 / side, y = row * 11 / side;
+    bool ink = x >= 4 && x < 7 && y >= 3 && y < 8 && letter[y - 3][x - 4] == '#';
+    bool border = column == 0 || row == 0 || column == side - 1 || row == side - 1;
+    return ink ? rk_vec(1, 1, 1) : border ? rk_vec(0, 0, 0) : colours[face];
+}
+
+bool paint_environment(rk_driver *driver, const choices *c, rk_error *error)
+{
+    rk_cubemap *map = &driver->scene.environment;
+    if (rk_driver_debug(driver, "seam"))
+        return paint_map(map, c->side ? c->side : 8, random_colour, error);
+    if (c->marked)
+        return paint_map(map, c->side ? c->side : 256, marked, error);
+    return c->side == 0 || paint_map(map, c->side, sky, error);
+}

@@ -1,0 +1,33 @@
+/* The table: how soon each sampling of times gets exact. */
+#include "driver.h"
+
+#include "render/convergence.h"
+
+#include <stdio.h>
+
+static bool put_errors(rk_driver *driver, const rk_image *truth, const char *name, rk_error *error)
+{
+    for (int sampling = 0; sampling < sampling_count; sampling++)
+        for (uint32_t samples = 1; samples <= 256; samples *= 2) {
+            driver->render.motion.sampling = (rk_time_sampling)sampling;
+            driver->render.motion.samples = samples;
+            if (!rk_convergence_row_of(driver, "motion_blur_convergence", sampling_names[sampling],
+                                       samples, truth, name, error))
+                return false;
+        }
+    return true;
+}
+
+/* The truth: equidistant times, so many that their error is far below the others'. */
+bool put_study(rk_driver *driver, const choices *c, rk_error *error)
+{
+    char name[64];
+    snprintf(name, sizeof name, "%u equidistant times", c->reference);
+    driver->render.motion.sampling = RK_TIME_EQUIDISTANT;
+    driver->render.motion.samples = c->reference;
+    rk_image truth = {0};
+    bool ok =
+        rk_convergence_reference(driver, &truth, error) && put_errors(driver, &truth, name, error);
+    rk_image_free(&truth);
+    return ok;
+}
