@@ -1,7 +1,8 @@
 /* Debug drawings: where projection says, in front of what they are in front of, and quick and
- * harmless for whatever they are given. */
+ * harmless for whatever they are given; and the single rays that find what to draw. */
 #include "test_scene.h"
 
+#include "render/look.h"
 #include "render/overlay.h"
 
 /* A black picture of the scene, ready to draw on. */
@@ -426,6 +427,38 @@ static void colours_cycle_and_are_told_apart(void **state)
     rk_overlay_colour(UINT32_MAX);
 }
 
+/* --- Single rays ----------------------------------------------------------------------------- */
+
+static void a_look_meets_the_nearer_of_two_walls(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_make(4);
+    test_scene_wall(&scene, 0, 5, 0);
+    test_scene_wall(&scene, 2, 2, 0);
+    canvas *c = make_canvas(scene, 1, 1);
+    const rk_ray ray = {rk_vec(0.25f, 0.5f, 0), rk_vec(0, 0, 1), INFINITY};
+    rk_surface surface;
+    rk_check(rk_look_surface(&surface, &c->accel, &ray), "the ray meets no wall");
+    /* Some roundings of the walls' coordinates, which are up to 10. */
+    rk_check_close(surface.point.z, 2, 1e-5, "the nearer wall's depth; the other's is 5");
+    free_canvas(c);
+}
+
+static void a_look_ends_where_its_ray_does(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_make(2);
+    test_scene_wall(&scene, 0, 5, 0);
+    canvas *c = make_canvas(scene, 1, 1);
+    const rk_ray before = {rk_vec(0, 0, 0), rk_vec(0, 0, 4), 1};
+    const rk_ray through = {rk_vec(0, 0, 0), rk_vec(0, 0, 6), 1};
+    rk_surface surface;
+    rk_check(rk_look(&c->accel, &through).triangle != RK_MISS, "a wall is between 0 and 6");
+    rk_check(rk_look(&c->accel, &before).triangle == RK_MISS, "no wall is between 0 and 4");
+    rk_check(!rk_look_surface(&surface, &c->accel, &before), "so there is no surface");
+    free_canvas(c);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_level_line_covers_its_row_with_its_ends),
     cmocka_unit_test(a_slanted_line_is_where_projection_says),
@@ -444,6 +477,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(what_has_nan_for_a_corner_is_not_drawn),
     cmocka_unit_test(a_point_like_line_is_a_point),
     cmocka_unit_test(colours_cycle_and_are_told_apart),
+    cmocka_unit_test(a_look_meets_the_nearer_of_two_walls),
+    cmocka_unit_test(a_look_ends_where_its_ray_does),
 };
 
 RK_SUITE("overlay", tests)

@@ -43,6 +43,7 @@ class Toolchain:
         self.base_sanitize = shlex.split(values["base_sanitize"])
         self.sanitize = shlex.split(values["sanitize"])
         self.link_flags = shlex.split(values["link_flags"])
+        self.drivers = values["drivers"].split()  # the objects of all, from the build folder
         self.libraries = shlex.split(values["libraries"])
         self.tools = {name: values[name] for name in ("ar", "nm", "objcopy", "objdump")}
 

@@ -32,6 +32,12 @@ def _object(toolchain, unit, folder):
     return path
 
 
+def _objects_of_driver(toolchain, feature):
+    """Returns the objects of the files in the driver's folder."""
+    place = f"assignments/{feature.folder}/"
+    return [toolchain.built(path) for path in toolchain.drivers if path.startswith(place)]
+
+
 def _renderer_without_features(toolchain, features, folder):
     """Returns a copy of librkrender.a that holds no feature, so that none is picked up unasked."""
     archive = os.path.join(folder, "librkrender.a")
@@ -105,7 +111,7 @@ def link_drivers(toolchain, impl):
         try:
             if not reason:
                 building.link(toolchain, driver, [
-                    toolchain.built(f"assignments/{feature.folder}/driver.o"), says, *(objects[key] for key in keys),
+                    *_objects_of_driver(toolchain, feature), says, *(objects[key] for key in keys),
                     archive, toolchain.built("librkbase.a"), *toolchain.libraries], parts)
         except building.BuildError as error:
             reason = _told(error)

@@ -1,7 +1,6 @@
 /* The debug views: a level or a leaf of the tree, or a node's cuts, which are told as well. */
 #include "driver.h"
 
-#include "base/file.h"
 #include "features/sah_binning.h"
 
 #include <stdio.h>
@@ -93,10 +92,8 @@ static bool put_row(const cuts *c, const rk_driver *driver, const rk_sah_split *
                                          "left",  "right",  "cost", NULL};
     const rk_accel_title method = rk_accel_name(&driver->accel);
     char path[4096], node[16], border[16], left[16], right[16], cost[32];
-    snprintf(path, sizeof path, "%s/tables", driver->out);
-    if (!rk_make_folder(path, error))
+    if (!rk_driver_table(driver, "sah_binning_candidates", path, error))
         return false;
-    snprintf(path, sizeof path, "%s/tables/sah_binning_candidates.csv", driver->out);
     snprintf(node, sizeof node, "%u", c->node);
     snprintf(border, sizeof border, "%u", cut->border);
     snprintf(left, sizeof left, "%u", cut->count[0]);

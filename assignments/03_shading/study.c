@@ -1,8 +1,6 @@
 /* The table: how far the highlights of each model reach. */
 #include "driver.h"
 
-#include "base/file.h"
-
 #include <stdio.h>
 
 /* Rows of both models with light along the normal, by the viewer's angle from the mirror direction:
@@ -12,10 +10,8 @@ bool put_study(rk_driver *driver, const choices *c, rk_error *error)
     static const char *const header[] = {"model", "shininess", "angle", "value", NULL};
     char path[4096], cells[3][32];
     (void)c;
-    snprintf(path, sizeof path, "%s/tables", driver->out);
-    if (!rk_make_folder(path, error))
+    if (!rk_driver_table(driver, "shading_lobes", path, error))
         return false;
-    snprintf(path, sizeof path, "%s/tables/shading_lobes.csv", driver->out);
     for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++)
         for (uint32_t i = 0; i < shown; i++)
             for (int k = 0; k < 40; k++) {

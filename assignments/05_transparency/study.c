@@ -1,8 +1,6 @@
 /* The table: the light behind a few panes and blocks, by each model of shadows. */
 #include "driver.h"
 
-#include "base/file.h"
-
 #include <stdio.h>
 
 /* On the way from the point to the light: two panes of half opacity, or a block of blue glass that
@@ -42,10 +40,8 @@ bool put_study(rk_driver *driver, const choices *c, rk_error *error)
     static const char *const header[] = {"way", "model", "red", "green", "blue", NULL};
     char path[4096], cells[3][32];
     (void)c;
-    snprintf(path, sizeof path, "%s/tables", driver->out);
-    if (!rk_make_folder(path, error))
+    if (!rk_driver_table(driver, "transparency_models", path, error))
         return false;
-    snprintf(path, sizeof path, "%s/tables/transparency_models.csv", driver->out);
     for (size_t w = 0; w < sizeof ways / sizeof *ways; w++)
         for (int model = 0; model < model_count; model++) {
             rk_vec3 share = light_along(&ways[w], (rk_glass_model)model);

@@ -1,8 +1,6 @@
 /* The table: how long each method of bloom takes, and how far it is from the filter itself. */
 #include "driver.h"
 
-#include "base/file.h"
-
 #include <stdio.h>
 
 typedef struct difference {
@@ -28,10 +26,8 @@ static bool put_error(rk_driver *driver, const rk_bloom_options *options, double
     static const char *const header[] = {"scene",     "radius", "method", "milliseconds",
                                          "max_error", "rmse",   NULL};
     char path[4096], cells[4][32];
-    snprintf(path, sizeof path, "%s/tables", driver->out);
-    if (!rk_make_folder(path, error))
+    if (!rk_driver_table(driver, "bloom_errors", path, error))
         return false;
-    snprintf(path, sizeof path, "%s/tables/bloom_errors.csv", driver->out);
     snprintf(cells[0], sizeof cells[0], "%u", options->radius);
     snprintf(cells[1], sizeof cells[1], "%.4g", ms);
     snprintf(cells[2], sizeof cells[2], "%.3g", d.largest);

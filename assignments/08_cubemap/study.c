@@ -1,7 +1,6 @@
 /* The tables: how long a lookup by each filter takes, and how far each is off. */
 #include "driver.h"
 
-#include "base/file.h"
 #include "base/random.h"
 
 #include <stdio.h>
@@ -101,10 +100,8 @@ bool put_study(rk_driver *driver, const choices *c, rk_error *error)
     static const char *const header[] = {"filter", "side", "rmse", "step", NULL};
     char path[4096], cells[3][32];
     (void)c;
-    snprintf(path, sizeof path, "%s/tables", driver->out);
-    if (!rk_make_folder(path, error))
+    if (!rk_driver_table(driver, "cubemap_filters", path, error))
         return false;
-    snprintf(path, sizeof path, "%s/tables/cubemap_filters.csv", driver->out);
     for (uint32_t side = 2; side <= 256; side *= 2) {
         if (!paint_map(&driver->scene.environment, side, smooth_texel, error))
             return false;

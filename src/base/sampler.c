@@ -4,6 +4,12 @@
 
 #include <assert.h>
 
+const char *rk_sampler_name(rk_sampler_kind kind)
+{
+    static const char *const names[] = {"uniform", "stratified", "low-discrepancy"};
+    return names[kind];
+}
+
 /* Where a number is used, but for its sample. */
 typedef struct place {
     uint32_t seed, pixel, dimension;

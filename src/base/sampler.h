@@ -29,6 +29,9 @@ enum {
 /* Cells are halved down to 2^-24, the distance of the numbers that samplers give. */
 enum { RK_SAMPLES_MAX = 1 << 24 };
 
+/* "low-discrepancy": the kind's name in options, tables and names of pictures. */
+const char *rk_sampler_name(rk_sampler_kind kind);
+
 typedef struct rk_sampler {
     rk_sampler_kind kind;
     uint32_t seed;

@@ -1,9 +1,5 @@
 #include "render/convergence.h"
 
-#include "base/file.h"
-
-#include <stdio.h>
-
 rk_picture_error rk_picture_compare(const rk_image *got, const rk_image *want)
 {
     rk_picture_error made = {0, 0, 0};
@@ -40,7 +36,7 @@ bool rk_convergence_row_of(rk_driver *driver, const char *name, const char *meth
                            uint32_t samples, const rk_image *reference, const char *truth,
                            rk_error *error)
 {
-    char folder[3072], path[4096];
+    char path[4096];
     if (!rk_driver_render(driver, error))
         return false;
     rk_picture_error off = rk_picture_compare(&driver->image, reference);
@@ -55,7 +51,6 @@ bool rk_convergence_row_of(rk_driver *driver, const char *name, const char *meth
         .bias = off.bias,
         .reference = truth,
     };
-    snprintf(folder, sizeof folder, "%s/tables", driver->out);
-    snprintf(path, sizeof path, "%s/%s.csv", folder, name);
-    return rk_make_folder(folder, error) && rk_table_put_convergence(path, &row, error);
+    return rk_driver_table(driver, name, path, error) &&
+           rk_table_put_convergence(path, &row, error);
 }

@@ -70,6 +70,9 @@ void rk_driver_draw_pixel(rk_driver *driver);
  * number, or NULL, and prints a line for its caption. */
 bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error);
 
+/* Makes OUT/tables if it is missing, and fills in the path of NAME.csv there. */
+bool rk_driver_table(const rk_driver *driver, const char *name, char path[4096], rk_error *error);
+
 /* Puts a figure into OUT/tables/FEATURE.csv. */
 bool rk_driver_row(rk_driver *driver, const char *metric, const char *unit, rk_timing timing,
                    rk_error *error);

@@ -106,13 +106,21 @@ bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)
     return true;
 }
 
+bool rk_driver_table(const rk_driver *driver, const char *name, char path[4096], rk_error *error)
+{
+    char folder[3072];
+    if (!out_folder(driver, "tables", folder, error))
+        return false;
+    snprintf(path, 4096, "%s/%s.csv", folder, name);
+    return true;
+}
+
 bool rk_driver_row(rk_driver *driver, const char *metric, const char *unit, rk_timing timing,
                    rk_error *error)
 {
-    char path[4096], folder[3072];
-    if (!out_folder(driver, "tables", folder, error))
+    char path[4096];
+    if (!rk_driver_table(driver, driver->feature, path, error))
         return false;
-    snprintf(path, sizeof path, "%s/%s.csv", folder, driver->feature);
     const rk_accel_title method = rk_accel_name(&driver->accel);
     const rk_timing_row row = {
         .feature = driver->feature,

@@ -1,0 +1,20 @@
+/* What the files of this driver share. */
+#ifndef RK_04_PARALLELOGRAM_LIGHT_DRIVER_H
+#define RK_04_PARALLELOGRAM_LIGHT_DRIVER_H
+
+#include "render/driver.h"
+
+typedef struct choices {
+    uint32_t light; /* 0: as the scene has it; or 1 + rk_light_kind */
+    bool coloured, convergence;
+    float brightness;
+    uint32_t most, reference; /* samples */
+} choices;
+
+/* Renders, and draws driver->debug over the picture: "rays" or "samples". */
+bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+
+/* Puts the table of --convergence. */
+bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+
+#endif

@@ -1,0 +1,85 @@
+/* The debug views: samples on the lights, and the shadow rays to them from what a pixel sees. */
+#include "driver.h"
+
+#include "render/look.h"
+
+typedef struct drawing {
+    rk_overlay overlay;
+    const rk_driver *driver;
+    rk_surface surface; /* what the pixel sees */
+} drawing;
+
+/* The surface behind the pixel's centre. */
+static bool look(drawing *d, rk_error *error)
+{
+    const rk_pixel pixel = d->driver->pixel;
+    rk_ray ray = rk_view_ray(&d->overlay.view, (float)pixel.x + 0.5f, (float)pixel.y + 0.5f);
+    return rk_look_surface(&d->surface, &d->driver->accel, &ray) ||
+           rk_fail(error,
+                   "--debug %s: nothing is seen at the pixel %u,%u; choose one on a surface by "
+                   "--pixel X,Y",
+                   d->driver->debug, pixel.x, pixel.y);
+}
+
+static void draw_outline(drawing *d, const rk_light *light)
+{
+    const rk_vec3 white = {1, 1, 1};
+    rk_vec3 corner[4] = {light->position, light->position, light->position, light->position};
+    for (int k = 1; k < 4 && light->kind != RK_LIGHT_POINT; k++) {
+        corner[k] = rk_madd(corner[k], light->edge01, k < 3);
+        corner[k] =
+            rk_madd(corner[k], light->edge02, k > 1 && light->kind == RK_LIGHT_PARALLELOGRAM);
+    }
+    for (int k = 0; k < 4; k++)
+        rk_overlay_line(&d->overlay, corner[k], corner[(k + 1) % 4], white, 1.5f);
+}
+
+static void draw_shadow_ray(drawing *d, rk_vec3 end)
+{
+    rk_vec3 start = rk_surface_leave(&d->surface, rk_sub(end, d->surface.point));
+    rk_ray ray = {start, rk_sub(end, start), 1};
+    bool blocked = rk_look(&d->driver->accel, &ray).triangle != RK_MISS;
+    rk_overlay_line(&d->overlay, start, end,
+                    blocked ? rk_vec(1, 0.05f, 0.05f) : rk_vec(0.05f, 0.8f, 0.1f), 1);
+}
+
+/* The samples that the renderer takes for the pixel's first ray. */
+static void draw_light(drawing *d, uint32_t index)
+{
+    const rk_driver *driver = d->driver;
+    const rk_render_options *options = &driver->render;
+    const rk_light *light = &driver->scene.lights[index];
+    uint32_t pixel = driver->pixel.y * options->width + driver->pixel.x;
+    uint32_t count = light->kind == RK_LIGHT_POINT ? 1 : options->light.samples;
+    const rk_sampler sampler = {options->light.sampling, options->seed, options->samples * count};
+    draw_outline(d, light);
+    for (uint32_t i = 0; i < count; i++) {
+        rk_vec2 xi = rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_LIGHT + 2 * index);
+        rk_light_sample sample = rk_light_sample_at(light, options->light.falloff,
+                                                    options->light.map, d->surface.point, xi);
+        if (rk_driver_debug(driver, "rays"))
+            draw_shadow_ray(d, sample.position);
+        /* Colours without their weights: the brightest channel is 1. */
+        float most = rk_max(sample.colour.x, rk_max(sample.colour.y, sample.colour.z));
+        rk_overlay_point(&d->overlay, sample.position,
+                         most > 0 ? rk_scale(sample.colour, 1 / most) : sample.colour, 3);
+    }
+}
+
+bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
+{
+    (void)c;
+    drawing d = {.driver = driver};
+    rk_driver_draw_pixel(driver);
+    if (!rk_driver_render(driver, error) ||
+        !rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
+                         error))
+        return false;
+    bool ok = look(&d, error);
+    for (size_t i = 0; ok && i < driver->image.width * driver->image.height; i++)
+        driver->image.pixels[i] = rk_scale(driver->image.pixels[i], 0.4f); /* steps back */
+    for (uint32_t i = 0; ok && i < driver->scene.light_count; i++)
+        draw_light(&d, i);
+    rk_overlay_free(&d.overlay);
+    return ok;
+}

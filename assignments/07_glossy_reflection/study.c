@@ -1,0 +1,123 @@
+/* The tables: how soon each map and sampler gets exact, and what the ways to weigh samples make of
+ * directions that lead into the surface. */
+#include "driver.h"
+
+#include "render/convergence.h"
+
+#include <stdio.h>
+
+/* --- Error against time ----------------------------------------------------------------------- */
+
+static bool converge(rk_driver *driver, const choices *c, rk_error *error)
+{
+    rk_glossy_options *glossy = &driver->render.glossy;
+    char truth[32], method[64];
+    rk_image want;
+    snprintf(truth, sizeof truth, "%u samples", c->reference);
+    glossy->samples = c->reference;
+    if (!rk_convergence_reference(driver, &want, error))
+        return false;
+    bool ok = true;
+    for (uint32_t i = 0; ok && i < 6; i++) {
+        glossy->sampling = (rk_sampler_kind)(i / 2);
+        glossy->map = (rk_disk_map)(i % 2);
+        snprintf(method, sizeof method, "%s, %s", rk_sampler_name(glossy->sampling),
+                 map_name(glossy->map));
+        for (glossy->samples = 1; ok && glossy->samples <= c->most; glossy->samples *= 4)
+            ok = rk_convergence_row_of(driver, "glossy_reflection_convergence", method,
+                                       glossy->samples, &want, truth, error);
+    }
+    rk_image_free(&want);
+    return ok;
+}
+
+/* --- Weights ---------------------------------------------------------------------------------- */
+
+/* A room that is brighter above: what is seen in a direction. */
+static double seen_in(rk_vec3 direction)
+{
+    return 1 + (double)direction.z;
+}
+
+/* The mean over the disk of what is seen above the surface, black elsewhere: the middles of a grid
+ * on the disk, of which those at the border are off by less than what the table shows. */
+static double integral_of(const rk_glossy_disk *disk)
+{
+    enum { side = 2000 };
+    double sum = 0, count = 0;
+    for (int i = 0; i < side * side; i++) {
+        rk_vec2 at = {(2 * (float)(i % side) + 1) / side - 1,
+                      (2 * (float)(i / side) + 1) / side - 1};
+        rk_vec3 direction;
+        if (at.x * at.x + at.y * at.y > 1)
+            continue;
+        count++;
+        if (rk_glossy_direction(disk, at, &direction))
+            sum += seen_in(direction);
+    }
+    return sum / count;
+}
+
+/* The mean of what `pixels` pixels make of it with so many samples each. */
+static double estimate_of(const rk_driver *driver, const rk_glossy_disk *disk,
+                          rk_glossy_weights weights)
+{
+    enum { pixels = 4096 };
+    const rk_glossy_options *glossy = &driver->render.glossy;
+    const rk_sampler sampler = {glossy->sampling, driver->render.seed, glossy->samples};
+    float share = rk_glossy_share(disk);
+    double mean = 0;
+    for (uint32_t pixel = 0; pixel < pixels; pixel++) {
+        double sum = 0;
+        uint32_t above = 0;
+        for (uint32_t i = 0; i < glossy->samples; i++) {
+            rk_vec2 at =
+                rk_disk_at(glossy->map, rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_GLOSSY));
+            rk_vec3 direction;
+            if (rk_glossy_direction(disk, at, &direction)) {
+                sum += seen_in(direction);
+                above++;
+            }
+        }
+        mean += sum * (double)rk_glossy_weight(weights, above, glossy->samples, share) / pixels;
+    }
+    return mean;
+}
+
+static bool put_policies(rk_driver *driver, rk_error *error)
+{
+    static const char *const header[] = {"degrees", "radius",     "share above",  "black below",
+                                         "classic", "above only", "renormalised", NULL};
+    static const float degrees[] = {1, 2, 5, 10, 15, 20, 30};
+    char path[4096];
+    if (!rk_driver_table(driver, "glossy_reflection_policies", path, error))
+        return false;
+    float radius = driver->render.glossy.radius >= 0 ? driver->render.glossy.radius : 0.5f;
+    for (size_t i = 0; i < sizeof degrees / sizeof *degrees; i++) {
+        float height = degrees[i] * 0.017453293f;
+        rk_glossy_disk disk =
+            rk_glossy_disk_of(rk_vec(cosf(height), 0, sinf(height)), radius, rk_vec(0, 0, 1));
+        double share = (double)rk_glossy_share(&disk), black = integral_of(&disk);
+        const double figures[] = {(double)degrees[i],
+                                  (double)radius,
+                                  share,
+                                  black,
+                                  estimate_of(driver, &disk, RK_GLOSSY_CLASSIC),
+                                  black / share,
+                                  estimate_of(driver, &disk, RK_GLOSSY_RENORMALIZED)};
+        char cells[7][32];
+        const char *row[7];
+        for (int k = 0; k < 7; k++) {
+            snprintf(cells[k], sizeof cells[k], k < 2 ? "%g" : "%.4f", figures[k]);
+            row[k] = cells[k];
+        }
+        if (!rk_table_put(path, header, row, 7, 2, error))
+            return false;
+    }
+    return true;
+}
+
+bool put_study(rk_driver *driver, const choices *c, rk_error *error)
+{
+    return c->convergence ? converge(driver, c, error) : put_policies(driver, error);
+}

@@ -1,0 +1,148 @@
+/* The debug views: a pixel's mirrored rays, from beside the camera, and the dots in their disk. */
+#include "driver.h"
+
+#include "render/look.h"
+#include "render/tile.h"
+
+static const rk_vec3 red = {1, 0.1f, 0.05f}, blue = {0.1f, 0.4f, 1}, yellow = {1, 0.85f, 0.1f},
+                     grey = {0.35f, 0.35f, 0.35f};
+
+/* --- The samples of a pixel ------------------------------------------------------------------- */
+
+/* Finds the mirror that a camera ray meets. */
+static bool look(const rk_driver *driver, const rk_ray *ray, rk_seen *seen, rk_error *error)
+{
+    *seen = (rk_seen){.path = rk_path_start(0, 1), .to_viewer = rk_negate(ray->direction)};
+    return (rk_look_surface(&seen->surface, &driver->accel, ray) && rk_mirrors(seen)) ||
+           rk_fail(error,
+                   "--debug %s: there is no mirror at the pixel %u,%u; choose one that shows a "
+                   "mirror by --pixel X,Y",
+                   driver->debug, driver->pixel.x, driver->pixel.y);
+}
+
+/* The i-th point of the unit disk that the renderer takes for the pixel's first ray. */
+static rk_vec2 point_of(const rk_driver *driver, uint32_t i)
+{
+    const rk_render_options *options = &driver->render;
+    const rk_sampler sampler = {options->glossy.sampling, options->seed,
+                                options->samples * options->glossy.samples};
+    uint32_t pixel = driver->pixel.y * options->width + driver->pixel.x;
+    return rk_disk_at(options->glossy.map, rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_GLOSSY));
+}
+
+/* --- Rays ------------------------------------------------------------------------------------- */
+
+typedef struct drawing {
+    const rk_driver *driver;
+    rk_overlay overlay;
+    rk_vec3 start;
+    float reach; /* how far from the start the disk is drawn */
+} drawing;
+
+/* How far a ray gets; a step where there is nothing. */
+static float length_of(const rk_driver *driver, rk_vec3 start, rk_vec3 direction)
+{
+    rk_ray ray = {start, direction, INFINITY};
+    rk_hit hit = rk_look(&driver->accel, &ray);
+    return hit.triangle == RK_MISS ? 1 : hit.t;
+}
+
+static void draw_ray(drawing *d, rk_vec3 direction, rk_vec3 colour, float width)
+{
+    float length = length_of(d->driver, d->start, direction);
+    rk_vec3 end = rk_madd(d->start, direction, length);
+    rk_overlay_line(&d->overlay, d->start, end, colour, width);
+    rk_overlay_point(&d->overlay, end, colour, 2 * width);
+}
+
+static rk_vec3 on_disk(const drawing *d, const rk_glossy_disk *disk, rk_vec2 at)
+{
+    float x = disk->radius * at.x, y = disk->radius * at.y;
+    rk_vec3 to = rk_madd(rk_madd(disk->w, disk->u, x), disk->v, y);
+    return rk_madd(d->start, to, d->reach);
+}
+
+static void draw_rim(drawing *d, const rk_glossy_disk *disk)
+{
+    enum { corners = 96 };
+    for (int i = 0; i < corners; i++) {
+        float a = 6.2831853f * (float)i / corners, b = 6.2831853f * (float)(i + 1) / corners;
+        rk_overlay_line(&d->overlay, on_disk(d, disk, (rk_vec2){cosf(a), sinf(a)}),
+                        on_disk(d, disk, (rk_vec2){cosf(b), sinf(b)}), yellow, 2.5f);
+    }
+}
+
+static bool draw_rays(rk_driver *driver, const choices *c, rk_error *error)
+{
+    drawing d = {.driver = driver};
+    rk_seen seen;
+    rk_ray ray = rk_side_view_ray(driver);
+    if (!look(driver, &ray, &seen, error) ||
+        !rk_side_view_render(&c->viewer, driver, &d.overlay, error))
+        return false;
+    rk_glossy_disk disk = rk_glossy_disk_at(&driver->render.glossy, &seen);
+    d.start = rk_surface_leave(&seen.surface, disk.w);
+    d.reach = length_of(driver, d.start, disk.w) / 2;
+    for (uint32_t i = 0; i < driver->render.glossy.samples; i++) {
+        rk_vec3 direction;
+        rk_vec2 at = point_of(driver, i);
+        bool above = rk_glossy_direction(&disk, at, &direction);
+        if (above)
+            draw_ray(&d, direction, red, 1);
+        rk_overlay_point(&d.overlay, on_disk(&d, &disk, at), above ? red : grey, 2.5f);
+    }
+    draw_rim(&d, &disk);
+    rk_overlay_line(&d.overlay, ray.origin, d.start, rk_vec(1, 1, 1), 1.5f);
+    draw_ray(&d, disk.w, blue, 3);
+    rk_overlay_free(&d.overlay);
+    return true;
+}
+
+/* --- Dots ------------------------------------------------------------------------------------- */
+
+/* A ring from radius `inner` to `outer`, pixels, with smooth edges; a dot for a negative inner. */
+static void put_ring(const rk_image *image, float x, float y, float inner, float outer,
+                     rk_vec3 colour)
+{
+    for (size_t row = 0; row < image->height; row++)
+        for (size_t column = 0; column < image->width; column++) {
+            float r = hypotf((float)column + 0.5f - x, (float)row + 0.5f - y);
+            float cover = rk_min(rk_min(outer - r, r - inner) + 0.5f, 1);
+            rk_vec3 *pixel = rk_image_at(image, column, row);
+            if (cover > 0)
+                *pixel = rk_mix(*pixel, colour, cover);
+        }
+}
+
+/* The unit disk, seen from the mirror; with --pixel, what its surface hides is grey. */
+static bool draw_dots(rk_driver *driver, rk_error *error)
+{
+    const rk_image *image = &driver->image;
+    float middle_x = (float)image->width / 2, middle_y = (float)image->height / 2;
+    float radius = 0.46f * rk_min((float)image->width, (float)image->height);
+    rk_seen seen;
+    rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 0, 1), 1, rk_vec(0, 0, 1));
+    if (driver->pixel.given) {
+        rk_ray ray = rk_side_view_ray(driver);
+        if (!look(driver, &ray, &seen, error))
+            return false;
+        disk = rk_glossy_disk_at(&driver->render.glossy, &seen);
+    }
+    for (size_t i = 0; i < image->width * image->height; i++)
+        image->pixels[i] = rk_vec(0.01f, 0.01f, 0.015f);
+    put_ring(image, middle_x, middle_y, radius - 1.5f, radius + 1.5f, yellow);
+    for (uint32_t i = 0; i < driver->render.glossy.samples; i++) {
+        rk_vec3 direction;
+        rk_vec2 at = point_of(driver, i);
+        bool above = rk_glossy_direction(&disk, at, &direction);
+        put_ring(image, middle_x + radius * at.x, middle_y - radius * at.y, -1, 3.5f,
+                 above ? red : grey);
+    }
+    put_ring(image, middle_x, middle_y, -1, 5, blue);
+    return true;
+}
+
+bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
+{
+    return rk_driver_debug(driver, "rays") ? draw_rays(driver, c, error) : draw_dots(driver, error);
+}

@@ -1,0 +1,24 @@
+/* What the files of this driver share. */
+#ifndef RK_09_DEPTH_OF_FIELD_DRIVER_H
+#define RK_09_DEPTH_OF_FIELD_DRIVER_H
+
+#include "render/driver.h"
+
+typedef struct choices {
+    float viewer_yaw, viewer_pitch, viewer_far; /* where the side is */
+    bool convergence;
+} choices;
+
+/* Returns how the camera sees. */
+static inline rk_view view_of(const rk_driver *driver)
+{
+    return rk_view_of(&driver->scene.camera, driver->render.width, driver->render.height);
+}
+
+/* Renders, and draws driver->debug over the picture: "focus", "rays" or "blurred". */
+bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+
+/* Puts the table of --convergence; it builds a scene of its own. */
+bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+
+#endif

@@ -1,0 +1,163 @@
+/* The debug views: what the lens is focused on and how its rays get there, seen from the side, and
+ * which pixels take lens samples. */
+#include "driver.h"
+
+#include "render/look.h"
+
+#include <stdlib.h>
+
+static const rk_vec3 white = {1, 1, 1}, orange = {1, 0.35f, 0}, blue = {0.1f, 0.4f, 1};
+
+/* --- From the side ---------------------------------------------------------------------------- */
+
+/* The point of the focal surface that a place of the picture sees. */
+static rk_vec3 focus_of(const rk_lens *lens, const rk_view *view, float x, float y)
+{
+    rk_ray ray = rk_view_ray(view, x, y);
+    float cosine = rk_dot(ray.direction, view->forward);
+    float t = lens->focal_distance / (lens->focal == RK_FOCAL_PLANE ? cosine : 1);
+    return rk_madd(ray.origin, ray.direction, t);
+}
+
+/* The part of the focal surface that is in the picture, as glass, with lines for its rim and from
+ * its corners to the camera. */
+static void draw_focal_surface(rk_overlay *overlay, const rk_lens *lens, const rk_view *view,
+                               float alpha)
+{
+    const uint32_t cells = lens->focal == RK_FOCAL_PLANE ? 1 : 16;
+    float dx = view->width / (float)cells, dy = view->height / (float)cells;
+    for (uint32_t i = 0; i < cells * cells; i++) {
+        float x = (float)(i % cells) * dx, y = (float)(i / cells) * dy;
+        rk_vec3 a = focus_of(lens, view, x, y), b = focus_of(lens, view, x + dx, y);
+        rk_vec3 c = focus_of(lens, view, x, y + dy), d = focus_of(lens, view, x + dx, y + dy);
+        rk_overlay_triangle(overlay, a, b, d, blue, alpha);
+        rk_overlay_triangle(overlay, a, d, c, blue, alpha);
+        if (y == 0)
+            rk_overlay_line(overlay, a, b, blue, 2);
+        if (x == 0)
+            rk_overlay_line(overlay, a, c, blue, 2);
+        if (i / cells == cells - 1)
+            rk_overlay_line(overlay, c, d, blue, 2);
+        if (i % cells == cells - 1)
+            rk_overlay_line(overlay, b, d, blue, 2);
+    }
+    for (int corner = 0; corner < 4; corner++)
+        rk_overlay_line(
+            overlay, view->position,
+            focus_of(lens, view, corner & 1 ? view->width : 0, corner & 2 ? view->height : 0),
+            rk_scale(white, 0.4f), 1);
+}
+
+/* The rim of the lens. */
+static void draw_lens(rk_overlay *overlay, const rk_lens *lens, const rk_view *view)
+{
+    enum { sides = 48 };
+    rk_vec3 last = {0, 0, 0};
+    for (int i = 0; i <= sides; i++) {
+        float angle = 6.28318531f * (float)i / sides, radius = 0.5e-3f * lens->aperture;
+        rk_vec3 point = rk_madd(rk_madd(view->position, view->right, radius * cosf(angle)),
+                                view->up, radius * sinf(angle));
+        if (i > 0)
+            rk_overlay_line(overlay, last, point, white, 2);
+        last = point;
+    }
+}
+
+/* From the lens through the focus to what each ray meets, or as far again as the focus is. */
+static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_view *view)
+{
+    const rk_render_options *options = &driver->render;
+    const rk_sampler sampler = {options->lens_sampling, options->seed, options->lens_samples};
+    float x = (float)driver->pixel.x + 0.5f, y = (float)driver->pixel.y + 0.5f;
+    uint32_t pixel = driver->pixel.y * options->width + driver->pixel.x;
+    rk_vec3 focus = focus_of(&options->lens, view, x, y);
+    float far = 2 * rk_length(rk_sub(focus, view->position));
+    for (uint32_t i = 0; i < options->lens_samples; i++) {
+        rk_ray ray = rk_lens_ray(&options->lens, view, x, y,
+                                 rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_LENS));
+        rk_hit hit = rk_look(&driver->accel, &ray);
+        bool met = hit.triangle != RK_MISS;
+        rk_vec3 end = rk_madd(ray.origin, ray.direction, met ? hit.t : far);
+        rk_overlay_line(overlay, ray.origin, end, met ? orange : rk_scale(white, 0.6f), 1.5f);
+        if (met)
+            rk_overlay_point(overlay, end, orange, 3);
+    }
+    rk_overlay_point(overlay, focus, white, 5);
+}
+
+static void look_from_the_side(rk_camera *camera, const rk_view *view, const choices *c)
+{
+    rk_vec3 forward = rk_scale(view->forward, 0.6f * camera->distance);
+    camera->look_at = rk_add(view->position, forward);
+    camera->rotation.x += c->viewer_pitch;
+    camera->rotation.y += c->viewer_yaw;
+    camera->distance *= c->viewer_far;
+}
+
+/* The scene by a pinhole from the side of the lens, which stands where the camera was. */
+static bool render_from_the_side(rk_driver *driver, const choices *c, rk_error *error)
+{
+    bool rays = rk_driver_debug(driver, "rays");
+    rk_view view = view_of(driver);
+    rk_overlay overlay;
+    rk_driver_draw_pixel(driver);
+    look_from_the_side(&driver->scene.camera, &view, c);
+    uint32_t lens_samples = driver->render.lens_samples;
+    driver->render.lens_samples = 0;
+    if (!rk_driver_render(driver, error) ||
+        !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
+                         error))
+        return false;
+    driver->render.lens_samples = lens_samples;
+    /* Rays are to be seen through the scene as well. */
+    for (size_t i = 0; rays && i < driver->image.width * driver->image.height; i++) {
+        overlay.depth[i] = INFINITY;
+        driver->image.pixels[i] = rk_scale(driver->image.pixels[i], 0.4f);
+    }
+    draw_focal_surface(&overlay, &driver->render.lens, &view, rays ? 0.1f : 0.4f);
+    draw_lens(&overlay, &driver->render.lens, &view);
+    if (rays)
+        draw_rays(driver, &overlay, &view);
+    rk_overlay_free(&overlay);
+    return true;
+}
+
+/* --- Which pixels take lens samples ----------------------------------------------------------- */
+
+/* They become orange. As in the renderer, but for mirrors and panes. */
+static bool mark_blurred(rk_driver *driver, rk_error *error)
+{
+    uint32_t width = driver->render.width, height = driver->render.height;
+    rk_overlay overlay;
+    int32_t *circles =
+        rk_allocate_unset(((size_t)width + 1) * (height + 1), sizeof *circles, "marks", error);
+    if (!circles || !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel,
+                                     driver->pool, error)) {
+        free(circles);
+        return false;
+    }
+    for (size_t i = 0; i < (size_t)width * height; i++) {
+        rk_ray ray =
+            rk_view_ray(&overlay.view, (float)(i % width) + 0.5f, (float)(i / width) + 0.5f);
+        float *depth = &overlay.depth[i]; /* becomes a circle's diameter */
+        *depth =
+            isinf(*depth) ? 0 : rk_lens_blur(&driver->render.lens, &overlay.view, &ray, *depth);
+    }
+    rk_lens_spread(overlay.depth, width, height, circles);
+    for (uint32_t y = 0; y < height; y++)
+        for (uint32_t x = 0; x < width; x++)
+            if (circles[(size_t)y * (width + 1) + x] > 0) {
+                rk_vec3 *pixel = rk_image_at(&driver->image, x, y);
+                *pixel = rk_mix(*pixel, orange, 0.5f);
+            }
+    rk_overlay_free(&overlay);
+    free(circles);
+    return true;
+}
+
+bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
+{
+    if (rk_driver_debug(driver, "blurred"))
+        return rk_driver_render(driver, error) && mark_blurred(driver, error);
+    return render_from_the_side(driver, c, error);
+}
