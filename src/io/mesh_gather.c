@@ -33,6 +33,7 @@ typedef struct gather {
 typedef struct part {
     const struct aiMesh *mesh;
     const placement *place;
+    const struct aiVector3D *texcoords; /* or NULL */
     uint32_t
         *numbers; /* the pool's index plus 1 of each of the part's vertices; 0: not yet in it */
     uint16_t material;
@@ -166,9 +167,8 @@ static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, ui
     if (!own)
         vertex.normal = face_normal(position_of(p, corners[0]), position_of(p, corners[1]),
                                     position_of(p, corners[2]));
-    const struct aiVector3D *texcoords = p->mesh->mTextureCoords[0];
-    if (texcoords)
-        vertex.texcoord = (rk_vec2){(float)texcoords[source].x, (float)texcoords[source].y};
+    if (p->texcoords)
+        vertex.texcoord = (rk_vec2){(float)p->texcoords[source].x, (float)p->texcoords[source].y};
     if (!rk_vertex_pool_add(&g->pool, &vertex, index, error))
         return false;
     if (own)
@@ -253,6 +253,8 @@ static bool find_material(gather *g, part *p, rk_error *error)
         g->material_numbers[source] = ++g->material_count;
     }
     p->material = (uint16_t)(g->material_numbers[source] - 1);
+    uint32_t set = g->plain ? 0 : rk_mesh_texture_set(g->scene->mMaterials[source]);
+    p->texcoords = p->mesh->mTextureCoords[set];
     return true;
 }
 
@@ -312,7 +314,18 @@ static bool emit_node(gather *g, const struct aiNode *node, const placement *par
 
 /* --- the whole ----------------------------------------------------------------------------- */
 
-static bool finish(gather *g, rk_mesh *mesh, rk_error *error)
+/* A texture shows its own colours unless the file has one to multiply them by. */
+static void set_material(const gather *g, rk_mesh *mesh, rk_mesh_textures *textures, uint32_t i)
+{
+    const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i]];
+    rk_mesh_textures_find(textures, i, g->scene, source);
+    if (!g->plain)
+        mesh->materials[i] = rk_mesh_material(source);
+    else if (textures->of_material[i])
+        mesh->materials[i].kd = rk_vec(1, 1, 1);
+}
+
+static bool finish(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, rk_error *error)
 {
     if (g->triangle_count == 0)
         return rk_fail(error, "%s: holds no triangles: choose a mesh with faces", g->path);
@@ -331,13 +344,18 @@ static bool finish(gather *g, rk_mesh *mesh, rk_error *error)
     memcpy(mesh->triangles, g->triangles, g->triangle_count * sizeof *g->triangles);
     memcpy(mesh->triangle_materials, g->triangle_materials,
            g->triangle_count * sizeof *g->triangle_materials);
-    for (uint32_t i = 0; i < mesh->material_count && !g->plain; i++)
-        mesh->materials[i] = rk_mesh_material(g->scene->mMaterials[g->material_sources[i]]);
+    if (!rk_mesh_textures_init(textures, mesh->material_count, g->path, error)) {
+        rk_mesh_free(mesh);
+        return false;
+    }
+    for (uint32_t i = 0; i < mesh->material_count; i++)
+        if (g->material_sources[i] < g->scene->mNumMaterials)
+            set_material(g, mesh, textures, i);
     return true;
 }
 
-bool rk_mesh_gather(rk_mesh *mesh, const struct aiScene *scene, bool plain, const char *path,
-                    rk_error *error)
+bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiScene *scene,
+                    bool plain, const char *path, rk_error *error)
 {
     gather g = {.path = path, .scene = scene, .plain = plain, .pool.name = path};
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
@@ -348,7 +366,8 @@ bool rk_mesh_gather(rk_mesh *mesh, const struct aiScene *scene, bool plain, cons
     g.material_numbers = rk_allocate(scene->mNumMaterials, sizeof(uint32_t), path, error);
     g.material_sources = rk_allocate(scene->mNumMaterials, sizeof(uint32_t), path, error);
     bool ok = g.material_numbers && g.material_sources && scene->mRootNode &&
-              emit_node(&g, scene->mRootNode, &world, 0, error) && finish(&g, mesh, error);
+              emit_node(&g, scene->mRootNode, &world, 0, error) &&
+              finish(&g, mesh, textures, error);
     rk_vertex_pool_free(&g.pool);
     free(g.triangles);
     free(g.triangle_materials);
