@@ -296,46 +296,10 @@ static void a_ply_shows_the_picture_of_its_comment_in_its_own_colours(void **sta
     rk_mesh_free(&mesh);
 }
 
-/* A square whose picture is `image`, a glTF object's members; `sampler` those of the sampler. Its
- * second set of texture coordinates, the one in use, is as the OBJ's; the first is all 0. */
 static test_path write_textured_gltf(const char *image, const char *sampler)
 {
-    mesh_seed seed = {0}, buffer = {0};
-    char text[1500];
-    const float numbers[4 * 3 + 4 * 2 + 4 * 2] = {
-        0,     0,     0,     1,     0,     0,     1,
-        1,     0,     0,     1,     0,     0,     0,
-        0,     0,     0,     0,     0,     0,     /* v goes down: */ 0.25f,
-        0.75f, 0.75f, 0.75f, 0.75f, 0.25f, 0.25f, 0.25f};
-    const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
-    for (int i = 0; i < 28; i++) {
-        uint32_t bits;
-        memcpy(&bits, &numbers[i], sizeof bits);
-        seed_append_word(&buffer, bits);
-    }
-    for (int i = 0; i < 6; i++)
-        seed_append_word(&buffer, indices[i]);
-    snprintf(text, sizeof text,
-             "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],"
-             "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
-             "{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},\"indices\":3,"
-             "\"material\":0}]}],\"materials\":[{\"pbrMetallicRoughness\":"
-             "{\"baseColorTexture\":{\"index\":0,\"texCoord\":1}}}],"
-             "\"textures\":[{\"source\":0,\"sampler\":0}],\"samplers\":[{%s}],"
-             "\"images\":[{%s}],\"accessors\":["
-             "{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"},"
-             "{\"bufferView\":1,\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},"
-             "{\"bufferView\":2,\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},"
-             "{\"bufferView\":3,\"componentType\":5125,\"count\":6,\"type\":\"SCALAR\"}],"
-             "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},"
-             "{\"buffer\":0,\"byteOffset\":48,\"byteLength\":32},"
-             "{\"buffer\":0,\"byteOffset\":80,\"byteLength\":32},"
-             "{\"buffer\":0,\"byteOffset\":112,\"byteLength\":24}],"
-             "\"buffers\":[{\"byteLength\":136,\"uri\":\"data:application/octet-stream;base64,",
-             sampler, image);
-    seed_append_text(&seed, text);
-    seed_append_base64(&seed, buffer.bytes, buffer.size);
-    seed_append_text(&seed, "\"}]}\n");
+    mesh_seed seed = {0};
+    seed_append_textured_gltf(&seed, image, sampler);
     return test_folder_write(&folder, "textured.gltf", seed.bytes, seed.size, 0600);
 }
 
@@ -353,15 +317,7 @@ static void a_gltf_shows_its_picture_upright_by_the_set_that_it_names(void **sta
 static void a_gltf_may_hold_its_picture_and_clamp_it(void **state)
 {
     (void)state;
-    size_t size;
-    unsigned char *bytes = test_folder_read(write_quarters(&folder, "quarters.png"), &size);
-    mesh_seed image = {0};
-    seed_append_text(&image, "\"uri\":\"data:image/png;base64,");
-    seed_append_base64(&image, bytes, size);
-    seed_append_text(&image, "\"");
-    free(bytes);
-    rk_mesh mesh =
-        load(write_textured_gltf((const char *)image.bytes, "\"wrapS\":33071,\"wrapT\":33071"));
+    rk_mesh mesh = load(write_textured_gltf(seed_picture, "\"wrapS\":33071,\"wrapT\":33071"));
     check_upright(&mesh);
     rk_check_equal(texture_of(&mesh, 0)->wrap, RK_TEXTURE_CLAMP, "CLAMP_TO_EDGE");
     rk_mesh_free(&mesh);

@@ -82,8 +82,7 @@ static tail unpack(rk_mesh *mesh, const rk_mesh_stream_header *header, const uns
     return rest;
 }
 
-/* --- textures ----------------------------------------------------------------------------------
- */
+/* --- textures ------------------------------------------------------------------------------ */
 
 static bool check_textures(const tail *rest, const rk_mesh_stream_header *header, const char *path,
                            rk_error *error)
@@ -122,50 +121,54 @@ static bool read_texture(rk_texture *texture, const rk_mesh_stream_texture *row,
     return ok;
 }
 
-/* A picture that cannot be read costs only itself, as a missing MTL does: many scans name pictures
- * that are gone. `note` then says which. False when memory is short. */
+/* Reads all that can be read. Returns how many cannot, and why the first of them cannot. */
+static uint32_t read_each(rk_mesh *mesh, const rk_mesh_stream_header *header, const tail *rest,
+                          const char *path, rk_error *why)
+{
+    const unsigned char *from = rest->texture_bytes;
+    size_t texels_left = most_texels;
+    uint32_t lost = 0;
+    for (uint32_t i = 0; i < header->texture_count; i++) {
+        rk_mesh_stream_texture row = texture_row(rest, i);
+        rk_texture *texture = &mesh->textures[mesh->texture_count];
+        if (read_texture(texture, &row, from, path, &texels_left, lost ? NULL : why)) {
+            mesh->texture_count++;
+            for (uint32_t k = 0; k < header->material_count; k++)
+                if (material_row(rest, k).texture == i + 1)
+                    mesh->materials[k].kd_texture = texture;
+        } else {
+            lost++;
+        }
+        from += (size_t)row.name_size + row.data_size;
+    }
+    return lost;
+}
+
+/* A picture that cannot be read costs only itself and is a note, as a missing MTL is: many scans
+ * name pictures that are gone. False when memory is short. */
 static bool read_textures(rk_mesh *mesh, const rk_mesh_stream_header *header, const tail *rest,
                           const char *path, rk_error *note)
 {
     if (header->texture_count == 0)
         return true;
     if (!mesh->texcoords) {
-        rk_fail(note,
-                "%s: has textures but no texture coordinates: surfaces show their colours alone",
-                path);
+        rk_fail(note, "%s: has textures but no texture coordinates: surfaces are plain", path);
         return true;
     }
     mesh->textures = rk_allocate(header->texture_count, sizeof *mesh->textures, path, note);
     if (!mesh->textures)
         return false;
-    const unsigned char *from = rest->texture_bytes;
-    size_t texels_left = most_texels;
-    rk_error first, reason;
-    uint32_t lost = 0;
-    for (uint32_t i = 0; i < header->texture_count; i++) {
-        rk_mesh_stream_texture row = texture_row(rest, i);
-        rk_texture *texture = &mesh->textures[mesh->texture_count];
-        if (read_texture(texture, &row, from, path, &texels_left, &reason)) {
-            mesh->texture_count++;
-            for (uint32_t k = 0; k < header->material_count; k++)
-                if (material_row(rest, k).texture == i + 1)
-                    mesh->materials[k].kd_texture = texture;
-        } else if (lost++ == 0) {
-            first = reason;
-        }
-        from += (size_t)row.name_size + row.data_size;
-    }
-    bool has_note = note && *note->text; /* raykit-mesh's: there are too many textures */
-    if (lost && !has_note)
+    rk_error why;
+    uint32_t lost = read_each(mesh, header, rest, path, &why);
+    bool has_note = note && *note->text; /* raykit-mesh's own */
+    if (lost > 0 && !has_note)
         rk_fail(note,
-                "%s: %u of %u textures cannot be read, their surfaces show their colours alone; "
-                "the first: %s",
-                path, lost, header->texture_count, first.text);
+                "%s: %u of %u textures cannot be read, their surfaces are plain; the first: %s",
+                path, lost, header->texture_count, why.text);
     return true;
 }
 
-/* --- the whole ---------------------------------------------------------------------------------
- */
+/* --- the whole ----------------------------------------------------------------------------- */
 
 static bool parse(rk_mesh *mesh, const unsigned char *bytes, size_t size, const char *path,
                   rk_error *error)

@@ -99,7 +99,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
               rk_mesh_validate(&mesh, path, error) && write_mesh(&mesh, &textures, path, error);
     if (textures.too_many)
         rk_fail(&hints->note,
-                "%s: names more than %d textures: the others' surfaces show their colours alone",
+                "%s: names more than %d textures: the others' surfaces are plain",
                 path, RK_MESH_STREAM_TEXTURES_MAX);
     rk_mesh_textures_free(&textures);
     rk_mesh_free(&mesh);
