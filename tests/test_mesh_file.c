@@ -398,6 +398,22 @@ static void pictures_without_texture_coordinates_are_a_note(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* Else its surface would have the colour of one texel. */
+static void a_part_without_texture_coordinates_shows_its_colour_alone(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "quarters.png");
+    write_text("mixed.mtl", "newmtl a\nKd 1 0.5 1\nmap_Kd quarters.png\n");
+    rk_mesh mesh = load(write_text(
+        "mixed.obj", "mtllib mixed.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                     "o with\nusemtl a\nf 1/1 2/2 3/3\no without\nusemtl a\nf 3 2 1\n"));
+    assert_non_null(texture_of(&mesh, 0));
+    rk_check(texture_of(&mesh, 1) == NULL, "there is no place for it");
+    for (uint32_t i = 0; i < 2; i++)
+        check_point(mesh.materials[mesh.triangle_materials[i]].kd, 1, 0.5f, 1);
+    rk_mesh_free(&mesh);
+}
+
 /* Files are opened 1024 times at most, and none is here. */
 static void more_pictures_than_1024_are_a_note(void **state)
 {
@@ -691,6 +707,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(materials_that_name_the_same_picture_share_it),
     cmocka_unit_test(a_missing_or_damaged_picture_is_a_note_not_an_error),
     cmocka_unit_test(pictures_without_texture_coordinates_are_a_note),
+    cmocka_unit_test(a_part_without_texture_coordinates_shows_its_colour_alone),
     cmocka_unit_test(more_pictures_than_1024_are_a_note),
     cmocka_unit_test(obj_mistakes_are_found_with_their_line),
     cmocka_unit_test(ply_mistakes_are_found_with_their_place),

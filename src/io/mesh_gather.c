@@ -24,8 +24,9 @@ typedef struct gather {
     uint32_t (*triangles)[3];
     uint16_t *triangle_materials;
     uint32_t triangle_count, triangle_room;
-    uint32_t *material_numbers; /* ours plus 1 for each of the scene's; 0: unused so far */
-    uint32_t *material_sources; /* the scene's for each of ours */
+    uint32_t *material_numbers; /* ours plus 1 for each of the scene's, twice: first with its
+                                   texture, then for parts that cannot show it; 0: unused so far */
+    uint32_t *material_sources; /* which of those each of ours is */
     uint32_t material_count;
 } gather;
 
@@ -245,16 +246,20 @@ static bool find_material(gather *g, part *p, rk_error *error)
     if (source >= g->scene->mNumMaterials && !g->plain)
         return rk_fail(error, "%s: part \"%.100s\" uses material %u, but the file has %u: %s",
                        g->path, p->mesh->mName.data, source, g->scene->mNumMaterials, remedy);
-    if (g->material_numbers[source] == 0) {
+    uint32_t set = 0, key = 2 * source;
+    bool textured =
+        source < g->scene->mNumMaterials && rk_mesh_texture_set(g->scene->mMaterials[source], &set);
+    p->texcoords = p->mesh->mTextureCoords[set];
+    if (textured && !p->texcoords && g->any_texcoords)
+        key++;
+    if (g->material_numbers[key] == 0) {
         if (g->material_count == most_materials)
             return rk_fail(error, "%s: uses more than %d materials: merge those that are alike",
                            g->path, most_materials);
-        g->material_sources[g->material_count] = source;
-        g->material_numbers[source] = ++g->material_count;
+        g->material_sources[g->material_count] = key;
+        g->material_numbers[key] = ++g->material_count;
     }
-    p->material = (uint16_t)(g->material_numbers[source] - 1);
-    uint32_t set = g->plain ? 0 : rk_mesh_texture_set(g->scene->mMaterials[source]);
-    p->texcoords = p->mesh->mTextureCoords[set];
+    p->material = (uint16_t)(g->material_numbers[key] - 1);
     return true;
 }
 
@@ -317,8 +322,9 @@ static bool emit_node(gather *g, const struct aiNode *node, const placement *par
 /* A texture shows its own colours unless the file has one to multiply them by. */
 static void set_material(const gather *g, rk_mesh *mesh, rk_mesh_textures *textures, uint32_t i)
 {
-    const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i]];
-    rk_mesh_textures_find(textures, i, g->scene, source);
+    const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i] / 2];
+    if (g->material_sources[i] % 2 == 0)
+        rk_mesh_textures_find(textures, i, g->scene, source);
     if (!g->plain)
         mesh->materials[i] = rk_mesh_material(source);
     else if (textures->of_material[i])
@@ -349,7 +355,7 @@ static bool finish(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, rk_erro
         return false;
     }
     for (uint32_t i = 0; i < mesh->material_count; i++)
-        if (g->material_sources[i] < g->scene->mNumMaterials)
+        if (g->material_sources[i] / 2 < g->scene->mNumMaterials)
             set_material(g, mesh, textures, i);
     return true;
 }
@@ -363,8 +369,8 @@ bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiSc
         g.any_texcoords |= scene->mMeshes[i]->mTextureCoords[0] != NULL;
     }
     const placement world = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, true};
-    g.material_numbers = rk_allocate(scene->mNumMaterials, sizeof(uint32_t), path, error);
-    g.material_sources = rk_allocate(scene->mNumMaterials, sizeof(uint32_t), path, error);
+    g.material_numbers = rk_allocate(scene->mNumMaterials, 2 * sizeof(uint32_t), path, error);
+    g.material_sources = rk_allocate(scene->mNumMaterials, 2 * sizeof(uint32_t), path, error);
     bool ok = g.material_numbers && g.material_sources && scene->mRootNode &&
               emit_node(&g, scene->mRootNode, &world, 0, error) &&
               finish(&g, mesh, textures, error);

@@ -100,10 +100,11 @@ void rk_mesh_textures_find(rk_mesh_textures *textures, uint32_t number, const st
     textures->of_material[number] = i + 1;
 }
 
-uint32_t rk_mesh_texture_set(const struct aiMaterial *material)
+bool rk_mesh_texture_set(const struct aiMaterial *material, uint32_t *set)
 {
     named_picture picture;
-    return find_picture(material, &picture) && picture.set < AI_MAX_NUMBER_OF_TEXTURECOORDS
-               ? picture.set
-               : 0;
+    if (!find_picture(material, &picture))
+        return false;
+    *set = picture.set < AI_MAX_NUMBER_OF_TEXTURECOORDS ? picture.set : 0;
+    return true;
 }

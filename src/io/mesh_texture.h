@@ -31,7 +31,8 @@ void rk_mesh_textures_free(rk_mesh_textures *textures);
 void rk_mesh_textures_find(rk_mesh_textures *textures, uint32_t number, const struct aiScene *scene,
                            const struct aiMaterial *material);
 
-/* Returns which of a part's sets of texture coordinates is its material's: 0 but in glTF. */
-uint32_t rk_mesh_texture_set(const struct aiMaterial *material);
+/* Does the material name a picture? `set` is then which of a part's sets of texture coordinates it
+ * goes by: 0 but in glTF. */
+bool rk_mesh_texture_set(const struct aiMaterial *material, uint32_t *set);
 
 #endif

@@ -59,17 +59,16 @@ static void unescape(char *name)
 static bool find_file(long_path *path, const char *mesh_path, const char *given, rk_error *error)
 {
     long_path name;
-    rk_error unused;
     if (snprintf(name.text, sizeof name.text, "%s", given) >= (int)sizeof name.text)
         return rk_fail(error, "%.300s...: the path is too long", given);
     turn_slashes(name.text);
     if (find_at(path, mesh_path, name.text, error))
         return true;
     unescape(name.text);
-    if (find_at(path, mesh_path, name.text, &unused))
+    if (find_at(path, mesh_path, name.text, NULL))
         return true;
     const char *slash = strrchr(name.text, '/');
-    return slash && slash[1] && find_at(path, mesh_path, slash + 1, &unused);
+    return slash && slash[1] && find_at(path, mesh_path, slash + 1, NULL);
 }
 
 /* --- reading --------------------------------------------------------------------------------- */
@@ -79,8 +78,10 @@ static bool write_temporary(long_path *path, const rk_texture_source *source)
 {
     const char *folder = getenv("TMPDIR");
     if (snprintf(path->text, sizeof path->text, "%s/raykit-picture-XXXXXX",
-                 folder && *folder ? folder : "/tmp") >= (int)sizeof path->text)
+                 folder && *folder ? folder : "/tmp") >= (int)sizeof path->text) {
+        errno = ENAMETOOLONG;
         return false;
+    }
     int file = mkstemp(path->text);
     FILE *stream = file >= 0 ? fdopen(file, "wb") : NULL;
     if (!stream)
