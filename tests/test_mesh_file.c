@@ -280,6 +280,19 @@ static void an_obj_shows_its_picture_upright(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void a_picture_without_kd_is_not_darkened(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "quarters.png");
+    rk_mesh mesh = load(write_textured_obj("newmtl a\nmap_Kd quarters.png\nnewmtl b\nKs 0 0 0\n"
+                                           "newmtl c\nKd 0.6 0.6 0.5\nmap_Kd quarters.png\n",
+                                           "abc"));
+    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 1, 1, 1);
+    check_point(mesh.materials[mesh.triangle_materials[2]].kd, 0.6f, 0.6f, 0.6f);
+    check_point(mesh.materials[mesh.triangle_materials[4]].kd, 0.6f, 0.6f, 0.5f);
+    rk_mesh_free(&mesh);
+}
+
 static void a_ply_shows_the_picture_of_its_comment_in_its_own_colours(void **state)
 {
     (void)state;
@@ -700,6 +713,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(windows_line_ends_and_long_lines_are_fine),
     cmocka_unit_test(a_missing_mtl_is_a_note_not_an_error),
     cmocka_unit_test(an_obj_shows_its_picture_upright),
+    cmocka_unit_test(a_picture_without_kd_is_not_darkened),
     cmocka_unit_test(a_ply_shows_the_picture_of_its_comment_in_its_own_colours),
     cmocka_unit_test(a_gltf_shows_its_picture_upright_by_the_set_that_it_names),
     cmocka_unit_test(a_gltf_may_hold_its_picture_and_clamp_it),

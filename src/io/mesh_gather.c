@@ -319,15 +319,15 @@ static bool emit_node(gather *g, const struct aiNode *node, const placement *par
 
 /* --- the whole ----------------------------------------------------------------------------- */
 
-/* A texture shows its own colours unless the file has one to multiply them by. */
 static void set_material(const gather *g, rk_mesh *mesh, rk_mesh_textures *textures, uint32_t i)
 {
     const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i] / 2];
     if (g->material_sources[i] % 2 == 0)
         rk_mesh_textures_find(textures, i, g->scene, source);
+    bool textured = textures->of_material[i] != 0;
     if (!g->plain)
-        mesh->materials[i] = rk_mesh_material(source);
-    else if (textures->of_material[i])
+        mesh->materials[i] = rk_mesh_material(source, textured);
+    else if (textured)
         mesh->materials[i].kd = rk_vec(1, 1, 1);
 }
 
