@@ -1,4 +1,4 @@
-/* Renders a built-in scene, or a mesh file, to a PNG picture with the installed library.
+/* Renders a built-in scene, or a mesh file, to a PNG or EXR picture with the installed library.
  *
  *     cc render.c $(pkg-config --cflags --libs raykit) -o render
  *     ./render teapot teapot.png
@@ -28,7 +28,7 @@ static bool render(const rk_scene *scene, const char *path, rk_error *error)
     bool ok = pool && rk_image_init(&image, options.width, options.height, error) &&
               rk_accel_build(&accel, RK_ACCEL_MEDIAN, scene, error) &&
               rk_render(&image, scene, &accel, &options, pool, &counters, NULL, error) &&
-              rk_png_write(path, &image, NULL, 0, error);
+              rk_image_write(path, &image, error);
     if (ok)
         printf("%s: %.2f boxes and %.2f triangles tested a ray\n", path,
                (double)counters.box_tests / (double)(counters.primary_rays + counters.shadow_rays),
@@ -48,7 +48,8 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: render SCENE_OR_MESH_FILE PICTURE.png\n");
         return 2;
     }
-    bool ok = load(&scene, argv[1], &error) && render(&scene, argv[2], &error);
+    bool ok = rk_image_can_write(argv[2], &error) && load(&scene, argv[1], &error) &&
+              render(&scene, argv[2], &error);
     if (!ok)
         fprintf(stderr, "render: %s\n", error.text);
     rk_scene_free(&scene);

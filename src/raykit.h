@@ -13,6 +13,7 @@
 #include "features/parallelogram_light.h"
 #include "features/sah_binning.h"
 #include "features/shading.h"
+#include "features/transparency.h"
 #include "io/environment_file.h"
 #include "io/image_file.h"
 #include "io/mesh_file.h"

@@ -6,6 +6,7 @@
 #include "base/image.h"
 #include "io/png.h"
 
+#include <ctype.h>
 #include <fcntl.h>
 #include <ftw.h>
 #include <sys/resource.h>
@@ -72,6 +73,14 @@ static run run_program(const char *path, const test_folder *folder, const char *
     return (run){WIFEXITED(status) ? WEXITSTATUS(status) : -1, read_text(out), read_text(err)};
 }
 
+/* The program of any feature, such as "06_bloom/bloom". */
+static run run_feature(const char *name, const test_folder *folder, const char *arguments)
+{
+    char path[4096];
+    snprintf(path, sizeof path, RK_BUILD_FOLDER "/assignments/%s", name);
+    return run_program(path, folder, arguments);
+}
+
 static run run_driver(const test_folder *folder, const char *arguments)
 {
     return run_program(program, folder, arguments);
@@ -133,6 +142,45 @@ static void help_and_version_are_successes(void **state)
     run_free(&version);
 }
 
+static const char *const features[] = {
+    "01_bvh_median/bvh_median",
+    "02_sah_binning/sah_binning",
+    "03_shading/shading",
+    "04_parallelogram_light/parallelogram_light",
+    "05_transparency/transparency",
+    "06_bloom/bloom",
+    "07_glossy_reflection/glossy_reflection",
+    "08_cubemap/cubemap",
+    "09_depth_of_field/depth_of_field",
+    "10_motion_blur/motion_blur",
+};
+
+/* Lines that end early, before a word that had room, look as if something were missing. */
+static void check_paragraphs(const char *name, const char *text)
+{
+    for (const char *line = text; *line;) {
+        size_t length = strcspn(line, "\n");
+        rk_check(length <= 80, "%s: a line of %zu columns: %.*s", name, length, (int)length, line);
+        const char *next = line + length + (line[length] == '\n');
+        size_t indent = strspn(next, " "), word = strcspn(next + indent, " \n");
+        /* Continuations begin with a small letter at the same indent. */
+        if (length > 0 && islower((unsigned char)next[indent]) && strspn(line, " ") == indent)
+            rk_check(length + 1 + word > 80, "%s: \"%.*s\" has room in the line above it:\n%.*s",
+                     name, (int)word, next + indent, (int)length, line);
+        line = next;
+    }
+}
+
+static void every_help_is_wrapped_as_if_by_hand(void **state)
+{
+    for (size_t i = 0; i < sizeof features / sizeof *features; i++) {
+        run help = run_feature(features[i], *state, "--help");
+        rk_check_equal(help.status, 0, features[i]);
+        check_paragraphs(features[i], help.out);
+        run_free(&help);
+    }
+}
+
 static void help_speaks_to_a_newcomer(void **state)
 {
     run help = run_well(*state, "--help");
@@ -144,23 +192,20 @@ static void help_speaks_to_a_newcomer(void **state)
     const char *const riddles[] = {"nan", "inf", "4294967295", "4000000000", "e+"};
     for (size_t i = 0; i < sizeof riddles / sizeof *riddles; i++)
         rk_check(!strstr(help.out, riddles[i]), "what is \"%s\" in\n%s", riddles[i], help.out);
-    for (const char *line = help.out; *line;) {
-        size_t length = strcspn(line, "\n");
-        rk_check(length <= 80, "a line of %zu columns: %.*s", length, (int)length, line);
-        line += length + (line[length] == '\n');
-    }
     run_free(&help);
 }
 
 /* One line on standard error that begins with the program and names what is wrong; no file. */
-static void check_complaint(const test_folder *folder, const char *arguments, const char *thing,
-                            const char *remedy)
+static void check_feature_complaint(const char *name, const test_folder *folder,
+                                    const char *arguments, const char *thing, const char *remedy)
 {
     int before = count_files(folder);
-    run r = run_driver(folder, arguments);
+    const char *feature = strchr(name, '/') + 1;
+    run r = run_feature(name, folder, arguments);
     rk_check_equal(r.status, 1, arguments);
     rk_check(r.out[0] == '\0', "%s: complaints go to standard error, not\n%s", arguments, r.out);
-    rk_check(strncmp(r.err, "bvh_median: ", 12) == 0, "%s: who says this? %s", arguments, r.err);
+    rk_check(strncmp(r.err, feature, strlen(feature)) == 0 && r.err[strlen(feature)] == ':',
+             "%s: who says this? %s", arguments, r.err);
     size_t length = strlen(r.err);
     rk_check(strcspn(r.err, "\n") + 1 == length, "%s: it should be one line:\n%s", arguments,
              r.err);
@@ -168,6 +213,12 @@ static void check_complaint(const test_folder *folder, const char *arguments, co
     check_contains(r.err, remedy);
     rk_check_equal(count_files(folder), before, "a failure leaves no file");
     run_free(&r);
+}
+
+static void check_complaint(const test_folder *folder, const char *arguments, const char *thing,
+                            const char *remedy)
+{
+    check_feature_complaint("01_bvh_median/bvh_median", folder, arguments, thing, remedy);
 }
 
 static void every_bad_option_is_named_in_one_line(void **state)
@@ -191,11 +242,31 @@ static void every_bad_option_is_named_in_one_line(void **state)
         {"--scene cube --mesh a.obj", "--scene and --mesh", "choose one"},
         {"--timing --debug leaf", "--timing and --debug", "choose one"},
         {"--threads 1025", "--threads 1025", "0 to 1024"},
-        {"--split half", "--split half", "median, sah, sah3"},
+        {"--split half", "--split half", "median|sah|sah3"},
         {"--bins 1", "--bins 1", "2 to 256"},
+        {"--isolate 3", "--isolate 3", "--time-samples N"},
+        {"--environment=", "--environment", "sky"},
+        {"--move --time-samples 2 --debug level", "everything moves", "--move"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         check_complaint(*state, bad[i][0], bad[i][1], bad[i][2]);
+}
+
+static void options_that_mean_nothing_together_are_refused(void **state)
+{
+    const char *const bad[][4] = {
+        {"05_transparency/transparency", "--debug rays", "--debug rays", "--transparency"},
+        {"08_cubemap/cubemap", "--scene cube --debug seam --pixel 3,4", "--debug seam", "--pixel"},
+        {"09_depth_of_field/depth_of_field", "--scene cube --debug focus --pixel 3,4",
+         "--debug focus", "--debug rays"},
+        {"10_motion_blur/motion_blur", "--isolate 3 --time-samples 0", "--isolate 3",
+         "--time-samples N"},
+        {"10_motion_blur/motion_blur", "--debug path --still", "--debug path", "--still"},
+        {"10_motion_blur/motion_blur", "--convergence --still", "--convergence", "--still"},
+        {"10_motion_blur/motion_blur", "--move", "--move", "see --help"},
+    };
+    for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
+        check_feature_complaint(bad[i][0], *state, bad[i][1], bad[i][2], bad[i][3]);
 }
 
 static void levels_and_leaves_that_are_not_there_are_named(void **state)
@@ -352,6 +423,52 @@ static void a_pixel_is_narrated(void **state)
     run_free(&r);
 }
 
+static void debug_rays_draws_the_pixel_and_names_the_picture_by_it(void **state)
+{
+    const struct {
+        const char *name, *options;
+        const char *own, *given; /* ends of names: without --pixel, and with it */
+        const char *pixel;
+    } drivers[] = {
+        {"04_parallelogram_light/parallelogram_light", "", "_17_17.png", "_10_12.png", "10,12"},
+        {"05_transparency/transparency", "--transparency", "_13_11.png", "_10_12.png", "10,12"},
+        {"07_glossy_reflection/glossy_reflection", "", "_7_11.png", "_7_10.png", "7,10"},
+        {"09_depth_of_field/depth_of_field", "--scene cube", "_10_10.png", "_10_12.png", "10,12"},
+    };
+    for (size_t i = 0; i < sizeof drivers / sizeof *drivers; i++) {
+        char arguments[128];
+        snprintf(arguments, sizeof arguments, "--debug rays --width 20 --height 20 %s",
+                 drivers[i].options);
+        run own = run_feature(drivers[i].name, *state, arguments);
+        rk_check_equal(own.status, 0, own.err);
+        check_contains(own.out, drivers[i].own);
+        strcat(arguments, " --pixel ");
+        strcat(arguments, drivers[i].pixel);
+        run given = run_feature(drivers[i].name, *state, arguments);
+        rk_check_equal(given.status, 0, given.err);
+        check_contains(given.out, drivers[i].given);
+        rk_check(!strstr(given.out, "pixel ("), "it is drawn, not told:\n%s", given.out);
+        run_free(&own);
+        run_free(&given);
+    }
+}
+
+static void pictures_of_a_map_are_named_by_the_map(void **state)
+{
+    const char *const views[][2] = {{"--debug cross", "cubemap_sky_cross_seamless.png: sky"},
+                                    {"--debug cross --marked", "cubemap_marked_cross_"},
+                                    {"--debug seam", "cubemap_random-colours_seam_"}};
+    for (int i = 0; i < 3; i++) {
+        char arguments[128];
+        snprintf(arguments, sizeof arguments, "--scene cube --width 20 --height 20 %s",
+                 views[i][0]);
+        run r = run_feature("08_cubemap/cubemap", *state, arguments);
+        rk_check_equal(r.status, 0, r.err);
+        check_contains(r.out, views[i][1]);
+        run_free(&r);
+    }
+}
+
 /* --- Timings --------------------------------------------------------------------------------- */
 
 static int count_lines(const char *text)
@@ -460,7 +577,9 @@ static void starting_up_takes_milliseconds(void **state)
 static const struct CMUnitTest tests[] = {
     test_in_folder(help_and_version_are_successes),
     test_in_folder(help_speaks_to_a_newcomer),
+    test_in_folder(every_help_is_wrapped_as_if_by_hand),
     test_in_folder(every_bad_option_is_named_in_one_line),
+    test_in_folder(options_that_mean_nothing_together_are_refused),
     test_in_folder(levels_and_leaves_that_are_not_there_are_named),
     test_in_folder(a_missing_mesh_is_named),
     test_in_folder(an_out_folder_that_cannot_be_is_named_before_rendering),
@@ -471,6 +590,8 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(the_cuts_of_a_node_are_drawn_and_told),
     test_in_folder(quiet_says_nothing),
     test_in_folder(a_pixel_is_narrated),
+    test_in_folder(debug_rays_draws_the_pixel_and_names_the_picture_by_it),
+    test_in_folder(pictures_of_a_map_are_named_by_the_map),
     test_in_folder(timings_become_rows_and_the_next_run_replaces_them),
     test_in_folder(rows_name_how_the_tree_was_cut),
     test_in_folder(a_foreign_table_is_left_alone),

@@ -67,6 +67,8 @@ static void places_that_cannot_be_written_are_refused_at_once(void **state)
 {
     const test_folder *folder = *state;
     check_refused(test_folder_path(folder, "missing/file.txt").text, "missing/file.txt");
+    check_refused(test_folder_path(folder, "missing/file.txt").text,
+                  "choose a folder that is there");
     check_refused(folder->path, "folder");
     test_file_put(test_folder_path(folder, "file").text, "");
     check_refused(test_folder_path(folder, "file/below").text, "Not a directory");

@@ -404,6 +404,10 @@ def statuses_tell_what_was_graded(folder):
         "0 is what passes": (0, ["--impl", right, "--test", ONE], "ok"),
         "1 is what fails": (1, ["--impl", weak, "--test", ONE], "FAIL"),
         "2 is a folder that is missing for OUT": (2, ["--impl", weak, "--out", os.path.join(folder, "no", "x")], "no folder"),
+        "2 is a place for OUT that takes no file": (2, ["--impl", weak, "--test", ONE, "--out", "/proc/x.txt"],
+                                                    "/proc/x.txt: cannot be written"),
+        "2 is a FORMAT that there is not": (2, ["--impl", weak, "--format", "bogus"], "FORMAT=bogus: choose one of"),
+        "2 is an option that there is not": (2, ["--impl", weak, "--bogus"], "--bogus; see --help"),
         "2 is a submission that is missing": (2, ["--impl", os.path.join(folder, "nobody")], "no file or folder"),
         "2 is a name that is wrong": (2, ["--impl", os.path.join(folder, "weak.txt")], "name it bvh_median.c"),
     }
@@ -411,7 +415,7 @@ def statuses_tell_what_was_graded(folder):
         del cases["0 is what passes"]
     for name, (expected, arguments, part) in cases.items():
         status, said = graded(*arguments)
-        check(status == expected and part in said, f"exit status {name}", f"{status}\n{said}")
+        check(status == expected and part in said and "usage:" not in said, f"exit status {name}", f"{status}\n{said}")
 
 
 def two_gradings_at_once(folder):
@@ -423,6 +427,28 @@ def two_gradings_at_once(folder):
     said = [process.communicate()[0] for process in both]
     check(all(process.returncode == 0 for process in both) and not [n for n in os.listdir("impl") if "toolchain." in n],
           "gradings at the same time do not meet", "\n".join(said))
+
+
+def the_editors_files_name_what_there_is(folder):
+    put(unit(""), folder, "editor", "bvh_median.c")
+    file = os.path.join(folder, "editor", "bvh_median.c")
+
+    def read_settings(name):
+        with open(os.path.join(SOURCE, ".vscode", name), encoding="utf-8") as settings:
+            text = "".join(line for line in settings if not line.lstrip().startswith("//"))
+        for variable, value in {"workspaceFolder": ".", "fileBasenameNoExtension": "bvh_median", "file": file}.items():
+            text = text.replace("${%s}" % variable, value)
+        return json.loads(text)
+
+    tasks = {task["label"]: task for task in read_settings("tasks.json")["tasks"]}
+    launch = read_settings("launch.json")["configurations"][0]
+    prepare = tasks[launch["preLaunchTask"]]
+    status, said = run(os.environ.get("MAKE", "make"), "-s", *prepare["args"])
+    script = launch["setupCommands"][-1]["text"].removeprefix("source ")
+    check(status == 0 and os.access(launch["program"], os.X_OK) and os.path.exists(script),
+          "F5 in an editor finds the program and the script that its task builds", said)
+    status, said = run(os.environ.get("MAKE", "make"), "-s", *tasks["check this unit"]["args"])
+    check("bvh_median" in said and "points" in said, "so does the task that checks the open file", said)
 
 
 def hanging_does_not_last(toolchain, folder):
@@ -488,6 +514,7 @@ def main():
         statuses_tell_what_was_graded(folder)
         two_gradings_at_once(folder)
         hanging_does_not_last(toolchain, folder)
+        the_editors_files_name_what_there_is(folder)
         a_class_is_graded(folder)
         an_interrupt_ends_everything(folder)
     finally:

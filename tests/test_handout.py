@@ -78,7 +78,7 @@ def the_pack_holds_no_solution(pack):
                           for where, _, names in os.walk(pack) for name in names)
     check(SECRET.encode() not in everything, "no file holds a line of the solution")
     check(STEM not in os.listdir(os.path.join(pack, "tests", "mutants")), "mutants, which hold solutions, are left out")
-    check(f"`workbook/{STEM}.c`, and nothing else" in read(pack, "HANDOUT.md"), "HANDOUT.md names the file to hand in")
+    check(f"## Hand in\n\n- `workbook/{STEM}.c`\n" in read(pack, "HANDOUT.md"), "HANDOUT.md names the file to hand in")
 
 
 def texts_speak_of_the_pack(pack):

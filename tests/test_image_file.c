@@ -403,7 +403,12 @@ static void other_endings_are_not_written(void **state)
         rk_error error;
         rk_check(!rk_image_write(names[i], &image, &error), "%s was written", names[i]);
         rk_check_error_names(error, ".exr");
+        rk_check(!rk_image_can_write(names[i], &error), "%s could be written", names[i]);
+        rk_check_error_names(error, names[i]);
     }
+    rk_error error;
+    rk_check(rk_image_can_write("a.PNG", &error) && rk_image_can_write("b.exr", &error),
+             "these are written: %s", error.text);
     rk_check_equal(test_folder_count(*state), 0, "nothing is written");
     rk_image_free(&image);
 }

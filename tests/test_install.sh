@@ -52,6 +52,11 @@ $CC -std=c17 -Wall -Wextra -o "$folder/render" "$example" $(pkg-config --cflags 
 "$folder/render" teapot "$folder/teapot.png" >/dev/null && [ -s "$folder/teapot.png" ] ||
     fail "examples/render.c made no picture"
 
+if "$folder/render" teapot "$folder/teapot.jpg" >"$folder/said" 2>&1 || [ -e "$folder/teapot.jpg" ]; then
+    fail "examples/render.c took a name that it writes no picture for: teapot.jpg"
+fi
+grep -q 'teapot.jpg.*\.png or \.exr' "$folder/said" || fail "examples/render.c does not say why: $(cat "$folder/said")"
+
 (cd "$staging$include" && find . -name '*.h') >"$folder/headers"
 while read -r header; do
     echo "#include <${header#./}>" >"$folder/header.c"

@@ -158,6 +158,12 @@ static void stratified_times_lie_one_in_each_part(void **state)
     for (uint32_t pixel = 0; pixel < 50; pixel++)
         for (uint32_t samples = 1; samples <= 64; samples++)
             check_one_in_each_part(RK_TIME_STRATIFIED, pixel, samples);
+    /* In order, so that sample i of neighbouring pixels sees nearly the same scene. */
+    const rk_shutter shutter = {0, 1};
+    for (uint32_t i = 0; i < 64; i++) {
+        double x = (double)rk_shutter_time(&shutter, RK_TIME_STRATIFIED, 3, 7, i, 64);
+        rk_check(x >= i / 64.0 && x <= (i + 1) / 64.0, "sample %u of 64: the time %.6f", i, x);
+    }
 }
 
 static void low_discrepancy_times_do_so_for_each_power_of_two(void **state)

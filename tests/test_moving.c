@@ -334,6 +334,47 @@ static void more_samples_than_times_each_have_a_time(void **state)
     rk_scene_free(&scene);
 }
 
+/* The mean of the pixels of one row, over many seeds. */
+static double mean_of_row(const rk_scene *scene, rk_render_options options, size_t row,
+                          uint32_t seeds)
+{
+    double sum = 0;
+    for (options.seed = 0; options.seed < seeds; options.seed++) {
+        test_picture picture = test_render(scene, options, 2);
+        for (size_t x = 0; x < width; x++)
+            sum += (double)rk_image_at(&picture.image, x, row)->x;
+        rk_image_free(&picture.image);
+    }
+    return sum / width / seeds;
+}
+
+/* A sample that meets nothing in motion says nothing of the rest of its pixel. Were the first
+ * samples to decide for the pixel, its mean would be off by (1 - n / times) (1 - p)^n p, if a share
+ * p of it is covered and n are the samples: here by 0.08. */
+static void pixels_that_are_covered_in_part_are_right_on_average(void **state)
+{
+    (void)state;
+    enum { samples = 4, seeds = 60 };
+    double share = 0.2, side = 2 * tan(25 * pi / 180) * 3 / height;
+    rk_scene scene = test_scene_make(2);
+    /* Its upper edge is in the row above the middle; it covers the whole width all the time. */
+    test_scene_quad(&scene, 0, rk_vec(-10, -10, 0), rk_vec(20, 0, 0),
+                    rk_vec(0, 10 + (float)(share * side), 0));
+    scene.mesh.materials[0].kd = rk_vec(1, 1, 1);
+    shine(&scene);
+    set_moving(&scene, 0, level);
+    rk_render_options options = blurred(0, 0.25f);
+    options.samples = samples;
+    for (int sampling = RK_SAMPLER_UNIFORM; sampling <= RK_SAMPLER_LOW_DISCREPANCY; sampling++) {
+        options.sampling = (rk_sampler_kind)sampling;
+        double mean = mean_of_row(&scene, options, height / 2 - 1, seeds);
+        /* Independent samples are the worst: four standard deviations of the mean. */
+        double deviation = sqrt(share * (1 - share) / (samples * width * seeds));
+        rk_check_close(mean, share, 4 * deviation, "the covered share of the pixels");
+    }
+    rk_scene_free(&scene);
+}
+
 /* --- Shadows, mirrors, glass ------------------------------------------------------------------ */
 
 static void the_shadow_of_what_moves_is_blurred(void **state)
@@ -359,6 +400,93 @@ static void the_shadow_of_what_moves_is_blurred(void **state)
                         "light for the rest of the time");
         }
     rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+/* White, and two units wide and high. */
+static void put_large_light(rk_scene *scene, rk_vec3 corner)
+{
+    rk_light *light = &scene->lights[scene->light_count++];
+    *light = (rk_light){.kind = RK_LIGHT_PARALLELOGRAM,
+                        .position = corner,
+                        .edge01 = rk_vec(2, 0, 0),
+                        .edge02 = rk_vec(0, 2, 0)};
+    for (int i = 0; i < 4; i++)
+        light->colours[i] = rk_vec(1, 1, 1);
+}
+
+/* How far the picture's pixels are from those of `truth`. */
+static double rms_error(const rk_scene *scene, rk_render_options options, const rk_image *truth)
+{
+    test_picture picture = test_render(scene, options, 2);
+    double sum = 0;
+    for (size_t i = 0; i < width * height; i++)
+        sum += pow((double)picture.image.pixels[i].x - (double)truth->pixels[i].x, 2);
+    rk_image_free(&picture.image);
+    return sqrt(sum / (width * height));
+}
+
+/* Where the camera's ray decides that there is motion, light samples are drawn anew each time. */
+static void what_is_seen_in_motion_takes_light_samples_at_each_time(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_make(2);
+    test_scene_wall(&scene, 0, 1, 0);
+    scene.mesh.materials[0].kd = rk_vec(1, 1, 1);
+    put_large_light(&scene, rk_vec(-1, -1, -0.5f));
+    rk_render_options options = blurred(0, 0.25f);
+    options.shading.model = RK_SHADING_LAMBERT;
+    options.light.samples = 1024;
+    test_picture truth = test_render(&scene, options, 2);
+    set_moving(&scene, 0, level); /* looks the same at all times */
+    options.light.samples = 1;
+    options.motion.samples = 1;
+    double once = rms_error(&scene, options, &truth.image);
+    options.motion.samples = 16;
+    double often = rms_error(&scene, options, &truth.image);
+    /* A quarter, were they independent; other sets are better. */
+    rk_check(once > 0.01 && often < 0.4 * once,
+             "16 times a light sample are wrong by %.4f, and 1 by %.4f", often, once);
+    rk_image_free(&truth.image);
+    rk_scene_free(&scene);
+}
+
+static void add_picture(double *sum, const rk_scene *scene, rk_render_options options)
+{
+    test_picture picture = test_render(scene, options, 2);
+    for (size_t i = 0; i < width * height; i++)
+        *sum += (double)picture.image.pixels[i].x / (width * height);
+    rk_image_free(&picture.image);
+}
+
+/* A single random point of a large light decides whether there is motion in its way. Were the
+ * others then drawn anew, shadows would be too bright, here by 0.07. */
+static void shadows_of_large_lights_are_right_on_average(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_make(4);
+    test_scene_wall(&scene, 0, 1, 0);
+    put_square(&scene, 2, 3, -0.06f, 0, 0.5f);
+    scene.mesh.materials[0].kd = rk_vec(1, 1, 1);
+    put_large_light(&scene, rk_vec(5, -1, -1));
+    set_moving(&scene, 2, level);
+    enum { few = 8, seeds = 40 };
+    rk_render_options options = blurred(-0.5f, 0.5f);
+    options.shadows = true;
+    options.motion.samples = few;
+    options.motion.sampling = RK_TIME_EQUIDISTANT;
+    options.light.settle = 0;
+    options.light.samples = 256;
+    double want = 0, got = 0;
+    for (options.motion.isolate = 1; options.motion.isolate <= few; options.motion.isolate++)
+        add_picture(&want, &scene, options);
+    options.motion.isolate = NAN;
+    options.light.samples = 1;
+    for (options.seed = 0; options.seed < seeds; options.seed++)
+        add_picture(&got, &scene, options);
+    /* A pixel's deviation is at most 1/2: four of the mean's. */
+    rk_check_close(got / seeds, want / few, 4 * 0.5 / sqrt(1.0 * width * height * seeds),
+                   "the mean of the pictures at each of the times");
     rk_scene_free(&scene);
 }
 
@@ -563,7 +691,10 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(pixels_that_motion_cannot_change_take_no_time_samples),
     cmocka_unit_test(what_is_hidden_takes_no_time_samples),
     cmocka_unit_test(more_samples_than_times_each_have_a_time),
+    cmocka_unit_test(pixels_that_are_covered_in_part_are_right_on_average),
     cmocka_unit_test(the_shadow_of_what_moves_is_blurred),
+    cmocka_unit_test(what_is_seen_in_motion_takes_light_samples_at_each_time),
+    cmocka_unit_test(shadows_of_large_lights_are_right_on_average),
     cmocka_unit_test(a_mirror_shows_what_moves_blurred),
     cmocka_unit_test(moving_glass_dims_what_is_behind_it_for_its_share_of_the_time),
     cmocka_unit_test(a_lens_and_motion_go_together),

@@ -5,6 +5,7 @@ scored tests of one (test, points, section of the chapter to read), simplest fir
 every tool for students and instructors, so a new feature is two tables and no code.
 """
 
+import argparse
 import csv
 import os
 
@@ -15,6 +16,25 @@ class ToolError(Exception):
 
 class UnitError(ToolError):
     """A submission that cannot be judged, and so earns nothing; the text is the reason."""
+
+
+def cannot_write(path, error):
+    """Returns the ToolError for an OSError that keeps a file or folder from being written."""
+    return ToolError(f"{path}: cannot be written: {error.strerror}; free some space, or choose another place")
+
+
+class Parser(argparse.ArgumentParser):
+    """Complains in one line, without the usage."""
+
+    def error(self, message):
+        name = os.path.splitext(self.prog)[0].replace("_", "-")
+        self.exit(2, f"{name}: {message}; see --help\n")
+
+
+def choose_format(name, formats):
+    """Raises ToolError unless FORMAT names one of these."""
+    if name not in formats:
+        raise ToolError(f"FORMAT={name}: choose one of {', '.join(sorted(formats))}")
 
 
 class Feature:

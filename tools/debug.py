@@ -6,7 +6,6 @@ impl/debug/test_STEM: a stray index stops where it happens, and not where it sho
 stands in impl/debug/STEM.gdb, for editors that bring their own view of gdb. It stops once in each
 function that students write; those that are given are no news."""
 
-import argparse
 import os
 import re
 import shutil
@@ -15,7 +14,7 @@ import sys
 
 import building
 from assignments import (
-    ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit, unit_beside,
+    Parser, ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit, unit_beside,
 )
 from grade import grade_impl, stop_on_signals
 from regions import read_regions
@@ -95,7 +94,7 @@ def _first_failing(build, feature, impl, test):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stem", metavar="STEM")
     parser.add_argument(
         "--impl", default="", metavar="FILE_OR_DIR", help="the work; none means the reference"

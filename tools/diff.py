@@ -1,11 +1,10 @@
 #!/usr/bin/env python3
 """Shows what a student has changed: the unit against the starter that it began as."""
 
-import argparse
 import difflib
 import sys
 
-from assignments import ToolError, check_impl, choose, find_unit, read_features
+from assignments import Parser, ToolError, check_impl, choose, find_unit, read_features
 from regions import RegionError, starter_of
 
 
@@ -31,7 +30,7 @@ def difference(source, stem, impl):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__)
+    parser = Parser(description=__doc__)
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
     parser.add_argument("stem", metavar="STEM")
     parser.add_argument("impl", metavar="FILE_OR_DIR")

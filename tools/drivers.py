@@ -6,14 +6,13 @@ All other units are the reference's, so that an unsolved assignment does not spo
 the solved ones; pictures and impl/units say which is which. Where a unit cannot be built, a script
 that says so stands in its driver's place, and the reason in STEM.unmade beside it."""
 
-import argparse
 import os
 import shutil
 import subprocess
 import sys
 
 import building
-from assignments import ToolError, check_impl, find_unit, read_features, unit_beside
+from assignments import Parser, ToolError, check_impl, find_unit, read_features, unit_beside
 from results import write_whole
 
 
@@ -120,7 +119,7 @@ def link_drivers(toolchain, impl):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
     parser.add_argument("--build", default=".", metavar="DIR")
     arguments = parser.parse_args()

@@ -6,7 +6,6 @@ A test counts as passed only when its process came back from it and proved so (s
 crashes, endless loops, leaks and programs that end early are failed tests with a reason.
 """
 
-import argparse
 import concurrent.futures
 import os
 import re
@@ -22,8 +21,8 @@ import guarded
 import kit
 import results
 from assignments import (
-    ToolError, Unit, UnitError, check_impl, choose, find_unit, read_features, read_points, reference_unit,
-    submitted_unit, unit_beside,
+    Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format, find_unit, read_features, read_points,
+    reference_unit, submitted_unit, unit_beside,
 )
 from verdicts import Verdict, judge
 
@@ -196,7 +195,7 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None)
 
 
 def _arguments():
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         description=__doc__.split("\n\n")[0],
         epilog="Exit status: 0 all tests passed, or FILE was written; 1 some test failed; 2 nothing could be graded.",
     )
@@ -204,7 +203,7 @@ def _arguments():
     add = parser.add_argument
     add("--impl", required=True, metavar="FILE_OR_DIR", help="a C file, or a folder with STEM.c")
     add("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
-    add("--format", choices=sorted(results.FORMATS), default="text", help="of the report")
+    add("--format", metavar="FORMAT", default="text", help=f"of the report: {', '.join(sorted(results.FORMATS))}")
     add("--out", metavar="FILE", help="write the report there instead of standard output")
     add("--test", metavar="NAME", help="only this test")
     add("--fallback", action="store_true", help="a student's own check: for units that are not there run the "
@@ -287,6 +286,7 @@ def main():
     stop_on_signals()
     progress = show_progress if sys.stderr.isatty() else None
     try:
+        choose_format(arguments.format, results.FORMATS)
         results.check_place(arguments.out)
         if arguments.fallback:
             _, suites = grade_impl(arguments.build, arguments.stems, arguments.impl, True, arguments.test, progress)

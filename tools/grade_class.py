@@ -6,7 +6,6 @@ A submission that cannot be graded gets a remark and no points. One that changes
 submission or the results ends the class: nothing after it could be believed.
 """
 
-import argparse
 import csv
 import io
 import os
@@ -14,7 +13,7 @@ import sys
 
 import building
 import results
-from assignments import ToolError, choose, read_features, read_points
+from assignments import Parser, ToolError, cannot_write, choose, choose_format, read_features, read_points
 from grade import grade_submission, stop_on_signals
 from kit import KitChanged
 
@@ -75,7 +74,10 @@ def grade_class(build, stems, submissions, out, format_name):
         raise ToolError("say where the results go: OUT=results, a folder")
     if os.path.realpath(out).startswith(os.path.join(os.path.realpath(submissions), "")):
         raise ToolError(f"OUT: {out} lies among the submissions; choose another place")
-    os.makedirs(out, exist_ok=True)
+    try:
+        os.makedirs(out, exist_ok=True)
+    except OSError as error:
+        raise cannot_write(out, error) from error
     most = sum(test.points for feature in features for test in read_points(feature))
     table = Table(os.path.join(out, "class.csv"), [feature.stem for feature in features])
     ungraded = 0
@@ -101,7 +103,7 @@ def grade_class(build, stems, submissions, out, format_name):
 
 
 def main():
-    parser = argparse.ArgumentParser(
+    parser = Parser(
         description=__doc__.split("\n\n")[0],
         epilog="Exit status: 0 all were graded; 1 some could not be; 2 it could not begin, or had to stop.",
     )
@@ -109,10 +111,12 @@ def main():
     parser.add_argument("--submissions", required=True, metavar="DIR", help="a folder or C file for each student")
     parser.add_argument("--out", required=True, metavar="DIR", help="where the results go")
     parser.add_argument("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
-    parser.add_argument("--format", choices=sorted(_ENDINGS), default="gradescope", help="of the reports")
+    parser.add_argument("--format", metavar="FORMAT", default="gradescope",
+                        help=f"of the reports: {', '.join(sorted(_ENDINGS))}")
     arguments = parser.parse_args()
     stop_on_signals()
     try:
+        choose_format(arguments.format, _ENDINGS)
         ungraded = grade_class(arguments.build, arguments.stems, arguments.submissions, arguments.out, arguments.format)
     except ToolError as error:
         print(f"grade-class: {error}", file=sys.stderr)

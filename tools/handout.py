@@ -6,7 +6,7 @@ Makefile.am says so in `handed_out`. It grows beside its place and takes it when
 solution line was found in any of its files.
 """
 
-import argparse
+import errno
 import filecmp
 import html
 import os
@@ -17,7 +17,7 @@ import sys
 import tarfile
 import tempfile
 
-from assignments import ToolError, choose, read_features, read_points
+from assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
 from regions import RegionError, handed_out_of, solution_lines, starter_of
 from results import write_whole
 
@@ -59,7 +59,9 @@ it.
 
 ## Hand in
 
-{files}, and nothing else, unless your instructor asks for more.
+{files}
+
+Hand in nothing else, unless your instructor asks for more.
 """
 
 
@@ -195,7 +197,7 @@ def _write_handout(pack, features, has_book):
     width = len(one)
     commands = {"one": one} | {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "diff")}
     commands |= {word: f"make {word}".ljust(width) for word in ("progress", "report", "check")}
-    files = " and ".join(f"`workbook/{feature.stem}.c`" for feature in features)
+    files = "\n".join(f"- `workbook/{feature.stem}.c`" for feature in features)
     write_whole(os.path.join(pack, "HANDOUT.md"), HANDOUT.format(
         assignments="\n".join(rows), first=first, reading=reading, files=files, **commands))
 
@@ -299,7 +301,10 @@ def make_handout(source, stems, out="", folder="", book=True):
     chosen = [feature for feature in features.values() if feature in named]  # in the course's order
     place, name = place_of(out, folder)
     has_book = book and bool(os.environ.get("PANDOC"))
-    work = tempfile.mkdtemp(prefix=".handout-", dir=os.path.dirname(os.path.abspath(place)))
+    try:
+        work = tempfile.mkdtemp(prefix=".handout-", dir=os.path.dirname(os.path.abspath(place)))
+    except OSError as error:
+        raise cannot_write(place, error) from error
     try:
         pack = os.path.join(work, name)
         _release(pack)
@@ -327,7 +332,7 @@ def _anonymous(entry):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features to hand out")
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
     parser.add_argument("--out", default="", metavar="FILE", help="the archive")
@@ -343,7 +348,10 @@ def main():
         print(f"handout: {error}", file=sys.stderr)
         return 1
     except OSError as error:
-        print(f"handout: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
+        full = error.errno in (errno.ENOSPC, errno.EDQUOT)
+        why = cannot_write(arguments.out or arguments.dir, error) if full else (
+            f"{error.filename or 'the system'}: {error.strerror}")
+        print(f"handout: {why}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print("handout: stopped", file=sys.stderr)

@@ -8,7 +8,7 @@ import sys
 import tempfile
 import textwrap
 
-from assignments import ToolError
+from assignments import ToolError, cannot_write
 
 _DETAILS_MAX = 10000  # characters of a program's output that go into a report
 
@@ -211,7 +211,10 @@ FORMATS = {"text": text, "table": table, "tap": tap, "junit": junit, "gradescope
 def write_whole(path, content):
     """Puts a file in place when it is complete."""
     folder = os.path.dirname(path) or "."
-    descriptor, part = tempfile.mkstemp(prefix=".part-", dir=folder)
+    try:
+        descriptor, part = tempfile.mkstemp(prefix=".part-", dir=folder)
+    except OSError as error:
+        raise cannot_write(path, error) from error
     try:
         with os.fdopen(descriptor, "w", encoding="utf-8") as file:
             file.write(content)
@@ -219,8 +222,10 @@ def write_whole(path, content):
         os.umask(mask)
         os.chmod(part, 0o666 & ~mask)
         os.replace(part, path)
-    except BaseException:
+    except BaseException as error:
         os.unlink(part)
+        if isinstance(error, OSError):
+            raise cannot_write(path, error) from error
         raise
 
 

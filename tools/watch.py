@@ -4,7 +4,6 @@
 The last verdict stays to be read while the next is on its way. A save meanwhile ends that check and
 begins another: what it would find is about a file that is no more."""
 
-import argparse
 import os
 import re
 import signal
@@ -13,7 +12,7 @@ import sys
 import tempfile
 import time
 
-from assignments import ToolError, check_impl, read_features
+from assignments import Parser, ToolError, check_impl, read_features
 from building import Toolchain
 from grade import stop_on_signals
 
@@ -110,7 +109,7 @@ def watch(command, impl):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stem", metavar="STEM")
     parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
     parser.add_argument("--build", default=".", metavar="DIR")

@@ -5,12 +5,11 @@ A file that the student changed is never touched. What was generated is remember
 the folder's .workbook, so that a starter nobody has changed is renewed with the kit.
 """
 
-import argparse
 import hashlib
 import os
 import sys
 
-from assignments import ToolError, choose, read_features
+from assignments import Parser, ToolError, cannot_write, choose, read_features
 from regions import RegionError, starter_of
 from results import write_whole
 
@@ -94,7 +93,10 @@ def make_workbook(source, folder, stems=()):
         assignments="\n".join(f"    {f.stem + '.c':<24}chapter {f.chapter}" for f in features),
         first=first.stem, chapter=first.chapter, folder=folder.rstrip("/") or "/",
     )
-    os.makedirs(folder, exist_ok=True)
+    try:
+        os.makedirs(folder, exist_ok=True)
+    except OSError as error:
+        raise cannot_write(folder, error) from error
     manifest, said = os.path.join(folder, MANIFEST), []
     generated = _read_manifest(manifest)
     for name, text in files.items():
@@ -104,7 +106,7 @@ def make_workbook(source, folder, stems=()):
 
 
 def main():
-    parser = argparse.ArgumentParser(description=__doc__.split("\n\n")[0])
+    parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
     parser.add_argument("folder", metavar="DIR", help="the workbook")
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; none means all of them")
@@ -115,7 +117,7 @@ def main():
         print(f"workbook: {error}", file=sys.stderr)
         return 1
     except OSError as error:
-        print(f"workbook: {error.filename}: {error.strerror}", file=sys.stderr)
+        print(f"workbook: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
         return 1
     return 0
 

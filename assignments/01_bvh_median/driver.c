@@ -4,7 +4,7 @@
 
 static const char summary[] =
     "Builds a bounding volume hierarchy by median splits and renders a scene with it.\n"
-    "--debug level draws the boxes of one level, --debug leaf one leaf and its triangles.";
+    "--debug level draws the boxes of a level, --debug leaf the triangles of a leaf.";
 
 int main(int argc, char **argv)
 {
@@ -12,7 +12,7 @@ int main(int argc, char **argv)
     const rk_option options[] = {RK_TREE_VIEW_OPTIONS(view), {0}};
     const char *const views[] = {"level", "leaf", NULL};
     rk_driver driver = rk_driver_default("bvh_median", summary);
-    driver.split = "median";
+    driver.split = RK_ACCEL_MEDIAN;
     int status;
     if (!rk_driver_start(&driver, argc, argv, options, views, &status))
         return status;

@@ -11,10 +11,10 @@
 
 static const char summary[] =
     "Builds a bounding volume hierarchy by the surface area heuristic and renders with it.\n"
-    "--debug level draws the boxes of one level, --debug leaf one leaf and its triangles;\n"
-    "--debug split the cheapest cut of a node, --debug bad-split another one, and\n"
-    "--debug candidates all of them, blue where they are cheap, orange where they are\n"
-    "dear, and the cheapest white.";
+    "--debug level draws the boxes of a level, --debug leaf the triangles of a leaf.\n"
+    "--debug split draws the cheapest cut of a node, --debug bad-split another one.\n"
+    "--debug candidates draws all cuts of a node: blue where they are cheap, orange where they "
+    "are dear, and the cheapest white.";
 
 /* A node, and the ways to cut it. */
 typedef struct cuts {
@@ -50,7 +50,7 @@ static bool list_cuts(cuts *c, const rk_driver *driver, rk_error *error)
     for (uint32_t i = 0; i < stretch.count; i++)
         references[i] =
             rk_bvh_reference_of(&driver->scene.mesh, bvh->triangles[stretch.begin + i].index);
-    const rk_sah_options options = {driver->bins, strcmp(driver->split, "sah3") == 0};
+    const rk_sah_options options = {driver->bins, driver->split == RK_ACCEL_SAH_3};
     c->count = rk_sah_candidates(references, stretch.count, &options, c->list);
     free(references);
     if (c->count == 0)
@@ -163,7 +163,7 @@ static bool wants_cuts(const rk_driver *driver)
 
 static bool check_options(const cuts *c, const rk_driver *driver, rk_error *error)
 {
-    if (wants_cuts(driver) && strcmp(driver->split, "median") == 0)
+    if (wants_cuts(driver) && driver->split == RK_ACCEL_MEDIAN)
         return rk_fail(error, "--debug %s goes with --split sah or sah3", driver->debug);
     if (c->candidate != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "bad-split"))
         return rk_fail(error, "--candidate goes with --debug bad-split");
@@ -180,8 +180,8 @@ int main(int argc, char **argv)
          "whose cuts are drawn: 0 is the root, parents come before children, left before right", 0,
          UINT32_MAX - 1},
         {"candidate", RK_OPTION_UINT, &node_cuts.candidate, "K",
-         "cut drawn by --debug bad-split, as --debug candidates numbers them (default: the "
-         "dearest)",
+         "cut drawn by --debug bad-split, as --debug candidates numbers them; by default "
+         "the dearest",
          0, RK_SAH_CANDIDATES_MAX - 1},
         {0},
     };

@@ -6,10 +6,10 @@
 #include <stdio.h>
 #include <string.h>
 
-static const char summary[] = "Renders a scene by one of the shading models (--shading).\n"
-                              "--debug lobe draws how far a highlight reaches in each direction, "
-                              "for shininess 1 to 100,000.\n"
-                              "--lobes puts the values of normalised highlights into a table.";
+static const char summary[] =
+    "Renders a scene by one of the shading models (--shading).\n"
+    "--debug lobe draws how far highlights of shininess 1 to 100,000 reach.\n"
+    "--lobes puts the values of normalised highlights into a table.";
 
 static const char *const model_names[] = {"off", "lambert", "phong", "blinn-phong", "gradient"};
 static const float shininess_shown[] = {1, 10, 100, 1e3f, 1e5f};

@@ -7,10 +7,10 @@
 
 static const char summary[] =
     "Renders a scene with lights that have an extent.\n"
-    "--debug rays draws the shadow rays of one pixel (--pixel): green pass, red are blocked.\n"
+    "--debug rays draws the shadow rays of --pixel: green pass, red are blocked.\n"
     "--debug samples draws the samples on the light in its colours.\n"
-    "--convergence puts the error of each method against time into a table; with and without\n"
-    "--falloff physical into tables of their own.";
+    "--convergence puts the error of each method against time into a table; with --falloff "
+    "physical into another one.";
 
 typedef struct choices {
     uint32_t light; /* 0: as the scene has it; or 1 + rk_light_kind */
@@ -56,12 +56,16 @@ static label label_of(const rk_driver *driver, const choices *c)
     static const char *const kinds[] = {"", "point_", "segment_", "parallelogram_"};
     static const char *const samplings[] = {"uniform", "stratified", "low-discrepancy"};
     const rk_light_options *light = &driver->render.light;
+    char pixel[32] = "";
     label made;
-    snprintf(
-        made.text, sizeof made.text, "%s%s%s%s%u_%s%s%s%s", driver->debug ? driver->debug : "",
-        driver->debug ? "_" : "", kinds[c->light], c->coloured ? "coloured_" : "", light->samples,
-        samplings[light->sampling], light->map == RK_LIGHT_MAP_SOLID_ANGLE ? "_solid-angle" : "",
-        light->falloff == RK_FALLOFF_PHYSICAL ? "_physical" : "", light->ratio ? "_ratio" : "");
+    if (driver->debug)
+        snprintf(pixel, sizeof pixel, "_%u_%u", driver->pixel.x, driver->pixel.y);
+    snprintf(made.text, sizeof made.text, "%s%s%s%s%u_%s%s%s%s%s",
+             driver->debug ? driver->debug : "", driver->debug ? "_" : "", kinds[c->light],
+             c->coloured ? "coloured_" : "", light->samples, samplings[light->sampling],
+             light->map == RK_LIGHT_MAP_SOLID_ANGLE ? "_solid-angle" : "",
+             light->falloff == RK_FALLOFF_PHYSICAL ? "_physical" : "", light->ratio ? "_ratio" : "",
+             pixel);
     return made;
 }
 
@@ -83,8 +87,10 @@ static bool look(drawing *d, rk_pixel pixel, rk_error *error)
     rk_accel_closest(&driver->accel, &rays, &hits, &counters);
     rk_hit hit = rk_batch_hit(&hits, 0);
     if (hit.triangle == RK_MISS)
-        return rk_fail(error, "--pixel %u,%u: nothing is seen there; choose a pixel on a surface",
-                       pixel.x, pixel.y);
+        return rk_fail(error,
+                       "--debug %s: nothing is seen at the pixel %u,%u; choose one on a surface by "
+                       "--pixel X,Y",
+                       driver->debug, pixel.x, pixel.y);
     rk_scene_surface(&d->surface, &driver->scene, &ray, &hit);
     return true;
 }
@@ -139,8 +145,9 @@ static void draw_light(drawing *d, uint32_t index, uint32_t pixel)
     }
 }
 
-static bool draw(rk_driver *driver, rk_pixel pixel, const choices *c, rk_error *error)
+static bool draw(rk_driver *driver, const choices *c, rk_error *error)
 {
+    const rk_pixel pixel = driver->pixel;
     drawing d = {.driver = driver};
     if (!rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
                          error))
@@ -245,18 +252,16 @@ int main(int argc, char **argv)
     const char *const views[] = {"rays", "samples", NULL};
     rk_driver driver = rk_driver_default("parallelogram_light", summary);
     driver.scene_name = "cornell-light";
+    driver.drawn_x = 86; /* in the Cornell box, a place on the floor that sees a part of the lamp */
+    driver.drawn_y = 88;
     driver.render.shadows = true;
     driver.render.light.sampling = RK_SAMPLER_LOW_DISCREPANCY; /* settling wants even prefixes */
     int status;
     if (!rk_driver_start(&driver, argc, argv, options, views, &status))
         return status;
     rk_error error = {""};
-    /* In the Cornell box, a place on the floor that sees a part of the lamp. */
-    rk_pixel pixel = {true, driver.render.width * 69 / 80, driver.render.height * 7 / 8};
-    if (driver.debug && driver.pixel.given) {
-        pixel = driver.pixel;
-        driver.pixel.given = false; /* drawn, not told */
-    }
+    if (driver.debug)
+        rk_driver_draw_pixel(&driver);
     set_lights(&driver, &c);
     bool ok = rk_driver_build(&driver, &error);
     if (ok && c.convergence)
@@ -266,7 +271,7 @@ int main(int argc, char **argv)
     if (ok && driver.timing)
         ok = put_rows(&driver, &error);
     else if (ok && driver.debug)
-        ok = draw(&driver, pixel, &c, &error);
+        ok = draw(&driver, &c, &error);
     else if (ok && !c.convergence)
         ok = rk_driver_save(&driver, label_of(&driver, &c).text, &error);
     return rk_driver_finish(&driver, ok, &error);

@@ -9,8 +9,8 @@
 #include <string.h>
 
 static const char summary[] =
-    "Renders a scene and lets what is bright glow (--bloom-threshold, --bloom-radius, ...).\n"
-    "--debug threshold shows the pixels that glow in red, --debug mask the glow alone.\n"
+    "Renders a scene and lets what is bright glow (--bloom-threshold and others).\n"
+    "--debug threshold shows what glows in red, --debug mask the glow alone.\n"
     "--errors puts time and error of each --bloom-method into a table.";
 
 static const char *const method_names[] = {"exact", "gaussian", "recursive", "pyramid"};

@@ -10,10 +10,10 @@
 
 static const char summary[] =
     "Renders a scene whose mirrors are rough (--glossy samples in a disk of --glossy-radius).\n"
-    "--debug rays shows the mirrored rays of --pixel from beside the camera; --debug dots shows\n"
-    "where they go through the disk.\n"
-    "--convergence puts the error of each map and sampler against time into a table, --policies\n"
-    "the light that each way to weigh samples keeps.";
+    "--debug rays shows the mirrored rays of --pixel from beside the camera.\n"
+    "--debug dots shows their disk: as a whole, or what --pixel makes of it.\n"
+    "--convergence puts the error of each map and sampler against time into a table.\n"
+    "--policies puts the light that each way to weigh samples keeps into a table.";
 
 typedef struct choices {
     rk_side_view viewer;
@@ -41,8 +41,10 @@ static bool look(const rk_driver *driver, const rk_ray *ray, rk_seen *seen, rk_e
     if (hit.triangle != RK_MISS)
         rk_scene_surface(&seen->surface, &driver->scene, ray, &hit);
     return (hit.triangle != RK_MISS && rk_mirrors(seen)) ||
-           rk_fail(error, "--pixel %u,%u: there is no mirror; choose a pixel that shows one",
-                   driver->pixel.x, driver->pixel.y);
+           rk_fail(error,
+                   "--debug %s: there is no mirror at the pixel %u,%u; choose one that shows a "
+                   "mirror by --pixel X,Y",
+                   driver->debug, driver->pixel.x, driver->pixel.y);
 }
 
 /* The i-th point of the unit disk that the renderer takes for the pixel's first ray. */
@@ -296,11 +298,11 @@ static bool put_rows(rk_driver *driver, rk_error *error)
            rk_driver_row(driver, reflected, "1", rk_timing_once(rays), error);
 }
 
-static bool save(rk_driver *driver, rk_error *error)
+static bool save(rk_driver *driver, bool of_pixel, rk_error *error)
 {
     const rk_glossy_options *glossy = &driver->render.glossy;
     char label[128], pixel[32] = "", radius[32] = "";
-    if (driver->debug && driver->pixel.given)
+    if (driver->debug && of_pixel)
         snprintf(pixel, sizeof pixel, "_%u_%u", driver->pixel.x, driver->pixel.y);
     if (glossy->radius >= 0)
         snprintf(radius, sizeof radius, "_radius%g", (double)glossy->radius);
@@ -334,7 +336,9 @@ int main(int argc, char **argv)
     };
     const char *const views[] = {"rays", "dots", NULL};
     rk_driver driver = rk_driver_default("glossy_reflection", summary);
-    driver.split = "sah3";
+    driver.split = RK_ACCEL_SAH_3;
+    driver.drawn_x = 36; /* the mirror of the Cornell box */
+    driver.drawn_y = 56;
     driver.render.reflections = true;
     driver.render.glossy.samples = 64;
     driver.render.glossy.radius = 0.1f; /* the box' own mirror is too shiny to see it */
@@ -342,16 +346,14 @@ int main(int argc, char **argv)
     if (!rk_driver_start(&driver, argc, argv, options, views, &status))
         return status;
     rk_error error = {""};
-    bool given = driver.pixel.given, ok = rk_driver_build(&driver, &error);
-    if (ok && rk_driver_debug(&driver, "rays") && !given)
-        ok = rk_fail(&error, "--debug rays needs the pixel whose rays it draws: --pixel X,Y");
+    bool of_pixel = rk_driver_debug(&driver, "rays") || driver.pixel.given;
+    bool ok = rk_driver_build(&driver, &error);
     if (ok && (c.convergence || c.policies)) {
         ok = c.convergence ? converge(&driver, &c, &error) : put_policies(&driver, &error);
         return rk_driver_finish(&driver, ok, &error);
     }
     ok = ok && draw(&driver, &c, &error);
-    driver.pixel.given = given;
     if (ok)
-        ok = driver.timing ? put_rows(&driver, &error) : save(&driver, &error);
+        ok = driver.timing ? put_rows(&driver, &error) : save(&driver, of_pixel, &error);
     return rk_driver_finish(&driver, ok, &error);
 }

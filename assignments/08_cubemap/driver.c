@@ -11,8 +11,9 @@
 
 static const char summary[] =
     "Renders a scene in an environment (--environment), which mirrors and misses see.\n"
-    "--marked takes a map with a letter on each face. --debug cross draws the map unfolded, and\n"
-    "--debug seam a corner of a coarse map of random colours, where three faces meet.\n"
+    "--marked takes a map with a letter on each face.\n"
+    "--debug cross draws the map unfolded.\n"
+    "--debug seam draws a map of random colours where three faces meet.\n"
     "--filters puts the filters' errors and steps into a table.";
 
 static const char *const filter_names[] = {"nearest", "bilinear", "seamless"};
@@ -88,6 +89,11 @@ static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
     if (c->side && !is_sky && !seam && !c->marked)
         return rk_fail(error, "--side: a file has a size of its own; this goes with --environment "
                               "sky, --marked and --debug seam");
+    if (driver->debug && driver->pixel.given)
+        return rk_fail(error,
+                       "--debug %s shows the map and not the scene, so --pixel has no story: "
+                       "leave one of them out",
+                       driver->debug);
     if (!isnan(c->mirror))
         set_materials(scene, c->mirror);
     if (seam)
@@ -126,6 +132,22 @@ static void draw_cross(rk_driver *driver)
                     : seen(driver, rk_cube_direction((rk_cube_face)face, across - floorf(across),
                                                      1 - (down - floorf(down))));
         }
+}
+
+/* The map takes the scene's place, in names and captions as well. */
+static void show_map_alone(rk_driver *driver, const choices *c)
+{
+    const char *slash = strrchr(driver->environment, '/');
+    const char *own = slash ? slash + 1 : driver->environment;
+    bool seam = rk_driver_debug(driver, "seam");
+    rk_cubemap map = driver->scene.environment;
+    driver->scene.environment = (rk_cubemap){0};
+    rk_scene_free(&driver->scene);
+    driver->scene.environment = map;
+    snprintf(driver->scene.name, sizeof driver->scene.name, "%s",
+             seam        ? "random-colours"
+             : c->marked ? "marked"
+                         : own);
 }
 
 /* From the cube's centre to the corner of +x, +y and -z, half a face to each side. */
@@ -259,9 +281,12 @@ static bool put_filters(rk_driver *driver, rk_error *error)
 static bool save(rk_driver *driver, const choices *c, rk_error *error)
 {
     char label[64];
-    snprintf(label, sizeof label, "%s%s%s%s%s", driver->debug ? driver->debug : "",
-             driver->debug ? "_" : "", c->marked ? "marked_" : "",
-             isnan(c->mirror) ? "" : "mirror_", filter_names[driver->render.environment_filter]);
+    const char *filter = filter_names[driver->render.environment_filter];
+    if (driver->debug)
+        snprintf(label, sizeof label, "%s_%s", driver->debug, filter);
+    else
+        snprintf(label, sizeof label, "%s%s%s", c->marked ? "marked_" : "",
+                 isnan(c->mirror) ? "" : "mirror_", filter);
     return rk_driver_save(driver, label, error);
 }
 
@@ -274,7 +299,8 @@ int main(int argc, char **argv)
          "their own",
          0, 1},
         {"side", RK_OPTION_UINT, &c.side, "N",
-         "texels a side of the built-in sky, or of --marked or --debug seam; 0: 256, of the last 8",
+         "texels a side of the built-in sky, or of --marked or --debug seam; 0: 256, "
+         "and 8 for --debug seam",
          0, RK_CUBEMAP_SIDE_MAX},
         {"marked", RK_OPTION_FLAG, &c.marked, NULL,
          "an environment of six colours, with the letter F upright on each face", 0, 0},
@@ -296,6 +322,8 @@ int main(int argc, char **argv)
     bool ok = prepare(&driver, &c, &error);
     if (ok && c.filters)
         return rk_driver_finish(&driver, put_filters(&driver, &error), &error);
+    if (ok && driver.debug)
+        show_map_alone(&driver, &c);
     if (ok && rk_driver_debug(&driver, "cross"))
         draw_cross(&driver);
     else if (ok && rk_driver_debug(&driver, "seam"))

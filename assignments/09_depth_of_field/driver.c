@@ -9,8 +9,8 @@
 
 static const char summary[] =
     "Renders a scene through a lens (--focal-distance, --aperture, --lens-samples).\n"
-    "--debug focus shows the focal surface, and --debug rays the lens rays of --pixel, or of "
-    "the middle, from the side.\n"
+    "--debug focus shows the focal surface, --debug rays the lens rays of --pixel, both from the "
+    "side.\n"
     "--debug blurred marks the pixels that take lens samples.\n"
     "--convergence puts the errors of a blurred edge into a table.";
 
@@ -25,6 +25,9 @@ typedef struct choices {
 
 static bool check(const rk_driver *driver, rk_error *error)
 {
+    if (rk_driver_debug(driver, "focus") && driver->pixel.given)
+        return rk_fail(error, "--debug focus shows no pixel: --pixel goes without --debug, or with "
+                              "--debug rays or blurred");
     if (driver->debug && (driver->render.lens_samples == 0 || !(driver->render.lens.aperture > 0)))
         return rk_fail(error, "--debug %s goes with a lens: --lens-samples and --aperture above 0",
                        driver->debug);
@@ -132,12 +135,10 @@ static bool render_from_the_side(rk_driver *driver, const choices *c, rk_error *
     bool rays = rk_driver_debug(driver, "rays");
     rk_view view = view_of(driver);
     rk_overlay overlay;
-    if (!driver->pixel.given)
-        driver->pixel = (rk_pixel){.x = driver->render.width / 2, .y = driver->render.height / 2};
+    rk_driver_draw_pixel(driver);
     look_from_the_side(&driver->scene.camera, &view, c);
     uint32_t lens_samples = driver->render.lens_samples;
     driver->render.lens_samples = 0;
-    driver->pixel.given = false; /* it is not one of the picture that is rendered now */
     if (!rk_driver_render(driver, error) ||
         !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
                          error))
@@ -311,11 +312,13 @@ static bool put_convergence(rk_driver *driver, rk_error *error)
 static bool save(rk_driver *driver, rk_error *error)
 {
     const rk_render_options *o = &driver->render;
-    char label[96] = "pinhole";
+    char label[128] = "pinhole", pixel[32] = "";
+    if (rk_driver_debug(driver, "rays"))
+        snprintf(pixel, sizeof pixel, "_%u_%u", driver->pixel.x, driver->pixel.y);
     if (o->lens_samples > 0)
-        snprintf(label, sizeof label, "%s%s%s_%g_%g_%u", driver->debug ? driver->debug : "",
+        snprintf(label, sizeof label, "%s%s%s_%g_%g_%u%s", driver->debug ? driver->debug : "",
                  driver->debug ? "_" : "", o->lens.focal == RK_FOCAL_PLANE ? "plane" : "sphere",
-                 (double)o->lens.focal_distance, (double)o->lens.aperture, o->lens_samples);
+                 (double)o->lens.focal_distance, (double)o->lens.aperture, o->lens_samples, pixel);
     return rk_driver_save(driver, label, error);
 }
 

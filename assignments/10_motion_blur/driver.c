@@ -18,6 +18,17 @@ typedef struct choices {
     bool convergence, still;
 } choices;
 
+static bool check(const rk_driver *driver, const choices *c, rk_error *error)
+{
+    if (c->still && driver->debug)
+        return rk_fail(error, "--debug path draws how things move, and with --still nothing does: "
+                              "choose one of them");
+    if (c->still && c->convergence)
+        return rk_fail(error, "--convergence measures blur, and with --still there is none: choose "
+                              "one of them");
+    return true;
+}
+
 /* --- The path --------------------------------------------------------------------------------- */
 
 static float isolated_or(const rk_motion_options *motion, float x)
@@ -161,9 +172,10 @@ int main(int argc, char **argv)
     if (!rk_driver_start(&driver, argc, argv, options, views, &status))
         return status;
     rk_error error = {""};
+    bool ok = check(&driver, &c, &error);
     if (c.still)
         driver.scene.moving_count = 0;
-    bool ok = rk_driver_build(&driver, &error);
+    ok = ok && rk_driver_build(&driver, &error);
     if (ok && c.convergence)
         return rk_driver_finish(&driver, put_convergence(&driver, &c, &error), &error);
     ok = ok && rk_driver_render(&driver, &error);

@@ -18,7 +18,7 @@ typedef struct rk_counters {
     uint64_t bloom_taps;        /* weights times pixels, along rows and columns */
     uint64_t environment_lookups;
     uint64_t lens_samples; /* random points drawn on the lens */
-    uint64_t time_samples; /* times drawn, for samples of pixels that motion may change */
+    uint64_t time_samples; /* times drawn, for samples that motion may change */
 } rk_counters;
 
 static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)

@@ -22,8 +22,9 @@ bool rk_file_begin(rk_file *file, const char *path, rk_error *error)
     snprintf(file->temporary, sizeof file->temporary, "%s.part-%ld", path, (long)getpid());
     file->stream = fopen(file->temporary, "wb");
     if (!file->stream)
-        return rk_fail(error, "%s: cannot be written: %s; choose another place with --out", path,
-                       strerror(errno));
+        return rk_fail(
+            error, "%s: cannot be written: %s; choose a folder that is there and may be written to",
+            path, strerror(errno));
     return true;
 }
 

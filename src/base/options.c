@@ -1,10 +1,9 @@
 /* Tables of options become the table that getopt_long wants; its answers are checked here, so that
  * every complaint is one sentence of ours. */
-#include "base/options.h"
+#include "base/options_words.h"
 
 #include <ctype.h>
 #include <errno.h>
-#include <float.h>
 #include <getopt.h>
 #include <math.h>
 #include <stdint.h>
@@ -55,69 +54,6 @@ static void option_list_free(option_list *list)
 {
     free(list->options);
     free(list->getopt);
-}
-
-/* --- what an option takes, in words ---------------------------------------------------------- */
-
-typedef struct phrase {
-    char text[160];
-} phrase;
-
-/* The name of a choice's value, as long as *length says. */
-static const char *choice_name(const rk_option *option, uint32_t value, size_t *length)
-{
-    const char *name = option->argument;
-    for (; value > 0; value--)
-        name = strchr(name, '|') + 1;
-    *length = strcspn(name, "|");
-    return name;
-}
-
-/* "1 to 64", "0 or more", "up to 5", or "" when every number will do. */
-static phrase range_of(const rk_option *option)
-{
-    phrase range = {""};
-    bool whole = option->kind == RK_OPTION_UINT;
-    bool above = whole || option->low > -(double)FLT_MAX;
-    bool below = whole || option->high < (double)FLT_MAX;
-    int digits = whole ? 10 : 7; /* all of a uint32_t; what a float holds */
-    if (above && below)
-        snprintf(range.text, sizeof range.text, "%.*g to %.*g", digits, option->low, digits,
-                 option->high);
-    else if (above)
-        snprintf(range.text, sizeof range.text, "%.*g or more", digits, option->low);
-    else if (below)
-        snprintf(range.text, sizeof range.text, "up to %.*g", digits, option->high);
-    return range;
-}
-
-static phrase what_it_takes(const rk_option *option)
-{
-    phrase takes = {"no value"}, range = range_of(option);
-    const char *comma = *range.text ? ", " : "";
-    switch (option->kind) {
-    case RK_OPTION_FLAG:
-        break;
-    case RK_OPTION_UINT:
-        snprintf(takes.text, sizeof takes.text, "a whole number%s%.80s", comma, range.text);
-        break;
-    case RK_OPTION_FLOAT:
-        snprintf(takes.text, sizeof takes.text, "a number%s%.80s", comma, range.text);
-        break;
-    case RK_OPTION_PIXEL:
-        snprintf(takes.text, sizeof takes.text,
-                 "a pixel's column and row from the top left as X,Y (such as 3,4)");
-        break;
-    case RK_OPTION_CHOICE:
-        snprintf(takes.text, sizeof takes.text, "one of %.140s", option->argument);
-        break;
-    case RK_OPTION_TEXT:
-    case RK_OPTION_LIST:
-        snprintf(takes.text, sizeof takes.text, "a value (%.60s)",
-                 option->argument ? option->argument : "text");
-        break;
-    }
-    return takes;
 }
 
 /* --- reading values -------------------------------------------------------------------------- */
@@ -219,159 +155,7 @@ static bool read_value(const rk_option *option, const char *text, rk_error *erro
         break;
     }
     return good || rk_fail(error, "--%s %.80s: it takes %s; see --help", option->name, text,
-                           what_it_takes(option).text);
-}
-
-/* --- --help ---------------------------------------------------------------------------------- */
-
-enum { columns = 80, help_column = 24 };
-
-static size_t width_of(const char *text, size_t bytes)
-{
-    size_t width = 0;
-    for (size_t i = 0; i < bytes; i++)
-        width += ((unsigned char)text[i] & 0xC0) != 0x80; /* UTF-8: not a continuation byte */
-    return width;
-}
-
-/* Prints words from `column` on, which is where the cursor stands; further lines begin at `indent`.
- * Several spaces between two words are kept, and what is wrapped behind them stays behind them: so
- * a text may hold a list of names and what they are. Returns the column after the last word. */
-static size_t print_wrapped(const char *text, size_t column, size_t indent)
-{
-    bool line_begins = column <= indent;
-    size_t hanging = indent;
-    while (*text) {
-        size_t spaces = strspn(text, " ");
-        text += spaces;
-        size_t bytes = strcspn(text, " \n"), width = width_of(text, bytes);
-        if (bytes) {
-            size_t between = spaces > 1 ? spaces : 1;
-            if (spaces > 1 && !line_begins)
-                hanging = column + between;
-            if (!line_begins && column + between + width > columns) {
-                putchar('\n');
-                column = 0;
-                line_begins = true;
-            }
-            size_t gap = line_begins ? (column < hanging ? hanging - column : 0) : between;
-            printf("%*s%.*s", (int)gap, "", (int)bytes, text);
-            column += gap + width;
-            line_begins = false;
-        }
-        text += bytes;
-        if (*text == '\n') {
-            putchar('\n');
-            column = 0;
-            line_begins = true;
-            hanging = indent;
-            text++;
-        }
-    }
-    return column;
-}
-
-static phrase default_of(const rk_option *option)
-{
-    phrase value = {""};
-    const rk_text_list *list = option->value;
-    const rk_pixel *pixel = option->value;
-    const char *text;
-    size_t length;
-    switch (option->kind) {
-    /* A number that nobody could give means "not given": its help says what happens then. */
-    case RK_OPTION_UINT:
-        if ((double)*(uint32_t *)option->value <= option->high)
-            snprintf(value.text, sizeof value.text, "%u", (unsigned)*(uint32_t *)option->value);
-        break;
-    case RK_OPTION_FLOAT:
-        if (!isnan(*(float *)option->value))
-            snprintf(value.text, sizeof value.text, "%g", (double)*(float *)option->value);
-        break;
-    case RK_OPTION_CHOICE:
-        text = choice_name(option, *(uint32_t *)option->value, &length);
-        snprintf(value.text, sizeof value.text, "%.*s", (int)length, text);
-        break;
-    case RK_OPTION_TEXT:
-        text = *(const char **)option->value;
-        snprintf(value.text, sizeof value.text, "%.120s", text ? text : "");
-        break;
-    case RK_OPTION_LIST:
-        snprintf(value.text, sizeof value.text, "%.120s", list->count ? list->items[0] : "");
-        break;
-    case RK_OPTION_PIXEL:
-        if (pixel->given)
-            snprintf(value.text, sizeof value.text, "%u,%u", pixel->x, pixel->y);
-        break;
-    case RK_OPTION_FLAG:
-        break;
-    }
-    return value;
-}
-
-/* The range where it tells something: not that a whole number fits 32 bits. */
-static phrase range_worth_showing(const rk_option *option)
-{
-    if (option->kind == RK_OPTION_FLOAT)
-        return range_of(option);
-    phrase range = {""};
-    if (option->kind != RK_OPTION_UINT)
-        return range;
-    if (option->high < UINT32_MAX)
-        return range_of(option);
-    if (option->low > 0)
-        snprintf(range.text, sizeof range.text, "%.10g or more", option->low);
-    return range;
-}
-
-static void print_option(const rk_option *option)
-{
-    size_t column = (size_t)printf("  --%s", option->name);
-    if (option->argument && option->kind != RK_OPTION_FLAG)
-        column += (size_t)printf(" %s", option->argument);
-    if (column + 2 > help_column) {
-        putchar('\n');
-        column = 0;
-    }
-    column = print_wrapped(option->help, column, help_column);
-    phrase range = range_worth_showing(option), value = default_of(option), note;
-    if (*range.text && *value.text)
-        snprintf(note.text, sizeof note.text, "(%.60s; default %.80s)", range.text, value.text);
-    else if (*range.text)
-        snprintf(note.text, sizeof note.text, "(%.80s)", range.text);
-    else if (*value.text)
-        snprintf(note.text, sizeof note.text, "(default %.120s)", value.text);
-    else
-        note.text[0] = '\0';
-    print_wrapped(note.text, column, help_column);
-    putchar('\n');
-}
-
-static void print_help(const char *program, const char *summary, const option_list *list)
-{
-    bool help = false, version = false;
-    const rk_option common[] = {
-        {"help", RK_OPTION_FLAG, &help, NULL, "this text", 0, 0},
-        {"version", RK_OPTION_FLAG, &version, NULL, "the version", 0, 0},
-    };
-    const char *slash = strrchr(program, '/');
-    printf("usage: %s [OPTION]...\n", slash ? slash + 1 : program);
-    print_wrapped(summary, 0, 0);
-    printf("\n\n");
-    for (size_t i = 0; i < list->count; i++)
-        print_option(list->options[i]);
-    for (size_t i = 0; i < sizeof common / sizeof *common; i++)
-        print_option(&common[i]);
-}
-
-static rk_options_result finish_printing(rk_error *error)
-{
-    errno = 0;
-    if (fflush(stdout) == 0 && !ferror(stdout))
-        return RK_OPTIONS_DONE;
-    rk_fail(error, "standard output cannot be written: %s",
-            errno ? strerror(errno) : "write error");
-    return RK_OPTIONS_BAD;
+                           rk_option_takes(option).text);
 }
 
 /* --- walking argv ---------------------------------------------------------------------------- */
@@ -414,7 +198,7 @@ static bool refuse(char answer, const char *argument, const option_list *list, r
     const rk_option *option = optopt >= first_option ? list->options[optopt - first_option] : NULL;
     if (answer == ':' && option)
         return rk_fail(error, "--%s: the value is missing: it takes %s; see --help", option->name,
-                       what_it_takes(option).text);
+                       rk_option_takes(option).text);
     if (option || optopt == ask_help || optopt == ask_version)
         return rk_fail(error, "%.80s: this option takes no value; see --help", argument);
     if (is_ambiguous(argument, list))
@@ -445,6 +229,16 @@ static bool read_all(int argc, char **argv, const option_list *list, rk_error *e
     return true;
 }
 
+static rk_options_result finish_printing(rk_error *error)
+{
+    errno = 0;
+    if (fflush(stdout) == 0 && !ferror(stdout))
+        return RK_OPTIONS_DONE;
+    rk_fail(error, "standard output cannot be written: %s",
+            errno ? strerror(errno) : "write error");
+    return RK_OPTIONS_BAD;
+}
+
 rk_options_result rk_options_parse(int argc, char **argv, const char *summary,
                                    const rk_option *const *tables, size_t table_count,
                                    rk_error *error)
@@ -457,7 +251,7 @@ rk_options_result rk_options_parse(int argc, char **argv, const char *summary,
     }
     int request = find_request(argc, argv, &list);
     if (request == ask_help)
-        print_help(argc > 0 ? argv[0] : "raykit", summary, &list);
+        rk_options_print_help(argc > 0 ? argv[0] : "raykit", summary, list.options, list.count);
     if (request == ask_version)
         printf("raykit %s\n", PACKAGE_VERSION);
     if (request)

@@ -1,6 +1,6 @@
 /* Random numbers without state: a value is a hash of where it is used, so that pictures do not
  * depend on threads or on the order of work.
- * Hash: pcg4d (Jarzynski and Olano, "Hash functions for GPU rendering", JCGT 2020). */
+ * Hash: pcg4d (Jarzynski and Olano, "Hash functions for GPU rendering", JCGT 9(3), 2020). */
 #ifndef RK_BASE_RANDOM_H
 #define RK_BASE_RANDOM_H
 

@@ -111,10 +111,11 @@ static uint32_t reverse_bits(uint32_t x)
 
 /* Each bit may flip, and whether it does depends on the key and the lower bits alone: what Owen's
  * scrambling does to a number whose bits are reversed (Laine and Karras, "Stratified sampling for
- * stochastic transparency", 2011; Burley, "Practical hash-based Owen scrambling", JCGT 2020). The
- * operations that keep to that rule are sums, odd factors, and xor with an even multiple. The
- * constants are Vegdahl's ("Building a better LK hash", 2021): with Burley's first ones, the flips
- * of neighbouring intervals are not independent. */
+ * stochastic transparency", EGSR 2011; Burley, "Practical hash-based Owen scrambling", JCGT 9(4),
+ * 2020). The operations that keep to that rule are sums, odd factors, and xor with an even
+ * multiple. These are the last ones of N. Vegdahl, "Building a better LK hash" (psychopath.io,
+ * 2021, as corrected in May): with Laine and Karras's own, which Burley takes, the flips of
+ * neighbouring intervals are not independent. */
 static uint32_t scramble_reversed(uint32_t x, uint32_t key)
 {
     x ^= x * 0x3d20adeau;

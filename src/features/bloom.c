@@ -152,26 +152,26 @@ static tap_pair pair_of(const float *a, const float *b, float weight)
 }
 
 /* The loop over a block has a fixed length, so that compilers make vector code of it at -O2; with
- * four pairs at a time, sums go to memory and back less often. `count` is a multiple of four. */
-static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *sum)
+ * five pairs at a time, sums go to memory and back less often. `count` is a multiple of five. */
+static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *restrict sum)
 {
-    float block[RK_BLOOM_BLOCK] = {0};
-    for (const tap_pair *p = pairs; p < pairs + count; p += 4) {
-        const float *a0 = p[0].a + at, *a1 = p[1].a + at, *a2 = p[2].a + at, *a3 = p[3].a + at;
-        const float *b0 = p[0].b + at, *b1 = p[1].b + at, *b2 = p[2].b + at, *b3 = p[3].b + at;
+    for (const tap_pair *p = pairs; p < pairs + count; p += 5) {
+        const float *a0 = p[0].a + at, *b0 = p[0].b + at, *a1 = p[1].a + at, *b1 = p[1].b + at;
+        const float *a2 = p[2].a + at, *b2 = p[2].b + at, *a3 = p[3].a + at, *b3 = p[3].b + at;
+        const float *a4 = p[4].a + at, *b4 = p[4].b + at;
         float w0 = p[0].weight, w1 = p[1].weight, w2 = p[2].weight, w3 = p[3].weight;
-        for (int i = 0; i < RK_BLOOM_BLOCK; i++)
-            block[i] += w0 * (a0[i] + b0[i]) + w1 * (a1[i] + b1[i]) + w2 * (a2[i] + b2[i]) +
-                        w3 * (a3[i] + b3[i]);
+        float w4 = p[4].weight;
+        for (size_t i = 0; i < RK_BLOOM_BLOCK; i++)
+            sum[at + i] += w0 * (a0[i] + b0[i]) + w1 * (a1[i] + b1[i]) + w2 * (a2[i] + b2[i]) +
+                           w3 * (a3[i] + b3[i]) + w4 * (a4[i] + b4[i]);
     }
-    memcpy(sum + at, block, sizeof block);
 }
 
 uint32_t rk_bloom_weigh(const rk_bloom_filter *filter, const float *const *lines, size_t count,
-                        float *sum)
+                        float *restrict sum)
 {
     /* solution */
-    tap_pair pairs[RK_BLOOM_RADIUS_MAX + 1 + 3];
+    tap_pair pairs[RK_BLOOM_RADIUS_MAX + 1 + 4];
     uint32_t used = 0, taps = 0;
     /* From the far ends to the middle, so that small terms are added first. */
     for (uint32_t k = filter->reach + 1; k-- > 0;) {
@@ -180,14 +180,15 @@ uint32_t rk_bloom_weigh(const rk_bloom_filter *filter, const float *const *lines
         if (a || b)
             pairs[used++] = pair_of(a, b, filter->weights[k]);
     }
-    for (; used % 4; used++) /* filled up with pairs that weigh nothing */
+    for (; used % 5; used++) /* filled up with pairs that weigh nothing */
         pairs[used] = (tap_pair){pairs[0].a, pairs[0].b, 0};
+    memset(sum, 0, count * sizeof *sum);
     for (size_t at = 0; at < count; at += RK_BLOOM_BLOCK)
         add_pairs(pairs, used, at, sum);
     return taps;
     /* starter
     // Third step: for each line that is not NULL, its weight times its values. Sixth step: list the
-    // pairs of lines with the same weight (pair_of), fill the list up to a multiple of four with
+    // pairs of lines with the same weight (pair_of), fill the list up to a multiple of five with
     // pairs of weight 0, and add them up by add_pairs.
     (void)filter, (void)lines, (void)pair_of, (void)add_pairs;
     memset(sum, 0, count * sizeof *sum);

@@ -87,8 +87,7 @@ void rk_bloom_mask(const rk_bloom_filter *filter, const rk_vec3 *row, size_t wid
  * divides by it. */
 float rk_bloom_share(const rk_bloom_filter *filter, size_t place, size_t length);
 
-/* Floats that are filtered at a time: 16 pixels, 12 vectors of four, which leaves four of the 16
- * registers of x86-64 free. */
+/* Floats that are filtered at a time: 16 pixels, or three lines of a cache. */
 enum { RK_BLOOM_BLOCK = 48 };
 
 /* sum[i] = sum over k of w_k lines[reach + k][i], for 0 <= i < count; count is a multiple of
@@ -96,7 +95,7 @@ enum { RK_BLOOM_BLOCK = 48 };
  * costs nothing. To filter along columns, lines are rows, one below the other; to filter along a
  * row they are the same row, each a pixel further on. Returns how many lines were not NULL. */
 uint32_t rk_bloom_weigh(const rk_bloom_filter *filter, const float *const *lines, size_t count,
-                        float *sum);
+                        float *restrict sum);
 
 /* pixels[i] += gain x glow[i] for `count` floats. */
 void rk_bloom_add(float *restrict pixels, const float *restrict glow, size_t count, float gain);

@@ -78,12 +78,14 @@ float rk_shutter_time(const rk_shutter *shutter, rk_time_sampling sampling, uint
     /* solution */
     if (sampling == RK_TIME_EQUIDISTANT)
         return rk_shutter_equidistant(shutter, (float)(sample + 1), samples);
-    const rk_sampler sampler = {sampling == RK_TIME_STRATIFIED ? RK_SAMPLER_STRATIFIED
+    const rk_sampler sampler = {sampling == RK_TIME_STRATIFIED ? RK_SAMPLER_UNIFORM
                                                                : RK_SAMPLER_LOW_DISCREPANCY,
                                 seed, samples};
-    return time_at(shutter, (double)rk_sample_1d(&sampler, pixel, sample, RK_DIMENSION_TIME));
+    double xi = (double)rk_sample_1d(&sampler, pixel, sample, RK_DIMENSION_TIME);
+    return time_at(shutter, sampling == RK_TIME_STRATIFIED ? (sample + xi) / samples : xi);
     /* starter
-    // Fourth step: rk_sample_1d of RK_DIMENSION_TIME gives the share of the shutter.
+    // Fourth step: rk_sample_1d of RK_DIMENSION_TIME is the share of the shutter, or the place in
+    // the sample's part of it.
     (void)sampling, (void)seed, (void)pixel, (void)sample, (void)samples;
     return shutter->open;
     end */

@@ -35,8 +35,8 @@ float rk_shutter_equidistant(const rk_shutter *shutter, float k, uint32_t sample
 
 typedef enum rk_time_sampling {
     RK_TIME_EQUIDISTANT,    /* the same times for all pixels: copies of the object */
-    RK_TIME_STRATIFIED,     /* one in each of as many equal parts as there are samples */
-    RK_TIME_LOW_DISCREPANCY /* the same in each pixel for every power of two of samples */
+    RK_TIME_STRATIFIED,     /* one in each of as many equal parts as there are samples, in order */
+    RK_TIME_LOW_DISCREPANCY /* the same, in no order, for every power of two of samples */
 } rk_time_sampling;
 
 /* Returns the time of `sample`, 0 to samples - 1, of a pixel; within the shutter. */

@@ -2,8 +2,8 @@
  * highlight around the direction in which a mirror would send it.
  * Phong, "Illumination for computer generated pictures", 1975; Blinn, "Models of light reflection
  * for computer synthesized pictures", 1977. Normalised: Lafortune and Willems, "Using the modified
- * Phong reflectance model for physically based rendering", 1994; Giesen, "Phong and Blinn-Phong
- * normalization factors", 2009. */
+ * Phong reflectance model for physically based rendering", 1994; Giesen, "Derivation of
+ * Phong and Blinn-Phong BRDF normalization factors", 2009. */
 #include "features/shading.h"
 
 #include <stddef.h>

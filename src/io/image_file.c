@@ -117,14 +117,19 @@ static bool write_exr(const char *path, const rk_image *image, rk_error *error)
     return ok;
 }
 
+bool rk_image_can_write(const char *path, rk_error *error)
+{
+    return has_ending(path, ".png") || has_ending(path, ".exr") ||
+           rk_fail(error, "%s: pictures are written as .png or .exr; give it one of these endings",
+                   path);
+}
+
 bool rk_image_write(const char *path, const rk_image *image, rk_error *error)
 {
-    if (has_ending(path, ".png"))
-        return rk_png_write(path, image, NULL, 0, error);
-    if (has_ending(path, ".exr"))
-        return write_exr(path, image, error);
-    return rk_fail(error, "%s: pictures are written as .png or .exr; give it one of these endings",
-                   path);
+    if (!rk_image_can_write(path, error))
+        return false;
+    return has_ending(path, ".png") ? rk_png_write(path, image, NULL, 0, error)
+                                    : write_exr(path, image, error);
 }
 
 /* --- comparing ------------------------------------------------------------------------------- */

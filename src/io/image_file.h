@@ -13,6 +13,9 @@ bool rk_image_read(rk_image *image, const char *path, rk_error *error);
  * looks for them), by the ending. Equal pictures give equal files; whole or not at all. */
 bool rk_image_write(const char *path, const rk_image *image, rk_error *error);
 
+/* Does rk_image_write know the ending? For who would rather hear of it before the work. */
+bool rk_image_can_write(const char *path, rk_error *error);
+
 typedef struct rk_image_difference {
     double rms;     /* root mean square over pixels and channels, of linear values */
     double psnr;    /* decibels, for a peak of 1; infinite for equal pictures */

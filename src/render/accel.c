@@ -2,6 +2,7 @@
 
 #include "features/bvh_median.h"
 #include "features/sah_binning.h"
+#include "render/packet.h"
 
 #include <stdio.h>
 
@@ -167,49 +168,86 @@ void rk_accel_any(const rk_accel *accel, const rk_ray_batch *rays, rk_any_batch 
 
 /* --- Asking what moves ------------------------------------------------------------------------ */
 
-static void meet_moving(const rk_accel *accel, const rk_moments *when, uint32_t i,
-                        const rk_ray *ray, rk_hit *hit, rk_counters *counters)
+/* Rays on their way to one moving object, as the object at rest sees them. Neighbours among the
+ * rays of a batch go nearly the same way, so they go together. */
+typedef struct group {
+    uint32_t count;
+    uint32_t index[RK_PACKET_MAX]; /* in the batch */
+    rk_ray rays[RK_PACKET_MAX];
+} group;
+
+static void group_closest(group *g, const rk_bvh *bvh, rk_hit_batch *hits, rk_counters *counters)
+{
+    rk_hit found[RK_PACKET_MAX];
+    for (uint32_t i = 0; i < g->count; i++)
+        g->rays[i].t_max = hits->t[g->index[i]];
+    rk_packet_closest(bvh, g->rays, g->count, found, counters);
+    for (uint32_t i = 0; i < g->count; i++) {
+        uint32_t index = g->index[i];
+        if (found[i].t < hits->t[index] || found[i].triangle < hits->triangle[index])
+            put_hit(hits, index, &found[i]);
+    }
+    g->count = 0;
+}
+
+static void group_any(group *g, const rk_bvh *bvh, rk_any_batch *answers, rk_counters *counters)
+{
+    bool found[RK_PACKET_MAX];
+    rk_packet_any(bvh, g->rays, g->count, found, counters);
+    for (uint32_t i = 0; i < g->count; i++)
+        answers->found[g->index[i]] |= found[i];
+    g->count = 0;
+}
+
+/* Puts the ray into the groups of all objects that it may meet. True if one of them is full. */
+static bool join(group *groups, uint32_t objects, const rk_moments *when, uint32_t index,
+                 const rk_ray *ray, float t_max)
 {
     const rk_slabs slabs = rk_slabs_of(ray);
     rk_vec3 offset;
-    for (uint32_t k = 0; k < accel->scene->moving_count; k++)
-        if (when->reaches(when->asker, i, k, &slabs, hit->t, &offset))
-            meet_object(&accel->moving[k], rk_motion_ray(offset, ray), hit, counters);
+    bool full = false;
+    for (uint32_t k = 0; k < objects; k++)
+        if (when->reaches(when->asker, index, k, &slabs, t_max, &offset)) {
+            group *g = &groups[k];
+            g->index[g->count] = index;
+            g->rays[g->count++] = rk_motion_ray(offset, ray);
+            full |= g->count == RK_PACKET_MAX;
+        }
+    return full;
 }
 
 void rk_accel_closest_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
                          rk_hit_batch *hits, rk_counters *counters)
 {
+    const uint32_t objects = accel->scene->moving_count;
+    group groups[RK_MOVING_MAX] = {0};
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
         rk_hit hit = rk_bvh_closest(&accel->bvh, &ray, counters);
         meet_spheres(accel->scene, &ray, &hit, counters);
-        meet_moving(accel, when, i, &ray, &hit, counters);
         put_hit(hits, i, &hit);
+        if (!join(groups, objects, when, i, &ray, hit.t) && i + 1 < rays->count)
+            continue;
+        for (uint32_t k = 0; k < objects; k++)
+            if (groups[k].count == RK_PACKET_MAX || i + 1 == rays->count)
+                group_closest(&groups[k], &accel->moving[k], hits, counters);
     }
-}
-
-static bool meets_any_moving(const rk_accel *accel, const rk_moments *when, uint32_t i,
-                             const rk_ray *ray, rk_counters *counters)
-{
-    const rk_slabs slabs = rk_slabs_of(ray);
-    rk_vec3 offset;
-    bool found = false;
-    for (uint32_t k = 0; k < accel->scene->moving_count && !found; k++)
-        if (when->reaches(when->asker, i, k, &slabs, ray->t_max, &offset)) {
-            rk_ray moved = rk_motion_ray(offset, ray);
-            found = rk_bvh_any(&accel->moving[k], &moved, counters);
-        }
-    return found;
 }
 
 void rk_accel_any_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
                      rk_any_batch *answers, rk_counters *counters)
 {
+    const uint32_t objects = accel->scene->moving_count;
+    group groups[RK_MOVING_MAX] = {0};
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
         answers->found[i] = rk_bvh_any(&accel->bvh, &ray, counters) ||
-                            meets_any_sphere(accel->scene, &ray, counters) ||
-                            meets_any_moving(accel, when, i, &ray, counters);
+                            meets_any_sphere(accel->scene, &ray, counters);
+        bool full = !answers->found[i] && join(groups, objects, when, i, &ray, ray.t_max);
+        if (!full && i + 1 < rays->count)
+            continue;
+        for (uint32_t k = 0; k < objects; k++)
+            if (groups[k].count == RK_PACKET_MAX || i + 1 == rays->count)
+                group_any(&groups[k], &accel->moving[k], answers, counters);
     }
 }

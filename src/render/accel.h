@@ -38,7 +38,8 @@ typedef struct rk_accel_title {
 
 rk_accel_title rk_accel_name(const rk_accel *accel);
 
-/* "scalar": the instruction set of the traversal, in tables. */
+/* "scalar": the instruction set of the traversal, in tables; what moves is met in packets, which
+ * have SSE2 where the compiler may use it. */
 const char *rk_accel_isa(rk_accel_kind kind);
 
 /* All that moves is met where it rests. */
@@ -52,7 +53,7 @@ void rk_accel_any(const rk_accel *accel, const rk_ray_batch *rays, rk_any_batch 
 
 /* Where moving objects stand when the rays of a batch are traced. `reaches` is asked last, when all
  * that stands still has shortened the ray to t_max: may ray `index` meet the object at all? If so
- * it fills in the object's offset. */
+ * it fills in the object's offset. A ray may be asked about all objects before it meets any. */
 typedef struct rk_moments {
     bool (*reaches)(void *asker, uint32_t index, uint32_t object, const rk_slabs *ray, float t_max,
                     rk_vec3 *offset);

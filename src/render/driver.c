@@ -1,17 +1,8 @@
 #include "render/driver.h"
 
-#include "base/file.h"
 #include "features/sah_binning.h"
-#include "io/environment_file.h"
-#include "io/mesh_file.h"
-#include "io/png.h"
 #include "render/narrate.h"
-#include "render/option_table.h"
-#include "render/units.h"
-#include "scene/sky.h"
 
-#include <ctype.h>
-#include <stdlib.h>
 #include <string.h>
 
 rk_driver rk_driver_default(const char *feature, const char *summary)
@@ -21,257 +12,28 @@ rk_driver rk_driver_default(const char *feature, const char *summary)
         .summary = summary,
         .render = rk_render_options_default(),
         .runs = 1,
-        .split = "sah",
+        .split = RK_ACCEL_SAH,
         .bins = rk_sah_options_default().bins,
         .scene_name = "cornell",
+        .drawn_x = 50,
+        .drawn_y = 50,
         .out = "out",
         .motion = rk_motion_default(),
         .camera_given = {{NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}, NAN},
     };
 }
 
-/* --- Starting -------------------------------------------------------------------------------- */
-
-/* Adds to the caption's command line, as far as it fits. */
-static void note(rk_driver *driver, const char *text, size_t length)
-{
-    size_t used = strlen(driver->parameters), room = sizeof driver->parameters - 1 - used;
-    length = length < room ? length : room;
-    memcpy(driver->parameters + used, text, length);
-    driver->parameters[used + length] = '\0';
-}
-
-/* The command line from the program's bare name on, files without their folders: it stands in
- * captions, where nobody needs to know the machine's folders. */
-static void note_parameters(rk_driver *driver, int argc, char **argv)
-{
-    for (int i = 0; i < argc; i++) {
-        const char *equals = strncmp(argv[i], "--", 2) == 0 ? strchr(argv[i], '=') : NULL;
-        const char *value = equals ? equals + 1 : argv[i];
-        bool is_out =
-            strncmp(argv[i], "--out=", 6) == 0 || (i && strcmp(argv[i - 1], "--out") == 0);
-        const char *slash = strrchr(value, '/');
-        const char *shown = is_out ? "DIR" : slash ? slash + 1 : value;
-        note(driver, " ", i > 0);
-        note(driver, argv[i], (size_t)(value - argv[i]));
-        note(driver, shown, strlen(shown));
-    }
-}
-
-/* The views' names, for --help and complaints. */
-typedef struct view_list {
-    char text[256];
-} view_list;
-
-static view_list list_views(const char *const *views)
-{
-    view_list list = {""};
-    for (int i = 0; views[i]; i++) {
-        strncat(list.text, i ? ", " : "", sizeof list.text - strlen(list.text) - 1);
-        strncat(list.text, views[i], sizeof list.text - strlen(list.text) - 1);
-    }
-    return list;
-}
-
-static bool check_debug_view(const rk_driver *driver, const char *const *views, rk_error *error)
-{
-    if (!driver->debug)
-        return true;
-    for (int i = 0; views[i]; i++)
-        if (rk_driver_debug(driver, views[i]))
-            return true;
-    return rk_fail(error, "--debug %.80s: there is no such view: choose one of %s", driver->debug,
-                   list_views(views).text);
-}
-
-/* Returns false where --split names none. */
-static bool split_kind(const char *split, rk_accel_kind *kind)
-{
-    const char *const names[] = {"median", "sah", "sah3"};
-    const rk_accel_kind kinds[] = {RK_ACCEL_MEDIAN, RK_ACCEL_SAH, RK_ACCEL_SAH_3};
-    for (int i = 0; i < 3; i++)
-        if (strcmp(split, names[i]) == 0) {
-            *kind = kinds[i];
-            return true;
-        }
-    return false;
-}
-
-static bool check_split(const rk_driver *driver, rk_error *error)
-{
-    rk_accel_kind kind;
-    return split_kind(driver->split, &kind) ||
-           rk_fail(error, "--split %.80s: choose one of median, sah, sah3", driver->split);
-}
-
-static bool check_pixel(const rk_driver *driver, rk_error *error)
-{
-    if (driver->pixel.given &&
-        (driver->pixel.x >= driver->render.width || driver->pixel.y >= driver->render.height))
-        return rk_fail(
-            error,
-            "--pixel %u,%u: the picture has %u x %u pixels, counted from 0,0 at the top left",
-            driver->pixel.x, driver->pixel.y, driver->render.width, driver->render.height);
-    return true;
-}
-
-/* Returns given, or the scene's own value where nothing was given. */
-static float or_own(float given, float own)
-{
-    return isnan(given) ? own : given;
-}
-
-/* Fine enough for the sun's edge to be round. */
-enum { SKY_SIDE = 256 };
-
-static bool load_environment(rk_driver *driver, rk_error *error)
-{
-    const char *name = driver->environment;
-    if (!name)
-        return true;
-    return strcmp(name, "sky") == 0 ? rk_sky_make(&driver->scene.environment, SKY_SIDE, error)
-                                    : rk_environment_read(&driver->scene.environment, name, error);
-}
-
-static bool load_scene(rk_driver *driver, rk_error *error)
-{
-    if (driver->mesh_path) {
-        rk_mesh mesh;
-        const char *slash = strrchr(driver->mesh_path, '/');
-        if (!rk_mesh_read(&mesh, driver->mesh_path, error))
-            return false;
-        if (*error->text && !driver->quiet) /* a note */
-            fprintf(stderr, "%s: %s\n", driver->feature, error->text);
-        if (!rk_scene_around(&driver->scene, slash ? slash + 1 : driver->mesh_path, &mesh, error))
-            return false;
-    } else {
-        rk_error why = {""};
-        if (!rk_scene_builtin(&driver->scene, driver->scene_name, &why))
-            return rk_fail(error, "--scene %.1000s", why.text);
-    }
-    if (driver->move && driver->scene.moving_count == 0)
-        rk_scene_move_mesh(&driver->scene, driver->motion);
-    rk_camera *own = &driver->scene.camera;
-    const rk_camera *given = &driver->camera_given;
-    own->distance = or_own(given->distance, own->distance);
-    own->fov = or_own(given->fov, own->fov);
-    own->rotation = rk_vec(or_own(given->rotation.x, own->rotation.x),
-                           or_own(given->rotation.y, own->rotation.y), own->rotation.z);
-    return true;
-}
-
-/* OUT/folder, made if it is missing. */
-static bool out_folder(const rk_driver *driver, const char *folder, char path[3072],
-                       rk_error *error)
-{
-    if (snprintf(path, 3072, "%s/%s", driver->out, folder) >= 3072)
-        return rk_fail(error, "--out: the folder's name is longer than 3000 bytes");
-    return rk_make_folder(path, error);
-}
-
-/* Who cannot save need not render: tries to begin a file where one will be wanted. */
-static bool try_out_folder(const rk_driver *driver, rk_error *error)
-{
-    char folder[3072], path[4096];
-    rk_file file;
-    if (driver->out[0] == '\0')
-        return rk_fail(error, "--out: names no folder");
-    if (!out_folder(driver, driver->timing ? "tables" : "figures", folder, error))
-        return false;
-    snprintf(path, sizeof path, "%s/%s", folder, driver->feature);
-    if (!rk_file_begin(&file, path, error))
-        return false;
-    rk_file_abort(&file);
-    return true;
-}
-
-bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *own_options,
-                     const char *const *debug_views, int *status)
-{
-    const char *shown_scene = driver->scene_name;
-    char debug_help[300];
-    snprintf(debug_help, sizeof debug_help, "draw a debug view: %s", list_views(debug_views).text);
-    const rk_option common[] = {
-        {"scene", RK_OPTION_TEXT, &driver->scene_name, "NAME", rk_scene_builtin_help, 0, 0},
-        {"mesh", RK_OPTION_TEXT, &driver->mesh_path, "FILE",
-         "a mesh file instead (OBJ, PLY, OFF, glTF ...), moved into the unit ball", 0, 0},
-        {"environment", RK_OPTION_TEXT, &driver->environment, "sky|FILE",
-         "what is seen where nothing is met: the built-in sky, or a picture (JPG, PNG, EXR, HDR "
-         "...) that is a cross (4:3, 3:4), a strip (6:1, 1:6) or longitude and latitude (2:1), or "
-         "six: a folder of px.*, nx.* ..., or a name with %s in their place",
-         0, 0},
-        {"distance", RK_OPTION_FLOAT, &driver->camera_given.distance, "D",
-         "of the camera from the point it looks at, world units; by default the scene's own", 1e-3,
-         1e6},
-        {"fov", RK_OPTION_FLOAT, &driver->camera_given.fov, "DEG",
-         "vertical field of view, degrees; by default the scene's own", 1, 179},
-        {"pitch", RK_OPTION_FLOAT, &driver->camera_given.rotation.x, "DEG",
-         "the camera's turn about x, degrees: how far it looks down; by default the scene's own",
-         -360, 360},
-        {"yaw", RK_OPTION_FLOAT, &driver->camera_given.rotation.y, "DEG",
-         "the camera's turn about y, degrees: how far it goes round; by default the scene's own",
-         -360, 360},
-        {"move", RK_OPTION_FLAG, &driver->move, NULL,
-         "the whole mesh moves (with --time-samples), if nothing in the scene moves by itself", 0,
-         0},
-        {"threads", RK_OPTION_UINT, &driver->threads, "N",
-         "that share the work; 0: as many as there are processors", 0, RK_THREADS_MAX},
-        {"runs", RK_OPTION_UINT, &driver->runs, "N",
-         "build and render so many times; timings are medians", 1, RK_RUNS_MAX},
-        {"split", RK_OPTION_TEXT, &driver->split, "HOW",
-         "nodes of the tree: median; sah, by the surface area heuristic on the "
-         "longest axis; sah3, on all three",
-         0, 0},
-        {"bins", RK_OPTION_UINT, &driver->bins, "N", "that sah and sah3 count triangles into", 2,
-         RK_SAH_BINS_MAX},
-        {"timing", RK_OPTION_FLAG, &driver->timing, NULL,
-         "put timings into DIR/tables instead of drawing a picture", 0, 0},
-        {"debug", RK_OPTION_TEXT, &driver->debug, "VIEW", debug_help, 0, 0},
-        {"pixel", RK_OPTION_PIXEL, &driver->pixel, "X,Y",
-         "tell how this pixel gets its colour; 0,0 is at the top left", 0, 0},
-        {"out", RK_OPTION_TEXT, &driver->out, "DIR",
-         "pictures go to DIR/figures, tables to DIR/tables", 0, 0},
-        {"quiet", RK_OPTION_FLAG, &driver->quiet, NULL, "no progress bar, no summary", 0, 0},
-        {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
-    };
-    const rk_option_table render = rk_render_option_table(&driver->render);
-    const rk_option *const tables[] = {own_options, common, render.options};
-    rk_error error = {""};
-    rk_options_result result = rk_options_parse(argc, argv, driver->summary, tables, 3, &error);
-    bool ok = result == RK_OPTIONS_OK;
-    if (ok && driver->mesh_path && driver->scene_name != shown_scene)
-        ok = rk_fail(&error, "--scene and --mesh: choose one of them");
-    if (ok && driver->timing && driver->debug)
-        ok = rk_fail(&error, "--timing and --debug: choose one of them; --timing draws no picture");
-    ok = ok && check_debug_view(driver, debug_views, &error) && check_pixel(driver, &error) &&
-         check_split(driver, &error);
-    note_parameters(driver, argc, argv);
-    rk_progress progress;
-    rk_progress_say(&progress, "making the scene", driver->quiet || !ok);
-    ok = ok && try_out_folder(driver, &error) && load_scene(driver, &error) &&
-         load_environment(driver, &error) &&
-         rk_image_init(&driver->image, driver->render.width, driver->render.height, &error) &&
-         (driver->pool = rk_pool_start(driver->threads, &error)) != NULL;
-    rk_progress_end(&progress);
-    if (ok)
-        return true;
-    *status = rk_driver_finish(driver, result == RK_OPTIONS_DONE, &error);
-    return false;
-}
-
-/* --- Rendering ------------------------------------------------------------------------------- */
-
 bool rk_driver_build(rk_driver *driver, rk_error *error)
 {
     double milliseconds[RK_RUNS_MAX];
     rk_progress progress;
     rk_progress_say(&progress, "building the tree", driver->quiet);
-    rk_accel_kind kind;
-    bool ok = split_kind(driver->split, &kind);
+    bool ok = true;
     for (uint32_t run = 0; ok && run < driver->runs; run++) {
         rk_accel_free(&driver->accel);
         double start = rk_clock_wall();
-        ok = rk_accel_build_binned(&driver->accel, kind, driver->bins, &driver->scene, error);
+        ok = rk_accel_build_binned(&driver->accel, driver->split, driver->bins, &driver->scene,
+                                   error);
         milliseconds[run] = 1e3 * (rk_clock_wall() - start);
     }
     rk_progress_end(&progress);
@@ -313,113 +75,13 @@ bool rk_driver_debug(const rk_driver *driver, const char *view)
     return driver->debug && strcmp(driver->debug, view) == 0;
 }
 
-/* --- Saving ---------------------------------------------------------------------------------- */
-
-/* Scene names and file names become parts of file names: letters, digits, dots, dashes and
- * underscores. */
-static void append_name(char *path, size_t size, const char *name)
+void rk_driver_draw_pixel(rk_driver *driver)
 {
-    size_t used = strlen(path);
-    for (; *name && used + 1 < size; name++)
-        path[used++] = isalnum((unsigned char)*name) || *name == '.' || *name == '_' ? *name : '-';
-    path[used] = '\0';
-}
-
-static bool write_picture(const rk_driver *driver, const char *path, const char *seconds,
-                          rk_error *error)
-{
-    char samples[16], triangles[16];
-    snprintf(samples, sizeof samples, "%u", driver->render.samples);
-    snprintf(triangles, sizeof triangles, "%u", driver->scene.mesh.triangle_count);
-    const rk_png_text texts[] = {
-        {"Software", "raykit " PACKAGE_VERSION},
-        {"raykit:command", driver->parameters},
-        {"raykit:scene", driver->scene.name},
-        {"raykit:triangles", triangles},
-        {"raykit:samples", samples},
-        {"raykit:seconds", seconds},
-        {"raykit:units", rk_units},
-    };
-    size_t count = sizeof texts / sizeof *texts - (*rk_units ? 0 : 1);
-    return rk_png_write(path, &driver->image, texts, count, error);
-}
-
-typedef struct shown_duration {
-    char text[32];
-} shown_duration;
-
-/* Three digits in the unit that a person would choose. */
-static shown_duration duration(double milliseconds)
-{
-    shown_duration shown;
-    if (milliseconds < 999.5)
-        snprintf(shown.text, sizeof shown.text, "%.3g ms", milliseconds);
-    else if (milliseconds < 999500)
-        snprintf(shown.text, sizeof shown.text, "%.3g s", milliseconds / 1e3);
-    else
-        snprintf(shown.text, sizeof shown.text, "%.0f s", milliseconds / 1e3);
-    return shown;
-}
-
-bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)
-{
-    char folder[3072], path[4096], seconds[32];
-    if (!out_folder(driver, "figures", folder, error))
-        return false;
-    snprintf(path, sizeof path, "%s/%s_", folder, driver->feature);
-    append_name(path, sizeof path, driver->scene.name);
-    if (label) {
-        strcat(path, "_");
-        append_name(path, sizeof path, label);
-    }
-    strcat(path, ".png");
-    snprintf(seconds, sizeof seconds, "%.6f", driver->render_ms.median / 1e3);
-    if (!write_picture(driver, path, seconds, error))
-        return false;
-    if (!driver->quiet)
-        printf(
-            "%s: %s, %u triangles, %u x %u, %u %s a pixel, built in %s, rendered in %s on %u %s, "
-            "%s%sraykit %s\n",
-            path, driver->scene.name, driver->scene.mesh.triangle_count, driver->render.width,
-            driver->render.height, driver->render.samples,
-            driver->render.samples == 1 ? "sample" : "samples",
-            duration(driver->build_ms.median).text, duration(driver->render_ms.median).text,
-            rk_pool_threads(driver->pool),
-            rk_pool_threads(driver->pool) == 1 ? "thread" : "threads", rk_units,
-            *rk_units ? ", " : "", PACKAGE_VERSION);
-    return true;
-}
-
-bool rk_driver_row(rk_driver *driver, const char *metric, const char *unit, rk_timing timing,
-                   rk_error *error)
-{
-    char path[4096], folder[3072];
-    if (!out_folder(driver, "tables", folder, error))
-        return false;
-    snprintf(path, sizeof path, "%s/%s.csv", folder, driver->feature);
-    const rk_accel_title method = rk_accel_name(&driver->accel);
-    const rk_timing_row row = {
-        .feature = driver->feature,
-        .scene = driver->scene.name,
-        .triangles = driver->scene.mesh.triangle_count,
-        .method = method.text,
-        .isa = rk_accel_isa(driver->accel.kind),
-        .threads = rk_pool_threads(driver->pool),
-        .metric = metric,
-        .unit = unit,
-        .timing = timing,
-    };
-    if (!rk_table_put_timing(path, &row, error))
-        return false;
-    if (!driver->quiet)
-        printf("%s: %s, %s %.6g%s%s\n", path, row.scene, metric, timing.median,
-               strcmp(unit, "1") == 0 ? "" : " ", strcmp(unit, "1") == 0 ? "" : unit);
-    return true;
-}
-
-rk_timing rk_timing_once(double figure)
-{
-    return (rk_timing){figure, figure, figure, 1};
+    rk_pixel *pixel = &driver->pixel;
+    if (!pixel->given)
+        *pixel = (rk_pixel){.x = driver->render.width * driver->drawn_x / 100,
+                            .y = driver->render.height * driver->drawn_y / 100};
+    pixel->given = false;
 }
 
 int rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error)

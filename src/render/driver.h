@@ -14,16 +14,17 @@ typedef struct rk_driver {
 
     /* options; set defaults before rk_driver_start where they differ from the common ones */
     rk_render_options render;
-    uint32_t threads;  /* 0: all processors */
-    uint32_t runs;     /* timings are medians of this many */
-    const char *split; /* how the tree's nodes are cut: median, sah or sah3 */
-    uint32_t bins;     /* on an axis, for sah and sah3 */
+    uint32_t threads; /* 0: all processors */
+    uint32_t runs;    /* timings are medians of this many */
+    rk_accel_kind split;
+    uint32_t bins; /* on an axis, of the kinds that have some */
     const char *scene_name;
     const char *mesh_path;   /* NULL: the built-in scene */
     const char *environment; /* NULL: none; "sky", or files as in io/environment_file.h */
     const char *out;
     const char *debug; /* NULL, or one of debug_views */
     rk_pixel pixel;
+    uint32_t drawn_x, drawn_y; /* per cent of the picture: where --debug rays looks by default */
     bool quiet;
     bool timing;            /* put rows into the table, draw no picture */
     rk_camera camera_given; /* what the user set; NaN elsewhere: the scene's own */
@@ -49,6 +50,9 @@ rk_driver rk_driver_default(const char *feature, const char *summary);
 bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *own_options,
                      const char *const *debug_views, int *status);
 
+/* Who cannot save need not render: tries to begin a file where one will be wanted. */
+bool rk_driver_try_folder(const rk_driver *driver, rk_error *error);
+
 /* Builds the acceleration structure, `runs` times. */
 bool rk_driver_build(rk_driver *driver, rk_error *error);
 
@@ -57,6 +61,10 @@ bool rk_driver_render(rk_driver *driver, rk_error *error);
 
 /* Is this the debug view that was asked for? */
 bool rk_driver_debug(const rk_driver *driver, const char *view);
+
+/* The pixel whose rays a debug view draws becomes driver->pixel: --pixel, or the one at drawn_x and
+ * drawn_y. It is drawn then, and not told. */
+void rk_driver_draw_pixel(rk_driver *driver);
 
 /* Writes the picture to OUT/figures/FEATURE_SCENE[_LABEL].png, label being the debug view and its
  * number, or NULL, and prints a line for its caption. */

@@ -86,9 +86,7 @@ static void find_blur_of_tile(uint32_t index, uint32_t thread, void *context)
     rk_path_batch camera;
     rk_tile_start(r, &t, index, thread);
     t.sample = 0; /* what moves is seen at the first of its times */
-    t.samples = t.samples_in_motion = 1;
-    if (r->plan.time_samples)
-        memset(t.has_time, 0, sizeof t.has_time);
+    t.samples = t.turns = 1;
     camera.rays.count = 0;
     for (uint32_t y = t.y; y < t.y + t.height; y++)
         for (uint32_t x = t.x; x < t.x + t.width; x++) {

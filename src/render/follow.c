@@ -66,7 +66,7 @@ void rk_meet(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths)
         rk_accel_closest(r->accel, &paths->rays, &t->hits, t->counters);
         return;
     }
-    rk_asker asker = {r, t, paths->pixel};
+    rk_asker asker = {r, t, paths->pixel, paths->path[0].left == r->options->recursion};
     const rk_moments when = rk_moments_of(&asker);
     rk_accel_closest_at(r->accel, &paths->rays, &when, &t->hits, t->counters);
 }
@@ -95,7 +95,7 @@ static void see_nearest(const rk_rendering *r, rk_tile *t, const rk_path_batch *
 float rk_look_through(const rk_rendering *r, rk_tile *t, const rk_path_batch *paths, uint32_t i,
                       rk_crossing_list *list, float weights[RK_RECURSION_MAX + 1])
 {
-    rk_asker asker = {r, t, paths->pixel};
+    rk_asker asker = {r, t, paths->pixel, paths->path[i].left == r->options->recursion};
     const rk_moments when = rk_moments_of(&asker);
     rk_ray ray = rk_batch_ray(&paths->rays, i);
     float behind;

@@ -31,9 +31,10 @@ static source source_of(const rk_rendering *r, const rk_tile *t, const rk_seen *
     return (source){
         .disk = rk_glossy_disk_at(&options->glossy, seen),
         .map = options->glossy.map,
-        .sampler = {options->glossy.sampling, options->seed, rk_path_samples(r, t, true)},
+        .sampler = {options->glossy.sampling, options->seed,
+                    rk_path_samples(r, t, seen->pixel, true)},
         .pixel = rk_tile_pixel(r, t, seen->pixel),
-        .dimension = rk_draw_of(t).dimension + RK_DIMENSION_GLOSSY + 2 * bounce,
+        .dimension = rk_draw_of(t, seen->pixel).dimension + RK_DIMENSION_GLOSSY + 2 * bounce,
         .first = seen->path.sample * count,
         .count = count,
     };

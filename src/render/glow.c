@@ -1,5 +1,5 @@
-/* Where does each row glow? Those that do are masked and filtered; then columns are, in strips a
- * block wide, and added to the picture. Rows that do not glow, and strips out of their reach, are
+/* Where does each row glow? Those that do are masked and filtered; then columns are, a band of rows
+ * at a time, and added to the picture. Rows that do not glow, and strips out of their reach, are
  * neither filtered nor stored. Between these passes threads wait for each other; within one they
  * share nothing but the next item's number. */
 #include "render/glow.h"

@@ -16,10 +16,11 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const 
     rk_vec2 xi = {0, 0};
     if (light->kind != RK_LIGHT_POINT) {
         /* Each bounce is a stream of its own, which all rays of a pixel share. */
-        const rk_draw draw = rk_draw_of(t);
+        const rk_draw draw = rk_draw_of(t, seen->pixel);
         uint32_t bounce = r->options->recursion - seen->path.left;
         const rk_sampler sampler = {options->sampling, r->options->seed,
-                                    rk_path_samples(r, t, seen->path.spread) * options->samples};
+                                    rk_path_samples(r, t, seen->pixel, seen->path.spread) *
+                                        options->samples};
         xi = rk_sample_2d(&sampler, rk_tile_pixel(r, t, seen->pixel),
                           seen->path.sample * options->samples + sample,
                           draw.dimension + RK_DIMENSION_LIGHT +

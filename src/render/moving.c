@@ -1,6 +1,8 @@
 /* When rays are traced. A sample of a pixel has one time for all its rays, from the camera's to the
  * last shadow ray, and it is drawn when the first of them reaches the swept boxes of something that
- * moves. A pixel none of whose rays does so has no time, and needs no more samples for it. */
+ * moves. Until then nothing depends on the time: so a sample none of whose rays does so is the same
+ * at all times, and taken once. Others are taken in turns, at times of their own, and count for
+ * their mean. */
 #include "render/tile.h"
 
 /* With one time for all, it is known; else the sample's own, drawn if need be. */
@@ -13,15 +15,15 @@ static float time_of(const rk_rendering *r, rk_tile *t, uint32_t pixel)
                    : rk_shutter_equidistant(&motion->shutter, motion->isolate, motion->samples);
     if (!t->has_time[pixel]) {
         t->has_time[pixel] = t->in_motion[pixel] = true;
-        t->time[pixel] =
-            rk_shutter_time(&motion->shutter, motion->sampling, r->options->seed,
-                            rk_tile_pixel(r, t, pixel), t->sample, t->samples_in_motion);
+        t->time[pixel] = rk_shutter_time(&motion->shutter, motion->sampling, r->options->seed,
+                                         rk_tile_pixel(r, t, pixel),
+                                         t->turn * t->samples + t->sample, t->turns * t->samples);
         t->counters->time_samples++;
     }
     return t->time[pixel];
 }
 
-/* Whether a pixel is in motion is worth a closer look, once. */
+/* Whether a sample is in motion is worth a closer look, once. */
 static bool reaches(void *context, uint32_t index, uint32_t object, const rk_slabs *ray,
                     float t_max, rk_vec3 *offset)
 {
@@ -34,6 +36,7 @@ static bool reaches(void *context, uint32_t index, uint32_t object, const rk_sla
         !(settled ||
           rk_motion_reaches_leaf(&r->accel->moving[object], &r->swept[object], ray, t_max)))
         return false;
+    asker->t->in_sight[pixel] |= asker->from_camera;
     *offset = rk_motion_offset(&r->scene->moving[object].motion, time_of(r, asker->t, pixel));
     return true;
 }

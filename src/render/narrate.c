@@ -181,7 +181,7 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                  .width = 1,
                  .height = 1,
                  .samples = options->samples,
-                 .samples_in_motion = rk_samples_in_motion(&r.plan, options, options->samples),
+                 .turns = rk_turns(&r.plan, options, options->samples),
                  .counters = &counters};
     rk_path_batch camera;
     rk_ray ray = rk_view_ray(&r.view, (float)x + 0.5f, (float)y + 0.5f);
@@ -204,7 +204,7 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
     tell_path(&s, &camera, "camera ray");
     if (t.in_motion[0])
         fprintf(out, "a ray may meet what moves: this was seen at x = %.6f, one of %u times\n",
-                (double)t.time[0], t.samples_in_motion);
+                (double)t.time[0], t.turns * t.samples);
     tell_vector(out, "colour (linear)", t.sum[0]);
     if (r.plan.bloom)
         fprintf(out, "the glow of bright pixels comes on top, when all are rendered\n");

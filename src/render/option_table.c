@@ -93,7 +93,7 @@ rk_option_table rk_render_option_table(rk_render_options *options)
         {"shutter-close", RK_OPTION_FLOAT, &options->motion.shutter.close, "X", "when it closes",
          -1e3, 1e3},
         {"time-samples", RK_OPTION_UINT, &options->motion.samples, "N",
-         "rays, each at a time of its own, through a pixel that motion may change; 0: everything "
+         "times that a pixel's --samples see together, where motion may change them; 0: everything "
          "rests",
          0, 65536},
         {"time-sampling", RK_OPTION_CHOICE, &options->motion.sampling,
@@ -106,4 +106,15 @@ rk_option_table rk_render_option_table(rk_render_options *options)
          -1e6, 1e6},
         {NULL, RK_OPTION_FLAG, NULL, NULL, NULL, 0, 0},
     }};
+}
+
+bool rk_render_options_check(const rk_render_options *options, rk_error *error)
+{
+    const rk_motion_options *motion = &options->motion;
+    if (!isnan(motion->isolate) && motion->samples == 0)
+        return rk_fail(error,
+                       "--isolate %g: it is one of the --time-samples, and there are none; give "
+                       "--time-samples N, 1 or more",
+                       (double)motion->isolate);
+    return true;
 }

@@ -12,4 +12,7 @@ typedef struct rk_option_table {
 /* A table that reads into `options`, whose present values are the defaults. */
 rk_option_table rk_render_option_table(rk_render_options *options);
 
+/* Do the options go together? False with an error that names those that do not. */
+bool rk_render_options_check(const rk_render_options *options, rk_error *error);
+
 #endif

@@ -27,9 +27,11 @@ typedef struct rk_light_options {
 /* When what moves is seen. */
 typedef struct rk_motion_options {
     rk_shutter shutter;
-    uint32_t samples; /* times a pixel that motion may change; 0: everything rests */
+    uint32_t samples; /* times that a pixel's samples see together, each that motion may change as
+                         many as the others; 0: everything rests */
     rk_time_sampling sampling;
-    float isolate; /* NaN, or the one equidistant time to see, 1 to `samples` or beyond */
+    float isolate; /* NaN, or the one equidistant time to see, 1 to `samples` or beyond; counts for
+                      nothing where `samples` is 0 */
 } rk_motion_options;
 
 /* How rough mirrors blur what they show. The first one on a way spreads a ray into `samples`; each

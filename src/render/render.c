@@ -9,6 +9,13 @@
 #include <stdlib.h>
 #include <string.h>
 
+static void forget_motion(rk_tile *t)
+{
+    memset(t->in_motion, 0, sizeof t->in_motion);
+    memset(t->in_sight, 0, sizeof t->in_sight);
+    memset(t->has_time, 0, sizeof t->has_time);
+}
+
 void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t thread)
 {
     const rk_render_options *options = r->options;
@@ -19,8 +26,9 @@ void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t t
     t->seen_count = 0;
     t->counters = &r->counters[thread];
     memset(t->sum, 0, sizeof t->sum);
+    t->turn = 0;
     if (r->plan.motion)
-        memset(t->in_motion, 0, sizeof t->in_motion);
+        forget_motion(t);
 }
 
 /* The tile's pixels that a circle of confusion reaches, or all others, and how many samples they
@@ -32,7 +40,7 @@ static void choose_pixels(const rk_rendering *r, rk_tile *t, bool blurred)
     t->samples = options->samples;
     if (blurred && t->samples < options->lens_samples)
         t->samples = options->lens_samples;
-    t->samples_in_motion = rk_samples_in_motion(&r->plan, options, t->samples);
+    t->turns = rk_turns(&r->plan, options, t->samples);
 }
 
 static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
@@ -43,7 +51,6 @@ static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint3
 /* What is the same for all camera rays of a sample. */
 static void start_paths(rk_path_batch *camera, uint32_t left, uint32_t sample)
 {
-    camera->rays.count = 0;
     camera->path[0] = rk_path_start(sample, left);
     for (uint32_t filled = 1; filled < RK_BATCH_MAX; filled *= 2)
         memcpy(camera->path + filled, camera->path, filled * sizeof *camera->path);
@@ -56,31 +63,32 @@ static rk_ray centre_ray(const rk_view *view, uint32_t x, uint32_t y)
 
 /* Through a random place of the pixel; from the camera's position, or a random place of the lens.
  */
-static rk_ray sampled_ray(const rk_rendering *r, const rk_tile *t, rk_draw draw, uint32_t x,
-                          uint32_t y)
+static rk_ray sampled_ray(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
 {
     const rk_render_options *options = r->options;
     const rk_sampler sampler = {t->blurred ? options->lens_sampling : options->sampling,
-                                options->seed, draw.samples};
+                                options->seed, t->samples};
     uint32_t pixel = y * options->width + x;
-    rk_vec2 within =
-        rk_sample_2d(&sampler, pixel, draw.sample, draw.dimension + RK_DIMENSION_PIXEL);
+    rk_vec2 within = rk_sample_2d(&sampler, pixel, t->sample, RK_DIMENSION_PIXEL);
     if (!t->blurred)
         return rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
-    rk_vec2 xi = rk_sample_2d(&sampler, pixel, draw.sample, draw.dimension + RK_DIMENSION_LENS);
+    rk_vec2 xi = rk_sample_2d(&sampler, pixel, t->sample, RK_DIMENSION_LENS);
     return rk_lens_ray(&options->lens, &r->view, (float)x + within.x, (float)y + within.y, xi);
 }
 
-/* Rays for the chosen pixels; the samples beyond the first set are for those in motion alone. */
+/* Rays for the chosen pixels; the turns beyond the first are for samples in motion alone, and look
+ * along the same ray: were there others, whether there are any would hang on the first. */
 static void push_chosen(const rk_rendering *r, const rk_tile *t, rk_path_batch *camera)
 {
-    const rk_draw draw = rk_draw_of(t);
-    bool sampled = r->plan.pixel_samples || t->blurred, first_set = t->sample < t->samples;
+    bool sampled = r->plan.pixel_samples || t->blurred;
     uint32_t pixel = 0;
     for (uint32_t y = t->y; y < t->y + t->height; y++)
         for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
-            if (is_chosen(r, t, x, y) && (first_set || t->in_motion[pixel])) {
-                rk_ray ray = sampled ? sampled_ray(r, t, draw, x, y) : centre_ray(&r->view, x, y);
+            if (is_chosen(r, t, x, y) && (t->turn == 0 || t->in_motion[pixel])) {
+                rk_ray ray = sampled ? sampled_ray(r, t, x, y) : centre_ray(&r->view, x, y);
+                if (t->turn > 0)
+                    camera->path[camera->rays.count] =
+                        rk_path_start(rk_draw_of(t, pixel).sample, r->options->recursion);
                 rk_path_push_ray(camera, &ray, pixel);
             }
     t->counters->pixel_samples += sampled ? camera->rays.count : 0;
@@ -100,9 +108,11 @@ static void push_all(rk_view view, const rk_tile *t, rk_path_batch *camera)
 
 static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
 {
-    start_paths(camera, r->options->recursion, rk_draw_of(t).sample);
+    camera->rays.count = 0;
     if (r->plan.time_samples)
         memset(t->has_time, 0, sizeof t->has_time);
+    if (t->turn == 0)
+        start_paths(camera, r->options->recursion, t->sample);
     if (r->plan.pixel_samples || r->plan.lens || r->plan.motion)
         push_chosen(r, t, camera);
     else
@@ -110,19 +120,37 @@ static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camer
     t->counters->primary_rays += camera->rays.count;
 }
 
+/* The next sample of each chosen pixel; where it is in motion, the mean over its turns. False if no
+ * pixel is chosen. */
+static bool take_sample(const rk_rendering *r, rk_tile *t, rk_path_batch *camera)
+{
+    rk_vec3 before[RK_BATCH_MAX];
+    if (r->plan.time_samples) {
+        memcpy(before, t->sum, sizeof before);
+        forget_motion(t);
+    }
+    for (t->turn = 0; t->turn < t->turns; t->turn++) {
+        camera_stage(r, t, camera);
+        if (camera->rays.count == 0)
+            break;
+        rk_follow(r, t, camera);
+    }
+    for (uint32_t i = 0; i < t->width * t->height && t->turns > 1; i++)
+        if (t->in_motion[i])
+            t->sum[i] = rk_madd(before[i], rk_sub(t->sum[i], before[i]), 1 / (float)t->turns);
+    return t->turn > 0;
+}
+
 /* The chosen pixels' sums become means. */
 static void mean_stage(const rk_rendering *r, rk_tile *t)
 {
-    if (t->samples_in_motion == 1)
+    if (t->samples == 1)
         return;
     uint32_t pixel = 0;
     for (uint32_t y = t->y; y < t->y + t->height; y++)
         for (uint32_t x = t->x; x < t->x + t->width; x++, pixel++)
-            if (is_chosen(r, t, x, y)) {
-                bool moves = r->plan.motion && t->in_motion[pixel];
-                float samples = (float)(moves ? t->samples_in_motion : t->samples);
-                t->sum[pixel] = rk_scale(t->sum[pixel], 1 / samples);
-            }
+            if (is_chosen(r, t, x, y))
+                t->sum[pixel] = rk_scale(t->sum[pixel], 1 / (float)t->samples);
 }
 
 static void film_stage(const rk_rendering *r, const rk_tile *t)
@@ -140,12 +168,9 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
     rk_tile_start(r, &t, index, thread);
     for (int blurred = 0; blurred <= r->plan.lens; blurred++) {
         choose_pixels(r, &t, blurred);
-        for (t.sample = 0; r->plan.rays && t.sample < t.samples_in_motion; t.sample++) {
-            camera_stage(r, &t, &camera);
-            if (camera.rays.count == 0)
+        for (t.sample = 0; r->plan.rays && t.sample < t.samples; t.sample++)
+            if (!take_sample(r, &t, &camera))
                 break;
-            rk_follow(r, &t, &camera);
-        }
         mean_stage(r, &t);
     }
     film_stage(r, &t);
@@ -170,7 +195,7 @@ static uint64_t most_samples(const rk_scene *scene, const rk_render_options *opt
     uint64_t samples = options->samples;
     if (plan->lens && options->lens_samples > samples)
         samples = options->lens_samples;
-    samples = rk_samples_in_motion(plan, options, (uint32_t)samples);
+    samples *= rk_turns(plan, options, (uint32_t)samples);
     if (plan->glossy)
         samples *= options->glossy.samples;
     for (uint32_t i = 0; i < scene->light_count; i++)

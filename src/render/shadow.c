@@ -25,7 +25,7 @@ static void tint(const rk_rendering *r, rk_tile *t, const rk_moments *when)
 void rk_shadow_stage(const rk_rendering *r, rk_tile *t)
 {
     uint16_t pixels[RK_BATCH_MAX];
-    rk_asker asker = {r, t, pixels};
+    rk_asker asker = {r, t, pixels, false};
     rk_moments moments;
     t->counters->shadow_rays += t->shadow.count;
     if (r->plan.motion) {

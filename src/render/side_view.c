@@ -3,7 +3,7 @@
 rk_ray rk_side_view_ray(rk_driver *driver)
 {
     rk_view view = rk_view_of(&driver->scene.camera, driver->render.width, driver->render.height);
-    driver->pixel.given = false;
+    rk_driver_draw_pixel(driver);
     return rk_view_ray(&view, (float)driver->pixel.x + 0.5f, (float)driver->pixel.y + 0.5f);
 }
 

@@ -31,8 +31,8 @@ static inline rk_side_view rk_side_view_default(void)
             0.01, 100                                                                              \
     }
 
-/* Returns the ray through the centre of --pixel, and forgets the pixel: it is none of the picture
- * that is rendered now. */
+/* Returns the ray through the centre of the pixel that is drawn (rk_driver_draw_pixel): it is none
+ * of the picture that is rendered now. */
 rk_ray rk_side_view_ray(rk_driver *driver);
 
 /* Moves the camera, renders, darkens the picture and begins drawings that nothing hides. The caller

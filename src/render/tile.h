@@ -99,7 +99,7 @@ typedef struct rk_tile {
     uint32_t x, y, width, height; /* pixels */
     bool blurred;                 /* at work: pixels out of focus, by the lens, or all others */
     uint32_t sample, samples;     /* of each of them, and how many there will be */
-    uint32_t samples_in_motion;   /* of those that motion may change; no fewer */
+    uint32_t turn, turns;         /* a sample that motion may change is taken so often */
     rk_hit_batch hits;
     uint32_t seen_count;
     rk_seen seen[RK_BATCH_MAX];
@@ -110,8 +110,9 @@ typedef struct rk_tile {
     rk_any_batch blocked;           /* the answers */
     bool tinted[RK_BATCH_MAX];      /* with transparency alone: do panes take a part of it? */
     rk_vec3 sum[RK_BATCH_MAX];      /* over the samples so far, one a pixel */
-    bool in_motion[RK_BATCH_MAX];   /* did a ray of the pixel ever need a time? */
-    bool has_time[RK_BATCH_MAX];    /* did one of this sample? */
+    bool in_motion[RK_BATCH_MAX];   /* did a ray of this sample need a time? */
+    bool in_sight[RK_BATCH_MAX];    /* did the camera's? */
+    bool has_time[RK_BATCH_MAX];    /* did one in this turn? */
     float time[RK_BATCH_MAX];       /* then it is this */
     rk_counters *counters;
 } rk_tile;
@@ -123,26 +124,28 @@ void rk_tile_start(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t t
  * lens. */
 bool rk_focus_find(rk_rendering *r, rk_pool *pool, rk_error *error);
 
-/* How many samples a pixel takes that motion may change, where others take `samples`. */
-static inline uint32_t rk_samples_in_motion(const rk_plan *plan, const rk_render_options *options,
-                                            uint32_t samples)
+/* How often each of a pixel's samples is taken if motion may change it: so that all of them see as
+ * many times as are asked for. */
+static inline uint32_t rk_turns(const rk_plan *plan, const rk_render_options *options,
+                                uint32_t samples)
 {
-    return plan->time_samples && samples < options->motion.samples ? options->motion.samples
-                                                                   : samples;
+    return plan->time_samples ? (options->motion.samples + samples - 1) / samples : 1;
 }
 
-/* Where a sample stands among those that are spread together. What a pixel takes further on,
- * because of motion, is a set of its own: so the first set is the same as without motion. */
+/* Where a sample stands among those that are spread together. */
 typedef struct rk_draw {
     uint32_t sample, samples;
     uint32_t dimension; /* to be added */
 } rk_draw;
 
-static inline rk_draw rk_draw_of(const rk_tile *t)
+/* For what is drawn behind the camera: on lights, and by rough mirrors. Further turns are a set of
+ * their own, so the first is the same as without motion. But where such a number decided that there
+ * are further turns, all keep it: what it met in motion counts for no more than its own share. */
+static inline rk_draw rk_draw_of(const rk_tile *t, uint32_t pixel)
 {
-    if (t->sample < t->samples)
+    if (t->turn == 0 || !t->in_sight[pixel])
         return (rk_draw){t->sample, t->samples, 0};
-    return (rk_draw){t->sample - t->samples, t->samples_in_motion - t->samples,
+    return (rk_draw){(t->turn - 1) * t->samples + t->sample, (t->turns - 1) * t->samples,
                      RK_DIMENSION_FURTHER};
 }
 
@@ -157,6 +160,7 @@ typedef struct rk_asker {
     const rk_rendering *r;
     rk_tile *t;
     const uint16_t *pixels;
+    bool from_camera;
 } rk_asker;
 
 /* The moments of the asker's rays: a pixel's time is drawn when the first of its rays asks. */
@@ -170,9 +174,10 @@ void rk_moving_place(const rk_rendering *r, rk_tile *t, uint32_t pixel, uint32_t
                      rk_surface *surface);
 
 /* How many samples like this one its pixel takes. */
-static inline uint32_t rk_path_samples(const rk_rendering *r, const rk_tile *t, bool spread)
+static inline uint32_t rk_path_samples(const rk_rendering *r, const rk_tile *t, uint32_t pixel,
+                                       bool spread)
 {
-    return rk_draw_of(t).samples * (spread ? r->options->glossy.samples : 1);
+    return rk_draw_of(t, pixel).samples * (spread ? r->options->glossy.samples : 1);
 }
 
 /* Adds to the pixels' sums what the rays of `paths` see, along mirrors and panes to the end. */

@@ -45,6 +45,12 @@ bool rk_tree_view_choose(rk_tree_view *view, const rk_driver *driver, rk_error *
     if ((view->level != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "level")) ||
         (view->leaf != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "leaf")))
         return rk_fail(error, "--level goes with --debug level, --leaf with --debug leaf");
+    if (tree.levels == 0) /* what moves has trees of its own */
+        return !driver->debug ||
+               rk_fail(error,
+                       "--debug %s: everything moves, and the tree of what stands still is "
+                       "empty; leave --move out",
+                       driver->debug);
     if (view->level == RK_TREE_VIEW_NOT_GIVEN)
         view->level = tree.levels > 4 ? 4 : tree.levels - 1;
     if (view->leaf == RK_TREE_VIEW_NOT_GIVEN)

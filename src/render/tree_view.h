@@ -18,12 +18,12 @@ typedef struct rk_tree_view {
      RK_OPTION_UINT,                                                                               \
      &(view).level,                                                                                \
      "N",                                                                                          \
-     "level drawn by --debug level; 0 is the root (default: 4, or the deepest)",                   \
+     "level drawn by --debug level; 0 is the root; by default 4, or the deepest",                  \
      0,                                                                                            \
      RK_BVH_LEVELS_MAX - 1},                                                                       \
     {                                                                                              \
         "leaf", RK_OPTION_UINT, &(view).leaf, "N",                                                 \
-            "leaf drawn by --debug leaf, from the left (default: 0)", 0, UINT32_MAX - 1            \
+            "leaf drawn by --debug leaf, from the left; by default 0", 0, UINT32_MAX - 1           \
     }
 
 /* Settles which level and leaf to draw; an error names what the tree has. */

@@ -6,7 +6,7 @@
 # The new page grows beside the old one and takes its place when it is whole.
 final=$RAYKIT_BUILD/$texts/out
 RAYKIT_OUT=$final.part
-RAYKIT_SCRAPS=$(mktemp -d)
+RAYKIT_SCRAPS=$(mktemp -d) || exit 1 # it has said which folder, and why
 
 say() { echo "$RAYKIT_WEAVES: $*" >&2; }
 
@@ -55,8 +55,9 @@ system="${system:-$(uname -s)}, $(uname -sr)"
 RAYKIT_UNITS=
 [ ! -f "$RAYKIT_DRIVERS/units" ] || RAYKIT_UNITS=$(cat "$RAYKIT_DRIVERS/units")
 
-rm -rf "$RAYKIT_OUT"
-mkdir -p "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables"
+# Said before anything is rendered.
+unwritable="$final cannot be written (the reason stands above): free some space, or build in a folder that is yours"
+rm -rf "$RAYKIT_OUT" && mkdir -p "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables" || give_up "$unwritable"
 
 # Pages link to sources by relative ways, so that a folder can move as a whole.
 RAYKIT_SOURCE_LINK=$(realpath --relative-to="$RAYKIT_OUT" "$RAYKIT_SOURCE" 2>/dev/null) ||
@@ -98,10 +99,10 @@ publish() {
         print_pdf
         pdf="and $final/$RAYKIT_WEAVES.pdf"
     fi
-    rm -rf "$final.old"
+    rm -rf "$final.old" || give_up "$unwritable"
     trap '' HUP INT TERM # the two moves belong together
-    [ ! -e "$final" ] || mv "$final" "$final.old"
-    mv "$RAYKIT_OUT" "$final"
+    [ ! -e "$final" ] || mv "$final" "$final.old" || give_up "$unwritable"
+    mv "$RAYKIT_OUT" "$final" || give_up "$unwritable"
     rm -rf "$final.old"
     say "wrote $final/$RAYKIT_WEAVES.html $pdf"
 }

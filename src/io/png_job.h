@@ -1,0 +1,59 @@
+/* What reading and writing PNG have in common; not installed.
+ *
+ * libpng reports an error by a jump that must not return. All work that can jump is therefore a
+ * function of its own, run by `guarded`; what it allocates hangs on a struct of the caller, who
+ * frees it whichever way the work ended. */
+#ifndef RK_IO_PNG_JOB_H
+#define RK_IO_PNG_JOB_H
+
+#include "io/png.h"
+
+#include <png.h>
+#include <stdint.h>
+#include <stdio.h>
+
+/* One struct for both directions: what is NULL is not in use. */
+typedef struct job {
+    const char *path;
+    png_structp png;
+    png_infop info;
+    FILE *stream;
+    unsigned char *bytes; /* a row when writing, the whole picture when reading */
+    float *linear;        /* what each stored value means, when reading */
+    rk_error *error;
+    char reason[200]; /* libpng's or the system's, after a jump */
+
+    const rk_image *source; /* writing */
+    const rk_png_text *texts;
+    size_t text_count;
+
+    rk_image *image; /* reading */
+    uintmax_t file_size;
+    const char *key;
+    char *value;
+} job;
+
+static inline void on_error(png_structp png, png_const_charp message)
+{
+    job *j = png_get_error_ptr(png);
+    if (!j->reason[0])
+        snprintf(j->reason, sizeof j->reason, "%s", message);
+    png_longjmp(png, 1);
+}
+
+static inline void on_warning(png_structp png, png_const_charp message)
+{
+    (void)png;
+    (void)message;
+}
+
+/* False when the work ended by a jump. */
+static inline bool guarded(job *j, void (*work)(job *))
+{
+    if (setjmp(png_jmpbuf(j->png)))
+        return false;
+    work(j);
+    return true;
+}
+
+#endif
