@@ -1,6 +1,6 @@
 /* One small mesh in each format: a unit square in the plane z = 0 and a triangle that stands on its
  * first edge. Three triangles, five distinct points; OBJ and glTF give the square and the triangle
- * a material each. */
+ * a material each. The textured glTF has just the square. */
 #ifndef RK_TESTS_MESH_SEEDS_H
 #define RK_TESTS_MESH_SEEDS_H
 
@@ -15,7 +15,7 @@ typedef struct mesh_seed {
     size_t size;
 } mesh_seed;
 
-enum { seed_obj, seed_ply_text, seed_ply_binary, seed_off, seed_gltf, seed_count };
+enum { seed_obj, seed_ply_text, seed_ply_binary, seed_off, seed_gltf, seed_gltf_textured };
 
 static const float seed_points[5][3] = {{0, 0, 0}, {1, 0, 0}, {1, 1, 0}, {0, 1, 0}, {0.5f, 0, 1}};
 
@@ -106,10 +106,60 @@ static inline void seed_append_gltf(mesh_seed *seed)
     seed_append_text(seed, "\"}]}\n");
 }
 
+/* Four texels in a PNG: red and green above blue and white. */
+static const char seed_picture[] =
+    "\"uri\":\"data:image/png;base64,"
+    "iVBORw0KGgoAAAANSUhEUgAAAAIAAAACCAIAAAD91JpzAAAAEklEQVR4nGP4z8DAAMIM/4EAAB/u"
+    "BfsL2WiLAAAAAElFTkSuQmCC"
+    "\"";
+
+/* A square whose picture is `image`, a glTF object's members; `sampler` those of the sampler. Its
+ * second set of texture coordinates, the one in use, is the texels' centres; the first is all 0. */
+static inline void seed_append_textured_gltf(mesh_seed *seed, const char *image,
+                                             const char *sampler)
+{
+    mesh_seed buffer = {0};
+    char text[1500];
+    const float numbers[4 * 3 + 4 * 2 + 4 * 2] = {
+        0,     0,     0,     1,     0,     0,     1,
+        1,     0,     0,     1,     0,     0,     0,
+        0,     0,     0,     0,     0,     0,     /* v goes down: */ 0.25f,
+        0.75f, 0.75f, 0.75f, 0.75f, 0.25f, 0.25f, 0.25f};
+    const uint32_t indices[] = {0, 1, 2, 0, 2, 3};
+    for (int i = 0; i < 28; i++) {
+        uint32_t bits;
+        memcpy(&bits, &numbers[i], sizeof bits);
+        seed_append_word(&buffer, bits);
+    }
+    for (int i = 0; i < 6; i++)
+        seed_append_word(&buffer, indices[i]);
+    snprintf(text, sizeof text,
+             "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],"
+             "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+             "{\"POSITION\":0,\"TEXCOORD_0\":1,\"TEXCOORD_1\":2},\"indices\":3,"
+             "\"material\":0}]}],\"materials\":[{\"pbrMetallicRoughness\":"
+             "{\"baseColorTexture\":{\"index\":0,\"texCoord\":1}}}],"
+             "\"textures\":[{\"source\":0,\"sampler\":0}],\"samplers\":[{%s}],"
+             "\"images\":[{%s}],\"accessors\":["
+             "{\"bufferView\":0,\"componentType\":5126,\"count\":4,\"type\":\"VEC3\"},"
+             "{\"bufferView\":1,\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},"
+             "{\"bufferView\":2,\"componentType\":5126,\"count\":4,\"type\":\"VEC2\"},"
+             "{\"bufferView\":3,\"componentType\":5125,\"count\":6,\"type\":\"SCALAR\"}],"
+             "\"bufferViews\":[{\"buffer\":0,\"byteLength\":48},"
+             "{\"buffer\":0,\"byteOffset\":48,\"byteLength\":32},"
+             "{\"buffer\":0,\"byteOffset\":80,\"byteLength\":32},"
+             "{\"buffer\":0,\"byteOffset\":112,\"byteLength\":24}],"
+             "\"buffers\":[{\"byteLength\":136,\"uri\":\"data:application/octet-stream;base64,",
+             sampler, image);
+    seed_append_text(seed, text);
+    seed_append_base64(seed, buffer.bytes, buffer.size);
+    seed_append_text(seed, "\"}]}\n");
+}
+
 static inline mesh_seed make_seed(int format)
 {
-    static const char *const names[] = {"seed.obj", "text.ply", "binary.ply", "seed.off",
-                                        "seed.gltf"};
+    static const char *const names[] = {"seed.obj", "text.ply",  "binary.ply",
+                                        "seed.off", "seed.gltf", "textured.gltf"};
     mesh_seed seed = {.name = names[format]};
     switch (format) {
     case seed_obj:
@@ -135,8 +185,11 @@ static inline mesh_seed make_seed(int format)
         seed_append_text(&seed, "OFF\n# vertices faces edges\n5 2 0\n");
         seed_append_text(&seed, seed_rows);
         break;
-    default:
+    case seed_gltf:
         seed_append_gltf(&seed);
+        break;
+    default:
+        seed_append_textured_gltf(&seed, seed_picture, "\"wrapS\":33071");
     }
     return seed;
 }

@@ -3,6 +3,7 @@
 #include "test.h"
 
 #include "mesh_seeds.h"
+#include "quarters.h"
 #include "test_folder.h"
 
 #include "io/mesh_file.h"
@@ -231,6 +232,224 @@ static void a_missing_mtl_is_a_note_not_an_error(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* --- textures ------------------------------------------------------------------------------ */
+
+/* A square whose corners have the texture coordinates of the four texels' centres, once with each
+ * material. */
+static test_path write_textured_obj(const char *mtl, const char *materials)
+{
+    char text[400];
+    snprintf(text, sizeof text,
+             "mtllib textured.mtl\nv 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\n"
+             "vt 0.25 0.25\nvt 0.75 0.25\nvt 0.75 0.75\nvt 0.25 0.75\n");
+    for (const char *name = materials; *name; name++)
+        snprintf(text + strlen(text), sizeof text - strlen(text), "usemtl %c\nf 1/1 2/2 3/3 4/4\n",
+                 *name);
+    write_text("textured.mtl", mtl);
+    return write_text("textured.obj", text);
+}
+
+static const rk_texture *texture_of(const rk_mesh *mesh, uint32_t triangle)
+{
+    return mesh->materials[mesh->triangle_materials[triangle]].kd_texture;
+}
+
+/* Seen from +z, the picture stands upright on the unit square. */
+static void check_upright(const rk_mesh *mesh)
+{
+    const rk_texture *texture = texture_of(mesh, 0);
+    assert_non_null(texture);
+    assert_non_null(mesh->texcoords);
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        rk_vec3 p = mesh->positions[i], red = {1, 0, 0}, green = {0, 1, 0}, blue = {0, 0, 1},
+                white = {1, 1, 1};
+        rk_vec2 uv = mesh->texcoords[i];
+        check_texel(texture, uv.x, uv.y,
+                    p.y > 0.5f ? (p.x > 0.5f ? green : red) : (p.x > 0.5f ? white : blue));
+    }
+}
+
+static void an_obj_shows_its_picture_upright(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "quarters.png");
+    rk_mesh mesh = load(write_textured_obj("newmtl a\nKd 1 0.5 1\nmap_Kd quarters.png\n", "a"));
+    check_upright(&mesh);
+    check_point(mesh.materials[0].kd, 1, 0.5f, 1);
+    rk_check_equal(texture_of(&mesh, 0)->wrap, RK_TEXTURE_REPEAT, "unless -clamp is on");
+    rk_mesh_free(&mesh);
+}
+
+static void a_picture_without_kd_is_not_darkened(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "quarters.png");
+    rk_mesh mesh = load(write_textured_obj("newmtl a\nmap_Kd quarters.png\nnewmtl b\nKs 0 0 0\n"
+                                           "newmtl c\nKd 0.6 0.6 0.5\nmap_Kd quarters.png\n",
+                                           "abc"));
+    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 1, 1, 1);
+    check_point(mesh.materials[mesh.triangle_materials[2]].kd, 0.6f, 0.6f, 0.6f);
+    check_point(mesh.materials[mesh.triangle_materials[4]].kd, 0.6f, 0.6f, 0.5f);
+    rk_mesh_free(&mesh);
+}
+
+static void a_ply_shows_the_picture_of_its_comment_in_its_own_colours(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "quarters.png");
+    rk_mesh mesh = load(write_text(
+        "textured.ply", "ply\nformat ascii 1.0\ncomment TextureFile quarters.png\n"
+                        "element vertex 4\nproperty float x\nproperty float y\nproperty float z\n"
+                        "property float s\nproperty float t\nelement face 1\n"
+                        "property list uchar int vertex_indices\nend_header\n"
+                        "0 0 0 0.25 0.25\n1 0 0 0.75 0.25\n1 1 0 0.75 0.75\n0 1 0 0.25 0.75\n"
+                        "4 0 1 2 3\n"));
+    check_upright(&mesh);
+    check_point(mesh.materials[0].kd, 1, 1, 1);
+    rk_mesh_free(&mesh);
+}
+
+static test_path write_textured_gltf(const char *image, const char *sampler)
+{
+    mesh_seed seed = {0};
+    seed_append_textured_gltf(&seed, image, sampler);
+    return test_folder_write(&folder, "textured.gltf", seed.bytes, seed.size, 0600);
+}
+
+static void a_gltf_shows_its_picture_upright_by_the_set_that_it_names(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "two words.png");
+    rk_mesh mesh = load(write_textured_gltf("\"uri\":\"two%20words.png\"", ""));
+    check_upright(&mesh);
+    check_point(mesh.materials[0].kd, 1, 1, 1);
+    rk_check_equal(texture_of(&mesh, 0)->wrap, RK_TEXTURE_REPEAT, "the default");
+    rk_mesh_free(&mesh);
+}
+
+static void a_gltf_may_hold_its_picture_and_clamp_it(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_textured_gltf(seed_picture, "\"wrapS\":33071,\"wrapT\":33071"));
+    check_upright(&mesh);
+    rk_check_equal(texture_of(&mesh, 0)->wrap, RK_TEXTURE_CLAMP, "CLAMP_TO_EDGE");
+    rk_mesh_free(&mesh);
+}
+
+static void options_and_blanks_around_a_pictures_name_are_not_part_of_it(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "two words.png");
+    rk_mesh mesh = load(write_textured_obj("newmtl a\nmap_Kd -s 1 1 1 two words.png \t\r\n"
+                                           "newmtl b\nmap_Kd -clamp on two words.png\r\n",
+                                           "ab"));
+    check_upright(&mesh);
+    rk_check_equal(texture_of(&mesh, 0)->wrap, RK_TEXTURE_REPEAT, "the first has no -clamp");
+    assert_non_null(texture_of(&mesh, 2));
+    rk_check_equal(texture_of(&mesh, 2)->wrap, RK_TEXTURE_CLAMP, "the second has -clamp on");
+    rk_check_equal(mesh.texture_count, 2, "one repeats, one is clamped");
+    rk_mesh_free(&mesh);
+}
+
+static void materials_that_name_the_same_picture_share_it(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "quarters.png");
+    rk_mesh mesh = load(write_textured_obj("newmtl a\nmap_Kd quarters.png\n"
+                                           "newmtl b\nKd 1 0 0\nmap_Kd quarters.png\n"
+                                           "newmtl c\nKd 0 1 0\n",
+                                           "abc"));
+    rk_check_equal(mesh.material_count, 3, "a, b and c");
+    rk_check_equal(mesh.texture_count, 1, "read once");
+    assert_non_null(texture_of(&mesh, 0));
+    rk_check(texture_of(&mesh, 0) == texture_of(&mesh, 2), "a and b name the same picture");
+    rk_check(texture_of(&mesh, 4) == NULL, "c names none");
+    rk_mesh_free(&mesh);
+}
+
+static rk_mesh load_with_note(test_path path, const char *note)
+{
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_read(&mesh, path.text, &error), error);
+    rk_check_error_names(error, path.text);
+    rk_check_error_names(error, note);
+    return mesh;
+}
+
+static void a_missing_or_damaged_picture_is_a_note_not_an_error(void **state)
+{
+    (void)state;
+    size_t size;
+    unsigned char *bytes = test_folder_read(write_quarters(&folder, "quarters.png"), &size);
+    test_folder_write(&folder, "half.png", bytes, size / 2, 0600);
+    free(bytes);
+    test_path path = write_textured_obj("newmtl a\nKd 1 0 0\nmap_Kd gone.png\n"
+                                        "newmtl b\nmap_Kd quarters.png\n"
+                                        "newmtl c\nmap_Kd half.png\n",
+                                        "abc");
+    rk_mesh mesh = load_with_note(path, "gone.png: No such file");
+    rk_check(texture_of(&mesh, 0) == NULL, "a shows its colour alone");
+    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 1, 0, 0);
+    assert_non_null(texture_of(&mesh, 2));
+    check_quarters(texture_of(&mesh, 2));
+    rk_check(texture_of(&mesh, 4) == NULL, "half a picture is none");
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(path, "2 of 3 textures");
+    rk_mesh_free(&mesh);
+}
+
+static void pictures_without_texture_coordinates_are_a_note(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "quarters.png");
+    write_text("bare.mtl", "newmtl a\nmap_Kd quarters.png\n");
+    test_path path = write_text("bare.obj", "mtllib bare.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                            "usemtl a\nf 1 2 3\n");
+    rk_mesh mesh = load_with_note(path, "no texture coordinates");
+    rk_check(texture_of(&mesh, 0) == NULL, "there is no place for it");
+    rk_mesh_free(&mesh);
+}
+
+/* Else its surface would have the colour of one texel. */
+static void a_part_without_texture_coordinates_shows_its_colour_alone(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "quarters.png");
+    write_text("mixed.mtl", "newmtl a\nKd 1 0.5 1\nmap_Kd quarters.png\n");
+    rk_mesh mesh = load(write_text(
+        "mixed.obj", "mtllib mixed.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                     "o with\nusemtl a\nf 1/1 2/2 3/3\no without\nusemtl a\nf 3 2 1\n"));
+    assert_non_null(texture_of(&mesh, 0));
+    rk_check(texture_of(&mesh, 1) == NULL, "there is no place for it");
+    for (uint32_t i = 0; i < 2; i++)
+        check_point(mesh.materials[mesh.triangle_materials[i]].kd, 1, 0.5f, 1);
+    rk_mesh_free(&mesh);
+}
+
+/* Files are opened 1024 times at most, and none is here. */
+static void more_pictures_than_1024_are_a_note(void **state)
+{
+    (void)state;
+    enum { count = 1030, room = count * 40 + 200 };
+    char *obj = malloc(room), *mtl = malloc(room);
+    rk_check(obj && mtl, "no memory");
+    size_t n = (size_t)sprintf(
+        obj, "mtllib many.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n");
+    size_t m = 0;
+    for (int i = 0; i < count; i++) {
+        n += (size_t)sprintf(obj + n, "usemtl m%d\nf 1/1 2/2 3/3\n", i);
+        m += (size_t)sprintf(mtl + m, "newmtl m%d\nmap_Kd p%d.png\n", i, i);
+    }
+    write_text("many.mtl", mtl);
+    test_path path = write_text("many.obj", obj);
+    free(obj);
+    free(mtl);
+    rk_mesh mesh = load_with_note(path, "more than 1024 textures");
+    rk_check_equal(mesh.material_count, count, "all materials are there");
+    rk_mesh_free(&mesh);
+}
+
 /* --- what is refused ----------------------------------------------------------------------- */
 
 static void obj_mistakes_are_found_with_their_line(void **state)
@@ -363,10 +582,19 @@ typedef struct triangle_stream {
     rk_mesh_stream_header header;
     float positions[3][3];
     uint32_t triangle[3];
-    unsigned char rest[2 + sizeof(rk_mesh_stream_material)]; /* triangle's material, the material */
+    /* The triangle's material, the material, a texture without a picture and its name "gone". */
+    unsigned char rest[2 + sizeof(rk_mesh_stream_material) + sizeof(rk_mesh_stream_texture) + 4];
 } triangle_stream;
 
-enum { triangle_stream_size = 32 + 36 + 12 + 2 + 32 };
+enum { triangle_stream_size = 36 + 36 + 12 + 2 + 36 + 12 + 4 };
+
+static void set_texture(triangle_stream *s, uint32_t of_material, rk_mesh_stream_texture texture)
+{
+    rk_mesh_stream_material material = {.kd = {1, 1, 1}, .alpha = 1, .texture = of_material};
+    memcpy(s->rest + 2, &material, sizeof material);
+    memcpy(s->rest + 2 + sizeof material, &texture, sizeof texture);
+    memcpy(s->rest + 2 + sizeof material + sizeof texture, "gone", 4);
+}
 
 static triangle_stream make_stream(void)
 {
@@ -374,11 +602,12 @@ static triangle_stream make_stream(void)
                                     .version = RK_MESH_STREAM_VERSION,
                                     .vertex_count = 3,
                                     .triangle_count = 1,
-                                    .material_count = 1},
+                                    .material_count = 1,
+                                    .texture_count = 1,
+                                    .texture_bytes = 4},
                          .positions = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}},
                          .triangle = {0, 1, 2}};
-    rk_mesh_stream_material material = {.kd = {1, 1, 1}, .alpha = 1};
-    memcpy(s.rest + 2, &material, sizeof material);
+    set_texture(&s, 1, (rk_mesh_stream_texture){.name_size = 4});
     return s;
 }
 
@@ -418,13 +647,13 @@ static void an_answer_is_believed_only_when_it_is_consistent(void **state)
     triangle_stream good = make_stream();
     rk_check_ok(read_stream(&good, triangle_stream_size, &error), error);
     check_stream_refused(&good, 0, "only 0 bytes");
-    check_stream_refused(&good, 31, "only 31 bytes");
-    check_stream_refused(&good, triangle_stream_size - 1, "113 bytes where its counts make 114");
+    check_stream_refused(&good, 35, "only 35 bytes");
+    check_stream_refused(&good, triangle_stream_size - 1, "137 bytes where its counts make 138");
     triangle_stream bad = good;
     bad.header.magic[0] = 'X';
     check_stream_refused(&bad, triangle_stream_size, "another version's format");
     bad = good;
-    bad.header.version = 2;
+    bad.header.version = 1;
     check_stream_refused(&bad, triangle_stream_size, "another version's format");
     bad = good;
     bad.header.vertex_count = UINT32_MAX;
@@ -438,6 +667,25 @@ static void an_answer_is_believed_only_when_it_is_consistent(void **state)
     bad = good;
     bad.header.material_count = 65536;
     check_stream_refused(&bad, triangle_stream_size, "uses 65536 materials, more than 65535");
+}
+
+static void textures_are_believed_only_when_they_are_consistent(void **state)
+{
+    (void)state;
+    const triangle_stream good = make_stream();
+    triangle_stream bad = good;
+    set_texture(&bad, 2, (rk_mesh_stream_texture){.name_size = 4});
+    check_stream_refused(&bad, triangle_stream_size, "material 0 uses texture 2");
+    set_texture(&bad, 1, (rk_mesh_stream_texture){.name_size = 5});
+    check_stream_refused(&bad, triangle_stream_size, "4 bytes where their sizes make 5");
+    set_texture(&bad, 1, (rk_mesh_stream_texture){.name_size = 4, .data_size = UINT32_MAX});
+    check_stream_refused(&bad, triangle_stream_size, "where their sizes make 4294967299");
+    bad = good;
+    bad.header.texture_bytes = UINT32_MAX;
+    check_stream_refused(&bad, triangle_stream_size, "where its counts make");
+    bad = good;
+    bad.header.texture_count = 1025;
+    check_stream_refused(&bad, triangle_stream_size, "answers 1025 textures, more than 1024");
 }
 
 static int make_folder(void **state)
@@ -464,6 +712,17 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(points_and_lines_are_dropped),
     cmocka_unit_test(windows_line_ends_and_long_lines_are_fine),
     cmocka_unit_test(a_missing_mtl_is_a_note_not_an_error),
+    cmocka_unit_test(an_obj_shows_its_picture_upright),
+    cmocka_unit_test(a_picture_without_kd_is_not_darkened),
+    cmocka_unit_test(a_ply_shows_the_picture_of_its_comment_in_its_own_colours),
+    cmocka_unit_test(a_gltf_shows_its_picture_upright_by_the_set_that_it_names),
+    cmocka_unit_test(a_gltf_may_hold_its_picture_and_clamp_it),
+    cmocka_unit_test(options_and_blanks_around_a_pictures_name_are_not_part_of_it),
+    cmocka_unit_test(materials_that_name_the_same_picture_share_it),
+    cmocka_unit_test(a_missing_or_damaged_picture_is_a_note_not_an_error),
+    cmocka_unit_test(pictures_without_texture_coordinates_are_a_note),
+    cmocka_unit_test(a_part_without_texture_coordinates_shows_its_colour_alone),
+    cmocka_unit_test(more_pictures_than_1024_are_a_note),
     cmocka_unit_test(obj_mistakes_are_found_with_their_line),
     cmocka_unit_test(ply_mistakes_are_found_with_their_place),
     cmocka_unit_test(binary_ply_mistakes_are_found_with_their_place),
@@ -472,6 +731,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(what_is_no_mesh_file_is_refused),
     cmocka_unit_test(a_file_of_absurd_size_is_refused_unread),
     cmocka_unit_test(an_answer_is_believed_only_when_it_is_consistent),
+    cmocka_unit_test(textures_are_believed_only_when_they_are_consistent),
 };
 
 RK_SUITE_IN("mesh_file", tests, make_folder, remove_folder)

@@ -3,11 +3,15 @@
 
 #include "io/helper.h"
 #include "io/mesh_stream.h"
+#include "io/texture_file.h"
 
 #include <stdlib.h>
 
 /* A hundred million triangles fit; what needs more is no file for this kit. */
 static const size_t longest_answer = (size_t)4 << 30;
+
+/* All pictures of a mesh together: sixteen of 4096 x 4096, 3.2 GB. */
+static const size_t most_texels = (size_t)1 << 28;
 
 static bool check_header(const rk_mesh_stream_header *header, size_t size, const char *path,
                          rk_error *error)
@@ -21,6 +25,9 @@ static bool check_header(const rk_mesh_stream_header *header, size_t size, const
     if (header->material_count > UINT16_MAX)
         return rk_fail(error, "%s: uses %u materials, more than %d: merge those that are alike",
                        path, header->material_count, UINT16_MAX);
+    if (header->texture_count > RK_MESH_STREAM_TEXTURES_MAX)
+        return rk_fail(error, "%s: raykit-mesh answers %u textures, more than %d", path,
+                       header->texture_count, RK_MESH_STREAM_TEXTURES_MAX);
     if (rk_mesh_stream_size(header) != size)
         return rk_fail(error, "%s: raykit-mesh answers %zu bytes where its counts make %llu", path,
                        size, (unsigned long long)rk_mesh_stream_size(header));
@@ -36,7 +43,26 @@ static const unsigned char *take(void *array, const unsigned char *from, uint64_
     return from + bytes;
 }
 
-static void unpack(rk_mesh *mesh, const rk_mesh_stream_header *header, const unsigned char *from)
+/* Where the parts of variable length begin. */
+typedef struct tail {
+    const unsigned char *materials, *textures, *texture_bytes;
+} tail;
+
+static rk_mesh_stream_material material_row(const tail *rest, uint32_t i)
+{
+    rk_mesh_stream_material row;
+    take(&row, rest->materials + i * sizeof row, sizeof row);
+    return row;
+}
+
+static rk_mesh_stream_texture texture_row(const tail *rest, uint32_t i)
+{
+    rk_mesh_stream_texture row;
+    take(&row, rest->textures + i * sizeof row, sizeof row);
+    return row;
+}
+
+static tail unpack(rk_mesh *mesh, const rk_mesh_stream_header *header, const unsigned char *from)
 {
     rk_mesh_stream_sizes sizes = rk_mesh_stream_sizes_of(header);
     from = take(mesh->positions, from, sizes.positions);
@@ -44,16 +70,105 @@ static void unpack(rk_mesh *mesh, const rk_mesh_stream_header *header, const uns
     from = take(mesh->texcoords, from, sizes.texcoords);
     from = take(mesh->triangles, from, sizes.triangles);
     from = take(mesh->triangle_materials, from, sizes.triangle_materials);
+    tail rest = {from, from + sizes.materials, from + sizes.materials + sizes.textures};
     for (uint32_t i = 0; i < header->material_count; i++) {
-        rk_mesh_stream_material m;
-        from = take(&m, from, sizeof m);
+        rk_mesh_stream_material m = material_row(&rest, i);
         rk_material *material = &mesh->materials[i];
         material->kd = rk_vec(m.kd[0], m.kd[1], m.kd[2]);
         material->ks = rk_vec(m.ks[0], m.ks[1], m.ks[2]);
         material->shininess = m.shininess;
         material->alpha = m.alpha;
     }
+    return rest;
 }
+
+/* --- textures ------------------------------------------------------------------------------ */
+
+static bool check_textures(const tail *rest, const rk_mesh_stream_header *header, const char *path,
+                           rk_error *error)
+{
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < header->texture_count; i++) {
+        rk_mesh_stream_texture row = texture_row(rest, i);
+        bytes += (uint64_t)row.name_size + row.data_size;
+    }
+    if (bytes != header->texture_bytes)
+        return rk_fail(error,
+                       "%s: raykit-mesh answers textures of %u bytes where their sizes make %llu",
+                       path, header->texture_bytes, (unsigned long long)bytes);
+    for (uint32_t i = 0; i < header->material_count; i++) {
+        uint32_t texture = material_row(rest, i).texture;
+        if (texture > header->texture_count)
+            return rk_fail(error, "%s: material %u uses texture %u, but there are only %u", path, i,
+                           texture, header->texture_count);
+    }
+    return true;
+}
+
+/* `from` is the name, which a picture may follow. */
+static bool read_texture(rk_texture *texture, const rk_mesh_stream_texture *row,
+                         const unsigned char *from, const char *path, size_t *texels_left,
+                         rk_error *error)
+{
+    char *name = rk_allocate((size_t)row->name_size + 1, 1, path, error);
+    if (!name)
+        return false;
+    const unsigned char *data = take(name, from, row->name_size);
+    rk_texture_source source = {name, row->data_size ? data : NULL, row->data_size,
+                                row->clamps != 0};
+    bool ok = rk_texture_read(texture, &source, path, texels_left, error);
+    free(name);
+    return ok;
+}
+
+/* Reads all that can be read. Returns how many cannot, and why the first of them cannot. */
+static uint32_t read_each(rk_mesh *mesh, const rk_mesh_stream_header *header, const tail *rest,
+                          const char *path, rk_error *why)
+{
+    const unsigned char *from = rest->texture_bytes;
+    size_t texels_left = most_texels;
+    uint32_t lost = 0;
+    for (uint32_t i = 0; i < header->texture_count; i++) {
+        rk_mesh_stream_texture row = texture_row(rest, i);
+        rk_texture *texture = &mesh->textures[mesh->texture_count];
+        if (read_texture(texture, &row, from, path, &texels_left, lost ? NULL : why)) {
+            mesh->texture_count++;
+            for (uint32_t k = 0; k < header->material_count; k++)
+                if (material_row(rest, k).texture == i + 1)
+                    mesh->materials[k].kd_texture = texture;
+        } else {
+            lost++;
+        }
+        from += (size_t)row.name_size + row.data_size;
+    }
+    return lost;
+}
+
+/* A picture that cannot be read costs only itself and is a note, as a missing MTL is: many scans
+ * name pictures that are gone. False when memory is short. */
+static bool read_textures(rk_mesh *mesh, const rk_mesh_stream_header *header, const tail *rest,
+                          const char *path, rk_error *note)
+{
+    if (header->texture_count == 0)
+        return true;
+    if (!mesh->texcoords) {
+        rk_fail(note, "%s: has textures but no texture coordinates: surfaces are plain", path);
+        return true;
+    }
+    mesh->textures = rk_allocate(header->texture_count, sizeof *mesh->textures, path, note);
+    if (!mesh->textures)
+        return false;
+    rk_error why;
+    uint32_t lost = read_each(mesh, header, rest, path, &why);
+    bool has_note = note && *note->text; /* raykit-mesh's own */
+    if (lost > 0 && !has_note)
+        rk_fail(note,
+                "%s: %u of %u textures cannot be read, their surfaces are plain; the first: %s",
+                path, lost, header->texture_count, why.text);
+    return true;
+}
+
+/* --- the whole ----------------------------------------------------------------------------- */
 
 static bool parse(rk_mesh *mesh, const unsigned char *bytes, size_t size, const char *path,
                   rk_error *error)
@@ -68,8 +183,9 @@ static bool parse(rk_mesh *mesh, const unsigned char *bytes, size_t size, const 
     if (!rk_mesh_init(mesh, header.vertex_count, header.triangle_count, header.material_count,
                       (int)(header.flags & (RK_MESH_NORMALS | RK_MESH_TEXCOORDS)), &reason))
         return rk_fail(error, "%s: %.900s", path, reason.text);
-    unpack(mesh, &header, bytes + sizeof header);
-    if (rk_mesh_validate(mesh, path, error))
+    tail rest = unpack(mesh, &header, bytes + sizeof header);
+    if (check_textures(&rest, &header, path, error) && rk_mesh_validate(mesh, path, error) &&
+        read_textures(mesh, &header, &rest, path, error))
         return true;
     rk_mesh_free(mesh);
     return false;

@@ -24,8 +24,9 @@ typedef struct gather {
     uint32_t (*triangles)[3];
     uint16_t *triangle_materials;
     uint32_t triangle_count, triangle_room;
-    uint32_t *material_numbers; /* ours plus 1 for each of the scene's; 0: unused so far */
-    uint32_t *material_sources; /* the scene's for each of ours */
+    uint32_t *material_numbers; /* ours plus 1 for each of the scene's, twice: first with its
+                                   texture, then for parts that cannot show it; 0: unused so far */
+    uint32_t *material_sources; /* which of those each of ours is */
     uint32_t material_count;
 } gather;
 
@@ -33,6 +34,7 @@ typedef struct gather {
 typedef struct part {
     const struct aiMesh *mesh;
     const placement *place;
+    const struct aiVector3D *texcoords; /* or NULL */
     uint32_t
         *numbers; /* the pool's index plus 1 of each of the part's vertices; 0: not yet in it */
     uint16_t material;
@@ -166,9 +168,8 @@ static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, ui
     if (!own)
         vertex.normal = face_normal(position_of(p, corners[0]), position_of(p, corners[1]),
                                     position_of(p, corners[2]));
-    const struct aiVector3D *texcoords = p->mesh->mTextureCoords[0];
-    if (texcoords)
-        vertex.texcoord = (rk_vec2){(float)texcoords[source].x, (float)texcoords[source].y};
+    if (p->texcoords)
+        vertex.texcoord = (rk_vec2){(float)p->texcoords[source].x, (float)p->texcoords[source].y};
     if (!rk_vertex_pool_add(&g->pool, &vertex, index, error))
         return false;
     if (own)
@@ -245,14 +246,20 @@ static bool find_material(gather *g, part *p, rk_error *error)
     if (source >= g->scene->mNumMaterials && !g->plain)
         return rk_fail(error, "%s: part \"%.100s\" uses material %u, but the file has %u: %s",
                        g->path, p->mesh->mName.data, source, g->scene->mNumMaterials, remedy);
-    if (g->material_numbers[source] == 0) {
+    uint32_t set = 0, key = 2 * source;
+    bool textured =
+        source < g->scene->mNumMaterials && rk_mesh_texture_set(g->scene->mMaterials[source], &set);
+    p->texcoords = p->mesh->mTextureCoords[set];
+    if (textured && !p->texcoords && g->any_texcoords)
+        key++;
+    if (g->material_numbers[key] == 0) {
         if (g->material_count == most_materials)
             return rk_fail(error, "%s: uses more than %d materials: merge those that are alike",
                            g->path, most_materials);
-        g->material_sources[g->material_count] = source;
-        g->material_numbers[source] = ++g->material_count;
+        g->material_sources[g->material_count] = key;
+        g->material_numbers[key] = ++g->material_count;
     }
-    p->material = (uint16_t)(g->material_numbers[source] - 1);
+    p->material = (uint16_t)(g->material_numbers[key] - 1);
     return true;
 }
 
@@ -312,7 +319,19 @@ static bool emit_node(gather *g, const struct aiNode *node, const placement *par
 
 /* --- the whole ----------------------------------------------------------------------------- */
 
-static bool finish(gather *g, rk_mesh *mesh, rk_error *error)
+static void set_material(const gather *g, rk_mesh *mesh, rk_mesh_textures *textures, uint32_t i)
+{
+    const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i] / 2];
+    if (g->material_sources[i] % 2 == 0)
+        rk_mesh_textures_find(textures, i, g->scene, source);
+    bool textured = textures->of_material[i] != 0;
+    if (!g->plain)
+        mesh->materials[i] = rk_mesh_material(source, textured);
+    else if (textured)
+        mesh->materials[i].kd = rk_vec(1, 1, 1);
+}
+
+static bool finish(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, rk_error *error)
 {
     if (g->triangle_count == 0)
         return rk_fail(error, "%s: holds no triangles: choose a mesh with faces", g->path);
@@ -331,13 +350,18 @@ static bool finish(gather *g, rk_mesh *mesh, rk_error *error)
     memcpy(mesh->triangles, g->triangles, g->triangle_count * sizeof *g->triangles);
     memcpy(mesh->triangle_materials, g->triangle_materials,
            g->triangle_count * sizeof *g->triangle_materials);
-    for (uint32_t i = 0; i < mesh->material_count && !g->plain; i++)
-        mesh->materials[i] = rk_mesh_material(g->scene->mMaterials[g->material_sources[i]]);
+    if (!rk_mesh_textures_init(textures, mesh->material_count, g->path, error)) {
+        rk_mesh_free(mesh);
+        return false;
+    }
+    for (uint32_t i = 0; i < mesh->material_count; i++)
+        if (g->material_sources[i] / 2 < g->scene->mNumMaterials)
+            set_material(g, mesh, textures, i);
     return true;
 }
 
-bool rk_mesh_gather(rk_mesh *mesh, const struct aiScene *scene, bool plain, const char *path,
-                    rk_error *error)
+bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiScene *scene,
+                    bool plain, const char *path, rk_error *error)
 {
     gather g = {.path = path, .scene = scene, .plain = plain, .pool.name = path};
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
@@ -345,10 +369,11 @@ bool rk_mesh_gather(rk_mesh *mesh, const struct aiScene *scene, bool plain, cons
         g.any_texcoords |= scene->mMeshes[i]->mTextureCoords[0] != NULL;
     }
     const placement world = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, true};
-    g.material_numbers = rk_allocate(scene->mNumMaterials, sizeof(uint32_t), path, error);
-    g.material_sources = rk_allocate(scene->mNumMaterials, sizeof(uint32_t), path, error);
+    g.material_numbers = rk_allocate(scene->mNumMaterials, 2 * sizeof(uint32_t), path, error);
+    g.material_sources = rk_allocate(scene->mNumMaterials, 2 * sizeof(uint32_t), path, error);
     bool ok = g.material_numbers && g.material_sources && scene->mRootNode &&
-              emit_node(&g, scene->mRootNode, &world, 0, error) && finish(&g, mesh, error);
+              emit_node(&g, scene->mRootNode, &world, 0, error) &&
+              finish(&g, mesh, textures, error);
     rk_vertex_pool_free(&g.pool);
     free(g.triangles);
     free(g.triangle_materials);

@@ -28,7 +28,14 @@ static bool has_text(const struct aiMaterial *material, const char *key, unsigne
            strcmp(string.data, text) == 0;
 }
 
-rk_material rk_mesh_material(const struct aiMaterial *material)
+/* Assimp's grey where the file gives no diffuse colour. One that gives just this grey looks no
+ * different to us, but that is rarer beside a texture than none. */
+static bool is_made_up(rk_vec3 kd)
+{
+    return kd.x == 0.6f && kd.y == 0.6f && kd.z == 0.6f;
+}
+
+rk_material rk_mesh_material(const struct aiMaterial *material, bool textured)
 {
     rk_material m = {.kd = rk_vec(0.8f, 0.8f, 0.8f), .alpha = 1};
     if (has_text(material, AI_MATKEY_NAME, AI_DEFAULT_MATERIAL_NAME))
@@ -41,6 +48,8 @@ rk_material rk_mesh_material(const struct aiMaterial *material)
         return m;
     }
     read_colour(material, AI_MATKEY_COLOR_DIFFUSE, &m.kd, &unused);
+    if (textured && is_made_up(m.kd))
+        m.kd = rk_vec(1, 1, 1);
     read_colour(material, AI_MATKEY_COLOR_SPECULAR, &m.ks, &unused);
     ai_real value;
     if (aiGetMaterialFloatArray(material, AI_MATKEY_SHININESS, &value, NULL) == aiReturn_SUCCESS)

@@ -8,7 +8,8 @@
 
 /* MTL: Kd, Ks, Ns, and d or Tr. glTF: the base colour, with its alpha where alphaMode is BLEND. The
  * grey that Assimp invents for surfaces without a material becomes rk_mesh_init's default. Colours
- * are clamped to [0, 1]; what is not finite stays so, for rk_mesh_validate to refuse. */
-rk_material rk_mesh_material(const struct aiMaterial *material);
+ * are clamped to [0, 1]; a texture whose material has no Kd is not darkened by the grey that Assimp
+ * gives it. What is not finite stays so, for rk_mesh_validate to refuse. */
+rk_material rk_mesh_material(const struct aiMaterial *material, bool textured);
 
 #endif

@@ -11,27 +11,39 @@
 #include <string.h>
 
 #define RK_MESH_STREAM_MAGIC "RKMESH\n"
-enum { RK_MESH_STREAM_VERSION = 1 };
+enum {
+    RK_MESH_STREAM_VERSION = 2,
+    RK_MESH_STREAM_TEXTURES_MAX = 1024, /* each may take a helper program a quarter of a second */
+};
 
 typedef struct rk_mesh_stream_header {
     char magic[8];
     uint32_t version;
     uint32_t flags; /* RK_MESH_NORMALS | RK_MESH_TEXCOORDS: which optional arrays follow */
     uint32_t vertex_count, triangle_count, material_count;
-    uint32_t reserved; /* 0 */
+    uint32_t texture_count, texture_bytes; /* bytes: of all names and embedded pictures */
 } rk_mesh_stream_header;
-static_assert(sizeof(rk_mesh_stream_header) == 32, "no padding");
+static_assert(sizeof(rk_mesh_stream_header) == 36, "no padding");
 
-/* On the wire a material is these floats, whatever else rk_material may come to hold. */
+/* On the wire a material is these numbers, whatever else rk_material may come to hold. */
 typedef struct rk_mesh_stream_material {
     float kd[3], ks[3], shininess, alpha;
+    uint32_t texture; /* the texture's number plus 1; 0: none */
 } rk_mesh_stream_material;
-static_assert(sizeof(rk_mesh_stream_material) == 32, "no padding");
+static_assert(sizeof(rk_mesh_stream_material) == 36, "no padding");
+
+/* After these rows each texture's name follows, without a NUL, and its embedded picture. */
+typedef struct rk_mesh_stream_texture {
+    uint32_t clamps; /* 0: repeats */
+    uint32_t name_size, data_size;
+} rk_mesh_stream_texture;
+static_assert(sizeof(rk_mesh_stream_texture) == 12, "no padding");
 static_assert(sizeof(rk_vec3) == 12 && sizeof(rk_vec2) == 8, "vectors travel as they are");
 
 /* Bytes of each array, in the order of the stream: 0 for an optional one that is absent. */
 typedef struct rk_mesh_stream_sizes {
-    uint64_t positions, normals, texcoords, triangles, triangle_materials, materials;
+    uint64_t positions, normals, texcoords, triangles, triangle_materials, materials, textures,
+        texture_bytes;
 } rk_mesh_stream_sizes;
 
 static inline rk_mesh_stream_sizes rk_mesh_stream_sizes_of(const rk_mesh_stream_header *header)
@@ -44,6 +56,8 @@ static inline rk_mesh_stream_sizes rk_mesh_stream_sizes_of(const rk_mesh_stream_
         .triangles = triangles * sizeof(uint32_t[3]),
         .triangle_materials = triangles * sizeof(uint16_t),
         .materials = (uint64_t)header->material_count * sizeof(rk_mesh_stream_material),
+        .textures = (uint64_t)header->texture_count * sizeof(rk_mesh_stream_texture),
+        .texture_bytes = header->texture_bytes,
     };
 }
 
@@ -52,7 +66,7 @@ static inline uint64_t rk_mesh_stream_size(const rk_mesh_stream_header *header)
 {
     rk_mesh_stream_sizes s = rk_mesh_stream_sizes_of(header);
     return sizeof *header + s.positions + s.normals + s.texcoords + s.triangles +
-           s.triangle_materials + s.materials;
+           s.triangle_materials + s.materials + s.textures + s.texture_bytes;
 }
 
 #endif

@@ -184,6 +184,12 @@ static void damaged_gltf_gives_a_mesh_or_a_reason(void **state)
     run_format(seed_gltf);
 }
 
+static void damaged_gltf_with_a_picture_gives_a_mesh_or_a_reason(void **state)
+{
+    (void)state;
+    run_format(seed_gltf_textured);
+}
+
 /* Too long for tests/test_mesh_file.c: Assimp takes a second over so many parts. */
 static void more_materials_than_16_bits_count_are_refused(void **state)
 {
@@ -233,6 +239,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(damaged_binary_ply_gives_a_mesh_or_a_reason),
     cmocka_unit_test(damaged_off_gives_a_mesh_or_a_reason),
     cmocka_unit_test(damaged_gltf_gives_a_mesh_or_a_reason),
+    cmocka_unit_test(damaged_gltf_with_a_picture_gives_a_mesh_or_a_reason),
     cmocka_unit_test(more_materials_than_16_bits_count_are_refused),
 };
 

@@ -1,0 +1,138 @@
+#include "io/texture_file.h"
+
+#include "io/image_file.h"
+#include "io/png.h"
+
+#include <ctype.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/stat.h>
+#include <unistd.h>
+
+/* Every path here is shorter; longer ones are refused. */
+typedef struct long_path {
+    char text[4096];
+} long_path;
+
+/* --- finding --------------------------------------------------------------------------------- */
+
+/* Puts the file's path together. False with the reason when no file is there that can be read. */
+static bool find_at(long_path *path, const char *mesh_path, const char *name, rk_error *error)
+{
+    const char *slash = strrchr(mesh_path, '/');
+    int folder = slash && name[0] != '/' ? (int)(slash - mesh_path) + 1 : 0;
+    int length = snprintf(path->text, sizeof path->text, "%.*s%s", folder, mesh_path, name);
+    if (length < 0 || (size_t)length >= sizeof path->text)
+        return rk_fail(error, "%.300s...: the path is too long", path->text);
+    struct stat status;
+    if (stat(path->text, &status) != 0)
+        return rk_fail(error, "%s: %s", path->text, strerror(errno));
+    return S_ISREG(status.st_mode) || rk_fail(error, "%s: is no ordinary file", path->text);
+}
+
+static void turn_slashes(char *name)
+{
+    for (; *name; name++)
+        if (*name == '\\')
+            *name = '/';
+}
+
+/* Makes one character of each % with two hexadecimal digits. */
+static void unescape(char *name)
+{
+    char *to = name;
+    for (const char *from = name; *from; from++) {
+        if (from[0] == '%' && isxdigit((unsigned char)from[1]) &&
+            isxdigit((unsigned char)from[2])) {
+            const char digits[3] = {from[1], from[2], '\0'};
+            *to++ = (char)strtoul(digits, NULL, 16);
+            from += 2;
+        } else {
+            *to++ = *from;
+        }
+    }
+    *to = '\0';
+}
+
+static bool find_file(long_path *path, const char *mesh_path, const char *given, rk_error *error)
+{
+    long_path name;
+    if (snprintf(name.text, sizeof name.text, "%s", given) >= (int)sizeof name.text)
+        return rk_fail(error, "%.300s...: the path is too long", given);
+    turn_slashes(name.text);
+    if (find_at(path, mesh_path, name.text, error))
+        return true;
+    unescape(name.text);
+    if (find_at(path, mesh_path, name.text, NULL))
+        return true;
+    const char *slash = strrchr(name.text, '/');
+    return slash && slash[1] && find_at(path, mesh_path, slash + 1, NULL);
+}
+
+/* --- reading --------------------------------------------------------------------------------- */
+
+/* Puts the bytes into a file of its own, whose path it completes. */
+static bool write_temporary(long_path *path, const rk_texture_source *source)
+{
+    const char *folder = getenv("TMPDIR");
+    if (snprintf(path->text, sizeof path->text, "%s/raykit-picture-XXXXXX",
+                 folder && *folder ? folder : "/tmp") >= (int)sizeof path->text) {
+        errno = ENAMETOOLONG;
+        return false;
+    }
+    int file = mkstemp(path->text);
+    FILE *stream = file >= 0 ? fdopen(file, "wb") : NULL;
+    if (!stream)
+        return false;
+    bool written = fwrite(source->data, 1, source->data_size, stream) == source->data_size;
+    written = fclose(stream) == 0 && written;
+    if (!written)
+        unlink(path->text);
+    return written;
+}
+
+/* Our readers take files. The first bytes tell a PNG, which needs no helper program. */
+static bool read_embedded(rk_image *image, const rk_texture_source *source, rk_error *error)
+{
+    static const unsigned char png[] = {0x89, 'P', 'N', 'G'};
+    long_path path;
+    rk_error reason;
+    *image = (rk_image){0};
+    if (!write_temporary(&path, source))
+        return rk_fail(error, "picture %s in the mesh file: no temporary file: %s: set TMPDIR",
+                       source->name, strerror(errno));
+    bool is_png = source->data_size >= sizeof png && memcmp(source->data, png, sizeof png) == 0;
+    bool ok =
+        is_png ? rk_png_read(image, path.text, &reason) : rk_image_read(image, path.text, &reason);
+    unlink(path.text);
+    size_t length = strlen(path.text);
+    if (ok)
+        return true;
+    return rk_fail(error, "picture %s in the mesh file%.700s", source->name,
+                   strncmp(reason.text, path.text, length) == 0 ? reason.text + length
+                                                                : " is lost");
+}
+
+bool rk_texture_read(rk_texture *texture, const rk_texture_source *source, const char *mesh_path,
+                     size_t *texels_left, rk_error *error)
+{
+    long_path path;
+    *texture = (rk_texture){.wrap = source->clamps ? RK_TEXTURE_CLAMP : RK_TEXTURE_REPEAT,
+                            .filter = RK_TEXTURE_BILINEAR};
+    bool ok = source->data ? read_embedded(&texture->image, source, error)
+                           : find_file(&path, mesh_path, source->name, error) &&
+                                 rk_image_read(&texture->image, path.text, error);
+    if (!ok)
+        return false;
+    size_t texels = texture->image.width * texture->image.height;
+    if (texels <= *texels_left) {
+        *texels_left -= texels;
+        return true;
+    }
+    rk_fail(error, "%s: its %zu x %zu texels are more than there is room for: make it smaller",
+            source->data ? source->name : path.text, texture->image.width, texture->image.height);
+    rk_texture_free(texture);
+    return false;
+}
