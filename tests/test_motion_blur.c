@@ -650,8 +650,14 @@ static void a_tree_may_be_a_single_leaf(void **state)
     (void)state;
     rk_bvh bvh = empty_tree(1);
     make_leaf(&bvh, 0, (rk_box){{{-4, -1, 4}, {-2, 1, 5}}});
-    rk_check(reaches_leaf(&bvh, -3, 1, INFINITY), "the root is a leaf, and the ray goes into it");
-    rk_check(!reaches_leaf(&bvh, -3, 1, 3.5f), "the root is a leaf, and the ray stops before it");
+    rk_check(
+        reaches_leaf(&bvh, -3, 1, INFINITY),
+        "a root that is a leaf, x in [-4, -2], z in [4, 5]: got false, want true for a ray from "
+        "(-3, 0, 0) along z: it has no children to look into");
+    rk_check(
+        !reaches_leaf(&bvh, -3, 1, 3.5f),
+        "a root that is a leaf, x in [-4, -2], z in [4, 5]: got true, want false for a ray from "
+        "(-3, 0, 0) along z to t = 3.5: it stops before");
     rk_bvh_free(&bvh);
 }
 
@@ -702,13 +708,12 @@ static void the_search_goes_down_to_the_leaves_of_deep_trees(void **state)
             rk_bvh bvh = deep_tree(shape, leaf);
             rk_check_equal(bvh.node_count, deep_nodes, "nodes of the test's own tree");
             bool got = reaches_leaf(&bvh, 0, 1, INFINITY);
-            rk_check(
-                got || leaf == no_leaf,
-                "a tree of %d levels whose chain goes %s: got false, want true, for leaf %u of "
-                "%d, on level %u, moves into the ray's way: look into the children of every "
-                "box that is entered, down to the leaves",
-                RK_BVH_LEVELS_MAX, shape_names[shape], leaf, deep_leaves,
-                leaf / 2 < chain_length ? leaf / 2 + 2 : chain_length + 1);
+            rk_check(got || leaf == no_leaf,
+                     "a tree of %d levels whose chain goes %s: got false, want true, as leaf %u of "
+                     "%d, on level %u, moves into the ray's way: look into the children of every "
+                     "box that is entered, down to the leaves",
+                     RK_BVH_LEVELS_MAX, shape_names[shape], leaf, deep_leaves,
+                     leaf / 2 < chain_length ? leaf / 2 + 2 : chain_length + 1);
             rk_check(
                 !got || leaf < no_leaf,
                 "a tree of %d levels whose chain goes %s: got true, want false: the ray enters "
