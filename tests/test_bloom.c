@@ -43,11 +43,12 @@ static void *exact_copy(const void *values, size_t size)
 /* Floats that nobody may write, on both sides of those that a unit writes; enough for a block. */
 enum { fence = RK_BLOOM_BLOCK };
 
-/* `room` is for count floats and two fences. Returns the floats between. All hold some number, so
- * small that it changes whatever is added to it. */
+/* `room` is for count floats and two fences. Returns the floats between, which hold NaN; fences
+ * hold a number so small that whatever is added changes it. */
 static float *fenced(float *room, size_t count)
 {
     memset(room, 0x2a, (count + 2 * fence) * sizeof *room);
+    memset(room + fence, 0xff, count * sizeof *room);
     return room + fence;
 }
 
@@ -116,13 +117,18 @@ static void check_glows(rk_vec3 colour, float threshold, bool want, const char *
 static void a_pixel_at_the_threshold_glows(void **state)
 {
     (void)state;
-    const float above = nextafterf(1, 2);
-    check_glows(white, 1, true, "only what is below the threshold goes dark");
-    check_glows(white, above, false, "white is below the next float above 1");
+    for (uint32_t i = 0; i < 1000; i++) {
+        float grey = i == 0 ? 1 : rk_unit_float(rk_hash(i, 0, 0, 6));
+        rk_vec3 colour = rk_vec(grey, grey, grey);
+        check_glows(colour, grey, true, "only what is below the threshold goes dark");
+        check_glows(colour, nextafterf(grey, 2), false, "it is below, by one step of a float");
+    }
     check_glows(white, 0.5f, true, "a luminance of 1 is above");
     check_glows(rk_vec(0.49f, 0.49f, 0.49f), 0.5f, false, "a luminance of .49 is below");
     check_glows(rk_vec(0, 0.75f, 0), 0.5f, true, "green of .75 has a luminance of .536");
     check_glows(rk_vec(1, 0, 1), 0.5f, false, "magenta has a luminance of .285");
+    check_glows(rk_vec(0, 0, 0), 0, true, "black is at a threshold of 0");
+    check_glows(rk_vec(-1, -1, -1), 0.5f, false, "a luminance of -1 is below");
 }
 
 static void only_what_is_finite_glows(void **state)
@@ -145,7 +151,7 @@ static void only_what_is_finite_glows(void **state)
 static void check_lit(const rk_vec3 *row, size_t width, size_t first, size_t end, const char *hint)
 {
     rk_vec3 *own = exact_copy(row, width * sizeof *row);
-    rk_bloom_span lit = rk_bloom_lit(own, width, 0.5f);
+    rk_bloom_span lit = rk_bloom_lit(own, width, 1); /* that of white */
     if (first == end)
         rk_check(lit.first == lit.end, "%s: got from %zu to before %zu, want an empty span", hint,
                  lit.first, lit.end);
@@ -195,6 +201,20 @@ static rk_vec3 plain_mask(rk_vec3 colour, double threshold)
     return glows ? colour : rk_vec(0, 0, 0);
 }
 
+/* Of a row that does not glow, whose empty span of light may lie anywhere. */
+static void check_dark_mask(size_t at)
+{
+    enum { width = 50 };
+    const rk_bloom_filter alone = filter_of((const float[]){1}, 0, RK_BLOOM_ZERO);
+    float room[3 * width + 2 * fence], *masked = fenced(room, 3 * width);
+    rk_vec3 row[width] = {{0, 0, 0}};
+    mask_of(&alone, row, width, 0.5f, (rk_bloom_span){at, at}, 0, width, masked);
+    for (size_t i = 0; i < 3 * width; i++)
+        rk_check(masked[i] == 0,
+                 "a black row, lit from %zu to before %zu: pixel %zu, colour %zu: got %g, want 0",
+                 at, at, i / 3, i % 3, (double)masked[i]);
+}
+
 static void the_mask_keeps_what_glows_and_nothing_else(void **state)
 {
     (void)state;
@@ -222,6 +242,8 @@ static void the_mask_keeps_what_glows_and_nothing_else(void **state)
                  (double)got.z, (double)want.x, (double)want.y, (double)want.z,
                  want.y > 0 ? "it glows, and keeps its colour" : "it does not glow, and is 0");
     }
+    check_dark_mask(0);
+    check_dark_mask(50);
 }
 
 /* Ten greys, 1 to 10 and back to front, of which those from 7 on glow. */
@@ -689,7 +711,7 @@ static void rows_then_columns_are_the_full_filter(void **state)
                         double got = (double)rk_axis(after.pixels[y][x], axis);
                         rk_check(fabs(got - want) <= 4 * pass_tolerance(radii[i]),
                                  "radius %u, border %s, pixel (%d, %d), colour %d: got %.9g, want "
-                                 "%.9g within %.3g: all (2 r + 1)^2 taps at once",
+                                 "%.9g within %.3g: the sum over (2 r + 1)^2 pixels",
                                  radii[i], border_names[border], x, y, axis, got, want,
                                  4 * pass_tolerance(radii[i]));
                     }
