@@ -522,9 +522,10 @@ static size_t check_sum(uint32_t reach, uint32_t present, const char *hint)
     for (size_t i = 0; i < s.count; i++) {
         double want = plain_sum(&s, i), got = (double)sum[i];
         rk_check(fabs(got - want) <= tolerance,
-                 "%s, reach %u, float %zu of %zu: got %.9g, want %.9g within %.3g: entry reach + k "
-                 "of the lines has the weight |k|",
-                 hint, reach, i, s.count, got, want, tolerance);
+                 "%s, reach %u, float %zu of %zu: got %.9g, want %.9g within %.3g: %s", hint, reach,
+                 i, s.count, got, want, tolerance,
+                 isnan(got) ? "the memory for the sum holds NaN at first"
+                            : "entry reach + k of the lines has the weight |k|");
     }
     check_fences(sum, s.count, "the sum");
     rk_check(taps == s.taps, "%s, reach %u: returned %u, want %u: the lines that are not NULL",
