@@ -44,13 +44,18 @@ static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
 
 static bool save(rk_driver *driver, const choices *c, rk_error *error)
 {
-    char label[64];
+    char label[320];
+    const char *file = driver->environment, *slash = strrchr(file, '/');
     const char *filter = filter_names[driver->render.environment_filter];
+    bool is_sky = strcmp(file, "sky") == 0;
     if (driver->debug)
         snprintf(label, sizeof label, "%s_%s", driver->debug, filter);
     else
-        snprintf(label, sizeof label, "%s%s%s", c->marked ? "marked_" : "",
-                 isnan(c->mirror) ? "" : "mirror_", filter);
+        snprintf(label, sizeof label, "%s%s%s%s%.200s", c->marked ? "marked_" : "",
+                 isnan(c->mirror) ? "" : "mirror_", filter, is_sky ? "" : "_",
+                 is_sky  ? ""
+                 : slash ? slash + 1
+                         : file);
     return rk_driver_save(driver, label, error);
 }
 

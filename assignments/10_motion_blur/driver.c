@@ -41,15 +41,18 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 static bool save(rk_driver *driver, rk_error *error)
 {
     const rk_motion_options *motion = &driver->render.motion;
-    char label[96];
+    const rk_shutter usual = rk_shutter_default(), *shutter = &motion->shutter;
+    char label[128], open[32] = "";
+    if (shutter->open != usual.open || shutter->close != usual.close)
+        snprintf(open, sizeof open, "_%g_to_%g", (double)shutter->open, (double)shutter->close);
     if (driver->scene.moving_count == 0)
         snprintf(label, sizeof label, "still");
     else if (!isnan(motion->isolate))
-        snprintf(label, sizeof label, "%s%g_of_%u", driver->debug ? "path_" : "isolated_",
-                 (double)motion->isolate, motion->samples);
+        snprintf(label, sizeof label, "%s%g_of_%u%s", driver->debug ? "path_" : "isolated_",
+                 (double)motion->isolate, motion->samples, open);
     else
-        snprintf(label, sizeof label, "%s%s_%u", driver->debug ? "path_" : "",
-                 sampling_names[motion->sampling], motion->samples);
+        snprintf(label, sizeof label, "%s%s_%u%s", driver->debug ? "path_" : "",
+                 sampling_names[motion->sampling], motion->samples, open);
     return rk_driver_save(driver, label, error);
 }
 

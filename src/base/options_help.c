@@ -166,10 +166,13 @@ static rk_phrase range_worth_showing(const rk_option *option)
     return range;
 }
 
-/* Prints a note behind the text, or on a line of its own where it does not fit. */
+/* Prints a note behind the text, or on a line of its own where it does not fit, or where the text
+ * has ended its last one. */
 static void print_whole(const char *note, size_t column)
 {
-    if (column + 1 + strlen(note) > columns)
+    if (column == 0)
+        printf("%*s%s", (int)help_column, "", note);
+    else if (column + 1 + strlen(note) > columns)
         printf("\n%*s%s", (int)help_column, "", note);
     else
         printf(" %s", note);

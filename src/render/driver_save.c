@@ -77,6 +77,41 @@ static shown_duration duration(double milliseconds)
     return shown;
 }
 
+static const char *plural(uint32_t count)
+{
+    return count == 1 ? "" : "s";
+}
+
+/* Where lens and motion take samples of their own; only a picture that was rendered has any. */
+static void print_rendering(const rk_driver *driver)
+{
+    const rk_render_options *render = &driver->render;
+    const rk_plan plan = rk_plan_of(&driver->scene, render);
+    uint32_t threads = rk_pool_threads(driver->pool);
+    printf("%u triangle%s, %u x %u, %u sample%s a pixel", driver->scene.mesh.triangle_count,
+           plural(driver->scene.mesh.triangle_count), render->width, render->height,
+           render->samples, plural(render->samples));
+    if (plan.lens && render->lens_samples > render->samples)
+        printf(", %u where the lens blurs", render->lens_samples);
+    if (plan.time_samples)
+        printf(", %u time%s where things move", render->motion.samples,
+               plural(render->motion.samples));
+    if (driver->build_ms.runs > 0)
+        printf(", built in %s", duration(driver->build_ms.median).text);
+    printf(", rendered in %s on %u thread%s", duration(driver->render_ms.median).text, threads,
+           plural(threads));
+}
+
+static void print_caption(const rk_driver *driver, const char *path)
+{
+    printf("%s: %s, ", path, driver->scene.name);
+    if (driver->render_ms.runs > 0)
+        print_rendering(driver);
+    else
+        printf("%u x %u", driver->render.width, driver->render.height);
+    printf(", %s%sraykit %s\n", rk_units, *rk_units ? ", " : "", PACKAGE_VERSION);
+}
+
 bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)
 {
     char folder[3072], path[4096], seconds[32];
@@ -93,16 +128,7 @@ bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)
     if (!write_picture(driver, path, seconds, error))
         return false;
     if (!driver->quiet)
-        printf(
-            "%s: %s, %u triangles, %u x %u, %u %s a pixel, built in %s, rendered in %s on %u %s, "
-            "%s%sraykit %s\n",
-            path, driver->scene.name, driver->scene.mesh.triangle_count, driver->render.width,
-            driver->render.height, driver->render.samples,
-            driver->render.samples == 1 ? "sample" : "samples",
-            duration(driver->build_ms.median).text, duration(driver->render_ms.median).text,
-            rk_pool_threads(driver->pool),
-            rk_pool_threads(driver->pool) == 1 ? "thread" : "threads", rk_units,
-            *rk_units ? ", " : "", PACKAGE_VERSION);
+        print_caption(driver, path);
     return true;
 }
 

@@ -197,9 +197,9 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                 "where it is out of focus, rays start all over the lens; this one at its centre\n");
     if (r.plan.glossy)
         fprintf(out,
-                "the picture averages %u rays in the disk of a rough mirror; those told here go "
+                "the picture averages %u ray%s in the disk of a rough mirror; those told here go "
                 "through its middle\n",
-                options->glossy.samples);
+                options->glossy.samples, options->glossy.samples == 1 ? "" : "s");
     const story s = {out, &r, &t};
     tell_path(&s, &camera, "camera ray");
     if (t.in_motion[0])

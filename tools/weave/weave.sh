@@ -29,7 +29,7 @@ RAYKIT_RUNS=5
 RAYKIT_SIZE=
 note=
 if [ -n "${QUICK-}" ]; then # a trial of the text itself, not of speed
-    RAYKIT_RUNS=1 RAYKIT_SIZE=160 note=', a quick trial with small pictures and single runs'
+    RAYKIT_RUNS=1 RAYKIT_SIZE=160 note=', a quick trial: pictures are small, times single runs, and captions tell of the full size'
 fi
 RAYKIT_GNUPLOT=${GNUPLOT-}
 
