@@ -451,6 +451,31 @@ def the_editors_files_name_what_there_is(folder):
     check("bvh_median" in said and "points" in said, "so does the task that checks the open file", said)
 
 
+def what_held_is_watched(toolchain, folder):
+    """A claim without points passes with the starter; who breaks it hears of it."""
+    kept = [test for test in read_points(FEATURE) if test.points == 0]
+    suite = make_suite(folder, "kept", unit("if (count == 0) return false;"), kept)
+    grade.grade(toolchain, [suite], {}, seconds=60)
+    text = results.text([suite], "")
+    check(not suite.passed() and suite.points_max() == 0 and "it held with the starter" in text,
+          "a claim without points is judged, and told apart", text)
+    status, said = run(os.environ.get("MAKE", "make"), "-s", "check-bvh_median",
+                       "IMPL=" + os.path.join(folder, "kept"), "TEST=one_leaf")
+    check(status != 0 and ONE in said, "a test that is not there is answered by names like it", said)
+
+
+def a_driver_is_linked(folder):
+    put(STARTER, folder, "drawn", "bvh_median.c")
+    status, said = run(os.environ.get("MAKE", "make"), "-s", "driver-bvh_median",
+                       "IMPL=" + os.path.join(folder, "drawn"))
+    program = said.split(" draws with ")[0].split("\n")[-1]
+    check(status == 0 and os.access(program, os.X_OK), "a driver with a student's unit is made, and says where it is", said)
+    put("int", folder, "drawn", "bvh_median.c")
+    status, said = run(os.environ.get("MAKE", "make"), "-s", "driver-bvh_median",
+                       "IMPL=" + os.path.join(folder, "drawn"))
+    check(status != 0 and "does not compile: bvh_median.c:1" in said, "one that cannot be made says why", said)
+
+
 def hanging_does_not_last(toolchain, folder):
     put(unit("for (volatile int k = 0; k < 2; k = 0) { }"), folder, "hangs", "bvh_median.c")
     suite = grade.Suite(FEATURE, Unit(FEATURE, os.path.join(folder, "hangs", "bvh_median.c"), "x.c", False),
@@ -513,6 +538,8 @@ def main():
         what_is_not_handed_in_earns_nothing(os.path.join(folder, "odd"))
         statuses_tell_what_was_graded(folder)
         two_gradings_at_once(folder)
+        what_held_is_watched(toolchain, folder)
+        a_driver_is_linked(folder)
         hanging_does_not_last(toolchain, folder)
         the_editors_files_name_what_there_is(folder)
         a_class_is_graded(folder)

@@ -3,6 +3,7 @@
 #include "test.h"
 
 #include "base/random.h"
+#include "base/sampler.h"
 #include "base/triangle.h"
 #include "features/motion_blur.h"
 
@@ -19,17 +20,21 @@ static void at_time_zero_everything_rests(void **state)
     const rk_motion paths[] = {rk_motion_default(), {1, 2, 3}, {-1e6f, 0, 1e6f}};
     for (int i = 0; i < 3; i++) {
         rk_vec3 offset = rk_motion_offset(&paths[i], 0);
-        rk_check(offset.x == 0 && offset.y == 0 && offset.z == 0, "path %d begins at (%g, %g, %g)",
-                 i, (double)offset.x, (double)offset.y, (double)offset.z);
+        rk_check(offset.x == 0 && offset.y == 0 && offset.z == 0,
+                 "the path (%g, %g, %g) at x = 0: got the offset (%g, %g, %g), want (0, 0, 0)",
+                 (double)paths[i].a, (double)paths[i].b, (double)paths[i].c, (double)offset.x,
+                 (double)offset.y, (double)offset.z);
     }
 }
 
 static void check_offset(rk_motion motion, float x, double y)
 {
     rk_vec3 got = rk_motion_offset(&motion, x);
-    rk_check_close(got.x, x, 0, "along x the path goes evenly");
-    rk_check_close(got.y, y, 0, "a x^3 + b x^2 + c x: these numbers need no rounding");
-    rk_check_close(got.z, 0, 0, "nothing moves along z");
+    rk_check(got.x == x && (double)got.y == y && got.z == 0,
+             "the path (a, b, c) = (%g, %g, %g) at x = %g: got the offset (%g, %g, %g), want (%g, "
+             "%g, 0): (x, a x^3 + b x^2 + c x, 0), which needs no rounding here",
+             (double)motion.a, (double)motion.b, (double)motion.c, (double)x, (double)got.x,
+             (double)got.y, (double)got.z, (double)x, y);
 }
 
 static void the_offset_is_x_and_a_cubic_of_x(void **state)
@@ -72,9 +77,12 @@ static void the_ray_moves_the_other_way(void **state)
     rk_check(moved.origin.x == 0.5f && moved.origin.y == 3 && moved.origin.z == 3,
              "got the origin (%g, %g, %g), want (0.5, 3, 3): the origin less the offset",
              (double)moved.origin.x, (double)moved.origin.y, (double)moved.origin.z);
-    rk_check(memcmp(&moved.direction, &ray.direction, sizeof ray.direction) == 0,
-             "the direction stays");
-    rk_check_close(moved.t_max, 7, 0, "and so does the end");
+    rk_check(
+        memcmp(&moved.direction, &ray.direction, sizeof ray.direction) == 0,
+        "got the direction (%g, %g, %g), want (0.5, 0.25, -1): a direction is no place, it stays",
+        (double)moved.direction.x, (double)moved.direction.y, (double)moved.direction.z);
+    rk_check(moved.t_max == 7, "got t_max %g, want 7: the ray ends where it did",
+             (double)moved.t_max);
 }
 
 static rk_triangle triangle_at(rk_vec3 offset)
@@ -96,10 +104,12 @@ static void a_moved_ray_meets_the_object_where_it_has_gone(void **state)
         rk_hit want = {0}, got = {0};
         bool should = rk_triangle_cross(&gone, &ray, &want);
         rk_check(rk_triangle_cross(&rest, &moved, &got) == should,
-                 "x = %g: the moved ray should %s the triangle at rest", (double)x,
-                 should ? "meet" : "miss");
-        if (should)
-            rk_check_close(got.t, want.t, 0, "t is the same in both frames");
+                 "offset (%g, %g, 0): the moved ray should %s the triangle at rest, as the ray "
+                 "itself does the triangle that has gone there",
+                 (double)offset.x, (double)offset.y, should ? "meet" : "miss");
+        rk_check(!should || got.t == want.t,
+                 "offset (%g, %g, 0): got t %g, want %g: t is the same in both frames",
+                 (double)offset.x, (double)offset.y, (double)got.t, (double)want.t);
         met += should;
     }
     rk_check(met > 10 && met < 100, "some should meet and some miss: %u met", met);
@@ -107,62 +117,89 @@ static void a_moved_ray_meets_the_object_where_it_has_gone(void **state)
 
 /* --- When ------------------------------------------------------------------------------------- */
 
+static void check_equidistant(float k, uint32_t samples, double want, const char *hint)
+{
+    const rk_shutter shutter = {-1, 7};
+    double got = (double)rk_shutter_equidistant(&shutter, k, samples);
+    rk_check(got == want, "shutter [-1, 7], time %g of %u: got %.9g, want %.9g: %s", (double)k,
+             samples, got, want, hint);
+}
+
 static void equidistant_times_are_the_middles_of_equal_parts(void **state)
 {
     (void)state;
-    const rk_shutter shutter = {-1, 7};
     for (uint32_t k = 1; k <= 4; k++)
-        rk_check_close(rk_shutter_equidistant(&shutter, (float)k, 4), 2 * (double)k - 2, 0,
-                       "four parts of length 2 from -1 on: 0, 2, 4, 6, and neither end");
-    rk_check_close(rk_shutter_equidistant(&shutter, 1, 1), 3, 0, "one time: the middle");
+        check_equidistant((float)k, 4, 2 * (double)k - 2,
+                          "four parts of length 2 have their middles at 0, 2, 4, 6");
+    check_equidistant(1, 1, 3, "the middle of all of it");
 }
 
 static void times_before_and_after_the_shutter_continue_the_row(void **state)
 {
     (void)state;
-    const rk_shutter shutter = {-1, 7};
-    rk_check_close(rk_shutter_equidistant(&shutter, 0, 4), -2, 0, "one before the first");
-    rk_check_close(rk_shutter_equidistant(&shutter, -3, 4), -8, 0, "four before the first");
-    rk_check_close(rk_shutter_equidistant(&shutter, 5, 4), 8, 0, "one behind the last");
-    rk_check_close(rk_shutter_equidistant(&shutter, 500, 4), 998, 0, "far behind the last");
+    check_equidistant(0, 4, -2, "one part before the first time");
+    check_equidistant(-3, 4, -8, "four parts before the first time");
+    check_equidistant(5, 4, 8, "one part behind the last time");
+    check_equidistant(500, 4, 998, "far behind the last time");
+    check_equidistant(1.75f, 4, 1.5, "three quarters of the way from the first to the second");
 }
+
+static const char *const names[] = {"equidistant", "stratified", "low-discrepancy"};
 
 static void equidistant_times_are_the_same_for_all_pixels(void **state)
 {
     (void)state;
     const rk_shutter shutter = {0, 0.25f};
     for (uint32_t pixel = 0; pixel < 100; pixel++)
-        for (uint32_t i = 0; i < 20; i++)
-            rk_check_close(rk_shutter_time(&shutter, RK_TIME_EQUIDISTANT, pixel, pixel, i, 20),
-                           (i + 0.5) / 80, 0x1p-24,
-                           "sample 0 is the time 1, whatever pixel and seed");
+        for (uint32_t i = 0; i < 20; i++) {
+            double got =
+                (double)rk_shutter_time(&shutter, RK_TIME_EQUIDISTANT, pixel, pixel, i, 20);
+            /* A float's rounding, below 1/4. */
+            rk_check(fabs(got - (i + 0.5) / 80) <= 0x1p-26,
+                     "shutter [0, 0.25], pixel %u, seed %u, sample %u of 20: got %.9g, want %.9g: "
+                     "sample 0 is the time k = 1, whatever pixel and seed",
+                     pixel, pixel, i, got, (i + 0.5) / 80);
+        }
 }
 
-/* Is there one time in each of as many equal parts as there are samples? */
-static void check_one_in_each_part(rk_time_sampling sampling, uint32_t pixel, uint32_t samples)
+/* Do the first `parts` of `samples` times lie one in each of as many equal parts? */
+static void check_one_in_each_part(rk_time_sampling sampling, uint32_t pixel, uint32_t parts,
+                                   uint32_t samples)
 {
     const rk_shutter shutter = {0, 1};
-    uint32_t taken[64] = {0};
-    for (uint32_t i = 0; i < samples; i++) {
-        float x = rk_shutter_time(&shutter, sampling, 3, pixel, i, samples);
-        /* In whole numbers of 2^-24: a product in float may round up into the next part. */
-        uint32_t part = (uint32_t)((double)x * samples);
-        rk_check(part < samples && !taken[part]++, "pixel %u, %u samples: part %u has two times",
-                 pixel, samples, part);
+    uint32_t first_in[64];
+    memset(first_in, 0xff, sizeof first_in);
+    for (uint32_t i = 0; i < parts; i++) {
+        double x = (double)rk_shutter_time(&shutter, sampling, 3, pixel, i, samples);
+        rk_check(x >= 0 && x < 1, "shutter [0, 1], pixel %u, sample %u of %u: got the %s time %.9g",
+                 pixel, i, samples, names[sampling], x);
+        /* In double: a product in float may round up into the next part. */
+        uint32_t part = (uint32_t)(x * parts);
+        rk_check(
+            first_in[part] == UINT32_MAX,
+            "shutter [0, 1], pixel %u, the first %u of %u %s times: samples %u and %u are both "
+            "in [%g, %g), want one time in each of %u equal parts",
+            pixel, parts, samples, names[sampling], first_in[part], i, part / (double)parts,
+            (part + 1) / (double)parts, parts);
+        first_in[part] = i;
     }
 }
 
 static void stratified_times_lie_one_in_each_part(void **state)
 {
     (void)state;
+    const rk_shutter shutter = {0, 1};
     for (uint32_t pixel = 0; pixel < 50; pixel++)
         for (uint32_t samples = 1; samples <= 64; samples++)
-            check_one_in_each_part(RK_TIME_STRATIFIED, pixel, samples);
+            check_one_in_each_part(RK_TIME_STRATIFIED, pixel, samples, samples);
     /* In order, so that sample i of neighbouring pixels sees nearly the same scene. */
-    const rk_shutter shutter = {0, 1};
     for (uint32_t i = 0; i < 64; i++) {
         double x = (double)rk_shutter_time(&shutter, RK_TIME_STRATIFIED, 3, 7, i, 64);
-        rk_check(x >= i / 64.0 && x <= (i + 1) / 64.0, "sample %u of 64: the time %.6f", i, x);
+        rk_check(x >= i / 64.0 && x <= (i + 1) / 64.0,
+                 "shutter [0, 1], pixel 7, sample %u of 64: got the time %.6f, want one in [%.6f, "
+                 "%.6f]: sample i lies in part i, at a random place there; the numbers of "
+                 "RK_SAMPLER_STRATIFIED come in an order of their own",
+                 i, x, i / 64.0, (i + 1) / 64.0);
     }
 }
 
@@ -170,8 +207,52 @@ static void low_discrepancy_times_do_so_for_each_power_of_two(void **state)
 {
     (void)state;
     for (uint32_t pixel = 0; pixel < 50; pixel++)
-        for (uint32_t samples = 1; samples <= 64; samples *= 2)
-            check_one_in_each_part(RK_TIME_LOW_DISCREPANCY, pixel, samples);
+        for (uint32_t parts = 1; parts <= 64; parts *= 2) {
+            check_one_in_each_part(RK_TIME_LOW_DISCREPANCY, pixel, parts, parts);
+            check_one_in_each_part(RK_TIME_LOW_DISCREPANCY, pixel, parts, 100);
+        }
+}
+
+/* One of a sampler's numbers for the time of a sample. */
+static double number_of(rk_sampler_kind kind, uint32_t seed, uint32_t pixel, uint32_t sample,
+                        uint32_t samples)
+{
+    const rk_sampler sampler = {kind, seed, samples};
+    return (double)rk_sample_1d(&sampler, pixel, sample, RK_DIMENSION_TIME);
+}
+
+/* Other dimensions place the sample in its pixel, on the lens, on a light: with one of these, times
+ * would depend on places, and pictures get dark dashes along edges. */
+static void random_times_are_drawn_from_the_dimension_of_time(void **state)
+{
+    (void)state;
+    const rk_shutter shutter = {0, 1};
+    const uint32_t seed = 3, samples = 16;
+    for (uint32_t pixel = 0; pixel < 20; pixel++)
+        for (uint32_t i = 0; i < samples; i++) {
+            double low =
+                (double)rk_shutter_time(&shutter, RK_TIME_LOW_DISCREPANCY, seed, pixel, i, samples);
+            double want = number_of(RK_SAMPLER_LOW_DISCREPANCY, seed, pixel, i, samples);
+            rk_check(fabs(low - want) <= 0x1p-24,
+                     "shutter [0, 1], seed 3, pixel %u, sample %u of 16: got the low-discrepancy "
+                     "time %.7f, want %.7f: rk_sample_1d's number of that kind, seed, pixel, "
+                     "sample and RK_DIMENSION_TIME",
+                     pixel, i, low, want);
+            double x =
+                (double)rk_shutter_time(&shutter, RK_TIME_STRATIFIED, seed, pixel, i, samples);
+            /* Any kind of sampler does for the place in the part. */
+            double off = INFINITY;
+            for (int kind = RK_SAMPLER_UNIFORM; kind <= RK_SAMPLER_LOW_DISCREPANCY; kind++)
+                off = fmin(off, fabs(x * samples - i -
+                                     number_of((rk_sampler_kind)kind, seed, pixel, i, samples)));
+            want = (i + number_of(RK_SAMPLER_UNIFORM, seed, pixel, i, samples)) / samples;
+            rk_check(off <= samples * 0x1p-24,
+                     "shutter [0, 1], seed 3, pixel %u, sample %u of 16: got the stratified time "
+                     "%.7f, want %.7f: in its part it lies where rk_sample_1d's number of that "
+                     "seed, pixel, sample and RK_DIMENSION_TIME says (here the uniform one; other "
+                     "kinds pass)",
+                     pixel, i, x, want);
+        }
 }
 
 static void pixels_and_seeds_have_random_times_of_their_own(void **state)
@@ -186,7 +267,10 @@ static void pixels_and_seeds_have_random_times_of_their_own(void **state)
             same += x == rk_shutter_time(&shutter, (rk_time_sampling)sampling, 2, i, 2, 8);
         }
         /* Of 400 pairs of 24 random bits. */
-        rk_check(same <= 1, "%u times of 400 are those of the neighbour or of another seed", same);
+        rk_check(same <= 1,
+                 "%s: %u of 400 times are those of the neighbouring pixel, or of seed 2 instead of "
+                 "1; want at most 1, by chance",
+                 names[sampling], same);
     }
 }
 
@@ -200,13 +284,20 @@ static void times_fill_the_shutter_and_never_leave_it(void **state)
             for (uint32_t i = 0; i < 64; i++) {
                 double x =
                     (double)rk_shutter_time(&shutters[s], (rk_time_sampling)sampling, 9, 5, i, 64);
-                rk_check(x >= open && x <= close, "%.9g is not in [%.9g, %.9g]", x, open, close);
+                rk_check(x >= open && x <= close,
+                         "%s, pixel 5, seed 9, sample %u of 64: got the time %.9g, want one in the "
+                         "shutter [%.9g, %.9g]",
+                         names[sampling], i, x, open, close);
                 sum += x;
             }
             /* Each is at most a 64th of the shutter away from the middle of its part; and floats
              * round. */
             double tolerance = (close - open) / 64 + 0x1p-24 * fabs(close);
-            rk_check_close(sum / 64, (open + close) / 2, tolerance, "the mean is the middle");
+            rk_check(
+                fabs(sum / 64 - (open + close) / 2) <= tolerance,
+                "%s, pixel 5, seed 9: got %.9g for the mean of 64 times, want %.9g within %.3g: "
+                "the middle of the shutter [%.9g, %.9g], which they should fill",
+                names[sampling], sum / 64, (open + close) / 2, tolerance, open, close);
         }
 }
 
@@ -218,20 +309,34 @@ static double leave(double corner, double offset)
     return (fabs(corner) + fabs(offset)) * (0x1p-19 + 2 * 0x1p-24);
 }
 
+static void check_swept(rk_motion motion, rk_shutter shutter, const char *what, float got,
+                        double want, double tolerance, const char *hint)
+{
+    rk_check(
+        fabs((double)got - want) <= tolerance,
+        "the path (a, b, c) = (%g, %g, %g), shutter [%g, %g]: got %.9g for the swept box's %s, "
+        "want %.9g within %.3g: %s",
+        (double)motion.a, (double)motion.b, (double)motion.c, (double)shutter.open,
+        (double)shutter.close, (double)got, what, want, tolerance, hint);
+}
+
 static void check_heights(rk_motion motion, rk_shutter shutter, double low, double high,
                           const char *hint)
 {
     const rk_box rest = {{{-1, -0.5f, 2}, {3, 0.5f, 4}}};
-    rk_box swept = rk_motion_sweep(&motion, &shutter, &rest);
+    const rk_box swept = rk_motion_sweep(&motion, &shutter, &rest);
+    const rk_vec3 *corner = swept.corner;
     double open = (double)shutter.open, close = (double)shutter.close;
     double leave_x = leave(3, fmax(fabs(open), fabs(close)));
-    double leave_y = leave(0.5, fmax(fabs(low), fabs(high)));
-    rk_check_close(swept.corner[0].x, -1 + open, leave_x, "x, from where the shutter opens");
-    rk_check_close(swept.corner[1].x, 3 + close, leave_x, "x, to where it closes");
-    rk_check_close(swept.corner[0].y, low - 0.5, leave_y, hint);
-    rk_check_close(swept.corner[1].y, high + 0.5, leave_y, hint);
-    rk_check_close(swept.corner[0].z, 2, leave(4, 0), "z stays");
-    rk_check_close(swept.corner[1].z, 4, leave(4, 0), "z stays");
+    double leave_y = leave(0.5, fmax(fabs(low), fabs(high))), leave_z = leave(4, 0);
+    check_swept(motion, shutter, "lowest x", corner[0].x, -1 + open, leave_x,
+                "-1 at rest, and the offset along x goes from where the shutter opens");
+    check_swept(motion, shutter, "highest x", corner[1].x, 3 + close, leave_x,
+                "3 at rest, and the offset along x goes to where the shutter closes");
+    check_swept(motion, shutter, "lowest y", corner[0].y, low - 0.5, leave_y, hint);
+    check_swept(motion, shutter, "highest y", corner[1].y, high + 0.5, leave_y, hint);
+    check_swept(motion, shutter, "lowest z", corner[0].z, 2, leave_z, "nothing moves along z");
+    check_swept(motion, shutter, "highest z", corner[1].z, 4, leave_z, "nothing moves along z");
 }
 
 static void a_straight_path_sweeps_from_its_beginning_to_its_end(void **state)
@@ -246,8 +351,8 @@ static void a_straight_path_sweeps_from_its_beginning_to_its_end(void **state)
 static void a_parabola_turns_at_its_vertex(void **state)
 {
     (void)state;
-    check_heights((rk_motion){0, 1, 0}, (rk_shutter){-2, 1}, 0, 4, "x^2: lowest at 0");
-    check_heights((rk_motion){0, -4, 4}, (rk_shutter){0, 1}, 0, 1, "4 x - 4 x^2: highest at 1/2");
+    check_heights((rk_motion){0, 1, 0}, (rk_shutter){-2, 1}, 0, 4, "x^2 is lowest at 0");
+    check_heights((rk_motion){0, -4, 4}, (rk_shutter){0, 1}, 0, 1, "4 x - 4 x^2 is highest at 1/2");
     check_heights((rk_motion){0, -4, 4}, (rk_shutter){0.75f, 1}, 0, 0.75, "beyond the vertex");
 }
 
@@ -255,10 +360,15 @@ static void a_cubic_turns_twice(void **state)
 {
     (void)state;
     const double third = 2 / (3 * sqrt(3)); /* x^3 - x turns at 1 / sqrt(3) */
-    check_heights((rk_motion){1, 0, -1}, (rk_shutter){-1, 1}, -third, third, "both within");
-    check_heights((rk_motion){1, 0, -1}, (rk_shutter){0, 1}, -third, 0, "the second alone");
-    check_heights((rk_motion){1, 0, -1}, (rk_shutter){-1, 0}, 0, third, "the first alone");
-    check_heights((rk_motion){-1, 0, 1}, (rk_shutter){-1, 1}, -third, third, "the other way up");
+    check_heights((rk_motion){1, 0, -1}, (rk_shutter){-1, 1}, -third, third,
+                  "it turns twice within; with b = 0, does your q become 0? then both roots are "
+                  "lost: the sign of 0 has to be 1 or -1");
+    check_heights((rk_motion){1, 0, -1}, (rk_shutter){0, 1}, -third, 0,
+                  "it turns once within, down there");
+    check_heights((rk_motion){1, 0, -1}, (rk_shutter){-1, 0}, 0, third,
+                  "it turns once within, up there");
+    check_heights((rk_motion){-1, 0, 1}, (rk_shutter){-1, 1}, -third, third,
+                  "it turns twice within, the other way up");
     check_heights((rk_motion){1, 0, -1}, (rk_shutter){-0.5f, 0.5f}, -0.375, 0.375,
                   "it turns before and after the shutter: that does not count");
     check_heights((rk_motion){1, 0, -1}, (rk_shutter){-2, 2}, -6, 6, "the ends are farther out");
@@ -285,10 +395,11 @@ static void turning_points_keep_their_digits_when_one_is_far_away(void **state)
         const rk_motion motion = {a * 1e-3f, -4, 4};
         /* 4 x - 4 x^2 turns at 1/2; a x^3 adds a / 8 there, and moves the turn in second order. */
         double y = 1 + (double)motion.a / 8;
-        rk_box swept = rk_motion_sweep(&motion, &(rk_shutter){0.25f, 0.75f},
-                                       &(rk_box){{{0, 0, 0}, {0, 0, 0}}});
+        const rk_shutter shutter = {0.25f, 0.75f};
+        rk_box swept = rk_motion_sweep(&motion, &shutter, &(rk_box){{{0, 0, 0}, {0, 0, 0}}});
         double tolerance = leave(0, y) + (double)motion.a * (double)motion.a;
-        rk_check_close(swept.corner[1].y, y, tolerance, "the difference of two near numbers?");
+        check_swept(motion, shutter, "highest y", swept.corner[1].y, y, tolerance,
+                    "does a root come from the difference of two near numbers?");
     }
 }
 
@@ -346,9 +457,14 @@ static void a_swept_box_holds_the_box_at_every_time(void **state)
             for (int axis = 0; axis < 3; axis++)
                 rk_check(rk_axis(swept.corner[0], axis) <= rk_axis(low, axis) &&
                              rk_axis(swept.corner[1], axis) >= rk_axis(high, axis),
-                         "path (%g, %g, %g): at x = %.9g the box sticks out on axis %d",
-                         (double)motion.a, (double)motion.b, (double)motion.c,
-                         (double)time_in(&shutter, k, 1000), axis);
+                         "the path (a, b, c) = (%.9g, %.9g, %.9g), shutter [%.9g, %.9g]: at x = "
+                         "%.9g the box is at %.9g .. %.9g on the axis %c, and the swept box, %.9g "
+                         ".. %.9g, does not hold it",
+                         (double)motion.a, (double)motion.b, (double)motion.c, (double)shutter.open,
+                         (double)shutter.close, (double)time_in(&shutter, k, 1000),
+                         (double)rk_axis(low, axis), (double)rk_axis(high, axis), "xyz"[axis],
+                         (double)rk_axis(swept.corner[0], axis),
+                         (double)rk_axis(swept.corner[1], axis));
         }
     }
 }
@@ -371,25 +487,38 @@ static void a_swept_box_is_no_larger_than_the_way(void **state)
         double h = (double)(shutter.close - shutter.open) / 1000, size = 4;
         double bend = 6 * fabs((double)motion.a) * size + 2 * fabs((double)motion.b);
         double tolerance = h * h / 8 * bend + leave(0, fmax(fabs(low), fabs(high))) + 1e-10;
-        rk_check_close(swept.corner[0].y, low, tolerance, "the lowest point of the way");
-        rk_check_close(swept.corner[1].y, high, tolerance, "the highest point of the way");
+        check_swept(motion, shutter, "lowest y", swept.corner[0].y, low, tolerance,
+                    "the lowest of 1001 points of the way; a turn counts only within the shutter");
+        check_swept(motion, shutter, "highest y", swept.corner[1].y, high, tolerance,
+                    "the highest of 1001 points of the way; a turn counts only within the shutter");
     }
 }
 
 /* --- Which rays need a time ------------------------------------------------------------------- */
 
+static void check_reaches(rk_ray ray, float t_max, bool want, const char *hint)
+{
+    const rk_box swept = {{{-1, -1, 4}, {1, 1, 5}}};
+    const rk_slabs slabs = rk_slabs_of(&ray);
+    rk_check(rk_motion_reaches(&swept, &slabs, t_max) == want,
+             "a ray from (%g, 0, 0) along (0, 0, %g) to t = %g, the box (-1, -1, 4) .. (1, 1, 5): "
+             "got %s, want %s: %s",
+             (double)ray.origin.x, (double)ray.direction.z, (double)t_max, want ? "false" : "true",
+             want ? "true" : "false", hint);
+}
+
 static void a_ray_reaches_what_its_way_to_t_max_enters(void **state)
 {
     (void)state;
-    const rk_box swept = {{{-1, -1, 4}, {1, 1, 5}}};
     const rk_ray towards = {{0, 0, 0}, {0, 0, 1}, INFINITY}, away = {{0, 0, 0}, {0, 0, -1}, 9};
     const rk_ray beside = {{2, 0, 0}, {0, 0, 1}, INFINITY};
-    const rk_slabs slabs[] = {rk_slabs_of(&towards), rk_slabs_of(&away), rk_slabs_of(&beside)};
-    rk_check(rk_motion_reaches(&swept, &slabs[0], INFINITY), "straight into it");
-    rk_check(rk_motion_reaches(&swept, &slabs[0], 4.5f), "it is stopped inside");
-    rk_check(!rk_motion_reaches(&swept, &slabs[0], 3.5f), "it is stopped before");
-    rk_check(!rk_motion_reaches(&swept, &slabs[1], INFINITY), "the box is behind it");
-    rk_check(!rk_motion_reaches(&swept, &slabs[2], INFINITY), "past it");
+    const rk_ray within = {{0, 0, 4.5f}, {0, 0, 1}, INFINITY};
+    check_reaches(towards, INFINITY, true, "straight into it");
+    check_reaches(towards, 4.5f, true, "it is stopped inside");
+    check_reaches(towards, 3.5f, false, "it is stopped before, and the end is the argument's");
+    check_reaches(away, INFINITY, false, "the box is behind it");
+    check_reaches(beside, INFINITY, false, "it goes past");
+    check_reaches(within, INFINITY, true, "it begins inside, at z = 4.5");
 }
 
 /* A ray from near or far that passes an edge along z of the box, moved to `offset`, within some
@@ -406,6 +535,17 @@ static rk_ray grazing_ray(uint32_t i, const rk_box *rest, rk_vec3 offset)
     return (rk_ray){rk_madd(rk_add(at, offset), direction, -far), direction, INFINITY};
 }
 
+static void lose(uint32_t i, const rk_ray *ray, rk_vec3 offset)
+{
+    rk_check(false,
+             "ray %u, from (%.9g, %.9g, %.9g) along (%.9g, %.9g, %.9g): got false, want true, for "
+             "as its offset is (%.9g, %.9g, 0) the moved ray enters the box at rest; is what is "
+             "asked wider by spare_for(ray)?",
+             i, (double)ray->origin.x, (double)ray->origin.y, (double)ray->origin.z,
+             (double)ray->direction.x, (double)ray->direction.y, (double)ray->direction.z,
+             (double)offset.x, (double)offset.y);
+}
+
 static void a_ray_that_does_not_reach_the_swept_box_never_meets_the_object(void **state)
 {
     (void)state;
@@ -420,42 +560,77 @@ static void a_ray_that_does_not_reach_the_swept_box_never_meets_the_object(void 
         const rk_slabs slabs = rk_slabs_of(&ray), moved_slabs = rk_slabs_of(&moved);
         const rk_box swept = rk_motion_sweep(&motion, &shutter, &rest);
         bool meets = rk_box_enter(&rest, &moved_slabs, INFINITY) < INFINITY;
-        rk_check(!meets || rk_motion_reaches(&swept, &slabs, INFINITY),
-                 "ray %u enters the object's own box, but is said never to reach it", i);
+        if (meets && !rk_motion_reaches(&swept, &slabs, INFINITY))
+            lose(i, &ray, offset);
         met += meets;
         missed += !rk_motion_reaches(&swept, &slabs, INFINITY);
     }
-    rk_check(met > 1000 && missed > 1000, "%u rays met the box and %u missed the swept one", met,
-             missed);
+    rk_check(met > 1000 && missed > 1000,
+             "of 200000 rays along edges %u enter the box and %u do not reach the swept one; want "
+             "more than 1000 of each: is the swept box too large?",
+             met, missed);
 }
 
-/* Two leaves and their root. */
-typedef struct small_tree {
-    rk_bvh_node nodes[4];
-    rk_bvh bvh;
-} small_tree;
-
-static void grow(small_tree *tree, rk_box left, rk_box right)
+static rk_bvh empty_tree(uint32_t node_count)
 {
-    tree->nodes[0] = (rk_bvh_node){rk_box_merge(left, right), 2, 0};
-    tree->nodes[2] = (rk_bvh_node){left, 0, 1};
-    tree->nodes[3] = (rk_bvh_node){right, 1, 1};
-    tree->bvh = (rk_bvh){.node_count = 4, .triangle_count = 2, .nodes = tree->nodes};
+    rk_bvh bvh = {.node_count = 1, .nodes = malloc(node_count * sizeof(rk_bvh_node))};
+    rk_check(bvh.nodes, "no memory for %u nodes", node_count);
+    return bvh;
+}
+
+static void make_leaf(rk_bvh *bvh, uint32_t node, rk_box box)
+{
+    uint32_t triangles = 1 + bvh->triangle_count % RK_BVH_LEAF_LIMIT;
+    bvh->nodes[node] = (rk_bvh_node){box, bvh->triangle_count, triangles};
+    bvh->triangle_count += triangles;
+}
+
+/* Returns the left child. nodes[1] belongs to nobody: whoever looks there takes it for a leaf that
+ * every ray enters. */
+static uint32_t make_inner(rk_bvh *bvh, uint32_t node, rk_box box)
+{
+    const rk_box everything = {{{-1e9f, -1e9f, -1e9f}, {1e9f, 1e9f, 1e9f}}};
+    bvh->nodes[1] = (rk_bvh_node){everything, 0, 1};
+    uint32_t left = bvh->node_count == 1 ? 2 : bvh->node_count;
+    bvh->nodes[node] = (rk_bvh_node){box, left, 0};
+    bvh->node_count = left + 2;
+    return left;
+}
+
+static rk_bvh two_leaves(rk_box left, rk_box right)
+{
+    rk_bvh bvh = empty_tree(4);
+    uint32_t child = make_inner(&bvh, 0, rk_box_merge(left, right));
+    make_leaf(&bvh, child, left);
+    make_leaf(&bvh, child + 1, right);
+    return bvh;
+}
+
+/* Sends a ray from (x, 0, 0) along z. The tree moves along x, from where it rests to `close`. */
+static bool reaches_leaf(const rk_bvh *bvh, float x, float close, float t_max)
+{
+    const rk_motion level = {0, 0, 0};
+    const rk_shutter shutter = {0, close};
+    const rk_box swept = rk_motion_sweep(&level, &shutter, &bvh->nodes[0].box);
+    const rk_ray ray = {{x, 0, 0}, {0, 0, 1}, INFINITY};
+    const rk_slabs slabs = rk_slabs_of(&ray);
+    rk_check(
+        rk_motion_reaches(&swept, &slabs, INFINITY),
+        "rk_motion_reaches is false for a ray at x = %g and the root's swept box, whose x goes "
+        "from %g to %g: step 7 comes first",
+        (double)x, (double)swept.corner[0].x, (double)swept.corner[1].x);
+    return rk_motion_reaches_leaf(bvh, &swept, &slabs, t_max);
 }
 
 static void check_leaf(float x, float close, float t_max, bool want, const char *hint)
 {
-    small_tree tree;
-    grow(&tree, (rk_box){{{-4, -1, 4}, {-2, 1, 5}}}, (rk_box){{{2, -1, 4}, {4, 1, 5}}});
-    const rk_motion level = {0, 0, 0};
-    const rk_shutter shutter = {0, close};
-    const rk_box swept = rk_motion_sweep(&level, &shutter, &tree.nodes[0].box);
-    const rk_ray ray = {{x, 0, 0}, {0, 0, 1}, INFINITY};
-    const rk_slabs slabs = rk_slabs_of(&ray);
-    rk_check(rk_motion_reaches(&swept, &slabs, INFINITY), "the root's box holds all of it");
-    rk_check(rk_motion_reaches_leaf(&tree.bvh, &swept, &slabs, t_max) == want,
-             "a ray at x = %g to t = %g should %s a leaf: %s", (double)x, (double)t_max,
-             want ? "reach" : "not reach", hint);
+    rk_bvh bvh = two_leaves((rk_box){{{-4, -1, 4}, {-2, 1, 5}}}, (rk_box){{{2, -1, 4}, {4, 1, 5}}});
+    rk_check(
+        reaches_leaf(&bvh, x, close, t_max) == want,
+        "a root and two leaves, x in [-4, -2] and [2, 4], z in [4, 5], which move to x + %g: a "
+        "ray from (%g, 0, 0) along z to t = %g should %s a leaf: %s",
+        (double)close, (double)x, (double)t_max, want ? "reach" : "not reach", hint);
+    rk_bvh_free(&bvh);
 }
 
 static void a_ray_between_the_leaves_reaches_none(void **state)
@@ -470,6 +645,85 @@ static void a_ray_between_the_leaves_reaches_none(void **state)
     check_leaf(0, 3, INFINITY, true, "the left one comes as far as 1");
 }
 
+static void a_tree_may_be_a_single_leaf(void **state)
+{
+    (void)state;
+    rk_bvh bvh = empty_tree(1);
+    make_leaf(&bvh, 0, (rk_box){{{-4, -1, 4}, {-2, 1, 5}}});
+    rk_check(
+        reaches_leaf(&bvh, -3, 1, INFINITY),
+        "a root that is a leaf, x in [-4, -2], z in [4, 5]: got false, want true for a ray from "
+        "(-3, 0, 0) along z: it has no children to look into");
+    rk_check(
+        !reaches_leaf(&bvh, -3, 1, 3.5f),
+        "a root that is a leaf, x in [-4, -2], z in [4, 5]: got true, want false for a ray from "
+        "(-3, 0, 0) along z to t = 3.5: it stops before");
+    rk_bvh_free(&bvh);
+}
+
+/* The deepest and most lopsided tree that builders may make: a chain of nodes, with a pair of
+ * leaves beside each. A ray at x = 0 enters all boxes but those of leaves, which are to its left
+ * and right; so every node of the chain, and every pair, has to wait or to be looked into. */
+enum {
+    chain_length = RK_BVH_LEVELS_MAX - 2, /* below it a pair's node, and its leaves */
+    deep_leaves = 2 * (chain_length + 1),
+    deep_nodes = 2 * deep_leaves, /* an inner node less than leaves, and nodes[1] */
+    no_leaf = deep_leaves,
+};
+
+static const rk_box left_box = {{{-4, -1, 4}, {-2, 1, 5}}}, right_box = {{{2, -1, 4}, {4, 1, 5}}};
+
+static void make_pair(rk_bvh *bvh, uint32_t node, uint32_t pair, uint32_t in_the_way)
+{
+    /* It moves by 1 to the right, and then it is there. */
+    const rk_box near = {{{-1, -1, 4}, {-0.5f, 1, 5}}};
+    uint32_t child = make_inner(bvh, node, rk_box_merge(left_box, right_box));
+    make_leaf(bvh, child, in_the_way == 2 * pair ? near : left_box);
+    make_leaf(bvh, child + 1, in_the_way == 2 * pair + 1 ? near : right_box);
+}
+
+/* The chain goes on to the left, to the right, or in turns; one leaf may stand in the ray's way. */
+enum { to_the_left, to_the_right, in_turns, shapes };
+
+static rk_bvh deep_tree(int shape, uint32_t in_the_way)
+{
+    rk_bvh bvh = empty_tree(deep_nodes);
+    uint32_t node = 0;
+    for (uint32_t level = 0; level < chain_length; level++) {
+        uint32_t side = shape == in_turns ? level & 1 : shape == to_the_right;
+        uint32_t left = make_inner(&bvh, node, rk_box_merge(left_box, right_box));
+        make_pair(&bvh, left + 1 - side, level, in_the_way);
+        node = left + side;
+    }
+    make_pair(&bvh, node, chain_length, in_the_way);
+    return bvh;
+}
+
+static void the_search_goes_down_to_the_leaves_of_deep_trees(void **state)
+{
+    (void)state;
+    static const char *const shape_names[] = {"left", "right", "left and right in turns"};
+    for (int shape = 0; shape < shapes; shape++)
+        for (uint32_t leaf = 0; leaf <= no_leaf; leaf++) {
+            rk_bvh bvh = deep_tree(shape, leaf);
+            rk_check_equal(bvh.node_count, deep_nodes, "nodes of the test's own tree");
+            bool got = reaches_leaf(&bvh, 0, 1, INFINITY);
+            rk_check(got || leaf == no_leaf,
+                     "a tree of %d levels whose chain goes %s: got false, want true, as leaf %u of "
+                     "%d, on level %u, moves into the ray's way: look into the children of every "
+                     "box that is entered, down to the leaves",
+                     RK_BVH_LEVELS_MAX, shape_names[shape], leaf, deep_leaves,
+                     leaf / 2 < chain_length ? leaf / 2 + 2 : chain_length + 1);
+            rk_check(
+                !got || leaf < no_leaf,
+                "a tree of %d levels whose chain goes %s: got true, want false: the ray enters "
+                "all inner nodes, but moves between the leaves; only a node whose count is not "
+                "0 is a leaf, and nodes[1] is no node",
+                RK_BVH_LEVELS_MAX, shape_names[shape]);
+            rk_bvh_free(&bvh);
+        }
+}
+
 static void a_ray_that_reaches_no_leaf_never_meets_one(void **state)
 {
     (void)state;
@@ -477,20 +731,24 @@ static void a_ray_that_reaches_no_leaf_never_meets_one(void **state)
     for (uint32_t i = 0; i < 200000; i++) {
         const rk_motion motion = random_path(i);
         const rk_shutter shutter = random_shutter(i / 2);
-        small_tree tree;
-        grow(&tree, random_box(i / 2), random_box(i / 2 + 200000));
-        const rk_box *leaf = &tree.nodes[2 + i % 2].box;
+        rk_bvh bvh = two_leaves(random_box(i / 2), random_box(i / 2 + 200000));
+        const rk_box *leaf = &bvh.nodes[2 + i % 2].box;
         rk_vec3 offset = rk_motion_offset(&motion, i & 4 ? shutter.open : shutter.close);
         const rk_ray ray = grazing_ray(i, leaf, offset), moved = rk_motion_ray(offset, &ray);
         const rk_slabs slabs = rk_slabs_of(&ray), moved_slabs = rk_slabs_of(&moved);
-        const rk_box swept = rk_motion_sweep(&motion, &shutter, &tree.nodes[0].box);
+        const rk_box swept = rk_motion_sweep(&motion, &shutter, &bvh.nodes[0].box);
         bool meets = rk_box_enter(leaf, &moved_slabs, INFINITY) < INFINITY;
-        bool reaches = rk_motion_reaches_leaf(&tree.bvh, &swept, &slabs, INFINITY);
-        rk_check(!meets || reaches, "ray %u enters a leaf, but is said never to reach one", i);
+        bool reaches = rk_motion_reaches_leaf(&bvh, &swept, &slabs, INFINITY);
+        if (meets && !reaches)
+            lose(i, &ray, offset);
         met += meets;
         missed += !reaches;
+        rk_bvh_free(&bvh);
     }
-    rk_check(met > 1000 && missed > 1000, "%u rays met a leaf and %u reached none", met, missed);
+    rk_check(met > 1000 && missed > 1000,
+             "of 200000 rays along edges of leaves %u enter the leaf and %u reach none; want more "
+             "than 1000 of each: do the boxes below the root gain more than the root's did?",
+             met, missed);
 }
 
 /* --- Coverage --------------------------------------------------------------------------------- */
@@ -535,8 +793,14 @@ static void a_moving_edge_covers_a_point_for_its_share_of_the_time(void **state)
                 /* The edge passes once: one part of the shutter is in doubt, half of it where times
                  * are the middles. A float's rounding may tip one time more. */
                 double doubt = sampling == RK_TIME_EQUIDISTANT ? 0.5 : 1;
-                rk_check_close((double)covered / samples, edge_coverage(&shutter, (double)point),
-                               doubt / samples + 1e-6, "share of the times");
+                double got = (double)covered / samples;
+                double want = edge_coverage(&shutter, (double)point);
+                rk_check(
+                    fabs(got - want) <= doubt / samples + 1e-6,
+                    "%s, shutter [0.25, 2], pixel %u: at %g of %u times the edge is beyond x = "
+                    "%g, a share of %.4f, want %.4f within %.4f, its share of the shutter",
+                    names[sampling], i, (double)covered, samples, (double)point, got, want,
+                    doubt / samples);
             }
 }
 
@@ -572,8 +836,11 @@ static void a_moving_disk_covers_a_point_for_its_chord_of_the_way(void **state)
             double want = disk_coverage(&shutter, 0.75, (double)px, (double)py);
             partly += want > 0;
             /* It comes and goes: two parts of the shutter are in doubt. */
-            rk_check_close((double)covered / samples, want, 2.0 / samples + 1e-6,
-                           "the chord over the way");
+            rk_check(fabs((double)covered / samples - want) <= 2.0 / samples + 1e-6,
+                     "%s, shutter [-1, 2], pixel %u: at %u of %u times the disk covers (%g, %g), a "
+                     "share of %.4f, want %.4f within %.4f: the chord over the way",
+                     names[sampling], i, covered, samples, (double)px, (double)py,
+                     (double)covered / samples, want, 2.0 / samples);
         }
     rk_check(partly > 300, "only %u points are covered at all", partly);
 }
@@ -590,6 +857,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(stratified_times_lie_one_in_each_part),
     cmocka_unit_test(low_discrepancy_times_do_so_for_each_power_of_two),
     cmocka_unit_test(pixels_and_seeds_have_random_times_of_their_own),
+    cmocka_unit_test(random_times_are_drawn_from_the_dimension_of_time),
     cmocka_unit_test(times_fill_the_shutter_and_never_leave_it),
     cmocka_unit_test(a_straight_path_sweeps_from_its_beginning_to_its_end),
     cmocka_unit_test(a_parabola_turns_at_its_vertex),
@@ -601,6 +869,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_ray_reaches_what_its_way_to_t_max_enters),
     cmocka_unit_test(a_ray_that_does_not_reach_the_swept_box_never_meets_the_object),
     cmocka_unit_test(a_ray_between_the_leaves_reaches_none),
+    cmocka_unit_test(a_tree_may_be_a_single_leaf),
+    cmocka_unit_test(the_search_goes_down_to_the_leaves_of_deep_trees),
     cmocka_unit_test(a_ray_that_reaches_no_leaf_never_meets_one),
     cmocka_unit_test(a_moving_edge_covers_a_point_for_its_share_of_the_time),
     cmocka_unit_test(a_moving_disk_covers_a_point_for_its_chord_of_the_way),

@@ -90,13 +90,14 @@ def choose(features, stems):
 
 
 def read_points(feature):
-    """Returns the feature's scored tests, in the order in which a student works."""
+    """Returns the feature's scored tests, in the order in which a student works. Those without
+    points hold with the starter, and have to go on holding."""
     tests = []
     for number, row in enumerate(
         _read_table(feature.points_table, ["test", "points", "section"]), 2
     ):
-        if not row[1].isdigit() or not int(row[1]):
-            raise ToolError(f"{feature.points_table}:{number}: points are whole and above 0, not {row[1]}")
+        if not row[1].isdigit():
+            raise ToolError(f"{feature.points_table}:{number}: points are whole numbers, not {row[1]}")
         if any(test.name == row[0] for test in tests):
             raise ToolError(f"{feature.points_table}:{number}: {row[0]} is listed twice")
         tests.append(ScoredTest(row[0], int(row[1]), row[2]))

@@ -5,6 +5,8 @@ For each feature of assignments/features.tsv:
 - the reference passes every test of its suite;
 - the starter compiles without a warning, runs safely under the address, undefined behaviour and
   leak sanitizers, fails every test that carries points, and passes every other one;
+- points.tsv lists every test, those that carry no points with 0, so that students hear when one
+  that held no longer does;
 - the steps of the assignment's handout.md name the tests that carry points, each once, in the order
   of points.tsv, and no other;
 - each mutant, a known mistake in tests/mutants/STEM/*.patch, fails the tests that its patch names.
@@ -79,6 +81,10 @@ def read_table(path):
     """Returns the rows of a tab-separated file with a header line, as dictionaries."""
     with open(path, encoding="utf-8", newline="") as file:
         return list(csv.DictReader(file, delimiter="\t"))
+
+
+def _with_points(rows):
+    return [row["test"] for row in rows if row["points"] != "0"]
 
 
 # --- Building and running ---------------------------------------------------------------------
@@ -177,13 +183,17 @@ class Feature:
                               "that the starter fails counts as scored")
             return [test for test in self.tests if starter[test] != 0]
         name = self.points.relative_to(self.root)
-        scored = [row.get("test") for row in read_table(self.points)]
-        for test in dict.fromkeys(scored):
+        rows = read_table(self.points)
+        listed = [row.get("test") for row in rows]
+        for test in dict.fromkeys(listed):
             if test not in self.tests:
                 self.faults.append(f"{name}: the suite has no test {test}; correct its name")
-            if scored.count(test) > 1:
+            if listed.count(test) > 1:
                 self.faults.append(f"{name}: {test} has two lines; remove one")
-        return [test for test in scored if test in self.tests]
+        for test in self.tests:
+            if test not in listed:
+                self.faults.append(f"{name}: {test} has no line; give it one, with 0 points if the starter passes it")
+        return [test for test in _with_points(rows) if test in self.tests]
 
     # --- jobs: each may raise a Fault
 
@@ -194,7 +204,7 @@ class Feature:
             return
         rows = re.findall(r"^\| \d+ \|.*\|(.*)\|$", handout.read_text(encoding="utf-8"), re.MULTILINE)
         told = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
-        scored = [row["test"] for row in read_table(self.points)]
+        scored = _with_points(read_table(self.points))
         name = handout.relative_to(self.root)
         faults = [f"{name}: no step names {test}" for test in scored if test not in told]
         faults += [f"{name}: a step names {test}, which carries no points" for test in told
@@ -221,11 +231,11 @@ class Feature:
         lucky = [test for test in scored if status[test] == 0]
         if lucky:
             self.faults.append(f"the starter passes what carries points: {' '.join(lucky)}; sharpen "
-                               "these tests, or take them out of points.tsv")
+                               "these tests, or give them 0 in points.tsv")
         worthless = [test for test in self.tests if test not in scored and status[test] != 0]
         if worthless:
             self.faults.append(f"the starter fails what carries no points: {' '.join(worthless)}; "
-                               "give these tests lines in points.tsv")
+                               "give these tests some in points.tsv")
         self.check_safety(text, status)
 
     def check_safety(self, text, status):

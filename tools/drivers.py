@@ -67,15 +67,21 @@ def _object_that_says(toolchain, sentence, folder):
 
 def _told(error):
     """Shows why a driver cannot be made, and returns it for the page."""
-    print(f"{error.details}\nreport: {error.reason}".strip(), file=sys.stderr)
+    print(f"{error.details}\ndrivers: {error.reason}".strip(), file=sys.stderr)
     return error.reason
 
 
-def link_drivers(toolchain, impl):
-    """Makes impl/assignments/FOLDER/STEM for all features; returns the sentence for captions."""
+def driver_of(feature):
+    """Returns where the feature's driver with the student's unit stands in the build folder."""
+    return os.path.join("impl", "assignments", feature.folder, feature.stem)
+
+
+def link_drivers(toolchain, impl, only=None):
+    """Makes impl/assignments/FOLDER/STEM for all features, or only for one; returns the sentence for
+    captions."""
     features = read_features(toolchain.source)
-    stems = list(features)
-    if not os.path.isdir(impl):
+    stems = [only] if only else list(features)
+    if not os.path.isdir(impl) and not only:
         name = os.path.splitext(os.path.basename(impl))[0]
         stems = [name] if name in features else stems
     check_impl(features, impl, stems)
@@ -97,14 +103,13 @@ def link_drivers(toolchain, impl):
             objects[key] = _object(toolchain, unit, parts)
         except building.BuildError as error:
             unmade[key] = _told(error)
-    for feature in features.values():
-        place = os.path.join(folder, "assignments", feature.folder)
-        os.makedirs(place, exist_ok=True)
+    for feature in [features[only]] if only else features.values():
+        driver = os.path.join(toolchain.build, driver_of(feature))
+        os.makedirs(os.path.dirname(driver), exist_ok=True)
         units = list({**beside, feature.stem: own.get(feature.stem, beside[feature.stem])}.values())
         says = _object_that_says(toolchain, _sentence(units, impl), parts)
         keys = [(unit.feature.stem, unit.is_reference) for unit in units]
         reason = next((unmade[key] for key in keys if key in unmade), None)
-        driver = os.path.join(place, feature.stem)
         for path in (driver, driver + ".unmade"):
             if os.path.lexists(path):
                 os.unlink(path)
@@ -128,14 +133,23 @@ def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
     parser.add_argument("--build", default=".", metavar="DIR")
+    parser.add_argument("--only", metavar="STEM", help="make this driver alone, and say where it is")
     arguments = parser.parse_args()
     try:
-        print(f"report: {link_drivers(building.Toolchain(arguments.build), arguments.impl)}", file=sys.stderr)
+        toolchain = building.Toolchain(arguments.build)
+        sentence = link_drivers(toolchain, arguments.impl, arguments.only)
+        if not arguments.only:
+            print(f"report: {sentence}", file=sys.stderr)
+            return 0
+        path = driver_of(read_features(toolchain.source)[arguments.only])
+        if os.path.exists(os.path.join(toolchain.build, path + ".unmade")):
+            return 1
+        print(f"{path} draws with {sentence.removeprefix('units: ') or 'the reference'}; try {path} --help")
     except ToolError as error:
-        print(f"report: {error}", file=sys.stderr)
+        print(f"drivers: {error}", file=sys.stderr)
         return 1
     except subprocess.CalledProcessError as error:
-        print(f"report: {error.cmd[0]} failed; its reason stands above", file=sys.stderr)
+        print(f"drivers: {error.cmd[0]} failed; its reason stands above", file=sys.stderr)
         return 1
     return 0
 

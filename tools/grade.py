@@ -7,6 +7,7 @@ crashes, endless loops, leaks and programs that end early are failed tests with 
 """
 
 import concurrent.futures
+import difflib
 import os
 import re
 import shutil
@@ -213,9 +214,13 @@ def _arguments():
 
 def _prepare_suite(feature, impl, fallback, only):
     """Returns the suite of one feature; one that has given up where there is nothing to judge."""
-    tests = [test for test in read_points(feature) if only in (None, test.name)]
+    listed = read_points(feature)
+    tests = [test for test in listed if only in (None, test.name)]
     if not tests:
-        raise ToolError(f"{feature.stem} has no scored test {only}; see {feature.points_table}")
+        names = [test.name for test in listed]
+        near = [name for name in names if only in name] or difflib.get_close_matches(only, names, 3, 0.3)
+        hint = "do you mean " + " or ".join(near[:3]) + "?" if near else f"they stand in {feature.points_table}"
+        raise ToolError(f"{feature.stem} has no test {only}; {hint}")
     try:
         if fallback and find_unit(feature, impl).path is None:
             return Suite(feature, reference_unit(feature), tests, True)

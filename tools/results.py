@@ -35,6 +35,10 @@ def name_of(impl):
     return _printable(os.path.basename(os.path.normpath(impl))).replace("\n", "?")
 
 
+def _worth(test):
+    return f"{test.points} points" if test.points else "no points: it held with the starter, and has to go on holding"
+
+
 def _explained(suite, test):
     """The reason, the place and where to read, a line each. What concerns the whole unit stands once."""
     verdict = suite.verdicts[test.name]
@@ -61,7 +65,7 @@ def _text_of_failures(suite):
         details = _details(suite.verdicts[first.name]).strip().split("\n")
         said = [f"          {line}" for line in details[:20] if line]
         return [f"      {_printable(suite.problem)}", *said]
-    lines = [f"      work on this one first: {first.name} ({first.points} points)"]
+    lines = [f"      work on this one first: {first.name} ({_worth(first)})"]
     lines += [f"          {line}" for line in _explained(suite, first)]
     if len(failed) > 1:
         lines.append("      after that:")
@@ -70,7 +74,7 @@ def _text_of_failures(suite):
         reason = _printable(suite.verdicts[test.name].reason).split("\n")[0]
         groups.setdefault(reason, []).append(test)
     for reason, tests in groups.items():
-        lines += [f"          {test.name} ({test.points})" for test in tests]
+        lines += [f"          {test.name} ({test.points or 'it held before'})" for test in tests]
         same = reason == _printable(suite.verdicts[first.name].reason).split("\n")[0]
         lines += _wrapped("as the first" if same else reason, " " * 14)
     return lines

@@ -27,7 +27,8 @@ In raykit's folder, with this folder as IMPL:
     make debug-{first} IMPL={folder}       the first failing test in gdb, stopped in your code
     make diff-{first} IMPL={folder}        what you have changed since the starter
     make progress IMPL={folder}       all assignments with their points
-    make report IMPL={folder}         the report, its pictures drawn by your code
+    make driver-{first} IMPL={folder}      its driver, to draw pictures by your code; it says where it is
+    make report IMPL={folder}/{first}.c QUICK=1    its section of the report, drawn by your code, small
 
 Start with {first}.c and its chapter, {chapter}: read, run the check, solve the step that it names,
 and run it again. A file that is not here is replaced by the kit's own where something needs it.

@@ -84,8 +84,8 @@ float rk_shutter_time(const rk_shutter *shutter, rk_time_sampling sampling, uint
     double xi = (double)rk_sample_1d(&sampler, pixel, sample, RK_DIMENSION_TIME);
     return time_at(shutter, sampling == RK_TIME_STRATIFIED ? (sample + xi) / samples : xi);
     /* starter
-    // Fourth step: rk_sample_1d of RK_DIMENSION_TIME is the share of the shutter, or the place in
-    // the sample's part of it.
+    // Fourth step: rk_sample_1d of RK_DIMENSION_TIME is the share of the shutter or, where sample i
+    // lies in part i, the place in that part.
     (void)sampling, (void)seed, (void)pixel, (void)sample, (void)samples;
     return shutter->open;
     end */
@@ -199,7 +199,7 @@ bool rk_motion_reaches(const rk_box *swept, const rk_slabs *ray, float t_max)
     const rk_box spare = spare_for(ray), box = widened(swept, &spare);
     return rk_box_enter(&box, ray, t_max) < INFINITY;
     /* starter
-    // Seventh step: does the ray enter the box, widened by spare_for(ray)?
+    // Seventh step: does the ray enter (rk_box_enter) the box, widened by spare_for(ray)?
     (void)swept, (void)ray, (void)t_max, (void)widened, (void)spare_for;
     return true;
     end */
@@ -214,7 +214,7 @@ bool rk_motion_reaches_leaf(const rk_bvh *bvh, const rk_box *swept, const rk_sla
     const rk_box way = {
         {rk_sub(swept->corner[0], root->corner[0]), rk_sub(swept->corner[1], root->corner[1])}};
     const rk_box spare = spare_for(ray), gain = widened(&way, &spare);
-    const rk_bvh_node *waiting[RK_BVH_LEVELS_MAX + 1];
+    const rk_bvh_node *waiting[RK_BVH_LEVELS_MAX];
     uint32_t size = 0;
     waiting[size++] = &bvh->nodes[0];
     while (size) {

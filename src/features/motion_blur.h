@@ -30,16 +30,21 @@ rk_shutter rk_shutter_default(void);
 /* Returns the time k of `samples` that are equally far apart: the middle of the k-th of as many
  * equal parts of the shutter, open + (k - 1/2) / samples (close - open). So neither end is one of
  * the times: each stands for a part of the shutter, and all parts are inside. k counts from 1; with
- * k below 1 or above `samples` the time lies before or after the shutter. */
+ * k below 1 or above `samples` the time lies before or after the shutter, and between two times if
+ * k is no whole number. */
 float rk_shutter_equidistant(const rk_shutter *shutter, float k, uint32_t samples);
 
 typedef enum rk_time_sampling {
     RK_TIME_EQUIDISTANT,    /* the same times for all pixels: copies of the object */
-    RK_TIME_STRATIFIED,     /* one in each of as many equal parts as there are samples, in order */
-    RK_TIME_LOW_DISCREPANCY /* the same, in no order, for every power of two of samples */
+    RK_TIME_STRATIFIED,     /* sample i in part i of as many equal parts as there are samples */
+    RK_TIME_LOW_DISCREPANCY /* in no order; of the first 2^k, for each k, one in each of 2^k parts
+                             */
 } rk_time_sampling;
 
-/* Returns the time of `sample`, 0 to samples - 1, of a pixel; within the shutter. */
+/* Returns the time of `sample`, 0 to samples - 1, of a pixel; within the shutter. Equidistant times
+ * need no random number. Others take rk_sample_1d's of the seed, pixel, sample and
+ * RK_DIMENSION_TIME: a low-discrepancy one is the share of the shutter, and one of any kind is the
+ * place in the part of a stratified time. */
 float rk_shutter_time(const rk_shutter *shutter, rk_time_sampling sampling, uint32_t seed,
                       uint32_t pixel, uint32_t sample, uint32_t samples);
 
