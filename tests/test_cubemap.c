@@ -188,6 +188,8 @@ static void on_edges_x_comes_before_y_before_z(void **state)
         check_face(rk_vec(x, y, 0), on_x, "x before y");
         check_face(rk_vec(x, 0.3f, z), on_x, "x before z");
         check_face(rk_vec(0.3f, y, z), on_y, "y before z");
+        check_face(rk_vec(x, y * (1 + 0x1p-23f), z), on_y,
+                   "y is larger by one unit in the last place");
     }
 }
 

@@ -62,6 +62,7 @@ static void places_of_the_square_have_their_place_on_the_disk(void **state)
     (void)state;
     const double diagonal = sqrt(0.5), pi = 3.14159265358979323846;
     check_disk(0.5f, 0.5f, 0, 0);
+    check_disk(0.5f, 0.5f - 0x1p-18f, 0, -0x1p-17); /* near the middle, and not the middle */
     check_disk(1, 0.5f, 1, 0);
     check_disk(0.25f, 0.5f, -0.5, 0);
     check_disk(0.5f, 0.75f, 0, 0.5);

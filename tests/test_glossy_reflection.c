@@ -152,6 +152,8 @@ static void the_concentric_map_keeps_the_middle_and_the_axes(void **state)
 {
     (void)state;
     check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f}, 0, 0, "the middle");
+    check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f - 0x1p-15f}, 0, -0x1p-14,
+                "near the middle it is not the middle");
     for (float r = -1; r < 1; r += 0.125f) {
         float at = (1 + r) / 2;
         check_point(RK_DISK_CONCENTRIC, (rk_vec2){at, 0.5f}, (double)r, 0,
@@ -334,21 +336,28 @@ static setting setting_at(double degrees, uint32_t i)
     return (setting){rk_vec((float)w.x, (float)w.y, (float)w.z), n};
 }
 
-static void radius_0_gives_the_reflected_direction_exactly(void **state)
+static void check_mirrored(uint32_t i, float radius, rk_vec2 at)
+{
+    setting s = random_setting(i);
+    rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, radius, s.face_normal);
+    rk_vec3 direction = {NAN, NAN, NAN};
+    bool above = rk_glossy_direction(&disk, at, &direction);
+    rk_check(above, "(%g, %g, %g), the mirrored direction above the surface, was discarded",
+             (double)s.reflected.x, (double)s.reflected.y, (double)s.reflected.z);
+    rk_check(
+        direction.x == s.reflected.x && direction.y == s.reflected.y &&
+            direction.z == s.reflected.z,
+        "radius %g, point (%g, %g): got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g) to the bit",
+        (double)radius, (double)at.x, (double)at.y, (double)direction.x, (double)direction.y,
+        (double)direction.z, (double)s.reflected.x, (double)s.reflected.y, (double)s.reflected.z);
+}
+
+static void radius_0_and_the_middle_give_the_reflected_direction_exactly(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 10000; i++) {
-        setting s = random_setting(i);
-        rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, 0, s.face_normal);
-        rk_vec3 direction;
-        bool above = rk_glossy_direction(&disk, rk_disk_at(maps[i % 2], noise2(24, i)), &direction);
-        rk_check(above, "(%g, %g, %g), the mirrored direction above the surface, was discarded",
-                 (double)s.reflected.x, (double)s.reflected.y, (double)s.reflected.z);
-        rk_check(direction.x == s.reflected.x && direction.y == s.reflected.y &&
-                     direction.z == s.reflected.z,
-                 "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g) to the bit", (double)direction.x,
-                 (double)direction.y, (double)direction.z, (double)s.reflected.x,
-                 (double)s.reflected.y, (double)s.reflected.z);
+        check_mirrored(i, 0, rk_disk_at(maps[i % 2], noise2(24, i)));
+        check_mirrored(i, noise(24, i, 2), (rk_vec2){0, 0});
     }
 }
 
@@ -674,7 +683,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(radius_squared_and_angle_are_even),
     cmocka_unit_test(the_radius_is_half_over_the_shininess),
     cmocka_unit_test(a_dull_surface_has_the_widest_disk),
-    cmocka_unit_test(radius_0_gives_the_reflected_direction_exactly),
+    cmocka_unit_test(radius_0_and_the_middle_give_the_reflected_direction_exactly),
     cmocka_unit_test(directions_are_unit_and_go_through_their_point_of_the_disk),
     cmocka_unit_test(no_direction_leads_into_the_surface),
     cmocka_unit_test(a_direction_along_the_surface_is_discarded),
