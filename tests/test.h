@@ -38,6 +38,19 @@ void rk_claim_failed(const char *file, int line, const char *format, ...)
                  #got, got_, want_, tolerance_, hint);                                             \
     } while (0)
 
+/* The same; what is compared, and where (a printf format and its arguments), takes the place of the
+ * expression, for loops and helpers in which that says little. */
+#define rk_check_near(got, want, tolerance, ...)                                                   \
+    do {                                                                                           \
+        double got_ = (double)(got), want_ = (double)(want), tolerance_ = (double)(tolerance);     \
+        if (!(fabs(got_ - want_) <= tolerance_)) {                                                 \
+            char where_[1000];                                                                     \
+            snprintf(where_, sizeof where_, __VA_ARGS__);                                          \
+            rk_claim_failed(__FILE__, __LINE__, "%s: got %.9g, want %.9g within %.3g", where_,     \
+                            got_, want_, tolerance_);                                              \
+        }                                                                                          \
+    } while (0)
+
 /* Equal integers, up to 64 bits. */
 #define rk_check_equal(got, want, hint)                                                            \
     do {                                                                                           \

@@ -129,14 +129,30 @@ static rk_vec3 smooth_texel(uint32_t side, int face, uint32_t column, uint32_t r
 static double distance(rk_vec3 a, rk_vec3 b)
 {
     rk_vec3 apart = rk_abs3(rk_sub(a, b));
-    return (double)rk_max(apart.x, rk_max(apart.y, apart.z));
+    bool number = apart.x >= 0 && apart.y >= 0 && apart.z >= 0;
+    return number ? (double)rk_max(apart.x, rk_max(apart.y, apart.z)) : INFINITY;
 }
 
-static void check_colour(rk_vec3 got, rk_vec3 want, double tolerance, const char *hint)
+/* What follows the tolerance says where: a printf format and its arguments. */
+__attribute__((format(printf, 4, 5))) static void
+check_colour(rk_vec3 got, rk_vec3 want, double tolerance, const char *format, ...)
 {
+    char where[500];
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(where, sizeof where, format, arguments);
+    va_end(arguments);
     rk_check(distance(got, want) <= tolerance,
-             "got (%g, %g, %g), want (%g, %g, %g) within %.3g: %s", (double)got.x, (double)got.y,
-             (double)got.z, (double)want.x, (double)want.y, (double)want.z, tolerance, hint);
+             "%s: got (%g, %g, %g), want (%g, %g, %g) within %.3g", where, (double)got.x,
+             (double)got.y, (double)got.z, (double)want.x, (double)want.y, (double)want.z,
+             tolerance);
+}
+
+static const char *const filter_names[] = {"nearest", "bilinear", "seamless"};
+
+static const char *name_of(rk_cube_face face)
+{
+    return (unsigned)face < RK_FACES ? cross[face].name : "that is none";
 }
 
 /* --- Directions ------------------------------------------------------------------------------- */
@@ -148,9 +164,17 @@ static void the_largest_component_chooses_the_face(void **state)
         for (int turn = 0; turn < 8; turn++) {
             double a = 0.9 * cos(turn * pi / 4), b = 0.9 * sin(turn * pi / 4);
             rk_cube_place place = rk_cubemap_place(narrow(towards(k, a, b)));
-            rk_check(place.face == cross[k].face, "near the middle of %s: got face %d, want %d",
-                     cross[k].name, (int)place.face, (int)cross[k].face);
+            rk_check(place.face == cross[k].face,
+                     "near the middle of %s: got face %d (%s), want %d", cross[k].name,
+                     (int)place.face, name_of(place.face), (int)cross[k].face);
         }
+}
+
+static void check_face(rk_vec3 direction, rk_cube_face want, const char *hint)
+{
+    rk_cube_face got = rk_cubemap_place(direction).face;
+    rk_check(got == want, "(%g, %g, %g): got face %s, want %s: %s", (double)direction.x,
+             (double)direction.y, (double)direction.z, name_of(got), name_of(want), hint);
 }
 
 static void on_edges_x_comes_before_y_before_z(void **state)
@@ -160,10 +184,12 @@ static void on_edges_x_comes_before_y_before_z(void **state)
         float x = sign & 1 ? -1 : 1, y = sign & 2 ? -1 : 1, z = sign & 4 ? -1 : 1;
         rk_cube_face on_x = x < 0 ? RK_FACE_MINUS_X : RK_FACE_X;
         rk_cube_face on_y = y < 0 ? RK_FACE_MINUS_Y : RK_FACE_Y;
-        rk_check_equal(rk_cubemap_place(rk_vec(x, y, z)).face, on_x, "a corner is on x");
-        rk_check_equal(rk_cubemap_place(rk_vec(x, y, 0)).face, on_x, "x before y");
-        rk_check_equal(rk_cubemap_place(rk_vec(x, 0.3f, z)).face, on_x, "x before z");
-        rk_check_equal(rk_cubemap_place(rk_vec(0.3f, y, z)).face, on_y, "y before z");
+        check_face(rk_vec(x, y, z), on_x, "a corner is on x");
+        check_face(rk_vec(x, y, 0), on_x, "x before y");
+        check_face(rk_vec(x, 0.3f, z), on_x, "x before z");
+        check_face(rk_vec(0.3f, y, z), on_y, "y before z");
+        check_face(rk_vec(x, y * (1 + 0x1p-23f), z), on_y,
+                   "y is larger by one unit in the last place");
     }
 }
 
@@ -192,17 +218,26 @@ static void the_length_of_a_direction_does_not_matter(void **state)
         rk_cube_place want = rk_cubemap_place(direction);
         vec back = unit(widen(rk_cube_direction(want.face, want.u, want.v)));
         check_colour(narrow(back), narrow(unit(widen(direction))), few_roundings,
-                     "of length 1 already wrong");
+                     "direction %u, back from its place: of length 1 already wrong", n);
         for (int power = -100; power <= 120; power += 20) {
             /* Powers of two are exact, down to the smallest floats. */
             rk_vec3 scaled = rk_scale(direction, ldexpf(1, power));
             if (rk_min(fabsf(scaled.x), rk_min(fabsf(scaled.y), fabsf(scaled.z))) < 0x1p-126f)
                 continue;
             rk_cube_place got = rk_cubemap_place(scaled);
-            rk_check(got.face == want.face && got.u == want.u && got.v == want.v,
-                     "direction %u times 2^%d: another place", n, power);
+            rk_check(
+                got.face == want.face && got.u == want.u && got.v == want.v,
+                "(%g, %g, %g) times 2^%d: got face %s, (%.9g, %.9g), want face %s, (%.9g, %.9g)",
+                (double)direction.x, (double)direction.y, (double)direction.z, power,
+                name_of(got.face), (double)got.u, (double)got.v, name_of(want.face), (double)want.u,
+                (double)want.v);
         }
     }
+    /* One over the largest component would be infinite. */
+    rk_cube_place tiny = rk_cubemap_place(rk_vec(0x1p-147f, -0x1p-149f, 0x1p-148f));
+    rk_check(tiny.face == RK_FACE_X && tiny.u == 0.75f && tiny.v == 0.375f,
+             "(2, -0.5, 1) times 2^-148: got face %s, (%g, %g), want face +x, (0.75, 0.375)",
+             name_of(tiny.face), (double)tiny.u, (double)tiny.v);
 }
 
 static void texel_centres_come_back_as_they_went(void **state)
@@ -215,10 +250,14 @@ static void texel_centres_come_back_as_they_went(void **state)
             rk_cube_face face = (rk_cube_face)(i / side / side);
             rk_vec3 direction = rk_cubemap_texel_direction(side, face, column, row);
             rk_cube_place place = rk_cubemap_place(direction);
-            rk_check(place.face == face, "side %u, face %d, texel (%u, %u): got face %d", side,
-                     (int)face, column, row, (int)place.face);
-            rk_check_close(place.u, (column + 0.5) / side, few_roundings, "to the right");
-            rk_check_close(place.v, 1 - (row + 0.5) / side, few_roundings, "upwards");
+            rk_check(place.face == face, "side %u, face %s, texel (%u, %u): got face %s", side,
+                     name_of(face), column, row, name_of(place.face));
+            rk_check_near(place.u, (column + 0.5) / side, few_roundings,
+                          "side %u, face %s, texel (%u, %u): u, to the right", side, name_of(face),
+                          column, row);
+            rk_check_near(place.v, 1 - (row + 0.5) / side, few_roundings,
+                          "side %u, face %s, texel (%u, %u): v, upwards", side, name_of(face),
+                          column, row);
         }
 }
 
@@ -231,7 +270,9 @@ static void places_and_directions_are_inverse(void **state)
         rk_check(place.u >= 0 && place.u <= 1 && place.v >= 0 && place.v <= 1,
                  "direction %u: (%g, %g) is not on the face", n, (double)place.u, (double)place.v);
         vec back = widen(rk_cube_direction(place.face, place.u, place.v));
-        check_colour(narrow(unit(back)), direction, few_roundings, "direction, place, direction");
+        check_colour(narrow(unit(back)), direction, few_roundings,
+                     "direction %u, place (%g, %g) on face %s, and back", n, (double)place.u,
+                     (double)place.v, name_of(place.face));
     }
 }
 
@@ -244,13 +285,16 @@ static void what_has_no_direction_is_somewhere_on_the_cube(void **state)
     for (int n = 0; n < count * count * count; n++) {
         rk_vec3 direction = {odd[n % count], odd[n / count % count], odd[n / count / count]};
         rk_cube_place place = rk_cubemap_place(direction);
-        rk_check((int)place.face >= 0 && place.face < RK_FACES, "there is no face %d",
-                 (int)place.face);
+        rk_check((int)place.face >= 0 && place.face < RK_FACES, "(%g, %g, %g): there is no face %d",
+                 (double)direction.x, (double)direction.y, (double)direction.z, (int)place.face);
         rk_check(place.u >= 0 && place.u <= 1 && place.v >= 0 && place.v <= 1,
-                 "(%g, %g) is not on the face", (double)place.u, (double)place.v);
+                 "(%g, %g, %g): got (u, v) = (%g, %g), want both in [0, 1]: to_unit takes NaN, too",
+                 (double)direction.x, (double)direction.y, (double)direction.z, (double)place.u,
+                 (double)place.v);
         for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
             rk_check(isfinite(rk_cubemap_at(&map, direction, (rk_cubemap_filter)filter).x),
-                     "a lookup made a number that is none");
+                     "(%g, %g, %g), %s: the colour is not a number", (double)direction.x,
+                     (double)direction.y, (double)direction.z, filter_names[filter]);
     }
     rk_cubemap_free(&map);
 }
@@ -271,7 +315,10 @@ static void nearest_is_the_texel_that_the_direction_meets(void **state)
                    y = row + 0.5 + 0.49 * (i / 3 % 3 - 1.0);
             vec d = towards((int)face, 2 * x / side - 1, 1 - 2 * y / side);
             check_colour(rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_NEAREST),
-                         rk_vec((float)face, (float)column, (float)row), 0, "face, column, row");
+                         rk_vec((float)face, (float)column, (float)row), 0,
+                         "side %u, face %s, %g columns from the left, %g rows from the top, as "
+                         "(face, column, row)",
+                         side, cross[face].name, x, y);
         }
         rk_cubemap_free(&map);
     }
@@ -283,11 +330,16 @@ static void the_last_texels_reach_to_the_edge(void **state)
     rk_cubemap map = paint_map(4, its_name);
     /* Corners and edges that belong to x, by the rule for ties. */
     check_colour(rk_cubemap_at(&map, rk_vec(1, 1, 1), RK_CUBEMAP_NEAREST), rk_vec(RK_FACE_X, 3, 0),
-                 0, "u = 1, v = 1 is in the last column, the first row");
+                 0,
+                 "side 4, face +x, u = 1, v = 1 is in the last column, the first row, as (face, "
+                 "column, row)");
     check_colour(rk_cubemap_at(&map, rk_vec(1, -1, -1), RK_CUBEMAP_NEAREST),
-                 rk_vec(RK_FACE_X, 0, 3), 0, "u = 0, v = 0 is in the first column, the last row");
+                 rk_vec(RK_FACE_X, 0, 3), 0,
+                 "side 4, face +x, u = 0, v = 0 is in the first column, the last row, as (face, "
+                 "column, row)");
     check_colour(rk_cubemap_at(&map, rk_vec(-1, 1, 0.1f), RK_CUBEMAP_NEAREST),
-                 rk_vec(RK_FACE_MINUS_X, 1, 0), 0, "v = 1 is in the first row");
+                 rk_vec(RK_FACE_MINUS_X, 1, 0), 0,
+                 "side 4, face -x, v = 1 is in the first row, as (face, column, row)");
     rk_cubemap_free(&map);
 }
 
@@ -304,9 +356,12 @@ static void filters_return_the_texel_at_its_centre(void **state)
             int face = (int)(i / side / side);
             rk_vec3 d = rk_cubemap_texel_direction(side, (rk_cube_face)face, column, row);
             /* The place is off by roundings of u, `side` times as many texels. */
-            check_colour(rk_cubemap_at(&map, d, (rk_cubemap_filter)filter),
-                         noise(side, face, column, row), side * few_roundings,
-                         "no neighbour has a share at a centre");
+            check_colour(
+                rk_cubemap_at(&map, d, (rk_cubemap_filter)filter), noise(side, face, column, row),
+                side * few_roundings,
+                "%s, side %u, face %s, at the centre of texel (%u, %u), where no neighbour "
+                "has a share",
+                filter_names[filter], side, cross[face].name, column, row);
         }
     rk_cubemap_free(&map);
 }
@@ -333,26 +388,94 @@ static void filters_are_linear_between_centres(void **state)
             /* Blue reaches 7: that many times the roundings. */
             check_colour(rk_cubemap_at(&map, narrow(towards(face, 2 * u - 1, 2 * v - 1)),
                                        (rk_cubemap_filter)filter),
-                         want, 7 * few_roundings, "a mix of four texels");
+                         want, 7 * few_roundings,
+                         "%s, side %u, face %s, (u, v) = (%g, %g): a mix of four texels",
+                         filter_names[filter], side, cross[face].name, u, v);
         }
     rk_cubemap_free(&map);
+}
+
+/* A map of one face that is lit; the others, and a face before the first and behind the last, are
+ * NaN, which a mix keeps whatever its share. The memory is that of `block`. */
+static rk_cubemap lone_face(uint32_t side, int lit, rk_vec3 colour, rk_vec3 **block)
+{
+    size_t texels = (size_t)side * side;
+    rk_cubemap map = {.side = side};
+    *block = malloc((RK_FACES + 2) * texels * sizeof **block);
+    rk_check(*block != NULL, "there is memory");
+    for (size_t i = 0; i < (RK_FACES + 2) * texels; i++)
+        (*block)[i] = i / texels == (size_t)lit + 1 ? colour : rk_vec(NAN, NAN, NAN);
+    for (size_t face = 0; face < RK_FACES; face++)
+        map.faces[face] = *block + (face + 1) * texels;
+    return map;
 }
 
 static void bilinear_stays_within_its_face(void **state)
 {
     (void)state;
     const uint32_t sides[] = {1, 2, 7};
-    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
-        rk_cubemap map = paint_map(sides[k], one_colour_a_face);
-        for (uint32_t n = 0; n < 20000; n++) {
-            rk_vec3 d = random_direction(n);
-            rk_vec3 want = one_colour_a_face(0, (int)rk_cubemap_place(d).face, 0, 0);
-            check_colour(rk_cubemap_at(&map, d, RK_CUBEMAP_BILINEAR), want, 25 * few_roundings,
-                         "no other face has a share");
+    const rk_vec3 colour = {1, 2, 3};
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++)
+        for (int face = 0; face < RK_FACES; face++) {
+            rk_vec3 *block;
+            rk_cubemap map = lone_face(sides[k], face, colour, &block);
+            for (int n = 0; n < 41 * 41; n++) {
+                /* To a thousandth from the edges. */
+                double a = 0.999 * (n % 41 - 20) / 20, b = 0.999 * (n / 41 - 20) / 20;
+                check_colour(
+                    rk_cubemap_at(&map, narrow(towards(face, a, b)), RK_CUBEMAP_BILINEAR), colour,
+                    3 * few_roundings,
+                    "side %u, face %s, (u, v) = (%g, %g): no texel beyond the face is read",
+                    sides[k], cross[face].name, (a + 1) / 2, (b + 1) / 2);
+            }
+            free(block);
         }
-        rk_check(distance(rk_cubemap_at(&map, rk_vec(0.9f, 0.999f, 0), RK_CUBEMAP_BILINEAR),
-                          one_colour_a_face(0, RK_FACE_Y, 0, 0)) < 0.01,
-                 "just above the edge it is +y");
+}
+
+/* Which part of the face has texels on one side only. */
+static const char *part_of(double x, double y, double last)
+{
+    return x < 0      ? "left of the first centres, where x = n u - 1/2 is negative"
+           : y < 0    ? "below the first centres, where y = n v - 1/2 is negative"
+           : x > last ? "right of the last centres"
+           : y > last ? "above the last centres"
+                      : "between centres";
+}
+
+/* The mix at x, y, in texels from the first centre to the right and upwards. */
+static rk_vec3 mix_by_hand(const rk_cubemap *map, int face, double x, double y)
+{
+    vec sum = {0, 0, 0};
+    double last = map->side - 1;
+    for (int k = 0; k < 4; k++) {
+        double i = floor(x) + (k & 1), j = floor(y) + (k >> 1);
+        double share = (1 - fabs(x - i)) * (1 - fabs(y - j));
+        uint32_t column = (uint32_t)fmin(fmax(i, 0), last);
+        uint32_t row = (uint32_t)(last - fmin(fmax(j, 0), last));
+        sum =
+            combine(sum, 1, widen(*rk_cubemap_texel(map, (rk_cube_face)face, column, row)), share);
+    }
+    return narrow(sum);
+}
+
+static void bilinear_mixes_the_faces_own_texels_up_to_its_edges(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {1, 2, 5};
+    enum { places = 23 };
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        rk_cubemap map = paint_map(sides[k], noise);
+        for (int n = 0; n < RK_FACES * places * places; n++) {
+            int face = n / (places * places);
+            double u = (n % places + 0.5) / places, v = (n / places % places + 0.5) / places;
+            double x = u * sides[k] - 0.5, y = v * sides[k] - 0.5;
+            /* A place is off by roundings of u and v; a texel away colours differ by 1 at most. */
+            check_colour(rk_cubemap_at(&map, narrow(towards(face, 2 * u - 1, 2 * v - 1)),
+                                       RK_CUBEMAP_BILINEAR),
+                         mix_by_hand(&map, face, x, y), 2 * (sides[k] + 1) * few_roundings,
+                         "side %u, face %s, (u, v) = (%.3g, %.3g), %s", sides[k], cross[face].name,
+                         u, v, part_of(x, y, sides[k] - 1));
+        }
         rk_cubemap_free(&map);
     }
 }
@@ -397,7 +520,7 @@ static void within_a_face_seamless_is_bilinear(void **state)
     vec between = towards(RK_FACE_Y, 1.0 / 9, 1.0 / 9); /* where four texels meet */
     check_colour(rk_cubemap_at(&map, narrow(between), RK_CUBEMAP_SEAMLESS),
                  mean_of_nearest(&map, between, 4), side * few_roundings,
-                 "the mean of the four texels around it");
+                 "side 9, face +y, (u, v) = (5/9, 5/9), the mean of the four texels around it");
     for (uint32_t n = 0; n < 20000; n++) {
         rk_vec3 d = random_direction(n);
         rk_cube_place place = rk_cubemap_place(d);
@@ -406,8 +529,15 @@ static void within_a_face_seamless_is_bilinear(void **state)
         rk_vec3 a = rk_cubemap_at(&map, d, RK_CUBEMAP_BILINEAR);
         rk_vec3 b = rk_cubemap_at(&map, d, RK_CUBEMAP_SEAMLESS);
         rk_vec3 c = rk_cubemap_at(&map, d, RK_CUBEMAP_NEAREST);
-        rk_check(memcmp(&a, &b, sizeof a) == 0, "direction %u: not the same to the bit", n);
-        rk_check(distance(a, c) < 1, "direction %u: not a mix of colours around it", n);
+        rk_check(memcmp(&a, &b, sizeof a) == 0,
+                 "side 9, face %s, (u, v) = (%g, %g): bilinear (%.9g, %.9g, %.9g), seamless (%.9g, "
+                 "%.9g, %.9g), not the same to the bit",
+                 name_of(place.face), (double)place.u, (double)place.v, (double)a.x, (double)a.y,
+                 (double)a.z, (double)b.x, (double)b.y, (double)b.z);
+        rk_check(distance(a, c) < 1,
+                 "side 9, face %s, (u, v) = (%g, %g): (%g, %g, %g) is no mix of colours in [0, 1]",
+                 name_of(place.face), (double)place.u, (double)place.v, (double)a.x, (double)a.y,
+                 (double)a.z);
     }
     rk_cubemap_free(&map);
 }
@@ -417,6 +547,7 @@ static void on_an_edge_the_two_texels_beside_it_meet_halfway(void **state)
     (void)state;
     const uint32_t sides[] = {2, 3, 8};
     const int left = 0, right = 1, below = 2, above = 3;
+    const char *const edges[] = {"left", "right", "lower", "upper"};
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
         uint32_t side = sides[k];
         rk_cubemap map = paint_map(side, noise);
@@ -429,7 +560,9 @@ static void on_an_edge_the_two_texels_beside_it_meet_halfway(void **state)
                     vec d = towards(face, a, b);
                     check_colour(rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS),
                                  mean_of_nearest(&map, d, 2), side * few_roundings,
-                                 "the mean of the texels on both sides of the edge");
+                                 "side %u, face %s, middle of texel %u of its %s edge: the mean of "
+                                 "the texels on both sides",
+                                 side, cross[face].name, i, edges[edge]);
                 }
         rk_cubemap_free(&map);
     }
@@ -448,9 +581,12 @@ static void at_a_corner_three_texels_meet_alike(void **state)
                 /* From each of the three faces; the distance is that of floats. */
                 double *component = axis == 0 ? &d.x : axis == 1 ? &d.y : &d.z;
                 *component *= 1 + 0x1p-22;
-                check_colour(rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS),
-                             mean_of_nearest(&map, want, 3), sides[k] * few_roundings,
-                             "the mean of the three texels around the corner");
+                check_colour(
+                    rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS),
+                    mean_of_nearest(&map, want, 3), sides[k] * few_roundings,
+                    "side %u, corner (%g, %g, %g), on face %s: the mean of the three texels "
+                    "around it",
+                    sides[k], want.x, want.y, want.z, name_of(rk_cubemap_place(narrow(d)).face));
             }
         rk_cubemap_free(&map);
     }
@@ -465,16 +601,23 @@ static void one_colour_stays_one_colour(void **state)
     for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
         for (uint32_t n = 0; n < 20000; n++)
             check_colour(rk_cubemap_at(&map, random_direction(n), (rk_cubemap_filter)filter),
-                         rk_vec(0.25f, 0.5f, 4), 4 * few_roundings, "weights sum to one");
+                         rk_vec(0.25f, 0.5f, 4), 4 * few_roundings,
+                         "side 3, all texels alike, %s, direction %u: shares sum to one",
+                         filter_names[filter], n);
     rk_cubemap_free(&map);
 }
 
+typedef struct step {
+    double size;
+    vec at; /* on the edge */
+} step;
+
 /* The largest difference of colours across the cube's edges and around its corners, over pairs of
  * directions that are a millionth apart. */
-static double largest_step(const rk_cubemap *map, rk_cubemap_filter filter)
+static step largest_step(const rk_cubemap *map, rk_cubemap_filter filter)
 {
     const double near = 1e-6;
-    double largest = 0;
+    step largest = {0, {0, 0, 0}};
     for (int face = 0; face < RK_FACES; face++)
         for (int edge = 0; edge < 4; edge++)
             for (int i = -1000; i <= 1000; i++) {
@@ -484,9 +627,10 @@ static double largest_step(const rk_cubemap *map, rk_cubemap_filter filter)
                 bool upright = edge & 2;
                 vec a = upright ? towards(face, in, along) : towards(face, along, in);
                 vec b = upright ? towards(face, out, along) : towards(face, along, out);
-                double step = distance(rk_cubemap_at(map, narrow(a), filter),
+                double size = distance(rk_cubemap_at(map, narrow(a), filter),
                                        rk_cubemap_at(map, narrow(b), filter));
-                largest = step > largest ? step : largest;
+                if (size > largest.size)
+                    largest = (step){size, combine(a, 0.5, b, 0.5)};
             }
     return largest;
 }
@@ -501,13 +645,13 @@ static void nothing_steps_at_edges_and_corners(void **state)
         /* Colours in [0, 1] change by 1 a texel at most, over `side` texels in 2 units, in both
          * directions; twice, as the two points are on different faces. */
         double slope_allows = 2e-6 * side * 2, floats_allow = side * few_roundings;
-        double step = largest_step(&map, RK_CUBEMAP_SEAMLESS);
-        rk_check(
-            step <= slope_allows + floats_allow,
-            "side %u: a step of %g between directions 2e-6 apart, of noise: the two faces must "
-            "mix the same texels by the same shares",
-            side, step);
-        rk_check(largest_step(&map, RK_CUBEMAP_BILINEAR) > 0.5,
+        step found = largest_step(&map, RK_CUBEMAP_SEAMLESS);
+        rk_check(found.size <= slope_allows + floats_allow,
+                 "side %u, on the edge at (%.4g, %.4g, %.4g), noise: a step of %g between "
+                 "directions 2e-6 apart, want %.3g at most: the two faces must mix the same texels "
+                 "by the same shares",
+                 side, found.at.x, found.at.y, found.at.z, found.size, slope_allows + floats_allow);
+        rk_check(largest_step(&map, RK_CUBEMAP_BILINEAR).size > 0.5,
                  "bilinear within a face must show a step here, or this test sees none");
         rk_cubemap_free(&map);
     }
@@ -527,7 +671,8 @@ static void nothing_steps_on_the_way_round_a_corner(void **state)
             double radius = 0.03 * circle;
             check_colour(rk_cubemap_at(&map, narrow(corner), RK_CUBEMAP_SEAMLESS),
                          mean_of_nearest(&map, corner, 3), side * few_roundings,
-                         "in the circle's middle");
+                         "side 6, corner (%.3g, %.3g, %.3g), the circle's middle", corner.x,
+                         corner.y, corner.z);
             rk_vec3 last = {0, 0, 0};
             for (int i = 0; i <= 3000; i++) {
                 double angle = 2 * pi * i / 3000;
@@ -537,7 +682,10 @@ static void nothing_steps_on_the_way_round_a_corner(void **state)
                  * where a unit has side / 2 texels; the slope is 1 a texel in both directions. */
                 double most = 2 * pi * radius / 3000 * 3 * side / 2 * 2 + side * few_roundings;
                 if (i > 0)
-                    check_colour(next, last, most, "a step on a circle around a corner");
+                    check_colour(next, last, most,
+                                 "side 6, a circle of %g radians around the corner (%.3g, %.3g, "
+                                 "%.3g), a step of a 3000th at (%.4g, %.4g, %.4g)",
+                                 radius, corner.x, corner.y, corner.z, d.x, d.y, d.z);
                 last = next;
             }
         }
@@ -566,7 +714,10 @@ static void a_smooth_function_comes_back_everywhere(void **state)
             for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
                 check_colour(rk_cubemap_at(&map, narrow(d), (rk_cubemap_filter)filter),
                              narrow(smooth(d)), steepest * reach,
-                             "a map of a smooth function is that function, but for its texels");
+                             "side %u, %s, (%.4g, %.4g, %.4g), on face %s: a map of a smooth "
+                             "function is that function, but for its texels",
+                             side, filter_names[filter], d.x, d.y, d.z,
+                             name_of(rk_cubemap_place(narrow(d)).face));
         }
         rk_cubemap_free(&map);
     }
@@ -578,11 +729,14 @@ static void lookups_ask_for_no_memory(void **state)
     if (!rk_allocations_are_counted)
         return;
     rk_cubemap map = paint_map(4, noise);
-    size_t before = rk_allocations;
-    for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
+    for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++) {
+        size_t before = rk_allocations;
         for (uint32_t n = 0; n < 1000; n++)
             rk_cubemap_at(&map, random_direction(n), (rk_cubemap_filter)filter);
-    rk_check_equal(rk_allocations - before, 0, "a lookup must not allocate");
+        size_t asked = rk_allocations - before;
+        rk_check(asked == 0, "%s: 1000 lookups asked for memory %zu times, want 0",
+                 filter_names[filter], asked);
+    }
     rk_cubemap_free(&map);
 }
 
@@ -591,10 +745,10 @@ static void lookups_ask_for_no_memory(void **state)
 static void a_face_is_a_sixth_of_the_sphere(void **state)
 {
     (void)state;
-    rk_check_close(rk_cubemap_solid_angle(1, 0, 0), 4 * pi / 6, 1e-14, "a face");
+    rk_check_near(rk_cubemap_solid_angle(1, 0, 0), 4 * pi / 6, 1e-14, "a whole face");
     for (uint32_t i = 0; i < 4; i++)
-        rk_check_close(rk_cubemap_solid_angle(2, i & 1, i >> 1), 4 * pi / 24, 1e-14,
-                       "a quarter of a face");
+        rk_check_near(rk_cubemap_solid_angle(2, i & 1, i >> 1), 4 * pi / 24, 1e-14,
+                      "side 2, texel (%u, %u), a quarter of a face", i & 1, i >> 1);
 }
 
 static void solid_angles_sum_to_the_sphere(void **state)
@@ -606,12 +760,13 @@ static void solid_angles_sum_to_the_sphere(void **state)
         for (uint32_t row = 0; row < sides[k]; row++)
             for (uint32_t column = 0; column < sides[k]; column++) {
                 double angle = rk_cubemap_solid_angle(sides[k], column, row);
-                rk_check(angle > 0, "texel (%u, %u) covers %g", column, row, angle);
+                rk_check(angle > 0, "side %u: texel (%u, %u) covers %g, want more than 0", sides[k],
+                         column, row, angle);
                 sum += angle;
             }
         /* Four roundings of numbers up to 1/2 a texel. */
-        rk_check_close(RK_FACES * sum, 4 * pi, 4 * 0x1p-54 * RK_FACES * sides[k] * sides[k] + 1e-14,
-                       "all texels of six faces");
+        rk_check_near(RK_FACES * sum, 4 * pi, 4 * 0x1p-54 * RK_FACES * sides[k] * sides[k] + 1e-14,
+                      "side %u: the sum over all texels of six faces", sides[k]);
     }
 }
 
@@ -634,17 +789,19 @@ static void a_texel_s_solid_angle_is_its_integral(void **state)
     const uint32_t sides[] = {3, 7, 32};
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++)
         for (uint32_t i = 0; i < sides[k] * sides[k]; i++) {
-            double want = integral(sides[k], i % sides[k], i / sides[k], 50);
+            uint32_t column = i % sides[k], row = i / sides[k];
             /* The midpoint rule's error is width^2 / 24 of the second derivatives, at most 6 of the
              * value, so less than 1e-3 of it for 150 steps or more across. */
-            rk_check_close(rk_cubemap_solid_angle(sides[k], i % sides[k], i / sides[k]) / want, 1,
-                           1e-3, "against the midpoint rule");
+            double want = integral(sides[k], column, row, 50);
+            rk_check_near(rk_cubemap_solid_angle(sides[k], column, row), want, 1e-3 * want,
+                          "side %u, texel (%u, %u), against the midpoint rule", sides[k], column,
+                          row);
         }
     /* In the largest map: seven digits are left of the differences. */
     const uint32_t corner = RK_CUBEMAP_SIDE_MAX - 1;
-    rk_check_close(rk_cubemap_solid_angle(RK_CUBEMAP_SIDE_MAX, 0, corner) /
-                       integral(RK_CUBEMAP_SIDE_MAX, 0, corner, 1),
-                   1, 1e-6, "the smallest texel");
+    double smallest = integral(RK_CUBEMAP_SIDE_MAX, 0, corner, 1);
+    rk_check_near(rk_cubemap_solid_angle(RK_CUBEMAP_SIDE_MAX, 0, corner), smallest, 1e-6 * smallest,
+                  "side %d, texel (0, %u), the smallest of all", RK_CUBEMAP_SIDE_MAX, corner);
 }
 
 static void solid_angles_weigh_what_comes_from_all_sides(void **state)
@@ -662,8 +819,8 @@ static void solid_angles_weigh_what_comes_from_all_sides(void **state)
         fourth += d.y * d.y * d.y * d.y * angle;
     }
     /* A texel's centre stands for it up to the square of its size, 2^-12. */
-    rk_check_close(square, 4 * pi / 3, 0x1p-12, "the integral of x^2");
-    rk_check_close(fourth, 4 * pi / 5, 0x1p-12, "the integral of y^4");
+    rk_check_near(square, 4 * pi / 3, 0x1p-12, "side 128: x^2 over the sphere");
+    rk_check_near(fourth, 4 * pi / 5, 0x1p-12, "side 128: y^4 over the sphere");
 }
 
 static const struct CMUnitTest tests[] = {
@@ -679,6 +836,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(filters_return_the_texel_at_its_centre),
     cmocka_unit_test(filters_are_linear_between_centres),
     cmocka_unit_test(bilinear_stays_within_its_face),
+    cmocka_unit_test(bilinear_mixes_the_faces_own_texels_up_to_its_edges),
     cmocka_unit_test(within_a_face_seamless_is_bilinear),
     cmocka_unit_test(on_an_edge_the_two_texels_beside_it_meet_halfway),
     cmocka_unit_test(at_a_corner_three_texels_meet_alike),

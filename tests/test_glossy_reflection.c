@@ -30,25 +30,32 @@ static rk_vec3 noise_direction(uint32_t a, uint32_t b)
 
 /* --- The basis ------------------------------------------------------------------------------- */
 
-/* Largest error of the basis: of the three lengths squared, the three products, and of u x v = w.
- */
-static double basis_error(rk_vec3 direction)
+typedef struct basis_error {
+    double size;
+    const char *of;
+} basis_error;
+
+/* The largest: of the two lengths squared, the three products, and of u x v = w. */
+static basis_error basis_error_of(rk_vec3 direction)
 {
     rk_vec3 u_float, v_float;
     rk_basis_of(direction, &u_float, &v_float);
     rk_dvec3 w = rk_widen(direction), u = rk_widen(u_float), v = rk_widen(v_float);
     rk_dvec3 off = rk_dmadd(rk_dcross(u, v), w, -1);
-    const double errors[] = {rk_ddot(u, u) - 1,
-                             rk_ddot(v, v) - 1,
-                             rk_ddot(u, v),
-                             rk_ddot(u, w),
-                             rk_ddot(v, w),
-                             off.x,
-                             off.y,
-                             off.z};
-    double most = 0;
-    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++)
-        most = isnan(errors[i]) ? INFINITY : fmax(most, fabs(errors[i]));
+    const basis_error errors[] = {
+        {rk_ddot(u, u) - 1, "u's length squared"},
+        {rk_ddot(v, v) - 1, "v's length squared"},
+        {rk_ddot(u, v), "u . v"},
+        {rk_ddot(u, w), "u . w"},
+        {rk_ddot(v, w), "v . w"},
+        {rk_dlength(off), "u x v, which should be w,"},
+    };
+    basis_error most = {0, "nothing"};
+    for (size_t i = 0; i < sizeof errors / sizeof *errors; i++) {
+        double size = isnan(errors[i].size) ? INFINITY : fabs(errors[i].size);
+        if (size > most.size)
+            most = (basis_error){size, errors[i].of};
+    }
     return most;
 }
 
@@ -57,11 +64,11 @@ static double basis_error(rk_vec3 direction)
  * do so together does not happen: measured, the largest error of all is 2.5 times 2^-24. */
 static const double basis_bound = 8 * 0x1p-24;
 
-static void check_basis(rk_vec3 w)
+static void check_basis(rk_vec3 w, double most)
 {
-    double error = basis_error(w);
-    rk_check(error <= basis_bound, "w = (%.9g, %.9g, %.9g): off by %.3g, want %.3g at most",
-             (double)w.x, (double)w.y, (double)w.z, error, basis_bound);
+    basis_error error = basis_error_of(w);
+    rk_check(error.size <= most, "w = (%.9g, %.9g, %.9g): %s is off by %.3g, want %.3g at most",
+             (double)w.x, (double)w.y, (double)w.z, error.of, error.size, most);
 }
 
 static void a_basis_around_an_axis_is_exact(void **state)
@@ -71,10 +78,10 @@ static void a_basis_around_an_axis_is_exact(void **state)
         for (int sign = -1; sign <= 1; sign += 2)
             for (int zeros = -1; zeros <= 1; zeros += 2) {
                 float zero = copysignf(0, (float)zeros), one = (float)sign;
-                rk_vec3 w =
-                    rk_vec(axis == 0 ? one : zero, axis == 1 ? one : zero, axis == 2 ? one : zero);
-                double error = basis_error(w);
-                rk_check_close(error, 0, 0, "around the axes u and v are axes, too");
+                /* u and v are axes, too. */
+                check_basis(
+                    rk_vec(axis == 0 ? one : zero, axis == 1 ? one : zero, axis == 2 ? one : zero),
+                    0);
             }
 }
 
@@ -82,7 +89,7 @@ static void a_basis_is_orthonormal_for_a_million_directions(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 1000000; i++)
-        check_basis(noise_direction(1, i));
+        check_basis(noise_direction(1, i), basis_bound);
 }
 
 static void a_basis_is_orthonormal_near_the_poles(void **state)
@@ -94,8 +101,8 @@ static void a_basis_is_orthonormal_near_the_poles(void **state)
             double tilt = ldexp(pi / 4, -e), phi = 2 * pi * (double)noise(2, i, 0);
             float x = (float)(sin(tilt) * cos(phi)), y = (float)(sin(tilt) * sin(phi));
             float z = (float)cos(tilt);
-            check_basis(rk_vec(x, y, z));
-            check_basis(rk_vec(x, y, -z));
+            check_basis(rk_vec(x, y, z), basis_bound);
+            check_basis(rk_vec(x, y, -z), basis_bound);
         }
 }
 
@@ -106,25 +113,28 @@ static void a_basis_is_orthonormal_on_and_near_the_equator(void **state)
         for (uint32_t i = 0; i < 64; i++) {
             double z = ldexp(1, -e), phi = 2 * pi * (double)noise(3, i, 0), r = sqrt(1 - z * z);
             rk_vec3 w = rk_vec((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z);
-            check_basis(w);
-            check_basis(rk_vec(w.x, w.y, -w.z));
-            double error = basis_error(rk_vec((float)cos(phi), (float)sin(phi), e % 2 ? -0.f : 0));
-            rk_check(error <= basis_bound, "on the equator: off by %.3g", error);
+            check_basis(w, basis_bound);
+            check_basis(rk_vec(w.x, w.y, -w.z), basis_bound);
+            check_basis(rk_vec((float)cos(phi), (float)sin(phi), e % 2 ? -0.f : 0), basis_bound);
         }
 }
 
 /* --- Points of the disk ----------------------------------------------------------------------- */
 
 static const rk_disk_map maps[] = {RK_DISK_POLAR, RK_DISK_CONCENTRIC};
-static const char *const map_names[] = {"polar", "concentric"};
+static const char *const map_names[] = {
+    [RK_DISK_POLAR] = "polar", [RK_DISK_CONCENTRIC] = "concentric"};
 
 /* A few roundings of numbers up to 1, and of an angle up to 2 pi. */
 static const double disk_rounding = 0x1p-20;
 
-static void check_point(rk_vec2 got, double x, double y, const char *hint)
+static void check_point(rk_disk_map map, rk_vec2 xi, double x, double y, const char *hint)
 {
+    rk_vec2 got = rk_disk_at(map, xi);
     rk_check(fabs((double)got.x - x) <= disk_rounding && fabs((double)got.y - y) <= disk_rounding,
-             "got (%.9g, %.9g), want (%.9g, %.9g): %s", (double)got.x, (double)got.y, x, y, hint);
+             "%s map of xi (%.9g, %.9g): got (%.9g, %.9g), want (%.9g, %.9g) within %.3g: %s",
+             map_names[map], (double)xi.x, (double)xi.y, (double)got.x, (double)got.y, x, y,
+             disk_rounding, hint);
 }
 
 static void the_polar_map_takes_a_root_and_an_angle(void **state)
@@ -133,7 +143,7 @@ static void the_polar_map_takes_a_root_and_an_angle(void **state)
     for (uint32_t i = 0; i < 1000; i++) {
         rk_vec2 xi = noise2(4, i);
         double r = sqrt((double)xi.x), theta = 2 * pi * (double)xi.y;
-        check_point(rk_disk_at(RK_DISK_POLAR, xi), r * cos(theta), r * sin(theta),
+        check_point(RK_DISK_POLAR, xi, r * cos(theta), r * sin(theta),
                     "r = sqrt(xi.x), theta = 2 pi xi.y");
     }
 }
@@ -141,15 +151,18 @@ static void the_polar_map_takes_a_root_and_an_angle(void **state)
 static void the_concentric_map_keeps_the_middle_and_the_axes(void **state)
 {
     (void)state;
-    check_point(rk_disk_at(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f}), 0, 0, "the middle");
+    check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f}, 0, 0, "the middle");
+    check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f - 0x1p-15f}, 0, -0x1p-14,
+                "near the middle it is not the middle");
     for (float r = -1; r < 1; r += 0.125f) {
         float at = (1 + r) / 2;
-        check_point(rk_disk_at(RK_DISK_CONCENTRIC, (rk_vec2){at, 0.5f}), (double)r, 0,
+        check_point(RK_DISK_CONCENTRIC, (rk_vec2){at, 0.5f}, (double)r, 0,
                     "along the x axis nothing moves");
-        check_point(rk_disk_at(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, at}), 0, (double)r,
+        check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, at}, 0, (double)r,
                     "along the y axis nothing moves");
-        check_point(rk_disk_at(RK_DISK_CONCENTRIC, (rk_vec2){at, at}), (double)r * sqrt(0.5),
-                    (double)r * sqrt(0.5), "the diagonal is shortened to the circle");
+        double shortened = (double)r * sqrt(0.5);
+        check_point(RK_DISK_CONCENTRIC, (rk_vec2){at, at}, shortened, shortened,
+                    "the diagonal is shortened to the circle");
     }
 }
 
@@ -159,8 +172,9 @@ static void the_concentric_map_makes_squares_into_circles(void **state)
     for (uint32_t i = 0; i < 10000; i++) {
         rk_vec2 xi = noise2(5, i), got = rk_disk_at(RK_DISK_CONCENTRIC, xi);
         double r = fmax(fabs(2 * (double)xi.x - 1), fabs(2 * (double)xi.y - 1));
-        rk_check_close(hypot((double)got.x, (double)got.y), r, disk_rounding,
-                       "the larger coordinate is the radius");
+        rk_check_near(hypot((double)got.x, (double)got.y), r, disk_rounding,
+                      "xi (%.9g, %.9g): the larger of |2 xi - 1| is the distance from the middle",
+                      (double)xi.x, (double)xi.y);
     }
 }
 
@@ -221,11 +235,19 @@ static void points_are_even_over_cells_of_the_disk(void **state)
             counts[ring * side + sector]++;
         }
         double chi2 = 0, want = (double)points / cells;
-        for (int i = 0; i < cells; i++)
+        int worst = 0;
+        for (int i = 0; i < cells; i++) {
             chi2 += (counts[i] - want) * (counts[i] - want) / want;
+            if (fabs(counts[i] - want) > fabs(counts[worst] - want))
+                worst = i;
+        }
         /* 255 degrees of freedom: above 378 once in a million times, below 161 as rarely. */
-        rk_check(chi2 > 161 && chi2 < 378, "%s map: chi^2 of %d cells: got %.1f, want 161 to 378",
-                 map_names[m], cells, chi2);
+        rk_check(chi2 > 161 && chi2 < 378,
+                 "%s map: of %d points in %d cells of equal area, chi^2 is %.1f, want 161 to 378; "
+                 "ring %d of %d from the middle, at %d to %d degrees, got %u, want about %.0f",
+                 map_names[m], points, cells, chi2, worst / side + 1, side,
+                 (int)(worst % side * 360.0 / side) - 180,
+                 (int)((worst % side + 1) * 360.0 / side) - 180, counts[worst], want);
     }
 }
 
@@ -259,9 +281,13 @@ static void radius_squared_and_angle_are_even(void **state)
         }
         /* Exceeded once in a million times: 2 exp(-2 n d^2) = 1e-6 for d = 2.69 / sqrt(n). */
         double most = 2.69 / sqrt(points);
-        rk_check_close(distance_from_even(areas, points), 0, most,
-                       "the radius squared, which is the share of the area inside, is even");
-        rk_check_close(distance_from_even(turns, points), 0, most, "the angle is even");
+        rk_check_near(distance_from_even(areas, points), 0, most,
+                      "%s map: largest gap between the distribution of the radius squared, the "
+                      "share of the area inside, and the even one",
+                      map_names[m]);
+        rk_check_near(distance_from_even(turns, points), 0, most,
+                      "%s map: largest gap between the distribution of the angle and the even one",
+                      map_names[m]);
     }
 }
 
@@ -310,20 +336,28 @@ static setting setting_at(double degrees, uint32_t i)
     return (setting){rk_vec((float)w.x, (float)w.y, (float)w.z), n};
 }
 
-static void radius_0_gives_the_reflected_direction_exactly(void **state)
+static void check_mirrored(uint32_t i, float radius, rk_vec2 at)
+{
+    setting s = random_setting(i);
+    rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, radius, s.face_normal);
+    rk_vec3 direction = {NAN, NAN, NAN};
+    bool above = rk_glossy_direction(&disk, at, &direction);
+    rk_check(above, "(%g, %g, %g), the mirrored direction above the surface, was discarded",
+             (double)s.reflected.x, (double)s.reflected.y, (double)s.reflected.z);
+    rk_check(
+        direction.x == s.reflected.x && direction.y == s.reflected.y &&
+            direction.z == s.reflected.z,
+        "radius %g, point (%g, %g): got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g) to the bit",
+        (double)radius, (double)at.x, (double)at.y, (double)direction.x, (double)direction.y,
+        (double)direction.z, (double)s.reflected.x, (double)s.reflected.y, (double)s.reflected.z);
+}
+
+static void radius_0_and_the_middle_give_the_reflected_direction_exactly(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 10000; i++) {
-        setting s = random_setting(i);
-        rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, 0, s.face_normal);
-        rk_vec3 direction;
-        bool above = rk_glossy_direction(&disk, rk_disk_at(maps[i % 2], noise2(24, i)), &direction);
-        rk_check(above, "the mirrored direction is above the surface");
-        rk_check(direction.x == s.reflected.x && direction.y == s.reflected.y &&
-                     direction.z == s.reflected.z,
-                 "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g) to the bit", (double)direction.x,
-                 (double)direction.y, (double)direction.z, (double)s.reflected.x,
-                 (double)s.reflected.y, (double)s.reflected.z);
+        check_mirrored(i, 0, rk_disk_at(maps[i % 2], noise2(24, i)));
+        check_mirrored(i, noise(24, i, 2), (rk_vec2){0, 0});
     }
 }
 
@@ -337,7 +371,7 @@ static void directions_are_unit_and_go_through_their_point_of_the_disk(void **st
         float radius = radii[i % 4];
         rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, radius, s.face_normal);
         rk_vec2 at = rk_disk_at(maps[i / 4 % 2], noise2(25, i));
-        rk_vec3 got;
+        rk_vec3 got = {NAN, NAN, NAN};
         kept += rk_glossy_direction(&disk, at, &got);
         rk_dvec3 to =
             rk_dmadd(rk_dmadd(rk_widen(disk.w), rk_widen(disk.u), (double)(radius * at.x)),
@@ -345,9 +379,13 @@ static void directions_are_unit_and_go_through_their_point_of_the_disk(void **st
         rk_dvec3 want = rk_dscale(to, 1 / rk_dlength(to));
         rk_dvec3 off = rk_dmadd(rk_widen(got), want, -1);
         /* The basis' own error, and a handful of roundings. */
-        rk_check(rk_dlength(off) <= basis_bound + 8 * 0x1p-24,
-                 "radius %g, point (%g, %g): off by %.3g: normalize(w + x u + y v)", (double)radius,
-                 (double)at.x, (double)at.y, rk_dlength(off));
+        rk_check(
+            rk_dlength(off) <= basis_bound + 8 * 0x1p-24,
+            "w (%g, %g, %g), radius %g, point (%g, %g): got (%g, %g, %g), want (%g, %g, %g), the "
+            "unit vector of w + x u + y v, also if it is discarded: off by %.3g",
+            (double)disk.w.x, (double)disk.w.y, (double)disk.w.z, (double)radius, (double)at.x,
+            (double)at.y, (double)got.x, (double)got.y, (double)got.z, want.x, want.y, want.z,
+            rk_dlength(off));
     }
     rk_check(kept > 10000, "only %u of 20000 are above the surface", kept);
 }
@@ -358,15 +396,18 @@ static void no_direction_leads_into_the_surface(void **state)
     uint32_t kept = 0, discarded = 0;
     for (uint32_t i = 0; i < 200000; i++) {
         /* From a grazing direction to a steep one. */
-        setting s = setting_at(90 * pow((double)noise(26, i, 0), 3), i);
+        double degrees = 90 * pow((double)noise(26, i, 0), 3);
+        setting s = setting_at(degrees, i);
         rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, noise(26, i, 1), s.face_normal);
-        rk_vec3 direction;
+        rk_vec3 direction = {NAN, NAN, NAN};
         bool above = rk_glossy_direction(&disk, rk_disk_at(maps[i % 2], noise2(27, i)), &direction);
         double height = rk_ddot(rk_widen(direction), rk_widen(s.face_normal));
         /* Three products and two sums of numbers up to 1. */
-        rk_check(above ? height > -3 * 0x1p-24 : height <= 3 * 0x1p-24,
-                 "%s a direction whose height above the surface is %.9g",
-                 above ? "kept" : "discarded", height);
+        rk_check(
+            above ? height > -3 * 0x1p-24 : height <= 3 * 0x1p-24,
+            "w %.3g degrees above the face, radius %.3g: %s a direction whose height above the "
+            "face is %.9g",
+            degrees, (double)disk.radius, above ? "kept" : "discarded", height);
         kept += above;
         discarded += !above;
     }
@@ -374,15 +415,31 @@ static void no_direction_leads_into_the_surface(void **state)
              discarded);
 }
 
+/* Halfway from the middle to the rim; exact where u and v are axes, as around an axis. */
+static rk_vec2 halfway_along(const rk_glossy_disk *disk, rk_vec3 axis)
+{
+    return (rk_vec2){0.5f * rk_dot(axis, disk->u), 0.5f * rk_dot(axis, disk->v)};
+}
+
 static void a_direction_along_the_surface_is_discarded(void **state)
 {
     (void)state;
     rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(1, 0, 0), 0.5f, rk_vec(0, 0, 1));
+    const rk_vec3 along = {0, 1, 0}, up = {0, 0, 1};
     rk_vec3 direction;
-    /* u is -z here, and v is y. */
-    rk_check(!rk_glossy_direction(&disk, (rk_vec2){0, 0.5f}, &direction), "it runs in the face");
-    rk_check(!rk_glossy_direction(&disk, (rk_vec2){0.5f, 0}, &direction), "it leads below it");
-    rk_check(rk_glossy_direction(&disk, (rk_vec2){-0.5f, 0}, &direction), "it leads above it");
+    rk_check(!rk_glossy_direction(&disk, halfway_along(&disk, along), &direction),
+             "w (1, 0, 0), face normal (0, 0, 1): kept (1, 0.25, 0), which runs in the face");
+    rk_check(!rk_glossy_direction(&disk, halfway_along(&disk, rk_negate(up)), &direction),
+             "w (1, 0, 0), face normal (0, 0, 1): kept (1, 0, -0.25), which leads below it");
+    rk_check(rk_glossy_direction(&disk, halfway_along(&disk, up), &direction),
+             "w (1, 0, 0), face normal (0, 0, 1): discarded (1, 0, 0.25), which leads above it");
+    /* However little: there is no number below which it would be along. */
+    for (int e = 2; e <= 100; e++) {
+        disk.radius = ldexpf(1, -e);
+        rk_check(rk_glossy_direction(&disk, halfway_along(&disk, up), &direction),
+                 "w (1, 0, 0), face normal (0, 0, 1): discarded (1, 0, %g), which leads above it",
+                 ldexp(0.5, -e));
+    }
 }
 
 /* --- What is above the surface ---------------------------------------------------------------- */
@@ -431,11 +488,22 @@ static void a_disk_above_the_surface_has_the_share_1(void **state)
     const float radii[] = {0, 0.01f, 0.5f, 1};
     for (int i = 0; i < 4; i++) {
         rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 0, 1), radii[i], rk_vec(0, 0, 1));
-        rk_check_close(rk_glossy_share(&disk), 1, 0, "looking straight away from the surface");
+        rk_check_near(rk_glossy_share(&disk), 1, 0,
+                      "share of a disk of radius %g straight above the surface", (double)radii[i]);
         disk = rk_glossy_disk_of(rk_vec(0.6f, 0, 0.8f), radii[i], rk_vec(0, 0, 1));
-        rk_check_close(rk_glossy_share(&disk), 1, 0, "tan of 53 degrees is above 1");
-        disk = rk_glossy_disk_of(rk_vec(0, 0, -1), radii[i], rk_vec(0, 0, 1));
-        rk_check_close(rk_glossy_share(&disk), 0, 0, "looking straight into it");
+        rk_check_near(
+            rk_glossy_share(&disk), 1, 0,
+            "share of a disk of radius %g, 53 degrees above the surface, which cuts radii "
+            "from 1.33 on",
+            (double)radii[i]);
+        /* The product of a unit vector with itself is 1 but for rounding, above 1 too. */
+        for (uint32_t k = 0; k < 1000; k++) {
+            rk_vec3 w = noise_direction(28, k);
+            disk = rk_glossy_disk_of(w, radii[i], w);
+            rk_check_near(rk_glossy_share(&disk), 1, 0,
+                          "share of a disk of radius %g, w and face normal both (%.9g, %.9g, %.9g)",
+                          (double)radii[i], (double)w.x, (double)w.y, (double)w.z);
+        }
     }
 }
 
@@ -445,7 +513,9 @@ static void a_disk_that_the_surface_halves_has_the_share_one_half(void **state)
     const float radii[] = {0.01f, 0.5f, 1, 100};
     for (int i = 0; i < 4; i++) {
         rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 1, 0), radii[i], rk_vec(0, 0, 1));
-        rk_check_close(rk_glossy_share(&disk), 0.5, 0x1p-22, "the middle is in the plane");
+        rk_check_near(rk_glossy_share(&disk), 0.5, 0x1p-22,
+                      "share of a disk of radius %g whose middle is in the plane",
+                      (double)radii[i]);
     }
 }
 
@@ -459,12 +529,18 @@ static void the_share_equals_quadrature(void **state)
         rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, (float)radius, s.face_normal);
         /* Roundings of 2^-24, which an angle near the surface has divided by the radius; and the
          * kink where the plane cuts the rim, between two of 16384 angles. */
-        rk_check_close(rk_glossy_share(&disk), integrate(&s, radius).share,
-                       8 * 0x1p-24 / radius + 2e-6, "the circle without its segment");
+        rk_check_near(rk_glossy_share(&disk), integrate(&s, radius).share,
+                      8 * 0x1p-24 / radius + 2e-6,
+                      "share of a disk of radius %g, %.3g degrees above the surface: the circle "
+                      "without its segment",
+                      radius, degrees);
     }
 }
 
 /* --- Weights ---------------------------------------------------------------------------------- */
+
+static const char *const weight_names[] = {
+    [RK_GLOSSY_CLASSIC] = "classic", [RK_GLOSSY_RENORMALIZED] = "renormalised"};
 
 static void classic_counts_what_is_discarded(void **state)
 {
@@ -496,10 +572,13 @@ static void a_single_sample_counts_for_more_where_it_might_be_discarded(void **s
 static void without_a_direction_above_nothing_is_weighed(void **state)
 {
     (void)state;
-    for (int weights = 0; weights < 2; weights++)
+    const rk_glossy_weights both[] = {RK_GLOSSY_CLASSIC, RK_GLOSSY_RENORMALIZED};
+    const float shares[] = {0.5f, 0.75f, 1};
+    for (int w = 0; w < 2; w++)
         for (int i = 0; i < 3; i++)
-            rk_check_close(rk_glossy_weight((rk_glossy_weights)weights, 0, 64, (float)i / 2), 0, 0,
-                           "no division by 0");
+            rk_check_near(rk_glossy_weight(both[w], 0, 64, shares[i]), 0, 0,
+                          "%s weight, none of 64 samples above, share %g: no division by 0",
+                          weight_names[both[w]], (double)shares[i]);
 }
 
 /* The mean of many estimates with `samples` samples each, against `want`. */
@@ -529,9 +608,10 @@ static void check_unbiased(const setting *s, float radius, rk_glossy_weights wei
     double deviation = sqrt(fmax(squares / estimates - mean * mean, 0) / estimates);
     /* 5 standard errors, exceeded once in 1.7 million times; and roundings to float. */
     rk_check(fabs(mean - want) <= 5 * deviation + 1e-5,
-             "%s weights, %u samples, radius %g: got %.6f, want %.6f within %.6f",
-             weights == RK_GLOSSY_CLASSIC ? "classic" : "renormalised", samples, (double)radius,
-             mean, want, 5 * deviation + 1e-5);
+             "%s weights, %u samples an estimate, radius %g, share above %g: the mean of %u "
+             "estimates is %.6f, want %.6f within %.6f",
+             weight_names[weights], samples, (double)radius, (double)share, estimates, mean, want,
+             5 * deviation + 1e-5);
 }
 
 static const uint32_t sample_counts[] = {1, 2, 5, 64};
@@ -578,9 +658,14 @@ static void in_a_white_room_classic_loses_the_share_below(void **state)
         double renormalised =
             above * (double)rk_glossy_weight(RK_GLOSSY_RENORMALIZED, above, samples, share);
         /* 5 standard deviations of a share of at most 1/2 a sample. */
-        rk_check_close(classic, integrate(&s, 0.6).share, 5 * 0.5 / sqrt(samples),
-                       "of a room that is white all around, it mirrors what is above only");
-        rk_check_close(renormalised, 1, 1e-6, "and this stays white");
+        rk_check_near(classic, integrate(&s, 0.6).share, 5 * 0.5 / sqrt(samples),
+                      "radius 0.6, %g degrees above the surface: of a white room classic mirrors "
+                      "the share above",
+                      heights[i]);
+        rk_check_near(renormalised, 1, 1e-6,
+                      "radius 0.6, %g degrees above the surface: renormalised a white room stays "
+                      "white",
+                      heights[i]);
     }
 }
 
@@ -598,7 +683,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(radius_squared_and_angle_are_even),
     cmocka_unit_test(the_radius_is_half_over_the_shininess),
     cmocka_unit_test(a_dull_surface_has_the_widest_disk),
-    cmocka_unit_test(radius_0_gives_the_reflected_direction_exactly),
+    cmocka_unit_test(radius_0_and_the_middle_give_the_reflected_direction_exactly),
     cmocka_unit_test(directions_are_unit_and_go_through_their_point_of_the_disk),
     cmocka_unit_test(no_direction_leads_into_the_surface),
     cmocka_unit_test(a_direction_along_the_surface_is_discarded),

@@ -106,8 +106,6 @@ float rk_glossy_share(const rk_glossy_disk *disk)
     /* solution */
     float height = rk_dot(disk->w, disk->face_normal); /* of the middle above the plane */
     float reach = disk->radius * rk_length(rk_cross(disk->w, disk->face_normal));
-    if (height <= -reach)
-        return 0;
     if (height >= reach)
         return 1;
     float d = height / reach;

@@ -33,18 +33,19 @@ typedef struct rk_glossy_disk {
     rk_vec3 w;           /* unit: the reflected direction */
     rk_vec3 u, v;        /* unit: the disk's own axes */
     float radius;        /* >= 0; the disk is at distance 1 */
-    rk_vec3 face_normal; /* unit: of the surface, on the side into which w leads */
+    rk_vec3 face_normal; /* unit: of the surface, on the side into which w leads, so w . face_normal
+                            is never below 0, but for rounding */
 } rk_glossy_disk;
 
 rk_glossy_disk rk_glossy_disk_of(rk_vec3 reflected, float radius, rk_vec3 face_normal);
 
 /* The unit direction to the point `at` of the disk, given on the unit disk. Exactly w for radius 0
  * and for the middle. False if it leads into the surface, below the face or along it: such a
- * direction is to be discarded. What is above the face but below the horizon of an interpolated
- * shading normal is kept, as nothing is in its way. */
+ * direction is filled in, too, but is to be discarded. What is above the face but below the horizon
+ * of an interpolated shading normal is kept, as nothing is in its way. */
 bool rk_glossy_direction(const rk_glossy_disk *disk, rk_vec2 at, rk_vec3 *direction);
 
-/* Returns the share of the disk's area that is above the face, 0 to 1. */
+/* Returns the share of the disk's area that is above the face: 1/2 to 1, as the middle is above. */
 float rk_glossy_share(const rk_glossy_disk *disk);
 
 /* What directions that were discarded cost. */
