@@ -128,7 +128,7 @@ _OF_THE_KIT = re.compile(r"\b(IMPL|DIR)=mine\b|(?<![\w/])mine/|`mine`|<!-- (kit|
 def as_packed(text, name, stems):
     """Returns a text of the kit as it is true in a pack, where the workbook is meant without a word."""
     text = _KIT_OR_PACK.sub(r"\1", text)
-    text = re.sub(r" IMPL=mine\b", "", text)
+    text = re.sub(r" IMPL=mine\b(?!/)", "", text)
     for stem in stems:
         text = text.replace(f"mine/{stem}.c", f"workbook/{stem}.c")
         text = text.replace(f"[`src/features/{stem}.c`](file:src/features/{stem}.c)",
