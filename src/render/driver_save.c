@@ -82,18 +82,17 @@ static const char *plural(uint32_t count)
     return count == 1 ? "" : "s";
 }
 
-/* Where lens and motion take samples of their own; only a picture that was rendered has any. */
+/* Lens and motion are told of where they took samples of their own. */
 static void print_rendering(const rk_driver *driver)
 {
     const rk_render_options *render = &driver->render;
-    const rk_plan plan = rk_plan_of(&driver->scene, render);
     uint32_t threads = rk_pool_threads(driver->pool);
     printf("%u triangle%s, %u x %u, %u sample%s a pixel", driver->scene.mesh.triangle_count,
            plural(driver->scene.mesh.triangle_count), render->width, render->height,
            render->samples, plural(render->samples));
-    if (plan.lens && render->lens_samples > render->samples)
+    if (driver->counters.lens_samples > 0 && render->lens_samples > render->samples)
         printf(", %u where the lens blurs", render->lens_samples);
-    if (plan.time_samples)
+    if (driver->counters.time_samples > 0)
         printf(", %u time%s where things move", render->motion.samples,
                plural(render->motion.samples));
     if (driver->build_ms.runs > 0)
