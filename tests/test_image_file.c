@@ -375,6 +375,33 @@ static void missing_empty_and_foreign_files_are_refused(void **state)
     check_refused(test_folder_write(*state, "text.hdr", "hello\n", 6, 0600), "");
 }
 
+static void folders_pipes_and_devices_are_refused_at_once(void **state)
+{
+    const test_folder *folder = *state;
+    const char *const names[] = {"pipe.jpg", "pipe.png", "pipe"};
+    for (int i = 0; i < 3; i++) {
+        test_path pipe = test_folder_path(folder, names[i]);
+        rk_check(mkfifo(pipe.text, 0600) == 0, "a pipe can be made");
+        check_refused(pipe, "is no ordinary file");
+    }
+    test_path endless = {"/dev/zero"}, whole = test_folder_path(folder, "whole.png");
+    check_refused(endless, "is no ordinary file");
+    test_path below = test_folder_path(folder, "below.exr");
+    rk_check(mkdir(below.text, 0700) == 0, "a folder can be made");
+    check_refused(below, "is a folder");
+    rk_image_difference difference;
+    rk_error error = {""};
+    rk_image image = make_noise(2, 2);
+    write_image(folder, "whole.png", &image);
+    rk_image_free(&image);
+    for (int swapped = 0; swapped < 2; swapped++) {
+        rk_check(!rk_image_compare(&difference, swapped ? endless.text : whole.text,
+                                   swapped ? whole.text : endless.text, &error),
+                 "/dev/zero was compared");
+        rk_check_error_names(error, "/dev/zero: is no ordinary file");
+    }
+}
+
 static void absurd_sizes_are_refused(void **state)
 {
     const char head[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000\n";
@@ -393,6 +420,20 @@ static void an_exr_into_a_missing_folder_is_an_error(void **state)
     rk_check(!rk_image_write(path.text, &image, &error), "%s was written", path.text);
     rk_check_error_names(error, path.text);
     rk_image_free(&image);
+}
+
+static void a_picture_without_pixels_is_not_written(void **state)
+{
+    const rk_image none[] = {{0}, {.width = 3}, {.height = 3}, {.width = 32769, .height = 1}};
+    const char *const names[] = {"none.png", "none.exr"};
+    for (int i = 0; i < 8; i++) {
+        test_path path = test_folder_path(*state, names[i % 2]);
+        rk_error error = {""};
+        rk_check(!rk_image_write(path.text, &none[i / 2], &error), "%s was written", path.text);
+        rk_check_error_names(error, path.text);
+        rk_check_error_names(error, "each side has 1 to 32768");
+    }
+    rk_check_equal(test_folder_count(*state), 0, "nothing is written");
 }
 
 static void other_endings_are_not_written(void **state)
@@ -561,6 +602,8 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_broken_hdr_is_refused),
     test_in_folder(missing_empty_and_foreign_files_are_refused),
     test_in_folder(absurd_sizes_are_refused),
+    test_in_folder(folders_pipes_and_devices_are_refused_at_once),
+    test_in_folder(a_picture_without_pixels_is_not_written),
     test_in_folder(an_exr_into_a_missing_folder_is_an_error),
     test_in_folder(other_endings_are_not_written),
     test_with_false_helper(a_missing_helper_names_the_package_but_png_needs_none),
