@@ -68,6 +68,18 @@ static void what_the_tests_begin_with_is_drawn(void **state)
     rk_check_equal(counters.primary_rays, side * side, "one a pixel");
 }
 
+/* Gives the scene what takes samples of its own: motion, a mirror and a wide light. */
+static void add_all_that_is_sampled(fixture *f)
+{
+    rk_error error;
+    rk_scene_move_mesh(&f->scene, (rk_motion){0, 0, 1});
+    f->scene.mesh.materials[0].ks = rk_vec(1, 1, 1);
+    f->scene.lights[0].kind = RK_LIGHT_PARALLELOGRAM;
+    f->options.reflections = true;
+    rk_accel_free(&f->accel);
+    rk_check_ok(rk_accel_build(&f->accel, RK_ACCEL_MEDIAN, &f->scene, &error), error);
+}
+
 /* --- Samples ---------------------------------------------------------------------------------- */
 
 static void samples_are_refused_however_large_their_product_is(void **state)
@@ -81,10 +93,7 @@ static void samples_are_refused_however_large_their_product_is(void **state)
         {1, most, most, most, most}, {most, 0, 0, most, 1},   {limit, 0, 0, 1u << 8, 1u << 8},
         {1, 0, 0, 1, most},          {1, 0, 0, limit, limit},
     };
-    rk_scene_move_mesh(&f->scene, (rk_motion){0, 0, 1});
-    f->scene.mesh.materials[0].ks = rk_vec(1, 1, 1);
-    f->scene.lights[0].kind = RK_LIGHT_PARALLELOGRAM;
-    f->options.reflections = true;
+    add_all_that_is_sampled(f);
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         const uint32_t *n = cases[i];
         f->options.samples = n[0];
@@ -100,7 +109,8 @@ static void as_many_samples_as_a_sampler_has_are_accepted(void **state)
 {
     fixture *f = *state;
     rk_error error;
-    rk_scene_move_mesh(&f->scene, (rk_motion){0, 0, 1});
+    add_all_that_is_sampled(f);
+    f->options.light.samples = 1;
     f->options.samples = 1 << 10;
     f->options.motion.samples = RK_SAMPLES_MAX;
     rk_check_ok(rk_render_check(&f->scene, &f->options, &error), error);

@@ -18,14 +18,17 @@ static short_path descriptor_path(int descriptor)
     return path;
 }
 
-/* Opens a file without a name in the folder of `path`: if this process dies, so does the file.
- * NULL where the file system has none, or where it could not get its name by /proc later. */
-static FILE *open_unnamed(const char *path)
+/* Opens a file without a name in the folder of file->path: if this process dies, so does the file.
+ * NULL where the file system has none, or where it could not get its name later: one that is too
+ * long, or for want of /proc. */
+static FILE *open_unnamed(const rk_file *file)
 {
-    char folder[sizeof((rk_file *)NULL)->path];
-    const char *slash = strrchr(path, '/');
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - path) + 1 : 1,
-             slash ? path : ".");
+    char folder[sizeof file->path];
+    const char *slash = strrchr(file->path, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - file->path) + 1 : 1,
+             slash ? file->path : ".");
+    if (access(file->temporary, F_OK) != 0 && errno != ENOENT)
+        return NULL;
     int descriptor = open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
     if (descriptor < 0)
         return NULL;
@@ -51,7 +54,7 @@ bool rk_file_begin(rk_file *file, const char *path, rk_error *error)
         return rk_fail(error, "%s: is a device or a pipe; name a file", path);
     snprintf(file->path, sizeof file->path, "%s", path);
     snprintf(file->temporary, sizeof file->temporary, "%s.part-%ld", path, (long)getpid());
-    file->stream = open_unnamed(path);
+    file->stream = open_unnamed(file);
     file->unnamed = file->stream != NULL;
     if (!file->stream)
         file->stream = fopen(file->temporary, "wb");
