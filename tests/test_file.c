@@ -1,9 +1,32 @@
-/* Files appear whole or not at all, and never leave anything else behind. */
+/* Files appear whole or not at all, and never leave anything else behind: where the file system has
+ * files without a name, and where it has none. */
+#define _GNU_SOURCE /* O_TMPFILE, of Linux */
 #include "test.h"
 #include "test_folder.h"
 #include "test_full_disk.h"
 
 #include "base/file.h"
+
+#include <errno.h>
+#include <fcntl.h>
+#include <sys/wait.h>
+
+static bool all_files_have_names;
+
+/* Takes the place of the system's, which it calls. */
+int open(const char *path, int flags, ...)
+{
+    va_list list;
+    va_start(list, flags);
+    unsigned mode =
+        (flags & O_CREAT) || (flags & O_TMPFILE) == O_TMPFILE ? va_arg(list, unsigned) : 0;
+    va_end(list);
+    if (all_files_have_names && (flags & O_TMPFILE) == O_TMPFILE) {
+        errno = EOPNOTSUPP;
+        return -1;
+    }
+    return openat(AT_FDCWD, path, flags, mode);
+}
 
 static rk_file begin(const char *path)
 {
@@ -76,6 +99,11 @@ static void places_that_cannot_be_written_are_refused_at_once(void **state)
     memset(endless, 'x', sizeof endless - 1);
     endless[sizeof endless - 1] = '\0';
     check_refused(endless, "longer");
+    /* File systems have names of at most 255 bytes. */
+    char name[257];
+    memset(name, 'x', sizeof name - 1);
+    name[sizeof name - 1] = '\0';
+    check_refused(test_folder_path(folder, name).text, "File name too long");
     rk_check_equal(test_folder_count(folder), 1, "nothing was made");
 }
 
@@ -124,15 +152,94 @@ static void a_write_that_failed_is_an_error_even_if_the_rest_fits(void **state)
     rk_check_equal(test_folder_count(folder), 0, "nothing is left behind");
 }
 
-static void a_lost_temporary_file_is_an_error(void **state)
+static void a_lost_folder_is_an_error(void **state)
 {
-    const test_folder *folder = *state;
+    test_folder below;
     rk_error error = {""};
-    test_path path = test_folder_path(folder, "new.txt");
-    rk_file file = begin(path.text);
-    unlink(file.temporary);
+    snprintf(below.path, sizeof below.path, "%.400s/below", ((test_folder *)*state)->path);
+    rk_check(mkdir(below.path, 0700) == 0, "a folder can be made");
+    rk_file file = begin(test_folder_path(&below, "new.txt").text);
+    test_folder_remove(&below);
     rk_check(!rk_file_commit(&file, &error), "there is nothing to rename");
     rk_check_error_names(error, "No such file");
+}
+
+static void a_file_may_lie_in_the_current_folder(void **state)
+{
+    const test_folder *folder = *state;
+    rk_error error;
+    char before[4096];
+    rk_check(getcwd(before, sizeof before) && chdir(folder->path) == 0, "folders can be changed");
+    rk_file file = begin("new.txt");
+    fputs("new", file.stream);
+    bool committed = rk_file_commit(&file, &error);
+    rk_check(chdir(before) == 0, "and changed back");
+    rk_check_ok(committed, error);
+    test_file_check(test_folder_path(folder, "new.txt").text, "new");
+}
+
+static void a_file_has_the_permissions_of_any_other(void **state)
+{
+    const test_folder *folder = *state;
+    rk_error error;
+    struct stat status;
+    test_path path = test_folder_path(folder, "new.txt");
+    mode_t before = umask(027);
+    rk_file file = begin(path.text);
+    umask(before);
+    rk_check_ok(rk_file_commit(&file, &error), error);
+    rk_check(stat(path.text, &status) == 0, "it is there");
+    rk_check_equal(status.st_mode & 0777, 0640, "all may read and write it, but for the umask");
+}
+
+/* --- a process that dies ---------------------------------------------------------------------- */
+
+static bool has_unnamed_files(const char *folder)
+{
+    int file = open(folder, O_TMPFILE | O_WRONLY, 0600);
+    return file >= 0 && close(file) == 0;
+}
+
+static void die_in_the_middle(const char *path)
+{
+    pid_t child = fork();
+    if (child == 0) {
+        rk_file file;
+        rk_error error;
+        if (rk_file_begin(&file, path, &error)) {
+            for (int k = 0; k < 1000000; k++)
+                putc('x', file.stream);
+            fflush(file.stream);
+        }
+        raise(SIGKILL);
+    }
+    int status;
+    rk_check(waitpid(child, &status, 0) == child && WIFSIGNALED(status), "a child was killed");
+}
+
+static void a_process_that_is_killed_leaves_nothing(void **state)
+{
+    const test_folder *folder = *state;
+    test_path path = test_folder_path(folder, "old.txt");
+    test_file_put(path.text, "old");
+    die_in_the_middle(path.text);
+    test_file_check(path.text, "old");
+    rk_check_equal(test_folder_count(folder), has_unnamed_files(folder->path) ? 1 : 2,
+                   "the part of a file that was written, where files must have names");
+}
+
+static void what_a_dead_process_left_is_no_obstacle(void **state)
+{
+    const test_folder *folder = *state;
+    rk_error error;
+    test_path path = test_folder_path(folder, "new.txt");
+    rk_file file = begin(path.text);
+    if (file.unnamed)
+        test_file_put(file.temporary, "of a process that had the same number");
+    fputs("new", file.stream);
+    rk_check_ok(rk_file_commit(&file, &error), error);
+    test_file_check(path.text, "new");
+    rk_check_equal(test_folder_count(folder), 1, "the temporary file is gone");
 }
 
 /* --- folders --------------------------------------------------------------------------------- */
@@ -177,15 +284,38 @@ static void a_name_of_no_or_too_many_letters_is_no_folder(void **state)
     rk_check_error_names(error, "folder name");
 }
 
+static int only_named(void **state)
+{
+    all_files_have_names = true;
+    return test_folder_setup(state);
+}
+
+static int named_or_not(void **state)
+{
+    all_files_have_names = false;
+    return test_folder_teardown(state);
+}
+
+/* As it is, and where the file system wants a name for each file. */
+#define test_both(name)                                                                            \
+    test_in_folder(name),                                                                          \
+    {                                                                                              \
+#name "_by_its_name", name, only_named, named_or_not, NULL                                 \
+    }
+
 static const struct CMUnitTest tests[] = {
-    test_in_folder(a_committed_file_holds_what_was_written),
-    test_in_folder(an_older_file_stays_until_the_commit),
-    test_in_folder(aborting_leaves_nothing_new),
-    test_in_folder(places_that_cannot_be_written_are_refused_at_once),
-    test_in_folder(a_pipe_is_not_replaced_by_a_file),
-    test_in_folder(a_full_disk_is_an_error_and_keeps_the_older_file),
-    test_in_folder(a_write_that_failed_is_an_error_even_if_the_rest_fits),
-    test_in_folder(a_lost_temporary_file_is_an_error),
+    test_both(a_committed_file_holds_what_was_written),
+    test_both(an_older_file_stays_until_the_commit),
+    test_both(aborting_leaves_nothing_new),
+    test_both(places_that_cannot_be_written_are_refused_at_once),
+    test_both(a_pipe_is_not_replaced_by_a_file),
+    test_both(a_full_disk_is_an_error_and_keeps_the_older_file),
+    test_both(a_write_that_failed_is_an_error_even_if_the_rest_fits),
+    test_both(a_lost_folder_is_an_error),
+    test_both(a_file_may_lie_in_the_current_folder),
+    test_both(a_file_has_the_permissions_of_any_other),
+    test_both(a_process_that_is_killed_leaves_nothing),
+    test_both(what_a_dead_process_left_is_no_obstacle),
     test_in_folder(a_folder_is_made_with_its_parents),
     test_in_folder(a_file_in_the_way_of_a_folder_is_an_error),
     cmocka_unit_test(a_name_of_no_or_too_many_letters_is_no_folder),

@@ -353,6 +353,14 @@ static void options_out_of_range_are_refused(void **state)
     options.threshold = NAN;
     rk_check(!rk_glow(&image, &options, pool, &counters, &error), "a threshold of NaN");
     rk_check_error_names(error, "threshold");
+    const float wrong[] = {-1, NAN, INFINITY};
+    for (int i = 0; i < 3; i++) {
+        options = options_of(3, RK_BLOOM_ZERO, RK_BLOOM_EXACT);
+        options.intensity = wrong[i];
+        rk_check(!rk_glow(&image, &options, pool, &counters, &error), "an intensity of %g",
+                 (double)wrong[i]);
+        rk_check_error_names(error, "intensity");
+    }
     rk_check(test_same_pixels(&image, &before), "an error leaves the picture as it was");
     rk_pool_stop(pool);
     rk_image_free(&image);

@@ -10,6 +10,8 @@
 #include "io/image_file.h"
 #include "io/image_stream.h"
 
+#include <signal.h>
+#include <sys/wait.h>
 #include <time.h>
 
 /* Stands in for the archive's own, so that a test can take the helper away. */
@@ -42,21 +44,30 @@ static rk_image make_constant(size_t width, size_t height, rk_vec3 colour)
     return image;
 }
 
+/* The picture as the helper wants it, to free(). */
+static unsigned char *stream_of(const rk_image *image, size_t *bytes)
+{
+    size_t pixels = image->width * image->height * sizeof *image->pixels;
+    rk_image_stream_head head = {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION,
+                                 (uint32_t)image->width, (uint32_t)image->height};
+    unsigned char *stream = malloc(sizeof head + pixels);
+    rk_check(stream, "no memory");
+    memcpy(stream, &head, sizeof head);
+    memcpy(stream + sizeof head, image->pixels, pixels);
+    *bytes = sizeof head + pixels;
+    return stream;
+}
+
 /* The helper writes more formats than the library offers. */
 static test_path write_by_helper(const test_folder *folder, const char *name, const rk_image *image)
 {
     test_path path = test_folder_path(folder, name);
-    size_t bytes = image->width * image->height * sizeof *image->pixels;
-    rk_image_stream_head head = {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION,
-                                 (uint32_t)image->width, (uint32_t)image->height};
-    unsigned char *input = malloc(sizeof head + bytes);
-    rk_check(input, "no memory");
-    memcpy(input, &head, sizeof head);
-    memcpy(input + sizeof head, image->pixels, bytes);
+    size_t bytes;
+    unsigned char *input = stream_of(image, &bytes);
     rk_helper_call call = {.program = "raykit-image",
                            .arguments = (const char *[]){"write", path.text, NULL},
                            .input = input,
-                           .input_size = sizeof head + bytes};
+                           .input_size = bytes};
     unsigned char *output;
     size_t size;
     rk_error error;
@@ -375,6 +386,33 @@ static void missing_empty_and_foreign_files_are_refused(void **state)
     check_refused(test_folder_write(*state, "text.hdr", "hello\n", 6, 0600), "");
 }
 
+static void folders_pipes_and_devices_are_refused_at_once(void **state)
+{
+    const test_folder *folder = *state;
+    const char *const names[] = {"pipe.jpg", "pipe.png", "pipe"};
+    for (int i = 0; i < 3; i++) {
+        test_path pipe = test_folder_path(folder, names[i]);
+        rk_check(mkfifo(pipe.text, 0600) == 0, "a pipe can be made");
+        check_refused(pipe, "is no ordinary file");
+    }
+    test_path endless = {"/dev/zero"}, whole = test_folder_path(folder, "whole.png");
+    check_refused(endless, "is no ordinary file");
+    test_path below = test_folder_path(folder, "below.exr");
+    rk_check(mkdir(below.text, 0700) == 0, "a folder can be made");
+    check_refused(below, "is a folder");
+    rk_image_difference difference;
+    rk_error error = {""};
+    rk_image image = make_noise(2, 2);
+    write_image(folder, "whole.png", &image);
+    rk_image_free(&image);
+    for (int swapped = 0; swapped < 2; swapped++) {
+        rk_check(!rk_image_compare(&difference, swapped ? endless.text : whole.text,
+                                   swapped ? whole.text : endless.text, &error),
+                 "/dev/zero was compared");
+        rk_check_error_names(error, "/dev/zero: is no ordinary file");
+    }
+}
+
 static void absurd_sizes_are_refused(void **state)
 {
     const char head[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000\n";
@@ -393,6 +431,54 @@ static void an_exr_into_a_missing_folder_is_an_error(void **state)
     rk_check(!rk_image_write(path.text, &image, &error), "%s was written", path.text);
     rk_check_error_names(error, path.text);
     rk_image_free(&image);
+}
+
+static void a_picture_without_pixels_is_not_written(void **state)
+{
+    const rk_image none[] = {{0}, {.width = 3}, {.height = 3}, {.width = 32769, .height = 1}};
+    const char *const names[] = {"none.png", "none.exr"};
+    for (int i = 0; i < 8; i++) {
+        test_path path = test_folder_path(*state, names[i % 2]);
+        rk_error error = {""};
+        rk_check(!rk_image_write(path.text, &none[i / 2], &error), "%s was written", path.text);
+        rk_check_error_names(error, path.text);
+        rk_check_error_names(error, "each side has 1 to 32768");
+    }
+    rk_check_equal(test_folder_count(*state), 0, "nothing is written");
+}
+
+static pid_t start_writing(test_path input, test_path output)
+{
+    test_path program;
+    snprintf(program.text, sizeof program.text, "%s/raykit-image", RK_BUILD_FOLDER);
+    pid_t child = fork();
+    if (child == 0) {
+        if (freopen(input.text, "rb", stdin))
+            execl(program.text, program.text, "write", output.text, (char *)NULL);
+        _exit(127);
+    }
+    return child;
+}
+
+static void an_interrupted_exr_leaves_nothing(void **state)
+{
+    /* So large that it takes about a second: the temporary file is seen before it is whole. */
+    rk_image image = make_noise(2048, 2048);
+    size_t bytes;
+    unsigned char *stream = stream_of(&image, &bytes);
+    rk_image_free(&image);
+    test_path input = test_folder_write(*state, "input", stream, bytes, 0600);
+    free(stream);
+    pid_t child = start_writing(input, test_folder_path(*state, "a.exr"));
+    int status = 0;
+    pid_t ended = 0;
+    while (test_folder_count(*state) < 2 && (ended = waitpid(child, &status, WNOHANG)) == 0)
+        nanosleep(&(struct timespec){.tv_nsec = 1000000}, NULL);
+    rk_check(ended == 0, "the helper ended before it wrote: status %d", status);
+    rk_check(kill(child, SIGINT) == 0 && waitpid(child, &status, 0) == child, "it is interrupted");
+    rk_check(WIFSIGNALED(status) && WTERMSIG(status) == SIGINT, "SIGINT ends it: status %d",
+             status);
+    rk_check_equal(test_folder_count(*state), 1, "nothing but the input");
 }
 
 static void other_endings_are_not_written(void **state)
@@ -561,7 +647,10 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_broken_hdr_is_refused),
     test_in_folder(missing_empty_and_foreign_files_are_refused),
     test_in_folder(absurd_sizes_are_refused),
+    test_in_folder(folders_pipes_and_devices_are_refused_at_once),
+    test_in_folder(a_picture_without_pixels_is_not_written),
     test_in_folder(an_exr_into_a_missing_folder_is_an_error),
+    test_in_folder(an_interrupted_exr_leaves_nothing),
     test_in_folder(other_endings_are_not_written),
     test_with_false_helper(a_missing_helper_names_the_package_but_png_needs_none),
     test_with_false_helper(answers_that_make_no_sense_are_refused),

@@ -256,6 +256,29 @@ static void a_scene_around_a_mesh_takes_it_over(void **state)
     rk_scene_free(&scene); /* freeing twice, as freeing a zeroed scene, does nothing */
 }
 
+static void a_scene_around_a_broken_mesh_is_refused_and_empty(void **state)
+{
+    (void)state;
+    for (int broken = 0; broken < 3; broken++) {
+        const char *const want[] = {"triangle 11", "vertex 7", "material 0"};
+        rk_mesh mesh;
+        rk_scene scene;
+        rk_error error = {""};
+        rk_check_ok(rk_mesh_make_cube(&mesh, 0, &error), error);
+        if (broken == 0)
+            mesh.triangles[11][2] = mesh.vertex_count;
+        if (broken == 1)
+            mesh.positions[7].y = NAN;
+        if (broken == 2)
+            mesh.materials[0].alpha = 2;
+        rk_check(!rk_scene_around(&scene, "dice", &mesh, &error), "%s is broken", want[broken]);
+        rk_check_error_names(error, "dice: ");
+        rk_check_error_names(error, want[broken]);
+        rk_check(!mesh.positions && !scene.mesh.positions, "the mesh is freed");
+        rk_check(scene.light_count == 0 && scene.mesh.triangle_count == 0, "an empty scene");
+    }
+}
+
 static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
 {
     (void)state;
@@ -1022,6 +1045,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(normals_are_unit_and_agree_with_the_faces),
     cmocka_unit_test(the_light_stands_above_left_of_the_camera_and_lights_what_it_sees),
     cmocka_unit_test(a_scene_around_a_mesh_takes_it_over),
+    cmocka_unit_test(a_scene_around_a_broken_mesh_is_refused_and_empty),
     cmocka_unit_test(a_wrong_name_or_number_is_refused_with_the_list),
     cmocka_unit_test(the_help_names_every_scene),
     cmocka_unit_test(the_triangle_faces_the_camera),

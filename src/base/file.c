@@ -1,9 +1,43 @@
+#define _GNU_SOURCE /* O_TMPFILE, of Linux */
 #include "base/file.h"
 
 #include <errno.h>
+#include <fcntl.h>
 #include <string.h>
 #include <sys/stat.h>
 #include <unistd.h>
+
+typedef struct short_path {
+    char text[40];
+} short_path;
+
+static short_path descriptor_path(int descriptor)
+{
+    short_path path;
+    snprintf(path.text, sizeof path.text, "/proc/self/fd/%d", descriptor);
+    return path;
+}
+
+/* Opens a file without a name in the folder of file->path: if this process dies, so does the file.
+ * NULL where the file system has none, or where it could not get its name later: one that is too
+ * long, or for want of /proc. */
+static FILE *open_unnamed(const rk_file *file)
+{
+    char folder[sizeof file->path];
+    const char *slash = strrchr(file->path, '/');
+    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - file->path) + 1 : 1,
+             slash ? file->path : ".");
+    if (access(file->temporary, F_OK) != 0 && errno != ENOENT)
+        return NULL;
+    int descriptor = open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+    if (descriptor < 0)
+        return NULL;
+    FILE *stream =
+        access(descriptor_path(descriptor).text, F_OK) == 0 ? fdopen(descriptor, "wb") : NULL;
+    if (!stream)
+        close(descriptor);
+    return stream;
+}
 
 bool rk_file_begin(rk_file *file, const char *path, rk_error *error)
 {
@@ -20,7 +54,10 @@ bool rk_file_begin(rk_file *file, const char *path, rk_error *error)
         return rk_fail(error, "%s: is a device or a pipe; name a file", path);
     snprintf(file->path, sizeof file->path, "%s", path);
     snprintf(file->temporary, sizeof file->temporary, "%s.part-%ld", path, (long)getpid());
-    file->stream = fopen(file->temporary, "wb");
+    file->stream = open_unnamed(file);
+    file->unnamed = file->stream != NULL;
+    if (!file->stream)
+        file->stream = fopen(file->temporary, "wb");
     if (!file->stream)
         return rk_fail(
             error, "%s: cannot be written: %s; choose a folder that is there and may be written to",
@@ -28,16 +65,28 @@ bool rk_file_begin(rk_file *file, const char *path, rk_error *error)
     return true;
 }
 
+/* All that was written reaches the file, which has its temporary name then. */
+static bool finish(const rk_file *file)
+{
+    if (ferror(file->stream) || fflush(file->stream) != 0)
+        return false;
+    if (!file->unnamed)
+        return true;
+    unlink(file->temporary); /* a dead process that had this one's number may have left it */
+    return linkat(AT_FDCWD, descriptor_path(fileno(file->stream)).text, AT_FDCWD, file->temporary,
+                  AT_SYMLINK_FOLLOW) == 0;
+}
+
 bool rk_file_commit(rk_file *file, rk_error *error)
 {
     errno = 0;
-    bool written = !ferror(file->stream) && fflush(file->stream) == 0;
+    bool finished = finish(file);
     int reason = errno;
     bool closed = fclose(file->stream) == 0;
     file->stream = NULL;
-    if (written && !closed)
+    if (finished && !closed)
         reason = errno;
-    if (written && closed) {
+    if (finished && closed) {
         if (rename(file->temporary, file->path) == 0)
             return true;
         reason = errno;
@@ -52,7 +101,8 @@ void rk_file_abort(rk_file *file)
 {
     if (file->stream) {
         fclose(file->stream);
-        unlink(file->temporary);
+        if (!file->unnamed)
+            unlink(file->temporary);
         file->stream = NULL;
     }
 }

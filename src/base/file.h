@@ -1,5 +1,6 @@
 /* Whole files or none: output goes to a temporary file beside its destination and is renamed
- * when everything, the closing included, went well. */
+ * when everything, the closing included, went well. Where the file system has files without a name,
+ * it gets the temporary one only when it is whole: a process that dies before leaves nothing. */
 #ifndef RK_BASE_FILE_H
 #define RK_BASE_FILE_H
 
@@ -11,6 +12,7 @@ typedef struct rk_file {
     FILE *stream; /* where to write; NULL when not open */
     char path[4096];
     char temporary[4096 + 32];
+    bool unnamed; /* it has no name yet */
 } rk_file;
 
 /* Opens a temporary file for `path`. False with an error when the folder is missing or read-only.
@@ -21,7 +23,7 @@ bool rk_file_begin(rk_file *file, const char *path, rk_error *error);
  * an older file at `path` is untouched, and the error says why. */
 bool rk_file_commit(rk_file *file, rk_error *error);
 
-/* Closes and removes the temporary file; accepts a file that is not open. */
+/* Closes the temporary file and removes it; accepts a file that is not open. */
 void rk_file_abort(rk_file *file);
 
 /* Makes `path` and its missing parents. An existing folder is success. */

@@ -11,6 +11,7 @@
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
+#include <sys/stat.h>
 
 _Static_assert((int)RK_IMAGE_STREAM_SIDE_MAX == (int)RK_IMAGE_SIDE_MAX,
                "library and helper agree on the largest picture");
@@ -33,6 +34,18 @@ static rk_helper_call make_call(const char *path, const char *const *arguments, 
                             .subject = path,
                             .arguments = arguments,
                             .output_max = output_max};
+}
+
+/* A device or a pipe may never end, and a helper would wait for it. What is not there is for who
+ * opens it to tell. */
+static bool check_kind(const char *path, rk_error *error)
+{
+    struct stat status;
+    if (stat(path, &status) != 0 || S_ISREG(status.st_mode))
+        return true;
+    if (S_ISDIR(status.st_mode))
+        return rk_fail(error, "%s: is a folder: name a picture in it", path);
+    return rk_fail(error, "%s: is no ordinary file: copy the picture to one", path);
 }
 
 /* --- reading --------------------------------------------------------------------------------- */
@@ -80,6 +93,8 @@ static bool unpack(rk_image *image, const unsigned char *reply, size_t size, con
 bool rk_image_read(rk_image *image, const char *path, rk_error *error)
 {
     *image = (rk_image){0};
+    if (!check_kind(path, error))
+        return false;
     if (has_ending(path, ".png"))
         return rk_png_read(image, path, error);
     size_t most = sizeof(head) + sizeof(rk_vec3) * RK_IMAGE_SIDE_MAX * RK_IMAGE_SIDE_MAX;
@@ -128,6 +143,11 @@ bool rk_image_write(const char *path, const rk_image *image, rk_error *error)
 {
     if (!rk_image_can_write(path, error))
         return false;
+    if (image->width < 1 || image->height < 1 || image->width > RK_IMAGE_SIDE_MAX ||
+        image->height > RK_IMAGE_SIDE_MAX)
+        return rk_fail(error,
+                       "%s: the picture to be written has %zu x %zu pixels: each side has 1 to %d",
+                       path, image->width, image->height, RK_IMAGE_SIDE_MAX);
     return has_ending(path, ".png") ? rk_png_write(path, image, NULL, 0, error)
                                     : write_exr(path, image, error);
 }
@@ -154,6 +174,8 @@ bool rk_image_compare(rk_image_difference *difference, const char *path_a, const
                       rk_error *error)
 {
     *difference = (rk_image_difference){0};
+    if (!check_kind(path_a, error) || !check_kind(path_b, error))
+        return false;
     rk_helper_call call =
         make_call(path_a, (const char *[]){"compare", path_a, path_b, NULL}, comparison_max);
     unsigned char *reply;

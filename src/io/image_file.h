@@ -6,11 +6,13 @@
 
 /* Reads JPG, PNG, EXR, HDR, TIFF and what else OpenImageIO knows, to linear RGB: integers are
  * sRGB-encoded and floats linear unless the file says otherwise, grey is replicated, alpha dropped,
- * a photo turned upright. A pixel that is NaN or infinite is an error that names its x and y. */
+ * a photo turned upright. A pixel that is NaN or infinite is an error that names its x and y; so is
+ * what is no ordinary file. */
 bool rk_image_read(rk_image *image, const char *path, rk_error *error);
 
 /* Writes .png (8 bits, sRGB-encoded) or .exr (32-bit float, linear, NaN and infinity kept for who
- * looks for them), by the ending. Equal pictures give equal files; whole or not at all. */
+ * looks for them), by the ending. Equal pictures give equal files; whole or not at all. A picture
+ * without pixels is an error. */
 bool rk_image_write(const char *path, const rk_image *image, rk_error *error);
 
 /* Does rk_image_write know the ending? For who would rather hear of it before the work. */

@@ -17,6 +17,7 @@
 #include <algorithm>
 #include <cerrno>
 #include <cmath>
+#include <csignal>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -273,11 +274,32 @@ struct Unfinished {
     std::string path, temporary;
 } unfinished;
 
+// The temporary name for a signal, which may call nothing but the system.
+const char *volatile unfinished_name;
+
 void remove_unfinished()
 {
     if (!unfinished.temporary.empty())
         ::unlink(unfinished.temporary.c_str());
+    unfinished_name = nullptr;
     unfinished = {};
+}
+
+void on_interrupt(int signal)
+{
+    if (unfinished_name)
+        ::unlink(unfinished_name);
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+}
+
+// Ctrl-C reaches this process as well as its caller. What the caller ignores stays ignored.
+void remove_unfinished_when_interrupted()
+{
+    unfinished_name = unfinished.temporary.c_str();
+    for (int signal : {SIGHUP, SIGINT, SIGTERM})
+        if (std::signal(signal, on_interrupt) == SIG_IGN)
+            std::signal(signal, SIG_IGN);
 }
 
 // libjpeg ends the whole process when the disk is full.
@@ -313,6 +335,7 @@ void store(const std::string &path, Picture picture)
     spec["DateTime"] = "1970:01:01 00:00:00";
     unfinished = {path, temporary_name(path)};
     std::atexit(on_exit_by_library);
+    remove_unfinished_when_interrupted();
     if (!output->open(unfinished.temporary, spec))
         fail(path,
              "cannot be written: " + first_line(output->geterror()) + "; choose another place");
@@ -328,6 +351,7 @@ void store(const std::string &path, Picture picture)
     }
     if (std::rename(unfinished.temporary.c_str(), path.c_str()) != 0)
         fail_to_write(path, std::strerror(errno));
+    unfinished_name = nullptr;
     unfinished = {};
 }
 

@@ -33,6 +33,16 @@ static bool build_part(rk_bvh *bvh, const rk_accel *accel, uint32_t first, uint3
     return true;
 }
 
+static bool check_method(const rk_accel *accel, rk_error *error)
+{
+    if (accel->kind > RK_ACCEL_SAH_3)
+        return rk_fail(error, "the kind is %u, but rk_accel_kind goes from 0 to %u", accel->kind,
+                       RK_ACCEL_SAH_3);
+    if (accel->kind != RK_ACCEL_MEDIAN && (accel->bins < 2 || accel->bins > RK_SAH_BINS_MAX))
+        return rk_fail(error, "there are 2 to %d bins, not %u", RK_SAH_BINS_MAX, accel->bins);
+    return true;
+}
+
 /* Fills in how many triangles stand still. */
 static bool check_moving(const rk_scene *scene, uint32_t *still, rk_error *error)
 {
@@ -58,7 +68,8 @@ bool rk_accel_build_binned(rk_accel *accel, rk_accel_kind kind, uint32_t bins,
 {
     *accel = (rk_accel){.kind = kind, .bins = bins, .scene = scene};
     uint32_t still = 0;
-    bool ok = check_moving(scene, &still, error) && build_part(&accel->bvh, accel, 0, still, error);
+    bool ok = check_method(accel, error) && check_moving(scene, &still, error) &&
+              build_part(&accel->bvh, accel, 0, still, error);
     for (uint32_t i = 0; ok && i < scene->moving_count; i++)
         ok = build_part(&accel->moving[i], accel, scene->moving[i].first, scene->moving[i].count,
                         error);

@@ -22,12 +22,13 @@ typedef struct rk_accel {
     const rk_scene *scene;        /* for its spheres, which no tree holds */
 } rk_accel;
 
-/* `scene` stays where it is while the structure is in use. A scene whose moving objects are not its
- * last triangles, in order, is an error. */
+/* `scene` stays where it is while the structure is in use. Relies on a mesh that rk_mesh_validate
+ * accepts, as it does those of rk_scene_around, rk_scene_builtin and rk_mesh_read. An unknown kind
+ * is an error, and so is a scene whose moving objects are not its last triangles, in order. */
 bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_scene *scene, rk_error *error);
 void rk_accel_free(rk_accel *accel);
 
-/* The same with so many bins, where the kind has any. */
+/* The same with so many bins, 2 to RK_SAH_BINS_MAX, where the kind has any. */
 bool rk_accel_build_binned(rk_accel *accel, rk_accel_kind kind, uint32_t bins,
                            const rk_scene *scene, rk_error *error);
 

@@ -20,6 +20,27 @@ bool rk_bloom_wanted(const rk_bloom_options *options)
     return options->on && options->intensity > 0;
 }
 
+bool rk_bloom_check(const rk_bloom_options *options, rk_error *error)
+{
+    if (options->radius > RK_BLOOM_RADIUS_MAX)
+        return rk_fail(error, "a bloom's radius is at most %d pixels, not %u", RK_BLOOM_RADIUS_MAX,
+                       options->radius);
+    if (isnan(options->threshold))
+        return rk_fail(error, "a bloom's threshold is a number, not NaN");
+    if (!(options->intensity >= 0 && options->intensity < INFINITY))
+        return rk_fail(error, "a bloom's intensity is finite, and 0 or more, not %g",
+                       (double)options->intensity);
+    if (options->border > RK_BLOOM_RENORMALIZE)
+        return rk_fail(error,
+                       "the option bloom.border is %u, but rk_bloom_border goes from 0 to %u",
+                       options->border, RK_BLOOM_RENORMALIZE);
+    if (options->method > RK_BLOOM_PYRAMID)
+        return rk_fail(error,
+                       "the option bloom.method is %u, but rk_bloom_method goes from 0 to %u",
+                       options->method, RK_BLOOM_PYRAMID);
+    return true;
+}
+
 /* --- Where is light? -------------------------------------------------------------------------- */
 
 static void find_light_in_row(uint32_t y, uint32_t thread, void *context)
@@ -90,23 +111,13 @@ static bool prepare(rk_glowing *g, rk_error *error)
     return g->gains_across && g->gains_down;
 }
 
-static bool check(const rk_bloom_options *options, rk_error *error)
-{
-    if (options->radius > RK_BLOOM_RADIUS_MAX)
-        return rk_fail(error, "a bloom's radius is at most %d pixels, not %u", RK_BLOOM_RADIUS_MAX,
-                       options->radius);
-    if (isnan(options->threshold) || !(options->intensity < INFINITY))
-        return rk_fail(error, "a bloom's threshold and intensity are finite numbers");
-    return true;
-}
-
 bool rk_glow(rk_image *image, const rk_bloom_options *options, rk_pool *pool, rk_counters *counters,
              rk_error *error)
 {
+    if (!rk_bloom_check(options, error))
+        return false;
     if (!rk_bloom_wanted(options))
         return true;
-    if (!check(options, error))
-        return false;
     uint32_t threads = rk_pool_threads(pool);
     rk_glowing g = {.image = image, .to = image, .options = options};
     g.counters = rk_allocate(threads, sizeof *g.counters, "counters", error);

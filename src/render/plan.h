@@ -97,4 +97,9 @@ bool rk_light_shines(const rk_light *light);
 
 rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options);
 
+/* Can rk_render draw it? False with an error for a value out of its range or its enumeration, a
+ * wrong field of view, more lights or spheres than a scene has room for, and more samples than a
+ * sampler has numbers for. The mesh is not looked at: see rk_accel_build. */
+bool rk_render_check(const rk_scene *scene, const rk_render_options *options, rk_error *error);
+
 #endif

@@ -188,22 +188,6 @@ uint32_t rk_render_tiles(const rk_render_options *options)
     return tiles_along(options->width) * tiles_along(options->height);
 }
 
-/* Of a pixel, in the dimension that takes the most. */
-static uint64_t most_samples(const rk_scene *scene, const rk_render_options *options,
-                             const rk_plan *plan)
-{
-    uint64_t samples = options->samples;
-    if (plan->lens && options->lens_samples > samples)
-        samples = options->lens_samples;
-    samples *= rk_turns(plan, options, (uint32_t)samples);
-    if (plan->glossy)
-        samples *= options->glossy.samples;
-    for (uint32_t i = 0; i < scene->light_count; i++)
-        if (plan->rays && scene->lights[i].kind != RK_LIGHT_POINT)
-            return samples > RK_SAMPLES_MAX ? samples : samples * options->light.samples;
-    return samples;
-}
-
 bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
                const rk_render_options *options, rk_pool *pool, rk_counters *counters,
                rk_progress *progress, rk_error *error)
@@ -212,29 +196,14 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
         return rk_fail(error,
                        "the renderer needs threads, and an image of the options' size, %u x %u",
                        options->width, options->height);
-    if (options->width < 1 || options->height < 1 || options->samples < 1)
-        return rk_fail(error, "a picture has at least one pixel, and a pixel at least one sample");
-    if (options->recursion > RK_RECURSION_MAX || options->light.samples < 1)
-        return rk_fail(error, "rays go on at most %d times, and a light gets at least one sample",
-                       RK_RECURSION_MAX);
-    if (!(options->lens.focal_distance > 0 && options->lens.aperture >= 0))
-        return rk_fail(error,
-                       "a lens is focused at a distance above 0, and no smaller than a point");
-    if (!(options->motion.shutter.open <= options->motion.shutter.close))
-        return rk_fail(error, "the shutter opens at x = %g, behind x = %g, where it closes",
-                       (double)options->motion.shutter.open, (double)options->motion.shutter.close);
-    const rk_plan plan = rk_plan_of(scene, options);
-    if (most_samples(scene, options, &plan) > RK_SAMPLES_MAX)
-        return rk_fail(error,
-                       "a pixel takes at most %d samples, but its own, those of rough mirrors and "
-                       "those of lights multiply to more: ask for fewer",
-                       RK_SAMPLES_MAX);
+    if (!rk_render_check(scene, options, error))
+        return false;
     uint32_t threads = rk_pool_threads(pool);
     rk_rendering r = {
         .scene = scene,
         .accel = accel,
         .options = options,
-        .plan = plan,
+        .plan = rk_plan_of(scene, options),
         .view = rk_view_of(&scene->camera, options->width, options->height),
         .tiles_across = tiles_along(options->width),
         .image = image,

@@ -8,8 +8,9 @@
 #include "render/accel.h"
 #include "render/plan.h"
 
-/* Renders into `image`, which has the options' size (anything else is an error). The picture is the
- * same to the bit for any number of threads. `accel` was built over the scene's mesh. `counters`
+/* Renders into `image`, which has the options' size (anything else is an error, as is what
+ * rk_render_check refuses; both before the first ray). The picture is the same to the bit for any
+ * number of threads. `accel` was built over the scene's mesh. `counters`
  * receives what was done; `progress` (may be NULL) gets a step for each of the rk_render_tiles
  * tiles. */
 bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,

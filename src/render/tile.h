@@ -129,7 +129,8 @@ bool rk_focus_find(rk_rendering *r, rk_pool *pool, rk_error *error);
 static inline uint32_t rk_turns(const rk_plan *plan, const rk_render_options *options,
                                 uint32_t samples)
 {
-    return plan->time_samples ? (options->motion.samples + samples - 1) / samples : 1;
+    uint64_t times = options->motion.samples;
+    return plan->time_samples ? (uint32_t)((times + samples - 1) / samples) : 1;
 }
 
 /* Where a sample stands among those that are spread together. */

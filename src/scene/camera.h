@@ -28,6 +28,7 @@ typedef struct rk_view {
     float pixel;                   /* side of a pixel, a square, on that plane */
 } rk_view;
 
+/* Relies on a field of view in its range, and on at least one pixel; rk_render checks both. */
 rk_view rk_view_of(const rk_camera *camera, size_t width, size_t height);
 
 /* The point of the picture plane at distance 1 that the ray through the point (x, y) of the picture

@@ -30,7 +30,7 @@ void rk_scene_default_light(rk_scene *scene)
 bool rk_scene_around(rk_scene *scene, const char *name, rk_mesh *mesh, rk_error *error)
 {
     take_over(scene, name, mesh);
-    if (!rk_mesh_normalize(&scene->mesh, error)) {
+    if (!rk_mesh_validate(&scene->mesh, name, error) || !rk_mesh_normalize(&scene->mesh, error)) {
         rk_scene_free(scene);
         return false;
     }

@@ -12,6 +12,8 @@
 
 enum { RK_LIGHTS_MAX = 16, RK_SPHERES_MAX = 16, RK_MOVING_MAX = 16 };
 
+/* rk_render refuses a camera whose field of view is not in (0, 180) degrees, and a count above its
+ * maximum; rk_accel_build relies on a valid mesh. */
 typedef struct rk_scene {
     char name[64];
     rk_mesh mesh;
@@ -42,11 +44,11 @@ void rk_scene_free(rk_scene *scene);
  *   glass           a thin and a thick closed block of the same glass, and their shadows
  *   sphere:N        a sphere of at least N triangles (default 1280)
  *   spheres:N       such a sphere (default 80) beside an exact one, on a floor
+ *   shininess       five exact spheres, of shininess 1 to 100,000
  *   teapot:N        the Utah teapot, each of its 32 patches as N x N squares (default 16)
  *   scan:N          a statue as from a scanner, of exactly N triangles (default 87130)
  *   cover:N         all features in one scene, its statue of N triangles (default 87130)
- *   moving:N        the teapot, each patch as N x N squares (default 8), and a ball, which move
- * over a floor on paths of their own
+ *   moving:N        the teapot, patches as N x N squares (default 8), and a ball, on the move
  *
  * False with an error that lists the names when there is no such scene or N is out of range. */
 bool rk_scene_builtin(rk_scene *scene, const char *name, rk_error *error);
@@ -72,7 +74,9 @@ static inline uint32_t rk_scene_mover(const rk_scene *scene, uint32_t triangle)
 }
 
 /* A scene around a mesh, which it takes over (and zeroes): the mesh moved into the unit ball, the
- * default camera and a light above it, to the left. On failure the mesh is freed as well. */
+ * default camera and a light above it, to the left. False when memory is short, or with the error
+ * of rk_mesh_validate. In either case the mesh is no longer the caller's: on failure it is freed,
+ * and the scene is empty. */
 bool rk_scene_around(rk_scene *scene, const char *name, rk_mesh *mesh, rk_error *error);
 
 #endif
