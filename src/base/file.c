@@ -29,7 +29,11 @@ static FILE *open_unnamed(const rk_file *file)
              slash ? file->path : ".");
     if (access(file->temporary, F_OK) != 0 && errno != ENOENT)
         return NULL;
+#ifdef O_TMPFILE
     int descriptor = open(folder, O_TMPFILE | O_WRONLY | O_CLOEXEC, 0666);
+#else
+    int descriptor = -1;
+#endif
     if (descriptor < 0)
         return NULL;
     FILE *stream =
