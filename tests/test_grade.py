@@ -490,6 +490,32 @@ def hanging_does_not_last(toolchain, folder):
     check(text.count("short limit") == 1 and "..." not in text, "what fails for the same reason is told together", text)
 
 
+def who_ends_the_grader_is_named(folder):
+    place, out, work = (os.path.join(folder, name) for name in ("ending", "ended", "temporary"))
+    os.makedirs(work)
+    signals = "#include <signal.h>"
+    put(unit("kill(getppid(), SIGKILL);", signals), place, "ann", "bvh_median.c")
+    put(unit("kill(getppid(), SIGSTOP);", signals), place, "bob", "bvh_median.c")
+    put(unit("kill(getppid(), SIGKILL);", signals), place, "dan", "bvh_median.c")
+    put("", place, "dan", "bloom.c")
+    put(unit(""), place, "eve", "bvh_median.c")
+    os.environ["TMPDIR"] = work
+    status, said = run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median", "bloom",
+                       "--submissions", place, "--out", out)
+    del os.environ["TMPDIR"]
+    with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
+        rows = {row[0]: row for row in csv.reader(file)}
+    check(status == 0 and list(rows) == ["name", "ann", "bob", "dan", "eve"], "a class outlives who kills its grader", said)
+    for name, number in {"ann": "SIGKILL", "bob": "SIGSTOP", "dan": "SIGKILL"}.items():
+        check(rows[name][1] == "0" and f"ended its grader, by {number}" in rows[name][5],
+              f"who sends {number} is named, and has 0 points ({name})", rows[name])
+    check("rk_bloom" in rows["dan"][6], "another assignment of the same submission is judged all the same", rows["dan"])
+    check("is not sound" in rows["eve"][5], "who comes after it is judged", rows["eve"])
+    environments = subprocess.run(["ps", "-eo", "args", "e"], capture_output=True, text=True, check=False).stdout
+    check(not os.listdir(work) and "HOME=" + work not in environments, "who kills its grader leaves no folder and no process",
+          os.listdir(work))
+
+
 def a_class_is_graded(folder):
     place, out = os.path.join(folder, "class"), os.path.join(folder, "results")
     put(unit(""), place, "Ann, \"A\"", "bvh_median.c")
@@ -542,6 +568,7 @@ def main():
         a_driver_is_linked(folder)
         hanging_does_not_last(toolchain, folder)
         the_editors_files_name_what_there_is(folder)
+        who_ends_the_grader_is_named(folder)
         a_class_is_graded(folder)
         an_interrupt_ends_everything(folder)
     finally:
