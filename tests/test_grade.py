@@ -533,18 +533,59 @@ def a_class_is_graded(folder):
     check("cuont" in rows["bert"][4] and "found: else.c" in rows["carl"][4] and "neither" in rows["notes.txt"][5],
           "class.csv has the reasons", rows)
     check(sorted(os.listdir(out)) == ["Ann, \"A\".json", "bert.json", "carl.json", "class.csv"], "each has a report")
+    for other in (place, os.path.join(place, "out")):
+        status, said = run(*grader[:-1], other)
+        check(status == 2 and "lies among the submissions" in said and not os.path.exists(os.path.join(other, "class.csv")),
+              f"results in {os.path.basename(other)}, among the submissions, are refused", said)
+    put(unit(""), folder, "one", "bvh_median.c")
+    put("Begin with", folder, "one", "README.txt")
+    status, said = run(*grader[:-3], os.path.join(folder, "one"), "--out", out)
+    check(status == 2 and "one student's units (bvh_median)" in said and "make grade IMPL=" in said,
+          "one student's folder is no class", said)
+
+
+def planting(path):
+    return unit(f'FILE *file = fopen("{path}", "w");\n    if (file)\n        fclose(file);')
+
+
+def who_changes_the_kit_is_named(folder):
+    place, out = os.path.join(folder, "changing"), os.path.join(folder, "changed")
     planted = os.path.abspath(os.path.join("tests", "planted.o"))
-    put(unit(f'FILE *file = fopen("{planted}", "w");\n    if (file)\n        fclose(file);'), place, "bill", "bvh_median.c")
-    status, said = run(*grader)
-    os.unlink(planted)
-    with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
-        rows = list(csv.reader(file))
-    check(status == 2 and "planted.o" in said and os.path.join(place, "bill") in said and rows[-1][0] == "bill"
-          and rows[-1][1] == "" and not os.path.exists(os.path.join(out, "bill.json")),
-          "a submission that changes the kit ends the class and gets no verdict", said)
-    put(unit(f'FILE *file = fopen("{place}/bert.c", "w");\n    if (file)\n        fclose(file);'), place, "bill", "bvh_median.c")
-    status, said = run(*grader)
-    check(status == 2 and "bert.c" in said, "so does one that changes another's", said)
+    put(planting(planted), place, "ann", "bvh_median.c")
+    put(unit(""), place, "bob", "bvh_median.c")
+
+    def grade_all():
+        status, said = run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
+                           "--submissions", place, "--out", out)
+        with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
+            return status, said, list(csv.reader(file))
+
+    status, said, rows = grade_all()
+    taken = said.partition("is now in ")[2].partition(",")[0]
+    check(status == 1 and rows[1][:2] == ["ann", ""] and planted in rows[1][5] and not os.path.exists(os.path.join(out, "ann.json")),
+          "who adds a file to the kit is named, and has no verdict", said)
+    check(not os.path.exists(planted) and os.listdir(taken) == ["1-planted.o"] and "is not sound" in rows[2][4],
+          "the file is taken out, and the class goes on", said)
+    shutil.rmtree(taken)
+    put(planting(f"{place}/bob/bvh_median.c"), place, "ann", "bvh_median.c")
+    status, said, rows = grade_all()
+    check(status == 2 and rows[-1][:2] == ["ann", ""] and "bob/bvh_median.c changed" in said and len(rows) == 2,
+          "who changes what was there ends the class, and is named", said)
+    status, said = graded("--impl", os.path.join(place, "bob"))
+    check(status == 2 and "is still as" in said and "ann left it" in said, "nothing is graded while it is still so", said)
+    status, said, _ = grade_all()
+    check(status == 2 and "is still as" in said, "no class, either", said)
+    put(unit(""), place, "bob", "bvh_median.c")
+    put(unit(""), place, "ann", "bvh_median.c")
+    status, said, _ = grade_all()
+    check(status == 0 and not os.path.exists(os.path.join("impl", "changed.json")), "when it is put right, grading goes on", said)
+    put(planting(f"{place}/new.c"), place, "ann", "bvh_median.c")
+    status, said, _ = grade_all()
+    check(status == 2 and f"remove {place}/new.c" in said and os.path.exists(f"{place}/new.c"),
+          "what is new among the submissions is named, and stays: it may be somebody's", said)
+    os.unlink(f"{place}/new.c")
+    status, said = graded("--impl", os.path.join(place, "bob"), "--test", ONE)
+    check(status == 1, "when it is removed, grading goes on", said)
 
 
 def main():
@@ -570,6 +611,7 @@ def main():
         the_editors_files_name_what_there_is(folder)
         who_ends_the_grader_is_named(folder)
         a_class_is_graded(folder)
+        who_changes_the_kit_is_named(folder)
         an_interrupt_ends_everything(folder)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

@@ -280,9 +280,10 @@ def grade_submission(build_folder, stems, impl, only=None, progress=None, places
     folders."""
     toolchain = building.Toolchain(build_folder)
     stems = stems or list(read_features(toolchain.source))
+    kit.check_restored(toolchain)
     before = kit.state(toolchain, *places)
     suites = _grade_apart(build_folder, stems, impl, only, progress)
-    kit.check_unchanged(before, kit.state(toolchain, *places), impl)
+    kit.check_unchanged(toolchain, before, impl, *places)
     return suites
 
 
