@@ -41,8 +41,8 @@ def _check_is_a_class(folder, found, features):
     """One student's folder would be graded as students who are called bloom and so on."""
     work = {name: path for name, path in found.items() if path.endswith(".c") or os.path.isdir(path)}
     if work and all(name in features and os.path.isfile(path) for name, path in work.items()):
-        raise ToolError(f"SUBMISSIONS: the folder {folder} holds one student's units ({', '.join(work)}); give the folder "
-                        f"that it is in, or grade it by make grade IMPL={folder}")
+        raise ToolError(f"SUBMISSIONS: the folder {folder} holds one student's units ({', '.join(work)}); give the "
+                        f"folder that it is in, or grade it by make grade IMPL={folder}")
 
 
 def _remarks(suites):

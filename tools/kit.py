@@ -65,8 +65,8 @@ def check_unchanged(toolchain, before, submission, *places):
     if all(path not in before and path.startswith(tops) and not path.startswith(others) for path in changed):
         folder = _take_out(toolchain, changed)
         if folder and state(toolchain, *places) == before:
-            raise KitRestored(f"{submission} added {_named(changed)} to the kit, so no verdict on it is believed; what it "
-                              f"added is now in {folder}, and the kit is as before")
+            raise KitRestored(f"{submission} added {_named(changed)} to the kit, so no verdict on it is believed; "
+                              f"what it added is now in {folder}, and the kit is as before")
     write_whole(_note(toolchain), json.dumps({"by": submission, "files": {path: _mark(path) for path in changed}}))
     raise KitChanged(f"while {submission} was graded, {_named(changed)} changed: no verdict on it is believed. "
                      f"Read what it does; {_remedy(toolchain, [path for path in changed if path not in before])}")
@@ -96,8 +96,8 @@ def _named(paths):
 
 def _remedy(toolchain, added):
     remove = f"remove {_named(added)} and " if added else "remove what is new, and "
-    return (f"{remove}bring back what was there before (git checkout, or unpack the kit anew; make clean and make for "
-            f"what is built). Until then nothing is graded; where all is well, remove {_note(toolchain)}")
+    return (f"{remove}bring back what was there before (git checkout, or unpack the kit anew; make clean and make "
+            f"for what is built). Until then nothing is graded; where all is well, remove {_note(toolchain)}")
 
 
 def _take_out(toolchain, paths):
