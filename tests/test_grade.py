@@ -578,7 +578,7 @@ def who_changes_the_kit_is_named(folder):
     put(unit(""), place, "bob", "bvh_median.c")
     put(unit(""), place, "ann", "bvh_median.c")
     status, said, _ = grade_all()
-    check(status == 0 and not os.path.exists(os.path.join("impl", "changed.json")), "when it is put right, grading goes on", said)
+    check(status == 0 and not os.path.exists("grading-stopped.json"), "when it is put right, grading goes on", said)
     put(planting(f"{place}/new.c"), place, "ann", "bvh_median.c")
     status, said, _ = grade_all()
     check(status == 2 and f"remove {place}/new.c" in said and os.path.exists(f"{place}/new.c"),
