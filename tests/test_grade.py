@@ -490,6 +490,32 @@ def hanging_does_not_last(toolchain, folder):
     check(text.count("short limit") == 1 and "..." not in text, "what fails for the same reason is told together", text)
 
 
+def who_ends_the_grader_is_named(folder):
+    place, out, work = (os.path.join(folder, name) for name in ("ending", "ended", "temporary"))
+    os.makedirs(work)
+    signals = "#include <signal.h>"
+    put(unit("kill(getppid(), SIGKILL);", signals), place, "ann", "bvh_median.c")
+    put(unit("kill(getppid(), SIGSTOP);", signals), place, "bob", "bvh_median.c")
+    put(unit("kill(getppid(), SIGKILL);", signals), place, "dan", "bvh_median.c")
+    put("", place, "dan", "bloom.c")
+    put(unit(""), place, "eve", "bvh_median.c")
+    os.environ["TMPDIR"] = work
+    status, said = run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median", "bloom",
+                       "--submissions", place, "--out", out)
+    del os.environ["TMPDIR"]
+    with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
+        rows = {row[0]: row for row in csv.reader(file)}
+    check(status == 0 and list(rows) == ["name", "ann", "bob", "dan", "eve"], "a class outlives who kills its grader", said)
+    for name, number in {"ann": "SIGKILL", "bob": "SIGSTOP", "dan": "SIGKILL"}.items():
+        check(rows[name][1] == "0" and f"ended its grader, by {number}" in rows[name][5],
+              f"who sends {number} is named, and has 0 points ({name})", rows[name])
+    check("rk_bloom" in rows["dan"][6], "another assignment of the same submission is judged all the same", rows["dan"])
+    check("is not sound" in rows["eve"][5], "who comes after it is judged", rows["eve"])
+    environments = subprocess.run(["ps", "-eo", "args", "e"], capture_output=True, text=True, check=False).stdout
+    check(not os.listdir(work) and "HOME=" + work not in environments, "who kills its grader leaves no folder and no process",
+          os.listdir(work))
+
+
 def a_class_is_graded(folder):
     place, out = os.path.join(folder, "class"), os.path.join(folder, "results")
     put(unit(""), place, "Ann, \"A\"", "bvh_median.c")
@@ -507,18 +533,59 @@ def a_class_is_graded(folder):
     check("cuont" in rows["bert"][4] and "found: else.c" in rows["carl"][4] and "neither" in rows["notes.txt"][5],
           "class.csv has the reasons", rows)
     check(sorted(os.listdir(out)) == ["Ann, \"A\".json", "bert.json", "carl.json", "class.csv"], "each has a report")
+    for other in (place, os.path.join(place, "out")):
+        status, said = run(*grader[:-1], other)
+        check(status == 2 and "lies among the submissions" in said and not os.path.exists(os.path.join(other, "class.csv")),
+              f"results in {os.path.basename(other)}, among the submissions, are refused", said)
+    put(unit(""), folder, "one", "bvh_median.c")
+    put("Begin with", folder, "one", "README.txt")
+    status, said = run(*grader[:-3], os.path.join(folder, "one"), "--out", out)
+    check(status == 2 and "one student's units (bvh_median)" in said and "make grade IMPL=" in said,
+          "one student's folder is no class", said)
+
+
+def planting(path):
+    return unit(f'FILE *file = fopen("{path}", "w");\n    if (file)\n        fclose(file);')
+
+
+def who_changes_the_kit_is_named(folder):
+    place, out = os.path.join(folder, "changing"), os.path.join(folder, "changed")
     planted = os.path.abspath(os.path.join("tests", "planted.o"))
-    put(unit(f'FILE *file = fopen("{planted}", "w");\n    if (file)\n        fclose(file);'), place, "bill", "bvh_median.c")
-    status, said = run(*grader)
-    os.unlink(planted)
-    with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
-        rows = list(csv.reader(file))
-    check(status == 2 and "planted.o" in said and os.path.join(place, "bill") in said and rows[-1][0] == "bill"
-          and rows[-1][1] == "" and not os.path.exists(os.path.join(out, "bill.json")),
-          "a submission that changes the kit ends the class and gets no verdict", said)
-    put(unit(f'FILE *file = fopen("{place}/bert.c", "w");\n    if (file)\n        fclose(file);'), place, "bill", "bvh_median.c")
-    status, said = run(*grader)
-    check(status == 2 and "bert.c" in said, "so does one that changes another's", said)
+    put(planting(planted), place, "ann", "bvh_median.c")
+    put(unit(""), place, "bob", "bvh_median.c")
+
+    def grade_all():
+        status, said = run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
+                           "--submissions", place, "--out", out)
+        with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
+            return status, said, list(csv.reader(file))
+
+    status, said, rows = grade_all()
+    taken = said.partition("is now in ")[2].partition(",")[0]
+    check(status == 1 and rows[1][:2] == ["ann", ""] and planted in rows[1][5] and not os.path.exists(os.path.join(out, "ann.json")),
+          "who adds a file to the kit is named, and has no verdict", said)
+    check(not os.path.exists(planted) and os.listdir(taken) == ["1-planted.o"] and "is not sound" in rows[2][4],
+          "the file is taken out, and the class goes on", said)
+    shutil.rmtree(taken)
+    put(planting(f"{place}/bob/bvh_median.c"), place, "ann", "bvh_median.c")
+    status, said, rows = grade_all()
+    check(status == 2 and rows[-1][:2] == ["ann", ""] and "bob/bvh_median.c changed" in said and len(rows) == 2,
+          "who changes what was there ends the class, and is named", said)
+    status, said = graded("--impl", os.path.join(place, "bob"))
+    check(status == 2 and "is still as" in said and "ann left it" in said, "nothing is graded while it is still so", said)
+    status, said, _ = grade_all()
+    check(status == 2 and "is still as" in said, "no class, either", said)
+    put(unit(""), place, "bob", "bvh_median.c")
+    put(unit(""), place, "ann", "bvh_median.c")
+    status, said, _ = grade_all()
+    check(status == 0 and not os.path.exists("grading-stopped.json"), "when it is put right, grading goes on", said)
+    put(planting(f"{place}/new.c"), place, "ann", "bvh_median.c")
+    status, said, _ = grade_all()
+    check(status == 2 and f"remove {place}/new.c" in said and os.path.exists(f"{place}/new.c"),
+          "what is new among the submissions is named, and stays: it may be somebody's", said)
+    os.unlink(f"{place}/new.c")
+    status, said = graded("--impl", os.path.join(place, "bob"), "--test", ONE)
+    check(status == 1, "when it is removed, grading goes on", said)
 
 
 def main():
@@ -542,7 +609,9 @@ def main():
         a_driver_is_linked(folder)
         hanging_does_not_last(toolchain, folder)
         the_editors_files_name_what_there_is(folder)
+        who_ends_the_grader_is_named(folder)
         a_class_is_graded(folder)
+        who_changes_the_kit_is_named(folder)
         an_interrupt_ends_everything(folder)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

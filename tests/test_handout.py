@@ -15,12 +15,14 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 import handout  # noqa: E402
+import proof  # noqa: E402
 from assignments import ToolError, read_features, read_points  # noqa: E402
 from building import Toolchain  # noqa: E402
 from regions import solution_lines, starter_of  # noqa: E402
 
 STEM = "bvh_median"
-FEATURE = read_features(SOURCE)[STEM]
+FEATURES = read_features(SOURCE)
+FEATURE = FEATURES[STEM]
 STARTER = starter_of(FEATURE.reference)
 TESTS = read_points(FEATURE)
 TOTAL = sum(test.points for test in TESTS)
@@ -98,12 +100,12 @@ def texts_speak_of_the_pack(pack):
 
 
 def smuggled_lines_are_found(pack):
-    secrets, common = handout.secret_lines(SOURCE, [FEATURE])
+    secrets, common = proof.secret_lines(SOURCE, [FEATURE])
     check(SECRET in secrets and SECRET not in common, "a line that only the solution has is looked for")
     check(COMMON in common, "a line that the kit's other code has, too, says nothing")
     solved = [" ".join(line.split()) for line in read(FEATURE.reference).split("\n")]
-    check(handout._passages(solved, secrets), "a passage of the solution in the kit's own code is found")
-    check(not handout._passages(solved[::40], secrets), "its lines one by one, by chance, are none")
+    check(proof._passages(solved, secrets), "a passage of the solution in the kit's own code is found")
+    check(not proof._passages(solved[::40], secrets), "its lines one by one, by chance, are none")
     cases = {
         "in a text": ("README.md", "> and then " + SECRET + " it is done"),
         "in a patch": ("tests/mutants/other/one.patch", "-        " + SECRET),
@@ -119,19 +121,36 @@ def smuggled_lines_are_found(pack):
         os.makedirs(os.path.dirname(place), exist_ok=True)
         with open(place, "a", encoding="utf-8", errors="surrogateescape") as file:
             file.write("\n" + line + "\n")
-        found = handout.find_secrets(SOURCE, pack, [FEATURE], secrets, common)
+        found = proof.find_secrets(SOURCE, pack, [FEATURE], secrets, common)
         check(len(found) == 1 and found[0].startswith(path + ":"), f"a solution line is found {name}", found)
         os.unlink(place)
         if before is not None:
             write(before, place)
     try:
         write(SECRET, pack, "leak.txt")
-        handout.prove(SOURCE, pack, [FEATURE])
+        proof.prove(SOURCE, pack, FEATURES, [FEATURE])
         check(False, "a pack with a leak is refused")
     except ToolError as error:
         check("leak.txt:1" in str(error), "a pack with a leak is refused, with file and line", error)
     os.unlink(os.path.join(pack, "leak.txt"))
-    check(not handout.find_secrets(SOURCE, pack, [FEATURE], secrets, common), "without the leaks the pack is clean again")
+    check(not proof.find_secrets(SOURCE, pack, [FEATURE], secrets, common), "without the leaks the pack is clean again")
+
+
+def what_the_kit_has_in_common_is_told(pack):
+    place, line = os.path.join(pack, "examples", "shared.c"), "    " + SECRET
+    write("/* a line by itself */\n" + line + "\n", place)
+    found = proof.lines_elsewhere(pack, [FEATURE], {SECRET, COMMON})
+    os.unlink(place)
+    check(found[0] == ("examples/shared.c", 2, SECRET, 1) and found[1][2] == COMMON and found[1][3] > 1,
+          "a solution line in the kit's other code is told, with file and line, the rare ones first", found)
+    for stem, _, name, beginning in proof.SAME_STEPS:
+        steps = proof.steps_elsewhere(SOURCE, [FEATURES[stem]])
+        check(any(step[0] == name and read(SOURCE, name).split("\n")[step[1] - 1].startswith(beginning) for step in steps),
+              f"a step of {stem} in other words is found in {name}", steps)
+    lens, glossy = FEATURES["depth_of_field"], FEATURES["glossy_reflection"]
+    said = "\n".join(proof.prove(SOURCE, pack, FEATURES, [FEATURE]))
+    check("src/render/packet.c:" in said and "in other words" in said, "the packing says so", said)
+    check(not proof.steps_elsewhere(SOURCE, [lens, glossy]), "two that are handed out together do not tell of each other")
 
 
 # --- The student works ----------------------------------------------------------------------------
@@ -154,7 +173,8 @@ def the_pack_is_failed_and_solved(pack):
     status, said = run(pack, make, "-s", "-j2", f"check-{STEM}")
     check(status != 0 and f"first: {TESTS[0].name}" in said, "the starter fails, and the check says where to begin", said)
     _, said = run(pack, make, "-s", "grade", "FORMAT=tap")
-    check(said.count("not ok ") == sum(test.points > 0 for test in TESTS), "the starter fails every test with points", said)
+    scored = sum(test.points > 0 for test in TESTS)
+    check(said.count("not ok ") == scored, "the starter fails every test that carries points, and no other", said)
     status, said = run(pack, make, "-s", "progress")
     check(status == 0 and f"0 of {TOTAL}" in said, "progress counts no points yet", said)
     status, said = run(pack, make, "-s", f"diff-{STEM}")
@@ -239,11 +259,12 @@ def main():
         mistakes_are_refused(places["refused"])
         pack = os.path.join(places["packed"], "pack")
         said = handout.make_handout(SOURCE, [STEM], folder=pack, book=False)
-        check(os.listdir(places["packed"]) == ["pack"] and "none found" in said[1],
+        check(os.listdir(places["packed"]) == ["pack"] and "none where students write" in said[1],
               "the pack is there with its proof, and nothing beside it", said)
         the_pack_holds_no_solution(pack)
         texts_speak_of_the_pack(pack)
         smuggled_lines_are_found(pack)
+        what_the_kit_has_in_common_is_told(pack)
         the_pack_is_failed_and_solved(pack)
         a_class_is_graded(places["class"])
     finally:

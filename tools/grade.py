@@ -17,6 +17,7 @@ import sys
 import tempfile
 import threading
 
+import apart
 import building
 import guarded
 import kit
@@ -260,12 +261,29 @@ def grade_impl(build_folder, stems, impl, fallback=False, only=None, progress=No
     return toolchain, suites
 
 
+def _grade_apart(build_folder, stems, impl, only, progress):
+    """Grades in a process of its own. Where a unit ends that, each feature gets one, and who ends it
+    again has no verdicts."""
+    try:
+        return apart.call(grade_impl, build_folder, stems, impl, False, only, progress)[1]
+    except apart.Ended as ended:
+        if len(stems) > 1:
+            return [suite for stem in stems for suite in _grade_apart(build_folder, [stem], impl, only, progress)]
+        features = read_features(building.Toolchain(build_folder).source)
+        [suite] = prepare_suites(features, choose(features, stems), impl, False, only)
+        suite.give_up(f"ended its grader, by {ended}, so no claim has a verdict: does the code send signals?")
+        return [suite]
+
+
 def grade_submission(build_folder, stems, impl, only=None, progress=None, places=()):
-    """The same for somebody else's work: it must not have changed the kit, nor these folders."""
+    """Returns the suites of somebody else's work, which must not have changed the kit, nor these
+    folders."""
     toolchain = building.Toolchain(build_folder)
+    stems = stems or list(read_features(toolchain.source))
+    kit.check_restored(toolchain)
     before = kit.state(toolchain, *places)
-    _, suites = grade_impl(build_folder, stems, impl, only=only, progress=progress)
-    kit.check_unchanged(before, kit.state(toolchain, *places), impl)
+    suites = _grade_apart(build_folder, stems, impl, only, progress)
+    kit.check_unchanged(toolchain, before, impl, *places)
     return suites
 
 

@@ -2,8 +2,9 @@
 """Grades a class: each folder or C file in SUBMISSIONS, one after the other. Writes a report for each
 and class.csv, which is renewed after each, so that an interruption keeps what is done.
 
-A submission that cannot be graded gets a remark and no points. One that changes the kit, another's
-submission or the results ends the class: nothing after it could be believed.
+A submission that cannot be graded gets a remark and no points; so does one that adds files to the kit,
+which are taken out again. One that changes the kit, another's submission or the results ends the class:
+nothing after it could be believed.
 """
 
 import csv
@@ -12,10 +13,10 @@ import os
 import sys
 
 import building
+import kit
 import results
 from assignments import Parser, ToolError, cannot_write, choose, choose_format, read_features, read_points
 from grade import grade_submission, stop_on_signals
-from kit import KitChanged
 
 _ENDINGS = {"text": ".txt", "table": ".txt", "tap": ".tap", "junit": ".xml", "gradescope": ".json"}
 
@@ -34,6 +35,14 @@ def submissions_in(folder):
     if not found:
         raise ToolError(f"SUBMISSIONS: the folder {folder} is empty")
     return found
+
+
+def _check_is_a_class(folder, found, features):
+    """One student's folder would be graded as students who are called bloom and so on."""
+    work = {name: path for name, path in found.items() if path.endswith(".c") or os.path.isdir(path)}
+    if work and all(name in features and os.path.isfile(path) for name, path in work.items()):
+        raise ToolError(f"SUBMISSIONS: the folder {folder} holds one student's units ({', '.join(work)}); give the "
+                        f"folder that it is in, or grade it by make grade IMPL={folder}")
 
 
 def _remarks(suites):
@@ -70,10 +79,12 @@ def grade_class(build, stems, submissions, out, format_name):
     toolchain = building.Toolchain(build)
     features = choose(read_features(toolchain.source), stems)
     found = submissions_in(submissions)
+    _check_is_a_class(submissions, found, read_features(toolchain.source))
     if not out:
         raise ToolError("say where the results go: OUT=results, a folder")
-    if os.path.realpath(out).startswith(os.path.join(os.path.realpath(submissions), "")):
+    if os.path.join(os.path.realpath(out), "").startswith(os.path.join(os.path.realpath(submissions), "")):
         raise ToolError(f"OUT: {out} lies among the submissions; choose another place")
+    kit.check_restored(toolchain)
     try:
         os.makedirs(out, exist_ok=True)
     except OSError as error:
@@ -91,7 +102,7 @@ def grade_class(build, stems, submissions, out, format_name):
                                 results.FORMATS[format_name](suites, name))
             table.add(name, [suite.points() for suite in suites], results.first_failed(suites), _remarks(suites))
             print(f"{said}{results.total(suites):>12} points", flush=True)
-        except KitChanged:
+        except kit.KitChanged:
             table.add(name, [], remarks="changed the kit, a submission or the results; the class stopped here")
             raise
         except Exception as error:  # whatever one submission brings about, the others are graded

@@ -20,6 +20,8 @@ import time
 
 stop = threading.Event()  # set: every run ends at once
 
+_prctl = getattr(ctypes.CDLL(None), "prctl", lambda *_: None)  # Linux has it
+
 _PAGE = os.sysconf("SC_PAGE_SIZE")
 _PROCESSES_MAX = 64
 _FILE_BYTES_MAX = 256 << 20
@@ -63,12 +65,16 @@ def prepare():
     """Called once: no core files, orphans come to this process, where end_strays finds them, and what
     it started cannot look into its memory (unless that runs as root)."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
-    try:
-        set_dumpable, set_child_subreaper = 4, 36  # PR_SET_... of <linux/prctl.h>
-        ctypes.CDLL(None).prctl(set_dumpable, 0, 0, 0, 0)
-        ctypes.CDLL(None).prctl(set_child_subreaper, 1, 0, 0, 0)
-    except (OSError, AttributeError):
-        pass
+    set_dumpable, set_child_subreaper = 4, 36  # PR_SET_... of <linux/prctl.h>
+    _prctl(set_dumpable, 0, 0, 0, 0)
+    _prctl(set_child_subreaper, 1, 0, 0, 0)
+
+
+def end_with_parent(number=signal.SIGKILL):
+    """Has the system send this signal when the parent ends. What outlived a killed grader would get
+    the next process up as its parent, and could kill that, too."""
+    set_parent_death_signal = 1
+    _prctl(set_parent_death_signal, int(number), 0, 0, 0)
 
 
 def _children(pid):
@@ -142,6 +148,28 @@ def end_strays():
                 pass
 
 
+def end_those_in(folder):
+    """Kills what was given a home in this folder, after its grader was ended and could not. It is no
+    child of this process, and so does not find it by asking for its parent."""
+    if not os.path.isdir("/proc"):
+        return
+    home = b"HOME=" + os.fsencode(folder) + b"/"
+    for _ in range(100):
+        found = [int(name) for name in os.listdir("/proc") if name.isdigit() and home in _environ(name)]
+        for pid in found:
+            _kill(pid)
+        if not found:
+            return
+
+
+def _environ(pid):
+    try:
+        with open(f"/proc/{pid}/environ", "rb") as file:
+            return file.read()
+    except OSError:
+        return b""
+
+
 def _has_ended(process):
     """Asks without burying it, so that its number stays its own until its group is killed."""
     return os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
@@ -193,7 +221,8 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
     try:
         process = subprocess.Popen(
             command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT, start_new_session=True, pass_fds=descriptors, **options,
+            stderr=subprocess.STDOUT, start_new_session=True, pass_fds=descriptors,
+            preexec_fn=end_with_parent, **options,
         )
     finally:
         if witnessed:

@@ -2,13 +2,11 @@
 """Packs the kit for students: everything but the solutions of the named assignments, proven.
 
 The pack is a release of the kit in which those features' sources are starters in workbook/; its
-Makefile.am says so in `handed_out`. It grows beside its place and takes it when it is whole and no
-solution line was found in any of its files.
+Makefile.am says so in `handed_out`. It grows beside its place and takes it when it is whole and the
+solutions were not found in it (proof.py).
 """
 
 import errno
-import filecmp
-import html
 import os
 import re
 import shutil
@@ -18,7 +16,8 @@ import tarfile
 import tempfile
 
 from assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
-from regions import RegionError, handed_out_of, solution_lines, starter_of
+from proof import prove
+from regions import RegionError, handed_out_of, starter_of
 from results import write_whole
 
 HANDOUT = """\
@@ -202,93 +201,6 @@ def _write_handout(pack, features, has_book):
         assignments="\n".join(rows), first=first, reading=reading, files=files, **commands))
 
 
-# --- The proof ------------------------------------------------------------------------------------
-
-
-def _files(folder):
-    return sorted(os.path.relpath(os.path.join(where, name), folder)
-                  for where, _, names in os.walk(folder) for name in names)
-
-
-def _spaced(text):
-    return " ".join(text.split())
-
-
-def _read_lines(path):
-    """The file's lines, spaces made even; a page's without its tags."""
-    with open(path, encoding="utf-8", errors="replace") as file:
-        text = file.read()
-    lines = text.split("\n")
-    if path.endswith(".html"):
-        lines = [html.unescape(re.sub("<[^>]*>", "", line)) for line in lines]
-    return [_spaced(line) for line in lines]
-
-
-def secret_lines(source, features):
-    """Returns the features' solution lines, spaces made even, and those of them that prove nothing
-    by themselves: another C file of the kit has them, too."""
-    secrets = {_spaced(line) for feature in features for line in solution_lines(feature.reference)}
-    for feature in features:
-        secrets -= {_spaced(line) for line in starter_of(feature.reference).split("\n")}
-    own = {os.path.realpath(feature.reference) for feature in features}
-    common = set()
-    for part in ("src", "tests", "assignments"):
-        for name in _files(os.path.join(source, part)):
-            path = os.path.join(source, part, name)
-            if name.endswith((".c", ".h")) and os.path.realpath(path) not in own:
-                text = "\n".join(_read_lines(path))
-                common |= {line for line in secrets if line in text}
-    return secrets, common
-
-
-def _is_the_kits(source, pack, name):
-    """Whether packing left this file of the kit as it was."""
-    own, packed = os.path.join(source, name), os.path.join(pack, name)
-    return os.path.isfile(own) and filecmp.cmp(own, packed, shallow=False)
-
-
-_PASSAGE = 4  # lines of a solution, and how near to each other they tell more than chance
-
-
-def _passages(lines, secrets):
-    """Returns the numbers of lines where a passage of a solution begins: several of its lines,
-    different ones, that are hardly interrupted."""
-    places = [number for number, line in enumerate(lines) if line in secrets]
-    return [number for number in places
-            if len({line for line in lines[number:number + _PASSAGE + 1] if line in secrets}) >= _PASSAGE]
-
-
-def find_secrets(source, pack, features, secrets, common):
-    """Returns "file:line: text" for each line of the pack that gives a solution away. In the places
-    of the solutions it is any line of them, the common ones too; in what packing made or changed,
-    any that is not common; in the kit's other files, which may have a line by chance, a passage."""
-    own = {f"{folder}/{feature.stem}.c" for feature in features for folder in ("workbook", "src/features")}
-    found = []
-    for name in _files(pack):
-        lines = _read_lines(os.path.join(pack, name))
-        if name in own:
-            numbers = [number for number, line in enumerate(lines) if line in secrets]
-        elif _is_the_kits(source, pack, name):
-            numbers = _passages(lines, secrets)
-        else:
-            held = [line for line in secrets - common if line in "\n".join(lines)]
-            numbers = [number for number, line in enumerate(lines) if any(secret in line for secret in held)]
-        found += [f"{name}:{number + 1}: {lines[number][:100]}" for number in numbers]
-    return found
-
-
-def prove(source, pack, features):
-    """Returns a sentence that no file holds a solution line, or raises ToolError with the places."""
-    secrets, common = secret_lines(source, features)
-    found = find_secrets(source, pack, features, secrets, common)
-    if found:
-        more = [f"and {len(found) - 10} more"] if len(found) > 10 else []
-        raise ToolError("\n".join(["these lines of the pack are solutions:", *found[:10], *more,
-                                   "take them out; if another feature has them, name it in ASSIGNMENTS, too"]))
-    return (f"{len(secrets)} solution lines looked for in {len(_files(pack))} files, none found "
-            f"({len(common)} of them, common in the kit's other code, only where students write)")
-
-
 # --- The command ----------------------------------------------------------------------------------
 
 
@@ -313,7 +225,7 @@ def make_handout(source, stems, out="", folder="", book=True):
         if has_book:
             _weave_book(pack, features.values())
         _write_handout(pack, chosen, has_book)
-        proof = prove(source, pack, chosen)
+        proof = prove(source, pack, features, chosen)
         if not folder:
             with tarfile.open(pack + ".tar.gz", "w:gz") as archive:
                 archive.add(pack, name, filter=_anonymous)
@@ -321,7 +233,7 @@ def make_handout(source, stems, out="", folder="", book=True):
     finally:
         shutil.rmtree(work, ignore_errors=True)
     without = "" if has_book else ", without the book" + (" (it needs pandoc)" if book else "")
-    return [f"handed out: {' '.join(feature.stem for feature in chosen)}{without}", proof,
+    return [f"handed out: {' '.join(feature.stem for feature in chosen)}{without}", *proof,
             f"wrote {place}; students begin with its HANDOUT.md"]
 
 

@@ -1,9 +1,12 @@
 """Has a submission changed what others are graded with? What grading stands on is looked at before
 and after it: a unit runs as the user who grades, and can write whatever that user can."""
 
+import json
 import os
+import tempfile
 
 from assignments import ToolError
+from results import write_whole
 
 _FOLDERS = ("tools", "tests", "assignments", "src")
 _FILES = ("Makefile", "Makefile.am", "librktest.a", "librkbase.a", "impl/toolchain")
@@ -11,7 +14,20 @@ _OF_OTHERS = (".log", ".trs")  # written by make check, which may run at the sam
 
 
 class KitChanged(ToolError):
-    """No verdict since the last look can be believed."""
+    """No verdict since the last look can be believed, and none on others until somebody puts right
+    what was changed."""
+
+
+class KitRestored(ToolError):
+    """No verdict since the last look can be believed; the kit is as it was before."""
+
+
+def _mark(path):
+    try:
+        status = os.lstat(path)
+    except OSError:
+        return None
+    return [status.st_mode, status.st_size, status.st_ino, status.st_mtime_ns, status.st_ctime_ns]
 
 
 def state(toolchain, *places):
@@ -20,30 +36,76 @@ def state(toolchain, *places):
     found = {}
 
     def look(path):
-        try:
-            status = os.lstat(path)
-        except OSError:
-            return
-        found[path] = (status.st_mode, status.st_size, status.st_ino, status.st_mtime_ns, status.st_ctime_ns)
+        mark = _mark(path)
+        if mark:
+            found[path] = mark
 
     for top in {toolchain.source, toolchain.build}:
         for name in _FILES:
             look(os.path.join(top, name))
     tops = [os.path.join(top, name) for top in {toolchain.source, toolchain.build} for name in _FOLDERS]
     for folder in [*tops, *places]:
-        for where, _, names in os.walk(folder):
-            for name in names:
+        for where, folders, names in os.walk(folder):
+            links = [name for name in folders if os.path.islink(os.path.join(where, name))]
+            for name in names + links:
                 if not name.endswith(_OF_OTHERS):
                     look(os.path.join(where, name))
     return found
 
 
-def check_unchanged(before, after, submission):
-    """Raises KitChanged, which names a file and the submission, unless both states are the same."""
+def check_unchanged(toolchain, before, submission, *places):
+    """Raises KitRestored if the kit has files more than in the state before, which are taken out of
+    it; KitChanged if anything else is not as it was, also in these folders."""
+    after = state(toolchain, *places)
     changed = sorted(path for path in before.keys() | after.keys() if before.get(path) != after.get(path))
-    if changed:
-        others = f" and {len(changed) - 1} more" if len(changed) > 1 else ""
-        raise KitChanged(
-            f"while {submission} was graded, {changed[0]}{others} changed: no verdict on it is believed. Read what it "
-            "does, and restore the kit before you grade on: unpack it anew, or git checkout, make clean and make"
-        )
+    if not changed:
+        return
+    tops = tuple(os.path.join(top, "") for top in (toolchain.source, toolchain.build))
+    others = tuple(os.path.join(os.path.abspath(place), "") for place in places)
+    if all(path not in before and path.startswith(tops) and not path.startswith(others) for path in changed):
+        folder = _take_out(toolchain, changed)
+        if folder and state(toolchain, *places) == before:
+            raise KitRestored(f"{submission} added {_named(changed)} to the kit, so no verdict on it is believed; "
+                              f"what it added is now in {folder}, and the kit is as before")
+    write_whole(_note(toolchain), json.dumps({"by": submission, "files": {path: _mark(path) for path in changed}}))
+    raise KitChanged(f"while {submission} was graded, {_named(changed)} changed: no verdict on it is believed. "
+                     f"Read what it does; {_remedy(toolchain, [path for path in changed if path not in before])}")
+
+
+def check_restored(toolchain):
+    """Raises ToolError if a file is still as an earlier submission left it."""
+    try:
+        with open(_note(toolchain), encoding="utf-8") as file:
+            note = json.load(file)
+    except OSError:
+        return
+    left = [path for path, mark in note["files"].items() if _mark(path) == mark]
+    if left:
+        raise ToolError(f"{_named(left)} {'is' if len(left) == 1 else 'are'} still as {note['by']} left it; "
+                        f"{_remedy(toolchain, [])}")
+    os.unlink(_note(toolchain))
+
+
+def _note(toolchain):
+    return os.path.join(toolchain.build, "grading-stopped.json")  # make clean, part of the remedy, leaves it
+
+
+def _named(paths):
+    return " and ".join([", ".join(paths[:3]), *([f"{len(paths) - 3} more"] if len(paths) > 3 else [])])
+
+
+def _remedy(toolchain, added):
+    remove = f"remove {_named(added)} and " if added else "remove what is new, and "
+    return (f"{remove}bring back what was there before (git checkout, or unpack the kit anew; make clean and make "
+            f"for what is built). Until then nothing is graded; where all is well, remove {_note(toolchain)}")
+
+
+def _take_out(toolchain, paths):
+    """Moves files out of the kit. Returns the folder they are in now, or None if it cannot be done."""
+    try:
+        folder = tempfile.mkdtemp(prefix="added-", dir=os.path.join(toolchain.build, "impl"))
+        for number, path in enumerate(paths, 1):
+            os.rename(path, os.path.join(folder, f"{number}-{os.path.basename(path)}"))
+    except OSError:
+        return None
+    return folder
