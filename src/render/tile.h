@@ -89,8 +89,8 @@ typedef enum rk_light_state {
 typedef struct rk_light_sums {
     rk_vec3 lit[RK_BATCH_MAX];    /* over samples, as far as it arrives */
     rk_vec3 all[RK_BATCH_MAX];    /* as if nothing were in the way */
-    uint16_t asked[RK_BATCH_MAX]; /* shadow rays, and how many of them found the way free */
-    uint16_t free[RK_BATCH_MAX];
+    uint32_t asked[RK_BATCH_MAX]; /* shadow rays, and how many of them found the way free */
+    uint32_t free[RK_BATCH_MAX];
     rk_light_state state[RK_BATCH_MAX];
 } rk_light_sums;
 
