@@ -4,13 +4,11 @@
  * Each start of the helper takes a quarter of a second, so most pictures here are PNG, which needs
  * none. */
 #include "test.h"
-#include "test_folder.h"
+#include "test_picture_file.h"
 
 #include "base/random.h"
 #include "io/environment_file.h"
-#include "io/helper.h"
 #include "io/image_file.h"
-#include "io/image_stream.h"
 
 /* --- Marked faces ----------------------------------------------------------------------------- */
 
@@ -263,31 +261,6 @@ static rk_image make_cross(size_t side)
     return image;
 }
 
-static test_path write_by_helper(const test_folder *folder, const char *name, rk_image *image)
-{
-    test_path path = test_folder_path(folder, name);
-    size_t bytes = image->width * image->height * sizeof *image->pixels;
-    rk_image_stream_head head = {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION,
-                                 (uint32_t)image->width, (uint32_t)image->height};
-    unsigned char *input = malloc(sizeof head + bytes);
-    rk_check(input, "no memory");
-    memcpy(input, &head, sizeof head);
-    memcpy(input + sizeof head, image->pixels, bytes);
-    rk_helper_call call = {.program = "raykit-image",
-                           .arguments = (const char *[]){"write", path.text, NULL},
-                           .input = input,
-                           .input_size = sizeof head + bytes};
-    unsigned char *output;
-    size_t size;
-    rk_error error;
-    bool ok = rk_helper_run(&call, &output, &size, &error);
-    free(input);
-    rk_check(ok, "%s: %s", name, error.text);
-    free(output);
-    rk_image_free(image);
-    return path;
-}
-
 static void every_format_arrives_linear(void **state)
 {
     /* What a format loses: nothing; a step of 8-bit sRGB, whose slope is 2.3 at 1; a 128th of the
@@ -299,11 +272,13 @@ static void every_format_arrives_linear(void **state)
     for (size_t i = 0; i < sizeof formats / sizeof *formats; i++) {
         rk_image image = make_cross(16);
         check_smooth(write_by_helper(*state, formats[i].name, &image).text, formats[i].tolerance);
+        rk_image_free(&image);
     }
     rk_image grey = make_image(64, 48);
     for (size_t i = 0; i < 64 * 48; i++)
         grey.pixels[i] = rk_vec(0.2f, 0.2f, 0.2f);
     rk_cubemap map = read_map(write_by_helper(*state, "grey.jpg", &grey).text);
+    rk_image_free(&grey);
     for (int i = 0; i < RK_FACES * 256; i++)
         rk_check_close(map.faces[0][i].x, 0.2, 1.0 / 255 * 2.3, "JPG stores sRGB: decode it");
     rk_cubemap_free(&map);
@@ -436,6 +411,7 @@ static void truncated_files_of_other_formats_are_refused(void **state)
         size_t size;
         rk_image image = make_cross(16);
         unsigned char *whole = test_folder_read(write_by_helper(folder, names[i], &image), &size);
+        rk_image_free(&image);
         test_path path = test_folder_write(folder, names[i], whole, size / 2, 0600);
         free(whole);
         check_refused(path.text, names[i]);

@@ -85,6 +85,26 @@ static rk_scene one_square(void)
     return scene;
 }
 
+/* What is seen where nothing moves, and where something is in the way. */
+typedef struct shown {
+    double apart, covered;
+} shown;
+
+/* The square that moves along x, from `low` to `high` at time 0 and within `half` of y = 0, is seen
+ * for its share of the time. */
+static void check_square(const test_picture *picture, const rk_render_options *options,
+                         double reach, double low, double high, double half, shown seen)
+{
+    for (size_t y = 0; y < height; y++)
+        for (size_t x = 0; x < width; x++) {
+            place p = seen_at(x, y, reach);
+            double share = share_between(options->motion.shutter, low, high, p.x);
+            share = fabs(p.y) < half ? share : 0;
+            double want = seen.apart + share * (seen.covered - seen.apart);
+            check_share(picture, x, y, want, want, doubt, "covered for its share of the time");
+        }
+}
+
 static void a_moving_edge_is_seen_for_its_share_of_the_time(void **state)
 {
     (void)state;
@@ -93,13 +113,7 @@ static void a_moving_edge_is_seen_for_its_share_of_the_time(void **state)
     for (int sampling = RK_TIME_EQUIDISTANT; sampling <= RK_TIME_LOW_DISCREPANCY; sampling++) {
         options.motion.sampling = (rk_time_sampling)sampling;
         test_picture picture = test_render(&scene, options, 2);
-        for (size_t y = 0; y < height; y++)
-            for (size_t x = 0; x < width; x++) {
-                place p = seen_at(x, y, 3);
-                double share = share_between(options.motion.shutter, -0.75, 0.25, p.x);
-                share = fabs(p.y) < 0.5 ? share : 0;
-                check_share(&picture, x, y, share, share, doubt, "the share of the time");
-            }
+        check_square(&picture, &options, 3, -0.75, 0.25, 0.5, (shown){0, 1});
         rk_image_free(&picture.image);
     }
     rk_scene_free(&scene);
@@ -504,13 +518,7 @@ static void a_mirror_shows_what_moves_blurred(void **state)
     rk_render_options options = blurred(-1, 1);
     options.reflections = true;
     test_picture picture = test_render(&scene, options, 2);
-    for (size_t y = 0; y < height; y++)
-        for (size_t x = 0; x < width; x++) {
-            place p = seen_at(x, y, 9);
-            double share = share_between(options.motion.shutter, -1, 1, p.x);
-            share = fabs(p.y) < 1 ? share : 0;
-            check_share(&picture, x, y, share, share, doubt, "the share of the time");
-        }
+    check_square(&picture, &options, 9, -1, 1, 1, (shown){0, 1});
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
@@ -530,13 +538,7 @@ static void moving_glass_dims_what_is_behind_it_for_its_share_of_the_time(void *
     rk_render_options options = blurred(-0.5f, 0.5f);
     options.transparency = true;
     test_picture picture = test_render(&scene, options, 2);
-    for (size_t y = 0; y < height; y++)
-        for (size_t x = 0; x < width; x++) {
-            place p = seen_at(x, y, 3);
-            double share = share_between(options.motion.shutter, -0.5, 0.5, p.x);
-            share = fabs(p.y) < 0.5 ? share : 0;
-            check_share(&picture, x, y, 1 - share / 2, 1 - share / 2, doubt, "half for that share");
-        }
+    check_square(&picture, &options, 3, -0.5, 0.5, 0.5, (shown){1, 0.5});
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }

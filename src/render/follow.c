@@ -131,8 +131,8 @@ rk_vec3 rk_mirrored_direction(const rk_seen *seen)
 
 bool rk_mirrors(const rk_seen *seen)
 {
-    rk_vec3 weight = rk_mul(seen->path.weight, seen->surface.material->ks);
-    return seen->path.left > 0 && (weight.x != 0 || weight.y != 0 || weight.z != 0);
+    return seen->path.left > 0 &&
+           !rk_is_black(rk_mul(seen->path.weight, seen->surface.material->ks));
 }
 
 void rk_mirror(const rk_seen *seen, rk_path_batch *mirrored)
