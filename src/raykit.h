@@ -4,6 +4,7 @@
 
 #include "base/image.h"
 #include "base/parallel.h"
+#include "driver/overlay.h"
 #include "features/bloom.h"
 #include "features/bvh_median.h"
 #include "features/cubemap.h"
@@ -18,10 +19,9 @@
 #include "io/image_file.h"
 #include "io/mesh_file.h"
 #include "io/png.h"
-#include "render/glow.h"
-#include "render/overlay.h"
+#include "post/bloom_stage.h"
 #include "render/render.h"
 #include "scene/scene.h"
-#include "scene/sky.h"
+#include "scenes/sky.h"
 
 #endif

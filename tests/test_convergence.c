@@ -1,7 +1,7 @@
 /* How far a picture is from the truth: against figures worked out by hand. */
 #include "test.h"
 
-#include "render/convergence.h"
+#include "driver/convergence.h"
 
 static rk_image make_image(const rk_vec3 *pixels, size_t count)
 {

@@ -2,7 +2,7 @@
  * a scene has no use for, is not counted once. */
 #include "test_scene.h"
 
-#include "scene/sky.h"
+#include "scenes/sky.h"
 
 static rk_render_options everything(void)
 {

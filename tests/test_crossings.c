@@ -3,8 +3,8 @@
 #include "test.h"
 #include "test_scene.h"
 
+#include "accel/crossings.h"
 #include "base/random.h"
-#include "render/crossings.h"
 
 /* --- Scenes and rays to try ------------------------------------------------------------------- */
 

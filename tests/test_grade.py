@@ -19,13 +19,13 @@ SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
-import building  # noqa: E402
+import build  # noqa: E402
 import grade  # noqa: E402
-import guarded  # noqa: E402
+import sandbox  # noqa: E402
 import results  # noqa: E402
 import verdicts  # noqa: E402
 from assignments import ScoredTest, ToolError, Unit, check_impl, read_features, read_points  # noqa: E402
-from regions import is_handed_out, starter_of  # noqa: E402
+from starters import is_handed_out, starter_of  # noqa: E402
 from workbook import make_workbook  # noqa: E402
 
 FEATURES = read_features(SOURCE)
@@ -193,7 +193,7 @@ def units_are_judged(toolchain, folder):
     grade.grade(toolchain, [starter] + ([right] if right else []) + [suite for _, suite in good], {}, seconds=60)
     # The one that hangs waits for its end; the others take milliseconds.
     grade.grade(toolchain, [suite for _, suite, _ in cases], {}, seconds=3, megabytes=500)
-    guarded.end_strays()
+    sandbox.end_strays()
     check(starter.points() == 0, "a starter gets no points", results.text([starter], ""))
     if right:
         check(right.points() == 100 and not right.warnings, "the reference's text gets all 100 points",
@@ -217,7 +217,7 @@ def units_are_judged(toolchain, folder):
     place = verdicts._place_in_unit(trace, starter.unit)
     check(place == "mine/bvh_median.c:9, in halve, on the way from rk_bvh_build_median (line 30)",
           "a place names the function, and the one that led there", place)
-    check(not guarded._children(os.getpid()), "no process is left")
+    check(not sandbox._children(os.getpid()), "no process is left")
     return right, starter
 
 
@@ -591,8 +591,8 @@ def who_changes_the_kit_is_named(folder):
 def main():
     if "--list" in sys.argv:  # the driver asks for names of tests, which it can do without
         return 0
-    guarded.prepare()
-    toolchain = building.Toolchain(".")
+    sandbox.prepare()
+    toolchain = build.Toolchain(".")
     folder = tempfile.mkdtemp(prefix="raykit-test-grade-")
     try:
         right, starter = units_are_judged(toolchain, folder)

@@ -15,10 +15,10 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 import handout  # noqa: E402
-import proof  # noqa: E402
+import leak_check  # noqa: E402
 from assignments import ToolError, read_features, read_points  # noqa: E402
-from building import Toolchain  # noqa: E402
-from regions import solution_lines, starter_of  # noqa: E402
+from build import Toolchain  # noqa: E402
+from starters import solution_lines, starter_of  # noqa: E402
 
 STEM = "bvh_median"
 FEATURES = read_features(SOURCE)
@@ -100,12 +100,12 @@ def texts_speak_of_the_pack(pack):
 
 
 def smuggled_lines_are_found(pack):
-    secrets, common = proof.secret_lines(SOURCE, [FEATURE])
+    secrets, common = leak_check.secret_lines(SOURCE, [FEATURE])
     check(SECRET in secrets and SECRET not in common, "a line that only the solution has is looked for")
     check(COMMON in common, "a line that the kit's other code has, too, says nothing")
     solved = [" ".join(line.split()) for line in read(FEATURE.reference).split("\n")]
-    check(proof._passages(solved, secrets), "a passage of the solution in the kit's own code is found")
-    check(not proof._passages(solved[::40], secrets), "its lines one by one, by chance, are none")
+    check(leak_check._passages(solved, secrets), "a passage of the solution in the kit's own code is found")
+    check(not leak_check._passages(solved[::40], secrets), "its lines one by one, by chance, are none")
     cases = {
         "in a text": ("README.md", "> and then " + SECRET + " it is done"),
         "in a patch": ("tests/mutants/other/one.patch", "-        " + SECRET),
@@ -121,36 +121,36 @@ def smuggled_lines_are_found(pack):
         os.makedirs(os.path.dirname(place), exist_ok=True)
         with open(place, "a", encoding="utf-8", errors="surrogateescape") as file:
             file.write("\n" + line + "\n")
-        found = proof.find_secrets(SOURCE, pack, [FEATURE], secrets, common)
+        found = leak_check.find_secrets(SOURCE, pack, [FEATURE], secrets, common)
         check(len(found) == 1 and found[0].startswith(path + ":"), f"a solution line is found {name}", found)
         os.unlink(place)
         if before is not None:
             write(before, place)
     try:
         write(SECRET, pack, "leak.txt")
-        proof.prove(SOURCE, pack, FEATURES, [FEATURE])
+        leak_check.prove(SOURCE, pack, FEATURES, [FEATURE])
         check(False, "a pack with a leak is refused")
     except ToolError as error:
         check("leak.txt:1" in str(error), "a pack with a leak is refused, with file and line", error)
     os.unlink(os.path.join(pack, "leak.txt"))
-    check(not proof.find_secrets(SOURCE, pack, [FEATURE], secrets, common), "without the leaks the pack is clean again")
+    check(not leak_check.find_secrets(SOURCE, pack, [FEATURE], secrets, common), "without the leaks the pack is clean again")
 
 
 def what_the_kit_has_in_common_is_told(pack):
     place, line = os.path.join(pack, "examples", "shared.c"), "    " + SECRET
     write("/* a line by itself */\n" + line + "\n", place)
-    found = proof.lines_elsewhere(pack, [FEATURE], {SECRET, COMMON})
+    found = leak_check.lines_elsewhere(pack, [FEATURE], {SECRET, COMMON})
     os.unlink(place)
     check(found[0] == ("examples/shared.c", 2, SECRET, 1) and found[1][2] == COMMON and found[1][3] > 1,
           "a solution line in the kit's other code is told, with file and line, the rare ones first", found)
-    for stem, _, name, beginning in proof.SAME_STEPS:
-        steps = proof.steps_elsewhere(SOURCE, [FEATURES[stem]])
+    for stem, _, name, beginning in leak_check.SAME_STEPS:
+        steps = leak_check.steps_elsewhere(SOURCE, [FEATURES[stem]])
         check(any(step[0] == name and read(SOURCE, name).split("\n")[step[1] - 1].startswith(beginning) for step in steps),
               f"a step of {stem} in other words is found in {name}", steps)
     lens, glossy = FEATURES["depth_of_field"], FEATURES["glossy_reflection"]
-    said = "\n".join(proof.prove(SOURCE, pack, FEATURES, [FEATURE]))
-    check("src/render/packet.c:" in said and "in other words" in said, "the packing says so", said)
-    check(not proof.steps_elsewhere(SOURCE, [lens, glossy]), "two that are handed out together do not tell of each other")
+    said = "\n".join(leak_check.prove(SOURCE, pack, FEATURES, [FEATURE]))
+    check("src/accel/packet.c:" in said and "in other words" in said, "the packing says so", said)
+    check(not leak_check.steps_elsewhere(SOURCE, [lens, glossy]), "two that are handed out together do not tell of each other")
 
 
 # --- The student works ----------------------------------------------------------------------------

@@ -2,8 +2,8 @@
  * harmless for whatever they are given; and the single rays that find what to draw. */
 #include "test_scene.h"
 
-#include "render/look.h"
-#include "render/overlay.h"
+#include "accel/trace_one.h"
+#include "driver/overlay.h"
 
 /* A black picture of the scene, ready to draw on. */
 typedef struct canvas {

@@ -2,8 +2,8 @@
 #include "test_scene.h"
 #include "test_soup.h"
 
+#include "accel/packet.h"
 #include "features/bvh_median.h"
-#include "render/packet.h"
 
 /* Four rays from around one point to around another; every fourth packet has rays along an axis,
  * every third one bounded ones. Packets that are wide differ in the signs of their directions. */

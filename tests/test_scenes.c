@@ -2,8 +2,8 @@
  */
 #include "test.h"
 
-#include "scene/builtin.h"
 #include "scene/scene.h"
+#include "scenes/builtin.h"
 
 /* --- measures of a mesh ---------------------------------------------------------------------- */
 

@@ -38,7 +38,7 @@ import threading
 
 sys.dont_write_bytecode = True  # the source folder may be read-only, and stays clean
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-import regions
+import starters
 
 FEWEST_MUTANTS = 8
 SECONDS = 20  # for one test: a slow one takes half a second, ten times that under sanitizers
@@ -224,7 +224,7 @@ class Feature:
 
     def check_starter(self):
         text = self.builder.folder / f"{self.stem}-starter.c"
-        text.write_text(regions.starter_of(self.source), encoding="utf-8")
+        text.write_text(starters.starter_of(self.source), encoding="utf-8")
         plain = self.program(text, "starter", "the starter", ["-Werror"])
         status = {test: run_test(plain, test)[0] for test in self.tests}
         scored = self.scored(status)
@@ -301,7 +301,7 @@ class Feature:
         try:
             job()
             return True
-        except (Fault, OSError, regions.RegionError) as fault:
+        except (Fault, OSError, starters.RegionError) as fault:
             self.faults.append(str(fault))
             return False
         finally:

@@ -12,12 +12,12 @@ import shutil
 import subprocess
 import sys
 
-import building
+import build
 from assignments import (
     Parser, ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit, unit_beside,
 )
 from grade import grade_impl, stop_on_signals
-from regions import read_regions
+from starters import read_regions
 
 # A report is an abort, at which gdb stops; leaks cannot be looked for under a debugger. The suite's
 # own signal handlers stand back, as when grading.
@@ -56,19 +56,19 @@ def build_for_debugging(toolchain, feature, features, impl):
     folder = os.path.join(toolchain.build, "impl", "debug")
     os.makedirs(folder, exist_ok=True)
     flags = [*toolchain.sanitize, "-O0", "-g3"]
-    path, warnings = building.compile_unit(toolchain, unit, folder, flags)
+    path, warnings = build.compile_unit(toolchain, unit, folder, flags)
     if warnings:
         print(warnings, file=sys.stderr)
-    building.keep_interface(toolchain, feature, path)
+    build.keep_interface(toolchain, feature, path)
     needed = [unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs]
     objects = [path]
     for other in needed:
         objects.append(toolchain.built(f"src/features/{other.feature.stem}.o") if other.is_reference
-                       else building.compile_unit(toolchain, other, folder, flags)[0])
-    program = building.link_suite(toolchain, [unit, *needed], objects, folder, toolchain.sanitize)
+                       else build.compile_unit(toolchain, other, folder, flags)[0])
+    program = build.link_suite(toolchain, [unit, *needed], objects, folder, toolchain.sanitize)
     script = os.path.join(folder, feature.stem + ".gdb")
     with open(script, "w", encoding="utf-8") as file:
-        file.write(f"source {toolchain.source}/tools/gdb_raykit.py\n")
+        file.write(f"source {toolchain.source}/tools/gdb_rayintegrity.py\n")
         file.write("set breakpoint pending on\nset print pretty on\n")
         file.write(f"set environment ASAN_OPTIONS {_ASAN_OPTIONS}\n")
         file.write(f"set environment UBSAN_OPTIONS {_UBSAN_OPTIONS}\n")
@@ -76,7 +76,7 @@ def build_for_debugging(toolchain, feature, features, impl):
         file.write(f"python stop_in({name!r})\n")
         present = _functions_in(toolchain, path)
         yours = [function for function in functions_to_write(feature.reference) if function in present]
-        for function in yours or building.global_symbols(toolchain, path):
+        for function in yours or build.global_symbols(toolchain, path):
             file.write(f"tbreak '{name}':{function}\n")
     return program, script, unit
 
@@ -105,7 +105,7 @@ def main():
     arguments = parser.parse_args()
     stop_on_signals()
     try:
-        toolchain = building.Toolchain(arguments.build)
+        toolchain = build.Toolchain(arguments.build)
         features = read_features(toolchain.source)
         feature = choose(features, [arguments.stem])[0]
         if arguments.impl:
@@ -123,7 +123,7 @@ def main():
     except ToolError as error:
         print(f"debug: {error}", file=sys.stderr)
         return 1
-    except building.BuildError as error:
+    except build.BuildError as error:
         print(f"{error.details}\ndebug: {error.reason}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:

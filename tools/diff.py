@@ -5,7 +5,7 @@ import difflib
 import sys
 
 from assignments import Parser, ToolError, check_impl, choose, find_unit, read_features
-from regions import RegionError, starter_of
+from starters import RegionError, starter_of
 
 
 def difference(source, stem, impl):

@@ -11,7 +11,7 @@ import shutil
 import subprocess
 import sys
 
-import building
+import build
 from assignments import Parser, ToolError, check_impl, find_unit, read_features, unit_beside
 from results import write_whole
 
@@ -21,14 +21,14 @@ def _object(toolchain, unit, folder):
     reference = toolchain.built(f"src/features/{unit.feature.stem}.o")
     if unit.is_reference:
         return reference
-    path, warnings = building.compile_unit(toolchain, unit, folder, [*toolchain.base_sanitize])
+    path, warnings = build.compile_unit(toolchain, unit, folder, [*toolchain.base_sanitize])
     if warnings:
         print(warnings, file=sys.stderr)
-    building.keep_interface(toolchain, unit.feature, path)
-    interface = building.global_symbols(toolchain, reference)
-    missing = sorted(set(interface) - set(building.global_symbols(toolchain, path)))
+    build.keep_interface(toolchain, unit.feature, path)
+    interface = build.global_symbols(toolchain, reference)
+    missing = sorted(set(interface) - set(build.global_symbols(toolchain, path)))
     if missing:
-        raise building.BuildError(f"{unit.shown} does not define {' and '.join(missing)}")
+        raise build.BuildError(f"{unit.shown} does not define {' and '.join(missing)}")
     return path
 
 
@@ -59,7 +59,7 @@ def _object_that_says(toolchain, sentence, folder):
     """Returns the object that brings the sentence into a driver."""
     literal = sentence.replace("\\", "\\\\").replace('"', '\\"')
     source = os.path.join(folder, "units.c")
-    write_whole(source, f'#include "render/units.h"\n\nconst char rk_units[] = "{literal}";\n')
+    write_whole(source, f'#include "driver/implementation_note.h"\n\nconst char rk_units[] = "{literal}";\n')
     output = os.path.join(folder, "units.o")
     subprocess.run([*toolchain.compiler, *toolchain.flags, "-c", source, "-o", output], check=True)
     return output
@@ -101,7 +101,7 @@ def link_drivers(toolchain, impl, only=None):
             continue
         try:
             objects[key] = _object(toolchain, unit, parts)
-        except building.BuildError as error:
+        except build.BuildError as error:
             unmade[key] = _told(error)
     for feature in [features[only]] if only else features.values():
         driver = os.path.join(toolchain.build, driver_of(feature))
@@ -115,10 +115,10 @@ def link_drivers(toolchain, impl, only=None):
                 os.unlink(path)
         try:
             if not reason:
-                building.link(toolchain, driver, [
+                build.link(toolchain, driver, [
                     *_objects_of_driver(toolchain, feature), says, *(objects[key] for key in keys),
                     archive, toolchain.built("librkbase.a"), *toolchain.libraries], parts)
-        except building.BuildError as error:
+        except build.BuildError as error:
             reason = _told(error)
         if reason:
             write_whole(driver + ".unmade", reason + "\n")
@@ -136,7 +136,7 @@ def main():
     parser.add_argument("--only", metavar="STEM", help="make this driver alone, and say where it is")
     arguments = parser.parse_args()
     try:
-        toolchain = building.Toolchain(arguments.build)
+        toolchain = build.Toolchain(arguments.build)
         sentence = link_drivers(toolchain, arguments.impl, arguments.only)
         if not arguments.only:
             print(f"report: {sentence}", file=sys.stderr)

@@ -17,10 +17,10 @@ import sys
 import tempfile
 import threading
 
-import apart
-import building
-import guarded
-import kit
+import isolate
+import build
+import sandbox
+import integrity
 import results
 from assignments import (
     Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format, find_unit, read_features, read_points,
@@ -90,9 +90,9 @@ def _object_of(toolchain, unit, folder):
     if unit.is_reference:
         return toolchain.built(f"src/features/{unit.feature.stem}.o"), ""
     flags = [*toolchain.sanitize, "-g1", "-O1"]
-    path, warnings = building.compile_unit(toolchain, unit, folder, flags)
-    building.check_no_early_code(toolchain, unit, path)
-    building.keep_interface(toolchain, unit.feature, path)
+    path, warnings = build.compile_unit(toolchain, unit, folder, flags)
+    build.check_no_early_code(toolchain, unit, path)
+    build.keep_interface(toolchain, unit.feature, path)
     return path, warnings
 
 
@@ -105,10 +105,10 @@ def build(toolchain, suite, needed_units):
             objects.append(path)
             suite.warnings += warnings if unit is suite.unit else ""
         suite.source = os.path.join(toolchain.source, "tests", f"test_{suite.feature.stem}.c")
-        suite.program = guarded.Program(building.link_suite(
+        suite.program = sandbox.Program(build.link_suite(
             toolchain, [suite.unit, *needed_units], objects, suite.folder, toolchain.sanitize
         ))
-    except building.BuildError as error:
+    except build.BuildError as error:
         suite.give_up(error.reason, error.details)
 
 
@@ -149,14 +149,14 @@ def run_test(toolchain, suite, test, seconds, megabytes):
     limit, phrase = suite.time_for_a_test(seconds)
     for look_for_leaks in (True, False):
         folder = tempfile.mkdtemp(dir=suite.folder)
-        outcome = guarded.run(
+        outcome = sandbox.run(
             ["test_" + suite.feature.stem, "--only", test.name], seconds=limit, megabytes=megabytes,
             folder=folder, environment=_environment(folder, look_for_leaks), witnessed=suite.program,
         )
         # Where processes may not be traced, the leak sanitizer itself fails.
         if "LeakSanitizer has encountered a fatal error" not in outcome.output:
             break
-    outcome.output = building.plain(toolchain, suite.unit, _with_lines(suite.program, outcome.output))
+    outcome.output = build.plain(toolchain, suite.unit, _with_lines(suite.program, outcome.output))
     return judge(outcome, suite, test.name, phrase, megabytes)
 
 
@@ -184,7 +184,7 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None)
                 progress(0, len(runs))
             finish([pool.submit(run_into, suite, test) for suite, test in runs], progress)
         except BaseException:
-            guarded.stop.set()
+            sandbox.stop.set()
             pool.shutdown(cancel_futures=True)
             raise
         finally:
@@ -243,12 +243,12 @@ def prepare_suites(features, chosen, impl, fallback, only=None):
 
 def grade_impl(build_folder, stems, impl, fallback=False, only=None, progress=None):
     """Grades and returns (toolchain, suites); raises ToolError."""
-    toolchain = building.Toolchain(build_folder)
+    toolchain = build.Toolchain(build_folder)
     features = read_features(toolchain.source)
     suites = prepare_suites(features, choose(features, stems), impl, fallback, only)
     units = {stem: unit_beside(feature, impl, toolchain.handed_out) for stem, feature in features.items()}
     seconds = time_limit()
-    guarded.prepare()
+    sandbox.prepare()
     work = tempfile.mkdtemp(prefix="raykit-grade-")
     try:
         for suite in suites:
@@ -256,7 +256,7 @@ def grade_impl(build_folder, stems, impl, fallback=False, only=None, progress=No
             os.mkdir(suite.folder)
         grade(toolchain, suites, units, seconds, progress=progress)
     finally:
-        guarded.end_strays()
+        sandbox.end_strays()
         shutil.rmtree(work, ignore_errors=True)
     return toolchain, suites
 
@@ -265,11 +265,11 @@ def _grade_apart(build_folder, stems, impl, only, progress):
     """Grades in a process of its own. Where a unit ends that, each feature gets one, and who ends it
     again has no verdicts."""
     try:
-        return apart.call(grade_impl, build_folder, stems, impl, False, only, progress)[1]
-    except apart.Ended as ended:
+        return isolate.call(grade_impl, build_folder, stems, impl, False, only, progress)[1]
+    except isolate.Ended as ended:
         if len(stems) > 1:
             return [suite for stem in stems for suite in _grade_apart(build_folder, [stem], impl, only, progress)]
-        features = read_features(building.Toolchain(build_folder).source)
+        features = read_features(build.Toolchain(build_folder).source)
         [suite] = prepare_suites(features, choose(features, stems), impl, False, only)
         suite.give_up(f"ended its grader, by {ended}, so no claim has a verdict: does the code send signals?")
         return [suite]
@@ -278,12 +278,12 @@ def _grade_apart(build_folder, stems, impl, only, progress):
 def grade_submission(build_folder, stems, impl, only=None, progress=None, places=()):
     """Returns the suites of somebody else's work, which must not have changed the kit, nor these
     folders."""
-    toolchain = building.Toolchain(build_folder)
+    toolchain = build.Toolchain(build_folder)
     stems = stems or list(read_features(toolchain.source))
-    kit.check_restored(toolchain)
-    before = kit.state(toolchain, *places)
+    integrity.check_restored(toolchain)
+    before = integrity.state(toolchain, *places)
     suites = _grade_apart(build_folder, stems, impl, only, progress)
-    kit.check_unchanged(toolchain, before, impl, *places)
+    integrity.check_unchanged(toolchain, before, impl, *places)
     return suites
 
 

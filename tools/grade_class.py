@@ -12,8 +12,8 @@ import io
 import os
 import sys
 
-import building
-import kit
+import build
+import integrity
 import results
 from assignments import Parser, ToolError, cannot_write, choose, choose_format, read_features, read_points
 from grade import grade_submission, stop_on_signals
@@ -76,7 +76,7 @@ class Table:
 
 def grade_class(build, stems, submissions, out, format_name):
     """Grades all; returns how many could not be graded."""
-    toolchain = building.Toolchain(build)
+    toolchain = build.Toolchain(build)
     features = choose(read_features(toolchain.source), stems)
     found = submissions_in(submissions)
     _check_is_a_class(submissions, found, read_features(toolchain.source))
@@ -84,7 +84,7 @@ def grade_class(build, stems, submissions, out, format_name):
         raise ToolError("say where the results go: OUT=results, a folder")
     if os.path.join(os.path.realpath(out), "").startswith(os.path.join(os.path.realpath(submissions), "")):
         raise ToolError(f"OUT: {out} lies among the submissions; choose another place")
-    kit.check_restored(toolchain)
+    integrity.check_restored(toolchain)
     try:
         os.makedirs(out, exist_ok=True)
     except OSError as error:
@@ -102,7 +102,7 @@ def grade_class(build, stems, submissions, out, format_name):
                                 results.FORMATS[format_name](suites, name))
             table.add(name, [suite.points() for suite in suites], results.first_failed(suites), _remarks(suites))
             print(f"{said}{results.total(suites):>12} points", flush=True)
-        except kit.KitChanged:
+        except integrity.KitChanged:
             table.add(name, [], remarks="changed the kit, a submission or the results; the class stopped here")
             raise
         except Exception as error:  # whatever one submission brings about, the others are graded

@@ -3,7 +3,7 @@
 
 The pack is a release of the kit in which those features' sources are starters in workbook/; its
 Makefile.am says so in `handed_out`. It grows beside its place and takes it when it is whole and the
-solutions were not found in it (proof.py).
+solutions were not found in it (leak_check.py).
 """
 
 import errno
@@ -16,8 +16,8 @@ import tarfile
 import tempfile
 
 from assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
-from proof import prove
-from regions import RegionError, handed_out_of, starter_of
+from leak_check import prove
+from starters import RegionError, handed_out_of, starter_of
 from results import write_whole
 
 HANDOUT = """\

@@ -13,7 +13,7 @@ import tempfile
 import time
 
 from assignments import Parser, ToolError, check_impl, read_features
-from building import Toolchain
+from build import Toolchain
 from grade import stop_on_signals
 
 _LOOK_SECONDS = 0.15  # between looks at the files: soon enough, and no load

@@ -10,7 +10,7 @@ import os
 import sys
 
 from assignments import Parser, ToolError, cannot_write, choose, read_features
-from regions import RegionError, starter_of
+from starters import RegionError, starter_of
 from results import write_whole
 
 MANIFEST = ".workbook"

@@ -1,6 +1,6 @@
 /* Draws the figures and measures the table of bvh_median: a scene, the boxes of one level of its
  * tree, or one leaf with its triangles. */
-#include "render/tree_view.h"
+#include "driver/tree_view.h"
 
 static const char summary[] =
     "Builds a bounding volume hierarchy by median splits and renders a scene with it.\n"

@@ -2,7 +2,7 @@
 #ifndef RK_02_SAH_BINNING_DRIVER_H
 #define RK_02_SAH_BINNING_DRIVER_H
 
-#include "render/tree_view.h"
+#include "driver/tree_view.h"
 
 typedef struct choices {
     rk_tree_view tree;

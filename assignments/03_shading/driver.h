@@ -2,7 +2,7 @@
 #ifndef RK_03_SHADING_DRIVER_H
 #define RK_03_SHADING_DRIVER_H
 
-#include "render/driver.h"
+#include "driver/driver.h"
 
 static const char *const model_names[] = {"off", "lambert", "phong", "blinn-phong", "gradient"};
 static const float shininess_shown[] = {1, 10, 100, 1e3f, 1e5f};

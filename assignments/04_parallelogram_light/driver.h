@@ -2,7 +2,7 @@
 #ifndef RK_04_PARALLELOGRAM_LIGHT_DRIVER_H
 #define RK_04_PARALLELOGRAM_LIGHT_DRIVER_H
 
-#include "render/driver.h"
+#include "driver/driver.h"
 
 typedef struct choices {
     uint32_t light; /* 0: as the scene has it; or 1 + rk_light_kind */

@@ -1,7 +1,7 @@
 /* Error against time: how soon each method's picture gets like that of very many samples. */
 #include "driver.h"
 
-#include "render/convergence.h"
+#include "driver/convergence.h"
 
 #include <stdio.h>
 

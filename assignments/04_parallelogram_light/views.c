@@ -1,7 +1,7 @@
 /* The debug views: samples on the lights, and the shadow rays to them from what a pixel sees. */
 #include "driver.h"
 
-#include "render/look.h"
+#include "accel/trace_one.h"
 
 typedef struct drawing {
     rk_overlay overlay;

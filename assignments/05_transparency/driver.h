@@ -2,8 +2,8 @@
 #ifndef RK_05_TRANSPARENCY_DRIVER_H
 #define RK_05_TRANSPARENCY_DRIVER_H
 
-#include "render/crossings.h"
-#include "render/side_view.h"
+#include "accel/crossings.h"
+#include "driver/side_view.h"
 
 static const char *const model_names[] = {"multiplicative", "ordered", "beer-lambert"};
 enum { model_count = sizeof model_names / sizeof model_names[0] };

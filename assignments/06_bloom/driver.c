@@ -2,7 +2,7 @@
  * glow alone, how long it takes, and how far cheaper filters are from it. */
 #include "driver.h"
 
-#include "render/glow.h"
+#include "post/bloom_stage.h"
 
 #include <stdio.h>
 #include <string.h>

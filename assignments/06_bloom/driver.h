@@ -2,7 +2,7 @@
 #ifndef RK_06_BLOOM_DRIVER_H
 #define RK_06_BLOOM_DRIVER_H
 
-#include "render/driver.h"
+#include "driver/driver.h"
 
 static const char *const method_names[] = {"exact", "gaussian", "recursive", "pyramid"};
 enum { method_count = sizeof method_names / sizeof method_names[0] };

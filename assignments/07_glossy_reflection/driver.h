@@ -2,7 +2,7 @@
 #ifndef RK_07_GLOSSY_REFLECTION_DRIVER_H
 #define RK_07_GLOSSY_REFLECTION_DRIVER_H
 
-#include "render/side_view.h"
+#include "driver/side_view.h"
 
 typedef struct choices {
     rk_side_view viewer;

@@ -2,7 +2,7 @@
  * directions that lead into the surface. */
 #include "driver.h"
 
-#include "render/convergence.h"
+#include "driver/convergence.h"
 
 #include <stdio.h>
 

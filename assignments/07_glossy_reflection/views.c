@@ -1,7 +1,7 @@
 /* The debug views: a pixel's mirrored rays, from beside the camera, and the dots in their disk. */
 #include "driver.h"
 
-#include "render/look.h"
+#include "accel/trace_one.h"
 #include "render/tile.h"
 
 static const rk_vec3 red = {1, 0.1f, 0.05f}, blue = {0.1f, 0.4f, 1}, yellow = {1, 0.85f, 0.1f},

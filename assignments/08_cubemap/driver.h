@@ -2,7 +2,7 @@
 #ifndef RK_08_CUBEMAP_DRIVER_H
 #define RK_08_CUBEMAP_DRIVER_H
 
-#include "render/driver.h"
+#include "driver/driver.h"
 
 static const char *const filter_names[] = {"nearest", "bilinear", "seamless"};
 enum { filter_count = sizeof filter_names / sizeof filter_names[0] };

@@ -2,7 +2,7 @@
 #include "driver.h"
 
 #include "base/random.h"
-#include "scene/sky.h"
+#include "scenes/sky.h"
 
 bool paint_map(rk_cubemap *map, uint32_t side, paint *colour, rk_error *error)
 {

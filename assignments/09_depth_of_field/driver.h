@@ -2,7 +2,7 @@
 #ifndef RK_09_DEPTH_OF_FIELD_DRIVER_H
 #define RK_09_DEPTH_OF_FIELD_DRIVER_H
 
-#include "render/driver.h"
+#include "driver/driver.h"
 
 typedef struct choices {
     float viewer_yaw, viewer_pitch, viewer_far; /* where the side is */

@@ -2,7 +2,7 @@
  * which pixels take lens samples. */
 #include "driver.h"
 
-#include "render/look.h"
+#include "accel/trace_one.h"
 
 #include <stdlib.h>
 

@@ -2,7 +2,7 @@
 #ifndef RK_10_MOTION_BLUR_DRIVER_H
 #define RK_10_MOTION_BLUR_DRIVER_H
 
-#include "render/driver.h"
+#include "driver/driver.h"
 
 static const char *const sampling_names[] = {"equidistant", "stratified", "low-discrepancy"};
 enum { sampling_count = sizeof sampling_names / sizeof sampling_names[0] };

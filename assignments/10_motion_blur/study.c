@@ -1,7 +1,7 @@
 /* The table: how soon each sampling of times gets exact. */
 #include "driver.h"
 
-#include "render/convergence.h"
+#include "driver/convergence.h"
 
 #include <stdio.h>
 

@@ -10,7 +10,7 @@
  * nothing, and its result is divided by the weights that remain (renormalise).
  *
  * Work is cut to the light: where no pixel of a row glows the row is not filtered, and taps whose
- * weights together cannot change a float are left out. All here is pure; render/glow.h has the
+ * weights together cannot change a float are left out. All here is pure; post/bloom_stage.h has the
  * memory and the threads. */
 #ifndef RK_FEATURES_BLOOM_H
 #define RK_FEATURES_BLOOM_H
@@ -27,7 +27,7 @@ typedef enum rk_bloom_border {
     RK_BLOOM_RENORMALIZE,
 } rk_bloom_border;
 
-/* The filter itself, or one that is close to it and cheaper (render/blur.h). */
+/* The filter itself, or one that is close to it and cheaper (post/blur.h). */
 typedef enum rk_bloom_method {
     RK_BLOOM_EXACT,
     RK_BLOOM_GAUSSIAN,

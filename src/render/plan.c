@@ -1,6 +1,6 @@
 #include "render/plan.h"
 
-#include "render/glow.h"
+#include "post/bloom_stage.h"
 
 rk_render_options rk_render_options_default(void)
 {

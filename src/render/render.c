@@ -3,7 +3,7 @@
  * the tile's own sums, so threads share nothing but the next tile's number. */
 #include "render/render.h"
 
-#include "render/glow.h"
+#include "post/bloom_stage.h"
 #include "render/tile.h"
 
 #include <stdlib.h>

@@ -2,10 +2,10 @@
 #ifndef RK_RENDER_RENDER_H
 #define RK_RENDER_RENDER_H
 
+#include "accel/accel.h"
 #include "base/image.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "render/accel.h"
 #include "render/plan.h"
 
 /* Renders into `image`, which has the options' size (anything else is an error, as is what

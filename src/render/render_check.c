@@ -1,5 +1,5 @@
 /* What rk_render refuses before the first ray, so that no picture is black, or lost, for it. */
-#include "render/glow.h"
+#include "post/bloom_stage.h"
 #include "render/tile.h"
 
 /* --- Enumerations ----------------------------------------------------------------------------- */

@@ -2,11 +2,11 @@
 #ifndef RK_RENDER_TILE_H
 #define RK_RENDER_TILE_H
 
+#include "accel/accel.h"
+#include "accel/crossings.h"
 #include "base/image.h"
 #include "base/parallel.h"
 #include "base/progress.h"
-#include "render/accel.h"
-#include "render/crossings.h"
 #include "render/plan.h"
 #include "scene/surface.h"
 

@@ -1,6 +1,6 @@
 #include "scene/scene.h"
 
-#include "scene/builtin.h"
+#include "scenes/builtin.h"
 
 #include <stdio.h>
 #include <string.h>

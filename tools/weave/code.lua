@@ -1,7 +1,7 @@
 -- Finds definitions in our C files by their names: functions, structs, enums and their constants,
 -- macros, tests. Returns the block from the comment above it to its closing brace, as .clang-format
 -- lays it out: what stands outside of everything begins in the first column and so does its end.
--- Of the regions that tools/regions.py describes, either the solutions stay or the starters; where
+-- Of the regions that tools/grading/starters.py describes, either the solutions stay or the starters; where
 -- both are the same, in a pack for students, there is only a starter.
 
 local code = {}

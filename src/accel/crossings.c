@@ -1,0 +1,281 @@
+/* The triangle test here loses nothing between neighbours (after Woop, Benthin, Wald, "Watertight
+ * ray/triangle intersection", JCGT 2013): corners are projected along the ray, each by itself, so
+ * triangles that share a corner agree on where it is, and the side of an edge on which the ray
+ * passes is exact. Where it passes neither, it is moved aside by an infinitesimal (Edelsbrunner and
+ * Muecke, "Simulation of simplicity", ACM Transactions on Graphics 9(1), 1990). */
+#include "accel/crossings.h"
+
+/* --- Triangles, as seen along the ray --------------------------------------------------------- */
+
+/* The ray's own axes: x and y across it, z the one on which its direction is longest. In double:
+ * roundings are then far below what a box test is widened by, so no box is left out. */
+typedef struct projection {
+    int x, y, z;                         /* right-handed, z along the ray */
+    double origin_x, origin_y, origin_z; /* on these axes */
+    double shear_x, shear_y;             /* for each unit of z: the ray becomes the z axis */
+    double inverse_direction;            /* 1 / the direction's z */
+} projection;
+
+typedef struct projected {
+    double x, y, t;
+} projected;
+
+static projection projection_along(const rk_ray *ray)
+{
+    rk_vec3 size = rk_abs3(ray->direction);
+    int z = size.x > size.y ? 0 : 1;
+    z = size.z > rk_axis(size, z) ? 2 : z;
+    bool backward = rk_axis(ray->direction, z) < 0;
+    int x = (z + (backward ? 2 : 1)) % 3, y = (z + (backward ? 1 : 2)) % 3;
+    double along = (double)rk_axis(ray->direction, z);
+    return (projection){.x = x,
+                        .y = y,
+                        .z = z,
+                        .origin_x = (double)rk_axis(ray->origin, x),
+                        .origin_y = (double)rk_axis(ray->origin, y),
+                        .origin_z = (double)rk_axis(ray->origin, z),
+                        .shear_x = (double)rk_axis(ray->direction, x) / along,
+                        .shear_y = (double)rk_axis(ray->direction, y) / along,
+                        .inverse_direction = 1 / along};
+}
+
+static inline projected project(const projection *p, rk_vec3 point)
+{
+    const float on_axis[3] = {point.x, point.y, point.z};
+    double z = (double)on_axis[p->z] - p->origin_z;
+    return (projected){.x = (double)on_axis[p->x] - p->origin_x - p->shear_x * z,
+                       .y = (double)on_axis[p->y] - p->origin_y - p->shear_y * z,
+                       .t = z * p->inverse_direction};
+}
+
+static inline int sign_of_difference(double a, double b)
+{
+    return (a > b) - (a < b);
+}
+
+/* On which side of the edge from a to b the ray passes: 1 where it turns counter-clockwise about
+ * the ray, or -1; 0 only for a = b. Exact: rounding keeps the order of two products, and where they
+ * round alike their errors, which fma gives, decide. A ray through the edge is taken to pass at
+ * (e, e^2) for an e above 0 and below any number, so e decides, and then e^2. */
+static inline int side_of(projected a, projected b)
+{
+    double ab = a.x * b.y, ba = a.y * b.x;
+    int side = sign_of_difference(ab, ba);
+    if (side == 0)
+        side = sign_of_difference(fma(a.x, b.y, -ab), fma(a.y, b.x, -ba));
+    if (side == 0)
+        side = sign_of_difference(a.y, b.y);
+    return side != 0 ? side : sign_of_difference(b.x, a.x);
+}
+
+static double area_of(projected a, projected b)
+{
+    return fabs(a.x * b.y - a.y * b.x);
+}
+
+/* Fills in the place and the direction of the crossing; t is a mean of the corners' own, so a
+ * triangle that is nearly edge-on does not lose it. One that is a point has a t of NaN. */
+static bool cross_triangle(const projection *p, const rk_mesh *mesh, uint32_t triangle,
+                           rk_crossing *crossing)
+{
+    const uint32_t *corner = mesh->triangles[triangle];
+    projected a = project(p, mesh->positions[corner[0]]);
+    projected b = project(p, mesh->positions[corner[1]]);
+    projected c = project(p, mesh->positions[corner[2]]);
+    int side = side_of(a, b);
+    if (side_of(b, c) != side || side_of(c, a) != side)
+        return false;
+    double of_a = area_of(b, c), of_b = area_of(c, a), of_c = area_of(a, b);
+    double sum = of_a + of_b + of_c;
+    *crossing = (rk_crossing){.t = (float)((of_a * a.t + of_b * b.t + of_c * c.t) / sum),
+                              .u = (float)(of_b / sum),
+                              .v = (float)(of_c / sum),
+                              .primitive = triangle,
+                              .entering = side < 0};
+    return true;
+}
+
+/* --- Gathering -------------------------------------------------------------------------------- */
+
+typedef struct gathering {
+    const rk_scene *scene;
+    const rk_ray *ray;
+    rk_crossing_list *list;
+    float end;         /* what lies at or beyond it does not count */
+    bool until_opaque; /* an opaque crossing settles all */
+} gathering;
+
+static bool is_settled(const gathering *g)
+{
+    const rk_crossing_list *list = g->list;
+    return g->until_opaque && list->count && list->crossings[list->count - 1].alpha >= 1;
+}
+
+static rk_vec3 kd_at(const rk_scene *scene, const rk_crossing *crossing,
+                     const rk_material *material)
+{
+    bool is_sphere = crossing->primitive >= scene->mesh.triangle_count;
+    rk_surface surface = {
+        .material = material,
+        .barycentric = rk_vec(1 - crossing->u - crossing->v, crossing->u, crossing->v),
+        .triangle = {.index = is_sphere ? RK_MISS : crossing->primitive},
+    };
+    return rk_surface_kd(&surface, &scene->mesh);
+}
+
+/* Gives the crossing its material, and puts it into the list if it lies on the ray. NaN does not.
+ */
+static void add_crossing(gathering *g, rk_crossing *crossing, uint32_t medium,
+                         const rk_material *material)
+{
+    if (!(crossing->t > 0 && crossing->t < g->ray->t_max && crossing->t <= g->end))
+        return;
+    crossing->medium = medium;
+    crossing->alpha = material->alpha;
+    crossing->kd = material->kd_texture ? kd_at(g->scene, crossing, material) : material->kd;
+    crossing->absorption = material->absorption;
+    rk_transparency_insert(g->list, crossing);
+    g->end = rk_transparency_end(g->list, g->ray->t_max);
+}
+
+static void gather_triangle(gathering *g, const projection *p, uint32_t triangle)
+{
+    const rk_mesh *mesh = &g->scene->mesh;
+    rk_crossing crossing;
+    if (!cross_triangle(p, mesh, triangle, &crossing))
+        return;
+    uint32_t medium = mesh->triangle_materials[triangle];
+    add_crossing(g, &crossing, medium, &mesh->materials[medium]);
+}
+
+static void gather_leaf(gathering *g, const projection *p, const rk_triangle *triangles,
+                        uint32_t count, rk_counters *counters)
+{
+    counters->triangle_tests += count;
+    for (uint32_t i = 0; i < count; i++)
+        gather_triangle(g, p, triangles[i].index);
+}
+
+static void gather_spheres(gathering *g, rk_counters *counters)
+{
+    const rk_scene *scene = g->scene;
+    for (uint32_t k = 0; k < scene->sphere_count && !is_settled(g); k++) {
+        float t[2];
+        counters->sphere_tests++;
+        if (!rk_sphere_span(&scene->spheres[k], g->ray, &t[0], &t[1]))
+            continue;
+        for (int i = 0; i < 2; i++) {
+            rk_crossing crossing = {
+                .t = t[i], .primitive = scene->mesh.triangle_count + k, .entering = i == 0};
+            add_crossing(g, &crossing, scene->mesh.material_count + k, &scene->sphere_materials[k]);
+        }
+    }
+}
+
+/* Nodes still to be visited, and where the ray enters their boxes. */
+typedef struct waiting_list {
+    uint32_t size;
+    struct {
+        const rk_bvh_node *node;
+        float enter;
+    } entries[RK_BVH_LEVELS_MAX];
+} waiting_list;
+
+static void wait_for(waiting_list *list, const rk_bvh_node *node, float enter)
+{
+    if (enter < INFINITY) {
+        list->entries[list->size].node = node;
+        list->entries[list->size++].enter = enter;
+    }
+}
+
+/* The nearer child comes off the list first: what is found in it may spare us the other. */
+static void visit_children(waiting_list *list, const rk_bvh_node *children, const rk_slabs *slabs,
+                           float end)
+{
+    float left = rk_box_enter(&children[0].box, slabs, end);
+    float right = rk_box_enter(&children[1].box, slabs, end);
+    bool right_first = right < left;
+    wait_for(list, &children[right_first ? 0 : 1], right_first ? left : right);
+    wait_for(list, &children[right_first ? 1 : 0], right_first ? right : left);
+}
+
+static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
+                             rk_counters *counters)
+{
+    if (bvh->node_count == 0 || is_settled(g))
+        return;
+    const rk_slabs slabs = rk_slabs_of(ray);
+    const projection p = projection_along(ray);
+    waiting_list list;
+    list.size = 0;
+    counters->box_tests++;
+    wait_for(&list, &bvh->nodes[0], rk_box_enter(&bvh->nodes[0].box, &slabs, g->end));
+    while (list.size && !is_settled(g)) {
+        if (list.entries[--list.size].enter > g->end)
+            continue;
+        const rk_bvh_node *node = list.entries[list.size].node;
+        if (node->count > 0) {
+            gather_leaf(g, &p, &bvh->triangles[node->first], node->count, counters);
+        } else {
+            visit_children(&list, &bvh->nodes[node->first], &slabs, g->end);
+            counters->box_tests += 2;
+        }
+    }
+}
+
+static void gather_moving(gathering *g, const rk_accel *accel, const rk_moments *when,
+                          uint32_t index, rk_counters *counters)
+{
+    const rk_slabs slabs = rk_slabs_of(g->ray);
+    rk_vec3 offset;
+    for (uint32_t k = 0; k < accel->scene->moving_count && !is_settled(g); k++)
+        if (when->reaches(when->asker, index, k, &slabs, g->end, &offset)) {
+            rk_ray moved = rk_motion_ray(offset, g->ray);
+            gather_triangles(g, &accel->moving[k], &moved, counters);
+        }
+}
+
+static void gather(gathering *g, const rk_accel *accel, const rk_moments *when, uint32_t index,
+                   uint32_t limit, rk_counters *counters)
+{
+    rk_transparency_start(g->list, limit);
+    gather_spheres(g, counters);
+    gather_triangles(g, &accel->bvh, g->ray, counters);
+    if (when)
+        gather_moving(g, accel, when, index, counters);
+    for (uint32_t k = 0; !when && k < accel->scene->moving_count; k++)
+        gather_triangles(g, &accel->moving[k], g->ray, counters);
+}
+
+void rk_crossings_gather_at(const rk_accel *accel, const rk_ray *ray, const rk_moments *when,
+                            uint32_t index, uint32_t limit, rk_crossing_list *list,
+                            rk_counters *counters)
+{
+    gathering g = {.scene = accel->scene, .ray = ray, .list = list, .end = ray->t_max};
+    gather(&g, accel, when, index, limit, counters);
+}
+
+void rk_crossings_gather(const rk_accel *accel, const rk_ray *ray, uint32_t limit,
+                         rk_crossing_list *list, rk_counters *counters)
+{
+    rk_crossings_gather_at(accel, ray, NULL, 0, limit, list, counters);
+}
+
+rk_vec3 rk_crossings_transmit_at(const rk_accel *accel, const rk_ray *ray, const rk_moments *when,
+                                 uint32_t index, rk_glass_model model, rk_counters *counters)
+{
+    rk_crossing_list list;
+    gathering g = {
+        .scene = accel->scene, .ray = ray, .list = &list, .end = ray->t_max, .until_opaque = true};
+    gather(&g, accel, when, index, RK_CROSSINGS_MAX, counters);
+    if (is_settled(&g) || list.count == RK_CROSSINGS_MAX)
+        return rk_vec(0, 0, 0);
+    return rk_transparency_transmit(model, list.crossings, list.count, rk_length(ray->direction));
+}
+
+rk_vec3 rk_crossings_transmit(const rk_accel *accel, const rk_ray *ray, rk_glass_model model,
+                              rk_counters *counters)
+{
+    return rk_crossings_transmit_at(accel, ray, NULL, 0, model, counters);
+}

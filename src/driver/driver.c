@@ -1,0 +1,98 @@
+#include "driver/driver.h"
+
+#include "driver/explain_pixel.h"
+#include "features/sah_binning.h"
+
+#include <string.h>
+
+rk_driver rk_driver_default(const char *feature, const char *summary)
+{
+    return (rk_driver){
+        .feature = feature,
+        .summary = summary,
+        .render = rk_render_options_default(),
+        .runs = 1,
+        .split = RK_ACCEL_SAH,
+        .bins = rk_sah_options_default().bins,
+        .scene_name = "cornell",
+        .drawn_x = 50,
+        .drawn_y = 50,
+        .out = "out",
+        .motion = rk_motion_default(),
+        .camera_given = {{NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}, NAN},
+    };
+}
+
+bool rk_driver_build(rk_driver *driver, rk_error *error)
+{
+    double milliseconds[RK_RUNS_MAX];
+    rk_progress progress;
+    rk_progress_say(&progress, "building the tree", driver->quiet);
+    bool ok = true;
+    for (uint32_t run = 0; ok && run < driver->runs; run++) {
+        rk_accel_free(&driver->accel);
+        double start = rk_clock_wall();
+        ok = rk_accel_build_binned(&driver->accel, driver->split, driver->bins, &driver->scene,
+                                   error);
+        milliseconds[run] = 1e3 * (rk_clock_wall() - start);
+    }
+    rk_progress_end(&progress);
+    if (ok)
+        driver->build_ms = rk_timing_of(milliseconds, driver->runs);
+    return ok;
+}
+
+static bool time_renders(rk_driver *driver, double *milliseconds, rk_error *error)
+{
+    rk_progress progress;
+    rk_progress_start(&progress, "rendering", driver->runs * rk_render_tiles(&driver->render),
+                      driver->quiet);
+    bool ok = true;
+    for (uint32_t run = 0; ok && run < driver->runs; run++) {
+        double start = rk_clock_wall();
+        ok = rk_render(&driver->image, &driver->scene, &driver->accel, &driver->render,
+                       driver->pool, &driver->counters, &progress, error);
+        milliseconds[run] = 1e3 * (rk_clock_wall() - start);
+    }
+    rk_progress_end(&progress);
+    return ok;
+}
+
+bool rk_driver_render(rk_driver *driver, rk_error *error)
+{
+    double milliseconds[RK_RUNS_MAX];
+    if (driver->pixel.given)
+        rk_narrate_pixel(stdout, &driver->scene, &driver->accel, &driver->render, driver->pixel.x,
+                         driver->pixel.y);
+    if (!time_renders(driver, milliseconds, error))
+        return false;
+    driver->render_ms = rk_timing_of(milliseconds, driver->runs);
+    return true;
+}
+
+bool rk_driver_debug(const rk_driver *driver, const char *view)
+{
+    return driver->debug && strcmp(driver->debug, view) == 0;
+}
+
+void rk_driver_draw_pixel(rk_driver *driver)
+{
+    rk_pixel *pixel = &driver->pixel;
+    if (!pixel->given)
+        *pixel = (rk_pixel){.x = driver->render.width * driver->drawn_x / 100,
+                            .y = driver->render.height * driver->drawn_y / 100};
+    pixel->given = false;
+}
+
+int rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error)
+{
+    rk_pool_stop(driver->pool);
+    rk_image_free(&driver->image);
+    rk_accel_free(&driver->accel);
+    rk_scene_free(&driver->scene);
+    if (ok && fflush(stdout) == 0)
+        return 0;
+    fprintf(stderr, "%s: %s\n", driver->feature,
+            ok ? "standard output could not be written" : error->text);
+    return 1;
+}

@@ -1,0 +1,172 @@
+/* What drivers leave behind: pictures that know how they were made, and rows of tables. */
+#include "base/file.h"
+#include "driver/driver.h"
+#include "driver/implementation_note.h"
+#include "io/png.h"
+
+#include <ctype.h>
+#include <string.h>
+
+/* OUT/folder, made if it is missing. */
+static bool out_folder(const rk_driver *driver, const char *folder, char path[3072],
+                       rk_error *error)
+{
+    if (snprintf(path, 3072, "%s/%s", driver->out, folder) >= 3072)
+        return rk_fail(error, "--out: the folder's name is longer than 3000 bytes");
+    return rk_make_folder(path, error);
+}
+
+bool rk_driver_try_folder(const rk_driver *driver, rk_error *error)
+{
+    char folder[3072], path[4096];
+    rk_file file;
+    if (driver->out[0] == '\0')
+        return rk_fail(error, "--out: names no folder");
+    if (!out_folder(driver, driver->timing ? "tables" : "figures", folder, error))
+        return false;
+    snprintf(path, sizeof path, "%s/%s", folder, driver->feature);
+    if (!rk_file_begin(&file, path, error))
+        return false;
+    rk_file_abort(&file);
+    return true;
+}
+
+/* Scene names and file names become parts of file names: letters, digits, dots, dashes and
+ * underscores. */
+static void append_name(char *path, size_t size, const char *name)
+{
+    size_t used = strlen(path);
+    for (; *name && used + 1 < size; name++)
+        path[used++] = isalnum((unsigned char)*name) || *name == '.' || *name == '_' ? *name : '-';
+    path[used] = '\0';
+}
+
+static bool write_picture(const rk_driver *driver, const char *path, const char *seconds,
+                          rk_error *error)
+{
+    char samples[16], triangles[16];
+    snprintf(samples, sizeof samples, "%u", driver->render.samples);
+    snprintf(triangles, sizeof triangles, "%u", driver->scene.mesh.triangle_count);
+    const rk_png_text texts[] = {
+        {"Software", "raykit " PACKAGE_VERSION},
+        {"raykit:command", driver->parameters},
+        {"raykit:scene", driver->scene.name},
+        {"raykit:triangles", triangles},
+        {"raykit:samples", samples},
+        {"raykit:seconds", seconds},
+        {"raykit:units", rk_units},
+    };
+    size_t count = sizeof texts / sizeof *texts - (*rk_units ? 0 : 1);
+    return rk_png_write(path, &driver->image, texts, count, error);
+}
+
+typedef struct shown_duration {
+    char text[32];
+} shown_duration;
+
+/* Three digits in the unit that a person would choose. */
+static shown_duration duration(double milliseconds)
+{
+    shown_duration shown;
+    if (milliseconds < 999.5)
+        snprintf(shown.text, sizeof shown.text, "%.3g ms", milliseconds);
+    else if (milliseconds < 999500)
+        snprintf(shown.text, sizeof shown.text, "%.3g s", milliseconds / 1e3);
+    else
+        snprintf(shown.text, sizeof shown.text, "%.0f s", milliseconds / 1e3);
+    return shown;
+}
+
+static const char *plural(uint32_t count)
+{
+    return count == 1 ? "" : "s";
+}
+
+/* Lens and motion are told of where they took samples of their own. */
+static void print_rendering(const rk_driver *driver)
+{
+    const rk_render_options *render = &driver->render;
+    uint32_t threads = rk_pool_threads(driver->pool);
+    printf("%u triangle%s, %u x %u, %u sample%s a pixel", driver->scene.mesh.triangle_count,
+           plural(driver->scene.mesh.triangle_count), render->width, render->height,
+           render->samples, plural(render->samples));
+    if (driver->counters.lens_samples > 0 && render->lens_samples > render->samples)
+        printf(", %u where the lens blurs", render->lens_samples);
+    if (driver->counters.time_samples > 0)
+        printf(", %u time%s where things move", render->motion.samples,
+               plural(render->motion.samples));
+    if (driver->build_ms.runs > 0)
+        printf(", built in %s", duration(driver->build_ms.median).text);
+    printf(", rendered in %s on %u thread%s", duration(driver->render_ms.median).text, threads,
+           plural(threads));
+}
+
+static void print_caption(const rk_driver *driver, const char *path)
+{
+    printf("%s: %s, ", path, driver->scene.name);
+    if (driver->render_ms.runs > 0)
+        print_rendering(driver);
+    else
+        printf("%u x %u", driver->render.width, driver->render.height);
+    printf(", %s%sraykit %s\n", rk_units, *rk_units ? ", " : "", PACKAGE_VERSION);
+}
+
+bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)
+{
+    char folder[3072], path[4096], seconds[32];
+    if (!out_folder(driver, "figures", folder, error))
+        return false;
+    snprintf(path, sizeof path, "%s/%s_", folder, driver->feature);
+    append_name(path, sizeof path, driver->scene.name);
+    if (label) {
+        strcat(path, "_");
+        append_name(path, sizeof path, label);
+    }
+    strcat(path, ".png");
+    snprintf(seconds, sizeof seconds, "%.6f", driver->render_ms.median / 1e3);
+    if (!write_picture(driver, path, seconds, error))
+        return false;
+    if (!driver->quiet)
+        print_caption(driver, path);
+    return true;
+}
+
+bool rk_driver_table(const rk_driver *driver, const char *name, char path[4096], rk_error *error)
+{
+    char folder[3072];
+    if (!out_folder(driver, "tables", folder, error))
+        return false;
+    snprintf(path, 4096, "%s/%s.csv", folder, name);
+    return true;
+}
+
+bool rk_driver_row(rk_driver *driver, const char *metric, const char *unit, rk_timing timing,
+                   rk_error *error)
+{
+    char path[4096];
+    if (!rk_driver_table(driver, driver->feature, path, error))
+        return false;
+    const rk_accel_title method = rk_accel_name(&driver->accel);
+    const rk_timing_row row = {
+        .feature = driver->feature,
+        .scene = driver->scene.name,
+        .triangles = driver->scene.mesh.triangle_count,
+        .method = method.text,
+        .isa = rk_accel_isa(driver->accel.kind),
+        .threads = rk_pool_threads(driver->pool),
+        .metric = metric,
+        .unit = unit,
+        .timing = timing,
+    };
+    if (!rk_table_put_timing(path, &row, error))
+        return false;
+    if (!driver->quiet)
+        printf("%s: %s, %s %.6g%s%s\n", path, row.scene, metric, timing.median,
+               strcmp(unit, "1") == 0 ? "" : " ", strcmp(unit, "1") == 0 ? "" : unit);
+    return true;
+}
+
+rk_timing rk_timing_once(double figure)
+{
+    return (rk_timing){figure, figure, figure, 1};
+}

@@ -1,0 +1,3 @@
+#include "driver/implementation_note.h"
+
+const char rk_units[] = "";

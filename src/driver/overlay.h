@@ -1,0 +1,42 @@
+/* Debug drawings over a finished picture: lines, boxes, triangles and points in the scene's own
+ * coordinates, hidden where the scene is in front of them. */
+#ifndef RK_DRIVER_OVERLAY_H
+#define RK_DRIVER_OVERLAY_H
+
+#include "accel/accel.h"
+#include "base/image.h"
+#include "base/parallel.h"
+#include "scene/scene.h"
+
+typedef struct rk_overlay {
+    rk_image *image;
+    rk_view view;
+    float *depth; /* a pixel: distance along its centre's ray to the scene, infinite where empty */
+} rk_overlay;
+
+/* Finds the depth of every pixel of `image`. */
+bool rk_overlay_init(rk_overlay *overlay, rk_image *image, const rk_scene *scene,
+                     const rk_accel *accel, rk_pool *pool, rk_error *error);
+void rk_overlay_free(rk_overlay *overlay);
+
+/* A line `width` pixels wide with smooth edges. It is as thick as it is wide: a surface hides it
+ * only when it is more than that in front. */
+void rk_overlay_line(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, rk_vec3 colour, float width);
+
+/* A disk `radius` pixels large, facing the viewer. */
+void rk_overlay_point(rk_overlay *overlay, rk_vec3 point, rk_vec3 colour, float radius);
+
+/* The twelve edges of a box. */
+void rk_overlay_wireframe(rk_overlay *overlay, const rk_box *box, rk_vec3 colour, float width);
+
+/* A box of coloured glass: its far and then its near faces are blended with opacity `alpha`. */
+void rk_overlay_box(rk_overlay *overlay, const rk_box *box, rk_vec3 colour, float alpha);
+
+/* A triangle blended with opacity `alpha`; one of the scene's own covers itself exactly. */
+void rk_overlay_triangle(rk_overlay *overlay, rk_vec3 a, rk_vec3 b, rk_vec3 c, rk_vec3 colour,
+                         float alpha);
+
+/* The n-th of a cycle of colours that are easy to tell apart. */
+rk_vec3 rk_overlay_colour(uint32_t n);
+
+#endif

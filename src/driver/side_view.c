@@ -1,0 +1,26 @@
+#include "driver/side_view.h"
+
+rk_ray rk_side_view_ray(rk_driver *driver)
+{
+    rk_view view = rk_view_of(&driver->scene.camera, driver->render.width, driver->render.height);
+    rk_driver_draw_pixel(driver);
+    return rk_view_ray(&view, (float)driver->pixel.x + 0.5f, (float)driver->pixel.y + 0.5f);
+}
+
+bool rk_side_view_render(const rk_side_view *view, rk_driver *driver, rk_overlay *overlay,
+                         rk_error *error)
+{
+    rk_camera *camera = &driver->scene.camera;
+    camera->rotation.x += view->pitch;
+    camera->rotation.y += view->yaw;
+    camera->distance *= view->far;
+    if (!rk_driver_render(driver, error) ||
+        !rk_overlay_init(overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
+                         error))
+        return false;
+    for (size_t i = 0; i < driver->image.width * driver->image.height; i++) {
+        overlay->depth[i] = INFINITY;
+        driver->image.pixels[i] = rk_scale(driver->image.pixels[i], 0.6f);
+    }
+    return true;
+}

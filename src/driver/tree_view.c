@@ -1,0 +1,98 @@
+#include "driver/tree_view.h"
+
+#include <stdio.h>
+
+/* What a visit of the tree draws: the boxes of one level, or one leaf. */
+typedef struct drawing {
+    rk_overlay overlay;
+    const rk_driver *driver;
+    rk_tree_view wanted;
+    uint32_t boxes, leaves; /* met so far */
+} drawing;
+
+static void draw_level(const rk_bvh_node *node, uint32_t level, void *context)
+{
+    drawing *d = context;
+    if (level == d->wanted.level)
+        rk_overlay_wireframe(&d->overlay, &node->box, rk_overlay_colour(d->boxes++), 1.5f);
+}
+
+static void draw_leaf(const rk_bvh_node *node, uint32_t level, void *context)
+{
+    drawing *d = context;
+    (void)level;
+    if (node->count == 0 || d->leaves++ != d->wanted.leaf)
+        return;
+    const rk_mesh *mesh = &d->driver->scene.mesh;
+    for (uint32_t i = 0; i < node->count; i++) {
+        const uint32_t *corner =
+            mesh->triangles[d->driver->accel.bvh.triangles[node->first + i].index];
+        rk_overlay_triangle(&d->overlay, mesh->positions[corner[0]], mesh->positions[corner[1]],
+                            mesh->positions[corner[2]], rk_overlay_colour(i), 1);
+    }
+    rk_overlay_wireframe(&d->overlay, &node->box, rk_vec(1, 1, 1), 1.5f);
+}
+
+void rk_tree_view_dim(const rk_image *image)
+{
+    for (size_t i = 0; i < image->width * image->height; i++)
+        image->pixels[i] = rk_scale(image->pixels[i], 0.2f);
+}
+
+bool rk_tree_view_choose(rk_tree_view *view, const rk_driver *driver, rk_error *error)
+{
+    rk_bvh_measures tree = rk_bvh_measure(&driver->accel.bvh);
+    if ((view->level != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "level")) ||
+        (view->leaf != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "leaf")))
+        return rk_fail(error, "--level goes with --debug level, --leaf with --debug leaf");
+    if (tree.levels == 0) /* what moves has trees of its own */
+        return !driver->debug ||
+               rk_fail(error,
+                       "--debug %s: everything moves, and the tree of what stands still is "
+                       "empty; leave --move out",
+                       driver->debug);
+    if (view->level == RK_TREE_VIEW_NOT_GIVEN)
+        view->level = tree.levels > 4 ? 4 : tree.levels - 1;
+    if (view->leaf == RK_TREE_VIEW_NOT_GIVEN)
+        view->leaf = 0;
+    if (view->level >= tree.levels)
+        return rk_fail(error, "--level %u: this tree's levels are 0 to %u; choose one of them",
+                       view->level, tree.levels - 1);
+    if (view->leaf >= tree.leaves)
+        return rk_fail(error, "--leaf %u: this tree's leaves are 0 to %u; choose one of them",
+                       view->leaf, tree.leaves - 1);
+    return true;
+}
+
+bool rk_tree_view_draw(const rk_tree_view *view, rk_driver *driver, rk_error *error)
+{
+    bool is_level = rk_driver_debug(driver, "level");
+    drawing d = {.driver = driver, .wanted = *view};
+    if (!rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
+                         error))
+        return false;
+    if (!is_level)
+        rk_tree_view_dim(&driver->image);
+    rk_bvh_visit(&driver->accel.bvh, is_level ? draw_level : draw_leaf, &d);
+    rk_overlay_free(&d.overlay);
+    char label[32];
+    snprintf(label, sizeof label, "%s%u", driver->debug, is_level ? view->level : view->leaf);
+    return rk_driver_save(driver, label, error);
+}
+
+bool rk_tree_view_rows(rk_driver *driver, rk_error *error)
+{
+    if (driver->render.shadows)
+        return rk_driver_row(driver, "render_with_shadows", "ms", driver->render_ms, error);
+    rk_bvh_measures tree = rk_bvh_measure(&driver->accel.bvh);
+    double rays = (double)driver->counters.primary_rays;
+    rk_timing boxes = rk_timing_once((double)driver->counters.box_tests / rays);
+    rk_timing triangles = rk_timing_once((double)driver->counters.triangle_tests / rays);
+    return rk_driver_row(driver, "build", "ms", driver->build_ms, error) &&
+           rk_driver_row(driver, "render", "ms", driver->render_ms, error) &&
+           rk_driver_row(driver, "levels", "1", rk_timing_once(tree.levels), error) &&
+           rk_driver_row(driver, "leaves", "1", rk_timing_once(tree.leaves), error) &&
+           rk_driver_row(driver, "SAH_cost", "1", rk_timing_once(tree.sah_cost), error) &&
+           rk_driver_row(driver, "boxes_per_ray", "1", boxes, error) &&
+           rk_driver_row(driver, "triangles_per_ray", "1", triangles, error);
+}

@@ -1,0 +1,42 @@
+/* What the drivers of binary trees share: the views of a level and of a leaf, and the table's rows.
+ */
+#ifndef RK_DRIVER_TREE_VIEW_H
+#define RK_DRIVER_TREE_VIEW_H
+
+#include "driver/driver.h"
+
+#define RK_TREE_VIEW_NOT_GIVEN UINT32_MAX
+
+/* Values of --level and --leaf; RK_TREE_VIEW_NOT_GIVEN until the user gives them. */
+typedef struct rk_tree_view {
+    uint32_t level, leaf;
+} rk_tree_view;
+
+/* The two options' rows, for a driver's own table. */
+#define RK_TREE_VIEW_OPTIONS(view)                                                                 \
+    {"level",                                                                                      \
+     RK_OPTION_UINT,                                                                               \
+     &(view).level,                                                                                \
+     "N",                                                                                          \
+     "level drawn by --debug level; 0 is the root; by default 4, or the deepest",                  \
+     0,                                                                                            \
+     RK_BVH_LEVELS_MAX - 1},                                                                       \
+    {                                                                                              \
+        "leaf", RK_OPTION_UINT, &(view).leaf, "N",                                                 \
+            "leaf drawn by --debug leaf, from the left; by default 0", 0, UINT32_MAX - 1           \
+    }
+
+/* Settles which level and leaf to draw; an error names what the tree has. */
+bool rk_tree_view_choose(rk_tree_view *view, const rk_driver *driver, rk_error *error);
+
+/* Draws --debug level or --debug leaf over the finished picture and saves it. */
+bool rk_tree_view_draw(const rk_tree_view *view, rk_driver *driver, rk_error *error);
+
+/* Darkens the picture: what is drawn next is small. */
+void rk_tree_view_dim(const rk_image *image);
+
+/* One row a figure: build, render, the tree's shape, the work of a camera ray; with --shadows the
+ * render time alone. */
+bool rk_tree_view_rows(rk_driver *driver, rk_error *error);
+
+#endif

@@ -1,0 +1,415 @@
+// raykit-image: pictures in every format that OpenImageIO knows, for the library, which does not
+// link it (a process that does takes a quarter of a second to start).
+//
+//   raykit-image read FILE        picture to standard output, in the form of image_stream.h
+//   raykit-image write FILE       picture from standard input, in the format of FILE's ending
+//   raykit-image compare A B      prints rms, psnr, maximum, its x and y, and Yee's pixel count
+//
+// Errors are one line on standard error that begins with the file's name, and exit status 1.
+#include "io/image_helper/perceptual.h"
+#include "io/image_stream.h"
+
+#include <OpenImageIO/color.h>
+#include <OpenImageIO/imagebuf.h>
+#include <OpenImageIO/imagebufalgo.h>
+#include <OpenImageIO/imageio.h>
+
+#include <algorithm>
+#include <cerrno>
+#include <cmath>
+#include <csignal>
+#include <cstdio>
+#include <cstdlib>
+#include <cstring>
+#include <functional>
+#include <memory>
+#include <new>
+#include <stdexcept>
+#include <string>
+#include <unistd.h>
+#include <vector>
+
+namespace {
+
+// Unlike a vector's, its values are not set to zero: a small file that claims to be a huge picture
+// is found out by its reader before the memory is ever touched.
+class Floats {
+  public:
+    explicit Floats(size_t wanted) : values(new float[wanted]), count(wanted)
+    {
+    }
+    float *data() const
+    {
+        return values.get();
+    }
+    size_t size() const
+    {
+        return count;
+    }
+    float *begin() const
+    {
+        return values.get();
+    }
+    float *end() const
+    {
+        return values.get() + count;
+    }
+
+  private:
+    std::unique_ptr<float[]> values;
+    size_t count;
+};
+
+struct Picture {
+    int width, height;
+    Floats rgb; // linear, row by row from the top
+};
+
+[[noreturn]] void fail(const std::string &path, const std::string &what)
+{
+    throw std::runtime_error(path + ": " + what);
+}
+
+// OpenImageIO reports a line for each thing that went wrong; the others follow from the first.
+std::string first_line(const std::string &text)
+{
+    return text.substr(0, text.find('\n'));
+}
+
+std::string size_text(const Picture &picture)
+{
+    return std::to_string(picture.width) + " x " + std::to_string(picture.height);
+}
+
+// --- reading ------------------------------------------------------------------------------------
+
+void check_size(const std::string &path, const OIIO::ImageSpec &spec)
+{
+    const int most = RK_IMAGE_STREAM_SIDE_MAX;
+    if (spec.width < 1 || spec.height < 1 || spec.width > most || spec.height > most)
+        fail(path, "claims " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
+                       " pixels: each side must be 1 to " + std::to_string(most));
+    if (spec.deep || spec.depth > 1)
+        fail(path, "is a deep or volume picture; flatten it, for instance by oiiotool --flatten");
+}
+
+// The first of the channels that are the colour, and how many they are: 3 of RGB, or 1 of grey.
+struct Channels {
+    int first, count;
+};
+
+Channels colour_channels(const std::string &path, const OIIO::ImageSpec &spec)
+{
+    if (spec.channelindex("RY") >= 0 || spec.channelindex("BY") >= 0)
+        fail(path, "stores luminance and chroma, which cannot be read; save it as RGB");
+    int red = spec.channelindex("R");
+    if (red >= 0 && spec.channelindex("G") == red + 1 && spec.channelindex("B") == red + 2)
+        return {red, 3};
+    return {0, spec.nchannels >= 3 ? 3 : 1};
+}
+
+float decode_srgb(double stored)
+{
+    return float(stored <= 0.04045 ? stored / 12.92 : std::pow((stored + 0.055) / 1.055, 2.4));
+}
+
+// The curve from stored to linear values; an empty function when they are linear already. Where
+// the file says nothing, integers are sRGB-encoded and floats are linear.
+std::function<float(double)> curve_of(const OIIO::ImageSpec &spec)
+{
+    std::string space = spec.get_string_attribute("oiio:ColorSpace");
+    std::transform(space.begin(), space.end(), space.begin(), ::tolower);
+    float gamma = spec.get_float_attribute("oiio:Gamma");
+    if (space == "linear" || space == "scene_linear" || gamma == 1)
+        return {};
+    if (gamma > 0 && std::abs(1 / gamma - 1 / 2.2) >= 0.001)
+        return [gamma](double stored) { return float(std::pow(stored, double(gamma))); };
+    if (space.empty() && spec.format.is_floating_point())
+        return {};
+    return decode_srgb;
+}
+
+// By a table where there are fewer stored values than pixels.
+void make_linear(const Floats &values, const OIIO::ImageSpec &spec)
+{
+    auto curve = curve_of(spec);
+    if (!curve)
+        return;
+    int levels = spec.format == OIIO::TypeDesc::UINT8    ? 256
+                 : spec.format == OIIO::TypeDesc::UINT16 ? 65536
+                                                         : 0;
+    std::vector<float> table;
+    for (int i = 0; i < levels; i++)
+        table.push_back(curve(double(i) / (levels - 1)));
+    for (float &value : values)
+        value = levels ? table[size_t(std::lrint(value * float(levels - 1)))] : curve(value);
+}
+
+void check_finite(const std::string &path, const Picture &picture)
+{
+    auto bad = std::find_if(picture.rgb.begin(), picture.rgb.end(),
+                            [](float value) { return !std::isfinite(value); });
+    if (bad == picture.rgb.end())
+        return;
+    auto pixel = (bad - picture.rgb.begin()) / 3;
+    fail(path, "the pixel at x " + std::to_string(pixel % picture.width) + ", y " +
+                   std::to_string(pixel / picture.width) +
+                   " is not a finite number; repair it, for instance by oiiotool --fixnan box3");
+}
+
+// Cameras store what the sensor saw and a note on how they were held.
+void turn_upright(Picture &picture, int orientation)
+{
+    if (orientation <= 1 || orientation > 8)
+        return;
+    OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT);
+    OIIO::ImageBuf lying(spec, picture.rgb.data());
+    lying.set_orientation(orientation);
+    OIIO::ImageBuf upright = OIIO::ImageBufAlgo::reorient(lying);
+    Floats rgb(picture.rgb.size());
+    upright.get_pixels(OIIO::ROI(), OIIO::TypeDesc::FLOAT, rgb.data());
+    picture.width = upright.spec().width;
+    picture.height = upright.spec().height;
+    picture.rgb = std::move(rgb);
+}
+
+Floats replicate(const Floats &grey)
+{
+    Floats rgb(grey.size() * 3);
+    for (size_t i = 0; i < rgb.size(); i++)
+        rgb.data()[i] = grey.data()[i / 3];
+    return rgb;
+}
+
+// The system's reason is better than OpenImageIO's.
+void check_readable(const std::string &path)
+{
+    std::FILE *file = std::fopen(path.c_str(), "rb");
+    bool readable = file && (std::fgetc(file) != EOF || !std::ferror(file));
+    std::string reason = std::strerror(errno);
+    if (file)
+        std::fclose(file);
+    if (!readable)
+        fail(path, "cannot be read: " + reason);
+}
+
+Picture read_picture(const std::string &path)
+{
+    check_readable(path);
+    // Colour that is to lose its alpha must not be multiplied by it first.
+    OIIO::ImageSpec wishes;
+    wishes["oiio:UnassociatedAlpha"] = 1;
+    auto input = OIIO::ImageInput::open(path, &wishes);
+    if (!input)
+        fail(path, "cannot be read: " + first_line(OIIO::geterror()));
+    OIIO::ImageSpec spec = input->spec();
+    check_size(path, spec);
+    Channels channels = colour_channels(path, spec);
+    size_t pixels = size_t(spec.width) * size_t(spec.height);
+    Floats values(pixels * size_t(channels.count));
+    // Some readers fill what is missing with grey and count it as success, but say what was wrong.
+    if (!input->read_image(0, 0, channels.first, channels.first + channels.count,
+                           OIIO::TypeDesc::FLOAT, values.data()) ||
+        input->has_error())
+        fail(path, "is damaged: " + first_line(input->geterror()) + "; save or download it again");
+    make_linear(values, spec);
+    Picture picture{spec.width, spec.height,
+                    channels.count == 3 ? std::move(values) : replicate(values)};
+    turn_upright(picture, spec.get_int_attribute("Orientation", 1));
+    return picture;
+}
+
+Picture load(const std::string &path)
+{
+    Picture picture = read_picture(path);
+    check_finite(path, picture);
+    return picture;
+}
+
+// --- streams ------------------------------------------------------------------------------------
+
+void send(const Picture &picture)
+{
+    rk_image_stream_head head = {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION,
+                                 uint32_t(picture.width), uint32_t(picture.height)};
+    if (std::fwrite(&head, sizeof head, 1, stdout) != 1 ||
+        std::fwrite(picture.rgb.data(), sizeof(float), picture.rgb.size(), stdout) !=
+            picture.rgb.size() ||
+        std::fflush(stdout) != 0)
+        fail("standard output", std::strerror(errno));
+}
+
+Picture receive()
+{
+    const char *source = "standard input";
+    rk_image_stream_head head;
+    if (std::fread(&head, sizeof head, 1, stdin) != 1 || head.magic != RK_IMAGE_STREAM_MAGIC ||
+        head.version != RK_IMAGE_STREAM_VERSION)
+        fail(source, "is not a picture from this version of raykit");
+    const uint32_t most = RK_IMAGE_STREAM_SIDE_MAX;
+    if (head.width < 1 || head.height < 1 || head.width > most || head.height > most)
+        fail(source, "each side of a picture must be 1 to " + std::to_string(most) + " pixels");
+    Picture picture{int(head.width), int(head.height),
+                    Floats(size_t(head.width) * head.height * 3)};
+    if (std::fread(picture.rgb.data(), sizeof(float), picture.rgb.size(), stdin) !=
+            picture.rgb.size() ||
+        std::fgetc(stdin) != EOF)
+        fail(source, "is shorter or longer than a picture of " + size_text(picture) + " pixels");
+    return picture;
+}
+
+// --- writing ------------------------------------------------------------------------------------
+
+// Beside the destination, with its ending, by which OpenImageIO chooses the format.
+std::string temporary_name(const std::string &path)
+{
+    size_t slash = path.rfind('/'), dot = path.rfind('.');
+    if (dot == std::string::npos || (slash != std::string::npos && dot < slash))
+        fail(path, "has no ending that names a format, such as .exr");
+    return path.substr(0, dot) + ".part-" + std::to_string(::getpid()) + path.substr(dot);
+}
+
+// What is being written, and under which name; both empty when nothing is.
+struct Unfinished {
+    std::string path, temporary;
+} unfinished;
+
+// The temporary name for a signal, which may call nothing but the system.
+const char *volatile unfinished_name;
+
+void remove_unfinished()
+{
+    if (!unfinished.temporary.empty())
+        ::unlink(unfinished.temporary.c_str());
+    unfinished_name = nullptr;
+    unfinished = {};
+}
+
+void on_interrupt(int signal)
+{
+    if (unfinished_name)
+        ::unlink(unfinished_name);
+    std::signal(signal, SIG_DFL);
+    std::raise(signal);
+}
+
+// Ctrl-C reaches this process as well as its caller. What the caller ignores stays ignored.
+void remove_unfinished_when_interrupted()
+{
+    unfinished_name = unfinished.temporary.c_str();
+    for (int signal : {SIGHUP, SIGINT, SIGTERM})
+        if (std::signal(signal, on_interrupt) == SIG_IGN)
+            std::signal(signal, SIG_IGN);
+}
+
+// libjpeg ends the whole process when the disk is full.
+void on_exit_by_library()
+{
+    if (!unfinished.path.empty())
+        std::fprintf(stderr, "%s: could not be written whole; free some space\n",
+                     unfinished.path.c_str());
+    remove_unfinished();
+}
+
+// Not every writer notices a full disk either, so what was written must also be readable.
+void check_written(const Picture &picture)
+{
+    Picture back = read_picture(unfinished.temporary);
+    if (back.width != picture.width || back.height != picture.height)
+        fail(unfinished.temporary, "has changed its size");
+}
+
+[[noreturn]] void fail_to_write(const std::string &path, const std::string &reason)
+{
+    fail(path,
+         "could not be written whole: " + reason + "; free some space, or choose another place");
+}
+
+void store(const std::string &path, Picture picture)
+{
+    auto output = OIIO::ImageOutput::create(path);
+    if (!output)
+        fail(path, "no such format: " + first_line(OIIO::geterror()));
+    OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT);
+    // Without one, OpenImageIO stores the time, and equal pictures would make different files.
+    spec["DateTime"] = "1970:01:01 00:00:00";
+    unfinished = {path, temporary_name(path)};
+    std::atexit(on_exit_by_library);
+    remove_unfinished_when_interrupted();
+    if (!output->open(unfinished.temporary, spec))
+        fail(path,
+             "cannot be written: " + first_line(output->geterror()) + "; choose another place");
+    if (!output->spec().format.is_floating_point()) // what the format made of the wish
+        for (float &value : picture.rgb)
+            value = OIIO::linear_to_sRGB(value > 0 ? std::min(value, 1.0f) : 0);
+    if (!output->write_image(OIIO::TypeDesc::FLOAT, picture.rgb.data()) || !output->close())
+        fail_to_write(path, first_line(output->geterror()));
+    try {
+        check_written(picture);
+    } catch (const std::exception &error) {
+        fail_to_write(path, error.what());
+    }
+    if (std::rename(unfinished.temporary.c_str(), path.c_str()) != 0)
+        fail_to_write(path, std::strerror(errno));
+    unfinished_name = nullptr;
+    unfinished = {};
+}
+
+// --- comparing ----------------------------------------------------------------------------------
+
+OIIO::ImageBuf wrap(Picture &picture)
+{
+    OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT);
+    return OIIO::ImageBuf(spec, picture.rgb.data());
+}
+
+void compare(const std::string &path_a, const std::string &path_b)
+{
+    Picture a = load(path_a), b = load(path_b);
+    if (a.width != b.width || a.height != b.height)
+        fail(path_a, "is " + size_text(a) + " pixels, but " + path_b + " is " + size_text(b) +
+                         ": only pictures of equal size can be compared");
+    OIIO::ImageBuf buffer_a = wrap(a), buffer_b = wrap(b);
+    auto result = OIIO::ImageBufAlgo::compare(buffer_a, buffer_b, 0, 0);
+    size_t seen = count_seen(a.rgb.data(), b.rgb.data(), size_t(a.width), size_t(a.height));
+    // OpenImageIO's own PSNR takes the brightest value of the two pictures as its peak.
+    double psnr = 20 * std::log10(1 / result.rms_error);
+    std::printf("%.17g %.17g %.17g %d %d %zu\n", result.rms_error, psnr, result.maxerror,
+                result.maxx, result.maxy, seen);
+}
+
+void run(const std::vector<std::string> &words)
+{
+    if (words.size() == 2 && words[0] == "read")
+        send(load(words[1]));
+    else if (words.size() == 2 && words[0] == "write")
+        store(words[1], receive());
+    else if (words.size() == 3 && words[0] == "compare")
+        compare(words[1], words[2]);
+    else
+        fail("raykit-image", "usage: raykit-image read FILE | write FILE | compare A B");
+}
+
+std::string one_line(std::string text)
+{
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text;
+}
+
+} // namespace
+
+int main(int argc, char **argv)
+{
+    std::vector<std::string> words(argv + 1, argv + argc);
+    try {
+        run(words);
+        return 0;
+    } catch (const std::bad_alloc &) {
+        std::fprintf(stderr, "%s: no memory for its pixels: choose a smaller picture\n",
+                     words.size() > 1 ? words[1].c_str() : "raykit-image");
+    } catch (const std::exception &error) {
+        std::fprintf(stderr, "%s\n", one_line(error.what()).c_str());
+    }
+    remove_unfinished();
+    return 1;
+}

@@ -1,0 +1,383 @@
+#include "io/mesh_helper/mesh_gather.h"
+
+#include "io/mesh_helper/mesh_material.h"
+#include "io/mesh_helper/polygon.h"
+#include "io/mesh_helper/vertex_pool.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { most_materials = UINT16_MAX, deepest_node = 1000 };
+
+/* Row-major 3 x 4: a point's place in the world. */
+typedef struct placement {
+    double m[3][4];
+    bool is_identity; /* then coordinates pass to the bit */
+} placement;
+
+typedef struct gather {
+    const char *path;
+    const struct aiScene *scene;
+    bool plain;
+    bool any_normals, any_texcoords;
+    rk_vertex_pool pool;
+    uint32_t (*triangles)[3];
+    uint16_t *triangle_materials;
+    uint32_t triangle_count, triangle_room;
+    uint32_t *material_numbers; /* ours plus 1 for each of the scene's, twice: first with its
+                                   texture, then for parts that cannot show it; 0: unused so far */
+    uint32_t *material_sources; /* which of those each of ours is */
+    uint32_t material_count;
+} gather;
+
+/* What emitting one part needs. */
+typedef struct part {
+    const struct aiMesh *mesh;
+    const placement *place;
+    const struct aiVector3D *texcoords; /* or NULL */
+    uint32_t
+        *numbers; /* the pool's index plus 1 of each of the part's vertices; 0: not yet in it */
+    uint16_t material;
+    uint32_t room; /* corners of the largest polygon */
+    rk_vec3 *points;
+    uint32_t (*cuts)[3];
+    uint32_t *left;
+} part;
+
+static const char *const remedy = "repair the mesh or export it again";
+
+/* --- places -------------------------------------------------------------------------------- */
+
+static placement place_in(const placement *parent, const struct aiMatrix4x4 *t)
+{
+    const double child[3][4] = {
+        {(double)t->a1, (double)t->a2, (double)t->a3, (double)t->a4},
+        {(double)t->b1, (double)t->b2, (double)t->b3, (double)t->b4},
+        {(double)t->c1, (double)t->c2, (double)t->c3, (double)t->c4},
+    };
+    placement result = {.is_identity = true};
+    for (int row = 0; row < 3; row++)
+        for (int column = 0; column < 4; column++) {
+            double sum = column == 3 ? parent->m[row][3] : 0;
+            for (int k = 0; k < 3; k++)
+                sum += parent->m[row][k] * child[k][column];
+            result.m[row][column] = sum;
+            result.is_identity &= sum == (row == column ? 1 : 0);
+        }
+    return result;
+}
+
+static rk_vec3 move_point(const placement *p, rk_vec3 v)
+{
+    if (p->is_identity)
+        return v;
+    double x = (double)v.x, y = (double)v.y, z = (double)v.z, moved[3];
+    for (int i = 0; i < 3; i++)
+        moved[i] = p->m[i][0] * x + p->m[i][1] * y + p->m[i][2] * z + p->m[i][3];
+    return rk_vec((float)moved[0], (float)moved[1], (float)moved[2]);
+}
+
+/* Normals move by the inverse transpose; the cofactors are that but for a positive factor, once
+ * multiplied by the determinant's sign, and exist for singular transforms too. */
+static void cofactors(const placement *p, double c[3][3])
+{
+    for (int i = 0; i < 3; i++)
+        for (int k = 0; k < 3; k++) {
+            int i1 = (i + 1) % 3, i2 = (i + 2) % 3, k1 = (k + 1) % 3, k2 = (k + 2) % 3;
+            c[i][k] = p->m[i1][k1] * p->m[i2][k2] - p->m[i1][k2] * p->m[i2][k1];
+        }
+    double determinant = p->m[0][0] * c[0][0] + p->m[0][1] * c[0][1] + p->m[0][2] * c[0][2];
+    for (int i = 0; i < 3 && determinant < 0; i++)
+        for (int k = 0; k < 3; k++)
+            c[i][k] = -c[i][k];
+}
+
+/* False for a vector without direction. NaN stays NaN, to be refused where meshes are validated. */
+static bool make_unit(const double v[3], rk_vec3 *unit)
+{
+    double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
+    if (length == 0)
+        return false;
+    *unit = rk_vec((float)(v[0] / length), (float)(v[1] / length), (float)(v[2] / length));
+    return true;
+}
+
+static bool move_normal(const placement *p, const struct aiVector3D *n, rk_vec3 *moved)
+{
+    double v[3] = {(double)n->x, (double)n->y, (double)n->z};
+    if (p->is_identity)
+        return make_unit(v, moved);
+    double c[3][3], w[3];
+    cofactors(p, c);
+    for (int i = 0; i < 3; i++)
+        w[i] = c[i][0] * v[0] + c[i][1] * v[1] + c[i][2] * v[2];
+    return make_unit(w, moved);
+}
+
+/* A face without area has no normal and meets no ray: any unit vector will do. */
+static rk_vec3 face_normal(rk_vec3 a, rk_vec3 b, rk_vec3 c)
+{
+    double e[3] = {(double)b.x - (double)a.x, (double)b.y - (double)a.y, (double)b.z - (double)a.z};
+    double f[3] = {(double)c.x - (double)a.x, (double)c.y - (double)a.y, (double)c.z - (double)a.z};
+    double n[3] = {e[1] * f[2] - e[2] * f[1], e[2] * f[0] - e[0] * f[2], e[0] * f[1] - e[1] * f[0]};
+    rk_vec3 unit = rk_vec(0, 0, 1);
+    make_unit(n, &unit);
+    return unit;
+}
+
+/* --- triangles ----------------------------------------------------------------------------- */
+
+static bool grow_triangles(gather *g, rk_error *error)
+{
+    if (g->triangle_room > UINT32_MAX / 2)
+        return rk_fail(error, "%s: more than %u triangles: simplify the mesh", g->path,
+                       g->triangle_room);
+    uint32_t room = g->triangle_room ? 2 * g->triangle_room : 1 << 12;
+    void *triangles = realloc(g->triangles, room * sizeof *g->triangles);
+    if (triangles)
+        g->triangles = triangles;
+    void *materials = realloc(g->triangle_materials, room * sizeof *g->triangle_materials);
+    if (materials)
+        g->triangle_materials = materials;
+    if (!triangles || !materials)
+        return rk_fail(error, "%s: no memory for %u triangles: simplify the mesh", g->path, room);
+    g->triangle_room = room;
+    return true;
+}
+
+static rk_vec3 position_of(const part *p, uint32_t vertex)
+{
+    const struct aiVector3D *v = &p->mesh->mVertices[vertex];
+    return move_point(p->place, rk_vec((float)v->x, (float)v->y, (float)v->z));
+}
+
+/* A vertex with a normal of its own, or where normals play no part, is the same for all its faces
+ * and looked up once; one that takes its face's normal belongs to that face. */
+static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, uint32_t *index,
+                        rk_error *error)
+{
+    uint32_t source = corners[k];
+    if (p->numbers[source]) {
+        *index = p->numbers[source] - 1;
+        return true;
+    }
+    rk_vertex vertex = {.position = position_of(p, source)};
+    bool own = !g->any_normals;
+    if (!own && p->mesh->mNormals)
+        own = move_normal(p->place, &p->mesh->mNormals[source], &vertex.normal);
+    if (!own)
+        vertex.normal = face_normal(position_of(p, corners[0]), position_of(p, corners[1]),
+                                    position_of(p, corners[2]));
+    if (p->texcoords)
+        vertex.texcoord = (rk_vec2){(float)p->texcoords[source].x, (float)p->texcoords[source].y};
+    if (!rk_vertex_pool_add(&g->pool, &vertex, index, error))
+        return false;
+    if (own)
+        p->numbers[source] = *index + 1;
+    return true;
+}
+
+static bool emit_triangle(gather *g, part *p, const uint32_t corners[3], rk_error *error)
+{
+    if (g->triangle_count == g->triangle_room && !grow_triangles(g, error))
+        return false;
+    for (int k = 0; k < 3; k++)
+        if (!emit_corner(g, p, corners, k, &g->triangles[g->triangle_count][k], error))
+            return false;
+    g->triangle_materials[g->triangle_count++] = p->material;
+    return true;
+}
+
+static bool make_polygon_room(const gather *g, part *p, uint32_t corners, rk_error *error)
+{
+    if (corners <= p->room)
+        return true;
+    free(p->points);
+    free(p->cuts);
+    free(p->left);
+    p->room = 0;
+    p->points = rk_allocate(corners, sizeof *p->points, g->path, error);
+    p->cuts = rk_allocate(corners, sizeof *p->cuts, g->path, error);
+    p->left = rk_allocate(corners, sizeof *p->left, g->path, error);
+    if (!p->points || !p->cuts || !p->left)
+        return false;
+    p->room = corners;
+    return true;
+}
+
+static bool emit_polygon(gather *g, part *p, const struct aiFace *face, rk_error *error)
+{
+    uint32_t corners = face->mNumIndices;
+    if (!make_polygon_room(g, p, corners, error))
+        return false;
+    for (uint32_t i = 0; i < corners; i++)
+        p->points[i] = position_of(p, face->mIndices[i]);
+    rk_polygon_cut(p->points, corners, p->cuts, p->left);
+    for (uint32_t i = 0; i < corners - 2; i++) {
+        const uint32_t *cut = p->cuts[i];
+        uint32_t triangle[3] = {face->mIndices[cut[0]], face->mIndices[cut[1]],
+                                face->mIndices[cut[2]]};
+        if (!emit_triangle(g, p, triangle, error))
+            return false;
+    }
+    return true;
+}
+
+/* --- parts and nodes ----------------------------------------------------------------------- */
+
+static bool check_face(const gather *g, const part *p, uint32_t number, rk_error *error)
+{
+    const struct aiFace *face = &p->mesh->mFaces[number];
+    const char *name = p->mesh->mName.data;
+    if (face->mNumIndices > 0 && !face->mIndices)
+        return rk_fail(error, "%s: face %u of part \"%.100s\" has no indices: %s", g->path, number,
+                       name, remedy);
+    for (uint32_t i = 0; i < face->mNumIndices; i++)
+        if (face->mIndices[i] >= p->mesh->mNumVertices)
+            return rk_fail(error,
+                           "%s: face %u of part \"%.100s\" uses vertex %u, but it has %u: %s",
+                           g->path, number, name, face->mIndices[i], p->mesh->mNumVertices, remedy);
+    return true;
+}
+
+static bool find_material(gather *g, part *p, rk_error *error)
+{
+    uint32_t source = g->plain ? 0 : p->mesh->mMaterialIndex;
+    if (source >= g->scene->mNumMaterials && !g->plain)
+        return rk_fail(error, "%s: part \"%.100s\" uses material %u, but the file has %u: %s",
+                       g->path, p->mesh->mName.data, source, g->scene->mNumMaterials, remedy);
+    uint32_t set = 0, key = 2 * source;
+    bool textured =
+        source < g->scene->mNumMaterials && rk_mesh_texture_set(g->scene->mMaterials[source], &set);
+    p->texcoords = p->mesh->mTextureCoords[set];
+    if (textured && !p->texcoords && g->any_texcoords)
+        key++;
+    if (g->material_numbers[key] == 0) {
+        if (g->material_count == most_materials)
+            return rk_fail(error, "%s: uses more than %d materials: merge those that are alike",
+                           g->path, most_materials);
+        g->material_sources[g->material_count] = key;
+        g->material_numbers[key] = ++g->material_count;
+    }
+    p->material = (uint16_t)(g->material_numbers[key] - 1);
+    return true;
+}
+
+static bool emit_faces(gather *g, part *p, rk_error *error)
+{
+    bool has_material = false;
+    for (uint32_t i = 0; i < p->mesh->mNumFaces; i++) {
+        const struct aiFace *face = &p->mesh->mFaces[i];
+        if (!check_face(g, p, i, error))
+            return false;
+        if (face->mNumIndices < 3)
+            continue;
+        if (!has_material && !find_material(g, p, error))
+            return false;
+        has_material = true;
+        if (face->mNumIndices == 3 ? !emit_triangle(g, p, face->mIndices, error)
+                                   : !emit_polygon(g, p, face, error))
+            return false;
+    }
+    return true;
+}
+
+static bool emit_part(gather *g, const struct aiMesh *mesh, const placement *place, rk_error *error)
+{
+    if (!mesh->mVertices || !mesh->mFaces)
+        return true;
+    part p = {.mesh = mesh, .place = place};
+    p.numbers = rk_allocate(mesh->mNumVertices, sizeof *p.numbers, g->path, error);
+    bool ok = p.numbers && emit_faces(g, &p, error);
+    free(p.numbers);
+    free(p.points);
+    free(p.cuts);
+    free(p.left);
+    return ok;
+}
+
+static bool emit_node(gather *g, const struct aiNode *node, const placement *parent, int depth,
+                      rk_error *error)
+{
+    if (depth > deepest_node)
+        return rk_fail(error, "%s: its parts are nested deeper than %d: %s", g->path, deepest_node,
+                       remedy);
+    placement place = place_in(parent, &node->mTransformation);
+    for (uint32_t i = 0; i < node->mNumMeshes; i++) {
+        if (node->mMeshes[i] >= g->scene->mNumMeshes)
+            return rk_fail(error, "%s: node \"%.100s\" uses part %u, but the file has %u: %s",
+                           g->path, node->mName.data, node->mMeshes[i], g->scene->mNumMeshes,
+                           remedy);
+        if (!emit_part(g, g->scene->mMeshes[node->mMeshes[i]], &place, error))
+            return false;
+    }
+    for (uint32_t i = 0; i < node->mNumChildren; i++)
+        if (!emit_node(g, node->mChildren[i], &place, depth + 1, error))
+            return false;
+    return true;
+}
+
+/* --- the whole ----------------------------------------------------------------------------- */
+
+static void set_material(const gather *g, rk_mesh *mesh, rk_mesh_textures *textures, uint32_t i)
+{
+    const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i] / 2];
+    if (g->material_sources[i] % 2 == 0)
+        rk_mesh_textures_find(textures, i, g->scene, source);
+    bool textured = textures->of_material[i] != 0;
+    if (!g->plain)
+        mesh->materials[i] = rk_mesh_material(source, textured);
+    else if (textured)
+        mesh->materials[i].kd = rk_vec(1, 1, 1);
+}
+
+static bool finish(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, rk_error *error)
+{
+    if (g->triangle_count == 0)
+        return rk_fail(error, "%s: holds no triangles: choose a mesh with faces", g->path);
+    int optional =
+        (g->any_normals ? RK_MESH_NORMALS : 0) | (g->any_texcoords ? RK_MESH_TEXCOORDS : 0);
+    rk_error reason;
+    if (!rk_mesh_init(mesh, g->pool.count, g->triangle_count, g->material_count, optional, &reason))
+        return rk_fail(error, "%s: %.900s", g->path, reason.text);
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        mesh->positions[i] = g->pool.vertices[i].position;
+        if (mesh->normals)
+            mesh->normals[i] = g->pool.vertices[i].normal;
+        if (mesh->texcoords)
+            mesh->texcoords[i] = g->pool.vertices[i].texcoord;
+    }
+    memcpy(mesh->triangles, g->triangles, g->triangle_count * sizeof *g->triangles);
+    memcpy(mesh->triangle_materials, g->triangle_materials,
+           g->triangle_count * sizeof *g->triangle_materials);
+    if (!rk_mesh_textures_init(textures, mesh->material_count, g->path, error)) {
+        rk_mesh_free(mesh);
+        return false;
+    }
+    for (uint32_t i = 0; i < mesh->material_count; i++)
+        if (g->material_sources[i] / 2 < g->scene->mNumMaterials)
+            set_material(g, mesh, textures, i);
+    return true;
+}
+
+bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiScene *scene,
+                    bool plain, const char *path, rk_error *error)
+{
+    gather g = {.path = path, .scene = scene, .plain = plain, .pool.name = path};
+    for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
+        g.any_normals |= scene->mMeshes[i]->mNormals != NULL;
+        g.any_texcoords |= scene->mMeshes[i]->mTextureCoords[0] != NULL;
+    }
+    const placement world = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, true};
+    g.material_numbers = rk_allocate(scene->mNumMaterials, 2 * sizeof(uint32_t), path, error);
+    g.material_sources = rk_allocate(scene->mNumMaterials, 2 * sizeof(uint32_t), path, error);
+    bool ok = g.material_numbers && g.material_sources && scene->mRootNode &&
+              emit_node(&g, scene->mRootNode, &world, 0, error) &&
+              finish(&g, mesh, textures, error);
+    rk_vertex_pool_free(&g.pool);
+    free(g.triangles);
+    free(g.triangle_materials);
+    free(g.material_numbers);
+    free(g.material_sources);
+    return ok;
+}

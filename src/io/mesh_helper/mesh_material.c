@@ -1,0 +1,60 @@
+#include "io/mesh_helper/mesh_material.h"
+
+#include <assimp/GltfMaterial.h>
+#include <string.h>
+
+/* NaN passes through: both comparisons are false. */
+static float clamp_fraction(float v)
+{
+    return v < 0 ? 0 : v > 1 ? 1 : v;
+}
+
+static bool read_colour(const struct aiMaterial *material, const char *key, unsigned type,
+                        unsigned index, rk_vec3 *colour, float *alpha)
+{
+    struct aiColor4D c = {0, 0, 0, 1};
+    if (aiGetMaterialColor(material, key, type, index, &c) != aiReturn_SUCCESS)
+        return false;
+    *colour = rk_vec(clamp_fraction(c.r), clamp_fraction(c.g), clamp_fraction(c.b));
+    *alpha = clamp_fraction(c.a);
+    return true;
+}
+
+static bool has_text(const struct aiMaterial *material, const char *key, unsigned type,
+                     unsigned index, const char *text)
+{
+    struct aiString string;
+    return aiGetMaterialString(material, key, type, index, &string) == aiReturn_SUCCESS &&
+           strcmp(string.data, text) == 0;
+}
+
+/* Assimp's grey where the file gives no diffuse colour. One that gives just this grey looks no
+ * different to us, but that is rarer beside a texture than none. */
+static bool is_made_up(rk_vec3 kd)
+{
+    return kd.x == 0.6f && kd.y == 0.6f && kd.z == 0.6f;
+}
+
+rk_material rk_mesh_material(const struct aiMaterial *material, bool textured)
+{
+    rk_material m = {.kd = rk_vec(0.8f, 0.8f, 0.8f), .alpha = 1};
+    if (has_text(material, AI_MATKEY_NAME, AI_DEFAULT_MATERIAL_NAME))
+        return m;
+    float base_alpha, unused;
+    bool is_gltf = read_colour(material, AI_MATKEY_BASE_COLOR, &m.kd, &base_alpha);
+    if (is_gltf) {
+        if (has_text(material, AI_MATKEY_GLTF_ALPHAMODE, "BLEND"))
+            m.alpha = base_alpha;
+        return m;
+    }
+    read_colour(material, AI_MATKEY_COLOR_DIFFUSE, &m.kd, &unused);
+    if (textured && is_made_up(m.kd))
+        m.kd = rk_vec(1, 1, 1);
+    read_colour(material, AI_MATKEY_COLOR_SPECULAR, &m.ks, &unused);
+    ai_real value;
+    if (aiGetMaterialFloatArray(material, AI_MATKEY_SHININESS, &value, NULL) == aiReturn_SUCCESS)
+        m.shininess = value < 0 ? 0 : (float)value;
+    if (aiGetMaterialFloatArray(material, AI_MATKEY_OPACITY, &value, NULL) == aiReturn_SUCCESS)
+        m.alpha = clamp_fraction((float)value);
+    return m;
+}

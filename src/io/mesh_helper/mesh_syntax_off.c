@@ -1,0 +1,89 @@
+/* OFF: the word OFF with prefixes that announce texture coordinates, colours and normals, three
+ * counts (vertices, faces, edges), a line for each vertex, a line for each face: its number of
+ * corners, their indices from 0, perhaps a colour. Format: Geomview manual, "OFF files". */
+#include "io/mesh_helper/mesh_syntax.h"
+#include "io/mesh_helper/text_cursor.h"
+
+#include <stdint.h>
+
+static const char *const remedy = "export the mesh again";
+
+static bool scan_counts(const char *path, text_cursor *c, long long counts[2], rk_error *error)
+{
+    for (int i = 0; i < 2; i++) {
+        text_skip_blanks(c);
+        if (!text_next_content(c) || !text_read_integer(c, &counts[i]) || counts[i] < 0 ||
+            !text_is_border(c))
+            return rk_fail(error, "%s:%zu: the counts of vertices and faces are missing: %s", path,
+                           c->line, remedy);
+        if (counts[i] > UINT32_MAX)
+            return rk_fail(error, "%s:%zu: %lld rows are more than 32-bit indices reach: %s", path,
+                           c->line, counts[i], remedy);
+    }
+    if (counts[0] == 0 || counts[1] == 0)
+        return rk_fail(error, "%s: holds no triangles: choose a mesh with faces", path);
+    text_next_line(c);
+    return true;
+}
+
+static bool scan_vertex(const char *path, text_cursor *c, rk_error *error)
+{
+    for (int i = 0; i < 3; i++)
+        if (!text_read_finite(c))
+            return rk_fail(error, "%s:%zu: a vertex needs three finite numbers: %s", path, c->line,
+                           remedy);
+    return true;
+}
+
+static bool scan_face(const char *path, text_cursor *c, long long vertices, rk_error *error)
+{
+    long long corners, index;
+    text_skip_blanks(c);
+    if (!text_read_integer(c, &corners) || corners < 1)
+        return rk_fail(error, "%s:%zu: a face begins with its number of corners: %s", path, c->line,
+                       remedy);
+    for (long long i = 0; i < corners; i++) {
+        text_skip_blanks(c);
+        if (!text_read_integer(c, &index) || !text_is_border(c))
+            return rk_fail(error, "%s:%zu: a face's index is missing or no number: %s", path,
+                           c->line, remedy);
+        if (index < 0 || index >= vertices)
+            return rk_fail(error, "%s:%zu: a face uses vertex %lld, but the file has %lld: %s",
+                           path, c->line, index, vertices, remedy);
+    }
+    return true;
+}
+
+bool rk_scan_off(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                 rk_error *error)
+{
+    hints->plain = true;
+    text_cursor c = text_begin(text, size);
+    char word[16] = "";
+    size_t length =
+        text_next_content(&c) && text_read_word(&c, word, sizeof word) ? strlen(word) : 0;
+    if (length < 3 || strcmp(word + length - 3, "OFF") != 0)
+        return rk_fail(error,
+                       "%s:%zu: an OFF file begins with the word OFF: is it of another format?",
+                       path, c.line);
+    if (strpbrk(word, "4n"))
+        return rk_fail(error, "%s:%zu: OFF in four or more dimensions is no surface here: %s", path,
+                       c.line, remedy);
+    long long counts[2];
+    if (!scan_counts(path, &c, counts, error))
+        return false;
+    size_t header_line = c.line - 1;
+    for (long long row = 0; row < counts[0] + counts[1]; row++) {
+        if (!text_next_content(&c))
+            return rk_fail(
+                error,
+                "%s:%zu: %lld vertices and %lld faces are promised, but the file ends after "
+                "%lld of these lines: %s",
+                path, header_line, counts[0], counts[1], row, remedy);
+        if (row < counts[0] ? !scan_vertex(path, &c, error)
+                            : !scan_face(path, &c, counts[0], error))
+            return false;
+        text_next_line(&c);
+    }
+    return true;
+}

@@ -1,0 +1,328 @@
+/* PLY: a header that declares elements (vertex, face, ...) with their counts and properties, then
+ * the rows, as text or binary. The counts are promises: all are checked against what follows.
+ * Format: Greg Turk, "The PLY Polygon File Format", Stanford University, 1994. */
+#include "io/mesh_helper/mesh_syntax.h"
+#include "io/mesh_helper/text_cursor.h"
+
+#include <stdint.h>
+
+enum { max_elements = 16, max_properties = 128 };
+
+typedef enum ply_type {
+    INT8,
+    UINT8,
+    INT16,
+    UINT16,
+    INT32,
+    UINT32,
+    FLOAT32,
+    FLOAT64,
+    types
+} ply_type;
+static const char *const type_names[2][types] = {
+    {"char", "uchar", "short", "ushort", "int", "uint", "float", "double"},
+    {"int8", "uint8", "int16", "uint16", "int32", "uint32", "float32", "float64"}};
+static const size_t type_sizes[types] = {1, 1, 2, 2, 4, 4, 4, 8};
+
+typedef struct ply_property {
+    bool is_list;
+    ply_type count_type, type;
+    bool is_geometry; /* a coordinate that must be finite, or a list of vertex indices */
+} ply_property;
+
+typedef struct ply_element {
+    char name[32];
+    long long count;
+    size_t line; /* of the header */
+    int property_count;
+    ply_property properties[max_properties];
+} ply_element;
+
+typedef struct ply_scan {
+    const char *path;
+    int encoding;
+    int element_count;
+    ply_element elements[max_elements];
+    long long vertices;
+} ply_scan;
+
+enum { ASCII, LITTLE, BIG }; /* encodings, in the order of their names in read_format */
+static const char *const remedy = "export the mesh again";
+
+/* --- header -------------------------------------------------------------------------------- */
+
+static bool fail_header(const ply_scan *s, size_t line, const char *what, rk_error *error)
+{
+    return rk_fail(error, "%s:%zu: %s: %s", s->path, line, what, remedy);
+}
+
+static bool read_type(text_cursor *c, ply_type *type)
+{
+    char word[32];
+    if (!text_read_word(c, word, sizeof word))
+        return false;
+    for (int i = 0; i < types; i++)
+        if (strcmp(word, type_names[0][i]) == 0 || strcmp(word, type_names[1][i]) == 0) {
+            *type = (ply_type)i;
+            return true;
+        }
+    return false;
+}
+
+static bool read_format(ply_scan *s, text_cursor *c, rk_error *error)
+{
+    static const char *const names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
+    char word[32];
+    if (text_read_word(c, word, sizeof word))
+        for (int i = ASCII; i <= BIG; i++)
+            if (strcmp(word, names[i]) == 0) {
+                s->encoding = i;
+                return true;
+            }
+    return fail_header(s, c->line,
+                       "the format is not ascii, binary_little_endian or binary_big_endian", error);
+}
+
+static bool read_element(ply_scan *s, text_cursor *c, rk_error *error)
+{
+    if (s->element_count == max_elements)
+        return fail_header(s, c->line, "more than 16 kinds of elements", error);
+    ply_element *e = &s->elements[s->element_count++];
+    e->line = c->line;
+    bool named = text_read_word(c, e->name, sizeof e->name);
+    text_skip_blanks(c);
+    if (!named || !text_read_integer(c, &e->count) || e->count < 0)
+        return fail_header(s, c->line, "an element line needs a name and a count", error);
+    if (e->count > UINT32_MAX)
+        return rk_fail(error, "%s:%zu: %lld rows of %s are more than 32-bit indices reach: %s",
+                       s->path, c->line, e->count, e->name, remedy);
+    if (strcmp(e->name, "vertex") == 0)
+        s->vertices = e->count;
+    return true;
+}
+
+static bool is_geometry(const ply_element *e, const ply_property *p, const char *name)
+{
+    if (p->is_list)
+        return strcmp(e->name, "face") == 0 &&
+               (strcmp(name, "vertex_indices") == 0 || strcmp(name, "vertex_index") == 0);
+    static const char *const coordinates[] = {"x", "y", "z", "nx", "ny", "nz"};
+    for (int i = 0; i < 6 && strcmp(e->name, "vertex") == 0; i++)
+        if (strcmp(name, coordinates[i]) == 0)
+            return true;
+    return false;
+}
+
+static bool read_property(ply_scan *s, text_cursor *c, rk_error *error)
+{
+    if (s->element_count == 0)
+        return fail_header(s, c->line, "a property stands before the first element", error);
+    ply_element *e = &s->elements[s->element_count - 1];
+    if (e->property_count == max_properties)
+        return fail_header(s, c->line, "more than 128 properties in an element", error);
+    ply_property *p = &e->properties[e->property_count++];
+    text_cursor start = *c;
+    char word[32];
+    p->is_list = text_read_word(c, word, sizeof word) && strcmp(word, "list") == 0;
+    if (!p->is_list)
+        *c = start;
+    if ((p->is_list && (!read_type(c, &p->count_type) || p->count_type >= FLOAT32)) ||
+        !read_type(c, &p->type) || !text_read_word(c, word, sizeof word))
+        return fail_header(s, c->line, "a property line needs known types and a name", error);
+    p->is_geometry = is_geometry(e, p, word);
+    return true;
+}
+
+/* Leaves the cursor on the first byte after end_header's line. */
+static bool read_header(ply_scan *s, text_cursor *c, rk_error *error)
+{
+    char word[32];
+    if (!text_read_word(c, word, sizeof word) || strcmp(word, "ply") != 0)
+        return fail_header(s, c->line, "a PLY file begins with the line ply", error);
+    bool ok = true;
+    for (text_next_line(c); ok && c->at < c->end; text_next_line(c)) {
+        if (!text_read_word(c, word, sizeof word))
+            continue;
+        if (strcmp(word, "end_header") == 0) {
+            text_next_line(c);
+            return true;
+        }
+        if (strcmp(word, "format") == 0)
+            ok = read_format(s, c, error);
+        else if (strcmp(word, "element") == 0)
+            ok = read_element(s, c, error);
+        else if (strcmp(word, "property") == 0)
+            ok = read_property(s, c, error);
+    }
+    return ok && fail_header(s, c->line, "the file ends within the header", error);
+}
+
+static bool check_header(const ply_scan *s, rk_error *error)
+{
+    bool has_faces = false;
+    for (int i = 0; i < s->element_count; i++) {
+        const ply_element *e = &s->elements[i];
+        if (e->count > 0 && e->property_count == 0)
+            return fail_header(s, e->line, "an element without properties", error);
+        has_faces |= e->count > 0 && strcmp(e->name, "vertex") != 0;
+    }
+    if (s->vertices == 0 || !has_faces)
+        return rk_fail(error, "%s: holds no triangles: choose a mesh with faces, not a point cloud",
+                       s->path);
+    return true;
+}
+
+/* --- rows ---------------------------------------------------------------------------------- */
+
+static bool fail_ended(const ply_scan *s, const ply_element *e, long long row, rk_error *error)
+{
+    return rk_fail(error,
+                   "%s:%zu: the header promises %lld rows of %s, but the file ends in row %lld: %s",
+                   s->path, e->line, e->count, e->name, row + 1, remedy);
+}
+
+static bool scan_text_index(const ply_scan *s, text_cursor *c, bool is_vertex, rk_error *error)
+{
+    long long index;
+    text_skip_blanks(c);
+    if (!is_vertex)
+        return text_read_finite(c) ||
+               rk_fail(error, "%s:%zu: a list's value is missing or no number: %s", s->path,
+                       c->line, remedy);
+    if (!text_read_integer(c, &index) || !text_is_border(c))
+        return rk_fail(error, "%s:%zu: a face's index is missing or no number: %s", s->path,
+                       c->line, remedy);
+    if (index < 0 || index >= s->vertices)
+        return rk_fail(error, "%s:%zu: a face uses vertex %lld, but the file has %lld: %s", s->path,
+                       c->line, index, s->vertices, remedy);
+    return true;
+}
+
+static bool scan_text_property(const ply_scan *s, text_cursor *c, const ply_property *p,
+                               rk_error *error)
+{
+    char word[64];
+    if (!p->is_list) {
+        bool ok = p->is_geometry ? text_read_finite(c) : text_read_word(c, word, sizeof word);
+        return ok || rk_fail(error, "%s:%zu: a number is missing or not finite: %s", s->path,
+                             c->line, remedy);
+    }
+    long long count;
+    text_skip_blanks(c);
+    if (!text_read_integer(c, &count) || count < 0)
+        return rk_fail(error, "%s:%zu: a list's count is missing or no number: %s", s->path,
+                       c->line, remedy);
+    for (long long i = 0; i < count; i++)
+        if (!scan_text_index(s, c, p->is_geometry, error))
+            return false;
+    return true;
+}
+
+static bool scan_text(const ply_scan *s, text_cursor *c, rk_error *error)
+{
+    for (int i = 0; i < s->element_count; i++) {
+        const ply_element *e = &s->elements[i];
+        for (long long row = 0; row < e->count; row++) {
+            if (!text_next_content(c))
+                return fail_ended(s, e, row, error);
+            for (int k = 0; k < e->property_count; k++)
+                if (!scan_text_property(s, c, &e->properties[k], error))
+                    return false;
+            text_next_line(c);
+        }
+    }
+    return true;
+}
+
+static uint64_t read_bits(const ply_scan *s, const char *at, size_t size)
+{
+    uint64_t bits = 0;
+    for (size_t i = 0; i < size; i++)
+        bits |= (uint64_t)(unsigned char)at[s->encoding == LITTLE ? i : size - 1 - i] << (8 * i);
+    return bits;
+}
+
+static double read_value(const ply_scan *s, const char *at, ply_type type)
+{
+    uint64_t bits = read_bits(s, at, type_sizes[type]);
+    uint32_t low = (uint32_t)bits;
+    float single;
+    double wide;
+    switch (type) {
+    case INT8:
+        return (int8_t)bits;
+    case INT16:
+        return (int16_t)bits;
+    case INT32:
+        return (int32_t)bits;
+    case FLOAT32:
+        memcpy(&single, &low, sizeof single);
+        return (double)single;
+    case FLOAT64:
+        memcpy(&wide, &bits, sizeof wide);
+        return fabs(wide) <= 0x1.fffffep127 ? wide : (double)INFINITY;
+    default:
+        return low;
+    }
+}
+
+static bool scan_binary_indices(const ply_scan *s, const char *at, const ply_property *p,
+                                size_t count, long long row, rk_error *error)
+{
+    for (size_t i = 0; i < count; i++) {
+        double index = read_value(s, at + i * type_sizes[p->type], p->type);
+        if (!(index >= 0 && index < (double)s->vertices))
+            return rk_fail(error, "%s: face %lld uses vertex %.0f, but the file has %lld: %s",
+                           s->path, row, index, s->vertices, remedy);
+    }
+    return true;
+}
+
+static bool scan_binary_row(const ply_scan *s, text_cursor *c, const ply_element *e, long long row,
+                            rk_error *error)
+{
+    for (int k = 0; k < e->property_count; k++) {
+        const ply_property *p = &e->properties[k];
+        size_t size = type_sizes[p->type], left = (size_t)(c->end - c->at);
+        if (p->is_list) {
+            size_t count_size = type_sizes[p->count_type];
+            if (left < count_size)
+                return fail_ended(s, e, row, error);
+            double count = read_value(s, c->at, p->count_type);
+            c->at += count_size;
+            if (count < 0 || count * (double)size > (double)(left - count_size))
+                return fail_ended(s, e, row, error);
+            if (p->is_geometry && !scan_binary_indices(s, c->at, p, (size_t)count, row, error))
+                return false;
+            c->at += (size_t)count * size;
+            continue;
+        }
+        if (left < size)
+            return fail_ended(s, e, row, error);
+        if (p->is_geometry && !isfinite(read_value(s, c->at, p->type)))
+            return rk_fail(error, "%s: a number of vertex %lld is not finite: %s", s->path, row,
+                           remedy);
+        c->at += size;
+    }
+    return true;
+}
+
+static bool scan_binary(const ply_scan *s, text_cursor *c, rk_error *error)
+{
+    for (int i = 0; i < s->element_count; i++)
+        for (long long row = 0; row < s->elements[i].count; row++)
+            if (!scan_binary_row(s, c, &s->elements[i], row, error))
+                return false;
+    return true;
+}
+
+bool rk_scan_ply(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                 rk_error *error)
+{
+    hints->plain = true;
+    ply_scan s = {.path = path};
+    text_cursor c = text_begin(text, size);
+    if (!read_header(&s, &c, error) || !check_header(&s, error))
+        return false;
+    return s.encoding == ASCII ? scan_text(&s, &c, error) : scan_binary(&s, &c, error);
+}

@@ -1,0 +1,110 @@
+#include "io/mesh_helper/mesh_texture.h"
+
+#include "io/mesh_stream.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+bool rk_mesh_textures_init(rk_mesh_textures *textures, uint32_t material_count, const char *path,
+                           rk_error *error)
+{
+    *textures = (rk_mesh_textures){0};
+    textures->of_material = rk_allocate(material_count, sizeof *textures->of_material, path, error);
+    textures->entries =
+        rk_allocate_unset(RK_MESH_STREAM_TEXTURES_MAX, sizeof *textures->entries, path, error);
+    if (textures->of_material && textures->entries)
+        return true;
+    rk_mesh_textures_free(textures);
+    return false;
+}
+
+void rk_mesh_textures_free(rk_mesh_textures *textures)
+{
+    free(textures->entries);
+    free(textures->of_material);
+    *textures = (rk_mesh_textures){0};
+}
+
+typedef struct named_picture {
+    struct aiString name;
+    unsigned set;
+    enum aiTextureMapMode modes[2];
+} named_picture;
+
+/* Assimp calls it diffuse, and in some formats base colour besides or instead. */
+static bool find_picture(const struct aiMaterial *material, named_picture *found)
+{
+    static const enum aiTextureType types[] = {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR};
+    for (int i = 0; i < 2; i++) {
+        *found = (named_picture){.modes = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap}};
+        if (aiGetMaterialTexture(material, types[i], 0, &found->name, NULL, &found->set, NULL, NULL,
+                                 found->modes, NULL) == aiReturn_SUCCESS &&
+            found->name.length > 0)
+            return true;
+    }
+    return false;
+}
+
+/* A picture inside the file is named "*" and its number. One that is not compressed (no height) is
+ * in no format that raykit-image reads; only a few games' models have such. */
+static const struct aiTexture *find_embedded(const struct aiScene *scene, const char *name)
+{
+    char *end;
+    unsigned long number = name[0] == '*' ? strtoul(name + 1, &end, 10) : scene->mNumTextures;
+    if (number >= scene->mNumTextures || *end != '\0' || scene->mTextures[number]->mHeight != 0)
+        return NULL;
+    return scene->mTextures[number];
+}
+
+static rk_mesh_texture make_entry(const struct aiScene *scene, const named_picture *picture)
+{
+    rk_mesh_texture entry = {.clamps = picture->modes[0] == aiTextureMapMode_Clamp &&
+                                       picture->modes[1] == aiTextureMapMode_Clamp};
+    char *name = entry.name.data;
+    size_t length = strnlen(picture->name.data, sizeof entry.name.data - 1);
+    memcpy(name, picture->name.data, length);
+    while (length > 0 && strchr(" \t\r", name[length - 1]))
+        name[--length] = '\0';
+    entry.name.length = (ai_uint32)length;
+    const struct aiTexture *embedded = find_embedded(scene, name);
+    if (embedded) {
+        entry.data = (const unsigned char *)embedded->pcData;
+        entry.data_size = embedded->mWidth;
+    }
+    return entry;
+}
+
+static bool is_same(const rk_mesh_texture *a, const rk_mesh_texture *b)
+{
+    return a->clamps == b->clamps && strcmp(a->name.data, b->name.data) == 0;
+}
+
+void rk_mesh_textures_find(rk_mesh_textures *textures, uint32_t number, const struct aiScene *scene,
+                           const struct aiMaterial *material)
+{
+    named_picture picture;
+    if (!find_picture(material, &picture))
+        return;
+    rk_mesh_texture entry = make_entry(scene, &picture);
+    if (entry.name.length == 0)
+        return;
+    uint32_t i = 0;
+    while (i < textures->count && !is_same(&textures->entries[i], &entry))
+        i++;
+    if (i == RK_MESH_STREAM_TEXTURES_MAX) {
+        textures->too_many = true;
+        return;
+    }
+    if (i == textures->count)
+        textures->entries[textures->count++] = entry;
+    textures->of_material[number] = i + 1;
+}
+
+bool rk_mesh_texture_set(const struct aiMaterial *material, uint32_t *set)
+{
+    named_picture picture;
+    if (!find_picture(material, &picture))
+        return false;
+    *set = picture.set < AI_MAX_NUMBER_OF_TEXTURECOORDS ? picture.set : 0;
+    return true;
+}

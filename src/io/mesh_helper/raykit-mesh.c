@@ -1,0 +1,130 @@
+/* raykit-mesh FILE: reads a mesh with Assimp and writes it to standard output as mesh_stream.h
+ * says. On failure the exit status is 1 and the last line on standard error is the reason.
+ * rk_mesh_read starts it; a file that makes Assimp crash ends only this process. */
+#include "io/mesh_helper/mesh_gather.h"
+#include "io/mesh_helper/mesh_syntax.h"
+#include "io/mesh_stream.h"
+
+#include <assimp/cimport.h>
+#include <errno.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <unistd.h>
+
+static bool write_bytes(const void *bytes, uint64_t size, rk_error *error)
+{
+    for (const char *at = bytes; size > 0;) {
+        ssize_t n = write(STDOUT_FILENO, at, size);
+        if (n < 0 && errno != EINTR)
+            return rk_fail(error, "raykit-mesh: its answer could not be written: %s",
+                           strerror(errno));
+        if (n > 0) {
+            at += n;
+            size -= (uint64_t)n;
+        }
+    }
+    return true;
+}
+
+static bool write_materials(const rk_mesh *mesh, const rk_mesh_textures *textures, rk_error *error)
+{
+    bool ok = true;
+    for (uint32_t i = 0; i < mesh->material_count && ok; i++) {
+        const rk_material *m = &mesh->materials[i];
+        rk_mesh_stream_material row = {{m->kd.x, m->kd.y, m->kd.z},
+                                       {m->ks.x, m->ks.y, m->ks.z},
+                                       m->shininess,
+                                       m->alpha,
+                                       textures->of_material[i]};
+        ok = write_bytes(&row, sizeof row, error);
+    }
+    return ok;
+}
+
+static bool write_textures(const rk_mesh_textures *textures, rk_error *error)
+{
+    bool ok = true;
+    for (uint32_t i = 0; i < textures->count && ok; i++) {
+        const rk_mesh_texture *t = &textures->entries[i];
+        rk_mesh_stream_texture row = {t->clamps, t->name.length, t->data_size};
+        ok = write_bytes(&row, sizeof row, error);
+    }
+    for (uint32_t i = 0; i < textures->count && ok; i++) {
+        const rk_mesh_texture *t = &textures->entries[i];
+        ok = write_bytes(t->name.data, t->name.length, error) &&
+             write_bytes(t->data, t->data_size, error);
+    }
+    return ok;
+}
+
+static bool count_texture_bytes(const rk_mesh_textures *textures, const char *path, uint32_t *count,
+                                rk_error *error)
+{
+    uint64_t bytes = 0;
+    for (uint32_t i = 0; i < textures->count; i++)
+        bytes += (uint64_t)textures->entries[i].name.length + textures->entries[i].data_size;
+    *count = (uint32_t)bytes;
+    return bytes <= UINT32_MAX ||
+           rk_fail(error, "%s: its pictures are larger than 4 GB: make them smaller", path);
+}
+
+static bool write_mesh(const rk_mesh *mesh, const rk_mesh_textures *textures, const char *path,
+                       rk_error *error)
+{
+    rk_mesh_stream_header header = {
+        .magic = RK_MESH_STREAM_MAGIC,
+        .version = RK_MESH_STREAM_VERSION,
+        .flags = (mesh->normals ? (uint32_t)RK_MESH_NORMALS : 0) |
+                 (mesh->texcoords ? (uint32_t)RK_MESH_TEXCOORDS : 0),
+        .vertex_count = mesh->vertex_count,
+        .triangle_count = mesh->triangle_count,
+        .material_count = mesh->material_count,
+        .texture_count = textures->count,
+    };
+    rk_mesh_stream_sizes sizes = rk_mesh_stream_sizes_of(&header);
+    return count_texture_bytes(textures, path, &header.texture_bytes, error) &&
+           write_bytes(&header, sizeof header, error) &&
+           write_bytes(mesh->positions, sizes.positions, error) &&
+           write_bytes(mesh->normals, sizes.normals, error) &&
+           write_bytes(mesh->texcoords, sizes.texcoords, error) &&
+           write_bytes(mesh->triangles, sizes.triangles, error) &&
+           write_bytes(mesh->triangle_materials, sizes.triangle_materials, error) &&
+           write_materials(mesh, textures, error) && write_textures(textures, error);
+}
+
+/* No post-processing: Assimp's triangulation aborts on some broken files, its joining is slow. */
+static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
+{
+    if (!rk_mesh_scan(path, hints, error))
+        return false;
+    const struct aiScene *scene = aiImportFile(path, 0);
+    if (!scene)
+        return rk_fail(error, "%s: Assimp cannot read it: %s", path, aiGetErrorString());
+    rk_mesh mesh = {0};
+    rk_mesh_textures textures = {0};
+    bool ok = rk_mesh_gather(&mesh, &textures, scene, hints->plain, path, error) &&
+              rk_mesh_validate(&mesh, path, error) && write_mesh(&mesh, &textures, path, error);
+    if (textures.too_many)
+        rk_fail(&hints->note, "%s: names more than %d textures: the others' surfaces are plain",
+                path, RK_MESH_STREAM_TEXTURES_MAX);
+    rk_mesh_textures_free(&textures);
+    rk_mesh_free(&mesh);
+    aiReleaseImport(scene);
+    return ok;
+}
+
+int main(int argc, char **argv)
+{
+    if (argc != 2) {
+        fputs("usage: raykit-mesh FILE (writes the mesh to standard output for rk_mesh_read)\n",
+              stderr);
+        return EXIT_FAILURE;
+    }
+    rk_mesh_hints hints;
+    rk_error error = {0};
+    bool ok = convert(argv[1], &hints, &error);
+    const char *text = ok ? hints.note.text : error.text;
+    if (*text)
+        fprintf(stderr, "%s\n", text);
+    return ok ? EXIT_SUCCESS : EXIT_FAILURE;
+}

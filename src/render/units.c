@@ -1,3 +1,0 @@
-#include "render/units.h"
-
-const char rk_units[] = "";

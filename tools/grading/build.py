@@ -1,0 +1,214 @@
+"""Builds a student's unit, alone or into a suite: exactly one object for each feature, so that a
+missing function is missing, and never silently the reference's.
+
+The build's compiler and flags stand in DIR/impl/toolchain, which the Makefile writes.
+"""
+
+import os
+import re
+import shlex
+import subprocess
+
+import sandbox
+from assignments import ToolError
+
+_SECONDS = 60
+_MEGABYTES = 4096
+
+
+class BuildError(Exception):
+    """A unit that cannot be built: `reason` is one sentence, `details` what the tools said."""
+
+    def __init__(self, reason, details=""):
+        super().__init__(reason)
+        self.reason, self.details = reason, details
+
+
+class Toolchain:
+    """What DIR/impl/toolchain says: one NAME=VALUE a line."""
+
+    def __init__(self, build):
+        path = os.path.join(build, "impl", "toolchain")
+        try:
+            with open(path, encoding="utf-8") as file:
+                values = dict(line.rstrip("\n").split("=", 1) for line in file if "=" in line)
+        except OSError as error:
+            raise ToolError(
+                f"{path} cannot be read ({error.strerror}); run make check-... or make grade there once"
+            ) from error
+        self.build, self.source = os.path.abspath(build), values["source"]
+        self.handed_out = values["handed_out"].split()  # features without a reference, in a pack
+        self.compiler = shlex.split(values["cc"])
+        self.flags = shlex.split(values["flags"]) + ["-Wno-error"]
+        self.base_sanitize = shlex.split(values["base_sanitize"])
+        self.sanitize = shlex.split(values["sanitize"])
+        self.link_flags = shlex.split(values["link_flags"])
+        self.drivers = values["drivers"].split()  # the objects of all, from the build folder
+        self.libraries = shlex.split(values["libraries"])
+        self.tools = {name: values[name] for name in ("ar", "nm", "objcopy", "objdump")}
+
+    def built(self, path):
+        """Returns the absolute path of something in the build folder, which has to be there."""
+        path = os.path.join(self.build, path)
+        if not os.path.exists(path):
+            raise ToolError(f"{path} is missing; run make there")
+        return path
+
+
+def _run_tool(command, folder):
+    environment = dict(os.environ, LC_ALL="C", TMPDIR=folder)
+    try:
+        return sandbox.run(
+            command, seconds=_SECONDS, megabytes=_MEGABYTES, folder=os.getcwd(),
+            environment=environment, output_bytes=4 << 20,
+        )
+    except OSError as error:
+        raise ToolError(f"{command[0]} cannot be run: {error.strerror}") from error
+
+
+def global_symbols(toolchain, path):
+    """Returns the names that an object defines for others."""
+    command = [toolchain.tools["nm"], "-g", "--defined-only", path]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    if answer.returncode:
+        raise ToolError(f"{command[0]} could not read {path}: {answer.stderr.strip()}")
+    return [line.split()[-1] for line in answer.stdout.splitlines() if line.split()]
+
+
+# --- Compiling ----------------------------------------------------------------------------------
+
+
+def compile_unit(toolchain, unit, folder, extra_flags=()):
+    """Compiles the unit to an object in `folder`. Returns its path and the compiler's warnings."""
+    output = os.path.join(folder, unit.feature.stem + ".o")
+    listing = os.path.join(folder, unit.feature.stem + ".included")
+    command = [*toolchain.compiler, *toolchain.flags, *extra_flags, "-MD", "-MF", listing,
+               "-c", unit.path, "-o", output]
+    outcome = _run_tool(command, folder)
+    if outcome.limit:
+        raise BuildError(
+            f"{unit.shown} could not be compiled: the compiler took more than its {outcome.limit}"
+        )
+    if outcome.status != 0:
+        said = plain(toolchain, unit, outcome.output)
+        first = next((line for line in said.splitlines() if "error:" in line), None)
+        reason = f"does not compile: {first}" if first else f"{unit.shown} does not compile"
+        raise BuildError(reason, said)
+    if not unit.is_reference:
+        _check_included(toolchain, unit, listing)
+    return output, plain(toolchain, unit, outcome.output).strip()
+
+
+def plain(toolchain, unit, text):
+    """Shortens the paths in what tools say: the unit's are as unit.shown is, the kit's from its top."""
+    own, shown = os.path.dirname(unit.path), os.path.dirname(unit.shown)
+    shorter = {os.path.realpath(own): shown, os.path.abspath(own): shown, own: shown}
+    shorter |= {os.path.realpath(toolchain.source): "", toolchain.source: ""}
+    for path, short in shorter.items():
+        if path.strip("/"):
+            text = re.sub(rf"(?<![\w./-]){re.escape(path)}/+", lambda _, s=short: s and s + "/", text)
+    return text
+
+
+def _is_below(path, folder):
+    return os.path.commonpath([path, os.path.realpath(folder)]) == os.path.realpath(folder)
+
+
+def _check_included(toolchain, unit, listing):
+    """A solution may include the kit's headers, the system's, and headers that stand beside it."""
+    with open(listing, encoding="utf-8", errors="replace") as file:
+        # As make reads it: blanks in names are escaped, quotes stand for themselves.
+        words = [re.sub(r"\\([ #])", r"\1", word).replace("$$", "$")
+                 for word in re.findall(r"(?:\\.|\S)+", file.read().replace("\\\n", " "))]
+    own, source = os.path.dirname(os.path.abspath(unit.path)), os.path.join(toolchain.source, "src")
+    for word in words[1:]:
+        path = os.path.realpath(word)
+        is_header = path.endswith(".h") and (_is_below(path, source) or _is_below(path, own))
+        is_systems = path.startswith(("/usr/", "/opt/", "/nix/", "/Library/")) and not path.endswith(".c")
+        is_suites = _is_below(path, os.path.join(toolchain.source, "tests"))
+        if path != os.path.realpath(unit.path) and (is_suites or not (is_header or is_systems)):
+            raise BuildError(
+                f"{unit.shown} includes {plain(toolchain, unit, word)}: a unit may include the kit's headers, "
+                "the system's, and headers (.h) beside it"
+            )
+
+
+def check_no_early_code(toolchain, unit, path):
+    """Code that runs before main or after it could speak for the tests; only the sanitizer's own
+    may."""
+    command = [toolchain.tools["objdump"], "-h", "-r", "-t", path]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    if answer.returncode:
+        raise ToolError(f"{command[0]} could not read {path}: {answer.stderr.strip()}")
+    counts, section = {}, ""
+    for line in answer.stdout.splitlines():
+        # Sections that run as they are, and functions that are chosen when the program is loaded.
+        if re.match(r" *\d+ \.(init|fini) ", line) or re.match(r"[0-9a-f]{8,} .{4}i", line):
+            counts["preloaded"] = 1
+        heading = re.match(r"RELOCATION RECORDS FOR \[(.*)\]:", line)
+        if heading:
+            section = heading.group(1)
+        elif re.match(r"[0-9a-f]+ R_", line):
+            kind = re.match(r"\.(preinit_array|init_array|fini_array|ctors|dtors)", section)
+            if kind:
+                counts[kind.group(1)] = counts.get(kind.group(1), 0) + 1
+    sanitized = 1 if any("address" in flag for flag in toolchain.sanitize) else 0
+    for kind, count in counts.items():
+        if kind.startswith("pre") or count > sanitized:
+            raise BuildError(
+                f"{unit.shown} has code that runs before or after the tests (a constructor or "
+                "destructor); a unit consists of functions that are called"
+            )
+
+
+def keep_interface(toolchain, feature, path):
+    """Makes all names of an object its own but those of the feature's interface: a helper without
+    `static`, a `main` to try things, or a function called `malloc` then change nothing elsewhere."""
+    names = global_symbols(toolchain, toolchain.built(f"src/features/{feature.stem}.o"))
+    keep = [f"--keep-global-symbol={name}" for name in names]
+    command = [toolchain.tools["objcopy"], *keep, path]
+    answer = subprocess.run(command, capture_output=True, text=True, check=False)
+    if answer.returncode:
+        raise ToolError(f"{command[0]} failed on {path}: {answer.stderr.strip()}")
+
+
+# --- Linking ------------------------------------------------------------------------------------
+
+
+def link(toolchain, output, parts, folder):
+    """Links a program with the build's own flags, or raises BuildError."""
+    command = [*toolchain.compiler, *toolchain.base_sanitize, *toolchain.link_flags, *parts, "-o", output]
+    outcome = _run_tool(command, folder)
+    if outcome.status != 0 or outcome.limit:
+        raise BuildError(f"{os.path.basename(output)} could not be linked", outcome.output)
+
+
+def link_suite(toolchain, units, objects, folder, sanitize):
+    """Links the suite of the first unit's feature with the units' objects. Returns the program's
+    path."""
+    stem = units[0].feature.stem
+    output = os.path.join(folder, "test_" + stem)
+    # What counts allocations must be built like the program, so not the archive's copy of it.
+    counter = os.path.join(toolchain.source, "tests", "count_allocations.c")
+    command = [*toolchain.compiler, *sanitize, *toolchain.flags, *toolchain.link_flags,
+               toolchain.built(f"tests/test_{stem}.o"), *objects, counter, toolchain.built("librktest.a"),
+               toolchain.built("librkbase.a"), *toolchain.libraries, "-o", output]
+    outcome = _run_tool(command, folder)
+    if outcome.status != 0 or outcome.limit:
+        raise BuildError(_why_not_linked(toolchain, outcome.output, units), outcome.output)
+    return output
+
+
+def _why_not_linked(toolchain, said, units):
+    names = list(dict.fromkeys(
+        re.findall(r"undefined (?:reference to|symbol:) [`'\"]?(\w+)", said)
+    ))
+    for unit in units:
+        interface = global_symbols(toolchain, toolchain.built(f"src/features/{unit.feature.stem}.o"))
+        missing = [name for name in names if name in interface]
+        if missing:
+            whose = "your file" if unit is units[0] else unit.shown
+            return f"{whose} does not define {' and '.join(missing)}, which the suite calls"
+    if names:
+        return f"your file uses {' and '.join(names)}, which nothing defines"
+    return f"{units[0].shown} could not be linked with its suite"

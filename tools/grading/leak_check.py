@@ -1,0 +1,153 @@
+"""Are the solutions really out of a pack for students? Looks for their lines in all of its files.
+
+A line of a solution that was packed by mistake is refused. What the kit's own code has in common with
+a solution cannot be left out, as the kit would not work without it; the instructor hears of each such
+place, and what to do about it.
+"""
+
+import filecmp
+import html
+import os
+import re
+
+from assignments import ToolError
+from starters import solution_lines, starter_of
+
+# What no comparison of lines finds: the same step in other words. (feature, its step, file, the line
+# of that file where it begins)
+SAME_STEPS = [
+    ("bvh_median", "step 4, the walk, for a packet of rays", "src/accel/packet.c",
+     "static inline const rk_bvh_node *nearer_child("),
+    ("bvh_median", "step 4, the walk, for all crossings", "src/accel/crossings.c", "static void visit_children("),
+    ("glossy_reflection", "step 2, the concentric map", "src/features/depth_of_field.c", "rk_vec2 rk_lens_disk("),
+    ("cubemap", "step 3, bilinear, in a picture", "src/base/texture.c", "static rk_vec3 bilinear("),
+    ("depth_of_field", "step 1, the lens", "src/features/glossy_reflection.c", "static rk_vec2 concentric("),
+]
+
+
+def _files(folder):
+    return sorted(os.path.relpath(os.path.join(where, name), folder)
+                  for where, _, names in os.walk(folder) for name in names)
+
+
+def _spaced(text):
+    return " ".join(text.split())
+
+
+def _read_lines(path):
+    """The file's lines, spaces made even; a page's without its tags."""
+    with open(path, encoding="utf-8", errors="replace") as file:
+        text = file.read()
+    lines = text.split("\n")
+    if path.endswith(".html"):
+        lines = [html.unescape(re.sub("<[^>]*>", "", line)) for line in lines]
+    return [_spaced(line) for line in lines]
+
+
+def secret_lines(source, features):
+    """Returns the features' solution lines, spaces made even, and those of them that prove nothing
+    by themselves: another C file of the kit has them, too."""
+    secrets = {_spaced(line) for feature in features for line in solution_lines(feature.reference)}
+    for feature in features:
+        secrets -= {_spaced(line) for line in starter_of(feature.reference).split("\n")}
+    own = {os.path.realpath(feature.reference) for feature in features}
+    common = set()
+    for part in ("src", "tests", "assignments"):
+        for name in _files(os.path.join(source, part)):
+            path = os.path.join(source, part, name)
+            if name.endswith((".c", ".h")) and os.path.realpath(path) not in own:
+                text = "\n".join(_read_lines(path))
+                common |= {line for line in secrets if line in text}
+    return secrets, common
+
+
+def _is_the_kits(source, pack, name):
+    """Whether packing left this file of the kit as it was."""
+    own, packed = os.path.join(source, name), os.path.join(pack, name)
+    return os.path.isfile(own) and filecmp.cmp(own, packed, shallow=False)
+
+
+_PASSAGE = 4  # lines of a solution, and how near to each other they tell more than chance
+
+
+def _passages(lines, secrets):
+    """Returns the numbers of lines where a passage of a solution begins: several of its lines,
+    different ones, that are hardly interrupted."""
+    places = [number for number, line in enumerate(lines) if line in secrets]
+    return [number for number in places
+            if len({line for line in lines[number:number + _PASSAGE + 1] if line in secrets}) >= _PASSAGE]
+
+
+def find_secrets(source, pack, features, secrets, common):
+    """Returns "file:line: text" for each line of the pack that gives a solution away. In the places
+    of the solutions it is any line of them, the common ones too; in what packing made or changed,
+    any that is not common; in the kit's other files, which may have a line by chance, a passage."""
+    own = {f"{folder}/{feature.stem}.c" for feature in features for folder in ("workbook", "src/features")}
+    found = []
+    for name in _files(pack):
+        lines = _read_lines(os.path.join(pack, name))
+        if name in own:
+            numbers = [number for number, line in enumerate(lines) if line in secrets]
+        elif _is_the_kits(source, pack, name):
+            numbers = _passages(lines, secrets)
+        else:
+            held = [line for line in secrets - common if line in "\n".join(lines)]
+            numbers = [number for number, line in enumerate(lines) if any(secret in line for secret in held)]
+        found += [f"{name}:{number + 1}: {lines[number][:100]}" for number in numbers]
+    return found
+
+
+def lines_elsewhere(pack, features, secrets):
+    """Returns a list of (file, number, line, how many places) for solution lines that stand outside of
+    the solutions' own places: the first place of each, code before text, the rarest first."""
+    own = {f"{folder}/{feature.stem}.c" for feature in features for folder in ("workbook", "src/features")}
+    places = {}
+    for name in sorted(_files(pack), key=lambda name: (not name.endswith((".c", ".h")), name)):
+        lines = [] if name in own else _read_lines(os.path.join(pack, name))
+        text = "\n".join(lines)
+        for secret in (secret for secret in secrets if secret in text):
+            numbers = [number for number, line in enumerate(lines, 1) if secret in line]
+            places.setdefault(secret, []).extend((name, number) for number in numbers)
+    return sorted(((*where[0], secret, len(where)) for secret, where in places.items()),
+                  key=lambda found: (found[3], found[:2]))
+
+
+def steps_elsewhere(pack, features):
+    """Returns a list of (file, number, what) for the known steps of these features in other words."""
+    chosen = {feature.stem for feature in features}
+    found = []
+    for stem, what, name, beginning in SAME_STEPS:
+        if stem in chosen and name not in {f"src/features/{other}.c" for other in chosen}:
+            with open(os.path.join(pack, name), encoding="utf-8") as file:
+                number = next((n for n, line in enumerate(file, 1) if line.startswith(beginning)), None)
+            if number is None:
+                raise ToolError(f"{name} has no line that begins with \"{beginning}\"; "
+                                "correct SAME_STEPS in tools/grading/leak_check.py")
+            found.append((name, number, f"{stem}, {what}"))
+    return found
+
+
+def prove(source, pack, all_features, features):
+    """Returns lines that say what was looked for and what the kit has in common with it, or raises
+    ToolError with the places of solutions that were left in the pack."""
+    secrets, common = secret_lines(source, features)
+    found = find_secrets(source, pack, features, secrets, common)
+    if found:
+        more = [f"and {len(found) - 10} more"] if len(found) > 10 else []
+        raise ToolError("\n".join(["these lines of the pack are solutions:", *found[:10], *more,
+                                   "take them out; if another feature has them, name it in ASSIGNMENTS, too"]))
+    lines, steps = lines_elsewhere(pack, features, secrets), steps_elsewhere(pack, features)
+    said = f"{len(secrets)} solution lines looked for in {len(_files(pack))} files: "
+    if not lines and not steps:
+        return [said + "none found"]
+    told = [f"  {name}:{number}: {what}, in other words" for name, number, what in steps]
+    told += [f"  {name}:{number}: {line}" + (f" (and {count - 1} times more)" if count > 1 else "")
+             for name, number, line, count in lines]
+    holders = {f"src/features/{stem}.c": stem for stem in all_features}
+    rare = [name for name, _, _, count in lines if count == 1] + [name for name, *_ in steps]
+    others = sorted({holders[name] for name in rare if name in holders})
+    remedy = "look whether these give a step away; the kit is built from them"
+    if others:
+        remedy = f"name {' and '.join(others)} in ASSIGNMENTS, too, and their solutions are left out as well; or {remedy}"
+    return [f"{said}none where students write, but the kit's other code has in common with the solutions",
+            *told, "  " + remedy]
