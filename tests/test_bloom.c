@@ -108,7 +108,7 @@ static void the_luminance_of_a_grey_is_the_grey(void **state)
 
 static void check_glows(rk_vec3 colour, float threshold, bool want, const char *hint)
 {
-    rk_check(rk_bloom_glows(colour, threshold) == want,
+    rk_check(rk_bloom_is_bright(colour, threshold) == want,
              "(%g, %g, %g) at a threshold of %.9g: got %s, want %s: %s", (double)colour.x,
              (double)colour.y, (double)colour.z, (double)threshold, want ? "dark" : "it glows",
              want ? "it glows" : "dark", hint);
@@ -151,7 +151,7 @@ static void only_what_is_finite_glows(void **state)
 static void check_lit(const rk_vec3 *row, size_t width, size_t first, size_t end, const char *hint)
 {
     rk_vec3 *own = exact_copy(row, width * sizeof *row);
-    rk_bloom_span lit = rk_bloom_lit(own, width, 1); /* that of white */
+    rk_bloom_span lit = rk_bloom_bright_span(own, width, 1); /* that of white */
     if (first == end)
         rk_check(lit.first == lit.end, "%s: got from %zu to before %zu, want an empty span", hint,
                  lit.first, lit.end);
@@ -187,7 +187,7 @@ static void mask_of(const rk_bloom_filter *filter, const rk_vec3 *row, size_t wi
 {
     size_t total = count + 2 * filter->reach;
     rk_vec3 *own = exact_copy(row, width * sizeof *row);
-    rk_bloom_mask(filter, own, width, threshold, lit, from, count, (rk_vec3 *)masked);
+    rk_bloom_bright_pass(filter, own, width, threshold, lit, from, count, (rk_vec3 *)masked);
     free(own);
     check_fences(masked, 3 * total, "the mask, three floats a pixel");
 }
@@ -515,7 +515,7 @@ static size_t check_sum(uint32_t reach, uint32_t present, const char *hint)
     const rk_bloom_filter filter = filter_of(s.weights, reach, RK_BLOOM_ZERO);
     float room[3 * RK_BLOOM_BLOCK + 2 * fence], *sum = fenced(room, s.count);
     size_t before = rk_allocations;
-    uint32_t taps = rk_bloom_weigh(&filter, (const float *const *)s.lines, s.count, sum);
+    uint32_t taps = rk_bloom_blur_lines(&filter, (const float *const *)s.lines, s.count, sum);
     size_t asked = rk_allocations - before;
     /* Each term, of 2 at most, is rounded three times, and the sum once a term. */
     double tolerance = (2 * reach + 4) * 0x1p-24 * 2 * (2 * reach + 1);
@@ -586,7 +586,7 @@ static void the_glow_is_added_times_its_gain(void **state)
             pixels[i] = (float)i;
             glow[i] = (float)(count - i) / 4;
         }
-        rk_bloom_add(pixels, glow, count, gain);
+        rk_bloom_composite(pixels, glow, count, gain);
         for (size_t i = 0; i < count; i++) {
             float want = (float)i + gain * glow[i];
             rk_check(pixels[i] == want,
@@ -613,12 +613,13 @@ static void bloom(picture *p, const rk_bloom_filter *filter, float threshold, fl
     const float *lines[129];
     int reach = (int)filter->reach;
     for (int y = 0; y < height; y++) {
-        rk_bloom_span lit = rk_bloom_lit(p->pixels[y], width, threshold);
+        rk_bloom_span lit = rk_bloom_bright_span(p->pixels[y], width, threshold);
         memset(masked, 0, sizeof masked);
-        rk_bloom_mask(filter, p->pixels[y], width, threshold, lit, 0, width, (rk_vec3 *)masked);
+        rk_bloom_bright_pass(filter, p->pixels[y], width, threshold, lit, 0, width,
+                             (rk_vec3 *)masked);
         for (int k = 0; k <= 2 * reach; k++)
             lines[k] = masked + 3 * k;
-        rk_bloom_weigh(filter, lines, room, across[y]);
+        rk_bloom_blur_lines(filter, lines, room, across[y]);
     }
     for (int y = 0; y < height; y++) {
         float sum[room];
@@ -627,13 +628,13 @@ static void bloom(picture *p, const rk_bloom_filter *filter, float threshold, fl
             bool there = row == inside || filter->border == RK_BLOOM_CLAMP;
             lines[k] = there ? across[inside] : NULL;
         }
-        rk_bloom_weigh(filter, lines, room, sum);
+        rk_bloom_blur_lines(filter, lines, room, sum);
         for (int x = 0; x < width; x++) {
             float share = filter->border != RK_BLOOM_RENORMALIZE
                               ? 1
-                              : rk_bloom_share(filter, (size_t)x, width) *
-                                    rk_bloom_share(filter, (size_t)y, height);
-            rk_bloom_add(&p->pixels[y][x].x, sum + 3 * x, 3, intensity / share);
+                              : rk_bloom_weight_inside(filter, (size_t)x, width) *
+                                    rk_bloom_weight_inside(filter, (size_t)y, height);
+            rk_bloom_composite(&p->pixels[y][x].x, sum + 3 * x, 3, intensity / share);
         }
     }
 }
@@ -792,7 +793,7 @@ static void check_share(size_t place, size_t length, double want, const char *hi
 {
     float *weights = exact_copy((const float[]){0.375f, 0.25f, 0.0625f}, 3 * sizeof *weights);
     const rk_bloom_filter filter = filter_of(weights, 2, RK_BLOOM_RENORMALIZE);
-    double got = (double)rk_bloom_share(&filter, place, length);
+    double got = (double)rk_bloom_weight_inside(&filter, place, length);
     free(weights);
     rk_check(got == want,
              "pixel %zu of %zu, weights .375, .25 and .0625: got a share of %.9g, want %.9g: %s",

@@ -52,7 +52,7 @@ static rk_counters glow(rk_image *image, const rk_bloom_options *options, uint32
     rk_error error = {""};
     rk_pool *pool = rk_pool_start(threads, &error);
     rk_check_ok(pool != NULL, error);
-    rk_check_ok(rk_glow(image, options, pool, &counters, &error), error);
+    rk_check_ok(rk_bloom_stage(image, options, pool, &counters, &error), error);
     rk_pool_stop(pool);
     return counters;
 }
@@ -84,7 +84,7 @@ static double full_filter(const rk_image *image, int x, int y, const rk_bloom_op
             rk_vec3 pixel = *rk_image_at(image, (size_t)ci, (size_t)cj);
             double weight = weights[abs(i - x)] * weights[abs(j - y)];
             share += weight;
-            sum += rk_bloom_glows(pixel, options->threshold) ? weight * (double)pixel.y : 0;
+            sum += rk_bloom_is_bright(pixel, options->threshold) ? weight * (double)pixel.y : 0;
         }
     return options->border == RK_BLOOM_RENORMALIZE ? sum / share : sum;
 }
@@ -347,17 +347,17 @@ static void options_out_of_range_are_refused(void **state)
     rk_image image = noise(8, 8, 1, 0), before = copy_of(&image);
     rk_counters counters = {0};
     rk_bloom_options options = options_of(RK_BLOOM_RADIUS_MAX + 1, RK_BLOOM_ZERO, RK_BLOOM_EXACT);
-    rk_check(!rk_glow(&image, &options, pool, &counters, &error), "a radius of 4097");
+    rk_check(!rk_bloom_stage(&image, &options, pool, &counters, &error), "a radius of 4097");
     rk_check_error_names(error, "4096");
     options = options_of(3, RK_BLOOM_ZERO, RK_BLOOM_EXACT);
     options.threshold = NAN;
-    rk_check(!rk_glow(&image, &options, pool, &counters, &error), "a threshold of NaN");
+    rk_check(!rk_bloom_stage(&image, &options, pool, &counters, &error), "a threshold of NaN");
     rk_check_error_names(error, "threshold");
     const float wrong[] = {-1, NAN, INFINITY};
     for (int i = 0; i < 3; i++) {
         options = options_of(3, RK_BLOOM_ZERO, RK_BLOOM_EXACT);
         options.intensity = wrong[i];
-        rk_check(!rk_glow(&image, &options, pool, &counters, &error), "an intensity of %g",
+        rk_check(!rk_bloom_stage(&image, &options, pool, &counters, &error), "an intensity of %g",
                  (double)wrong[i]);
         rk_check_error_names(error, "intensity");
     }

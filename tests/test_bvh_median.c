@@ -84,7 +84,7 @@ static void check_against_trying_all(const rk_mesh *mesh, uint32_t rays, uint32_
         char name[32];
         snprintf(name, sizeof name, "ray %u", i);
         check_hit(rk_bvh_closest(&bvh, &ray, &counters), want, name);
-        check_any(rk_bvh_any(&bvh, &ray, &counters), want.triangle != RK_MISS, name);
+        check_any(rk_bvh_occluded(&bvh, &ray, &counters), want.triangle != RK_MISS, name);
     }
     rk_bvh_free(&bvh);
 }
@@ -101,7 +101,7 @@ static void no_triangles_give_a_tree_without_nodes(void **state)
     rk_counters counters = {0};
     check_hit(rk_bvh_closest(&bvh, &ray, &counters), (rk_hit){INFINITY, 0, 0, RK_MISS},
               "a tree without nodes");
-    check_any(rk_bvh_any(&bvh, &ray, &counters), false, "a tree without nodes");
+    check_any(rk_bvh_occluded(&bvh, &ray, &counters), false, "a tree without nodes");
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
@@ -113,7 +113,7 @@ static void up_to_four_triangles_are_one_leaf(void **state)
         rk_mesh mesh = make_soup(n, 0.5f, 1);
         rk_bvh bvh = build(&mesh);
         rk_check_equal(bvh.nodes[0].count, n,
-                       "up to RK_BVH_LEAF_MAX triangles, the root is a leaf with all of them");
+                       "up to RK_BVH_LEAF_TARGET triangles, the root is a leaf with all of them");
         rk_check_equal(rk_bvh_measure(&bvh).levels, 1, "a root that is a leaf is one level");
         rk_bvh_free(&bvh);
         rk_mesh_free(&mesh);
@@ -126,7 +126,7 @@ static void five_triangles_split_three_to_two(void **state)
     rk_mesh mesh = make_soup(5, 0.5f, 1);
     rk_bvh bvh = build(&mesh);
     rk_check_equal(bvh.nodes[0].count, 0,
-                   "five are more than RK_BVH_LEAF_MAX, so the root is an inner node");
+                   "five are more than RK_BVH_LEAF_TARGET, so the root is an inner node");
     rk_check_equal(bvh.nodes[bvh.nodes[0].first].count, 3,
                    "the left child gets ceil(5 / 2): of an odd number the larger half");
     rk_check_equal(bvh.nodes[bvh.nodes[0].first + 1].count, 2, "the right child gets the rest");
@@ -144,8 +144,9 @@ static void levels_and_leaves_are_those_of_halving(void **state)
         rk_mesh mesh = make_soup(want[i][0], 0.01f, 2);
         rk_bvh bvh = build(&mesh);
         rk_bvh_measures got = rk_bvh_measure(&bvh);
-        rk_check_equal(got.leaves, want[i][2],
-                       "split while more than RK_BVH_LEAF_MAX remain, the larger half to the left");
+        rk_check_equal(
+            got.leaves, want[i][2],
+            "split while more than RK_BVH_LEAF_TARGET remain, the larger half to the left");
         rk_check_equal(got.levels, want[i][1],
                        "both halves differ by one at most, so the tree is as flat as can be");
         rk_bvh_free(&bvh);
@@ -498,7 +499,7 @@ static void hits_count_up_to_t_max_and_not_behind_the_origin(void **state)
         char name[64];
         snprintf(name, sizeof name, "a triangle at 2.03125, t_max = %g", (double)cases[i].t_max);
         check_hit(rk_bvh_closest(&bvh, &ray, &counters), (rk_hit){t, 0, 0, cases[i].want}, name);
-        check_any(rk_bvh_any(&bvh, &ray, &counters), cases[i].want != RK_MISS, name);
+        check_any(rk_bvh_occluded(&bvh, &ray, &counters), cases[i].want != RK_MISS, name);
     }
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
@@ -513,7 +514,7 @@ static void a_ray_of_nan_misses(void **state)
     rk_ray ray = {rk_vec(0, 0, 0), rk_vec(NAN, NAN, NAN), INFINITY};
     check_hit(rk_bvh_closest(&bvh, &ray, &counters), (rk_hit){INFINITY, 0, 0, RK_MISS},
               "a direction of NaN");
-    check_any(rk_bvh_any(&bvh, &ray, &counters), false, "a direction of NaN");
+    check_any(rk_bvh_occluded(&bvh, &ray, &counters), false, "a direction of NaN");
     /* Missing is an answer only from those who can hit. */
     check_against_trying_all(&mesh, 100, 8);
     rk_bvh_free(&bvh);
@@ -537,7 +538,7 @@ static void a_ray_allocates_no_memory(void **state)
     for (uint32_t i = 0; i < 100; i++) {
         rk_ray ray = make_ray(i, 13, bounds);
         hits += rk_bvh_closest(&bvh, &ray, &counters).triangle != RK_MISS;
-        hits += rk_bvh_any(&bvh, &ray, &counters);
+        hits += rk_bvh_occluded(&bvh, &ray, &counters);
     }
     rk_check_equal(rk_allocations - before, 0,
                    "200 queries: keep the stack in an array of RK_BVH_LEVELS_MAX entries");
@@ -610,7 +611,7 @@ static void any_hit_stops_at_the_first_triangle_found(void **state)
     rk_bvh bvh = build(&mesh);
     rk_ray ray = {rk_vec(0.25f, 0.5f, -10), rk_vec(0, 0, 1), INFINITY};
     rk_counters counters = {0};
-    check_any(rk_bvh_any(&bvh, &ray, &counters), true, "512 curtains in the way");
+    check_any(rk_bvh_occluded(&bvh, &ray, &counters), true, "512 curtains in the way");
     /* It hits one triangle of each curtain's two, so two of a leaf's four, the third at the latest.
      */
     rk_check(counters.triangle_tests >= 1 && counters.triangle_tests <= 3,
@@ -633,10 +634,10 @@ static void counts_of_several_rays_add_up(void **state)
     rk_ray ray = {rk_vec(0.25f, 0.5f, -10), rk_vec(0, 0, 1), INFINITY};
     rk_counters one = {0}, three = {0}, any_one = {0}, any_three = {0};
     rk_bvh_closest(&bvh, &ray, &one);
-    rk_bvh_any(&bvh, &ray, &any_one);
+    rk_bvh_occluded(&bvh, &ray, &any_one);
     for (int i = 0; i < 3; i++) {
         rk_bvh_closest(&bvh, &ray, &three);
-        rk_bvh_any(&bvh, &ray, &any_three);
+        rk_bvh_occluded(&bvh, &ray, &any_three);
     }
     rk_check(
         one.box_tests > 0 && any_one.box_tests > 0,

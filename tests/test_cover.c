@@ -139,7 +139,7 @@ static void a_scene_that_has_no_use_for_them_pays_for_none(void **state)
 {
     (void)state;
     /* A dull statue and a point light, with everything asked for that the scene does not have. */
-    rk_scene scene = test_scene_builtin("scan:2000");
+    rk_scene scene = test_scene_builtin("statue:2000");
     for (uint32_t i = 0; i < scene.mesh.material_count; i++)
         scene.mesh.materials[i].ks = rk_vec(0, 0, 0);
     rk_render_options plain = rk_render_options_default(), asked = everything();

@@ -233,7 +233,7 @@ static void a_mirror_shows_it(void **state)
     surround(&scene);
     rk_render_options options = small();
     check_rendered(&scene, &options, true, 0.75f);
-    options.recursion = 0;
+    options.max_depth = 0;
     check_rendered(&scene, &options, true, 0);
     rk_scene_free(&scene);
 }
@@ -266,8 +266,8 @@ static void the_limit_of_panes_counts_for_it_as_for_a_wall(void **state)
     (void)state;
     rk_scene scene = make_panes(3);
     rk_render_options options = small();
-    for (options.recursion = 0; options.recursion < 5; options.recursion++)
-        check_rendered(&scene, &options, false, options.recursion < 3 ? 0 : 0.125f);
+    for (options.max_depth = 0; options.max_depth < 5; options.max_depth++)
+        check_rendered(&scene, &options, false, options.max_depth < 3 ? 0 : 0.125f);
     rk_scene_free(&scene);
 }
 

@@ -1,4 +1,4 @@
-/* The lens: its disk, rays that meet in focus, circles of confusion against the closed form and
+/* The lens: its disk, rays that meet in focus, coc_count of confusion against the closed form and
  * against the rays themselves, and which pixels they reach. */
 #include "test.h"
 
@@ -203,7 +203,7 @@ static void the_aperture_is_the_diameter_in_thousandths_of_a_unit(void **state)
     }
 }
 
-static void check_meeting(rk_focal_surface focal)
+static void check_intersection(rk_focal_surface focal)
 {
     for (uint32_t i = 0; i < 2000; i++) {
         rk_view view = turned_view(i);
@@ -229,13 +229,13 @@ static void check_meeting(rk_focal_surface focal)
 static void rays_of_a_place_meet_on_the_focal_plane(void **state)
 {
     (void)state;
-    check_meeting(RK_FOCAL_PLANE);
+    check_intersection(RK_FOCAL_PLANE);
 }
 
 static void rays_of_a_place_meet_on_the_focal_sphere(void **state)
 {
     (void)state;
-    check_meeting(RK_FOCAL_SPHERE);
+    check_intersection(RK_FOCAL_SPHERE);
 }
 
 static void check_pinhole_ray(const rk_lens *lens, const rk_view *view, rk_vec2 place, rk_vec2 xi,
@@ -317,11 +317,11 @@ static void what_is_in_focus_has_no_circle(void **state)
         rk_lens plane = lens_of(f, 50, RK_FOCAL_PLANE), sphere = lens_of(f, 50, RK_FOCAL_SPHERE);
         /* f / d is 1 but for six roundings. */
         double infinitely_far = 0.05 / ((double)f * (double)view.pixel);
-        rk_check_near(rk_lens_blur(&plane, &view, &ray, f / (float)cosine_of(&view, &ray)), 0,
-                      6 * epsilon * infinitely_far,
+        rk_check_near(rk_lens_coc_diameter(&plane, &view, &ray, f / (float)cosine_of(&view, &ray)),
+                      0, 6 * epsilon * infinitely_far,
                       "place (%g, %g): circle of the point at the depth %g, on the focal plane",
                       (double)place.x, (double)place.y, (double)f);
-        rk_check_near(rk_lens_blur(&sphere, &view, &ray, f), 0, 0,
+        rk_check_near(rk_lens_coc_diameter(&sphere, &view, &ray, f), 0, 0,
                       "place (%g, %g): circle of the point at the distance %g, on the focal sphere",
                       (double)place.x, (double)place.y, (double)f);
     }
@@ -341,7 +341,8 @@ static void the_circle_is_that_of_the_closed_form(void **state)
             rk_lens lens = lens_of(1.8f, 50, (rk_focal_surface)focal);
             double d = (double)distances[i], f = (double)lens.focal_distance;
             double want = 0.05 * fabs(d - f) / d / (f * pixel);
-            rk_check_near(rk_lens_blur(&lens, &view, &ahead, distances[i]), want, 1e-5 * want,
+            rk_check_near(rk_lens_coc_diameter(&lens, &view, &ahead, distances[i]), want,
+                          1e-5 * want,
                           "aperture 50, focal %s at 1.8: circle of a point %g straight ahead",
                           focal_names[focal], d);
         }
@@ -359,13 +360,13 @@ static void a_plane_goes_by_depth_and_a_sphere_by_distance(void **state)
         rk_lens plane = lens_of(1.8f, 50, RK_FOCAL_PLANE);
         rk_lens sphere = lens_of(1.8f, 50, RK_FOCAL_SPHERE);
         /* Errors of a few roundings, multiplied where f / d is large: below 2 here, so 2^-20. */
-        rk_check_near(rk_lens_blur(&plane, &view, &ray, (float)t),
+        rk_check_near(rk_lens_coc_diameter(&plane, &view, &ray, (float)t),
                       largest * fabs(1 - 1.8 / (t * cosine)), largest * 0x1p-20,
                       "place (%g, %g), focal plane at 1.8, t = %g: d is the depth %g",
                       (double)place.x, (double)place.y, t, t * cosine);
         rk_check_near(
-            rk_lens_blur(&sphere, &view, &ray, (float)t), largest * fabs(1 - 1.8 / t) / cosine,
-            largest * 0x1p-20,
+            rk_lens_coc_diameter(&sphere, &view, &ray, (float)t),
+            largest * fabs(1 - 1.8 / t) / cosine, largest * 0x1p-20,
             "place (%g, %g), focal sphere at 1.8, t = %g: d is t, and a pixel is seen at an "
             "angle whose cosine is %g",
             (double)place.x, (double)place.y, t, cosine);
@@ -380,7 +381,7 @@ static void the_circle_of_what_is_infinitely_far_is_finite(void **state)
     for (int focal = RK_FOCAL_PLANE; focal <= RK_FOCAL_SPHERE; focal++) {
         rk_lens lens = lens_of(2, 50, (rk_focal_surface)focal);
         double want = 0.025 / (double)view.pixel;
-        rk_check_near(rk_lens_blur(&lens, &view, &ahead, INFINITY), want, 1e-5 * want,
+        rk_check_near(rk_lens_coc_diameter(&lens, &view, &ahead, INFINITY), want, 1e-5 * want,
                       "aperture 50, focal %s at 2: circle of what is infinitely far ahead, where "
                       "|d - f| / d is 1",
                       focal_names[focal]);
@@ -420,7 +421,8 @@ static void the_rim_of_the_lens_draws_the_rim_of_the_circle(void **state)
         rk_vec3 focus = focus_behind(&lens, &view, from_rim.origin, point);
         rk_check(rk_view_project(&view, focus, &seen, &depth), "the focus is in front");
         double got = hypot((double)(seen.x - place.x), (double)(seen.y - place.y));
-        double diameter = (double)rk_lens_blur(&lens, &view, &pinhole, t), want = diameter / 2;
+        double diameter = (double)rk_lens_coc_diameter(&lens, &view, &pinhole, t),
+               want = diameter / 2;
         rk_check(diameter >= 0 && isfinite(diameter),
                  "focal %s at %g, t = %g: the circle's diameter is %g pixels, want 0 or more",
                  focal_names[focal], (double)lens.focal_distance, (double)t, diameter);
@@ -429,7 +431,7 @@ static void the_rim_of_the_lens_draws_the_rim_of_the_circle(void **state)
         rk_check_near(
             got, want, tolerance,
             "place (%g, %g), focal %s at %g, t = %g: by its rays the rim is so many pixels "
-            "from the centre; what is wanted is half of rk_lens_blur",
+            "from the centre; what is wanted is half of rk_lens_coc_diameter",
             (double)place.x, (double)place.y, focal_names[focal], (double)lens.focal_distance,
             (double)t);
         rk_ray back = rk_lens_ray(&lens, &view, seen.x, seen.y, rim);
@@ -441,7 +443,8 @@ static void the_rim_of_the_lens_draws_the_rim_of_the_circle(void **state)
     }
 }
 
-/* --- Which pixels circles reach --------------------------------------------------------------- */
+/* --- Which pixels coc_count reach ---------------------------------------------------------------
+ */
 
 /* What each pixel of a picture sees. */
 typedef struct picture {
@@ -476,7 +479,7 @@ static void fail_pixel(const picture *p, uint32_t x, uint32_t y, int got, int wa
         }
     }
     rk_check(false,
-             "%u x %u pixels: pixel (%u, %u) got %d circles, want %d; that of pixel (%u, %u), "
+             "%u x %u pixels: pixel (%u, %u) got %d coc_count, want %d; that of pixel (%u, %u), "
              "diameter %g, %s",
              p->width, p->height, x, y, got, want, of % p->width, of / p->width,
              (double)p->blur[of],
@@ -486,24 +489,24 @@ static void fail_pixel(const picture *p, uint32_t x, uint32_t y, int got, int wa
 }
 
 /* Each pixel against each, without haste. Both arrays have `guard` numbers more at both ends: 0
- * leaves it to sanitizers to see what is beyond; others would be circles that reach all pixels, and
- * must not be written to. */
+ * leaves it to sanitizers to see what is beyond; others would be coc_count that reach all pixels,
+ * and must not be written to. */
 static void check_guarded(const picture *p, size_t guard)
 {
     const int32_t untouched = 0x55555555;
     size_t pixels = (size_t)p->width * p->height, stride = p->width + 1;
     size_t numbers = stride * (p->height + 1);
     float *blur = malloc((pixels + 2 * guard) * sizeof *blur);
-    int32_t *circles = malloc((numbers + 2 * guard) * sizeof *circles);
-    rk_check(blur && circles, "there is memory");
+    int32_t *coc_count = malloc((numbers + 2 * guard) * sizeof *coc_count);
+    rk_check(blur && coc_count, "there is memory");
     for (size_t i = 0; i < pixels + 2 * guard; i++)
         blur[i] = i >= guard && i < guard + pixels ? p->blur[i - guard] : INFINITY;
     for (size_t i = 0; i < numbers + 2 * guard; i++)
-        circles[i] = untouched;
-    rk_lens_spread(blur + guard, p->width, p->height, circles + guard);
+        coc_count[i] = untouched;
+    rk_lens_coc(blur + guard, p->width, p->height, coc_count + guard);
     for (uint32_t y = 0; y < p->height; y++)
         for (uint32_t x = 0; x < p->width; x++) {
-            int got = circles[guard + y * stride + x], want = 0;
+            int got = coc_count[guard + y * stride + x], want = 0;
             for (uint32_t i = 0; i < pixels; i++)
                 want += circle_reaches(p, i, x, y);
             if (got != want)
@@ -511,12 +514,12 @@ static void check_guarded(const picture *p, size_t guard)
         }
     for (size_t i = 0; i < guard; i++)
         rk_check(
-            circles[i] == untouched && circles[guard + numbers + i] == untouched,
-            "%u x %u pixels: circles[%s%zu] was written to, but it has (width + 1) * (height + "
+            coc_count[i] == untouched && coc_count[guard + numbers + i] == untouched,
+            "%u x %u pixels: coc_count[%s%zu] was written to, but it has (width + 1) * (height + "
             "1) = %zu numbers",
-            p->width, p->height, circles[i] == untouched ? "" : "-",
-            circles[i] == untouched ? numbers + i : guard - i, numbers);
-    free(circles);
+            p->width, p->height, coc_count[i] == untouched ? "" : "-",
+            coc_count[i] == untouched ? numbers + i : guard - i, numbers);
+    free(coc_count);
     free(blur);
 }
 
@@ -587,20 +590,20 @@ static double seconds_of(float diameter)
 {
     enum { side = 128, runs = 3 };
     float *blur = malloc(side * side * sizeof *blur);
-    int32_t *circles = malloc((side + 1) * (side + 1) * sizeof *circles);
-    rk_check(blur && circles, "there is memory");
+    int32_t *coc_count = malloc((side + 1) * (side + 1) * sizeof *coc_count);
+    rk_check(blur && coc_count, "there is memory");
     for (int i = 0; i < side * side; i++)
         blur[i] = diameter;
     double fastest = INFINITY;
     for (int run = 0; run < runs; run++) {
         clock_t start = clock();
-        rk_lens_spread(blur, side, side, circles);
+        rk_lens_coc(blur, side, side, coc_count);
         fastest = fmin(fastest, (double)(clock() - start) / CLOCKS_PER_SEC);
     }
-    rk_check(circles[side / 2 * (side + 1) + side / 2] >= 9,
-             "128 x 128 circles of diameter %g: pixel (64, 64) got %d, want 9 or more",
-             (double)diameter, circles[side / 2 * (side + 1) + side / 2]);
-    free(circles);
+    rk_check(coc_count[side / 2 * (side + 1) + side / 2] >= 9,
+             "128 x 128 coc_count of diameter %g: pixel (64, 64) got %d, want 9 or more",
+             (double)diameter, coc_count[side / 2 * (side + 1) + side / 2]);
+    free(coc_count);
     free(blur);
     return fastest;
 }
@@ -611,10 +614,11 @@ static void large_circles_cost_no_more_than_small_ones(void **state)
     double small = seconds_of(1), large = seconds_of(1000);
     /* Equal but for what else the processor does. Pixel by pixel it is 1800 times as much. Some
      * systems count the time in hundredths of a second: two of these more. */
-    rk_check(large <= 10 * small + 0.02,
-             "128 x 128 pixels: circles of diameter 1000 take %.6f s, those of diameter 1 %.6f s; "
-             "want about the same: four numbers each, whatever the size",
-             large, small);
+    rk_check(
+        large <= 10 * small + 0.02,
+        "128 x 128 pixels: coc_count of diameter 1000 take %.6f s, those of diameter 1 %.6f s; "
+        "want about the same: four numbers each, whatever the size",
+        large, small);
 }
 
 static const struct CMUnitTest tests[] = {

@@ -385,13 +385,14 @@ static void the_cuts_of_a_node_are_drawn_and_told(void **state)
     const char *const views[] = {"split", "bad-split --candidate 2", "candidates"};
     const char *const told[] = {
         ", the cheapest\n", "candidate 2: axis x, border 3: ", "candidate 0: axis x, border 1: "};
-    const char *const pictures[] = {"out/figures/sah_binning_scan-500_split1.png",
-                                    "out/figures/sah_binning_scan-500_bad-split1_2.png",
-                                    "out/figures/sah_binning_scan-500_candidates1.png"};
+    const char *const pictures[] = {"out/figures/sah_binning_statue-500_split1.png",
+                                    "out/figures/sah_binning_statue-500_bad-split1_2.png",
+                                    "out/figures/sah_binning_statue-500_candidates1.png"};
     for (int i = 0; i < 3; i++) {
         char words[128];
         snprintf(words, sizeof words,
-                 "--scene scan:500 --width 40 --height 40 --bins 6 --node 1 --debug %s", views[i]);
+                 "--scene statue:500 --width 40 --height 40 --bins 6 --node 1 --debug %s",
+                 views[i]);
         run r = run_program(sah_program, folder, words);
         rk_check(r.status == 0, "%s: exit status %d: %s", words, r.status, r.err);
         check_contains(r.out, told[i]);

@@ -14,7 +14,7 @@ static char *narrate(const rk_scene *scene, rk_render_options options, uint32_t 
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     rk_check_ok(rk_accel_build(&accel, RK_ACCEL_MEDIAN, scene, &error), error);
-    rk_narrate_pixel(out, scene, &accel, &options, x, y);
+    rk_explain_pixel(out, scene, &accel, &options, x, y);
     rk_accel_free(&accel);
     fclose(out);
     return text;
@@ -212,14 +212,14 @@ static void mirrors_and_panes_on_the_way_are_told(void **state)
     test_scene_light(&scene, rk_vec(1, 2, -2), rk_vec(1, 1, 1));
     rk_render_options options = size_of(20, 20, true);
     options.reflections = options.transparency = true;
-    options.recursion = 1;
+    options.max_depth = 1;
     char *story = narrate(&scene, options, 5, 9);
     rk_check(tells(story, "alpha = 0.250000"), "the pane's opacity:\n%s", story);
     rk_check(tells(story, "the way leads through glass") || tells(story, "the way is free"),
              "what became of the shadow rays:\n%s", story);
     rk_check(!tells(story, "mirrored ray"), "the limit of 1 ends at the mirror:\n%s", story);
     free(story);
-    options.recursion = 3;
+    options.max_depth = 3;
     story = narrate(&scene, options, 5, 9);
     rk_check(tells(story, "mirrored ray"), "the limit of 3 lets it be mirrored:\n%s", story);
     free(story);

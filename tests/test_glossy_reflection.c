@@ -488,11 +488,11 @@ static void a_disk_above_the_surface_has_the_share_1(void **state)
     const float radii[] = {0, 0.01f, 0.5f, 1};
     for (int i = 0; i < 4; i++) {
         rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 0, 1), radii[i], rk_vec(0, 0, 1));
-        rk_check_near(rk_glossy_share(&disk), 1, 0,
+        rk_check_near(rk_glossy_fraction_above(&disk), 1, 0,
                       "share of a disk of radius %g straight above the surface", (double)radii[i]);
         disk = rk_glossy_disk_of(rk_vec(0.6f, 0, 0.8f), radii[i], rk_vec(0, 0, 1));
         rk_check_near(
-            rk_glossy_share(&disk), 1, 0,
+            rk_glossy_fraction_above(&disk), 1, 0,
             "share of a disk of radius %g, 53 degrees above the surface, which cuts radii "
             "from 1.33 on",
             (double)radii[i]);
@@ -500,7 +500,7 @@ static void a_disk_above_the_surface_has_the_share_1(void **state)
         for (uint32_t k = 0; k < 1000; k++) {
             rk_vec3 w = noise_direction(28, k);
             disk = rk_glossy_disk_of(w, radii[i], w);
-            rk_check_near(rk_glossy_share(&disk), 1, 0,
+            rk_check_near(rk_glossy_fraction_above(&disk), 1, 0,
                           "share of a disk of radius %g, w and face normal both (%.9g, %.9g, %.9g)",
                           (double)radii[i], (double)w.x, (double)w.y, (double)w.z);
         }
@@ -513,7 +513,7 @@ static void a_disk_that_the_surface_halves_has_the_share_one_half(void **state)
     const float radii[] = {0.01f, 0.5f, 1, 100};
     for (int i = 0; i < 4; i++) {
         rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 1, 0), radii[i], rk_vec(0, 0, 1));
-        rk_check_near(rk_glossy_share(&disk), 0.5, 0x1p-22,
+        rk_check_near(rk_glossy_fraction_above(&disk), 0.5, 0x1p-22,
                       "share of a disk of radius %g whose middle is in the plane",
                       (double)radii[i]);
     }
@@ -529,7 +529,7 @@ static void the_share_equals_quadrature(void **state)
         rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, (float)radius, s.face_normal);
         /* Roundings of 2^-24, which an angle near the surface has divided by the radius; and the
          * kink where the plane cuts the rim, between two of 16384 angles. */
-        rk_check_near(rk_glossy_share(&disk), integrate(&s, radius).share,
+        rk_check_near(rk_glossy_fraction_above(&disk), integrate(&s, radius).share,
                       8 * 0x1p-24 / radius + 2e-6,
                       "share of a disk of radius %g, %.3g degrees above the surface: the circle "
                       "without its segment",
@@ -587,7 +587,7 @@ static void check_unbiased(const setting *s, float radius, rk_glossy_weights wei
 {
     const uint32_t estimates = 200000 / samples;
     rk_glossy_disk disk = rk_glossy_disk_of(s->reflected, radius, s->face_normal);
-    float share = rk_glossy_share(&disk);
+    float share = rk_glossy_fraction_above(&disk);
     double sum = 0, squares = 0;
     for (uint32_t i = 0; i < estimates; i++) {
         double seen = 0;
@@ -647,7 +647,7 @@ static void in_a_white_room_classic_loses_the_share_below(void **state)
     for (uint32_t i = 0; i < 5; i++) {
         setting s = setting_at(heights[i], i);
         rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, 0.6f, s.face_normal);
-        float share = rk_glossy_share(&disk);
+        float share = rk_glossy_fraction_above(&disk);
         uint32_t above = 0;
         for (uint32_t k = 0; k < samples; k++) {
             rk_vec3 direction;

@@ -201,16 +201,16 @@ static void only_the_first_mirror_spreads_a_ray(void **state)
     test_scene_light(&scene, rk_vec(0, 0, -2), rk_vec(1, 1, 1));
     rk_render_options options = small();
     options.glossy.radius = 0.05f; /* no way gets so slanting that a mirror cuts its disk */
-    for (options.recursion = 0; options.recursion <= 6; options.recursion++) {
+    for (options.max_depth = 0; options.max_depth <= 6; options.max_depth++) {
         test_picture picture = test_render(&scene, options, 2);
-        uint64_t want = 14ull * 11 * 64 * options.recursion;
+        uint64_t want = 14ull * 11 * 64 * options.max_depth;
         rk_check_equal(picture.counters.reflected_rays, want,
                        "64 rays at the first mirror, and one of each at all others");
         rk_check_equal(picture.counters.glossy_samples, want, "as many samples are drawn");
         for (size_t y = 0; y < options.height; y++)
             for (size_t x = 0; x < options.width; x++)
                 /* 0.5 of itself and 0.5 of what it mirrors; sums of 64 weights round 64 times. */
-                rk_check_close(red_at(&picture, x, y), 1 - pow(0.5, options.recursion + 1),
+                rk_check_close(red_at(&picture, x, y), 1 - pow(0.5, options.max_depth + 1),
                                64 * 0x1p-24, "a ray that is not spread has the weight of all");
         rk_image_free(&picture.image);
     }
@@ -276,7 +276,8 @@ static rk_ray_batch make_bundles(uint32_t key)
 static void bundles_find_what_single_rays_find(void **state)
 {
     (void)state;
-    const char *const names[] = {"cornell", "cornell-glass", "sphere:1280", "spheres", "scan:2000"};
+    const char *const names[] = {"cornell", "cornell-glass", "sphere:1280", "spheres",
+                                 "statue:2000"};
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
         rk_scene scene = test_scene_builtin(names[n]);
         rk_accel accel;
@@ -288,7 +289,7 @@ static void bundles_find_what_single_rays_find(void **state)
             rk_ray_batch rays = make_bundles(key);
             rk_hit_batch want, got;
             rk_accel_closest(&accel, &rays, &want, &single);
-            rk_bundle_closest(&accel, &rays, &got, &together);
+            rk_ray_group_closest(&accel, &rays, &got, &together);
             for (uint32_t i = 0; i < rays.count; i++) {
                 met += want.triangle[i] != RK_MISS;
                 rk_check(got.triangle[i] == want.triangle[i] && got.t[i] == want.t[i] &&
@@ -373,7 +374,7 @@ static void without_rough_mirrors_no_sample_is_drawn(void **state)
     rk_check(!rk_plan_of(&scene, &options).glossy, "mirrors are off");
     check_same_as_perfect(&scene, options, "mirrors are off");
     options = small();
-    options.recursion = 0;
+    options.max_depth = 0;
     check_same_as_perfect(&scene, options, "nothing is mirrored");
     options = small();
     scene.mesh.materials[0].ks = rk_vec(0, 0, 0);

@@ -39,7 +39,7 @@ ONE = "up_to_four_triangles_are_one_leaf"
 EMPTY = "no_triangles_give_a_tree_without_nodes"
 
 
-def unit(build, before="", any_name="rk_bvh_any"):
+def unit(build, before="", any_name="rk_bvh_occluded"):
     """A small unit whose build begins so, and which passes EMPTY if it gets beyond that."""
     return f"""
 #include "features/bvh_median.h"
@@ -98,7 +98,7 @@ BAD = {
     ),
     "a leak is told, with its line": (unit("void *volatile lost = malloc(100 + count);\n    lost = NULL;"), EMPTY, "leaks memory"),
     "a missing function is named": (
-        unit("", any_name="another"), ONE, "your file does not define rk_bvh_any, which the suite calls"
+        unit("", any_name="another"), ONE, "your file does not define rk_bvh_occluded, which the suite calls"
     ),
     "a unit that does not compile shows the first error": (unit("cuont++;"), ONE, "cuont"),
     "exit in the middle of a test is no pass": (unit("exit(0);"), ONE, "ended in the middle of the test"),

@@ -218,7 +218,7 @@ def a_class_is_graded(folder):
     start = "uint32_t count = mesh->triangle_count;\n"
     heads = "#include <stdio.h>\n#include <unistd.h>\n"
     oks = "\\n".join(f"ok {number} - {test.name}" for number, test in enumerate(TESTS, 1))
-    any_hit = "bool rk_bvh_any(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)\n{\n"
+    any_hit = "bool rk_bvh_occluded(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)\n{\n"
     reference = read(FEATURE.reference)
     submissions = {  # text, fewest and most points, part of what is said about some test
         "right": (reference, TOTAL, TOTAL, ""),

@@ -102,8 +102,8 @@ static void a_moved_ray_meets_the_object_where_it_has_gone(void **state)
         const rk_ray moved = rk_motion_ray(offset, &ray);
         const rk_triangle rest = triangle_at(rk_vec(0, 0, 0)), gone = triangle_at(offset);
         rk_hit want = {0}, got = {0};
-        bool should = rk_triangle_cross(&gone, &ray, &want);
-        rk_check(rk_triangle_cross(&rest, &moved, &got) == should,
+        bool should = rk_triangle_intersect(&gone, &ray, &want);
+        rk_check(rk_triangle_intersect(&rest, &moved, &got) == should,
                  "offset (%g, %g, 0): the moved ray should %s the triangle at rest, as the ray "
                  "itself does the triangle that has gone there",
                  (double)offset.x, (double)offset.y, should ? "meet" : "miss");
@@ -500,7 +500,7 @@ static void check_reaches(rk_ray ray, float t_max, bool want, const char *hint)
 {
     const rk_box swept = {{{-1, -1, 4}, {1, 1, 5}}};
     const rk_slabs slabs = rk_slabs_of(&ray);
-    rk_check(rk_motion_reaches(&swept, &slabs, t_max) == want,
+    rk_check(rk_motion_may_intersect(&swept, &slabs, t_max) == want,
              "a ray from (%g, 0, 0) along (0, 0, %g) to t = %g, the box (-1, -1, 4) .. (1, 1, 5): "
              "got %s, want %s: %s",
              (double)ray.origin.x, (double)ray.direction.z, (double)t_max, want ? "false" : "true",
@@ -560,10 +560,10 @@ static void a_ray_that_does_not_reach_the_swept_box_never_meets_the_object(void 
         const rk_slabs slabs = rk_slabs_of(&ray), moved_slabs = rk_slabs_of(&moved);
         const rk_box swept = rk_motion_sweep(&motion, &shutter, &rest);
         bool meets = rk_box_enter(&rest, &moved_slabs, INFINITY) < INFINITY;
-        if (meets && !rk_motion_reaches(&swept, &slabs, INFINITY))
+        if (meets && !rk_motion_may_intersect(&swept, &slabs, INFINITY))
             lose(i, &ray, offset);
         met += meets;
-        missed += !rk_motion_reaches(&swept, &slabs, INFINITY);
+        missed += !rk_motion_may_intersect(&swept, &slabs, INFINITY);
     }
     rk_check(met > 1000 && missed > 1000,
              "of 200000 rays along edges %u enter the box and %u do not reach the swept one; want "
@@ -580,7 +580,7 @@ static rk_bvh empty_tree(uint32_t node_count)
 
 static void make_leaf(rk_bvh *bvh, uint32_t node, rk_box box)
 {
-    uint32_t triangles = 1 + bvh->triangle_count % RK_BVH_LEAF_LIMIT;
+    uint32_t triangles = 1 + bvh->triangle_count % RK_BVH_LEAF_MAX;
     bvh->nodes[node] = (rk_bvh_node){box, bvh->triangle_count, triangles};
     bvh->triangle_count += triangles;
 }
@@ -614,12 +614,12 @@ static bool reaches_leaf(const rk_bvh *bvh, float x, float close, float t_max)
     const rk_box swept = rk_motion_sweep(&level, &shutter, &bvh->nodes[0].box);
     const rk_ray ray = {{x, 0, 0}, {0, 0, 1}, INFINITY};
     const rk_slabs slabs = rk_slabs_of(&ray);
-    rk_check(
-        rk_motion_reaches(&swept, &slabs, INFINITY),
-        "rk_motion_reaches is false for a ray at x = %g and the root's swept box, whose x goes "
-        "from %g to %g: step 7 comes first",
-        (double)x, (double)swept.corner[0].x, (double)swept.corner[1].x);
-    return rk_motion_reaches_leaf(bvh, &swept, &slabs, t_max);
+    rk_check(rk_motion_may_intersect(&swept, &slabs, INFINITY),
+             "rk_motion_may_intersect is false for a ray at x = %g and the root's swept box, whose "
+             "x goes "
+             "from %g to %g: step 7 comes first",
+             (double)x, (double)swept.corner[0].x, (double)swept.corner[1].x);
+    return rk_motion_may_intersect_leaf(bvh, &swept, &slabs, t_max);
 }
 
 static void check_leaf(float x, float close, float t_max, bool want, const char *hint)
@@ -738,7 +738,7 @@ static void a_ray_that_reaches_no_leaf_never_meets_one(void **state)
         const rk_slabs slabs = rk_slabs_of(&ray), moved_slabs = rk_slabs_of(&moved);
         const rk_box swept = rk_motion_sweep(&motion, &shutter, &bvh.nodes[0].box);
         bool meets = rk_box_enter(leaf, &moved_slabs, INFINITY) < INFINITY;
-        bool reaches = rk_motion_reaches_leaf(&bvh, &swept, &slabs, INFINITY);
+        bool reaches = rk_motion_may_intersect_leaf(&bvh, &swept, &slabs, INFINITY);
         if (meets && !reaches)
             lose(i, &ray, offset);
         met += meets;

@@ -489,7 +489,7 @@ static void shadows_of_large_lights_are_right_on_average(void **state)
     options.shadows = true;
     options.motion.samples = few;
     options.motion.sampling = RK_TIME_EQUIDISTANT;
-    options.light.settle = 0;
+    options.light.early_out = 0;
     options.light.samples = 256;
     double want = 0, got = 0;
     for (options.motion.isolate = 1; options.motion.isolate <= few; options.motion.isolate++)

@@ -308,7 +308,7 @@ static void a_surface_hides_the_faces_behind_it(void **state)
 static void a_triangle_covers_just_the_pixels_in_which_it_is_the_nearest(void **state)
 {
     (void)state;
-    const char *const names[] = {"cornell", "sphere:320", "scan:967"};
+    const char *const names[] = {"cornell", "sphere:320", "statue:967"};
     for (int i = 0; i < 3; i++) {
         canvas *c = make_canvas(test_scene_builtin(names[i]), 70, 50);
         const rk_mesh *mesh = &c->scene.mesh;
@@ -438,7 +438,7 @@ static void a_look_meets_the_nearer_of_two_walls(void **state)
     canvas *c = make_canvas(scene, 1, 1);
     const rk_ray ray = {rk_vec(0.25f, 0.5f, 0), rk_vec(0, 0, 1), INFINITY};
     rk_surface surface;
-    rk_check(rk_look_surface(&surface, &c->accel, &ray), "the ray meets no wall");
+    rk_check(rk_trace_one_surface(&surface, &c->accel, &ray), "the ray meets no wall");
     /* Some roundings of the walls' coordinates, which are up to 10. */
     rk_check_close(surface.point.z, 2, 1e-5, "the nearer wall's depth; the other's is 5");
     free_canvas(c);
@@ -453,9 +453,9 @@ static void a_look_ends_where_its_ray_does(void **state)
     const rk_ray before = {rk_vec(0, 0, 0), rk_vec(0, 0, 4), 1};
     const rk_ray through = {rk_vec(0, 0, 0), rk_vec(0, 0, 6), 1};
     rk_surface surface;
-    rk_check(rk_look(&c->accel, &through).triangle != RK_MISS, "a wall is between 0 and 6");
-    rk_check(rk_look(&c->accel, &before).triangle == RK_MISS, "no wall is between 0 and 4");
-    rk_check(!rk_look_surface(&surface, &c->accel, &before), "so there is no surface");
+    rk_check(rk_trace_one(&c->accel, &through).triangle != RK_MISS, "a wall is between 0 and 6");
+    rk_check(rk_trace_one(&c->accel, &before).triangle == RK_MISS, "no wall is between 0 and 4");
+    rk_check(!rk_trace_one_surface(&surface, &c->accel, &before), "so there is no surface");
     free_canvas(c);
 }
 

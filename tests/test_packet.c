@@ -37,7 +37,7 @@ static uint32_t check_packet(const rk_bvh *bvh, const rk_ray *rays, uint32_t cou
     bool found[RK_PACKET_MAX];
     uint32_t met = 0;
     rk_packet_closest(bvh, rays, count, hits, &counters);
-    rk_packet_any(bvh, rays, count, found, &counters);
+    rk_packet_occluded(bvh, rays, count, found, &counters);
     for (uint32_t i = 0; i < count; i++) {
         rk_hit want = rk_bvh_closest(bvh, &rays[i], &counters);
         check_hit(&hits[i], &want, key, i);
@@ -80,7 +80,7 @@ static void rays_meet_together_what_they_meet_alone(void **state)
 static void neighbours_that_share_an_edge_agree(void **state)
 {
     (void)state;
-    const char *const names[] = {"cube", "cornell", "scan:20000"};
+    const char *const names[] = {"cube", "cornell", "statue:20000"};
     for (int i = 0; i < 3; i++) {
         rk_scene scene = test_scene_builtin(names[i]);
         check_tree(&scene.mesh, 2000, names[i]);
@@ -116,7 +116,7 @@ static void nothing_is_met_in_an_empty_tree(void **state)
 static void near_rays_share_their_work(void **state)
 {
     (void)state;
-    rk_scene scene = test_scene_builtin("scan:20000");
+    rk_scene scene = test_scene_builtin("statue:20000");
     rk_bvh bvh;
     rk_error error;
     rk_counters together = {0}, single = {0};

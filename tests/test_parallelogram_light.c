@@ -115,7 +115,7 @@ static void check_vec3(rk_vec3 got, rk_vec3 want, float tolerance, const char *h
 
 static rk_light_sample plain_sample(const rk_light *light, float x, float y)
 {
-    return rk_light_sample_at(light, RK_FALLOFF_NONE, RK_LIGHT_MAP_AREA, rk_vec(9, 9, 9),
+    return rk_light_sample_at(light, RK_FALLOFF_NONE, RK_LIGHT_DOMAIN_AREA, rk_vec(9, 9, 9),
                               (rk_vec2){x, y});
 }
 
@@ -177,10 +177,10 @@ static void a_sample_is_a_place_and_not_a_direction(void **state)
             rk_light light = make_coloured(RK_LIGHT_PARALLELOGRAM), moved = light;
             moved.position = rk_add(light.position, by);
             rk_light_sample a =
-                rk_light_sample_at(&light, (rk_light_falloff)falloff, (rk_light_map)map,
+                rk_light_sample_at(&light, (rk_light_falloff)falloff, (rk_light_domain)map,
                                    rk_vec(0, 1, 0), (rk_vec2){0.25f, 0.75f});
             rk_light_sample b =
-                rk_light_sample_at(&moved, (rk_light_falloff)falloff, (rk_light_map)map,
+                rk_light_sample_at(&moved, (rk_light_falloff)falloff, (rk_light_domain)map,
                                    rk_add(rk_vec(0, 1, 0), by), (rk_vec2){0.25f, 0.75f});
             /* Sums of small whole numbers and fractions round once, to 2^-24 of 32. */
             check_vec3(b.position, rk_add(a.position, by), 0x1p-18f,
@@ -196,7 +196,7 @@ static void without_falloff_neither_distance_nor_map_matters(void **state)
     rk_light light = make_coloured(RK_LIGHT_PARALLELOGRAM);
     for (uint32_t i = 0; i < 100; i++) {
         rk_vec2 xi = noise2(1, i);
-        rk_light_sample got = rk_light_sample_at(&light, RK_FALLOFF_NONE, (rk_light_map)(i % 2),
+        rk_light_sample got = rk_light_sample_at(&light, RK_FALLOFF_NONE, (rk_light_domain)(i % 2),
                                                  rk_scale(noise3(1, i), 100), xi);
         rk_light_sample want = plain_sample(&light, xi.x, xi.y);
         check_vec3(got.position, want.position, 0, "evenly over the area, from every point");
@@ -207,7 +207,7 @@ static void without_falloff_neither_distance_nor_map_matters(void **state)
 
 /* --- What samples weigh ---------------------------------------------------------------------- */
 
-static float weight_at(const rk_light *light, rk_light_map map, rk_vec3 point, float x, float y)
+static float weight_at(const rk_light *light, rk_light_domain map, rk_vec3 point, float x, float y)
 {
     return rk_light_sample_at(light, RK_FALLOFF_PHYSICAL, map, point, (rk_vec2){x, y}).colour.x;
 }
@@ -217,10 +217,10 @@ static void a_point_light_falls_off_with_the_square_of_the_distance(void **state
     (void)state;
     rk_light light = rk_light_point(rk_vec(1, 2, 2), rk_vec(4.5f, 0, 0));
     for (int map = 0; map < 2; map++) {
-        rk_check_close(weight_at(&light, (rk_light_map)map, rk_vec(0, 0, 0), 0.5f, 0.5f), 0.5, 1e-7,
-                       "intensity over r^2: 4.5 / 9");
-        rk_check_close(weight_at(&light, (rk_light_map)map, rk_vec(-1, -2, -2), 0.5f, 0.5f), 0.125,
-                       1e-7, "twice as far, a quarter");
+        rk_check_close(weight_at(&light, (rk_light_domain)map, rk_vec(0, 0, 0), 0.5f, 0.5f), 0.5,
+                       1e-7, "intensity over r^2: 4.5 / 9");
+        rk_check_close(weight_at(&light, (rk_light_domain)map, rk_vec(-1, -2, -2), 0.5f, 0.5f),
+                       0.125, 1e-7, "twice as far, a quarter");
     }
 }
 
@@ -230,12 +230,13 @@ static void a_segment_is_seen_shortened(void **state)
     rk_light light =
         make_light(RK_LIGHT_SEGMENT, rk_vec(0, 0, 0), rk_vec(2, 0, 0), rk_vec(NAN, NAN, NAN));
     for (int map = 0; map < 2; map++) {
-        rk_check_close(weight_at(&light, (rk_light_map)map, rk_vec(1, 0, 2), 0.5f, 0), 0.5, 1e-7,
+        rk_check_close(weight_at(&light, (rk_light_domain)map, rk_vec(1, 0, 2), 0.5f, 0), 0.5, 1e-7,
                        "at a right angle: length / r^2 = 2 / 4");
         /* 3 before the end and 4 aside: r = 5, sin' = 4 / 5. */
-        rk_check_close(weight_at(&light, (rk_light_map)map, rk_vec(-3, 4, 0), 0, 0), 2 * 0.8 / 25,
-                       1e-8, "length x sin' / r^2, with the angle between segment and direction");
-        rk_check_close(weight_at(&light, (rk_light_map)map, rk_vec(-3, 0, 0), 0.5f, 0), 0, 0,
+        rk_check_close(weight_at(&light, (rk_light_domain)map, rk_vec(-3, 4, 0), 0, 0),
+                       2 * 0.8 / 25, 1e-8,
+                       "length x sin' / r^2, with the angle between segment and direction");
+        rk_check_close(weight_at(&light, (rk_light_domain)map, rk_vec(-3, 0, 0), 0.5f, 0), 0, 0,
                        "in line with the point it is seen as a dot, and gives nothing");
     }
 }
@@ -245,9 +246,9 @@ static void a_parallelogram_is_seen_turned_and_from_both_sides(void **state)
     (void)state;
     rk_light light = make_parallelogram(rk_vec(0, 0, 0), rk_vec(2, 0, 0), rk_vec(1, 3, 0));
     for (float side = -1; side <= 1; side += 2) {
-        rk_check_close(weight_at(&light, RK_LIGHT_MAP_AREA, rk_vec(0, 0, 2 * side), 0, 0), 6.0 / 4,
-                       1e-6, "facing it: area / r^2 = 6 / 4, on both sides");
-        rk_check_close(weight_at(&light, RK_LIGHT_MAP_AREA, rk_vec(4, 0, 3 * side), 0, 0),
+        rk_check_close(weight_at(&light, RK_LIGHT_DOMAIN_AREA, rk_vec(0, 0, 2 * side), 0, 0),
+                       6.0 / 4, 1e-6, "facing it: area / r^2 = 6 / 4, on both sides");
+        rk_check_close(weight_at(&light, RK_LIGHT_DOMAIN_AREA, rk_vec(4, 0, 3 * side), 0, 0),
                        6 * 0.6 / 25, 1e-7, "area x cos' / r^2, with |cos'|: it has two sides");
     }
 }
@@ -259,10 +260,10 @@ static void points_on_the_light_get_nothing_and_no_nan(void **state)
         for (int map = 0; map < 2; map++) {
             rk_light light = make_coloured((rk_light_kind)kind);
             light.colours[0] = rk_vec(1, 1, 1);
-            float got = weight_at(&light, (rk_light_map)map, light.position, 0, 0);
+            float got = weight_at(&light, (rk_light_domain)map, light.position, 0, 0);
             rk_check_close(got, 0, 0, "at r = 0 there is no direction: weight 0");
             /* The control: just beside, there is light. */
-            got = weight_at(&light, (rk_light_map)map, rk_vec(0, 2, 2.5f), 0.5f, 0.5f);
+            got = weight_at(&light, (rk_light_domain)map, rk_vec(0, 2, 2.5f), 0.5f, 0.5f);
             rk_check(got > 0 && isfinite(got), "got %g from a point beside the light", (double)got);
         }
 }
@@ -447,7 +448,7 @@ static void samples_over_the_solid_angle_all_weigh_the_same(void **state)
     rk_light light = make_parallelogram(rk_vec(-1, -1, 1), rk_vec(2, 0, 0), rk_vec(0, 2, 0));
     for (uint32_t i = 0; i < 100; i++) {
         rk_vec2 xi = noise2(20, i);
-        rk_check_close(weight_at(&light, RK_LIGHT_MAP_SOLID_ANGLE, rk_vec(0, 0, 0), xi.x, xi.y),
+        rk_check_close(weight_at(&light, RK_LIGHT_DOMAIN_SOLID_ANGLE, rk_vec(0, 0, 0), xi.x, xi.y),
                        4 * pi / 6, 1e-6,
                        "cos' / r^2 is in their density: what is left is the angle");
     }
@@ -473,7 +474,7 @@ static void samples_over_the_solid_angle_lie_on_the_light_with_its_colour(void *
         light.colours[0] = light.colours[3] = rk_vec(1, 0, 0);
         light.colours[1] = rk_vec(1, 1, 0), light.colours[2] = rk_vec(1, 0, 1);
         rk_light_sample sample = rk_light_sample_at(
-            &light, RK_FALLOFF_PHYSICAL, RK_LIGHT_MAP_SOLID_ANGLE, c.point, noise2(21, i));
+            &light, RK_FALLOFF_PHYSICAL, RK_LIGHT_DOMAIN_SOLID_ANGLE, c.point, noise2(21, i));
         rk_vec2 at = find_on(&light, sample.position);
         /* Random edges may be nearly parallel, which magnifies the rounding of positions. */
         rk_check(at.x > -1e-4f && at.x < 1.0001f && at.y > -1e-4f && at.y < 1.0001f,
@@ -492,7 +493,7 @@ static void check_even_over_directions(const rk_light *light, rk_vec3 point, uin
     uint32_t counts[SIDE][SIDE] = {0};
     for (uint32_t i = 0; i < SAMPLES; i++) {
         rk_light_sample sample = rk_light_sample_at(
-            light, RK_FALLOFF_PHYSICAL, RK_LIGHT_MAP_SOLID_ANGLE, point, noise2(seed, i));
+            light, RK_FALLOFF_PHYSICAL, RK_LIGHT_DOMAIN_SOLID_ANGLE, point, noise2(seed, i));
         rk_vec2 at = find_on(light, sample.position);
         int x = (int)(fminf(fmaxf(at.x, 0), 0.999f) * SIDE);
         counts[(int)(fminf(fmaxf(at.y, 0), 0.999f) * SIDE)][x]++;
@@ -565,18 +566,18 @@ static double variance_bound(const configuration *c, double irradiance)
 }
 
 /* Of the mean. Estimated as if samples were independent, which bounds that of evener ones. */
-static double standard_error(const configuration *c, rk_light_map map, double mean, double squares,
-                             double irradiance)
+static double standard_error(const configuration *c, rk_light_domain map, double mean,
+                             double squares, double irradiance)
 {
     double variance = fmax(squares / SAMPLES - mean * mean, 0);
-    if (map == RK_LIGHT_MAP_AREA)
+    if (map == RK_LIGHT_DOMAIN_AREA)
         variance = fmax(variance, variance_bound(c, irradiance));
     return sqrt(variance / SAMPLES);
 }
 
 /* Draws a million samples for each configuration from `first` to before `end`; where the closed
  * form is 0, a thousand must all be. */
-static void check_unbiased(rk_light_map map, rk_sampler_kind kind, size_t first, size_t end)
+static void check_unbiased(rk_light_domain map, rk_sampler_kind kind, size_t first, size_t end)
 {
     size_t lit = 0;
     draw_samples(kind);
@@ -611,32 +612,32 @@ static void check_unbiased(rk_light_map map, rk_sampler_kind kind, size_t first,
 static void uniform_samples_are_unbiased(void **state)
 {
     (void)state;
-    check_unbiased(RK_LIGHT_MAP_AREA, RK_SAMPLER_UNIFORM, 0, CONFIGURATIONS);
+    check_unbiased(RK_LIGHT_DOMAIN_AREA, RK_SAMPLER_UNIFORM, 0, CONFIGURATIONS);
 }
 
 static void stratified_samples_are_unbiased(void **state)
 {
     (void)state;
-    check_unbiased(RK_LIGHT_MAP_AREA, RK_SAMPLER_STRATIFIED, 0, CONFIGURATIONS);
+    check_unbiased(RK_LIGHT_DOMAIN_AREA, RK_SAMPLER_STRATIFIED, 0, CONFIGURATIONS);
 }
 
 static void low_discrepancy_samples_are_unbiased(void **state)
 {
     (void)state;
-    check_unbiased(RK_LIGHT_MAP_AREA, RK_SAMPLER_LOW_DISCREPANCY, 0, CONFIGURATIONS);
+    check_unbiased(RK_LIGHT_DOMAIN_AREA, RK_SAMPLER_LOW_DISCREPANCY, 0, CONFIGURATIONS);
 }
 
 /* In two parts, as each sample takes longer. */
 static void solid_angle_samples_are_unbiased(void **state)
 {
     (void)state;
-    check_unbiased(RK_LIGHT_MAP_SOLID_ANGLE, RK_SAMPLER_UNIFORM, 0, CONFIGURATIONS / 3);
+    check_unbiased(RK_LIGHT_DOMAIN_SOLID_ANGLE, RK_SAMPLER_UNIFORM, 0, CONFIGURATIONS / 3);
 }
 
 static void solid_angle_samples_are_unbiased_at_the_limits(void **state)
 {
     (void)state;
-    check_unbiased(RK_LIGHT_MAP_SOLID_ANGLE, RK_SAMPLER_UNIFORM, CONFIGURATIONS / 3,
+    check_unbiased(RK_LIGHT_DOMAIN_SOLID_ANGLE, RK_SAMPLER_UNIFORM, CONFIGURATIONS / 3,
                    CONFIGURATIONS);
 }
 
@@ -673,7 +674,7 @@ static void no_light_and_no_point_give_a_nan(void **state)
         rk_vec2 xi = i % 5 ? noise2(64, i)
                            : (rk_vec2){i % 2 ? 0 : 0x0.ffffffp0f, i % 4 < 2 ? 0 : 0x0.ffffffp0f};
         rk_light_sample sample =
-            rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, (rk_light_map)(i / 3 % 2), v[3], xi);
+            rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, (rk_light_domain)(i / 3 % 2), v[3], xi);
         float irradiance = rk_light_irradiance(&light, v[3], rk_vec(0, 0.6f, 0.8f));
         lit += (double)sample.colour.x > 0 && irradiance > 0;
         rk_check(isfinite(sample.position.x + sample.position.y + sample.position.z) &&
@@ -725,7 +726,7 @@ static void the_ratio_converges_to_the_visible_part(void **state)
         double visible = 0, all = 0, squares = 0, mixed = 0, visible_squares = 0;
         for (uint32_t i = 0; i < samples; i++) {
             rk_light_sample sample = rk_light_sample_at(
-                &light, RK_FALLOFF_PHYSICAL, RK_LIGHT_MAP_SOLID_ANGLE, c->point, noise2(70, i));
+                &light, RK_FALLOFF_PHYSICAL, RK_LIGHT_DOMAIN_SOLID_ANGLE, c->point, noise2(70, i));
             double f = (double)sample.colour.x * cos_to(c, sample.position);
             double g = find_on(&light, sample.position).x < 0.375f ? f : 0;
             all += f, visible += g, squares += f * f, mixed += f * g, visible_squares += g * g;
@@ -749,23 +750,23 @@ static void the_ratio_converges_to_the_visible_part(void **state)
 static void a_round_that_agrees_is_settled(void **state)
 {
     (void)state;
-    rk_check(rk_light_settled(16, 0), "none of 16 arrived: blocked");
-    rk_check(rk_light_settled(16, 16), "all of 16 arrived: visible");
-    rk_check(rk_light_settled(1, 1) && rk_light_settled(1, 0), "a single ray always agrees");
+    rk_check(rk_light_early_out(16, 0), "none of 16 arrived: blocked");
+    rk_check(rk_light_early_out(16, 16), "all of 16 arrived: visible");
+    rk_check(rk_light_early_out(1, 1) && rk_light_early_out(1, 0), "a single ray always agrees");
 }
 
 static void a_round_that_disagrees_goes_on(void **state)
 {
     (void)state;
     for (uint32_t visible = 1; visible < 16; visible++)
-        rk_check(!rk_light_settled(16, visible), "%u of 16 arrived: penumbra, go on", visible);
-    rk_check(!rk_light_settled(0, 0), "no ray was traced: nothing is known");
+        rk_check(!rk_light_early_out(16, visible), "%u of 16 arrived: penumbra, go on", visible);
+    rk_check(!rk_light_early_out(0, 0), "no ray was traced: nothing is known");
 }
 
 static void settling_costs_less_than_its_bound(void **state)
 {
     (void)state;
-    const uint32_t round = RK_LIGHT_ROUND, trials = 200000;
+    const uint32_t round = RK_LIGHT_EARLY_OUT, trials = 200000;
     double bound = pow(round / (round + 1.0), round) / (round + 1), largest = 0;
     for (int percent = 1; percent < 100; percent += 7) {
         double v = percent / 100.0, sum = 0;
@@ -774,7 +775,7 @@ static void settling_costs_less_than_its_bound(void **state)
             for (uint32_t k = 0; k < round; k++)
                 visible += (double)rk_unit_float(rk_hash((uint32_t)percent, i, k, 80)) < v;
             /* Many more rays would find v; a settled round says what it saw. */
-            sum += rk_light_settled(round, visible) ? visible / (double)round : v;
+            sum += rk_light_early_out(round, visible) ? visible / (double)round : v;
         }
         double bias = fabs(sum / trials - v);
         largest = fmax(largest, bias);

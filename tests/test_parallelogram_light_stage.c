@@ -80,7 +80,7 @@ static void an_unshadowed_light_is_its_mean_or_its_irradiance(void **state)
     for (int physical = 0; physical < 2; physical++)
         for (int map = 0; map < 2; map++) {
             options.light.falloff = physical ? RK_FALLOFF_PHYSICAL : RK_FALLOFF_NONE;
-            options.light.map = map ? RK_LIGHT_MAP_SOLID_ANGLE : RK_LIGHT_MAP_AREA;
+            options.light.domain = map ? RK_LIGHT_DOMAIN_SOLID_ANGLE : RK_LIGHT_DOMAIN_AREA;
             test_picture picture = test_render(&scene, options, 2);
             /* In 64 x 64 strata a smooth integrand errs by its change within one, at most 1/64,
              * over the root of their number: 2.4e-4; the grid of 400 x 400 by much less. */
@@ -106,7 +106,7 @@ static void a_soft_shadow_is_the_share_of_the_light_that_is_seen(void **state)
     scene.camera.rotation = rk_vec(0, 0, 0);
     rk_render_options options = small();
     options.light.samples = 4096;
-    options.light.settle = 0;
+    options.light.early_out = 0;
     options.light.falloff = RK_FALLOFF_PHYSICAL;
     test_picture picture = test_render(&scene, options, 2);
     for (size_t y = 0; y < options.height; y++)
@@ -137,9 +137,9 @@ static void points_that_see_all_or_nothing_are_settled_by_a_round(void **state)
         scene.lights[0].position.z = -4;
         if (blocked)
             test_scene_wall(&scene, 2, -3.5f, 0);
-        options.light.settle = 16;
+        options.light.early_out = 16;
         test_picture settled = test_render(&scene, options, 2);
-        options.light.settle = 0;
+        options.light.early_out = 0;
         test_picture traced = test_render(&scene, options, 2);
         rk_check(test_same_pixels(&settled.image, &traced.image),
                  "where all rays agree, the rest changes nothing");
@@ -298,7 +298,7 @@ static void tinted_light_is_never_settled_as_free(void **state)
     scene.mesh.materials[1].alpha = 0.5f;
     scene.camera.distance = 0.5f; /* between light and wall */
     test_picture settled = test_render(&scene, options, 1);
-    options.light.settle = 0;
+    options.light.early_out = 0;
     test_picture traced = test_render(&scene, options, 1);
     rk_check(test_same_pixels(&settled.image, &traced.image), "a tint was taken for no tint");
     rk_image_free(&settled.image);

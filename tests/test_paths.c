@@ -108,17 +108,17 @@ static void the_limit_of_mirrored_rays_is_exact(void **state)
     scene.mesh.materials[0].kd = scene.mesh.materials[0].ks = rk_vec(0.5f, 0.5f, 0.5f);
     shine(&scene);
     rk_render_options options = small();
-    for (options.recursion = 0; options.recursion <= 7; options.recursion++) {
+    for (options.max_depth = 0; options.max_depth <= 7; options.max_depth++) {
         test_picture picture = test_render(&scene, options, 1);
         for (size_t y = 0; y < options.height; y++)
             for (size_t x = 0; x < options.width; x++) {
                 double want = 0;
-                for (uint32_t k = 0; k <= options.recursion; k++)
+                for (uint32_t k = 0; k <= options.max_depth; k++)
                     want += 0.5 * pow(0.5, k) *
                             cosine_on_wall(&options, x, y, k % 2 ? -6 : 1, 4 + 7 * (double)k);
                 check_grey(&picture, x, y, want, "one term for each mirrored ray, and no more");
             }
-        rk_check_equal(picture.counters.reflected_rays, 14 * 11 * options.recursion,
+        rk_check_equal(picture.counters.reflected_rays, 14 * 11 * options.max_depth,
                        "one mirrored ray more for each step of the limit");
         rk_image_free(&picture.image);
     }
@@ -169,12 +169,12 @@ static void the_limit_of_panes_is_exact(void **state)
     (void)state;
     rk_scene scene = make_panes();
     rk_render_options options = small();
-    for (options.recursion = 0; options.recursion <= pane_count + 1; options.recursion++) {
+    for (options.max_depth = 0; options.max_depth <= pane_count + 1; options.max_depth++) {
         test_picture picture = test_render(&scene, options, 1);
         for (size_t y = 0; y < options.height; y++)
             for (size_t x = 0; x < options.width; x++) {
                 double want = 0;
-                for (uint32_t k = 0; k <= options.recursion && k <= pane_count; k++) {
+                for (uint32_t k = 0; k <= options.max_depth && k <= pane_count; k++) {
                     double z = k == pane_count ? 1 : (double)(0.1f * (float)k);
                     want += 0.8 * pow(0.5, k) * (k == pane_count ? 1 : 0.5) *
                             cosine_on_wall(&options, x, y, z, 3 + z);
@@ -234,13 +234,13 @@ static void mirrors_and_panes_share_the_limit(void **state)
     scene.mesh.materials[2].alpha = 0.5f;
     shine(&scene);
     rk_render_options options = small();
-    for (options.recursion = 0; options.recursion < 5; options.recursion++) {
+    for (options.max_depth = 0; options.max_depth < 5; options.max_depth++) {
         test_picture picture = test_render(&scene, options, 1);
         for (size_t y = 0; y < options.height; y++)
             for (size_t x = 0; x < options.width; x++)
                 check_grey(
                     &picture, x, y,
-                    options.recursion < 3 ? 0 : 0.25 * 0.5 * cosine_on_wall(&options, x, y, -6, 11),
+                    options.max_depth < 3 ? 0 : 0.25 * 0.5 * cosine_on_wall(&options, x, y, -6, 11),
                     "the wall is seen through the pane, twice, from a limit of 3 on");
         rk_image_free(&picture.image);
     }

@@ -132,7 +132,7 @@ static const struct {
     FIELD(shading.model, RK_SHADING_GRADIENT),
     FIELD(glass, RK_GLASS_BEER_LAMBERT),
     FIELD(light.sampling, RK_SAMPLER_LOW_DISCREPANCY),
-    FIELD(light.map, RK_LIGHT_MAP_SOLID_ANGLE),
+    FIELD(light.domain, RK_LIGHT_DOMAIN_SOLID_ANGLE),
     FIELD(light.falloff, RK_FALLOFF_PHYSICAL),
     FIELD(bloom.border, RK_BLOOM_RENORMALIZE),
     FIELD(bloom.method, RK_BLOOM_PYRAMID),

@@ -16,10 +16,10 @@ static rk_scene make_scene(const char *name)
     return scene;
 }
 
-static rk_scene make_scan(uint32_t triangles)
+static rk_scene make_statue(uint32_t triangles)
 {
     char name[32];
-    snprintf(name, sizeof name, "scan:%u", triangles);
+    snprintf(name, sizeof name, "statue:%u", triangles);
     return make_scene(name);
 }
 
@@ -154,7 +154,7 @@ static uint32_t *weld(const rk_mesh *mesh)
 static const char *const names[] = {"triangle",      "cube",          "cube-textured", "cornell",
                                     "cornell-glass", "cornell-light", "panes",         "panes:1",
                                     "glass",         "sphere",        "teapot",        "teapot:3",
-                                    "scan",          "scan:967",      "moving"};
+                                    "statue",        "statue:967",    "moving"};
 
 enum { name_count = sizeof names / sizeof names[0] };
 
@@ -180,7 +180,7 @@ static void every_scene_is_valid_and_has_its_count(void **state)
     check_count("sphere", 1280);
     check_count("moving", 2 + 4032 + 320); /* 32 x 8 x 8 squares of 2, less 8 x 8 at the poles */
     check_count("cover:967", 12 + 12 + 967 + 5120); /* floor, block, statue, ball */
-    check_count("scan", 87130);
+    check_count("statue", 87130);
     check_count("teapot", 16256); /* 32 x 16 x 16 squares of 2, less 8 x 16 at the poles */
     check_count("teapot:2", 240);
     check_count("teapot:7", 3080);
@@ -297,18 +297,18 @@ static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
                                  "teapot:",
                                  "teapot:1",
                                  "teapot:1001",
-                                 "scan:0",
-                                 "scan:abc",
-                                 "scan:-5",
-                                 "scan: 5",
-                                 "scan:5 ",
-                                 "scan:5x",
-                                 "scan:1e3",
-                                 "scan:99999999999",
+                                 "statue:0",
+                                 "statue:abc",
+                                 "statue:-5",
+                                 "statue: 5",
+                                 "statue:5 ",
+                                 "statue:5x",
+                                 "statue:1e3",
+                                 "statue:99999999999",
                                  "sphere:0",
                                  ":",
                                  ":5",
-                                 "scan:18446744073709551617",
+                                 "statue:18446744073709551617",
                                  "SCAN"};
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         rk_scene scene;
@@ -318,7 +318,7 @@ static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
         rk_check_error_names(
             error,
             "triangle, cube, cube-textured, cornell, cornell-glass, "
-            "cornell-light, panes:N, glass, sphere:N, spheres:N, shininess, teapot:N, scan:N");
+            "cornell-light, panes:N, glass, sphere:N, spheres:N, shininess, teapot:N, statue:N");
         rk_scene_free(&scene); /* a refused scene is a zeroed one */
     }
 }
@@ -328,7 +328,7 @@ static void the_help_names_every_scene(void **state)
     (void)state;
     const char *const wanted[] = {"triangle", "cube",      "cube-textured", "cornell",
                                   "panes:N",  "glass",     "cornell-glass", "cornell-light",
-                                  "sphere:N", "spheres:N", "teapot:N",      "scan:N",
+                                  "sphere:N", "spheres:N", "teapot:N",      "statue:N",
                                   "moving:N", "cover:N"};
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
         char line[40];
@@ -668,7 +668,7 @@ static uint32_t crossed(const rk_scene *scene, rk_vec3 a, rk_vec3 b, uint32_t ma
         rk_ray ray = {a, rk_sub(b, a), 1};
         rk_hit hit;
         /* What stands within a thousandth of an end is the surface that the end is on. */
-        if (!rk_triangle_cross(&triangle, &ray, &hit) || hit.t < 0.001f || hit.t > 0.999f)
+        if (!rk_triangle_intersect(&triangle, &ray, &hit) || hit.t < 0.001f || hit.t > 0.999f)
             continue;
         rk_check(count < 8, "more than 8 crossings");
         uint32_t k = count++;
@@ -938,59 +938,60 @@ static void no_teapot_triangle_is_flat(void **state)
     }
 }
 
-/* --- the scan -------------------------------------------------------------------------------- */
+/* --- the statue --------------------------------------------------------------------------------
+ */
 
-static const uint32_t scan_counts[] = {6, 7, 50, 100, 333, 500, 966, 967, 5000, 20001, 87130};
+static const uint32_t statue_counts[] = {6, 7, 50, 100, 333, 500, 966, 967, 5000, 20001, 87130};
 
-enum { scan_count_count = sizeof scan_counts / sizeof scan_counts[0] };
+enum { statue_count_count = sizeof statue_counts / sizeof statue_counts[0] };
 
-static void a_scan_has_exactly_the_triangles_asked_for(void **state)
+static void a_statue_has_exactly_the_triangles_asked_for(void **state)
 {
     (void)state;
     for (uint32_t n = 1; n <= 50; n++) {
-        rk_scene scene = make_scan(n);
+        rk_scene scene = make_statue(n);
         rk_check_equal(scene.mesh.triangle_count, n, "exactly N");
         check_no_flat_triangle(&scene.mesh, scene.name);
         rk_scene_free(&scene);
     }
-    for (int i = 0; i < scan_count_count; i++) {
-        rk_scene scene = make_scan(scan_counts[i]);
-        rk_check_equal(scene.mesh.triangle_count, scan_counts[i], "exactly N");
+    for (int i = 0; i < statue_count_count; i++) {
+        rk_scene scene = make_statue(statue_counts[i]);
+        rk_check_equal(scene.mesh.triangle_count, statue_counts[i], "exactly N");
         check_no_flat_triangle(&scene.mesh, scene.name);
         rk_scene_free(&scene);
     }
 }
 
-static void a_scan_is_closed_but_for_one_hole_when_odd(void **state)
+static void a_statue_is_closed_but_for_one_hole_when_odd(void **state)
 {
     (void)state;
-    for (int i = 0; i < scan_count_count; i++) {
-        rk_scene scene = make_scan(scan_counts[i]);
-        rk_check_equal(free_edges(&scene.mesh, NULL), scan_counts[i] % 2 ? 3 : 0, scene.name);
+    for (int i = 0; i < statue_count_count; i++) {
+        rk_scene scene = make_statue(statue_counts[i]);
+        rk_check_equal(free_edges(&scene.mesh, NULL), statue_counts[i] % 2 ? 3 : 0, scene.name);
         rk_check(volume_of(&scene.mesh) > 0, "%s is inside out", scene.name);
         rk_scene_free(&scene);
     }
 }
 
-static void every_vertex_of_a_scan_belongs_to_a_triangle(void **state)
+static void every_vertex_of_a_statue_belongs_to_a_triangle(void **state)
 {
     (void)state;
     for (uint32_t n = 1; n < 300; n += n < 10 ? 1 : 37) {
-        rk_scene scene = make_scan(n);
+        rk_scene scene = make_statue(n);
         char used[1000] = {0};
         for (uint32_t i = 0; i < 3 * n; i++)
             used[scene.mesh.triangles[i / 3][i % 3]] = 1;
         for (uint32_t v = 0; v < scene.mesh.vertex_count; v++)
-            rk_check(used[v], "scan:%u: vertex %u hangs in the air", n, v);
+            rk_check(used[v], "statue:%u: vertex %u hangs in the air", n, v);
         rk_scene_free(&scene);
     }
 }
 
-static void scan_triangles_are_of_similar_size(void **state)
+static void statue_triangles_are_of_similar_size(void **state)
 {
     (void)state;
     const uint32_t n = 87130;
-    rk_scene scene = make_scan(n);
+    rk_scene scene = make_statue(n);
     double mean = 0;
     for (uint32_t i = 0; i < n; i++)
         mean += area_of(&scene.mesh, i) / n;
@@ -1028,10 +1029,10 @@ static uint64_t fingerprint(const rk_mesh *mesh)
     return hash;
 }
 
-static void a_scan_is_the_same_to_the_bit_on_every_machine(void **state)
+static void a_statue_is_the_same_to_the_bit_on_every_machine(void **state)
 {
     (void)state;
-    rk_scene scene = make_scan(967);
+    rk_scene scene = make_statue(967);
     uint64_t got = fingerprint(&scene.mesh);
     rk_check(got == 0x1cea92e97efc7850u,
              "the fingerprint is %#llx: only a change of the statue may change it",
@@ -1075,11 +1076,11 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(teapot_normals_are_those_of_the_surface),
     cmocka_unit_test(teapot_poles_have_vertical_normals),
     cmocka_unit_test(no_teapot_triangle_is_flat),
-    cmocka_unit_test(a_scan_has_exactly_the_triangles_asked_for),
-    cmocka_unit_test(a_scan_is_closed_but_for_one_hole_when_odd),
-    cmocka_unit_test(every_vertex_of_a_scan_belongs_to_a_triangle),
-    cmocka_unit_test(scan_triangles_are_of_similar_size),
-    cmocka_unit_test(a_scan_is_the_same_to_the_bit_on_every_machine),
+    cmocka_unit_test(a_statue_has_exactly_the_triangles_asked_for),
+    cmocka_unit_test(a_statue_is_closed_but_for_one_hole_when_odd),
+    cmocka_unit_test(every_vertex_of_a_statue_belongs_to_a_triangle),
+    cmocka_unit_test(statue_triangles_are_of_similar_size),
+    cmocka_unit_test(a_statue_is_the_same_to_the_bit_on_every_machine),
 };
 
 RK_SUITE("scenes", tests)

@@ -42,9 +42,9 @@ static void a_ray_at_the_centre_stops_at_the_radius(void **state)
     (void)state;
     rk_sphere sphere = {rk_vec(0, 0, 5), 2};
     rk_ray ray = {rk_vec(0, 0, 0), rk_vec(0, 0, 1), INFINITY};
-    rk_check_close(rk_sphere_meet(&sphere, &ray, INFINITY), 3, 0, "5 - 2, exact in floats");
+    rk_check_close(rk_sphere_intersect(&sphere, &ray, INFINITY), 3, 0, "5 - 2, exact in floats");
     ray.direction = rk_vec(0, 0, 2);
-    rk_check_close(rk_sphere_meet(&sphere, &ray, INFINITY), 1.5, 0, "t counts in directions");
+    rk_check_close(rk_sphere_intersect(&sphere, &ray, INFINITY), 1.5, 0, "t counts in directions");
 }
 
 static void from_inside_the_far_side_is_met(void **state)
@@ -52,7 +52,8 @@ static void from_inside_the_far_side_is_met(void **state)
     (void)state;
     rk_sphere sphere = {rk_vec(1, 1, 1), 2};
     rk_ray ray = {rk_vec(1, 1, 1), rk_vec(0, 1, 0), INFINITY};
-    rk_check_close(rk_sphere_meet(&sphere, &ray, INFINITY), 2, 0, "the radius, exact in floats");
+    rk_check_close(rk_sphere_intersect(&sphere, &ray, INFINITY), 2, 0,
+                   "the radius, exact in floats");
 }
 
 static void what_lies_behind_or_beyond_t_max_is_missed(void **state)
@@ -60,12 +61,13 @@ static void what_lies_behind_or_beyond_t_max_is_missed(void **state)
     (void)state;
     rk_sphere sphere = {rk_vec(0, 0, 5), 2};
     rk_ray away = {rk_vec(0, 0, 0), rk_vec(0, 0, -1), INFINITY};
-    rk_check(rk_sphere_meet(&sphere, &away, INFINITY) == INFINITY, "the sphere is behind");
+    rk_check(rk_sphere_intersect(&sphere, &away, INFINITY) == INFINITY, "the sphere is behind");
     rk_ray ray = {rk_vec(0, 0, 0), rk_vec(0, 0, 1), INFINITY};
-    rk_check(rk_sphere_meet(&sphere, &ray, 2.99f) == INFINITY, "3 lies beyond 2.99");
-    rk_check(rk_sphere_meet(&sphere, &ray, 3) == 3, "t_max itself counts");
+    rk_check(rk_sphere_intersect(&sphere, &ray, 2.99f) == INFINITY, "3 lies beyond 2.99");
+    rk_check(rk_sphere_intersect(&sphere, &ray, 3) == 3, "t_max itself counts");
     rk_ray beside = {rk_vec(3, 0, 0), rk_vec(0, 0, 1), INFINITY};
-    rk_check(rk_sphere_meet(&sphere, &beside, INFINITY) == INFINITY, "it passes at distance 3");
+    rk_check(rk_sphere_intersect(&sphere, &beside, INFINITY) == INFINITY,
+             "it passes at distance 3");
 }
 
 static void random_rays_meet_it_where_the_quadratic_says(void **state)
@@ -77,7 +79,7 @@ static void random_rays_meet_it_where_the_quadratic_says(void **state)
         rk_ray ray = {rk_scale(noise3(3, i), 4), rk_vec(0, 0, 0), INFINITY};
         ray.direction = rk_sub(rk_madd(sphere.centre, noise3(4, i), sphere.radius), ray.origin);
         long double margin, want = quadratic(&sphere, &ray, &margin);
-        float got = rk_sphere_meet(&sphere, &ray, INFINITY);
+        float got = rk_sphere_intersect(&sphere, &ray, INFINITY);
         /* Within 2^-18 of the rim, 64 roundings, hit or miss is anybody's guess. */
         if (margin < 0x1p-18L)
             continue;
@@ -104,7 +106,7 @@ static void a_small_sphere_far_away_keeps_its_size(void **state)
     for (int i = 0; i < 2000; i++) {
         float x = (float)i / 1000;
         rk_ray ray = {rk_vec(x, 0, 0), rk_vec(0, 0, 1), INFINITY};
-        bool met = rk_sphere_meet(&sphere, &ray, INFINITY) < INFINITY;
+        bool met = rk_sphere_intersect(&sphere, &ray, INFINITY) < INFINITY;
         rk_check(met == (x <= 1), "a ray at distance %g from the centre: %d", (double)x, met);
     }
 }
@@ -114,9 +116,9 @@ static void rays_of_nan_and_none_miss(void **state)
     (void)state;
     rk_sphere sphere = {rk_vec(0, 0, 0), 1};
     rk_ray nan = {rk_vec(NAN, 0, 0), rk_vec(0, NAN, 1), INFINITY};
-    rk_check(rk_sphere_meet(&sphere, &nan, INFINITY) == INFINITY, "NaN");
+    rk_check(rk_sphere_intersect(&sphere, &nan, INFINITY) == INFINITY, "NaN");
     rk_ray none = {rk_vec(0, 0, -3), rk_vec(0, 0, 0), INFINITY};
-    rk_check(rk_sphere_meet(&sphere, &none, INFINITY) == INFINITY, "a direction of length 0");
+    rk_check(rk_sphere_intersect(&sphere, &none, INFINITY) == INFINITY, "a direction of length 0");
 }
 
 static void the_closest_keeps_what_is_nearer(void **state)
@@ -164,11 +166,11 @@ static void rays_that_leave_outwards_never_come_back(void **state)
                     -(i % 4 == 1 ? 0.9999f : 0) * rk_dot(way, outward) / rk_dot(outward, outward));
         if (rk_dot(way, outward) < 0)
             way = rk_negate(way);
-        rk_ray leaving = {rk_surface_leave(&surface, way), way, INFINITY};
+        rk_ray leaving = {rk_surface_spawn(&surface, way), way, INFINITY};
         tried++;
-        rk_check(rk_sphere_meet(&sphere, &leaving, INFINITY) == INFINITY,
+        rk_check(rk_sphere_intersect(&sphere, &leaving, INFINITY) == INFINITY,
                  "ray %u comes back at t = %g to a sphere of radius %g", i,
-                 (double)rk_sphere_meet(&sphere, &leaving, INFINITY), (double)radius);
+                 (double)rk_sphere_intersect(&sphere, &leaving, INFINITY), (double)radius);
         rk_vec3 step = rk_sub(leaving.origin, surface.point);
         rk_check(rk_length(step) <= 8 * rk_length(surface.point_error), "ray %u: a step of %g", i,
                  (double)rk_length(step));

@@ -229,8 +229,8 @@ static void tiny_triangles_keep_their_normal(void **state)
     for (int i = 0; i < 3; i++)
         mesh.positions[i].z = 1;
     rk_surface_at(&surface, &mesh, &ray, &hit);
-    rk_check(rk_surface_leave(&surface, rk_vec(0, 0, 1)).z > 1, "out on its own side");
-    rk_check(rk_surface_leave(&surface, rk_vec(0, 0, -1)).z < 1, "out on the other");
+    rk_check(rk_surface_spawn(&surface, rk_vec(0, 0, 1)).z > 1, "out on its own side");
+    rk_check(rk_surface_spawn(&surface, rk_vec(0, 0, -1)).z < 1, "out on the other");
     rk_mesh_free(&mesh);
 }
 
@@ -315,8 +315,8 @@ static void triangles_without_area_have_a_unit_normal_and_can_be_left(void **sta
             rk_surface_at(&surface, &mesh, &ray, &hit);
             rk_check_close(rk_length(surface.normal), 1, 3e-7, "unit, whatever the triangle");
             rk_check(is_finite(surface.point) && is_finite(surface.point_error), "NaN appeared");
-            rk_check(is_finite(rk_surface_leave(&surface, rk_vec(0, 1, 0))), "NaN appeared");
-            rk_check(is_finite(rk_surface_leave(&surface, rk_vec(0, 0, 0))), "NaN appeared");
+            rk_check(is_finite(rk_surface_spawn(&surface, rk_vec(0, 1, 0))), "NaN appeared");
+            rk_check(is_finite(rk_surface_spawn(&surface, rk_vec(0, 0, 0))), "NaN appeared");
             rk_mesh_free(&mesh);
         }
 }
@@ -410,7 +410,7 @@ static void check_that_nothing_returns(uint32_t key, family f, int triangles)
         rk_surface_at(&surface, &mesh, &ray, &hit);
         for (int k = 0; k < 8; k++) {
             rk_vec3 direction = rk_scale(way_out(&n, &surface, k), k < 4 ? 1 : 1e3f);
-            rk_ray out = {rk_surface_leave(&surface, direction), direction, INFINITY};
+            rk_ray out = {rk_surface_spawn(&surface, direction), direction, INFINITY};
             rk_hit again = {INFINITY, 0, 0, RK_MISS};
             rk_check(!rk_triangle_closest(&surface.triangle, &out, &again),
                      "scale %g, offset %g, width %g: ray %d of triangle %d met it again at t = "
@@ -444,12 +444,12 @@ static void directions_that_leave_alike_start_from_one_point(void **state)
                 continue;
             rk_surface_at(&surface, &mesh, &ray, &hit);
             rk_vec3 a = way_out(&n, &surface, i % 8), b = way_out(&n, &surface, i / 8 % 8);
-            if (!rk_surface_leaves_alike(&surface, a, b)) {
+            if (!rk_surface_spawns_alike(&surface, a, b)) {
                 unlike++;
                 continue;
             }
             alike++;
-            rk_vec3 from_a = rk_surface_leave(&surface, a), from_b = rk_surface_leave(&surface, b);
+            rk_vec3 from_a = rk_surface_spawn(&surface, a), from_b = rk_surface_spawn(&surface, b);
             rk_check(memcmp(&from_a, &from_b, sizeof from_a) == 0,
                      "alike, but from (%.9g, %.9g, %.9g) and (%.9g, %.9g, %.9g)", (double)from_a.x,
                      (double)from_a.y, (double)from_a.z, (double)from_b.x, (double)from_b.y,
@@ -476,7 +476,7 @@ static void a_ray_leaves_to_the_side_to_which_it_heads(void **state)
         float cosine = rk_dot(direction, surface.face_normal);
         if (fabsf(cosine) < 1e-3f)
             continue;
-        rk_vec3 step = rk_sub(rk_surface_leave(&surface, direction), surface.point);
+        rk_vec3 step = rk_sub(rk_surface_spawn(&surface, direction), surface.point);
         float height = rk_dot(step, surface.face_normal) * copysignf(1, cosine);
         float bound = rk_dot(rk_abs3(surface.face_normal), surface.point_error);
         /* Neighbours that share an edge count on it; 1 % for the roundings of this sum. */
@@ -510,7 +510,7 @@ static void the_step_is_a_few_error_bounds(void **state)
             float area = rk_length(rk_cross(t->edge_ab, t->edge_ac));
             if (!(area > 0.1f * longest * longest))
                 continue;
-            rk_vec3 step = rk_sub(rk_surface_leave(&surface, in_cube(&n)), surface.point);
+            rk_vec3 step = rk_sub(rk_surface_spawn(&surface, in_cube(&n)), surface.point);
             float bound = rk_length(surface.point_error) + 0x1p-22f * longest;
             /* 2 ulp = 4 x 2^-24 |point| is covered by twice the error bound. */
             rk_check(rk_length(step) <= 8 * 3 * bound, "a step of %.3g where the errors are %.3g",

@@ -107,9 +107,10 @@ static void t_max_is_the_last_t_that_counts(void **state)
     rk_triangle triangle = corner_triangle();
     rk_ray ray = ray_at(0.25f, 0.25f);
     ray.t_max = 2;
-    rk_check(hits(&triangle, &ray) && rk_triangle_any(&triangle, &ray), "t = t_max counts");
+    rk_check(hits(&triangle, &ray) && rk_triangle_occludes(&triangle, &ray), "t = t_max counts");
     ray.t_max = nextafterf(2, 0);
-    rk_check(!hits(&triangle, &ray) && !rk_triangle_any(&triangle, &ray), "t > t_max does not");
+    rk_check(!hits(&triangle, &ray) && !rk_triangle_occludes(&triangle, &ray),
+             "t > t_max does not");
 }
 
 static void a_nearer_hit_replaces_and_a_farther_one_does_not(void **state)
@@ -330,7 +331,7 @@ static void both_tests_agree_to_the_bit_at_every_t_max(void **state)
             INFINITY, hit.t, nextafterf(hit.t, 0), nextafterf(hit.t, INFINITY), 0, -1, 0.5f};
         for (int k = 0; k < 7; k++) {
             ray.t_max = limits[k];
-            rk_check(rk_triangle_any(&triangle, &ray) == hits(&triangle, &ray),
+            rk_check(rk_triangle_occludes(&triangle, &ray) == hits(&triangle, &ray),
                      "pair %u at t_max %.9g", i, (double)limits[k]);
         }
         hit_count += hit.triangle != RK_MISS;
@@ -398,8 +399,8 @@ static void a_hit_at_any_scale_is_finite_and_in_range(void **state)
             direction = (int)(rk_hash(i, 2, 2, 1) % 251) - 125;
         scale_pair(&triangle, &ray, ldexpf(1, points), ldexpf(1, direction));
         rk_hit hit = closest(&triangle, &ray);
-        rk_check(rk_triangle_any(&triangle, &ray) == (hit.triangle != RK_MISS), "pair %u disagrees",
-                 i);
+        rk_check(rk_triangle_occludes(&triangle, &ray) == (hit.triangle != RK_MISS),
+                 "pair %u disagrees", i);
         if (hit.triangle == RK_MISS)
             continue;
         rk_check(hit.t > 0 && hit.t <= FLT_MAX, "pair %u at 2^%d, 2^%d: t = %g", i, points,
@@ -419,7 +420,7 @@ static void an_edge_on_triangle_is_missed(void **state)
         float angle = (float)i * 0.7f;
         rk_ray ray = {rk_vec(-3 * cosf(angle), -3 * sinf(angle), 0),
                       rk_vec(cosf(angle), sinf(angle), 0), INFINITY};
-        rk_check(!hits(&triangle, &ray) && !rk_triangle_any(&triangle, &ray), "in its plane");
+        rk_check(!hits(&triangle, &ray) && !rk_triangle_occludes(&triangle, &ray), "in its plane");
     }
 }
 
@@ -446,7 +447,7 @@ static void degenerate_triangles_are_missed(void **state)
         rk_triangle triangle = triangle_of(corners[i][0], corners[i][1], corners[i][2], 0);
         for (int k = 0; k < 3; k++) {
             rk_ray ray = ray_at((float)k * 0.5f, (float)(k % 2) * 0.5f);
-            rk_check(!hits(&triangle, &ray) && !rk_triangle_any(&triangle, &ray),
+            rk_check(!hits(&triangle, &ray) && !rk_triangle_occludes(&triangle, &ray),
                      "triangle %d has no area", i);
         }
     }
@@ -465,13 +466,13 @@ static void nan_and_infinity_in_any_input_miss(void **state)
             float *places[] = {&triangle.a.x, &triangle.edge_ab.x, &triangle.edge_ac.x,
                                &ray.origin.x, &ray.direction.x};
             places[place / 3][place % 3] = broken[i];
-            rk_check(!hits(&triangle, &ray) && !rk_triangle_any(&triangle, &ray), "%g at place %d",
-                     (double)broken[i], place);
+            rk_check(!hits(&triangle, &ray) && !rk_triangle_occludes(&triangle, &ray),
+                     "%g at place %d", (double)broken[i], place);
         }
     rk_triangle triangle = corner_triangle();
     rk_ray ray = ray_at(0.25f, 0.25f);
     ray.t_max = NAN;
-    rk_check(!hits(&triangle, &ray) && !rk_triangle_any(&triangle, &ray), "t_max is NaN");
+    rk_check(!hits(&triangle, &ray) && !rk_triangle_occludes(&triangle, &ray), "t_max is NaN");
 }
 
 static const struct CMUnitTest tests[] = {

@@ -59,7 +59,7 @@ def _object_that_says(toolchain, sentence, folder):
     """Returns the object that brings the sentence into a driver."""
     literal = sentence.replace("\\", "\\\\").replace('"', '\\"')
     source = os.path.join(folder, "units.c")
-    write_whole(source, f'#include "driver/implementation_note.h"\n\nconst char rk_units[] = "{literal}";\n')
+    write_whole(source, f'#include "driver/implementation_note.h"\n\nconst char rk_implementation_note[] = "{literal}";\n')
     output = os.path.join(folder, "units.o")
     subprocess.run([*toolchain.compiler, *toolchain.flags, "-c", source, "-o", output], check=True)
     return output

@@ -79,7 +79,7 @@ def _collection():
     printers = gdb.printing.RegexpCollectionPrettyPrinter("raykit")
     for name, say in {
         "rk_vec3": _vector, "rk_box": _box, "rk_ray": _ray, "rk_hit": _hit, "rk_bvh_node": _node,
-        "waiting_list": _waiting_list,
+        "traversal_stack": _waiting_list,
     }.items():
         printers.add_printer(name, f"^{name}$", lambda value, say=say: _Printer(say, value))
     return printers

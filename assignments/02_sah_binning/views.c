@@ -32,7 +32,7 @@ static bool list_cuts(cuts *c, const rk_driver *driver, rk_error *error)
     if (!c->found)
         return rk_fail(error, "--node %u: this tree's nodes are 0 to %u; choose one of them",
                        c->node, c->met - 1);
-    rk_bvh_stretch stretch = rk_bvh_stretch_of(bvh, (uint32_t)(c->found - bvh->nodes));
+    rk_bvh_range stretch = rk_bvh_range_of(bvh, (uint32_t)(c->found - bvh->nodes));
     rk_bvh_reference *references =
         rk_allocate(stretch.count, sizeof *references, "candidates", error);
     if (!references)

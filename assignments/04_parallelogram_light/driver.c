@@ -50,7 +50,7 @@ static bool save(rk_driver *driver, const choices *c, rk_error *error)
     snprintf(label, sizeof label, "%s%s%s%s%u_%s%s%s%s%s", driver->debug ? driver->debug : "",
              driver->debug ? "_" : "", kinds[c->light], c->coloured ? "coloured_" : "",
              light->samples, rk_sampler_name(light->sampling),
-             light->map == RK_LIGHT_MAP_SOLID_ANGLE ? "_solid-angle" : "",
+             light->domain == RK_LIGHT_DOMAIN_SOLID_ANGLE ? "_solid-angle" : "",
              light->falloff == RK_FALLOFF_PHYSICAL ? "_physical" : "", light->ratio ? "_ratio" : "",
              pixel);
     return rk_driver_save(driver, label, error);
@@ -62,7 +62,7 @@ static bool put_rows(rk_driver *driver, rk_error *error)
     double pixels = (double)driver->counters.primary_rays;
     rk_timing samples = rk_timing_once((double)driver->counters.light_samples / pixels);
     rk_timing rays = rk_timing_once((double)driver->counters.shadow_rays / pixels);
-    if (driver->render.light.settle == 0)
+    if (driver->render.light.early_out == 0)
         return rk_driver_row(driver, "render_all_traced", "ms", driver->render_ms, error) &&
                rk_driver_row(driver, "shadow_rays_all_traced", "1", rays, error);
     return rk_driver_row(driver, "render", "ms", driver->render_ms, error) &&

@@ -8,31 +8,31 @@
 typedef struct method {
     const char *name;
     rk_sampler_kind sampling;
-    rk_light_map map;
+    rk_light_domain domain;
     bool ratio;
-    uint32_t settle;
+    uint32_t early_out;
 } method;
 
 /* The last two are others only with physical falloff, and have no rows without. */
 static const method methods[] = {
-    {"uniform", RK_SAMPLER_UNIFORM, RK_LIGHT_MAP_AREA, false, 0},
-    {"stratified", RK_SAMPLER_STRATIFIED, RK_LIGHT_MAP_AREA, false, 0},
-    {"low discrepancy", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_MAP_AREA, false, 0},
-    {"settled", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_MAP_AREA, false, RK_LIGHT_ROUND},
-    {"solid angle", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_MAP_SOLID_ANGLE, false, 0},
-    {"ratio", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_MAP_AREA, true, 0},
+    {"uniform", RK_SAMPLER_UNIFORM, RK_LIGHT_DOMAIN_AREA, false, 0},
+    {"stratified", RK_SAMPLER_STRATIFIED, RK_LIGHT_DOMAIN_AREA, false, 0},
+    {"low discrepancy", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_DOMAIN_AREA, false, 0},
+    {"settled", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_DOMAIN_AREA, false, RK_LIGHT_EARLY_OUT},
+    {"solid angle", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_DOMAIN_SOLID_ANGLE, false, 0},
+    {"ratio", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_DOMAIN_AREA, true, 0},
 };
 
 /* The least noisy of all; its bias falls with 1 / samples. */
-static const method best = {"", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_MAP_SOLID_ANGLE, true, 0};
+static const method best = {"", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_DOMAIN_SOLID_ANGLE, true, 0};
 
 static void choose(rk_driver *driver, const method *m, uint32_t samples)
 {
     rk_light_options *light = &driver->render.light;
     light->sampling = m->sampling;
-    light->map = m->map;
+    light->domain = m->domain;
     light->ratio = m->ratio;
-    light->settle = m->settle;
+    light->early_out = m->early_out;
     light->samples = samples;
 }
 

@@ -14,7 +14,7 @@ static bool look(drawing *d, rk_error *error)
 {
     const rk_pixel pixel = d->driver->pixel;
     rk_ray ray = rk_view_ray(&d->overlay.view, (float)pixel.x + 0.5f, (float)pixel.y + 0.5f);
-    return rk_look_surface(&d->surface, &d->driver->accel, &ray) ||
+    return rk_trace_one_surface(&d->surface, &d->driver->accel, &ray) ||
            rk_fail(error,
                    "--debug %s: nothing is seen at the pixel %u,%u; choose one on a surface by "
                    "--pixel X,Y",
@@ -36,9 +36,9 @@ static void draw_outline(drawing *d, const rk_light *light)
 
 static void draw_shadow_ray(drawing *d, rk_vec3 end)
 {
-    rk_vec3 start = rk_surface_leave(&d->surface, rk_sub(end, d->surface.point));
+    rk_vec3 start = rk_surface_spawn(&d->surface, rk_sub(end, d->surface.point));
     rk_ray ray = {start, rk_sub(end, start), 1};
-    bool blocked = rk_look(&d->driver->accel, &ray).triangle != RK_MISS;
+    bool blocked = rk_trace_one(&d->driver->accel, &ray).triangle != RK_MISS;
     rk_overlay_line(&d->overlay, start, end,
                     blocked ? rk_vec(1, 0.05f, 0.05f) : rk_vec(0.05f, 0.8f, 0.1f), 1);
 }
@@ -56,7 +56,7 @@ static void draw_light(drawing *d, uint32_t index)
     for (uint32_t i = 0; i < count; i++) {
         rk_vec2 xi = rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_LIGHT + 2 * index);
         rk_light_sample sample = rk_light_sample_at(light, options->light.falloff,
-                                                    options->light.map, d->surface.point, xi);
+                                                    options->light.domain, d->surface.point, xi);
         if (rk_driver_debug(driver, "rays"))
             draw_shadow_ray(d, sample.position);
         /* Colours without their weights: the brightest channel is 1. */

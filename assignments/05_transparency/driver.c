@@ -58,8 +58,8 @@ static bool save(rk_driver *driver, rk_error *error)
     char label[64];
     if (driver->debug)
         snprintf(label, sizeof label, "rays_%s_%u_%u", model, driver->pixel.x, driver->pixel.y);
-    else if (driver->render.recursion != rk_render_options_default().recursion)
-        snprintf(label, sizeof label, "%s_recursion%u", model, driver->render.recursion);
+    else if (driver->render.max_depth != rk_render_options_default().max_depth)
+        snprintf(label, sizeof label, "%s_recursion%u", model, driver->render.max_depth);
     else
         snprintf(label, sizeof label, "%s", model);
     return rk_driver_save(driver, label, error);

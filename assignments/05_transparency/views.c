@@ -51,7 +51,7 @@ static void draw_view_ray(drawing *d, const rk_ray *ray, const rk_crossing_list 
 
 static void draw_shadow_ray(drawing *d, const rk_surface *surface, rk_vec3 light)
 {
-    rk_vec3 start = rk_surface_leave(surface, rk_sub(light, surface->point));
+    rk_vec3 start = rk_surface_spawn(surface, rk_sub(light, surface->point));
     rk_ray ray = {start, rk_sub(light, start), 1};
     rk_crossing_list list;
     rk_crossings_gather(&d->driver->accel, &ray, RK_CROSSINGS_MAX, &list, &d->counters);
@@ -68,7 +68,7 @@ static void draw_rays(drawing *d, const rk_ray *ray)
 {
     const rk_scene *scene = &d->driver->scene;
     rk_crossing_list list;
-    rk_crossings_gather(&d->driver->accel, ray, d->driver->render.recursion + 1, &list,
+    rk_crossings_gather(&d->driver->accel, ray, d->driver->render.max_depth + 1, &list,
                         &d->counters);
     draw_view_ray(d, ray, &list);
     if (list.count == 0 || !d->driver->render.shadows)
@@ -78,7 +78,7 @@ static void draw_rays(drawing *d, const rk_ray *ray)
     rk_scene_surface(&surface, scene, ray, &last);
     for (uint32_t i = 0; i < scene->light_count; i++)
         draw_shadow_ray(d, &surface,
-                        rk_light_sample_at(&scene->lights[i], RK_FALLOFF_NONE, RK_LIGHT_MAP_AREA,
+                        rk_light_sample_at(&scene->lights[i], RK_FALLOFF_NONE, RK_LIGHT_DOMAIN_AREA,
                                            surface.point, (rk_vec2){0.5f, 0.5f})
                             .position);
 }

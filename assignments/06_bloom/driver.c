@@ -33,7 +33,7 @@ bool glow_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *cop
     for (uint32_t run = 0; ok && run < driver->runs; run++) {
         memcpy(copy->pixels, driver->image.pixels, pixels_of(copy) * sizeof *copy->pixels);
         double start = rk_clock_wall();
-        ok = rk_glow(copy, options, driver->pool, &driver->counters, error);
+        ok = rk_bloom_stage(copy, options, driver->pool, &driver->counters, error);
         milliseconds[run] = 1e3 * (rk_clock_wall() - start);
     }
     if (ok)

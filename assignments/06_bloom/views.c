@@ -5,8 +5,9 @@ static void show_threshold(rk_image *image, float threshold)
 {
     for (size_t i = 0; i < pixels_of(image); i++) {
         float dark = 0.15f * rk_bloom_luminance(image->pixels[i]);
-        image->pixels[i] = rk_bloom_glows(image->pixels[i], threshold) ? rk_vec(1, 0, 0)
-                                                                       : rk_vec(dark, dark, dark);
+        image->pixels[i] = rk_bloom_is_bright(image->pixels[i], threshold)
+                               ? rk_vec(1, 0, 0)
+                               : rk_vec(dark, dark, dark);
     }
 }
 

@@ -65,7 +65,7 @@ static double estimate_of(const rk_driver *driver, const rk_glossy_disk *disk,
     enum { pixels = 4096 };
     const rk_glossy_options *glossy = &driver->render.glossy;
     const rk_sampler sampler = {glossy->sampling, driver->render.seed, glossy->samples};
-    float share = rk_glossy_share(disk);
+    float share = rk_glossy_fraction_above(disk);
     double mean = 0;
     for (uint32_t pixel = 0; pixel < pixels; pixel++) {
         double sum = 0;
@@ -97,7 +97,7 @@ static bool put_policies(rk_driver *driver, rk_error *error)
         float height = degrees[i] * 0.017453293f;
         rk_glossy_disk disk =
             rk_glossy_disk_of(rk_vec(cosf(height), 0, sinf(height)), radius, rk_vec(0, 0, 1));
-        double share = (double)rk_glossy_share(&disk), black = integral_of(&disk);
+        double share = (double)rk_glossy_fraction_above(&disk), black = integral_of(&disk);
         const double figures[] = {(double)degrees[i],
                                   (double)radius,
                                   share,

@@ -10,10 +10,11 @@ static const rk_vec3 red = {1, 0.1f, 0.05f}, blue = {0.1f, 0.4f, 1}, yellow = {1
 /* --- The samples of a pixel ------------------------------------------------------------------- */
 
 /* Finds the mirror that a camera ray meets. */
-static bool look(const rk_driver *driver, const rk_ray *ray, rk_seen *seen, rk_error *error)
+static bool look(const rk_driver *driver, const rk_ray *ray, rk_shading_point *seen,
+                 rk_error *error)
 {
-    *seen = (rk_seen){.path = rk_path_start(0, 1), .to_viewer = rk_negate(ray->direction)};
-    return (rk_look_surface(&seen->surface, &driver->accel, ray) && rk_mirrors(seen)) ||
+    *seen = (rk_shading_point){.path = rk_path_start(0, 1), .to_viewer = rk_negate(ray->direction)};
+    return (rk_trace_one_surface(&seen->surface, &driver->accel, ray) && rk_is_specular(seen)) ||
            rk_fail(error,
                    "--debug %s: there is no mirror at the pixel %u,%u; choose one that shows a "
                    "mirror by --pixel X,Y",
@@ -43,7 +44,7 @@ typedef struct drawing {
 static float length_of(const rk_driver *driver, rk_vec3 start, rk_vec3 direction)
 {
     rk_ray ray = {start, direction, INFINITY};
-    rk_hit hit = rk_look(&driver->accel, &ray);
+    rk_hit hit = rk_trace_one(&driver->accel, &ray);
     return hit.triangle == RK_MISS ? 1 : hit.t;
 }
 
@@ -75,13 +76,13 @@ static void draw_rim(drawing *d, const rk_glossy_disk *disk)
 static bool draw_rays(rk_driver *driver, const choices *c, rk_error *error)
 {
     drawing d = {.driver = driver};
-    rk_seen seen;
+    rk_shading_point seen;
     rk_ray ray = rk_side_view_ray(driver);
     if (!look(driver, &ray, &seen, error) ||
         !rk_side_view_render(&c->viewer, driver, &d.overlay, error))
         return false;
     rk_glossy_disk disk = rk_glossy_disk_at(&driver->render.glossy, &seen);
-    d.start = rk_surface_leave(&seen.surface, disk.w);
+    d.start = rk_surface_spawn(&seen.surface, disk.w);
     d.reach = length_of(driver, d.start, disk.w) / 2;
     for (uint32_t i = 0; i < driver->render.glossy.samples; i++) {
         rk_vec3 direction;
@@ -120,7 +121,7 @@ static bool draw_dots(rk_driver *driver, rk_error *error)
     const rk_image *image = &driver->image;
     float middle_x = (float)image->width / 2, middle_y = (float)image->height / 2;
     float radius = 0.46f * rk_min((float)image->width, (float)image->height);
-    rk_seen seen;
+    rk_shading_point seen;
     rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 0, 1), 1, rk_vec(0, 0, 1));
     if (driver->pixel.given) {
         rk_ray ray = rk_side_view_ray(driver);

@@ -81,7 +81,7 @@ int main(int argc, char **argv)
     };
     const char *const views[] = {"cross", "seam", NULL};
     rk_driver driver = rk_driver_default("cubemap", summary);
-    driver.scene_name = "scan";
+    driver.scene_name = "statue";
     driver.environment = "sky";
     driver.render.reflections = true; /* what else would a mirror show? */
     int status;

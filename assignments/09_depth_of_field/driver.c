@@ -71,7 +71,7 @@ int main(int argc, char **argv)
     };
     const char *const views[] = {"focus", "rays", "blurred", NULL};
     rk_driver driver = rk_driver_default("depth_of_field", summary);
-    driver.scene_name = "scan:87130";
+    driver.scene_name = "statue:87130";
     driver.render.lens_samples = 15;
     int status;
     if (!rk_driver_start(&driver, argc, argv, options, views, &status))

@@ -75,7 +75,7 @@ static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_vie
     for (uint32_t i = 0; i < options->lens_samples; i++) {
         rk_ray ray = rk_lens_ray(&options->lens, view, x, y,
                                  rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_LENS));
-        rk_hit hit = rk_look(&driver->accel, &ray);
+        rk_hit hit = rk_trace_one(&driver->accel, &ray);
         bool met = hit.triangle != RK_MISS;
         rk_vec3 end = rk_madd(ray.origin, ray.direction, met ? hit.t : far);
         rk_overlay_line(overlay, ray.origin, end, met ? orange : rk_scale(white, 0.6f), 1.5f);
@@ -129,29 +129,30 @@ static bool mark_blurred(rk_driver *driver, rk_error *error)
 {
     uint32_t width = driver->render.width, height = driver->render.height;
     rk_overlay overlay;
-    int32_t *circles =
-        rk_allocate_unset(((size_t)width + 1) * (height + 1), sizeof *circles, "marks", error);
-    if (!circles || !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel,
-                                     driver->pool, error)) {
-        free(circles);
+    int32_t *coc_count =
+        rk_allocate_unset(((size_t)width + 1) * (height + 1), sizeof *coc_count, "marks", error);
+    if (!coc_count || !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel,
+                                       driver->pool, error)) {
+        free(coc_count);
         return false;
     }
     for (size_t i = 0; i < (size_t)width * height; i++) {
         rk_ray ray =
             rk_view_ray(&overlay.view, (float)(i % width) + 0.5f, (float)(i / width) + 0.5f);
         float *depth = &overlay.depth[i]; /* becomes a circle's diameter */
-        *depth =
-            isinf(*depth) ? 0 : rk_lens_blur(&driver->render.lens, &overlay.view, &ray, *depth);
+        *depth = isinf(*depth)
+                     ? 0
+                     : rk_lens_coc_diameter(&driver->render.lens, &overlay.view, &ray, *depth);
     }
-    rk_lens_spread(overlay.depth, width, height, circles);
+    rk_lens_coc(overlay.depth, width, height, coc_count);
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++)
-            if (circles[(size_t)y * (width + 1) + x] > 0) {
+            if (coc_count[(size_t)y * (width + 1) + x] > 0) {
                 rk_vec3 *pixel = rk_image_at(&driver->image, x, y);
                 *pixel = rk_mix(*pixel, orange, 0.5f);
             }
     rk_overlay_free(&overlay);
-    free(circles);
+    free(coc_count);
     return true;
 }
 

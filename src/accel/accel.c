@@ -108,25 +108,25 @@ const char *rk_accel_isa(rk_accel_kind kind)
 /* --- Asking ----------------------------------------------------------------------------------- */
 
 __attribute__((always_inline)) static inline void
-meet_spheres(const rk_scene *scene, const rk_ray *ray, rk_hit *hit, rk_counters *counters)
+intersect_spheres(const rk_scene *scene, const rk_ray *ray, rk_hit *hit, rk_counters *counters)
 {
     for (uint32_t k = 0; k < scene->sphere_count; k++)
         rk_sphere_closest(&scene->spheres[k], scene->mesh.triangle_count + k, ray, hit);
     counters->sphere_tests += scene->sphere_count;
 }
 
-static bool meets_any_sphere(const rk_scene *scene, const rk_ray *ray, rk_counters *counters)
+static bool occluded_by_sphere(const rk_scene *scene, const rk_ray *ray, rk_counters *counters)
 {
     bool found = false;
     for (uint32_t k = 0; k < scene->sphere_count && !found; k++) {
-        found = rk_sphere_meet(&scene->spheres[k], ray, ray->t_max) < INFINITY;
+        found = rk_sphere_intersect(&scene->spheres[k], ray, ray->t_max) < INFINITY;
         counters->sphere_tests++;
     }
     return found;
 }
 
 /* The ray as the object at rest sees it. */
-static void meet_object(const rk_bvh *bvh, rk_ray ray, rk_hit *hit, rk_counters *counters)
+static void intersect_object(const rk_bvh *bvh, rk_ray ray, rk_hit *hit, rk_counters *counters)
 {
     ray.t_max = hit->t;
     rk_hit found = rk_bvh_closest(bvh, &ray, counters);
@@ -145,7 +145,7 @@ static void put_hit(rk_hit_batch *hits, uint32_t i, const rk_hit *hit)
 void rk_accel_put_hit(const rk_accel *accel, const rk_ray *ray, rk_hit hit, rk_hit_batch *hits,
                       uint32_t i, rk_counters *counters)
 {
-    meet_spheres(accel->scene, ray, &hit, counters);
+    intersect_spheres(accel->scene, ray, &hit, counters);
     put_hit(hits, i, &hit);
 }
 
@@ -158,22 +158,22 @@ void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_ba
         rk_ray ray = rk_batch_ray(rays, i);
         rk_hit hit = rk_bvh_closest(&accel->bvh, &ray, counters);
         for (uint32_t k = 0; k < moving; k++)
-            meet_object(&accel->moving[k], ray, &hit, counters);
+            intersect_object(&accel->moving[k], ray, &hit, counters);
         if (spheres)
-            meet_spheres(accel->scene, &ray, &hit, counters);
+            intersect_spheres(accel->scene, &ray, &hit, counters);
         put_hit(hits, i, &hit);
     }
 }
 
-void rk_accel_any(const rk_accel *accel, const rk_ray_batch *rays, rk_any_batch *answers,
-                  rk_counters *counters)
+void rk_accel_occluded(const rk_accel *accel, const rk_ray_batch *rays, rk_occlusion_batch *answers,
+                       rk_counters *counters)
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
-        bool found = rk_bvh_any(&accel->bvh, &ray, counters);
+        bool found = rk_bvh_occluded(&accel->bvh, &ray, counters);
         for (uint32_t k = 0; k < accel->scene->moving_count && !found; k++)
-            found = rk_bvh_any(&accel->moving[k], &ray, counters);
-        answers->found[i] = found || meets_any_sphere(accel->scene, &ray, counters);
+            found = rk_bvh_occluded(&accel->moving[k], &ray, counters);
+        answers->found[i] = found || occluded_by_sphere(accel->scene, &ray, counters);
     }
 }
 
@@ -201,10 +201,11 @@ static void group_closest(group *g, const rk_bvh *bvh, rk_hit_batch *hits, rk_co
     g->count = 0;
 }
 
-static void group_any(group *g, const rk_bvh *bvh, rk_any_batch *answers, rk_counters *counters)
+static void group_any(group *g, const rk_bvh *bvh, rk_occlusion_batch *answers,
+                      rk_counters *counters)
 {
     bool found[RK_PACKET_MAX];
-    rk_packet_any(bvh, g->rays, g->count, found, counters);
+    rk_packet_occluded(bvh, g->rays, g->count, found, counters);
     for (uint32_t i = 0; i < g->count; i++)
         answers->found[g->index[i]] |= found[i];
     g->count = 0;
@@ -235,7 +236,7 @@ void rk_accel_closest_at(const rk_accel *accel, const rk_ray_batch *rays, const 
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
         rk_hit hit = rk_bvh_closest(&accel->bvh, &ray, counters);
-        meet_spheres(accel->scene, &ray, &hit, counters);
+        intersect_spheres(accel->scene, &ray, &hit, counters);
         put_hit(hits, i, &hit);
         if (!join(groups, objects, when, i, &ray, hit.t) && i + 1 < rays->count)
             continue;
@@ -246,14 +247,14 @@ void rk_accel_closest_at(const rk_accel *accel, const rk_ray_batch *rays, const 
 }
 
 void rk_accel_any_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
-                     rk_any_batch *answers, rk_counters *counters)
+                     rk_occlusion_batch *answers, rk_counters *counters)
 {
     const uint32_t objects = accel->scene->moving_count;
     group groups[RK_MOVING_MAX] = {0};
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
-        answers->found[i] = rk_bvh_any(&accel->bvh, &ray, counters) ||
-                            meets_any_sphere(accel->scene, &ray, counters);
+        answers->found[i] = rk_bvh_occluded(&accel->bvh, &ray, counters) ||
+                            occluded_by_sphere(accel->scene, &ray, counters);
         bool full = !answers->found[i] && join(groups, objects, when, i, &ray, ray.t_max);
         if (!full && i + 1 < rays->count)
             continue;

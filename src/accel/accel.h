@@ -49,8 +49,8 @@ void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_ba
 /* Makes entry i of `hits` from the closest hit in the tree, or a nearer sphere. */
 void rk_accel_put_hit(const rk_accel *accel, const rk_ray *ray, rk_hit hit, rk_hit_batch *hits,
                       uint32_t i, rk_counters *counters);
-void rk_accel_any(const rk_accel *accel, const rk_ray_batch *rays, rk_any_batch *answers,
-                  rk_counters *counters);
+void rk_accel_occluded(const rk_accel *accel, const rk_ray_batch *rays, rk_occlusion_batch *answers,
+                       rk_counters *counters);
 
 /* Where moving objects stand when the rays of a batch are traced. `reaches` is asked last, when all
  * that stands still has shortened the ray to t_max: may ray `index` meet the object at all? If so
@@ -64,6 +64,6 @@ typedef struct rk_moments {
 void rk_accel_closest_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
                          rk_hit_batch *hits, rk_counters *counters);
 void rk_accel_any_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
-                     rk_any_batch *answers, rk_counters *counters);
+                     rk_occlusion_batch *answers, rk_counters *counters);
 
 #endif

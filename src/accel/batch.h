@@ -25,9 +25,9 @@ typedef struct rk_hit_batch {
 } rk_hit_batch;
 
 /* The answer to an any-hit batch. */
-typedef struct rk_any_batch {
+typedef struct rk_occlusion_batch {
     bool found[RK_BATCH_MAX];
-} rk_any_batch;
+} rk_occlusion_batch;
 
 static inline void rk_batch_push(rk_ray_batch *batch, const rk_ray *ray)
 {

@@ -173,15 +173,15 @@ static void gather_spheres(gathering *g, rk_counters *counters)
 }
 
 /* Nodes still to be visited, and where the ray enters their boxes. */
-typedef struct waiting_list {
+typedef struct traversal_stack {
     uint32_t size;
     struct {
         const rk_bvh_node *node;
         float enter;
     } entries[RK_BVH_LEVELS_MAX];
-} waiting_list;
+} traversal_stack;
 
-static void wait_for(waiting_list *list, const rk_bvh_node *node, float enter)
+static void wait_for(traversal_stack *list, const rk_bvh_node *node, float enter)
 {
     if (enter < INFINITY) {
         list->entries[list->size].node = node;
@@ -190,8 +190,8 @@ static void wait_for(waiting_list *list, const rk_bvh_node *node, float enter)
 }
 
 /* The nearer child comes off the list first: what is found in it may spare us the other. */
-static void visit_children(waiting_list *list, const rk_bvh_node *children, const rk_slabs *slabs,
-                           float end)
+static void visit_children(traversal_stack *list, const rk_bvh_node *children,
+                           const rk_slabs *slabs, float end)
 {
     float left = rk_box_enter(&children[0].box, slabs, end);
     float right = rk_box_enter(&children[1].box, slabs, end);
@@ -207,7 +207,7 @@ static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
         return;
     const rk_slabs slabs = rk_slabs_of(ray);
     const projection p = projection_along(ray);
-    waiting_list list;
+    traversal_stack list;
     list.size = 0;
     counters->box_tests++;
     wait_for(&list, &bvh->nodes[0], rk_box_enter(&bvh->nodes[0].box, &slabs, g->end));

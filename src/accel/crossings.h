@@ -8,7 +8,7 @@
 /* Puts the nearest `limit` crossings at 0 < t < ray->t_max into the list, sorted, none behind an
  * opaque one (limit: 1 to RK_CROSSINGS_MAX). A material is a medium; a sphere is entered and left.
  * Each crossing counts once, also through edges and corners, by the rule in
- * features/transparency.h. A ray from rk_surface_leave does not cross the surface that it left.
+ * features/transparency.h. A ray from rk_surface_spawn does not cross the surface that it left.
  * What moves is met where it rests. Allocates nothing; counts box, triangle and sphere tests. */
 void rk_crossings_gather(const rk_accel *accel, const rk_ray *ray, uint32_t limit,
                          rk_crossing_list *list, rk_counters *counters);

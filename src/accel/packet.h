@@ -12,10 +12,10 @@
 enum { RK_PACKET_MAX = 4 };
 
 /* Up to RK_PACKET_MAX rays, and what each of them meets: the same answers as rk_bvh_closest's and
- * rk_bvh_any's. A test of a box or a triangle counts once for all. */
+ * rk_bvh_occluded's. A test of a box or a triangle counts once for all. */
 void rk_packet_closest(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, rk_hit *hits,
                        rk_counters *counters);
-void rk_packet_any(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, bool *found,
-                   rk_counters *counters);
+void rk_packet_occluded(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, bool *found,
+                        rk_counters *counters);
 
 #endif

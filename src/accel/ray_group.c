@@ -169,8 +169,8 @@ static bool same_origin(const rk_ray_batch *rays, uint32_t i, uint32_t k)
            rays->origin_z[i] == rays->origin_z[k];
 }
 
-void rk_bundle_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
-                       rk_counters *counters)
+void rk_ray_group_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
+                          rk_counters *counters)
 {
     uint32_t end;
     for (uint32_t first = 0; first < rays->count; first = end) {

@@ -8,7 +8,7 @@
 
 /* The same answer as rk_accel_closest's, sooner where rays that follow each other in the batch
  * start from the same point; directions are unit vectors. */
-void rk_bundle_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
-                       rk_counters *counters);
+void rk_ray_group_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
+                          rk_counters *counters);
 
 #endif

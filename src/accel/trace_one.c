@@ -1,6 +1,6 @@
 #include "accel/trace_one.h"
 
-rk_hit rk_look(const rk_accel *accel, const rk_ray *ray)
+rk_hit rk_trace_one(const rk_accel *accel, const rk_ray *ray)
 {
     rk_ray_batch rays = {.count = 0};
     rk_hit_batch hits;
@@ -10,9 +10,9 @@ rk_hit rk_look(const rk_accel *accel, const rk_ray *ray)
     return rk_batch_hit(&hits, 0);
 }
 
-bool rk_look_surface(rk_surface *surface, const rk_accel *accel, const rk_ray *ray)
+bool rk_trace_one_surface(rk_surface *surface, const rk_accel *accel, const rk_ray *ray)
 {
-    rk_hit hit = rk_look(accel, ray);
+    rk_hit hit = rk_trace_one(accel, ray);
     if (hit.triangle == RK_MISS)
         return false;
     rk_scene_surface(surface, accel->scene, ray, &hit);

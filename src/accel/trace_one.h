@@ -5,9 +5,9 @@
 #include "accel/accel.h"
 
 /* Returns what the ray meets first; its triangle is RK_MISS if that is nothing. */
-rk_hit rk_look(const rk_accel *accel, const rk_ray *ray);
+rk_hit rk_trace_one(const rk_accel *accel, const rk_ray *ray);
 
 /* Fills in the surface that the ray meets first; false if there is none. */
-bool rk_look_surface(rk_surface *surface, const rk_accel *accel, const rk_ray *ray);
+bool rk_trace_one_surface(rk_surface *surface, const rk_accel *accel, const rk_ray *ray);
 
 #endif

@@ -34,7 +34,7 @@ static inline bool rk_sphere_span(const rk_sphere *sphere, const rk_ray *ray, fl
 }
 
 /* Returns the nearest t with 0 < t <= t_max at which the ray meets the sphere, or infinity. */
-static inline float rk_sphere_meet(const rk_sphere *sphere, const rk_ray *ray, float t_max)
+static inline float rk_sphere_intersect(const rk_sphere *sphere, const rk_ray *ray, float t_max)
 {
     float t_near, t_far;
     if (!rk_sphere_span(sphere, ray, &t_near, &t_far))
@@ -47,7 +47,7 @@ static inline float rk_sphere_meet(const rk_sphere *sphere, const rk_ray *ray, f
 static inline bool rk_sphere_closest(const rk_sphere *sphere, uint32_t index, const rk_ray *ray,
                                      rk_hit *hit)
 {
-    float t = rk_sphere_meet(sphere, ray, hit->t);
+    float t = rk_sphere_intersect(sphere, ray, hit->t);
     if (!(t < hit->t || (t == hit->t && t < INFINITY && index < hit->triangle)))
         return false;
     *hit = (rk_hit){t, 0, 0, index};

@@ -22,7 +22,7 @@ typedef struct rk_triangle {
  * changes no bit of t, u and v (so from 1e-11 to 1e11 around a unit scene). What is larger
  * overflows into a miss; what is smaller underflows into one, or its edges blur before. */
 __attribute__((always_inline)) static inline bool
-rk_triangle_cross(const rk_triangle *triangle, const rk_ray *ray, rk_hit *cross)
+rk_triangle_intersect(const rk_triangle *triangle, const rk_ray *ray, rk_hit *cross)
 {
     rk_vec3 p = rk_cross(ray->direction, triangle->edge_ac);
     float det = rk_dot(triangle->edge_ab, p);
@@ -64,7 +64,7 @@ static inline float rk_triangle_heading(const rk_triangle *triangle, rk_vec3 dir
 static inline bool rk_triangle_closest(const rk_triangle *triangle, const rk_ray *ray, rk_hit *hit)
 {
     rk_hit cross;
-    if (!rk_triangle_cross(triangle, ray, &cross))
+    if (!rk_triangle_intersect(triangle, ray, &cross))
         return false;
     if (!(cross.t < hit->t || (cross.t == hit->t && cross.triangle < hit->triangle)))
         return false;
@@ -73,10 +73,10 @@ static inline bool rk_triangle_closest(const rk_triangle *triangle, const rk_ray
 }
 
 /* Any-hit test, for shadows: does it lie at 0 < t <= t_max? */
-static inline bool rk_triangle_any(const rk_triangle *triangle, const rk_ray *ray)
+static inline bool rk_triangle_occludes(const rk_triangle *triangle, const rk_ray *ray)
 {
     rk_hit cross;
-    return rk_triangle_cross(triangle, ray, &cross) && cross.t <= ray->t_max;
+    return rk_triangle_intersect(triangle, ray, &cross) && cross.t <= ray->t_max;
 }
 
 #endif

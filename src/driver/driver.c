@@ -62,7 +62,7 @@ bool rk_driver_render(rk_driver *driver, rk_error *error)
 {
     double milliseconds[RK_RUNS_MAX];
     if (driver->pixel.given)
-        rk_narrate_pixel(stdout, &driver->scene, &driver->accel, &driver->render, driver->pixel.x,
+        rk_explain_pixel(stdout, &driver->scene, &driver->accel, &driver->render, driver->pixel.x,
                          driver->pixel.y);
     if (!time_renders(driver, milliseconds, error))
         return false;

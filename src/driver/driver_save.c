@@ -54,9 +54,9 @@ static bool write_picture(const rk_driver *driver, const char *path, const char 
         {"raykit:triangles", triangles},
         {"raykit:samples", samples},
         {"raykit:seconds", seconds},
-        {"raykit:units", rk_units},
+        {"raykit:units", rk_implementation_note},
     };
-    size_t count = sizeof texts / sizeof *texts - (*rk_units ? 0 : 1);
+    size_t count = sizeof texts / sizeof *texts - (*rk_implementation_note ? 0 : 1);
     return rk_png_write(path, &driver->image, texts, count, error);
 }
 
@@ -108,7 +108,8 @@ static void print_caption(const rk_driver *driver, const char *path)
         print_rendering(driver);
     else
         printf("%u x %u", driver->render.width, driver->render.height);
-    printf(", %s%sraykit %s\n", rk_units, *rk_units ? ", " : "", PACKAGE_VERSION);
+    printf(", %s%sraykit %s\n", rk_implementation_note, *rk_implementation_note ? ", " : "",
+           PACKAGE_VERSION);
 }
 
 bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)

@@ -33,7 +33,7 @@ static void tell_shadows(const story *s, const rk_light *light)
     if (light->kind == RK_LIGHT_POINT) {
         const rk_surface *surface = &s->t->seen[0].surface;
         tell_vector(s->out, "    shadow ray from",
-                    rk_surface_leave(surface, rk_sub(light->position, surface->point)));
+                    rk_surface_spawn(surface, rk_sub(light->position, surface->point)));
     } else {
         fprintf(s->out, "    %u shadow rays, %u of them not blocked\n", asked, free);
     }
@@ -55,7 +55,7 @@ static const char *const kinds[] = {
 static void tell_light(const story *s, uint32_t index)
 {
     const rk_light *light = &s->r->scene->lights[index];
-    const rk_seen *seen = &s->t->seen[0];
+    const rk_shading_point *seen = &s->t->seen[0];
     rk_vec3 before = s->t->sum[0];
     fprintf(s->out, "light %u, %s\n", index, kinds[light->kind]);
     tell_vector(s->out, "    position", light->position);
@@ -64,7 +64,7 @@ static void tell_light(const story *s, uint32_t index)
         rk_dot(seen->surface.normal, rk_normalize(rk_sub(light->position, seen->surface.point)));
     fprintf(s->out, "    n.l = %.6f%s\n", (double)cos_i,
             cos_i > 0 ? "" : ": the surface is turned away");
-    if (!rk_light_shines(light)) {
+    if (!rk_light_emits(light)) {
         fprintf(s->out, "    the light is black\n");
         return;
     }
@@ -79,7 +79,7 @@ static void tell_light(const story *s, uint32_t index)
 
 static void tell_hit(const story *s, const rk_hit *hit)
 {
-    const rk_seen *seen = &s->t->seen[0];
+    const rk_shading_point *seen = &s->t->seen[0];
     uint32_t triangles = s->r->scene->mesh.triangle_count;
     if (hit->triangle < triangles)
         fprintf(s->out, "    met triangle %u at t = %.6f\n", hit->triangle, (double)hit->t);
@@ -103,7 +103,7 @@ static void tell_disk(const story *s)
 {
     const rk_glossy_disk disk = rk_glossy_disk_at(&s->r->options->glossy, &s->t->seen[0]);
     fprintf(s->out, "    mirrors into a disk of radius %g, %.1f %% of which is above the surface\n",
-            (double)disk.radius, 100 * (double)rk_glossy_share(&disk));
+            (double)disk.radius, 100 * (double)rk_glossy_fraction_above(&disk));
 }
 
 /* A surface on a path, its light, and what it mirrors. */
@@ -112,13 +112,13 @@ static void tell_surface(const story *s, const rk_path_batch *path, const rk_hit
 {
     rk_path_batch mirrored;
     mirrored.rays.count = 0;
-    rk_see(&s->t->seen[0], s->r, s->t, path, 0, hit, panes, share);
+    rk_shading_point_at(&s->t->seen[0], s->r, s->t, path, 0, hit, panes, share);
     s->t->seen_count = 1;
     tell_hit(s, hit);
     for (uint32_t i = 0; i < s->r->scene->light_count; i++)
         tell_light(s, i);
     if (s->r->plan.reflections)
-        rk_mirror(&s->t->seen[0], &mirrored);
+        rk_spawn_reflection(&s->t->seen[0], &mirrored);
     if (mirrored.rays.count && s->r->plan.glossy)
         tell_disk(s);
     if (mirrored.rays.count)
@@ -127,7 +127,7 @@ static void tell_surface(const story *s, const rk_path_batch *path, const rk_hit
 
 static void tell_environment(const story *s, const rk_path_batch *path, float share)
 {
-    rk_vec3 adds = rk_see_environment(s->r, path, 0, share, s->t->counters);
+    rk_vec3 adds = rk_environment_radiance(s->r, path, 0, share, s->t->counters);
     fprintf(s->out, "%s: the environment\n", share < 1 ? "    behind it all" : "    met nothing");
     tell_vector(s->out, "    adds to the pixel", adds);
     s->t->sum[0] = rk_add(s->t->sum[0], adds);
@@ -136,14 +136,14 @@ static void tell_environment(const story *s, const rk_path_batch *path, float sh
 static void tell_path(const story *s, const rk_path_batch *path, const char *name)
 {
     rk_crossing_list list;
-    float weights[RK_RECURSION_MAX + 1], behind = 1;
+    float weights[RK_MAX_DEPTH + 1], behind = 1;
     rk_ray ray = rk_batch_ray(&path->rays, 0);
     fprintf(s->out, "%s\n", name);
     tell_vector(s->out, "    origin", ray.origin);
     tell_vector(s->out, "    direction", ray.direction);
     *s->t->counters = (rk_counters){0};
     if (s->r->plan.transparency) {
-        behind = rk_look_through(s->r, s->t, path, 0, &list, weights);
+        behind = rk_trace_transparent(s->r, s->t, path, 0, &list, weights);
         tell_tests(s);
         for (uint32_t k = 0; k < list.count; k++) {
             rk_hit hit = rk_crossing_hit(&list.crossings[k]);
@@ -152,7 +152,7 @@ static void tell_path(const story *s, const rk_path_batch *path, const char *nam
         if (list.count > 0 && !(s->r->plan.environment && behind > 0))
             return;
     } else {
-        rk_meet(s->r, s->t, path);
+        rk_trace_closest(s->r, s->t, path);
         tell_tests(s);
         rk_hit hit = rk_batch_hit(&s->t->hits, 0);
         if (hit.triangle != RK_MISS) {
@@ -166,7 +166,7 @@ static void tell_path(const story *s, const rk_path_batch *path, const char *nam
         fprintf(s->out, "    met nothing: black\n");
 }
 
-void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
+void rk_explain_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                       const rk_render_options *options, uint32_t x, uint32_t y)
 {
     rk_counters counters = {0};
@@ -181,12 +181,12 @@ void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                  .width = 1,
                  .height = 1,
                  .samples = options->samples,
-                 .turns = rk_turns(&r.plan, options, options->samples),
+                 .turns = rk_time_passes(&r.plan, options, options->samples),
                  .counters = &counters};
     rk_path_batch camera;
     rk_ray ray = rk_view_ray(&r.view, (float)x + 0.5f, (float)y + 0.5f);
     camera.rays.count = 0;
-    rk_path_push(&camera, &ray, 0, rk_path_start(0, options->recursion));
+    rk_path_push(&camera, &ray, 0, rk_path_start(0, options->max_depth));
     fprintf(out, "pixel (%u, %u) of %s\n", x, y, scene->name);
     if (r.plan.pixel_samples)
         fprintf(out,

@@ -8,7 +8,7 @@
 #include <stdio.h>
 
 /* Tells of the ray through the centre of pixel (x, y) as the renderer treats it. */
-void rk_narrate_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
+void rk_explain_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                       const rk_render_options *options, uint32_t x, uint32_t y);
 
 #endif

@@ -1,3 +1,3 @@
 #include "driver/implementation_note.h"
 
-const char rk_units[] = "";
+const char rk_implementation_note[] = "";

@@ -4,6 +4,6 @@
 
 /* Empty where all units are the kit's own; else "units: mine (bvh_median), others: reference". It
  * stands in an object of its own, which drivers that are linked with other units replace. */
-extern const char rk_units[];
+extern const char rk_implementation_note[];
 
 #endif

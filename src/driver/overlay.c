@@ -243,7 +243,7 @@ void rk_overlay_triangle(rk_overlay *overlay, rk_vec3 a, rk_vec3 b, rk_vec3 c, r
         for (uint32_t x = range.x0; x < range.x1; x++) {
             rk_ray ray = pixel_ray(overlay, x, y);
             ray.t_max = overlay->depth[pixel_index(overlay, x, y)];
-            if (rk_triangle_any(&triangle, &ray))
+            if (rk_triangle_occludes(&triangle, &ray))
                 blend(overlay, x, y, colour, alpha);
         }
 }

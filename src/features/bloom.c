@@ -21,7 +21,7 @@ float rk_bloom_luminance(rk_vec3 colour)
     end */
 }
 
-bool rk_bloom_glows(rk_vec3 colour, float threshold)
+bool rk_bloom_is_bright(rk_vec3 colour, float threshold)
 {
     /* solution */
     float luminance = rk_bloom_luminance(colour);
@@ -33,13 +33,13 @@ bool rk_bloom_glows(rk_vec3 colour, float threshold)
     end */
 }
 
-rk_bloom_span rk_bloom_lit(const rk_vec3 *row, size_t width, float threshold)
+rk_bloom_span rk_bloom_bright_span(const rk_vec3 *row, size_t width, float threshold)
 {
     /* solution */
     size_t first = 0, end = width;
-    while (first < width && !rk_bloom_glows(row[first], threshold))
+    while (first < width && !rk_bloom_is_bright(row[first], threshold))
         first++;
-    while (end > first && !rk_bloom_glows(row[end - 1], threshold))
+    while (end > first && !rk_bloom_is_bright(row[end - 1], threshold))
         end--;
     return (rk_bloom_span){first, end};
     /* starter
@@ -91,8 +91,9 @@ uint32_t rk_bloom_reach(uint32_t radius, const float *weights)
 
 /* --- The mask, and what lies beyond the border ------------------------------------------------ */
 
-void rk_bloom_mask(const rk_bloom_filter *filter, const rk_vec3 *row, size_t width, float threshold,
-                   rk_bloom_span lit, size_t from, size_t count, rk_vec3 *masked)
+void rk_bloom_bright_pass(const rk_bloom_filter *filter, const rk_vec3 *row, size_t width,
+                          float threshold, rk_bloom_span lit, size_t from, size_t count,
+                          rk_vec3 *masked)
 {
     /* solution */
     size_t reach = filter->reach, total = count + 2 * reach;
@@ -103,7 +104,7 @@ void rk_bloom_mask(const rk_bloom_filter *filter, const rk_vec3 *row, size_t wid
     size_t last = start + (total - before - after), end = lit.end < last ? lit.end : last;
     memset(masked, 0, total * sizeof *masked);
     for (size_t x = first; x < end; x++)
-        if (rk_bloom_glows(row[x], threshold))
+        if (rk_bloom_is_bright(row[x], threshold))
             masked[before + (x - start)] = row[x];
     if (filter->border != RK_BLOOM_CLAMP)
         return;
@@ -119,7 +120,7 @@ void rk_bloom_mask(const rk_bloom_filter *filter, const rk_vec3 *row, size_t wid
     end */
 }
 
-float rk_bloom_share(const rk_bloom_filter *filter, size_t place, size_t length)
+float rk_bloom_weight_inside(const rk_bloom_filter *filter, size_t place, size_t length)
 {
     /* solution */
     double share = (double)filter->weights[0];
@@ -167,8 +168,8 @@ static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *r
     }
 }
 
-uint32_t rk_bloom_weigh(const rk_bloom_filter *filter, const float *const *lines, size_t count,
-                        float *restrict sum)
+uint32_t rk_bloom_blur_lines(const rk_bloom_filter *filter, const float *const *lines, size_t count,
+                             float *restrict sum)
 {
     /* solution */
     tap_pair pairs[RK_BLOOM_RADIUS_MAX + 1 + 4];
@@ -196,7 +197,8 @@ uint32_t rk_bloom_weigh(const rk_bloom_filter *filter, const float *const *lines
     end */
 }
 
-void rk_bloom_add(float *restrict pixels, const float *restrict glow, size_t count, float gain)
+void rk_bloom_composite(float *restrict pixels, const float *restrict glow, size_t count,
+                        float gain)
 {
     /* solution */
     enum { together = 16 }; /* as above: a fixed length is vector code */

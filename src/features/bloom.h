@@ -63,11 +63,11 @@ float rk_bloom_luminance(rk_vec3 colour);
 
 /* Is the luminance at or above the threshold? What is not finite never glows: it would take all
  * pixels around it along. */
-bool rk_bloom_glows(rk_vec3 colour, float threshold);
+bool rk_bloom_is_bright(rk_vec3 colour, float threshold);
 
 /* From the first to the last pixel of the row that glows; empty (first == end) if none does. Looks
  * at no pixel between the two. */
-rk_bloom_span rk_bloom_lit(const rk_vec3 *row, size_t width, float threshold);
+rk_bloom_span rk_bloom_bright_span(const rk_vec3 *row, size_t width, float threshold);
 
 /* w_0 .. w_radius: radius + 1 values, each the float that is nearest to the binomial weight. */
 void rk_bloom_weights(uint32_t radius, float *weights);
@@ -80,12 +80,13 @@ uint32_t rk_bloom_reach(uint32_t radius, const float *weights);
 /* The mask of the pixels from - reach to before from + count + reach of a row, of which those
  * beyond the border are the filter's affair; `masked` has room for count + 2 reach. Pixels outside
  * of `lit` do not glow and are not looked at. from + count <= width. */
-void rk_bloom_mask(const rk_bloom_filter *filter, const rk_vec3 *row, size_t width, float threshold,
-                   rk_bloom_span lit, size_t from, size_t count, rk_vec3 *masked);
+void rk_bloom_bright_pass(const rk_bloom_filter *filter, const rk_vec3 *row, size_t width,
+                          float threshold, rk_bloom_span lit, size_t from, size_t count,
+                          rk_vec3 *masked);
 
 /* The weights that fall on pixels of a line of `length`, for the pixel at `place`; renormalising
  * divides by it. */
-float rk_bloom_share(const rk_bloom_filter *filter, size_t place, size_t length);
+float rk_bloom_weight_inside(const rk_bloom_filter *filter, size_t place, size_t length);
 
 /* Floats that are filtered at a time: 16 pixels, or three lines of a cache. */
 enum { RK_BLOOM_BLOCK = 48 };
@@ -94,10 +95,11 @@ enum { RK_BLOOM_BLOCK = 48 };
  * RK_BLOOM_BLOCK. `lines` are 2 reach + 1, each `count` floats long; NULL is a line of zeros, which
  * costs nothing. To filter along columns, lines are rows, one below the other; to filter along a
  * row they are the same row, each a pixel further on. Returns how many lines were not NULL. */
-uint32_t rk_bloom_weigh(const rk_bloom_filter *filter, const float *const *lines, size_t count,
-                        float *restrict sum);
+uint32_t rk_bloom_blur_lines(const rk_bloom_filter *filter, const float *const *lines, size_t count,
+                             float *restrict sum);
 
 /* pixels[i] += gain x glow[i] for `count` floats. */
-void rk_bloom_add(float *restrict pixels, const float *restrict glow, size_t count, float gain);
+void rk_bloom_composite(float *restrict pixels, const float *restrict glow, size_t count,
+                        float gain);
 
 #endif

@@ -17,7 +17,7 @@
  * index below. One comparison then orders all triangles strictly, coinciding centroids too, and
  * the tree is the same on every machine. A float's bits order like an integer once negative values
  * are flipped whole and the others in their sign. */
-static inline uint64_t rank_of(float coordinate, uint32_t triangle)
+static inline uint64_t sort_key(float coordinate, uint32_t triangle)
 {
     uint32_t bits;
     memcpy(&bits, &coordinate, sizeof bits);
@@ -30,7 +30,7 @@ static inline uint32_t triangle_of(uint64_t rank)
     return (uint32_t)rank;
 }
 
-static inline void swap_ranks(uint64_t *a, uint64_t *b)
+static inline void swap_keys(uint64_t *a, uint64_t *b)
 {
     uint64_t t = *a;
     *a = *b;
@@ -41,7 +41,7 @@ static void sort_few(uint64_t *ranks, uint32_t count)
 {
     for (uint32_t i = 1; i < count; i++)
         for (uint32_t j = i; j > 0 && ranks[j] < ranks[j - 1]; j--)
-            swap_ranks(&ranks[j], &ranks[j - 1]);
+            swap_keys(&ranks[j], &ranks[j - 1]);
 }
 
 /* Moves the `wanted` lowest ranks to the front (Hoare's FIND). A hash picks the pivots, so that no
@@ -53,7 +53,7 @@ static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted)
     const uint32_t few = 16; /* sorting these costs less than choosing pivots among them */
     uint32_t begin = 0, end = count;
     while (end - begin > few) {
-        swap_ranks(&ranks[begin], &ranks[begin + rk_hash(begin, end, 0, 0) % (end - begin)]);
+        swap_keys(&ranks[begin], &ranks[begin + rk_hash(begin, end, 0, 0) % (end - begin)]);
         uint64_t pivot = ranks[begin];
         uint32_t cut = begin; /* ranks[begin + 1 .. cut] are below the pivot */
         for (uint32_t i = begin + 1; i < end; i++) {
@@ -62,7 +62,7 @@ static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted)
             ranks[cut + 1] = rank;
             cut += rank < pivot;
         }
-        swap_ranks(&ranks[begin], &ranks[cut]);
+        swap_keys(&ranks[begin], &ranks[cut]);
         if (wanted <= cut)
             end = cut;
         else
@@ -97,14 +97,14 @@ static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *ra
     int axis = rk_box_longest_axis(*box);
     for (uint32_t i = 0; i < count; i++) {
         uint32_t triangle = triangle_of(ranks[i]);
-        ranks[i] = rank_of(rk_axis(references[triangle].centroid, axis), triangle);
+        ranks[i] = sort_key(rk_axis(references[triangle].centroid, axis), triangle);
     }
     uint32_t half = count - count / 2;
     select_lowest(ranks, count, half);
     return half;
     /* starter
     // Second step: give each triangle its rank along the longest axis of the box, then select.
-    (void)references, (void)box, (void)rank_of, (void)select_lowest;
+    (void)references, (void)box, (void)sort_key, (void)select_lowest;
     (void)ranks;
     return count;
     end */
@@ -113,11 +113,11 @@ static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *ra
 /* A node that still has no box, over `count` triangles from `begin` on. */
 typedef struct unbuilt {
     uint32_t node, begin, count;
-    uint32_t levels_below; /* that there may be */
+    uint32_t depth_left; /* that there may be */
 } unbuilt;
 
 /* The stack never holds more than one node a level, and the last one's sibling. */
-void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_cut cut, void *builder)
+void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split cut, void *builder)
 {
     /* solution */
     unbuilt stack[RK_BVH_LEVELS_MAX];
@@ -127,13 +127,13 @@ void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_cut cut, void *builder)
     while (size) {
         unbuilt part = stack[--size];
         rk_bvh_node *node = &bvh->nodes[part.node];
-        uint32_t half = cut(builder, part.begin, part.count, part.levels_below, &node->box);
+        uint32_t half = cut(builder, part.begin, part.count, part.depth_left, &node->box);
         if (half == 0) {
             node->first = part.begin;
             node->count = part.count;
             continue;
         }
-        uint32_t left = bvh->node_count, levels = part.levels_below - 1;
+        uint32_t left = bvh->node_count, levels = part.depth_left - 1;
         bvh->node_count += 2;
         node->first = left;
         node->count = 0;
@@ -156,13 +156,13 @@ typedef struct median_builder {
 } median_builder;
 
 /* Halving 2^32 triangles takes 31 levels, so there are always enough below. */
-static uint32_t cut_at_median(void *context, uint32_t begin, uint32_t count, uint32_t levels_below,
-                              rk_box *box)
+static uint32_t split_range_at_median(void *context, uint32_t begin, uint32_t count,
+                                      uint32_t depth_left, rk_box *box)
 {
     const median_builder *builder = context;
-    (void)levels_below;
+    (void)depth_left;
     *box = box_of(builder->references, builder->ranks + begin, count);
-    if (count <= RK_BVH_LEAF_MAX)
+    if (count <= RK_BVH_LEAF_TARGET)
         return 0;
     return split_at_median(builder->references, builder->ranks + begin, count, box);
 }
@@ -187,7 +187,7 @@ bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
             references[i] = rk_bvh_reference_of(mesh, i);
             ranks[i] = i;
         }
-        rk_bvh_build_nodes(bvh, cut_at_median, &(median_builder){references, ranks});
+        rk_bvh_build_nodes(bvh, split_range_at_median, &(median_builder){references, ranks});
         fill_leaves(bvh, mesh, ranks);
     } else {
         rk_bvh_free(bvh);
@@ -200,19 +200,20 @@ bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
 /* --- Traversal ---------------------------------------------------------------------------- */
 
 /* Nodes still to be visited, and where the ray enters their boxes. */
-typedef struct waiting_list {
+typedef struct traversal_stack {
     uint32_t size;
     struct {
         const rk_bvh_node *node;
         float enter;
     } entries[RK_BVH_LEVELS_MAX];
-} waiting_list;
+} traversal_stack;
 
 /* Of the two children, the one that the ray enters first: what lies in it may spare us the other,
  * which has to wait. NULL if the ray enters neither. Not entered is INFINITY, which is no greater
  * than a t_max of infinity: compare with INFINITY itself. */
-static inline const rk_bvh_node *nearer_child(waiting_list *list, const rk_bvh_node *children,
-                                              const rk_slabs *slabs, float t_max)
+static inline const rk_bvh_node *push_far_return_near(traversal_stack *list,
+                                                      const rk_bvh_node *children,
+                                                      const rk_slabs *slabs, float t_max)
 {
     /* solution */
     const rk_bvh_node *near = &children[0], *far = &children[1];
@@ -237,7 +238,7 @@ static inline const rk_bvh_node *nearer_child(waiting_list *list, const rk_bvh_n
 }
 
 /* The last of those that the ray enters at t_max or before, or NULL. */
-static inline const rk_bvh_node *next_waiting(waiting_list *list, float t_max)
+static inline const rk_bvh_node *pop_nearer(traversal_stack *list, float t_max)
 {
     /* solution */
     while (list->size)
@@ -258,7 +259,7 @@ rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counter
         return hit;
     /* solution */
     const rk_slabs slabs = rk_slabs_of(ray);
-    waiting_list list;
+    traversal_stack list;
     list.size = 0;
     uint64_t box_tests = 1, triangle_tests = 0;
     const rk_bvh_node *root = &bvh->nodes[0];
@@ -266,30 +267,30 @@ rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counter
     while (node) {
         const rk_bvh_node *next = NULL;
         if (node->count == 0) {
-            next = nearer_child(&list, &bvh->nodes[node->first], &slabs, hit.t);
+            next = push_far_return_near(&list, &bvh->nodes[node->first], &slabs, hit.t);
             box_tests += 2;
         }
         for (uint32_t i = 0; i < node->count; i++)
             rk_triangle_closest(&bvh->triangles[node->first + i], ray, &hit);
         triangle_tests += node->count;
-        node = next ? next : next_waiting(&list, hit.t);
+        node = next ? next : pop_nearer(&list, hit.t);
     }
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;
     /* starter
     // Fourth step: from the root down, leaves by rk_triangle_closest. Count the tests.
-    (void)nearer_child, (void)next_waiting, (void)counters;
+    (void)push_far_return_near, (void)pop_nearer, (void)counters;
     end */
     return hit;
 }
 
-bool rk_bvh_any(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
+bool rk_bvh_occluded(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
 {
     if (bvh->node_count == 0)
         return false;
     /* solution */
     const rk_slabs slabs = rk_slabs_of(ray);
-    waiting_list list;
+    traversal_stack list;
     list.size = 0;
     uint64_t box_tests = 1, triangle_tests = 0;
     bool found = false;
@@ -298,21 +299,19 @@ bool rk_bvh_any(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
     while (node && !found) {
         const rk_bvh_node *next = NULL;
         if (node->count == 0) {
-            next = nearer_child(&list, &bvh->nodes[node->first], &slabs, ray->t_max);
+            next = push_far_return_near(&list, &bvh->nodes[node->first], &slabs, ray->t_max);
             box_tests += 2;
         }
         for (uint32_t i = 0; i < node->count && !found; i++) {
-            found = rk_triangle_any(&bvh->triangles[node->first + i], ray);
+            found = rk_triangle_occludes(&bvh->triangles[node->first + i], ray);
             triangle_tests++;
         }
-        node = next ? next : next_waiting(&list, ray->t_max);
+        node = next ? next : pop_nearer(&list, ray->t_max);
     }
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;
     return found;
     /* starter
-    // Fifth step: as above, by rk_triangle_any, and the first triangle found is the last tested.
-    (void)ray, (void)counters;
-    return false;
-    end */
+    // Fifth step: as above, by rk_triangle_occludes, and the first triangle found is the last
+    tested. (void)ray, (void)counters; return false; end */
 }

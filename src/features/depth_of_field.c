@@ -77,7 +77,7 @@ rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, r
 
 /* --- Circles of confusion --------------------------------------------------------------------- */
 
-float rk_lens_blur(const rk_lens *lens, const rk_view *view, const rk_ray *ray, float t)
+float rk_lens_coc_diameter(const rk_lens *lens, const rk_view *view, const rk_ray *ray, float t)
 {
     /* solution */
     float cosine = rk_dot(ray->direction, view->forward);
@@ -116,28 +116,28 @@ static span span_around(uint32_t at, float blur, uint32_t size)
  * first column, and 1 behind its last corner, the sum of all numbers above and to the left of a
  * pixel is 1 inside and 0 outside. So a circle costs the same whatever its size (Crow, "Summed-area
  * tables for texture mapping", SIGGRAPH 1984, read backwards). */
-void rk_lens_spread(const float *blur, uint32_t width, uint32_t height, int32_t *circles)
+void rk_lens_coc(const float *blur, uint32_t width, uint32_t height, int32_t *coc_count)
 {
     size_t stride = (size_t)width + 1;
-    memset(circles, 0, stride * (height + 1) * sizeof *circles);
+    memset(coc_count, 0, stride * (height + 1) * sizeof *coc_count);
     /* solution */
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++) {
             float diameter = blur[(size_t)y * width + x];
-            if (diameter < RK_LENS_SHARP)
+            if (diameter < RK_LENS_COC_MIN)
                 continue;
             span across = span_around(x, diameter, width), down = span_around(y, diameter, height);
-            circles[down.from * stride + across.from]++;
-            circles[down.from * stride + across.end]--;
-            circles[down.end * stride + across.from]--;
-            circles[down.end * stride + across.end]++;
+            coc_count[down.from * stride + across.from]++;
+            coc_count[down.from * stride + across.end]--;
+            coc_count[down.end * stride + across.from]--;
+            coc_count[down.end * stride + across.end]++;
         }
     for (size_t y = 0; y < height; y++)
         for (size_t x = 1; x < width; x++)
-            circles[y * stride + x] += circles[y * stride + x - 1];
+            coc_count[y * stride + x] += coc_count[y * stride + x - 1];
     for (size_t y = 1; y < height; y++)
         for (size_t x = 0; x < width; x++)
-            circles[y * stride + x] += circles[(y - 1) * stride + x];
+            coc_count[y * stride + x] += coc_count[(y - 1) * stride + x];
     /* starter
     // Sixth step: for each circle four numbers at its square's corners, then sums along rows, then
     // along columns.

@@ -22,7 +22,7 @@ typedef struct rk_lens {
 rk_lens rk_lens_default(void);
 
 /* Returns the point of the unit disk that xi in [0, 1)^2 stands for: evenly over its area, squares
- * around the middle become circles (Shirley and Chiu 1997), (.5, .5) becomes the centre, and (1,
+ * around the middle become coc_count (Shirley and Chiu 1997), (.5, .5) becomes the centre, and (1,
  * .5) the rim's point on the x axis. */
 rk_vec2 rk_lens_disk(rk_vec2 xi);
 
@@ -37,15 +37,16 @@ rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, r
  * f the focal distance and d the point's depth. On a focal sphere d is the point's distance from
  * the camera, and the circle grows by 1 / cos of the ray's angle to the view; this is to first
  * order in A / d. t may be infinite. */
-float rk_lens_blur(const rk_lens *lens, const rk_view *view, const rk_ray *ray, float t);
+float rk_lens_coc_diameter(const rk_lens *lens, const rk_view *view, const rk_ray *ray, float t);
 
 /* Circles of a smaller diameter, in pixels, count as points. */
-#define RK_LENS_SHARP 0.5f
+#define RK_LENS_COC_MIN 0.5f
 
-/* Which pixels need lens samples? Those onto which a circle of confusion of RK_LENS_SHARP or more
+/* Which pixels need lens samples? Those onto which a circle of confusion of RK_LENS_COC_MIN or more
  * may spill. `blur`: width * height diameters, what each pixel sees, 0 where it sees nothing.
- * `circles`: (width + 1) * (height + 1) numbers, overwritten. On return circles[y * (width + 1) +
- * x] is the number of pixels whose circle, taken as the square around it, reaches pixel (x, y). */
-void rk_lens_spread(const float *blur, uint32_t width, uint32_t height, int32_t *circles);
+ * `coc_count`: (width + 1) * (height + 1) numbers, overwritten. On return coc_count[y * (width + 1)
+ * + x] is the number of pixels whose circle, taken as the square around it, reaches pixel (x, y).
+ */
+void rk_lens_coc(const float *blur, uint32_t width, uint32_t height, int32_t *coc_count);
 
 #endif

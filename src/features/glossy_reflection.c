@@ -101,7 +101,7 @@ bool rk_glossy_direction(const rk_glossy_disk *disk, rk_vec2 at, rk_vec3 *direct
 
 /* The face's plane cuts the disk along a line, at `d` of the radius from the middle. Beyond that
  * line lies a segment of the circle: a sector of the angle 2 acos(d) without its triangle. */
-float rk_glossy_share(const rk_glossy_disk *disk)
+float rk_glossy_fraction_above(const rk_glossy_disk *disk)
 {
     /* solution */
     float height = rk_dot(disk->w, disk->face_normal); /* of the middle above the plane */

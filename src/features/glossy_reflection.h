@@ -16,7 +16,7 @@ void rk_basis_of(rk_vec3 w, rk_vec3 *u, rk_vec3 *v);
  * neighbours together, so that well-spread xi stay well spread. */
 typedef enum rk_disk_map {
     RK_DISK_POLAR,      /* r = sqrt(xi.x), theta = 2 pi xi.y */
-    RK_DISK_CONCENTRIC, /* squares around the middle of the unit square become circles */
+    RK_DISK_CONCENTRIC, /* squares around the middle of the unit square become coc_count */
 } rk_disk_map;
 
 /* Returns the point of the unit disk for xi in [0, 1)^2; its length is at most 1, but for rounding.
@@ -46,7 +46,7 @@ rk_glossy_disk rk_glossy_disk_of(rk_vec3 reflected, float radius, rk_vec3 face_n
 bool rk_glossy_direction(const rk_glossy_disk *disk, rk_vec2 at, rk_vec3 *direction);
 
 /* Returns the share of the disk's area that is above the face: 1/2 to 1, as the middle is above. */
-float rk_glossy_share(const rk_glossy_disk *disk);
+float rk_glossy_fraction_above(const rk_glossy_disk *disk);
 
 /* What directions that were discarded cost. */
 typedef enum rk_glossy_weights {

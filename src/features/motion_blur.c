@@ -193,7 +193,7 @@ static rk_box spare_for(const rk_slabs *ray)
     return (rk_box){{rk_negate(spare), spare}};
 }
 
-bool rk_motion_reaches(const rk_box *swept, const rk_slabs *ray, float t_max)
+bool rk_motion_may_intersect(const rk_box *swept, const rk_slabs *ray, float t_max)
 {
     /* solution */
     const rk_box spare = spare_for(ray), box = widened(swept, &spare);
@@ -206,8 +206,8 @@ bool rk_motion_reaches(const rk_box *swept, const rk_slabs *ray, float t_max)
 }
 
 /* All boxes of the tree move alike: what the root's box gained, each of them gains. */
-bool rk_motion_reaches_leaf(const rk_bvh *bvh, const rk_box *swept, const rk_slabs *ray,
-                            float t_max)
+bool rk_motion_may_intersect_leaf(const rk_bvh *bvh, const rk_box *swept, const rk_slabs *ray,
+                                  float t_max)
 {
     /* solution */
     const rk_box *root = &bvh->nodes[0].box;

@@ -50,17 +50,17 @@ float rk_shutter_time(const rk_shutter *shutter, rk_time_sampling sampling, uint
 
 /* Returns a box around all places where `rest`, a box at rest, comes to while the shutter is open:
  * from the exact extremes of the path. It is larger than that by 2^-19 of the numbers that made it,
- * which is for rk_motion_reaches. */
+ * which is for rk_motion_may_intersect. */
 rk_box rk_motion_sweep(const rk_motion *motion, const rk_shutter *shutter, const rk_box *rest);
 
 /* May the ray enter what moves in a swept box, at 0 <= t <= t_max? False is certain: then at no
  * time while the shutter is open does rk_motion_ray's ray enter the box at rest by rk_box_enter,
  * whatever the roundings. */
-bool rk_motion_reaches(const rk_box *swept, const rk_slabs *ray, float t_max);
+bool rk_motion_may_intersect(const rk_box *swept, const rk_slabs *ray, float t_max);
 
 /* The same question, asked more closely: may it enter a leaf of the object's tree? `swept` is the
  * root's box. */
-bool rk_motion_reaches_leaf(const rk_bvh *bvh, const rk_box *swept, const rk_slabs *ray,
-                            float t_max);
+bool rk_motion_may_intersect_leaf(const rk_bvh *bvh, const rk_box *swept, const rk_slabs *ray,
+                                  float t_max);
 
 #endif

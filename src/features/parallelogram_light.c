@@ -180,7 +180,7 @@ static rk_vec2 by_solid_angle(const sight *s, const halves *h, rk_vec2 xi)
 }
 
 rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff falloff,
-                                   rk_light_map map, rk_vec3 point, rk_vec2 xi)
+                                   rk_light_domain domain, rk_vec3 point, rk_vec2 xi)
 {
     rk_vec2 at = xi;
     double weight = 1;
@@ -188,7 +188,7 @@ rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff fallo
     if (falloff == RK_FALLOFF_PHYSICAL) {
         sight s = sight_of(light, point);
         halves h = {0};
-        if (map == RK_LIGHT_MAP_SOLID_ANGLE)
+        if (domain == RK_LIGHT_DOMAIN_SOLID_ANGLE)
             h = halves_of(&s);
         weight = h.angle0 + h.angle3;
         if (weight > smallest_solid_angle)
@@ -199,9 +199,8 @@ rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff fallo
     /* starter
     // Second step: with physical falloff, the weight is falloff_at. Fourth step: or, over the solid
     // angle, that angle, if it is not below the smallest one.
-    (void)falloff, (void)map, (void)point, (void)falloff_at, (void)halves_of, (void)by_solid_angle;
-    (void)sight_of, (void)smallest_solid_angle;
-    end */
+    (void)falloff, (void)domain, (void)point, (void)falloff_at, (void)halves_of,
+    (void)by_solid_angle; (void)sight_of, (void)smallest_solid_angle; end */
     return (rk_light_sample){position_at(light, at), rk_scale(colour_at(light, at), (float)weight)};
 }
 
@@ -289,7 +288,7 @@ rk_vec3 rk_light_ratio(rk_vec3 unshadowed, rk_vec3 visible, rk_vec3 all)
                   ratio(unshadowed.z, visible.z, all.z));
 }
 
-bool rk_light_settled(uint32_t round, uint32_t visible)
+bool rk_light_early_out(uint32_t round, uint32_t visible)
 {
     /* solution */
     return round > 0 && (visible == 0 || visible == round);

@@ -19,7 +19,7 @@ typedef enum rk_light_falloff { RK_FALLOFF_NONE, RK_FALLOFF_PHYSICAL } rk_light_
 /* How xi becomes a point of the light: evenly over its area, or evenly over the directions in which
  * it is seen. The latter has cos' / r^2 in its density, so without that falloff, and for lights
  * that are no parallelograms, it is the former. */
-typedef enum rk_light_map { RK_LIGHT_MAP_AREA, RK_LIGHT_MAP_SOLID_ANGLE } rk_light_map;
+typedef enum rk_light_domain { RK_LIGHT_DOMAIN_AREA, RK_LIGHT_DOMAIN_SOLID_ANGLE } rk_light_domain;
 
 typedef struct rk_light_sample {
     rk_vec3 position; /* a place in the scene, not a direction */
@@ -37,7 +37,7 @@ typedef struct rk_light_sample {
  * parallelogram without area, its edges parallel or zero, is a segment or a point if there is no
  * falloff; with it, radiance from no area is no light. Finite for distances from 1e-15 to 1e15. */
 rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff falloff,
-                                   rk_light_map map, rk_vec3 point, rk_vec2 xi);
+                                   rk_light_domain domain, rk_vec3 point, rk_vec2 xi);
 
 /* Returns the solid angle, 0 to 2 pi, under which a parallelogram is seen from the point. */
 double rk_light_solid_angle(const rk_light *light, rk_vec3 point);
@@ -59,13 +59,13 @@ float rk_light_irradiance(const rk_light *light, rk_vec3 point, rk_vec3 normal);
 rk_vec3 rk_light_ratio(rk_vec3 unshadowed, rk_vec3 visible, rk_vec3 all);
 
 /* How many shadow rays are worth tracing before asking whether more are needed. */
-enum { RK_LIGHT_ROUND = 16 };
+enum { RK_LIGHT_EARLY_OUT = 16 };
 
 /* May the rest go without shadow rays, after a first round in which `visible` of `round` arrived?
  * Yes if all agree: then take the rest for visible, or for blocked, as these were. Of independent
  * samples, with a share v of the light visible, all are blocked with probability (1 - v)^round, so
  * this costs at most max v (1 - v)^round = 1 / (round + 1) (round / (round + 1))^round of the
  * light on average: 0.022 for 16 samples. */
-bool rk_light_settled(uint32_t round, uint32_t visible);
+bool rk_light_early_out(uint32_t round, uint32_t visible);
 
 #endif

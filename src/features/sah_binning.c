@@ -245,21 +245,21 @@ static uint32_t larger_part(const rk_sah_split *split)
 }
 
 /* Can both parts still be halved down to leaves, with so many levels below the node? */
-static bool leaves_room(const rk_sah_split *split, uint32_t levels_below)
+static bool fits_depth(const rk_sah_split *split, uint32_t depth_left)
 {
     /* solution */
-    if (levels_below == 0)
+    if (depth_left == 0)
         return false;
-    uint32_t halvings = levels_below - 1;
-    return halvings >= 32 || larger_part(split) <= (uint64_t)RK_BVH_LEAF_LIMIT << halvings;
+    uint32_t halvings = depth_left - 1;
+    return halvings >= 32 || larger_part(split) <= (uint64_t)RK_BVH_LEAF_MAX << halvings;
     /* starter
     // Fifth step: how many triangles are too many for a leaf after so many halvings?
-    (void)split, (void)levels_below, (void)larger_part;
+    (void)split, (void)depth_left, (void)larger_part;
     return true;
     end */
 }
 
-static const rk_sah_split *most_even(const rk_sah_split *candidates, uint32_t count)
+static const rk_sah_split *most_balanced(const rk_sah_split *candidates, uint32_t count)
 {
     const rk_sah_split *best = NULL;
     for (uint32_t k = 0; k < count; k++)
@@ -272,9 +272,9 @@ static const rk_sah_split *most_even(const rk_sah_split *candidates, uint32_t co
  * first; 0: it is to be a leaf. Fills in the node's box. Where no cut pays, but a leaf would be too
  * large, the most even one is taken: later ones may pay. Where even that does not leave room below,
  * or all centroids coincide, half of the triangles go left as they stand. So no node ever has more
- * than RK_BVH_LEAF_LIMIT << levels_below triangles, and those with no level below them are leaves.
+ * than RK_BVH_LEAF_MAX << depth_left triangles, and those with no level below them are leaves.
  */
-static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t levels_below,
+static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t depth_left,
                     const rk_sah_options *options, rk_box *box)
 {
     bounds b = bounds_of(references, count);
@@ -284,11 +284,11 @@ static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t level
     uint32_t found = candidates_within(&b, references, count, options, candidates);
     const rk_sah_split *split = rk_sah_cheapest(candidates, found);
     bool pays = split && split->cost < RK_BVH_INTERSECTION_COST * count;
-    if (!pays || !leaves_room(split, levels_below)) {
-        if (count <= RK_BVH_LEAF_LIMIT)
+    if (!pays || !fits_depth(split, depth_left)) {
+        if (count <= RK_BVH_LEAF_MAX)
             return 0;
-        split = most_even(candidates, found);
-        if (!split || !leaves_room(split, levels_below))
+        split = most_balanced(candidates, found);
+        if (!split || !fits_depth(split, depth_left))
             return count - count / 2;
     }
     bin_axis along = bin_axis_of(&b.centroids, split->axis, bins_for(options, count));
@@ -296,8 +296,8 @@ static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t level
     /* starter
     // For now all triangles are one leaf. Fourth step: cut where it costs least, if that is less
     // than a leaf costs. Fifth step: leaves too large, trees too deep.
-    (void)candidates_within, (void)partition, (void)leaves_room, (void)most_even;
-    (void)levels_below, (void)options;
+    (void)candidates_within, (void)partition, (void)fits_depth, (void)most_balanced;
+    (void)depth_left, (void)options;
     return 0;
     end */
 }
@@ -310,11 +310,11 @@ typedef struct sah_builder {
     const rk_sah_options *options;
 } sah_builder;
 
-static uint32_t cut_by_cost(void *context, uint32_t begin, uint32_t count, uint32_t levels_below,
-                            rk_box *box)
+static uint32_t split_by_cost(void *context, uint32_t begin, uint32_t count, uint32_t depth_left,
+                              rk_box *box)
 {
     const sah_builder *builder = context;
-    return cut(builder->references + begin, count, levels_below, builder->options, box);
+    return cut(builder->references + begin, count, depth_left, builder->options, box);
 }
 
 bool rk_bvh_build_sah(rk_bvh *bvh, const rk_mesh *mesh, const rk_sah_options *options,
@@ -330,7 +330,7 @@ bool rk_bvh_build_sah(rk_bvh *bvh, const rk_mesh *mesh, const rk_sah_options *op
     }
     for (uint32_t i = 0; i < count; i++)
         references[i] = rk_bvh_reference_of(mesh, i);
-    rk_bvh_build_nodes(bvh, cut_by_cost, &(sah_builder){references, options});
+    rk_bvh_build_nodes(bvh, split_by_cost, &(sah_builder){references, options});
     for (uint32_t i = 0; i < count; i++)
         bvh->triangles[i] = rk_bvh_triangle_of(mesh, references[i].triangle);
     free(references);

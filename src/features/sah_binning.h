@@ -1,5 +1,5 @@
 /* Bounding volume hierarchy, split by the surface area heuristic over bins of centroids. The tree
- * is walked by bvh_median's rk_bvh_closest and rk_bvh_any. */
+ * is walked by bvh_median's rk_bvh_closest and rk_bvh_occluded. */
 #ifndef RK_FEATURES_SAH_BINNING_H
 #define RK_FEATURES_SAH_BINNING_H
 
@@ -42,7 +42,7 @@ const rk_sah_split *rk_sah_cheapest(const rk_sah_split *candidates, uint32_t cou
 
 /* Builds the tree over a valid mesh (rk_mesh_validate): a node becomes a leaf where its cheapest
  * cut costs no less than testing all of its triangles. Two limits come before that: a leaf has no
- * more than RK_BVH_LEAF_LIMIT triangles, and there are no more than RK_BVH_LEVELS_MAX levels. A
+ * more than RK_BVH_LEAF_MAX triangles, and there are no more than RK_BVH_LEVELS_MAX levels. A
  * mesh without triangles gives a tree without nodes. False when memory is short. Release with
  * rk_bvh_free. */
 bool rk_bvh_build_sah(rk_bvh *bvh, const rk_mesh *mesh, const rk_sah_options *options,

@@ -14,7 +14,7 @@ _Static_assert(sizeof(rk_vec3) == 3 * sizeof(float) && RK_BLOOM_BLOCK % 3 == 0,
                "a row of pixels is a row of floats, a block a whole number of pixels");
 
 typedef struct by_taps {
-    rk_glowing *g;
+    rk_bloom_work *g;
     size_t width;       /* floats: the target columns, in whole blocks */
     size_t strips;      /* side by side they cover the width; the last may be narrower */
     rk_bloom_span *wet; /* of each row of `rows`: the strips that its light reaches */
@@ -43,7 +43,7 @@ static size_t floats_between(const by_taps *b, size_t first, size_t end)
 /* The strips that the light of a row reaches; none (0, 0) if there is no light. */
 static rk_bloom_span strips_of(const by_taps *b, rk_bloom_span lit)
 {
-    const rk_glowing *g = b->g;
+    const rk_bloom_work *g = b->g;
     size_t left = g->target_columns.first, reach = g->filter.reach;
     if (lit.first == lit.end)
         return (rk_bloom_span){0, 0};
@@ -55,7 +55,7 @@ static rk_bloom_span strips_of(const by_taps *b, rk_bloom_span lit)
 static void filter_row(uint32_t index, uint32_t thread, void *context)
 {
     by_taps *b = context;
-    rk_glowing *g = b->g;
+    rk_bloom_work *g = b->g;
     size_t y = g->rows.first + index, reach = g->filter.reach;
     rk_bloom_span lit = g->lit[y], wet = strips_of(b, lit);
     b->wet[index] = wet;
@@ -66,11 +66,12 @@ static void filter_row(uint32_t index, uint32_t thread, void *context)
     size_t inside = g->target_columns.end - from;
     float *masked = b->masked + thread * b->room, *filtered = strip_at(b, wet.first, y);
     const float **lines = b->lines + thread * b->line_room;
-    rk_bloom_mask(&g->filter, rk_image_at(g->image, 0, y), g->image->width, g->options->threshold,
-                  lit, from, count < inside ? count : inside, (rk_vec3 *)masked);
+    rk_bloom_bright_pass(&g->filter, rk_image_at(g->image, 0, y), g->image->width,
+                         g->options->threshold, lit, from, count < inside ? count : inside,
+                         (rk_vec3 *)masked);
     for (size_t k = 0; k <= 2 * reach; k++)
         lines[k] = masked + 3 * k;
-    uint32_t taps = rk_bloom_weigh(&g->filter, lines, 3 * count, filtered);
+    uint32_t taps = rk_bloom_blur_lines(&g->filter, lines, 3 * count, filtered);
     if (g->gains_across)
         for (size_t i = 0; i < count && i < inside; i++)
             for (size_t c = 0; c < 3; c++)
@@ -84,7 +85,7 @@ static void filter_row(uint32_t index, uint32_t thread, void *context)
 /* The block of row y in the strip, or NULL where it is dark; y may be beyond the border. */
 static const float *line_at(const by_taps *b, size_t strip, ptrdiff_t y)
 {
-    const rk_glowing *g = b->g;
+    const rk_bloom_work *g = b->g;
     if (g->filter.border == RK_BLOOM_CLAMP) {
         ptrdiff_t bottom = (ptrdiff_t)g->image->height - 1;
         y = y < 0 ? 0 : y > bottom ? bottom : y;
@@ -97,7 +98,7 @@ static const float *line_at(const by_taps *b, size_t strip, ptrdiff_t y)
 
 static void filter_strip(const by_taps *b, size_t strip, rk_bloom_span rows, uint32_t thread)
 {
-    rk_glowing *g = b->g;
+    rk_bloom_work *g = b->g;
     size_t reach = g->filter.reach, from = g->target_columns.first + strip * strip_pixels;
     size_t inside = 3 * (g->target_columns.end - from);
     size_t count = floats_between(b, strip, strip + 1);
@@ -106,11 +107,11 @@ static void filter_strip(const by_taps *b, size_t strip, rk_bloom_span rows, uin
         lines[k] = line_at(b, strip, (ptrdiff_t)(rows.first + k) - (ptrdiff_t)reach);
     for (size_t y = rows.first; y < rows.end; y++) {
         float sum[strip_floats];
-        uint32_t taps = rk_bloom_weigh(&g->filter, lines + (y - rows.first), count, sum);
+        uint32_t taps = rk_bloom_blur_lines(&g->filter, lines + (y - rows.first), count, sum);
         if (taps == 0)
             continue;
-        rk_bloom_add(&rk_image_at(g->to, from, y)->x, sum, count < inside ? count : inside,
-                     g->options->intensity * (g->gains_down ? g->gains_down[y] : 1));
+        rk_bloom_composite(&rk_image_at(g->to, from, y)->x, sum, count < inside ? count : inside,
+                           g->options->intensity * (g->gains_down ? g->gains_down[y] : 1));
         g->counters[thread].bloom_taps += taps * (count / 3);
     }
 }
@@ -126,7 +127,7 @@ static void filter_band(uint32_t band, uint32_t thread, void *context)
 
 /* --- Both ------------------------------------------------------------------------------------- */
 
-bool rk_glow_by_taps(rk_glowing *g, rk_pool *pool, rk_error *error)
+bool rk_bloom_by_taps(rk_bloom_work *g, rk_pool *pool, rk_error *error)
 {
     size_t threads = rk_pool_threads(pool), rows = g->rows.end - g->rows.first;
     size_t width = 3 * (g->target_columns.end - g->target_columns.first), reach = g->filter.reach;

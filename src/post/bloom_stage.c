@@ -45,9 +45,10 @@ bool rk_bloom_check(const rk_bloom_options *options, rk_error *error)
 
 static void find_light_in_row(uint32_t y, uint32_t thread, void *context)
 {
-    rk_glowing *g = context;
+    rk_bloom_work *g = context;
     size_t width = g->image->width;
-    rk_bloom_span lit = rk_bloom_lit(rk_image_at(g->image, 0, y), width, g->options->threshold);
+    rk_bloom_span lit =
+        rk_bloom_bright_span(rk_image_at(g->image, 0, y), width, g->options->threshold);
     size_t inside = lit.end - lit.first, ends = inside < 2 ? inside : 2;
     g->lit[y] = lit;
     g->counters[thread].bloom_pixels_read += width - inside + ends;
@@ -60,7 +61,7 @@ static void widen(rk_bloom_span *span, size_t first, size_t end)
 }
 
 /* Returns false where there is none. */
-static bool find_light(rk_glowing *g, rk_pool *pool)
+static bool find_light(rk_bloom_work *g, rk_pool *pool)
 {
     rk_pool_run(pool, (uint32_t)g->image->height, find_light_in_row, g);
     g->rows = (rk_bloom_span){g->image->height, 0};
@@ -86,11 +87,11 @@ static float *make_gains(const rk_bloom_filter *filter, size_t length, rk_error 
 {
     float *gains = rk_allocate_unset(length, sizeof *gains, "bloom", error);
     for (size_t i = 0; gains && i < length; i++)
-        gains[i] = 1 / rk_bloom_share(filter, i, length);
+        gains[i] = 1 / rk_bloom_weight_inside(filter, i, length);
     return gains;
 }
 
-static bool prepare(rk_glowing *g, rk_error *error)
+static bool prepare(rk_bloom_work *g, rk_error *error)
 {
     const rk_bloom_options *options = g->options;
     g->weights = rk_allocate(options->radius + RK_BLUR_GAUSSIAN_MORE + 1, sizeof *g->weights,
@@ -111,23 +112,23 @@ static bool prepare(rk_glowing *g, rk_error *error)
     return g->gains_across && g->gains_down;
 }
 
-bool rk_glow(rk_image *image, const rk_bloom_options *options, rk_pool *pool, rk_counters *counters,
-             rk_error *error)
+bool rk_bloom_stage(rk_image *image, const rk_bloom_options *options, rk_pool *pool,
+                    rk_counters *counters, rk_error *error)
 {
     if (!rk_bloom_check(options, error))
         return false;
     if (!rk_bloom_wanted(options))
         return true;
     uint32_t threads = rk_pool_threads(pool);
-    rk_glowing g = {.image = image, .to = image, .options = options};
+    rk_bloom_work g = {.image = image, .to = image, .options = options};
     g.counters = rk_allocate(threads, sizeof *g.counters, "counters", error);
     g.lit = rk_allocate_unset(image->height, sizeof *g.lit, "bloom", error);
     bool ok = g.counters && g.lit;
     if (ok && find_light(&g, pool))
         ok = prepare(&g, error) &&
              (options->method == RK_BLOOM_RECURSIVE || options->method == RK_BLOOM_PYRAMID
-                  ? rk_glow_whole(&g, pool, error)
-                  : rk_glow_by_taps(&g, pool, error));
+                  ? rk_bloom_whole(&g, pool, error)
+                  : rk_bloom_by_taps(&g, pool, error));
     for (uint32_t i = 0; ok && i < threads; i++)
         rk_counters_add(counters, &g.counters[i]);
     free(g.counters);

@@ -20,7 +20,7 @@ bool rk_bloom_check(const rk_bloom_options *options, rk_error *error);
  * threads. What is done is added to `counters`; where nothing glows, that is one look at each
  * pixel, and the picture is untouched. Takes memory for the part of the picture that changes. What
  * rk_bloom_check refuses is an error; an error leaves the picture as it was. */
-bool rk_glow(rk_image *image, const rk_bloom_options *options, rk_pool *pool, rk_counters *counters,
-             rk_error *error);
+bool rk_bloom_stage(rk_image *image, const rk_bloom_options *options, rk_pool *pool,
+                    rk_counters *counters, rk_error *error);
 
 #endif

@@ -8,14 +8,14 @@
 enum { strip_pixels = RK_BLOOM_BLOCK / 3 };
 
 typedef struct whole {
-    rk_glowing *g;
+    rk_bloom_work *g;
     rk_image mask; /* of the target, and the filter's reach all around it */
 } whole;
 
 static void mask_row(uint32_t index, uint32_t thread, void *context)
 {
     whole *w = context;
-    rk_glowing *g = w->g;
+    rk_bloom_work *g = w->g;
     ptrdiff_t y = (ptrdiff_t)(g->target_rows.first + index) - (ptrdiff_t)g->filter.reach;
     ptrdiff_t bottom = (ptrdiff_t)g->image->height - 1;
     if (g->filter.border == RK_BLOOM_CLAMP)
@@ -23,9 +23,9 @@ static void mask_row(uint32_t index, uint32_t thread, void *context)
     if (y < 0 || y > bottom)
         return;
     rk_bloom_span lit = g->lit[y], columns = g->target_columns;
-    rk_bloom_mask(&g->filter, rk_image_at(g->image, 0, (size_t)y), g->image->width,
-                  g->options->threshold, lit, columns.first, columns.end - columns.first,
-                  rk_image_at(&w->mask, 0, index));
+    rk_bloom_bright_pass(&g->filter, rk_image_at(g->image, 0, (size_t)y), g->image->width,
+                         g->options->threshold, lit, columns.first, columns.end - columns.first,
+                         rk_image_at(&w->mask, 0, index));
     g->counters[thread].bloom_pixels_read += lit.end - lit.first;
 }
 
@@ -33,17 +33,17 @@ static void add_row(uint32_t index, uint32_t thread, void *context)
 {
     (void)thread;
     whole *w = context;
-    rk_glowing *g = w->g;
+    rk_bloom_work *g = w->g;
     size_t y = g->target_rows.first + index, x = g->target_columns.first, reach = g->filter.reach;
     size_t count = g->target_columns.end - x;
     rk_vec3 *glow = rk_image_at(&w->mask, reach, reach + index);
     for (size_t i = 0; g->gains_across && i < count; i++)
         glow[i] = rk_scale(glow[i], g->gains_across[x + i]);
-    rk_bloom_add(&rk_image_at(g->to, x, y)->x, &glow->x, 3 * count,
-                 g->options->intensity * (g->gains_down ? g->gains_down[y] : 1));
+    rk_bloom_composite(&rk_image_at(g->to, x, y)->x, &glow->x, 3 * count,
+                       g->options->intensity * (g->gains_down ? g->gains_down[y] : 1));
 }
 
-bool rk_glow_whole(rk_glowing *g, rk_pool *pool, rk_error *error)
+bool rk_bloom_whole(rk_bloom_work *g, rk_pool *pool, rk_error *error)
 {
     whole w = {.g = g};
     size_t height = g->target_rows.end - g->target_rows.first, reach = g->filter.reach;

@@ -144,7 +144,7 @@ static bool filter_all(const step *s, double variance, rk_pool *pool, rk_error *
     float weights[RK_BLOOM_RADIUS_MAX + RK_BLUR_GAUSSIAN_MORE + 1];
     const rk_bloom_options all = {.threshold = -INFINITY, .intensity = 1};
     rk_bloom_span rows = {0, s->from->height}, columns = {0, s->from->width};
-    rk_glowing g = {
+    rk_bloom_work g = {
         .image = s->from,
         .to = s->to,
         .options = &all,
@@ -158,7 +158,7 @@ static bool filter_all(const step *s, double variance, rk_pool *pool, rk_error *
     };
     for (size_t y = 0; g.lit && y < s->from->height; y++)
         g.lit[y] = columns;
-    bool ok = g.lit && g.counters && rk_glow_by_taps(&g, pool, error);
+    bool ok = g.lit && g.counters && rk_bloom_by_taps(&g, pool, error);
     free(g.lit);
     free(g.counters);
     return ok;

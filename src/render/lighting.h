@@ -10,8 +10,8 @@ static inline bool rk_is_black(rk_vec3 colour)
 }
 
 /* What the seen surface sends on to the viewer of light from a direction (any length). */
-static inline rk_vec3 rk_reflected(const rk_rendering *r, const rk_seen *seen, rk_vec3 to_light,
-                                   rk_vec3 colour)
+static inline rk_vec3 rk_reflected(const rk_rendering *r, const rk_shading_point *seen,
+                                   rk_vec3 to_light, rk_vec3 colour)
 {
     const rk_material *material = seen->surface.material;
     return rk_shade(&r->options->shading, seen->kd, material->ks, material->shininess,
@@ -20,10 +20,10 @@ static inline rk_vec3 rk_reflected(const rk_rendering *r, const rk_seen *seen, r
 
 /* Puts a shadow ray before light on its way by the seen surface i: from the point, t = 0, to the
  * light, t = 1. */
-static inline void rk_arrive_later(rk_tile *t, uint32_t i, rk_vec3 to_light, rk_vec3 light,
-                                   rk_vec3 arriving)
+static inline void rk_queue_shadow_ray(rk_tile *t, uint32_t i, rk_vec3 to_light, rk_vec3 light,
+                                       rk_vec3 arriving)
 {
-    rk_vec3 start = rk_surface_leave(&t->seen[i].surface, to_light);
+    rk_vec3 start = rk_surface_spawn(&t->seen[i].surface, to_light);
     rk_ray ray = {start, rk_sub(light, start), 1};
     t->arriving_at[t->shadow.count] = (uint16_t)i;
     t->arriving[t->shadow.count] = arriving;

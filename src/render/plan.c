@@ -11,8 +11,10 @@ rk_render_options rk_render_options_default(void)
         .sampling = RK_SAMPLER_STRATIFIED,
         .shading = {.model = RK_SHADING_LAMBERT, .gradient = rk_gradient_cool_to_warm()},
         .glass = RK_GLASS_ORDERED,
-        .recursion = 6,
-        .light = {.samples = 16, .sampling = RK_SAMPLER_LOW_DISCREPANCY, .settle = RK_LIGHT_ROUND},
+        .max_depth = 6,
+        .light = {.samples = 16,
+                  .sampling = RK_SAMPLER_LOW_DISCREPANCY,
+                  .early_out = RK_LIGHT_EARLY_OUT},
         .bloom = rk_bloom_options_default(),
         .environment_filter = RK_CUBEMAP_SEAMLESS,
         .lens = rk_lens_default(),
@@ -25,7 +27,7 @@ rk_render_options rk_render_options_default(void)
     };
 }
 
-bool rk_light_shines(const rk_light *light)
+bool rk_light_emits(const rk_light *light)
 {
     const uint32_t corners[] = {
         [RK_LIGHT_POINT] = 1, [RK_LIGHT_SEGMENT] = 2, [RK_LIGHT_PARALLELOGRAM] = 4};
@@ -65,14 +67,14 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
 {
     bool lights = false;
     for (uint32_t i = 0; i < scene->light_count; i++)
-        lights |= rk_light_shines(&scene->lights[i]);
+        lights |= rk_light_emits(&scene->lights[i]);
     bool environment = scene->environment.side > 0;
     bool anything = scene->mesh.triangle_count > 0 || scene->sphere_count > 0;
     bool rays = (anything && lights) || environment;
     const rk_motion_options *motion = &options->motion;
     bool moves = rays && motion->samples > 0 && scene->moving_count > 0;
     bool reflections =
-        rays && options->reflections && options->recursion > 0 && any_material(scene, reflects);
+        rays && options->reflections && options->max_depth > 0 && any_material(scene, reflects);
     return (rk_plan){
         .rays = rays,
         .pixel_samples = rays && options->samples > 1,

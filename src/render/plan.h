@@ -18,10 +18,10 @@
 typedef struct rk_light_options {
     uint32_t samples; /* a light and a point that it may shine on */
     rk_sampler_kind sampling;
-    rk_light_map map;
+    rk_light_domain domain;
     rk_light_falloff falloff;
-    bool ratio;      /* unshadowed light in closed form, times the share that is seen */
-    uint32_t settle; /* so many shadow rays that agree settle a point; 0: trace all */
+    bool ratio;         /* unshadowed light in closed form, times the share that is seen */
+    uint32_t early_out; /* so many shadow rays that agree settle a point; 0: trace all */
 } rk_light_options;
 
 /* When what moves is seen. */
@@ -56,7 +56,7 @@ typedef struct rk_render_options {
         transparency; /* surfaces with alpha < 1 show what is behind them, and tint their shadows */
     rk_glass_model glass;
     uint32_t
-        recursion; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
+        max_depth; /* surfaces behind the first that a ray may go on to, by mirrors and panes */
     rk_light_options light;
     rk_bloom_options bloom;
     rk_cubemap_filter environment_filter;
@@ -68,7 +68,7 @@ typedef struct rk_render_options {
     rk_glossy_options glossy;
 } rk_render_options;
 
-enum { RK_RECURSION_MAX = 16 };
+enum { RK_MAX_DEPTH = 16 };
 
 /* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
  * low-discrepancy samples a light, settled by 16; environments without a seam; no bloom, no lens;
@@ -93,7 +93,7 @@ typedef struct rk_plan {
 } rk_plan;
 
 /* Is it anything but black? */
-bool rk_light_shines(const rk_light *light);
+bool rk_light_emits(const rk_light *light);
 
 rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options);
 

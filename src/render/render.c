@@ -40,12 +40,13 @@ static void choose_pixels(const rk_rendering *r, rk_tile *t, bool blurred)
     t->samples = options->samples;
     if (blurred && t->samples < options->lens_samples)
         t->samples = options->lens_samples;
-    t->turns = rk_turns(&r->plan, options, t->samples);
+    t->turns = rk_time_passes(&r->plan, options, t->samples);
 }
 
 static bool is_chosen(const rk_rendering *r, const rk_tile *t, uint32_t x, uint32_t y)
 {
-    return !r->circles || (r->circles[(size_t)y * (r->options->width + 1) + x] > 0) == t->blurred;
+    return !r->coc_count ||
+           (r->coc_count[(size_t)y * (r->options->width + 1) + x] > 0) == t->blurred;
 }
 
 /* What is the same for all camera rays of a sample. */
@@ -88,7 +89,7 @@ static void push_chosen(const rk_rendering *r, const rk_tile *t, rk_path_batch *
                 rk_ray ray = sampled ? sampled_ray(r, t, x, y) : centre_ray(&r->view, x, y);
                 if (t->turn > 0)
                     camera->path[camera->rays.count] =
-                        rk_path_start(rk_draw_of(t, pixel).sample, r->options->recursion);
+                        rk_path_start(rk_sample_index_of(t, pixel).sample, r->options->max_depth);
                 rk_path_push_ray(camera, &ray, pixel);
             }
     t->counters->pixel_samples += sampled ? camera->rays.count : 0;
@@ -112,7 +113,7 @@ static void camera_stage(const rk_rendering *r, rk_tile *t, rk_path_batch *camer
     if (r->plan.time_samples)
         memset(t->has_time, 0, sizeof t->has_time);
     if (t->turn == 0)
-        start_paths(camera, r->options->recursion, t->sample);
+        start_paths(camera, r->options->max_depth, t->sample);
     if (r->plan.pixel_samples || r->plan.lens || r->plan.motion)
         push_chosen(r, t, camera);
     else
@@ -133,7 +134,7 @@ static bool take_sample(const rk_rendering *r, rk_tile *t, rk_path_batch *camera
         camera_stage(r, t, camera);
         if (camera->rays.count == 0)
             break;
-        rk_follow(r, t, camera);
+        rk_trace_paths(r, t, camera);
     }
     for (uint32_t i = 0; i < t->width * t->height && t->turns > 1; i++)
         if (t->in_motion[i])
@@ -220,6 +221,6 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
     for (uint32_t i = 0; i < threads; i++)
         rk_counters_add(counters, &r.counters[i]);
     free(r.counters);
-    free(r.circles);
-    return !r.plan.bloom || rk_glow(image, &options->bloom, pool, counters, error);
+    free(r.coc_count);
+    return !r.plan.bloom || rk_bloom_stage(image, &options->bloom, pool, counters, error);
 }

@@ -16,7 +16,7 @@ static bool check_choices(const rk_render_options *o, rk_error *error)
         {"shading.model", "rk_shading_model", o->shading.model, RK_SHADING_GRADIENT},
         {"glass", "rk_glass_model", o->glass, RK_GLASS_BEER_LAMBERT},
         {"light.sampling", "rk_sampler_kind", o->light.sampling, RK_SAMPLER_LOW_DISCREPANCY},
-        {"light.map", "rk_light_map", o->light.map, RK_LIGHT_MAP_SOLID_ANGLE},
+        {"light.domain", "rk_light_domain", o->light.domain, RK_LIGHT_DOMAIN_SOLID_ANGLE},
         {"light.falloff", "rk_light_falloff", o->light.falloff, RK_FALLOFF_PHYSICAL},
         {"environment_filter", "rk_cubemap_filter", o->environment_filter, RK_CUBEMAP_SEAMLESS},
         {"lens.focal", "rk_focal_surface", o->lens.focal, RK_FOCAL_SPHERE},
@@ -39,9 +39,9 @@ static bool check_numbers(const rk_render_options *options, rk_error *error)
 {
     if (options->width < 1 || options->height < 1 || options->samples < 1)
         return rk_fail(error, "a picture has at least one pixel, and a pixel at least one sample");
-    if (options->recursion > RK_RECURSION_MAX || options->light.samples < 1)
+    if (options->max_depth > RK_MAX_DEPTH || options->light.samples < 1)
         return rk_fail(error, "rays go on at most %d times, and a light gets at least one sample",
-                       RK_RECURSION_MAX);
+                       RK_MAX_DEPTH);
     if (options->shading.gradient.count > RK_GRADIENT_STOPS_MAX)
         return rk_fail(error, "a gradient has at most %d stops, not %u", RK_GRADIENT_STOPS_MAX,
                        options->shading.gradient.count);
@@ -96,7 +96,7 @@ static uint64_t most_samples(const rk_scene *scene, const rk_render_options *opt
     uint32_t own = options->samples;
     if (plan->lens && options->lens_samples > own)
         own = options->lens_samples;
-    uint64_t samples = multiply(own, rk_turns(plan, options, own));
+    uint64_t samples = multiply(own, rk_time_passes(plan, options, own));
     if (plan->glossy)
         samples = multiply(samples, options->glossy.samples);
     if (plan->rays && has_wide_light(scene))

@@ -70,7 +70,7 @@ rk_bvh_measures rk_bvh_measure(const rk_bvh *bvh)
     return m.measures;
 }
 
-rk_bvh_stretch rk_bvh_stretch_of(const rk_bvh *bvh, uint32_t node)
+rk_bvh_range rk_bvh_range_of(const rk_bvh *bvh, uint32_t node)
 {
     uint32_t first = node, last = node;
     while (bvh->nodes[first].count == 0)
@@ -78,7 +78,7 @@ rk_bvh_stretch rk_bvh_stretch_of(const rk_bvh *bvh, uint32_t node)
     while (bvh->nodes[last].count == 0)
         last = bvh->nodes[last].first + 1;
     uint32_t begin = bvh->nodes[first].first;
-    return (rk_bvh_stretch){begin, bvh->nodes[last].first + bvh->nodes[last].count - begin};
+    return (rk_bvh_range){begin, bvh->nodes[last].first + bvh->nodes[last].count - begin};
 }
 
 static bool box_holds(const rk_box *outer, const rk_box *inner)
@@ -127,7 +127,7 @@ static bool is_copy(const rk_triangle *triangle, const rk_mesh *mesh)
 
 static void validate_leaf(validation *v, const rk_bvh_node *node)
 {
-    if (node->count > RK_BVH_LEAF_LIMIT)
+    if (node->count > RK_BVH_LEAF_MAX)
         fault(v, "a leaf holds too many triangles", "it has", node->count);
     if (node->first > v->bvh->triangle_count ||
         node->count > v->bvh->triangle_count - node->first) {

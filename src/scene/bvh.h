@@ -25,10 +25,10 @@ typedef struct rk_bvh {
 enum {
     /* A leaf is a handful: below about four triangles, testing them all costs less than testing
      * two more boxes and choosing. For builders that do not weigh the costs. */
-    RK_BVH_LEAF_MAX = 4,
+    RK_BVH_LEAF_TARGET = 4,
     /* No builder may make a larger leaf, whatever it weighs: cutting even these in two adds no more
      * than 1.5 to the 64 tests that it may spare. */
-    RK_BVH_LEAF_LIMIT = 64,
+    RK_BVH_LEAF_MAX = 64,
     /* No builder may go deeper, so a traversal can keep its stack in an array of this many. */
     RK_BVH_LEVELS_MAX = 64,
 };
@@ -57,11 +57,11 @@ typedef void rk_bvh_visitor(const rk_bvh_node *node, uint32_t level, void *conte
 void rk_bvh_visit(const rk_bvh *bvh, rk_bvh_visitor *visitor, void *context);
 
 /* The triangles below a node of a sound tree: bvh->triangles[begin .. begin + count - 1]. */
-typedef struct rk_bvh_stretch {
+typedef struct rk_bvh_range {
     uint32_t begin, count;
-} rk_bvh_stretch;
+} rk_bvh_range;
 
-rk_bvh_stretch rk_bvh_stretch_of(const rk_bvh *bvh, uint32_t node);
+rk_bvh_range rk_bvh_range_of(const rk_bvh *bvh, uint32_t node);
 
 /* True if the tree is sound: boxes nest and hold their triangles, every triangle is in one leaf
  * and the same as in the mesh, every node has one parent, no leaf is over-full, no path is too

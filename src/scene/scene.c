@@ -76,7 +76,7 @@ static const builtin builtins[] = {
     {"shininess", rk_mesh_make_nothing, rk_scene_arrange_shininess, 0, 0, 0},
     /* One square a patch would leave the spout's lip without area. */
     {"teapot", rk_mesh_make_teapot, NULL, 2, 16, 1000},
-    {"scan", rk_mesh_make_scan, NULL, 1, 87130, 100000000},
+    {"statue", rk_mesh_make_statue, NULL, 1, 87130, 100000000},
     {"cover", rk_mesh_make_cover, rk_scene_arrange_cover, 1, 87130, 100000000},
     {"moving", rk_mesh_make_moving, rk_scene_arrange_moving, 2, 8, 1000},
 };
@@ -94,7 +94,7 @@ const char rk_scene_builtin_help[] =
     "  spheres:N       such a sphere (default 80) beside an exact one, on a floor\n"
     "  shininess       five exact spheres, of shininess 1 to 100,000\n"
     "  teapot:N        the Utah teapot, each of its 32 patches as N x N squares (default 16)\n"
-    "  scan:N          a statue as from a scanner, of exactly N triangles (default 87130)\n"
+    "  statue:N          a statue as from a scanner, of exactly N triangles (default 87130)\n"
     "  cover:N         all features in one scene, its statue of N triangles (default 87130)\n"
     "  moving:N        the teapot, patches as N x N squares (default 8), and a ball, on the move\n";
 
@@ -120,7 +120,7 @@ static bool read_number(const char *digits, const builtin *entry, uint32_t *numb
 
 static const char list_of_names[] =
     "triangle, cube, cube-textured, cornell, cornell-glass, cornell-light, panes:N, glass, "
-    "sphere:N, spheres:N, shininess, teapot:N, scan:N, moving:N, cover:N";
+    "sphere:N, spheres:N, shininess, teapot:N, statue:N, moving:N, cover:N";
 
 static bool parse_name(const char *name, const builtin **entry, uint32_t *number, rk_error *error)
 {

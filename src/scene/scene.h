@@ -46,7 +46,7 @@ void rk_scene_free(rk_scene *scene);
  *   spheres:N       such a sphere (default 80) beside an exact one, on a floor
  *   shininess       five exact spheres, of shininess 1 to 100,000
  *   teapot:N        the Utah teapot, each of its 32 patches as N x N squares (default 16)
- *   scan:N          a statue as from a scanner, of exactly N triangles (default 87130)
+ *   statue:N          a statue as from a scanner, of exactly N triangles (default 87130)
  *   cover:N         all features in one scene, its statue of N triangles (default 87130)
  *   moving:N        the teapot, patches as N x N squares (default 8), and a ball, on the move
  *
@@ -65,7 +65,7 @@ void rk_scene_surface(rk_surface *surface, const rk_scene *scene, const rk_ray *
 void rk_scene_move_mesh(rk_scene *scene, rk_motion motion);
 
 /* Returns which of the moving objects the triangle belongs to, or RK_MISS. */
-static inline uint32_t rk_scene_mover(const rk_scene *scene, uint32_t triangle)
+static inline uint32_t rk_scene_moving_object(const rk_scene *scene, uint32_t triangle)
 {
     for (uint32_t i = 0; i < scene->moving_count; i++)
         if (triangle - scene->moving[i].first < scene->moving[i].count)

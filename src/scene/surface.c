@@ -128,7 +128,7 @@ static bool plane_is_ahead(const rk_surface *surface, rk_vec3 start, float headi
     return (side > 0 && heading > 0) || (side < 0 && heading < 0);
 }
 
-rk_vec3 rk_surface_leave(const rk_surface *surface, rk_vec3 direction)
+rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction)
 {
     const rk_triangle *triangle = &surface->triangle;
     rk_vec3 normal = facing(surface->face_normal, direction);

@@ -45,11 +45,11 @@ static inline rk_vec3 rk_surface_kd(const rk_surface *surface, const rk_mesh *me
  * normal just past the error bound, to the side into which the ray leaves, and farther where
  * the triangle test itself is less exact than that. No epsilon to tune: the step follows from the
  * rounding errors, at any scale. The ray never meets the triangle that it leaves. */
-rk_vec3 rk_surface_leave(const rk_surface *surface, rk_vec3 direction);
+rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction);
 
 /* Do rays into both directions start from the same point? It depends on the sides of the plane into
  * which they lead: as the normal says it, and as the triangle test does. */
-static inline bool rk_surface_leaves_alike(const rk_surface *surface, rk_vec3 a, rk_vec3 b)
+static inline bool rk_surface_spawns_alike(const rk_surface *surface, rk_vec3 a, rk_vec3 b)
 {
     float heading_a = rk_triangle_heading(&surface->triangle, a);
     float heading_b = rk_triangle_heading(&surface->triangle, b);

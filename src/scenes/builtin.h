@@ -19,7 +19,7 @@ bool rk_mesh_make_glass(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_sphere(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_spheres(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_teapot(rk_mesh *mesh, uint32_t number, rk_error *error);
-bool rk_mesh_make_scan(rk_mesh *mesh, uint32_t number, rk_error *error);
+bool rk_mesh_make_statue(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_cover(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_mesh_make_moving(rk_mesh *mesh, uint32_t number, rk_error *error);
 

@@ -43,7 +43,7 @@ static bool make_parts(part_list *parts, uint32_t triangles, rk_error *error)
     *parts = (part_list){0};
     return make_box(&parts->floor, rk_vec(30, 0.5f, 30), error) &&
            make_box(&parts->block, rk_vec(0.3f, 0.42f, 0.12f), error) &&
-           rk_mesh_make_scan(&parts->statue, triangles, error) &&
+           rk_mesh_make_statue(&parts->statue, triangles, error) &&
            rk_mesh_normalize(&parts->statue, error) &&
            rk_mesh_make_sphere(&parts->ball, ball_triangles, error);
 }

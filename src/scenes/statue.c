@@ -21,9 +21,9 @@ typedef struct plan_ring {
 } plan_ring;
 
 typedef struct plan {
-    rk_scan_part parts[RK_SCAN_PARTS];
+    rk_statue_part parts[RK_STATUE_PARTS];
     uint32_t part_count;
-    uint32_t rings_of[RK_SCAN_PARTS];
+    uint32_t rings_of[RK_STATUE_PARTS];
     plan_ring *rings;
     uint32_t ring_count;
 } plan;
@@ -33,11 +33,11 @@ static double choose_parts(plan *p, double triangles)
 {
     const double fewest = 24;
     double area = 0, chosen_area = 0;
-    for (uint32_t i = 0; i < RK_SCAN_PARTS; i++) {
-        rk_scan_measure(&p->parts[i], i);
+    for (uint32_t i = 0; i < RK_STATUE_PARTS; i++) {
+        rk_statue_measure(&p->parts[i], i);
         area += p->parts[i].area;
     }
-    for (uint32_t i = 0; i < RK_SCAN_PARTS; i++)
+    for (uint32_t i = 0; i < RK_STATUE_PARTS; i++)
         if (i == 0 || p->parts[i].area * triangles >= fewest * area) {
             chosen_area += p->parts[i].area;
             p->parts[p->part_count++] = p->parts[i];
@@ -80,15 +80,15 @@ static bool make_plan(plan *p, uint32_t vertices, rk_error *error)
     double edge = sqrt(area / (2 * vertices) * 4 / sqrt(3));
     while (3 * (uint64_t)count_rings(p, 0.5 * sqrt(3) * edge) > vertices)
         edge *= 1.05;
-    p->rings = rk_allocate(p->ring_count, sizeof *p->rings, "scan: rings", error);
+    p->rings = rk_allocate(p->ring_count, sizeof *p->rings, "statue: rings", error);
     if (!p->rings)
         return false;
     plan_ring *ring = p->rings;
     for (uint32_t i = 0; i < p->part_count; i++)
         for (uint32_t k = 0; k < p->rings_of[i]; k++, ring++) {
             ring->part = i;
-            rk_scan_locate(&p->parts[i], (k + 1.0) / (p->rings_of[i] + 1.0), &ring->key,
-                           &ring->girth);
+            rk_statue_locate(&p->parts[i], (k + 1.0) / (p->rings_of[i] + 1.0), &ring->key,
+                             &ring->girth);
         }
     deal_vertices(p, vertices, edge);
     return true;
@@ -100,17 +100,17 @@ static bool make_plan(plan *p, uint32_t vertices, rk_error *error)
 static uint32_t put_part(rk_mesh *mesh, const plan *p, const plan_ring *rings, uint32_t count,
                          uint32_t first, uint32_t (**row)[3])
 {
-    const rk_scan_part *part = &p->parts[rings->part];
+    const rk_statue_part *part = &p->parts[rings->part];
     rk_ring below = {first, 1};
-    mesh->positions[first] = rk_scan_pole(part, 0);
+    mesh->positions[first] = rk_statue_pole(part, 0);
     for (uint32_t i = 0; i < count; i++) {
         rk_ring ring = {below.first + below.count, rings[i].count};
-        rk_scan_ring(part, rings[i].key, &mesh->positions[ring.first], ring.count);
+        rk_statue_ring(part, rings[i].key, &mesh->positions[ring.first], ring.count);
         *row = rk_ring_stitch(*row, below, ring);
         below = ring;
     }
     rk_ring pole = {below.first + below.count, 1};
-    mesh->positions[pole.first] = rk_scan_pole(part, 1);
+    mesh->positions[pole.first] = rk_statue_pole(part, 1);
     *row = rk_ring_stitch(*row, below, pole);
     return pole.first + 1;
 }
@@ -141,18 +141,18 @@ static void cut_to(rk_mesh *mesh, uint32_t triangles)
     mesh->vertex_count = highest + 1;
 }
 
-bool rk_mesh_make_scan(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_mesh_make_statue(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     uint32_t vertices = number < 6 ? 3 : number / 2 + number % 2;
     plan p = {0};
     bool ok =
-        make_plan(&p, vertices, error) &&
-        rk_mesh_init(mesh, vertices + 2 * p.part_count, 2 * vertices, RK_SCAN_MATERIALS, 0, error);
+        make_plan(&p, vertices, error) && rk_mesh_init(mesh, vertices + 2 * p.part_count,
+                                                       2 * vertices, RK_STATUE_MATERIALS, 0, error);
     if (ok) {
         put_parts(mesh, &p);
         cut_to(mesh, number);
-        for (int i = 0; i < RK_SCAN_MATERIALS; i++)
-            mesh->materials[i].kd = rk_scan_colours[i];
+        for (int i = 0; i < RK_STATUE_MATERIALS; i++)
+            mesh->materials[i].kd = rk_statue_colours[i];
         ok = rk_mesh_smooth(mesh, error);
         if (!ok)
             rk_mesh_free(mesh);

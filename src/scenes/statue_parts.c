@@ -5,7 +5,7 @@
 
 /* --- arithmetic ------------------------------------------------------------------------------ */
 
-typedef rk_scan_vec vec;
+typedef rk_statue_vec vec;
 
 static vec along(vec a, vec b, double s)
 {
@@ -52,21 +52,21 @@ typedef struct section {
 } section;
 
 /* Keys beyond the ends mirror the inner ones, so that the spline starts and ends on a key. */
-static double key_value(const rk_scan_shape *s, int i, int member)
+static double key_value(const rk_statue_shape *s, int i, int member)
 {
     int last = (int)s->key_count - 1;
     if (i < 0)
         return 2 * key_value(s, 0, member) - key_value(s, -i, member);
     if (i > last)
         return 2 * key_value(s, last, member) - key_value(s, 2 * last - i, member);
-    const rk_scan_key *k = &s->keys[i];
+    const rk_statue_key *k = &s->keys[i];
     const float members[5] = {k->x, k->y, k->z, k->wide, k->thin};
     return (double)members[member];
 }
 
-static section section_at(const rk_scan_part *part, double at)
+static section section_at(const rk_statue_part *part, double at)
 {
-    const rk_scan_shape *s = &rk_scan_shapes[part->index];
+    const rk_statue_shape *s = &rk_statue_shapes[part->index];
     int i = (int)fmin(floor(at), s->key_count - 2.0);
     double t = at - i, r = 1 - t;
     const double value[4] = {r * r * r / 6, (4 + 3 * t * t * (t - 2)) / 6,
@@ -82,7 +82,7 @@ static section section_at(const rk_scan_part *part, double at)
 }
 
 /* The radii shrink to 0 at both ends as those of a sphere do, over two thirds of a key. */
-static double closing(const rk_scan_part *part, double at)
+static double closing(const rk_statue_part *part, double at)
 {
     double end = fmin(at, part->key_count - 1 - at) * 1.5;
     return end >= 1 ? 1 : sqrt(end * (2 - end));
@@ -94,30 +94,30 @@ static double oval_girth(double a, double b)
     return 3.14159265358979323846 * (3 * (a + b) - sqrt((3 * a + b) * (a + 3 * b)));
 }
 
-static double key_of_step(const rk_scan_part *part, double step)
+static double key_of_step(const rk_statue_part *part, double step)
 {
-    return step * (part->key_count - 1) / RK_SCAN_STEPS;
+    return step * (part->key_count - 1) / RK_STATUE_STEPS;
 }
 
-static int least_axis(const rk_scan_shape *s)
+static int least_axis(const rk_statue_shape *s)
 {
-    const rk_scan_key *a = &s->keys[0], *b = &s->keys[s->key_count - 1];
+    const rk_statue_key *a = &s->keys[0], *b = &s->keys[s->key_count - 1];
     float x = fabsf(a->x - b->x), y = fabsf(a->y - b->y), z = fabsf(a->z - b->z);
     return z <= x && z <= y ? 2 : x <= y ? 0 : 1;
 }
 
-void rk_scan_measure(rk_scan_part *part, uint32_t index)
+void rk_statue_measure(rk_statue_part *part, uint32_t index)
 {
-    const rk_scan_shape *s = &rk_scan_shapes[index];
-    *part = (rk_scan_part){.index = index,
-                           .key_count = s->key_count,
-                           .material = s->material,
-                           .least_axis = least_axis(s)};
+    const rk_statue_shape *s = &rk_statue_shapes[index];
+    *part = (rk_statue_part){.index = index,
+                             .key_count = s->key_count,
+                             .material = s->material,
+                             .least_axis = least_axis(s)};
     section before = section_at(part, 0);
     double closed_before = 0;
-    for (int i = 1; i <= RK_SCAN_STEPS; i++) {
+    for (int i = 1; i <= RK_STATUE_STEPS; i++) {
         section here = section_at(part, key_of_step(part, i));
-        double closed = i == RK_SCAN_STEPS ? 0 : closing(part, key_of_step(part, i));
+        double closed = i == RK_STATUE_STEPS ? 0 : closing(part, key_of_step(part, i));
         double along_spine = length(along(here.centre, before.centre, -1));
         double outwards = here.wide * closed - before.wide * closed_before;
         double step = sqrt(along_spine * along_spine + outwards * outwards);
@@ -125,13 +125,13 @@ void rk_scan_measure(rk_scan_part *part, uint32_t index)
         part->area += step * oval_girth(here.wide * closed, here.thin * closed);
         before = here, closed_before = closed;
     }
-    part->length = part->walked[RK_SCAN_STEPS];
+    part->length = part->walked[RK_STATUE_STEPS];
 }
 
-void rk_scan_locate(const rk_scan_part *part, double fraction, double *at, double *girth)
+void rk_statue_locate(const rk_statue_part *part, double fraction, double *at, double *girth)
 {
     double wanted = fraction * part->length;
-    int low = 0, high = RK_SCAN_STEPS; /* walked[low] <= wanted < walked[high] */
+    int low = 0, high = RK_STATUE_STEPS; /* walked[low] <= wanted < walked[high] */
     while (high - low > 1) {
         int middle = (low + high) / 2;
         if (part->walked[middle] <= wanted)
@@ -155,7 +155,7 @@ static rk_vec3 to_world(vec p)
     return rk_vec((float)-p.x, (float)p.y, (float)-p.z);
 }
 
-rk_vec3 rk_scan_pole(const rk_scan_part *part, int end)
+rk_vec3 rk_statue_pole(const rk_statue_part *part, int end)
 {
     return to_world(section_at(part, end ? part->key_count - 1 : 0).centre);
 }
@@ -176,7 +176,7 @@ static void measure_oval(double a, double b, double walked[arcs + 1])
     }
 }
 
-void rk_scan_ring(const rk_scan_part *part, double at, rk_vec3 *points, uint32_t count)
+void rk_statue_ring(const rk_statue_part *part, double at, rk_vec3 *points, uint32_t count)
 {
     section here = section_at(part, at);
     double closed = closing(part, at), a = here.wide * closed, b = here.thin * closed;
@@ -195,7 +195,7 @@ void rk_scan_ring(const rk_scan_part *part, double at, rk_vec3 *points, uint32_t
         /* The oval's normal; on a fin it points across, on a stem it is the radius. */
         vec outward = unit(along(along((vec){0, 0, 0}, side, b * cosine), across, a * sine));
         double height =
-            rk_scan_relief_at(rk_scan_shapes[part->index].relief, p, at, turns, here.thin);
+            rk_statue_relief_at(rk_statue_shapes[part->index].relief, p, at, turns, here.thin);
         points[i] = to_world(along(p, outward, height * closed));
     }
 }

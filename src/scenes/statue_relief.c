@@ -14,7 +14,7 @@ static double mix(double a, double b, double t)
 }
 
 /* Random values on a grid of cells 1 wide, smoothly joined; in [-1, 1]. */
-static double noise(rk_scan_vec p)
+static double noise(rk_statue_vec p)
 {
     double fx = floor(p.x), fy = floor(p.y), fz = floor(p.z);
     int x = (int)fx, y = (int)fy, z = (int)fz;
@@ -27,9 +27,9 @@ static double noise(rk_scan_vec p)
     return mix(layer[0], layer[1], tz);
 }
 
-static double noise_at(rk_scan_vec p, double frequency)
+static double noise_at(rk_statue_vec p, double frequency)
 {
-    return noise((rk_scan_vec){p.x * frequency, p.y * frequency, p.z * frequency});
+    return noise((rk_statue_vec){p.x * frequency, p.y * frequency, p.z * frequency});
 }
 
 /* A wave of period 1 with a sharp crest of height 1 at whole numbers and flat troughs. */
@@ -40,23 +40,23 @@ static double crest(double x)
     return w * w * w;
 }
 
-double rk_scan_relief_at(rk_scan_relief kind, rk_scan_vec p, double key, double turns,
-                         double radius)
+double rk_statue_relief_at(rk_statue_relief kind, rk_statue_vec p, double key, double turns,
+                           double radius)
 {
     const double scanner = 0.006 * noise_at(p, 23);
     switch (kind) {
-    case RK_SCAN_BONY: {
+    case RK_STATUE_BONY: {
         double rings = crest(3.5 * key), keels = crest(8 * turns);
         return radius * (0.09 * rings + 0.07 * keels + 0.22 * rings * keels * keels) +
                0.02 * noise_at(p, 5) + scanner;
     }
-    case RK_SCAN_SOFT:
+    case RK_STATUE_SOFT:
         return 0.03 * noise_at(p, 4) + scanner;
-    case RK_SCAN_FIN:
+    case RK_STATUE_FIN:
         return 0.03 * crest(9 * key) + scanner;
-    case RK_SCAN_BRANCH:
+    case RK_STATUE_BRANCH:
         return radius * (0.35 * noise_at(p, 2.2) + 0.16 * noise_at(p, 7)) + scanner;
-    case RK_SCAN_ROCK:
+    case RK_STATUE_ROCK:
         return 0.5 * noise_at(p, 0.9) + 0.25 * noise_at(p, 2.1) + 0.1 * noise_at(p, 5) + scanner;
     }
     return 0;

@@ -29,7 +29,7 @@ typedef struct lean_tile {
     uint16_t arriving_pixel[RK_BATCH_MAX];
     rk_vec3 arriving[RK_BATCH_MAX];
     rk_ray_batch shadow;
-    rk_any_batch blocked;
+    rk_occlusion_batch blocked;
     rk_vec3 sum[RK_BATCH_MAX];
 } lean_tile;
 
@@ -67,7 +67,7 @@ static void send(lean_tile *t, const rk_light *light)
         t->arriving[t->arriving_count++] = rk_mul(light->colours[0], rk_scale(kd, cos_i));
         if (!t->options->shadows)
             continue;
-        rk_vec3 start = rk_surface_leave(surface, to_light);
+        rk_vec3 start = rk_surface_spawn(surface, to_light);
         rk_ray ray = {start, rk_sub(light->position, start), 1};
         rk_batch_push(&t->shadow, &ray);
     }
@@ -76,7 +76,7 @@ static void send(lean_tile *t, const rk_light *light)
 static void arrive(lean_tile *t)
 {
     if (t->options->shadows)
-        rk_accel_any(t->accel, &t->shadow, &t->blocked, &t->counters);
+        rk_accel_occluded(t->accel, &t->shadow, &t->blocked, &t->counters);
     t->counters.shadow_rays += t->shadow.count;
     for (uint32_t i = 0; i < t->arriving_count; i++) {
         rk_vec3 *sum = &t->sum[t->arriving_pixel[i]];

@@ -37,7 +37,7 @@ static rk_mesh make_soup(uint32_t triangles, float size)
 /* Halving with the larger half to the left: what the counts must be. */
 static rk_bvh_measures halve(uint32_t count)
 {
-    if (count <= RK_BVH_LEAF_MAX)
+    if (count <= RK_BVH_LEAF_TARGET)
         return (rk_bvh_measures){count > 0, count > 0, 0};
     rk_bvh_measures left = halve(count - count / 2), right = halve(count / 2);
     return (rk_bvh_measures){1 + (left.levels > right.levels ? left.levels : right.levels),

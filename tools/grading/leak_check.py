@@ -17,7 +17,7 @@ from starters import solution_lines, starter_of
 # of that file where it begins)
 SAME_STEPS = [
     ("bvh_median", "step 4, the walk, for a packet of rays", "src/accel/packet.c",
-     "static inline const rk_bvh_node *nearer_child("),
+     "static inline const rk_bvh_node *push_far_return_near("),
     ("bvh_median", "step 4, the walk, for all crossings", "src/accel/crossings.c", "static void visit_children("),
     ("glossy_reflection", "step 2, the concentric map", "src/features/depth_of_field.c", "rk_vec2 rk_lens_disk("),
     ("cubemap", "step 3, bilinear, in a picture", "src/base/texture.c", "static rk_vec3 bilinear("),

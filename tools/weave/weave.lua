@@ -34,12 +34,12 @@
 -- the same table. xlabel="..." and ylabel="..." name the axes, with their units, if the columns'
 -- own names don't do.
 --
---   ::: {.plot driver=bvh_median scenes="scan:1000 scan:10000" metrics="build render" ylabel="median time"}
+--   ::: {.plot driver=bvh_median scenes="statue:1000 statue:10000" metrics="build render" ylabel="median time"}
 -- times as .timings does and plots the metrics over the number of triangles, or over x=...
 --
 -- where="threads=1 method=grid" keeps .timings, .table and .plot to rows with these values.
 --
---   [boxes]{.measured driver=bvh_median scene=scan:87130 metric=build}
+--   [boxes]{.measured driver=bvh_median scene=statue:87130 metric=build}
 -- becomes that one number.
 --
 --   [the suite](file:tests/test_bvh_median.c), [the section](report:bvh_median), [the chapter](book:boxes)

@@ -30,19 +30,19 @@ static bool check_kind(const char *path, const struct stat *status, rk_error *er
     return true;
 }
 
-static bool scan_bytes(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
-                       rk_error *error)
+static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error)
 {
     if (has_ending(path, "obj"))
-        return rk_scan_obj(path, text, size, hints, error);
+        return rk_mesh_syntax_obj(path, text, size, hints, error);
     if (has_ending(path, "ply"))
-        return rk_scan_ply(path, text, size, hints, error);
+        return rk_mesh_syntax_ply(path, text, size, hints, error);
     if (has_ending(path, "off"))
-        return rk_scan_off(path, text, size, hints, error);
+        return rk_mesh_syntax_off(path, text, size, hints, error);
     return true;
 }
 
-bool rk_mesh_scan(const char *path, rk_mesh_hints *hints, rk_error *error)
+bool rk_mesh_syntax_check(const char *path, rk_mesh_hints *hints, rk_error *error)
 {
     *hints = (rk_mesh_hints){0};
     struct stat status;
@@ -58,7 +58,7 @@ bool rk_mesh_scan(const char *path, rk_mesh_hints *hints, rk_error *error)
         if (text == MAP_FAILED)
             ok = rk_fail(error, "%s: cannot be read: %s", path, strerror(errno));
         else
-            ok = scan_bytes(path, text, size, hints, error);
+            ok = parse_bytes(path, text, size, hints, error);
         if (text != MAP_FAILED)
             munmap(text, size);
     }

@@ -13,14 +13,14 @@ typedef struct rk_mesh_hints {
 
 /* True when the file is there and nothing is found to be wrong with it; formats that have no
  * scanner here pass. False with an error `FILE: what` or `FILE:LINE: what`. */
-bool rk_mesh_scan(const char *path, rk_mesh_hints *hints, rk_error *error);
+bool rk_mesh_syntax_check(const char *path, rk_mesh_hints *hints, rk_error *error);
 
 /* One format each, over a file's bytes (no NUL at the end). */
-bool rk_scan_obj(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
-                 rk_error *error);
-bool rk_scan_ply(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
-                 rk_error *error);
-bool rk_scan_off(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
-                 rk_error *error);
+bool rk_mesh_syntax_obj(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error);
+bool rk_mesh_syntax_ply(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error);
+bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error);
 
 #endif

@@ -9,7 +9,7 @@
 
 enum { POSITION, TEXCOORD, NORMAL, kinds };
 
-typedef struct obj_scan {
+typedef struct obj_parser {
     const char *path;
     long long count[kinds];
     long long largest[kinds]; /* index used by a face, which may stand before what it names */
@@ -17,12 +17,12 @@ typedef struct obj_scan {
     size_t faces;
     char library[512]; /* what mtllib names; "" without */
     size_t library_line;
-} obj_scan;
+} obj_parser;
 
 static const char *const nouns[kinds] = {"vertices", "texture coordinates", "normals"};
 static const char *const remedy = "repair the line or export the mesh again";
 
-static bool scan_numbers(obj_scan *s, text_cursor *c, int kind, rk_error *error)
+static bool parse_numbers(obj_parser *s, text_cursor *c, int kind, rk_error *error)
 {
     size_t line = c->line;
     int needed = kind == TEXCOORD ? 1 : 3;
@@ -37,7 +37,7 @@ static bool scan_numbers(obj_scan *s, text_cursor *c, int kind, rk_error *error)
     return true;
 }
 
-static bool scan_index(obj_scan *s, text_cursor *c, int kind, rk_error *error)
+static bool parse_index(obj_parser *s, text_cursor *c, int kind, rk_error *error)
 {
     long long index;
     if (!text_read_integer(c, &index))
@@ -58,14 +58,14 @@ static bool scan_index(obj_scan *s, text_cursor *c, int kind, rk_error *error)
 }
 
 /* v, v/vt, v//vn or v/vt/vn. */
-static bool scan_corner(obj_scan *s, text_cursor *c, rk_error *error)
+static bool parse_corner(obj_parser *s, text_cursor *c, rk_error *error)
 {
-    if (!scan_index(s, c, POSITION, error))
+    if (!parse_index(s, c, POSITION, error))
         return false;
     for (int kind = TEXCOORD; kind <= NORMAL && c->at < c->end && *c->at == '/'; kind++) {
         c->at++;
         bool absent = text_is_border(c) || *c->at == '/';
-        if (!absent && !scan_index(s, c, kind, error))
+        if (!absent && !parse_index(s, c, kind, error))
             return false;
     }
     if (!text_is_border(c))
@@ -74,11 +74,11 @@ static bool scan_corner(obj_scan *s, text_cursor *c, rk_error *error)
     return true;
 }
 
-static bool scan_face(obj_scan *s, text_cursor *c, rk_error *error)
+static bool parse_face(obj_parser *s, text_cursor *c, rk_error *error)
 {
     size_t line = c->line, corners = 0;
     for (; !text_line_ended(c); corners++)
-        if (!scan_corner(s, c, error))
+        if (!parse_corner(s, c, error))
             return false;
     if (corners < 3)
         return rk_fail(error, "%s:%zu: a face has %zu corners, but needs three: %s", s->path, line,
@@ -88,7 +88,7 @@ static bool scan_face(obj_scan *s, text_cursor *c, rk_error *error)
 }
 
 /* The name is the rest of the line: it may hold spaces. */
-static void keep_library(obj_scan *s, text_cursor *c)
+static void keep_library(obj_parser *s, text_cursor *c)
 {
     text_skip_blanks(c);
     size_t length = 0;
@@ -101,27 +101,27 @@ static void keep_library(obj_scan *s, text_cursor *c)
     s->library_line = c->line;
 }
 
-static bool scan_line(obj_scan *s, text_cursor *c, rk_error *error)
+static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
 {
     const char *word = c->at;
     while (!text_is_border(c))
         c->at++;
     size_t length = (size_t)(c->at - word);
     if (length == 1 && word[0] == 'v')
-        return scan_numbers(s, c, POSITION, error);
+        return parse_numbers(s, c, POSITION, error);
     if (length == 1 && word[0] == 'f')
-        return scan_face(s, c, error);
+        return parse_face(s, c, error);
     if (length == 2 && memcmp(word, "vn", 2) == 0)
-        return scan_numbers(s, c, NORMAL, error);
+        return parse_numbers(s, c, NORMAL, error);
     if (length == 2 && memcmp(word, "vt", 2) == 0)
-        return scan_numbers(s, c, TEXCOORD, error);
+        return parse_numbers(s, c, TEXCOORD, error);
     if (length == 6 && memcmp(word, "mtllib", 6) == 0 && !s->library[0])
         keep_library(s, c);
     return true;
 }
 
 /* Assimp tries the named file, then the mesh's own name with .mtl. */
-static bool library_is_there(const obj_scan *s)
+static bool library_is_there(const obj_parser *s)
 {
     char path[4096];
     const char *slash = strrchr(s->path, '/');
@@ -133,13 +133,13 @@ static bool library_is_there(const obj_scan *s)
     return access(path, R_OK) == 0;
 }
 
-bool rk_scan_obj(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
-                 rk_error *error)
+bool rk_mesh_syntax_obj(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error)
 {
-    obj_scan s = {.path = path};
+    obj_parser s = {.path = path};
     text_cursor c = text_begin(text, size);
     for (; text_next_content(&c); text_next_line(&c))
-        if (!scan_line(&s, &c, error))
+        if (!parse_line(&s, &c, error))
             return false;
     for (int kind = 0; kind < kinds; kind++)
         if (s.largest[kind] > s.count[kind])

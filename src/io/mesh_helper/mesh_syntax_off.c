@@ -8,7 +8,7 @@
 
 static const char *const remedy = "export the mesh again";
 
-static bool scan_counts(const char *path, text_cursor *c, long long counts[2], rk_error *error)
+static bool statue_counts(const char *path, text_cursor *c, long long counts[2], rk_error *error)
 {
     for (int i = 0; i < 2; i++) {
         text_skip_blanks(c);
@@ -26,7 +26,7 @@ static bool scan_counts(const char *path, text_cursor *c, long long counts[2], r
     return true;
 }
 
-static bool scan_vertex(const char *path, text_cursor *c, rk_error *error)
+static bool parse_vertex(const char *path, text_cursor *c, rk_error *error)
 {
     for (int i = 0; i < 3; i++)
         if (!text_read_finite(c))
@@ -35,7 +35,7 @@ static bool scan_vertex(const char *path, text_cursor *c, rk_error *error)
     return true;
 }
 
-static bool scan_face(const char *path, text_cursor *c, long long vertices, rk_error *error)
+static bool parse_face(const char *path, text_cursor *c, long long vertices, rk_error *error)
 {
     long long corners, index;
     text_skip_blanks(c);
@@ -54,8 +54,8 @@ static bool scan_face(const char *path, text_cursor *c, long long vertices, rk_e
     return true;
 }
 
-bool rk_scan_off(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
-                 rk_error *error)
+bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error)
 {
     hints->plain = true;
     text_cursor c = text_begin(text, size);
@@ -70,7 +70,7 @@ bool rk_scan_off(const char *path, const char *text, size_t size, rk_mesh_hints 
         return rk_fail(error, "%s:%zu: OFF in four or more dimensions is no surface here: %s", path,
                        c.line, remedy);
     long long counts[2];
-    if (!scan_counts(path, &c, counts, error))
+    if (!statue_counts(path, &c, counts, error))
         return false;
     size_t header_line = c.line - 1;
     for (long long row = 0; row < counts[0] + counts[1]; row++) {
@@ -80,8 +80,8 @@ bool rk_scan_off(const char *path, const char *text, size_t size, rk_mesh_hints 
                 "%s:%zu: %lld vertices and %lld faces are promised, but the file ends after "
                 "%lld of these lines: %s",
                 path, header_line, counts[0], counts[1], row, remedy);
-        if (row < counts[0] ? !scan_vertex(path, &c, error)
-                            : !scan_face(path, &c, counts[0], error))
+        if (row < counts[0] ? !parse_vertex(path, &c, error)
+                            : !parse_face(path, &c, counts[0], error))
             return false;
         text_next_line(&c);
     }

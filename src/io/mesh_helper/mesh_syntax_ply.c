@@ -38,20 +38,20 @@ typedef struct ply_element {
     ply_property properties[max_properties];
 } ply_element;
 
-typedef struct ply_scan {
+typedef struct ply_parser {
     const char *path;
     int encoding;
     int element_count;
     ply_element elements[max_elements];
     long long vertices;
-} ply_scan;
+} ply_parser;
 
 enum { ASCII, LITTLE, BIG }; /* encodings, in the order of their names in read_format */
 static const char *const remedy = "export the mesh again";
 
 /* --- header -------------------------------------------------------------------------------- */
 
-static bool fail_header(const ply_scan *s, size_t line, const char *what, rk_error *error)
+static bool fail_header(const ply_parser *s, size_t line, const char *what, rk_error *error)
 {
     return rk_fail(error, "%s:%zu: %s: %s", s->path, line, what, remedy);
 }
@@ -69,7 +69,7 @@ static bool read_type(text_cursor *c, ply_type *type)
     return false;
 }
 
-static bool read_format(ply_scan *s, text_cursor *c, rk_error *error)
+static bool read_format(ply_parser *s, text_cursor *c, rk_error *error)
 {
     static const char *const names[] = {"ascii", "binary_little_endian", "binary_big_endian"};
     char word[32];
@@ -83,7 +83,7 @@ static bool read_format(ply_scan *s, text_cursor *c, rk_error *error)
                        "the format is not ascii, binary_little_endian or binary_big_endian", error);
 }
 
-static bool read_element(ply_scan *s, text_cursor *c, rk_error *error)
+static bool read_element(ply_parser *s, text_cursor *c, rk_error *error)
 {
     if (s->element_count == max_elements)
         return fail_header(s, c->line, "more than 16 kinds of elements", error);
@@ -113,7 +113,7 @@ static bool is_geometry(const ply_element *e, const ply_property *p, const char 
     return false;
 }
 
-static bool read_property(ply_scan *s, text_cursor *c, rk_error *error)
+static bool read_property(ply_parser *s, text_cursor *c, rk_error *error)
 {
     if (s->element_count == 0)
         return fail_header(s, c->line, "a property stands before the first element", error);
@@ -134,7 +134,7 @@ static bool read_property(ply_scan *s, text_cursor *c, rk_error *error)
 }
 
 /* Leaves the cursor on the first byte after end_header's line. */
-static bool read_header(ply_scan *s, text_cursor *c, rk_error *error)
+static bool read_header(ply_parser *s, text_cursor *c, rk_error *error)
 {
     char word[32];
     if (!text_read_word(c, word, sizeof word) || strcmp(word, "ply") != 0)
@@ -157,7 +157,7 @@ static bool read_header(ply_scan *s, text_cursor *c, rk_error *error)
     return ok && fail_header(s, c->line, "the file ends within the header", error);
 }
 
-static bool check_header(const ply_scan *s, rk_error *error)
+static bool check_header(const ply_parser *s, rk_error *error)
 {
     bool has_faces = false;
     for (int i = 0; i < s->element_count; i++) {
@@ -174,14 +174,14 @@ static bool check_header(const ply_scan *s, rk_error *error)
 
 /* --- rows ---------------------------------------------------------------------------------- */
 
-static bool fail_ended(const ply_scan *s, const ply_element *e, long long row, rk_error *error)
+static bool fail_ended(const ply_parser *s, const ply_element *e, long long row, rk_error *error)
 {
     return rk_fail(error,
                    "%s:%zu: the header promises %lld rows of %s, but the file ends in row %lld: %s",
                    s->path, e->line, e->count, e->name, row + 1, remedy);
 }
 
-static bool scan_text_index(const ply_scan *s, text_cursor *c, bool is_vertex, rk_error *error)
+static bool parse_text_index(const ply_parser *s, text_cursor *c, bool is_vertex, rk_error *error)
 {
     long long index;
     text_skip_blanks(c);
@@ -198,8 +198,8 @@ static bool scan_text_index(const ply_scan *s, text_cursor *c, bool is_vertex, r
     return true;
 }
 
-static bool scan_text_property(const ply_scan *s, text_cursor *c, const ply_property *p,
-                               rk_error *error)
+static bool parse_text_property(const ply_parser *s, text_cursor *c, const ply_property *p,
+                                rk_error *error)
 {
     char word[64];
     if (!p->is_list) {
@@ -213,12 +213,12 @@ static bool scan_text_property(const ply_scan *s, text_cursor *c, const ply_prop
         return rk_fail(error, "%s:%zu: a list's count is missing or no number: %s", s->path,
                        c->line, remedy);
     for (long long i = 0; i < count; i++)
-        if (!scan_text_index(s, c, p->is_geometry, error))
+        if (!parse_text_index(s, c, p->is_geometry, error))
             return false;
     return true;
 }
 
-static bool scan_text(const ply_scan *s, text_cursor *c, rk_error *error)
+static bool parse_text(const ply_parser *s, text_cursor *c, rk_error *error)
 {
     for (int i = 0; i < s->element_count; i++) {
         const ply_element *e = &s->elements[i];
@@ -226,7 +226,7 @@ static bool scan_text(const ply_scan *s, text_cursor *c, rk_error *error)
             if (!text_next_content(c))
                 return fail_ended(s, e, row, error);
             for (int k = 0; k < e->property_count; k++)
-                if (!scan_text_property(s, c, &e->properties[k], error))
+                if (!parse_text_property(s, c, &e->properties[k], error))
                     return false;
             text_next_line(c);
         }
@@ -234,7 +234,7 @@ static bool scan_text(const ply_scan *s, text_cursor *c, rk_error *error)
     return true;
 }
 
-static uint64_t read_bits(const ply_scan *s, const char *at, size_t size)
+static uint64_t read_bits(const ply_parser *s, const char *at, size_t size)
 {
     uint64_t bits = 0;
     for (size_t i = 0; i < size; i++)
@@ -242,7 +242,7 @@ static uint64_t read_bits(const ply_scan *s, const char *at, size_t size)
     return bits;
 }
 
-static double read_value(const ply_scan *s, const char *at, ply_type type)
+static double read_value(const ply_parser *s, const char *at, ply_type type)
 {
     uint64_t bits = read_bits(s, at, type_sizes[type]);
     uint32_t low = (uint32_t)bits;
@@ -266,8 +266,8 @@ static double read_value(const ply_scan *s, const char *at, ply_type type)
     }
 }
 
-static bool scan_binary_indices(const ply_scan *s, const char *at, const ply_property *p,
-                                size_t count, long long row, rk_error *error)
+static bool parse_binary_indices(const ply_parser *s, const char *at, const ply_property *p,
+                                 size_t count, long long row, rk_error *error)
 {
     for (size_t i = 0; i < count; i++) {
         double index = read_value(s, at + i * type_sizes[p->type], p->type);
@@ -278,8 +278,8 @@ static bool scan_binary_indices(const ply_scan *s, const char *at, const ply_pro
     return true;
 }
 
-static bool scan_binary_row(const ply_scan *s, text_cursor *c, const ply_element *e, long long row,
-                            rk_error *error)
+static bool parse_binary_row(const ply_parser *s, text_cursor *c, const ply_element *e,
+                             long long row, rk_error *error)
 {
     for (int k = 0; k < e->property_count; k++) {
         const ply_property *p = &e->properties[k];
@@ -292,7 +292,7 @@ static bool scan_binary_row(const ply_scan *s, text_cursor *c, const ply_element
             c->at += count_size;
             if (count < 0 || count * (double)size > (double)(left - count_size))
                 return fail_ended(s, e, row, error);
-            if (p->is_geometry && !scan_binary_indices(s, c->at, p, (size_t)count, row, error))
+            if (p->is_geometry && !parse_binary_indices(s, c->at, p, (size_t)count, row, error))
                 return false;
             c->at += (size_t)count * size;
             continue;
@@ -307,22 +307,22 @@ static bool scan_binary_row(const ply_scan *s, text_cursor *c, const ply_element
     return true;
 }
 
-static bool scan_binary(const ply_scan *s, text_cursor *c, rk_error *error)
+static bool parse_binary(const ply_parser *s, text_cursor *c, rk_error *error)
 {
     for (int i = 0; i < s->element_count; i++)
         for (long long row = 0; row < s->elements[i].count; row++)
-            if (!scan_binary_row(s, c, &s->elements[i], row, error))
+            if (!parse_binary_row(s, c, &s->elements[i], row, error))
                 return false;
     return true;
 }
 
-bool rk_scan_ply(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
-                 rk_error *error)
+bool rk_mesh_syntax_ply(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error)
 {
     hints->plain = true;
-    ply_scan s = {.path = path};
+    ply_parser s = {.path = path};
     text_cursor c = text_begin(text, size);
     if (!read_header(&s, &c, error) || !check_header(&s, error))
         return false;
-    return s.encoding == ASCII ? scan_text(&s, &c, error) : scan_binary(&s, &c, error);
+    return s.encoding == ASCII ? parse_text(&s, &c, error) : parse_binary(&s, &c, error);
 }

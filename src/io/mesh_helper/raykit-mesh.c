@@ -95,7 +95,7 @@ static bool write_mesh(const rk_mesh *mesh, const rk_mesh_textures *textures, co
 /* No post-processing: Assimp's triangulation aborts on some broken files, its joining is slow. */
 static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
 {
-    if (!rk_mesh_scan(path, hints, error))
+    if (!rk_mesh_syntax_check(path, hints, error))
         return false;
     const struct aiScene *scene = aiImportFile(path, 0);
     if (!scene)

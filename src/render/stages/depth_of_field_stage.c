@@ -1,5 +1,5 @@
 /* Which pixels does the lens blur? A ray through each pixel's centre says how large the circle of
- * confusion is of what it sees, and where circles reach, the renderer takes lens samples.
+ * confusion is of what it sees, and where coc_count reach, the renderer takes lens samples.
  *
  * Nothing nearer than the focal surface is overlooked: what hides a blurred thing there is nearer
  * still, and has a larger circle. Overlooked is what no centre ray sees: things smaller than a
@@ -27,17 +27,18 @@ static const rk_material *material_at(const rk_scene *scene, const rk_hit *hit)
 /* What a mirror shows is as far as the ray's whole way, so a sharp mirror needs samples, too. */
 static float blur_at(const rk_rendering *r, const rk_ray *ray, const rk_hit *hit)
 {
-    float blur = rk_lens_blur(&r->options->lens, &r->view, ray, hit->t);
+    float blur = rk_lens_coc_diameter(&r->options->lens, &r->view, ray, hit->t);
     if (!r->plan.reflections)
         return blur;
     rk_vec3 ks = material_at(r->scene, hit)->ks;
-    return ks.x > 0 || ks.y > 0 || ks.z > 0 ? rk_max(blur, RK_LENS_SHARP) : blur;
+    return ks.x > 0 || ks.y > 0 || ks.z > 0 ? rk_max(blur, RK_LENS_COC_MIN) : blur;
 }
 
 /* What is as far as the environment; without one, nothing is there to be blurred. */
 static float blur_at_infinity(const rk_rendering *r, const rk_ray *ray)
 {
-    return r->plan.environment ? rk_lens_blur(&r->options->lens, &r->view, ray, INFINITY) : 0;
+    return r->plan.environment ? rk_lens_coc_diameter(&r->options->lens, &r->view, ray, INFINITY)
+                               : 0;
 }
 
 /* The largest circle of all that a ray sees, through panes as well. */
@@ -45,9 +46,9 @@ static float blur_through_panes(const rk_rendering *r, rk_tile *t, const rk_path
                                 uint32_t i)
 {
     rk_crossing_list list;
-    float weights[RK_RECURSION_MAX + 1], blur = 0;
+    float weights[RK_MAX_DEPTH + 1], blur = 0;
     rk_ray ray = rk_batch_ray(&camera->rays, i);
-    float behind = rk_look_through(r, t, camera, i, &list, weights);
+    float behind = rk_trace_transparent(r, t, camera, i, &list, weights);
     if (r->plan.environment && behind > 0)
         blur = blur_at_infinity(r, &ray);
     for (uint32_t k = 0; k < list.count; k++) {
@@ -62,7 +63,7 @@ static void find_blur(const focus_pass *pass, rk_tile *t, const rk_path_batch *c
 {
     const rk_rendering *r = pass->r;
     if (!r->plan.transparency)
-        rk_meet(r, t, camera);
+        rk_trace_closest(r, t, camera);
     for (uint32_t i = 0; i < camera->rays.count; i++) {
         rk_ray ray = rk_batch_ray(&camera->rays, i);
         float *blur =
@@ -74,7 +75,7 @@ static void find_blur(const focus_pass *pass, rk_tile *t, const rk_path_batch *c
             *blur = hit.triangle != RK_MISS ? blur_at(r, &ray, &hit) : blur_at_infinity(r, &ray);
         /* At other times it may see something else. */
         if (r->plan.motion && t->in_motion[i])
-            *blur = rk_max(*blur, RK_LENS_SHARP);
+            *blur = rk_max(*blur, RK_LENS_COC_MIN);
     }
 }
 
@@ -91,7 +92,7 @@ static void find_blur_of_tile(uint32_t index, uint32_t thread, void *context)
     for (uint32_t y = t.y; y < t.y + t.height; y++)
         for (uint32_t x = t.x; x < t.x + t.width; x++) {
             rk_ray ray = rk_view_ray(&r->view, (float)x + 0.5f, (float)y + 0.5f);
-            rk_path_push(&camera, &ray, camera.rays.count, rk_path_start(0, r->options->recursion));
+            rk_path_push(&camera, &ray, camera.rays.count, rk_path_start(0, r->options->max_depth));
         }
     t.counters->primary_rays += camera.rays.count;
     find_blur(pass, &t, &camera);
@@ -105,12 +106,12 @@ bool rk_focus_find(rk_rendering *r, rk_pool *pool, rk_error *error)
     focus_pass pass = {
         r, rk_allocate_unset((size_t)width * height, sizeof *pass.blur, "focus", error)};
     if (pass.blur)
-        r->circles = rk_allocate_unset(((size_t)width + 1) * (height + 1), sizeof *r->circles,
-                                       "focus", error);
-    if (r->circles) {
+        r->coc_count = rk_allocate_unset(((size_t)width + 1) * (height + 1), sizeof *r->coc_count,
+                                         "focus", error);
+    if (r->coc_count) {
         rk_pool_run(pool, rk_render_tiles(r->options), find_blur_of_tile, &pass);
-        rk_lens_spread(pass.blur, width, height, r->circles);
+        rk_lens_coc(pass.blur, width, height, r->coc_count);
     }
     free(pass.blur);
-    return r->circles != NULL;
+    return r->coc_count != NULL;
 }

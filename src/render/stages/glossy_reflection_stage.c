@@ -3,11 +3,11 @@
  * the same way. */
 #include "render/tile.h"
 
-rk_glossy_disk rk_glossy_disk_at(const rk_glossy_options *options, const rk_seen *seen)
+rk_glossy_disk rk_glossy_disk_at(const rk_glossy_options *options, const rk_shading_point *seen)
 {
     float radius = options->radius >= 0 ? options->radius
                                         : rk_glossy_radius(seen->surface.material->shininess);
-    return rk_glossy_disk_of(rk_mirrored_direction(seen), radius, seen->surface.face_normal);
+    return rk_glossy_disk_of(rk_reflected_direction(seen), radius, seen->surface.face_normal);
 }
 
 enum { at_once = 64 }; /* samples are drawn so many together */
@@ -22,11 +22,11 @@ typedef struct source {
     rk_vec2 drawn[at_once];
 } source;
 
-static source source_of(const rk_rendering *r, const rk_tile *t, const rk_seen *seen)
+static source source_of(const rk_rendering *r, const rk_tile *t, const rk_shading_point *seen)
 {
     const rk_render_options *options = r->options;
     /* Each bounce is a stream of its own. */
-    uint32_t bounce = options->recursion - seen->path.left;
+    uint32_t bounce = options->max_depth - seen->path.left;
     uint32_t count = seen->path.spread ? 1 : options->glossy.samples;
     return (source){
         .disk = rk_glossy_disk_at(&options->glossy, seen),
@@ -34,7 +34,8 @@ static source source_of(const rk_rendering *r, const rk_tile *t, const rk_seen *
         .sampler = {options->glossy.sampling, options->seed,
                     rk_path_samples(r, t, seen->pixel, true)},
         .pixel = rk_tile_pixel(r, t, seen->pixel),
-        .dimension = rk_draw_of(t, seen->pixel).dimension + RK_DIMENSION_GLOSSY + 2 * bounce,
+        .dimension =
+            rk_sample_index_of(t, seen->pixel).dimension + RK_DIMENSION_GLOSSY + 2 * bounce,
         .first = seen->path.sample * count,
         .count = count,
     };
@@ -54,7 +55,7 @@ static bool direction_of(source *s, uint32_t i, rk_vec3 *direction)
  * only where the surface cuts the disk. */
 static float weight_of(source *s, rk_glossy_weights weights)
 {
-    float share = rk_glossy_share(&s->disk);
+    float share = rk_glossy_fraction_above(&s->disk);
     uint32_t above = s->count;
     if (share < 1 && weights == RK_GLOSSY_RENORMALIZED) {
         rk_vec3 direction;
@@ -69,22 +70,23 @@ static void follow(const rk_rendering *r, rk_tile *t, rk_path_batch *mirrored)
 {
     t->counters->reflected_rays += mirrored->rays.count;
     if (mirrored->rays.count)
-        rk_follow(r, t, mirrored);
+        rk_trace_paths(r, t, mirrored);
     mirrored->rays.count = 0;
 }
 
-static void send(const rk_rendering *r, rk_tile *t, const rk_seen *seen, rk_path_batch *mirrored)
+static void send(const rk_rendering *r, rk_tile *t, const rk_shading_point *seen,
+                 rk_path_batch *mirrored)
 {
     source s = source_of(r, t, seen);
     if (s.disk.radius == 0) {
-        rk_mirror(seen, mirrored);
+        rk_spawn_reflection(seen, mirrored);
         return;
     }
     rk_vec3 weight = rk_scale(rk_mul(seen->path.weight, seen->surface.material->ks),
                               weight_of(&s, r->options->glossy.weights));
     t->counters->glossy_samples += s.count;
     const rk_surface *surface = &seen->surface;
-    rk_vec3 start = rk_surface_leave(surface, s.disk.w);
+    rk_vec3 start = rk_surface_spawn(surface, s.disk.w);
     for (uint32_t i = 0; i < s.count; i++) {
         rk_vec3 direction;
         if (!direction_of(&s, i, &direction))
@@ -92,8 +94,8 @@ static void send(const rk_rendering *r, rk_tile *t, const rk_seen *seen, rk_path
         if (mirrored->rays.count == RK_BATCH_MAX)
             follow(r, t, mirrored);
         rk_ray ray = {start, direction, INFINITY};
-        if (!rk_surface_leaves_alike(surface, s.disk.w, direction))
-            ray.origin = rk_surface_leave(surface, direction);
+        if (!rk_surface_spawns_alike(surface, s.disk.w, direction))
+            ray.origin = rk_surface_spawn(surface, direction);
         rk_path_push(mirrored, &ray, seen->pixel,
                      rk_path_of(weight, s.first + i, true, seen->path.left - 1u));
     }
@@ -102,10 +104,10 @@ static void send(const rk_rendering *r, rk_tile *t, const rk_seen *seen, rk_path
 void rk_glossy_stage(const rk_rendering *r, rk_tile *t)
 {
     /* Rays that are followed make new seen surfaces in the tile, so mirrors are put aside. */
-    rk_seen mirrors[RK_BATCH_MAX];
+    rk_shading_point mirrors[RK_BATCH_MAX];
     uint32_t count = 0;
     for (uint32_t i = 0; i < t->seen_count; i++)
-        if (rk_mirrors(&t->seen[i]))
+        if (rk_is_specular(&t->seen[i]))
             mirrors[count++] = t->seen[i];
     t->seen_count = 0;
     rk_path_batch mirrored;

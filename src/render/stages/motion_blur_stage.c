@@ -32,9 +32,9 @@ static bool reaches(void *context, uint32_t index, uint32_t object, const rk_sla
     uint32_t pixel = asker->pixels[index];
     bool settled = !r->plan.time_samples || asker->t->in_motion[pixel];
     asker->t->counters->box_tests++;
-    if (!rk_motion_reaches(&r->swept[object], ray, t_max) ||
+    if (!rk_motion_may_intersect(&r->swept[object], ray, t_max) ||
         !(settled ||
-          rk_motion_reaches_leaf(&r->accel->moving[object], &r->swept[object], ray, t_max)))
+          rk_motion_may_intersect_leaf(&r->accel->moving[object], &r->swept[object], ray, t_max)))
         return false;
     asker->t->in_sight[pixel] |= asker->from_camera;
     *offset = rk_motion_offset(&r->scene->moving[object].motion, time_of(r, asker->t, pixel));
@@ -64,7 +64,7 @@ void rk_moving_prepare(rk_rendering *r)
 void rk_moving_place(const rk_rendering *r, rk_tile *t, uint32_t pixel, uint32_t triangle,
                      rk_surface *surface)
 {
-    uint32_t object = rk_scene_mover(r->scene, triangle);
+    uint32_t object = rk_scene_moving_object(r->scene, triangle);
     if (object != RK_MISS)
         rk_surface_move(surface,
                         rk_motion_offset(&r->scene->moving[object].motion, time_of(r, t, pixel)));

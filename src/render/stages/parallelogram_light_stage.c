@@ -8,16 +8,16 @@ static uint32_t samples_of(const rk_rendering *r, const rk_light *light)
     return light->kind == RK_LIGHT_POINT ? 1 : r->options->light.samples;
 }
 
-static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const rk_seen *seen,
-                                 uint32_t index, uint32_t sample)
+static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t,
+                                 const rk_shading_point *seen, uint32_t index, uint32_t sample)
 {
     const rk_light *light = &r->scene->lights[index];
     const rk_light_options *options = &r->options->light;
     rk_vec2 xi = {0, 0};
     if (light->kind != RK_LIGHT_POINT) {
         /* Each bounce is a stream of its own, which all rays of a pixel share. */
-        const rk_draw draw = rk_draw_of(t, seen->pixel);
-        uint32_t bounce = r->options->recursion - seen->path.left;
+        const rk_sample_index draw = rk_sample_index_of(t, seen->pixel);
+        uint32_t bounce = r->options->max_depth - seen->path.left;
         const rk_sampler sampler = {options->sampling, r->options->seed,
                                     rk_path_samples(r, t, seen->pixel, seen->path.spread) *
                                         options->samples};
@@ -27,7 +27,7 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t, const 
                               2 * (bounce * RK_LIGHTS_MAX + index));
         t->counters->light_samples++;
     }
-    return rk_light_sample_at(light, options->falloff, options->map, seen->surface.point, xi);
+    return rk_light_sample_at(light, options->falloff, options->domain, seen->surface.point, xi);
 }
 
 /* What the sample would add to each surface; where that hangs on shadows, a ray that asks. */
@@ -38,7 +38,7 @@ static void send(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t sam
     for (uint32_t i = 0; i < t->seen_count; i++) {
         if (sums->state[i] == RK_LIGHT_BLOCKED)
             continue;
-        const rk_seen *seen = &t->seen[i];
+        const rk_shading_point *seen = &t->seen[i];
         rk_light_sample light = sample_of(r, t, seen, index, sample);
         rk_vec3 to_light = rk_sub(light.position, seen->surface.point);
         rk_vec3 arriving = rk_reflected(r, seen, to_light, light.colour);
@@ -49,7 +49,7 @@ static void send(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t sam
             sums->lit[i] = rk_add(sums->lit[i], arriving);
             continue;
         }
-        rk_arrive_later(t, i, to_light, light.position, arriving);
+        rk_queue_shadow_ray(t, i, to_light, light.position, arriving);
     }
 }
 
@@ -72,7 +72,7 @@ static void settle(rk_tile *t)
 {
     for (uint32_t i = 0; i < t->seen_count; i++)
         if (t->sums.state[i] == RK_LIGHT_OPEN && t->sums.asked[i] > 0 &&
-            rk_light_settled(t->sums.asked[i], t->sums.free[i]))
+            rk_light_early_out(t->sums.asked[i], t->sums.free[i]))
             t->sums.state[i] = t->sums.free[i] ? RK_LIGHT_UNBLOCKED : RK_LIGHT_BLOCKED;
 }
 
@@ -83,8 +83,8 @@ static bool has_closed_form(const rk_rendering *r, const rk_light *light)
            r->options->light.falloff == RK_FALLOFF_PHYSICAL && rk_light_has_one_colour(light);
 }
 
-static rk_vec3 closed_form(const rk_rendering *r, const rk_seen *seen, const rk_light *light,
-                           rk_vec3 lit, rk_vec3 all)
+static rk_vec3 closed_form(const rk_rendering *r, const rk_shading_point *seen,
+                           const rk_light *light, rk_vec3 lit, rk_vec3 all)
 {
     const rk_surface *surface = &seen->surface;
     float irradiance = rk_light_irradiance(light, surface->point, surface->normal);
@@ -104,7 +104,7 @@ void rk_light_stage(const rk_rendering *r, rk_tile *t, uint32_t index)
         t->sums.state[i] = RK_LIGHT_OPEN;
     }
     for (uint32_t sample = 0; sample < samples; sample++) {
-        if (sample > 0 && sample == r->options->light.settle)
+        if (sample > 0 && sample == r->options->light.early_out)
             settle(t);
         send(r, t, index, sample);
         if (t->shadow.count == 0)
@@ -114,7 +114,7 @@ void rk_light_stage(const rk_rendering *r, rk_tile *t, uint32_t index)
     }
     bool in_closed_form = has_closed_form(r, light);
     for (uint32_t i = 0; i < t->seen_count; i++) {
-        const rk_seen *seen = &t->seen[i];
+        const rk_shading_point *seen = &t->seen[i];
         rk_vec3 mean = rk_scale(t->sums.lit[i], 1 / (float)samples);
         if (in_closed_form && !rk_is_black(t->sums.all[i]))
             mean = closed_form(r, seen, light, t->sums.lit[i], t->sums.all[i]);

@@ -7,7 +7,7 @@ static void block(const rk_rendering *r, rk_tile *t, const rk_moments *when)
     if (when)
         rk_accel_any_at(r->accel, &t->shadow, when, &t->blocked, t->counters);
     else
-        rk_accel_any(r->accel, &t->shadow, &t->blocked, t->counters);
+        rk_accel_occluded(r->accel, &t->shadow, &t->blocked, t->counters);
 }
 
 static void tint(const rk_rendering *r, rk_tile *t, const rk_moments *when)
