@@ -19,13 +19,13 @@ SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
-import build  # noqa: E402
+from grading import build  # noqa: E402
 import grade  # noqa: E402
-import sandbox  # noqa: E402
-import results  # noqa: E402
-import verdicts  # noqa: E402
-from assignments import ScoredTest, ToolError, Unit, check_impl, read_features, read_points  # noqa: E402
-from starters import is_handed_out, starter_of  # noqa: E402
+from grading import sandbox  # noqa: E402
+from grading import results  # noqa: E402
+from grading import verdicts  # noqa: E402
+from grading.assignments import ScoredTest, ToolError, Unit, check_impl, read_features, read_points  # noqa: E402
+from grading.starters import is_handed_out, starter_of  # noqa: E402
 from workbook import make_workbook  # noqa: E402
 
 FEATURES = read_features(SOURCE)

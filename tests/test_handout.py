@@ -15,10 +15,10 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 import handout  # noqa: E402
-import leak_check  # noqa: E402
-from assignments import ToolError, read_features, read_points  # noqa: E402
-from build import Toolchain  # noqa: E402
-from starters import solution_lines, starter_of  # noqa: E402
+from grading import leak_check  # noqa: E402
+from grading.assignments import ToolError, read_features, read_points  # noqa: E402
+from grading.build import Toolchain  # noqa: E402
+from grading.starters import solution_lines, starter_of  # noqa: E402
 
 STEM = "bvh_median"
 FEATURES = read_features(SOURCE)

@@ -38,7 +38,7 @@ import threading
 
 sys.dont_write_bytecode = True  # the source folder may be read-only, and stays clean
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-import starters
+from grading import starters
 
 FEWEST_MUTANTS = 8
 SECONDS = 20  # for one test: a slow one takes half a second, ten times that under sanitizers

@@ -12,12 +12,12 @@ import shutil
 import subprocess
 import sys
 
-import build
-from assignments import (
+from grading import build
+from grading.assignments import (
     Parser, ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit, unit_beside,
 )
 from grade import grade_impl, stop_on_signals
-from starters import read_regions
+from grading.starters import read_regions
 
 # A report is an abort, at which gdb stops; leaks cannot be looked for under a debugger. The suite's
 # own signal handlers stand back, as when grading.
@@ -68,7 +68,7 @@ def build_for_debugging(toolchain, feature, features, impl):
     program = build.link_suite(toolchain, [unit, *needed], objects, folder, toolchain.sanitize)
     script = os.path.join(folder, feature.stem + ".gdb")
     with open(script, "w", encoding="utf-8") as file:
-        file.write(f"source {toolchain.source}/tools/gdb_rayintegrity.py\n")
+        file.write(f"source {toolchain.source}/tools/gdb_raykit.py\n")
         file.write("set breakpoint pending on\nset print pretty on\n")
         file.write(f"set environment ASAN_OPTIONS {_ASAN_OPTIONS}\n")
         file.write(f"set environment UBSAN_OPTIONS {_UBSAN_OPTIONS}\n")

@@ -4,8 +4,8 @@
 import difflib
 import sys
 
-from assignments import Parser, ToolError, check_impl, choose, find_unit, read_features
-from starters import RegionError, starter_of
+from grading.assignments import Parser, ToolError, check_impl, choose, find_unit, read_features
+from grading.starters import RegionError, starter_of
 
 
 def difference(source, stem, impl):

@@ -11,9 +11,9 @@ import shutil
 import subprocess
 import sys
 
-import build
-from assignments import Parser, ToolError, check_impl, find_unit, read_features, unit_beside
-from results import write_whole
+from grading import build
+from grading.assignments import Parser, ToolError, check_impl, find_unit, read_features, unit_beside
+from grading.results import write_whole
 
 
 def _object(toolchain, unit, folder):

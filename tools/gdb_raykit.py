@@ -1,7 +1,7 @@
 """gdb: vectors, rays, boxes and nodes of trees as a person would write them. When the program
 fails in the middle of a library, the frame of the unit that called it is the one selected.
 
-    (gdb) source tools/gdb_rayintegrity.py
+    (gdb) source tools/gdb_raykit.py
     (gdb) print ray          ->  from (0, 0, -1) along (0, 0, 1), t_max inf
     (gdb) print bvh.nodes[0] ->  inner, children 2 and 3, box (-1, -1, 0) .. (1, 1, 9)
     (gdb) print list         ->  1 waiting, the last comes next

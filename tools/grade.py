@@ -17,16 +17,16 @@ import sys
 import tempfile
 import threading
 
-import isolate
-import build
-import sandbox
-import integrity
-import results
-from assignments import (
+from grading import isolate
+from grading import build
+from grading import sandbox
+from grading import integrity
+from grading import results
+from grading.assignments import (
     Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format, find_unit, read_features, read_points,
     reference_unit, submitted_unit, unit_beside,
 )
-from verdicts import Verdict, judge
+from grading.verdicts import Verdict, judge
 
 MEGABYTES = 2048  # the suites stay below 300 with the sanitizers
 TIMEOUTS = 2  # so many tests of a suite may take all their time; the others then get a part of it

@@ -12,10 +12,10 @@ import io
 import os
 import sys
 
-import build
-import integrity
-import results
-from assignments import Parser, ToolError, cannot_write, choose, choose_format, read_features, read_points
+from grading import build
+from grading import integrity
+from grading import results
+from grading.assignments import Parser, ToolError, cannot_write, choose, choose_format, read_features, read_points
 from grade import grade_submission, stop_on_signals
 
 _ENDINGS = {"text": ".txt", "table": ".txt", "tap": ".tap", "junit": ".xml", "gradescope": ".json"}

@@ -15,10 +15,10 @@ import sys
 import tarfile
 import tempfile
 
-from assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
-from leak_check import prove
-from starters import RegionError, handed_out_of, starter_of
-from results import write_whole
+from grading.assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
+from grading.leak_check import prove
+from grading.starters import RegionError, handed_out_of, starter_of
+from grading.results import write_whole
 
 HANDOUT = """\
 # What is handed out here

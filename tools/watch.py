@@ -12,8 +12,8 @@ import sys
 import tempfile
 import time
 
-from assignments import Parser, ToolError, check_impl, read_features
-from build import Toolchain
+from grading.assignments import Parser, ToolError, check_impl, read_features
+from grading.build import Toolchain
 from grade import stop_on_signals
 
 _LOOK_SECONDS = 0.15  # between looks at the files: soon enough, and no load

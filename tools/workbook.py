@@ -9,9 +9,9 @@ import hashlib
 import os
 import sys
 
-from assignments import Parser, ToolError, cannot_write, choose, read_features
-from starters import RegionError, starter_of
-from results import write_whole
+from grading.assignments import Parser, ToolError, cannot_write, choose, read_features
+from grading.starters import RegionError, starter_of
+from grading.results import write_whole
 
 MANIFEST = ".workbook"
 

@@ -9,8 +9,8 @@ import re
 import shlex
 import subprocess
 
-import sandbox
-from assignments import ToolError
+from grading import sandbox
+from grading.assignments import ToolError
 
 _SECONDS = 60
 _MEGABYTES = 4096

@@ -5,8 +5,8 @@ import json
 import os
 import tempfile
 
-from assignments import ToolError
-from results import write_whole
+from grading.assignments import ToolError
+from grading.results import write_whole
 
 _FOLDERS = ("tools", "tests", "assignments", "src")
 _FILES = ("Makefile", "Makefile.am", "librktest.a", "librkbase.a", "impl/toolchain")

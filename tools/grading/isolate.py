@@ -10,7 +10,7 @@ import sys
 import tempfile
 import time
 
-import sandbox
+from grading import sandbox
 
 _PATIENCE = 5  # seconds to clean up after an interrupt
 

@@ -10,8 +10,8 @@ import html
 import os
 import re
 
-from assignments import ToolError
-from starters import solution_lines, starter_of
+from grading.assignments import ToolError
+from grading.starters import solution_lines, starter_of
 
 # What no comparison of lines finds: the same step in other words. (feature, its step, file, the line
 # of that file where it begins)

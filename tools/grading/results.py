@@ -8,7 +8,7 @@ import sys
 import tempfile
 import textwrap
 
-from assignments import ToolError, cannot_write
+from grading.assignments import ToolError, cannot_write
 
 _DETAILS_MAX = 10000  # characters of a program's output that go into a report
 
