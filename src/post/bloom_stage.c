@@ -1,7 +1,7 @@
-/* Where does each row glow? Those that do are masked and filtered; then columns are, a band of rows
- * at a time, and added to the picture. Rows that do not glow, and strips out of their reach, are
- * neither filtered nor stored. Between these passes threads wait for each other; within one they
- * share nothing but the next item's number. */
+/* Bloom in three passes over the picture: find the bright span of each row; blur the rows that have
+ * one; blur the columns, a band of rows at a time, and add them. Rows without a bright pixel, and
+ * strips out of the filter's reach, are neither filtered nor stored. Threads wait for each other
+ * between passes; within a pass they share only the number of the next item. */
 #include "post/bloom_stage.h"
 
 #include "post/bloom_passes.h"
@@ -41,17 +41,17 @@ bool rk_bloom_check(const rk_bloom_options *options, rk_error *error)
     return true;
 }
 
-/* --- Where is light? -------------------------------------------------------------------------- */
+/* --- Bright spans ----------------------------------------------------------------------------- */
 
-static void find_light_in_row(uint32_t y, uint32_t thread, void *context)
+static void find_bright_span(uint32_t y, uint32_t thread, void *context)
 {
-    rk_bloom_work *g = context;
-    size_t width = g->image->width;
-    rk_bloom_span lit =
-        rk_bloom_bright_span(rk_image_at(g->image, 0, y), width, g->options->threshold);
-    size_t inside = lit.end - lit.first, ends = inside < 2 ? inside : 2;
-    g->lit[y] = lit;
-    g->counters[thread].bloom_pixels_read += width - inside + ends;
+    rk_bloom_work *work = context;
+    size_t width = work->image->width;
+    rk_bloom_span bright =
+        rk_bloom_bright_span(rk_image_at(work->image, 0, y), width, work->options->threshold);
+    size_t inside = bright.end - bright.first, ends = inside < 2 ? inside : 2;
+    work->bright[y] = bright;
+    work->counters[thread].bloom_pixels_read += width - inside + ends;
 }
 
 static void widen(rk_bloom_span *span, size_t first, size_t end)
@@ -60,27 +60,27 @@ static void widen(rk_bloom_span *span, size_t first, size_t end)
     span->end = span->end > end ? span->end : end;
 }
 
-/* Returns false where there is none. */
-static bool find_light(rk_bloom_work *g, rk_pool *pool)
+/* Returns false if no pixel is bright. */
+static bool find_bright_spans(rk_bloom_work *work, rk_pool *pool)
 {
-    rk_pool_run(pool, (uint32_t)g->image->height, find_light_in_row, g);
-    g->rows = (rk_bloom_span){g->image->height, 0};
-    g->columns = (rk_bloom_span){g->image->width, 0};
-    for (size_t y = 0; y < g->image->height; y++)
-        if (g->lit[y].first < g->lit[y].end) {
-            widen(&g->rows, y, y + 1);
-            widen(&g->columns, g->lit[y].first, g->lit[y].end);
+    rk_pool_run(pool, (uint32_t)work->image->height, find_bright_span, work);
+    work->rows = (rk_bloom_span){work->image->height, 0};
+    work->columns = (rk_bloom_span){work->image->width, 0};
+    for (size_t y = 0; y < work->image->height; y++)
+        if (work->bright[y].first < work->bright[y].end) {
+            widen(&work->rows, y, y + 1);
+            widen(&work->columns, work->bright[y].first, work->bright[y].end);
         }
-    return g->rows.first < g->rows.end;
+    return work->rows.first < work->rows.end;
 }
 
-/* --- What is needed --------------------------------------------------------------------------- */
+/* --- Filter and target ------------------------------------------------------------------------ */
 
-/* As far as a filter of this reach spreads the light. */
-static rk_bloom_span spread(rk_bloom_span lit, size_t reach, size_t length)
+/* The span of pixels that a filter of this reach changes. */
+static rk_bloom_span dilate(rk_bloom_span bright, size_t reach, size_t length)
 {
-    return (rk_bloom_span){lit.first > reach ? lit.first - reach : 0,
-                           lit.end + reach < length ? lit.end + reach : length};
+    return (rk_bloom_span){bright.first > reach ? bright.first - reach : 0,
+                           bright.end + reach < length ? bright.end + reach : length};
 }
 
 static float *make_gains(const rk_bloom_filter *filter, size_t length, rk_error *error)
@@ -91,25 +91,25 @@ static float *make_gains(const rk_bloom_filter *filter, size_t length, rk_error 
     return gains;
 }
 
-static bool prepare(rk_bloom_work *g, rk_error *error)
+static bool prepare(rk_bloom_work *work, rk_error *error)
 {
-    const rk_bloom_options *options = g->options;
-    g->weights = rk_allocate(options->radius + RK_BLUR_GAUSSIAN_MORE + 1, sizeof *g->weights,
-                             "bloom", error);
-    if (!g->weights)
+    const rk_bloom_options *options = work->options;
+    work->weights = rk_allocate(options->radius + RK_BLUR_GAUSSIAN_MORE + 1, sizeof *work->weights,
+                                "bloom", error);
+    if (!work->weights)
         return false;
-    rk_bloom_weights(options->radius, g->weights);
-    g->filter =
-        (rk_bloom_filter){rk_bloom_reach(options->radius, g->weights), g->weights, options->border};
+    rk_bloom_weights(options->radius, work->weights);
+    work->filter = (rk_bloom_filter){rk_bloom_reach(options->radius, work->weights), work->weights,
+                                     options->border};
     if (options->method == RK_BLOOM_GAUSSIAN)
-        g->filter.reach = rk_blur_gaussian(0.5 * options->radius, g->weights);
-    g->target_rows = spread(g->rows, g->filter.reach, g->image->height);
-    g->target_columns = spread(g->columns, g->filter.reach, g->image->width);
+        work->filter.reach = rk_blur_gaussian(0.5 * options->radius, work->weights);
+    work->target_rows = dilate(work->rows, work->filter.reach, work->image->height);
+    work->target_columns = dilate(work->columns, work->filter.reach, work->image->width);
     if (options->border != RK_BLOOM_RENORMALIZE)
         return true;
-    g->gains_across = make_gains(&g->filter, g->image->width, error);
-    g->gains_down = make_gains(&g->filter, g->image->height, error);
-    return g->gains_across && g->gains_down;
+    work->gains_across = make_gains(&work->filter, work->image->width, error);
+    work->gains_down = make_gains(&work->filter, work->image->height, error);
+    return work->gains_across && work->gains_down;
 }
 
 bool rk_bloom_stage(rk_image *image, const rk_bloom_options *options, rk_pool *pool,
@@ -120,21 +120,21 @@ bool rk_bloom_stage(rk_image *image, const rk_bloom_options *options, rk_pool *p
     if (!rk_bloom_wanted(options))
         return true;
     uint32_t threads = rk_pool_threads(pool);
-    rk_bloom_work g = {.image = image, .to = image, .options = options};
-    g.counters = rk_allocate(threads, sizeof *g.counters, "counters", error);
-    g.lit = rk_allocate_unset(image->height, sizeof *g.lit, "bloom", error);
-    bool ok = g.counters && g.lit;
-    if (ok && find_light(&g, pool))
-        ok = prepare(&g, error) &&
+    rk_bloom_work work = {.image = image, .to = image, .options = options};
+    work.counters = rk_allocate(threads, sizeof *work.counters, "counters", error);
+    work.bright = rk_allocate_unset(image->height, sizeof *work.bright, "bloom", error);
+    bool ok = work.counters && work.bright;
+    if (ok && find_bright_spans(&work, pool))
+        ok = prepare(&work, error) &&
              (options->method == RK_BLOOM_RECURSIVE || options->method == RK_BLOOM_PYRAMID
-                  ? rk_bloom_whole(&g, pool, error)
-                  : rk_bloom_by_taps(&g, pool, error));
+                  ? rk_bloom_whole(&work, pool, error)
+                  : rk_bloom_by_taps(&work, pool, error));
     for (uint32_t i = 0; ok && i < threads; i++)
-        rk_counters_add(counters, &g.counters[i]);
-    free(g.counters);
-    free(g.lit);
-    free(g.weights);
-    free(g.gains_across);
-    free(g.gains_down);
+        rk_counters_add(counters, &work.counters[i]);
+    free(work.counters);
+    free(work.bright);
+    free(work.weights);
+    free(work.gains_across);
+    free(work.gains_down);
     return ok;
 }

@@ -10,16 +10,16 @@
 /* Radius 15, threshold .5, intensity .8, a border of zeros, the filter itself; not on. */
 rk_bloom_options rk_bloom_options_default(void);
 
-/* Would it change a picture that has light? */
+/* Would bloom change a picture that is not black? */
 bool rk_bloom_wanted(const rk_bloom_options *options);
 
-/* Are the numbers in their ranges, and border and method among those that there are? */
+/* Are the numbers in their ranges, and border and method valid enumerators? */
 bool rk_bloom_check(const rk_bloom_options *options, rk_error *error);
 
-/* Lets what is bright in `image` glow. The picture is the same to the bit for any number of
- * threads. What is done is added to `counters`; where nothing glows, that is one look at each
- * pixel, and the picture is untouched. Takes memory for the part of the picture that changes. What
- * rk_bloom_check refuses is an error; an error leaves the picture as it was. */
+/* Adds bloom to `image`; the result is the same to the bit for any number of threads. The work done
+ * is added to `counters`: without a bright pixel each pixel is read once, and the picture stays as
+ * it is. Allocates memory for the part of the picture that changes. Fails on options that
+ * rk_bloom_check refuses; an error leaves the picture unchanged. */
 bool rk_bloom_stage(rk_image *image, const rk_bloom_options *options, rk_pool *pool,
                     rk_counters *counters, rk_error *error);
 

@@ -25,15 +25,15 @@ uint32_t rk_blur_gaussian(double variance, float *weights)
     return reach;
 }
 
-/* --- Recursion -------------------------------------------------------------------------------- */
+/* --- Recursive filter ------------------------------------------------------------------------- */
 
-typedef struct recursion {
+typedef struct recursive_filter {
     rk_image *image;
-    float own, before[3]; /* shares of the pixel itself, and of the results 1, 2 and 3 before it */
-} recursion;
+    float own, before[3]; /* weights of the pixel itself, and of the results 1, 2 and 3 before it */
+} recursive_filter;
 
 /* The paper's equations 11b and 8c. */
-static recursion recursion_of(rk_image *image, double sigma)
+static recursive_filter recursive_filter_of(rk_image *image, double sigma)
 {
     double q =
         sigma >= 2.5 ? 0.98711 * sigma - 0.96330 : 3.97156 - 4.14554 * sqrt(1 - 0.26891 * sigma);
@@ -41,13 +41,14 @@ static recursion recursion_of(rk_image *image, double sigma)
     double b1 = 2.44413 * q + 2.85619 * q * q + 1.26661 * q * q * q;
     double b2 = -1.4281 * q * q - 1.26661 * q * q * q;
     double b3 = 0.422205 * q * q * q;
-    return (recursion){image,
-                       (float)(1 - (b1 + b2 + b3) / b0),
-                       {(float)(b1 / b0), (float)(b2 / b0), (float)(b3 / b0)}};
+    return (recursive_filter){image,
+                              (float)(1 - (b1 + b2 + b3) / b0),
+                              {(float)(b1 / b0), (float)(b2 / b0), (float)(b3 / b0)}};
 }
 
-/* `side` lines at once, from `at` on in steps of `stride` floats. */
-static inline void recurse(const recursion *r, float *at, size_t steps, ptrdiff_t stride, int side)
+/* Filters `side` lines at once, from `at` on in steps of `stride` floats. */
+static inline void filter_lines(const recursive_filter *r, float *at, size_t steps,
+                                ptrdiff_t stride, int side)
 {
     float one[RK_BLOOM_BLOCK] = {0}, two[RK_BLOOM_BLOCK] = {0}, three[RK_BLOOM_BLOCK] = {0};
     for (size_t step = 0; step < steps; step++, at += stride)
@@ -60,36 +61,36 @@ static inline void recurse(const recursion *r, float *at, size_t steps, ptrdiff_
         }
 }
 
-static void recurse_row(uint32_t y, uint32_t thread, void *context)
+static void filter_row_both_ways(uint32_t y, uint32_t thread, void *context)
 {
     (void)thread;
-    const recursion *r = context;
+    const recursive_filter *r = context;
     size_t width = r->image->width;
-    recurse(r, &rk_image_at(r->image, 0, y)->x, width, 3, 3);
-    recurse(r, &rk_image_at(r->image, width - 1, y)->x, width, -3, 3);
+    filter_lines(r, &rk_image_at(r->image, 0, y)->x, width, 3, 3);
+    filter_lines(r, &rk_image_at(r->image, width - 1, y)->x, width, -3, 3);
 }
 
-static void recurse_strip(uint32_t strip, uint32_t thread, void *context)
+static void filter_strip_both_ways(uint32_t strip, uint32_t thread, void *context)
 {
     (void)thread;
-    const recursion *r = context;
+    const recursive_filter *r = context;
     size_t x = strip * strip_pixels, height = r->image->height;
     ptrdiff_t stride = 3 * (ptrdiff_t)r->image->width;
-    recurse(r, &rk_image_at(r->image, x, 0)->x, height, stride, RK_BLOOM_BLOCK);
-    recurse(r, &rk_image_at(r->image, x, height - 1)->x, height, -stride, RK_BLOOM_BLOCK);
+    filter_lines(r, &rk_image_at(r->image, x, 0)->x, height, stride, RK_BLOOM_BLOCK);
+    filter_lines(r, &rk_image_at(r->image, x, height - 1)->x, height, -stride, RK_BLOOM_BLOCK);
 }
 
 void rk_blur_recursive(rk_image *image, double variance, rk_pool *pool)
 {
     assert(image->width % strip_pixels == 0 && "columns are filtered in whole strips");
-    recursion r = recursion_of(image, sqrt(variance));
-    rk_pool_run(pool, (uint32_t)image->height, recurse_row, &r);
-    rk_pool_run(pool, (uint32_t)(image->width / strip_pixels), recurse_strip, &r);
+    recursive_filter r = recursive_filter_of(image, sqrt(variance));
+    rk_pool_run(pool, (uint32_t)image->height, filter_row_both_ways, &r);
+    rk_pool_run(pool, (uint32_t)(image->width / strip_pixels), filter_strip_both_ways, &r);
 }
 
 /* --- Pyramid ---------------------------------------------------------------------------------- */
 
-/* Halving weighs 1 3 3 1, and so does doubling: each has a variance of 3/4 pixels. */
+/* Halving and doubling have the weights 1 3 3 1: each has a variance of 3/4 pixels. */
 typedef struct step {
     rk_image *from, *to;
 } step;
@@ -100,7 +101,7 @@ static rk_vec3 pixel_or_black(const rk_image *image, ptrdiff_t x, ptrdiff_t y)
     return inside ? image->pixels[(size_t)y * image->width + (size_t)x] : rk_vec(0, 0, 0);
 }
 
-static rk_vec3 weigh_four(rk_vec3 a, rk_vec3 b, rk_vec3 c, rk_vec3 d)
+static rk_vec3 weighted_sum(rk_vec3 a, rk_vec3 b, rk_vec3 c, rk_vec3 d)
 {
     return rk_madd(rk_scale(rk_add(a, d), 0.125f), rk_add(b, c), 0.375f);
 }
@@ -110,15 +111,15 @@ static void halve_row(uint32_t row, uint32_t thread, void *context)
     (void)thread;
     const step *s = context;
     ptrdiff_t y = 2 * (ptrdiff_t)row;
-    rk_vec3 column[4] = {{0, 0, 0}}; /* four columns of the finer image, each weighed */
+    rk_vec3 column[4] = {{0, 0, 0}}; /* four columns of the finer image, each filtered */
     for (ptrdiff_t x = -1; x <= 2 * (ptrdiff_t)s->to->width; x++) {
         memmove(column, column + 1, 3 * sizeof *column);
         column[3] =
-            weigh_four(pixel_or_black(s->from, x, y - 1), pixel_or_black(s->from, x, y),
-                       pixel_or_black(s->from, x, y + 1), pixel_or_black(s->from, x, y + 2));
+            weighted_sum(pixel_or_black(s->from, x, y - 1), pixel_or_black(s->from, x, y),
+                         pixel_or_black(s->from, x, y + 1), pixel_or_black(s->from, x, y + 2));
         if (x >= 2 && x % 2 == 0)
             *rk_image_at(s->to, (size_t)x / 2 - 1, row) =
-                weigh_four(column[0], column[1], column[2], column[3]);
+                weighted_sum(column[0], column[1], column[2], column[3]);
     }
 }
 
@@ -138,13 +139,13 @@ static void double_row(uint32_t row, uint32_t thread, void *context)
     }
 }
 
-/* Puts the whole image, filtered, onto a black one of its size. */
+/* Adds the filtered image to a black one of its size. */
 static bool filter_all(const step *s, double variance, rk_pool *pool, rk_error *error)
 {
     float weights[RK_BLOOM_RADIUS_MAX + RK_BLUR_GAUSSIAN_MORE + 1];
     const rk_bloom_options all = {.threshold = -INFINITY, .intensity = 1};
     rk_bloom_span rows = {0, s->from->height}, columns = {0, s->from->width};
-    rk_bloom_work g = {
+    rk_bloom_work work = {
         .image = s->from,
         .to = s->to,
         .options = &all,
@@ -153,14 +154,14 @@ static bool filter_all(const step *s, double variance, rk_pool *pool, rk_error *
         .columns = columns,
         .target_rows = rows,
         .target_columns = columns,
-        .lit = rk_allocate_unset(s->from->height, sizeof *g.lit, "bloom", error),
-        .counters = rk_allocate(rk_pool_threads(pool), sizeof *g.counters, "counters", error),
+        .bright = rk_allocate_unset(s->from->height, sizeof *work.bright, "bloom", error),
+        .counters = rk_allocate(rk_pool_threads(pool), sizeof *work.counters, "counters", error),
     };
-    for (size_t y = 0; g.lit && y < s->from->height; y++)
-        g.lit[y] = columns;
-    bool ok = g.lit && g.counters && rk_bloom_by_taps(&g, pool, error);
-    free(g.lit);
-    free(g.counters);
+    for (size_t y = 0; work.bright && y < s->from->height; y++)
+        work.bright[y] = columns;
+    bool ok = work.bright && work.counters && rk_bloom_by_taps(&work, pool, error);
+    free(work.bright);
+    free(work.counters);
     return ok;
 }
 
