@@ -18,6 +18,7 @@ import handout  # noqa: E402
 from grading import leak_check  # noqa: E402
 from grading.assignments import ToolError, read_features, read_points  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
+from mutants import mutate, read_mutants  # noqa: E402
 from grading.starters import solution_lines, starter_of  # noqa: E402
 
 STEM = "bvh_median"
@@ -79,7 +80,8 @@ def the_pack_holds_no_solution(pack):
     everything = b"".join(open(os.path.join(where, name), "rb").read()
                           for where, _, names in os.walk(pack) for name in names)
     check(SECRET.encode() not in everything, "no file holds a line of the solution")
-    check(STEM not in os.listdir(os.path.join(pack, "tests", "mutants")), "mutants, which hold solutions, are left out")
+    check(f"{STEM}.mutants" not in os.listdir(os.path.join(pack, "tests", "mutants")),
+          "mutants, which hold solutions, are left out")
     check(f"## Hand in\n\n- `workbook/{STEM}.c`\n" in read(pack, "HANDOUT.md"), "HANDOUT.md names the file to hand in")
 
 
@@ -108,7 +110,7 @@ def smuggled_lines_are_found(pack):
     check(not leak_check._passages(solved[::40], secrets), "its lines one by one, by chance, are none")
     cases = {
         "in a text": ("README.md", "> and then " + SECRET + " it is done"),
-        "in a patch": ("tests/mutants/other/one.patch", "-        " + SECRET),
+        "in a mutant": ("tests/mutants/other.mutants", "- " + SECRET),
         "with other spaces": ("src/scene/bvh.c", "  " + SECRET.replace(" ", "\t ")),
         "coloured in a page": ("docs/handout/more.html", "<b>" + "</b><b>".join(map(html.escape, SECRET))),
         "among bytes that are no text": ("docs/pictures/leaf.dat", "\udcff\udc80 " + SECRET),
@@ -204,14 +206,11 @@ def the_pack_is_failed_and_solved(pack):
 # --- The instructor grades ------------------------------------------------------------------------
 
 
-def mutant(folder, name):
+def mutant(name):
     """The reference with one of the known mistakes."""
-    place = os.path.join(folder, "src", "features")
-    os.makedirs(place)
-    shutil.copy(FEATURE.reference, place)
-    patch = os.path.join(SOURCE, "tests", "mutants", STEM, name + ".patch")
-    subprocess.run(["patch", "-s", "-p1", "-d", folder, "-i", patch], check=True)
-    return read(place, STEM + ".c")
+    file = f"tests/mutants/{STEM}.mutants"
+    known = {mutant.name: mutant for mutant in read_mutants(os.path.join(SOURCE, file), file)}
+    return mutate(known[name], read(FEATURE.reference), FEATURE.reference)
 
 
 def a_class_is_graded(folder):
@@ -222,7 +221,7 @@ def a_class_is_graded(folder):
     reference = read(FEATURE.reference)
     submissions = {  # text, fewest and most points, part of what is said about some test
         "right": (reference, TOTAL, TOTAL, ""),
-        "wrong": (mutant(os.path.join(folder, "patched"), "floor_of_the_half"), 1, TOTAL - 1, "got"),
+        "wrong": (mutant("floor_of_the_half"), 1, TOTAL - 1, "got"),
         "crashing": ("static volatile int *volatile nowhere;\n" + reference.replace(start, start + "    *nowhere = 1;\n"), 0, 0, "NULL"),
         "hanging, by O'Brien": (reference.replace(any_hit, any_hit + "    for (volatile int k = 0; k < 2; k = 0) { }\n"), 1, TOTAL - 1, "endless loop"),
         "cheating by what it prints": (heads + STARTER.replace(

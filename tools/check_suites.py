@@ -9,12 +9,8 @@ For each feature of assignments/features.tsv:
   that held no longer does;
 - the steps of the assignment's handout.md name the tests that carry points, each once, in the order
   of points.tsv, and no other;
-- each mutant, a known mistake in tests/mutants/STEM/*.patch, fails the tests that its patch names.
-
-A patch is the unified difference from src/features/STEM.c, below two lines about it:
-
-    Mistake: one sentence.
-    Fails: the tests that must fail, separated by spaces
+- each mutant, a known mistake in tests/mutants/STEM.mutants, fails the tests that it names.
+  tools/mutants.py says how mutants are written.
 
 This is mutation testing (DeMillo, Lipton, Sayward, "Hints on test data selection", 1978) with
 mistakes that people made, not random ones.
@@ -30,7 +26,6 @@ import os
 import pathlib
 import re
 import shlex
-import shutil
 import subprocess
 import sys
 import tempfile
@@ -39,6 +34,7 @@ import threading
 sys.dont_write_bytecode = True  # the source folder may be read-only, and stays clean
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from grading import starters
+from mutants import MutantError, mutate, read_mutants
 
 FEWEST_MUTANTS = 8
 SECONDS = 20  # for one test: a slow one takes half a second, ten times that under sanitizers
@@ -154,7 +150,7 @@ class Feature:
         self.stem, self.root, self.builder, self.progress = row["stem"], root, builder, progress
         self.source = root / "src" / "features" / f"{self.stem}.c"
         self.points = root / "assignments" / row["folder"] / "points.tsv"
-        self.patches = sorted((root / "tests" / "mutants" / self.stem).glob("*.patch"))
+        self.mutants_file = root / "tests" / "mutants" / f"{self.stem}.mutants"
         self.needs = (row["needs"] or "").split()
         self.faults, self.notes = [], []
 
@@ -251,47 +247,39 @@ class Feature:
                 self.faults.append(f"the starter does not run {test} safely (status {got} with "
                                    f"sanitizers, {status[test]} without):\n{said}")
 
-    def check_mutant(self, patch):
-        name = patch.relative_to(self.root)
-        header = patch.read_text(encoding="utf-8").split("--- ", 1)[0].splitlines()
-        lines = dict(line.split(":", 1) for line in header if ":" in line)
-        tests = lines.get("Fails", "").split()
-        if not tests or not lines.get("Mistake", "").strip():
-            raise Fault(f"{name}: it must begin with the lines \"Mistake: one sentence\" and "
-                        "\"Fails: tests\"")
-        for test in tests:
+    def check_mutant(self, mutant):
+        for test in mutant.fails:
             if test not in self.tests:
-                raise Fault(f"{name}: the suite has no test {test}; correct its Fails line")
-        text = self.apply(patch, name)
-        program = self.program(text, patch.stem, f"the mutant {name}", ["-w"])
-        survived = [test for test in tests if run_test(program, test)[0] == 0]
+                raise Fault(f"{mutant.file}:{mutant.fails_line}: the suite has no test {test}; correct its name")
+        text = self.builder.folder / f"{self.stem}-{mutant.name}.c"
+        text.write_text(mutate(mutant, self.source.read_text(encoding="utf-8"), self.source.relative_to(self.root)),
+                        encoding="utf-8")
+        name = f"{mutant.file}:{mutant.line}: {mutant.name}"
+        program = self.program(text, mutant.name, f"the mutant {name}", ["-w"])
+        survived = [test for test in mutant.fails if run_test(program, test)[0] == 0]
         if survived:
-            raise Fault(f"{name}: this mutant survives {' '.join(survived)}; sharpen the test, or "
-                        "name another that fails for a good reason")
+            raise Fault(f"{name} survives {' '.join(survived)}; sharpen the test, or name another that fails for a good "
+                        "reason")
 
-    def apply(self, patch, name):
-        """Returns the mutant's file."""
-        folder = self.builder.folder / f"{self.stem}-{patch.stem}.d"
-        text = folder / self.source.relative_to(self.root)
-        text.parent.mkdir(parents=True)
-        shutil.copy(self.source, text)
-        done = subprocess.run(["patch", "-p1", "--fuzz=0", "--batch", "--no-backup-if-mismatch",
-                               "-d", str(folder), "-i", str(patch)],
-                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                              check=False)
-        if done.returncode != 0 or text.read_bytes() == self.source.read_bytes():
-            raise Fault(f"{name}: this patch is stale, src/features/{self.stem}.c has changed "
-                        "under it; make the same mistake in a copy of that file, and write the "
-                        f"patch anew with diff -u:\n{done.stdout.rstrip()}")
-        return text
+    def read_mutants(self):
+        """Returns the feature's mutants; none if one of them is not written as it should be."""
+        name = self.mutants_file.relative_to(self.root)
+        try:
+            mutants = read_mutants(self.mutants_file, name)
+        except MutantError as fault:
+            self.faults.append(str(fault))
+            return []
+        except FileNotFoundError:
+            mutants = []
+        if len(mutants) < FEWEST_MUTANTS:
+            self.faults.append(f"{name} has {len(mutants)} mutants; a suite is tried with {FEWEST_MUTANTS} at least")
+        return mutants
 
     def jobs(self):
         """Returns the functions that check this feature, in any order and at once."""
-        if len(self.patches) < FEWEST_MUTANTS:
-            self.faults.append(f"tests/mutants/{self.stem} has {len(self.patches)} mutants; a "
-                               f"suite is tried with {FEWEST_MUTANTS} at least")
+        self.mutants = self.read_mutants()
         jobs = [self.check_starter, self.check_handout]
-        jobs += [lambda patch=patch: self.check_mutant(patch) for patch in self.patches]
+        jobs += [lambda mutant=mutant: self.check_mutant(mutant) for mutant in self.mutants]
         jobs += [lambda test=test: self.check_reference(test) for test in self.tests]
         self.progress.add(len(jobs), 0)
         return jobs
@@ -301,7 +289,7 @@ class Feature:
         try:
             job()
             return True
-        except (Fault, OSError, starters.RegionError) as fault:
+        except (Fault, MutantError, OSError, starters.RegionError) as fault:
             self.faults.append(str(fault))
             return False
         finally:
@@ -311,7 +299,7 @@ class Feature:
         for line in self.notes + self.faults:
             print(f"{self.stem}: {line}")
         verdict = f"faults: {len(self.faults)}" if self.faults else "ok"
-        print(f"{self.stem}: {len(self.tests)} tests, {self.killed} of {len(self.patches)} mutants "
+        print(f"{self.stem}: {len(self.tests)} tests, {self.killed} of {len(self.mutants)} mutants "
               f"killed: {verdict}")
 
 
@@ -328,7 +316,7 @@ def check(features, progress):
     progress.clear()
     for feature in features:
         sound = [result.result() for result in feature.results]
-        feature.killed = sum(sound[2 : 2 + len(feature.patches)])
+        feature.killed = sum(sound[2 : 2 + len(feature.mutants)])
         feature.report()
 
 

@@ -108,7 +108,7 @@ def _hand_out(pack, features):
         old, new = f"src/features/{feature.stem}.c", f"workbook/{feature.stem}.c"
         write_whole(os.path.join(pack, new), starter_of(feature.reference))
         write_whole(os.path.join(pack, old), handed_out_of(feature.reference, new))
-        shutil.rmtree(os.path.join(pack, "tests", "mutants", feature.stem), ignore_errors=True)
+        os.unlink(os.path.join(pack, "tests", "mutants", f"{feature.stem}.mutants"))
         makefile = re.sub(rf"(?<![\w/]){re.escape(old)}\b", new, makefile)
     stems = [feature.stem for feature in features]
     makefile, found = re.subn("^handed_out =.*$", f"handed_out = {' '.join(stems)}", makefile, flags=re.M)
