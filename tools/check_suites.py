@@ -9,6 +9,7 @@ For each feature of assignments/features.tsv:
   that held no longer does;
 - the steps of the assignment's handout.md name the tests that carry points, each once, in the order
   of points.tsv, and no other;
+- the unit reads as its chapter (tools/reading_order.py);
 - each mutant, a known mistake in tests/mutants/STEM.mutants, fails the tests that it names.
   tools/mutants.py says how mutants are written.
 
@@ -33,6 +34,7 @@ import threading
 
 sys.dont_write_bytecode = True  # the source folder may be read-only, and stays clean
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+import reading_order
 from grading import starters
 from mutants import MutantError, mutate, read_mutants
 
@@ -213,6 +215,11 @@ class Feature:
         if faults:
             raise Fault("\n".join(faults))
 
+    def check_order(self):
+        faults = reading_order.find_faults(self.root, self.stem, self.points.parent.name)
+        if faults:
+            raise Fault("\n".join(faults))
+
     def check_reference(self, test):
         status, said = run_test(self.reference, test)
         if status != 0:
@@ -278,7 +285,7 @@ class Feature:
     def jobs(self):
         """Returns the functions that check this feature, in any order and at once."""
         self.mutants = self.read_mutants()
-        jobs = [self.check_starter, self.check_handout]
+        jobs = [self.check_starter, self.check_handout, self.check_order]
         jobs += [lambda mutant=mutant: self.check_mutant(mutant) for mutant in self.mutants]
         jobs += [lambda test=test: self.check_reference(test) for test in self.tests]
         self.progress.add(len(jobs), 0)
@@ -316,7 +323,7 @@ def check(features, progress):
     progress.clear()
     for feature in features:
         sound = [result.result() for result in feature.results]
-        feature.killed = sum(sound[2 : 2 + len(feature.mutants)])
+        feature.killed = sum(sound[3 : 3 + len(feature.mutants)])
         feature.report()
 
 

@@ -48,7 +48,7 @@ static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
     /* So that diffuse surfaces look the same, kd / pi gets pi times the light. */
     for (uint32_t i = 0; shading->normalized && i < scene->light_count; i++)
         for (uint32_t k = 0; k < 4; k++)
-            scene->lights[i].colours[k] = rk_scale(scene->lights[i].colours[k], 3.14159265f);
+            scene->lights[i].colours[k] = rk_scale(scene->lights[i].colours[k], RK_PI);
     return !driver->debug || make_plane(driver, error);
 }
 

@@ -29,9 +29,8 @@ static bool make_edge(rk_driver *driver, rk_error *error)
 /* The part of a disk of diameter 2 left of x, a segment's area over the disk's; from -1 to 1. */
 static double disk_left_of(double x)
 {
-    const double pi = 3.14159265358979323846;
     x = fmin(fmax(x, -1), 1);
-    return 0.5 + (asin(x) + x * sqrt(1 - x * x)) / pi;
+    return 0.5 + (asin(x) + x * sqrt(1 - x * x)) / RK_PI_DOUBLE;
 }
 
 /* The wall's share of a pixel whose middle is `x` pixels right of the edge, with a circle of so

@@ -5,6 +5,9 @@
 
 #include <math.h>
 
+#define RK_PI 3.14159265f
+#define RK_PI_DOUBLE 3.14159265358979323846
+
 typedef struct rk_vec2 {
     float x, y;
 } rk_vec2;

@@ -6,7 +6,17 @@
 
 #include <string.h>
 
-/* --- What glows ------------------------------------------------------------------------------- */
+/* Two lines at the same distance from the middle: one multiplication for both. */
+typedef struct tap_pair {
+    const float *a, *b;
+    float weight;
+} tap_pair;
+
+/* Contents, in the order of the chapter. */
+static tap_pair pair_of(const float *a, const float *b, float weight);
+static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *restrict sum);
+
+/* --- Bright pixels ---------------------------------------------------------------------------- */
 
 /* Written by differences, so that roundings cannot push a white of 1 below a threshold of 1. */
 float rk_bloom_luminance(rk_vec3 colour)
@@ -16,7 +26,6 @@ float rk_bloom_luminance(rk_vec3 colour)
     return green + 0.2126f * (red - green) + 0.0722f * (blue - green);
     /* starter
     // First step: the weighted sum, such that that of a grey is the grey.
-    (void)colour;
     return 0;
     end */
 }
@@ -28,7 +37,6 @@ bool rk_bloom_is_bright(rk_vec3 colour, float threshold)
     return luminance >= threshold && luminance < INFINITY;
     /* starter
     // First step: at or above the threshold, and finite.
-    (void)colour, (void)threshold;
     return false;
     end */
 }
@@ -44,8 +52,35 @@ rk_bloom_span rk_bloom_bright_span(const rk_vec3 *row, size_t width, float thres
     return (rk_bloom_span){first, end};
     /* starter
     // First step: search from both ends.
-    (void)row, (void)width, (void)threshold;
     return (rk_bloom_span){0, 0};
+    end */
+}
+
+void rk_bloom_bright_pass(const rk_bloom_filter *filter, const rk_vec3 *row, size_t width,
+                          float threshold, rk_bloom_span lit, size_t from, size_t count,
+                          rk_vec3 *masked)
+{
+    /* solution */
+    size_t reach = filter->reach, total = count + 2 * reach;
+    size_t before = reach > from ? reach - from : 0; /* so many begin beyond the left border */
+    size_t start = from + before - reach;            /* the row's pixel at masked[before] */
+    size_t after = start + (total - before) > width ? start + (total - before) - width : 0;
+    size_t first = lit.first > start ? lit.first : start;
+    size_t last = start + (total - before - after), end = lit.end < last ? lit.end : last;
+    memset(masked, 0, total * sizeof *masked);
+    for (size_t x = first; x < end; x++)
+        if (rk_bloom_is_bright(row[x], threshold))
+            masked[before + (x - start)] = row[x];
+    if (filter->border != RK_BLOOM_CLAMP)
+        return;
+    for (size_t i = 0; i < before; i++)
+        masked[i] = masked[before];
+    for (size_t i = total - after; i < total; i++)
+        masked[i] = masked[total - after - 1];
+    /* starter
+    // First step: the row's pixels that glow, in their places; 0 everywhere else. Fourth step: with
+    // RK_BLOOM_CLAMP, what lies beyond the border is masked like the border's own pixel.
+    memset(masked, 0, (count + 2 * filter->reach) * sizeof *masked);
     end */
 }
 
@@ -73,76 +108,7 @@ void rk_bloom_weights(uint32_t radius, float *weights)
     end */
 }
 
-uint32_t rk_bloom_reach(uint32_t radius, const float *weights)
-{
-    /* solution */
-    const double half_an_ulp = 0x1p-25;
-    double left_out = 0;
-    uint32_t reach = radius;
-    while (reach > 0 && left_out + 2 * (double)weights[reach] <= half_an_ulp)
-        left_out += 2 * (double)weights[reach--];
-    return reach;
-    /* starter
-    // Fifth step: from the ends inwards, as long as it makes no difference.
-    (void)weights;
-    return radius;
-    end */
-}
-
-/* --- The mask, and what lies beyond the border ------------------------------------------------ */
-
-void rk_bloom_bright_pass(const rk_bloom_filter *filter, const rk_vec3 *row, size_t width,
-                          float threshold, rk_bloom_span lit, size_t from, size_t count,
-                          rk_vec3 *masked)
-{
-    /* solution */
-    size_t reach = filter->reach, total = count + 2 * reach;
-    size_t before = reach > from ? reach - from : 0; /* so many begin beyond the left border */
-    size_t start = from + before - reach;            /* the row's pixel at masked[before] */
-    size_t after = start + (total - before) > width ? start + (total - before) - width : 0;
-    size_t first = lit.first > start ? lit.first : start;
-    size_t last = start + (total - before - after), end = lit.end < last ? lit.end : last;
-    memset(masked, 0, total * sizeof *masked);
-    for (size_t x = first; x < end; x++)
-        if (rk_bloom_is_bright(row[x], threshold))
-            masked[before + (x - start)] = row[x];
-    if (filter->border != RK_BLOOM_CLAMP)
-        return;
-    for (size_t i = 0; i < before; i++)
-        masked[i] = masked[before];
-    for (size_t i = total - after; i < total; i++)
-        masked[i] = masked[total - after - 1];
-    /* starter
-    // First step: the row's pixels that glow, in their places; 0 everywhere else. Fourth step: with
-    // RK_BLOOM_CLAMP, what lies beyond the border is masked like the border's own pixel.
-    (void)row, (void)width, (void)threshold, (void)lit, (void)from;
-    memset(masked, 0, (count + 2 * filter->reach) * sizeof *masked);
-    end */
-}
-
-float rk_bloom_weight_inside(const rk_bloom_filter *filter, size_t place, size_t length)
-{
-    /* solution */
-    double share = (double)filter->weights[0];
-    for (size_t k = 1; k <= filter->reach; k++) {
-        share += place >= k ? (double)filter->weights[k] : 0;
-        share += place + k < length ? (double)filter->weights[k] : 0;
-    }
-    return (float)share;
-    /* starter
-    // Fourth step: the sum of the weights that fall inside.
-    (void)filter, (void)place, (void)length;
-    return 1;
-    end */
-}
-
 /* --- The weighted sum ------------------------------------------------------------------------- */
-
-/* Two lines at the same distance from the middle: one multiplication for both. */
-typedef struct tap_pair {
-    const float *a, *b;
-    float weight;
-} tap_pair;
 
 /* A line without a partner is its own, at half the weight; doubling and halving are exact. */
 static tap_pair pair_of(const float *a, const float *b, float weight)
@@ -150,22 +116,6 @@ static tap_pair pair_of(const float *a, const float *b, float weight)
     if (!a || !b)
         return (tap_pair){a ? a : b, a ? a : b, weight / 2};
     return (tap_pair){a, b, weight};
-}
-
-/* The loop over a block has a fixed length, so that compilers make vector code of it at -O2; with
- * five pairs at a time, sums go to memory and back less often. `count` is a multiple of five. */
-static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *restrict sum)
-{
-    for (const tap_pair *p = pairs; p < pairs + count; p += 5) {
-        const float *a0 = p[0].a + at, *b0 = p[0].b + at, *a1 = p[1].a + at, *b1 = p[1].b + at;
-        const float *a2 = p[2].a + at, *b2 = p[2].b + at, *a3 = p[3].a + at, *b3 = p[3].b + at;
-        const float *a4 = p[4].a + at, *b4 = p[4].b + at;
-        float w0 = p[0].weight, w1 = p[1].weight, w2 = p[2].weight, w3 = p[3].weight;
-        float w4 = p[4].weight;
-        for (size_t i = 0; i < RK_BLOOM_BLOCK; i++)
-            sum[at + i] += w0 * (a0[i] + b0[i]) + w1 * (a1[i] + b1[i]) + w2 * (a2[i] + b2[i]) +
-                           w3 * (a3[i] + b3[i]) + w4 * (a4[i] + b4[i]);
-    }
 }
 
 uint32_t rk_bloom_blur_lines(const rk_bloom_filter *filter, const float *const *lines, size_t count,
@@ -191,10 +141,25 @@ uint32_t rk_bloom_blur_lines(const rk_bloom_filter *filter, const float *const *
     // Third step: for each line that is not NULL, its weight times its values. Sixth step: list the
     // pairs of lines with the same weight (pair_of), fill the list up to a multiple of five with
     // pairs of weight 0, and add them up by add_pairs.
-    (void)filter, (void)lines, (void)pair_of, (void)add_pairs;
     memset(sum, 0, count * sizeof *sum);
     return 0;
     end */
+}
+
+/* The loop over a block has a fixed length, so that compilers make vector code of it at -O2; with
+ * five pairs at a time, sums go to memory and back less often. `count` is a multiple of five. */
+static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *restrict sum)
+{
+    for (const tap_pair *p = pairs; p < pairs + count; p += 5) {
+        const float *a0 = p[0].a + at, *b0 = p[0].b + at, *a1 = p[1].a + at, *b1 = p[1].b + at;
+        const float *a2 = p[2].a + at, *b2 = p[2].b + at, *a3 = p[3].a + at, *b3 = p[3].b + at;
+        const float *a4 = p[4].a + at, *b4 = p[4].b + at;
+        float w0 = p[0].weight, w1 = p[1].weight, w2 = p[2].weight, w3 = p[3].weight;
+        float w4 = p[4].weight;
+        for (size_t i = 0; i < RK_BLOOM_BLOCK; i++)
+            sum[at + i] += w0 * (a0[i] + b0[i]) + w1 * (a1[i] + b1[i]) + w2 * (a2[i] + b2[i]) +
+                           w3 * (a3[i] + b3[i]) + w4 * (a4[i] + b4[i]);
+    }
 }
 
 void rk_bloom_composite(float *restrict pixels, const float *restrict glow, size_t count,
@@ -210,6 +175,37 @@ void rk_bloom_composite(float *restrict pixels, const float *restrict glow, size
         pixels[i] += gain * glow[i];
     /* starter
     // Third step.
-    (void)pixels, (void)glow, (void)count, (void)gain;
+    end */
+}
+
+/* --- At the border, and far from the middle --------------------------------------------------- */
+
+float rk_bloom_weight_inside(const rk_bloom_filter *filter, size_t place, size_t length)
+{
+    /* solution */
+    double share = (double)filter->weights[0];
+    for (size_t k = 1; k <= filter->reach; k++) {
+        share += place >= k ? (double)filter->weights[k] : 0;
+        share += place + k < length ? (double)filter->weights[k] : 0;
+    }
+    return (float)share;
+    /* starter
+    // Fourth step: the sum of the weights that fall inside.
+    return 1;
+    end */
+}
+
+uint32_t rk_bloom_reach(uint32_t radius, const float *weights)
+{
+    /* solution */
+    const double half_an_ulp = 0x1p-25;
+    double left_out = 0;
+    uint32_t reach = radius;
+    while (reach > 0 && left_out + 2 * (double)weights[reach] <= half_an_ulp)
+        left_out += 2 * (double)weights[reach--];
+    return reach;
+    /* starter
+    // Fifth step: from the ends inwards, as long as it makes no difference.
+    return radius;
     end */
 }

@@ -11,69 +11,33 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* --- Building ----------------------------------------------------------------------------- */
+/* Nodes still to be visited, and where the ray enters their boxes. */
+typedef struct traversal_stack {
+    uint32_t size;
+    struct {
+        const rk_bvh_node *node;
+        float enter;
+    } entries[RK_BVH_LEVELS_MAX];
+} traversal_stack;
 
-/* A triangle's rank along an axis, as one integer: the centroid's coordinate above, the triangle's
- * index below. One comparison then orders all triangles strictly, coinciding centroids too, and
- * the tree is the same on every machine. A float's bits order like an integer once negative values
- * are flipped whole and the others in their sign. */
-static inline uint64_t sort_key(float coordinate, uint32_t triangle)
-{
-    uint32_t bits;
-    memcpy(&bits, &coordinate, sizeof bits);
-    bits ^= bits >> 31 ? 0xffffffffu : 0x80000000u;
-    return (uint64_t)bits << 32 | triangle;
-}
+/* Contents, in the order of the chapter. */
+static rk_box box_of(const rk_bvh_reference *references, const uint64_t *ranks, uint32_t count);
+static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *ranks, uint32_t count,
+                                const rk_box *box);
+static uint32_t split_range_at_median(void *context, uint32_t begin, uint32_t count,
+                                      uint32_t depth_left, rk_box *box);
+static void fill_leaves(rk_bvh *bvh, const rk_mesh *mesh, const uint64_t *ranks);
+static inline uint64_t sort_key(float coordinate, uint32_t triangle);
+static inline uint32_t triangle_of(uint64_t rank);
+static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted);
+static void sort_few(uint64_t *ranks, uint32_t count);
+static inline void swap_keys(uint64_t *a, uint64_t *b);
+static inline const rk_bvh_node *push_far_return_near(traversal_stack *list,
+                                                      const rk_bvh_node *children,
+                                                      const rk_slabs *slabs, float t_max);
+static inline const rk_bvh_node *pop_nearer(traversal_stack *list, float t_max);
 
-static inline uint32_t triangle_of(uint64_t rank)
-{
-    return (uint32_t)rank;
-}
-
-static inline void swap_keys(uint64_t *a, uint64_t *b)
-{
-    uint64_t t = *a;
-    *a = *b;
-    *b = t;
-}
-
-static void sort_few(uint64_t *ranks, uint32_t count)
-{
-    for (uint32_t i = 1; i < count; i++)
-        for (uint32_t j = i; j > 0 && ranks[j] < ranks[j - 1]; j--)
-            swap_keys(&ranks[j], &ranks[j - 1]);
-}
-
-/* Moves the `wanted` lowest ranks to the front (Hoare's FIND). A hash picks the pivots, so that no
- * order in which a mesh comes is a slow one: linear time on average. The partition (Lomuto's)
- * moves every rank and counts, where a branch could not be predicted. */
-static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted)
-{
-    /* solution */
-    const uint32_t few = 16; /* sorting these costs less than choosing pivots among them */
-    uint32_t begin = 0, end = count;
-    while (end - begin > few) {
-        swap_keys(&ranks[begin], &ranks[begin + rk_hash(begin, end, 0, 0) % (end - begin)]);
-        uint64_t pivot = ranks[begin];
-        uint32_t cut = begin; /* ranks[begin + 1 .. cut] are below the pivot */
-        for (uint32_t i = begin + 1; i < end; i++) {
-            uint64_t rank = ranks[i];
-            ranks[i] = ranks[cut + 1];
-            ranks[cut + 1] = rank;
-            cut += rank < pivot;
-        }
-        swap_keys(&ranks[begin], &ranks[cut]);
-        if (wanted <= cut)
-            end = cut;
-        else
-            begin = cut + 1;
-    }
-    sort_few(ranks + begin, end - begin);
-    /* starter
-    // Third step: nothing moves yet. Sorting them all, sort_few, would be right, but far too slow.
-    (void)ranks, (void)count, (void)wanted, (void)sort_few;
-    end */
-}
+/* --- Building --------------------------------------------------------------------------------- */
 
 static rk_box box_of(const rk_bvh_reference *references, const uint64_t *ranks, uint32_t count)
 {
@@ -84,7 +48,6 @@ static rk_box box_of(const rk_bvh_reference *references, const uint64_t *ranks, 
     return box;
     /* starter
     // First step: the smallest box around the boxes of all these triangles.
-    (void)references, (void)ranks, (void)count, (void)triangle_of;
     return rk_box_empty();
     end */
 }
@@ -104,8 +67,6 @@ static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *ra
     return half;
     /* starter
     // Second step: give each triangle its rank along the longest axis of the box, then select.
-    (void)references, (void)box, (void)sort_key, (void)select_lowest;
-    (void)ranks;
     return count;
     end */
 }
@@ -143,7 +104,6 @@ void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split cut, void *builder)
     /* starter
     // First step: the root is a leaf with all triangles in it; `cut` gives it its box. Second step:
     // where `cut` returns more than 0, reserve two children, and build them in the same way.
-    (void)cut, (void)builder;
     bvh->node_count = 2;
     bvh->nodes[0] = (rk_bvh_node){rk_box_empty(), 0, bvh->triangle_count};
     end */
@@ -197,16 +157,70 @@ bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
     return ok;
 }
 
-/* --- Traversal ---------------------------------------------------------------------------- */
+/* --- Selecting -------------------------------------------------------------------------------- */
 
-/* Nodes still to be visited, and where the ray enters their boxes. */
-typedef struct traversal_stack {
-    uint32_t size;
-    struct {
-        const rk_bvh_node *node;
-        float enter;
-    } entries[RK_BVH_LEVELS_MAX];
-} traversal_stack;
+/* A triangle's rank along an axis, as one integer: the centroid's coordinate above, the triangle's
+ * index below. One comparison then orders all triangles strictly, coinciding centroids too, and
+ * the tree is the same on every machine. A float's bits order like an integer once negative values
+ * are flipped whole and the others in their sign. */
+static inline uint64_t sort_key(float coordinate, uint32_t triangle)
+{
+    uint32_t bits;
+    memcpy(&bits, &coordinate, sizeof bits);
+    bits ^= bits >> 31 ? 0xffffffffu : 0x80000000u;
+    return (uint64_t)bits << 32 | triangle;
+}
+
+static inline uint32_t triangle_of(uint64_t rank)
+{
+    return (uint32_t)rank;
+}
+
+/* Moves the `wanted` lowest ranks to the front (Hoare's FIND). A hash picks the pivots, so that no
+ * order in which a mesh comes is a slow one: linear time on average. The partition (Lomuto's)
+ * moves every rank and counts, where a branch could not be predicted. */
+static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted)
+{
+    /* solution */
+    const uint32_t few = 16; /* sorting these costs less than choosing pivots among them */
+    uint32_t begin = 0, end = count;
+    while (end - begin > few) {
+        swap_keys(&ranks[begin], &ranks[begin + rk_hash(begin, end, 0, 0) % (end - begin)]);
+        uint64_t pivot = ranks[begin];
+        uint32_t cut = begin; /* ranks[begin + 1 .. cut] are below the pivot */
+        for (uint32_t i = begin + 1; i < end; i++) {
+            uint64_t rank = ranks[i];
+            ranks[i] = ranks[cut + 1];
+            ranks[cut + 1] = rank;
+            cut += rank < pivot;
+        }
+        swap_keys(&ranks[begin], &ranks[cut]);
+        if (wanted <= cut)
+            end = cut;
+        else
+            begin = cut + 1;
+    }
+    sort_few(ranks + begin, end - begin);
+    /* starter
+    // Third step: nothing moves yet. Sorting them all, sort_few, would be right, but far too slow.
+    end */
+}
+
+static void sort_few(uint64_t *ranks, uint32_t count)
+{
+    for (uint32_t i = 1; i < count; i++)
+        for (uint32_t j = i; j > 0 && ranks[j] < ranks[j - 1]; j--)
+            swap_keys(&ranks[j], &ranks[j - 1]);
+}
+
+static inline void swap_keys(uint64_t *a, uint64_t *b)
+{
+    uint64_t t = *a;
+    *a = *b;
+    *b = t;
+}
+
+/* --- Traversal -------------------------------------------------------------------------------- */
 
 /* Of the two children, the one that the ray enters first: what lies in it may spare us the other,
  * which has to wait. NULL if the ray enters neither. Not entered is INFINITY, which is no greater
@@ -232,7 +246,6 @@ static inline const rk_bvh_node *push_far_return_near(traversal_stack *list,
     return enter_near < INFINITY ? near : NULL;
     /* starter
     // Fourth step: rk_box_enter tells where a ray enters a box; INFINITY says that it does not.
-    (void)list, (void)children, (void)slabs, (void)t_max;
     return NULL;
     end */
 }
@@ -247,7 +260,6 @@ static inline const rk_bvh_node *pop_nearer(traversal_stack *list, float t_max)
     return NULL;
     /* starter
     // Fourth step: what the ray enters only behind t_max is not worth a visit.
-    (void)list, (void)t_max;
     return NULL;
     end */
 }
@@ -279,7 +291,6 @@ rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counter
     counters->triangle_tests += triangle_tests;
     /* starter
     // Fourth step: from the root down, leaves by rk_triangle_closest. Count the tests.
-    (void)push_far_return_near, (void)pop_nearer, (void)counters;
     end */
     return hit;
 }
@@ -313,5 +324,5 @@ bool rk_bvh_occluded(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters
     return found;
     /* starter
     // Fifth step: as above, by rk_triangle_occludes, and the first triangle found is the last
-    tested. (void)ray, (void)counters; return false; end */
+    tested. return false; end */
 }

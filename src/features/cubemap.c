@@ -4,6 +4,29 @@
  * and Applications 6(11), 1986; seamless: the OpenGL extension ARB_seamless_cube_map, 2009. */
 #include "features/cubemap.h"
 
+/* The texels (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1) have the place between their centres,
+ * the share s of the way to the right and t upwards. Indices -1 and `side` are beyond an edge. */
+typedef struct quad {
+    rk_cube_face face;
+    int i, j;
+    float s, t;
+} quad;
+
+/* Contents, in the order of the chapter. */
+static rk_cube_face face_of(rk_vec3 direction);
+static float to_unit(float x);
+static rk_vec3 texel(const rk_cubemap *map, rk_cube_face face, int i, int j);
+static int clamp_index(int i, const rk_cubemap *map);
+static rk_vec3 nearest(const rk_cubemap *map, rk_vec3 direction);
+static quad quad_around(const rk_cubemap *map, rk_vec3 direction);
+static rk_vec3 mix_four(rk_vec3 texels[2][2], float s, float t);
+static rk_vec3 bilinear(const rk_cubemap *map, const quad *q);
+static bool is_beyond(const rk_cubemap *map, int i);
+static rk_vec3 texel_beyond(const rk_cubemap *map, rk_cube_face face, int i, int j);
+static rk_vec3 seamless(const rk_cubemap *map, const quad *q);
+static bool is_within(const rk_cubemap *map, const quad *q);
+static double angle_from_centre(double x, double y);
+
 /* --- Directions ------------------------------------------------------------------------------- */
 
 /* Ties go to x before y before z. */
@@ -18,7 +41,6 @@ static rk_cube_face face_of(rk_vec3 direction)
     return direction.z < 0 ? RK_FACE_MINUS_Z : RK_FACE_Z;
     /* starter
     // First step: the axis of the largest component, and its sign.
-    (void)direction;
     return RK_FACE_MINUS_Z;
     end */
 }
@@ -40,7 +62,6 @@ rk_cube_place rk_cubemap_place(rk_vec3 direction)
     return (rk_cube_place){face, to_unit(0.5f * right + 0.5f), to_unit(0.5f * up + 0.5f)};
     /* starter
     // First step: divide by the largest component; then [-1, 1] on the face becomes [0, 1].
-    (void)direction, (void)face_of, (void)to_unit;
     return (rk_cube_place){RK_FACE_MINUS_Z, 0.25f, 0.25f};
     end */
 }
@@ -68,18 +89,9 @@ static rk_vec3 nearest(const rk_cubemap *map, rk_vec3 direction)
                  clamp_index((int)(place.v * side), map));
     /* starter
     // Second step: the texel that the place is in. u = 1 still belongs to the last one.
-    (void)map, (void)direction, (void)texel, (void)clamp_index;
     return rk_vec(1, 0, 1);
     end */
 }
-
-/* The texels (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1) have the place between their centres,
- * the share s of the way to the right and t upwards. Indices -1 and `side` are beyond an edge. */
-typedef struct quad {
-    rk_cube_face face;
-    int i, j;
-    float s, t;
-} quad;
 
 static quad quad_around(const rk_cubemap *map, rk_vec3 direction)
 {
@@ -90,7 +102,6 @@ static quad quad_around(const rk_cubemap *map, rk_vec3 direction)
     return (quad){place.face, (int)left, (int)bottom, x - left, y - bottom};
     /* starter
     // Third step: texel i has its centre at u = (i + .5) / side.
-    (void)map, (void)direction;
     return (quad){RK_FACE_MINUS_Z, 0, 0, 0, 0};
     end */
 }
@@ -113,7 +124,6 @@ static rk_vec3 bilinear(const rk_cubemap *map, const quad *q)
     return mix_four(texels, q->s, q->t);
     /* starter
     // Third step: fetch four texels, none of them beyond the face, and mix.
-    (void)map, (void)q, (void)mix_four;
     return rk_vec(1, 0, 1);
     end */
 }
@@ -139,7 +149,6 @@ static rk_vec3 texel_beyond(const rk_cubemap *map, rk_cube_face face, int i, int
     return nearest(map, rk_madd(rk_madd(ahead, axes->right, (float)right), axes->up, (float)up));
     /* starter
     // Fourth step: the direction to that texel's centre, folded over the edge; then `nearest`.
-    (void)map, (void)face, (void)i, (void)j, (void)is_beyond, (void)nearest;
     return rk_vec(1, 0, 1);
     end */
 }
@@ -166,7 +175,6 @@ static rk_vec3 seamless(const rk_cubemap *map, const quad *q)
     /* starter
     // Fourth step: as bilinear, with the neighbour's texels beyond an edge. Fifth step: at a corner
     // there are three; the mean of these stands in for the fourth.
-    (void)map, (void)q, (void)texel_beyond;
     return rk_vec(1, 0, 1);
     end */
 }
@@ -196,7 +204,6 @@ static double angle_from_centre(double x, double y)
     return atan2(x * y, sqrt(x * x + y * y + 1));
     /* starter
     // Sixth step: the formula's atan2.
-    (void)x, (void)y;
     return 0;
     end */
 }
@@ -211,7 +218,6 @@ double rk_cubemap_solid_angle(uint32_t side, uint32_t column, uint32_t row)
            angle_from_centre(right, top) + angle_from_centre(left, top);
     /* starter
     // Sixth step: of the rectangle to each corner, added and taken away.
-    (void)side, (void)column, (void)row, (void)angle_from_centre;
     return 0;
     end */
 }

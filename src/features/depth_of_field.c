@@ -8,6 +8,16 @@
 #include <math.h>
 #include <string.h>
 
+/* The first pixel that a square reaches, and the first behind it that it does not. */
+typedef struct span {
+    uint32_t from, end;
+} span;
+
+/* Contents, in the order of the chapter. */
+static float diameter_of(const rk_lens *lens);
+static float focus_along(const rk_lens *lens, rk_vec3 through);
+static span span_around(uint32_t at, float blur, uint32_t size);
+
 rk_lens rk_lens_default(void)
 {
     return (rk_lens){.focal_distance = 1.8f, .aperture = 10, .focal = RK_FOCAL_PLANE};
@@ -27,7 +37,7 @@ static float diameter_of(const rk_lens *lens)
 rk_vec2 rk_lens_disk(rk_vec2 xi)
 {
     /* solution */
-    const float eighth = 0.785398163f; /* of a turn, pi / 4 */
+    const float eighth = RK_PI / 4; /* of a turn */
     float a = 2 * xi.x - 1, b = 2 * xi.y - 1;
     if (a == 0 && b == 0)
         return (rk_vec2){0, 0};
@@ -39,21 +49,7 @@ rk_vec2 rk_lens_disk(rk_vec2 xi)
     return (rk_vec2){b * sinf(angle), b * cosf(angle)};
     /* starter
     // First step: from the square to the disk.
-    (void)xi;
     return (rk_vec2){0, 0};
-    end */
-}
-
-/* How many times farther along `through`, whose depth is 1, the focal surface is. */
-static float focus_along(const rk_lens *lens, rk_vec3 through)
-{
-    /* solution */
-    return lens->focal == RK_FOCAL_PLANE ? lens->focal_distance
-                                         : lens->focal_distance / rk_length(through);
-    /* starter
-    // Third step: the plane at this depth, or the sphere of this radius.
-    (void)lens, (void)through;
-    return 1;
     end */
 }
 
@@ -70,8 +66,19 @@ rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, r
     return (rk_ray){rk_add(view->position, offset), rk_normalize(towards), INFINITY};
     /* starter
     // Second step: start at a point of the lens, and go through the focus.
-    (void)lens, (void)view, (void)x, (void)y, (void)xi, (void)diameter_of, (void)focus_along;
     return (rk_ray){rk_vec(0, 0, 0), rk_vec(0, 0, 0), 0};
+    end */
+}
+
+/* How many times farther along `through`, whose depth is 1, the focal surface is. */
+static float focus_along(const rk_lens *lens, rk_vec3 through)
+{
+    /* solution */
+    return lens->focal == RK_FOCAL_PLANE ? lens->focal_distance
+                                         : lens->focal_distance / rk_length(through);
+    /* starter
+    // Third step: the plane at this depth, or the sphere of this radius.
+    return 1;
     end */
 }
 
@@ -87,15 +94,9 @@ float rk_lens_coc_diameter(const rk_lens *lens, const rk_view *view, const rk_ra
     return angle / (plane ? view->pixel : view->pixel * cosine);
     /* starter
     // Fourth step: the circle's diameter where the lens is in focus, then in pixels.
-    (void)lens, (void)view, (void)ray, (void)t;
     return -1;
     end */
 }
-
-/* The first pixel that a square reaches, and the first behind it that it does not. */
-typedef struct span {
-    uint32_t from, end;
-} span;
 
 /* The circle's centre is anywhere in its pixel, and may touch another pixel anywhere: with radius r
  * it reaches those that are k columns away where k - 1 < r. */
@@ -107,7 +108,6 @@ static span span_around(uint32_t at, float blur, uint32_t size)
     return (span){at > pixels ? at - pixels : 0, size - at > pixels ? at + pixels + 1 : size};
     /* starter
     // Fifth step: pixels from and up to which a circle around pixel `at` reaches, in the picture.
-    (void)at, (void)blur;
     return (span){0, size};
     end */
 }
@@ -141,6 +141,5 @@ void rk_lens_coc(const float *blur, uint32_t width, uint32_t height, int32_t *co
     /* starter
     // Sixth step: for each circle four numbers at its square's corners, then sums along rows, then
     // along columns.
-    (void)blur, (void)stride, (void)span_around;
     end */
 }

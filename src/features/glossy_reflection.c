@@ -6,7 +6,9 @@
  * disk and square", JGT 2(3), 1997. */
 #include "features/glossy_reflection.h"
 
-static const float pi = 3.14159265f;
+/* Contents, in the order of the chapter. */
+static rk_vec2 polar(float radius, float angle);
+static rk_vec2 concentric(float x, float y);
 
 /* --- The basis -------------------------------------------------------------------------------- */
 
@@ -21,12 +23,23 @@ void rk_basis_of(rk_vec3 w, rk_vec3 *u, rk_vec3 *v)
     *v = rk_vec(b, sign + w.y * w.y * a, -w.y);
     /* starter
     // First step: two unit vectors at right angles to w and to each other, for every w.
-    (void)w;
     *u = *v = rk_vec(0, 0, 0);
     end */
 }
 
 /* --- Points of the disk ----------------------------------------------------------------------- */
+
+rk_vec2 rk_disk_at(rk_disk_map map, rk_vec2 xi)
+{
+    if (map == RK_DISK_CONCENTRIC)
+        return concentric(2 * xi.x - 1, 2 * xi.y - 1);
+    /* solution */
+    return polar(sqrtf(xi.x), 2 * RK_PI * xi.y);
+    /* starter
+    // Second step: a ring twice as far out is twice as long, and gets twice as many points.
+    return (rk_vec2){0, 0};
+    end */
+}
 
 static rk_vec2 polar(float radius, float angle)
 {
@@ -39,24 +52,10 @@ static rk_vec2 concentric(float x, float y)
 {
     /* solution */
     if (fabsf(x) > fabsf(y))
-        return polar(x, pi / 4 * (y / x));
-    return y == 0 ? (rk_vec2){0, 0} : polar(y, pi / 2 - pi / 4 * (x / y));
+        return polar(x, RK_PI / 4 * (y / x));
+    return y == 0 ? (rk_vec2){0, 0} : polar(y, RK_PI / 2 - RK_PI / 4 * (x / y));
     /* starter
     // Second step: of the sector of the larger coordinate, the sides +x and -x first.
-    (void)x, (void)y;
-    return (rk_vec2){0, 0};
-    end */
-}
-
-rk_vec2 rk_disk_at(rk_disk_map map, rk_vec2 xi)
-{
-    if (map == RK_DISK_CONCENTRIC)
-        return concentric(2 * xi.x - 1, 2 * xi.y - 1);
-    /* solution */
-    return polar(sqrtf(xi.x), 2 * pi * xi.y);
-    /* starter
-    // Second step: a ring twice as far out is twice as long, and gets twice as many points.
-    (void)polar;
     return (rk_vec2){0, 0};
     end */
 }
@@ -69,7 +68,6 @@ float rk_glossy_radius(float shininess)
     return rk_min(0.5f / shininess, 1);
     /* starter
     // Third step: inversely proportional to the shininess.
-    (void)shininess;
     return NAN;
     end */
 }
@@ -91,7 +89,6 @@ bool rk_glossy_direction(const rk_glossy_disk *disk, rk_vec2 at, rk_vec3 *direct
     return rk_dot(*direction, disk->face_normal) > 0;
     /* starter
     // Third step: w + x u + y v with radius times the point for x and y; its unit vector.
-    (void)disk, (void)at;
     *direction = rk_vec(0, 0, 0);
     return false;
     end */
@@ -109,10 +106,9 @@ float rk_glossy_fraction_above(const rk_glossy_disk *disk)
     if (height >= reach)
         return 1;
     float d = height / reach;
-    return 1 - (acosf(d) - d * sqrtf(1 - d * d)) / pi;
+    return 1 - (acosf(d) - d * sqrtf(1 - d * d)) / RK_PI;
     /* starter
     // Fourth step: how high above the plane is the middle, and how much lower is the lowest point?
-    (void)disk, (void)pi;
     return -1;
     end */
 }
@@ -127,7 +123,6 @@ float rk_glossy_weight(rk_glossy_weights weights, uint32_t above, uint32_t sampl
     return 1 / ((float)above * (1 - powf(1 - share, (float)samples)));
     /* starter
     // Fourth step: classic first; then renormalised, which makes up for estimates with no sample.
-    (void)weights, (void)above, (void)samples, (void)share;
     return -1;
     end */
 }

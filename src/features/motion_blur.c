@@ -6,6 +6,20 @@
 
 #include "base/sampler.h"
 
+typedef struct range {
+    double low, high;
+} range;
+
+/* Contents, in the order of the chapter. */
+static double height_at(const rk_motion *motion, double x);
+static float time_at(const rk_shutter *shutter, double share);
+static void sweep_axis(float *low, float *high, range offset);
+static range range_with(range r, double y);
+static int turning_points(const rk_motion *motion, double x[2]);
+static range heights(const rk_motion *motion, const rk_shutter *shutter);
+static rk_box widened(const rk_box *box, const rk_box *by);
+static rk_box spare_for(const rk_slabs *ray);
+
 rk_motion rk_motion_default(void)
 {
     return (rk_motion){-4, 0.5f, 1.5f};
@@ -24,7 +38,6 @@ static double height_at(const rk_motion *motion, double x)
     return (((double)motion->a * x + (double)motion->b) * x + (double)motion->c) * x;
     /* starter
     // First step: a x^3 + b x^2 + c x.
-    (void)motion, (void)x;
     return 0;
     end */
 }
@@ -35,7 +48,6 @@ rk_vec3 rk_motion_offset(const rk_motion *motion, float x)
     return rk_vec(x, (float)height_at(motion, (double)x), 0);
     /* starter
     // First step: (x, y(x), 0).
-    (void)motion, (void)x, (void)height_at;
     return rk_vec(0, 0, 0);
     end */
 }
@@ -47,7 +59,6 @@ rk_ray rk_motion_ray(rk_vec3 offset, const rk_ray *ray)
     return (rk_ray){rk_sub(ray->origin, offset), ray->direction, ray->t_max};
     /* starter
     // Second step: move the ray instead of the object.
-    (void)offset;
     return *ray;
     end */
 }
@@ -67,7 +78,6 @@ float rk_shutter_equidistant(const rk_shutter *shutter, float k, uint32_t sample
     return time_at(shutter, ((double)k - 0.5) / samples);
     /* starter
     // Third step: the middle of part k of `samples`, counted from 1.
-    (void)k, (void)samples, (void)time_at;
     return shutter->open;
     end */
 }
@@ -86,66 +96,11 @@ float rk_shutter_time(const rk_shutter *shutter, rk_time_sampling sampling, uint
     /* starter
     // Fourth step: rk_sample_1d of RK_DIMENSION_TIME is the share of the shutter or, where sample i
     // lies in part i, the place in that part.
-    (void)sampling, (void)seed, (void)pixel, (void)sample, (void)samples;
     return shutter->open;
     end */
 }
 
 /* --- Where it may be -------------------------------------------------------------------------- */
-
-typedef struct range {
-    double low, high;
-} range;
-
-static range range_with(range r, double y)
-{
-    return (range){y < r.low ? y : r.low, y > r.high ? y : r.high};
-}
-
-/* Returns how many turning points the path has, 0 or 2: where 3 a x^2 + 2 b x + c changes its sign.
- * The two roots as q / 3a and c / q, of which neither subtracts numbers of one sign; for a = 0 the
- * first is at infinity. Of floats, b^2 and 3 a c are exact in double, so the sign of the
- * discriminant is right. Where it is 0 the path has a level point, but does not turn. */
-static int turning_points(const rk_motion *motion, double x[2])
-{
-    /* solution */
-    double a = (double)motion->a, b = (double)motion->b, c = (double)motion->c;
-    double discriminant = b * b - 3 * a * c;
-    if (!(discriminant > 0))
-        return 0;
-    double q = -(b + copysign(sqrt(discriminant), b));
-    x[0] = q / (3 * a);
-    x[1] = c / q;
-    return 2;
-    /* starter
-    // Fifth step: the roots of y' = 3 a x^2 + 2 b x + c, also for a = 0.
-    (void)motion, (void)x;
-    return 0;
-    end */
-}
-
-/* Between two turning points a path only rises or only falls. */
-static range heights(const rk_motion *motion, const rk_shutter *shutter)
-{
-    /* solution */
-    double open = (double)shutter->open, close = (double)shutter->close, x[2];
-    double first = height_at(motion, open);
-    range y = range_with((range){first, first}, height_at(motion, close));
-    int count = turning_points(motion, x);
-    for (int i = 0; i < count; i++)
-        if (x[i] > open && x[i] < close)
-            y = range_with(y, height_at(motion, x[i]));
-    /* Five roundings, of terms that may nearly cancel; and as many when the offset is computed. */
-    double size = fmax(fabs(open), fabs(close));
-    const rk_motion all = {fabsf(motion->a), fabsf(motion->b), fabsf(motion->c)};
-    double error = 10 * 0x1p-53 * height_at(&all, size);
-    return (range){y.low - error, y.high + error};
-    /* starter
-    // Fifth step: the lowest and the highest y while the shutter is open.
-    (void)motion, (void)shutter, (void)range_with, (void)turning_points;
-    return (range){0, 0};
-    end */
-}
 
 /* How far roundings may carry a moved ray on one axis, for each unit of what is added there:
  * origin, offset, corner. 1 eps, 2^-24, for the moved origin, 10 for the test of the box at rest
@@ -171,11 +126,57 @@ rk_box rk_motion_sweep(const rk_motion *motion, const rk_shutter *shutter, const
     sweep_axis(&low->y, &high->y, heights(motion, shutter));
     sweep_axis(&low->z, &high->z, (range){0, 0});
     /* starter
-    // Sixth step: sweep_axis widens each axis by the range of its offset.
-    (void)motion, (void)shutter, (void)low, (void)high;
-    (void)heights, (void)sweep_axis;
+    // Fifth step: sweep_axis widens each axis by the range of its offset.
     end */
     return box;
+}
+
+static range range_with(range r, double y)
+{
+    return (range){y < r.low ? y : r.low, y > r.high ? y : r.high};
+}
+
+/* Returns how many turning points the path has, 0 or 2: where 3 a x^2 + 2 b x + c changes its sign.
+ * The two roots as q / 3a and c / q, of which neither subtracts numbers of one sign; for a = 0 the
+ * first is at infinity. Of floats, b^2 and 3 a c are exact in double, so the sign of the
+ * discriminant is right. Where it is 0 the path has a level point, but does not turn. */
+static int turning_points(const rk_motion *motion, double x[2])
+{
+    /* solution */
+    double a = (double)motion->a, b = (double)motion->b, c = (double)motion->c;
+    double discriminant = b * b - 3 * a * c;
+    if (!(discriminant > 0))
+        return 0;
+    double q = -(b + copysign(sqrt(discriminant), b));
+    x[0] = q / (3 * a);
+    x[1] = c / q;
+    return 2;
+    /* starter
+    // Sixth step: the roots of y' = 3 a x^2 + 2 b x + c, also for a = 0.
+    return 0;
+    end */
+}
+
+/* Between two turning points a path only rises or only falls. */
+static range heights(const rk_motion *motion, const rk_shutter *shutter)
+{
+    /* solution */
+    double open = (double)shutter->open, close = (double)shutter->close, x[2];
+    double first = height_at(motion, open);
+    range y = range_with((range){first, first}, height_at(motion, close));
+    int count = turning_points(motion, x);
+    for (int i = 0; i < count; i++)
+        if (x[i] > open && x[i] < close)
+            y = range_with(y, height_at(motion, x[i]));
+    /* Five roundings, of terms that may nearly cancel; and as many when the offset is computed. */
+    double size = fmax(fabs(open), fabs(close));
+    const rk_motion all = {fabsf(motion->a), fabsf(motion->b), fabsf(motion->c)};
+    double error = 10 * 0x1p-53 * height_at(&all, size);
+    return (range){y.low - error, y.high + error};
+    /* starter
+    // Fifth step: the lower and the higher end of the way. Sixth step: where the path turns, too.
+    return (range){0, 0};
+    end */
 }
 
 /* --- Which rays need a time ------------------------------------------------------------------- */
@@ -200,7 +201,6 @@ bool rk_motion_may_intersect(const rk_box *swept, const rk_slabs *ray, float t_m
     return rk_box_enter(&box, ray, t_max) < INFINITY;
     /* starter
     // Seventh step: does the ray enter (rk_box_enter) the box, widened by spare_for(ray)?
-    (void)swept, (void)ray, (void)t_max, (void)widened, (void)spare_for;
     return true;
     end */
 }
@@ -230,7 +230,6 @@ bool rk_motion_may_intersect_leaf(const rk_bvh *bvh, const rk_box *swept, const 
     return false;
     /* starter
     // Eighth step: down the tree, into boxes that are widened as the root's was, to the first leaf.
-    (void)bvh, (void)swept, (void)ray, (void)t_max;
     return true;
     end */
 }

@@ -11,6 +11,27 @@ typedef struct sight {
     rk_dvec3 corner, edge01, edge02;
 } sight;
 
+/* The two halves of a parallelogram as triangles: at corner 0, and at corner 3. */
+typedef struct halves {
+    rk_dvec3 far, back10, back20; /* corner 3 as the point sees it, and the edges from there */
+    double angle0, angle3;        /* solid angles */
+} halves;
+
+/* Contents, in the order of the chapter. */
+static sight sight_of(const rk_light *light, rk_vec3 point);
+static rk_dvec3 along(const sight *s, double x, double y);
+static rk_vec3 position_at(const rk_light *light, rk_vec2 at);
+static rk_vec3 colour_at(const rk_light *light, rk_vec2 at);
+static double falloff_at(rk_light_kind kind, const sight *s, rk_dvec3 d);
+static double polygon_irradiance(const rk_dvec3 *corners, int count, rk_dvec3 n);
+static int clip_at_horizon(rk_dvec3 *kept, const rk_dvec3 *corners, int count, rk_dvec3 n);
+static double solid_angle(rk_dvec3 a, rk_dvec3 ab, rk_dvec3 ac);
+static halves halves_of(const sight *s);
+static double share_of_edge(rk_dvec3 p, rk_dvec3 edge, double h);
+static rk_vec2 spherical_triangle(rk_dvec3 a, rk_dvec3 ab, rk_dvec3 ac, double angle, rk_vec2 xi);
+static rk_vec2 by_solid_angle(const sight *s, const halves *h, rk_vec2 xi);
+static float ratio(float unshadowed, float visible, float all);
+
 static sight sight_of(const rk_light *light, rk_vec3 point)
 {
     sight s = {.corner = rk_dmadd(rk_widen(light->position), rk_widen(point), -1)};
@@ -26,7 +47,7 @@ static rk_dvec3 along(const sight *s, double x, double y)
     return rk_dmadd(rk_dmadd(s->corner, s->edge01, x), s->edge02, y);
 }
 
-/* --- A point of the light -------------------------------------------------------------------- */
+/* --- A point of the light --------------------------------------------------------------------- */
 
 static rk_vec3 position_at(const rk_light *light, rk_vec2 at)
 {
@@ -39,7 +60,6 @@ static rk_vec3 position_at(const rk_light *light, rk_vec2 at)
     return position;
     /* starter
     // First step: a segment has only the first edge, a point none.
-    (void)at;
     return rk_scale(light->position, NAN);
     end */
 }
@@ -54,7 +74,6 @@ static rk_vec3 colour_at(const rk_light *light, rk_vec2 at)
     return light->kind == RK_LIGHT_SEGMENT ? low : rk_mix(low, rk_mix(c[2], c[3], at.x), at.y);
     /* starter
     // First step: linear in x between corners 0 and 1, and between 2 and 3; then linear in y.
-    (void)light, (void)at;
     return rk_vec(0, 0, 0);
     end */
 }
@@ -75,12 +94,74 @@ static double falloff_at(rk_light_kind kind, const sight *s, rk_dvec3 d)
     /* starter
     // Second step: 1 / r^2 for a point; length x sin' / r^2 or area x cos' / r^2 for the others,
     // which a cross product gives without any angle. On the light itself, r = 0, it is 0.
-    (void)kind, (void)s, (void)d, (void)rk_dlength;
     return 0;
     end */
 }
 
-/* --- Evenly over the directions -------------------------------------------------------------- */
+/* --- In closed form --------------------------------------------------------------------------- */
+
+float rk_light_irradiance(const rk_light *light, rk_vec3 point, rk_vec3 normal)
+{
+    sight s = sight_of(light, point);
+    rk_dvec3 n = rk_widen(normal), kept[8];
+    double r = rk_dlength(s.corner), cos_r = fmax(rk_ddot(n, s.corner), 0);
+    if (light->kind == RK_LIGHT_POINT)
+        return r > 0 ? (float)(cos_r / (r * r * r)) : 0;
+    if (light->kind == RK_LIGHT_SEGMENT)
+        return (float)rk_segment_irradiance(s.corner, s.edge01, n);
+    if (rk_ddot(s.corner, rk_dcross(s.edge01, s.edge02)) == 0) /* edge-on, or no area */
+        return 0;
+    const rk_dvec3 corners[4] = {s.corner, along(&s, 1, 0), along(&s, 1, 1), along(&s, 0, 1)};
+    return (float)polygon_irradiance(kept, clip_at_horizon(kept, corners, 4, n), n);
+}
+
+/* Lambert: half the sum, over the edges, of the angle under which the edge is seen times the cosine
+ * between the surface's normal and that of the plane through edge and point. */
+static double polygon_irradiance(const rk_dvec3 *corners, int count, rk_dvec3 n)
+{
+    /* solution */
+    double sum = 0;
+    for (int i = 0; i < count; i++) {
+        rk_dvec3 a = corners[i], b = corners[(i + 1) % count];
+        rk_dvec3 across = rk_dcross(a, rk_dmadd(b, a, -1)); /* a x b, of which less cancels */
+        double sine = rk_dlength(across);
+        if (sine > 0)
+            sum += atan2(sine, rk_ddot(a, b)) * rk_ddot(n, across) / sine;
+    }
+    return fabs(sum) / 2; /* its sign tells from which side the light is seen */
+    /* starter
+    // Third step: the angle by atan2, which is exact for small ones too. An edge that points at
+    // the surface point is seen under no angle.
+    return 0;
+    end */
+}
+
+/* Cuts off what of the polygon of `count` corners lies below the horizon n.p = 0, into `kept` with
+ * room for twice as many; returns how many are left (Sutherland and Hodgman, 1974). */
+static int clip_at_horizon(rk_dvec3 *kept, const rk_dvec3 *corners, int count, rk_dvec3 n)
+{
+    /* solution */
+    int left = 0;
+    for (int i = 0; i < count; i++) {
+        rk_dvec3 a = corners[i], b = corners[(i + 1) % count];
+        double above_a = rk_ddot(n, a), above_b = rk_ddot(n, b);
+        if (above_a >= 0)
+            kept[left++] = a;
+        if ((above_a >= 0) != (above_b >= 0)) {
+            double at = above_a / (above_a - above_b);
+            kept[left++] = rk_dmadd(rk_dmadd(a, a, -at), b, at);
+        }
+    }
+    return left;
+    /* starter
+    // Third step: nothing is cut off yet.
+    for (int i = 0; i < count; i++)
+        kept[i] = corners[i];
+    return count;
+    end */
+}
+
+/* --- Evenly over the directions --------------------------------------------------------------- */
 
 /* Of the triangle with corners a, a + ab and a + ac. */
 static double solid_angle(rk_dvec3 a, rk_dvec3 ab, rk_dvec3 ac)
@@ -94,9 +175,23 @@ static double solid_angle(rk_dvec3 a, rk_dvec3 ab, rk_dvec3 ac)
                      la * lb * lc + rk_ddot(a, b) * lc + rk_ddot(b, c) * la + rk_ddot(c, a) * lb);
     /* starter
     // Fourth step: the formula of Van Oosterom and Strackee.
-    (void)a, (void)ab, (void)ac;
     return 0;
     end */
+}
+
+static halves halves_of(const sight *s)
+{
+    halves h = {along(s, 1, 1), rk_dscale(s->edge01, -1), rk_dscale(s->edge02, -1),
+                solid_angle(s->corner, s->edge01, s->edge02), 0};
+    h.angle3 = solid_angle(h.far, h.back10, h.back20);
+    return h;
+}
+
+double rk_light_solid_angle(const rk_light *light, rk_vec3 point)
+{
+    sight s = sight_of(light, point);
+    halves h = halves_of(&s);
+    return h.angle0 + h.angle3;
 }
 
 /* How far along the edge from p to p + edge a direction meets it that is turned away from p by the
@@ -129,35 +224,8 @@ static rk_vec2 spherical_triangle(rk_dvec3 a, rk_dvec3 ab, rk_dvec3 ac, double a
     return (rk_vec2){(float)x, (float)y};
     /* starter
     // Fourth step: first y, from the tangent of half the angle between a and c'; then x.
-    (void)a, (void)ab, (void)ac, (void)angle, (void)xi, (void)share_of_edge;
     return (rk_vec2){0, 0};
     end */
-}
-
-/* Below this solid angle the light is a dot or a line to the point. Rounding errors of 2^-53 in the
- * directions to its corners would begin to show in where the samples lie on it. Spread over the
- * area they are unbiased as well, and nothing this small can make much noise. */
-static const double smallest_solid_angle = 0x1p-32;
-
-/* The two halves of a parallelogram as triangles: at corner 0, and at corner 3. */
-typedef struct halves {
-    rk_dvec3 far, back10, back20; /* corner 3 as the point sees it, and the edges from there */
-    double angle0, angle3;        /* solid angles */
-} halves;
-
-static halves halves_of(const sight *s)
-{
-    halves h = {along(s, 1, 1), rk_dscale(s->edge01, -1), rk_dscale(s->edge02, -1),
-                solid_angle(s->corner, s->edge01, s->edge02), 0};
-    h.angle3 = solid_angle(h.far, h.back10, h.back20);
-    return h;
-}
-
-double rk_light_solid_angle(const rk_light *light, rk_vec3 point)
-{
-    sight s = sight_of(light, point);
-    halves h = halves_of(&s);
-    return h.angle0 + h.angle3;
 }
 
 /* Returns x and y on the light. One number serves twice: it chooses the half, and where it lies
@@ -174,10 +242,14 @@ static rk_vec2 by_solid_angle(const sight *s, const halves *h, rk_vec2 xi)
     return first ? at : (rk_vec2){1 - at.x, 1 - at.y};
     /* starter
     // Fourth step: a half by its share of the solid angle, then a point of its triangle.
-    (void)s, (void)h, (void)spherical_triangle;
     return xi;
     end */
 }
+
+/* Below this solid angle the light is a dot or a line to the point. Rounding errors of 2^-53 in the
+ * directions to its corners would begin to show in where the samples lie on it. Spread over the
+ * area they are unbiased as well, and nothing this small can make much noise. */
+static const double smallest_solid_angle = 0x1p-32;
 
 rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff falloff,
                                    rk_light_domain domain, rk_vec3 point, rk_vec2 xi)
@@ -199,77 +271,11 @@ rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff fallo
     /* starter
     // Second step: with physical falloff, the weight is falloff_at. Fourth step: or, over the solid
     // angle, that angle, if it is not below the smallest one.
-    (void)falloff, (void)domain, (void)point, (void)falloff_at, (void)halves_of,
-    (void)by_solid_angle; (void)sight_of, (void)smallest_solid_angle; end */
+    end */
     return (rk_light_sample){position_at(light, at), rk_scale(colour_at(light, at), (float)weight)};
 }
 
-/* --- In closed form -------------------------------------------------------------------------- */
-
-/* Cuts off what of the polygon of `count` corners lies below the horizon n.p = 0, into `kept` with
- * room for twice as many; returns how many are left (Sutherland and Hodgman, 1974). */
-static int clip_at_horizon(rk_dvec3 *kept, const rk_dvec3 *corners, int count, rk_dvec3 n)
-{
-    /* solution */
-    int left = 0;
-    for (int i = 0; i < count; i++) {
-        rk_dvec3 a = corners[i], b = corners[(i + 1) % count];
-        double above_a = rk_ddot(n, a), above_b = rk_ddot(n, b);
-        if (above_a >= 0)
-            kept[left++] = a;
-        if ((above_a >= 0) != (above_b >= 0)) {
-            double at = above_a / (above_a - above_b);
-            kept[left++] = rk_dmadd(rk_dmadd(a, a, -at), b, at);
-        }
-    }
-    return left;
-    /* starter
-    // Third step: nothing is cut off yet.
-    (void)n;
-    for (int i = 0; i < count; i++)
-        kept[i] = corners[i];
-    return count;
-    end */
-}
-
-/* Lambert: half the sum, over the edges, of the angle under which the edge is seen times the cosine
- * between the surface's normal and that of the plane through edge and point. */
-static double polygon_irradiance(const rk_dvec3 *corners, int count, rk_dvec3 n)
-{
-    /* solution */
-    double sum = 0;
-    for (int i = 0; i < count; i++) {
-        rk_dvec3 a = corners[i], b = corners[(i + 1) % count];
-        rk_dvec3 across = rk_dcross(a, rk_dmadd(b, a, -1)); /* a x b, of which less cancels */
-        double sine = rk_dlength(across);
-        if (sine > 0)
-            sum += atan2(sine, rk_ddot(a, b)) * rk_ddot(n, across) / sine;
-    }
-    return fabs(sum) / 2; /* its sign tells from which side the light is seen */
-    /* starter
-    // Third step: the angle by atan2, which is exact for small ones too. An edge that points at
-    // the surface point is seen under no angle.
-    (void)corners, (void)count, (void)n;
-    return 0;
-    end */
-}
-
-float rk_light_irradiance(const rk_light *light, rk_vec3 point, rk_vec3 normal)
-{
-    sight s = sight_of(light, point);
-    rk_dvec3 n = rk_widen(normal), kept[8];
-    double r = rk_dlength(s.corner), cos_r = fmax(rk_ddot(n, s.corner), 0);
-    if (light->kind == RK_LIGHT_POINT)
-        return r > 0 ? (float)(cos_r / (r * r * r)) : 0;
-    if (light->kind == RK_LIGHT_SEGMENT)
-        return (float)rk_segment_irradiance(s.corner, s.edge01, n);
-    if (rk_ddot(s.corner, rk_dcross(s.edge01, s.edge02)) == 0) /* edge-on, or no area */
-        return 0;
-    const rk_dvec3 corners[4] = {s.corner, along(&s, 1, 0), along(&s, 1, 1), along(&s, 0, 1)};
-    return (float)polygon_irradiance(kept, clip_at_horizon(kept, corners, 4, n), n);
-}
-
-/* --- Fewer shadow rays ----------------------------------------------------------------------- */
+/* --- Fewer shadow rays ------------------------------------------------------------------------ */
 
 static float ratio(float unshadowed, float visible, float all)
 {
@@ -277,7 +283,6 @@ static float ratio(float unshadowed, float visible, float all)
     return all > 0 ? unshadowed * (visible / all) : 0;
     /* starter
     // Fifth step: the share of all that is visible; 0 / 0 is 0.
-    (void)visible, (void)all;
     return unshadowed;
     end */
 }
@@ -294,7 +299,6 @@ bool rk_light_early_out(uint32_t round, uint32_t visible)
     return round > 0 && (visible == 0 || visible == round);
     /* starter
     // Fifth step: do all agree?
-    (void)round, (void)visible;
     return false;
     end */
 }

@@ -11,19 +11,73 @@
 
 #include <stdlib.h>
 
-rk_sah_options rk_sah_options_default(void)
-{
-    return (rk_sah_options){.bins = 50, .all_axes = false};
-}
-
-/* --- Bins --------------------------------------------------------------------------------- */
-
 /* Equal parts of the centroids' extent on an axis. */
 typedef struct bin_axis {
     int axis;
     uint32_t bins; /* 1 if all centroids coincide on it */
     double low, bins_per_unit;
 } bin_axis;
+
+/* Some triangles: those of a bin, or of all bins on one side of a border. */
+typedef struct group {
+    rk_box box;
+    uint32_t count;
+} group;
+
+/* What is measured of a node before it is cut. */
+typedef struct bounds {
+    rk_box box, centroids;
+} bounds;
+
+/* Contents, in the order of the chapter. */
+static double cost_of(double area, const group *left, const group *right);
+static bin_axis bin_axis_of(const rk_box *centroids, int axis, uint32_t bins);
+static uint32_t bin_of(const bin_axis *along, rk_vec3 centroid);
+static group merge(group a, const group *b);
+static void fill_bins(group *bins, const bin_axis *along, const rk_bvh_reference *references,
+                      uint32_t count);
+static uint32_t sweep(const bin_axis *along, const group *bins, double area,
+                      rk_sah_split *candidates);
+static bounds bounds_of(const rk_bvh_reference *references, uint32_t count);
+static uint32_t bins_for(const rk_sah_options *options, uint32_t count);
+static uint32_t candidates_on(int axis, const bounds *b, const rk_bvh_reference *references,
+                              uint32_t count, uint32_t bins, rk_sah_split *candidates);
+static uint32_t candidates_within(const bounds *b, const rk_bvh_reference *references,
+                                  uint32_t count, const rk_sah_options *options,
+                                  rk_sah_split *candidates);
+static uint32_t partition(rk_bvh_reference *references, uint32_t count, const bin_axis *along,
+                          uint32_t border);
+static uint32_t larger_part(const rk_sah_split *split);
+static bool fits_depth(const rk_sah_split *split, uint32_t depth_left);
+static const rk_sah_split *most_balanced(const rk_sah_split *candidates, uint32_t count);
+static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t depth_left,
+                    const rk_sah_options *options, rk_box *box);
+static uint32_t split_by_cost(void *context, uint32_t begin, uint32_t count, uint32_t depth_left,
+                              rk_box *box);
+
+rk_sah_options rk_sah_options_default(void)
+{
+    return (rk_sah_options){.bins = 50, .all_axes = false};
+}
+
+/* --- What a cut costs ------------------------------------------------------------------------- */
+
+/* A node without area is met by no ray; its parts then count as if they were as large. */
+static double cost_of(double area, const group *left, const group *right)
+{
+    /* solution */
+    double tests = (double)left->count + right->count;
+    if (area > 0)
+        tests =
+            (rk_box_area(left->box) * left->count + rk_box_area(right->box) * right->count) / area;
+    return RK_BVH_TRAVERSAL_COST + RK_BVH_INTERSECTION_COST * tests;
+    /* starter
+    // First step: what a ray that meets the node is expected to cost if the node is cut here.
+    return 0;
+    end */
+}
+
+/* --- Bins ------------------------------------------------------------------------------------- */
 
 static bin_axis bin_axis_of(const rk_box *centroids, int axis, uint32_t bins)
 {
@@ -36,7 +90,6 @@ static bin_axis bin_axis_of(const rk_box *centroids, int axis, uint32_t bins)
     return (bin_axis){axis, bins, low, bins / (high - low)};
     /* starter
     // First step: how many bins lie in one unit of length? Think of an extent of 0.
-    (void)centroids, (void)bins;
     return (bin_axis){axis, 1, 0, 0};
     end */
 }
@@ -49,16 +102,9 @@ static uint32_t bin_of(const bin_axis *along, rk_vec3 centroid)
     return place < along->bins ? (uint32_t)place : along->bins - 1;
     /* starter
     // First step: the highest centroid is in the last bin, not in one behind it.
-    (void)along, (void)centroid;
     return 0;
     end */
 }
-
-/* Some triangles: those of a bin, or of all bins on one side of a border. */
-typedef struct group {
-    rk_box box;
-    uint32_t count;
-} group;
 
 static const group nothing = {{{{INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}}},
                               0};
@@ -81,29 +127,12 @@ static void fill_bins(group *bins, const bin_axis *along, const rk_bvh_reference
     }
     /* starter
     // First step: each bin counts its triangles and has the box around theirs.
-    (void)references, (void)bin_of;
     for (uint32_t k = 0; k < along->bins; k++)
         bins[k] = (group){nothing.box, count};
     end */
 }
 
-/* --- Candidates --------------------------------------------------------------------------- */
-
-/* A node without area is met by no ray; its parts then count as if they were as large. */
-static double cost_of(double area, const group *left, const group *right)
-{
-    /* solution */
-    double tests = (double)left->count + right->count;
-    if (area > 0)
-        tests =
-            (rk_box_area(left->box) * left->count + rk_box_area(right->box) * right->count) / area;
-    return RK_BVH_TRAVERSAL_COST + RK_BVH_INTERSECTION_COST * tests;
-    /* starter
-    // Second step: what a ray that meets the node is expected to cost if the node is cut here.
-    (void)area, (void)left, (void)right;
-    return 0;
-    end */
-}
+/* --- Candidates ------------------------------------------------------------------------------- */
 
 /* Two sweeps: from the last bin down, what lies above each border; from the first bin up, what
  * lies below it. Neither is ever nothing, as the lowest centroid is in the first bin, the highest
@@ -134,16 +163,9 @@ static uint32_t sweep(const bin_axis *along, const group *bins, double area,
     /* starter
     // Second step: the first sweep stores what lies above each border, the second goes up with
     // what lies below it. A border above an empty bin is none.
-    (void)along, (void)bins, (void)area, (void)candidates, (void)merge;
-    (void)cost_of;
     return 0;
     end */
 }
-
-/* What is measured of a node before it is cut. */
-typedef struct bounds {
-    rk_box box, centroids;
-} bounds;
 
 static bounds bounds_of(const rk_bvh_reference *references, uint32_t count)
 {
@@ -185,8 +207,6 @@ static uint32_t candidates_within(const bounds *b, const rk_bvh_reference *refer
     return found;
     /* starter
     // Third step: those on the centroids' longest axis, or on all three in turn.
-    (void)b, (void)references, (void)count, (void)options, (void)candidates;
-    (void)bins_for, (void)candidates_on;
     return 0;
     end */
 }
@@ -208,12 +228,11 @@ const rk_sah_split *rk_sah_cheapest(const rk_sah_split *candidates, uint32_t cou
     return best;
     /* starter
     // Third step: among equals the first.
-    (void)candidates, (void)count;
     return NULL;
     end */
 }
 
-/* --- Cutting ------------------------------------------------------------------------------ */
+/* --- Cutting ---------------------------------------------------------------------------------- */
 
 /* Moves what is in bins below the border to the front; returns how many those are. */
 static uint32_t partition(rk_bvh_reference *references, uint32_t count, const bin_axis *along,
@@ -234,7 +253,6 @@ static uint32_t partition(rk_bvh_reference *references, uint32_t count, const bi
     }
     /* starter
     // Fourth step: both sides of the border, each in any order.
-    (void)references, (void)along, (void)border;
     return count;
     end */
 }
@@ -254,7 +272,6 @@ static bool fits_depth(const rk_sah_split *split, uint32_t depth_left)
     return halvings >= 32 || larger_part(split) <= (uint64_t)RK_BVH_LEAF_MAX << halvings;
     /* starter
     // Fifth step: how many triangles are too many for a leaf after so many halvings?
-    (void)split, (void)depth_left, (void)larger_part;
     return true;
     end */
 }
@@ -296,13 +313,11 @@ static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t depth
     /* starter
     // For now all triangles are one leaf. Fourth step: cut where it costs least, if that is less
     // than a leaf costs. Fifth step: leaves too large, trees too deep.
-    (void)candidates_within, (void)partition, (void)fits_depth, (void)most_balanced;
-    (void)depth_left, (void)options;
     return 0;
     end */
 }
 
-/* --- The tree ----------------------------------------------------------------------------- */
+/* --- The tree --------------------------------------------------------------------------------- */
 
 /* What cuts nodes by the heuristic. */
 typedef struct sah_builder {

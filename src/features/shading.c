@@ -6,29 +6,17 @@
  * Phong and Blinn-Phong BRDF normalization factors", 2009. */
 #include "features/shading.h"
 
+#include "base/colour.h"
+
 #include <stddef.h>
 
-/* --- Highlights --------------------------------------------------------------------------- */
+/* Contents, in the order of the chapter. */
+static float phong_lobe(float shininess, rk_vec3 n, rk_vec3 l, rk_vec3 v);
+static float blinn_phong_lobe(float shininess, rk_vec3 n, rk_vec3 l, rk_vec3 v);
+static float power_of_cosine(rk_vec3 a, rk_vec3 b, float s);
+static float normalizer(rk_shading_model model, float s);
 
-/* (a.b)^s for unit vectors, 0 from a right angle on. Near 1, where sharp highlights are, a.b has
- * lost what matters: an error of 1e-7 there is one of 1e-2 in its power of 1e5. The difference of
- * two vectors that are close together is nearly exact, and 1 - a.b is half of its square. */
-static float power_of_cosine(rk_vec3 a, rk_vec3 b, float s)
-{
-    /* solution */
-    const float vanishing = 104; /* e^-104 is less than half of the smallest float */
-    rk_vec3 apart = rk_sub(a, b);
-    float short_of_one = 0.5f * rk_dot(apart, apart);
-    if (!(short_of_one < 1) || s * short_of_one > vanishing)
-        return 0;
-    return expf(s * log1pf(-short_of_one));
-    /* starter
-    // Second step: powf of the dot product will do, where it is positive. Sixth step: 1 - a.b from
-    // the vectors' difference, and the power by log1pf and expf.
-    (void)a, (void)b, (void)s;
-    return 0;
-    end */
-}
+/* --- Highlights ------------------------------------------------------------------------------- */
 
 static float phong_lobe(float shininess, rk_vec3 n, rk_vec3 l, rk_vec3 v)
 {
@@ -37,7 +25,6 @@ static float phong_lobe(float shininess, rk_vec3 n, rk_vec3 l, rk_vec3 v)
     return power_of_cosine(r, v, shininess);
     /* starter
     // Second step: the cosine between the mirrored light and the viewer, to a power.
-    (void)shininess, (void)n, (void)l, (void)v, (void)power_of_cosine;
     return 0;
     end */
 }
@@ -52,12 +39,61 @@ static float blinn_phong_lobe(float shininess, rk_vec3 n, rk_vec3 l, rk_vec3 v)
     return power_of_cosine(n, rk_normalize(sum), shininess);
     /* starter
     // Third step: the cosine between the normal and the direction halfway, to a power.
-    (void)shininess, (void)n, (void)l, (void)v, (void)power_of_cosine;
     return 0;
     end */
 }
 
-static const float pi = 3.14159265f;
+/* --- Diffuse light and highlight together ----------------------------------------------------- */
+
+rk_vec3 rk_shade(const rk_shading *shading, rk_vec3 kd, rk_vec3 ks, float shininess, rk_vec3 n,
+                 rk_vec3 l, rk_vec3 v, rk_vec3 light_colour)
+{
+    /* solution */
+    rk_shading_model model = shading->model;
+    if (model == RK_SHADING_OFF)
+        return rk_mul(light_colour, kd);
+    float cos_i = rk_dot(n, l);
+    if (model == RK_SHADING_GRADIENT)
+        return rk_mul(light_colour, rk_gradient_at(&shading->gradient, cos_i));
+    if (!(cos_i > 0))
+        return rk_vec(0, 0, 0);
+    float diffuse = shading->normalized ? cos_i / RK_PI : cos_i;
+    if (model == RK_SHADING_LAMBERT || rk_is_black(ks))
+        return rk_mul(light_colour, rk_scale(kd, diffuse));
+    float highlight = model == RK_SHADING_PHONG ? phong_lobe(shininess, n, l, v)
+                                                : blinn_phong_lobe(shininess, n, l, v);
+    if (shading->normalized && highlight > 0)
+        highlight *= normalizer(model, shininess) * cos_i;
+    return rk_mul(light_colour, rk_madd(rk_scale(kd, diffuse), ks, highlight));
+    /* starter
+    // First step: off, and Lambert. Second step: Phong. Third step: Blinn-Phong. Fifth step:
+    // normalised. Sixth step: the gradient. Green is what has no model yet.
+    return rk_mul(light_colour, rk_vec(0, 1, 0));
+    end */
+}
+
+/* --- Sharp highlights ------------------------------------------------------------------------- */
+
+/* (a.b)^s for unit vectors, 0 from a right angle on. Near 1, where sharp highlights are, a.b has
+ * lost what matters: an error of 1e-7 there is one of 1e-2 in its power of 1e5. The difference of
+ * two vectors that are close together is nearly exact, and 1 - a.b is half of its square. */
+static float power_of_cosine(rk_vec3 a, rk_vec3 b, float s)
+{
+    /* solution */
+    const float vanishing = 104; /* e^-104 is less than half of the smallest float */
+    rk_vec3 apart = rk_sub(a, b);
+    float short_of_one = 0.5f * rk_dot(apart, apart);
+    if (!(short_of_one < 1) || s * short_of_one > vanishing)
+        return 0;
+    return expf(s * log1pf(-short_of_one));
+    /* starter
+    // Second step: powf of the dot product will do, where it is positive. Fourth step: 1 - a.b from
+    // the vectors' difference, and the power by log1pf and expf.
+    return 0;
+    end */
+}
+
+/* --- Normalised ------------------------------------------------------------------------------- */
 
 /* One over what the lobe integrates to, weighted by n.l, for light that comes along the normal:
  * from every other direction it is less. */
@@ -65,17 +101,16 @@ static float normalizer(rk_shading_model model, float s)
 {
     /* solution */
     if (model == RK_SHADING_PHONG)
-        return (s + 2) / (2 * pi);
+        return (s + 2) / (2 * RK_PI);
     /* In this order the product of two large numbers cannot overflow. */
-    return (s + 2) / (8 * pi) * ((s + 4) / (exp2f(-0.5f * s) + s));
+    return (s + 2) / (8 * RK_PI) * ((s + 4) / (exp2f(-0.5f * s) + s));
     /* starter
     // Fifth step: the factors N of the header.
-    (void)model, (void)s, (void)pi;
     return 1;
     end */
 }
 
-/* --- The gradient ------------------------------------------------------------------------- */
+/* --- The gradient ----------------------------------------------------------------------------- */
 
 /* One pass finds the two neighbours of x in any order of the stops. */
 rk_vec3 rk_gradient_at(const rk_gradient *gradient, float x)
@@ -93,8 +128,7 @@ rk_vec3 rk_gradient_at(const rk_gradient *gradient, float x)
         return below ? below->colour : above ? above->colour : rk_vec(0, 0, 0);
     return rk_mix(below->colour, above->colour, (x - below->at) / (above->at - below->at));
     /* starter
-    // Fourth step: the highest stop at or below x, the lowest above it, and between the two.
-    (void)gradient, (void)x;
+    // Sixth step: the highest stop at or below x, the lowest above it, and between the two.
     return rk_vec(1, 0, 1);
     end */
 }
@@ -102,40 +136,4 @@ rk_vec3 rk_gradient_at(const rk_gradient *gradient, float x)
 rk_gradient rk_gradient_cool_to_warm(void)
 {
     return (rk_gradient){2, {{-1, {0.02f, 0.04f, 0.4f}}, {1, {1, 0.6f, 0.2f}}}};
-}
-
-/* --- All of it ---------------------------------------------------------------------------- */
-
-static bool is_black(rk_vec3 colour)
-{
-    return colour.x == 0 && colour.y == 0 && colour.z == 0;
-}
-
-rk_vec3 rk_shade(const rk_shading *shading, rk_vec3 kd, rk_vec3 ks, float shininess, rk_vec3 n,
-                 rk_vec3 l, rk_vec3 v, rk_vec3 light_colour)
-{
-    /* solution */
-    rk_shading_model model = shading->model;
-    if (model == RK_SHADING_OFF)
-        return rk_mul(light_colour, kd);
-    float cos_i = rk_dot(n, l);
-    if (model == RK_SHADING_GRADIENT)
-        return rk_mul(light_colour, rk_gradient_at(&shading->gradient, cos_i));
-    if (!(cos_i > 0))
-        return rk_vec(0, 0, 0);
-    float diffuse = shading->normalized ? cos_i / pi : cos_i;
-    if (model == RK_SHADING_LAMBERT || is_black(ks))
-        return rk_mul(light_colour, rk_scale(kd, diffuse));
-    float highlight = model == RK_SHADING_PHONG ? phong_lobe(shininess, n, l, v)
-                                                : blinn_phong_lobe(shininess, n, l, v);
-    if (shading->normalized && highlight > 0)
-        highlight *= normalizer(model, shininess) * cos_i;
-    return rk_mul(light_colour, rk_madd(rk_scale(kd, diffuse), ks, highlight));
-    /* starter
-    // First step: off, and Lambert. Then Phong in the second, Blinn-Phong in the third and the
-    // gradient in the fourth; the fifth step normalises. Green is what has no model yet.
-    (void)shading, (void)kd, (void)ks, (void)shininess, (void)n, (void)l, (void)v, (void)is_black;
-    (void)phong_lobe, (void)blinn_phong_lobe, (void)normalizer, (void)rk_gradient_at;
-    return rk_mul(light_colour, rk_vec(0, 1, 0));
-    end */
 }

@@ -6,6 +6,17 @@
 
 #include <math.h>
 
+/* Contents, in the order of the chapter. */
+static bool is_opaque(const rk_crossing *crossing);
+static bool comes_before(const rk_crossing *a, const rk_crossing *b);
+static rk_vec3 multiplicative(const rk_crossing *crossings, uint32_t count);
+static rk_vec3 ordered(const rk_crossing *crossings, uint32_t count);
+static rk_vec3 beer_lambert(const rk_crossing *crossings, uint32_t count, float length);
+static bool is_first_of_its_medium(const rk_crossing *crossings, uint32_t k);
+static int step_into(const rk_crossing *crossing, uint32_t medium);
+static float share_inside(const rk_crossing *crossings, uint32_t count, uint32_t medium);
+static int depth_at_start(const rk_crossing *crossings, uint32_t count, uint32_t medium);
+
 /* --- The list --------------------------------------------------------------------------------- */
 
 static bool is_opaque(const rk_crossing *crossing)
@@ -37,8 +48,6 @@ void rk_transparency_insert(rk_crossing_list *list, const rk_crossing *crossing)
     list->count++;
     /* starter
     // First step: the nearest `limit` crossings, in order, and nothing behind an opaque one.
-    (void)comes_before, (void)is_opaque;
-    (void)list, (void)crossing;
     end */
 }
 
@@ -51,7 +60,6 @@ float rk_transparency_end(const rk_crossing_list *list, float t_max)
     return list->count == list->limit || is_opaque(last) ? last->t : t_max;
     /* starter
     // First step: what lies behind a full list, or behind an opaque crossing, need not be found.
-    (void)list;
     return t_max;
     end */
 }
@@ -70,7 +78,6 @@ void rk_transparency_weights(const rk_crossing *crossings, uint32_t count, float
     *behind = passing;
     /* starter
     // Second step: alpha here, and 1 - alpha of what is behind.
-    (void)crossings;
     for (uint32_t k = 0; k < count; k++)
         weights[k] = 0;
     *behind = 0;
@@ -78,6 +85,23 @@ void rk_transparency_weights(const rk_crossing *crossings, uint32_t count, float
 }
 
 /* --- Shadow rays ------------------------------------------------------------------------------ */
+
+rk_vec3 rk_transparency_transmit(rk_glass_model model, const rk_crossing *crossings, uint32_t count,
+                                 float length)
+{
+    for (uint32_t k = 0; k < count; k++)
+        if (is_opaque(&crossings[k]))
+            return rk_vec(0, 0, 0);
+    switch (model) {
+    case RK_GLASS_MULTIPLICATIVE:
+        return multiplicative(crossings, count);
+    case RK_GLASS_ORDERED:
+        return ordered(crossings, count);
+    case RK_GLASS_BEER_LAMBERT:
+        return beer_lambert(crossings, count, length);
+    }
+    return rk_vec(0, 0, 0);
+}
 
 static rk_vec3 multiplicative(const rk_crossing *crossings, uint32_t count)
 {
@@ -88,7 +112,6 @@ static rk_vec3 multiplicative(const rk_crossing *crossings, uint32_t count)
     return share;
     /* starter
     // Third step: prod kd (1 - alpha).
-    (void)crossings, (void)count;
     return rk_vec(0, 0, 0);
     end */
 }
@@ -106,9 +129,32 @@ static rk_vec3 ordered(const rk_crossing *crossings, uint32_t count)
     return rk_madd(seen, rk_vec(1, 1, 1), passing);
     /* starter
     // Fourth step: blend the panes, the nearest to the point in front, over white.
-    (void)crossings, (void)count;
     return rk_vec(0, 0, 0);
     end */
+}
+
+static rk_vec3 beer_lambert(const rk_crossing *crossings, uint32_t count, float length)
+{
+    /* solution */
+    rk_vec3 depth = rk_vec(0, 0, 0); /* optical: the sum of sigma thickness */
+    for (uint32_t k = 0; k < count; k++)
+        if (is_first_of_its_medium(crossings, k)) {
+            float thickness = share_inside(crossings, count, crossings[k].medium) * length;
+            depth = rk_madd(depth, crossings[k].absorption, thickness);
+        }
+    return rk_vec(expf(-depth.x), expf(-depth.y), expf(-depth.z));
+    /* starter
+    // Fifth step: exp(-sigma thickness), each medium once.
+    return rk_vec(0, 0, 0);
+    end */
+}
+
+static bool is_first_of_its_medium(const rk_crossing *crossings, uint32_t k)
+{
+    for (uint32_t j = 0; j < k; j++)
+        if (crossings[j].medium == crossings[k].medium)
+            return false;
+    return true;
 }
 
 /* How many more times the crossing enters its medium than it leaves it: 1 or -1, or 0 where it is
@@ -116,26 +162,6 @@ static rk_vec3 ordered(const rk_crossing *crossings, uint32_t count)
 static int step_into(const rk_crossing *crossing, uint32_t medium)
 {
     return crossing->medium != medium ? 0 : crossing->entering ? 1 : -1;
-}
-
-/* In how many blocks of the medium the ray starts: the fewest with which it never leaves one that
- * it is not in. All steps at one t count together, as roundings may have swapped them. */
-static int depth_at_start(const rk_crossing *crossings, uint32_t count, uint32_t medium)
-{
-    /* solution */
-    int depth = 0, lowest = 0;
-    for (uint32_t k = 0; k < count; k++) {
-        depth += step_into(&crossings[k], medium);
-        bool last_at_t = k + 1 == count || crossings[k + 1].t > crossings[k].t;
-        if (last_at_t && depth < lowest)
-            lowest = depth;
-    }
-    return -lowest;
-    /* starter
-    // Fifth step: 0 outside; a block that is left without having been entered surrounds the start.
-    (void)crossings, (void)count, (void)medium, (void)step_into;
-    return 0;
-    end */
 }
 
 /* The share of the way from t = 0 to t = 1 that runs inside the medium. */
@@ -153,50 +179,25 @@ static float share_inside(const rk_crossing *crossings, uint32_t count, uint32_t
     return depth > 0 ? inside + (1 - from) : inside;
     /* starter
     // Fifth step: add up the stretches between crossings during which the depth is above 0.
-    (void)crossings, (void)count, (void)medium, (void)depth_at_start;
     return 0;
     end */
 }
 
-static bool is_first_of_its_medium(const rk_crossing *crossings, uint32_t k)
-{
-    for (uint32_t j = 0; j < k; j++)
-        if (crossings[j].medium == crossings[k].medium)
-            return false;
-    return true;
-}
-
-static rk_vec3 beer_lambert(const rk_crossing *crossings, uint32_t count, float length)
+/* In how many blocks of the medium the ray starts: the fewest with which it never leaves one that
+ * it is not in. All steps at one t count together, as roundings may have swapped them. */
+static int depth_at_start(const rk_crossing *crossings, uint32_t count, uint32_t medium)
 {
     /* solution */
-    rk_vec3 depth = rk_vec(0, 0, 0); /* optical: the sum of sigma thickness */
-    for (uint32_t k = 0; k < count; k++)
-        if (is_first_of_its_medium(crossings, k)) {
-            float thickness = share_inside(crossings, count, crossings[k].medium) * length;
-            depth = rk_madd(depth, crossings[k].absorption, thickness);
-        }
-    return rk_vec(expf(-depth.x), expf(-depth.y), expf(-depth.z));
-    /* starter
-    // Fifth step: exp(-sigma thickness), each medium once.
-    (void)crossings, (void)count, (void)length;
-    (void)is_first_of_its_medium, (void)share_inside;
-    return rk_vec(0, 0, 0);
-    end */
-}
-
-rk_vec3 rk_transparency_transmit(rk_glass_model model, const rk_crossing *crossings, uint32_t count,
-                                 float length)
-{
-    for (uint32_t k = 0; k < count; k++)
-        if (is_opaque(&crossings[k]))
-            return rk_vec(0, 0, 0);
-    switch (model) {
-    case RK_GLASS_MULTIPLICATIVE:
-        return multiplicative(crossings, count);
-    case RK_GLASS_ORDERED:
-        return ordered(crossings, count);
-    case RK_GLASS_BEER_LAMBERT:
-        return beer_lambert(crossings, count, length);
+    int depth = 0, lowest = 0;
+    for (uint32_t k = 0; k < count; k++) {
+        depth += step_into(&crossings[k], medium);
+        bool last_at_t = k + 1 == count || crossings[k + 1].t > crossings[k].t;
+        if (last_at_t && depth < lowest)
+            lowest = depth;
     }
-    return rk_vec(0, 0, 0);
+    return -lowest;
+    /* starter
+    // Fifth step: 0 outside; a block that is left without having been entered surrounds the start.
+    return 0;
+    end */
 }

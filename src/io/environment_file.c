@@ -96,8 +96,6 @@ static bool unfold(rk_cubemap *map, const rk_image *image, const layout *l, cons
 
 /* --- Longitude and latitude ------------------------------------------------------------------- */
 
-static const float pi = 3.14159265f;
-
 /* Longitudes go round; beyond a pole lies the other side of the world. */
 static rk_vec3 world_pixel(const rk_image *world, long x, long y)
 {
@@ -113,8 +111,8 @@ static rk_vec3 world_at(const rk_image *world, rk_vec3 direction)
 {
     float longitude = atan2f(direction.x, -direction.z); /* from -z, to the right */
     float from_top = atan2f(hypotf(direction.x, direction.z), direction.y);
-    float x = (0.5f + longitude / (2 * pi)) * (float)world->width - 0.5f;
-    float y = from_top / pi * (float)world->height - 0.5f;
+    float x = (0.5f + longitude / (2 * RK_PI)) * (float)world->width - 0.5f;
+    float y = from_top / RK_PI * (float)world->height - 0.5f;
     float left = floorf(x), above = floorf(y);
     long i = (long)left, j = (long)above;
     rk_vec3 upper = rk_mix(world_pixel(world, i, j), world_pixel(world, i + 1, j), x - left);
@@ -127,7 +125,7 @@ static rk_vec3 world_at(const rk_image *world, rk_vec3 direction)
  * the equator, 2 pi / width. */
 static size_t side_for_world(const rk_image *world)
 {
-    size_t side = (size_t)ceil((double)world->width / (double)pi);
+    size_t side = (size_t)ceil((double)world->width / (double)RK_PI);
     return side < RK_CUBEMAP_SIDE_MAX ? side : RK_CUBEMAP_SIDE_MAX;
 }
 

@@ -2,12 +2,8 @@
 #ifndef RK_RENDER_LIGHTING_H
 #define RK_RENDER_LIGHTING_H
 
+#include "base/colour.h"
 #include "render/tile.h"
-
-static inline bool rk_is_black(rk_vec3 colour)
-{
-    return fabsf(colour.x) + fabsf(colour.y) + fabsf(colour.z) == 0;
-}
 
 /* What the seen surface sends on to the viewer of light from a direction (any length). */
 static inline rk_vec3 rk_reflected(const rk_rendering *r, const rk_shading_point *seen,

@@ -2,7 +2,7 @@
 
 #include <assert.h>
 
-static const double radians_per_degree = 3.14159265358979323846 / 180;
+static const double radians_per_degree = RK_PI_DOUBLE / 180;
 
 rk_camera rk_camera_default(void)
 {

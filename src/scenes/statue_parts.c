@@ -91,7 +91,7 @@ static double closing(const rk_statue_part *part, double at)
 /* An oval's circumference (Ramanujan 1914). */
 static double oval_girth(double a, double b)
 {
-    return 3.14159265358979323846 * (3 * (a + b) - sqrt((3 * a + b) * (a + 3 * b)));
+    return RK_PI_DOUBLE * (3 * (a + b) - sqrt((3 * a + b) * (a + 3 * b)));
 }
 
 static double key_of_step(const rk_statue_part *part, double step)
