@@ -13,8 +13,8 @@ static bool load(rk_scene *scene, const char *name, rk_error *error)
 {
     rk_mesh mesh;
     if (!strchr(name, '.'))
-        return rk_scene_builtin(scene, name, error);
-    return rk_mesh_read(&mesh, name, error) && rk_scene_around(scene, name, &mesh, error);
+        return rk_builtin_scene(scene, name, error);
+    return rk_mesh_file_read(&mesh, name, error) && rk_scene_around(scene, name, &mesh, error);
 }
 
 static bool render(const rk_scene *scene, const char *path, rk_error *error)
@@ -28,7 +28,7 @@ static bool render(const rk_scene *scene, const char *path, rk_error *error)
     bool ok = pool && rk_image_init(&image, options.width, options.height, error) &&
               rk_accel_build(&accel, RK_ACCEL_MEDIAN, scene, error) &&
               rk_render(&image, scene, &accel, &options, pool, &counters, NULL, error) &&
-              rk_image_write(path, &image, error);
+              rk_image_file_write(path, &image, error);
     if (ok)
         printf("%s: %.2f boxes and %.2f triangles tested a ray\n", path,
                (double)counters.box_tests / (double)(counters.primary_rays + counters.shadow_rays),
@@ -48,7 +48,7 @@ int main(int argc, char **argv)
         fprintf(stderr, "usage: render SCENE_OR_MESH_FILE PICTURE.png\n");
         return 2;
     }
-    bool ok = rk_image_can_write(argv[2], &error) && load(&scene, argv[1], &error) &&
+    bool ok = rk_image_file_can_write(argv[2], &error) && load(&scene, argv[1], &error) &&
               render(&scene, argv[2], &error);
     if (!ok)
         fprintf(stderr, "render: %s\n", error.text);

@@ -22,6 +22,7 @@
 #include "post/bloom_stage.h"
 #include "render/render.h"
 #include "scene/scene.h"
+#include "scenes/builtin.h"
 #include "scenes/sky.h"
 
 #endif

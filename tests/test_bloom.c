@@ -5,10 +5,10 @@
 #include "base/random.h"
 #include "features/bloom.h"
 
-/* --- What is tried ---------------------------------------------------------------------------- */
+/* --- Helpers ---------------------------------------------------------------------------------- */
 
 static const rk_vec3 white = {1, 1, 1};
-static const char *const border_names[] = {"zero", "clamp", "renormalise"};
+static const char *const border_names[] = {"zero", "clamp", "renormalize"};
 
 /* Roundings of a few operations on numbers of order one, each 2^-24. */
 static const double few_roundings = 8 * 0x1p-24;
@@ -19,9 +19,8 @@ static rk_vec3 random_colour(uint32_t i)
                   rk_unit_float(rk_hash(i, 2, 0, 1)));
 }
 
-/* Memory of just this size: the sanitizers that grade a unit know where allocated memory ends, and
- * not where an array of the suite does. Without them the bytes behind it, where malloc leaves some,
- * are those of NaN. */
+/* Memory of exactly this size: sanitizers know where allocated memory ends, but not where an array
+ * of the suite ends. Without them, any bytes that malloc leaves behind it are NaN. */
 static void *exactly(size_t size)
 {
     size_t least = size > 0 ? size : 1, more = least + 64;
@@ -40,11 +39,11 @@ static void *exact_copy(const void *values, size_t size)
     return copy;
 }
 
-/* Floats that nobody may write, on both sides of those that a unit writes; enough for a block. */
+/* Floats that a unit must not write, on both sides of its output; enough for a block. */
 enum { fence = RK_BLOOM_BLOCK };
 
 /* `room` is for count floats and two fences. Returns the floats between, which hold NaN; fences
- * hold a number so small that whatever is added changes it. */
+ * hold a number so small that adding anything changes it. */
 static float *fenced(float *room, size_t count)
 {
     memset(room, 0x2a, (count + 2 * fence) * sizeof *room);
@@ -52,15 +51,15 @@ static float *fenced(float *room, size_t count)
     return room + fence;
 }
 
-static void check_fences(const float *floats, size_t count, const char *what)
+static void check_fences(const float *floats, size_t count, const char *name)
 {
     uint32_t bits, untouched = 0x2a2a2a2a;
     for (size_t i = 0; i < fence; i++) {
         memcpy(&bits, floats - 1 - i, sizeof bits);
-        rk_check(bits == untouched, "%s: float -%zu was written; the first one is float 0", what,
+        rk_check(bits == untouched, "%s: float -%zu was written; the first one is float 0", name,
                  i + 1);
         memcpy(&bits, floats + count + i, sizeof bits);
-        rk_check(bits == untouched, "%s: float %zu was written; there are %zu, from 0 on", what,
+        rk_check(bits == untouched, "%s: float %zu was written; there are %zu, from 0 on", name,
                  count + i, count);
     }
 }
@@ -98,40 +97,39 @@ static void the_luminance_of_a_grey_is_the_grey(void **state)
     for (uint32_t i = 0; i < 10000; i++) {
         float grey = i == 0 ? 1 : 2 * rk_unit_float(rk_hash(i, 0, 0, 2));
         float got = rk_bloom_luminance(rk_vec(grey, grey, grey));
-        rk_check(
-            got == grey,
-            "the luminance of grey %.9g: got %.9g, want %.9g: roundings must not push it below "
-            "a threshold that it meets",
-            (double)grey, (double)got, (double)grey);
+        rk_check(got == grey,
+                 "the luminance of grey %.9g: got %.9g, want %.9g: rounding must not push it below "
+                 "a threshold that it reaches",
+                 (double)grey, (double)got, (double)grey);
     }
 }
 
-static void check_glows(rk_vec3 colour, float threshold, bool want, const char *hint)
+static void check_bright(rk_vec3 colour, float threshold, bool want, const char *hint)
 {
     rk_check(rk_bloom_is_bright(colour, threshold) == want,
              "(%g, %g, %g) at a threshold of %.9g: got %s, want %s: %s", (double)colour.x,
-             (double)colour.y, (double)colour.z, (double)threshold, want ? "dark" : "it glows",
-             want ? "it glows" : "dark", hint);
+             (double)colour.y, (double)colour.z, (double)threshold, want ? "dark" : "bright",
+             want ? "bright" : "dark", hint);
 }
 
-static void a_pixel_at_the_threshold_glows(void **state)
+static void a_pixel_at_the_threshold_is_bright(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
         float grey = i == 0 ? 1 : rk_unit_float(rk_hash(i, 0, 0, 6));
         rk_vec3 colour = rk_vec(grey, grey, grey);
-        check_glows(colour, grey, true, "only what is below the threshold goes dark");
-        check_glows(colour, nextafterf(grey, 2), false, "it is below, by one step of a float");
+        check_bright(colour, grey, true, "only pixels below the threshold are dark");
+        check_bright(colour, nextafterf(grey, 2), false, "it is below, by one step of a float");
     }
-    check_glows(white, 0.5f, true, "a luminance of 1 is above");
-    check_glows(rk_vec(0.49f, 0.49f, 0.49f), 0.5f, false, "a luminance of .49 is below");
-    check_glows(rk_vec(0, 0.75f, 0), 0.5f, true, "green of .75 has a luminance of .536");
-    check_glows(rk_vec(1, 0, 1), 0.5f, false, "magenta has a luminance of .285");
-    check_glows(rk_vec(0, 0, 0), 0, true, "black is at a threshold of 0");
-    check_glows(rk_vec(-1, -1, -1), 0.5f, false, "a luminance of -1 is below");
+    check_bright(white, 0.5f, true, "a luminance of 1 is above");
+    check_bright(rk_vec(0.49f, 0.49f, 0.49f), 0.5f, false, "a luminance of .49 is below");
+    check_bright(rk_vec(0, 0.75f, 0), 0.5f, true, "green of .75 has a luminance of .536");
+    check_bright(rk_vec(1, 0, 1), 0.5f, false, "magenta has a luminance of .285");
+    check_bright(rk_vec(0, 0, 0), 0, true, "black is at a threshold of 0");
+    check_bright(rk_vec(-1, -1, -1), 0.5f, false, "a luminance of -1 is below");
 }
 
-static void only_what_is_finite_glows(void **state)
+static void only_finite_pixels_are_bright(void **state)
 {
     (void)state;
     const rk_vec3 odd[] = {{NAN, NAN, NAN},
@@ -143,65 +141,67 @@ static void only_what_is_finite_glows(void **state)
                            {1, NAN, 1},
                            {INFINITY, -INFINITY, 0},
                            {INFINITY, INFINITY, INFINITY}};
-    check_glows(rk_vec(1e30f, 1e30f, 1e30f), 0.5f, true, "it is very bright, but finite");
+    check_bright(rk_vec(1e30f, 1e30f, 1e30f), 0.5f, true, "it is very bright, but finite");
     for (size_t i = 0; i < sizeof odd / sizeof *odd; i++)
-        check_glows(odd[i], 0.5f, false, "it would make all pixels around it infinite, or NaN");
+        check_bright(odd[i], 0.5f, false, "it would make all pixels around it infinite, or NaN");
 }
 
-static void check_lit(const rk_vec3 *row, size_t width, size_t first, size_t end, const char *hint)
+static void check_bright_span(const rk_vec3 *row, size_t width, size_t first, size_t end,
+                              const char *hint)
 {
     rk_vec3 *own = exact_copy(row, width * sizeof *row);
-    rk_bloom_span lit = rk_bloom_bright_span(own, width, 1); /* that of white */
+    rk_bloom_span bright = rk_bloom_bright_span(own, width, 1); /* the luminance of white */
     if (first == end)
-        rk_check(lit.first == lit.end, "%s: got from %zu to before %zu, want an empty span", hint,
-                 lit.first, lit.end);
+        rk_check(bright.first == bright.end, "%s: got from %zu to before %zu, want an empty span",
+                 hint, bright.first, bright.end);
     else
-        rk_check(lit.first == first && lit.end == end,
-                 "%s: got from %zu to before %zu, want from %zu to before %zu", hint, lit.first,
-                 lit.end, first, end);
+        rk_check(bright.first == first && bright.end == end,
+                 "%s: got from %zu to before %zu, want from %zu to before %zu", hint, bright.first,
+                 bright.end, first, end);
     free(own);
 }
 
-static void lit_is_from_the_first_to_the_last_pixel_that_glows(void **state)
+static void the_bright_span_is_from_the_first_to_the_last_bright_pixel(void **state)
 {
     (void)state;
     rk_vec3 row[9] = {{0, 0, 0}};
-    check_lit(row, 9, 0, 0, "a row of nine that is dark");
+    check_bright_span(row, 9, 0, 0, "a dark row of nine");
     row[3] = white;
-    check_lit(row, 9, 3, 4, "pixel 3 of nine glows");
+    check_bright_span(row, 9, 3, 4, "pixel 3 of nine is bright");
     row[6] = white;
-    check_lit(row, 9, 3, 7, "pixels 3 and 6 of nine glow");
+    check_bright_span(row, 9, 3, 7, "pixels 3 and 6 of nine are bright");
     row[1] = row[7] = rk_vec(INFINITY, 1, 1);
-    check_lit(row, 9, 3, 7, "pixels 3 and 6 glow, 1 and 7 are infinite, which never glows");
+    check_bright_span(row, 9, 3, 7,
+                      "pixels 3 and 6 are bright, 1 and 7 infinite, which is not bright");
     row[0] = row[8] = white;
-    check_lit(row, 9, 0, 9, "both ends of a row of nine glow");
-    check_lit(row + 8, 1, 0, 1, "a row of one pixel that glows");
-    check_lit(row, 0, 0, 0, "a row of no pixels");
+    check_bright_span(row, 9, 0, 9, "both ends of a row of nine are bright");
+    check_bright_span(row + 8, 1, 0, 1, "a row of one bright pixel");
+    check_bright_span(row, 0, 0, 0, "a row of no pixels");
 }
 
 /* --- The mask --------------------------------------------------------------------------------- */
 
 /* Calls the unit with a row in memory of its own; `masked` is fenced. */
 static void mask_of(const rk_bloom_filter *filter, const rk_vec3 *row, size_t width,
-                    float threshold, rk_bloom_span lit, size_t from, size_t count, float *masked)
+                    float threshold, rk_bloom_span bright, size_t from, size_t count, float *masked)
 {
     size_t total = count + 2 * filter->reach;
     rk_vec3 *own = exact_copy(row, width * sizeof *row);
-    rk_bloom_bright_pass(filter, own, width, threshold, lit, from, count, (rk_vec3 *)masked);
+    rk_bloom_bright_pass(filter, own, width, threshold, bright, from, count, (rk_vec3 *)masked);
     free(own);
-    check_fences(masked, 3 * total, "the mask, three floats a pixel");
+    check_fences(masked, 3 * total, "the mask, three floats per pixel");
 }
 
-/* By the formula, for one colour of pixels that are not near the threshold, or not finite. */
+/* The formula, for colours that are not finite or not near the threshold. */
 static rk_vec3 plain_mask(rk_vec3 colour, double threshold)
 {
     double luminance =
         0.2126 * (double)colour.x + 0.7152 * (double)colour.y + 0.0722 * (double)colour.z;
-    bool glows = luminance >= threshold && isfinite(luminance);
-    return glows ? colour : rk_vec(0, 0, 0);
+    bool is_bright = luminance >= threshold && isfinite(luminance);
+    return is_bright ? colour : rk_vec(0, 0, 0);
 }
 
-/* Of a row that does not glow, whose empty span of light may lie anywhere. */
+/* A dark row, whose empty bright span may lie anywhere. */
 static void check_dark_mask(size_t at)
 {
     enum { width = 50 };
@@ -210,12 +210,13 @@ static void check_dark_mask(size_t at)
     rk_vec3 row[width] = {{0, 0, 0}};
     mask_of(&alone, row, width, 0.5f, (rk_bloom_span){at, at}, 0, width, masked);
     for (size_t i = 0; i < 3 * width; i++)
-        rk_check(masked[i] == 0,
-                 "a black row, lit from %zu to before %zu: pixel %zu, colour %zu: got %g, want 0",
-                 at, at, i / 3, i % 3, (double)masked[i]);
+        rk_check(
+            masked[i] == 0,
+            "a black row, bright from %zu to before %zu: pixel %zu, colour %zu: got %g, want 0", at,
+            at, i / 3, i % 3, (double)masked[i]);
 }
 
-static void the_mask_keeps_what_glows_and_nothing_else(void **state)
+static void the_mask_keeps_bright_pixels_and_nothing_else(void **state)
 {
     (void)state;
     enum { width = 50 };
@@ -226,13 +227,13 @@ static void the_mask_keeps_what_glows_and_nothing_else(void **state)
         row[x] = random_colour(x);
     row[20] = rk_vec(INFINITY, 1, 1);
     row[30] = rk_vec(1, NAN, 1);
-    /* Found by the formula, so that this claim does not depend on the search for light. */
-    rk_bloom_span lit = {0, width};
-    while (plain_mask(row[lit.first], 0.5).y == 0)
-        lit.first++;
-    while (plain_mask(row[lit.end - 1], 0.5).y == 0)
-        lit.end--;
-    mask_of(&alone, row, width, 0.5f, lit, 0, width, masked);
+    /* By the formula, so that this claim does not depend on rk_bloom_bright_span. */
+    rk_bloom_span bright = {0, width};
+    while (plain_mask(row[bright.first], 0.5).y == 0)
+        bright.first++;
+    while (plain_mask(row[bright.end - 1], 0.5).y == 0)
+        bright.end--;
+    mask_of(&alone, row, width, 0.5f, bright, 0, width, masked);
     for (uint32_t x = 0; x < width; x++) {
         rk_vec3 want = plain_mask(row[x], 0.5), got;
         memcpy(&got, masked + 3 * x, sizeof got);
@@ -240,29 +241,29 @@ static void the_mask_keeps_what_glows_and_nothing_else(void **state)
                  "pixel %u, (%g, %g, %g), threshold .5: got (%g, %g, %g), want (%g, %g, %g): %s", x,
                  (double)row[x].x, (double)row[x].y, (double)row[x].z, (double)got.x, (double)got.y,
                  (double)got.z, (double)want.x, (double)want.y, (double)want.z,
-                 want.y > 0 ? "it glows, and keeps its colour" : "it does not glow, and is 0");
+                 want.y > 0 ? "it is bright, and keeps its colour" : "it is not bright, and is 0");
     }
     check_dark_mask(0);
     check_dark_mask(50);
 }
 
-/* Ten greys, 1 to 10 and back to front, of which those from 7 on glow. */
+/* Ten greys, 1 to 10 or 10 to 1; from 7 on they are bright. */
 static rk_vec3 grey_at(size_t x, bool rising)
 {
     return rk_scale(white, rising ? (float)x + 1 : 10 - (float)x);
 }
 
-/* A part of the greys' row, seen by a filter that reaches 4 pixels. */
+/* A part of the row of greys, for a filter that reaches 4 pixels. */
 static void check_mask(rk_bloom_border border, bool rising, size_t from, size_t count)
 {
     float *weights = exact_copy((const float[]){1, 0, 0, 0, 0}, 5 * sizeof *weights);
     const rk_bloom_filter filter = filter_of(weights, 4, border);
-    const rk_bloom_span lit = rising ? (rk_bloom_span){6, 10} : (rk_bloom_span){0, 4};
+    const rk_bloom_span bright = rising ? (rk_bloom_span){6, 10} : (rk_bloom_span){0, 4};
     float room[3 * (10 + 8) + 2 * fence], *masked = fenced(room, 3 * (count + 8));
     rk_vec3 row[10];
     for (size_t x = 0; x < 10; x++)
         row[x] = grey_at(x, rising);
-    mask_of(&filter, row, 10, 7, lit, from, count, masked);
+    mask_of(&filter, row, 10, 7, bright, from, count, masked);
     for (size_t i = 0; i < count + 8; i++) {
         size_t away = from + i, x = away < 4 ? 0 : away - 4 < 10 ? away - 4 : 9;
         bool beyond = x + 4 != away, dark = beyond && border != RK_BLOOM_CLAMP;
@@ -273,12 +274,12 @@ static void check_mask(rk_bloom_border border, bool rising, size_t from, size_t 
                      "colour %d: got %g, want %g: it stands for %s pixel %zu, of grey %g",
                      border_names[border], rising ? "1 to 10" : "10 to 1", from, count, i, axis,
                      (double)masked[3 * i + (size_t)axis], (double)want,
-                     beyond ? "what lies beyond" : "the row's", x, (double)grey);
+                     beyond ? "the outside beside" : "the row's", x, (double)grey);
     }
     free(weights);
 }
 
-static void beyond_the_border_the_mask_is_zero(void **state)
+static void the_mask_is_zero_beyond_the_border(void **state)
 {
     (void)state;
     for (int rising = 1; rising >= 0; rising--) {
@@ -310,7 +311,7 @@ static void clamping_repeats_the_borders_own_pixel(void **state)
 
 /* --- Weights ---------------------------------------------------------------------------------- */
 
-static void small_filters_are_those_of_pascals_triangle(void **state)
+static void small_filters_are_rows_of_pascals_triangle(void **state)
 {
     (void)state;
     const float want[4][4] = {{1},
@@ -405,7 +406,8 @@ static void the_weights_of_any_radius_sum_to_one(void **state)
         double sum = (double)weights[0];
         for (uint32_t k = 1; k <= radii[i]; k++)
             sum += 2 * (double)weights[k];
-        /* Each is rounded by at most 2^-24 of itself; those too small for a float are no loss. */
+        /* Each is rounded by at most 2^-24 of itself; weights too small for a float don't matter.
+         */
         const double tolerance = 0x1p-24 + 1e-30;
         rk_check(fabs(sum - 1) <= tolerance,
                  "radius %u: the weights of both sides sum to %.12g, want 1 within %.3g", radii[i],
@@ -465,10 +467,10 @@ static void the_reach_is_the_shortest_within_half_an_ulp(void **state)
 
 /* --- Sums of lines ---------------------------------------------------------------------------- */
 
-/* `weights` are of no real filter: between 1 and 2, so that each of them matters. Each line has
- * memory of just its size; one that is not there is NULL. */
+/* `weights` belong to no real filter: they are between 1 and 2, so that each of them matters. Each
+ * line has memory of exactly its size; a missing line is NULL. */
 typedef struct line_sum {
-    uint32_t reach, taps; /* taps: lines that are there */
+    uint32_t reach, taps; /* taps: lines that are not NULL */
     size_t count;
     float *weights, **lines;
 } line_sum;
@@ -507,8 +509,7 @@ static double plain_sum(const line_sum *s, size_t i)
     return sum;
 }
 
-/* Lines of which some are missing, against the sum in double. Returns how often the unit asked for
- * memory. */
+/* Lines, some of them missing, against the sum in double. Returns the number of allocations. */
 static size_t check_sum(uint32_t reach, uint32_t present, const char *hint)
 {
     line_sum s = make_lines(reach, present, RK_BLOOM_BLOCK * (1 + (reach + 2) % 3));
@@ -516,8 +517,8 @@ static size_t check_sum(uint32_t reach, uint32_t present, const char *hint)
     float room[3 * RK_BLOOM_BLOCK + 2 * fence], *sum = fenced(room, s.count);
     size_t before = rk_allocations;
     uint32_t taps = rk_bloom_blur_lines(&filter, (const float *const *)s.lines, s.count, sum);
-    size_t asked = rk_allocations - before;
-    /* Each term, of 2 at most, is rounded three times, and the sum once a term. */
+    size_t allocated = rk_allocations - before;
+    /* Each term, of 2 at most, is rounded three times, and the sum once per term. */
     double tolerance = (2 * reach + 4) * 0x1p-24 * 2 * (2 * reach + 1);
     for (size_t i = 0; i < s.count; i++) {
         double want = plain_sum(&s, i), got = (double)sum[i];
@@ -531,26 +532,26 @@ static size_t check_sum(uint32_t reach, uint32_t present, const char *hint)
     rk_check(taps == s.taps, "%s, reach %u: returned %u, want %u: the lines that are not NULL",
              hint, reach, taps, s.taps);
     free_lines(&s);
-    return asked;
+    return allocated;
 }
 
-static void a_line_alone_is_weighed_by_its_distance(void **state)
+static void a_single_line_is_weighted_by_its_distance(void **state)
 {
     (void)state;
     for (uint32_t k = 0; k <= 8; k++) {
         char hint[64];
-        snprintf(hint, sizeof hint, "of the lines 0 to 8 only %u is there", k);
+        snprintf(hint, sizeof hint, "of the lines 0 to 8 only %u is not NULL", k);
         check_sum(4, 1u << k, hint);
     }
-    check_sum(0, 1, "a filter that sees nothing but the pixel itself");
+    check_sum(0, 1, "a filter that reaches only the pixel itself");
 }
 
 static void all_lines_are_summed(void **state)
 {
     (void)state;
     for (uint32_t reach = 0; reach <= 15; reach++)
-        check_sum(reach, UINT32_MAX, "all lines are there");
-    check_sum(RK_BLOOM_RADIUS_MAX, UINT32_MAX, "the longest filter, all lines are there");
+        check_sum(reach, UINT32_MAX, "no line is NULL");
+    check_sum(RK_BLOOM_RADIUS_MAX, UINT32_MAX, "the longest filter, no line is NULL");
 }
 
 static void lines_that_are_null_are_zeros(void **state)
@@ -559,42 +560,42 @@ static void lines_that_are_null_are_zeros(void **state)
     for (uint32_t i = 0; i < 200; i++) {
         char hint[64];
         uint32_t present = rk_hash(i, 0, 0, 4);
-        snprintf(hint, sizeof hint, "line k is there if bit k of 0x%x is set", present);
+        snprintf(hint, sizeof hint, "line k is NULL unless bit k of 0x%x is set", present);
         check_sum(i % 16, present, hint);
     }
-    check_sum(7, 0, "no line is there");
+    check_sum(7, 0, "all lines are NULL");
 }
 
-static void weighing_asks_for_no_memory(void **state)
+static void blurring_allocates_no_memory(void **state)
 {
     (void)state;
-    size_t asked = check_sum(15, UINT32_MAX, "all lines are there");
-    rk_check(!rk_allocations_are_counted || asked == 0,
-             "reach 15: a sum of lines asked for memory %zu times, want 0: it stands in the "
+    size_t allocated = check_sum(15, UINT32_MAX, "no line is NULL");
+    rk_check(!rk_allocations_are_counted || allocated == 0,
+             "reach 15: a sum of lines allocated memory %zu times, want 0: it is called in the "
              "innermost loop",
-             asked);
+             allocated);
 }
 
 /* Small multiples of 1/32, so that sums and products are exact. */
-static void the_glow_is_added_times_its_gain(void **state)
+static void the_blurred_mask_is_added_times_the_gain(void **state)
 {
     (void)state;
     for (size_t count = 0; count <= 100; count++) {
         float room[100 + 2 * fence], *pixels = fenced(room, count);
-        float *glow = exactly(count * sizeof *glow), gain = (float)(count % 7 + 1) / 8;
+        float *blurred = exactly(count * sizeof *blurred), gain = (float)(count % 7 + 1) / 8;
         for (size_t i = 0; i < count; i++) {
             pixels[i] = (float)i;
-            glow[i] = (float)(count - i) / 4;
+            blurred[i] = (float)(count - i) / 4;
         }
-        rk_bloom_composite(pixels, glow, count, gain);
+        rk_bloom_composite(pixels, blurred, count, gain);
         for (size_t i = 0; i < count; i++) {
-            float want = (float)i + gain * glow[i];
+            float want = (float)i + gain * blurred[i];
             rk_check(pixels[i] == want,
-                     "float %zu of %zu: got %g, want %g: %zu and the gain %g times the glow %g", i,
-                     count, (double)pixels[i], (double)want, i, (double)gain, (double)glow[i]);
+                     "float %zu of %zu: got %g, want %g: %zu plus the gain %g times the mask %g", i,
+                     count, (double)pixels[i], (double)want, i, (double)gain, (double)blurred[i]);
         }
         check_fences(pixels, count, "the pixels");
-        free(glow);
+        free(blurred);
     }
 }
 
@@ -613,9 +614,9 @@ static void bloom(picture *p, const rk_bloom_filter *filter, float threshold, fl
     const float *lines[129];
     int reach = (int)filter->reach;
     for (int y = 0; y < height; y++) {
-        rk_bloom_span lit = rk_bloom_bright_span(p->pixels[y], width, threshold);
+        rk_bloom_span bright = rk_bloom_bright_span(p->pixels[y], width, threshold);
         memset(masked, 0, sizeof masked);
-        rk_bloom_bright_pass(filter, p->pixels[y], width, threshold, lit, 0, width,
+        rk_bloom_bright_pass(filter, p->pixels[y], width, threshold, bright, 0, width,
                              (rk_vec3 *)masked);
         for (int k = 0; k <= 2 * reach; k++)
             lines[k] = masked + 3 * k;
@@ -630,11 +631,11 @@ static void bloom(picture *p, const rk_bloom_filter *filter, float threshold, fl
         }
         rk_bloom_blur_lines(filter, lines, room, sum);
         for (int x = 0; x < width; x++) {
-            float share = filter->border != RK_BLOOM_RENORMALIZE
-                              ? 1
-                              : rk_bloom_weight_inside(filter, (size_t)x, width) *
-                                    rk_bloom_weight_inside(filter, (size_t)y, height);
-            rk_bloom_composite(&p->pixels[y][x].x, sum + 3 * x, 3, intensity / share);
+            float weight_inside = filter->border != RK_BLOOM_RENORMALIZE
+                                      ? 1
+                                      : rk_bloom_weight_inside(filter, (size_t)x, width) *
+                                            rk_bloom_weight_inside(filter, (size_t)y, height);
+            rk_bloom_composite(&p->pixels[y][x].x, sum + 3 * x, 3, intensity / weight_inside);
         }
     }
 }
@@ -662,7 +663,7 @@ static void weights_in_double(int radius, double *weights)
 static double full_filter(const picture *p, int x, int y, int axis, int radius,
                           rk_bloom_border border, double threshold)
 {
-    double weights[65], sum = 0, share = 0;
+    double weights[65], sum = 0, weight_inside = 0;
     weights_in_double(radius, weights);
     for (int dy = -radius; dy <= radius; dy++)
         for (int dx = -radius; dx <= radius; dx++) {
@@ -674,14 +675,14 @@ static double full_filter(const picture *p, int x, int y, int axis, int radius,
                 continue;
             rk_vec3 c = p->pixels[cj][ci];
             double luminance = 0.2126 * (double)c.x + 0.7152 * (double)c.y + 0.0722 * (double)c.z;
-            share += weight;
+            weight_inside += weight;
             sum += luminance >= threshold ? weight * (double)rk_axis(c, axis) : 0;
         }
-    return border == RK_BLOOM_RENORMALIZE ? sum / share : sum;
+    return border == RK_BLOOM_RENORMALIZE ? sum / weight_inside : sum;
 }
 
-/* Pixels of at most 1: each of up to 2 x 65 sums and products a pass is rounded by 2^-24 of a
- * result of at most 1, and weights are off by another. */
+/* Pixels of at most 1: each of up to 2 x 65 sums and products per pass is rounded by 2^-24 of a
+ * result of at most 1, and weights are off by another 2^-24. */
 static double pass_tolerance(uint32_t radius)
 {
     return 2 * (2 * radius + 4) * 0x1p-24;
@@ -743,7 +744,7 @@ static void a_point_of_light_becomes_the_filter(void **state)
         }
 }
 
-/* All of one colour, which the filter at a place sees whole, or in part. */
+/* A picture of one colour, all or part of which the filter covers. */
 static void check_constant(rk_bloom_border border, int x, int y, double want, const char *hint)
 {
     const rk_vec3 colour = {0.5f, 1, 0.75f};
@@ -755,20 +756,20 @@ static void check_constant(rk_bloom_border border, int x, int y, double want, co
         double light = (double)rk_axis(colour, axis);
         double got = (double)rk_axis(p.pixels[y][x], axis) - light;
         rk_check(fabs(got - light * want) <= pass_tolerance(4),
-                 "%d x %d pixels, all (.5, 1, .75), radius 4, border %s: the glow at (%d, %d), "
+                 "%d x %d pixels, all (.5, 1, .75), radius 4, border %s: the bloom at (%d, %d), "
                  "colour %d: got %.9g, want %.9g within %.3g: %s",
                  width, height, border_names[border], x, y, axis, got, light * want,
                  pass_tolerance(4), hint);
     }
 }
 
-static void an_even_picture_glows_evenly_far_from_borders(void **state)
+static void an_even_picture_stays_even_far_from_borders(void **state)
 {
     (void)state;
     check_constant(RK_BLOOM_ZERO, 18, 14, 1, "the weights sum to one");
 }
 
-static void at_a_border_of_zeros_light_is_lost(void **state)
+static void a_border_of_zeros_loses_light(void **state)
 {
     (void)state;
     const double side = (70 + 56 + 28 + 8 + 1) / 256.0; /* of C(8, k): the middle and four more */
@@ -778,7 +779,7 @@ static void at_a_border_of_zeros_light_is_lost(void **state)
     check_constant(RK_BLOOM_ZERO, 0, height - 1, side * side, "in a corner");
 }
 
-static void clamped_or_renormalised_an_even_picture_stays_even(void **state)
+static void with_clamp_or_renormalize_an_even_picture_stays_even(void **state)
 {
     (void)state;
     for (int border = RK_BLOOM_CLAMP; border <= RK_BLOOM_RENORMALIZE; border++)
@@ -789,26 +790,26 @@ static void clamped_or_renormalised_an_even_picture_stays_even(void **state)
         }
 }
 
-static void check_share(size_t place, size_t length, double want, const char *hint)
+static void check_weight_inside(size_t place, size_t length, double want, const char *hint)
 {
     float *weights = exact_copy((const float[]){0.375f, 0.25f, 0.0625f}, 3 * sizeof *weights);
     const rk_bloom_filter filter = filter_of(weights, 2, RK_BLOOM_RENORMALIZE);
     double got = (double)rk_bloom_weight_inside(&filter, place, length);
     free(weights);
     rk_check(got == want,
-             "pixel %zu of %zu, weights .375, .25 and .0625: got a share of %.9g, want %.9g: %s",
-             place, length, got, want, hint);
+             "pixel %zu of %zu, weights .375, .25 and .0625: got %.9g inside, want %.9g: %s", place,
+             length, got, want, hint);
 }
 
-static void the_share_is_the_weights_inside(void **state)
+static void the_weight_inside_sums_the_taps_in_the_picture(void **state)
 {
     (void)state;
-    check_share(0, 11, 0.6875, "the two on the left are beyond the border");
-    check_share(9, 11, 0.9375, "the last one on the right is beyond the border");
-    check_share(5, 11, 1, "all are inside");
-    check_share(2, 5, 1, "all are just inside");
-    check_share(0, 1, 0.375, "only the middle is inside");
-    check_share(1, 3, 0.875, "the last ones of both sides are beyond the border");
+    check_weight_inside(0, 11, 0.6875, "the two on the left are beyond the border");
+    check_weight_inside(9, 11, 0.9375, "the last one on the right is beyond the border");
+    check_weight_inside(5, 11, 1, "all are inside");
+    check_weight_inside(2, 5, 1, "all are just inside");
+    check_weight_inside(0, 1, 0.375, "only the middle is inside");
+    check_weight_inside(1, 3, 0.875, "the last ones of both sides are beyond the border");
 }
 
 static void nothing_above_the_threshold_changes_nothing(void **state)
@@ -831,26 +832,26 @@ static void nothing_above_the_threshold_changes_nothing(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(luminance_weighs_green_most),
     cmocka_unit_test(the_luminance_of_a_grey_is_the_grey),
-    cmocka_unit_test(a_pixel_at_the_threshold_glows),
-    cmocka_unit_test(only_what_is_finite_glows),
-    cmocka_unit_test(lit_is_from_the_first_to_the_last_pixel_that_glows),
-    cmocka_unit_test(the_mask_keeps_what_glows_and_nothing_else),
-    cmocka_unit_test(beyond_the_border_the_mask_is_zero),
-    cmocka_unit_test(small_filters_are_those_of_pascals_triangle),
+    cmocka_unit_test(a_pixel_at_the_threshold_is_bright),
+    cmocka_unit_test(only_finite_pixels_are_bright),
+    cmocka_unit_test(the_bright_span_is_from_the_first_to_the_last_bright_pixel),
+    cmocka_unit_test(the_mask_keeps_bright_pixels_and_nothing_else),
+    cmocka_unit_test(the_mask_is_zero_beyond_the_border),
+    cmocka_unit_test(small_filters_are_rows_of_pascals_triangle),
     cmocka_unit_test(weights_are_pascals_rows_to_the_last_bit),
     cmocka_unit_test(the_weights_of_any_radius_sum_to_one),
     cmocka_unit_test(the_variance_is_half_the_radius),
-    cmocka_unit_test(a_line_alone_is_weighed_by_its_distance),
+    cmocka_unit_test(a_single_line_is_weighted_by_its_distance),
     cmocka_unit_test(all_lines_are_summed),
     cmocka_unit_test(lines_that_are_null_are_zeros),
-    cmocka_unit_test(weighing_asks_for_no_memory),
-    cmocka_unit_test(the_glow_is_added_times_its_gain),
+    cmocka_unit_test(blurring_allocates_no_memory),
+    cmocka_unit_test(the_blurred_mask_is_added_times_the_gain),
     cmocka_unit_test(a_point_of_light_becomes_the_filter),
-    cmocka_unit_test(an_even_picture_glows_evenly_far_from_borders),
-    cmocka_unit_test(at_a_border_of_zeros_light_is_lost),
+    cmocka_unit_test(an_even_picture_stays_even_far_from_borders),
+    cmocka_unit_test(a_border_of_zeros_loses_light),
     cmocka_unit_test(clamping_repeats_the_borders_own_pixel),
-    cmocka_unit_test(the_share_is_the_weights_inside),
-    cmocka_unit_test(clamped_or_renormalised_an_even_picture_stays_even),
+    cmocka_unit_test(the_weight_inside_sums_the_taps_in_the_picture),
+    cmocka_unit_test(with_clamp_or_renormalize_an_even_picture_stays_even),
     cmocka_unit_test(rows_then_columns_are_the_full_filter),
     cmocka_unit_test(the_reach_is_the_shortest_within_half_an_ulp),
     cmocka_unit_test(nothing_above_the_threshold_changes_nothing),

@@ -1,12 +1,12 @@
-/* Bloom over whole pictures: against the full filter in double, the same for any threads, no more
- * work than there is light, and how far the cheaper methods are off. */
+/* Bloom over whole pictures: against the full filter in double, equal for any number of threads, no
+ * work where there is no light, and the errors of the cheaper methods. */
 #include "test_scene.h"
 
 #include "base/random.h"
 #include "post/bloom_stage.h"
 #include "post/blur.h"
 
-/* --- Pictures to try -------------------------------------------------------------------------- */
+/* --- Pictures --------------------------------------------------------------------------------- */
 
 static rk_image make(size_t width, size_t height)
 {
@@ -23,7 +23,7 @@ static rk_image copy_of(const rk_image *image)
     return copy;
 }
 
-/* Noise of up to `most`, of which about the given share of rows is black. */
+/* Noise of up to `most`; about the given fraction of its rows is black. */
 static rk_image noise(size_t width, size_t height, float most, float black)
 {
     rk_image image = make(width, height);
@@ -46,7 +46,7 @@ static rk_bloom_options options_of(uint32_t radius, rk_bloom_border border, rk_b
     return options;
 }
 
-static rk_counters glow(rk_image *image, const rk_bloom_options *options, uint32_t threads)
+static rk_counters apply_bloom(rk_image *image, const rk_bloom_options *options, uint32_t threads)
 {
     rk_counters counters = {0};
     rk_error error = {""};
@@ -73,7 +73,7 @@ static void weights_in_double(int radius, double *weights)
 static double full_filter(const rk_image *image, int x, int y, const rk_bloom_options *options)
 {
     int radius = (int)options->radius, width = (int)image->width, height = (int)image->height;
-    double weights[65], sum = 0, share = 0;
+    double weights[65], sum = 0, weight_inside = 0;
     weights_in_double(radius, weights);
     for (int j = y - radius; j <= y + radius; j++)
         for (int i = x - radius; i <= x + radius; i++) {
@@ -83,14 +83,14 @@ static double full_filter(const rk_image *image, int x, int y, const rk_bloom_op
                 continue;
             rk_vec3 pixel = *rk_image_at(image, (size_t)ci, (size_t)cj);
             double weight = weights[abs(i - x)] * weights[abs(j - y)];
-            share += weight;
+            weight_inside += weight;
             sum += rk_bloom_is_bright(pixel, options->threshold) ? weight * (double)pixel.y : 0;
         }
-    return options->border == RK_BLOOM_RENORMALIZE ? sum / share : sum;
+    return options->border == RK_BLOOM_RENORMALIZE ? sum / weight_inside : sum;
 }
 
-/* Of pixels of up to 1: two passes of up to 2r + 1 terms, rounded at each product and each sum, and
- * what is beyond the reach. */
+/* For pixels of up to 1: two passes of up to 2r + 1 terms, rounded at each product and each sum,
+ * and the taps beyond the reach. */
 static double tolerance_of(uint32_t radius)
 {
     return 4 * (2 * radius + 4) * 0x1p-24;
@@ -99,7 +99,7 @@ static double tolerance_of(uint32_t radius)
 static void check_against_full_filter(const rk_image *before, const rk_bloom_options *options)
 {
     rk_image after = copy_of(before);
-    glow(&after, options, 2);
+    apply_bloom(&after, options, 2);
     for (size_t y = 0; y < before->height; y++)
         for (size_t x = 0; x < before->width; x += 1 + before->width / 9) {
             double want = (double)rk_image_at(before, x, y)->y +
@@ -113,7 +113,7 @@ static void check_against_full_filter(const rk_image *before, const rk_bloom_opt
     rk_image_free(&after);
 }
 
-static void a_glow_is_the_full_filter(void **state)
+static void bloom_equals_the_full_filter(void **state)
 {
     (void)state;
     const size_t sizes[][2] = {{1, 1}, {1, 40}, {40, 1}, {16, 16}, {17, 5}, {61, 47}};
@@ -129,7 +129,7 @@ static void a_glow_is_the_full_filter(void **state)
             }
 }
 
-static void light_in_a_corner_glows_by_the_borders_rule(void **state)
+static void light_in_a_corner_obeys_the_border_mode(void **state)
 {
     (void)state;
     for (int corner = 0; corner < 4; corner++)
@@ -148,10 +148,10 @@ static void any_number_of_threads_makes_the_same_picture(void **state)
     for (int method = RK_BLOOM_EXACT; method <= RK_BLOOM_PYRAMID; method++) {
         rk_image before = noise(150, 90, 1, 0.3f), one = copy_of(&before);
         rk_bloom_options options = options_of(20, RK_BLOOM_RENORMALIZE, (rk_bloom_method)method);
-        rk_counters want = glow(&one, &options, 1);
+        rk_counters want = apply_bloom(&one, &options, 1);
         for (uint32_t threads = 2; threads <= 5; threads++) {
             rk_image many = copy_of(&before);
-            rk_counters got = glow(&many, &options, threads);
+            rk_counters got = apply_bloom(&many, &options, threads);
             rk_check(test_same_pixels(&one, &many), "method %d, %u threads", method, threads);
             rk_check(memcmp(&got, &want, sizeof got) == 0, "method %d, %u threads: other counters",
                      method, threads);
@@ -162,16 +162,16 @@ static void any_number_of_threads_makes_the_same_picture(void **state)
     }
 }
 
-/* --- No more work than there is light --------------------------------------------------------- */
+/* --- No light, no work ------------------------------------------------------------------------ */
 
-static void where_nothing_glows_each_pixel_is_read_once(void **state)
+static void without_bright_pixels_each_pixel_is_read_once(void **state)
 {
     (void)state;
     rk_image before = noise(100, 70, 0.4f, 0), after = copy_of(&before);
     rk_bloom_options options = options_of(15, RK_BLOOM_CLAMP, RK_BLOOM_EXACT);
-    rk_counters counters = glow(&after, &options, 2);
+    rk_counters counters = apply_bloom(&after, &options, 2);
     rk_check(test_same_pixels(&before, &after), "the picture is untouched");
-    rk_check_equal(counters.bloom_pixels_read, 100 * 70, "one look at each");
+    rk_check_equal(counters.bloom_pixels_read, 100 * 70, "each is read once");
     rk_check_equal(counters.bloom_taps, 0, "nothing is filtered");
     rk_image_free(&before);
     rk_image_free(&after);
@@ -184,7 +184,7 @@ static void bloom_that_is_off_does_nothing(void **state)
     rk_bloom_options off = options_of(15, RK_BLOOM_ZERO, RK_BLOOM_EXACT), faint = off;
     off.on = false;
     faint.intensity = 0;
-    rk_counters first = glow(&after, &off, 1), second = glow(&after, &faint, 1);
+    rk_counters first = apply_bloom(&after, &off, 1), second = apply_bloom(&after, &faint, 1);
     rk_check(test_same_pixels(&before, &after), "the picture is untouched");
     rk_check_equal(first.bloom_pixels_read + first.bloom_taps, 0, "off");
     rk_check_equal(second.bloom_pixels_read + second.bloom_taps, 0, "an intensity of 0");
@@ -197,16 +197,16 @@ static uint64_t taps_for_rows(size_t first, size_t second)
     rk_image image = make(600, 600);
     *rk_image_at(&image, 300, first) = *rk_image_at(&image, 300, second) = rk_vec(1, 1, 1);
     rk_bloom_options options = options_of(15, RK_BLOOM_ZERO, RK_BLOOM_EXACT);
-    rk_counters counters = glow(&image, &options, 2);
+    rk_counters counters = apply_bloom(&image, &options, 2);
     rk_image_free(&image);
     return counters.bloom_taps;
 }
 
-static void a_point_of_light_costs_its_own_surroundings(void **state)
+static void a_point_of_light_costs_only_its_neighbourhood(void **state)
 {
     (void)state;
-    /* Its row has 29 pixels that get light, which fit two blocks of 16 pixels, of 29 taps each. The
-     * columns of these have one tap for each pixel of 29 rows. */
+    /* The light reaches 29 pixels of its row, which fit into two blocks of 16 pixels, of 29 taps
+     * each. Their columns have one tap for each pixel of 29 rows. */
     uint64_t taps = taps_for_rows(300, 300);
     rk_check(taps <= 2 * 29 * 32, "%llu taps for one pixel among 360000", (unsigned long long)taps);
     rk_check(taps >= 29 * 29, "%llu taps are too few for a filter of 29 x 29",
@@ -216,29 +216,29 @@ static void a_point_of_light_costs_its_own_surroundings(void **state)
 static void dark_rows_between_bright_ones_cost_nothing(void **state)
 {
     (void)state;
-    rk_check_equal(taps_for_rows(100, 500), 2 * taps_for_rows(300, 300), "twice that of one");
+    rk_check_equal(taps_for_rows(100, 500), 2 * taps_for_rows(300, 300), "twice the taps of one");
 }
 
-static double taps_a_pixel(uint32_t radius)
+static double taps_per_pixel(uint32_t radius)
 {
     rk_image image = make(320, 320);
     for (size_t i = 0; i < 320 * 320; i++)
         image.pixels[i] = rk_vec(1, 1, 1);
     rk_bloom_options options = options_of(radius, RK_BLOOM_CLAMP, RK_BLOOM_EXACT);
-    rk_counters counters = glow(&image, &options, 2);
+    rk_counters counters = apply_bloom(&image, &options, 2);
     rk_image_free(&image);
     return (double)counters.bloom_taps / (320 * 320);
 }
 
-static void a_large_radius_costs_its_square_root(void **state)
+static void taps_grow_with_the_square_root_of_the_radius(void **state)
 {
     (void)state;
-    double few = taps_a_pixel(10), many = taps_a_pixel(1000);
-    rk_check(many <= 2 * 2 * 130, "radius 1000: %g taps a pixel, of 2 x 2001", many);
+    double few = taps_per_pixel(10), many = taps_per_pixel(1000);
+    rk_check(many <= 2 * 2 * 130, "radius 1000: %g taps per pixel, of 2 x 2001", many);
     rk_check(many <= 14 * few, "100 times the radius: %g times the taps", many / few);
 }
 
-static void what_is_not_finite_stays_where_it_is(void **state)
+static void pixels_that_are_not_finite_do_not_spread(void **state)
 {
     (void)state;
     rk_image image = make(30, 30);
@@ -246,7 +246,7 @@ static void what_is_not_finite_stays_where_it_is(void **state)
     *rk_image_at(&image, 20, 20) = rk_vec(INFINITY, INFINITY, INFINITY);
     *rk_image_at(&image, 15, 15) = rk_vec(1, 1, 1);
     rk_bloom_options options = options_of(5, RK_BLOOM_CLAMP, RK_BLOOM_EXACT);
-    glow(&image, &options, 1);
+    apply_bloom(&image, &options, 1);
     size_t odd = 0;
     for (size_t i = 0; i < 900; i++)
         odd += isfinite(image.pixels[i].x) ? 0 : 1;
@@ -280,8 +280,8 @@ static double largest_difference(const rk_image *a, const rk_image *b)
 static void cheaper_methods_are_close_to_the_filter(void **state)
 {
     (void)state;
-    /* What was measured, rounded up, in the unit of the lamps; Young and van Vliet's recursion is
-     * the coarsest. */
+    /* Measured errors, rounded up, relative to the lamps' brightness; Young and van Vliet's
+     * recursion is the least accurate. */
     const double most[] = {0, 0.004, 0.035, 0.012};
     const uint32_t radii[] = {15, 100, 400};
     for (size_t r = 0; r < 3; r++)
@@ -289,15 +289,15 @@ static void cheaper_methods_are_close_to_the_filter(void **state)
             rk_image exact = lamps();
             rk_bloom_options options =
                 options_of(radii[r], (rk_bloom_border)border, RK_BLOOM_EXACT);
-            glow(&exact, &options, 2);
+            apply_bloom(&exact, &options, 2);
             for (int method = RK_BLOOM_GAUSSIAN; method <= RK_BLOOM_PYRAMID; method++) {
                 rk_image near = lamps();
                 options.method = (rk_bloom_method)method;
-                glow(&near, &options, 2);
+                apply_bloom(&near, &options, 2);
                 double off = largest_difference(&exact, &near);
                 rk_check(off <= most[method], "radius %u, border %d, method %d: off by %g",
                          radii[r], border, method, off);
-                rk_check(off > 0, "method %d is no other than the filter itself", method);
+                rk_check(off > 0, "method %d is the exact filter", method);
                 rk_image_free(&near);
             }
             rk_image_free(&exact);
@@ -319,16 +319,16 @@ static void a_gaussians_weights_sum_to_one(void **state)
     }
 }
 
-static void small_radii_suit_every_method(void **state)
+static void every_method_handles_small_radii(void **state)
 {
     (void)state;
     for (uint32_t radius = 0; radius <= 3; radius++)
         for (int method = RK_BLOOM_GAUSSIAN; method <= RK_BLOOM_PYRAMID; method++) {
             rk_image exact = lamps(), near = lamps();
             rk_bloom_options options = options_of(radius, RK_BLOOM_CLAMP, RK_BLOOM_EXACT);
-            glow(&exact, &options, 1);
+            apply_bloom(&exact, &options, 1);
             options.method = (rk_bloom_method)method;
-            glow(&near, &options, 1);
+            apply_bloom(&near, &options, 1);
             double off = largest_difference(&exact, &near);
             rk_check(off <= (radius ? 0.1 : 1e-6), "radius %u, method %d: off by %g", radius,
                      method, off);
@@ -367,7 +367,7 @@ static void options_out_of_range_are_refused(void **state)
     rk_image_free(&before);
 }
 
-static void the_renderer_lets_its_picture_glow(void **state)
+static void the_renderer_adds_bloom_to_its_picture(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_builtin("cornell");
@@ -376,38 +376,38 @@ static void the_renderer_lets_its_picture_glow(void **state)
     options.height = 60;
     test_picture plain = test_render(&scene, options, 2);
     rk_check_equal(plain.counters.bloom_pixels_read + plain.counters.bloom_taps, 0,
-                   "without bloom no pixel is looked at again");
+                   "without bloom no pixel is read again");
     options.bloom.on = true;
-    test_picture glowing = test_render(&scene, options, 2);
-    rk_check(glowing.counters.bloom_taps > 0, "the box has bright walls");
-    rk_check_equal(glowing.counters.primary_rays, plain.counters.primary_rays, "rays stay counted");
-    rk_counters counters = glow(&plain.image, &options.bloom, 1);
-    rk_check(test_same_pixels(&plain.image, &glowing.image), "the picture, and then its glow");
-    rk_check_equal(counters.bloom_taps, glowing.counters.bloom_taps, "the same work");
+    test_picture bloomed = test_render(&scene, options, 2);
+    rk_check(bloomed.counters.bloom_taps > 0, "the box has bright walls");
+    rk_check_equal(bloomed.counters.primary_rays, plain.counters.primary_rays, "rays stay counted");
+    rk_counters counters = apply_bloom(&plain.image, &options.bloom, 1);
+    rk_check(test_same_pixels(&plain.image, &bloomed.image), "the picture, and then its bloom");
+    rk_check_equal(counters.bloom_taps, bloomed.counters.bloom_taps, "the same work");
     scene.light_count = 0;
     test_picture dark = test_render(&scene, options, 1);
-    rk_check_equal(dark.counters.bloom_pixels_read, 0, "a scene without light cannot glow");
+    rk_check_equal(dark.counters.bloom_pixels_read, 0, "a scene without light has no bloom");
     rk_image_free(&plain.image);
-    rk_image_free(&glowing.image);
+    rk_image_free(&bloomed.image);
     rk_image_free(&dark.image);
     rk_scene_free(&scene);
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(a_glow_is_the_full_filter),
-    cmocka_unit_test(light_in_a_corner_glows_by_the_borders_rule),
+    cmocka_unit_test(bloom_equals_the_full_filter),
+    cmocka_unit_test(light_in_a_corner_obeys_the_border_mode),
     cmocka_unit_test(any_number_of_threads_makes_the_same_picture),
-    cmocka_unit_test(where_nothing_glows_each_pixel_is_read_once),
+    cmocka_unit_test(without_bright_pixels_each_pixel_is_read_once),
     cmocka_unit_test(bloom_that_is_off_does_nothing),
-    cmocka_unit_test(a_point_of_light_costs_its_own_surroundings),
+    cmocka_unit_test(a_point_of_light_costs_only_its_neighbourhood),
     cmocka_unit_test(dark_rows_between_bright_ones_cost_nothing),
-    cmocka_unit_test(a_large_radius_costs_its_square_root),
-    cmocka_unit_test(what_is_not_finite_stays_where_it_is),
+    cmocka_unit_test(taps_grow_with_the_square_root_of_the_radius),
+    cmocka_unit_test(pixels_that_are_not_finite_do_not_spread),
     cmocka_unit_test(cheaper_methods_are_close_to_the_filter),
     cmocka_unit_test(a_gaussians_weights_sum_to_one),
-    cmocka_unit_test(small_radii_suit_every_method),
+    cmocka_unit_test(every_method_handles_small_radii),
     cmocka_unit_test(options_out_of_range_are_refused),
-    cmocka_unit_test(the_renderer_lets_its_picture_glow),
+    cmocka_unit_test(the_renderer_adds_bloom_to_its_picture),
 };
 
-RK_SUITE("glow", tests)
+RK_SUITE("bloom_stage", tests)

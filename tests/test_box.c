@@ -352,7 +352,7 @@ static void any_scale_and_distance_agrees_with_long_double(void **state)
              passed);
 }
 
-static void a_far_ray_meets_a_box_of_no_thickness(void **state)
+static void a_distant_ray_hits_a_box_of_no_thickness(void **state)
 {
     (void)state;
     const float far[] = {1e6f, 1e30f};
@@ -387,7 +387,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(tiny_and_huge_boxes_agree_with_integers),
     cmocka_unit_test(denormal_directions_lose_no_box),
     cmocka_unit_test(any_scale_and_distance_agrees_with_long_double),
-    cmocka_unit_test(a_far_ray_meets_a_box_of_no_thickness),
+    cmocka_unit_test(a_distant_ray_hits_a_box_of_no_thickness),
 };
 
 RK_SUITE("box", tests)

@@ -139,7 +139,7 @@ static void visits_go_parents_first_and_left_before_right(void **state)
     }
 }
 
-static void visits_of_unsound_trees_end(void **state)
+static void visits_of_invalid_trees_end(void **state)
 {
     (void)state;
     /* Every node inner, children anywhere: cycles, out of range, the largest numbers. */
@@ -174,7 +174,7 @@ static rk_bvh_node *first_leaf(fixture *f)
     return node;
 }
 
-static void a_sound_tree_is_accepted(void **state)
+static void a_valid_tree_is_accepted(void **state)
 {
     fixture *f = *state;
     rk_error error;
@@ -244,7 +244,7 @@ static void children_out_of_range_are_found(void **state)
         char place[24];
         snprintf(place, sizeof place, "(first %u)", first[i]);
         f->bvh.nodes[3].first = first[i];
-        check_fault(f, "points outside the nodes", place);
+        check_fault(f, "are outside the nodes", place);
     }
 }
 
@@ -366,8 +366,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_flat_point_of_a_root_costs_nothing_rather_than_nan),
     cmocka_unit_test(areas_of_huge_boxes_do_not_overflow),
     on_the_row(visits_go_parents_first_and_left_before_right),
-    cmocka_unit_test(visits_of_unsound_trees_end),
-    on_the_row(a_sound_tree_is_accepted),
+    cmocka_unit_test(visits_of_invalid_trees_end),
+    on_the_row(a_valid_tree_is_accepted),
     on_the_row(a_triangle_in_two_leaves_is_found),
     on_the_row(a_missing_triangle_is_found),
     on_the_row(a_tree_without_nodes_over_triangles_is_found),

@@ -1,5 +1,5 @@
 /* The bounding volume hierarchy split by the median: its shape, its soundness, and that rays find
- * in it just what they find by trying every triangle. */
+ * the same hits in it as by brute force. */
 #include "test.h"
 #include "test_soup.h"
 
@@ -9,7 +9,7 @@
 
 /* --- Meshes and rays to try ----------------------------------------------------------------- */
 
-/* Small triangles, all alike, one at each of the given places. */
+/* Equal small triangles, one at each of the given positions. */
 static rk_mesh make_copies_at(const rk_vec3 *places, uint32_t count)
 {
     rk_mesh mesh = make_mesh(count);
@@ -41,13 +41,13 @@ static const char *triangle_name(uint32_t triangle)
     return triangle == RK_MISS ? "nothing" : name;
 }
 
-/* What may have gone wrong for the one hit to be found in place of the other. */
+/* The likely reason why one hit was found instead of the other. */
 static const char *likely_mistake(rk_hit got, rk_hit want)
 {
     if (got.triangle == RK_MISS && want.triangle == RK_MISS)
         return "a miss leaves t at t_max, where the search starts";
     if (got.triangle == RK_MISS)
-        return "a subtree was not visited: is every child that the ray enters visited or waiting?";
+        return "a subtree was not visited: is every child that the ray enters visited or pushed?";
     if (want.triangle == RK_MISS)
         return "only 0 < t <= t_max counts";
     if (got.t > want.t)
@@ -55,8 +55,8 @@ static const char *likely_mistake(rk_hit got, rk_hit want)
     return "among equal distances the smallest triangle index wins";
 }
 
-/* The same triangle test on the same numbers gives the same bits, whichever way the triangle was
- * found, so nothing less than equality will do. */
+/* The same triangle test on the same numbers gives the same bits, however the triangle was found,
+ * so hits must be equal. */
 static void check_hit(rk_hit got, rk_hit want, const char *ray)
 {
     rk_check(got.triangle == want.triangle && got.t == want.t,
@@ -65,26 +65,26 @@ static void check_hit(rk_hit got, rk_hit want, const char *ray)
              likely_mistake(got, want));
 }
 
-static void check_any(bool got, bool want, const char *ray)
+static void check_occluded(bool got, bool want, const char *ray)
 {
-    rk_check(got == want, "%s: any-hit got %s, want %s: %s", ray, got ? "true" : "false",
+    rk_check(got == want, "%s: occluded: got %s, want %s: %s", ray, got ? "true" : "false",
              want ? "true" : "false",
              want ? "it must try every triangle of every leaf that the ray enters, until one is hit"
-                  : "only what lies at 0 < t <= t_max counts");
+                  : "only hits at 0 < t <= t_max count");
 }
 
-static void check_against_trying_all(const rk_mesh *mesh, uint32_t rays, uint32_t seed)
+static void check_against_brute_force(const rk_mesh *mesh, uint32_t rays, uint32_t seed)
 {
     rk_bvh bvh = build(mesh);
     rk_box bounds = rk_mesh_bounds(mesh);
     rk_counters counters = {0};
     for (uint32_t i = 0; i < rays; i++) {
         rk_ray ray = make_ray(i, seed, bounds);
-        rk_hit want = closest_by_trying_all(mesh, &ray);
+        rk_hit want = closest_by_brute_force(mesh, &ray);
         char name[32];
         snprintf(name, sizeof name, "ray %u", i);
         check_hit(rk_bvh_closest(&bvh, &ray, &counters), want, name);
-        check_any(rk_bvh_occluded(&bvh, &ray, &counters), want.triangle != RK_MISS, name);
+        check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), want.triangle != RK_MISS, name);
     }
     rk_bvh_free(&bvh);
 }
@@ -101,7 +101,7 @@ static void no_triangles_give_a_tree_without_nodes(void **state)
     rk_counters counters = {0};
     check_hit(rk_bvh_closest(&bvh, &ray, &counters), (rk_hit){INFINITY, 0, 0, RK_MISS},
               "a tree without nodes");
-    check_any(rk_bvh_occluded(&bvh, &ray, &counters), false, "a tree without nodes");
+    check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), false, "a tree without nodes");
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
@@ -128,13 +128,13 @@ static void five_triangles_split_three_to_two(void **state)
     rk_check_equal(bvh.nodes[0].count, 0,
                    "five are more than RK_BVH_LEAF_TARGET, so the root is an inner node");
     rk_check_equal(bvh.nodes[bvh.nodes[0].first].count, 3,
-                   "the left child gets ceil(5 / 2): of an odd number the larger half");
+                   "of an odd number the left child gets the larger half, ceil(5 / 2)");
     rk_check_equal(bvh.nodes[bvh.nodes[0].first + 1].count, 2, "the right child gets the rest");
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
 
-static void levels_and_leaves_are_those_of_halving(void **state)
+static void levels_and_leaves_follow_from_halving(void **state)
 {
     (void)state;
     /* Halving with the larger half to the left until 4 are left; the classic course's counts. */
@@ -148,13 +148,13 @@ static void levels_and_leaves_are_those_of_halving(void **state)
             got.leaves, want[i][2],
             "split while more than RK_BVH_LEAF_TARGET remain, the larger half to the left");
         rk_check_equal(got.levels, want[i][1],
-                       "both halves differ by one at most, so the tree is as flat as can be");
+                       "the halves differ by at most one, so the tree is as flat as possible");
         rk_bvh_free(&bvh);
         rk_mesh_free(&mesh);
     }
 }
 
-/* Sums up what is below a node. */
+/* The triangles below a node, summed up. */
 typedef struct below {
     uint32_t count;
     rk_box box;
@@ -206,12 +206,12 @@ static below check_median(const rk_bvh *bvh, const rk_mesh *mesh, uint32_t index
         rk_check_equal(left.count, all.count - all.count / 2,
                        "the left child holds ceil(N / 2) of the node's N triangles");
         int axis = rk_box_longest_axis(all.box);
-        rk_check(
-            left.highest[axis] <= right.lowest[axis],
-            "node %u, %u triangles: on its box's longest axis, %c, want no centroid of the left "
-            "half above one of the right, got %.9g above %.9g: is it the longest axis of the box, "
-            "the order that of the centroids, and right for negative ones?",
-            index, all.count, "xyz"[axis], (double)left.highest[axis], (double)right.lowest[axis]);
+        rk_check(left.highest[axis] <= right.lowest[axis],
+                 "node %u, %u triangles: on its box's longest axis, %c, want no centroid of the "
+                 "left half above one of the right, got %.9g above %.9g: is it the box's longest "
+                 "axis, are centroids compared, and negative ones correctly?",
+                 index, all.count, "xyz"[axis], (double)left.highest[axis],
+                 (double)right.lowest[axis]);
     }
     for (int i = 0; i < 2; i++) {
         rk_vec3 got = node->box.corner[i], want = all.box.corner[i];
@@ -224,7 +224,7 @@ static below check_median(const rk_bvh *bvh, const rk_mesh *mesh, uint32_t index
     return all;
 }
 
-static void every_node_is_cut_at_the_median_of_its_longest_axis(void **state)
+static void every_node_is_split_at_the_median_of_its_longest_axis(void **state)
 {
     (void)state;
     const uint32_t counts[] = {5, 6, 7, 33, 100, 1000, 20011};
@@ -237,11 +237,11 @@ static void every_node_is_cut_at_the_median_of_its_longest_axis(void **state)
     }
 }
 
-static void equal_extents_are_cut_on_x_before_y_before_z(void **state)
+static void equal_extents_are_split_on_x_before_y_before_z(void **state)
 {
     (void)state;
     /* Two groups on a diagonal of a cube, and of a square in y and z: the wrong axis would still
-     * tell them apart, so the extents alone decide; a third corner breaks the symmetry. */
+     * separate them, so the extents alone decide; a third corner breaks the symmetry. */
     for (int flat_in_x = 0; flat_in_x < 2; flat_in_x++) {
         float x = flat_in_x ? 0 : 1;
         const rk_vec3 places[] = {{0, 1, 0}, {0, 0, 1}, {0, 1, 1}, {x, 0, 0},
@@ -253,8 +253,8 @@ static void equal_extents_are_cut_on_x_before_y_before_z(void **state)
         rk_box left = bvh.nodes[bvh.nodes[0].first].box;
         float extent = flat_in_x ? rk_box_extent(left).y : rk_box_extent(left).x;
         rk_check_close(extent, 0.125, 0,
-                       "among the longest axes the first is cut (x before y before z), so the left "
-                       "child is as thin on it as one triangle");
+                       "of several longest axes the first is split (x before y before z), so the "
+                       "left child is as thin on it as one triangle");
         rk_bvh_free(&bvh);
         rk_mesh_free(&mesh);
     }
@@ -274,10 +274,11 @@ static void the_order_of_the_mesh_does_not_change_the_boxes(void **state)
         }
     rk_bvh reversed = build(&mesh);
     for (uint32_t i = 0; i < bvh.node_count; i++)
-        rk_check(i == 1 || memcmp(&bvh.nodes[i], &reversed.nodes[i], sizeof *bvh.nodes) == 0,
-                 "node %u: got another box or count for the same triangles in reverse order, want "
-                 "the same: triangles must be ordered by their centroids, wherever they stand",
-                 i);
+        rk_check(
+            i == 1 || memcmp(&bvh.nodes[i], &reversed.nodes[i], sizeof *bvh.nodes) == 0,
+            "node %u: got another box or count for the same triangles in reverse order, want the "
+            "same: triangles must be ordered by their centroids, not by their place in the mesh",
+            i);
     rk_bvh_free(&bvh);
     rk_bvh_free(&reversed);
     rk_mesh_free(&mesh);
@@ -298,7 +299,7 @@ static void a_node_is_32_bytes_and_a_pair_of_children_one_cache_line(void **stat
 
 /* --- Difficult meshes ------------------------------------------------------------------------ */
 
-static void identical_triangles_build_and_the_first_is_hit(void **state)
+static void identical_triangles_build_a_tree_and_the_first_is_hit(void **state)
 {
     (void)state;
     rk_mesh mesh = make_mesh(1000);
@@ -306,29 +307,29 @@ static void identical_triangles_build_and_the_first_is_hit(void **state)
         mesh.positions[i] = rk_vec(i % 3 == 1, i % 3 == 2, 0);
     rk_bvh bvh = build(&mesh);
     rk_check_equal(rk_bvh_measure(&bvh).levels, 9,
-                   "where all centroids coincide, still halve: by the triangles' indices");
+                   "where all centroids coincide, halve by the triangles' indices");
     rk_ray ray = {rk_vec(0.25f, 0.25f, -1), rk_vec(0, 0, 1), INFINITY};
     rk_counters counters = {0};
-    check_hit(rk_bvh_closest(&bvh, &ray, &counters), closest_by_trying_all(&mesh, &ray),
+    check_hit(rk_bvh_closest(&bvh, &ray, &counters), closest_by_brute_force(&mesh, &ray),
               "a ray through a thousand equal triangles");
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
 
-static void flat_long_and_huge_meshes_equal_trying_all(void **state)
+static void flat_long_and_huge_meshes_equal_brute_force(void **state)
 {
     (void)state;
-    const rk_vec3 stretch[] = {{1, 1, 0},
-                               {0, 1, 0},
-                               {0, 0, 0},
-                               {1e6f, 1, 1e-6f},
-                               {1e15f, 1e15f, 1e15f},
-                               {1e-6f, 1e-6f, 1e-6f}};
-    for (uint32_t s = 0; s < sizeof stretch / sizeof *stretch; s++) {
+    const rk_vec3 scales[] = {{1, 1, 0},
+                              {0, 1, 0},
+                              {0, 0, 0},
+                              {1e6f, 1, 1e-6f},
+                              {1e15f, 1e15f, 1e15f},
+                              {1e-6f, 1e-6f, 1e-6f}};
+    for (uint32_t s = 0; s < sizeof scales / sizeof *scales; s++) {
         rk_mesh mesh = make_soup(200, 0.3f, 6 + s);
         for (uint32_t i = 0; i < mesh.vertex_count; i++)
-            mesh.positions[i] = rk_mul(mesh.positions[i], stretch[s]);
-        check_against_trying_all(&mesh, 1000, s);
+            mesh.positions[i] = rk_mul(mesh.positions[i], scales[s]);
+        check_against_brute_force(&mesh, 1000, s);
         rk_mesh_free(&mesh);
     }
 }
@@ -340,21 +341,22 @@ static void coordinates_near_the_largest_float_build_a_sound_tree(void **state)
     for (uint32_t i = 0; i < mesh.vertex_count; i++)
         mesh.positions[i] = rk_scale(mesh.positions[i], 3e38f);
     rk_bvh bvh = build(&mesh);
-    rk_check_equal(rk_bvh_measure(&bvh).leaves, 128,
-                   "halving goes by numbers of triangles, never by extents, which may overflow");
+    rk_check_equal(
+        rk_bvh_measure(&bvh).leaves, 128,
+        "halving depends on the number of triangles, not on extents, which may overflow");
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
 
-static int compare_ranks(const void *a, const void *b)
+static int compare_keys(const void *a, const void *b)
 {
     uint64_t x = *(const uint64_t *)a, y = *(const uint64_t *)b;
     return (x > y) - (x < y);
 }
 
-/* Processor time of sorting `count` numbers `times` times: what a tree costs that sorts all
- * triangles afresh on each level, on this machine and with these compiler flags. */
-static double seconds_of_sorting(uint32_t count, uint32_t times)
+/* Processor time to sort `count` numbers `times` times: the cost of a tree that sorts all triangles
+ * anew on each level, with this machine and these compiler flags. */
+static double seconds_to_sort(uint32_t count, uint32_t times)
 {
     uint64_t *ranks = malloc(count * sizeof *ranks);
     rk_check(ranks != NULL, "no memory for %u numbers", count);
@@ -362,24 +364,24 @@ static double seconds_of_sorting(uint32_t count, uint32_t times)
     for (uint32_t k = 0; k < times; k++) {
         for (uint32_t i = 0; i < count; i++)
             ranks[i] = (uint64_t)rk_hash(i, k, 0, 2) << 32 | i;
-        qsort(ranks, count, sizeof *ranks, compare_ranks);
+        qsort(ranks, count, sizeof *ranks, compare_keys);
     }
     double seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
     free(ranks);
     return seconds;
 }
 
-static void a_mesh_in_any_order_is_no_slow_case(void **state)
+static void no_order_of_the_mesh_makes_building_slow(void **state)
 {
     (void)state;
-    /* Sorted, reversed, organ pipe, saw teeth, all equal, shuffled. Few enough that a selection in
-     * quadratic time ends within seconds, under sanitizers too. It takes over 7 times as long as
-     * sorting all on each level; one in linear time an eighth of that, three quarters at most
+    /* Sorted, reversed, organ pipe, saw teeth, all equal, shuffled. Few enough that a quadratic
+     * selection ends within seconds, under sanitizers too. It takes over 7 times as long as sorting
+     * all triangles on each level; a linear one an eighth of the sorting, at most three quarters
      * under sanitizers or without optimization. */
     const uint32_t n = 41000, levels = 14;
     const char *names[] = {"sorted",    "reversed",  "rising, then falling",
                            "saw teeth", "all equal", "shuffled"};
-    double limit = 3 * seconds_of_sorting(n, levels);
+    double limit = 3 * seconds_to_sort(n, levels);
     for (int order = 0; order < 6; order++) {
         rk_mesh mesh = make_mesh(n);
         for (uint32_t i = 0; i < n; i++) {
@@ -395,8 +397,8 @@ static void a_mesh_in_any_order_is_no_slow_case(void **state)
         rk_check_ok(rk_bvh_build_median(&bvh, &mesh, &error), error);
         double seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
         rk_check(seconds <= limit,
-                 "%u triangles, %s: building took %.3g s, want %.3g s at most, 3 times what "
-                 "sorting them all on each level takes: does selecting take quadratic time?",
+                 "%u triangles, %s: building took %.3g s, want at most %.3g s, 3 times as long as "
+                 "sorting all of them on each level: is the selection quadratic?",
                  n, names[order], seconds, limit);
         rk_check(rk_bvh_validate(&bvh, &mesh, &error),
                  "%u triangles, %s: the tree is not sound: %s", n, names[order], error.text);
@@ -408,7 +410,7 @@ static void a_mesh_in_any_order_is_no_slow_case(void **state)
 
 /* --- Rays ------------------------------------------------------------------------------------ */
 
-static void rays_find_what_trying_all_finds(void **state)
+static void rays_find_the_same_hits_as_brute_force(void **state)
 {
     (void)state;
     const struct {
@@ -417,12 +419,12 @@ static void rays_find_what_trying_all_finds(void **state)
     } soups[] = {{1, 1}, {2, 1}, {5, 1}, {50, 0.5f}, {500, 0.2f}, {3000, 0.03f}};
     for (uint32_t i = 0; i < sizeof soups / sizeof *soups; i++) {
         rk_mesh mesh = make_soup(soups[i].triangles, soups[i].size, 20 + i);
-        check_against_trying_all(&mesh, 3000, 30 + i);
+        check_against_brute_force(&mesh, 3000, 30 + i);
         rk_mesh_free(&mesh);
     }
 }
 
-static void rays_along_a_grid_find_what_trying_all_finds(void **state)
+static void rays_along_a_grid_find_the_same_hits_as_brute_force(void **state)
 {
     (void)state;
     /* Squares of a floor on whole coordinates: rays from whole coordinates along the axes run in
@@ -443,7 +445,7 @@ static void rays_along_a_grid_find_what_trying_all_finds(void **state)
                 rk_vec3 direction = rk_vec(axis == 0 ? 1 : -0.0f, axis == 1 ? -1 : 0, axis == 2);
                 rk_ray ray = {rk_vec((float)i / 2, axis == 1 ? 1 : 0, (float)j / 2), direction,
                               INFINITY};
-                rk_hit want = closest_by_trying_all(&mesh, &ray);
+                rk_hit want = closest_by_brute_force(&mesh, &ray);
                 char name[64];
                 snprintf(name, sizeof name, "ray from x = %g, z = %g along axis %c", i / 2.0,
                          j / 2.0, "xyz"[axis]);
@@ -456,11 +458,11 @@ static void rays_along_a_grid_find_what_trying_all_finds(void **state)
     rk_mesh_free(&mesh);
 }
 
-static void a_box_that_begins_at_the_nearest_hit_may_hold_the_answer(void **state)
+static void a_box_that_begins_at_the_nearest_hit_is_visited(void **state)
 {
     (void)state;
     /* Large triangles in one plane: 4 to 7 in the left leaf, which is visited first, 0 to 3 in the
-     * right one, and the ray meets all of them at the same t. A box's entry is moved towards the
+     * right one; the ray intersects all of them at the same t. A box's entry is moved towards the
      * ray against rounding, but not where t is so small that floats are coarse: 2^-146 is 8 times
      * the smallest one. */
     rk_mesh mesh = make_mesh(8);
@@ -473,8 +475,8 @@ static void a_box_that_begins_at_the_nearest_hit_may_hold_the_answer(void **stat
     rk_bvh bvh = build(&mesh);
     rk_counters counters = {0};
     rk_ray ray = {rk_vec(0, 0, -0x1p-26f), rk_vec(0, 0, 0x1p120f), INFINITY};
-    rk_hit want = closest_by_trying_all(&mesh, &ray);
-    rk_check(want.t == 0x1p-146f, "trying all got t = %g, want 2^-146: this test cannot tell",
+    rk_hit want = closest_by_brute_force(&mesh, &ray);
+    rk_check(want.t == 0x1p-146f, "brute force got t = %g, want 2^-146: this test cannot tell",
              (double)want.t);
     check_hit(rk_bvh_closest(&bvh, &ray, &counters), want, "a ray through triangles in one plane");
     rk_bvh_free(&bvh);
@@ -499,7 +501,7 @@ static void hits_count_up_to_t_max_and_not_behind_the_origin(void **state)
         char name[64];
         snprintf(name, sizeof name, "a triangle at 2.03125, t_max = %g", (double)cases[i].t_max);
         check_hit(rk_bvh_closest(&bvh, &ray, &counters), (rk_hit){t, 0, 0, cases[i].want}, name);
-        check_any(rk_bvh_occluded(&bvh, &ray, &counters), cases[i].want != RK_MISS, name);
+        check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), cases[i].want != RK_MISS, name);
     }
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
@@ -514,15 +516,15 @@ static void a_ray_of_nan_misses(void **state)
     rk_ray ray = {rk_vec(0, 0, 0), rk_vec(NAN, NAN, NAN), INFINITY};
     check_hit(rk_bvh_closest(&bvh, &ray, &counters), (rk_hit){INFINITY, 0, 0, RK_MISS},
               "a direction of NaN");
-    check_any(rk_bvh_occluded(&bvh, &ray, &counters), false, "a direction of NaN");
-    /* Missing is an answer only from those who can hit. */
-    check_against_trying_all(&mesh, 100, 8);
+    check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), false, "a direction of NaN");
+    /* A miss counts only if other rays hit. */
+    check_against_brute_force(&mesh, 100, 8);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
 
-/* A solution that allocates for each ray is right but slow, and its threads wait for each other in
- * malloc. */
+/* A solution that allocates per ray is correct but slow: its threads wait for each other in malloc.
+ * */
 static void a_ray_allocates_no_memory(void **state)
 {
     (void)state;
@@ -542,7 +544,7 @@ static void a_ray_allocates_no_memory(void **state)
     }
     rk_check_equal(rk_allocations - before, 0,
                    "200 queries: keep the stack in an array of RK_BVH_LEVELS_MAX entries");
-    rk_check(hits > 0, "got 0 hits by 200 queries, want some: nothing is searched yet");
+    rk_check(hits > 0, "got 0 hits from 200 queries, want some: nothing is searched yet");
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
@@ -570,15 +572,16 @@ static void a_ray_that_misses_the_root_tests_one_box(void **state)
     rk_ray ray = {rk_vec(5, 5, 5), rk_vec(1, 0, 0), INFINITY};
     rk_counters counters = {0};
     rk_bvh_closest(&bvh, &ray, &counters);
-    rk_check_equal(counters.box_tests, 1,
-                   "the root's box, counted, decides alone. If it was entered: rk_box_enter says a "
-                   "miss by INFINITY, and that is no greater than a t_max of infinity");
+    rk_check_equal(
+        counters.box_tests, 1,
+        "the root's box is the only test, and is counted. If it was entered: rk_box_enter returns "
+        "INFINITY for a miss, which is not greater than an infinite t_max");
     rk_check_equal(counters.triangle_tests, 0, "no leaf is entered");
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
 
-static void what_lies_behind_the_nearest_hit_is_skipped_from_either_side(void **state)
+static void nodes_behind_the_nearest_hit_are_skipped_from_either_side(void **state)
 {
     (void)state;
     rk_mesh mesh = make_curtains(512);
@@ -588,12 +591,11 @@ static void what_lies_behind_the_nearest_hit_is_skipped_from_either_side(void **
                       INFINITY};
         rk_counters counters = {0};
         rk_hit hit = rk_bvh_closest(&bvh, &ray, &counters);
-        uint32_t first =
-            side ? 1022 : 0; /* of its curtain's two triangles; the ray may meet both */
+        uint32_t first = side ? 1022 : 0; /* of its curtain's two triangles; the ray may hit both */
         rk_check(hit.triangle - first < 2,
-                 "got %s, want triangle %u or %u: they are the first of 512 curtains on the way",
+                 "got %s, want triangle %u or %u: the first of 512 curtains",
                  triangle_name(hit.triangle), first, first + 1);
-        /* 1,024 triangles are 256 leaves in 9 levels: down to one leaf, two boxes a level. */
+        /* 1,024 triangles make 256 leaves and 9 levels: down to one leaf, two boxes per level. */
         rk_check_equal(counters.triangle_tests, 4,
                        "one leaf is enough: visit the nearer child first, and no box that the ray "
                        "enters behind the nearest hit so far; count each test");
@@ -604,19 +606,19 @@ static void what_lies_behind_the_nearest_hit_is_skipped_from_either_side(void **
     rk_mesh_free(&mesh);
 }
 
-static void any_hit_stops_at_the_first_triangle_found(void **state)
+static void occlusion_tests_stop_at_the_first_hit(void **state)
 {
     (void)state;
     rk_mesh mesh = make_curtains(512);
     rk_bvh bvh = build(&mesh);
     rk_ray ray = {rk_vec(0.25f, 0.5f, -10), rk_vec(0, 0, 1), INFINITY};
     rk_counters counters = {0};
-    check_any(rk_bvh_occluded(&bvh, &ray, &counters), true, "512 curtains in the way");
-    /* It hits one triangle of each curtain's two, so two of a leaf's four, the third at the latest.
-     */
+    check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), true, "512 curtains occlude it");
+    /* It hits one triangle of each curtain, so two of a leaf's four: the third test at the latest.
+     * */
     rk_check(counters.triangle_tests >= 1 && counters.triangle_tests <= 3,
-             "got %llu triangle tests, want 1 to 3: the first triangle found ends the search, in "
-             "the middle of a leaf too",
+             "got %llu triangle tests, want 1 to 3: the first hit ends the search, even in the "
+             "middle of a leaf",
              (unsigned long long)counters.triangle_tests);
     rk_check(counters.box_tests >= 1 && counters.box_tests <= 1 + 2 * 8,
              "got %llu box tests, want %d at most, the root's and two on each of 8 levels: go down "
@@ -639,11 +641,10 @@ static void counts_of_several_rays_add_up(void **state)
         rk_bvh_closest(&bvh, &ray, &three);
         rk_bvh_occluded(&bvh, &ray, &any_three);
     }
-    rk_check(
-        one.box_tests > 0 && any_one.box_tests > 0,
-        "got %llu box tests by the closest hit and %llu by any hit, want some of each: nothing is "
-        "counted yet",
-        (unsigned long long)one.box_tests, (unsigned long long)any_one.box_tests);
+    rk_check(one.box_tests > 0 && any_one.box_tests > 0,
+             "got %llu box tests for the closest hit and %llu for occlusion, want some of each: "
+             "nothing is counted yet",
+             (unsigned long long)one.box_tests, (unsigned long long)any_one.box_tests);
     rk_check_equal(three.box_tests, 3 * one.box_tests, "counters are added to, not set");
     rk_check_equal(three.triangle_tests, 3 * one.triangle_tests, "added to, not set");
     rk_check_equal(any_three.box_tests, 3 * any_one.box_tests, "added to, not set");
@@ -663,15 +664,15 @@ static void most_boxes_of_a_large_mesh_are_never_tested(void **state)
         rk_ray ray = make_ray(i, 11, rk_mesh_bounds(&mesh));
         rk_bvh_closest(&bvh, &ray, &counters);
     }
-    /* Measured: about 250 boxes and 100 triangles a ray in this thin soup, of 16,383 and 20,000.
-     * Ten times that means that whole subtrees are walked in vain. */
+    /* Measured: about 250 boxes and 100 triangles per ray in this thin soup, of 16,383 and 20,000.
+     * Ten times as many mean that whole subtrees are traversed in vain. */
     rk_check(counters.box_tests > rays && counters.box_tests < rays * 2500ull,
-             "got %llu box tests a ray, want between 1 and 2500: count them, and visit only "
+             "got %llu box tests per ray, want between 1 and 2500: count them, and visit only "
              "children whose boxes the ray enters",
              (unsigned long long)(counters.box_tests / rays));
     rk_check(counters.triangle_tests > 0 && counters.triangle_tests < rays * 1000ull,
-             "got %llu triangle tests a ray, want some, and less than 1000: count them, and visit "
-             "only leaves whose boxes the ray enters",
+             "got %llu triangle tests per ray, want some, and less than 1000: count them, and "
+             "visit only leaves whose boxes the ray enters",
              (unsigned long long)(counters.triangle_tests / rays));
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
@@ -681,24 +682,24 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(no_triangles_give_a_tree_without_nodes),
     cmocka_unit_test(up_to_four_triangles_are_one_leaf),
     cmocka_unit_test(five_triangles_split_three_to_two),
-    cmocka_unit_test(levels_and_leaves_are_those_of_halving),
-    cmocka_unit_test(every_node_is_cut_at_the_median_of_its_longest_axis),
-    cmocka_unit_test(equal_extents_are_cut_on_x_before_y_before_z),
+    cmocka_unit_test(levels_and_leaves_follow_from_halving),
+    cmocka_unit_test(every_node_is_split_at_the_median_of_its_longest_axis),
+    cmocka_unit_test(equal_extents_are_split_on_x_before_y_before_z),
     cmocka_unit_test(the_order_of_the_mesh_does_not_change_the_boxes),
     cmocka_unit_test(a_node_is_32_bytes_and_a_pair_of_children_one_cache_line),
-    cmocka_unit_test(identical_triangles_build_and_the_first_is_hit),
+    cmocka_unit_test(identical_triangles_build_a_tree_and_the_first_is_hit),
     cmocka_unit_test(coordinates_near_the_largest_float_build_a_sound_tree),
-    cmocka_unit_test(a_mesh_in_any_order_is_no_slow_case),
-    cmocka_unit_test(rays_find_what_trying_all_finds),
-    cmocka_unit_test(rays_along_a_grid_find_what_trying_all_finds),
-    cmocka_unit_test(flat_long_and_huge_meshes_equal_trying_all),
-    cmocka_unit_test(a_box_that_begins_at_the_nearest_hit_may_hold_the_answer),
+    cmocka_unit_test(no_order_of_the_mesh_makes_building_slow),
+    cmocka_unit_test(rays_find_the_same_hits_as_brute_force),
+    cmocka_unit_test(rays_along_a_grid_find_the_same_hits_as_brute_force),
+    cmocka_unit_test(flat_long_and_huge_meshes_equal_brute_force),
+    cmocka_unit_test(a_box_that_begins_at_the_nearest_hit_is_visited),
     cmocka_unit_test(hits_count_up_to_t_max_and_not_behind_the_origin),
     cmocka_unit_test(a_ray_of_nan_misses),
     cmocka_unit_test(a_ray_allocates_no_memory),
     cmocka_unit_test(a_ray_that_misses_the_root_tests_one_box),
-    cmocka_unit_test(what_lies_behind_the_nearest_hit_is_skipped_from_either_side),
-    cmocka_unit_test(any_hit_stops_at_the_first_triangle_found),
+    cmocka_unit_test(nodes_behind_the_nearest_hit_are_skipped_from_either_side),
+    cmocka_unit_test(occlusion_tests_stop_at_the_first_hit),
     cmocka_unit_test(counts_of_several_rays_add_up),
     cmocka_unit_test(most_boxes_of_a_large_mesh_are_never_tested),
 };

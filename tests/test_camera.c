@@ -66,7 +66,7 @@ static void the_axes_are_unit_and_orthogonal(void **state)
     }
 }
 
-static void the_ray_through_the_centre_meets_the_point_looked_at(void **state)
+static void the_ray_through_the_centre_hits_the_look_at_point(void **state)
 {
     (void)state;
     rk_camera camera = {
@@ -167,7 +167,7 @@ static void projecting_a_point_of_a_ray_gives_its_pixel_back(void **state)
     }
 }
 
-static void what_lies_behind_the_camera_has_no_pixel(void **state)
+static void points_behind_the_camera_have_no_pixel(void **state)
 {
     (void)state;
     rk_view view = default_view();
@@ -185,12 +185,12 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(rotation_is_about_x_then_y_then_z),
     cmocka_unit_test(x_grows_to_the_left_of_the_picture),
     cmocka_unit_test(the_axes_are_unit_and_orthogonal),
-    cmocka_unit_test(the_ray_through_the_centre_meets_the_point_looked_at),
+    cmocka_unit_test(the_ray_through_the_centre_hits_the_look_at_point),
     cmocka_unit_test(corner_rays_make_the_angles_of_the_field_of_view),
     cmocka_unit_test(the_middles_of_the_edges_make_half_the_vertical_field_of_view),
     cmocka_unit_test(directions_are_unit),
     cmocka_unit_test(projecting_a_point_of_a_ray_gives_its_pixel_back),
-    cmocka_unit_test(what_lies_behind_the_camera_has_no_pixel),
+    cmocka_unit_test(points_behind_the_camera_have_no_pixel),
 };
 
 RK_SUITE("camera", tests)

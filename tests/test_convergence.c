@@ -2,6 +2,7 @@
 #include "test.h"
 
 #include "driver/convergence.h"
+#include "scenes/builtin.h"
 
 static rk_image make_image(const rk_vec3 *pixels, size_t count)
 {
@@ -48,7 +49,7 @@ static void a_reference_has_samples_of_its_own_and_leaves_the_driver_as_it_was(v
     driver.render.sampling = RK_SAMPLER_UNIFORM;
     driver.render.seed = 5;
     driver.quiet = true;
-    rk_check_ok(rk_scene_builtin(&driver.scene, "sphere:80", &error), error);
+    rk_check_ok(rk_builtin_scene(&driver.scene, "sphere:80", &error), error);
     rk_check_ok(rk_image_init(&driver.image, 8, 8, &error), error);
     driver.pool = rk_pool_start(1, &error);
     rk_check_ok(driver.pool && rk_driver_build(&driver, &error), error);

@@ -1,5 +1,4 @@
-/* Gathering what a ray crosses: just what trying every triangle finds, each crossing once, through
- * edges and corners too. */
+/* Gathering a ray's crossings: the same as by brute force, each once, at edges and corners too. */
 #include "test.h"
 #include "test_scene.h"
 
@@ -33,8 +32,8 @@ static rk_scene make_soup(uint32_t triangles, float size, uint32_t seed)
     return scene;
 }
 
-/* `count` squares [-1, 1]^2 across the z axis, at the given heights, seen from below from outside:
- * two triangles each. */
+/* `count` squares [-1, 1]^2 across the z axis, at the given heights, their outside facing down: two
+ * triangles each. */
 static rk_scene make_panes(const float *heights, uint32_t count)
 {
     rk_scene scene = test_scene_make(2 * count);
@@ -89,7 +88,7 @@ static void release(rk_scene *scene, rk_accel *accel)
     rk_scene_free(scene);
 }
 
-/* All crossings of one ray, by a tree of its own. */
+/* All crossings of one ray, by a tree built for it. */
 static rk_crossing_list gather_in(const rk_scene *scene, rk_ray ray)
 {
     rk_crossing_list list;
@@ -100,7 +99,7 @@ static rk_crossing_list gather_in(const rk_scene *scene, rk_ray ray)
     return list;
 }
 
-/* In how many more crossings the ray enters than leaves. */
+/* The number of crossings that enter, minus those that leave. */
 static int balance(const rk_crossing_list *list)
 {
     int entered = 0;
@@ -109,11 +108,11 @@ static int balance(const rk_crossing_list *list)
     return entered;
 }
 
-/* --- Trying all ------------------------------------------------------------------------------- */
+/* --- Brute force ------------------------------------------------------------------------------ */
 
-/* By the triangle test that the tree's own suite trusts, for rays that run through no edge. */
-static rk_crossing_list gather_by_trying_all(const rk_scene *scene, const rk_ray *ray,
-                                             uint32_t limit)
+/* By the triangle test that the tree's suite uses, for rays that pass through no edge. */
+static rk_crossing_list gather_by_brute_force(const rk_scene *scene, const rk_ray *ray,
+                                              uint32_t limit)
 {
     rk_crossing_list list;
     rk_transparency_start(&list, limit);
@@ -150,15 +149,15 @@ static void check_same(const rk_crossing_list *got, const rk_crossing_list *want
                      g->medium == w->medium && g->alpha == w->alpha,
                  "ray %u, crossing %u: got triangle %u, want %u, or its side or material is wrong",
                  ray, i, g->primitive, w->primitive);
-        /* The triangle test loses digits where the ray is nearly in the triangle's plane; these
-         * seeds come no closer than to a sine of 1e-3. */
-        rk_check_close(g->t, w->t, 1e-4, "where the ray crosses");
+        /* The triangle test loses digits where the ray is nearly in the triangle's plane; with
+         * these seeds the sine of their angle is at least 1e-3. */
+        rk_check_close(g->t, w->t, 1e-4, "the crossing's t");
         rk_check_close(g->u, w->u, 1e-3, "barycentric");
         rk_check_close(g->v, w->v, 1e-3, "barycentric");
     }
 }
 
-static void rays_cross_what_trying_all_crosses(void **state)
+static void rays_gather_the_same_crossings_as_brute_force(void **state)
 {
     (void)state;
     uint32_t crossings = 0;
@@ -171,7 +170,7 @@ static void rays_cross_what_trying_all_crosses(void **state)
             rk_ray ray = {rk_scale(noise3(100 + seed, 2 * i), 2), noise3(100 + seed, 2 * i + 1),
                           t_max};
             uint32_t limit = i % 3 ? 256 : 4;
-            rk_crossing_list got, want = gather_by_trying_all(&scene, &ray, limit);
+            rk_crossing_list got, want = gather_by_brute_force(&scene, &ray, limit);
             rk_counters counters = {0};
             rk_crossings_gather(&accel, &ray, limit, &got, &counters);
             check_same(&got, &want, i);
@@ -182,7 +181,7 @@ static void rays_cross_what_trying_all_crosses(void **state)
     rk_check(crossings > 2000, "got %u crossings in all, want many", crossings);
 }
 
-static void opaque_triangles_end_what_is_gathered(void **state)
+static void opaque_triangles_end_the_list(void **state)
 {
     (void)state;
     rk_scene scene = make_soup(300, 0.6f, 20);
@@ -200,7 +199,7 @@ static void opaque_triangles_end_what_is_gathered(void **state)
     uint32_t opaque = 0;
     for (uint32_t i = 0; i < 1000; i++) {
         rk_ray ray = {rk_scale(noise3(21, 2 * i), 2), noise3(21, 2 * i + 1), INFINITY};
-        rk_crossing_list got, want = gather_by_trying_all(&scene, &ray, 7);
+        rk_crossing_list got, want = gather_by_brute_force(&scene, &ray, 7);
         rk_counters counters = {0};
         rk_crossings_gather(&accel, &ray, 7, &got, &counters);
         check_same(&got, &want, i);
@@ -212,7 +211,7 @@ static void opaque_triangles_end_what_is_gathered(void **state)
 
 /* --- Panes ------------------------------------------------------------------------------------ */
 
-static void panes_that_coincide_are_crossed_each(void **state)
+static void coinciding_panes_are_each_crossed(void **state)
 {
     (void)state;
     const float heights[] = {0.5f, 0.5f, 0.5f};
@@ -221,15 +220,15 @@ static void panes_that_coincide_are_crossed_each(void **state)
     for (int i = 0; i < 2; i++) {
         rk_ray ray = {rk_vec(0, (float)i / 4, 0), rk_vec(0, 0, 1), 1};
         rk_crossing_list list = gather_in(&scene, ray);
-        rk_check_equal(list.count, 3, "three panes in one place are three crossings");
+        rk_check_equal(list.count, 3, "three coinciding panes are three crossings");
         rk_check_equal(balance(&list), 3, "each is entered from its outside");
         for (uint32_t k = 0; k < 3; k++)
-            rk_check_close(list.crossings[k].t, 0.5, 0, "all at the same place");
+            rk_check_close(list.crossings[k].t, 0.5, 0, "all at the same t");
     }
     rk_scene_free(&scene);
 }
 
-static void panes_a_millionth_apart_are_crossed_each(void **state)
+static void panes_a_millionth_apart_are_each_crossed(void **state)
 {
     (void)state;
     const float heights[] = {0.5f, 0.500001f, 0.500002f};
@@ -241,25 +240,25 @@ static void panes_a_millionth_apart_are_crossed_each(void **state)
         rk_crossing_list list = gather_in(&scene, ray);
         rk_check_equal(list.count, 3, "no fixed step skips a pane, none is counted twice");
         for (uint32_t k = 0; k < 3; k++)
-            rk_check_close(list.crossings[k].t, heights[k], 0x1p-24, "in their order");
+            rk_check_close(list.crossings[k].t, heights[k], 0x1p-24, "sorted by t");
     }
     rk_scene_free(&scene);
 }
 
-static void only_what_is_strictly_between_point_and_light_counts(void **state)
+static void only_crossings_strictly_between_point_and_light_count(void **state)
 {
     (void)state;
     const float heights[] = {-0.5f, 0, 0x1p-20f, 0.5f, 1 - 0x1p-20f, 1, 1.5f};
     rk_scene scene = make_panes(heights, 7);
     rk_ray ray = {rk_vec(0.125f, 0.25f, 0), rk_vec(0, 0, 1), 1};
     rk_crossing_list list = gather_in(&scene, ray);
-    rk_check_equal(list.count, 3, "0 < t < 1: not the point's own place, not the light's");
+    rk_check_equal(list.count, 3, "0 < t < 1: neither at the point nor at the light");
     for (uint32_t k = 0; k < 3; k++)
         rk_check_close(list.crossings[k].t, heights[2 + k], 0, "t is exact here");
     rk_scene_free(&scene);
 }
 
-/* From a point on pane `index` of the scene to a light: how many crossings? */
+/* The number of crossings from a point on pane `index` of the scene to a light. */
 static uint32_t crossings_from(const rk_accel *accel, uint32_t triangle, float u, float v,
                                rk_vec3 light)
 {
@@ -275,7 +274,7 @@ static uint32_t crossings_from(const rk_accel *accel, uint32_t triangle, float u
     return list.count;
 }
 
-static void a_ray_does_not_cross_the_pane_that_it_leaves(void **state)
+static void a_ray_does_not_cross_the_pane_it_starts_on(void **state)
 {
     (void)state;
     const float heights[] = {0.3f, 0.3f + 1e-6f, 0.7f};
@@ -285,14 +284,14 @@ static void a_ray_does_not_cross_the_pane_that_it_leaves(void **state)
         float u = rk_unit_float(rk_hash(i, 0, 40, 0)) * 0.5f, v = i % 4 ? 0.25f : 0;
         rk_vec3 light = rk_vec(noise(41, i, 0), noise(41, i, 1), i % 2 ? 1 : -1);
         rk_check_equal(crossings_from(&accel, 0, u, v, light), i % 2 ? 2 : 0,
-                       "the lowest pane's point: the other two on the way up, nothing down");
+                       "from the lowest pane: the other two upwards, nothing downwards");
         rk_check_equal(crossings_from(&accel, 4, u, v, light), i % 2 ? 0 : 2,
-                       "the highest pane's point: nothing on the way up, the other two down");
+                       "from the highest pane: nothing upwards, the other two downwards");
     }
     release(&scene, &accel);
 }
 
-static void no_ray_crosses_the_triangle_that_it_leaves(void **state)
+static void no_ray_crosses_the_triangle_it_starts_on(void **state)
 {
     (void)state;
     const float sizes[] = {1, 1e-3f, 1e3f}, offsets[] = {0, 1, 1e3f};
@@ -308,7 +307,7 @@ static void no_ray_crosses_the_triangle_that_it_leaves(void **state)
         if (u + v > 1)
             u = 1 - u, v = 1 - v;
         rk_vec3 light = rk_madd(centre, noise3(50, 5 * i + 4), 3 * size);
-        rk_check_equal(crossings_from(&accel, 0, u, v, light), 0, "it left the triangle");
+        rk_check_equal(crossings_from(&accel, 0, u, v, light), 0, "it starts on the triangle");
         release(&scene, &accel);
     }
 }
@@ -339,13 +338,13 @@ static void a_camera_inside_glass_crosses_its_far_side(void **state)
         rk_crossing_list list;
         rk_counters counters = {0};
         rk_crossings_gather(&accel, &ray, 7, &list, &counters);
-        rk_check_equal(list.count, 1, "a box is left once from inside");
-        rk_check(!list.crossings[0].entering, "and left, not entered");
+        rk_check_equal(list.count, 1, "from inside, a box is left once");
+        rk_check(!list.crossings[0].entering, "it is left, not entered");
     }
     release(&scene, &accel);
 }
 
-/* Is the point inside, on the surface of, or outside the block of this side? */
+/* Whether the point is inside, on the surface of, or outside a block of this side. */
 static int place_in_block(const int point[3], int side)
 {
     int place = 1;
@@ -359,7 +358,7 @@ static int place_in_block(const int point[3], int side)
 }
 
 /* Rays from whole coordinates along whole directions: through corners, along edges, within faces.
- * Starts in faces are left out, as there the block begins on either side. */
+ * Rays do not start in faces, where the block may begin on either side. */
 static void edges_and_corners_are_crossed_once(void **state)
 {
     (void)state;
@@ -398,15 +397,15 @@ static void edges_and_corners_are_crossed_once(void **state)
     release(&scene, &accel);
 }
 
-/* Corners on a slanted ray's left and right, so that the edge between them misses the ray by less
- * than products of doubles can tell: x has 34 bits and y 24, as a unit of z moves x by 2^-10. */
+/* Corners to the left and right of a slanted ray, so that the edge between them misses it by less
+ * than products of doubles resolve: x has 34 bits and y 24, as a unit of z moves x by 2^-10. */
 static rk_vec3 corner_at(int64_t x, int64_t y)
 {
     int64_t whole = (x + 1023 + 1024) >> 10;
     return rk_vec((float)whole, (float)y, (float)(whole * 1024 - x));
 }
 
-static void an_edge_has_two_sides_however_near_the_ray(void **state)
+static void a_ray_near_an_edge_crosses_one_of_its_two_triangles(void **state)
 {
     (void)state;
     /* x_a y_b - x_b y_a is 1: these are Bezout's numbers, and multiples of y added to both x. */
@@ -416,7 +415,8 @@ static void an_edge_has_two_sides_however_near_the_ray(void **state)
         x_a++;
     x_b = (x_a * y_b - 1) / y_a;
     for (int sign = -1; sign <= 1; sign += 2) {
-        /* The mirrored corner b puts the ray between the two; it passes left or right of a-b. */
+        /* The mirrored corner b puts the ray between the two; it passes a-b on the left or right.
+         * */
         int64_t ax = sign * x_a + 997 * y_a, bx = sign * x_b + 997 * y_b;
         rk_vec3 a = corner_at(ax, y_a), b = corner_at(-bx, -y_b);
         rk_scene scene = test_scene_make(2);
@@ -425,14 +425,14 @@ static void an_edge_has_two_sides_however_near_the_ray(void **state)
         scene.mesh.materials[0].alpha = 0.5f;
         rk_ray ray = {rk_vec(0, 0, 0), rk_vec(0x1p-10f, 0, 1), INFINITY};
         rk_crossing_list list = gather_in(&scene, ray);
-        rk_check_equal(list.count, 1, "one of the two triangles at the edge");
+        rk_check_equal(list.count, 1, "exactly one of the two triangles at the edge");
         rk_check_equal(list.crossings[0].primitive, sign > 0 ? 0 : 1,
-                       "the one on whose side the ray passes, in exact numbers");
+                       "the one on the ray's side of the edge, in exact arithmetic");
         rk_scene_free(&scene);
     }
 }
 
-/* A ray at the inside of a face, through edges and corners within it, does cross the block. */
+/* A ray into a face, through edges and corners inside it, does cross the block. */
 static void rays_into_a_face_cross_it_exactly_once(void **state)
 {
     (void)state;
@@ -458,7 +458,7 @@ static void rays_into_a_face_cross_it_exactly_once(void **state)
                     rk_check(list.count == 2 && list.crossings[0].entering &&
                                  list.crossings[0].t == 1,
                              "at (%g, %g) of the face across axis %d, slant %d: got %u crossings, "
-                             "want one at t = 1, where the face is entered, and one behind it",
+                             "want one at t = 1, where it enters the face, and one behind it",
                              x / 2.0, y / 2.0, 2 - axis, slant, list.count);
                 }
     release(&scene, &accel);
@@ -468,7 +468,7 @@ static rk_vec3 random_target(const rk_mesh *mesh, uint32_t i)
 {
     const uint32_t *corner = mesh->triangles[rk_hash(i, 0, 80, 0) % mesh->triangle_count];
     rk_vec3 a = mesh->positions[corner[0]], b = mesh->positions[corner[1]];
-    /* A corner, or some place on an edge, as near as floats get to it. */
+    /* A corner, or a point on an edge, as close as floats get to it. */
     return i % 2 ? a : rk_mix(a, b, rk_unit_float(rk_hash(i, 1, 80, 0)));
 }
 
@@ -500,7 +500,7 @@ static void a_closed_mesh_of_any_shape_is_left_as_often_as_entered(void **state)
 
 static rk_scene make_ball(void)
 {
-    rk_scene scene = test_scene_make(1); /* a triangle of no area, which nothing crosses */
+    rk_scene scene = test_scene_make(1); /* a triangle without area, which no ray crosses */
     scene.sphere_count = 1;
     scene.spheres[0] = (rk_sphere){rk_vec(0, 0, 4), 1};
     scene.sphere_materials[0] =
@@ -517,10 +517,11 @@ static void a_sphere_is_entered_and_left(void **state)
     rk_check_equal(list.count, 2, "both intersections");
     rk_check_close(list.crossings[0].t, 0.375, 0, "where it is entered");
     rk_check_close(list.crossings[1].t, 0.625, 0, "where it is left");
-    rk_check(list.crossings[0].entering && !list.crossings[1].entering, "first in, then out");
-    rk_check_equal(list.crossings[0].primitive, 1, "spheres are numbered behind the triangles");
+    rk_check(list.crossings[0].entering && !list.crossings[1].entering,
+             "first it enters, then it leaves");
+    rk_check_equal(list.crossings[0].primitive, 1, "spheres are numbered after the triangles");
     rk_check(list.crossings[0].medium == list.crossings[1].medium && list.crossings[0].medium > 0,
-             "one medium, which no material of the mesh has");
+             "a medium that no material of the mesh has");
     rk_check_close(list.crossings[0].alpha, 0.25, 0, "its material");
     rk_check_close(list.crossings[0].absorption.z, 2, 0, "its material");
     ray.origin = rk_vec(0, 0, 4);
@@ -530,7 +531,7 @@ static void a_sphere_is_entered_and_left(void **state)
     rk_scene_free(&scene);
 }
 
-static void a_ray_does_not_cross_the_sphere_that_it_leaves(void **state)
+static void a_ray_does_not_cross_the_sphere_it_starts_on(void **state)
 {
     (void)state;
     rk_scene scene = make_ball();
@@ -550,37 +551,39 @@ static void a_ray_does_not_cross_the_sphere_that_it_leaves(void **state)
         rk_counters counters = {0};
         rk_crossings_gather(&accel, &ray, RK_CROSSINGS_MAX, &list, &counters);
         rk_check_equal(list.count, away ? 0 : 1,
-                       "away from the ball nothing; through it only the far side");
+                       "away from the ball nothing, through it only the far side");
     }
     release(&scene, &accel);
 }
 
-/* --- The light that arrives ------------------------------------------------------------------- */
+/* --- Transmittance ---------------------------------------------------------------------------- */
 
 static rk_vec3 transmit_in(const rk_scene *scene, rk_ray ray, rk_glass_model model,
                            rk_counters *counters)
 {
     rk_accel accel = build(scene);
-    rk_vec3 share = rk_crossings_transmit(&accel, &ray, model, counters);
+    rk_vec3 transmittance = rk_crossings_transmit(&accel, &ray, model, counters);
     rk_accel_free(&accel);
-    return share;
+    return transmittance;
 }
 
-static void light_is_absorbed_by_world_units_of_glass(void **state)
+static void absorption_is_per_world_unit_of_glass(void **state)
 {
     (void)state;
     rk_scene scene = make_block(2);
     scene.mesh.materials[0].absorption = rk_vec(1, 0.5f, 0);
     rk_counters counters = {0};
     rk_ray ray = {rk_vec(1.25f, 0.75f, -3), rk_vec(0, 0, 8), 1};
-    rk_vec3 share = transmit_in(&scene, ray, RK_GLASS_BEER_LAMBERT, &counters);
-    rk_check_close(share.x, exp(-2), 4 * 0x1p-24, "exp(-sigma 2), whatever the ray's length");
-    rk_check_close(share.y, exp(-1), 4 * 0x1p-24, "exp(-sigma 2), whatever the ray's length");
-    rk_check_close(share.z, 1, 0, "clear");
+    rk_vec3 transmittance = transmit_in(&scene, ray, RK_GLASS_BEER_LAMBERT, &counters);
+    rk_check_close(transmittance.x, exp(-2), 4 * 0x1p-24,
+                   "exp(-sigma 2), for any length of the direction");
+    rk_check_close(transmittance.y, exp(-1), 4 * 0x1p-24,
+                   "exp(-sigma 2), for any length of the direction");
+    rk_check_close(transmittance.z, 1, 0, "clear");
     rk_scene_free(&scene);
 }
 
-static void something_opaque_ends_the_search(void **state)
+static void an_opaque_surface_ends_the_search(void **state)
 {
     (void)state;
     float heights[64];
@@ -589,19 +592,20 @@ static void something_opaque_ends_the_search(void **state)
     rk_scene scene = make_panes(heights, 64);
     rk_ray ray = {rk_vec(0.125f, 0.25f, 0), rk_vec(0, 0, 1), 1};
     rk_counters clear = {0}, blocked = {0};
-    rk_vec3 share = transmit_in(&scene, ray, RK_GLASS_ORDERED, &clear);
-    rk_check(share.x > 0, "got no light through 64 clear panes, want some");
-    rk_check_equal(clear.triangle_tests, 128, "all panes are in the way, two triangles each");
+    rk_vec3 transmittance = transmit_in(&scene, ray, RK_GLASS_ORDERED, &clear);
+    rk_check(transmittance.x > 0, "got no light through 64 clear panes, want some");
+    rk_check_equal(clear.triangle_tests, 128, "all panes are tested, two triangles each");
     scene.mesh.materials[0].alpha = 1;
-    share = transmit_in(&scene, ray, RK_GLASS_ORDERED, &blocked);
-    rk_check_close(share.x, 0, 0, "opaque panes let nothing through");
-    rk_check(blocked.triangle_tests >= 1 && blocked.triangle_tests <= 4,
-             "got %llu triangle tests, want one leaf at most: the first opaque pane settles it",
-             (unsigned long long)blocked.triangle_tests);
+    transmittance = transmit_in(&scene, ray, RK_GLASS_ORDERED, &blocked);
+    rk_check_close(transmittance.x, 0, 0, "opaque panes let nothing through");
+    rk_check(
+        blocked.triangle_tests >= 1 && blocked.triangle_tests <= 4,
+        "got %llu triangle tests, want one leaf at most: the first opaque pane ends the search",
+        (unsigned long long)blocked.triangle_tests);
     rk_scene_free(&scene);
 }
 
-static void a_view_ray_looks_no_farther_than_its_limit(void **state)
+static void a_view_ray_gathers_no_more_crossings_than_its_limit(void **state)
 {
     (void)state;
     float heights[64];
@@ -618,7 +622,7 @@ static void a_view_ray_looks_no_farther_than_its_limit(void **state)
         rk_crossings_gather(&accel, &ray, limit, &list, &counters);
         rk_check_equal(list.count, limit, "the nearest panes up to the limit");
         rk_check_close(list.crossings[limit - 1].t, heights[limit - 1], 0x1p-23,
-                       "the nearest, seen from either side");
+                       "the nearest, from either side");
         /* 128 triangles are 32 leaves of two panes each. */
         rk_check(counters.triangle_tests <= 4 * ((limit + 1) / 2 + 1),
                  "limit %u: got %llu triangle tests, want those of the leaves with the nearest "
@@ -639,8 +643,8 @@ static void too_many_crossings_block_the_light(void **state)
     for (int fewer = 1; fewer >= 0; fewer--) {
         rk_scene scene = make_panes(heights, (uint32_t)(RK_CROSSINGS_MAX - fewer));
         scene.mesh.materials[0].alpha = 0;
-        rk_vec3 share = transmit_in(&scene, ray, RK_GLASS_ORDERED, &counters);
-        rk_check_close(share.x, fewer, 0, "a list that is full is not known to be complete");
+        rk_vec3 transmittance = transmit_in(&scene, ray, RK_GLASS_ORDERED, &counters);
+        rk_check_close(transmittance.x, fewer, 0, "a full list may be incomplete");
         rk_scene_free(&scene);
     }
 }
@@ -652,7 +656,7 @@ static void rays_of_nan_and_of_no_direction_cross_nothing(void **state)
     const rk_vec3 directions[] = {{NAN, 0, 1}, {NAN, NAN, NAN}, {0, 0, 0}};
     for (size_t i = 0; i < sizeof directions / sizeof *directions; i++) {
         rk_ray ray = {rk_vec(1, 1, -1), directions[i], INFINITY};
-        rk_check_equal(gather_in(&scene, ray).count, 0, "no way, nothing on it");
+        rk_check_equal(gather_in(&scene, ray).count, 0, "no direction, no crossings");
     }
     rk_ray ray = {rk_vec(1, 1, -1), rk_vec(0, 0, 1), INFINITY};
     rk_check_equal(gather_in(&scene, ray).count, 2, "a ray with a direction does cross the block");
@@ -672,29 +676,29 @@ static void gathering_allocates_nothing(void **state)
         rk_crossings_gather(&accel, &ray, 7, &list, &counters);
         rk_crossings_transmit(&accel, &ray, RK_GLASS_BEER_LAMBERT, &counters);
     }
-    rk_check_equal(rk_allocations - before, 0, "all stands in arrays on the stack");
+    rk_check_equal(rk_allocations - before, 0, "keep all arrays on the stack");
     release(&scene, &accel);
 }
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_closed_block_is_entered_and_left),
     cmocka_unit_test(a_camera_inside_glass_crosses_its_far_side),
-    cmocka_unit_test(rays_cross_what_trying_all_crosses),
-    cmocka_unit_test(opaque_triangles_end_what_is_gathered),
-    cmocka_unit_test(panes_that_coincide_are_crossed_each),
-    cmocka_unit_test(panes_a_millionth_apart_are_crossed_each),
-    cmocka_unit_test(only_what_is_strictly_between_point_and_light_counts),
-    cmocka_unit_test(a_ray_does_not_cross_the_pane_that_it_leaves),
-    cmocka_unit_test(no_ray_crosses_the_triangle_that_it_leaves),
+    cmocka_unit_test(rays_gather_the_same_crossings_as_brute_force),
+    cmocka_unit_test(opaque_triangles_end_the_list),
+    cmocka_unit_test(coinciding_panes_are_each_crossed),
+    cmocka_unit_test(panes_a_millionth_apart_are_each_crossed),
+    cmocka_unit_test(only_crossings_strictly_between_point_and_light_count),
+    cmocka_unit_test(a_ray_does_not_cross_the_pane_it_starts_on),
+    cmocka_unit_test(no_ray_crosses_the_triangle_it_starts_on),
     cmocka_unit_test(edges_and_corners_are_crossed_once),
-    cmocka_unit_test(an_edge_has_two_sides_however_near_the_ray),
+    cmocka_unit_test(a_ray_near_an_edge_crosses_one_of_its_two_triangles),
     cmocka_unit_test(rays_into_a_face_cross_it_exactly_once),
     cmocka_unit_test(a_closed_mesh_of_any_shape_is_left_as_often_as_entered),
     cmocka_unit_test(a_sphere_is_entered_and_left),
-    cmocka_unit_test(a_ray_does_not_cross_the_sphere_that_it_leaves),
-    cmocka_unit_test(light_is_absorbed_by_world_units_of_glass),
-    cmocka_unit_test(something_opaque_ends_the_search),
-    cmocka_unit_test(a_view_ray_looks_no_farther_than_its_limit),
+    cmocka_unit_test(a_ray_does_not_cross_the_sphere_it_starts_on),
+    cmocka_unit_test(absorption_is_per_world_unit_of_glass),
+    cmocka_unit_test(an_opaque_surface_ends_the_search),
+    cmocka_unit_test(a_view_ray_gathers_no_more_crossings_than_its_limit),
     cmocka_unit_test(too_many_crossings_block_the_light),
     cmocka_unit_test(rays_of_nan_and_of_no_direction_cross_nothing),
     cmocka_unit_test(gathering_allocates_nothing),

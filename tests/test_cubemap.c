@@ -1,12 +1,11 @@
-/* Environment lookups: the cube against one that is written down once more here, filters against a
- * search through all texels and against maps made from smooth functions, and that no filtered
- * colour ever steps at an edge or a corner. */
+/* Environment lookups: the cube against a second definition of its faces, filters against a search
+ * through all texels and against maps of smooth functions, and continuity at edges and corners. */
 #include "test.h"
 
 #include "base/random.h"
 #include "features/cubemap.h"
 
-/* --- The cube once more, in double ------------------------------------------------------------ */
+/* --- A second definition of the cube, in double ----------------------------------------------- */
 
 static const double pi = 3.14159265358979323846;
 
@@ -42,7 +41,7 @@ static rk_vec3 narrow(vec a)
     return rk_vec((float)a.x, (float)a.y, (float)a.z);
 }
 
-/* Read off the cross: for each face what is in its middle, to its right and above it. */
+/* Read off the cross: for each face the directions to its middle, to its right and upwards. */
 static const struct {
     rk_cube_face face;
     const char *name;
@@ -56,7 +55,7 @@ static const struct {
     {RK_FACE_MINUS_Z, "-z", {0, 0, -1}, {1, 0, 0}, {0, 1, 0}},
 };
 
-/* To the place (a, b) of face k of that table, in [-1, 1] to the right and upwards. */
+/* To the point (a, b) of face k of that table, in [-1, 1] to the right and upwards. */
 static vec towards(int k, double a, double b)
 {
     return combine(combine(cross[k].ahead, 1, cross[k].right, a), 1, cross[k].up, b);
@@ -69,7 +68,7 @@ static rk_vec3 random_direction(uint32_t n)
     return rk_vec((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z);
 }
 
-/* --- Maps to try ------------------------------------------------------------------------------ */
+/* --- Maps ------------------------------------------------------------------------------------- */
 
 static rk_cubemap make_map(uint32_t side)
 {
@@ -92,8 +91,8 @@ static rk_cubemap paint_map(uint32_t side, paint *colour)
     return map;
 }
 
-/* Says which texel it is. */
-static rk_vec3 its_name(uint32_t side, int face, uint32_t column, uint32_t row)
+/* Encodes the texel's face, column and row. */
+static rk_vec3 texel_name(uint32_t side, int face, uint32_t column, uint32_t row)
 {
     (void)side;
     return rk_vec((float)face, (float)column, (float)row);
@@ -106,13 +105,13 @@ static rk_vec3 noise(uint32_t side, int face, uint32_t column, uint32_t row)
                   rk_unit_float(rk_hash(n, 2, 0, 3)));
 }
 
-static rk_vec3 one_colour_a_face(uint32_t side, int face, uint32_t column, uint32_t row)
+static rk_vec3 one_colour_per_face(uint32_t side, int face, uint32_t column, uint32_t row)
 {
     (void)side, (void)column, (void)row;
     return rk_vec((float)face, (float)(face * face), 1);
 }
 
-/* A smooth function of direction; no component changes by more than `steepest` a radian. */
+/* A smooth function of direction; no component changes by more than `steepest` per radian. */
 static const double steepest = 2;
 
 static vec smooth(vec d)
@@ -133,7 +132,7 @@ static double distance(rk_vec3 a, rk_vec3 b)
     return number ? (double)rk_max(apart.x, rk_max(apart.y, apart.z)) : INFINITY;
 }
 
-/* What follows the tolerance says where: a printf format and its arguments. */
+/* The tolerance is followed by a printf format with the position, and its arguments. */
 __attribute__((format(printf, 4, 5))) static void
 check_colour(rk_vec3 got, rk_vec3 want, double tolerance, const char *format, ...)
 {
@@ -152,7 +151,7 @@ static const char *const filter_names[] = {"nearest", "bilinear", "seamless"};
 
 static const char *name_of(rk_cube_face face)
 {
-    return (unsigned)face < RK_FACES ? cross[face].name : "that is none";
+    return (unsigned)face < RK_FACES ? cross[face].name : "that does not exist";
 }
 
 /* --- Directions ------------------------------------------------------------------------------- */
@@ -193,11 +192,11 @@ static void on_edges_x_comes_before_y_before_z(void **state)
     }
 }
 
-static void places_run_to_the_right_and_upwards(void **state)
+static void u_runs_to_the_right_and_v_upwards(void **state)
 {
     (void)state;
-    /* By hand, with the cross beside: ahead 2, so that (u, v) = (.75, .375) is 1 to the right and
-     * .5 down. */
+    /* By hand, from the cross: ahead 2, so that (u, v) = (.75, .375) is 1 to the right and .5 down.
+     */
     const rk_vec3 directions[RK_FACES] = {
         {2, -0.5f, 1}, {-2, -0.5f, -1}, {1, 2, -0.5f},
         {1, -2, 0.5f}, {-1, -0.5f, 2},  {1, -0.5f, -2},
@@ -218,7 +217,7 @@ static void the_length_of_a_direction_does_not_matter(void **state)
         rk_cube_place want = rk_cubemap_place(direction);
         vec back = unit(widen(rk_cube_direction(want.face, want.u, want.v)));
         check_colour(narrow(back), narrow(unit(widen(direction))), few_roundings,
-                     "direction %u, back from its place: of length 1 already wrong", n);
+                     "direction %u, round trip: wrong even for length 1", n);
         for (int power = -100; power <= 120; power += 20) {
             /* Powers of two are exact, down to the smallest floats. */
             rk_vec3 scaled = rk_scale(direction, ldexpf(1, power));
@@ -240,7 +239,7 @@ static void the_length_of_a_direction_does_not_matter(void **state)
              name_of(tiny.face), (double)tiny.u, (double)tiny.v);
 }
 
-static void texel_centres_come_back_as_they_went(void **state)
+static void texel_centres_survive_the_round_trip(void **state)
 {
     (void)state;
     const uint32_t sides[] = {1, 2, 3, 10, 64, 255};
@@ -271,26 +270,27 @@ static void places_and_directions_are_inverse(void **state)
                  "direction %u: (%g, %g) is not on the face", n, (double)place.u, (double)place.v);
         vec back = widen(rk_cube_direction(place.face, place.u, place.v));
         check_colour(narrow(unit(back)), direction, few_roundings,
-                     "direction %u, place (%g, %g) on face %s, and back", n, (double)place.u,
+                     "direction %u, round trip by (%g, %g) on face %s", n, (double)place.u,
                      (double)place.v, name_of(place.face));
     }
 }
 
-static void what_has_no_direction_is_somewhere_on_the_cube(void **state)
+static void invalid_directions_stay_on_the_cube(void **state)
 {
     (void)state;
     const float odd[] = {0, NAN, INFINITY, -INFINITY, -0.0f, 1, 3e38f};
     enum { count = sizeof odd / sizeof *odd };
-    rk_cubemap map = paint_map(3, one_colour_a_face);
+    rk_cubemap map = paint_map(3, one_colour_per_face);
     for (int n = 0; n < count * count * count; n++) {
         rk_vec3 direction = {odd[n % count], odd[n / count % count], odd[n / count / count]};
         rk_cube_place place = rk_cubemap_place(direction);
         rk_check((int)place.face >= 0 && place.face < RK_FACES, "(%g, %g, %g): there is no face %d",
                  (double)direction.x, (double)direction.y, (double)direction.z, (int)place.face);
-        rk_check(place.u >= 0 && place.u <= 1 && place.v >= 0 && place.v <= 1,
-                 "(%g, %g, %g): got (u, v) = (%g, %g), want both in [0, 1]: to_unit takes NaN, too",
-                 (double)direction.x, (double)direction.y, (double)direction.z, (double)place.u,
-                 (double)place.v);
+        rk_check(
+            place.u >= 0 && place.u <= 1 && place.v >= 0 && place.v <= 1,
+            "(%g, %g, %g): got (u, v) = (%g, %g), want both in [0, 1]: to_unit clamps NaN, too",
+            (double)direction.x, (double)direction.y, (double)direction.z, (double)place.u,
+            (double)place.v);
         for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
             rk_check(isfinite(rk_cubemap_at(&map, direction, (rk_cubemap_filter)filter).x),
                      "(%g, %g, %g), %s: the colour is not a number", (double)direction.x,
@@ -301,15 +301,15 @@ static void what_has_no_direction_is_somewhere_on_the_cube(void **state)
 
 /* --- Nearest ---------------------------------------------------------------------------------- */
 
-static void nearest_is_the_texel_that_the_direction_meets(void **state)
+static void nearest_is_the_texel_that_the_direction_hits(void **state)
 {
     (void)state;
     const uint32_t sides[] = {1, 2, 5, 16};
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
         uint32_t side = sides[k];
-        rk_cubemap map = paint_map(side, its_name);
+        rk_cubemap map = paint_map(side, texel_name);
         for (uint32_t i = 0; i < RK_FACES * side * side * 9; i++) {
-            /* Nine places in each texel, near its corners too. */
+            /* Nine points in each texel, near its corners too. */
             uint32_t column = i / 9 % side, row = i / 9 / side % side, face = i / 9 / side / side;
             double x = column + 0.5 + 0.49 * (i % 3 - 1.0),
                    y = row + 0.5 + 0.49 * (i / 3 % 3 - 1.0);
@@ -327,7 +327,7 @@ static void nearest_is_the_texel_that_the_direction_meets(void **state)
 static void the_last_texels_reach_to_the_edge(void **state)
 {
     (void)state;
-    rk_cubemap map = paint_map(4, its_name);
+    rk_cubemap map = paint_map(4, texel_name);
     /* Corners and edges that belong to x, by the rule for ties. */
     check_colour(rk_cubemap_at(&map, rk_vec(1, 1, 1), RK_CUBEMAP_NEAREST), rk_vec(RK_FACE_X, 3, 0),
                  0,
@@ -355,12 +355,12 @@ static void filters_return_the_texel_at_its_centre(void **state)
             uint32_t column = i % side, row = i / side % side;
             int face = (int)(i / side / side);
             rk_vec3 d = rk_cubemap_texel_direction(side, (rk_cube_face)face, column, row);
-            /* The place is off by roundings of u, `side` times as many texels. */
+            /* The error of u, times `side`, is the error in texels. */
             check_colour(
                 rk_cubemap_at(&map, d, (rk_cubemap_filter)filter), noise(side, face, column, row),
                 side * few_roundings,
-                "%s, side %u, face %s, at the centre of texel (%u, %u), where no neighbour "
-                "has a share",
+                "%s, side %u, face %s, at the centre of texel (%u, %u), where each neighbour's "
+                "weight is 0",
                 filter_names[filter], side, cross[face].name, column, row);
         }
     rk_cubemap_free(&map);
@@ -389,14 +389,14 @@ static void filters_are_linear_between_centres(void **state)
             check_colour(rk_cubemap_at(&map, narrow(towards(face, 2 * u - 1, 2 * v - 1)),
                                        (rk_cubemap_filter)filter),
                          want, 7 * few_roundings,
-                         "%s, side %u, face %s, (u, v) = (%g, %g): a mix of four texels",
+                         "%s, side %u, face %s, (u, v) = (%g, %g): a blend of four texels",
                          filter_names[filter], side, cross[face].name, u, v);
         }
     rk_cubemap_free(&map);
 }
 
-/* A map of one face that is lit; the others, and a face before the first and behind the last, are
- * NaN, which a mix keeps whatever its share. The memory is that of `block`. */
+/* A map with one valid face; the others, and a face before the first and behind the last, are NaN,
+ * which survives a blend with any weight. The caller frees `block`. */
 static rk_cubemap lone_face(uint32_t side, int lit, rk_vec3 colour, rk_vec3 **block)
 {
     size_t texels = (size_t)side * side;
@@ -420,7 +420,7 @@ static void bilinear_stays_within_its_face(void **state)
             rk_vec3 *block;
             rk_cubemap map = lone_face(sides[k], face, colour, &block);
             for (int n = 0; n < 41 * 41; n++) {
-                /* To a thousandth from the edges. */
+                /* Up to a thousandth from the edges. */
                 double a = 0.999 * (n % 41 - 20) / 20, b = 0.999 * (n / 41 - 20) / 20;
                 check_colour(
                     rk_cubemap_at(&map, narrow(towards(face, a, b)), RK_CUBEMAP_BILINEAR), colour,
@@ -432,7 +432,7 @@ static void bilinear_stays_within_its_face(void **state)
         }
 }
 
-/* Which part of the face has texels on one side only. */
+/* In which part of the face a filter has texels on one side only. */
 static const char *part_of(double x, double y, double last)
 {
     return x < 0      ? "left of the first centres, where x = n u - 1/2 is negative"
@@ -442,18 +442,18 @@ static const char *part_of(double x, double y, double last)
                       : "between centres";
 }
 
-/* The mix at x, y, in texels from the first centre to the right and upwards. */
+/* The blend at x, y, in texels from the first centre to the right and upwards. */
 static rk_vec3 mix_by_hand(const rk_cubemap *map, int face, double x, double y)
 {
     vec sum = {0, 0, 0};
     double last = map->side - 1;
     for (int k = 0; k < 4; k++) {
         double i = floor(x) + (k & 1), j = floor(y) + (k >> 1);
-        double share = (1 - fabs(x - i)) * (1 - fabs(y - j));
+        double weight = (1 - fabs(x - i)) * (1 - fabs(y - j));
         uint32_t column = (uint32_t)fmin(fmax(i, 0), last);
         uint32_t row = (uint32_t)(last - fmin(fmax(j, 0), last));
         sum =
-            combine(sum, 1, widen(*rk_cubemap_texel(map, (rk_cube_face)face, column, row)), share);
+            combine(sum, 1, widen(*rk_cubemap_texel(map, (rk_cube_face)face, column, row)), weight);
     }
     return narrow(sum);
 }
@@ -469,7 +469,7 @@ static void bilinear_mixes_the_faces_own_texels_up_to_its_edges(void **state)
             int face = n / (places * places);
             double u = (n % places + 0.5) / places, v = (n / places % places + 0.5) / places;
             double x = u * sides[k] - 0.5, y = v * sides[k] - 0.5;
-            /* A place is off by roundings of u and v; a texel away colours differ by 1 at most. */
+            /* u and v are rounded; colours differ by at most 1 per texel. */
             check_colour(rk_cubemap_at(&map, narrow(towards(face, 2 * u - 1, 2 * v - 1)),
                                        RK_CUBEMAP_BILINEAR),
                          mix_by_hand(&map, face, x, y), 2 * (sides[k] + 1) * few_roundings,
@@ -517,7 +517,7 @@ static void within_a_face_seamless_is_bilinear(void **state)
     (void)state;
     const uint32_t side = 9;
     rk_cubemap map = paint_map(side, noise);
-    vec between = towards(RK_FACE_Y, 1.0 / 9, 1.0 / 9); /* where four texels meet */
+    vec between = towards(RK_FACE_Y, 1.0 / 9, 1.0 / 9); /* the common corner of four texels */
     check_colour(rk_cubemap_at(&map, narrow(between), RK_CUBEMAP_SEAMLESS),
                  mean_of_nearest(&map, between, 4), side * few_roundings,
                  "side 9, face +y, (u, v) = (5/9, 5/9), the mean of the four texels around it");
@@ -534,15 +534,16 @@ static void within_a_face_seamless_is_bilinear(void **state)
                  "%.9g, %.9g), not the same to the bit",
                  name_of(place.face), (double)place.u, (double)place.v, (double)a.x, (double)a.y,
                  (double)a.z, (double)b.x, (double)b.y, (double)b.z);
-        rk_check(distance(a, c) < 1,
-                 "side 9, face %s, (u, v) = (%g, %g): (%g, %g, %g) is no mix of colours in [0, 1]",
-                 name_of(place.face), (double)place.u, (double)place.v, (double)a.x, (double)a.y,
-                 (double)a.z);
+        rk_check(
+            distance(a, c) < 1,
+            "side 9, face %s, (u, v) = (%g, %g): (%g, %g, %g) is no blend of colours in [0, 1]",
+            name_of(place.face), (double)place.u, (double)place.v, (double)a.x, (double)a.y,
+            (double)a.z);
     }
     rk_cubemap_free(&map);
 }
 
-static void on_an_edge_the_two_texels_beside_it_meet_halfway(void **state)
+static void an_edge_is_the_mean_of_the_two_texels_beside_it(void **state)
 {
     (void)state;
     const uint32_t sides[] = {2, 3, 8};
@@ -568,7 +569,7 @@ static void on_an_edge_the_two_texels_beside_it_meet_halfway(void **state)
     }
 }
 
-static void at_a_corner_three_texels_meet_alike(void **state)
+static void a_corner_is_the_mean_of_the_three_texels_around_it(void **state)
 {
     (void)state;
     const uint32_t sides[] = {1, 2, 5};
@@ -578,7 +579,7 @@ static void at_a_corner_three_texels_meet_alike(void **state)
             for (int axis = 0; axis < 3; axis++) {
                 vec d = {sign & 1 ? -1 : 1, sign & 2 ? -1 : 1, sign & 4 ? -1 : 1};
                 vec want = d;
-                /* From each of the three faces; the distance is that of floats. */
+                /* From each of the three faces, a few floats away from the corner. */
                 double *component = axis == 0 ? &d.x : axis == 1 ? &d.y : &d.z;
                 *component *= 1 + 0x1p-22;
                 check_colour(
@@ -602,7 +603,7 @@ static void one_colour_stays_one_colour(void **state)
         for (uint32_t n = 0; n < 20000; n++)
             check_colour(rk_cubemap_at(&map, random_direction(n), (rk_cubemap_filter)filter),
                          rk_vec(0.25f, 0.5f, 4), 4 * few_roundings,
-                         "side 3, all texels alike, %s, direction %u: shares sum to one",
+                         "side 3, all texels alike, %s, direction %u: weights sum to one",
                          filter_names[filter], n);
     rk_cubemap_free(&map);
 }
@@ -613,7 +614,7 @@ typedef struct step {
 } step;
 
 /* The largest difference of colours across the cube's edges and around its corners, over pairs of
- * directions that are a millionth apart. */
+ * directions that are two millionths apart. */
 static step largest_step(const rk_cubemap *map, rk_cubemap_filter filter)
 {
     const double near = 1e-6;
@@ -635,29 +636,29 @@ static step largest_step(const rk_cubemap *map, rk_cubemap_filter filter)
     return largest;
 }
 
-static void nothing_steps_at_edges_and_corners(void **state)
+static void colours_are_continuous_at_edges_and_corners(void **state)
 {
     (void)state;
     const uint32_t sides[] = {1, 2, 3, 16};
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
         uint32_t side = sides[k];
         rk_cubemap map = paint_map(side, noise);
-        /* Colours in [0, 1] change by 1 a texel at most, over `side` texels in 2 units, in both
-         * directions; twice, as the two points are on different faces. */
+        /* Colours in [0, 1] change by at most 1 per texel, over `side` texels in 2 units, in both
+         * directions; twice, because the two points are on different faces. */
         double slope_allows = 2e-6 * side * 2, floats_allow = side * few_roundings;
         step found = largest_step(&map, RK_CUBEMAP_SEAMLESS);
         rk_check(found.size <= slope_allows + floats_allow,
                  "side %u, on the edge at (%.4g, %.4g, %.4g), noise: a step of %g between "
-                 "directions 2e-6 apart, want %.3g at most: the two faces must mix the same texels "
-                 "by the same shares",
+                 "directions 2e-6 apart, want %.3g at most: the two faces must blend the same "
+                 "texels by the same weights",
                  side, found.at.x, found.at.y, found.at.z, found.size, slope_allows + floats_allow);
         rk_check(largest_step(&map, RK_CUBEMAP_BILINEAR).size > 0.5,
-                 "bilinear within a face must show a step here, or this test sees none");
+                 "bilinear within a face must have a step here, or this test detects none");
         rk_cubemap_free(&map);
     }
 }
 
-static void nothing_steps_on_the_way_round_a_corner(void **state)
+static void colours_are_continuous_around_a_corner(void **state)
 {
     (void)state;
     const uint32_t side = 6;
@@ -678,8 +679,8 @@ static void nothing_steps_on_the_way_round_a_corner(void **state)
                 double angle = 2 * pi * i / 3000;
                 vec d = combine(combine(a, cos(angle), b, sin(angle)), radius, corner, 1);
                 rk_vec3 next = rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS);
-                /* A way of 2 pi radius / 3000 at distance 1 is up to 3 times as long on the cube,
-                 * where a unit has side / 2 texels; the slope is 1 a texel in both directions. */
+                /* An arc of 2 pi radius / 3000 at distance 1 is up to 3 times as long on the cube,
+                 * where a unit has side / 2 texels; the slope is 1 per texel in both directions. */
                 double most = 2 * pi * radius / 3000 * 3 * side / 2 * 2 + side * few_roundings;
                 if (i > 0)
                     check_colour(next, last, most,
@@ -699,8 +700,8 @@ static void a_smooth_function_comes_back_everywhere(void **state)
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
         uint32_t side = sides[k];
         rk_cubemap map = paint_map(side, smooth_texel);
-        /* All texels that take part have their centres within one texel's diagonal, 2 sqrt(2) /
-         * side; beyond edges and corners, where faces meet at an angle, within one and a half. */
+        /* All texels of a blend have their centres within one texel's diagonal, 2 sqrt(2) / side;
+         * beyond edges and corners, where the cube bends, within one and a half. */
         double reach = 1.5 * 2 * sqrt(2) / side;
         for (uint32_t n = 0; n < 20000; n++) {
             /* On all of the sphere, then near edges. */
@@ -715,7 +716,7 @@ static void a_smooth_function_comes_back_everywhere(void **state)
                 check_colour(rk_cubemap_at(&map, narrow(d), (rk_cubemap_filter)filter),
                              narrow(smooth(d)), steepest * reach,
                              "side %u, %s, (%.4g, %.4g, %.4g), on face %s: a map of a smooth "
-                             "function is that function, but for its texels",
+                             "function is that function, up to a texel's size",
                              side, filter_names[filter], d.x, d.y, d.z,
                              name_of(rk_cubemap_place(narrow(d)).face));
         }
@@ -723,7 +724,7 @@ static void a_smooth_function_comes_back_everywhere(void **state)
     }
 }
 
-static void lookups_ask_for_no_memory(void **state)
+static void lookups_allocate_no_memory(void **state)
 {
     (void)state;
     if (!rk_allocations_are_counted)
@@ -733,9 +734,9 @@ static void lookups_ask_for_no_memory(void **state)
         size_t before = rk_allocations;
         for (uint32_t n = 0; n < 1000; n++)
             rk_cubemap_at(&map, random_direction(n), (rk_cubemap_filter)filter);
-        size_t asked = rk_allocations - before;
-        rk_check(asked == 0, "%s: 1000 lookups asked for memory %zu times, want 0",
-                 filter_names[filter], asked);
+        size_t allocated = rk_allocations - before;
+        rk_check(allocated == 0, "%s: 1000 lookups allocated memory %zu times, want 0",
+                 filter_names[filter], allocated);
     }
     rk_cubemap_free(&map);
 }
@@ -764,7 +765,7 @@ static void solid_angles_sum_to_the_sphere(void **state)
                          column, row, angle);
                 sum += angle;
             }
-        /* Four roundings of numbers up to 1/2 a texel. */
+        /* Four roundings per texel, of numbers up to 1/2. */
         rk_check_near(RK_FACES * sum, 4 * pi, 4 * 0x1p-54 * RK_FACES * sides[k] * sides[k] + 1e-14,
                       "side %u: the sum over all texels of six faces", sides[k]);
     }
@@ -783,7 +784,7 @@ static double integral(uint32_t side, uint32_t column, uint32_t row, int parts)
     return sum;
 }
 
-static void a_texel_s_solid_angle_is_its_integral(void **state)
+static void a_texels_solid_angle_is_its_integral(void **state)
 {
     (void)state;
     const uint32_t sides[] = {3, 7, 32};
@@ -797,14 +798,14 @@ static void a_texel_s_solid_angle_is_its_integral(void **state)
                           "side %u, texel (%u, %u), against the midpoint rule", sides[k], column,
                           row);
         }
-    /* In the largest map: seven digits are left of the differences. */
+    /* In the largest map, seven digits of the differences are left. */
     const uint32_t corner = RK_CUBEMAP_SIDE_MAX - 1;
     double smallest = integral(RK_CUBEMAP_SIDE_MAX, 0, corner, 1);
     rk_check_near(rk_cubemap_solid_angle(RK_CUBEMAP_SIDE_MAX, 0, corner), smallest, 1e-6 * smallest,
                   "side %d, texel (0, %u), the smallest of all", RK_CUBEMAP_SIDE_MAX, corner);
 }
 
-static void solid_angles_weigh_what_comes_from_all_sides(void **state)
+static void solid_angles_weight_integrals_over_the_sphere(void **state)
 {
     (void)state;
     /* The integrals over the sphere of x^2 and of y^4 are 4 pi / 3 and 4 pi / 5. */
@@ -818,7 +819,7 @@ static void solid_angles_weigh_what_comes_from_all_sides(void **state)
         square += d.x * d.x * angle;
         fourth += d.y * d.y * d.y * d.y * angle;
     }
-    /* A texel's centre stands for it up to the square of its size, 2^-12. */
+    /* The midpoint's error is the square of a texel's size, 2^-12. */
     rk_check_near(square, 4 * pi / 3, 0x1p-12, "side 128: x^2 over the sphere");
     rk_check_near(fourth, 4 * pi / 5, 0x1p-12, "side 128: y^4 over the sphere");
 }
@@ -826,29 +827,29 @@ static void solid_angles_weigh_what_comes_from_all_sides(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_largest_component_chooses_the_face),
     cmocka_unit_test(on_edges_x_comes_before_y_before_z),
-    cmocka_unit_test(places_run_to_the_right_and_upwards),
+    cmocka_unit_test(u_runs_to_the_right_and_v_upwards),
     cmocka_unit_test(the_length_of_a_direction_does_not_matter),
-    cmocka_unit_test(texel_centres_come_back_as_they_went),
+    cmocka_unit_test(texel_centres_survive_the_round_trip),
     cmocka_unit_test(places_and_directions_are_inverse),
-    cmocka_unit_test(what_has_no_direction_is_somewhere_on_the_cube),
-    cmocka_unit_test(nearest_is_the_texel_that_the_direction_meets),
+    cmocka_unit_test(invalid_directions_stay_on_the_cube),
+    cmocka_unit_test(nearest_is_the_texel_that_the_direction_hits),
     cmocka_unit_test(the_last_texels_reach_to_the_edge),
     cmocka_unit_test(filters_return_the_texel_at_its_centre),
     cmocka_unit_test(filters_are_linear_between_centres),
     cmocka_unit_test(bilinear_stays_within_its_face),
     cmocka_unit_test(bilinear_mixes_the_faces_own_texels_up_to_its_edges),
     cmocka_unit_test(within_a_face_seamless_is_bilinear),
-    cmocka_unit_test(on_an_edge_the_two_texels_beside_it_meet_halfway),
-    cmocka_unit_test(at_a_corner_three_texels_meet_alike),
+    cmocka_unit_test(an_edge_is_the_mean_of_the_two_texels_beside_it),
+    cmocka_unit_test(a_corner_is_the_mean_of_the_three_texels_around_it),
     cmocka_unit_test(one_colour_stays_one_colour),
-    cmocka_unit_test(nothing_steps_at_edges_and_corners),
-    cmocka_unit_test(nothing_steps_on_the_way_round_a_corner),
+    cmocka_unit_test(colours_are_continuous_at_edges_and_corners),
+    cmocka_unit_test(colours_are_continuous_around_a_corner),
     cmocka_unit_test(a_smooth_function_comes_back_everywhere),
     cmocka_unit_test(a_face_is_a_sixth_of_the_sphere),
     cmocka_unit_test(solid_angles_sum_to_the_sphere),
-    cmocka_unit_test(a_texel_s_solid_angle_is_its_integral),
-    cmocka_unit_test(solid_angles_weigh_what_comes_from_all_sides),
-    cmocka_unit_test(lookups_ask_for_no_memory),
+    cmocka_unit_test(a_texels_solid_angle_is_its_integral),
+    cmocka_unit_test(solid_angles_weight_integrals_over_the_sphere),
+    cmocka_unit_test(lookups_allocate_no_memory),
 };
 
 RK_SUITE("cubemap", tests)

@@ -1,5 +1,5 @@
-/* Environments: the cube's memory and orientation, the built-in sky, and what the renderer shows of
- * a map: by a miss, in mirrors, behind glass, and nowhere else. */
+/* Environments: the cube's memory and orientation, the built-in sky, and a map in the renderer:
+ * where rays miss, in mirrors, behind transparent surfaces, and nowhere else. */
 #include "test_scene.h"
 
 #include "base/random.h"
@@ -25,7 +25,7 @@ static void a_map_has_one_to_8192_texels_a_side(void **state)
         for (int i = 0; i < 9; i++)
             rk_check(rk_length(map.faces[face][i]) == 0, "a new map is black");
     rk_cubemap_free(&map);
-    rk_check(map.side == 0 && !map.faces[0], "a freed map is none");
+    rk_check(map.side == 0 && !map.faces[0], "a freed map is empty");
     rk_cubemap_free(&map);
 }
 
@@ -37,11 +37,12 @@ static void faces_are_seen_from_inside_and_not_mirrored(void **state)
         rk_vec3 behind = rk_cross(axes->right, axes->up);
         rk_check(rk_length(rk_add(behind, axes->ahead)) == 0,
                  "face %d: right x up points back to the viewer", face);
-        rk_check_equal(rk_axis(axes->ahead, face / 2), face % 2 ? -1 : 1, "its axis and sign");
+        rk_check_equal(rk_axis(axes->ahead, face / 2), face % 2 ? -1 : 1,
+                       "the face's axis and sign");
     }
 }
 
-/* Neighbours in the cross share the edge between them. */
+/* Neighbours in the cross have an edge in common. */
 static void the_cross_folds_up(void **state)
 {
     (void)state;
@@ -66,7 +67,7 @@ static void the_cross_folds_up(void **state)
                  "-y is below -z");
         rk_check(rk_length(rk_sub(rk_cube_direction(RK_FACE_MINUS_Y, u, 0),
                                   rk_cube_direction(RK_FACE_Z, 1 - u, 0))) == 0,
-                 "+z goes on below -y upside down");
+                 "below -y, +z continues upside down");
     }
 }
 
@@ -78,7 +79,7 @@ static void the_sun_stands_where_the_default_light_does(void **state)
     rk_scene scene = test_scene_builtin("triangle");
     rk_vec3 to_light = scene.lights[0].position;
     rk_check(rk_sky_at(to_light).x > 10, "the sun is bright");
-    rk_check(rk_sky_at(rk_negate(to_light)).x < 1, "and alone");
+    rk_check(rk_sky_at(rk_negate(to_light)).x < 1, "and the opposite direction is not");
     rk_scene_free(&scene);
 }
 
@@ -92,7 +93,7 @@ static void the_sky_is_above_and_the_ground_below(void **state)
     rk_check(horizon.x > zenith.x && horizon.y > zenith.y, "bright at the horizon");
 }
 
-static void the_sky_has_no_step_and_does_not_ask_for_lengths(void **state)
+static void the_sky_is_continuous_and_ignores_lengths(void **state)
 {
     (void)state;
     for (int way = 0; way < 3; way++) {
@@ -105,10 +106,10 @@ static void the_sky_has_no_step_and_does_not_ask_for_lengths(void **state)
             rk_vec3 next = rk_sky_at(d), far = rk_sky_at(rk_scale(d, 1000));
             rk_check(isfinite(next.x) && next.x >= 0 && next.y >= 0 && next.z >= 0, "a colour");
             rk_check(rk_length(rk_sub(next, far)) < 1e-3f, "the direction's length matters");
-            /* The sun's edge is steepest: 45 bright, within a hundredth, at most 1.5 times as
-             * steep as on average; a step is 2 pi / 20000. */
+            /* The sun's edge is steepest: it rises to 45 within a hundredth, at most 1.5 times as
+             * steeply as on average; a step is 2 pi / 20000. */
             rk_check(i == 0 || rk_length(rk_sub(next, last)) <= 1.5 * 45 / 0.01 * 3.2e-4,
-                     "a step at %d of way %d", i, way);
+                     "a step at %d of path %d", i, way);
             last = next;
         }
     }
@@ -143,8 +144,8 @@ static rk_render_options small(void)
 
 enum { pixels = 14 * 11 };
 
-/* A few texels of noise, so that every direction and every filter has its own colour. */
-static void surround(rk_scene *scene)
+/* A few texels of noise, so that colours differ for all directions and filters. */
+static void add_environment(rk_scene *scene)
 {
     rk_error error;
     rk_check_ok(rk_cubemap_init(&scene->environment, 8, &error), error);
@@ -153,24 +154,25 @@ static void surround(rk_scene *scene)
             rk_vec(rk_unit_float(rk_hash(1, i, 0, 0)), rk_unit_float(rk_hash(1, i, 1, 0)), 2);
 }
 
-static rk_vec3 looking(const rk_scene *scene, const rk_render_options *options, size_t x, size_t y)
+static rk_vec3 camera_direction(const rk_scene *scene, const rk_render_options *options, size_t x,
+                                size_t y)
 {
     rk_view view = rk_view_of(&scene->camera, options->width, options->height);
     return rk_view_ray(&view, (float)x + 0.5f, (float)y + 0.5f).direction;
 }
 
-/* Each pixel is `share` of what is in the direction in which it looks, or would see in a mirror
- * across z. */
+/* Each pixel is `weight` times the map's colour in its direction, or in the direction reflected
+ * at a mirror across z. */
 static void check_picture(const rk_scene *scene, const rk_render_options *options,
-                          const test_picture *picture, bool mirrored, float share)
+                          const test_picture *picture, bool reflected, float weight)
 {
     for (size_t y = 0; y < options->height; y++)
         for (size_t x = 0; x < options->width; x++) {
-            rk_vec3 d = looking(scene, options, x, y);
-            if (mirrored)
+            rk_vec3 d = camera_direction(scene, options, x, y);
+            if (reflected)
                 d.z = -d.z;
-            rk_vec3 want =
-                rk_scale(rk_cubemap_at(&scene->environment, d, options->environment_filter), share);
+            rk_vec3 want = rk_scale(
+                rk_cubemap_at(&scene->environment, d, options->environment_filter), weight);
             rk_vec3 got = *rk_image_at(&picture->image, x, y);
             /* Roundings of a direction, 8 texels a side. */
             rk_check(rk_length(rk_sub(got, want)) <= 1e-5f,
@@ -179,14 +181,14 @@ static void check_picture(const rk_scene *scene, const rk_render_options *option
         }
 }
 
-/* Renders, checks every pixel and the number of lookups, and forgets the picture. */
-static void check_rendered(const rk_scene *scene, const rk_render_options *options, bool mirrored,
-                           float share)
+/* Renders, and checks every pixel and the number of lookups. */
+static void check_rendered(const rk_scene *scene, const rk_render_options *options, bool reflected,
+                           float weight)
 {
     test_picture picture = test_render(scene, *options, 2);
-    check_picture(scene, options, &picture, mirrored, share);
-    rk_check_equal(picture.counters.environment_lookups, share > 0 ? pixels : 0,
-                   "a lookup for each ray that gets there");
+    check_picture(scene, options, &picture, reflected, weight);
+    rk_check_equal(picture.counters.environment_lookups, weight > 0 ? pixels : 0,
+                   "a lookup for each ray that reaches it");
     rk_image_free(&picture.image);
 }
 
@@ -197,10 +199,10 @@ static void a_miss_takes_the_map_or_black(void **state)
     rk_render_options options = small();
     test_picture black = test_render(&scene, options, 2);
     for (int i = 0; i < pixels; i++)
-        rk_check(rk_length(black.image.pixels[i]) == 0, "without a map it is black");
-    rk_check_equal(black.counters.primary_rays, 0, "and nothing is done for it");
-    rk_check_equal(black.counters.environment_lookups, 0, "nothing at all");
-    surround(&scene);
+        rk_check(rk_length(black.image.pixels[i]) == 0, "black without a map");
+    rk_check_equal(black.counters.primary_rays, 0, "an empty scene without a map needs no rays");
+    rk_check_equal(black.counters.environment_lookups, 0, "there is no map");
+    add_environment(&scene);
     for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++) {
         options.environment_filter = (rk_cubemap_filter)filter;
         check_rendered(&scene, &options, false, 1);
@@ -209,12 +211,12 @@ static void a_miss_takes_the_map_or_black(void **state)
     rk_scene_free(&scene);
 }
 
-static void what_stands_before_it_hides_it(void **state)
+static void objects_in_front_hide_the_environment(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_make(2);
     test_scene_wall(&scene, 0, 1, 0);
-    surround(&scene);
+    add_environment(&scene);
     rk_render_options options = small();
     for (int transparency = 0; transparency < 2; transparency++) {
         options.transparency = transparency;
@@ -223,14 +225,14 @@ static void what_stands_before_it_hides_it(void **state)
     rk_scene_free(&scene);
 }
 
-static void a_mirror_shows_it(void **state)
+static void a_mirror_reflects_the_environment(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_make(2);
     test_scene_wall(&scene, 0, 1, 0);
     scene.mesh.materials[0].kd = rk_vec(0, 0, 0);
     scene.mesh.materials[0].ks = rk_vec(0.75f, 0.75f, 0.75f);
-    surround(&scene);
+    add_environment(&scene);
     rk_render_options options = small();
     check_rendered(&scene, &options, true, 0.75f);
     options.max_depth = 0;
@@ -238,56 +240,56 @@ static void a_mirror_shows_it(void **state)
     rk_scene_free(&scene);
 }
 
-/* Panes at z = 0, .1 ..., of the opacity .5, black. */
-static rk_scene make_panes(uint32_t count)
+/* Black walls at z = 0, .1 ..., of the opacity .5. */
+static rk_scene make_transparent_walls(uint32_t count)
 {
     rk_scene scene = test_scene_make(2 * count);
     for (uint32_t i = 0; i < count; i++)
         test_scene_wall(&scene, 2 * i, 0.1f * (float)i, 0);
     scene.mesh.materials[0].kd = rk_vec(0, 0, 0);
     scene.mesh.materials[0].alpha = 0.5f;
-    surround(&scene);
+    add_environment(&scene);
     return scene;
 }
 
-static void glass_shows_it_behind(void **state)
+static void the_environment_shows_through_transparent_surfaces(void **state)
 {
     (void)state;
-    for (uint32_t panes = 1; panes <= 3; panes++) {
-        rk_scene scene = make_panes(panes);
+    for (uint32_t walls = 1; walls <= 3; walls++) {
+        rk_scene scene = make_transparent_walls(walls);
         rk_render_options options = small();
-        check_rendered(&scene, &options, false, ldexpf(1, -(int)panes));
+        check_rendered(&scene, &options, false, ldexpf(1, -(int)walls));
         rk_scene_free(&scene);
     }
 }
 
-static void the_limit_of_panes_counts_for_it_as_for_a_wall(void **state)
+static void max_depth_hides_the_environment_like_a_wall(void **state)
 {
     (void)state;
-    rk_scene scene = make_panes(3);
+    rk_scene scene = make_transparent_walls(3);
     rk_render_options options = small();
     for (options.max_depth = 0; options.max_depth < 5; options.max_depth++)
         check_rendered(&scene, &options, false, options.max_depth < 3 ? 0 : 0.125f);
     rk_scene_free(&scene);
 }
 
-static void a_wall_behind_glass_hides_it(void **state)
+static void a_wall_behind_glass_hides_the_environment(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_of(4, 2);
     test_scene_wall(&scene, 0, 0, 0);
     test_scene_wall(&scene, 2, 1, 1);
     scene.mesh.materials[0].alpha = 0.5f;
-    surround(&scene);
+    add_environment(&scene);
     rk_render_options options = small();
     check_rendered(&scene, &options, false, 0);
     rk_scene_free(&scene);
 }
 
-static void it_adds_to_what_lights_show(void **state)
+static void the_environment_adds_to_direct_light(void **state)
 {
     (void)state;
-    /* A grey mirror: its diffuse part stays what it is without an environment. */
+    /* A grey mirror: its diffuse part does not depend on the environment. */
     rk_scene scene = test_scene_make(2);
     test_scene_wall(&scene, 0, 1, 0);
     scene.mesh.materials[0].ks = rk_vec(0.5f, 0.5f, 0.5f);
@@ -295,7 +297,7 @@ static void it_adds_to_what_lights_show(void **state)
     rk_render_options options = small();
     test_picture without = test_render(&scene, options, 1);
     rk_check_equal(without.counters.environment_lookups, 0, "there is no environment");
-    surround(&scene);
+    add_environment(&scene);
     test_picture with = test_render(&scene, options, 1);
     for (int i = 0; i < pixels; i++)
         with.image.pixels[i] = rk_sub(with.image.pixels[i], without.image.pixels[i]);
@@ -305,7 +307,7 @@ static void it_adds_to_what_lights_show(void **state)
     rk_scene_free(&scene);
 }
 
-static void it_costs_a_scene_without_one_nothing(void **state)
+static void a_scene_without_an_environment_pays_nothing_for_it(void **state)
 {
     (void)state;
     /* A closed room: the same work with an environment, which no ray reaches. */
@@ -315,9 +317,9 @@ static void it_costs_a_scene_without_one_nothing(void **state)
     options.environment_filter = RK_CUBEMAP_NEAREST;
     test_picture without = test_render(&scene, options, 2);
     rk_check_equal(without.counters.environment_lookups, 0, "there is none");
-    rk_check(!rk_plan_of(&scene, &options).environment, "it is not planned for");
-    surround(&scene);
-    rk_check(rk_plan_of(&scene, &options).environment, "now it is");
+    rk_check(!rk_plan_of(&scene, &options).environment, "it is not in the plan");
+    add_environment(&scene);
+    rk_check(rk_plan_of(&scene, &options).environment, "now it is in the plan");
     test_picture with = test_render(&scene, options, 2);
     rk_check_equal(with.counters.box_tests, without.counters.box_tests, "box tests");
     rk_check_equal(with.counters.triangle_tests, without.counters.triangle_tests, "triangle tests");
@@ -327,31 +329,32 @@ static void it_costs_a_scene_without_one_nothing(void **state)
     rk_scene_free(&scene);
 }
 
-static void without_lights_an_environment_sends_no_shadow_rays(void **state)
+static void without_lights_an_environment_needs_no_shadow_rays(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_make(2);
     test_scene_wall(&scene, 0, 1, 0);
-    surround(&scene);
+    add_environment(&scene);
     rk_render_options options = small();
     options.shadows = true;
     rk_plan plan = rk_plan_of(&scene, &options);
-    rk_check(plan.rays && !plan.lights && !plan.shadow_rays, "it is seen, but there is no light");
+    rk_check(plan.rays && !plan.lights && !plan.shadow_rays,
+             "it is visible, but there is no light");
     test_picture picture = test_render(&scene, options, 1);
     rk_check_equal(picture.counters.shadow_rays, 0, "no lights, no shadows");
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
 
-static void every_sample_of_a_pixel_looks_it_up(void **state)
+static void every_sample_looks_up_the_environment(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_make(0);
-    surround(&scene);
+    add_environment(&scene);
     rk_render_options options = small();
     options.samples = 9;
     test_picture picture = test_render(&scene, options, 2);
-    rk_check_equal(picture.counters.environment_lookups, 9 * pixels, "one a sample");
+    rk_check_equal(picture.counters.environment_lookups, 9 * pixels, "one per sample");
     for (int i = 0; i < pixels; i++)
         rk_check_close(picture.image.pixels[i].z, 2, 9 * 2 * 0x1p-23,
                        "a mean of samples, not their sum");
@@ -365,18 +368,18 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_cross_folds_up),
     cmocka_unit_test(the_sun_stands_where_the_default_light_does),
     cmocka_unit_test(the_sky_is_above_and_the_ground_below),
-    cmocka_unit_test(the_sky_has_no_step_and_does_not_ask_for_lengths),
+    cmocka_unit_test(the_sky_is_continuous_and_ignores_lengths),
     cmocka_unit_test(a_sky_map_is_the_sky_at_its_centres),
     cmocka_unit_test(a_miss_takes_the_map_or_black),
-    cmocka_unit_test(what_stands_before_it_hides_it),
-    cmocka_unit_test(a_mirror_shows_it),
-    cmocka_unit_test(glass_shows_it_behind),
-    cmocka_unit_test(the_limit_of_panes_counts_for_it_as_for_a_wall),
-    cmocka_unit_test(a_wall_behind_glass_hides_it),
-    cmocka_unit_test(it_adds_to_what_lights_show),
-    cmocka_unit_test(it_costs_a_scene_without_one_nothing),
-    cmocka_unit_test(without_lights_an_environment_sends_no_shadow_rays),
-    cmocka_unit_test(every_sample_of_a_pixel_looks_it_up),
+    cmocka_unit_test(objects_in_front_hide_the_environment),
+    cmocka_unit_test(a_mirror_reflects_the_environment),
+    cmocka_unit_test(the_environment_shows_through_transparent_surfaces),
+    cmocka_unit_test(max_depth_hides_the_environment_like_a_wall),
+    cmocka_unit_test(a_wall_behind_glass_hides_the_environment),
+    cmocka_unit_test(the_environment_adds_to_direct_light),
+    cmocka_unit_test(a_scene_without_an_environment_pays_nothing_for_it),
+    cmocka_unit_test(without_lights_an_environment_needs_no_shadow_rays),
+    cmocka_unit_test(every_sample_looks_up_the_environment),
 };
 
-RK_SUITE("environment", tests)
+RK_SUITE("cubemap_stage", tests)

@@ -1,10 +1,11 @@
-/* The lens: its disk, rays that meet in focus, coc_count of confusion against the closed form and
- * against the rays themselves, and which pixels they reach. */
+/* The lens: its disk, rays that converge in focus, circles of confusion against the closed form and
+ * against the rays themselves, and the pixels that they reach. */
 #include "test.h"
 
 #include "base/dvec3.h"
 #include "base/random.h"
 #include "features/depth_of_field.h"
+#include "features/glossy_reflection.h"
 
 #include <time.h>
 
@@ -15,7 +16,7 @@ static float unit_float(uint32_t i, uint32_t which)
     return rk_unit_float(rk_hash(i, which, 0, 9));
 }
 
-/* A camera that is turned about all axes; another for each i. */
+/* A camera that is rotated about all axes, differently for each i. */
 static rk_view turned_view(uint32_t i)
 {
     rk_camera camera = {
@@ -48,21 +49,26 @@ static rk_vec2 random_xi(uint32_t i)
 
 /* --- The disk --------------------------------------------------------------------------------- */
 
+static rk_vec2 lens_disk(rk_vec2 xi)
+{
+    return rk_disk_at(RK_DISK_CONCENTRIC, xi);
+}
+
 static void check_disk(float xi_x, float xi_y, double x, double y)
 {
-    rk_vec2 got = rk_lens_disk((rk_vec2){xi_x, xi_y});
+    rk_vec2 got = lens_disk((rk_vec2){xi_x, xi_y});
     rk_check(fabs((double)got.x - x) <= 4 * epsilon && fabs((double)got.y - y) <= 4 * epsilon,
-             "xi (%g, %g): got (%.9g, %.9g), want (%.9g, %.9g) within %.3g: the square's radius is "
-             "the disk's",
+             "xi (%g, %g): got (%.9g, %.9g), want (%.9g, %.9g) within %.3g: the square's half side "
+             "becomes the radius",
              (double)xi_x, (double)xi_y, (double)got.x, (double)got.y, x, y, 4 * epsilon);
 }
 
-static void places_of_the_square_have_their_place_on_the_disk(void **state)
+static void known_points_of_the_square_have_known_points_on_the_disk(void **state)
 {
     (void)state;
     const double diagonal = sqrt(0.5), pi = 3.14159265358979323846;
     check_disk(0.5f, 0.5f, 0, 0);
-    check_disk(0.5f, 0.5f - 0x1p-18f, 0, -0x1p-17); /* near the middle, and not the middle */
+    check_disk(0.5f, 0.5f - 0x1p-18f, 0, -0x1p-17); /* near the middle, but not the middle */
     check_disk(1, 0.5f, 1, 0);
     check_disk(0.25f, 0.5f, -0.5, 0);
     check_disk(0.5f, 0.75f, 0, 0.5);
@@ -80,7 +86,7 @@ static void squares_become_circles(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 10000; i++) {
-        rk_vec2 xi = random_xi(i), got = rk_lens_disk(xi);
+        rk_vec2 xi = random_xi(i), got = lens_disk(xi);
         double side = fmax(fabs(2 * (double)xi.x - 1), fabs(2 * (double)xi.y - 1));
         rk_check_near(hypot((double)got.x, (double)got.y), side, 4 * epsilon,
                       "xi (%g, %g): the larger of |2 xi - 1| is the distance from the centre",
@@ -94,7 +100,7 @@ static void the_disk_is_covered_evenly(void **state)
     enum { rings = 8, sectors = 16, samples = 1 << 18 };
     uint32_t counts[rings][sectors] = {0};
     for (uint32_t i = 0; i < samples; i++) {
-        rk_vec2 p = rk_lens_disk(random_xi(i));
+        rk_vec2 p = lens_disk(random_xi(i));
         double square = (double)(p.x * p.x + p.y * p.y);
         double turn = atan2((double)p.y, (double)p.x) / (2 * 3.14159265358979323846) + 0.5;
         uint32_t ring = (uint32_t)fmin(rings * square, rings - 1);
@@ -126,7 +132,7 @@ static void neighbours_in_the_square_are_neighbours_on_the_disk(void **state)
     for (uint32_t i = 0; i < 20000; i++) {
         rk_vec2 a = random_xi(i), b = {a.x + 0.01f * (unit_float(i, 7) - 0.5f),
                                        a.y + 0.01f * (unit_float(i, 8) - 0.5f)};
-        rk_vec2 p = rk_lens_disk(a), q = rk_lens_disk(b);
+        rk_vec2 p = lens_disk(a), q = lens_disk(b);
         double apart = hypot((double)(p.x - q.x), (double)(p.y - q.y));
         double beside = hypot((double)(a.x - b.x), (double)(a.y - b.y));
         /* Along a side at most 2 (1 + (pi / 4)^2)^.5, across it 2 pi / 4: below 3 together. */
@@ -137,15 +143,14 @@ static void neighbours_in_the_square_are_neighbours_on_the_disk(void **state)
         widest = fmax(widest, apart);
     }
     /* The square is as wide as the disk's radius. */
-    rk_check(
-        widest > 0.005,
-        "of points 0.01 apart none are farther apart than %g on the disk: has it the radius 1?",
-        widest);
+    rk_check(widest > 0.005,
+             "points 0.01 apart are at most %g apart on the disk: does it have the radius 1?",
+             widest);
 }
 
 /* --- Rays ------------------------------------------------------------------------------------- */
 
-/* Where the pinhole ray through (x, y) meets the focal surface, in double. */
+/* The intersection of the pinhole ray through (x, y) with the focal surface, in double. */
 static rk_dvec3 focus_of(const rk_lens *lens, const rk_view *view, rk_vec2 place)
 {
     double right = ((double)place.x - 0.5 * (double)view->width) * (double)view->pixel;
@@ -171,19 +176,19 @@ static void rays_start_on_a_disk_in_the_cameras_own_axes(void **state)
     for (uint32_t i = 0; i < 1000; i++) {
         rk_view view = turned_view(i);
         rk_lens lens = lens_of(2, 400, i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
-        rk_vec2 place = random_place(i), xi = random_xi(i), disk = rk_lens_disk(xi);
+        rk_vec2 place = random_place(i), xi = random_xi(i), disk = lens_disk(xi);
         rk_ray ray = rk_lens_ray(&lens, &view, place.x, place.y, xi);
         rk_vec3 offset = rk_sub(ray.origin, view.position);
         /* Roundings of a position up to 5 from the origin. */
         const double tolerance = 2 * 5 * epsilon;
         const rk_vec3 axes[] = {view.right, view.up, view.forward};
         const char *const names[] = {"view.right", "view.up",
-                                     "view.forward, across which it stands"};
+                                     "view.forward, to which it is perpendicular"};
         const double wanted[] = {0.2 * (double)disk.x, 0.2 * (double)disk.y, 0};
         for (int k = 0; k < 3; k++)
             rk_check_near(
                 rk_dot(offset, axes[k]), wanted[k], tolerance,
-                "aperture 400, point (%g, %g) of the disk: its place on the lens along %s",
+                "aperture 400, point (%g, %g) of the disk: its offset on the lens along %s",
                 (double)disk.x, (double)disk.y, names[k]);
     }
 }
@@ -214,11 +219,11 @@ static void check_intersection(rk_focal_surface focal)
         for (uint32_t k = 0; k < 8; k++) {
             rk_ray ray = rk_lens_ray(&lens, &view, place.x, place.y, random_xi(8 * i + k));
             double missed = distance_to(&ray, focus);
-            /* A rounding of the origin, a dozen of the direction, f long. */
+            /* One rounding of the origin, and a dozen of the direction times f. */
             double tolerance = epsilon * ((double)rk_length(view.position) + 12 * f);
             rk_check(
                 missed <= tolerance,
-                "place (%g, %g), focused at %g: the ray of xi (%g, %g) misses the focus by %g, "
+                "point (%g, %g), focused at %g: the ray of xi (%g, %g) misses the focus by %g, "
                 "want %.3g at most",
                 (double)place.x, (double)place.y, (double)lens.focal_distance,
                 (double)random_xi(8 * i + k).x, (double)random_xi(8 * i + k).y, missed, tolerance);
@@ -226,13 +231,13 @@ static void check_intersection(rk_focal_surface focal)
     }
 }
 
-static void rays_of_a_place_meet_on_the_focal_plane(void **state)
+static void rays_of_a_picture_point_converge_on_the_focal_plane(void **state)
 {
     (void)state;
     check_intersection(RK_FOCAL_PLANE);
 }
 
-static void rays_of_a_place_meet_on_the_focal_sphere(void **state)
+static void rays_of_a_picture_point_converge_on_the_focal_sphere(void **state)
 {
     (void)state;
     check_intersection(RK_FOCAL_SPHERE);
@@ -245,7 +250,7 @@ static void check_pinhole_ray(const rk_lens *lens, const rk_view *view, rk_vec2 
     rk_ray want = rk_view_ray(view, place.x, place.y);
     rk_check(memcmp(&got.direction, &want.direction, sizeof got.direction) == 0 &&
                  rk_length(rk_sub(got.origin, want.origin)) == 0,
-             "place (%g, %g), %s: direction (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g); start off "
+             "point (%g, %g), %s: direction (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g); start off "
              "by %.3g",
              (double)place.x, (double)place.y, hint, (double)got.direction.x,
              (double)got.direction.y, (double)got.direction.z, (double)want.direction.x,
@@ -253,7 +258,7 @@ static void check_pinhole_ray(const rk_lens *lens, const rk_view *view, rk_vec2 
              (double)rk_length(rk_sub(got.origin, want.origin)));
 }
 
-static void the_lens_centre_sees_what_a_pinhole_sees_to_the_bit(void **state)
+static void a_ray_from_the_lens_centre_is_the_pinhole_ray_to_the_bit(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
@@ -265,7 +270,7 @@ static void the_lens_centre_sees_what_a_pinhole_sees_to_the_bit(void **state)
     }
 }
 
-static void without_aperture_every_ray_is_the_pinholes_to_the_bit(void **state)
+static void with_aperture_0_every_ray_is_the_pinhole_ray_to_the_bit(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
@@ -286,12 +291,12 @@ static void directions_are_unit_and_rays_have_no_end(void **state)
         rk_vec2 place = random_place(i);
         rk_ray ray = rk_lens_ray(&lens, &view, place.x, place.y, random_xi(i));
         rk_check_near(rk_length(ray.direction), 1, 4 * epsilon,
-                      "place (%g, %g): length of the direction; see rk_normalize", (double)place.x,
+                      "point (%g, %g): length of the direction; see rk_normalize", (double)place.x,
                       (double)place.y);
-        rk_check(isinf(ray.t_max) && ray.t_max > 0, "place (%g, %g): t_max is %g, want inf",
+        rk_check(isinf(ray.t_max) && ray.t_max > 0, "point (%g, %g): t_max is %g, want inf",
                  (double)place.x, (double)place.y, (double)ray.t_max);
         rk_check(rk_dot(ray.direction, view.forward) > 0,
-                 "place (%g, %g): the direction (%g, %g, %g) leads backwards", (double)place.x,
+                 "point (%g, %g): the direction (%g, %g, %g) leads backwards", (double)place.x,
                  (double)place.y, (double)ray.direction.x, (double)ray.direction.y,
                  (double)ray.direction.z);
     }
@@ -306,7 +311,7 @@ static double cosine_of(const rk_view *view, const rk_ray *ray)
     return rk_ddot(rk_widen(ray->direction), rk_widen(view->forward));
 }
 
-static void what_is_in_focus_has_no_circle(void **state)
+static void a_point_in_focus_has_no_circle_of_confusion(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
@@ -315,20 +320,20 @@ static void what_is_in_focus_has_no_circle(void **state)
         rk_ray ray = rk_view_ray(&view, place.x, place.y);
         float f = 0.5f + 4 * unit_float(i, 7);
         rk_lens plane = lens_of(f, 50, RK_FOCAL_PLANE), sphere = lens_of(f, 50, RK_FOCAL_SPHERE);
-        /* f / d is 1 but for six roundings. */
+        /* f / d is 1 up to six roundings. */
         double infinitely_far = 0.05 / ((double)f * (double)view.pixel);
         rk_check_near(rk_lens_coc_diameter(&plane, &view, &ray, f / (float)cosine_of(&view, &ray)),
                       0, 6 * epsilon * infinitely_far,
-                      "place (%g, %g): circle of the point at the depth %g, on the focal plane",
+                      "point (%g, %g): circle of the point at the depth %g, on the focal plane",
                       (double)place.x, (double)place.y, (double)f);
         rk_check_near(rk_lens_coc_diameter(&sphere, &view, &ray, f), 0, 0,
-                      "place (%g, %g): circle of the point at the distance %g, on the focal sphere",
+                      "point (%g, %g): circle of the point at the distance %g, on the focal sphere",
                       (double)place.x, (double)place.y, (double)f);
     }
 }
 
-/* |d - f| / d x aperture, over what a pixel measures on the focal surface. */
-static void the_circle_is_that_of_the_closed_form(void **state)
+/* |d - f| / d x aperture, over the side of a pixel on the focal surface. */
+static void the_circle_of_confusion_equals_the_closed_form(void **state)
 {
     (void)state;
     rk_camera camera = {.distance = 3, .fov = 50};
@@ -348,7 +353,7 @@ static void the_circle_is_that_of_the_closed_form(void **state)
         }
 }
 
-static void a_plane_goes_by_depth_and_a_sphere_by_distance(void **state)
+static void a_focal_plane_uses_depth_and_a_sphere_distance(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
@@ -362,18 +367,18 @@ static void a_plane_goes_by_depth_and_a_sphere_by_distance(void **state)
         /* Errors of a few roundings, multiplied where f / d is large: below 2 here, so 2^-20. */
         rk_check_near(rk_lens_coc_diameter(&plane, &view, &ray, (float)t),
                       largest * fabs(1 - 1.8 / (t * cosine)), largest * 0x1p-20,
-                      "place (%g, %g), focal plane at 1.8, t = %g: d is the depth %g",
+                      "point (%g, %g), focal plane at 1.8, t = %g: d is the depth %g",
                       (double)place.x, (double)place.y, t, t * cosine);
         rk_check_near(
             rk_lens_coc_diameter(&sphere, &view, &ray, (float)t),
             largest * fabs(1 - 1.8 / t) / cosine, largest * 0x1p-20,
-            "place (%g, %g), focal sphere at 1.8, t = %g: d is t, and a pixel is seen at an "
+            "point (%g, %g), focal sphere at 1.8, t = %g: d is t, and a pixel is seen at an "
             "angle whose cosine is %g",
             (double)place.x, (double)place.y, t, cosine);
     }
 }
 
-static void the_circle_of_what_is_infinitely_far_is_finite(void **state)
+static void the_circle_of_an_infinitely_far_point_is_finite(void **state)
 {
     (void)state;
     rk_view view = turned_view(0);
@@ -382,13 +387,13 @@ static void the_circle_of_what_is_infinitely_far_is_finite(void **state)
         rk_lens lens = lens_of(2, 50, (rk_focal_surface)focal);
         double want = 0.025 / (double)view.pixel;
         rk_check_near(rk_lens_coc_diameter(&lens, &view, &ahead, INFINITY), want, 1e-5 * want,
-                      "aperture 50, focal %s at 2: circle of what is infinitely far ahead, where "
+                      "aperture 50, focal %s at 2: circle of an infinitely far point ahead, where "
                       "|d - f| / d is 1",
                       focal_names[focal]);
     }
 }
 
-/* Where the ray from a lens's point through `point` meets the focal surface, first of all. */
+/* The first intersection of the ray from a lens's point through `point` with the focal surface. */
 static rk_vec3 focus_behind(const rk_lens *lens, const rk_view *view, rk_vec3 from, rk_vec3 point)
 {
     rk_dvec3 o = from_to(rk_widen(view->position), rk_widen(from));
@@ -404,8 +409,9 @@ static rk_vec3 focus_behind(const rk_lens *lens, const rk_view *view, rk_vec3 fr
     return rk_vec((float)focus.x, (float)focus.y, (float)focus.z);
 }
 
-/* A point sends light to a place of the lens, and that comes to the picture where the lens's ray
- * through the point meets the focal surface: all of these places make the circle. */
+/* Light from a point through the rim of the lens contributes to the pixel onto which the ray's
+ * intersection with the focal surface projects: all these projections make the rim of the circle.
+ */
 static void the_rim_of_the_lens_draws_the_rim_of_the_circle(void **state)
 {
     (void)state;
@@ -413,40 +419,39 @@ static void the_rim_of_the_lens_draws_the_rim_of_the_circle(void **state)
         rk_view view = turned_view(i);
         rk_focal_surface focal = i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE;
         rk_lens lens = lens_of(1 + 2 * unit_float(i, 7), 10, focal);
-        rk_vec2 place = random_place(i), seen, rim = {1, unit_float(i, 9)};
+        rk_vec2 place = random_place(i), image_point, rim = {1, unit_float(i, 9)};
         rk_ray pinhole = rk_view_ray(&view, place.x, place.y);
         float t = 0.8f + 4 * unit_float(i, 8), depth;
         rk_vec3 point = rk_madd(pinhole.origin, pinhole.direction, t);
         rk_ray from_rim = rk_lens_ray(&lens, &view, place.x, place.y, rim);
         rk_vec3 focus = focus_behind(&lens, &view, from_rim.origin, point);
-        rk_check(rk_view_project(&view, focus, &seen, &depth), "the focus is in front");
-        double got = hypot((double)(seen.x - place.x), (double)(seen.y - place.y));
+        rk_check(rk_view_project(&view, focus, &image_point, &depth), "the focus is in front");
+        double got = hypot((double)(image_point.x - place.x), (double)(image_point.y - place.y));
         double diameter = (double)rk_lens_coc_diameter(&lens, &view, &pinhole, t),
                want = diameter / 2;
         rk_check(diameter >= 0 && isfinite(diameter),
                  "focal %s at %g, t = %g: the circle's diameter is %g pixels, want 0 or more",
                  focal_names[focal], (double)lens.focal_distance, (double)t, diameter);
-        /* Pixels of 400 within 24 roundings; on a sphere the next order in A / d as well, .0125. */
+        /* 24 roundings of pixels up to 400; on a sphere also the next order in A / d, .0125. */
         double tolerance = 400 * 24 * epsilon + (focal == RK_FOCAL_SPHERE ? 0.0125 * want : 0);
         rk_check_near(
             got, want, tolerance,
-            "place (%g, %g), focal %s at %g, t = %g: by its rays the rim is so many pixels "
-            "from the centre; what is wanted is half of rk_lens_coc_diameter",
+            "point (%g, %g), focal %s at %g, t = %g: by its rays the rim is this many pixels "
+            "from the centre; want half of rk_lens_coc_diameter",
             (double)place.x, (double)place.y, focal_names[focal], (double)lens.focal_distance,
             (double)t);
-        rk_ray back = rk_lens_ray(&lens, &view, seen.x, seen.y, rim);
+        rk_ray back = rk_lens_ray(&lens, &view, image_point.x, image_point.y, rim);
         rk_check(distance_to(&back, rk_widen(point)) <= 5 * 24 * epsilon,
-                 "place (%g, %g), the circle's rim: its ray of xi (1, %g) misses the point by %g, "
+                 "point (%g, %g), the circle's rim: its ray of xi (1, %g) misses the point by %g, "
                  "want %.3g at most",
-                 (double)seen.x, (double)seen.y, (double)rim.y, distance_to(&back, rk_widen(point)),
-                 5 * 24 * epsilon);
+                 (double)image_point.x, (double)image_point.y, (double)rim.y,
+                 distance_to(&back, rk_widen(point)), 5 * 24 * epsilon);
     }
 }
 
-/* --- Which pixels coc_count reach ---------------------------------------------------------------
- */
+/* --- Pixels that circles reach ---------------------------------------------------------------- */
 
-/* What each pixel of a picture sees. */
+/* The diameter of each pixel's circle of confusion. */
 typedef struct picture {
     uint32_t width, height;
     float blur[40 * 24];
@@ -464,7 +469,7 @@ static bool circle_reaches(const picture *p, uint32_t from, uint32_t x, uint32_t
            reaches(from / p->width, y, diameter);
 }
 
-/* Says more of the circle whose border is nearest, of those that were forgotten or are too many. */
+/* Names one circle that was missed or wrongly counted: the one whose rim is nearest. */
 static void fail_pixel(const picture *p, uint32_t x, uint32_t y, int got, int want)
 {
     double least = INFINITY;
@@ -478,35 +483,35 @@ static void fail_pixel(const picture *p, uint32_t x, uint32_t y, int got, int wa
             of = i;
         }
     }
-    rk_check(false,
-             "%u x %u pixels: pixel (%u, %u) got %d coc_count, want %d; that of pixel (%u, %u), "
-             "diameter %g, %s",
-             p->width, p->height, x, y, got, want, of % p->width, of / p->width,
-             (double)p->blur[of],
-             got < want           ? "reaches it"
-             : p->blur[of] < 0.5f ? "is a point"
-                                  : "does not reach it");
+    rk_check(
+        false,
+        "%u x %u pixels: pixel (%u, %u) got %d circles, want %d; the circle of pixel (%u, %u), "
+        "diameter %g, %s",
+        p->width, p->height, x, y, got, want, of % p->width, of / p->width, (double)p->blur[of],
+        got < want           ? "reaches it"
+        : p->blur[of] < 0.5f ? "is a point"
+                             : "does not reach it");
 }
 
-/* Each pixel against each, without haste. Both arrays have `guard` numbers more at both ends: 0
- * leaves it to sanitizers to see what is beyond; others would be coc_count that reach all pixels,
- * and must not be written to. */
+/* Compares each pixel with each. Both arrays have `guard` more numbers at both ends. With 0,
+ * sanitizers detect reads beyond the ends; otherwise numbers there would be circles that reach all
+ * pixels, and must not be overwritten. */
 static void check_guarded(const picture *p, size_t guard)
 {
     const int32_t untouched = 0x55555555;
     size_t pixels = (size_t)p->width * p->height, stride = p->width + 1;
     size_t numbers = stride * (p->height + 1);
     float *blur = malloc((pixels + 2 * guard) * sizeof *blur);
-    int32_t *coc_count = malloc((numbers + 2 * guard) * sizeof *coc_count);
-    rk_check(blur && coc_count, "there is memory");
+    int32_t *counts = malloc((numbers + 2 * guard) * sizeof *counts);
+    rk_check(blur && counts, "there is memory");
     for (size_t i = 0; i < pixels + 2 * guard; i++)
         blur[i] = i >= guard && i < guard + pixels ? p->blur[i - guard] : INFINITY;
     for (size_t i = 0; i < numbers + 2 * guard; i++)
-        coc_count[i] = untouched;
-    rk_lens_coc(blur + guard, p->width, p->height, coc_count + guard);
+        counts[i] = untouched;
+    rk_lens_coc(blur + guard, p->width, p->height, counts + guard);
     for (uint32_t y = 0; y < p->height; y++)
         for (uint32_t x = 0; x < p->width; x++) {
-            int got = coc_count[guard + y * stride + x], want = 0;
+            int got = counts[guard + y * stride + x], want = 0;
             for (uint32_t i = 0; i < pixels; i++)
                 want += circle_reaches(p, i, x, y);
             if (got != want)
@@ -514,16 +519,16 @@ static void check_guarded(const picture *p, size_t guard)
         }
     for (size_t i = 0; i < guard; i++)
         rk_check(
-            coc_count[i] == untouched && coc_count[guard + numbers + i] == untouched,
+            counts[i] == untouched && counts[guard + numbers + i] == untouched,
             "%u x %u pixels: coc_count[%s%zu] was written to, but it has (width + 1) * (height + "
             "1) = %zu numbers",
-            p->width, p->height, coc_count[i] == untouched ? "" : "-",
-            coc_count[i] == untouched ? numbers + i : guard - i, numbers);
-    free(coc_count);
+            p->width, p->height, counts[i] == untouched ? "" : "-",
+            counts[i] == untouched ? numbers + i : guard - i, numbers);
+    free(counts);
     free(blur);
 }
 
-static void check_spread(const picture *p)
+static void check_counts(const picture *p)
 {
     check_guarded(p, 0);
     check_guarded(p, p->width + 1);
@@ -540,9 +545,9 @@ static void circles_below_half_a_pixel_are_points(void **state)
     picture p = sharp_picture(37, 23);
     for (uint32_t i = 0; i < 37 * 23; i++)
         p.blur[i] = 0.49f * unit_float(i, 0);
-    check_spread(&p);
+    check_counts(&p);
     p.blur[5 * 37 + 7] = 0.5f;
-    check_spread(&p);
+    check_counts(&p);
 }
 
 static void a_circle_reaches_every_pixel_that_it_may_touch(void **state)
@@ -552,7 +557,7 @@ static void a_circle_reaches_every_pixel_that_it_may_touch(void **state)
     for (int i = 0; i < 8; i++) {
         picture p = sharp_picture(37, 23);
         p.blur[11 * 37 + 18] = diameters[i];
-        check_spread(&p);
+        check_counts(&p);
     }
 }
 
@@ -568,7 +573,7 @@ static void circles_end_at_the_border_of_the_picture(void **state)
             for (int c = 0; c < 4; c++) {
                 picture p = sharp_picture(width, height);
                 p.blur[corners[c]] = diameters[i];
-                check_spread(&p);
+                check_counts(&p);
             }
         }
 }
@@ -581,7 +586,7 @@ static void every_pixel_counts_the_circles_that_reach_it(void **state)
         for (uint32_t k = 0; k < 37 * 23; k++)
             if (rk_hash(i, k, 0, 1) % 64 <= i)
                 p.blur[k] = exp2f(8 * unit_float(k, i) - 3);
-        check_spread(&p);
+        check_counts(&p);
     }
 }
 
@@ -590,20 +595,20 @@ static double seconds_of(float diameter)
 {
     enum { side = 128, runs = 3 };
     float *blur = malloc(side * side * sizeof *blur);
-    int32_t *coc_count = malloc((side + 1) * (side + 1) * sizeof *coc_count);
-    rk_check(blur && coc_count, "there is memory");
+    int32_t *counts = malloc((side + 1) * (side + 1) * sizeof *counts);
+    rk_check(blur && counts, "there is memory");
     for (int i = 0; i < side * side; i++)
         blur[i] = diameter;
     double fastest = INFINITY;
     for (int run = 0; run < runs; run++) {
         clock_t start = clock();
-        rk_lens_coc(blur, side, side, coc_count);
+        rk_lens_coc(blur, side, side, counts);
         fastest = fmin(fastest, (double)(clock() - start) / CLOCKS_PER_SEC);
     }
-    rk_check(coc_count[side / 2 * (side + 1) + side / 2] >= 9,
-             "128 x 128 coc_count of diameter %g: pixel (64, 64) got %d, want 9 or more",
-             (double)diameter, coc_count[side / 2 * (side + 1) + side / 2]);
-    free(coc_count);
+    rk_check(counts[side / 2 * (side + 1) + side / 2] >= 9,
+             "128 x 128 circles of diameter %g: pixel (64, 64) got %d, want 9 or more",
+             (double)diameter, counts[side / 2 * (side + 1) + side / 2]);
+    free(counts);
     free(blur);
     return fastest;
 }
@@ -612,31 +617,31 @@ static void large_circles_cost_no_more_than_small_ones(void **state)
 {
     (void)state;
     double small = seconds_of(1), large = seconds_of(1000);
-    /* Equal but for what else the processor does. Pixel by pixel it is 1800 times as much. Some
-     * systems count the time in hundredths of a second: two of these more. */
+    /* Equal apart from the processor's other work; pixel by pixel it would be 1800 times as much.
+     * Some systems count time in hundredths of a second: allow two of these. */
     rk_check(
         large <= 10 * small + 0.02,
-        "128 x 128 pixels: coc_count of diameter 1000 take %.6f s, those of diameter 1 %.6f s; "
+        "128 x 128 pixels: circles of diameter 1000 take %.6f s, circles of diameter 1 %.6f s; "
         "want about the same: four numbers each, whatever the size",
         large, small);
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(places_of_the_square_have_their_place_on_the_disk),
+    cmocka_unit_test(known_points_of_the_square_have_known_points_on_the_disk),
     cmocka_unit_test(squares_become_circles),
     cmocka_unit_test(the_disk_is_covered_evenly),
     cmocka_unit_test(neighbours_in_the_square_are_neighbours_on_the_disk),
     cmocka_unit_test(rays_start_on_a_disk_in_the_cameras_own_axes),
     cmocka_unit_test(the_aperture_is_the_diameter_in_thousandths_of_a_unit),
     cmocka_unit_test(directions_are_unit_and_rays_have_no_end),
-    cmocka_unit_test(the_lens_centre_sees_what_a_pinhole_sees_to_the_bit),
-    cmocka_unit_test(without_aperture_every_ray_is_the_pinholes_to_the_bit),
-    cmocka_unit_test(rays_of_a_place_meet_on_the_focal_plane),
-    cmocka_unit_test(rays_of_a_place_meet_on_the_focal_sphere),
-    cmocka_unit_test(what_is_in_focus_has_no_circle),
-    cmocka_unit_test(the_circle_is_that_of_the_closed_form),
-    cmocka_unit_test(a_plane_goes_by_depth_and_a_sphere_by_distance),
-    cmocka_unit_test(the_circle_of_what_is_infinitely_far_is_finite),
+    cmocka_unit_test(a_ray_from_the_lens_centre_is_the_pinhole_ray_to_the_bit),
+    cmocka_unit_test(with_aperture_0_every_ray_is_the_pinhole_ray_to_the_bit),
+    cmocka_unit_test(rays_of_a_picture_point_converge_on_the_focal_plane),
+    cmocka_unit_test(rays_of_a_picture_point_converge_on_the_focal_sphere),
+    cmocka_unit_test(a_point_in_focus_has_no_circle_of_confusion),
+    cmocka_unit_test(the_circle_of_confusion_equals_the_closed_form),
+    cmocka_unit_test(a_focal_plane_uses_depth_and_a_sphere_distance),
+    cmocka_unit_test(the_circle_of_an_infinitely_far_point_is_finite),
     cmocka_unit_test(the_rim_of_the_lens_draws_the_rim_of_the_circle),
     cmocka_unit_test(circles_below_half_a_pixel_are_points),
     cmocka_unit_test(a_circle_reaches_every_pixel_that_it_may_touch),

@@ -51,7 +51,7 @@ static test_path write_image(const test_folder *folder, const char *name, rk_ima
 {
     test_path path = test_folder_path(folder, name);
     rk_error error;
-    rk_check_ok(rk_image_write(path.text, image, &error), error);
+    rk_check_ok(rk_image_file_write(path.text, image, &error), error);
     rk_image_free(image);
     return path;
 }
@@ -60,7 +60,7 @@ static rk_cubemap read_map(const char *path)
 {
     rk_cubemap map;
     rk_error error = {""};
-    rk_check_ok(rk_environment_read(&map, path, &error), error);
+    rk_check_ok(rk_environment_file_read(&map, path, &error), error);
     return map;
 }
 
@@ -86,7 +86,7 @@ static void check_refused(const char *path, const char *part)
 {
     rk_cubemap map;
     rk_error error = {""};
-    rk_check(!rk_environment_read(&map, path, &error), "%s was accepted", path);
+    rk_check(!rk_environment_file_read(&map, path, &error), "%s was accepted", path);
     rk_check(map.side == 0 && !map.faces[0], "%s: a map was left behind", path);
     rk_check_error_names(error, part);
     rk_check(!strchr(error.text, '\n'), "one line: %s", error.text);
@@ -337,10 +337,10 @@ static void faces_of_different_sizes_are_refused(void **state)
     check_refused(folder->path, "nz.png: has 3 x 3 pixels, but the first face has 2 x 2");
     rk_image oblong = make_image(3, 2);
     write_image(folder, "px.png", &oblong);
-    check_refused(folder->path, "px.png: has 3 x 2 pixels: a face is as wide as it is high");
+    check_refused(folder->path, "px.png: has 3 x 2 pixels: a face must be square");
 }
 
-static void what_is_not_there_is_an_error(void **state)
+static void a_missing_file_is_an_error(void **state)
 {
     const test_folder *folder = *state;
     check_refused(test_folder_path(folder, "none.png").text, "none.png");
@@ -353,7 +353,7 @@ static void what_is_not_there_is_an_error(void **state)
     check_refused(path, "too long");
 }
 
-static void a_pixel_that_is_no_number_is_named(void **state)
+static void a_pixel_that_is_not_a_number_is_named(void **state)
 {
     rk_image image = make_cross(4);
     image.pixels[5].y = NAN;
@@ -390,7 +390,7 @@ static void damaged_files_are_refused_or_read(void **state)
         free(damaged);
         rk_cubemap map;
         rk_error error = {""};
-        if (rk_environment_read(&map, path.text, &error)) {
+        if (rk_environment_file_read(&map, path.text, &error)) {
             rk_check(n >= 100, "a file cut to %zu of %zu bytes was accepted", length, size);
         } else {
             rk_check(map.side == 0 && !map.faces[0], "a map was left behind");
@@ -431,8 +431,8 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(other_shapes_are_refused_with_their_size),
     test_in_folder(a_missing_face_is_named),
     test_in_folder(faces_of_different_sizes_are_refused),
-    test_in_folder(what_is_not_there_is_an_error),
-    test_in_folder(a_pixel_that_is_no_number_is_named),
+    test_in_folder(a_missing_file_is_an_error),
+    test_in_folder(a_pixel_that_is_not_a_number_is_named),
     test_in_folder(huge_sizes_are_refused),
     test_in_folder(damaged_files_are_refused_or_read),
     test_in_folder(truncated_files_of_other_formats_are_refused),

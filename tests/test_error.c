@@ -42,7 +42,7 @@ static void line_breaks_become_spaces(void **state)
     assert_string_equal(error.text, "a b  c");
 }
 
-static void a_long_sentence_is_cut_to_fit(void **state)
+static void a_long_sentence_is_truncated(void **state)
 {
     (void)state;
     struct {
@@ -120,7 +120,7 @@ static void a_product_that_overflows_is_refused_by_name(void **state)
     }
 }
 
-static void more_than_there_is_is_refused_by_name_and_size(void **state)
+static void too_much_memory_is_refused_by_name_and_size(void **state)
 {
     (void)state;
     rk_error error = {""};
@@ -133,12 +133,12 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(failing_writes_the_sentence_and_returns_false),
     cmocka_unit_test(failing_without_an_error_is_allowed),
     cmocka_unit_test(line_breaks_become_spaces),
-    cmocka_unit_test(a_long_sentence_is_cut_to_fit),
+    cmocka_unit_test(a_long_sentence_is_truncated),
     cmocka_unit_test(memory_comes_zeroed_on_a_cache_line),
     cmocka_unit_test(memory_that_was_used_before_comes_zeroed),
     cmocka_unit_test(memory_that_is_filled_at_once_comes_unset),
     cmocka_unit_test(a_product_that_overflows_is_refused_by_name),
-    cmocka_unit_test(more_than_there_is_is_refused_by_name_and_size),
+    cmocka_unit_test(too_much_memory_is_refused_by_name_and_size),
 };
 
 RK_SUITE("error", tests)

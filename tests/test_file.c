@@ -90,8 +90,7 @@ static void places_that_cannot_be_written_are_refused_at_once(void **state)
 {
     const test_folder *folder = *state;
     check_refused(test_folder_path(folder, "missing/file.txt").text, "missing/file.txt");
-    check_refused(test_folder_path(folder, "missing/file.txt").text,
-                  "choose a folder that is there");
+    check_refused(test_folder_path(folder, "missing/file.txt").text, "choose an existing folder");
     check_refused(folder->path, "folder");
     test_file_put(test_folder_path(folder, "file").text, "");
     check_refused(test_folder_path(folder, "file/below").text, "Not a directory");
@@ -228,7 +227,7 @@ static void a_process_that_is_killed_leaves_nothing(void **state)
                    "the part of a file that was written, where files must have names");
 }
 
-static void what_a_dead_process_left_is_no_obstacle(void **state)
+static void the_remains_of_a_dead_process_are_no_obstacle(void **state)
 {
     const test_folder *folder = *state;
     rk_error error;
@@ -248,39 +247,39 @@ static void a_folder_is_made_with_its_parents(void **state)
 {
     const test_folder *folder = *state;
     rk_error error;
-    rk_check_ok(rk_make_folder(test_folder_path(folder, "a/b/c").text, &error), error);
+    rk_check_ok(rk_file_make_folder(test_folder_path(folder, "a/b/c").text, &error), error);
     rk_check(access(test_folder_path(folder, "a/b/c").text, W_OK | X_OK) == 0, "three new folders");
-    rk_check_ok(rk_make_folder(test_folder_path(folder, "a/b/c").text, &error), error);
-    rk_check_ok(rk_make_folder(test_folder_path(folder, "a//d/").text, &error), error);
+    rk_check_ok(rk_file_make_folder(test_folder_path(folder, "a/b/c").text, &error), error);
+    rk_check_ok(rk_file_make_folder(test_folder_path(folder, "a//d/").text, &error), error);
     rk_check(access(test_folder_path(folder, "a/d").text, W_OK | X_OK) == 0,
              "doubled and last slashes are nothing");
-    rk_check_ok(rk_make_folder("/", &error), error);
-    rk_check_ok(rk_make_folder(".", &error), error);
+    rk_check_ok(rk_file_make_folder("/", &error), error);
+    rk_check_ok(rk_file_make_folder(".", &error), error);
 }
 
-static void a_file_in_the_way_of_a_folder_is_an_error(void **state)
+static void a_file_in_place_of_a_folder_is_an_error(void **state)
 {
     const test_folder *folder = *state;
     test_file_put(test_folder_path(folder, "file").text, "");
     const char *names[] = {"file", "file/below"};
     for (int i = 0; i < 2; i++) {
         rk_error error = {""};
-        rk_check(!rk_make_folder(test_folder_path(folder, names[i]).text, &error), "%s was made",
-                 names[i]);
+        rk_check(!rk_file_make_folder(test_folder_path(folder, names[i]).text, &error),
+                 "%s was made", names[i]);
         rk_check_error_names(error, names[i]);
         rk_check_error_names(error, "--out");
     }
 }
 
-static void a_name_of_no_or_too_many_letters_is_no_folder(void **state)
+static void an_empty_or_overlong_name_is_no_folder(void **state)
 {
     (void)state;
     rk_error error = {""};
-    rk_check(!rk_make_folder("", &error), "an empty name was accepted");
+    rk_check(!rk_file_make_folder("", &error), "an empty name was accepted");
     char endless[5000];
     memset(endless, '/', sizeof endless - 1);
     endless[sizeof endless - 1] = '\0';
-    rk_check(!rk_make_folder(endless, &error), "a name of 4999 letters was accepted");
+    rk_check(!rk_file_make_folder(endless, &error), "a name of 4999 letters was accepted");
     rk_check_error_names(error, "folder name");
 }
 
@@ -315,10 +314,10 @@ static const struct CMUnitTest tests[] = {
     test_both(a_file_may_lie_in_the_current_folder),
     test_both(a_file_has_the_permissions_of_any_other),
     test_both(a_process_that_is_killed_leaves_nothing),
-    test_both(what_a_dead_process_left_is_no_obstacle),
+    test_both(the_remains_of_a_dead_process_are_no_obstacle),
     test_in_folder(a_folder_is_made_with_its_parents),
-    test_in_folder(a_file_in_the_way_of_a_folder_is_an_error),
-    cmocka_unit_test(a_name_of_no_or_too_many_letters_is_no_folder),
+    test_in_folder(a_file_in_place_of_a_folder_is_an_error),
+    cmocka_unit_test(an_empty_or_overlong_name_is_no_folder),
 };
 
 RK_SUITE("file", tests)

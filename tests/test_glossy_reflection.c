@@ -1,5 +1,5 @@
-/* Glossy reflection: the basis, the maps from square to disk, which directions are kept, and that
- * both ways to weigh them estimate the integrals that they should. */
+/* Glossy reflection: the basis, the maps from square to disk, the discarded directions, and that
+ * both kinds of weights estimate their integrals. */
 #include "test.h"
 
 #include "base/dvec3.h"
@@ -19,8 +19,8 @@ static rk_vec2 noise2(uint32_t a, uint32_t b)
     return (rk_vec2){noise(a, b, 0), noise(a, b, 1)};
 }
 
-/* Even over the sphere: height and angle are. In double, so that it is a unit vector but for the
- * rounding to float. */
+/* Uniform over the sphere, because height and angle are. In double, so that it is a unit vector
+ * apart from the rounding to float. */
 static rk_vec3 noise_direction(uint32_t a, uint32_t b)
 {
     double z = 2 * (double)noise(a, b, 2) - 1, phi = 2 * pi * (double)noise(a, b, 3);
@@ -35,7 +35,7 @@ typedef struct basis_error {
     const char *of;
 } basis_error;
 
-/* The largest: of the two lengths squared, the three products, and of u x v = w. */
+/* The largest error of the two squared lengths, the three products, and u x v = w. */
 static basis_error basis_error_of(rk_vec3 direction)
 {
     rk_vec3 u_float, v_float;
@@ -59,9 +59,9 @@ static basis_error basis_error_of(rk_vec3 direction)
     return most;
 }
 
-/* 4 units in the last place of 1. A component of u or v is a sum with a product of at most 1 that
- * four roundings reach: each of these can put it off by 2^-24, and w is rounded, too. That they all
- * do so together does not happen: measured, the largest error of all is 2.5 times 2^-24. */
+/* 4 units in the last place of 1. A component of u or v is a sum with a product of at most 1, and
+ * takes four roundings of up to 2^-24 each; w is rounded, too. They never all add up: the largest
+ * measured error is 2.5 times 2^-24. */
 static const double basis_bound = 8 * 0x1p-24;
 
 static void check_basis(rk_vec3 w, double most)
@@ -95,7 +95,7 @@ static void a_basis_is_orthonormal_for_a_million_directions(void **state)
 static void a_basis_is_orthonormal_near_the_poles(void **state)
 {
     (void)state;
-    /* From 45 degrees down to a tilt that the smallest float holds, on both sides. */
+    /* From 45 degrees down to a tilt of the smallest float, on both sides. */
     for (int e = 0; e <= 149; e++)
         for (uint32_t i = 0; i < 64; i++) {
             double tilt = ldexp(pi / 4, -e), phi = 2 * pi * (double)noise(2, i, 0);
@@ -153,13 +153,13 @@ static void the_concentric_map_keeps_the_middle_and_the_axes(void **state)
     (void)state;
     check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f}, 0, 0, "the middle");
     check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f - 0x1p-15f}, 0, -0x1p-14,
-                "near the middle it is not the middle");
+                "near the middle, but not the middle");
     for (float r = -1; r < 1; r += 0.125f) {
         float at = (1 + r) / 2;
         check_point(RK_DISK_CONCENTRIC, (rk_vec2){at, 0.5f}, (double)r, 0,
-                    "along the x axis nothing moves");
+                    "points on the x axis stay there");
         check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, at}, 0, (double)r,
-                    "along the y axis nothing moves");
+                    "points on the y axis stay there");
         double shortened = (double)r * sqrt(0.5);
         check_point(RK_DISK_CONCENTRIC, (rk_vec2){at, at}, shortened, shortened,
                     "the diagonal is shortened to the circle");
@@ -220,7 +220,7 @@ static void points_stay_in_the_disk(void **state)
 }
 
 /* 16 rings of equal area, cut into 16 sectors. */
-static void points_are_even_over_cells_of_the_disk(void **state)
+static void points_fill_cells_of_the_disk_evenly(void **state)
 {
     (void)state;
     enum { side = 16, cells = side * side, points = 256 * 1000 };
@@ -257,8 +257,8 @@ static int compare_doubles(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* Kolmogorov's: the largest distance of the numbers' distribution from the even one on [0, 1]. */
-static double distance_from_even(double *numbers, size_t count)
+/* Kolmogorov's statistic: the largest distance of a distribution from the uniform one on [0, 1]. */
+static double distance_from_uniform(double *numbers, size_t count)
 {
     double most = 0;
     qsort(numbers, count, sizeof *numbers, compare_doubles);
@@ -268,7 +268,7 @@ static double distance_from_even(double *numbers, size_t count)
     return most;
 }
 
-static void radius_squared_and_angle_are_even(void **state)
+static void radius_squared_and_angle_are_uniform(void **state)
 {
     (void)state;
     enum { points = 100000 };
@@ -281,12 +281,13 @@ static void radius_squared_and_angle_are_even(void **state)
         }
         /* Exceeded once in a million times: 2 exp(-2 n d^2) = 1e-6 for d = 2.69 / sqrt(n). */
         double most = 2.69 / sqrt(points);
-        rk_check_near(distance_from_even(areas, points), 0, most,
+        rk_check_near(distance_from_uniform(areas, points), 0, most,
                       "%s map: largest gap between the distribution of the radius squared, the "
-                      "share of the area inside, and the even one",
+                      "fraction of the area inside, and the uniform one",
                       map_names[m]);
-        rk_check_near(distance_from_even(turns, points), 0, most,
-                      "%s map: largest gap between the distribution of the angle and the even one",
+        rk_check_near(distance_from_uniform(turns, points), 0, most,
+                      "%s map: largest gap between the distribution of the angle and the uniform "
+                      "one",
                       map_names[m]);
     }
 }
@@ -305,8 +306,7 @@ static void the_radius_is_half_over_the_shininess(void **state)
 static void a_dull_surface_has_the_widest_disk(void **state)
 {
     (void)state;
-    rk_check_close(rk_glossy_radius(0), 1, 0,
-                   "shininess 0: no infinite disk, but that of radius 1");
+    rk_check_close(rk_glossy_radius(0), 1, 0, "shininess 0: radius 1, not infinity");
     rk_check_close(rk_glossy_radius(0.25f), 1, 0, "0.5 / 0.25 would be wider than 1");
     rk_check_close(rk_glossy_radius(0.5f), 1, 0, "where 0.5 / s reaches 1");
 }
@@ -324,7 +324,7 @@ static setting random_setting(uint32_t i)
     return s;
 }
 
-/* The reflected direction `degrees` above the surface, which is turned any way. */
+/* The reflected direction `degrees` above the surface, which is oriented at random. */
 static setting setting_at(double degrees, uint32_t i)
 {
     rk_vec3 n = noise_direction(22, i), aside = noise_direction(23, i);
@@ -336,13 +336,13 @@ static setting setting_at(double degrees, uint32_t i)
     return (setting){rk_vec((float)w.x, (float)w.y, (float)w.z), n};
 }
 
-static void check_mirrored(uint32_t i, float radius, rk_vec2 at)
+static void check_reflected(uint32_t i, float radius, rk_vec2 at)
 {
     setting s = random_setting(i);
     rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, radius, s.face_normal);
     rk_vec3 direction = {NAN, NAN, NAN};
     bool above = rk_glossy_direction(&disk, at, &direction);
-    rk_check(above, "(%g, %g, %g), the mirrored direction above the surface, was discarded",
+    rk_check(above, "(%g, %g, %g), the reflected direction above the surface, was discarded",
              (double)s.reflected.x, (double)s.reflected.y, (double)s.reflected.z);
     rk_check(
         direction.x == s.reflected.x && direction.y == s.reflected.y &&
@@ -356,8 +356,8 @@ static void radius_0_and_the_middle_give_the_reflected_direction_exactly(void **
 {
     (void)state;
     for (uint32_t i = 0; i < 10000; i++) {
-        check_mirrored(i, 0, rk_disk_at(maps[i % 2], noise2(24, i)));
-        check_mirrored(i, noise(24, i, 2), (rk_vec2){0, 0});
+        check_reflected(i, 0, rk_disk_at(maps[i % 2], noise2(24, i)));
+        check_reflected(i, noise(24, i, 2), (rk_vec2){0, 0});
     }
 }
 
@@ -382,7 +382,7 @@ static void directions_are_unit_and_go_through_their_point_of_the_disk(void **st
         rk_check(
             rk_dlength(off) <= basis_bound + 8 * 0x1p-24,
             "w (%g, %g, %g), radius %g, point (%g, %g): got (%g, %g, %g), want (%g, %g, %g), the "
-            "unit vector of w + x u + y v, also if it is discarded: off by %.3g",
+            "unit vector of w + x u + y v, even if it is discarded: off by %.3g",
             (double)disk.w.x, (double)disk.w.y, (double)disk.w.z, (double)radius, (double)at.x,
             (double)at.y, (double)got.x, (double)got.y, (double)got.z, want.x, want.y, want.z,
             rk_dlength(off));
@@ -433,7 +433,7 @@ static void a_direction_along_the_surface_is_discarded(void **state)
              "w (1, 0, 0), face normal (0, 0, 1): kept (1, 0, -0.25), which leads below it");
     rk_check(rk_glossy_direction(&disk, halfway_along(&disk, up), &direction),
              "w (1, 0, 0), face normal (0, 0, 1): discarded (1, 0, 0.25), which leads above it");
-    /* However little: there is no number below which it would be along. */
+    /* However small the angle: there is no epsilon. */
     for (int e = 2; e <= 100; e++) {
         disk.radius = ldexpf(1, -e);
         rk_check(rk_glossy_direction(&disk, halfway_along(&disk, up), &direction),
@@ -442,20 +442,20 @@ static void a_direction_along_the_surface_is_discarded(void **state)
     }
 }
 
-/* --- What is above the surface ---------------------------------------------------------------- */
+/* --- The fraction above the surface ----------------------------------------------------------- */
 
-/* What might be seen in a direction: smooth, and not even. */
-static double seen_in(rk_dvec3 d)
+/* The radiance from a direction: smooth, and not constant. */
+static double radiance_from(rk_dvec3 d)
 {
     return 1 + 0.5 * d.x - 0.25 * d.y + 0.75 * d.z * d.z;
 }
 
 typedef struct integral {
-    double share, seen; /* the mean over the disk of 1 and of what is seen, 0 below the surface */
+    double fraction, radiance; /* means over the disk, of 1 and of radiance, 0 below the surface */
 } integral;
 
-/* In double, with axes of its own: for each angle the radii above the surface are known exactly,
- * and Simpson's rule does the rest. */
+/* In double, with other axes: for each angle the radii above the surface are known exactly, and
+ * Simpson's rule does the rest. */
 static integral integrate(const setting *s, double radius)
 {
     enum { angles = 16384, steps = 8 };
@@ -471,55 +471,57 @@ static integral integrate(const setting *s, double radius)
         double slope = radius * rk_ddot(n, out), end = 1;
         if (rk_ddot(n, w) + slope < 0)
             end = -rk_ddot(n, w) / slope;
-        sum.share += end * end;
+        sum.fraction += end * end;
         for (int k = 0; k <= steps; k++) {
             double r = end * k / steps, weight = k % steps == 0 ? 1 : k % 2 ? 4 : 2;
             rk_dvec3 d = rk_dmadd(w, out, radius * r);
-            sum.seen +=
-                weight * end / (3 * steps) * 2 * r * seen_in(rk_dscale(d, 1 / rk_dlength(d)));
+            sum.radiance +=
+                weight * end / (3 * steps) * 2 * r * radiance_from(rk_dscale(d, 1 / rk_dlength(d)));
         }
     }
-    return (integral){sum.share / angles, sum.seen / angles};
+    return (integral){sum.fraction / angles, sum.radiance / angles};
 }
 
-static void a_disk_above_the_surface_has_the_share_1(void **state)
+static void a_disk_above_the_surface_has_a_fraction_above_of_1(void **state)
 {
     (void)state;
     const float radii[] = {0, 0.01f, 0.5f, 1};
     for (int i = 0; i < 4; i++) {
         rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 0, 1), radii[i], rk_vec(0, 0, 1));
         rk_check_near(rk_glossy_fraction_above(&disk), 1, 0,
-                      "share of a disk of radius %g straight above the surface", (double)radii[i]);
+                      "fraction above, for a disk of radius %g straight above the surface",
+                      (double)radii[i]);
         disk = rk_glossy_disk_of(rk_vec(0.6f, 0, 0.8f), radii[i], rk_vec(0, 0, 1));
         rk_check_near(
             rk_glossy_fraction_above(&disk), 1, 0,
-            "share of a disk of radius %g, 53 degrees above the surface, which cuts radii "
-            "from 1.33 on",
+            "fraction above, for a disk of radius %g, 53 degrees above the surface, which cuts "
+            "disks from radius 1.33 on",
             (double)radii[i]);
-        /* The product of a unit vector with itself is 1 but for rounding, above 1 too. */
+        /* The product of a unit vector with itself is 1 apart from rounding, and may exceed 1. */
         for (uint32_t k = 0; k < 1000; k++) {
             rk_vec3 w = noise_direction(28, k);
             disk = rk_glossy_disk_of(w, radii[i], w);
             rk_check_near(rk_glossy_fraction_above(&disk), 1, 0,
-                          "share of a disk of radius %g, w and face normal both (%.9g, %.9g, %.9g)",
+                          "fraction above, for a disk of radius %g, w and face normal both (%.9g, "
+                          "%.9g, %.9g)",
                           (double)radii[i], (double)w.x, (double)w.y, (double)w.z);
         }
     }
 }
 
-static void a_disk_that_the_surface_halves_has_the_share_one_half(void **state)
+static void a_disk_halved_by_the_surface_has_a_fraction_above_of_one_half(void **state)
 {
     (void)state;
     const float radii[] = {0.01f, 0.5f, 1, 100};
     for (int i = 0; i < 4; i++) {
         rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 1, 0), radii[i], rk_vec(0, 0, 1));
         rk_check_near(rk_glossy_fraction_above(&disk), 0.5, 0x1p-22,
-                      "share of a disk of radius %g whose middle is in the plane",
+                      "fraction above, for a disk of radius %g whose middle is in the plane",
                       (double)radii[i]);
     }
 }
 
-static void the_share_equals_quadrature(void **state)
+static void the_fraction_above_equals_quadrature(void **state)
 {
     (void)state;
     const double radii[] = {0.02, 0.3, 1, 5};
@@ -527,12 +529,12 @@ static void the_share_equals_quadrature(void **state)
         double radius = radii[i % 4], degrees = atan(radius) * 180 / pi * (i % 50 + 0.5) / 50;
         setting s = setting_at(degrees, i);
         rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, (float)radius, s.face_normal);
-        /* Roundings of 2^-24, which an angle near the surface has divided by the radius; and the
-         * kink where the plane cuts the rim, between two of 16384 angles. */
-        rk_check_near(rk_glossy_fraction_above(&disk), integrate(&s, radius).share,
+        /* Roundings of 2^-24, which are divided by the radius near the surface; and the kink where
+         * the plane cuts the rim, between two of 16384 angles. */
+        rk_check_near(rk_glossy_fraction_above(&disk), integrate(&s, radius).fraction,
                       8 * 0x1p-24 / radius + 2e-6,
-                      "share of a disk of radius %g, %.3g degrees above the surface: the circle "
-                      "without its segment",
+                      "fraction above, for a disk of radius %g, %.3g degrees above the surface: "
+                      "the disk without its segment",
                       radius, degrees);
     }
 }
@@ -540,9 +542,9 @@ static void the_share_equals_quadrature(void **state)
 /* --- Weights ---------------------------------------------------------------------------------- */
 
 static const char *const weight_names[] = {
-    [RK_GLOSSY_CLASSIC] = "classic", [RK_GLOSSY_RENORMALIZED] = "renormalised"};
+    [RK_GLOSSY_CLASSIC] = "classic", [RK_GLOSSY_RENORMALIZED] = "renormalized"};
 
-static void classic_counts_what_is_discarded(void **state)
+static void classic_counts_discarded_samples_as_black(void **state)
 {
     (void)state;
     rk_check_close(rk_glossy_weight(RK_GLOSSY_CLASSIC, 64, 64, 1), 1 / 64.0, 0, "1 / samples");
@@ -550,7 +552,7 @@ static void classic_counts_what_is_discarded(void **state)
                    "1 / samples, however many are discarded");
 }
 
-static void renormalised_divides_by_those_above(void **state)
+static void renormalized_divides_by_the_samples_above(void **state)
 {
     (void)state;
     rk_check_close(rk_glossy_weight(RK_GLOSSY_RENORMALIZED, 64, 64, 1), 1 / 64.0, 0, "all above");
@@ -563,22 +565,23 @@ static void a_single_sample_counts_for_more_where_it_might_be_discarded(void **s
 {
     (void)state;
     rk_check_close(rk_glossy_weight(RK_GLOSSY_RENORMALIZED, 1, 1, 0.625f), 1 / 0.625, 1e-6,
-                   "it stands for those that are discarded: 1 / share");
+                   "it also represents discarded samples: 1 / fraction above");
     rk_check_close(rk_glossy_weight(RK_GLOSSY_RENORMALIZED, 1, 2, 0.5f), 1 / 0.75, 1e-6,
-                   "1 / (above (1 - (1 - share)^samples))");
+                   "1 / (above (1 - (1 - fraction)^samples))");
     rk_check_close(rk_glossy_weight(RK_GLOSSY_RENORMALIZED, 1, 1, 1), 1, 0, "nothing is discarded");
 }
 
-static void without_a_direction_above_nothing_is_weighed(void **state)
+static void without_a_direction_above_the_weight_is_zero(void **state)
 {
     (void)state;
     const rk_glossy_weights both[] = {RK_GLOSSY_CLASSIC, RK_GLOSSY_RENORMALIZED};
-    const float shares[] = {0.5f, 0.75f, 1};
+    const float fractions[] = {0.5f, 0.75f, 1};
     for (int w = 0; w < 2; w++)
         for (int i = 0; i < 3; i++)
-            rk_check_near(rk_glossy_weight(both[w], 0, 64, shares[i]), 0, 0,
-                          "%s weight, none of 64 samples above, share %g: no division by 0",
-                          weight_names[both[w]], (double)shares[i]);
+            rk_check_near(
+                rk_glossy_weight(both[w], 0, 64, fractions[i]), 0, 0,
+                "%s weight, none of 64 samples above, fraction above %g: no division by 0",
+                weight_names[both[w]], (double)fractions[i]);
 }
 
 /* The mean of many estimates with `samples` samples each, against `want`. */
@@ -587,31 +590,31 @@ static void check_unbiased(const setting *s, float radius, rk_glossy_weights wei
 {
     const uint32_t estimates = 200000 / samples;
     rk_glossy_disk disk = rk_glossy_disk_of(s->reflected, radius, s->face_normal);
-    float share = rk_glossy_fraction_above(&disk);
+    float fraction = rk_glossy_fraction_above(&disk);
     double sum = 0, squares = 0;
     for (uint32_t i = 0; i < estimates; i++) {
-        double seen = 0;
+        double radiance = 0;
         uint32_t above = 0;
         for (uint32_t k = 0; k < samples; k++) {
             rk_vec3 direction;
             if (!rk_glossy_direction(&disk, rk_disk_at(map, noise2(30 + samples, i * samples + k)),
                                      &direction))
                 continue;
-            seen += seen_in(rk_widen(direction));
+            radiance += radiance_from(rk_widen(direction));
             above++;
         }
-        seen *= (double)rk_glossy_weight(weights, above, samples, share);
-        sum += seen;
-        squares += seen * seen;
+        radiance *= (double)rk_glossy_weight(weights, above, samples, fraction);
+        sum += radiance;
+        squares += radiance * radiance;
     }
     double mean = sum / estimates;
     double deviation = sqrt(fmax(squares / estimates - mean * mean, 0) / estimates);
     /* 5 standard errors, exceeded once in 1.7 million times; and roundings to float. */
     rk_check(fabs(mean - want) <= 5 * deviation + 1e-5,
-             "%s weights, %u samples an estimate, radius %g, share above %g: the mean of %u "
+             "%s weights, %u samples per estimate, radius %g, fraction above %g: the mean of %u "
              "estimates is %.6f, want %.6f within %.6f",
-             weight_names[weights], samples, (double)radius, (double)share, estimates, mean, want,
-             5 * deviation + 1e-5);
+             weight_names[weights], samples, (double)radius, (double)fraction, estimates, mean,
+             want, 5 * deviation + 1e-5);
 }
 
 static const uint32_t sample_counts[] = {1, 2, 5, 64};
@@ -623,11 +626,11 @@ static void classic_weights_estimate_the_integral_with_black_below(void **state)
     for (uint32_t i = 0; i < 16; i++) {
         setting s = setting_at(heights[i / 4], i);
         check_unbiased(&s, 0.6f, RK_GLOSSY_CLASSIC, maps[i % 2], sample_counts[i % 4],
-                       integrate(&s, 0.6).seen);
+                       integrate(&s, 0.6).radiance);
     }
 }
 
-static void renormalised_weights_estimate_the_mean_over_what_is_above(void **state)
+static void renormalized_weights_estimate_the_mean_over_the_part_above(void **state)
 {
     (void)state;
     const double heights[] = {0.5, 10, 30, 60};
@@ -635,11 +638,11 @@ static void renormalised_weights_estimate_the_mean_over_what_is_above(void **sta
         setting s = setting_at(heights[i / 4], i);
         integral want = integrate(&s, 0.6);
         check_unbiased(&s, 0.6f, RK_GLOSSY_RENORMALIZED, maps[i % 2], sample_counts[i % 4],
-                       want.seen / want.share);
+                       want.radiance / want.fraction);
     }
 }
 
-static void in_a_white_room_classic_loses_the_share_below(void **state)
+static void in_a_white_room_classic_loses_the_fraction_below(void **state)
 {
     (void)state;
     enum { samples = 100000 };
@@ -647,23 +650,24 @@ static void in_a_white_room_classic_loses_the_share_below(void **state)
     for (uint32_t i = 0; i < 5; i++) {
         setting s = setting_at(heights[i], i);
         rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, 0.6f, s.face_normal);
-        float share = rk_glossy_fraction_above(&disk);
+        float fraction = rk_glossy_fraction_above(&disk);
         uint32_t above = 0;
         for (uint32_t k = 0; k < samples; k++) {
             rk_vec3 direction;
             above += rk_glossy_direction(&disk, rk_disk_at(RK_DISK_CONCENTRIC, noise2(40, k)),
                                          &direction);
         }
-        double classic = above * (double)rk_glossy_weight(RK_GLOSSY_CLASSIC, above, samples, share);
-        double renormalised =
-            above * (double)rk_glossy_weight(RK_GLOSSY_RENORMALIZED, above, samples, share);
-        /* 5 standard deviations of a share of at most 1/2 a sample. */
-        rk_check_near(classic, integrate(&s, 0.6).share, 5 * 0.5 / sqrt(samples),
-                      "radius 0.6, %g degrees above the surface: of a white room classic mirrors "
-                      "the share above",
+        double classic =
+            above * (double)rk_glossy_weight(RK_GLOSSY_CLASSIC, above, samples, fraction);
+        double renormalized =
+            above * (double)rk_glossy_weight(RK_GLOSSY_RENORMALIZED, above, samples, fraction);
+        /* 5 standard deviations, of at most 1/2 per sample. */
+        rk_check_near(classic, integrate(&s, 0.6).fraction, 5 * 0.5 / sqrt(samples),
+                      "radius 0.6, %g degrees above the surface: classic reflects a white room "
+                      "times the fraction above",
                       heights[i]);
-        rk_check_near(renormalised, 1, 1e-6,
-                      "radius 0.6, %g degrees above the surface: renormalised a white room stays "
+        rk_check_near(renormalized, 1, 1e-6,
+                      "radius 0.6, %g degrees above the surface: renormalized, a white room stays "
                       "white",
                       heights[i]);
     }
@@ -679,24 +683,24 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_concentric_map_makes_squares_into_circles),
     cmocka_unit_test(the_concentric_map_keeps_neighbours_together),
     cmocka_unit_test(points_stay_in_the_disk),
-    cmocka_unit_test(points_are_even_over_cells_of_the_disk),
-    cmocka_unit_test(radius_squared_and_angle_are_even),
+    cmocka_unit_test(points_fill_cells_of_the_disk_evenly),
+    cmocka_unit_test(radius_squared_and_angle_are_uniform),
     cmocka_unit_test(the_radius_is_half_over_the_shininess),
     cmocka_unit_test(a_dull_surface_has_the_widest_disk),
     cmocka_unit_test(radius_0_and_the_middle_give_the_reflected_direction_exactly),
     cmocka_unit_test(directions_are_unit_and_go_through_their_point_of_the_disk),
     cmocka_unit_test(no_direction_leads_into_the_surface),
     cmocka_unit_test(a_direction_along_the_surface_is_discarded),
-    cmocka_unit_test(a_disk_above_the_surface_has_the_share_1),
-    cmocka_unit_test(a_disk_that_the_surface_halves_has_the_share_one_half),
-    cmocka_unit_test(the_share_equals_quadrature),
-    cmocka_unit_test(classic_counts_what_is_discarded),
-    cmocka_unit_test(renormalised_divides_by_those_above),
+    cmocka_unit_test(a_disk_above_the_surface_has_a_fraction_above_of_1),
+    cmocka_unit_test(a_disk_halved_by_the_surface_has_a_fraction_above_of_one_half),
+    cmocka_unit_test(the_fraction_above_equals_quadrature),
+    cmocka_unit_test(classic_counts_discarded_samples_as_black),
+    cmocka_unit_test(renormalized_divides_by_the_samples_above),
     cmocka_unit_test(a_single_sample_counts_for_more_where_it_might_be_discarded),
-    cmocka_unit_test(without_a_direction_above_nothing_is_weighed),
+    cmocka_unit_test(without_a_direction_above_the_weight_is_zero),
     cmocka_unit_test(classic_weights_estimate_the_integral_with_black_below),
-    cmocka_unit_test(renormalised_weights_estimate_the_mean_over_what_is_above),
-    cmocka_unit_test(in_a_white_room_classic_loses_the_share_below),
+    cmocka_unit_test(renormalized_weights_estimate_the_mean_over_the_part_above),
+    cmocka_unit_test(in_a_white_room_classic_loses_the_fraction_below),
 };
 
 RK_SUITE("glossy_reflection", tests)

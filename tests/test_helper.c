@@ -131,7 +131,7 @@ static void threads_may_call_at_the_same_time(void **state)
     }
 }
 
-static void a_long_complaint_does_not_block_the_answer(void **state)
+static void a_long_error_does_not_block_the_output(void **state)
 {
     (void)state;
     answer got = run_script("head -c 2000000 /dev/zero | tr '\\000' 'x' >&2; echo done",
@@ -349,7 +349,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(arguments_arrive_whole),
     cmocka_unit_test(large_input_and_output_pass_without_deadlock),
     cmocka_unit_test(threads_may_call_at_the_same_time),
-    cmocka_unit_test(a_long_complaint_does_not_block_the_answer),
+    cmocka_unit_test(a_long_error_does_not_block_the_output),
     cmocka_unit_test(input_that_nobody_reads_neither_kills_nor_fails),
     cmocka_unit_test(a_failure_gives_its_last_line_as_the_reason),
     cmocka_unit_test(a_failure_without_a_reason_names_the_status_and_the_file),

@@ -48,7 +48,7 @@ static test_path write_image(const test_folder *folder, const char *name, const 
 {
     test_path path = test_folder_path(folder, name);
     rk_error error;
-    rk_check_ok(rk_image_write(path.text, image, &error), error);
+    rk_check_ok(rk_image_file_write(path.text, image, &error), error);
     return path;
 }
 
@@ -56,7 +56,7 @@ static rk_image read_image(test_path path)
 {
     rk_image image;
     rk_error error;
-    rk_check_ok(rk_image_read(&image, path.text, &error), error);
+    rk_check_ok(rk_image_file_read(&image, path.text, &error), error);
     return image;
 }
 
@@ -64,7 +64,7 @@ static void check_refused(test_path path, const char *part)
 {
     rk_image image;
     rk_error error;
-    rk_check(!rk_image_read(&image, path.text, &error), "%s was accepted", path.text);
+    rk_check(!rk_image_file_read(&image, path.text, &error), "%s was accepted", path.text);
     rk_check(!image.pixels, "%s: pixels were left behind", path.text);
     rk_check_error_names(error, path.text);
     rk_check_error_names(error, part);
@@ -231,9 +231,9 @@ static void a_difference_of_one_channel_is_counted_by_hand(void **state)
     test_path a = write_image(*state, "a.exr", &image);
     rk_image_at(&image, 1, 2)->x = 3.25f;
     test_path b = write_image(*state, "b.exr", &image);
-    rk_image_difference d;
+    rk_image_file_difference d;
     rk_error error;
-    rk_check_ok(rk_image_compare(&d, a.text, b.text, &error), error);
+    rk_check_ok(rk_image_file_compare(&d, a.text, b.text, &error), error);
     /* One of 4 * 3 * 3 values differs, by 3: rms = sqrt(9 / 36), and a peak of 1 over it is 2. */
     rk_check_close(d.rms, 0.5, 1e-9, "computed in double");
     rk_check_close(d.psnr, -20 * log10(0.5), 1e-7, "20 log10(1 / rms)");
@@ -253,9 +253,9 @@ static void a_viewer_sees_stripes_on_grey_but_not_a_thousandth(void **state)
         for (size_t x = 0; x < 16; x++)
             *rk_image_at(&image, x, y) = rk_vec((x & 4) != 0, (x & 4) != 0, (x & 4) != 0);
     test_path b = write_image(*state, "b.exr", &image);
-    rk_image_difference d;
+    rk_image_file_difference d;
     rk_error error;
-    rk_check_ok(rk_image_compare(&d, a.text, b.text, &error), error);
+    rk_check_ok(rk_image_file_compare(&d, a.text, b.text, &error), error);
     /* The 256 striped pixels are seen, with some of those around them, but not the right edge. */
     rk_check(d.perceptual >= 256 && d.perceptual < 800, "%g pixels are seen of 256 that differ",
              d.perceptual);
@@ -267,9 +267,9 @@ static void equal_pictures_differ_by_nothing_in_any_format(void **state)
     /* 0 and 1 have the same value in 8 bits and in floats. */
     rk_image image = make_constant(9, 5, rk_vec(0, 1, 0));
     test_path a = write_image(*state, "a.png", &image), b = write_image(*state, "b.exr", &image);
-    rk_image_difference d;
+    rk_image_file_difference d;
     rk_error error;
-    rk_check_ok(rk_image_compare(&d, a.text, b.text, &error), error);
+    rk_check_ok(rk_image_file_compare(&d, a.text, b.text, &error), error);
     rk_check_close(d.rms + d.maximum + d.perceptual, 0, 0, "nothing differs");
     rk_check(isinf(d.psnr) && d.psnr > 0, "got psnr %g, want infinity", d.psnr);
     rk_image_free(&image);
@@ -280,9 +280,9 @@ static void pictures_of_unequal_size_are_not_compared(void **state)
     rk_image small = make_noise(3, 2), large = make_noise(2, 3);
     test_path a = write_image(*state, "small.png", &small);
     test_path b = write_image(*state, "large.png", &large);
-    rk_image_difference d;
+    rk_image_file_difference d;
     rk_error error;
-    rk_check(!rk_image_compare(&d, a.text, b.text, &error), "3 x 2 was compared to 2 x 3");
+    rk_check(!rk_image_file_compare(&d, a.text, b.text, &error), "3 x 2 was compared to 2 x 3");
     rk_check_error_names(error, "small.png");
     rk_check_error_names(error, "large.png");
     rk_check_error_names(error, "3 x 2");
@@ -292,16 +292,16 @@ static void pictures_of_unequal_size_are_not_compared(void **state)
 
 /* --- broken files ---------------------------------------------------------------------------- */
 
-static void a_pixel_that_is_no_number_is_named(void **state)
+static void a_pixel_that_is_not_a_number_is_named(void **state)
 {
     rk_image image = make_noise(4, 3);
     rk_image_at(&image, 1, 2)->y = NAN;
     rk_image_at(&image, 3, 2)->y = INFINITY;
     test_path path = write_image(*state, "nan.exr", &image);
     check_refused(path, "x 1, y 2");
-    rk_image_difference d;
+    rk_image_file_difference d;
     rk_error error;
-    rk_check(!rk_image_compare(&d, path.text, path.text, &error), "NaN was compared");
+    rk_check(!rk_image_file_compare(&d, path.text, path.text, &error), "NaN was compared");
     rk_check_error_names(error, "x 1, y 2");
     rk_image_free(&image);
 }
@@ -319,7 +319,7 @@ static void check_broken_kind(const test_folder *folder, const char *name)
     test_path path = test_folder_write(folder, name, bytes, size, 0600);
     free(bytes);
     rk_error error;
-    if (rk_image_read(&image, path.text, &error))
+    if (rk_image_file_read(&image, path.text, &error))
         rk_image_free(&image);
     else
         rk_check_error_names(error, name);
@@ -359,23 +359,23 @@ static void folders_pipes_and_devices_are_refused_at_once(void **state)
     for (int i = 0; i < 3; i++) {
         test_path pipe = test_folder_path(folder, names[i]);
         rk_check(mkfifo(pipe.text, 0600) == 0, "a pipe can be made");
-        check_refused(pipe, "is no ordinary file");
+        check_refused(pipe, "is not a regular file");
     }
     test_path endless = {"/dev/zero"}, whole = test_folder_path(folder, "whole.png");
-    check_refused(endless, "is no ordinary file");
+    check_refused(endless, "is not a regular file");
     test_path below = test_folder_path(folder, "below.exr");
     rk_check(mkdir(below.text, 0700) == 0, "a folder can be made");
     check_refused(below, "is a folder");
-    rk_image_difference difference;
+    rk_image_file_difference difference;
     rk_error error = {""};
     rk_image image = make_noise(2, 2);
     write_image(folder, "whole.png", &image);
     rk_image_free(&image);
     for (int swapped = 0; swapped < 2; swapped++) {
-        rk_check(!rk_image_compare(&difference, swapped ? endless.text : whole.text,
-                                   swapped ? whole.text : endless.text, &error),
+        rk_check(!rk_image_file_compare(&difference, swapped ? endless.text : whole.text,
+                                        swapped ? whole.text : endless.text, &error),
                  "/dev/zero was compared");
-        rk_check_error_names(error, "/dev/zero: is no ordinary file");
+        rk_check_error_names(error, "/dev/zero: is not a regular file");
     }
 }
 
@@ -394,7 +394,7 @@ static void an_exr_into_a_missing_folder_is_an_error(void **state)
     rk_image image = make_noise(2, 2);
     test_path path = test_folder_path(*state, "none/a.exr");
     rk_error error;
-    rk_check(!rk_image_write(path.text, &image, &error), "%s was written", path.text);
+    rk_check(!rk_image_file_write(path.text, &image, &error), "%s was written", path.text);
     rk_check_error_names(error, path.text);
     rk_image_free(&image);
 }
@@ -406,9 +406,10 @@ static void a_picture_without_pixels_is_not_written(void **state)
     for (int i = 0; i < 8; i++) {
         test_path path = test_folder_path(*state, names[i % 2]);
         rk_error error = {""};
-        rk_check(!rk_image_write(path.text, &none[i / 2], &error), "%s was written", path.text);
+        rk_check(!rk_image_file_write(path.text, &none[i / 2], &error), "%s was written",
+                 path.text);
         rk_check_error_names(error, path.text);
-        rk_check_error_names(error, "each side has 1 to 32768");
+        rk_check_error_names(error, "each side must be 1 to 32768");
     }
     rk_check_equal(test_folder_count(*state), 0, "nothing is written");
 }
@@ -453,13 +454,13 @@ static void other_endings_are_not_written(void **state)
     const char *names[] = {"a.jpg", "a", ".png", "exr", "a.exr.bak"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         rk_error error;
-        rk_check(!rk_image_write(names[i], &image, &error), "%s was written", names[i]);
+        rk_check(!rk_image_file_write(names[i], &image, &error), "%s was written", names[i]);
         rk_check_error_names(error, ".exr");
-        rk_check(!rk_image_can_write(names[i], &error), "%s could be written", names[i]);
+        rk_check(!rk_image_file_can_write(names[i], &error), "%s could be written", names[i]);
         rk_check_error_names(error, names[i]);
     }
     rk_error error;
-    rk_check(rk_image_can_write("a.PNG", &error) && rk_image_can_write("b.exr", &error),
+    rk_check(rk_image_file_can_write("a.PNG", &error) && rk_image_file_can_write("b.exr", &error),
              "these are written: %s", error.text);
     rk_check_equal(test_folder_count(*state), 0, "nothing is written");
     rk_image_free(&image);
@@ -512,17 +513,17 @@ static void a_missing_helper_names_the_package_but_png_needs_none(void **state)
     rk_image image = make_noise(2, 2);
     rk_error error;
     check_refused(test_folder_path(*state, "a.jpg"), "libopenimageio-dev");
-    rk_check(!rk_image_write("a.exr", &image, &error), "an EXR was written without a helper");
+    rk_check(!rk_image_file_write("a.exr", &image, &error), "an EXR was written without a helper");
     rk_check_error_names(error, "libopenimageio-dev");
-    rk_image_difference d;
-    rk_check(!rk_image_compare(&d, "a.png", "b.png", &error), "compared without a helper");
+    rk_image_file_difference d;
+    rk_check(!rk_image_file_compare(&d, "a.png", "b.png", &error), "compared without a helper");
     rk_check_error_names(error, "libopenimageio-dev");
     rk_image back = read_image(write_image(*state, "a.PNG", &image));
     rk_image_free(&back);
     rk_image_free(&image);
 }
 
-static void answers_that_make_no_sense_are_refused(void **state)
+static void invalid_answers_are_refused(void **state)
 {
     use_helpers_of(*state);
     typedef struct answer {
@@ -544,12 +545,12 @@ static void answers_that_make_no_sense_are_refused(void **state)
         answer broken = sound;
         broken.head = heads[i];
         install_answer(*state, &broken, sizeof broken);
-        check_refused(path, "makes no sense");
+        check_refused(path, "invalid answer");
     }
     const size_t sizes[] = {0, 1, sizeof sound.head, sizeof sound - 1};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
         install_answer(*state, &sound, sizes[i]);
-        check_refused(path, "makes no sense");
+        check_refused(path, "invalid answer");
     }
     answer infinite = sound;
     infinite.pixels[4] = INFINITY;
@@ -561,7 +562,7 @@ static void answers_that_make_no_sense_are_refused(void **state)
     rk_image_free(&image);
 }
 
-static void comparisons_that_make_no_sense_are_refused(void **state)
+static void invalid_comparisons_are_refused(void **state)
 {
     use_helpers_of(*state);
     const char *answers[] = {"",
@@ -572,16 +573,16 @@ static void comparisons_that_make_no_sense_are_refused(void **state)
                              "1 nan 3 4 5 6",
                              "-1 2 3 4 5 6",
                              "1,5 2 3 4 5 6"};
-    rk_image_difference d;
+    rk_image_file_difference d;
     rk_error error;
     for (size_t i = 0; i < sizeof answers / sizeof *answers; i++) {
         install_answer(*state, answers[i], strlen(answers[i]));
-        rk_check(!rk_image_compare(&d, "a.png", "b.png", &error), "\"%s\" was believed",
+        rk_check(!rk_image_file_compare(&d, "a.png", "b.png", &error), "\"%s\" was believed",
                  answers[i]);
         rk_check_error_names(error, "a.png");
     }
     install_answer(*state, "0.5 inf 3 4 5 6\n", 16);
-    rk_check_ok(rk_image_compare(&d, "a.png", "b.png", &error), error);
+    rk_check_ok(rk_image_file_compare(&d, "a.png", "b.png", &error), error);
     rk_check_close(d.rms, 0.5, 0, "the sound answer is believed");
 }
 
@@ -606,7 +607,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_viewer_sees_stripes_on_grey_but_not_a_thousandth),
     test_in_folder(equal_pictures_differ_by_nothing_in_any_format),
     test_in_folder(pictures_of_unequal_size_are_not_compared),
-    test_in_folder(a_pixel_that_is_no_number_is_named),
+    test_in_folder(a_pixel_that_is_not_a_number_is_named),
     test_in_folder(a_broken_jpeg_is_refused),
     test_in_folder(a_broken_tiff_is_refused),
     test_in_folder(a_broken_exr_is_refused),
@@ -619,8 +620,8 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(an_interrupted_exr_leaves_nothing),
     test_in_folder(other_endings_are_not_written),
     test_with_false_helper(a_missing_helper_names_the_package_but_png_needs_none),
-    test_with_false_helper(answers_that_make_no_sense_are_refused),
-    test_with_false_helper(comparisons_that_make_no_sense_are_refused),
+    test_with_false_helper(invalid_answers_are_refused),
+    test_with_false_helper(invalid_comparisons_are_refused),
     test_with_false_helper(a_helper_that_dies_is_an_error_with_the_files_name),
 };
 

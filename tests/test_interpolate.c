@@ -16,7 +16,7 @@ static rk_vec3 weights_at(uint32_t i)
     return rk_vec(1 - u - v, u, v);
 }
 
-static void corners_are_met_to_the_bit(void **state)
+static void corners_are_reproduced_to_the_bit(void **state)
 {
     (void)state;
     const rk_vec3 at[3] = {{0.1f, 0.2f, 0.3f}, {1e30f, -7, 1e-30f}, {-3.3f, 0, 5.5f}};
@@ -70,7 +70,7 @@ static void linear_functions_are_reproduced(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(corners_are_met_to_the_bit),
+    cmocka_unit_test(corners_are_reproduced_to_the_bit),
     cmocka_unit_test(each_corner_has_its_own_weight),
     cmocka_unit_test(linear_functions_are_reproduced),
 };

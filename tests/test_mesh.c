@@ -16,7 +16,7 @@ static rk_mesh make_square(void)
     return mesh;
 }
 
-static void a_sound_mesh_is_accepted(void **state)
+static void a_valid_mesh_is_accepted(void **state)
 {
     (void)state;
     rk_mesh mesh = make_square();
@@ -74,7 +74,7 @@ static void a_broken_material_is_refused_with_its_place(void **state)
         mesh.materials[0] = broken[i];
         rk_check(!rk_mesh_validate(&mesh, "square", &error), "material %d was accepted", i);
         rk_check_error_names(error, "square: material 0");
-        rk_check_error_names(error, i < 5 ? "colour" : "absorbs");
+        rk_check_error_names(error, i < 5 ? "colour" : "absorption");
     }
     mesh.materials[0].absorption = rk_vec(0, 1, 1e30f);
     rk_error error;
@@ -196,7 +196,7 @@ static void smooth_normals_weigh_faces_by_area(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(a_sound_mesh_is_accepted),
+    cmocka_unit_test(a_valid_mesh_is_accepted),
     cmocka_unit_test(an_index_out_of_range_is_refused_with_its_place),
     cmocka_unit_test(nan_and_infinity_are_refused_with_their_place),
     cmocka_unit_test(a_broken_material_is_refused_with_its_place),

@@ -27,7 +27,7 @@ static rk_mesh load(test_path path)
 {
     rk_mesh mesh;
     rk_error error;
-    rk_check_ok(rk_mesh_read(&mesh, path.text, &error), error);
+    rk_check_ok(rk_mesh_file_read(&mesh, path.text, &error), error);
     rk_check(error.text[0] == '\0', "an unexpected note: %s", error.text);
     return mesh;
 }
@@ -36,7 +36,7 @@ static void check_refused_path(const char *path, const char *place, const char *
 {
     rk_mesh mesh;
     rk_error error;
-    rk_check(!rk_mesh_read(&mesh, path, &error), "%s was accepted", path);
+    rk_check(!rk_mesh_file_read(&mesh, path, &error), "%s was accepted", path);
     rk_check(mesh.triangle_count == 0 && !mesh.positions, "a failed read left a mesh behind");
     char begin[1000];
     snprintf(begin, sizeof begin, "%s%s", path, place);
@@ -180,7 +180,7 @@ static void a_zero_normal_is_replaced_by_the_faces(void **state)
 }
 
 /* An L, from its inner corner's neighbour, clockwise and counterclockwise: a fan would leave it. */
-static void a_polygon_that_is_not_convex_is_cut_inside(void **state)
+static void a_polygon_that_is_not_convex_is_triangulated_inside(void **state)
 {
     (void)state;
     const char *texts[] = {"f 1 2 3 4 5 6\n", "f 6 5 4 3 2 1\n", "f 3 4 5 6 1 2\n"};
@@ -226,7 +226,7 @@ static void a_missing_mtl_is_a_note_not_an_error(void **state)
                                               "usemtl red\nf 1 2 3\n");
     rk_mesh mesh;
     rk_error error;
-    rk_check_ok(rk_mesh_read(&mesh, path.text, &error), error);
+    rk_check_ok(rk_mesh_file_read(&mesh, path.text, &error), error);
     rk_check_error_names(error, "lonely.obj:1: the material file gone.mtl is missing");
     check_point(mesh.materials[0].kd, 0.8f, 0.8f, 0.8f);
     rk_mesh_free(&mesh);
@@ -371,7 +371,7 @@ static rk_mesh load_with_note(test_path path, const char *note)
 {
     rk_mesh mesh;
     rk_error error;
-    rk_check_ok(rk_mesh_read(&mesh, path.text, &error), error);
+    rk_check_ok(rk_mesh_file_read(&mesh, path.text, &error), error);
     rk_check_error_names(error, path.text);
     rk_check_error_names(error, note);
     return mesh;
@@ -550,7 +550,7 @@ static void gltf_mistakes_are_refused(void **state)
     check_refused("short.gltf", (char *)seed.bytes, ": ", "");
 }
 
-static void what_is_no_mesh_file_is_refused(void **state)
+static void files_that_are_not_meshes_are_refused(void **state)
 {
     (void)state;
     check_refused_path(test_folder_path(&folder, "nowhere.obj").text, ": ", "No such file");
@@ -562,7 +562,7 @@ static void what_is_no_mesh_file_is_refused(void **state)
     check_refused_path(inner.text, ": ", "is a folder");
     test_path pipe = test_folder_path(&folder, "pipe.obj");
     rk_check_equal(mkfifo(pipe.text, 0600), 0, "the test needs a pipe");
-    check_refused_path(pipe.text, ": ", "no ordinary file");
+    check_refused_path(pipe.text, ": ", "not a regular file");
     if (geteuid() != 0) /* root reads all */
         check_refused_path(test_folder_write(&folder, "secret.obj", "v", 1, 0000).text, ": ",
                            "Permission denied");
@@ -611,7 +611,8 @@ static triangle_stream make_stream(void)
     return s;
 }
 
-/* What rk_mesh_read makes of these bytes, which a shell script in the helper's place writes. */
+/* What rk_mesh_file_read makes of these bytes, which a shell script in the helper's place writes.
+ */
 static bool read_stream(const triangle_stream *stream, size_t size, rk_error *error)
 {
     const char *before = getenv("RAYKIT_HELPERS");
@@ -622,7 +623,7 @@ static bool read_stream(const triangle_stream *stream, size_t size, rk_error *er
     test_folder_write(&folder, "raykit-mesh", script, (size_t)length, 0700);
     setenv("RAYKIT_HELPERS", folder.path, 1);
     rk_mesh mesh;
-    bool ok = rk_mesh_read(&mesh, "fake.obj", error);
+    bool ok = rk_mesh_file_read(&mesh, "fake.obj", error);
     rk_mesh_free(&mesh);
     if (saved)
         setenv("RAYKIT_HELPERS", saved, 1);
@@ -640,7 +641,7 @@ static void check_stream_refused(const triangle_stream *stream, size_t size, con
     rk_check_error_names(error, what);
 }
 
-static void an_answer_is_believed_only_when_it_is_consistent(void **state)
+static void an_answer_is_accepted_only_if_consistent(void **state)
 {
     (void)state;
     rk_error error;
@@ -648,7 +649,7 @@ static void an_answer_is_believed_only_when_it_is_consistent(void **state)
     rk_check_ok(read_stream(&good, triangle_stream_size, &error), error);
     check_stream_refused(&good, 0, "only 0 bytes");
     check_stream_refused(&good, 35, "only 35 bytes");
-    check_stream_refused(&good, triangle_stream_size - 1, "137 bytes where its counts make 138");
+    check_stream_refused(&good, triangle_stream_size - 1, "137 bytes, but its counts require 138");
     triangle_stream bad = good;
     bad.header.magic[0] = 'X';
     check_stream_refused(&bad, triangle_stream_size, "another version's format");
@@ -657,7 +658,7 @@ static void an_answer_is_believed_only_when_it_is_consistent(void **state)
     check_stream_refused(&bad, triangle_stream_size, "another version's format");
     bad = good;
     bad.header.vertex_count = UINT32_MAX;
-    check_stream_refused(&bad, triangle_stream_size, "where its counts make");
+    check_stream_refused(&bad, triangle_stream_size, "but its counts require");
     bad = good;
     bad.triangle[2] = 3;
     check_stream_refused(&bad, triangle_stream_size, "triangle 0 uses vertex 3");
@@ -669,7 +670,7 @@ static void an_answer_is_believed_only_when_it_is_consistent(void **state)
     check_stream_refused(&bad, triangle_stream_size, "uses 65536 materials, more than 65535");
 }
 
-static void textures_are_believed_only_when_they_are_consistent(void **state)
+static void textures_are_accepted_only_if_consistent(void **state)
 {
     (void)state;
     const triangle_stream good = make_stream();
@@ -677,15 +678,16 @@ static void textures_are_believed_only_when_they_are_consistent(void **state)
     set_texture(&bad, 2, (rk_mesh_stream_texture){.name_size = 4});
     check_stream_refused(&bad, triangle_stream_size, "material 0 uses texture 2");
     set_texture(&bad, 1, (rk_mesh_stream_texture){.name_size = 5});
-    check_stream_refused(&bad, triangle_stream_size, "4 bytes where their sizes make 5");
+    check_stream_refused(&bad, triangle_stream_size,
+                         "4 bytes of textures, but their sizes require 5");
     set_texture(&bad, 1, (rk_mesh_stream_texture){.name_size = 4, .data_size = UINT32_MAX});
-    check_stream_refused(&bad, triangle_stream_size, "where their sizes make 4294967299");
+    check_stream_refused(&bad, triangle_stream_size, "but their sizes require 4294967299");
     bad = good;
     bad.header.texture_bytes = UINT32_MAX;
-    check_stream_refused(&bad, triangle_stream_size, "where its counts make");
+    check_stream_refused(&bad, triangle_stream_size, "but its counts require");
     bad = good;
     bad.header.texture_count = 1025;
-    check_stream_refused(&bad, triangle_stream_size, "answers 1025 textures, more than 1024");
+    check_stream_refused(&bad, triangle_stream_size, "sent 1025 textures, more than 1024");
 }
 
 static int make_folder(void **state)
@@ -708,7 +710,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(gltf_parts_stand_where_their_nodes_put_them),
     cmocka_unit_test(a_part_without_normals_takes_its_faces_own),
     cmocka_unit_test(a_zero_normal_is_replaced_by_the_faces),
-    cmocka_unit_test(a_polygon_that_is_not_convex_is_cut_inside),
+    cmocka_unit_test(a_polygon_that_is_not_convex_is_triangulated_inside),
     cmocka_unit_test(points_and_lines_are_dropped),
     cmocka_unit_test(windows_line_ends_and_long_lines_are_fine),
     cmocka_unit_test(a_missing_mtl_is_a_note_not_an_error),
@@ -728,10 +730,10 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(binary_ply_mistakes_are_found_with_their_place),
     cmocka_unit_test(off_mistakes_are_found_with_their_line),
     cmocka_unit_test(gltf_mistakes_are_refused),
-    cmocka_unit_test(what_is_no_mesh_file_is_refused),
+    cmocka_unit_test(files_that_are_not_meshes_are_refused),
     cmocka_unit_test(a_file_of_absurd_size_is_refused_unread),
-    cmocka_unit_test(an_answer_is_believed_only_when_it_is_consistent),
-    cmocka_unit_test(textures_are_believed_only_when_they_are_consistent),
+    cmocka_unit_test(an_answer_is_accepted_only_if_consistent),
+    cmocka_unit_test(textures_are_accepted_only_if_consistent),
 };
 
 RK_SUITE_IN("mesh_file", tests, make_folder, remove_folder)

@@ -1,5 +1,5 @@
-/* Motion blur: paths and times against formulas, swept boxes against dense trials and exact
- * extremes, and blurred edges and disks against the share of time in closed form. */
+/* Motion blur: paths and times against formulas, swept boxes against dense sampling and exact
+ * extremes, and the coverage by moving edges and disks against closed forms. */
 #include "test.h"
 
 #include "base/random.h"
@@ -7,12 +7,12 @@
 #include "base/triangle.h"
 #include "features/motion_blur.h"
 
-static float random_float(uint32_t i, uint32_t what, float low, float high)
+static float random_float(uint32_t i, uint32_t key, float low, float high)
 {
-    return low + (high - low) * rk_unit_float(rk_hash(i, what, 10, 0));
+    return low + (high - low) * rk_unit_float(rk_hash(i, key, 10, 0));
 }
 
-/* --- Where it is ------------------------------------------------------------------------------ */
+/* --- Paths and moved rays --------------------------------------------------------------------- */
 
 static void at_time_zero_everything_rests(void **state)
 {
@@ -60,7 +60,7 @@ static void the_offset_is_rounded_once(void **state)
             (((double)motion.a * (double)x + (double)motion.b) * (double)x + (double)motion.c) *
             (double)x;
         float got = rk_motion_offset(&motion, x).y;
-        /* Half of a float's last place, and what the double on either side rounds. */
+        /* Half a unit in a float's last place, and the roundings of both doubles. */
         double tolerance = fabs(exact) * 0x1p-24 + 1e-13;
         rk_check(
             fabs((double)got - exact) <= tolerance,
@@ -75,11 +75,11 @@ static void the_ray_moves_the_other_way(void **state)
     const rk_ray ray = {{1, 2, 3}, {0.5f, 0.25f, -1}, 7};
     rk_ray moved = rk_motion_ray(rk_vec(0.5f, -1, 0), &ray);
     rk_check(moved.origin.x == 0.5f && moved.origin.y == 3 && moved.origin.z == 3,
-             "got the origin (%g, %g, %g), want (0.5, 3, 3): the origin less the offset",
+             "got the origin (%g, %g, %g), want (0.5, 3, 3): the origin minus the offset",
              (double)moved.origin.x, (double)moved.origin.y, (double)moved.origin.z);
     rk_check(
         memcmp(&moved.direction, &ray.direction, sizeof ray.direction) == 0,
-        "got the direction (%g, %g, %g), want (0.5, 0.25, -1): a direction is no place, it stays",
+        "got the direction (%g, %g, %g), want (0.5, 0.25, -1): a direction has no position to move",
         (double)moved.direction.x, (double)moved.direction.y, (double)moved.direction.z);
     rk_check(moved.t_max == 7, "got t_max %g, want 7: the ray ends where it did",
              (double)moved.t_max);
@@ -90,11 +90,11 @@ static rk_triangle triangle_at(rk_vec3 offset)
     return (rk_triangle){rk_add(rk_vec(-1, -1, 0), offset), {4, 0, 0}, {0, 4, 0}, 0};
 }
 
-static void a_moved_ray_meets_the_object_where_it_has_gone(void **state)
+static void a_moved_ray_hits_the_object_at_rest_at_the_same_t(void **state)
 {
     (void)state;
     const rk_motion motion = {1, 0, -1};
-    uint32_t met = 0;
+    uint32_t hits = 0;
     for (int i = -64; i <= 64; i++) {
         float x = (float)i / 16;
         rk_vec3 offset = rk_motion_offset(&motion, x);
@@ -103,19 +103,20 @@ static void a_moved_ray_meets_the_object_where_it_has_gone(void **state)
         const rk_triangle rest = triangle_at(rk_vec(0, 0, 0)), gone = triangle_at(offset);
         rk_hit want = {0}, got = {0};
         bool should = rk_triangle_intersect(&gone, &ray, &want);
-        rk_check(rk_triangle_intersect(&rest, &moved, &got) == should,
-                 "offset (%g, %g, 0): the moved ray should %s the triangle at rest, as the ray "
-                 "itself does the triangle that has gone there",
-                 (double)offset.x, (double)offset.y, should ? "meet" : "miss");
+        rk_check(
+            rk_triangle_intersect(&rest, &moved, &got) == should,
+            "offset (%g, %g, 0): the moved ray should %s the triangle at rest, because the ray "
+            "itself does so with the moved triangle",
+            (double)offset.x, (double)offset.y, should ? "hit" : "miss");
         rk_check(!should || got.t == want.t,
                  "offset (%g, %g, 0): got t %g, want %g: t is the same in both frames",
                  (double)offset.x, (double)offset.y, (double)got.t, (double)want.t);
-        met += should;
+        hits += should;
     }
-    rk_check(met > 10 && met < 100, "some should meet and some miss: %u met", met);
+    rk_check(hits > 10 && hits < 100, "some should hit and some miss: %u hits", hits);
 }
 
-/* --- When ------------------------------------------------------------------------------------- */
+/* --- Times ------------------------------------------------------------------------------------ */
 
 static void check_equidistant(float k, uint32_t samples, double want, const char *hint)
 {
@@ -131,16 +132,16 @@ static void equidistant_times_are_the_middles_of_equal_parts(void **state)
     for (uint32_t k = 1; k <= 4; k++)
         check_equidistant((float)k, 4, 2 * (double)k - 2,
                           "four parts of length 2 have their middles at 0, 2, 4, 6");
-    check_equidistant(1, 1, 3, "the middle of all of it");
+    check_equidistant(1, 1, 3, "the middle of the shutter");
 }
 
-static void times_before_and_after_the_shutter_continue_the_row(void **state)
+static void times_before_and_after_the_shutter_continue_the_sequence(void **state)
 {
     (void)state;
     check_equidistant(0, 4, -2, "one part before the first time");
     check_equidistant(-3, 4, -8, "four parts before the first time");
-    check_equidistant(5, 4, 8, "one part behind the last time");
-    check_equidistant(500, 4, 998, "far behind the last time");
+    check_equidistant(5, 4, 8, "one part after the last time");
+    check_equidistant(500, 4, 998, "far after the last time");
     check_equidistant(1.75f, 4, 1.5, "three quarters of the way from the first to the second");
 }
 
@@ -192,18 +193,18 @@ static void stratified_times_lie_one_in_each_part(void **state)
     for (uint32_t pixel = 0; pixel < 50; pixel++)
         for (uint32_t samples = 1; samples <= 64; samples++)
             check_one_in_each_part(RK_TIME_STRATIFIED, pixel, samples, samples);
-    /* In order, so that sample i of neighbouring pixels sees nearly the same scene. */
+    /* In order, so that neighbouring pixels see nearly the same scene in sample i. */
     for (uint32_t i = 0; i < 64; i++) {
         double x = (double)rk_shutter_time(&shutter, RK_TIME_STRATIFIED, 3, 7, i, 64);
         rk_check(x >= i / 64.0 && x <= (i + 1) / 64.0,
                  "shutter [0, 1], pixel 7, sample %u of 64: got the time %.6f, want one in [%.6f, "
-                 "%.6f]: sample i lies in part i, at a random place there; the numbers of "
-                 "RK_SAMPLER_STRATIFIED come in an order of their own",
+                 "%.6f]: sample i lies in part i, at a random position there; "
+                 "RK_SAMPLER_STRATIFIED shuffles its parts",
                  i, x, i / 64.0, (i + 1) / 64.0);
     }
 }
 
-static void low_discrepancy_times_do_so_for_each_power_of_two(void **state)
+static void low_discrepancy_times_are_stratified_for_each_power_of_two(void **state)
 {
     (void)state;
     for (uint32_t pixel = 0; pixel < 50; pixel++)
@@ -213,7 +214,7 @@ static void low_discrepancy_times_do_so_for_each_power_of_two(void **state)
         }
 }
 
-/* One of a sampler's numbers for the time of a sample. */
+/* A sampler's number for the time of a sample. */
 static double number_of(rk_sampler_kind kind, uint32_t seed, uint32_t pixel, uint32_t sample,
                         uint32_t samples)
 {
@@ -221,8 +222,8 @@ static double number_of(rk_sampler_kind kind, uint32_t seed, uint32_t pixel, uin
     return (double)rk_sample_1d(&sampler, pixel, sample, RK_DIMENSION_TIME);
 }
 
-/* Other dimensions place the sample in its pixel, on the lens, on a light: with one of these, times
- * would depend on places, and pictures get dark dashes along edges. */
+/* Other dimensions are for positions in the pixel, on the lens, on a light: with one of these,
+ * times would depend on positions, and pictures have dark dashes along edges. */
 static void random_times_are_drawn_from_the_dimension_of_time(void **state)
 {
     (void)state;
@@ -240,7 +241,7 @@ static void random_times_are_drawn_from_the_dimension_of_time(void **state)
                      pixel, i, low, want);
             double x =
                 (double)rk_shutter_time(&shutter, RK_TIME_STRATIFIED, seed, pixel, i, samples);
-            /* Any kind of sampler does for the place in the part. */
+            /* Any kind of sampler will do for the position in the part. */
             double off = INFINITY;
             for (int kind = RK_SAMPLER_UNIFORM; kind <= RK_SAMPLER_LOW_DISCREPANCY; kind++)
                 off = fmin(off, fabs(x * samples - i -
@@ -248,8 +249,8 @@ static void random_times_are_drawn_from_the_dimension_of_time(void **state)
             want = (i + number_of(RK_SAMPLER_UNIFORM, seed, pixel, i, samples)) / samples;
             rk_check(off <= samples * 0x1p-24,
                      "shutter [0, 1], seed 3, pixel %u, sample %u of 16: got the stratified time "
-                     "%.7f, want %.7f: in its part it lies where rk_sample_1d's number of that "
-                     "seed, pixel, sample and RK_DIMENSION_TIME says (here the uniform one; other "
+                     "%.7f, want %.7f: its position in its part is rk_sample_1d's number of that "
+                     "seed, pixel, sample and RK_DIMENSION_TIME (here the uniform one; other "
                      "kinds pass)",
                      pixel, i, x, want);
         }
@@ -268,8 +269,8 @@ static void pixels_and_seeds_have_random_times_of_their_own(void **state)
         }
         /* Of 400 pairs of 24 random bits. */
         rk_check(same <= 1,
-                 "%s: %u of 400 times are those of the neighbouring pixel, or of seed 2 instead of "
-                 "1; want at most 1, by chance",
+                 "%s: %u of 400 times equal the neighbouring pixel's, or seed 2's instead of 1's; "
+                 "want at most 1, by chance",
                  names[sampling], same);
     }
 }
@@ -290,26 +291,26 @@ static void times_fill_the_shutter_and_never_leave_it(void **state)
                          names[sampling], i, x, open, close);
                 sum += x;
             }
-            /* Each is at most a 64th of the shutter away from the middle of its part; and floats
-             * round. */
+            /* Each is at most a 64th of the shutter away from the middle of its part, apart from
+             * rounding. */
             double tolerance = (close - open) / 64 + 0x1p-24 * fabs(close);
             rk_check(
                 fabs(sum / 64 - (open + close) / 2) <= tolerance,
                 "%s, pixel 5, seed 9: got %.9g for the mean of 64 times, want %.9g within %.3g: "
-                "the middle of the shutter [%.9g, %.9g], which they should fill",
+                "the middle of the shutter [%.9g, %.9g], which the times should fill",
                 names[sampling], sum / 64, (open + close) / 2, tolerance, open, close);
         }
 }
 
-/* --- Where it may be -------------------------------------------------------------------------- */
+/* --- Swept boxes ------------------------------------------------------------------------------ */
 
-/* What the header allows: 2^-19 of corner and offset, and the floats that are rounded. */
-static double leave(double corner, double offset)
+/* The header allows 2^-19 of corner and offset; and floats are rounded. */
+static double slack(double corner, double offset)
 {
     return (fabs(corner) + fabs(offset)) * (0x1p-19 + 2 * 0x1p-24);
 }
 
-static void check_swept(rk_motion motion, rk_shutter shutter, const char *what, float got,
+static void check_swept(rk_motion motion, rk_shutter shutter, const char *side, float got,
                         double want, double tolerance, const char *hint)
 {
     rk_check(
@@ -317,7 +318,7 @@ static void check_swept(rk_motion motion, rk_shutter shutter, const char *what, 
         "the path (a, b, c) = (%g, %g, %g), shutter [%g, %g]: got %.9g for the swept box's %s, "
         "want %.9g within %.3g: %s",
         (double)motion.a, (double)motion.b, (double)motion.c, (double)shutter.open,
-        (double)shutter.close, (double)got, what, want, tolerance, hint);
+        (double)shutter.close, (double)got, side, want, tolerance, hint);
 }
 
 static void check_heights(rk_motion motion, rk_shutter shutter, double low, double high,
@@ -327,16 +328,16 @@ static void check_heights(rk_motion motion, rk_shutter shutter, double low, doub
     const rk_box swept = rk_motion_sweep(&motion, &shutter, &rest);
     const rk_vec3 *corner = swept.corner;
     double open = (double)shutter.open, close = (double)shutter.close;
-    double leave_x = leave(3, fmax(fabs(open), fabs(close)));
-    double leave_y = leave(0.5, fmax(fabs(low), fabs(high))), leave_z = leave(4, 0);
-    check_swept(motion, shutter, "lowest x", corner[0].x, -1 + open, leave_x,
-                "-1 at rest, and the offset along x goes from where the shutter opens");
-    check_swept(motion, shutter, "highest x", corner[1].x, 3 + close, leave_x,
-                "3 at rest, and the offset along x goes to where the shutter closes");
-    check_swept(motion, shutter, "lowest y", corner[0].y, low - 0.5, leave_y, hint);
-    check_swept(motion, shutter, "highest y", corner[1].y, high + 0.5, leave_y, hint);
-    check_swept(motion, shutter, "lowest z", corner[0].z, 2, leave_z, "nothing moves along z");
-    check_swept(motion, shutter, "highest z", corner[1].z, 4, leave_z, "nothing moves along z");
+    double slack_x = slack(3, fmax(fabs(open), fabs(close)));
+    double slack_y = slack(0.5, fmax(fabs(low), fabs(high))), slack_z = slack(4, 0);
+    check_swept(motion, shutter, "lowest x", corner[0].x, -1 + open, slack_x,
+                "-1 at rest, plus x where the shutter opens");
+    check_swept(motion, shutter, "highest x", corner[1].x, 3 + close, slack_x,
+                "3 at rest, plus x where the shutter closes");
+    check_swept(motion, shutter, "lowest y", corner[0].y, low - 0.5, slack_y, hint);
+    check_swept(motion, shutter, "highest y", corner[1].y, high + 0.5, slack_y, hint);
+    check_swept(motion, shutter, "lowest z", corner[0].z, 2, slack_z, "nothing moves along z");
+    check_swept(motion, shutter, "highest z", corner[1].z, 4, slack_z, "nothing moves along z");
 }
 
 static void a_straight_path_sweeps_from_its_beginning_to_its_end(void **state)
@@ -364,13 +365,13 @@ static void a_cubic_turns_twice(void **state)
                   "it turns twice within; with b = 0, does your q become 0? then both roots are "
                   "lost: the sign of 0 has to be 1 or -1");
     check_heights((rk_motion){1, 0, -1}, (rk_shutter){0, 1}, -third, 0,
-                  "it turns once within, down there");
+                  "it turns once within, at its minimum");
     check_heights((rk_motion){1, 0, -1}, (rk_shutter){-1, 0}, 0, third,
-                  "it turns once within, up there");
+                  "it turns once within, at its maximum");
     check_heights((rk_motion){-1, 0, 1}, (rk_shutter){-1, 1}, -third, third,
-                  "it turns twice within, the other way up");
+                  "it turns twice within, upside down");
     check_heights((rk_motion){1, 0, -1}, (rk_shutter){-0.5f, 0.5f}, -0.375, 0.375,
-                  "it turns before and after the shutter: that does not count");
+                  "it turns before and after the shutter, which does not count");
     check_heights((rk_motion){1, 0, -1}, (rk_shutter){-2, 2}, -6, 6, "the ends are farther out");
     /* y' = -12 x^2 + x + 1.5 is 0 at (1 + sqrt(73)) / 24. */
     double x = (1 + sqrt(73)) / 24;
@@ -390,20 +391,20 @@ static void a_level_point_is_no_turning_point(void **state)
 static void turning_points_keep_their_digits_when_one_is_far_away(void **state)
 {
     (void)state;
-    /* With a tiny a the second turn is far out; the first is the parabola's, all but unchanged. */
+    /* With a tiny a the second turning point is far away; the first is nearly the parabola's. */
     for (float a = 1; a > 1e-30f; a /= 16) {
         const rk_motion motion = {a * 1e-3f, -4, 4};
-        /* 4 x - 4 x^2 turns at 1/2; a x^3 adds a / 8 there, and moves the turn in second order. */
+        /* 4 x - 4 x^2 turns at 1/2; a x^3 adds a / 8 there, plus terms of second order. */
         double y = 1 + (double)motion.a / 8;
         const rk_shutter shutter = {0.25f, 0.75f};
         rk_box swept = rk_motion_sweep(&motion, &shutter, &(rk_box){{{0, 0, 0}, {0, 0, 0}}});
-        double tolerance = leave(0, y) + (double)motion.a * (double)motion.a;
+        double tolerance = slack(0, y) + (double)motion.a * (double)motion.a;
         check_swept(motion, shutter, "highest y", swept.corner[1].y, y, tolerance,
-                    "does a root come from the difference of two near numbers?");
+                    "is a root computed as the difference of two nearly equal numbers?");
     }
 }
 
-/* A random path that turns, as most do, somewhere near the shutter. */
+/* A random path; most turn somewhere near the shutter. */
 static rk_motion random_path(uint32_t i)
 {
     float size = exp2f(random_float(i, 20, -10, 10));
@@ -411,7 +412,7 @@ static rk_motion random_path(uint32_t i)
                         random_float(i, 23, -size, size)};
     if (i % 4 == 1)
         motion.a = 0;
-    if (i % 4 == 2) /* all but a double root of y' */
+    if (i % 4 == 2) /* nearly a double root of y' */
         motion.c = motion.b * motion.b / (3 * motion.a) * random_float(i, 24, 0.999999f, 1);
     return motion;
 }
@@ -431,7 +432,7 @@ static rk_box random_box(uint32_t i)
     return (rk_box){{corner, rk_add(corner, size)}};
 }
 
-/* The path, worked out here. */
+/* The path, without the unit. */
 static rk_vec3 true_offset(const rk_motion *motion, float x)
 {
     double a = (double)motion->a, b = (double)motion->b, c = (double)motion->c, t = (double)x;
@@ -459,7 +460,7 @@ static void a_swept_box_holds_the_box_at_every_time(void **state)
                              rk_axis(swept.corner[1], axis) >= rk_axis(high, axis),
                          "the path (a, b, c) = (%.9g, %.9g, %.9g), shutter [%.9g, %.9g]: at x = "
                          "%.9g the box is at %.9g .. %.9g on the axis %c, and the swept box, %.9g "
-                         ".. %.9g, does not hold it",
+                         ".. %.9g, does not contain it",
                          (double)motion.a, (double)motion.b, (double)motion.c, (double)shutter.open,
                          (double)shutter.close, (double)time_in(&shutter, k, 1000),
                          (double)rk_axis(low, axis), (double)rk_axis(high, axis), "xyz"[axis],
@@ -469,7 +470,7 @@ static void a_swept_box_holds_the_box_at_every_time(void **state)
     }
 }
 
-static void a_swept_box_is_no_larger_than_the_way(void **state)
+static void a_swept_box_is_no_larger_than_the_path(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 2000; i++) {
@@ -483,20 +484,22 @@ static void a_swept_box_is_no_larger_than_the_way(void **state)
             low = fmin(low, y);
             high = fmax(high, y);
         }
-        /* Between two tries the extreme may be h^2 / 8 max |y''| higher. */
+        /* Between two samples the extreme may be h^2 / 8 max |y''| higher. */
         double h = (double)(shutter.close - shutter.open) / 1000, size = 4;
         double bend = 6 * fabs((double)motion.a) * size + 2 * fabs((double)motion.b);
-        double tolerance = h * h / 8 * bend + leave(0, fmax(fabs(low), fabs(high))) + 1e-10;
+        double tolerance = h * h / 8 * bend + slack(0, fmax(fabs(low), fabs(high))) + 1e-10;
         check_swept(motion, shutter, "lowest y", swept.corner[0].y, low, tolerance,
-                    "the lowest of 1001 points of the way; a turn counts only within the shutter");
+                    "the lowest of 1001 points of the path; turning points count only within the "
+                    "shutter");
         check_swept(motion, shutter, "highest y", swept.corner[1].y, high, tolerance,
-                    "the highest of 1001 points of the way; a turn counts only within the shutter");
+                    "the highest of 1001 points of the path; turning points count only within the "
+                    "shutter");
     }
 }
 
 /* --- Which rays need a time ------------------------------------------------------------------- */
 
-static void check_reaches(rk_ray ray, float t_max, bool want, const char *hint)
+static void check_may_intersect(rk_ray ray, float t_max, bool want, const char *hint)
 {
     const rk_box swept = {{{-1, -1, 4}, {1, 1, 5}}};
     const rk_slabs slabs = rk_slabs_of(&ray);
@@ -507,22 +510,22 @@ static void check_reaches(rk_ray ray, float t_max, bool want, const char *hint)
              want ? "true" : "false", hint);
 }
 
-static void a_ray_reaches_what_its_way_to_t_max_enters(void **state)
+static void a_ray_may_hit_a_box_that_it_enters_before_t_max(void **state)
 {
     (void)state;
     const rk_ray towards = {{0, 0, 0}, {0, 0, 1}, INFINITY}, away = {{0, 0, 0}, {0, 0, -1}, 9};
     const rk_ray beside = {{2, 0, 0}, {0, 0, 1}, INFINITY};
     const rk_ray within = {{0, 0, 4.5f}, {0, 0, 1}, INFINITY};
-    check_reaches(towards, INFINITY, true, "straight into it");
-    check_reaches(towards, 4.5f, true, "it is stopped inside");
-    check_reaches(towards, 3.5f, false, "it is stopped before, and the end is the argument's");
-    check_reaches(away, INFINITY, false, "the box is behind it");
-    check_reaches(beside, INFINITY, false, "it goes past");
-    check_reaches(within, INFINITY, true, "it begins inside, at z = 4.5");
+    check_may_intersect(towards, INFINITY, true, "straight into it");
+    check_may_intersect(towards, 4.5f, true, "it ends inside");
+    check_may_intersect(towards, 3.5f, false, "it ends before the box, by the argument t_max");
+    check_may_intersect(away, INFINITY, false, "the box is behind it");
+    check_may_intersect(beside, INFINITY, false, "it passes the box");
+    check_may_intersect(within, INFINITY, true, "it starts inside, at z = 4.5");
 }
 
-/* A ray from near or far that passes an edge along z of the box, moved to `offset`, within some
- * dozens of roundings, on either side. */
+/* A ray from near or far that grazes an edge along z of the box, moved to `offset`: it passes
+ * within some dozens of roundings, on either side. */
 static rk_ray grazing_ray(uint32_t i, const rk_box *rest, rk_vec3 offset)
 {
     bool right = i & 1, top = i & 2;
@@ -535,40 +538,40 @@ static rk_ray grazing_ray(uint32_t i, const rk_box *rest, rk_vec3 offset)
     return (rk_ray){rk_madd(rk_add(at, offset), direction, -far), direction, INFINITY};
 }
 
-static void lose(uint32_t i, const rk_ray *ray, rk_vec3 offset)
+static void fail_lost_ray(uint32_t i, const rk_ray *ray, rk_vec3 offset)
 {
     rk_check(false,
-             "ray %u, from (%.9g, %.9g, %.9g) along (%.9g, %.9g, %.9g): got false, want true, for "
-             "as its offset is (%.9g, %.9g, 0) the moved ray enters the box at rest; is what is "
-             "asked wider by spare_for(ray)?",
+             "ray %u, from (%.9g, %.9g, %.9g) along (%.9g, %.9g, %.9g): got false, want true: at "
+             "the offset (%.9g, %.9g, 0) the moved ray enters the box at rest; is the tested box "
+             "enlarged by spare_for(ray)?",
              i, (double)ray->origin.x, (double)ray->origin.y, (double)ray->origin.z,
              (double)ray->direction.x, (double)ray->direction.y, (double)ray->direction.z,
              (double)offset.x, (double)offset.y);
 }
 
-static void a_ray_that_does_not_reach_the_swept_box_never_meets_the_object(void **state)
+static void a_ray_that_misses_the_swept_box_never_hits_the_object(void **state)
 {
     (void)state;
-    uint32_t met = 0, missed = 0;
+    uint32_t hits = 0, missed = 0;
     for (uint32_t i = 0; i < 200000; i++) {
         const rk_motion motion = random_path(i);
         const rk_shutter shutter = random_shutter(i / 2);
         const rk_box rest = random_box(i / 2);
-        /* Grazing at one end of the way, where the swept box is no wider than the object. */
+        /* Grazing at one end of the path, where the swept box is no wider than the object. */
         rk_vec3 offset = rk_motion_offset(&motion, i & 4 ? shutter.open : shutter.close);
         const rk_ray ray = grazing_ray(i, &rest, offset), moved = rk_motion_ray(offset, &ray);
         const rk_slabs slabs = rk_slabs_of(&ray), moved_slabs = rk_slabs_of(&moved);
         const rk_box swept = rk_motion_sweep(&motion, &shutter, &rest);
-        bool meets = rk_box_enter(&rest, &moved_slabs, INFINITY) < INFINITY;
-        if (meets && !rk_motion_may_intersect(&swept, &slabs, INFINITY))
-            lose(i, &ray, offset);
-        met += meets;
+        bool hit = rk_box_enter(&rest, &moved_slabs, INFINITY) < INFINITY;
+        if (hit && !rk_motion_may_intersect(&swept, &slabs, INFINITY))
+            fail_lost_ray(i, &ray, offset);
+        hits += hit;
         missed += !rk_motion_may_intersect(&swept, &slabs, INFINITY);
     }
-    rk_check(met > 1000 && missed > 1000,
-             "of 200000 rays along edges %u enter the box and %u do not reach the swept one; want "
-             "more than 1000 of each: is the swept box too large?",
-             met, missed);
+    rk_check(hits > 1000 && missed > 1000,
+             "of 200000 rays along edges %u enter the box and %u miss the swept box; want more "
+             "than 1000 of each: is the swept box too large?",
+             hits, missed);
 }
 
 static rk_bvh empty_tree(uint32_t node_count)
@@ -585,8 +588,8 @@ static void make_leaf(rk_bvh *bvh, uint32_t node, rk_box box)
     bvh->triangle_count += triangles;
 }
 
-/* Returns the left child. nodes[1] belongs to nobody: whoever looks there takes it for a leaf that
- * every ray enters. */
+/* Returns the left child. nodes[1] is unused: a traversal that reads it finds a leaf that every ray
+ * enters. */
 static uint32_t make_inner(rk_bvh *bvh, uint32_t node, rk_box box)
 {
     const rk_box everything = {{{-1e9f, -1e9f, -1e9f}, {1e9f, 1e9f, 1e9f}}};
@@ -606,8 +609,8 @@ static rk_bvh two_leaves(rk_box left, rk_box right)
     return bvh;
 }
 
-/* Sends a ray from (x, 0, 0) along z. The tree moves along x, from where it rests to `close`. */
-static bool reaches_leaf(const rk_bvh *bvh, float x, float close, float t_max)
+/* Tests a ray from (x, 0, 0) along z. The tree moves along x, from its rest position by `close`. */
+static bool may_intersect_leaf(const rk_bvh *bvh, float x, float close, float t_max)
 {
     const rk_motion level = {0, 0, 0};
     const rk_shutter shutter = {0, close};
@@ -615,9 +618,8 @@ static bool reaches_leaf(const rk_bvh *bvh, float x, float close, float t_max)
     const rk_ray ray = {{x, 0, 0}, {0, 0, 1}, INFINITY};
     const rk_slabs slabs = rk_slabs_of(&ray);
     rk_check(rk_motion_may_intersect(&swept, &slabs, INFINITY),
-             "rk_motion_may_intersect is false for a ray at x = %g and the root's swept box, whose "
-             "x goes "
-             "from %g to %g: step 7 comes first",
+             "rk_motion_may_intersect is false for a ray at x = %g and the root's swept box, from "
+             "%g to %g on x: step 7 comes first",
              (double)x, (double)swept.corner[0].x, (double)swept.corner[1].x);
     return rk_motion_may_intersect_leaf(bvh, &swept, &slabs, t_max);
 }
@@ -626,23 +628,23 @@ static void check_leaf(float x, float close, float t_max, bool want, const char 
 {
     rk_bvh bvh = two_leaves((rk_box){{{-4, -1, 4}, {-2, 1, 5}}}, (rk_box){{{2, -1, 4}, {4, 1, 5}}});
     rk_check(
-        reaches_leaf(&bvh, x, close, t_max) == want,
+        may_intersect_leaf(&bvh, x, close, t_max) == want,
         "a root and two leaves, x in [-4, -2] and [2, 4], z in [4, 5], which move to x + %g: a "
         "ray from (%g, 0, 0) along z to t = %g should %s a leaf: %s",
-        (double)close, (double)x, (double)t_max, want ? "reach" : "not reach", hint);
+        (double)close, (double)x, (double)t_max, want ? "hit" : "not hit", hint);
     rk_bvh_free(&bvh);
 }
 
-static void a_ray_between_the_leaves_reaches_none(void **state)
+static void a_ray_between_the_leaves_hits_none(void **state)
 {
     (void)state;
     check_leaf(-3, 1, INFINITY, true, "straight into the left one");
     check_leaf(3, 1, INFINITY, true, "straight into the right one");
-    check_leaf(3, 1, 3.5f, false, "it is stopped before");
-    check_leaf(0, 1, INFINITY, false, "the left one comes as far as -1");
-    check_leaf(-1.5f, 1, INFINITY, true, "the left one comes there");
+    check_leaf(3, 1, 3.5f, false, "it ends before the leaf");
+    check_leaf(0, 1, INFINITY, false, "the left one moves only to -1");
+    check_leaf(-1.5f, 1, INFINITY, true, "the left one moves there");
     check_leaf(1.5f, 1, INFINITY, false, "the right one moves away");
-    check_leaf(0, 3, INFINITY, true, "the left one comes as far as 1");
+    check_leaf(0, 3, INFINITY, true, "the left one moves to 1");
 }
 
 static void a_tree_may_be_a_single_leaf(void **state)
@@ -651,83 +653,83 @@ static void a_tree_may_be_a_single_leaf(void **state)
     rk_bvh bvh = empty_tree(1);
     make_leaf(&bvh, 0, (rk_box){{{-4, -1, 4}, {-2, 1, 5}}});
     rk_check(
-        reaches_leaf(&bvh, -3, 1, INFINITY),
+        may_intersect_leaf(&bvh, -3, 1, INFINITY),
         "a root that is a leaf, x in [-4, -2], z in [4, 5]: got false, want true for a ray from "
-        "(-3, 0, 0) along z: it has no children to look into");
+        "(-3, 0, 0) along z: it has no children to visit");
     rk_check(
-        !reaches_leaf(&bvh, -3, 1, 3.5f),
+        !may_intersect_leaf(&bvh, -3, 1, 3.5f),
         "a root that is a leaf, x in [-4, -2], z in [4, 5]: got true, want false for a ray from "
-        "(-3, 0, 0) along z to t = 3.5: it stops before");
+        "(-3, 0, 0) along z to t = 3.5: it ends before the leaf");
     rk_bvh_free(&bvh);
 }
 
 /* The deepest and most lopsided tree that builders may make: a chain of nodes, with a pair of
- * leaves beside each. A ray at x = 0 enters all boxes but those of leaves, which are to its left
- * and right; so every node of the chain, and every pair, has to wait or to be looked into. */
+ * leaves beside each. A ray at x = 0 enters all inner nodes and no leaf, because leaves are to its
+ * left and right; so every node of the chain, and every pair, has to be pushed or visited. */
 enum {
-    chain_length = RK_BVH_LEVELS_MAX - 2, /* below it a pair's node, and its leaves */
+    chain_length = RK_BVH_LEVELS_MAX - 2, /* below it are a pair's node, and its leaves */
     deep_leaves = 2 * (chain_length + 1),
-    deep_nodes = 2 * deep_leaves, /* an inner node less than leaves, and nodes[1] */
+    deep_nodes = 2 * deep_leaves, /* one inner node fewer than leaves, and nodes[1] */
     no_leaf = deep_leaves,
 };
 
 static const rk_box left_box = {{{-4, -1, 4}, {-2, 1, 5}}}, right_box = {{{2, -1, 4}, {4, 1, 5}}};
 
-static void make_pair(rk_bvh *bvh, uint32_t node, uint32_t pair, uint32_t in_the_way)
+static void make_pair(rk_bvh *bvh, uint32_t node, uint32_t pair, uint32_t hit_leaf)
 {
-    /* It moves by 1 to the right, and then it is there. */
+    /* It moves by 1 to the right, onto the ray. */
     const rk_box near = {{{-1, -1, 4}, {-0.5f, 1, 5}}};
     uint32_t child = make_inner(bvh, node, rk_box_merge(left_box, right_box));
-    make_leaf(bvh, child, in_the_way == 2 * pair ? near : left_box);
-    make_leaf(bvh, child + 1, in_the_way == 2 * pair + 1 ? near : right_box);
+    make_leaf(bvh, child, hit_leaf == 2 * pair ? near : left_box);
+    make_leaf(bvh, child + 1, hit_leaf == 2 * pair + 1 ? near : right_box);
 }
 
-/* The chain goes on to the left, to the right, or in turns; one leaf may stand in the ray's way. */
-enum { to_the_left, to_the_right, in_turns, shapes };
+/* The chain continues to the left, to the right, or alternates; the ray may hit one leaf. */
+enum { to_the_left, to_the_right, alternating, shapes };
 
-static rk_bvh deep_tree(int shape, uint32_t in_the_way)
+static rk_bvh deep_tree(int shape, uint32_t hit_leaf)
 {
     rk_bvh bvh = empty_tree(deep_nodes);
     uint32_t node = 0;
     for (uint32_t level = 0; level < chain_length; level++) {
-        uint32_t side = shape == in_turns ? level & 1 : shape == to_the_right;
+        uint32_t side = shape == alternating ? level & 1 : shape == to_the_right;
         uint32_t left = make_inner(&bvh, node, rk_box_merge(left_box, right_box));
-        make_pair(&bvh, left + 1 - side, level, in_the_way);
+        make_pair(&bvh, left + 1 - side, level, hit_leaf);
         node = left + side;
     }
-    make_pair(&bvh, node, chain_length, in_the_way);
+    make_pair(&bvh, node, chain_length, hit_leaf);
     return bvh;
 }
 
-static void the_search_goes_down_to_the_leaves_of_deep_trees(void **state)
+static void traversal_reaches_the_leaves_of_deep_trees(void **state)
 {
     (void)state;
-    static const char *const shape_names[] = {"left", "right", "left and right in turns"};
+    static const char *const shape_names[] = {"left", "right", "left and right alternately"};
     for (int shape = 0; shape < shapes; shape++)
         for (uint32_t leaf = 0; leaf <= no_leaf; leaf++) {
             rk_bvh bvh = deep_tree(shape, leaf);
             rk_check_equal(bvh.node_count, deep_nodes, "nodes of the test's own tree");
-            bool got = reaches_leaf(&bvh, 0, 1, INFINITY);
+            bool got = may_intersect_leaf(&bvh, 0, 1, INFINITY);
             rk_check(got || leaf == no_leaf,
-                     "a tree of %d levels whose chain goes %s: got false, want true, as leaf %u of "
-                     "%d, on level %u, moves into the ray's way: look into the children of every "
-                     "box that is entered, down to the leaves",
+                     "a tree of %d levels whose chain goes %s: got false, want true, because leaf "
+                     "%u of %d, on level %u, moves onto the ray: visit the children of every box "
+                     "that is entered, down to the leaves",
                      RK_BVH_LEVELS_MAX, shape_names[shape], leaf, deep_leaves,
                      leaf / 2 < chain_length ? leaf / 2 + 2 : chain_length + 1);
             rk_check(
                 !got || leaf < no_leaf,
                 "a tree of %d levels whose chain goes %s: got true, want false: the ray enters "
-                "all inner nodes, but moves between the leaves; only a node whose count is not "
+                "all inner nodes, but passes between the leaves; only a node whose count is not "
                 "0 is a leaf, and nodes[1] is no node",
                 RK_BVH_LEVELS_MAX, shape_names[shape]);
             rk_bvh_free(&bvh);
         }
 }
 
-static void a_ray_that_reaches_no_leaf_never_meets_one(void **state)
+static void a_ray_that_misses_all_swept_leaves_never_hits_a_leaf(void **state)
 {
     (void)state;
-    uint32_t met = 0, missed = 0;
+    uint32_t hits = 0, missed = 0;
     for (uint32_t i = 0; i < 200000; i++) {
         const rk_motion motion = random_path(i);
         const rk_shutter shutter = random_shutter(i / 2);
@@ -737,25 +739,25 @@ static void a_ray_that_reaches_no_leaf_never_meets_one(void **state)
         const rk_ray ray = grazing_ray(i, leaf, offset), moved = rk_motion_ray(offset, &ray);
         const rk_slabs slabs = rk_slabs_of(&ray), moved_slabs = rk_slabs_of(&moved);
         const rk_box swept = rk_motion_sweep(&motion, &shutter, &bvh.nodes[0].box);
-        bool meets = rk_box_enter(leaf, &moved_slabs, INFINITY) < INFINITY;
-        bool reaches = rk_motion_may_intersect_leaf(&bvh, &swept, &slabs, INFINITY);
-        if (meets && !reaches)
-            lose(i, &ray, offset);
-        met += meets;
-        missed += !reaches;
+        bool hit = rk_box_enter(leaf, &moved_slabs, INFINITY) < INFINITY;
+        bool may_hit = rk_motion_may_intersect_leaf(&bvh, &swept, &slabs, INFINITY);
+        if (hit && !may_hit)
+            fail_lost_ray(i, &ray, offset);
+        hits += hit;
+        missed += !may_hit;
         rk_bvh_free(&bvh);
     }
-    rk_check(met > 1000 && missed > 1000,
-             "of 200000 rays along edges of leaves %u enter the leaf and %u reach none; want more "
-             "than 1000 of each: do the boxes below the root gain more than the root's did?",
-             met, missed);
+    rk_check(hits > 1000 && missed > 1000,
+             "of 200000 rays along edges of leaves %u enter the leaf and %u miss all leaves; want "
+             "more than 1000 of each: are boxes below the root enlarged by more than the root's?",
+             hits, missed);
 }
 
 /* --- Coverage --------------------------------------------------------------------------------- */
 
 static bool covers_edge(rk_vec3 offset, float point, float start)
 {
-    /* What is left of x = start when at rest. */
+    /* At rest the object is the half-plane left of x = start. */
     const rk_ray ray = {{point, 0, -1}, {0, 0, 1}, INFINITY}, moved = rk_motion_ray(offset, &ray);
     return moved.origin.x < start;
 }
@@ -768,14 +770,14 @@ static bool covers_disk(rk_vec3 offset, float x, float y)
     return hypot((double)moved.origin.x, (double)moved.origin.y) < disk_radius;
 }
 
-/* The share of the shutter during which the edge, moving along x, is beyond the point. */
+/* The fraction of the shutter during which the edge, moving along x, is beyond the point. */
 static double edge_coverage(const rk_shutter *shutter, double point)
 {
     double from = fmax((double)shutter->open, point), close = (double)shutter->close;
     return fmin(1, fmax(0, (close - from) / (close - (double)shutter->open)));
 }
 
-static void a_moving_edge_covers_a_point_for_its_share_of_the_time(void **state)
+static void a_moving_edge_covers_a_point_for_the_expected_time(void **state)
 {
     (void)state;
     const rk_shutter shutter = {0.25f, 2};
@@ -790,22 +792,22 @@ static void a_moving_edge_covers_a_point_for_its_share_of_the_time(void **state)
                         rk_shutter_time(&shutter, (rk_time_sampling)sampling, 1, i, k, samples);
                     covered += covers_edge(rk_motion_offset(&motion, x), point, 0);
                 }
-                /* The edge passes once: one part of the shutter is in doubt, half of it where times
-                 * are the middles. A float's rounding may tip one time more. */
-                double doubt = sampling == RK_TIME_EQUIDISTANT ? 0.5 : 1;
+                /* The edge passes once: one part of the shutter is uncertain, or half of it where
+                 * times are the middles. A float's rounding may flip one more time. */
+                double uncertain = sampling == RK_TIME_EQUIDISTANT ? 0.5 : 1;
                 double got = (double)covered / samples;
                 double want = edge_coverage(&shutter, (double)point);
                 rk_check(
-                    fabs(got - want) <= doubt / samples + 1e-6,
+                    fabs(got - want) <= uncertain / samples + 1e-6,
                     "%s, shutter [0.25, 2], pixel %u: at %g of %u times the edge is beyond x = "
-                    "%g, a share of %.4f, want %.4f within %.4f, its share of the shutter",
+                    "%g, a fraction of %.4f, want %.4f within %.4f, as in the shutter interval",
                     names[sampling], i, (double)covered, samples, (double)point, got, want,
-                    doubt / samples);
+                    uncertain / samples);
             }
 }
 
-/* The share of the shutter during which a disk around (x, c x) holds the point: the chord of its
- * straight way, |p - v x| < r, over the length of the shutter. */
+/* The fraction of the shutter during which a disk around (x, c x) covers the point: the chord of
+ * its straight path, |p - v x| < r, over the length of the shutter. */
 static double disk_coverage(const rk_shutter *shutter, double c, double px, double py)
 {
     double along = 1 + c * c, b = px + c * py, rest = px * px + py * py - disk_radius * disk_radius;
@@ -818,7 +820,7 @@ static double disk_coverage(const rk_shutter *shutter, double c, double px, doub
     return fmax(0, to - from) / (close - open);
 }
 
-static void a_moving_disk_covers_a_point_for_its_chord_of_the_way(void **state)
+static void a_moving_disk_covers_a_point_along_a_chord_of_its_path(void **state)
 {
     (void)state;
     const rk_shutter shutter = {-1, 2};
@@ -835,10 +837,10 @@ static void a_moving_disk_covers_a_point_for_its_chord_of_the_way(void **state)
             }
             double want = disk_coverage(&shutter, 0.75, (double)px, (double)py);
             partly += want > 0;
-            /* It comes and goes: two parts of the shutter are in doubt. */
+            /* It comes and goes: two parts of the shutter are uncertain. */
             rk_check(fabs((double)covered / samples - want) <= 2.0 / samples + 1e-6,
                      "%s, shutter [-1, 2], pixel %u: at %u of %u times the disk covers (%g, %g), a "
-                     "share of %.4f, want %.4f within %.4f: the chord over the way",
+                     "fraction of %.4f, want %.4f within %.4f: the chord over the path",
                      names[sampling], i, covered, samples, (double)px, (double)py,
                      (double)covered / samples, want, 2.0 / samples);
         }
@@ -850,12 +852,12 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_offset_is_x_and_a_cubic_of_x),
     cmocka_unit_test(the_offset_is_rounded_once),
     cmocka_unit_test(the_ray_moves_the_other_way),
-    cmocka_unit_test(a_moved_ray_meets_the_object_where_it_has_gone),
+    cmocka_unit_test(a_moved_ray_hits_the_object_at_rest_at_the_same_t),
     cmocka_unit_test(equidistant_times_are_the_middles_of_equal_parts),
-    cmocka_unit_test(times_before_and_after_the_shutter_continue_the_row),
+    cmocka_unit_test(times_before_and_after_the_shutter_continue_the_sequence),
     cmocka_unit_test(equidistant_times_are_the_same_for_all_pixels),
     cmocka_unit_test(stratified_times_lie_one_in_each_part),
-    cmocka_unit_test(low_discrepancy_times_do_so_for_each_power_of_two),
+    cmocka_unit_test(low_discrepancy_times_are_stratified_for_each_power_of_two),
     cmocka_unit_test(pixels_and_seeds_have_random_times_of_their_own),
     cmocka_unit_test(random_times_are_drawn_from_the_dimension_of_time),
     cmocka_unit_test(times_fill_the_shutter_and_never_leave_it),
@@ -865,15 +867,15 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_level_point_is_no_turning_point),
     cmocka_unit_test(turning_points_keep_their_digits_when_one_is_far_away),
     cmocka_unit_test(a_swept_box_holds_the_box_at_every_time),
-    cmocka_unit_test(a_swept_box_is_no_larger_than_the_way),
-    cmocka_unit_test(a_ray_reaches_what_its_way_to_t_max_enters),
-    cmocka_unit_test(a_ray_that_does_not_reach_the_swept_box_never_meets_the_object),
-    cmocka_unit_test(a_ray_between_the_leaves_reaches_none),
+    cmocka_unit_test(a_swept_box_is_no_larger_than_the_path),
+    cmocka_unit_test(a_ray_may_hit_a_box_that_it_enters_before_t_max),
+    cmocka_unit_test(a_ray_that_misses_the_swept_box_never_hits_the_object),
+    cmocka_unit_test(a_ray_between_the_leaves_hits_none),
     cmocka_unit_test(a_tree_may_be_a_single_leaf),
-    cmocka_unit_test(the_search_goes_down_to_the_leaves_of_deep_trees),
-    cmocka_unit_test(a_ray_that_reaches_no_leaf_never_meets_one),
-    cmocka_unit_test(a_moving_edge_covers_a_point_for_its_share_of_the_time),
-    cmocka_unit_test(a_moving_disk_covers_a_point_for_its_chord_of_the_way),
+    cmocka_unit_test(traversal_reaches_the_leaves_of_deep_trees),
+    cmocka_unit_test(a_ray_that_misses_all_swept_leaves_never_hits_a_leaf),
+    cmocka_unit_test(a_moving_edge_covers_a_point_for_the_expected_time),
+    cmocka_unit_test(a_moving_disk_covers_a_point_along_a_chord_of_its_path),
 };
 
 RK_SUITE("motion_blur", tests)

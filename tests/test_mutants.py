@@ -8,8 +8,8 @@ import tempfile
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.abspath(os.environ.get("srcdir", ".")), "tools"))
 
-from c_source import functions_of, tokens_of  # noqa: E402
-from mutants import MutantError, mutate, read_mutants  # noqa: E402
+from grading.c_source import functions_of, tokens_of  # noqa: E402
+from grading.mutants import MutantError, mutate, read_mutants  # noqa: E402
 
 UNIT = """#include "features/fog.h"
 

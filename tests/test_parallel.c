@@ -55,7 +55,7 @@ static void check_run(rk_pool *pool, uint32_t count)
     rk_check_equal(sum, count, "no two threads use a number at the same time");
 }
 
-static void a_pool_has_the_threads_asked_for(void **state)
+static void a_pool_has_the_requested_threads(void **state)
 {
     (void)state;
     for (uint32_t threads = 1; threads <= most_threads; threads++) {
@@ -186,7 +186,7 @@ static void too_many_threads_are_refused(void **state)
 }
 
 #ifdef __linux__
-static void only_processors_lent_to_this_process_count(void **state)
+static void only_processors_available_to_this_process_count(void **state)
 {
     (void)state;
     cpu_set_t before, one;
@@ -221,7 +221,7 @@ static void a_system_that_refuses_threads_is_an_error(void **state)
 #endif
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(a_pool_has_the_threads_asked_for),
+    cmocka_unit_test(a_pool_has_the_requested_threads),
     cmocka_unit_test(every_item_is_done_once),
     cmocka_unit_test(a_pool_runs_again_and_again),
     cmocka_unit_test(threads_in_a_hurry_take_no_item_twice),
@@ -231,7 +231,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(zero_threads_means_one_for_each_processor),
     cmocka_unit_test(too_many_threads_are_refused),
 #ifdef __linux__
-    cmocka_unit_test(only_processors_lent_to_this_process_count),
+    cmocka_unit_test(only_processors_available_to_this_process_count),
 #endif
 #ifdef __GLIBC__
     cmocka_unit_test(a_system_that_refuses_threads_is_an_error),

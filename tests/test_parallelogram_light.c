@@ -1,5 +1,5 @@
-/* Lights with an extent: where samples lie, what they weigh, that their mean is the whole light,
- * and that the closed form, which judges that, is right itself. */
+/* Lights with an extent: positions and weights of samples, that their mean is the light's
+ * irradiance, and that the closed form, which the mean is compared with, is itself right. */
 #include "test.h"
 
 #include "base/sampler.h"
@@ -35,7 +35,7 @@ static rk_light make_parallelogram(rk_vec3 position, rk_vec3 edge01, rk_vec3 edg
     return make_light(RK_LIGHT_PARALLELOGRAM, position, edge01, edge02);
 }
 
-/* Corners in black, red, green and blue tell x from y. */
+/* Corners in black, red, green and blue, so that x and y cannot be confused. */
 static rk_light make_coloured(rk_light_kind kind)
 {
     return (rk_light){
@@ -119,16 +119,16 @@ static rk_light_sample plain_sample(const rk_light *light, float x, float y)
                               (rk_vec2){x, y});
 }
 
-/* --- Where samples lie ----------------------------------------------------------------------- */
+/* --- Positions of samples -------------------------------------------------------------------- */
 
-static void a_point_light_has_one_place_and_one_colour(void **state)
+static void a_point_light_has_one_position_and_one_colour(void **state)
 {
     (void)state;
     rk_light light = rk_light_point(rk_vec(1, 2, 3), rk_vec(0.5f, 0.25f, 1));
     light.edge01 = light.edge02 = light.colours[1] = rk_vec(NAN, NAN, NAN);
     rk_light_sample sample = plain_sample(&light, 0.75f, 0.5f);
     check_vec3(sample.position, rk_vec(1, 2, 3), 0, "a point light has no edges; don't read them");
-    check_vec3(sample.colour, rk_vec(0.5f, 0.25f, 1), 0, "its colour is that of corner 0");
+    check_vec3(sample.colour, rk_vec(0.5f, 0.25f, 1), 0, "its colour is corner 0's");
 }
 
 static void a_segment_runs_from_corner_0_to_corner_1(void **state)
@@ -161,36 +161,37 @@ static void colours_are_bilinear_between_the_corners(void **state)
     rk_light light = make_coloured(RK_LIGHT_PARALLELOGRAM);
     /* The weights of corners 1 to 3: x (1 - y), (1 - x) y, x y; exact in floats. */
     check_vec3(plain_sample(&light, 0.5f, 0.5f).colour, rk_vec(0.25f, 0.25f, 0.25f), 0,
-               "in the middle all corners count alike");
+               "in the middle all corners have the same weight");
     check_vec3(plain_sample(&light, 0.75f, 0.5f).colour, rk_vec(0.375f, 0.125f, 0.375f), 0,
                "x runs from corner 0 to 1, and from 2 to 3");
     check_vec3(plain_sample(&light, 0.25f, 0.75f).colour, rk_vec(0.0625f, 0.5625f, 0.1875f), 0,
                "y runs from corner 0 to 2, and from 1 to 3");
 }
 
-static void a_sample_is_a_place_and_not_a_direction(void **state)
+static void a_sample_is_a_position_and_not_a_direction(void **state)
 {
     (void)state;
     const rk_vec3 by = {16, -32, 8};
     for (int falloff = 0; falloff < 2; falloff++)
-        for (int map = 0; map < 2; map++) {
+        for (int domain = 0; domain < 2; domain++) {
             rk_light light = make_coloured(RK_LIGHT_PARALLELOGRAM), moved = light;
             moved.position = rk_add(light.position, by);
             rk_light_sample a =
-                rk_light_sample_at(&light, (rk_light_falloff)falloff, (rk_light_domain)map,
+                rk_light_sample_at(&light, (rk_light_falloff)falloff, (rk_light_domain)domain,
                                    rk_vec(0, 1, 0), (rk_vec2){0.25f, 0.75f});
             rk_light_sample b =
-                rk_light_sample_at(&moved, (rk_light_falloff)falloff, (rk_light_domain)map,
+                rk_light_sample_at(&moved, (rk_light_falloff)falloff, (rk_light_domain)domain,
                                    rk_add(rk_vec(0, 1, 0), by), (rk_vec2){0.25f, 0.75f});
             /* Sums of small whole numbers and fractions round once, to 2^-24 of 32. */
             check_vec3(b.position, rk_add(a.position, by), 0x1p-18f,
-                       "light and point moved alike move the sample alike");
-            check_vec3(b.colour, a.colour, 1e-6f * rk_length(a.colour),
-                       "what a sample weighs depends on the light as seen from the point");
+                       "moving light and point together moves the sample with them");
+            check_vec3(
+                b.colour, a.colour, 1e-6f * rk_length(a.colour),
+                "a sample's weight depends only on the light's position relative to the point");
         }
 }
 
-static void without_falloff_neither_distance_nor_map_matters(void **state)
+static void without_falloff_neither_distance_nor_domain_matters(void **state)
 {
     (void)state;
     rk_light light = make_coloured(RK_LIGHT_PARALLELOGRAM);
@@ -199,49 +200,50 @@ static void without_falloff_neither_distance_nor_map_matters(void **state)
         rk_light_sample got = rk_light_sample_at(&light, RK_FALLOFF_NONE, (rk_light_domain)(i % 2),
                                                  rk_scale(noise3(1, i), 100), xi);
         rk_light_sample want = plain_sample(&light, xi.x, xi.y);
-        check_vec3(got.position, want.position, 0, "evenly over the area, from every point");
+        check_vec3(got.position, want.position, 0, "uniformly over the area, from every point");
         check_vec3(got.colour, want.colour, 0, "the light's own colour, at every distance");
         rk_check(got.colour.x > 0, "got a light without red");
     }
 }
 
-/* --- What samples weigh ---------------------------------------------------------------------- */
+/* --- Weights of samples ---------------------------------------------------------------------- */
 
-static float weight_at(const rk_light *light, rk_light_domain map, rk_vec3 point, float x, float y)
+static float weight_at(const rk_light *light, rk_light_domain domain, rk_vec3 point, float x,
+                       float y)
 {
-    return rk_light_sample_at(light, RK_FALLOFF_PHYSICAL, map, point, (rk_vec2){x, y}).colour.x;
+    return rk_light_sample_at(light, RK_FALLOFF_PHYSICAL, domain, point, (rk_vec2){x, y}).colour.x;
 }
 
 static void a_point_light_falls_off_with_the_square_of_the_distance(void **state)
 {
     (void)state;
     rk_light light = rk_light_point(rk_vec(1, 2, 2), rk_vec(4.5f, 0, 0));
-    for (int map = 0; map < 2; map++) {
-        rk_check_close(weight_at(&light, (rk_light_domain)map, rk_vec(0, 0, 0), 0.5f, 0.5f), 0.5,
+    for (int domain = 0; domain < 2; domain++) {
+        rk_check_close(weight_at(&light, (rk_light_domain)domain, rk_vec(0, 0, 0), 0.5f, 0.5f), 0.5,
                        1e-7, "intensity over r^2: 4.5 / 9");
-        rk_check_close(weight_at(&light, (rk_light_domain)map, rk_vec(-1, -2, -2), 0.5f, 0.5f),
+        rk_check_close(weight_at(&light, (rk_light_domain)domain, rk_vec(-1, -2, -2), 0.5f, 0.5f),
                        0.125, 1e-7, "twice as far, a quarter");
     }
 }
 
-static void a_segment_is_seen_shortened(void **state)
+static void a_segment_is_foreshortened(void **state)
 {
     (void)state;
     rk_light light =
         make_light(RK_LIGHT_SEGMENT, rk_vec(0, 0, 0), rk_vec(2, 0, 0), rk_vec(NAN, NAN, NAN));
-    for (int map = 0; map < 2; map++) {
-        rk_check_close(weight_at(&light, (rk_light_domain)map, rk_vec(1, 0, 2), 0.5f, 0), 0.5, 1e-7,
-                       "at a right angle: length / r^2 = 2 / 4");
+    for (int domain = 0; domain < 2; domain++) {
+        rk_check_close(weight_at(&light, (rk_light_domain)domain, rk_vec(1, 0, 2), 0.5f, 0), 0.5,
+                       1e-7, "perpendicular: length / r^2 = 2 / 4");
         /* 3 before the end and 4 aside: r = 5, sin' = 4 / 5. */
-        rk_check_close(weight_at(&light, (rk_light_domain)map, rk_vec(-3, 4, 0), 0, 0),
+        rk_check_close(weight_at(&light, (rk_light_domain)domain, rk_vec(-3, 4, 0), 0, 0),
                        2 * 0.8 / 25, 1e-8,
-                       "length x sin' / r^2, with the angle between segment and direction");
-        rk_check_close(weight_at(&light, (rk_light_domain)map, rk_vec(-3, 0, 0), 0.5f, 0), 0, 0,
-                       "in line with the point it is seen as a dot, and gives nothing");
+                       "length x sin' / r^2, sin' of the angle between segment and direction");
+        rk_check_close(weight_at(&light, (rk_light_domain)domain, rk_vec(-3, 0, 0), 0.5f, 0), 0, 0,
+                       "in line with the point it looks like a dot, and gives nothing");
     }
 }
 
-static void a_parallelogram_is_seen_turned_and_from_both_sides(void **state)
+static void a_parallelogram_is_foreshortened_and_two_sided(void **state)
 {
     (void)state;
     rk_light light = make_parallelogram(rk_vec(0, 0, 0), rk_vec(2, 0, 0), rk_vec(1, 3, 0));
@@ -257,13 +259,13 @@ static void points_on_the_light_get_nothing_and_no_nan(void **state)
 {
     (void)state;
     for (int kind = 0; kind < 3; kind++)
-        for (int map = 0; map < 2; map++) {
+        for (int domain = 0; domain < 2; domain++) {
             rk_light light = make_coloured((rk_light_kind)kind);
             light.colours[0] = rk_vec(1, 1, 1);
-            float got = weight_at(&light, (rk_light_domain)map, light.position, 0, 0);
+            float got = weight_at(&light, (rk_light_domain)domain, light.position, 0, 0);
             rk_check_close(got, 0, 0, "at r = 0 there is no direction: weight 0");
-            /* The control: just beside, there is light. */
-            got = weight_at(&light, (rk_light_domain)map, rk_vec(0, 2, 2.5f), 0.5f, 0.5f);
+            /* The control: beside the light it is lit. */
+            got = weight_at(&light, (rk_light_domain)domain, rk_vec(0, 2, 2.5f), 0.5f, 0.5f);
             rk_check(got > 0 && isfinite(got), "got %g from a point beside the light", (double)got);
         }
 }
@@ -281,7 +283,7 @@ static void a_square_above_the_point_has_the_textbook_form_factor(void **state)
     rk_light light =
         make_parallelogram(rk_vec(1, 1, (float)c), rk_vec((float)a, 0, 0), rk_vec(0, (float)b, 0));
     double got = (double)rk_light_irradiance(&light, rk_vec(1, 1, 0), rk_vec(0, 0, 1));
-    rk_check_close(got, want / 2, 1e-7, "pi times the form factor; nothing is below the horizon");
+    rk_check_close(got, want / 2, 1e-7, "pi times the form factor; all of it is above the horizon");
 }
 
 static void a_light_all_around_gives_pi_and_half_of_it_half(void **state)
@@ -289,19 +291,19 @@ static void a_light_all_around_gives_pi_and_half_of_it_half(void **state)
     (void)state;
     rk_light sky =
         make_parallelogram(rk_vec(-1e6f, -1e6f, 1), rk_vec(2e6f, 0, 0), rk_vec(0, 2e6f, 0));
-    /* What is missing near the horizon is below 1e-6 of the whole. */
+    /* The missing part near the horizon is less than 1e-6 of the whole. */
     rk_check_close(rk_light_irradiance(&sky, rk_vec(0, 0, 0), rk_vec(0, 0, 1)), pi, 1e-5,
                    "a whole hemisphere of radiance 1 gives pi");
     rk_check_close(rk_light_irradiance(&sky, rk_vec(0, 0, 0), rk_vec(1, 0, 0)), pi / 2, 1e-5,
                    "for a wall, the half below its horizon is cut off");
     rk_check_close(rk_light_irradiance(&sky, rk_vec(0, 0, 0), rk_vec(0, 0, -1)), 0, 0,
-                   "behind the surface there is nothing to see");
+                   "behind the surface there is no light");
 }
 
 static void near_and_far_lights_have_the_textbook_form_factor_too(void **state)
 {
     (void)state;
-    /* The same rectangle with the point below its inside is four with a common corner. */
+    /* A rectangle with the point below its interior is four with a common corner. */
     const double x[] = {0.25, 0.75}, y[] = {0.5, 0.125};
     for (float c = 1e-10f; c < 1e7f; c *= 10) {
         double want = 0;
@@ -314,13 +316,14 @@ static void near_and_far_lights_have_the_textbook_form_factor_too(void **state)
             make_parallelogram(rk_vec(-0.25f, -0.5f, c), rk_vec(1, 0, 0), rk_vec(0, 0.625f, 0));
         double got = (double)rk_light_irradiance(&light, rk_vec(0, 0, 0), rk_vec(0, 0, 1));
         /* A few roundings to float, and 2^-50 over the angle. */
-        rk_check_close(got / want, 1, 3e-7 + 0x1p-50 * (double)c,
-                       "at every distance: angles by atan2, and no constant that is a length");
+        rk_check_close(
+            got / want, 1, 3e-7 + 0x1p-50 * (double)c,
+            "at every distance: angles by atan2, and no constant with the unit of a length");
     }
 }
 
-/* Integrals by subdivision: Simpson's rule on a cell, in both directions, against that on its four
- * quarters, until they agree. */
+/* Integrals by subdivision: Simpson's rule on a cell, in both directions, compared with the sum
+ * over its four quarters, until they agree. */
 static double irradiance_from(const configuration *c, double x, double y)
 {
     rk_dvec3 edge01 = rk_widen(c->edge01), edge02 = rk_widen(c->edge02);
@@ -352,7 +355,7 @@ static double simpson(const configuration *c, cell at)
 }
 
 /* A segment does not depend on y, so the same square serves. The first levels are always divided,
- * lest nine points miss what is between them. */
+ * because nine points may miss a peak between them. */
 static double integral(const configuration *c, cell at, double tolerance, int depth)
 {
     double whole = simpson(c, at), sum = 0;
@@ -380,7 +383,7 @@ static configuration random_configuration(uint32_t i, rk_light_kind kind)
 static void the_closed_form_equals_quadrature(void **state)
 {
     (void)state;
-    int cut = 0;
+    int clipped = 0;
     for (uint32_t i = 0; i < 150; i++) {
         configuration c =
             random_configuration(i, i % 3 ? RK_LIGHT_PARALLELOGRAM : RK_LIGHT_SEGMENT);
@@ -389,21 +392,21 @@ static void the_closed_form_equals_quadrature(void **state)
         rk_dvec3 corner = rk_dmadd(rk_widen(c.position), rk_widen(c.point), -1);
         double above = rk_ddot(n, corner),
                far = rk_ddot(n, rk_dmadd(corner, rk_widen(c.edge01), 1));
-        cut += (above > 0) != (far > 0);
+        clipped += (above > 0) != (far > 0);
         double got = (double)rk_light_irradiance(&light, c.point, c.normal);
         double want = integral(&c, (cell){0, 0, 1}, 1e-7, 0);
         char hint[160];
         snprintf(hint, sizeof hint,
-                 "random light %u, a %s%s: integrate by the edges of what is above the horizon", i,
-                 i % 3 ? "parallelogram" : "segment",
-                 (above > 0) != (far > 0) ? " that is cut" : "");
+                 "random light %u, a %s%s: integrate over the edges of the part above the horizon",
+                 i, i % 3 ? "parallelogram" : "segment",
+                 (above > 0) != (far > 0) ? " that crosses the horizon" : "");
         /* Tolerances of the cells add up; measured, the integral is right to 2e-6. */
         rk_check_close(got, want, 1e-5 * (1 + want), hint);
     }
-    rk_check(cut > 20, "only %d of the lights are cut by the horizon", cut);
+    rk_check(clipped > 20, "only %d of the lights cross the horizon", clipped);
 }
 
-static void a_light_cut_in_two_gives_the_same_in_sum(void **state)
+static void two_parts_of_a_light_add_up_to_the_whole(void **state)
 {
     (void)state;
     int lit = 0;
@@ -418,13 +421,13 @@ static void a_light_cut_in_two_gives_the_same_in_sum(void **state)
         /* The right half's corner is rounded to 2^-24 of its coordinates, at distances of 0.05 and
          * more: measured, 1e-6. */
         rk_check_close(got, want, 1e-5 * (1 + want),
-                       "edges inside of the light cancel, if each has the right sign");
+                       "edges inside the light cancel if each has the right sign");
         lit += want > 0;
     }
     rk_check(lit > 500, "got irradiance from %d of 1000 lights, want more than half", lit);
 }
 
-/* --- Evenly over the directions -------------------------------------------------------------- */
+/* --- Uniform over directions ----------------------------------------------------------------- */
 
 static void the_side_of_a_cube_fills_a_sixth_of_the_sphere(void **state)
 {
@@ -433,16 +436,16 @@ static void the_side_of_a_cube_fills_a_sixth_of_the_sphere(void **state)
     rk_check_close(rk_light_solid_angle(&side, rk_vec(0, 0, 0)), 4 * pi / 6, 1e-12,
                    "six sides around the middle of a cube fill the sphere, 4 pi");
     side.position.z = 1e-6f;
-    /* An edge at distance 1 is seen 1e-6 above the horizon, all around. */
+    /* At distance 1, an edge is 1e-6 above the horizon, all around. */
     rk_check_close(rk_light_solid_angle(&side, rk_vec(0, 0, 0)), 2 * pi, 1e-5,
                    "a light that nearly touches the point fills half of the sphere");
     rk_check_close(rk_light_solid_angle(&side, rk_vec(-0.5f, -0.25f, 0)), 2 * pi, 1e-5,
-                   "wherever it does: a triangle of more than pi needs an angle by atan2");
+                   "wherever they touch: a triangle of more than pi needs atan2");
     rk_check_close(rk_light_solid_angle(&side, rk_vec(5, 0, 1e-6f)), 0, 1e-12,
                    "edge-on it fills nothing");
 }
 
-static void samples_over_the_solid_angle_all_weigh_the_same(void **state)
+static void solid_angle_samples_all_weigh_the_same(void **state)
 {
     (void)state;
     rk_light light = make_parallelogram(rk_vec(-1, -1, 1), rk_vec(2, 0, 0), rk_vec(0, 2, 0));
@@ -450,11 +453,11 @@ static void samples_over_the_solid_angle_all_weigh_the_same(void **state)
         rk_vec2 xi = noise2(20, i);
         rk_check_close(weight_at(&light, RK_LIGHT_DOMAIN_SOLID_ANGLE, rk_vec(0, 0, 0), xi.x, xi.y),
                        4 * pi / 6, 1e-6,
-                       "cos' / r^2 is in their density: what is left is the angle");
+                       "cos' / r^2 is in their density, so the weight is the solid angle");
     }
 }
 
-/* Where on the light is the position? By the least squares that a parallelogram needs. */
+/* The position's x and y on the light, by least squares. */
 static rk_vec2 find_on(const rk_light *light, rk_vec3 position)
 {
     rk_dvec3 a = rk_widen(light->edge01), b = rk_widen(light->edge02);
@@ -465,7 +468,7 @@ static rk_vec2 find_on(const rk_light *light, rk_vec3 position)
                      (float)((db * aa - da * ab) / determinant)};
 }
 
-static void samples_over_the_solid_angle_lie_on_the_light_with_its_colour(void **state)
+static void solid_angle_samples_lie_on_the_light_and_have_its_colour(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 20000; i++) {
@@ -478,16 +481,16 @@ static void samples_over_the_solid_angle_lie_on_the_light_with_its_colour(void *
         rk_vec2 at = find_on(&light, sample.position);
         /* Random edges may be nearly parallel, which magnifies the rounding of positions. */
         rk_check(at.x > -1e-4f && at.x < 1.0001f && at.y > -1e-4f && at.y < 1.0001f,
-                 "sample %u: got x = %g, y = %g, want both in [0, 1]: it lies on the light", i,
+                 "sample %u: got x = %g, y = %g, want both in [0, 1]: samples lie on the light", i,
                  (double)at.x, (double)at.y);
         rk_vec3 got = rk_scale(sample.colour, 1 / sample.colour.x);
         check_vec3(got, rk_vec(1, at.x * (1 - at.y), (1 - at.x) * at.y), 1e-3f,
-                   "the colour is that of the place, not of xi");
+                   "the colour is that at the position, not at xi");
     }
 }
 
 /* Chi-squared: samples in each of 8 x 8 cells of the light, against the cells' solid angles. */
-static void check_even_over_directions(const rk_light *light, rk_vec3 point, uint32_t seed)
+static void check_uniform_over_directions(const rk_light *light, rk_vec3 point, uint32_t seed)
 {
     enum { SIDE = 8, SAMPLES = 100000 };
     uint32_t counts[SIDE][SIDE] = {0};
@@ -513,25 +516,26 @@ static void check_even_over_directions(const rk_light *light, rk_vec3 point, uin
     rk_check_close(sum / whole, 1, 1e-5, "the cells' solid angles add up to the light's");
     /* 63 degrees of freedom: mean 63, standard deviation sqrt(126) = 11.2; five of them above. */
     rk_check(chi2 <= 63 + 5 * 11.2,
-             "chi squared: got %.1f, want 119 at most for 64 cells: directions are not even", chi2);
+             "chi squared: got %.1f, want 119 at most for 64 cells: directions are not uniform",
+             chi2);
 }
 
-static void samples_over_the_solid_angle_are_even_over_directions(void **state)
+static void solid_angle_samples_are_uniform_over_directions(void **state)
 {
     (void)state;
     rk_light light =
         make_parallelogram(rk_vec(-1, -1, 0), rk_vec(2, 0.5f, 0), rk_vec(0.5f, 2, 0.5f));
-    check_even_over_directions(&light, rk_vec(0, 0, 1), 30);
-    check_even_over_directions(&light, rk_vec(0.25f, -0.5f, -0.5f), 31);
-    check_even_over_directions(&light, rk_vec(4, 1, -1), 32);
-    check_even_over_directions(&light, rk_vec(50, 20, 80), 33);
+    check_uniform_over_directions(&light, rk_vec(0, 0, 1), 30);
+    check_uniform_over_directions(&light, rk_vec(0.25f, -0.5f, -0.5f), 31);
+    check_uniform_over_directions(&light, rk_vec(4, 1, -1), 32);
+    check_uniform_over_directions(&light, rk_vec(50, 20, 80), 33);
 }
 
-/* --- The mean over samples is the whole light ------------------------------------------------ */
+/* --- The mean of the samples is the irradiance ----------------------------------------------- */
 
 enum { SAMPLES = 1000000 };
 
-/* Drawn once for all configurations: the sampler is not what is tested. */
+/* Drawn once for all configurations: this does not test the sampler. */
 static rk_vec2 drawn[SAMPLES];
 
 static void draw_samples(rk_sampler_kind kind)
@@ -549,9 +553,9 @@ static double cos_to(const configuration *c, rk_vec3 position)
     return r > 0 ? fmax(rk_ddot(rk_widen(c->normal), l) / r, 0) : 0;
 }
 
-/* Right above the light nearly all comes from about pi h^2 of its area A, h the distance. Where a
- * million samples hardly meet that part, they know nothing of their own variance; but f <= A / h^2
- * bounds it by E A / h^2. Otherwise 0. */
+/* At a small distance h right above the light, nearly all irradiance E comes from about pi h^2 of
+ * its area A. If hardly any of a million samples falls there, their variance cannot be estimated
+ * from them; but f <= A / h^2 bounds it by E A / h^2. Otherwise 0. */
 static double variance_bound(const configuration *c, double irradiance)
 {
     rk_light light = light_of(c);
@@ -561,23 +565,24 @@ static double variance_bound(const configuration *c, double irradiance)
     if (!(area > 0) || below.x < 0 || below.x > 1 || below.y < 0 || below.y > 1)
         return 0;
     rk_dvec3 corner = rk_dmadd(rk_widen(c->position), rk_widen(c->point), -1);
-    double height = rk_ddot(normal, corner) / area, met = SAMPLES * pi * height * height / area;
-    return met > 0 && met < 1000 ? irradiance * area / (height * height) : 0;
+    double height = rk_ddot(normal, corner) / area,
+           expected = SAMPLES * pi * height * height / area;
+    return expected > 0 && expected < 1000 ? irradiance * area / (height * height) : 0;
 }
 
-/* Of the mean. Estimated as if samples were independent, which bounds that of evener ones. */
-static double standard_error(const configuration *c, rk_light_domain map, double mean,
+/* The mean's, estimated as if samples were independent, which is too large for stratified ones. */
+static double standard_error(const configuration *c, rk_light_domain domain, double mean,
                              double squares, double irradiance)
 {
     double variance = fmax(squares / SAMPLES - mean * mean, 0);
-    if (map == RK_LIGHT_DOMAIN_AREA)
+    if (domain == RK_LIGHT_DOMAIN_AREA)
         variance = fmax(variance, variance_bound(c, irradiance));
     return sqrt(variance / SAMPLES);
 }
 
 /* Draws a million samples for each configuration from `first` to before `end`; where the closed
- * form is 0, a thousand must all be. */
-static void check_unbiased(rk_light_domain map, rk_sampler_kind kind, size_t first, size_t end)
+ * form is 0, a thousand, which must all be 0. */
+static void check_unbiased(rk_light_domain domain, rk_sampler_kind kind, size_t first, size_t end)
 {
     size_t lit = 0;
     draw_samples(kind);
@@ -590,19 +595,19 @@ static void check_unbiased(rk_light_domain map, rk_sampler_kind kind, size_t fir
         double sum = 0, squares = 0;
         for (uint32_t i = 0; i < samples; i++) {
             rk_light_sample sample =
-                rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, map, c->point, drawn[i]);
+                rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, domain, c->point, drawn[i]);
             double f = (double)sample.colour.x * cos_to(c, sample.position);
             sum += f;
             squares += f * f;
         }
-        double mean = sum / samples, error = standard_error(c, map, mean, squares, want);
+        double mean = sum / samples, error = standard_error(c, domain, mean, squares, want);
         char hint[160];
-        snprintf(hint, sizeof hint, "%s: the mean over samples against the closed form", c->name);
+        snprintf(hint, sizeof hint, "%s: the mean of the samples against the closed form", c->name);
         /* Weight and closed form are rounded to float, 2^-24 each; so is the position. */
         rk_check_close(mean, want, 4 * error + 1e-6 * want, hint);
         rk_check(4 * error <= 0.06 * want || c->kind == RK_LIGHT_SEGMENT ||
                      variance_bound(c, want) > 0,
-                 "%s: a standard error of %g tests nothing; want 1.5 %% of %g at most", c->name,
+                 "%s: a standard error of %g tests nothing; want at most 1.5 %% of %g", c->name,
                  error, want);
     }
     rk_check(2 * lit > end - first, "got irradiance in %zu of %zu configurations, want most", lit,
@@ -627,7 +632,7 @@ static void low_discrepancy_samples_are_unbiased(void **state)
     check_unbiased(RK_LIGHT_DOMAIN_AREA, RK_SAMPLER_LOW_DISCREPANCY, 0, CONFIGURATIONS);
 }
 
-/* In two parts, as each sample takes longer. */
+/* In two tests, because each sample takes longer. */
 static void solid_angle_samples_are_unbiased(void **state)
 {
     (void)state;
@@ -652,12 +657,12 @@ static void without_falloff_a_light_without_area_is_a_segment(void **state)
         rk_vec2 xi = noise2(50, i);
         rk_light_sample got = plain_sample(&flat, xi.x, xi.y),
                         want = plain_sample(&segment, xi.x, xi.y);
-        check_vec3(got.position, want.position, 0, "with edge02 = 0, y moves nothing");
-        check_vec3(got.colour, want.colour, 0x1p-23f, "nor does it change equal colours");
+        check_vec3(got.position, want.position, 0, "with edge02 = 0, y does not move the sample");
+        check_vec3(got.colour, want.colour, 0x1p-23f, "nor does y change equal colours");
     }
 }
 
-static void no_light_and_no_point_give_a_nan(void **state)
+static void no_light_and_no_point_give_nan(void **state)
 {
     (void)state;
     /* Whole coordinates make points on the light, in its plane, and edges that are parallel or 0;
@@ -688,17 +693,18 @@ static void no_light_and_no_point_give_a_nan(void **state)
             "light %u: got an irradiance of %g, want a finite one: skip edges without an angle", i,
             (double)irradiance);
     }
-    rk_check(lit > 50000, "only %g of 200000 points were lit: the test lost its subject", lit);
+    rk_check(lit > 50000, "only %g of 200000 points were lit: too few for this test", lit);
 }
 
 /* --- The ratio estimator --------------------------------------------------------------------- */
 
-static void the_ratio_is_exact_where_nothing_or_everything_is_blocked(void **state)
+static void the_ratio_is_exact_where_nothing_or_everything_is_occluded(void **state)
 {
     (void)state;
     const rk_vec3 unshadowed = {0.3f, 0.2f, 0.7f}, all = {7.3f, 1.9f, 3.1f};
-    check_vec3(rk_light_ratio(unshadowed, all, all), unshadowed, 0, "all of it arrives");
-    check_vec3(rk_light_ratio(unshadowed, rk_vec(0, 0, 0), all), rk_vec(0, 0, 0), 0, "none of it");
+    check_vec3(rk_light_ratio(unshadowed, all, all), unshadowed, 0, "all samples are unoccluded");
+    check_vec3(rk_light_ratio(unshadowed, rk_vec(0, 0, 0), all), rk_vec(0, 0, 0), 0,
+               "none is unoccluded");
     check_vec3(rk_light_ratio(unshadowed, rk_scale(all, 0.25f), all), rk_scale(unshadowed, 0.25f),
                0, "a quarter");
 }
@@ -707,11 +713,11 @@ static void a_channel_without_light_has_the_ratio_0(void **state)
 {
     (void)state;
     check_vec3(rk_light_ratio(rk_vec(1, 0, 1), rk_vec(2, 0, 0), rk_vec(4, 0, 0)),
-               rk_vec(0.5f, 0, 0), 0, "channels are divided each for itself, and 0 / 0 is 0");
+               rk_vec(0.5f, 0, 0), 0, "each channel is divided separately, and 0 / 0 is 0");
 }
 
-/* The part of the light with x < 0.375 is visible; its effect is a closed form too. */
-static void the_ratio_converges_to_the_visible_part(void **state)
+/* The part of the light with x < 0.375 is visible; it has a closed form, too. */
+static void the_ratio_converges_to_the_visible_fraction(void **state)
 {
     (void)state;
     const uint32_t samples = 1 << 16;
@@ -735,10 +741,11 @@ static void the_ratio_converges_to_the_visible_part(void **state)
         double want = (double)rk_light_irradiance(&part, c->point, c->normal);
         rk_vec3 got = rk_light_ratio(rk_vec((float)whole, 0, 0), rk_vec((float)visible, 0, 0),
                                      rk_vec((float)all, 0, 0));
-        /* A ratio's standard error is that of g - share f. */
-        double share = all > 0 ? visible / all : 0;
+        /* A ratio's standard error is that of g - fraction f. */
+        double fraction = all > 0 ? visible / all : 0;
         double error =
-            sqrt((visible_squares - 2 * share * mixed + share * share * squares)) / samples;
+            sqrt((visible_squares - 2 * fraction * mixed + fraction * fraction * squares)) /
+            samples;
         rk_check_close(got.x, want, 4 * error + 1e-5 * whole, c->name);
     }
     rk_check(tried >= 20, "%d configurations were tried, want 20: is the solid angle right?",
@@ -747,23 +754,24 @@ static void the_ratio_converges_to_the_visible_part(void **state)
 
 /* --- When to stop ---------------------------------------------------------------------------- */
 
-static void a_round_that_agrees_is_settled(void **state)
+static void shadow_rays_that_agree_stop_early(void **state)
 {
     (void)state;
-    rk_check(rk_light_early_out(16, 0), "none of 16 arrived: blocked");
-    rk_check(rk_light_early_out(16, 16), "all of 16 arrived: visible");
+    rk_check(rk_light_early_out(16, 0), "0 of 16 unoccluded: umbra, stop");
+    rk_check(rk_light_early_out(16, 16), "16 of 16 unoccluded: lit, stop");
     rk_check(rk_light_early_out(1, 1) && rk_light_early_out(1, 0), "a single ray always agrees");
 }
 
-static void a_round_that_disagrees_goes_on(void **state)
+static void shadow_rays_that_disagree_continue(void **state)
 {
     (void)state;
     for (uint32_t visible = 1; visible < 16; visible++)
-        rk_check(!rk_light_early_out(16, visible), "%u of 16 arrived: penumbra, go on", visible);
+        rk_check(!rk_light_early_out(16, visible), "%u of 16 unoccluded: penumbra, continue",
+                 visible);
     rk_check(!rk_light_early_out(0, 0), "no ray was traced: nothing is known");
 }
 
-static void settling_costs_less_than_its_bound(void **state)
+static void the_bias_of_early_out_stays_below_its_bound(void **state)
 {
     (void)state;
     const uint32_t round = RK_LIGHT_EARLY_OUT, trials = 200000;
@@ -774,52 +782,52 @@ static void settling_costs_less_than_its_bound(void **state)
             uint32_t visible = 0;
             for (uint32_t k = 0; k < round; k++)
                 visible += (double)rk_unit_float(rk_hash((uint32_t)percent, i, k, 80)) < v;
-            /* Many more rays would find v; a settled round says what it saw. */
+            /* Many more rays would find v; an early out takes the first rays' mean. */
             sum += rk_light_early_out(round, visible) ? visible / (double)round : v;
         }
         double bias = fabs(sum / trials - v);
         largest = fmax(largest, bias);
-        /* A settled point is off by 1 at most, with a probability of at most 0.4 + 0.4: 0.5 of a
-         * standard deviation bounds the mean's, 4 standard errors. */
+        /* After an early out the error is at most 1, with a probability of at most 0.4 + 0.4, so
+         * its standard deviation is at most 0.5; 4 standard errors of the mean. */
         rk_check(bias <= bound + 4 * 0.5 / sqrt(trials),
-                 "%d %% visible: got a bias of %g, want %g at most", percent, bias, bound);
+                 "%d %% visible: got a bias of %g, want at most %g", percent, bias, bound);
     }
-    rk_check(largest >= bound / 2, "got no bias above %g: is anything settled?", largest);
+    rk_check(largest >= bound / 2, "got no bias above %g: is there any early out?", largest);
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(a_point_light_has_one_place_and_one_colour),
+    cmocka_unit_test(a_point_light_has_one_position_and_one_colour),
     cmocka_unit_test(a_segment_runs_from_corner_0_to_corner_1),
     cmocka_unit_test(corners_have_their_own_colours),
     cmocka_unit_test(colours_are_bilinear_between_the_corners),
-    cmocka_unit_test(a_sample_is_a_place_and_not_a_direction),
-    cmocka_unit_test(without_falloff_neither_distance_nor_map_matters),
+    cmocka_unit_test(a_sample_is_a_position_and_not_a_direction),
+    cmocka_unit_test(without_falloff_neither_distance_nor_domain_matters),
     cmocka_unit_test(a_point_light_falls_off_with_the_square_of_the_distance),
-    cmocka_unit_test(a_segment_is_seen_shortened),
-    cmocka_unit_test(a_parallelogram_is_seen_turned_and_from_both_sides),
+    cmocka_unit_test(a_segment_is_foreshortened),
+    cmocka_unit_test(a_parallelogram_is_foreshortened_and_two_sided),
     cmocka_unit_test(points_on_the_light_get_nothing_and_no_nan),
     cmocka_unit_test(a_square_above_the_point_has_the_textbook_form_factor),
     cmocka_unit_test(a_light_all_around_gives_pi_and_half_of_it_half),
     cmocka_unit_test(near_and_far_lights_have_the_textbook_form_factor_too),
     cmocka_unit_test(the_closed_form_equals_quadrature),
-    cmocka_unit_test(a_light_cut_in_two_gives_the_same_in_sum),
+    cmocka_unit_test(two_parts_of_a_light_add_up_to_the_whole),
     cmocka_unit_test(the_side_of_a_cube_fills_a_sixth_of_the_sphere),
-    cmocka_unit_test(samples_over_the_solid_angle_all_weigh_the_same),
-    cmocka_unit_test(samples_over_the_solid_angle_lie_on_the_light_with_its_colour),
-    cmocka_unit_test(samples_over_the_solid_angle_are_even_over_directions),
+    cmocka_unit_test(solid_angle_samples_all_weigh_the_same),
+    cmocka_unit_test(solid_angle_samples_lie_on_the_light_and_have_its_colour),
+    cmocka_unit_test(solid_angle_samples_are_uniform_over_directions),
     cmocka_unit_test(uniform_samples_are_unbiased),
     cmocka_unit_test(stratified_samples_are_unbiased),
     cmocka_unit_test(low_discrepancy_samples_are_unbiased),
     cmocka_unit_test(solid_angle_samples_are_unbiased),
     cmocka_unit_test(solid_angle_samples_are_unbiased_at_the_limits),
     cmocka_unit_test(without_falloff_a_light_without_area_is_a_segment),
-    cmocka_unit_test(no_light_and_no_point_give_a_nan),
-    cmocka_unit_test(the_ratio_is_exact_where_nothing_or_everything_is_blocked),
+    cmocka_unit_test(no_light_and_no_point_give_nan),
+    cmocka_unit_test(the_ratio_is_exact_where_nothing_or_everything_is_occluded),
     cmocka_unit_test(a_channel_without_light_has_the_ratio_0),
-    cmocka_unit_test(the_ratio_converges_to_the_visible_part),
-    cmocka_unit_test(a_round_that_agrees_is_settled),
-    cmocka_unit_test(a_round_that_disagrees_goes_on),
-    cmocka_unit_test(settling_costs_less_than_its_bound),
+    cmocka_unit_test(the_ratio_converges_to_the_visible_fraction),
+    cmocka_unit_test(shadow_rays_that_agree_stop_early),
+    cmocka_unit_test(shadow_rays_that_disagree_continue),
+    cmocka_unit_test(the_bias_of_early_out_stays_below_its_bound),
 };
 
 RK_SUITE("parallelogram_light", tests)

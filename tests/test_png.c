@@ -495,7 +495,7 @@ static void absurd_sizes_are_refused_before_memory_is_taken(void **state)
     check_claim(*state, 2, 2, "damaged");
 }
 
-static void files_that_are_no_png_are_refused(void **state)
+static void files_that_are_not_png_are_refused(void **state)
 {
     const char jpeg[] = "\xff\xd8\xff\xe0 JFIF and so on, longer than a header of PNG";
     test_path path = test_folder_write(*state, "photo.png", jpeg, sizeof jpeg, 0600);
@@ -582,7 +582,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(every_truncation_is_refused),
     test_in_folder(every_damaged_byte_is_refused_or_read),
     test_in_folder(absurd_sizes_are_refused_before_memory_is_taken),
-    test_in_folder(files_that_are_no_png_are_refused),
+    test_in_folder(files_that_are_not_png_are_refused),
     test_in_folder(a_missing_folder_is_an_error),
     test_in_folder(a_full_disk_keeps_the_older_picture),
 };

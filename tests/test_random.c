@@ -139,7 +139,7 @@ static int compare_numbers(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-static void the_four_coordinates_do_not_stand_in_for_each_other(void **state)
+static void the_four_coordinates_are_not_interchangeable(void **state)
 {
     (void)state;
     /* 16^4 places give 65,536 numbers; of 2^24 values, 128 coincidences are to be expected, with a
@@ -185,7 +185,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(each_coordinate_alone_gives_uniform_numbers),
     cmocka_unit_test(the_lowest_bits_are_uniform_too),
     cmocka_unit_test(neighbours_in_every_coordinate_are_unrelated),
-    cmocka_unit_test(the_four_coordinates_do_not_stand_in_for_each_other),
+    cmocka_unit_test(the_four_coordinates_are_not_interchangeable),
 };
 
 RK_SUITE("random", tests)

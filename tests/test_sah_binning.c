@@ -1,16 +1,17 @@
-/* The bounding volume hierarchy split by the surface area heuristic: that bins lose nothing, that
- * each cut is the one that a search by brute force finds, and that the tree is cheap and sound. */
+/* The bounding volume hierarchy split by the surface area heuristic: that binning loses no
+ * triangle, that each split is the one found by brute force, and that the tree is cheap and sound.
+ * */
 #include "test.h"
 #include "test_soup.h"
 
 #include "base/table.h"
 #include "features/bvh_median.h"
 #include "features/sah_binning.h"
-#include "scene/scene.h"
+#include "scenes/builtin.h"
 
-/* --- Nodes to cut ---------------------------------------------------------------------------- */
+/* --- Nodes to split -------------------------------------------------------------------------- */
 
-/* The stand-in of a triangle that fills a box, with the centroid in its middle. */
+/* The reference of a triangle that fills a box, with the centroid in its middle. */
 static rk_bvh_reference box_at(rk_vec3 low, rk_vec3 extent)
 {
     return (rk_bvh_reference){{{low, rk_add(low, extent)}}, rk_madd(low, extent, 0.5f), 0};
@@ -43,7 +44,7 @@ static uint32_t list(const rk_bvh_reference *references, uint32_t count, uint32_
 static void check_counts(const rk_sah_split *split, uint32_t left, uint32_t right, const char *hint)
 {
     rk_check(split->count[0] == left && split->count[1] == right,
-             "border %u: got %u triangles to the left and %u to the right, want %u and %u: %s",
+             "boundary %u: got %u triangles to the left and %u to the right, want %u and %u: %s",
              split->border, split->count[0], split->count[1], left, right, hint);
 }
 
@@ -57,9 +58,9 @@ static double area_of(const rk_box *box)
     return 2 * (x * y + y * z + z * x);
 }
 
-/* The cut at one border: every triangle is asked for its side. */
-static rk_sah_split try_border(const rk_bvh_reference *references, uint32_t count, int axis,
-                               uint32_t bins, uint32_t border)
+/* The split at one bin boundary: every triangle is assigned to its side. */
+static rk_sah_split try_split(const rk_bvh_reference *references, uint32_t count, int axis,
+                              uint32_t bins, uint32_t border)
 {
     rk_sah_split split = {.axis = axis, .border = border, .box = {rk_box_empty(), rk_box_empty()}};
     double low = INFINITY, high = -INFINITY;
@@ -91,7 +92,7 @@ static int longest_axis_of_centroids(const rk_bvh_reference *references, uint32_
     return rk_box_longest_axis(box);
 }
 
-/* All different cuts, by axis, then border; returns how many. */
+/* All different splits, by axis, then boundary; returns their number. */
 static uint32_t list_by_brute_force(const rk_bvh_reference *references, uint32_t count,
                                     const rk_sah_options *options, rk_sah_split *splits)
 {
@@ -100,7 +101,7 @@ static uint32_t list_by_brute_force(const rk_bvh_reference *references, uint32_t
     for (int axis = 0; axis < 3; axis++)
         for (uint32_t border = 1; border < bins && (options->all_axes || axis == longest);
              border++) {
-            rk_sah_split split = try_border(references, count, axis, bins, border);
+            rk_sah_split split = try_split(references, count, axis, bins, border);
             bool again = found && splits[found - 1].axis == axis &&
                          splits[found - 1].count[0] == split.count[0];
             if (split.count[0] && split.count[1] && !again)
@@ -110,37 +111,37 @@ static uint32_t list_by_brute_force(const rk_bvh_reference *references, uint32_t
 }
 
 /* Boxes are minima and maxima of the same numbers, so they are equal to the bit. A cost takes a
- * dozen roundings of double, in whatever order. */
+ * dozen roundings of double, in any order. */
 static const double cost_tolerance = 16 * 0x1p-53;
 
 static void check_split(const rk_sah_split *got, const rk_sah_split *want, uint32_t count)
 {
     rk_check(got->axis == want->axis && got->border == want->border,
-             "%u triangles: got the border %u on axis %c, want %u on %c: each border between bins "
-             "that parts the triangles differently is listed, in order",
+             "%u triangles: got boundary %u on axis %c, want %u on %c: each bin boundary that "
+             "divides the triangles differently is listed, in order",
              count, got->border, "xyz"[got->axis], want -> border, "xyz"[want->axis]);
     check_counts(got, want->count[0], want->count[1],
                  "is each triangle counted in the bin of its centroid?");
     for (int side = 0; side < 2; side++)
         rk_check(memcmp(&got->box[side], &want->box[side], sizeof got->box[side]) == 0,
-                 "border %u of %u triangles: the %s box is not the smallest around its triangles",
+                 "boundary %u of %u triangles: the %s box is not the smallest around its triangles",
                  got->border, count, side ? "right" : "left");
     rk_check(fabs(got->cost - want->cost) <= cost_tolerance * want->cost,
-             "border %u of %u triangles: got the cost %.17g, want %.17g, which is 1.5 + (area_left "
-             "N_left + area_right N_right) / area, in double",
+             "boundary %u of %u triangles: got the cost %.17g, want %.17g, which is 1.5 + "
+             "(area_left N_left + area_right N_right) / area, in double",
              got->border, count, got->cost, want->cost);
 }
 
 /* --- Bins and candidates --------------------------------------------------------------------- */
 
-static void a_cut_costs_what_is_computed_by_hand(void **state)
+static void a_split_costs_as_computed_by_hand(void **state)
 {
     (void)state;
     /* Cubes from 0 to 3 and from 9 to 10 in a row of 10 x 1 x 1, area 42. Left 3 x 1 x 1, area 14;
      * right one cube, area 6. */
     const rk_bvh_reference row[] = {cube_at(0, 0, 0), cube_at(9, 0, 0), cube_at(1, 0, 0),
                                     cube_at(2, 0, 0)};
-    rk_check_equal(list(row, 4, 2, false), 1, "two bins have one border");
+    rk_check_equal(list(row, 4, 2, false), 1, "two bins have one boundary");
     rk_check_equal(candidates[0].axis, 0, "the row is along x");
     check_counts(&candidates[0], 3, 1,
                  "three cubes lie in the lower half of the centroids' extent");
@@ -148,7 +149,7 @@ static void a_cut_costs_what_is_computed_by_hand(void **state)
                    "1.5 + (area_left N_left + area_right N_right) / area");
 }
 
-static void centroids_are_counted_into_equal_parts_of_their_extent(void **state)
+static void bins_divide_the_extent_of_the_centroids_equally(void **state)
 {
     (void)state;
     /* Centroids at 0.5, 1.5 ... 8.5 in four bins of two units each; the last one ends the extent.
@@ -156,12 +157,12 @@ static void centroids_are_counted_into_equal_parts_of_their_extent(void **state)
     rk_bvh_reference row[9];
     for (uint32_t i = 0; i < 9; i++)
         row[i] = cube_at((float)(i * 4 % 9), 0, 0);
-    rk_check_equal(list(row, 9, 4, false), 3, "four bins have three borders");
+    rk_check_equal(list(row, 9, 4, false), 3, "four bins have three boundaries");
     for (uint32_t k = 0; k < 3; k++) {
         rk_check_equal(candidates[k].border, k + 1,
-                       "borders 1, 2, 3: so many bins are to the left");
+                       "boundaries 1, 2, 3: the number of bins to the left");
         check_counts(&candidates[k], 2 * k + 2, 7 - 2 * k,
-                     "two centroids a bin, three in the last, as the highest is in it");
+                     "two centroids per bin, three in the last, which has the highest too");
     }
 }
 
@@ -175,48 +176,47 @@ static void no_centroid_is_beyond_the_last_bin(void **state)
                                          cube_at(1 + noise(3, i, 0), 0, 0)};
         for (uint32_t bins = 2; bins < 4; bins++) {
             uint32_t found = list(pair, 3, bins, false);
-            rk_check(found > 0, "three different centroids: got no cut, want one at least");
+            rk_check(found > 0, "three different centroids: got no candidate, want at least one");
             rk_check_equal(candidates[found - 1].count[0] + candidates[found - 1].count[1], 3,
                            "the highest centroid is in the last bin, and in no other");
         }
     }
 }
 
-static void empty_bins_have_no_border_and_no_box(void **state)
+static void empty_bins_add_no_candidate_and_no_box(void **state)
 {
     (void)state;
     const rk_bvh_reference row[] = {cube_at(5, 5, 5), cube_at(15, 5, 5), cube_at(6, 5, 5),
                                     cube_at(14, 5, 5), cube_at(5, 5, 5)};
     uint32_t found = list(row, 5, 5, false);
-    rk_check_equal(found, 1, "of five bins only the outermost are filled: one way to cut");
+    rk_check_equal(found, 1, "of five bins only the outermost are filled: one split");
     check_counts(&candidates[0], 3, 2, "three at 5 and 6, two at 14 and 15");
-    rk_check_equal(candidates[0].border, 1, "of the borders that make the same cut the first");
+    rk_check_equal(candidates[0].border, 1, "of several boundaries with the same split, the first");
     rk_check_close(candidates[0].box[0].corner[0].x, 5, 0, "an empty bin's box would begin at 0");
     rk_check_close(candidates[0].box[0].corner[1].x, 7, 0, "the left box ends with its cubes");
     rk_check_close(candidates[0].box[1].corner[0].x, 14, 0, "the right box begins with its cubes");
 }
 
-static void coinciding_centroids_have_no_border(void **state)
+static void coinciding_centroids_have_no_candidate(void **state)
 {
     (void)state;
     rk_bvh_reference same[20];
     for (uint32_t i = 0; i < 20; i++)
         same[i] =
             (rk_bvh_reference){cube_at(1, 2, 3).box, rk_vec(1.1f, 2.2f, i < 10 ? 0.0f : -0.0f), i};
-    rk_check_equal(list(same, 20, 50, false), 0,
-                   "an extent of 0 has no parts: do not divide by it");
+    rk_check_equal(list(same, 20, 50, false), 0, "an extent of 0 has no bins: do not divide by it");
     rk_check_equal(list(same, 20, 50, true), 0, "nor on any other axis");
-    rk_check(rk_sah_cheapest(candidates, 0) == NULL, "none of none is the cheapest");
-    /* An answer only from those who find borders where there are some. */
+    rk_check(rk_sah_cheapest(candidates, 0) == NULL, "without candidates there is no cheapest");
+    /* Finding none counts only if candidates are found elsewhere. */
     same[7].centroid.y = 3;
-    rk_check_equal(list(same, 20, 50, false), 1, "one centroid apart from the others: one way");
-    check_counts(&candidates[0], 19, 1, "that one is alone");
+    rk_check_equal(list(same, 20, 50, false), 1, "one centroid apart from the others: one split");
+    check_counts(&candidates[0], 19, 1, "the one apart is alone");
 }
 
-static void tiny_and_huge_extents_are_counted_right(void **state)
+static void tiny_and_huge_extents_are_binned_correctly(void **state)
 {
     (void)state;
-    /* The smallest floats, and the largest, whose difference is no float any more. */
+    /* The smallest floats, and the largest, whose difference overflows a float. */
     const float units[] = {0x1p-149f, 0x1p-140f, 0x1p-126f, 1, 0x1p125f};
     for (uint32_t u = 0; u < sizeof units / sizeof *units; u++) {
         rk_bvh_reference row[9];
@@ -228,17 +228,17 @@ static void tiny_and_huge_extents_are_counted_right(void **state)
         for (uint32_t k = 0; k < 7; k++) {
             rk_check_equal(candidates[k].axis, 1, "along y");
             check_counts(&candidates[k], k + 1, 8 - k,
-                         "one a bin, two in the last; an extent may be too small to divide by or "
+                         "one per bin, two in the last; an extent may be too small to divide by or "
                          "too large for a float: compute the bin in double");
         }
     }
 }
 
-static void borders_are_where_the_centroids_reach_farthest(void **state)
+static void candidates_are_on_the_longest_axis_of_the_centroids(void **state)
 {
     (void)state;
-    /* A long beam along x over cubes in a row along y: the node is longest where nothing is to cut.
-     */
+    /* A long beam along x over cubes in a row along y: the node is longest where there is nothing
+     * to split. */
     rk_bvh_reference row[5] = {box_at(rk_vec(-100, 0, 0), rk_vec(200, 1, 1))};
     for (uint32_t i = 1; i < 5; i++)
         row[i] = cube_at(0, (float)i * 10, (float)i);
@@ -253,7 +253,7 @@ static void borders_are_where_the_centroids_reach_farthest(void **state)
     }
 }
 
-static void all_axes_are_tried_if_asked_for(void **state)
+static void all_axes_are_tried_on_request(void **state)
 {
     (void)state;
     rk_mesh mesh = make_soup(100, 0.1f, 1);
@@ -262,11 +262,12 @@ static void all_axes_are_tried_if_asked_for(void **state)
     for (uint32_t k = 0; k < found; k++) {
         on[candidates[k].axis]++;
         rk_check(k == 0 || candidates[k].axis >= candidates[k - 1].axis,
-                 "candidate %u is on axis %c, behind one on %c: want x, then y, then z", k,
+                 "candidate %u is on axis %c, after one on %c: want x, then y, then z", k,
                  "xyz"[candidates[k].axis], "xyz"[candidates[k - 1].axis]);
     }
     for (int axis = 0; axis < 3; axis++)
-        rk_check_equal(on[axis], 7, "eight bins, none of them empty, have seven borders an axis");
+        rk_check_equal(on[axis], 7,
+                       "eight bins, none of them empty, have seven boundaries per axis");
     free(references);
     rk_mesh_free(&mesh);
 }
@@ -279,25 +280,25 @@ static void no_node_has_more_bins_than_triangles(void **state)
     rk_check_equal(candidates[1].border, 2, "more bins than triangles would mostly be empty");
 }
 
-static void the_first_of_equally_cheap_cuts_is_taken(void **state)
+static void the_first_of_equally_cheap_splits_is_taken(void **state)
 {
     (void)state;
-    /* Symmetrical, and all numbers are whole: the costs are equal to the bit. */
+    /* Symmetrical, and all numbers are integers: the costs are equal to the bit. */
     rk_bvh_reference square[9];
     for (uint32_t i = 0; i < 9; i++)
         square[i] = cube_at((float)(i % 3), 0, (float)(i / 3));
     uint32_t found = list(square, 9, 3, true);
-    rk_check_equal(found, 4, "two borders on x, none on y, two on z");
+    rk_check_equal(found, 4, "two boundaries on x, none on y, two on z");
     const rk_sah_split *best = rk_sah_cheapest(candidates, found);
     for (uint32_t k = 1; k < found; k++)
         rk_check_close(candidates[k].cost, candidates[0].cost, 0, "all four cost the same");
     rk_check(best == &candidates[0],
-             "got the cheapest on axis %c at border %u, want x and 1: an "
-             "equal cost is no reason to change",
+             "got the cheapest on axis %c at boundary %u, want x and 1: among equal costs the "
+             "first wins",
              best ? "xyz"[best->axis] : '-', best ? best->border : 0);
 }
 
-static void candidates_equal_those_of_brute_force(void **state)
+static void candidates_equal_brute_force(void **state)
 {
     (void)state;
     static rk_sah_split want[RK_SAH_CANDIDATES_MAX];
@@ -310,7 +311,7 @@ static void candidates_equal_those_of_brute_force(void **state)
                 const rk_sah_options options = {bins[b], all_axes};
                 uint32_t found = rk_sah_candidates(references, counts[c], &options, candidates);
                 rk_check_equal(found, list_by_brute_force(references, counts[c], &options, want),
-                               "every border that parts the triangles differently, once");
+                               "every boundary that divides the triangles differently, once");
                 for (uint32_t k = 0; k < found; k++)
                     check_split(&candidates[k], &want[k], counts[c]);
                 free(references);
@@ -318,10 +319,10 @@ static void candidates_equal_those_of_brute_force(void **state)
             }
 }
 
-/* Processor seconds of listing the candidates so many times; the least of five goes, as another
- * program's work can only add. */
-static double seconds_of_listing(const rk_bvh_reference *references, uint32_t count, uint32_t bins,
-                                 uint32_t times)
+/* Processor seconds to list the candidates `times` times: the least of five, because other programs
+ * can only add time. */
+static double seconds_to_list(const rk_bvh_reference *references, uint32_t count, uint32_t bins,
+                              uint32_t times)
 {
     double least = INFINITY;
     for (int attempt = 0; attempt < 5; attempt++) {
@@ -329,8 +330,8 @@ static double seconds_of_listing(const rk_bvh_reference *references, uint32_t co
         uint32_t found = 0;
         for (uint32_t i = 0; i < times; i++)
             found += list(references, count, bins, false);
-        rk_check(found >= times, "got %u candidates in %u calls, want one a call at least", found,
-                 times);
+        rk_check(found >= times, "got %u candidates from %u calls, want at least one per call",
+                 found, times);
         least = fmin(least, rk_clock_thread() - start);
     }
     return least;
@@ -340,18 +341,18 @@ static void many_bins_cost_hardly_more_than_few(void **state)
 {
     (void)state;
     /* With O(count + bins), 256 bins instead of 2 take up to twice as long where there are many
-     * triangles, and up to five times where there are as few as bins. Asking every triangle at
-     * every border takes 128 times as long; merging all bins at every border, 60 times with few. */
+     * triangles, and up to five times where there are as few as bins. Testing every triangle at
+     * every boundary takes 128 times as long; merging all bins at every boundary, 60 times with
+     * few. */
     rk_mesh mesh = make_soup(20000, 0.01f, 3);
     rk_bvh_reference *references = references_of(&mesh);
     const uint32_t counts[] = {20000, 256}, times[] = {20, 2000};
     for (int i = 0; i < 2; i++) {
-        double few = seconds_of_listing(references, counts[i], 2, times[i]);
-        double many = seconds_of_listing(references, counts[i], 256, times[i]);
+        double few = seconds_to_list(references, counts[i], 2, times[i]);
+        double many = seconds_to_list(references, counts[i], 256, times[i]);
         rk_check(many <= 20 * few,
-                 "%u triangles: 256 bins take %.3g s and 2 bins %.3g s, want 20 times as much at "
-                 "most: count "
-                 "each triangle once, then sweep over the bins",
+                 "%u triangles: 256 bins take %.3g s and 2 bins %.3g s, want at most 20 times as "
+                 "much: count each triangle once, then sweep over the bins",
                  counts[i], many, few);
     }
     free(references);
@@ -391,10 +392,11 @@ static void the_default_is_fifty_bins_on_the_longest_axis(void **state)
 {
     (void)state;
     rk_check_equal(rk_sah_options_default().bins, 50, "the classic course's");
-    rk_check(!rk_sah_options_default().all_axes, "the classic form looks at the longest axis only");
+    rk_check(!rk_sah_options_default().all_axes,
+             "the classic form splits on the longest axis only");
 }
 
-/* Triangles that have the unit cube for their box; their centroids lie on a line along x and y. */
+/* Triangles whose box is the unit cube, with centroids on a line along x and y. */
 static void place_across(rk_mesh *mesh, uint32_t triangle, float where)
 {
     mesh->positions[3 * triangle] = rk_vec(0, 1, 0);
@@ -402,15 +404,15 @@ static void place_across(rk_mesh *mesh, uint32_t triangle, float where)
     mesh->positions[3 * triangle + 2] = rk_vec(where, where, 0.5f);
 }
 
-static void a_node_is_a_leaf_where_no_cut_pays(void **state)
+static void a_node_is_a_leaf_where_no_split_pays(void **state)
 {
     (void)state;
-    /* Every box is the node's own: any cut costs 1.5 more than testing all. */
+    /* Every box is the node's own: any split costs 1.5 more than testing all triangles. */
     rk_mesh mesh = make_mesh(20);
     for (uint32_t i = 0; i < 20; i++)
         place_across(&mesh, i, (float)i / 19);
     rk_bvh_reference *references = references_of(&mesh);
-    rk_check_equal(list(references, 20, 20, false), 19, "one centroid a bin");
+    rk_check_equal(list(references, 20, 20, false), 19, "one centroid per bin");
     for (uint32_t k = 0; k < 19; k++)
         rk_check_close(candidates[k].cost, 21.5, 0, "both boxes are as large as the node's");
     free(references);
@@ -420,24 +422,24 @@ static void a_node_is_a_leaf_where_no_cut_pays(void **state)
     rk_mesh_free(&mesh);
 }
 
-static void two_far_triangles_are_parted(void **state)
+static void two_distant_triangles_are_split(void **state)
 {
     (void)state;
     rk_mesh mesh = make_soup(2, 0.01f, 5);
     for (uint32_t i = 3; i < 6; i++)
         mesh.positions[i].x += 100;
     rk_bvh bvh = build(&mesh);
-    rk_check_equal(bvh.nodes[0].count, 0, "1.5 and next to nothing is less than 2: no leaf yet");
+    rk_check_equal(bvh.nodes[0].count, 0, "a little more than 1.5 is less than 2: no leaf yet");
     rk_check_equal(bvh.nodes[bvh.nodes[0].first].count, 1, "one to the left");
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
 
-/* What a tree's nodes are held against. */
+/* A tree and the data to check its nodes against. */
 typedef struct comparison {
     const rk_bvh *bvh;
     const rk_bvh_reference *references; /* of the mesh */
-    rk_bvh_reference *some;             /* room for those of one node */
+    rk_bvh_reference *some;             /* room for one node's references */
     rk_sah_options options;
 } comparison;
 
@@ -446,18 +448,19 @@ static void compare_with_brute_force(const rk_bvh_node *node, uint32_t level, vo
     (void)level;
     comparison *c = context;
     static rk_sah_split all[RK_SAH_CANDIDATES_MAX];
-    rk_bvh_range stretch = rk_bvh_range_of(c->bvh, (uint32_t)(node - c->bvh->nodes));
-    for (uint32_t i = 0; i < stretch.count; i++)
-        c->some[i] = c->references[c->bvh->triangles[stretch.begin + i].index];
-    uint32_t found = list_by_brute_force(c->some, stretch.count, &c->options, all);
+    rk_bvh_range range = rk_bvh_range_of(c->bvh, (uint32_t)(node - c->bvh->nodes));
+    for (uint32_t i = 0; i < range.count; i++)
+        c->some[i] = c->references[c->bvh->triangles[range.begin + i].index];
+    uint32_t found = list_by_brute_force(c->some, range.count, &c->options, all);
     rk_sah_split best = {.cost = INFINITY};
     for (uint32_t k = 0; k < found; k++)
         if (all[k].cost < best.cost)
             best = all[k];
-    bool pays = best.cost < stretch.count;
+    bool pays = best.cost < range.count;
     rk_check(pays == (node->count == 0),
-             "a node of %u triangles, whose cheapest cut costs %.9g: got %s, want %s",
-             stretch.count, best.cost, node->count ? "a leaf" : "a cut", pays ? "a cut" : "a leaf");
+             "a node of %u triangles, whose cheapest split costs %.9g: got %s, want %s",
+             range.count, best.cost, node->count ? "a leaf" : "an inner node",
+             pays ? "an inner node" : "a leaf");
     if (!pays)
         return;
     for (int side = 0; side < 2; side++) {
@@ -465,8 +468,8 @@ static void compare_with_brute_force(const rk_bvh_node *node, uint32_t level, vo
         rk_check(got == best.count[side] && memcmp(&c->bvh->nodes[node->first + (uint32_t)side].box,
                                                    &best.box[side], sizeof best.box[side]) == 0,
                  "a node of %u triangles: its %s child has %u of them, want the %u, and their box, "
-                 "of the cheapest cut, on axis %c at border %u",
-                 stretch.count, side ? "right" : "left", got, best.count[side], "xyz"[best.axis],
+                 "of the cheapest split, on axis %c at boundary %u",
+                 range.count, side ? "right" : "left", got, best.count[side], "xyz"[best.axis],
                  best.border);
     }
 }
@@ -483,7 +486,7 @@ static void check_tree(const rk_mesh *mesh, rk_sah_options options)
     rk_bvh_free(&bvh);
 }
 
-static void every_node_is_cut_where_brute_force_would(void **state)
+static void every_node_is_split_where_brute_force_would(void **state)
 {
     (void)state;
     const uint32_t counts[] = {1, 2, 3, 5, 50, 51, 400, 3000};
@@ -496,7 +499,7 @@ static void every_node_is_cut_where_brute_force_would(void **state)
     }
 }
 
-static void every_tree_of_a_scene_costs_less_than_the_median_s(void **state)
+static void trees_cost_less_than_the_median_except_glass_on_one_axis(void **state)
 {
     (void)state;
     const char *const names[] = {"cube",        "cornell", "cornell-glass", "cornell-light",
@@ -506,20 +509,19 @@ static void every_tree_of_a_scene_costs_less_than_the_median_s(void **state)
     for (uint32_t i = 0; i < sizeof names / sizeof *names; i++) {
         rk_scene scene;
         rk_error error;
-        rk_check_ok(rk_scene_builtin(&scene, names[i], &error), error);
+        rk_check_ok(rk_builtin_scene(&scene, names[i], &error), error);
         rk_bvh median;
         rk_check_ok(rk_bvh_build_median(&median, &scene.mesh, &error), error);
         double limit = rk_bvh_measure(&median).sah_cost;
         rk_bvh_free(&median);
-        /* In "glass" few cuts on the longest axis pay: three large leaves, of a cost of 18.4 where
-         * the median's eight have 17.2. On all axes it is 7.0. */
+        /* In "glass" few splits on the longest axis pay: three large leaves cost 18.4, the median's
+         * eight 17.2. On all axes it is 7.0. */
         bool one_axis_pays = strcmp(names[i], "glass") != 0;
         for (int all_axes = !one_axis_pays; all_axes < 2; all_axes++) {
             rk_bvh bvh = build_with(&scene.mesh, 50, all_axes);
             double cost = rk_bvh_measure(&bvh).sah_cost;
             rk_check(cost < limit,
-                     "%s, %s: got a tree of cost %.6g, want less than %.6g, which is "
-                     "what cutting at the median gives",
+                     "%s, %s: got a tree of cost %.6g, want less than the %.6g of median splits",
                      names[i], all_axes ? "all axes" : "longest axis", cost, limit);
             rk_bvh_free(&bvh);
         }
@@ -534,17 +536,17 @@ static void check_rays(const rk_mesh *mesh, const rk_bvh *bvh, uint32_t rays, ui
     rk_counters counters = {0};
     for (uint32_t i = 0; i < rays; i++) {
         rk_ray ray = make_ray(i, seed, rk_mesh_bounds(mesh));
-        rk_hit want = closest_by_trying_all(mesh, &ray);
+        rk_hit want = closest_by_brute_force(mesh, &ray);
         rk_hit got = rk_bvh_closest(bvh, &ray, &counters);
         rk_check(got.triangle == want.triangle && got.t == want.t,
-                 "ray %u: got triangle %u at t = %.9g, want %u at %.9g, by trying all", i,
+                 "ray %u: got triangle %u at t = %.9g, want %u at %.9g, by brute force", i,
                  got.triangle, (double)got.t, want.triangle, (double)want.t);
         rk_check(rk_bvh_occluded(bvh, &ray, &counters) == (want.triangle != RK_MISS),
-                 "ray %u: any-hit differs from trying all", i);
+                 "ray %u: occluded differs from brute force", i);
     }
 }
 
-static void rays_find_what_trying_all_finds(void **state)
+static void rays_find_the_same_hits_as_brute_force(void **state)
 {
     (void)state;
     const uint32_t counts[] = {1, 5, 50, 500, 3000};
@@ -565,18 +567,20 @@ static void identical_triangles_become_leaves_of_64_at_most(void **state)
     for (uint32_t i = 0; i < mesh.vertex_count; i++)
         mesh.positions[i] = rk_vec(i % 3 == 1, i % 3 == 2, 0);
     rk_bvh bvh = build(&mesh);
-    rk_check_equal(rk_bvh_measure(&bvh).leaves, 16, "no border: 1,000 are halved until 64 fit");
+    rk_check_equal(rk_bvh_measure(&bvh).leaves, 16,
+                   "no boundary: 1,000 are halved until they fit into leaves of 64");
     rk_check_equal(rk_bvh_measure(&bvh).levels, 5, "1,000, 500, 250, 125, then 62 or 63");
     check_rays(&mesh, &bvh, 100, 50);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
 
-static void what_no_first_cut_pays_for_later_ones_may(void **state)
+static void large_nodes_are_split_even_where_no_split_pays(void **state)
 {
     (void)state;
     /* A hundred triangles from corner to corner of a cube, ten thousand small ones among them. Each
-     * border has large ones on both sides, so no cut pays, and still a leaf of all would be bad. */
+     * boundary has large ones on both sides, so no split pays, yet one leaf with all of them would
+     * be bad. */
     const uint32_t large = 100, n = 10100;
     rk_mesh mesh = make_soup(n, 0.001f, 6);
     for (uint32_t i = 0; i < mesh.vertex_count; i++)
@@ -591,13 +595,12 @@ static void what_no_first_cut_pays_for_later_ones_may(void **state)
         rk_bvh_closest(&bvh, &ray, &counters);
     }
     uint64_t tests = counters.triangle_tests / rays;
-    /* Measured: 108 by even cuts, 191 where the triangles are halved as they stand in the mesh,
-     * 1,018 by the cheapest cuts, which part off a few at a time. */
-    rk_check(
-        tests < 150,
-        "got %llu triangle tests a ray, want fewer than 150: where no cut pays, but a leaf would "
-        "be too large, take the most even one",
-        (unsigned long long)tests);
+    /* Measured: 108 by balanced splits, 191 where the triangles are halved in the order of the
+     * mesh, 1,018 by the cheapest splits, which separate a few at a time. */
+    rk_check(tests < 150,
+             "got %llu triangle tests per ray, want fewer than 150: where no split pays, but a "
+             "leaf would be too large, take the most balanced one",
+             (unsigned long long)tests);
     check_rays(&mesh, &bvh, 50, 8);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
@@ -606,9 +609,9 @@ static void what_no_first_cut_pays_for_later_ones_may(void **state)
 static void a_geometric_progression_is_not_too_deep(void **state)
 {
     (void)state;
-    /* Each triangle half as large and half as far from 0 as the one before: with two bins, each cut
-     * takes one octave away, and there are twice as many octaves as levels. Eight triangles an
-     * octave are too many for one last leaf. */
+    /* Each triangle half as large and half as far from 0 as the one before: with two bins, each
+     * split takes one octave away, and there are twice as many octaves as levels. Eight triangles
+     * an octave are too many for one last leaf. */
     const uint32_t octaves = 2 * RK_BVH_LEVELS_MAX;
     rk_mesh mesh = make_soup(8 * octaves, 0.05f, 9);
     for (uint32_t i = 0; i < mesh.vertex_count; i++)
@@ -618,27 +621,26 @@ static void a_geometric_progression_is_not_too_deep(void **state)
         rk_bvh bvh = build_with(&mesh, bins, false);
         uint32_t levels = rk_bvh_measure(&bvh).levels;
         rk_check(bins > 2 || levels > 40,
-                 "got %u levels with two bins, want over 40: this test was to try a deep tree",
-                 levels);
+                 "got %u levels with two bins, want over 40: this test needs a deep tree", levels);
         check_rays(&mesh, &bvh, 200, 11);
         rk_bvh_free(&bvh);
     }
     rk_mesh_free(&mesh);
 }
 
-static void flat_long_and_huge_meshes_equal_trying_all(void **state)
+static void flat_long_and_huge_meshes_equal_brute_force(void **state)
 {
     (void)state;
-    const rk_vec3 stretch[] = {{1, 1, 0},
-                               {0, 1, 0},
-                               {0, 0, 0},
-                               {1e6f, 1, 1e-6f},
-                               {1e15f, 1e15f, 1e15f},
-                               {1e-6f, 1e-6f, 1e-6f}};
-    for (uint32_t s = 0; s < sizeof stretch / sizeof *stretch; s++) {
+    const rk_vec3 scales[] = {{1, 1, 0},
+                              {0, 1, 0},
+                              {0, 0, 0},
+                              {1e6f, 1, 1e-6f},
+                              {1e15f, 1e15f, 1e15f},
+                              {1e-6f, 1e-6f, 1e-6f}};
+    for (uint32_t s = 0; s < sizeof scales / sizeof *scales; s++) {
         rk_mesh mesh = make_soup(200, 0.1f, 60 + s);
         for (uint32_t i = 0; i < mesh.vertex_count; i++)
-            mesh.positions[i] = rk_mul(mesh.positions[i], stretch[s]);
+            mesh.positions[i] = rk_mul(mesh.positions[i], scales[s]);
         rk_bvh bvh = build(&mesh);
         check_rays(&mesh, &bvh, 500, s);
         rk_bvh_free(&bvh);
@@ -655,7 +657,7 @@ static void coordinates_near_the_largest_float_build_as_good_a_tree(void **state
         mesh.positions[i] = rk_scale(mesh.positions[i], 0x1p127f);
     rk_bvh huge = build(&mesh);
     double got = rk_bvh_measure(&huge).sah_cost, want = rk_bvh_measure(&plain).sah_cost;
-    /* Of several extents that overflow, x is taken for the longest: a few cuts differ. */
+    /* Of several extents that overflow, x is taken for the longest: a few splits differ. */
     rk_check_close(
         got, want, 0.01 * want,
         "areas overflow a float, and so may a part of an extent: compute them in double");
@@ -667,28 +669,28 @@ static void coordinates_near_the_largest_float_build_as_good_a_tree(void **state
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(no_triangles_give_a_tree_without_nodes),
     cmocka_unit_test(the_default_is_fifty_bins_on_the_longest_axis),
-    cmocka_unit_test(centroids_are_counted_into_equal_parts_of_their_extent),
+    cmocka_unit_test(bins_divide_the_extent_of_the_centroids_equally),
     cmocka_unit_test(no_centroid_is_beyond_the_last_bin),
-    cmocka_unit_test(a_cut_costs_what_is_computed_by_hand),
-    cmocka_unit_test(empty_bins_have_no_border_and_no_box),
-    cmocka_unit_test(coinciding_centroids_have_no_border),
-    cmocka_unit_test(tiny_and_huge_extents_are_counted_right),
+    cmocka_unit_test(a_split_costs_as_computed_by_hand),
+    cmocka_unit_test(empty_bins_add_no_candidate_and_no_box),
+    cmocka_unit_test(coinciding_centroids_have_no_candidate),
+    cmocka_unit_test(tiny_and_huge_extents_are_binned_correctly),
     cmocka_unit_test(no_node_has_more_bins_than_triangles),
-    cmocka_unit_test(borders_are_where_the_centroids_reach_farthest),
-    cmocka_unit_test(all_axes_are_tried_if_asked_for),
-    cmocka_unit_test(the_first_of_equally_cheap_cuts_is_taken),
-    cmocka_unit_test(candidates_equal_those_of_brute_force),
+    cmocka_unit_test(candidates_are_on_the_longest_axis_of_the_centroids),
+    cmocka_unit_test(all_axes_are_tried_on_request),
+    cmocka_unit_test(the_first_of_equally_cheap_splits_is_taken),
+    cmocka_unit_test(candidates_equal_brute_force),
     cmocka_unit_test(many_bins_cost_hardly_more_than_few),
-    cmocka_unit_test(two_far_triangles_are_parted),
-    cmocka_unit_test(a_node_is_a_leaf_where_no_cut_pays),
-    cmocka_unit_test(every_node_is_cut_where_brute_force_would),
-    cmocka_unit_test(rays_find_what_trying_all_finds),
+    cmocka_unit_test(two_distant_triangles_are_split),
+    cmocka_unit_test(a_node_is_a_leaf_where_no_split_pays),
+    cmocka_unit_test(every_node_is_split_where_brute_force_would),
+    cmocka_unit_test(rays_find_the_same_hits_as_brute_force),
     cmocka_unit_test(identical_triangles_become_leaves_of_64_at_most),
-    cmocka_unit_test(what_no_first_cut_pays_for_later_ones_may),
+    cmocka_unit_test(large_nodes_are_split_even_where_no_split_pays),
     cmocka_unit_test(a_geometric_progression_is_not_too_deep),
-    cmocka_unit_test(flat_long_and_huge_meshes_equal_trying_all),
+    cmocka_unit_test(flat_long_and_huge_meshes_equal_brute_force),
     cmocka_unit_test(coordinates_near_the_largest_float_build_as_good_a_tree),
-    cmocka_unit_test(every_tree_of_a_scene_costs_less_than_the_median_s),
+    cmocka_unit_test(trees_cost_less_than_the_median_except_glass_on_one_axis),
 };
 
 RK_SUITE("sah_binning", tests)

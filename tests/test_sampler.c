@@ -445,14 +445,14 @@ static double gain(integrand *f, double variance_of_one, rk_sampler_kind kind, u
 /* A variance from 20,000 nearly normal means has a relative standard error of 1 %. */
 static const double of_a_variance = 4.75 * 0.01;
 
-static void uniform_samples_err_as_independent_ones_do(void **state)
+static void uniform_samples_have_the_error_of_independent_ones(void **state)
 {
     (void)state;
     for (uint32_t n = 4; n <= 64; n *= 4)
         rk_check_close(gain(ramp, 1.0 / 6, RK_SAMPLER_UNIFORM, n), 1, of_a_variance, "1 / n");
 }
 
-static void strata_take_the_ramps_variance_down_to_one_over_n_squared(void **state)
+static void stratified_variance_of_a_ramp_falls_as_one_over_n_squared(void **state)
 {
     (void)state;
     /* In square cells of side n^-1/2 the variance of x + y is 1 / 6 n, so the mean's is 1 / 6 n^2:
@@ -462,7 +462,7 @@ static void strata_take_the_ramps_variance_down_to_one_over_n_squared(void **sta
                        "the gain over n");
 }
 
-static void low_discrepancy_takes_the_ramps_variance_down_to_one_over_n_cubed(void **state)
+static void low_discrepancy_variance_of_a_ramp_falls_as_one_over_n_cubed(void **state)
 {
     (void)state;
     /* x alone has a sample in each of n intervals: its mean's variance is 1 / 12 n^3, and so is
@@ -475,7 +475,7 @@ static void low_discrepancy_takes_the_ramps_variance_down_to_one_over_n_cubed(vo
 /* In a cell of side h the variance of f is |grad f|^2 h^2 / 12, so strata divide that of one sample
  * by n and by 12 var f n / mean |grad f|^2 once more; for small cells, of which 16 are enough here
  * for 2 % of that. The two means have closed forms. */
-static void strata_take_a_smooth_functions_variance_down_as_its_slope_says(void **state)
+static void stratified_variance_of_a_smooth_function_follows_its_slope(void **state)
 {
     (void)state;
     double exp_squared = (1 - exp(-2)) / 2, sin_squared = 0.5 - sin(6) / 12;
@@ -530,10 +530,10 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(all_samples_together_are_uniform),
     cmocka_unit_test(pixels_dimensions_and_seeds_are_unrelated),
     cmocka_unit_test(dimensions_of_a_pixels_samples_are_unrelated),
-    cmocka_unit_test(uniform_samples_err_as_independent_ones_do),
-    cmocka_unit_test(strata_take_the_ramps_variance_down_to_one_over_n_squared),
-    cmocka_unit_test(low_discrepancy_takes_the_ramps_variance_down_to_one_over_n_cubed),
-    cmocka_unit_test(strata_take_a_smooth_functions_variance_down_as_its_slope_says),
+    cmocka_unit_test(uniform_samples_have_the_error_of_independent_ones),
+    cmocka_unit_test(stratified_variance_of_a_ramp_falls_as_one_over_n_squared),
+    cmocka_unit_test(low_discrepancy_variance_of_a_ramp_falls_as_one_over_n_cubed),
+    cmocka_unit_test(stratified_variance_of_a_smooth_function_follows_its_slope),
     cmocka_unit_test(low_discrepancy_beats_strata_for_a_smooth_function),
     cmocka_unit_test(an_edges_variance_falls_by_the_root_of_n_for_both),
 };

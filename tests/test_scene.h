@@ -5,6 +5,7 @@
 #include "test.h"
 
 #include "render/render.h"
+#include "scenes/builtin.h"
 
 /* A scene of `triangles` triangles with corners of their own, all 0, of material 0, without lights.
  * The camera looks from (0, 0, -3) along +z; x grows to the left of the picture, y up. */
@@ -58,7 +59,7 @@ static inline rk_scene test_scene_builtin(const char *name)
 {
     rk_scene scene;
     rk_error error;
-    rk_check_ok(rk_scene_builtin(&scene, name, &error), error);
+    rk_check_ok(rk_builtin_scene(&scene, name, &error), error);
     return scene;
 }
 

@@ -2,8 +2,8 @@
  */
 #include "test.h"
 
-#include "scene/scene.h"
 #include "scenes/builtin.h"
+#include "scenes/makers.h"
 
 /* --- measures of a mesh ---------------------------------------------------------------------- */
 
@@ -11,7 +11,7 @@ static rk_scene make_scene(const char *name)
 {
     rk_scene scene;
     rk_error error;
-    rk_check_ok(rk_scene_builtin(&scene, name, &error), error);
+    rk_check_ok(rk_builtin_scene(&scene, name, &error), error);
     rk_check_ok(rk_mesh_validate(&scene.mesh, name, &error), error);
     return scene;
 }
@@ -225,7 +225,7 @@ static void normals_are_unit_and_agree_with_the_faces(void **state)
     }
 }
 
-static void the_light_stands_above_left_of_the_camera_and_lights_what_it_sees(void **state)
+static void the_light_is_above_left_of_the_camera_and_lights_its_view(void **state)
 {
     (void)state;
     rk_scene scene = make_scene("sphere:80");
@@ -246,7 +246,7 @@ static void a_scene_around_a_mesh_takes_it_over(void **state)
     rk_mesh mesh;
     rk_scene scene;
     rk_error error;
-    rk_check_ok(rk_mesh_make_cube(&mesh, 0, &error), error);
+    rk_check_ok(rk_builtin_make_cube(&mesh, 0, &error), error);
     rk_check_ok(rk_scene_around(&scene, "dice", &mesh, &error), error);
     rk_check(mesh.positions == NULL && mesh.triangle_count == 0, "the mesh is still the caller's");
     rk_check_equal(scene.mesh.triangle_count, 12, "the scene has it");
@@ -264,7 +264,7 @@ static void a_scene_around_a_broken_mesh_is_refused_and_empty(void **state)
         rk_mesh mesh;
         rk_scene scene;
         rk_error error = {""};
-        rk_check_ok(rk_mesh_make_cube(&mesh, 0, &error), error);
+        rk_check_ok(rk_builtin_make_cube(&mesh, 0, &error), error);
         if (broken == 0)
             mesh.triangles[11][2] = mesh.vertex_count;
         if (broken == 1)
@@ -313,7 +313,7 @@ static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
     for (size_t i = 0; i < sizeof wrong / sizeof wrong[0]; i++) {
         rk_scene scene;
         rk_error error = {""};
-        rk_check(!rk_scene_builtin(&scene, wrong[i], &error), "\"%s\" was accepted", wrong[i]);
+        rk_check(!rk_builtin_scene(&scene, wrong[i], &error), "\"%s\" was accepted", wrong[i]);
         rk_check_error_names(error, wrong[i]);
         rk_check_error_names(
             error,
@@ -326,15 +326,48 @@ static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
 static void the_help_names_every_scene(void **state)
 {
     (void)state;
-    const char *const wanted[] = {"triangle", "cube",      "cube-textured", "cornell",
-                                  "panes:N",  "glass",     "cornell-glass", "cornell-light",
-                                  "sphere:N", "spheres:N", "teapot:N",      "statue:N",
-                                  "moving:N", "cover:N"};
+    char help[2000];
+    rk_builtin_help(help, sizeof help);
+    const char *const wanted[] = {
+        "triangle  ", "cube  ",     "cube-textured  ", "cornell  ",      "panes:N  ",
+        "glass  ",    "shininess ", "cornell-glass  ", "cornell-light ", "sphere:N  ",
+        "spheres:N ", "teapot:N  ", "statue:N  ",      "moving:N  ",     "cover:N  "};
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
         char line[40];
-        snprintf(line, sizeof line, "  %s  ", wanted[i]);
-        rk_check(strstr(rk_scene_builtin_help, line), "the help misses %s", wanted[i]);
+        snprintf(line, sizeof line, "  %s", wanted[i]);
+        rk_check(strstr(help, line), "the help misses %s", wanted[i]);
     }
+    rk_check(
+        strstr(help, "a statue as if from a scanner, of exactly N triangles (default 87130)\n"),
+        "the help misses the number of triangles that a statue has by default:\n%s", help);
+}
+
+static void help_that_does_not_fit_is_truncated(void **state)
+{
+    (void)state;
+    char whole[2000], part[100];
+    rk_builtin_help(whole, sizeof whole);
+    rk_builtin_help(part, sizeof part);
+    rk_check(strlen(part) == sizeof part - 1 && strncmp(part, whole, sizeof part - 1) == 0,
+             "got \"%s\"", part);
+}
+
+static void the_statue_is_still_made_by_its_old_name_which_is_not_listed(void **state)
+{
+    (void)state;
+    rk_scene statue = make_scene("statue:50"), scan = make_scene("scan:50"), none;
+    rk_check_equal(scan.mesh.triangle_count, 50, "scan:50");
+    rk_check(memcmp(scan.mesh.positions, statue.mesh.positions,
+                    statue.mesh.vertex_count * sizeof *statue.mesh.positions) == 0,
+             "scan:50 is not statue:50");
+    rk_error error = {""};
+    rk_check(!rk_builtin_scene(&none, "scan:0", &error) && strstr(error.text, "as in statue:87130"),
+             "got \"%s\"", error.text);
+    char help[2000];
+    rk_builtin_help(help, sizeof help);
+    rk_check(!strstr(help, "  scan"), "the help lists scan");
+    rk_scene_free(&statue);
+    rk_scene_free(&scan);
 }
 
 /* --- simple shapes --------------------------------------------------------------------------- */
@@ -354,7 +387,7 @@ static void the_cube_is_closed_and_each_side_has_one_colour(void **state)
     (void)state;
     rk_mesh mesh;
     rk_error error;
-    rk_check_ok(rk_mesh_make_cube(&mesh, 0, &error), error);
+    rk_check_ok(rk_builtin_make_cube(&mesh, 0, &error), error);
     rk_check_equal(free_edges(&mesh, NULL), 0, "closed");
     rk_check_close(volume_of(&mesh), 8, 0, "an edge of 2, outwards, in whole numbers");
     for (uint32_t i = 0; i < 12; i++) {
@@ -388,7 +421,7 @@ static void the_textured_cube_shows_each_letter_upright_and_unmirrored(void **st
     (void)state;
     rk_mesh mesh;
     rk_error error;
-    rk_check_ok(rk_mesh_make_cube_textured(&mesh, 0, &error), error);
+    rk_check_ok(rk_builtin_make_cube_textured(&mesh, 0, &error), error);
     rk_check_ok(rk_mesh_validate(&mesh, "cube", &error), error);
     uint32_t *id = weld(&mesh);
     rk_check_equal(free_edges(&mesh, id), 0, "closed");
@@ -415,7 +448,7 @@ static void the_letter_differs_from_its_turned_and_mirrored_selves(void **state)
     (void)state;
     rk_mesh mesh;
     rk_error error;
-    rk_check_ok(rk_mesh_make_cube_textured(&mesh, 0, &error), error);
+    rk_check_ok(rk_builtin_make_cube_textured(&mesh, 0, &error), error);
     /* Ink in the quarters: top left, top right, bottom left, bottom right; an F has the most in the
      * first and the least in the last, and no two alike that a mirror would swap. */
     int ink[4] = {0};
@@ -437,7 +470,7 @@ static void the_sphere_is_the_smallest_with_enough_triangles(void **state)
     for (int i = 0; i < 6; i++) {
         rk_mesh mesh;
         rk_error error;
-        rk_check_ok(rk_mesh_make_sphere(&mesh, wanted[i][0], &error), error);
+        rk_check_ok(rk_builtin_make_sphere(&mesh, wanted[i][0], &error), error);
         rk_check_equal(mesh.triangle_count, wanted[i][1], "20 f f");
         rk_check_equal(mesh.vertex_count, wanted[i][1] / 2 + 2, "Euler: no vertex twice");
         rk_check_equal(free_edges(&mesh, NULL), 0, "closed");
@@ -450,7 +483,7 @@ static void sphere_triangles_are_the_icosahedrons_own(void **state)
     (void)state;
     rk_mesh mesh;
     rk_error error;
-    rk_check_ok(rk_mesh_make_sphere(&mesh, 20 * 12 * 12, &error), error);
+    rk_check_ok(rk_builtin_make_sphere(&mesh, 20 * 12 * 12, &error), error);
     double smallest = INFINITY, largest = 0;
     for (uint32_t i = 0; i < mesh.triangle_count; i++) {
         smallest = fmin(smallest, area_of(&mesh, i));
@@ -618,7 +651,7 @@ static void the_cornell_blocks_of_glass_are_closed_and_coloured(void **state)
 static void glass_of_its_thickness_filters_to_its_colour(void **state)
 {
     (void)state;
-    rk_material m = rk_glass(rk_vec(0.25f, 0.5f, 1), 0.3f, 2);
+    rk_material m = rk_builtin_glass(rk_vec(0.25f, 0.5f, 1), 0.3f, 2);
     for (int axis = 0; axis < 3; axis++)
         rk_check_close(exp(-2 * (double)rk_axis(m.absorption, axis)), rk_axis(m.kd, axis), 1e-7,
                        "exp(-sigma 2), a few roundings");
@@ -782,11 +815,11 @@ static rk_mesh make_teapot(uint32_t n)
 {
     rk_mesh mesh;
     rk_error error;
-    rk_check_ok(rk_mesh_make_teapot(&mesh, n, &error), error);
+    rk_check_ok(rk_builtin_make_teapot(&mesh, n, &error), error);
     return mesh;
 }
 
-static void teapot_patches_share_their_borders_to_the_bit(void **state)
+static void teapot_patches_have_common_edges_to_the_bit(void **state)
 {
     (void)state;
     for (uint32_t n = 2; n <= 14; n += 3) {
@@ -892,7 +925,7 @@ static void the_teapot_faces_outwards(void **state)
     rk_mesh_free(&mesh);
 }
 
-static void teapot_normals_are_those_of_the_surface(void **state)
+static void teapot_normals_fit_the_surface(void **state)
 {
     (void)state;
     const uint32_t n = 64;
@@ -945,7 +978,7 @@ static const uint32_t statue_counts[] = {6, 7, 50, 100, 333, 500, 966, 967, 5000
 
 enum { statue_count_count = sizeof statue_counts / sizeof statue_counts[0] };
 
-static void a_statue_has_exactly_the_triangles_asked_for(void **state)
+static void a_statue_has_exactly_the_requested_triangles(void **state)
 {
     (void)state;
     for (uint32_t n = 1; n <= 50; n++) {
@@ -1044,11 +1077,13 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(every_scene_is_valid_and_has_its_count),
     cmocka_unit_test(every_scene_fits_into_the_unit_ball),
     cmocka_unit_test(normals_are_unit_and_agree_with_the_faces),
-    cmocka_unit_test(the_light_stands_above_left_of_the_camera_and_lights_what_it_sees),
+    cmocka_unit_test(the_light_is_above_left_of_the_camera_and_lights_its_view),
     cmocka_unit_test(a_scene_around_a_mesh_takes_it_over),
     cmocka_unit_test(a_scene_around_a_broken_mesh_is_refused_and_empty),
     cmocka_unit_test(a_wrong_name_or_number_is_refused_with_the_list),
     cmocka_unit_test(the_help_names_every_scene),
+    cmocka_unit_test(help_that_does_not_fit_is_truncated),
+    cmocka_unit_test(the_statue_is_still_made_by_its_old_name_which_is_not_listed),
     cmocka_unit_test(the_triangle_faces_the_camera),
     cmocka_unit_test(the_cube_is_closed_and_each_side_has_one_colour),
     cmocka_unit_test(the_textured_cube_shows_each_letter_upright_and_unmirrored),
@@ -1068,15 +1103,15 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_two_orders_differ_in_depth_alone),
     cmocka_unit_test(thin_and_thick_glass_are_closed_and_of_one_material),
     cmocka_unit_test(both_shadows_of_the_glass_are_seen_on_the_floor),
-    cmocka_unit_test(teapot_patches_share_their_borders_to_the_bit),
+    cmocka_unit_test(teapot_patches_have_common_edges_to_the_bit),
     cmocka_unit_test(the_teapots_patches_are_the_published_ones),
     cmocka_unit_test(the_teapot_has_its_known_size),
     cmocka_unit_test(the_teapot_is_its_own_mirror_image_to_the_bit),
     cmocka_unit_test(the_teapot_faces_outwards),
-    cmocka_unit_test(teapot_normals_are_those_of_the_surface),
+    cmocka_unit_test(teapot_normals_fit_the_surface),
     cmocka_unit_test(teapot_poles_have_vertical_normals),
     cmocka_unit_test(no_teapot_triangle_is_flat),
-    cmocka_unit_test(a_statue_has_exactly_the_triangles_asked_for),
+    cmocka_unit_test(a_statue_has_exactly_the_requested_triangles),
     cmocka_unit_test(a_statue_is_closed_but_for_one_hole_when_odd),
     cmocka_unit_test(every_vertex_of_a_statue_belongs_to_a_triangle),
     cmocka_unit_test(statue_triangles_are_of_similar_size),

@@ -1,5 +1,5 @@
-/* Shading: every model against values worked out by hand and in double, what normalised ones
- * reflect of the light from all sides, and that nothing is ever NaN. */
+/* Shading: every model against values computed by hand and in double, the light that normalized
+ * models reflect, and that no result is NaN. */
 #include "test.h"
 
 #include "base/random.h"
@@ -42,7 +42,7 @@ static rk_shading shading_of(rk_shading_model model, bool normalized)
     return (rk_shading){model, normalized, {1, {{0, {0.5f, 0.5f, 0.5f}}}}};
 }
 
-/* The lobe alone: kd black, ks white, light of colour one, `up` the normal. */
+/* The lobe alone: kd black, ks white, white light, `up` the normal. */
 static float highlight(rk_shading_model model, float shininess, rk_vec3 l, rk_vec3 v)
 {
     rk_shading shading = shading_of(model, false);
@@ -61,7 +61,7 @@ static bool equal_bits(rk_vec3 a, rk_vec3 b)
     return memcmp(&a, &b, sizeof a) == 0;
 }
 
-/* --- The models once more, in double -------------------------------------------------------- */
+/* --- The models in double precision --------------------------------------------------------- */
 
 typedef struct vec {
     double x, y, z;
@@ -78,14 +78,14 @@ static vec combine(vec a, double s, vec b, double t)
     return (vec){a.x * s + b.x * t, a.y * s + b.y * t, a.z * s + b.z * t};
 }
 
-/* The direction that a float vector stands for: its length is off by a rounding. */
+/* The direction of a float vector, whose length is off by a rounding. */
 static vec exact(rk_vec3 a)
 {
     vec v = {(double)a.x, (double)a.y, (double)a.z};
     return combine(v, 1 / sqrt(dot(v, v)), v, 0);
 }
 
-/* What a model returns for kd = 0, ks = 1 and light of colour one. */
+/* A model's result for kd = 0, ks = 1 and white light. */
 static double exact_highlight(rk_shading_model model, bool normalized, double s, rk_vec3 n_,
                               rk_vec3 l_, rk_vec3 v_)
 {
@@ -127,7 +127,7 @@ static void lambert_falls_with_the_cosine(void **state)
         rk_vec3 got =
             rk_shade(&shading, kd, white, 10, up, direction(degrees, 40), direction(30, 0), light);
         check_colour(got, rk_scale(white, cosine), few_roundings,
-                     "I kd n.l, and nothing of ks: all three products of I and kd are one here");
+                     "I kd n.l, without ks: all three products of I and kd are one here");
     }
 }
 
@@ -141,8 +141,8 @@ static void light_from_behind_or_along_the_surface_gives_nothing(void **state)
             rk_vec3 got = rk_shade(&shading, white, white, k & 2 ? 4.0f : 0, up, lights[k / 4],
                                    direction(80, 180), white);
             rk_check(equal_bits(got, black),
-                     "%s, light %d: got %g, want 0: n.l = %g is not above 0, so the highlight is "
-                     "out as well",
+                     "%s, light %d: got %g, want 0: n.l = %g is not above 0, so there is no "
+                     "highlight either",
                      model_names[model], k / 4, (double)got.x, (double)lights[k / 4].z);
         }
 }
@@ -186,7 +186,8 @@ static void in_the_mirror_direction_both_highlights_are_one(void **state)
                 float got = highlight((rk_shading_model)model, shininess[i], l, v);
                 rk_check(got <= 1, "%s, shininess %g: got %.9g, which is more than one",
                          model_names[model], (double)shininess[i], (double)got);
-                /* v is off the mirror direction by some roundings, which a cosine hardly feels. */
+                /* v is off the mirror direction by some roundings, which hardly change the cosine.
+                 * */
                 rk_check_close(got, 1, few_roundings, "the cosine is one, and so is its power");
             }
 }
@@ -194,7 +195,7 @@ static void in_the_mirror_direction_both_highlights_are_one(void **state)
 static void a_highlight_ends_at_a_right_angle(void **state)
 {
     (void)state;
-    /* r is at 70 degrees to the one side. With v at 10 to the other they are 80 apart, with v at 30
+    /* r is at 70 degrees to one side. With v at 10 to the other they are 80 apart, with v at 30
      * they are 100 apart, and an even power of a negative cosine is positive. */
     rk_vec3 l = direction(70, 180), v = direction(-10, 0);
     double cosine = cos(80 * pi / 180);
@@ -203,7 +204,7 @@ static void a_highlight_ends_at_a_right_angle(void **state)
     v = direction(-30, 0);
     rk_check_close(highlight(RK_SHADING_PHONG, 2, l, v), 0, 0, "max(0, r.v), before the power");
     rk_check_close(highlight(RK_SHADING_PHONG, 0, l, v), 0, 0, "this holds for s = 0 too");
-    /* A viewer below the surface, opposite to the light and on: n.h is not positive. */
+    /* A viewer below the surface, opposite to the light and beyond: n.h is not positive. */
     v = direction(120, 0);
     rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, l, v), 0, 0, "max(0, n.h)");
     rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 0, l, v), 0, 0, "this holds for s = 0 too");
@@ -212,7 +213,7 @@ static void a_highlight_ends_at_a_right_angle(void **state)
                    "l + v is zero: there is no half vector");
 }
 
-static void without_shininess_the_highlight_is_even(void **state)
+static void without_shininess_the_highlight_is_constant(void **state)
 {
     (void)state;
     for (int degrees = -50; degrees < 90; degrees += 10) {
@@ -232,7 +233,7 @@ static void diffuse_part_and_highlight_add_up(void **state)
     for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
         rk_shading shading = shading_of((rk_shading_model)model, false);
         check_colour(rk_shade(&shading, kd, ks, 5, up, l, v, light), rk_vec(0.5f, 1, 5),
-                     8 * few_roundings, "I (kd n.l + ks lobe): the classic lobe goes without n.l");
+                     8 * few_roundings, "I (kd n.l + ks lobe): the classic lobe has no factor n.l");
     }
 }
 
@@ -246,13 +247,13 @@ static void without_specular_colour_every_model_is_lambert(void **state)
         rk_vec3 want = rk_shade(&lambert, kd, white, 3, n, l, v, light);
         check_colour(want,
                      rk_scale(rk_mul(kd, light), rk_max(0, rk_dot(n, l)) / (i & 1 ? (float)pi : 1)),
-                     few_roundings, "Lambert: I kd n.l, normalised by pi");
+                     few_roundings, "Lambert: I kd n.l, divided by pi if normalized");
         for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
             rk_shading shading = shading_of((rk_shading_model)model, i & 1);
             rk_vec3 got = rk_shade(&shading, kd, black, NAN, n, l, v, light);
             rk_check(equal_bits(got, want),
                      "%s with ks = 0 and a shininess that is not a number: got %.9g, Lambert has "
-                     "%.9g: what is not needed is not computed",
+                     "%.9g: without ks, compute no highlight",
                      model_names[model], (double)got.x, (double)want.x);
         }
     }
@@ -280,7 +281,7 @@ static void a_gradient_is_linear_between_its_stops(void **state)
 {
     (void)state;
     const rk_gradient gradient = {3, {{-1, {0, 0, 1}}, {0, {1, 0, 0}}, {0.5f, {0, 1, 0}}}};
-    const char *hint = "between two neighbouring stops, by the share of the way";
+    const char *hint = "linear between two neighbouring stops";
     check_colour(rk_gradient_at(&gradient, -1), rk_vec(0, 0, 1), 0, hint);
     check_colour(rk_gradient_at(&gradient, -0.75f), rk_vec(0.25f, 0, 0.75f), 0, hint);
     check_colour(rk_gradient_at(&gradient, 0), rk_vec(1, 0, 0), 0, hint);
@@ -288,7 +289,7 @@ static void a_gradient_is_linear_between_its_stops(void **state)
     check_colour(rk_gradient_at(&gradient, 0.5f), rk_vec(0, 1, 0), 0, hint);
 }
 
-static void beyond_its_end_stops_a_gradient_is_even(void **state)
+static void beyond_its_end_stops_a_gradient_is_constant(void **state)
 {
     (void)state;
     const rk_gradient gradient = {2, {{-0.5f, {1, 0, 0}}, {0.5f, {0, 1, 0}}}};
@@ -297,7 +298,7 @@ static void beyond_its_end_stops_a_gradient_is_even(void **state)
     check_colour(rk_gradient_at(&gradient, 0.75f), rk_vec(0, 1, 0), 0, hint);
     check_colour(rk_gradient_at(&gradient, -INFINITY), rk_vec(1, 0, 0), 0, hint);
     check_colour(rk_gradient_at(&gradient, INFINITY), rk_vec(0, 1, 0), 0, hint);
-    /* A unit vector's product with itself may be this. */
+    /* Rounding may make a unit vector's product with itself this large. */
     const rk_gradient whole = {2, {{-1, {1, 0, 0}}, {1, {0, 1, 0}}}};
     check_colour(rk_gradient_at(&whole, 1 + 0x1p-22f), rk_vec(0, 1, 0), 0, hint);
 }
@@ -317,8 +318,8 @@ static void stops_may_come_in_any_order(void **state)
         for (float x = -1.125f; x <= 1.125f; x += 0.0625f) {
             rk_vec3 got = rk_gradient_at(&gradient, x), expected = rk_gradient_at(&want, x);
             rk_check(equal_bits(got, expected),
-                     "stops %d %d %d %d, x = %g: got (%g, %g, %g), in order (%g, %g, %g): it is "
-                     "neighbours in x that count, not in the list",
+                     "stops %d %d %d %d, x = %g: got (%g, %g, %g), in order (%g, %g, %g): take the "
+                     "neighbours in x, not in the list",
                      place[0], place[1], place[2], place[3], (double)x, (double)got.x,
                      (double)got.y, (double)got.z, (double)expected.x, (double)expected.y,
                      (double)expected.z);
@@ -333,12 +334,12 @@ static void stops_at_one_place_make_a_step(void **state)
     const rk_gradient gradient = {
         5, {{1, {1, 1, 1}}, {0, {1, 0, 0}}, {0, {0, 0, 1}}, {0, {0, 1, 0}}, {-1, {0, 0, 0}}}};
     check_colour(rk_gradient_at(&gradient, -0.5f), rk_vec(0.5f, 0, 0), 0,
-                 "below the step: on the way to the first of them");
+                 "below the step: linear up to the first of them");
     check_colour(rk_gradient_at(&gradient, -0x1p-20f), rk_vec(1, 0, 0), 0x1p-19,
                  "just below the step: the first of them");
     check_colour(rk_gradient_at(&gradient, 0), rk_vec(0, 1, 0), 0, "at the step: the last of them");
     check_colour(rk_gradient_at(&gradient, 0.5f), rk_vec(0.5f, 1, 0.5f), 0,
-                 "above the step: on the way from the last of them");
+                 "above the step: linear from the last of them on");
     const rk_gradient ends = {4,
                               {{-1, {1, 0, 0}}, {-1, {0, 1, 0}}, {1, {0, 0, 1}}, {1, {1, 1, 1}}}};
     check_colour(rk_gradient_at(&ends, -2), rk_vec(1, 0, 0), 0,
@@ -352,27 +353,28 @@ static void one_stop_is_one_colour_and_none_is_black(void **state)
     (void)state;
     const rk_gradient one = {1, {{0.25f, {0.5f, 0.25f, 1}}}}, none = {0};
     for (float x = -1; x <= 1; x += 0.25f) {
-        check_colour(rk_gradient_at(&one, x), rk_vec(0.5f, 0.25f, 1), 0, "there is but one colour");
+        check_colour(rk_gradient_at(&one, x), rk_vec(0.5f, 0.25f, 1), 0,
+                     "there is only one colour");
         check_colour(rk_gradient_at(&none, x), black, 0, "no stops, no light");
     }
 }
 
-static void a_gradient_colours_what_faces_away_too(void **state)
+static void a_gradient_also_colours_surfaces_that_face_away(void **state)
 {
     (void)state;
     rk_shading shading = {RK_SHADING_GRADIENT, false, {2, {{-1, {0, 0, 1}}, {1, {1, 0, 0}}}}};
     for (int normalized = 0; normalized < 2; normalized++)
         for (int degrees = 0; degrees <= 180; degrees += 15) {
             shading.normalized = normalized;
-            float share = (float)(0.5 + 0.5 * cos(degrees * pi / 180));
+            float blend = (float)(0.5 + 0.5 * cos(degrees * pi / 180));
             rk_vec3 got = rk_shade(&shading, black, white, 5, up, direction(degrees, 70), up,
                                    rk_vec(0.5f, 1, 0.25f));
-            check_colour(got, rk_vec(0.5f * share, 0, 0.25f * (1 - share)), few_roundings,
+            check_colour(got, rk_vec(0.5f * blend, 0, 0.25f * (1 - blend)), few_roundings,
                          "I gradient(n.l), n.l in [-1, 1], whatever kd and ks are");
         }
 }
 
-/* --- In double ------------------------------------------------------------------------------ */
+/* --- In double precision -------------------------------------------------------------------- */
 
 /* A power multiplies the roundings of a cosine by its exponent. */
 static double power_tolerance(double s)
@@ -380,10 +382,10 @@ static double power_tolerance(double s)
     return few_roundings * (1 + s);
 }
 
-/* There is a better way. Two unit vectors at the distance d have 1 - cos = d^2 / 2 between them.
- * From their difference, each component of which is off by some roundings, that comes out off by d
- * times roundings, and the power, about p = exp(-s d^2 / 2), by p s d times roundings: at most
- * sqrt(s / e), where s d^2 = 1. */
+/* There is a better way. Unit vectors at distance d have 1 - cos = d^2 / 2. Computed from their
+ * difference, whose components are off by some roundings, its error is d times roundings, and the
+ * error of the power, about p = exp(-s d^2 / 2), is p s d times roundings: at most sqrt(s / e),
+ * where s d^2 = 1. */
 static double highlight_tolerance(double s)
 {
     return few_roundings * (1 + sqrt(s));
@@ -391,7 +393,7 @@ static double highlight_tolerance(double s)
 
 static void check_highlights(bool normalized, double s, double tolerance_of_one, uint32_t seed)
 {
-    /* Viewers around the mirror direction, from the lobe's middle out to where nothing is left. */
+    /* Viewers around the mirror direction, from the lobe's middle to where it has vanished. */
     double spread = 6 / sqrt(s + 1) * 180 / pi;
     for (uint32_t i = 0; i < 2000; i++) {
         double theta = 89 * (double)rk_unit_float(rk_hash(seed, i, 0, 3));
@@ -404,19 +406,19 @@ static void check_highlights(bool normalized, double s, double tolerance_of_one,
             double want = exact_highlight((rk_shading_model)model, normalized, s, up, l, v);
             double largest =
                 normalized ? exact_highlight((rk_shading_model)model, true, s, up, up, up) : 1;
-            /* Halfway between nearly opposite directions, roundings are large beside the sum. */
+            /* For nearly opposite directions, roundings are large compared with their sum. */
             float sum = model == RK_SHADING_PHONG ? 1 : rk_length(rk_add(l, v));
             double tolerance = tolerance_of_one * largest / (double)rk_min(sum, 1);
             double got = (double)rk_shade(&shading, black, white, (float)s, up, l, v, white).x;
             rk_check(fabs(got - want) <= tolerance,
                      "%s%s, shininess %g, light at %.3f degrees: got %.9g, want %.9g within %.3g",
-                     model_names[model], normalized ? ", normalised" : "", s, theta, got, want,
+                     model_names[model], normalized ? ", normalized" : "", s, theta, got, want,
                      tolerance);
         }
     }
 }
 
-static void highlights_equal_those_in_double(void **state)
+static void highlights_agree_with_double_precision(void **state)
 {
     (void)state;
     const double shininess[] = {0, 1, 1.5, 2, 7, 10, 50};
@@ -424,7 +426,7 @@ static void highlights_equal_those_in_double(void **state)
         check_highlights(false, shininess[i], power_tolerance(shininess[i]), i);
 }
 
-static void normalised_highlights_equal_those_in_double(void **state)
+static void normalized_highlights_agree_with_double_precision(void **state)
 {
     (void)state;
     const double shininess[] = {0, 1, 1.5, 2, 7, 10, 50};
@@ -432,24 +434,24 @@ static void normalised_highlights_equal_those_in_double(void **state)
         check_highlights(true, shininess[i], power_tolerance(shininess[i]), i);
 }
 
-/* Here the power of a dot product of floats is off by 1e-2. */
+/* Here a power of a float dot product is off by 1e-2. */
 static void the_sharpest_highlights_keep_three_digits(void **state)
 {
     (void)state;
     const double shininess[] = {1e3, 1e4, 1e5};
     for (uint32_t i = 0; i < sizeof shininess / sizeof shininess[0]; i++)
         check_highlights(false, shininess[i], highlight_tolerance(shininess[i]), 100 + i);
-    rk_check(highlight_tolerance(1e5) < 1e-3, "the tolerance is more than three digits allow");
+    rk_check(highlight_tolerance(1e5) < 1e-3, "the tolerance is too large for three digits");
 }
 
 /* --- Energy --------------------------------------------------------------------------------- */
 
-/* The share of even light from all around that goes to v: a white furnace. The integral over l is
- * that over directions (u, phi) around an axis in which the lobe's power is u^s: for Phong l itself
- * around the mirror direction of v, for Blinn-Phong the half vector around the normal, where
- * dl = 4 (v.h) dh. With w = u^(s + 1), du = dw / ((s + 1) u^s), all that is left is smooth and of
- * one size at any shininess, but for a bend at the horizon: the midpoint rule on 96 x 64 cells is
- * off by less than 5e-4 (a hundred times as many cells show it). */
+/* The fraction of uniform light from all sides that is reflected to v: a white furnace. The
+ * integral over l becomes one over directions (u, phi) around an axis in which the lobe is u^s: for
+ * Phong l itself around the mirror direction of v, for Blinn-Phong the half vector around the
+ * normal, where dl = 4 (v.h) dh. With w = u^(s + 1), du = dw / ((s + 1) u^s), the integrand is
+ * smooth, apart from a kink at the horizon, and of the same size for any shininess: the midpoint
+ * rule on 96 x 64 cells is off by less than 5e-4 (checked with a hundred times as many cells). */
 static const double furnace_error = 5e-4;
 
 static double furnace(const rk_shading *shading, double s, double degrees)
@@ -482,7 +484,7 @@ static double furnace(const rk_shading *shading, double s, double degrees)
 
 static const double furnace_shininess[] = {1, 2, 5, 10, 30, 100, 1e3, 1e4, 1e5};
 
-static void normalised_highlights_reflect_all_along_the_normal(void **state)
+static void normalized_highlights_reflect_all_light_along_the_normal(void **state)
 {
     (void)state;
     for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++)
@@ -490,13 +492,13 @@ static void normalised_highlights_reflect_all_along_the_normal(void **state)
             rk_shading shading = shading_of((rk_shading_model)model, true);
             double s = furnace_shininess[i], got = furnace(&shading, s, 0);
             rk_check(fabs(got - 1) <= furnace_error + highlight_tolerance(s),
-                     "%s, shininess %g: the lobe integrates to %.6f, want 1: times n.l, and with "
-                     "the factor of this model",
+                     "%s, shininess %g: the lobe integrates to %.6f, want 1: multiply by n.l and "
+                     "by this model's factor",
                      model_names[model], s, got);
         }
 }
 
-static void normalised_highlights_never_reflect_more_than_arrives(void **state)
+static void normalized_highlights_never_reflect_more_light_than_arrives(void **state)
 {
     (void)state;
     for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++)
@@ -513,7 +515,7 @@ static void normalised_highlights_never_reflect_more_than_arrives(void **state)
             }
 }
 
-static void normalised_diffuse_light_reflects_the_share_kd(void **state)
+static void normalized_diffuse_light_reflects_the_fraction_kd(void **state)
 {
     (void)state;
     /* Cells of equal n.l^2 and equal angle around: the integral of a constant times n.l. */
@@ -529,7 +531,7 @@ static void normalised_diffuse_light_reflects_the_share_kd(void **state)
     rk_check_close(sum / rings * pi, 0.75, 8 * few_roundings, "kd / pi integrates to kd");
 }
 
-static void swapping_light_and_viewer_changes_nothing_but_the_cosine(void **state)
+static void swapping_light_and_viewer_changes_only_the_cosine(void **state)
 {
     (void)state;
     for (int model = RK_SHADING_LAMBERT; model <= RK_SHADING_BLINN_PHONG; model++)
@@ -542,16 +544,17 @@ static void swapping_light_and_viewer_changes_nothing_but_the_cosine(void **stat
             double there = (double)rk_shade(&shading, kd, ks, s, up, l, v, white).x * (double)v.z;
             double back = (double)rk_shade(&shading, kd, ks, s, up, v, l, white).x * (double)l.z;
             double largest = (double)(s + 2);
-            rk_check(there > 0, "%s: nothing is reflected from above to above", model_names[model]);
+            rk_check(there > 0, "%s: nothing is reflected between two directions above the surface",
+                     model_names[model]);
             rk_check(fabs(there - back) <= highlight_tolerance((double)s) * largest,
-                     "%s, shininess %g: %.9g there, %.9g back: f(l, v) = f(v, l)",
+                     "%s, shininess %g: %.9g for (l, v), %.9g for (v, l): f(l, v) = f(v, l)",
                      model_names[model], (double)s, there, back);
         }
 }
 
 /* --- Odd values ----------------------------------------------------------------------------- */
 
-static void nothing_is_ever_not_a_number(void **state)
+static void no_colour_is_nan(void **state)
 {
     (void)state;
     const float shininess[] = {0, 0x1p-149f, 1e-30f, 0.5f, 1, 1e5f, 1e10f, 1e20f, 3.4e38f};
@@ -565,7 +568,7 @@ static void nothing_is_ever_not_a_number(void **state)
                     rk_shade(&shading, white, i & 2 ? white : black, shininess[s], up, l, v, white);
                 rk_check(isfinite(got.x) && got.x >= 0,
                          "%s%s, shininess %g, light at %g degrees, viewer at %g: got %g",
-                         model_names[model], i & 1 ? ", normalised" : "", (double)shininess[s],
+                         model_names[model], i & 1 ? ", normalized" : "", (double)shininess[s],
                          angles[i / 4 % 10], angles[i / 40], (double)got.x);
             }
 }
@@ -578,24 +581,24 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(blinn_phong_is_the_cosine_from_the_normal_to_the_half_vector_to_a_power),
     cmocka_unit_test(in_the_mirror_direction_both_highlights_are_one),
     cmocka_unit_test(a_highlight_ends_at_a_right_angle),
-    cmocka_unit_test(without_shininess_the_highlight_is_even),
+    cmocka_unit_test(without_shininess_the_highlight_is_constant),
     cmocka_unit_test(diffuse_part_and_highlight_add_up),
     cmocka_unit_test(without_specular_colour_every_model_is_lambert),
     cmocka_unit_test(twice_the_light_is_twice_the_colour),
     cmocka_unit_test(a_gradient_is_linear_between_its_stops),
-    cmocka_unit_test(beyond_its_end_stops_a_gradient_is_even),
+    cmocka_unit_test(beyond_its_end_stops_a_gradient_is_constant),
     cmocka_unit_test(stops_may_come_in_any_order),
     cmocka_unit_test(stops_at_one_place_make_a_step),
     cmocka_unit_test(one_stop_is_one_colour_and_none_is_black),
-    cmocka_unit_test(a_gradient_colours_what_faces_away_too),
-    cmocka_unit_test(highlights_equal_those_in_double),
-    cmocka_unit_test(normalised_highlights_equal_those_in_double),
+    cmocka_unit_test(a_gradient_also_colours_surfaces_that_face_away),
+    cmocka_unit_test(highlights_agree_with_double_precision),
+    cmocka_unit_test(normalized_highlights_agree_with_double_precision),
     cmocka_unit_test(the_sharpest_highlights_keep_three_digits),
-    cmocka_unit_test(normalised_diffuse_light_reflects_the_share_kd),
-    cmocka_unit_test(normalised_highlights_reflect_all_along_the_normal),
-    cmocka_unit_test(normalised_highlights_never_reflect_more_than_arrives),
-    cmocka_unit_test(swapping_light_and_viewer_changes_nothing_but_the_cosine),
-    cmocka_unit_test(nothing_is_ever_not_a_number),
+    cmocka_unit_test(normalized_diffuse_light_reflects_the_fraction_kd),
+    cmocka_unit_test(normalized_highlights_reflect_all_light_along_the_normal),
+    cmocka_unit_test(normalized_highlights_never_reflect_more_light_than_arrives),
+    cmocka_unit_test(swapping_light_and_viewer_changes_only_the_cosine),
+    cmocka_unit_test(no_colour_is_nan),
 };
 
 RK_SUITE("shading", tests)

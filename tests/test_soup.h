@@ -43,7 +43,7 @@ static inline rk_mesh make_soup(uint32_t triangles, float size, uint32_t seed)
     return mesh;
 }
 
-static inline rk_hit closest_by_trying_all(const rk_mesh *mesh, const rk_ray *ray)
+static inline rk_hit closest_by_brute_force(const rk_mesh *mesh, const rk_ray *ray)
 {
     rk_hit hit = {ray->t_max, 0, 0, RK_MISS};
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {

@@ -47,7 +47,7 @@ static void a_ray_at_the_centre_stops_at_the_radius(void **state)
     rk_check_close(rk_sphere_intersect(&sphere, &ray, INFINITY), 1.5, 0, "t counts in directions");
 }
 
-static void from_inside_the_far_side_is_met(void **state)
+static void from_inside_the_far_side_is_hit(void **state)
 {
     (void)state;
     rk_sphere sphere = {rk_vec(1, 1, 1), 2};
@@ -56,7 +56,7 @@ static void from_inside_the_far_side_is_met(void **state)
                    "the radius, exact in floats");
 }
 
-static void what_lies_behind_or_beyond_t_max_is_missed(void **state)
+static void a_sphere_behind_or_beyond_t_max_is_missed(void **state)
 {
     (void)state;
     rk_sphere sphere = {rk_vec(0, 0, 5), 2};
@@ -70,7 +70,7 @@ static void what_lies_behind_or_beyond_t_max_is_missed(void **state)
              "it passes at distance 3");
 }
 
-static void random_rays_meet_it_where_the_quadratic_says(void **state)
+static void random_rays_hit_it_where_the_quadratic_says(void **state)
 {
     (void)state;
     uint32_t hits = 0;
@@ -121,7 +121,7 @@ static void rays_of_nan_and_none_miss(void **state)
     rk_check(rk_sphere_intersect(&sphere, &none, INFINITY) == INFINITY, "a direction of length 0");
 }
 
-static void the_closest_keeps_what_is_nearer(void **state)
+static void the_closest_hit_keeps_a_nearer_one(void **state)
 {
     (void)state;
     rk_sphere sphere = {rk_vec(0, 0, 5), 2};
@@ -139,7 +139,7 @@ static void the_closest_keeps_what_is_nearer(void **state)
 }
 
 /* Hits spheres of sizes 2^-10 .. 2^10 at distances up to a thousand radii from the origin. */
-static void rays_that_leave_outwards_never_come_back(void **state)
+static void rays_spawned_outwards_never_hit_the_sphere_again(void **state)
 {
     (void)state;
     rk_material material = {.alpha = 1};
@@ -180,13 +180,13 @@ static void rays_that_leave_outwards_never_come_back(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_ray_at_the_centre_stops_at_the_radius),
-    cmocka_unit_test(from_inside_the_far_side_is_met),
-    cmocka_unit_test(what_lies_behind_or_beyond_t_max_is_missed),
-    cmocka_unit_test(random_rays_meet_it_where_the_quadratic_says),
+    cmocka_unit_test(from_inside_the_far_side_is_hit),
+    cmocka_unit_test(a_sphere_behind_or_beyond_t_max_is_missed),
+    cmocka_unit_test(random_rays_hit_it_where_the_quadratic_says),
     cmocka_unit_test(a_small_sphere_far_away_keeps_its_size),
     cmocka_unit_test(rays_of_nan_and_none_miss),
-    cmocka_unit_test(the_closest_keeps_what_is_nearer),
-    cmocka_unit_test(rays_that_leave_outwards_never_come_back),
+    cmocka_unit_test(the_closest_hit_keeps_a_nearer_one),
+    cmocka_unit_test(rays_spawned_outwards_never_hit_the_sphere_again),
 };
 
 RK_SUITE("sphere", tests)

@@ -109,7 +109,7 @@ static void the_point_lies_within_its_error_bound(void **state)
     rk_mesh_free(&mesh);
 }
 
-static void a_far_corner_does_not_carry_the_point_off_the_opposite_edge(void **state)
+static void a_distant_corner_does_not_move_the_point_off_the_opposite_edge(void **state)
 {
     (void)state;
     /* 1 - u - v is about 0 there; an error of 2^-25 in it, times 10^6, is a hundred times more
@@ -297,7 +297,7 @@ static bool is_finite(rk_vec3 v)
     return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
 }
 
-static void triangles_without_area_have_a_unit_normal_and_can_be_left(void **state)
+static void triangles_without_area_have_a_unit_normal_and_spawn_rays(void **state)
 {
     (void)state;
     const rk_vec3 corners[][3] = {
@@ -421,14 +421,14 @@ static void check_that_nothing_returns(uint32_t key, family f, int triangles)
     rk_mesh_free(&mesh);
 }
 
-static void a_ray_that_leaves_never_meets_its_triangle_again(void **state)
+static void a_spawned_ray_never_hits_its_triangle_again(void **state)
 {
     (void)state;
     for (size_t f = 0; f < sizeof families / sizeof *families; f++)
         check_that_nothing_returns((uint32_t)(100 + f), families[f], 10000);
 }
 
-static void directions_that_leave_alike_start_from_one_point(void **state)
+static void directions_that_spawn_alike_start_at_one_point(void **state)
 {
     (void)state;
     rk_mesh mesh = make_triangle(0);
@@ -459,7 +459,7 @@ static void directions_that_leave_alike_start_from_one_point(void **state)
     rk_mesh_free(&mesh);
 }
 
-static void a_ray_leaves_to_the_side_to_which_it_heads(void **state)
+static void a_ray_is_spawned_on_the_side_of_its_direction(void **state)
 {
     (void)state;
     rk_mesh mesh = make_triangle(0);
@@ -526,19 +526,19 @@ static void the_step_is_a_few_error_bounds(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_surface_tells_where_and_of_what_it_is),
     cmocka_unit_test(the_point_lies_within_its_error_bound),
-    cmocka_unit_test(a_far_corner_does_not_carry_the_point_off_the_opposite_edge),
+    cmocka_unit_test(a_distant_corner_does_not_move_the_point_off_the_opposite_edge),
     cmocka_unit_test(the_error_bound_is_two_roundings_of_the_coordinates),
     cmocka_unit_test(face_normals_are_unit_orthogonal_and_face_the_ray),
     cmocka_unit_test(tiny_triangles_keep_their_normal),
     cmocka_unit_test(interpolated_normals_are_unit_and_on_the_side_of_the_face_normal),
     cmocka_unit_test(interpolated_normals_are_weighted_by_the_corners),
     cmocka_unit_test(normals_that_cancel_give_way_to_the_face_normal),
-    cmocka_unit_test(triangles_without_area_have_a_unit_normal_and_can_be_left),
+    cmocka_unit_test(triangles_without_area_have_a_unit_normal_and_spawn_rays),
     cmocka_unit_test(the_texture_multiplies_the_diffuse_colour),
     cmocka_unit_test(the_diffuse_colour_is_plain_where_there_is_no_texture),
-    cmocka_unit_test(a_ray_that_leaves_never_meets_its_triangle_again),
-    cmocka_unit_test(directions_that_leave_alike_start_from_one_point),
-    cmocka_unit_test(a_ray_leaves_to_the_side_to_which_it_heads),
+    cmocka_unit_test(a_spawned_ray_never_hits_its_triangle_again),
+    cmocka_unit_test(directions_that_spawn_alike_start_at_one_point),
+    cmocka_unit_test(a_ray_is_spawned_on_the_side_of_its_direction),
     cmocka_unit_test(the_step_is_a_few_error_bounds),
 };
 

@@ -160,11 +160,11 @@ static void a_damaged_row_is_refused_with_its_line(void **state)
 static void a_damaged_quote_is_refused_with_its_line(void **state)
 {
     check_untouched(*state, "scene,method,ms\na,x,1\nb,\"never closed,3\nc,x,1\n",
-                    "line 3 has a quote");
-    check_untouched(*state, "scene,method,ms\nb,\"closed\"early,3\n", "line 2 has a quote");
-    check_untouched(*state, "scene,method,ms\nb,x,\"3\"early", "line 2 has a quote");
-    check_untouched(*state, "scene,method,ms\nb,in\"side,3\n", "line 2 has a quote");
-    check_untouched(*state, "scene,method,ms\nb,x,\"", "line 2 has a quote");
+                    "line 3 has a misplaced");
+    check_untouched(*state, "scene,method,ms\nb,\"closed\"early,3\n", "line 2 has a misplaced");
+    check_untouched(*state, "scene,method,ms\nb,x,\"3\"early", "line 2 has a misplaced");
+    check_untouched(*state, "scene,method,ms\nb,in\"side,3\n", "line 2 has a misplaced");
+    check_untouched(*state, "scene,method,ms\nb,x,\"", "line 2 has a misplaced");
 }
 
 static void a_truncated_file_is_never_read_wrongly(void **state)
@@ -184,7 +184,7 @@ static void a_truncated_file_is_never_read_wrongly(void **state)
     }
 }
 
-static void bytes_that_are_no_text_are_refused(void **state)
+static void bytes_that_are_not_text_are_refused(void **state)
 {
     const test_folder *folder = *state;
     test_path path = test_folder_path(folder, "t.csv");
@@ -205,7 +205,7 @@ static void places_that_cannot_hold_a_table_are_refused(void **state)
     test_path pipe = test_folder_path(folder, "pipe");
     rk_check(mkfifo(pipe.text, 0600) == 0, "a pipe can be made");
     rk_check(!put(pipe.text, "a", "x", "1", &error), "a pipe was accepted");
-    rk_check_error_names(error, "not a file");
+    rk_check_error_names(error, "not a regular file");
     test_file_put(test_folder_path(folder, "file").text, "");
     rk_check(!put(test_folder_path(folder, "file/t.csv").text, "a", "x", "1", &error),
              "a folder that is a file was accepted");
@@ -322,7 +322,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_damaged_row_is_refused_with_its_line),
     test_in_folder(a_damaged_quote_is_refused_with_its_line),
     test_in_folder(a_truncated_file_is_never_read_wrongly),
-    test_in_folder(bytes_that_are_no_text_are_refused),
+    test_in_folder(bytes_that_are_not_text_are_refused),
     test_in_folder(places_that_cannot_hold_a_table_are_refused),
     test_in_folder(a_full_disk_keeps_the_older_table),
     cmocka_unit_test(the_median_is_the_middle_of_the_sorted_figures),

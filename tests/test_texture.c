@@ -83,7 +83,7 @@ static void texel_centres_give_the_texels(void **state)
         }
 }
 
-static void the_nearest_texel_is_the_one_that_the_point_is_in(void **state)
+static void the_nearest_texel_contains_the_point(void **state)
 {
     (void)state;
     rk_texture texture = make_noise(16, 8, RK_TEXTURE_CLAMP, RK_TEXTURE_NEAREST);
@@ -158,7 +158,7 @@ static void bilinear_is_continuous_across_texels_and_repeats(void **state)
 
 /* --- outside --------------------------------------------------------------------------------- */
 
-static void clamping_continues_the_border(void **state)
+static void clamping_continues_the_edge(void **state)
 {
     (void)state;
     const float beyond[] = {1, 1.001f, 2, 7.25f, 1e10f, 3.4e38f, INFINITY};
@@ -211,7 +211,7 @@ static void repeating_puts_the_last_texel_before_the_first(void **state)
     rk_texture_free(&texture);
 }
 
-static void whole_numbers_however_large_are_the_pictures_corner(void **state)
+static void integers_of_any_size_give_the_pictures_corner(void **state)
 {
     (void)state;
     for (int f = 0; f < 2; f++) {
@@ -266,14 +266,14 @@ static void nan_counts_as_zero(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(u_goes_right_and_v_goes_up),
     cmocka_unit_test(texel_centres_give_the_texels),
-    cmocka_unit_test(the_nearest_texel_is_the_one_that_the_point_is_in),
+    cmocka_unit_test(the_nearest_texel_contains_the_point),
     cmocka_unit_test(bilinear_mixes_the_four_around),
     cmocka_unit_test(bilinear_reproduces_linear_images),
     cmocka_unit_test(bilinear_is_continuous_across_texels_and_repeats),
-    cmocka_unit_test(clamping_continues_the_border),
+    cmocka_unit_test(clamping_continues_the_edge),
     cmocka_unit_test(repeating_has_period_one),
     cmocka_unit_test(repeating_puts_the_last_texel_before_the_first),
-    cmocka_unit_test(whole_numbers_however_large_are_the_pictures_corner),
+    cmocka_unit_test(integers_of_any_size_give_the_pictures_corner),
     cmocka_unit_test(any_coordinate_gives_a_colour_of_the_picture),
     cmocka_unit_test(nan_counts_as_zero),
 };

@@ -12,9 +12,9 @@ static bool read_named(rk_texture *texture, const test_folder *folder, const cha
                        rk_error *error)
 {
     test_path mesh = test_folder_path(folder, "mesh.obj");
-    rk_texture_source source = {.name = name};
+    rk_texture_file_source source = {.name = name};
     size_t texels_left = plenty;
-    return rk_texture_read(texture, &source, mesh.text, &texels_left, error);
+    return rk_texture_file_read(texture, &source, mesh.text, &texels_left, error);
 }
 
 static void check_found(const test_folder *folder, const char *name)
@@ -36,7 +36,7 @@ static void check_refused(const test_folder *folder, const char *name, const cha
     rk_check_error_names(error, part);
 }
 
-static void a_name_counts_from_the_mesh_files_folder(void **state)
+static void a_name_is_relative_to_the_mesh_files_folder(void **state)
 {
     write_quarters(*state, "quarters.png");
     check_found(*state, "quarters.png");
@@ -70,7 +70,7 @@ static void percent_signs_may_stand_for_characters_or_for_themselves(void **stat
     check_found(*state, "50%.png");
 }
 
-static void where_the_folder_is_gone_the_file_beside_the_mesh_serves(void **state)
+static void without_the_folder_the_file_beside_the_mesh_is_read(void **state)
 {
     write_quarters(*state, "quarters.png");
     check_found(*state, "C:\\Users\\artist\\quarters.png");
@@ -78,15 +78,15 @@ static void where_the_folder_is_gone_the_file_beside_the_mesh_serves(void **stat
     check_found(*state, "gone/quarters.png");
 }
 
-static void what_is_no_picture_is_refused(void **state)
+static void files_that_are_not_pictures_are_refused(void **state)
 {
     test_folder_write(*state, "text.png", "root:x:0:0", 10, 0600);
     mkdir(test_folder_path(*state, "folder.png").text, 0700);
     test_path pipe = test_folder_path(*state, "pipe.png");
     rk_check_equal(mkfifo(pipe.text, 0600), 0, "the test needs a pipe");
     check_refused(*state, "text.png", "PNG");
-    check_refused(*state, "folder.png", "no ordinary file");
-    check_refused(*state, "pipe.png", "no ordinary file");
+    check_refused(*state, "folder.png", "not a regular file");
+    check_refused(*state, "pipe.png", "not a regular file");
     check_refused(*state, "gone.png", "No such file");
     check_refused(*state, "gone/", "No such file");
 }
@@ -108,9 +108,10 @@ static void it_repeats_unless_clamped_and_mixes_texels(void **state)
     for (int clamps = 0; clamps < 2; clamps++) {
         rk_texture texture;
         rk_error error;
-        rk_texture_source source = {.name = path.text, .clamps = clamps};
+        rk_texture_file_source source = {.name = path.text, .clamps = clamps};
         size_t texels_left = plenty;
-        rk_check_ok(rk_texture_read(&texture, &source, "mesh.obj", &texels_left, &error), error);
+        rk_check_ok(rk_texture_file_read(&texture, &source, "mesh.obj", &texels_left, &error),
+                    error);
         check_texel(&texture, 1.25f, 0.75f, clamps ? rk_vec(0, 1, 0) : rk_vec(1, 0, 0));
         check_texel(&texture, 0.5f, 0.75f, rk_vec(0.5f, 0.5f, 0));
         rk_texture_free(&texture);
@@ -122,12 +123,12 @@ static void texels_are_counted_and_too_many_refused(void **state)
     test_path path = write_quarters(*state, "quarters.png");
     rk_texture texture;
     rk_error error;
-    rk_texture_source source = {.name = path.text};
+    rk_texture_file_source source = {.name = path.text};
     size_t texels_left = 7;
-    rk_check_ok(rk_texture_read(&texture, &source, "mesh.obj", &texels_left, &error), error);
+    rk_check_ok(rk_texture_file_read(&texture, &source, "mesh.obj", &texels_left, &error), error);
     rk_texture_free(&texture);
     rk_check_equal(texels_left, 3, "of 7, the picture takes 4");
-    rk_check(!rk_texture_read(&texture, &source, "mesh.obj", &texels_left, &error),
+    rk_check(!rk_texture_file_read(&texture, &source, "mesh.obj", &texels_left, &error),
              "4 texels were read where there is room for 3");
     rk_check(!texture.image.pixels, "pixels were left behind");
     rk_check_error_names(error, "quarters.png: its 2 x 2 texels");
@@ -143,9 +144,9 @@ static bool read_embedded(rk_texture *texture, const test_folder *folder,
     const char *before = getenv("TMPDIR");
     char *saved = before ? strdup(before) : NULL;
     setenv("TMPDIR", folder->path, 1);
-    rk_texture_source source = {.name = "*0", .data = bytes, .data_size = size};
+    rk_texture_file_source source = {.name = "*0", .data = bytes, .data_size = size};
     size_t texels_left = plenty;
-    bool ok = rk_texture_read(texture, &source, "mesh.gltf", &texels_left, error);
+    bool ok = rk_texture_file_read(texture, &source, "mesh.gltf", &texels_left, error);
     if (saved)
         setenv("TMPDIR", saved, 1);
     else
@@ -194,12 +195,12 @@ static void without_a_place_for_temporary_files_the_remedy_is_named(void **state
 }
 
 static const struct CMUnitTest tests[] = {
-    test_in_folder(a_name_counts_from_the_mesh_files_folder),
+    test_in_folder(a_name_is_relative_to_the_mesh_files_folder),
     test_in_folder(a_name_that_begins_with_a_slash_is_taken_as_it_is),
     test_in_folder(backslashes_are_slashes),
     test_in_folder(percent_signs_may_stand_for_characters_or_for_themselves),
-    test_in_folder(where_the_folder_is_gone_the_file_beside_the_mesh_serves),
-    test_in_folder(what_is_no_picture_is_refused),
+    test_in_folder(without_the_folder_the_file_beside_the_mesh_is_read),
+    test_in_folder(files_that_are_not_pictures_are_refused),
     test_in_folder(a_name_of_absurd_length_is_refused),
     test_in_folder(it_repeats_unless_clamped_and_mixes_texels),
     test_in_folder(texels_are_counted_and_too_many_refused),

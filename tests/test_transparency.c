@@ -1,5 +1,6 @@
-/* Transparency: the list keeps the nearest crossings in order, view rays blend them, and light
- * passes them by three models. All numbers are exact: powers of two, unless a bound says else. */
+/* Transparency: the list keeps the nearest crossings in order, view rays blend them, and three
+ * models say how much light passes them. All numbers are exact powers of two, unless there is a
+ * bound. */
 #include "test.h"
 
 #include "base/random.h"
@@ -9,7 +10,7 @@
 
 static const rk_vec3 white = {1, 1, 1}, red = {1, 0, 0}, yellow = {1, 1, 0};
 
-/* A pane: a sheet, crossed from its outside. */
+/* A pane of glass without thickness, entered from its outside. */
 static rk_crossing pane(float t, float alpha, rk_vec3 kd)
 {
     return (rk_crossing){.t = t, .alpha = alpha, .kd = kd, .entering = true};
@@ -47,7 +48,7 @@ static void check_list(const rk_crossing_list *list, const uint32_t *primitives,
                  primitives[i], hint);
 }
 
-static void crossings_come_in_any_order_and_stand_in_that_of_t(void **state)
+static void crossings_inserted_in_any_order_are_sorted_by_t(void **state)
 {
     (void)state;
     rk_crossing_list list;
@@ -58,7 +59,7 @@ static void crossings_come_in_any_order_and_stand_in_that_of_t(void **state)
     check_list(&list, (const uint32_t[]){3, 1, 0, 4, 2}, 5, "sorted by t");
 }
 
-static void equal_distances_are_in_the_order_of_the_primitives(void **state)
+static void crossings_at_equal_t_are_sorted_by_primitive(void **state)
 {
     (void)state;
     rk_crossing_list list;
@@ -67,7 +68,7 @@ static void equal_distances_are_in_the_order_of_the_primitives(void **state)
     for (uint32_t i = 0; i < 4; i++)
         insert(&list, 0.5f, primitives[i], 0.5f);
     check_list(&list, (const uint32_t[]){2, 4, 7, 9}, 4,
-               "panes that coincide are all there, the smaller primitive first");
+               "coinciding crossings are all kept, the smaller primitive first");
 }
 
 static void a_full_list_keeps_the_nearest(void **state)
@@ -80,11 +81,11 @@ static void a_full_list_keeps_the_nearest(void **state)
         for (uint32_t i = 0; i < 6; i++)
             insert(&list, t[i], (uint32_t)t[i], 0.5f);
         check_list(&list, (const uint32_t[]){1, 2, 3, 4}, limit,
-                   "the list's limit, and of all that came the nearest");
+                   "the nearest crossings, up to the list's limit");
     }
 }
 
-static void nothing_stands_behind_an_opaque_crossing(void **state)
+static void crossings_behind_an_opaque_one_are_dropped(void **state)
 {
     (void)state;
     rk_crossing_list list;
@@ -100,14 +101,15 @@ static void nothing_stands_behind_an_opaque_crossing(void **state)
     check_list(&list, (const uint32_t[]){1, 2, 3}, 3, "2 lies before it");
 }
 
-static void the_end_is_where_nothing_more_can_count(void **state)
+static void the_end_is_where_no_crossing_can_be_added(void **state)
 {
     (void)state;
     rk_crossing_list list;
     rk_transparency_start(&list, 2);
-    rk_check_close(rk_transparency_end(&list, 9), 9, 0, "an empty list takes all up to t_max");
+    rk_check_close(rk_transparency_end(&list, 9), 9, 0,
+                   "an empty list takes crossings up to t_max");
     insert(&list, 5, 5, 0.5f);
-    rk_check_close(rk_transparency_end(&list, 9), 9, 0, "there is room for another one");
+    rk_check_close(rk_transparency_end(&list, 9), 9, 0, "there is room for another crossing");
     insert(&list, 7, 7, 0.5f);
     rk_check_close(rk_transparency_end(&list, 9), 7, 0, "a full list ends with its last entry");
     insert(&list, 3, 3, 1);
@@ -119,7 +121,7 @@ static bool is_before(const rk_crossing *a, const rk_crossing *b)
     return a->t < b->t || (a->t == b->t && a->primitive < b->primitive);
 }
 
-static void the_list_does_not_depend_on_the_order_of_coming(void **state)
+static void the_list_does_not_depend_on_the_order_of_insertion(void **state)
 {
     (void)state;
     for (uint32_t trial = 0; trial < 2000; trial++) {
@@ -145,89 +147,90 @@ static void the_list_does_not_depend_on_the_order_of_coming(void **state)
             wanted++;
         }
         check_list(&list, want, wanted,
-                   "the nearest up to the limit, none behind an opaque one, as if all had been "
-                   "sorted first");
+                   "the nearest up to the limit, none behind an opaque one, as if sorted before "
+                   "insertion");
     }
 }
 
 /* --- View rays -------------------------------------------------------------------------------- */
 
-static void one_pane_shows_alpha_here_and_the_rest_behind(void **state)
+static void one_surface_weighs_alpha_and_transmits_the_rest(void **state)
 {
     (void)state;
     rk_crossing crossing = pane(1, 0.25f, red);
-    float weight, behind;
-    rk_transparency_weights(&crossing, 1, &weight, &behind);
-    rk_check_close(weight, 0.25, 0, "alpha is opacity: the share of the pane's own colour");
-    rk_check_close(behind, 0.75, 0, "1 - alpha is the share of what is behind");
+    float weight, transmittance;
+    rk_transparency_weights(&crossing, 1, &weight, &transmittance);
+    rk_check_close(weight, 0.25, 0, "alpha is opacity: the weight of the surface's own colour");
+    rk_check_close(transmittance, 0.75, 0, "1 - alpha is transmitted");
 }
 
-static void weights_are_alpha_times_what_the_panes_before_let_through(void **state)
+static void weights_are_alpha_times_the_transmittance_before(void **state)
 {
     (void)state;
     const rk_crossing crossings[] = {pane(1, 0.5f, red), pane(2, 0.25f, red), pane(3, 0, red),
                                      pane(4, 0.75f, red)};
     const float want[] = {0.5f, 0.125f, 0, 0.28125f};
-    float weights[4], behind;
-    rk_transparency_weights(crossings, 4, weights, &behind);
+    float weights[4], transmittance;
+    rk_transparency_weights(crossings, 4, weights, &transmittance);
     for (int k = 0; k < 4; k++)
         rk_check(weights[k] == want[k], "pane %d: got %g, want %g: alpha_k prod (1 - alpha_j)", k,
                  (double)weights[k], (double)want[k]);
-    rk_check_close(behind, 0.09375, 0, "the product of all 1 - alpha");
+    rk_check_close(transmittance, 0.09375, 0, "the product of all 1 - alpha");
 }
 
 static void nothing_is_seen_behind_an_opaque_surface(void **state)
 {
     (void)state;
     const rk_crossing crossings[] = {pane(1, 0.5f, red), pane(2, 1, red)};
-    float weights[2], behind;
-    rk_transparency_weights(crossings, 2, weights, &behind);
-    rk_check_close(weights[1], 0.5, 0, "opaque: all that is left");
-    rk_check_close(behind, 0, 0, "nothing is left for what is behind");
+    float weights[2], transmittance;
+    rk_transparency_weights(crossings, 2, weights, &transmittance);
+    rk_check_close(weights[1], 0.5, 0, "opaque: all of the remaining transmittance");
+    rk_check_close(transmittance, 0, 0, "nothing is transmitted");
 }
 
-static void no_crossings_leave_everything_to_what_is_behind(void **state)
+static void without_crossings_the_transmittance_is_1(void **state)
 {
     (void)state;
-    float behind = 0;
-    rk_transparency_weights(NULL, 0, NULL, &behind);
-    rk_check_close(behind, 1, 0, "a ray that crosses nothing shows the background alone");
+    float transmittance = 0;
+    rk_transparency_weights(NULL, 0, NULL, &transmittance);
+    rk_check_close(transmittance, 1, 0, "a ray that crosses nothing shows the background alone");
 }
 
-static void weights_and_what_is_behind_sum_to_one(void **state)
+static void weights_and_transmittance_sum_to_one(void **state)
 {
     (void)state;
     for (uint32_t trial = 0; trial < 1000; trial++) {
         rk_crossing crossings[16];
-        float weights[16], behind;
+        float weights[16], transmittance;
         double sum = 0;
         for (uint32_t k = 0; k < 16; k++)
             crossings[k] = pane((float)k, rk_unit_float(rk_hash(trial, k, 5, 0)), white);
-        rk_transparency_weights(crossings, 16, weights, &behind);
+        rk_transparency_weights(crossings, 16, weights, &transmittance);
         for (uint32_t k = 0; k < 16; k++)
             sum += (double)weights[k];
-        /* Three roundings a pane, each of at most 2^-24 of a number below 1. */
-        rk_check_close(sum + (double)behind, 1, 48 * 0x1p-24,
-                       "the pixel is shared out, no light is made and none lost");
+        /* Three roundings per pane, each at most 2^-24 of a number below 1. */
+        rk_check_close(sum + (double)transmittance, 1, 48 * 0x1p-24,
+                       "no light is created and none is lost");
     }
 }
 
-static void the_recursion_limit_is_exact(void **state)
+static void max_depth_is_exact(void **state)
 {
     (void)state;
     const uint32_t panes = 12;
     for (uint32_t limit = 0; limit < 10; limit++) {
         rk_crossing_list list;
-        float weights[RK_CROSSINGS_MAX], behind;
+        float weights[RK_CROSSINGS_MAX], transmittance;
         rk_transparency_start(&list, limit + 1);
         for (uint32_t i = 0; i < panes; i++)
             insert(&list, (float)(panes - i), panes - i, 0.5f);
         rk_check_equal(list.count, limit + 1,
-                       "a limit of n keeps the first surface and what is behind n panes");
-        rk_transparency_weights(list.crossings, list.count, weights, &behind);
+                       "a max depth of n keeps the first surface and n behind it");
+        rk_transparency_weights(list.crossings, list.count, weights, &transmittance);
         rk_check_close(weights[limit], ldexp(1, -(int)limit - 1), 0,
-                       "the last surface kept is weighted like every other");
-        rk_check_close(behind, ldexp(1, -(int)limit - 1), 0, "and this much is not followed");
+                       "the last surface kept is weighted like all others");
+        rk_check_close(transmittance, ldexp(1, -(int)limit - 1), 0,
+                       "the rest, which is not traced");
     }
 }
 
@@ -237,15 +240,15 @@ static const rk_glass_model models[] = {RK_GLASS_MULTIPLICATIVE, RK_GLASS_ORDERE
                                         RK_GLASS_BEER_LAMBERT};
 enum { model_count = sizeof models / sizeof models[0] };
 
-static void all_light_arrives_where_nothing_is_crossed(void **state)
+static void without_crossings_all_light_arrives(void **state)
 {
     (void)state;
     for (int m = 0; m < model_count; m++)
         check_colour(rk_transparency_transmit(models[m], NULL, 0, 2), white, 0,
-                     "no pane, no shadow, whatever the model");
+                     "no pane, no shadow, for every model");
 }
 
-static void nothing_arrives_through_anything_opaque(void **state)
+static void opaque_surfaces_transmit_no_light(void **state)
 {
     (void)state;
     for (int m = 0; m < model_count; m++)
@@ -254,7 +257,7 @@ static void nothing_arrives_through_anything_opaque(void **state)
                                        pane(0.75f, 0.5f, white)};
             crossings[opaque].alpha = 1;
             check_colour(rk_transparency_transmit(models[m], crossings, 3, 1), rk_vec(0, 0, 0), 0,
-                         "an opaque surface casts a black shadow, whatever its colour and place");
+                         "an opaque surface casts a black shadow, for every colour and position");
             rk_vec3 without =
                 rk_transparency_transmit(models[m], crossings + opaque + 1, 2 - opaque, 1);
             rk_check(without.x > 0, "got no light through %u panes of alpha 0.5, want some",
@@ -264,7 +267,7 @@ static void nothing_arrives_through_anything_opaque(void **state)
 
 /* --- Multiplicative --------------------------------------------------------------------------- */
 
-static void multiplicative_is_the_product_of_colours_and_what_passes(void **state)
+static void multiplicative_is_the_product_of_colours_and_one_minus_alpha(void **state)
 {
     (void)state;
     const rk_crossing crossings[] = {pane(0.25f, 0.5f, rk_vec(1, 0.5f, 0.25f)),
@@ -275,7 +278,7 @@ static void multiplicative_is_the_product_of_colours_and_what_passes(void **stat
                  rk_vec(0.0625f, 0.0625f, 0.015625f), 0, "the product over both panes");
 }
 
-static void multiplicative_is_blind_to_the_order(void **state)
+static void multiplicative_ignores_the_order(void **state)
 {
     (void)state;
     const rk_crossing red_first[] = {pane(0.25f, 0.5f, red), pane(0.5f, 0.5f, yellow)};
@@ -310,7 +313,7 @@ static void ordered_tells_red_then_yellow_from_yellow_then_red(void **state)
                  "yellow nearest to the point: yellow / 2 + red / 4 + white / 4");
 }
 
-static void ordered_is_what_a_view_ray_sees_of_a_white_light(void **state)
+static void ordered_equals_a_view_ray_towards_a_white_light(void **state)
 {
     (void)state;
     for (uint32_t trial = 0; trial < 1000; trial++) {
@@ -320,13 +323,13 @@ static void ordered_is_what_a_view_ray_sees_of_a_white_light(void **state)
                                 rk_vec(rk_unit_float(rk_hash(trial, k, 7, 0)),
                                        rk_unit_float(rk_hash(trial, k, 8, 0)),
                                        rk_unit_float(rk_hash(trial, k, 9, 0))));
-        /* alpha here + (1 - alpha) behind, from the light to the point. */
+        /* alpha kd + (1 - alpha) behind, from the light to the point. */
         rk_vec3 want = white;
         for (uint32_t k = 8; k-- > 0;)
             want = rk_mix(want, crossings[k].kd, crossings[k].alpha);
-        /* Four roundings a pane on either side, each of at most 2^-24 of a number below 1. */
+        /* Four roundings per pane on either side, each at most 2^-24 of a number below 1. */
         check_colour(rk_transparency_transmit(RK_GLASS_ORDERED, crossings, 8, 1), want,
-                     64 * 0x1p-24f, "each pane over what is behind it, a white light last");
+                     64 * 0x1p-24f, "each pane over those behind it, a white light last");
     }
 }
 
@@ -356,7 +359,7 @@ static void a_block_absorbs_by_its_thickness(void **state)
     check_thickness(thick, 2, 4, 2, "thickness is in world units: t times the ray's length");
     rk_vec3 a = rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, thin, 2, 1);
     rk_vec3 b = rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, thick, 2, 1);
-    check_colour(a, b, 0, "the multiplicative model does not see thickness");
+    check_colour(a, b, 0, "the multiplicative model does not depend on thickness");
 }
 
 static void several_blocks_of_a_medium_add_up(void **state)
@@ -383,7 +386,7 @@ static void a_light_inside_a_block_counts_up_to_the_light(void **state)
                                      face(0.75f, 1, true, sigma)};
     check_thickness(crossings, 1, 1, 0.75, "entered and never left: the light is inside");
     check_thickness(crossings, 3, 1, 0.5, "from 0.25 to 0.5, from 0.75 to the light");
-    check_thickness(crossings + 1, 2, 1, 0.75, "start and light in blocks of their own");
+    check_thickness(crossings + 1, 2, 1, 0.75, "start and light in different blocks");
 }
 
 static void different_media_absorb_where_they_overlap(void **state)
@@ -415,7 +418,7 @@ static void touching_blocks_are_one_piece(void **state)
         const rk_crossing crossings[] = {face(0.25f, 1, true, sigma), face(0.5f, 1, swapped, sigma),
                                          face(0.5f, 1, !swapped, sigma),
                                          face(0.75f, 1, false, sigma)};
-        check_thickness(crossings, 4, 1, 0.5, "no gap, and nothing twice, where two blocks touch");
+        check_thickness(crossings, 4, 1, 0.5, "no gap and no overlap where two blocks touch");
         check_thickness(crossings + 1, 3, 1, 0.75, "the start is in the first of them");
         check_thickness(crossings, 3, 1, 0.75, "the light is in the second of them");
     }
@@ -426,19 +429,19 @@ static void a_grazed_edge_absorbs_nothing(void **state)
     (void)state;
     const rk_crossing left_first[] = {face(0.5f, 1, false, sigma), face(0.5f, 1, true, sigma)};
     const rk_crossing entered_first[] = {face(0.5f, 1, true, sigma), face(0.5f, 1, false, sigma)};
-    check_thickness(entered_first, 2, 1, 0, "no way inside");
+    check_thickness(entered_first, 2, 1, 0, "no distance inside");
     check_thickness(left_first, 2, 1, 0,
-                    "roundings swap the faces at an edge: that does not put the start inside");
+                    "rounding may swap the faces at an edge: this does not put the start inside");
     const rk_crossing block[] = {face(0.25f, 1, true, sigma), face(0.75f, 1, false, sigma)};
     check_thickness(block, 2, 1, 0.5, "a block that is crossed does absorb");
 }
 
-static void a_sheet_fills_the_way_on_its_inner_side(void **state)
+static void a_sheet_absorbs_along_its_whole_inner_side(void **state)
 {
     (void)state;
     const rk_crossing front = face(0.25f, 1, true, sigma), back = face(0.25f, 1, false, sigma);
-    check_thickness(&front, 1, 1, 0.75, "from outside: all that is behind the sheet");
-    check_thickness(&back, 1, 1, 0.25, "from inside: all that is before it");
+    check_thickness(&front, 1, 1, 0.75, "from outside: the whole distance behind the sheet");
+    check_thickness(&back, 1, 1, 0.25, "from inside: the whole distance before it");
 }
 
 static void clear_glass_absorbs_nothing_and_dense_glass_all(void **state)
@@ -449,27 +452,27 @@ static void clear_glass_absorbs_nothing_and_dense_glass_all(void **state)
     block[0].kd = block[1].kd = red;
     block[0].alpha = block[1].alpha = 0.5f;
     check_colour(rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, block, 2, 1), rk_vec(0, 0, 1), 0,
-                 "0 where all is absorbed, 1 where nothing is; kd and alpha play no part");
+                 "0 where all is absorbed, 1 where nothing is; kd and alpha do not matter");
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(crossings_come_in_any_order_and_stand_in_that_of_t),
-    cmocka_unit_test(equal_distances_are_in_the_order_of_the_primitives),
+    cmocka_unit_test(crossings_inserted_in_any_order_are_sorted_by_t),
+    cmocka_unit_test(crossings_at_equal_t_are_sorted_by_primitive),
     cmocka_unit_test(a_full_list_keeps_the_nearest),
-    cmocka_unit_test(nothing_stands_behind_an_opaque_crossing),
-    cmocka_unit_test(the_end_is_where_nothing_more_can_count),
-    cmocka_unit_test(the_list_does_not_depend_on_the_order_of_coming),
-    cmocka_unit_test(one_pane_shows_alpha_here_and_the_rest_behind),
-    cmocka_unit_test(weights_are_alpha_times_what_the_panes_before_let_through),
+    cmocka_unit_test(crossings_behind_an_opaque_one_are_dropped),
+    cmocka_unit_test(the_end_is_where_no_crossing_can_be_added),
+    cmocka_unit_test(the_list_does_not_depend_on_the_order_of_insertion),
+    cmocka_unit_test(one_surface_weighs_alpha_and_transmits_the_rest),
+    cmocka_unit_test(weights_are_alpha_times_the_transmittance_before),
     cmocka_unit_test(nothing_is_seen_behind_an_opaque_surface),
-    cmocka_unit_test(no_crossings_leave_everything_to_what_is_behind),
-    cmocka_unit_test(weights_and_what_is_behind_sum_to_one),
-    cmocka_unit_test(the_recursion_limit_is_exact),
-    cmocka_unit_test(multiplicative_is_the_product_of_colours_and_what_passes),
-    cmocka_unit_test(multiplicative_is_blind_to_the_order),
+    cmocka_unit_test(without_crossings_the_transmittance_is_1),
+    cmocka_unit_test(weights_and_transmittance_sum_to_one),
+    cmocka_unit_test(max_depth_is_exact),
+    cmocka_unit_test(multiplicative_is_the_product_of_colours_and_one_minus_alpha),
+    cmocka_unit_test(multiplicative_ignores_the_order),
     cmocka_unit_test(ordered_blends_one_pane_over_white),
     cmocka_unit_test(ordered_tells_red_then_yellow_from_yellow_then_red),
-    cmocka_unit_test(ordered_is_what_a_view_ray_sees_of_a_white_light),
+    cmocka_unit_test(ordered_equals_a_view_ray_towards_a_white_light),
     cmocka_unit_test(a_block_absorbs_by_its_thickness),
     cmocka_unit_test(several_blocks_of_a_medium_add_up),
     cmocka_unit_test(a_start_inside_a_block_counts_from_the_start),
@@ -478,10 +481,10 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_medium_absorbs_once_where_its_blocks_overlap),
     cmocka_unit_test(touching_blocks_are_one_piece),
     cmocka_unit_test(a_grazed_edge_absorbs_nothing),
-    cmocka_unit_test(a_sheet_fills_the_way_on_its_inner_side),
+    cmocka_unit_test(a_sheet_absorbs_along_its_whole_inner_side),
     cmocka_unit_test(clear_glass_absorbs_nothing_and_dense_glass_all),
-    cmocka_unit_test(all_light_arrives_where_nothing_is_crossed),
-    cmocka_unit_test(nothing_arrives_through_anything_opaque),
+    cmocka_unit_test(without_crossings_all_light_arrives),
+    cmocka_unit_test(opaque_surfaces_transmit_no_light),
 };
 
 RK_SUITE("transparency", tests)

@@ -51,7 +51,7 @@ static void a_ray_through_the_middle_hits_with_its_coordinates(void **state)
     rk_check_close(hit.v, 0.25, 0, "v belongs to c");
 }
 
-static void t_counts_in_lengths_of_the_direction(void **state)
+static void t_is_in_multiples_of_the_direction(void **state)
 {
     (void)state;
     rk_triangle triangle = corner_triangle();
@@ -477,7 +477,7 @@ static void nan_and_infinity_in_any_input_miss(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_ray_through_the_middle_hits_with_its_coordinates),
-    cmocka_unit_test(t_counts_in_lengths_of_the_direction),
+    cmocka_unit_test(t_is_in_multiples_of_the_direction),
     cmocka_unit_test(a_ray_beside_an_edge_or_behind_misses),
     cmocka_unit_test(edges_and_corners_belong_to_the_triangle),
     cmocka_unit_test(both_sides_hit_with_the_same_coordinates),

@@ -44,7 +44,7 @@ static void axes_are_x_y_z(void **state)
         rk_check_close(rk_axis(a, axis), axis + 1, 0, "a = (1, 2, 3)");
 }
 
-static void mixing_meets_both_ends_exactly(void **state)
+static void mixing_is_exact_at_both_ends(void **state)
 {
     (void)state;
     check_vector(rk_mix(a, b, 0), a.x, a.y, a.z, "all a");
@@ -77,7 +77,7 @@ static void the_zero_vector_normalizes_to_itself(void **state)
     check_vector(rk_normalize(rk_vec(0, 0, 0)), 0, 0, 0, "it has no direction, and gives no NaN");
 }
 
-static void min_and_max_pass_over_nan_in_their_first_argument(void **state)
+static void min_and_max_ignore_nan_in_their_first_argument(void **state)
 {
     (void)state;
     rk_check_close(rk_min(NAN, 2), 2, 0, "the box test relies on it");
@@ -91,10 +91,10 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(sums_and_products_go_by_component),
     cmocka_unit_test(dot_and_cross_follow_their_formulas),
     cmocka_unit_test(axes_are_x_y_z),
-    cmocka_unit_test(mixing_meets_both_ends_exactly),
+    cmocka_unit_test(mixing_is_exact_at_both_ends),
     cmocka_unit_test(a_normalized_vector_has_length_one),
     cmocka_unit_test(the_zero_vector_normalizes_to_itself),
-    cmocka_unit_test(min_and_max_pass_over_nan_in_their_first_argument),
+    cmocka_unit_test(min_and_max_ignore_nan_in_their_first_argument),
 };
 
 RK_SUITE("vec3", tests)

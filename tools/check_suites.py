@@ -9,9 +9,9 @@ For each feature of assignments/features.tsv:
   that held no longer does;
 - the steps of the assignment's handout.md name the tests that carry points, each once, in the order
   of points.tsv, and no other;
-- the unit reads as its chapter (tools/reading_order.py);
+- the unit reads as its chapter (tools/grading/reading_order.py);
 - each mutant, a known mistake in tests/mutants/STEM.mutants, fails the tests that it names.
-  tools/mutants.py says how mutants are written.
+  tools/grading/mutants.py says how mutants are written.
 
 This is mutation testing (DeMillo, Lipton, Sayward, "Hints on test data selection", 1978) with
 mistakes that people made, not random ones.
@@ -34,9 +34,9 @@ import threading
 
 sys.dont_write_bytecode = True  # the source folder may be read-only, and stays clean
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
-import reading_order
+from grading import reading_order
 from grading import starters
-from mutants import MutantError, mutate, read_mutants
+from grading.mutants import MutantError, mutate, read_mutants
 
 FEWEST_MUTANTS = 8
 SECONDS = 20  # for one test: a slow one takes half a second, ten times that under sanitizers

@@ -4,7 +4,7 @@ fails in the middle of a library, the frame of the unit that called it is the on
     (gdb) source tools/gdb_raykit.py
     (gdb) print ray          ->  from (0, 0, -1) along (0, 0, 1), t_max inf
     (gdb) print bvh.nodes[0] ->  inner, children 2 and 3, box (-1, -1, 0) .. (1, 1, 9)
-    (gdb) print list         ->  1 waiting, the last comes next
+    (gdb) print stack        ->  1 waiting, the last comes next
                                  [0] from t 2.5: leaf, triangles 0 to 3, box ...
 """
 
@@ -50,7 +50,7 @@ def _node(value):
     return f"leaf, triangles {first} to {first + count - 1}, box {_box(value['box'])}"
 
 
-def _waiting_list(value):
+def _traversal_stack(value):
     size, entries = int(value["size"]), value["entries"]
     room = entries.type.range()[1] + 1
     if not 0 <= size <= room:
@@ -79,7 +79,7 @@ def _collection():
     printers = gdb.printing.RegexpCollectionPrettyPrinter("raykit")
     for name, say in {
         "rk_vec3": _vector, "rk_box": _box, "rk_ray": _ray, "rk_hit": _hit, "rk_bvh_node": _node,
-        "traversal_stack": _waiting_list,
+        "rk_traversal_stack": _traversal_stack,
     }.items():
         printers.add_printer(name, f"^{name}$", lambda value, say=say: _Printer(say, value))
     return printers

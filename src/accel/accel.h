@@ -23,8 +23,8 @@ typedef struct rk_accel {
 } rk_accel;
 
 /* `scene` stays where it is while the structure is in use. Relies on a mesh that rk_mesh_validate
- * accepts, as it does those of rk_scene_around, rk_scene_builtin and rk_mesh_read. An unknown kind
- * is an error, and so is a scene whose moving objects are not its last triangles, in order. */
+ * accepts, as it does those of rk_scene_around, rk_builtin_scene and rk_mesh_file_read. An unknown
+ * kind is an error, and so is a scene whose moving objects are not its last triangles, in order. */
 bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_scene *scene, rk_error *error);
 void rk_accel_free(rk_accel *accel);
 

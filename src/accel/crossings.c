@@ -172,16 +172,7 @@ static void gather_spheres(gathering *g, rk_counters *counters)
     }
 }
 
-/* Nodes still to be visited, and where the ray enters their boxes. */
-typedef struct traversal_stack {
-    uint32_t size;
-    struct {
-        const rk_bvh_node *node;
-        float enter;
-    } entries[RK_BVH_LEVELS_MAX];
-} traversal_stack;
-
-static void wait_for(traversal_stack *list, const rk_bvh_node *node, float enter)
+static void wait_for(rk_traversal_stack *list, const rk_bvh_node *node, float enter)
 {
     if (enter < INFINITY) {
         list->entries[list->size].node = node;
@@ -190,7 +181,7 @@ static void wait_for(traversal_stack *list, const rk_bvh_node *node, float enter
 }
 
 /* The nearer child comes off the list first: what is found in it may spare us the other. */
-static void visit_children(traversal_stack *list, const rk_bvh_node *children,
+static void visit_children(rk_traversal_stack *list, const rk_bvh_node *children,
                            const rk_slabs *slabs, float end)
 {
     float left = rk_box_enter(&children[0].box, slabs, end);
@@ -207,7 +198,7 @@ static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
         return;
     const rk_slabs slabs = rk_slabs_of(ray);
     const projection p = projection_along(ray);
-    traversal_stack list;
+    rk_traversal_stack list;
     list.size = 0;
     counters->box_tests++;
     wait_for(&list, &bvh->nodes[0], rk_box_enter(&bvh->nodes[0].box, &slabs, g->end));

@@ -1,5 +1,5 @@
-/* Axis-aligned boxes, and when a ray meets one (slab test: Kay and Kajiya 1986; robust bounds:
- * Ize, "Robust BVH ray traversal", JCGT 2013). */
+/* Axis-aligned boxes and their intersection with a ray (slab test: Kay and Kajiya 1986; robust
+ * bounds: Ize, "Robust BVH ray traversal", JCGT 2013). */
 #ifndef RK_BASE_BOX_H
 #define RK_BASE_BOX_H
 
@@ -13,7 +13,7 @@ typedef struct rk_box {
     rk_vec3 corner[2]; /* corner[0] the lowest, corner[1] the highest coordinates */
 } rk_box;
 
-/* The box of nothing: merging it with any box gives that box. */
+/* The empty box: merged with any box, it gives that box. */
 static inline rk_box rk_box_empty(void)
 {
     return (rk_box){
@@ -35,8 +35,8 @@ static inline rk_vec3 rk_box_extent(rk_box box)
     return rk_sub(box.corner[1], box.corner[0]);
 }
 
-/* Surface area; 0 for an empty box. In double, as a huge box's overflows a float and a tiny one's
- * vanishes. */
+/* Surface area; 0 for an empty box. In double, because a huge box overflows a float and a tiny one
+ * underflows. */
 static inline double rk_box_area(rk_box box)
 {
     double x = (double)box.corner[1].x - (double)box.corner[0].x;
@@ -45,7 +45,7 @@ static inline double rk_box_area(rk_box box)
     return x >= 0 ? 2 * (x * y + y * z + z * x) : 0;
 }
 
-/* The axis of the largest extent; among equals x before y before z. */
+/* The axis of the largest extent; of equal ones, x before y before z. */
 static inline int rk_box_longest_axis(rk_box box)
 {
     rk_vec3 d = rk_box_extent(box);
@@ -53,18 +53,19 @@ static inline int rk_box_longest_axis(rk_box box)
     return d.z > rk_axis(d, axis) ? 2 : axis;
 }
 
-/* What the slab test needs of a ray, once for all boxes. The reciprocals are pushed apart by
- * 2 gamma_3 (|gamma_3| <= 3 eps / (1 - 3 eps), Higham 2002), so that rounding never loses a box
- * that the exact ray touches. This holds for direction components up to 2^126 (beyond, their
- * reciprocals are denormal), and while the distances to the box and t itself do not overflow. */
+/* A ray prepared for the slab test, once for all boxes. The reciprocals are pushed apart by 2
+ * gamma_3 (|gamma_3| <= 3 eps / (1 - 3 eps), Higham 2002), so that rounding never loses a box that
+ * the exact ray touches. This holds for direction components up to 2^126 (reciprocals of larger
+ * ones are denormal), and while the distances to the box and t itself do not overflow. */
 typedef struct rk_slabs {
     rk_vec3 origin;
     rk_vec3 inverse_near, inverse_far; /* 1 / direction, a little smaller and a little larger */
-    int near_x, near_y, near_z;        /* which corner the ray meets first on each axis */
+    int near_x, near_y, near_z;        /* the corner on the near side of each axis */
 } rk_slabs;
 
-/* The near bound of 1 / d. For the denormals below 2^-128 the reciprocal overflows, and infinity
- * would put boxes out of reach that t below FLT_MAX does reach; only zero never gets there. */
+/* The near bound of 1 / d. Below 2^-128 the reciprocal of a denormal overflows, and infinity would
+ * put boxes out of reach that a t below FLT_MAX does reach; only a component of 0 never reaches
+ * them. */
 static inline float rk_slabs_inverse_near(float d, float inverse_near)
 {
     return d != 0 && fabsf(inverse_near) > FLT_MAX ? copysignf(FLT_MAX, d) : inverse_near;
@@ -90,7 +91,7 @@ static inline rk_slabs rk_slabs_of(const rk_ray *ray)
     };
 }
 
-/* Returns where a ray that enters the box leaves it, or t_max if that comes first. */
+/* Returns the t at which a ray that enters the box leaves it, at most t_max. */
 static inline float rk_box_leave(const rk_box *box, const rk_slabs *ray, float t_max)
 {
     float far_x = (box->corner[1 - ray->near_x].x - ray->origin.x) * ray->inverse_far.x;
@@ -99,9 +100,9 @@ static inline float rk_box_leave(const rk_box *box, const rk_slabs *ray, float t
     return rk_min(far_x, rk_min(far_y, rk_min(far_z, t_max)));
 }
 
-/* Returns where the ray enters the box (0 if it starts inside), or infinity if it misses it or
- * enters beyond t_max. A ray in the plane of a face gives 0 * infinity = NaN, which rk_min and
- * rk_max pass over: that face does not bound the ray. */
+/* Returns the t at which the ray enters the box (0 if it starts inside), or infinity if it misses
+ * the box or enters beyond t_max. A ray in the plane of a face gives 0 * infinity = NaN, which
+ * rk_min and rk_max ignore: that face does not bound the ray. */
 static inline float rk_box_enter(const rk_box *box, const rk_slabs *ray, float t_max)
 {
     float near_x = (box->corner[ray->near_x].x - ray->origin.x) * ray->inverse_near.x;

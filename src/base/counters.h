@@ -1,4 +1,4 @@
-/* What was done, counted: proof that work which a scene does not need is not done. */
+/* Counts of the work done: they prove that a scene costs no work that it does not need. */
 #ifndef RK_BASE_COUNTERS_H
 #define RK_BASE_COUNTERS_H
 
@@ -8,17 +8,17 @@ typedef struct rk_counters {
     uint64_t primary_rays;
     uint64_t shadow_rays;
     uint64_t reflected_rays;
-    uint64_t glossy_samples; /* directions drawn around mirrored ones, those discarded included */
+    uint64_t glossy_samples; /* directions drawn around reflected ones, including discarded ones */
     uint64_t light_samples;  /* random points drawn on lights with an extent */
     uint64_t box_tests;
     uint64_t triangle_tests;
     uint64_t sphere_tests;
     uint64_t pixel_samples;     /* random positions drawn within pixels */
-    uint64_t bloom_pixels_read; /* looked at to find light, and to filter it */
+    uint64_t bloom_pixels_read; /* by the bright pass and the filter */
     uint64_t bloom_taps;        /* weights times pixels, along rows and columns */
     uint64_t environment_lookups;
     uint64_t lens_samples; /* random points drawn on the lens */
-    uint64_t time_samples; /* times drawn, for samples that motion may change */
+    uint64_t time_samples; /* times drawn, for samples that may see motion */
 } rk_counters;
 
 static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)

@@ -1,5 +1,5 @@
 /* Vectors of three doubles, for differences that float would lose: corners seen from afar or from
- * the side nearly coincide. The name is GLSL's. */
+ * the side nearly coincide. GLSL uses the same name. */
 #ifndef RK_BASE_DVEC3_H
 #define RK_BASE_DVEC3_H
 

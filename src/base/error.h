@@ -1,5 +1,5 @@
-/* Errors: every function that can fail for a reason outside the program returns false and
- * leaves one sentence that names the thing, the place and the remedy. */
+/* Errors: a function that can fail for a reason outside the program returns false and leaves one
+ * sentence that names the thing, the place and the remedy. */
 #ifndef RK_BASE_ERROR_H
 #define RK_BASE_ERROR_H
 
@@ -10,16 +10,16 @@ typedef struct rk_error {
     char text[1024]; /* one line without a newline; "" while all is well */
 } rk_error;
 
-/* Writes the sentence, cut to fit, and returns false, so that callers can `return rk_fail(...)`.
- * `error` may be NULL: the caller then learns only that it failed. */
+/* Writes the sentence, truncated to fit, and returns false, so that callers can `return
+ * rk_fail(...)`. `error` may be NULL if the caller needs no reason. */
 bool rk_fail(rk_error *error, const char *format, ...) __attribute__((format(printf, 2, 3)));
 
-/* Returns `count` zeroed elements of `size` bytes on a cache line border (64 bytes), or NULL with
+/* Returns `count` zeroed elements of `size` bytes, aligned to a cache line (64 bytes), or NULL with
  * an error that names `what` when memory is short or the product overflows. Release with free().
  * Zero elements give a valid pointer. */
 void *rk_allocate(size_t count, size_t size, const char *what, rk_error *error);
 
-/* The same without the zeroes: for big arrays that are filled at once. */
+/* The same without the zeroes, for big arrays that are filled at once. */
 void *rk_allocate_unset(size_t count, size_t size, const char *what, rk_error *error);
 
 #endif

@@ -19,8 +19,8 @@ static short_path descriptor_path(int descriptor)
 }
 
 /* Opens a file without a name in the folder of file->path: if this process dies, so does the file.
- * NULL where the file system has none, or where it could not get its name later: one that is too
- * long, or for want of /proc. */
+ * NULL where the file system does not support that, or the file could not be named later because
+ * the name is too long or /proc is missing. */
 static FILE *open_unnamed(const rk_file *file)
 {
     char folder[sizeof file->path];
@@ -53,7 +53,7 @@ bool rk_file_begin(rk_file *file, const char *path, rk_error *error)
     bool exists = stat(path, &status) == 0;
     if (exists && S_ISDIR(status.st_mode))
         return rk_fail(error, "%s: is a folder; name a file in it", path);
-    /* Renaming would put a plain file in the place of /dev/null or of a pipe. */
+    /* Renaming would replace /dev/null or a pipe by a plain file. */
     if (exists && !S_ISREG(status.st_mode))
         return rk_fail(error, "%s: is a device or a pipe; name a file", path);
     snprintf(file->path, sizeof file->path, "%s", path);
@@ -63,20 +63,20 @@ bool rk_file_begin(rk_file *file, const char *path, rk_error *error)
     if (!file->stream)
         file->stream = fopen(file->temporary, "wb");
     if (!file->stream)
-        return rk_fail(
-            error, "%s: cannot be written: %s; choose a folder that is there and may be written to",
-            path, strerror(errno));
+        return rk_fail(error,
+                       "%s: cannot be written: %s; choose an existing folder with write permission",
+                       path, strerror(errno));
     return true;
 }
 
-/* All that was written reaches the file, which has its temporary name then. */
+/* Flushes the stream and gives the file its temporary name. */
 static bool finish(const rk_file *file)
 {
     if (ferror(file->stream) || fflush(file->stream) != 0)
         return false;
     if (!file->unnamed)
         return true;
-    unlink(file->temporary); /* a dead process that had this one's number may have left it */
+    unlink(file->temporary); /* perhaps left by a dead process with the same number */
     return linkat(AT_FDCWD, descriptor_path(fileno(file->stream)).text, AT_FDCWD, file->temporary,
                   AT_SYMLINK_FOLLOW) == 0;
 }
@@ -111,7 +111,7 @@ void rk_file_abort(rk_file *file)
     }
 }
 
-bool rk_make_folder(const char *path, rk_error *error)
+bool rk_file_make_folder(const char *path, rk_error *error)
 {
     char partial[4096];
     size_t length = strlen(path);

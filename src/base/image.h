@@ -1,4 +1,4 @@
-/* An image of linear RGB floats, rows from the top. */
+/* An image of linear RGB floats, rows from top to bottom. */
 #ifndef RK_BASE_IMAGE_H
 #define RK_BASE_IMAGE_H
 

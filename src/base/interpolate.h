@@ -1,4 +1,4 @@
-/* What stands at a triangle's corners, mixed by the barycentric weights of a point in it. */
+/* Interpolates values at a triangle's corners by the barycentric weights of a point in it. */
 #ifndef RK_BASE_INTERPOLATE_H
 #define RK_BASE_INTERPOLATE_H
 

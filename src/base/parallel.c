@@ -1,4 +1,4 @@
-/* A pool of POSIX threads around one atomic counter: whoever is free takes the next number. */
+/* A pool of POSIX threads around one atomic counter: an idle thread takes the next number. */
 #ifdef __linux__
 #define _GNU_SOURCE /* sched_getaffinity */
 #endif
@@ -14,7 +14,7 @@
 
 struct rk_pool {
     uint32_t threads; /* the caller included */
-    uint32_t started; /* entries of `workers` that run */
+    uint32_t started; /* running entries of `workers` */
     pthread_t *workers;
     pthread_mutex_t lock;
     pthread_cond_t wake, done;
@@ -36,7 +36,7 @@ uint32_t rk_processor_count(void)
 {
     long count = sysconf(_SC_NPROCESSORS_ONLN);
 #ifdef __linux__
-    /* taskset, batch systems and containers lend a process fewer than the machine has. */
+    /* taskset, batch systems and containers may restrict a process to some of the processors. */
     cpu_set_t allowed;
     if (sched_getaffinity(0, sizeof allowed, &allowed) == 0)
         count = CPU_COUNT(&allowed);
@@ -98,7 +98,7 @@ rk_pool *rk_pool_start(uint32_t threads, rk_error *error)
     if (threads == 0)
         threads = rk_processor_count();
     if (threads > RK_THREADS_MAX) {
-        rk_fail(error, "%u threads: the most is %d", threads, RK_THREADS_MAX);
+        rk_fail(error, "%u threads: choose at most %d", threads, RK_THREADS_MAX);
         return NULL;
     }
     rk_pool *pool = rk_allocate(1, sizeof *pool, "threads", error);

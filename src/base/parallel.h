@@ -1,4 +1,4 @@
-/* Work shared among threads: a pool that hands out the numbers 0 .. count - 1. */
+/* Work divided among threads: a pool that hands out the numbers 0 .. count - 1. */
 #ifndef RK_BASE_PARALLEL_H
 #define RK_BASE_PARALLEL_H
 
@@ -8,10 +8,10 @@
 
 typedef struct rk_pool rk_pool;
 
-/* Does item `index`; `thread` is 0 .. threads - 1, for storage of its own. */
+/* Processes item `index`; `thread`, in 0 .. threads - 1, selects a thread's own storage. */
 typedef void rk_task(uint32_t index, uint32_t thread, void *context);
 
-/* The processors that this process may use, at least 1. */
+/* The number of processors that this process may use, at least 1. */
 uint32_t rk_processor_count(void);
 
 enum { RK_THREADS_MAX = 1024 };
@@ -25,7 +25,7 @@ void rk_pool_stop(rk_pool *pool);
 
 uint32_t rk_pool_threads(const rk_pool *pool);
 
-/* Every thread looks once beyond the last item, so this many fit a 32-bit counter. */
+/* Every thread increments the counter once beyond the last item, so this many fit 32 bits. */
 #define RK_POOL_ITEMS_MAX (UINT32_MAX - RK_THREADS_MAX)
 
 /* Runs task(0) .. task(count - 1), each once, in no fixed order, and returns when all are done.

@@ -8,8 +8,8 @@
 
 static const double first_draw = 0.5, draw_interval = 0.1; /* seconds */
 
-/* A label of up to 32 columns, the bar and the percentage stay within 80 columns, where a line can
- * be drawn over by going back to its beginning. */
+/* A label of up to 32 columns, the bar and the percentage fit 80 columns: a carriage return can
+ * only redraw a single line. */
 enum { label_width = 32, bar_width = 32, line_width = 1 + label_width + 2 + bar_width + 2 + 5 };
 
 void rk_progress_start(rk_progress *progress, const char *label, unsigned total, bool quiet)

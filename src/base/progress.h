@@ -1,4 +1,4 @@
-/* A progress bar on standard error while it is a terminal; nothing elsewhere. */
+/* A progress bar on standard error if it is a terminal; nothing otherwise. */
 #ifndef RK_BASE_PROGRESS_H
 #define RK_BASE_PROGRESS_H
 
@@ -17,11 +17,12 @@ typedef struct rk_progress {
 /* `quiet` keeps it invisible. */
 void rk_progress_start(rk_progress *progress, const char *label, unsigned total, bool quiet);
 
-/* Names work that has no steps to count, such as building a tree, until rk_progress_end. */
+/* Shows a label for work that has no steps to count, such as building a tree, until
+ * rk_progress_end. */
 void rk_progress_say(rk_progress *progress, const char *label, bool quiet);
 
-/* One more item is done; any thread may say so. Draws at most ten times a second, and nothing in
- * the first half second: short work needs no bar. */
+/* Counts one more item as done; any thread may call it. Draws at most ten times a second, and not
+ * within the first half second: short work needs no bar. */
 void rk_progress_step(rk_progress *progress);
 
 /* Clears the bar. */

@@ -1,6 +1,6 @@
-/* Random numbers without state: a value is a hash of where it is used, so that pictures do not
- * depend on threads or on the order of work.
- * Hash: pcg4d (Jarzynski and Olano, "Hash functions for GPU rendering", JCGT 9(3), 2020). */
+/* Random numbers without state: a value is a hash of its use (pixel, sample, dimension), so that
+ * pictures depend neither on threads nor on the order of work. Hash: pcg4d (Jarzynski and Olano,
+ * "Hash functions for GPU rendering", JCGT 9(3), 2020). */
 #ifndef RK_BASE_RANDOM_H
 #define RK_BASE_RANDOM_H
 
@@ -19,7 +19,8 @@ static inline uint32_t rk_hash(uint32_t a, uint32_t b, uint32_t c, uint32_t d)
     return a ^ d;
 }
 
-/* Returns a multiple of 2^-24 in [0, 1): all that a float can hold evenly, and never 1. */
+/* Returns a multiple of 2^-24 in [0, 1): the finest even spacing that a float can represent, and
+ * never 1. */
 static inline float rk_unit_float(uint32_t bits)
 {
     return (float)(bits >> 8) * 0x1p-24f;

@@ -1,4 +1,4 @@
-/* A ray and what it meets. */
+/* A ray and its hit. */
 #ifndef RK_BASE_RAY_H
 #define RK_BASE_RAY_H
 
@@ -8,7 +8,7 @@
 
 typedef struct rk_ray {
     rk_vec3 origin;
-    rk_vec3 direction; /* any length; t counts in its units */
+    rk_vec3 direction; /* any length; t is measured in multiples of it */
     float t_max;       /* hits count for 0 < t <= t_max */
 } rk_ray;
 
@@ -17,7 +17,7 @@ typedef struct rk_ray {
 typedef struct rk_hit {
     float t;           /* the point is origin + t direction */
     float u, v;        /* barycentric: (1 - u - v) a + u b + v c */
-    uint32_t triangle; /* index in the mesh, beyond its end the scene's spheres, or RK_MISS */
+    uint32_t triangle; /* index in the mesh, then in the scene's spheres; or RK_MISS */
 } rk_hit;
 
 #endif

@@ -1,5 +1,5 @@
 /* Uniform, stratified and low-discrepancy samples (Pharr, Jakob, Humphreys, "Physically Based
- * Rendering", chapter 8 of the fourth edition), each worked out from its place alone. */
+ * Rendering", chapter 8 of the fourth edition), each computed from its arguments alone. */
 #include "base/sampler.h"
 
 #include <assert.h>
@@ -10,13 +10,13 @@ const char *rk_sampler_name(rk_sampler_kind kind)
     return names[kind];
 }
 
-/* Where a number is used, but for its sample. */
+/* Identifies a sequence of numbers, one for each sample. */
 typedef struct place {
     uint32_t seed, pixel, dimension;
 } place;
 
-/* What all samples of a place share: each of these is another hash. They stand where a sample's
- * number does, counted from the end, where no sample is. */
+/* Hashes that all samples of a place use. They take the place of sample numbers, counted from the
+ * end, where there are no samples. */
 enum { first_key = 1, second_key, index_key };
 
 static uint32_t key_of(place at, uint32_t which)
@@ -37,14 +37,14 @@ static place next_dimension(place at)
 
 /* --- stratified ------------------------------------------------------------------------------ */
 
-/* Where i goes when 0 .. n - 1 are shuffled by the key: swap-or-not (Hoang, Morris, Rogaway, "An
- * enciphering scheme based on a card shuffle", CRYPTO 2012). A round pairs each i with pivot - i,
- * modulo n, and a bit that both partners see tells whether they swap. A linear congruential
- * generator (Knuth's MMIX) gives each round 64 bits: the high half the pivot, the others an odd
- * factor that hashes the larger partner to its product's top bit. */
+/* The position of i after 0 .. n - 1 are shuffled by the key: swap-or-not (Hoang, Morris, Rogaway,
+ * "An enciphering scheme based on a card shuffle", CRYPTO 2012). A round pairs each i with pivot -
+ * i, modulo n, and one bit, equal for both partners, decides whether they swap. A linear
+ * congruential generator (Knuth's MMIX) gives each round 64 bits: the high half is the pivot, the
+ * rest an odd factor that hashes the larger partner to its product's top bit. */
 static uint32_t shuffled(uint32_t i, uint32_t n, uint64_t key)
 {
-    const int rounds = 12; /* each halves what the one before left unmixed */
+    const int rounds = 12; /* each halves the remaining deviation from random */
     for (int round = 0; round < rounds; round++) {
         key = key * 6364136223846793005u + 1442695040888963407u;
         uint32_t pivot = (uint32_t)((key >> 32) * n >> 32);
@@ -56,8 +56,8 @@ static uint32_t shuffled(uint32_t i, uint32_t n, uint64_t key)
     return i;
 }
 
-/* A multiple of 2^-24 in [first / n, end / n), whichever the bits choose. In whole numbers, so that
- * no rounding carries it out of its cell, or to 1. */
+/* A multiple of 2^-24 in [first / n, end / n), selected by the bits. In integers, so that rounding
+ * cannot carry it out of its cell, or to 1. */
 static float within(uint32_t first, uint32_t end, uint32_t n, uint32_t bits)
 {
     uint64_t low = (((uint64_t)first << 24) + n - 1) / n;
@@ -68,9 +68,8 @@ static float within(uint32_t first, uint32_t end, uint32_t n, uint32_t bits)
 static uint32_t cell_of(const rk_sampler *sampler, place at, uint32_t sample)
 {
     assert(sampler->samples > 0 && sampler->samples <= RK_SAMPLES_MAX &&
-           "a stratified sampler is told how many samples there will be");
-    assert(sample < sampler->samples &&
-           "a stratified sampler has no more samples than it was told");
+           "a stratified sampler needs the number of samples");
+    assert(sample < sampler->samples && "a stratified sampler has no samples beyond that number");
     return shuffled(sample, sampler->samples, key_of(at, first_key));
 }
 
@@ -80,12 +79,13 @@ static float stratified_1d(const rk_sampler *sampler, place at, uint32_t sample)
     return within(cell, cell + 1, sampler->samples, random_bits(at, sample));
 }
 
-/* n cells, where n need not be a square: r rows, r the root of n rounded down, share them as evenly
- * as whole numbers can. A row is as high as its share of the cells, so all cells have the area
- * 1 / n. They are numbered row by row; row j begins with cell j n / r rounded down. */
+/* n cells, where n need not be a square, are distributed over r rows, r the root of n rounded
+ * down, as evenly as integers can. A row's height is proportional to its number of cells, so all
+ * cells have the area 1 / n. They are numbered row by row; row j begins with cell j n / r
+ * rounded down. */
 static uint32_t row_count(uint32_t n)
 {
-    return (uint32_t)sqrtf((float)n); /* right for all n up to RK_SAMPLES_MAX */
+    return (uint32_t)sqrtf((float)n); /* exact for all n up to RK_SAMPLES_MAX */
 }
 
 static uint32_t row_start(uint32_t row, uint32_t rows, uint32_t n)
@@ -115,13 +115,13 @@ static uint32_t reverse_bits(uint32_t x)
     return x >> 16 | x << 16;
 }
 
-/* Each bit may flip, and whether it does depends on the key and the lower bits alone: what Owen's
- * scrambling does to a number whose bits are reversed (Laine and Karras, "Stratified sampling for
- * stochastic transparency", EGSR 2011; Burley, "Practical hash-based Owen scrambling", JCGT 9(4),
- * 2020). The operations that keep to that rule are sums, odd factors, and xor with an even
- * multiple. These are the last ones of N. Vegdahl, "Building a better LK hash" (psychopath.io,
- * 2021, as corrected in May): with Laine and Karras's own, which Burley takes, the flips of
- * neighbouring intervals are not independent. */
+/* Flips each bit or not, depending only on the key and the lower bits: Owen scrambling of a number
+ * whose bits are reversed (Laine and Karras, "Stratified sampling for stochastic transparency",
+ * EGSR 2011; Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020). Operations that obey
+ * this rule are sums, odd factors, and xor with an even multiple. These are the last ones of N.
+ * Vegdahl, "Building a better LK hash" (psychopath.io, 2021, as corrected in May): with the
+ * constants of Laine and Karras, which Burley uses, the flips of neighbouring intervals are not
+ * independent. */
 static uint32_t scramble_reversed(uint32_t x, uint32_t key)
 {
     x ^= x * 0x3d20adeau;
@@ -132,23 +132,23 @@ static uint32_t scramble_reversed(uint32_t x, uint32_t key)
     return x;
 }
 
-/* Every pixel and dimension takes the sequence in an order of its own: scrambling the numbers of
- * the samples keeps blocks of 2^k together, and each such block is spread as well as the first. */
+/* Every pixel and dimension reads the sequence in an order of its own: scrambling the sample
+ * numbers keeps blocks of 2^k together, and each such block is distributed as well as the first. */
 static uint32_t shuffled_index(uint32_t sample, uint32_t key)
 {
     return reverse_bits(scramble_reversed(reverse_bits(sample), key));
 }
 
-/* The digits of i, reversed behind the point: van der Corput's sequence, Sobol's first dimension.
- */
+/* The digits of i, reversed behind the binary point: van der Corput's sequence, Sobol's first
+ * dimension. */
 static float van_der_corput(uint32_t i, uint32_t key)
 {
     return rk_unit_float(reverse_bits(scramble_reversed(i, key)));
 }
 
-/* Sobol's second dimension: Pascal's triangle modulo 2 is the matrix that takes the digits of i to
- * the reversed digits of the number. Digit j adds to digit r where all bits of r are set in j; that
- * is done bit by bit of j. */
+/* Sobol's second dimension: its generator matrix, which maps the digits of i to the reversed digits
+ * of the number, is Pascal's triangle modulo 2. Digit j adds to digit r where all bits of r are set
+ * in j; this is done for each bit of j. */
 static float second_sobol(uint32_t i, uint32_t key)
 {
     i ^= (i & 0xaaaaaaaau) >> 1;

@@ -1,7 +1,7 @@
 /* A sampler gives sample k of a pixel one number in [0, 1) for each dimension: the lens, the time,
- * a light and so on each read dimensions of their own. Numbers of different pixels, or of different
- * dimensions, are independent; those of one pixel and dimension are spread as the kind says.
- * There is no state: a number depends on the place where it is used alone. */
+ * each light and so on read dimensions of their own. Numbers of different pixels or dimensions are
+ * independent; numbers of one pixel and dimension are distributed according to the sampler's kind.
+ * There is no state: a number depends only on pixel, sample and dimension. */
 #ifndef RK_BASE_SAMPLER_H
 #define RK_BASE_SAMPLER_H
 
@@ -9,7 +9,7 @@
 #include "base/vec3.h"
 
 typedef enum rk_sampler_kind {
-    RK_SAMPLER_UNIFORM,         /* independent of each other, uniformly distributed */
+    RK_SAMPLER_UNIFORM,         /* independent, uniformly distributed */
     RK_SAMPLER_STRATIFIED,      /* one in each of as many equal cells as there are samples */
     RK_SAMPLER_LOW_DISCREPANCY, /* a scrambled (0,2)-sequence: the first 2^k, for every k, have one
                                    in each cell of 2^-a x 2^-b, for every a + b = k */
@@ -23,32 +23,32 @@ enum {
     RK_DIMENSION_LENS = 1 << 16,
     RK_DIMENSION_GLOSSY = 1 << 17,
     RK_DIMENSION_TIME = 1 << 18,
-    RK_DIMENSION_FURTHER = 1 << 20, /* added to these for samples that a pixel takes further on */
+    RK_DIMENSION_FURTHER = 1 << 20, /* added to these for a pixel's further samples */
 };
 
-/* Cells are halved down to 2^-24, the distance of the numbers that samplers give. */
+/* Cells can be halved down to 2^-24, the spacing of the samplers' numbers. */
 enum { RK_SAMPLES_MAX = 1 << 24 };
 
-/* "low-discrepancy": the kind's name in options, tables and names of pictures. */
+/* The kind's name in options, tables and names of pictures, such as "low-discrepancy". */
 const char *rk_sampler_name(rk_sampler_kind kind);
 
 typedef struct rk_sampler {
     rk_sampler_kind kind;
     uint32_t seed;
-    uint32_t samples; /* 1 to RK_SAMPLES_MAX: how many there will be of one pixel and dimension.
-                         Only the stratified kind needs to know, and gives no more than these. */
+    uint32_t samples; /* per pixel and dimension, 1 to RK_SAMPLES_MAX; only the stratified kind
+                         needs this number, and gives no more samples */
 } rk_sampler;
 
-/* One number of `dimension`. Whoever reads a dimension with rk_sample_1d should not read it with
- * rk_sample_2d as well: a pair is spread as a pair, and is not two single numbers. */
+/* One number of `dimension`. A dimension is read either by rk_sample_1d or by rk_sample_2d: a pair
+ * is distributed over the square, not as two single numbers. */
 float rk_sample_1d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, uint32_t dimension);
 
-/* A pair of numbers, of `dimension` and the next one. */
+/* A pair of numbers, from `dimension` and the next one. */
 rk_vec2 rk_sample_2d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample,
                      uint32_t dimension);
 
-/* The pairs of samples `first` to `first + count - 1` of one pixel and dimension: the same, sooner.
- */
+/* The pairs of samples `first` to `first + count - 1` of one pixel and dimension: the same as by
+ * single calls, but faster. */
 void rk_sample_2d_run(const rk_sampler *sampler, uint32_t pixel, uint32_t first, uint32_t count,
                       uint32_t dimension, rk_vec2 *pairs);
 

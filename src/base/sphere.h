@@ -1,5 +1,6 @@
-/* Where a ray meets a sphere, also a small one far away (Haines, Guenther, Akenine-Moeller,
- * "Precision improvements for ray/sphere intersection", Ray Tracing Gems, 2019, chapter 7). */
+/* Ray-sphere intersection, accurate for small, distant spheres as well (Haines, Guenther,
+ * Akenine-Moeller, "Precision improvements for ray/sphere intersection", Ray Tracing Gems, 2019,
+ * chapter 7). */
 #ifndef RK_BASE_SPHERE_H
 #define RK_BASE_SPHERE_H
 
@@ -13,14 +14,15 @@ typedef struct rk_sphere {
     float radius; /* > 0 */
 } rk_sphere;
 
-/* Where the ray's line enters the sphere and where it leaves it, at any sign of t, or false. */
+/* The t at which the ray's line enters and leaves the sphere, of any sign; false if the line
+ * misses. */
 static inline bool rk_sphere_span(const rk_sphere *sphere, const rk_ray *ray, float *t_near,
                                   float *t_far)
 {
     rk_vec3 d = ray->direction, f = rk_sub(ray->origin, sphere->centre);
     float a = rk_dot(d, d), b = -rk_dot(f, d);
-    /* The squared distance from the centre to the ray's line, from the vector itself: as a
-     * difference of large squares it would lose its digits. */
+    /* The squared distance from the centre to the line, computed from the vector: a difference of
+     * large squares would lose its digits. */
     rk_vec3 across = rk_madd(f, d, b / a);
     float inside = sphere->radius * sphere->radius - rk_dot(across, across);
     if (!(inside >= 0))
@@ -33,7 +35,8 @@ static inline bool rk_sphere_span(const rk_sphere *sphere, const rk_ray *ray, fl
     return true;
 }
 
-/* Returns the nearest t with 0 < t <= t_max at which the ray meets the sphere, or infinity. */
+/* Returns the smallest t with 0 < t <= t_max at which the ray intersects the sphere, or
+ * infinity. */
 static inline float rk_sphere_intersect(const rk_sphere *sphere, const rk_ray *ray, float t_max)
 {
     float t_near, t_far;
@@ -43,7 +46,8 @@ static inline float rk_sphere_intersect(const rk_sphere *sphere, const rk_ray *r
     return t > 0 && t <= t_max && t < INFINITY ? t : INFINITY;
 }
 
-/* Closest-hit test: replaces the hit, as `index`, if the sphere is nearer than hit->t. */
+/* Closest-hit test: if the sphere is nearer than hit->t, replaces the hit, with `index` as its
+ * triangle. */
 static inline bool rk_sphere_closest(const rk_sphere *sphere, uint32_t index, const rk_ray *ray,
                                      rk_hit *hit)
 {

@@ -1,5 +1,5 @@
-/* A table is read whole, changed by one row, and written whole: tables are small, and nothing can
- * be left half-changed. */
+/* A table is read whole, changed by one row, and written whole: tables are small, and none is left
+ * half-changed. */
 #include "base/table.h"
 
 #include "base/file.h"
@@ -14,7 +14,7 @@
 typedef struct table {
     char *text;   /* the file; the cells point into it, unquoted in place */
     char **cells; /* rows * columns */
-    size_t rows;  /* the header included; 0 when there is no file yet */
+    size_t rows;  /* including the header; 0 when there is no file yet */
 } table;
 
 static void table_free(table *old)
@@ -32,16 +32,16 @@ static bool read_text(table *old, FILE *stream, size_t size, const char *path, r
         return false;
     if (fread(old->text, 1, size, stream) != size)
         return rk_fail(error, "%s: cannot be read: %s", path,
-                       ferror(stream) ? strerror(errno) : "it shrinks while it is read");
+                       ferror(stream) ? strerror(errno) : "it shrank while it was read");
     if (memchr(old->text, '\0', size))
-        return rk_fail(error, "%s: holds a zero byte, so it is no table: rename or remove it",
+        return rk_fail(error, "%s: contains a zero byte, so it is not a table: rename or remove it",
                        path);
     return true;
 }
 
-/* Unquotes the cell at *place in place and moves *place behind it. Returns what ended it: ',', '\n'
- * or, at the end of the file, '\0'; or '"' for a quote that is not closed or not where it may be.
- */
+/* Unquotes the cell at *place in place and moves *place past it. Returns the character that
+ * ended it: ',', '\n' or, at the end of the file, '\0'; or '"' for a quote that is unclosed or
+ * misplaced. */
 static char take_cell(char **place, size_t *line)
 {
     char *from = *place, *to = *place;
@@ -99,14 +99,14 @@ static bool split(table *old, const char *const *header, size_t columns, const c
         } while (end == ',');
         if (end == '"')
             return rk_fail(error,
-                           "%s: line %zu has a quote out of place, or never closed: repair the "
+                           "%s: line %zu has a misplaced or unclosed quote: repair the "
                            "line, or remove the file",
                            path, begin);
         line += end == '\n';
         size_t count = cells - first;
         if (old->rows == 0 && !(count == columns && same_cells(old->cells, header, columns)))
             return rk_fail(error,
-                           "%s: its header is another one than this table's, which begins with "
+                           "%s: its header differs from this table's, which begins with "
                            "%s: rename or remove the file",
                            path, header[0]);
         if (count != columns)
@@ -125,9 +125,10 @@ static bool table_read(table *old, const char *const *header, size_t columns, co
     struct stat status;
     if (stat(path, &status) != 0)
         return errno == ENOENT || rk_fail(error, "%s: cannot be read: %s", path, strerror(errno));
-    /* Opening a pipe would wait for its other end. */
+    /* Opening a pipe would wait for a process at its other end. */
     if (!S_ISREG(status.st_mode))
-        return rk_fail(error, "%s: is not a file, so no table; choose another name", path);
+        return rk_fail(error, "%s: is not a regular file, so not a table; choose another name",
+                       path);
     FILE *stream = fopen(path, "rb");
     if (!stream)
         return rk_fail(error, "%s: cannot be read: %s", path, strerror(errno));
@@ -140,7 +141,8 @@ static bool table_read(table *old, const char *const *header, size_t columns, co
 
 static void write_cell(FILE *stream, const char *cell, size_t columns)
 {
-    /* The one empty cell of a narrow table is quoted, lest its line look like no row at all. */
+    /* The single cell of a one-column row is quoted if empty: a blank line would not count as a
+     * row. */
     if (!strpbrk(cell, ",\"\r\n") && (*cell || columns > 1)) {
         fputs(cell, stream);
         return;
@@ -168,7 +170,7 @@ bool rk_table_put(const char *path, const char *const *header, const char *const
                   size_t columns, size_t key_columns, rk_error *error)
 {
     assert(columns > 0 && key_columns <= columns &&
-           "a table has columns, and its key is some of them");
+           "a table has columns, and its key consists of some of them");
     table old;
     rk_file file;
     if (!table_read(&old, header, columns, path, error) || !rk_file_begin(&file, path, error)) {
@@ -192,8 +194,7 @@ bool rk_table_put(const char *path, const char *const *header, const char *const
     return rk_file_commit(&file, error);
 }
 
-/* --- measurements
- * --------------------------------------------------------------------------------- */
+/* --- measurements ----------------------------------------------------------------------------- */
 
 static int compare_figures(const void *a, const void *b)
 {
@@ -220,7 +221,7 @@ static number count_text(unsigned long count)
     return result;
 }
 
-/* Six digits: more than any clock repeats. */
+/* Six digits: more than any timing reproduces. */
 static number figure_text(double figure)
 {
     number result;

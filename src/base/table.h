@@ -4,10 +4,10 @@
 
 #include "base/error.h"
 
-/* Puts a row into the file at `path`, which is made with `header` if missing. A row whose first
- * `key_columns` cells are the same is replaced, so that measuring again updates the table. Cells
- * are quoted where they must be. An existing file with another header is an error and stays as it
- * is. The file is replaced whole or not at all. */
+/* Puts a row into the file at `path`, creating it with `header` if missing. A row with the same
+ * first `key_columns` cells is replaced, so that measuring again updates the table. Cells are
+ * quoted where necessary. A file with another header is an error and stays unchanged. The file is
+ * replaced whole or not at all. */
 bool rk_table_put(const char *path, const char *const *header, const char *const *cells,
                   size_t columns, size_t key_columns, rk_error *error);
 
@@ -19,8 +19,8 @@ typedef struct rk_timing {
 
 enum { RK_RUNS_MAX = 1000 };
 
-/* Statistics of 1 to RK_RUNS_MAX figures, which it sorts. The median of an even number is the mean
- * of the middle two. */
+/* Statistics of 1 to RK_RUNS_MAX figures, which it sorts. The median of an even number of figures
+ * is the mean of the middle two. */
 rk_timing rk_timing_of(double *figures, unsigned runs);
 
 /* Puts a row under feature,scene,triangles,method,isa,threads,metric,unit,median,min,max,runs; the
@@ -36,14 +36,14 @@ typedef struct rk_timing_row {
 
 bool rk_table_put_timing(const char *path, const rk_timing_row *row, rk_error *error);
 
-/* Puts a row, how far a method is from the truth and after how long, under
+/* Puts a row with the error of a method and the time that it took under
  * feature,scene,method,samples,seconds,rmse,max_error,bias,reference; the columns up to `samples`
  * are the key. */
 typedef struct rk_convergence_row {
     const char *feature, *scene, *method;
     unsigned long samples;
-    double seconds, rmse, max_error, bias; /* the errors in the unit of what is measured */
-    const char *reference;                 /* what the truth was taken from: "closed form" */
+    double seconds, rmse, max_error, bias; /* errors: in the unit of the measured quantity */
+    const char *reference;                 /* source of the true values, such as "closed form" */
 } rk_convergence_row;
 
 bool rk_table_put_convergence(const char *path, const rk_convergence_row *row, rk_error *error);

@@ -2,15 +2,15 @@
 
 #include <assert.h>
 
-/* Brings a coordinate to [0, 1]. Of a tiny negative number, 1 more than it rounds to 1 itself. */
+/* Maps a coordinate to [0, 1], 1 included: a tiny negative number plus 1 rounds to 1. */
 static float wrap_coordinate(float u, rk_texture_wrap wrap)
 {
     if (wrap == RK_TEXTURE_REPEAT)
         u -= floorf(u);
-    return u > 0 ? (u < 1 ? u : 1) : 0; /* NaN, of infinity less itself too, becomes 0 */
+    return u > 0 ? (u < 1 ? u : 1) : 0; /* NaN, also from infinity - infinity, becomes 0 */
 }
 
-/* Texels -1 and `count` are the neighbours beyond the borders. */
+/* Texels -1 and `count` are the neighbours beyond the edges. */
 static size_t wrap_texel(long i, size_t count, rk_texture_wrap wrap)
 {
     const long last = (long)count - 1;
@@ -21,7 +21,7 @@ static size_t wrap_texel(long i, size_t count, rk_texture_wrap wrap)
     return (size_t)i;
 }
 
-/* x to the right and y upwards, from the picture's bottom left corner, in texels. */
+/* x to the right and y upwards, in texels from the picture's bottom left corner. */
 static rk_vec3 texel(const rk_texture *texture, long x, long y)
 {
     const rk_image *image = &texture->image;
@@ -32,7 +32,7 @@ static rk_vec3 texel(const rk_texture *texture, long x, long y)
 
 static rk_vec3 bilinear(const rk_texture *texture, float x, float y)
 {
-    /* From here on the centre of texel (i, j) is at (i, j). */
+    /* From here on, texel (i, j) has its centre at (i, j). */
     x -= 0.5f, y -= 0.5f;
     float left = floorf(x), bottom = floorf(y);
     long i = (long)left, j = (long)bottom;
@@ -43,7 +43,7 @@ static rk_vec3 bilinear(const rk_texture *texture, float x, float y)
 
 rk_vec3 rk_texture_at(const rk_texture *texture, rk_vec2 uv)
 {
-    assert(texture->image.pixels && "a texture is looked up only when its image has pixels");
+    assert(texture->image.pixels && "only a texture whose image has pixels can be looked up");
     float x = wrap_coordinate(uv.x, texture->wrap) * (float)texture->image.width;
     float y = wrap_coordinate(uv.y, texture->wrap) * (float)texture->image.height;
     if (texture->filter == RK_TEXTURE_NEAREST)

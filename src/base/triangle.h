@@ -1,4 +1,4 @@
-/* Where a ray meets a triangle (Moeller and Trumbore, "Fast, minimum storage ray/triangle
+/* Ray-triangle intersection (Moeller and Trumbore, "Fast, minimum storage ray/triangle
  * intersection", 1997), without the epsilon of their listing: an absolute threshold on the
  * determinant loses small triangles, and the signs decide without one. */
 #ifndef RK_BASE_TRIANGLE_H
@@ -9,18 +9,18 @@
 
 #include <stdbool.h>
 
-/* One corner, the two edges from it, and the triangle's index in its mesh: 40 bytes, which a leaf
- * holds side by side. */
+/* One corner, the two edges from it, and the triangle's index in its mesh: 40 bytes, contiguous
+ * within a leaf. */
 typedef struct rk_triangle {
     rk_vec3 a, edge_ab, edge_ac;
     uint32_t index;
 } rk_triangle;
 
-/* The shared part of both tests: true if the ray crosses the triangle at a t that is positive and
- * finite. Divides only when the line's crossing is certain. Edge-on (det = 0) and NaN miss. A
- * product of three lengths is formed: between 2^-126 and 2^127 scaling a scene by a power of two
- * changes no bit of t, u and v (so from 1e-11 to 1e11 around a unit scene). What is larger
- * overflows into a miss; what is smaller underflows into one, or its edges blur before. */
+/* Common to both tests below: true if the ray intersects the triangle at a positive, finite t.
+ * Divides only after the line is known to hit. Edge-on triangles (det = 0) and NaN are misses. A
+ * product of three lengths is formed: between 2^-126 and 2^127, scaling a scene by a power of two
+ * changes no bit of t, u and v (so from 1e-11 to 1e11 around a unit scene). Larger products
+ * overflow into a miss; smaller ones underflow into one, after losing precision at the edges. */
 __attribute__((always_inline)) static inline bool
 rk_triangle_intersect(const rk_triangle *triangle, const rk_ray *ray, rk_hit *cross)
 {
@@ -43,10 +43,10 @@ rk_triangle_intersect(const rk_triangle *triangle, const rk_ray *ray, rk_hit *cr
     return true;
 }
 
-/* Which side of the plane a point is on, and which side a direction points to: the numerator and
- * the denominator of t, computed as the test computes them. A ray from `point` along `direction`
- * meets the triangle only where both are above zero or both below, so whoever makes the two differ
- * has a ray that misses whatever the roundings do. */
+/* The side of the plane on which a point lies, and the side to which a direction points: numerator
+ * and denominator of t, computed as in the test. A ray from `point` along `direction` can hit the
+ * triangle only if both are positive or both negative; if they differ in sign it misses, whatever
+ * the rounding. */
 static inline float rk_triangle_side(const rk_triangle *triangle, rk_vec3 point)
 {
     rk_vec3 s = rk_sub(point, triangle->a);
@@ -58,8 +58,8 @@ static inline float rk_triangle_heading(const rk_triangle *triangle, rk_vec3 dir
     return rk_dot(triangle->edge_ab, rk_cross(direction, triangle->edge_ac));
 }
 
-/* Closest-hit test. If the ray crosses nearer than hit->t, or at the same t with a smaller index
- * (so that the answer does not depend on the order of testing), the hit is replaced. Returns
+/* Closest-hit test. If the intersection is nearer than hit->t, or has the same t and a smaller
+ * index (so that the result does not depend on the order of tests), the hit is replaced. Returns
  * whether it was. Start with hit = {ray->t_max, 0, 0, RK_MISS}. */
 static inline bool rk_triangle_closest(const rk_triangle *triangle, const rk_ray *ray, rk_hit *hit)
 {
@@ -72,7 +72,7 @@ static inline bool rk_triangle_closest(const rk_triangle *triangle, const rk_ray
     return true;
 }
 
-/* Any-hit test, for shadows: does it lie at 0 < t <= t_max? */
+/* Any-hit test, for shadows: is there an intersection at 0 < t <= t_max? */
 static inline bool rk_triangle_occludes(const rk_triangle *triangle, const rk_ray *ray)
 {
     rk_hit cross;

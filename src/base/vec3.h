@@ -1,5 +1,5 @@
-/* Vectors of three floats: points, directions and linear RGB colours. Vectors are the language of
- * the whole kit, so they alone go without a module in their names: rk_add, rk_dot, rk_cross. */
+/* Vectors of three floats: points, directions and linear RGB colours. The whole kit is written in
+ * vectors, so their names alone carry no module: rk_add, rk_dot, rk_cross. */
 #ifndef RK_BASE_VEC3_H
 #define RK_BASE_VEC3_H
 
@@ -31,7 +31,7 @@ static inline rk_vec3 rk_sub(rk_vec3 a, rk_vec3 b)
     return rk_vec(a.x - b.x, a.y - b.y, a.z - b.z);
 }
 
-/* Componentwise, as light is filtered by a colour. */
+/* Componentwise: light filtered by a colour. */
 static inline rk_vec3 rk_mul(rk_vec3 a, rk_vec3 b)
 {
     return rk_vec(a.x * b.x, a.y * b.y, a.z * b.z);
@@ -68,15 +68,15 @@ static inline float rk_length(rk_vec3 a)
     return sqrtf(rk_dot(a, a));
 }
 
-/* Returns a / |a|. The zero vector, which has no direction, comes back as it is. */
+/* Returns a / |a|; the zero vector, which has no direction, is returned unchanged. */
 static inline rk_vec3 rk_normalize(rk_vec3 a)
 {
     float length = rk_length(a);
     return length > 0 ? rk_scale(a, 1 / length) : a;
 }
 
-/* Libm's fminf and fmaxf are calls that also settle NaN; these are one instruction, and return b
- * when a is NaN. The box test relies on that. */
+/* Libm's fminf and fmaxf are function calls that also handle NaN; these are one instruction and
+ * return b when a is NaN. The box test relies on that. */
 static inline float rk_min(float a, float b)
 {
     return a < b ? a : b;

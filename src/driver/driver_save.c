@@ -13,7 +13,7 @@ static bool out_folder(const rk_driver *driver, const char *folder, char path[30
 {
     if (snprintf(path, 3072, "%s/%s", driver->out, folder) >= 3072)
         return rk_fail(error, "--out: the folder's name is longer than 3000 bytes");
-    return rk_make_folder(path, error);
+    return rk_file_make_folder(path, error);
 }
 
 bool rk_driver_try_folder(const rk_driver *driver, rk_error *error)

@@ -4,6 +4,7 @@
 #include "io/environment_file.h"
 #include "io/mesh_file.h"
 #include "render/options.h"
+#include "scenes/builtin.h"
 #include "scenes/sky.h"
 
 #include <stdio.h>
@@ -104,8 +105,9 @@ static bool load_environment(rk_driver *driver, rk_error *error)
         return true;
     if (*name == '\0')
         return rk_fail(error, "--environment: names no picture; give it a file's name, or sky");
-    return strcmp(name, "sky") == 0 ? rk_sky_make(&driver->scene.environment, SKY_SIDE, error)
-                                    : rk_environment_read(&driver->scene.environment, name, error);
+    return strcmp(name, "sky") == 0
+               ? rk_sky_make(&driver->scene.environment, SKY_SIDE, error)
+               : rk_environment_file_read(&driver->scene.environment, name, error);
 }
 
 static bool load_scene(rk_driver *driver, rk_error *error)
@@ -113,7 +115,7 @@ static bool load_scene(rk_driver *driver, rk_error *error)
     if (driver->mesh_path) {
         rk_mesh mesh;
         const char *slash = strrchr(driver->mesh_path, '/');
-        if (!rk_mesh_read(&mesh, driver->mesh_path, error))
+        if (!rk_mesh_file_read(&mesh, driver->mesh_path, error))
             return false;
         if (*error->text && !driver->quiet) /* a note */
             fprintf(stderr, "%s: %s\n", driver->feature, error->text);
@@ -121,7 +123,7 @@ static bool load_scene(rk_driver *driver, rk_error *error)
             return false;
     } else {
         rk_error why = {""};
-        if (!rk_scene_builtin(&driver->scene, driver->scene_name, &why))
+        if (!rk_builtin_scene(&driver->scene, driver->scene_name, &why))
             return rk_fail(error, "--scene %.1000s", why.text);
     }
     if (driver->move && driver->scene.moving_count == 0)
@@ -139,11 +141,12 @@ bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *
                      const char *const *debug_views, int *status)
 {
     const char *shown_scene = driver->scene_name;
-    char debug_help[300];
+    char scene_help[2000], debug_help[300];
+    rk_builtin_help(scene_help, sizeof scene_help);
     snprintf(debug_help, sizeof debug_help, "draw a debug view: %s", list_views(debug_views).text);
     const view_list of_pixel = pixel_help(driver, debug_views);
     const rk_option common[] = {
-        {"scene", RK_OPTION_TEXT, &driver->scene_name, "NAME", rk_scene_builtin_help, 0, 0},
+        {"scene", RK_OPTION_TEXT, &driver->scene_name, "NAME", scene_help, 0, 0},
         {"mesh", RK_OPTION_TEXT, &driver->mesh_path, "FILE",
          "a mesh file instead (OBJ, PLY, OFF, glTF ...), moved into the unit ball", 0, 0},
         {"environment", RK_OPTION_TEXT, &driver->environment, "sky|FILE",

@@ -26,7 +26,7 @@ static void tell_tests(const story *s)
 
 static void tell_shadows(const story *s, const rk_light *light)
 {
-    const rk_light_sums *sums = &s->t->sums;
+    const rk_tile_light_sums *sums = &s->t->sums;
     uint32_t asked = sums->asked[0], free = sums->free[0];
     if (asked == 0)
         return;
@@ -69,7 +69,7 @@ static void tell_light(const story *s, uint32_t index)
         return;
     }
     *s->t->counters = (rk_counters){0};
-    rk_light_stage(s->r, s->t, index);
+    rk_parallelogram_light_stage(s->r, s->t, index);
     rk_vec3 all = s->t->sums.all[0];
     if (all.x == 0 && all.y == 0 && all.z == 0)
         fprintf(s->out, "    nothing is reflected to the viewer\n");

@@ -11,15 +11,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-/* Nodes still to be visited, and where the ray enters their boxes. */
-typedef struct traversal_stack {
-    uint32_t size;
-    struct {
-        const rk_bvh_node *node;
-        float enter;
-    } entries[RK_BVH_LEVELS_MAX];
-} traversal_stack;
-
 /* Contents, in the order of the chapter. */
 static rk_box box_of(const rk_bvh_reference *references, const uint64_t *ranks, uint32_t count);
 static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *ranks, uint32_t count,
@@ -32,10 +23,10 @@ static inline uint32_t triangle_of(uint64_t rank);
 static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted);
 static void sort_few(uint64_t *ranks, uint32_t count);
 static inline void swap_keys(uint64_t *a, uint64_t *b);
-static inline const rk_bvh_node *push_far_return_near(traversal_stack *list,
+static inline const rk_bvh_node *push_far_return_near(rk_traversal_stack *stack,
                                                       const rk_bvh_node *children,
                                                       const rk_slabs *slabs, float t_max);
-static inline const rk_bvh_node *pop_nearer(traversal_stack *list, float t_max);
+static inline const rk_bvh_node *pop_nearer(rk_traversal_stack *stack, float t_max);
 
 /* --- Building --------------------------------------------------------------------------------- */
 
@@ -223,9 +214,9 @@ static inline void swap_keys(uint64_t *a, uint64_t *b)
 /* --- Traversal -------------------------------------------------------------------------------- */
 
 /* Of the two children, the one that the ray enters first: what lies in it may spare us the other,
- * which has to wait. NULL if the ray enters neither. Not entered is INFINITY, which is no greater
+ * which is pushed. NULL if the ray enters neither. Not entered is INFINITY, which is no greater
  * than a t_max of infinity: compare with INFINITY itself. */
-static inline const rk_bvh_node *push_far_return_near(traversal_stack *list,
+static inline const rk_bvh_node *push_far_return_near(rk_traversal_stack *stack,
                                                       const rk_bvh_node *children,
                                                       const rk_slabs *slabs, float t_max)
 {
@@ -240,8 +231,8 @@ static inline const rk_bvh_node *push_far_return_near(traversal_stack *list,
         enter_far = t;
     }
     if (enter_far < INFINITY) {
-        list->entries[list->size].node = far;
-        list->entries[list->size++].enter = enter_far;
+        stack->entries[stack->size].node = far;
+        stack->entries[stack->size++].enter = enter_far;
     }
     return enter_near < INFINITY ? near : NULL;
     /* starter
@@ -251,12 +242,12 @@ static inline const rk_bvh_node *push_far_return_near(traversal_stack *list,
 }
 
 /* The last of those that the ray enters at t_max or before, or NULL. */
-static inline const rk_bvh_node *pop_nearer(traversal_stack *list, float t_max)
+static inline const rk_bvh_node *pop_nearer(rk_traversal_stack *stack, float t_max)
 {
     /* solution */
-    while (list->size)
-        if (list->entries[--list->size].enter <= t_max)
-            return list->entries[list->size].node;
+    while (stack->size)
+        if (stack->entries[--stack->size].enter <= t_max)
+            return stack->entries[stack->size].node;
     return NULL;
     /* starter
     // Fourth step: what the ray enters only behind t_max is not worth a visit.
@@ -271,21 +262,21 @@ rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counter
         return hit;
     /* solution */
     const rk_slabs slabs = rk_slabs_of(ray);
-    traversal_stack list;
-    list.size = 0;
+    rk_traversal_stack stack;
+    stack.size = 0;
     uint64_t box_tests = 1, triangle_tests = 0;
     const rk_bvh_node *root = &bvh->nodes[0];
     const rk_bvh_node *node = rk_box_enter(&root->box, &slabs, hit.t) < INFINITY ? root : NULL;
     while (node) {
         const rk_bvh_node *next = NULL;
         if (node->count == 0) {
-            next = push_far_return_near(&list, &bvh->nodes[node->first], &slabs, hit.t);
+            next = push_far_return_near(&stack, &bvh->nodes[node->first], &slabs, hit.t);
             box_tests += 2;
         }
         for (uint32_t i = 0; i < node->count; i++)
             rk_triangle_closest(&bvh->triangles[node->first + i], ray, &hit);
         triangle_tests += node->count;
-        node = next ? next : pop_nearer(&list, hit.t);
+        node = next ? next : pop_nearer(&stack, hit.t);
     }
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;
@@ -301,8 +292,8 @@ bool rk_bvh_occluded(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters
         return false;
     /* solution */
     const rk_slabs slabs = rk_slabs_of(ray);
-    traversal_stack list;
-    list.size = 0;
+    rk_traversal_stack stack;
+    stack.size = 0;
     uint64_t box_tests = 1, triangle_tests = 0;
     bool found = false;
     const rk_bvh_node *root = &bvh->nodes[0];
@@ -310,19 +301,20 @@ bool rk_bvh_occluded(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters
     while (node && !found) {
         const rk_bvh_node *next = NULL;
         if (node->count == 0) {
-            next = push_far_return_near(&list, &bvh->nodes[node->first], &slabs, ray->t_max);
+            next = push_far_return_near(&stack, &bvh->nodes[node->first], &slabs, ray->t_max);
             box_tests += 2;
         }
         for (uint32_t i = 0; i < node->count && !found; i++) {
             found = rk_triangle_occludes(&bvh->triangles[node->first + i], ray);
             triangle_tests++;
         }
-        node = next ? next : pop_nearer(&list, ray->t_max);
+        node = next ? next : pop_nearer(&stack, ray->t_max);
     }
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;
     return found;
     /* starter
-    // Fifth step: as above, by rk_triangle_occludes, and the first triangle found is the last
-    tested. return false; end */
+    // Fifth step: as above, by rk_triangle_occludes. The first triangle found ends the search.
+    return false;
+    end */
 }

@@ -5,6 +5,8 @@
  * model for synthetic image generation", SIGGRAPH 1981). */
 #include "features/depth_of_field.h"
 
+#include "features/glossy_reflection.h"
+
 #include <math.h>
 #include <string.h>
 
@@ -30,34 +32,11 @@ static float diameter_of(const rk_lens *lens)
 
 /* --- Rays ------------------------------------------------------------------------------------- */
 
-/* The larger of |a| and |b|, the side of the square around the middle that xi lies on, becomes the
- * radius, and how far along the side, up to an eighth of a turn to both sides, the angle (Shirley
- * and Chiu, "A low distortion map between disk and square", Journal of Graphics Tools 2(3), 1997).
- */
-rk_vec2 rk_lens_disk(rk_vec2 xi)
-{
-    /* solution */
-    const float eighth = RK_PI / 4; /* of a turn */
-    float a = 2 * xi.x - 1, b = 2 * xi.y - 1;
-    if (a == 0 && b == 0)
-        return (rk_vec2){0, 0};
-    if (fabsf(a) > fabsf(b)) {
-        float angle = eighth * (b / a);
-        return (rk_vec2){a * cosf(angle), a * sinf(angle)};
-    }
-    float angle = eighth * (a / b);
-    return (rk_vec2){b * sinf(angle), b * cosf(angle)};
-    /* starter
-    // First step: from the square to the disk.
-    return (rk_vec2){0, 0};
-    end */
-}
-
 rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, rk_vec2 xi)
 {
     /* solution */
     float radius = 0.5f * diameter_of(lens);
-    rk_vec2 disk = rk_lens_disk(xi);
+    rk_vec2 disk = rk_disk_at(RK_DISK_CONCENTRIC, xi);
     rk_vec3 offset = rk_madd(rk_scale(view->right, radius * disk.x), view->up, radius * disk.y);
     /* From the lens's point to the focus, s through - offset, divided by s: so that no offset
      * leaves the pinhole's direction as it is. */
@@ -65,7 +44,7 @@ rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, r
     rk_vec3 towards = rk_madd(through, offset, -1 / focus_along(lens, through));
     return (rk_ray){rk_add(view->position, offset), rk_normalize(towards), INFINITY};
     /* starter
-    // Second step: start at a point of the lens, and go through the focus.
+    // First step: start at a point of the lens, and go through the focus.
     return (rk_ray){rk_vec(0, 0, 0), rk_vec(0, 0, 0), 0};
     end */
 }
@@ -77,7 +56,7 @@ static float focus_along(const rk_lens *lens, rk_vec3 through)
     return lens->focal == RK_FOCAL_PLANE ? lens->focal_distance
                                          : lens->focal_distance / rk_length(through);
     /* starter
-    // Third step: the plane at this depth, or the sphere of this radius.
+    // Second step: the plane at this depth, or the sphere of this radius.
     return 1;
     end */
 }
@@ -93,7 +72,7 @@ float rk_lens_coc_diameter(const rk_lens *lens, const rk_view *view, const rk_ra
     float angle = diameter_of(lens) * fabsf(1 - f / d) / f; /* |d - f| / d for infinite d, too */
     return angle / (plane ? view->pixel : view->pixel * cosine);
     /* starter
-    // Fourth step: the circle's diameter where the lens is in focus, then in pixels.
+    // Third step: the circle's diameter where the lens is in focus, then in pixels.
     return -1;
     end */
 }
@@ -107,7 +86,7 @@ static span span_around(uint32_t at, float blur, uint32_t size)
     uint32_t pixels = reach < (float)size ? (uint32_t)reach : size;
     return (span){at > pixels ? at - pixels : 0, size - at > pixels ? at + pixels + 1 : size};
     /* starter
-    // Fifth step: pixels from and up to which a circle around pixel `at` reaches, in the picture.
+    // Fourth step: pixels from and up to which a circle around pixel `at` reaches, in the picture.
     return (span){0, size};
     end */
 }
@@ -139,7 +118,7 @@ void rk_lens_coc(const float *blur, uint32_t width, uint32_t height, int32_t *co
         for (size_t x = 0; x < width; x++)
             coc_count[y * stride + x] += coc_count[(y - 1) * stride + x];
     /* starter
-    // Sixth step: for each circle four numbers at its square's corners, then sums along rows, then
+    // Fifth step: for each circle four numbers at its square's corners, then sums along rows, then
     // along columns.
     end */
 }

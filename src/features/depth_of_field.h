@@ -21,15 +21,11 @@ typedef struct rk_lens {
 /* Focused on a plane at 1.8, an aperture of 10. */
 rk_lens rk_lens_default(void);
 
-/* Returns the point of the unit disk that xi in [0, 1)^2 stands for: evenly over its area, squares
- * around the middle become coc_count (Shirley and Chiu 1997), (.5, .5) becomes the centre, and (1,
- * .5) the rim's point on the x axis. */
-rk_vec2 rk_lens_disk(rk_vec2 xi);
-
 /* Returns the ray through the point (x, y) of the picture, pixels as in rk_view_ray, that starts at
- * the lens's point for `xi`: x of the disk counts along view->right, y along view->up. All rays of
- * one (x, y) meet on the focal surface. The direction is unit, t_max infinite. The ray from the
- * lens's centre is rk_view_ray's, to the bit. */
+ * the lens's point for `xi` in [0, 1)^2 by the concentric map (rk_disk_at): x of the disk counts
+ * along view->right, y along view->up. All rays of one (x, y) meet on the focal surface. The
+ * direction is unit, t_max infinite. The ray from the lens's centre is rk_view_ray's, to the bit.
+ */
 rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, rk_vec2 xi);
 
 /* Returns the diameter in pixels of the circle of confusion of the point at `t` of `ray`, one of

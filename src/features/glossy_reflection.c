@@ -53,7 +53,9 @@ static rk_vec2 concentric(float x, float y)
     /* solution */
     if (fabsf(x) > fabsf(y))
         return polar(x, RK_PI / 4 * (y / x));
-    return y == 0 ? (rk_vec2){0, 0} : polar(y, RK_PI / 2 - RK_PI / 4 * (x / y));
+    /* Above and below the same with both axes swapped, as pi / 2 - theta would be rounded. */
+    rk_vec2 swapped = y == 0 ? (rk_vec2){0, 0} : polar(y, RK_PI / 4 * (x / y));
+    return (rk_vec2){swapped.y, swapped.x};
     /* starter
     // Second step: of the sector of the larger coordinate, the sides +x and -x first.
     return (rk_vec2){0, 0};

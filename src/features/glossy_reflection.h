@@ -16,7 +16,7 @@ void rk_basis_of(rk_vec3 w, rk_vec3 *u, rk_vec3 *v);
  * neighbours together, so that well-spread xi stay well spread. */
 typedef enum rk_disk_map {
     RK_DISK_POLAR,      /* r = sqrt(xi.x), theta = 2 pi xi.y */
-    RK_DISK_CONCENTRIC, /* squares around the middle of the unit square become coc_count */
+    RK_DISK_CONCENTRIC, /* squares around the middle of the unit square become circles */
 } rk_disk_map;
 
 /* Returns the point of the unit disk for xi in [0, 1)^2; its length is at most 1, but for rounding.

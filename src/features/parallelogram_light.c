@@ -108,7 +108,7 @@ float rk_light_irradiance(const rk_light *light, rk_vec3 point, rk_vec3 normal)
     if (light->kind == RK_LIGHT_POINT)
         return r > 0 ? (float)(cos_r / (r * r * r)) : 0;
     if (light->kind == RK_LIGHT_SEGMENT)
-        return (float)rk_segment_irradiance(s.corner, s.edge01, n);
+        return (float)rk_light_segment_irradiance(s.corner, s.edge01, n);
     if (rk_ddot(s.corner, rk_dcross(s.edge01, s.edge02)) == 0) /* edge-on, or no area */
         return 0;
     const rk_dvec3 corners[4] = {s.corner, along(&s, 1, 0), along(&s, 1, 1), along(&s, 0, 1)};

@@ -1,4 +1,5 @@
-/* Layouts are tables of cells; longitude and latitude are looked up for each texel of the cube. */
+/* Pictures of six faces are copied by tables of cells; longitude and latitude are looked up for
+ * each texel of the cube. */
 #include "io/environment_file.h"
 
 #include "io/image_file.h"
@@ -13,9 +14,9 @@ typedef struct long_path {
     char text[4096];
 } long_path;
 
-/* --- Faces in one picture --------------------------------------------------------------------- */
+/* --- faces in one picture --------------------------------------------------------------------- */
 
-/* Where a face is, in columns and rows of faces. */
+/* The place of a face, in columns and rows of faces. */
 typedef struct cell {
     rk_cube_face face;
     uint8_t column, row;
@@ -75,11 +76,11 @@ static void copy_cell(rk_cubemap *map, const rk_image *image, const cell *from)
         }
 }
 
-/* As rk_cubemap_init, with the file's name in the error. */
+/* Calls rk_cubemap_init, with the file's name in the error. */
 static bool make_map(rk_cubemap *map, size_t side, const char *path, rk_error *error)
 {
     if (side > RK_CUBEMAP_SIDE_MAX)
-        return rk_fail(error, "%.800s: faces of %zu texels a side: make it smaller, to %d at most",
+        return rk_fail(error, "%.800s: faces of %zu texels per side: reduce them to %d at most",
                        path, side, RK_CUBEMAP_SIDE_MAX);
     return rk_cubemap_init(map, (uint32_t)side, error);
 }
@@ -94,9 +95,9 @@ static bool unfold(rk_cubemap *map, const rk_image *image, const layout *l, cons
     return true;
 }
 
-/* --- Longitude and latitude ------------------------------------------------------------------- */
+/* --- longitude and latitude ------------------------------------------------------------------- */
 
-/* Longitudes go round; beyond a pole lies the other side of the world. */
+/* Longitudes wrap around; beyond a pole, the picture continues on the opposite longitude. */
 static rk_vec3 world_pixel(const rk_image *world, long x, long y)
 {
     const long width = (long)world->width, height = (long)world->height;
@@ -121,8 +122,8 @@ static rk_vec3 world_at(const rk_image *world, rk_vec3 direction)
     return rk_mix(upper, lower, y - above);
 }
 
-/* A face's texels are largest in its middle: 2 / side. There they should be as fine as pixels on
- * the equator, 2 pi / width. */
+/* A face's texels are largest in its middle: 2 / side. There they should match a pixel on the
+ * equator, 2 pi / width. */
 static size_t side_for_world(const rk_image *world)
 {
     size_t side = (size_t)ceil((double)world->width / (double)RK_PI);
@@ -141,7 +142,7 @@ static bool convert_world(rk_cubemap *map, const rk_image *world, const char *pa
     return true;
 }
 
-/* --- One file --------------------------------------------------------------------------------- */
+/* --- one file --------------------------------------------------------------------------------- */
 
 static bool has_shape(const rk_image *image, size_t columns, size_t rows)
 {
@@ -165,14 +166,14 @@ static bool convert(rk_cubemap *map, const rk_image *image, const char *path, rk
 static bool read_one(rk_cubemap *map, const char *path, rk_error *error)
 {
     rk_image image;
-    if (!rk_image_read(&image, path, error))
+    if (!rk_image_file_read(&image, path, error))
         return false;
     bool ok = convert(map, &image, path, error);
     rk_image_free(&image);
     return ok;
 }
 
-/* --- Six files -------------------------------------------------------------------------------- */
+/* --- six files -------------------------------------------------------------------------------- */
 
 static const struct {
     const char *name;
@@ -185,21 +186,21 @@ static const struct {
 static bool fits(const rk_image *image, const rk_cubemap *map, const char *path, rk_error *error)
 {
     if (image->width != image->height)
-        return rk_fail(error, "%.800s: has %zu x %zu pixels: a face is as wide as it is high", path,
+        return rk_fail(error, "%.800s: has %zu x %zu pixels: a face must be square", path,
                        image->width, image->height);
     if (map->side > 0 && image->width != map->side)
         return rk_fail(error,
-                       "%.700s: has %zu x %zu pixels, but the first face has %u x %u: all six have "
-                       "one size",
+                       "%.700s: has %zu x %zu pixels, but the first face has %u x %u: all six "
+                       "must have the same size",
                        path, image->width, image->height, map->side, map->side);
     return true;
 }
 
-/* The first face says how large all are. */
+/* The first face decides the size of all. */
 static bool read_face(rk_cubemap *map, rk_cube_face face, const char *path, rk_error *error)
 {
     rk_image image;
-    if (!rk_image_read(&image, path, error))
+    if (!rk_image_file_read(&image, path, error))
         return false;
     bool ok = fits(&image, map, path, error) &&
               (map->side > 0 || make_map(map, image.width, path, error));
@@ -220,7 +221,7 @@ static bool name_in_pattern(long_path *path, const char *pattern, const char *na
     int length = snprintf(path->text, sizeof path->text, "%.*s%s%s", (int)(hole - pattern), pattern,
                           name, hole + 2);
     return (length >= 0 && (size_t)length < sizeof path->text) ||
-           rk_fail(error, "%.800s: this name is too long", pattern);
+           rk_fail(error, "%.800s: the name is too long", pattern);
 }
 
 static bool is_named(const char *file, const char *name)
@@ -244,7 +245,7 @@ static bool name_in_folder(long_path *path, const char *folder, const char *name
     if (directory)
         closedir(directory);
     if (!short_enough)
-        return rk_fail(error, "%.800s: this name is too long", folder);
+        return rk_fail(error, "%.800s: the name is too long", folder);
     return found == 1 ||
            rk_fail(error,
                    "%.700s: holds %s picture %s.*: the faces of an environment are px, nx, "
@@ -256,7 +257,7 @@ typedef bool find_face(long_path *path, const char *where, const char *name, rk_
 
 static bool read_six(rk_cubemap *map, const char *where, find_face *find, rk_error *error)
 {
-    long_path paths[RK_FACES]; /* all are found before the first is read, which may take a while */
+    long_path paths[RK_FACES]; /* find all before reading the first, which may be slow */
     for (int i = 0; i < RK_FACES; i++)
         if (!find(&paths[i], where, names[i].name, error))
             return false;
@@ -268,7 +269,7 @@ static bool read_six(rk_cubemap *map, const char *where, find_face *find, rk_err
     return true;
 }
 
-bool rk_environment_read(rk_cubemap *map, const char *path, rk_error *error)
+bool rk_environment_file_read(rk_cubemap *map, const char *path, rk_error *error)
 {
     struct stat status;
     *map = (rk_cubemap){0};

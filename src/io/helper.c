@@ -1,9 +1,10 @@
-/* Starts a helper program, feeds it, collects its answer and its last words, and never hangs.
+/* Starts a helper program, sends its input, collects its output and its last error, and never
+ * hangs.
  *
- * The three standard streams are socket pairs, not pipes: close-on-exec comes with their making, so
- * that no other thread's child inherits them, and a send can decline SIGPIPE. One poll loop serves
- * all three, since a helper that blocks on a full stream would otherwise wait for us while we wait
- * for it. Calls and their guarantees: POSIX.1-2017. */
+ * The three standard streams are socket pairs, not pipes: they are created with close-on-exec, so
+ * that no other thread's child inherits them, and sending can suppress SIGPIPE. One poll loop
+ * serves all three, because a helper that blocks on a full stream would otherwise wait for us while
+ * we wait for it. Calls and their guarantees: POSIX.1-2017. */
 #include "io/helper.h"
 
 #include <errno.h>
@@ -97,8 +98,8 @@ static bool find_program(const rk_helper_call *call, char *path, size_t size, rk
 
 /* --- starting ------------------------------------------------------------------------------ */
 
-/* Both ends above the standard three, which a caller may have closed: dup2 onto itself would leave
- * close-on-exec set. */
+/* Both ends above the standard three, which a caller may have closed: dup2 of a descriptor onto
+ * itself would leave close-on-exec set. */
 static bool make_stream(int ends[2])
 {
     if (socketpair(AF_UNIX, SOCK_STREAM | SOCK_CLOEXEC, 0, ends) != 0)
@@ -117,9 +118,9 @@ static bool make_stream(int ends[2])
     return false;
 }
 
-/* Three quarters of the memory, so that a file that claims a billion vertices meets an allocation
- * that fails and not a machine that swaps. Sanitizers reserve terabytes of addresses for their
- * shadow; a build with them goes without. */
+/* Three quarters of the memory: for a file that claims a billion vertices an allocation fails, and
+ * the machine does not swap. Sanitizers reserve terabytes of addresses for their shadow memory, so
+ * builds with them have no limit. */
 static rlim_t memory_limit(void)
 {
 #ifndef BUILT_WITH_SHADOW_MEMORY
@@ -140,7 +141,8 @@ static void lower_limit(int resource, rlim_t value)
     setrlimit(resource, &limit);
 }
 
-/* The child, between fork and exec: system calls only, since other threads' locks stay locked. */
+/* The child, between fork and exec: system calls only, because locks of other threads stay
+ * locked. */
 static _Noreturn void become_helper(const char *path, char *const *arguments,
                                     const int ends[streams], rlim_t memory)
 {
@@ -155,14 +157,14 @@ static _Noreturn void become_helper(const char *path, char *const *arguments,
     signal(SIGPIPE, SIG_DFL);
     execv(path, arguments);
     static const char reason[] =
-        "the helper program could not be started: it is no program for this "
+        "the helper program could not be started: it is not a program for this "
         "machine: run make again\n";
     if (write(STDERR_FILENO, reason, sizeof reason - 1) < 0)
         _exit(126);
     _exit(127);
 }
 
-/* argv: the path, then the call's arguments; execv takes them as char *, though it changes none. */
+/* argv: the path, then the call's arguments; execv takes char * but changes nothing. */
 static char **make_arguments(const rk_helper_call *call, char *path, rk_error *error)
 {
     size_t count = 0;
@@ -217,12 +219,13 @@ static void send_input(session *s)
     if (n >= 0)
         s->sent += (size_t)n;
     bool again = n < 0 && (errno == EINTR || errno == EAGAIN);
-    /* A helper may close its input early: it has what it needs, or its exit status tells. */
+    /* A helper may close its input early: it needs no more, or has failed, as its exit status
+     * says. */
     if ((n < 0 && !again) || s->sent == s->call->input_size)
         close_end(&s->ends[INPUT]);
 }
 
-/* Room for one byte more than allowed, so that the byte too many is seen. */
+/* Room for one byte more than allowed, so that an excess is noticed. */
 static bool grow_output(session *s, rk_error *error)
 {
     if (s->output_size < s->output_room)
@@ -250,7 +253,7 @@ static bool read_output(session *s, rk_error *error)
         close_end(&s->ends[OUTPUT]);
     if (s->output_size > s->call->output_max)
         return rk_fail(error,
-                       "%s: %s answers with more than the %zu bytes that are allowed: the file "
+                       "%s: %s sent more than the allowed %zu bytes: the file "
                        "is damaged or too large",
                        s->subject, s->call->program, s->call->output_max);
     return true;
@@ -289,7 +292,7 @@ static bool fail_silent(const session *s, rk_error *error)
                    s->subject, s->call->program, timeout_of(s->call));
 }
 
-/* Until the helper has closed its output and its error stream. */
+/* Runs until the helper has closed its output and its error stream. */
 static bool talk(session *s, rk_error *error)
 {
     if (s->call->input_size == 0)
@@ -328,8 +331,8 @@ static void stop(session *s)
         ;
 }
 
-/* A helper that closed its streams is about to end, within a millisecond as a rule; but one that
- * goes on regardless must not hang the caller. */
+/* A helper that has closed its streams usually ends within a millisecond, but one that keeps
+ * running must not hang the caller. */
 static bool reap(session *s, int *status, rk_error *error)
 {
     long pause = 50000; /* nanoseconds, doubled up to 10 ms */
@@ -338,7 +341,8 @@ static bool reap(session *s, int *status, rk_error *error)
         if (ended == s->process)
             return true;
         if (ended < 0 && errno != EINTR)
-            return rk_fail(error, "%s: how %s ended is unknown: %s: leave SIGCHLD at its default",
+            return rk_fail(error,
+                           "%s: the exit status of %s is unknown: %s: leave SIGCHLD at its default",
                            s->subject, s->call->program, strerror(errno));
         if (seconds_now() >= s->deadline) {
             stop(s);

@@ -1,5 +1,5 @@
 /* Helper programs read foreign files in a process of their own: a corrupt file can crash only the
- * helper, and nobody pays for the big libraries who does not need them. */
+ * helper, and the big libraries cost only those who need them. */
 #ifndef RK_IO_HELPER_H
 #define RK_IO_HELPER_H
 
@@ -7,29 +7,29 @@
 
 typedef struct rk_helper_call {
     const char *program;          /* "raykit-mesh" or "raykit-image" */
-    const char *package;          /* whose absence leaves it unbuilt: "libassimp-dev"; or NULL */
-    const char *subject;          /* what errors begin with: the file's name; NULL: the program's */
+    const char *package;          /* that building it requires, such as "libassimp-dev"; or NULL */
+    const char *subject;          /* begins errors: the file's name; NULL: the program's */
     const char *const *arguments; /* NULL-terminated, without the program's name */
     const void *input;            /* bytes for its standard input, or NULL */
     size_t input_size;
     size_t output_max;      /* a longer answer is an error */
-    double timeout_seconds; /* of silence after which it is stopped; 0 means 60 */
+    double timeout_seconds; /* of silence before it is stopped; 0 means 60 */
 } rk_helper_call;
 
-/* Runs the helper and returns its standard output in a new block to free(). False with an error:
- * when the program is missing (naming the package to install), when it exits non-zero (its last
- * line on standard error, which should name the file, is the whole error), when a signal ends it,
- * when it neither reads nor writes for the timeout, when its answer is longer than output_max.
- * On success error->text is "" or the last line that it wrote to standard error: a note.
+/* Runs the helper and returns its standard output in a new block to free(). False with an error
+ * if the program is missing (naming the package to install), exits non-zero (its last line on
+ * standard error, which should name the file, becomes the error), is ended by a signal, neither
+ * reads nor writes during the timeout, or writes more than output_max bytes. On success error->text
+ * is "" or the last line that it wrote to standard error: a note.
  *
- * The helper may use three quarters of the machine's memory, writes no core file, and is looked
- * for in the folder that RAYKIT_HELPERS names, then in rk_helper_folder(). The caller's signal
+ * The helper may use three quarters of the machine's memory and writes no core file. The folder
+ * in RAYKIT_HELPERS is searched for it first, then rk_helper_folder(). The caller's signal
  * handlers, SIGPIPE included, stay as they are, and several threads may call at the same time. */
 bool rk_helper_run(const rk_helper_call *call, unsigned char **output, size_t *output_size,
                    rk_error *error);
 
-/* Where this copy of the library expects its helpers: the build folder inside the source tree, the
- * package's libexec folder once installed. */
+/* The folder where this copy of the library expects its helpers: the build folder in the source
+ * tree, the package's libexec folder once installed. */
 const char *rk_helper_folder(void);
 
 #endif

@@ -1,5 +1,5 @@
-/* Pictures in any format: PNG here, all else through raykit-image, whose answers are checked before
- * they are believed. */
+/* Pictures in any format: PNG here, all others through raykit-image, whose output is checked before
+ * it is used. */
 #include "io/image_file.h"
 
 #include "io/helper.h"
@@ -15,7 +15,7 @@
 
 _Static_assert((int)RK_IMAGE_STREAM_SIDE_MAX == (int)RK_IMAGE_SIDE_MAX,
                "library and helper agree on the largest picture");
-_Static_assert(sizeof(rk_vec3) == 3 * sizeof(float), "pixels are sent as they lie in memory");
+_Static_assert(sizeof(rk_vec3) == 3 * sizeof(float), "pixels are sent as they are in memory");
 
 typedef rk_image_stream_head head;
 
@@ -36,8 +36,8 @@ static rk_helper_call make_call(const char *path, const char *const *arguments, 
                             .output_max = output_max};
 }
 
-/* A device or a pipe may never end, and a helper would wait for it. What is not there is for who
- * opens it to tell. */
+/* A device or a pipe may never end, and the helper would wait for it. A missing file is reported
+ * where it is opened. */
 static bool check_kind(const char *path, rk_error *error)
 {
     struct stat status;
@@ -45,7 +45,7 @@ static bool check_kind(const char *path, rk_error *error)
         return true;
     if (S_ISDIR(status.st_mode))
         return rk_fail(error, "%s: is a folder: name a picture in it", path);
-    return rk_fail(error, "%s: is no ordinary file: copy the picture to one", path);
+    return rk_fail(error, "%s: is not a regular file: copy the picture to one", path);
 }
 
 /* --- reading --------------------------------------------------------------------------------- */
@@ -53,8 +53,8 @@ static bool check_kind(const char *path, rk_error *error)
 static bool fail_reply(const char *path, rk_error *error)
 {
     return rk_fail(error,
-                   "%s: raykit-image gave an answer that makes no sense: it is of another version "
-                   "than this library; run make again",
+                   "%s: raykit-image sent an invalid answer: its version differs from this "
+                   "library's; run make again",
                    path);
 }
 
@@ -90,7 +90,7 @@ static bool unpack(rk_image *image, const unsigned char *reply, size_t size, con
     return false;
 }
 
-bool rk_image_read(rk_image *image, const char *path, rk_error *error)
+bool rk_image_file_read(rk_image *image, const char *path, rk_error *error)
 {
     *image = (rk_image){0};
     if (!check_kind(path, error))
@@ -132,30 +132,30 @@ static bool write_exr(const char *path, const rk_image *image, rk_error *error)
     return ok;
 }
 
-bool rk_image_can_write(const char *path, rk_error *error)
+bool rk_image_file_can_write(const char *path, rk_error *error)
 {
     return has_ending(path, ".png") || has_ending(path, ".exr") ||
-           rk_fail(error, "%s: pictures are written as .png or .exr; give it one of these endings",
+           rk_fail(error, "%s: pictures are written as .png or .exr; use one of these endings",
                    path);
 }
 
-bool rk_image_write(const char *path, const rk_image *image, rk_error *error)
+bool rk_image_file_write(const char *path, const rk_image *image, rk_error *error)
 {
-    if (!rk_image_can_write(path, error))
+    if (!rk_image_file_can_write(path, error))
         return false;
     if (image->width < 1 || image->height < 1 || image->width > RK_IMAGE_SIDE_MAX ||
         image->height > RK_IMAGE_SIDE_MAX)
-        return rk_fail(error,
-                       "%s: the picture to be written has %zu x %zu pixels: each side has 1 to %d",
-                       path, image->width, image->height, RK_IMAGE_SIDE_MAX);
+        return rk_fail(
+            error, "%s: the picture to be written has %zu x %zu pixels: each side must be 1 to %d",
+            path, image->width, image->height, RK_IMAGE_SIDE_MAX);
     return has_ending(path, ".png") ? rk_png_write(path, image, NULL, 0, error)
                                     : write_exr(path, image, error);
 }
 
 /* --- comparing ------------------------------------------------------------------------------- */
 
-/* Numbers are written with a point, whatever the caller's locale takes for one. */
-static bool parse_numbers(const char *text, rk_image_difference *d)
+/* Numbers are written with a decimal point, whatever the caller's locale. */
+static bool parse_numbers(const char *text, rk_image_file_difference *d)
 {
     locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
     if (plain == (locale_t)0)
@@ -170,10 +170,10 @@ static bool parse_numbers(const char *text, rk_image_difference *d)
            d->maximum >= 0 && d->max_x >= 0 && d->max_y >= 0 && d->perceptual >= 0;
 }
 
-bool rk_image_compare(rk_image_difference *difference, const char *path_a, const char *path_b,
-                      rk_error *error)
+bool rk_image_file_compare(rk_image_file_difference *difference, const char *path_a,
+                           const char *path_b, rk_error *error)
 {
-    *difference = (rk_image_difference){0};
+    *difference = (rk_image_file_difference){0};
     if (!check_kind(path_a, error) || !check_kind(path_b, error))
         return false;
     rk_helper_call call =

@@ -1,34 +1,35 @@
-/* Pictures in any format: PNG by libpng, all else through the helper program on OpenImageIO. */
+/* Pictures in any format: PNG by libpng, all others through the helper program based on
+ * OpenImageIO. */
 #ifndef RK_IO_IMAGE_FILE_H
 #define RK_IO_IMAGE_FILE_H
 
 #include "base/image.h"
 
-/* Reads JPG, PNG, EXR, HDR, TIFF and what else OpenImageIO knows, to linear RGB: integers are
+/* Reads JPG, PNG, EXR, HDR, TIFF and OpenImageIO's other formats to linear RGB: integers are
  * sRGB-encoded and floats linear unless the file says otherwise, grey is replicated, alpha dropped,
- * a photo turned upright. A pixel that is NaN or infinite is an error that names its x and y; so is
- * what is no ordinary file. */
-bool rk_image_read(rk_image *image, const char *path, rk_error *error);
+ * a photo rotated upright. A pixel that is NaN or infinite is an error that names its x and y; so
+ * is a path that is not a regular file. */
+bool rk_image_file_read(rk_image *image, const char *path, rk_error *error);
 
-/* Writes .png (8 bits, sRGB-encoded) or .exr (32-bit float, linear, NaN and infinity kept for who
- * looks for them), by the ending. Equal pictures give equal files; whole or not at all. A picture
+/* Writes .png (8 bits, sRGB-encoded) or .exr (32-bit float, linear; NaN and infinity are kept), by
+ * the ending. Equal pictures give equal files; a file is written whole or not at all. A picture
  * without pixels is an error. */
-bool rk_image_write(const char *path, const rk_image *image, rk_error *error);
+bool rk_image_file_write(const char *path, const rk_image *image, rk_error *error);
 
-/* Does rk_image_write know the ending? For who would rather hear of it before the work. */
-bool rk_image_can_write(const char *path, rk_error *error);
+/* Does rk_image_file_write know the ending? For asking before the work is done. */
+bool rk_image_file_can_write(const char *path, rk_error *error);
 
-typedef struct rk_image_difference {
+typedef struct rk_image_file_difference {
     double rms;     /* root mean square over pixels and channels, of linear values */
     double psnr;    /* decibels, for a peak of 1; infinite for equal pictures */
     double maximum; /* largest absolute difference of a channel */
     double max_x, max_y;
-    double perceptual; /* pixels in which a viewer would see a difference (Yee 2004): 45 degrees
-                          wide, white at 100 cd/m^2 */
-} rk_image_difference;
+    double perceptual; /* number of pixels with a visible difference (Yee 2004), viewed 45
+                          degrees wide, white at 100 cd/m^2 */
+} rk_image_file_difference;
 
-/* Compares two files of equal size, PNG too, by their linear values. Needs the helper program. */
-bool rk_image_compare(rk_image_difference *difference, const char *path_a, const char *path_b,
-                      rk_error *error);
+/* Compares two files of equal size, also PNG, by their linear values. Needs the helper program. */
+bool rk_image_file_compare(rk_image_file_difference *difference, const char *path_a,
+                           const char *path_b, rk_error *error);
 
 #endif

@@ -1,5 +1,5 @@
-/* How pictures pass between the library and raykit-image: this head, then width * height * 3
- * floats of linear RGB, row by row from the top, in the machine's own byte order. */
+/* The format in which library and raykit-image exchange pictures: this head, then width * height *
+ * 3 floats of linear RGB, row by row from the top, in native byte order. */
 #ifndef RK_IO_IMAGE_STREAM_H
 #define RK_IO_IMAGE_STREAM_H
 

@@ -1,4 +1,4 @@
-/* Starts raykit-mesh on a file and believes nothing of what it answers before it is checked. */
+/* Runs raykit-mesh on a file and checks all of its output before using it. */
 #include "io/mesh_file.h"
 
 #include "io/helper.h"
@@ -7,10 +7,10 @@
 
 #include <stdlib.h>
 
-/* A hundred million triangles fit; what needs more is no file for this kit. */
+/* A hundred million triangles fit; larger files are not for this kit. */
 static const size_t longest_answer = (size_t)4 << 30;
 
-/* All pictures of a mesh together: sixteen of 4096 x 4096, 3.2 GB. */
+/* Of all pictures of a mesh together: sixteen of 4096 x 4096, 3.2 GB. */
 static const size_t most_texels = (size_t)1 << 28;
 
 static bool check_header(const rk_mesh_stream_header *header, size_t size, const char *path,
@@ -19,20 +19,20 @@ static bool check_header(const rk_mesh_stream_header *header, size_t size, const
     if (memcmp(header->magic, RK_MESH_STREAM_MAGIC, sizeof header->magic) != 0 ||
         header->version != RK_MESH_STREAM_VERSION)
         return rk_fail(error,
-                       "%s: raykit-mesh answers in another version's format: run make, or install "
+                       "%s: raykit-mesh sent another version's format: run make, or install "
                        "raykit again",
                        path);
     if (header->material_count > UINT16_MAX)
-        return rk_fail(error, "%s: uses %u materials, more than %d: merge those that are alike",
-                       path, header->material_count, UINT16_MAX);
+        return rk_fail(error, "%s: uses %u materials, more than %d: merge equal ones", path,
+                       header->material_count, UINT16_MAX);
     if (header->texture_count > RK_MESH_STREAM_TEXTURES_MAX)
-        return rk_fail(error, "%s: raykit-mesh answers %u textures, more than %d", path,
+        return rk_fail(error, "%s: raykit-mesh sent %u textures, more than %d", path,
                        header->texture_count, RK_MESH_STREAM_TEXTURES_MAX);
     if (rk_mesh_stream_size(header) != size)
-        return rk_fail(error, "%s: raykit-mesh answers %zu bytes where its counts make %llu", path,
+        return rk_fail(error, "%s: raykit-mesh sent %zu bytes, but its counts require %llu", path,
                        size, (unsigned long long)rk_mesh_stream_size(header));
     if (header->triangle_count == 0 || header->material_count == 0)
-        return rk_fail(error, "%s: holds no triangles: choose a mesh with faces", path);
+        return rk_fail(error, "%s: has no triangles: choose a mesh with faces", path);
     return true;
 }
 
@@ -43,7 +43,7 @@ static const unsigned char *take(void *array, const unsigned char *from, uint64_
     return from + bytes;
 }
 
-/* Where the parts of variable length begin. */
+/* The beginnings of the parts of variable length. */
 typedef struct tail {
     const unsigned char *materials, *textures, *texture_bytes;
 } tail;
@@ -94,7 +94,7 @@ static bool check_textures(const tail *rest, const rk_mesh_stream_header *header
     }
     if (bytes != header->texture_bytes)
         return rk_fail(error,
-                       "%s: raykit-mesh answers textures of %u bytes where their sizes make %llu",
+                       "%s: raykit-mesh sent %u bytes of textures, but their sizes require %llu",
                        path, header->texture_bytes, (unsigned long long)bytes);
     for (uint32_t i = 0; i < header->material_count; i++) {
         uint32_t texture = material_row(rest, i).texture;
@@ -105,7 +105,7 @@ static bool check_textures(const tail *rest, const rk_mesh_stream_header *header
     return true;
 }
 
-/* `from` is the name, which a picture may follow. */
+/* `from` points to the name, which a picture may follow. */
 static bool read_texture(rk_texture *texture, const rk_mesh_stream_texture *row,
                          const unsigned char *from, const char *path, size_t *texels_left,
                          rk_error *error)
@@ -114,14 +114,15 @@ static bool read_texture(rk_texture *texture, const rk_mesh_stream_texture *row,
     if (!name)
         return false;
     const unsigned char *data = take(name, from, row->name_size);
-    rk_texture_source source = {name, row->data_size ? data : NULL, row->data_size,
-                                row->clamps != 0};
-    bool ok = rk_texture_read(texture, &source, path, texels_left, error);
+    rk_texture_file_source source = {name, row->data_size ? data : NULL, row->data_size,
+                                     row->clamps != 0};
+    bool ok = rk_texture_file_read(texture, &source, path, texels_left, error);
     free(name);
     return ok;
 }
 
-/* Reads all that can be read. Returns how many cannot, and why the first of them cannot. */
+/* Reads every texture that can be read. Returns the number of others, with the first one's
+ * error. */
 static uint32_t read_each(rk_mesh *mesh, const rk_mesh_stream_header *header, const tail *rest,
                           const char *path, rk_error *why)
 {
@@ -144,8 +145,8 @@ static uint32_t read_each(rk_mesh *mesh, const rk_mesh_stream_header *header, co
     return lost;
 }
 
-/* A picture that cannot be read costs only itself and is a note, as a missing MTL is: many scans
- * name pictures that are gone. False when memory is short. */
+/* A picture that cannot be read costs only itself and gives a note, like a missing MTL: many
+ * scanned meshes name pictures that are gone. False when memory is short. */
 static bool read_textures(rk_mesh *mesh, const rk_mesh_stream_header *header, const tail *rest,
                           const char *path, rk_error *note)
 {
@@ -175,7 +176,7 @@ static bool parse(rk_mesh *mesh, const unsigned char *bytes, size_t size, const 
 {
     rk_mesh_stream_header header;
     if (size < sizeof header)
-        return rk_fail(error, "%s: raykit-mesh answers only %zu bytes", path, size);
+        return rk_fail(error, "%s: raykit-mesh sent only %zu bytes", path, size);
     memcpy(&header, bytes, sizeof header);
     if (!check_header(&header, size, path, error))
         return false;
@@ -191,7 +192,7 @@ static bool parse(rk_mesh *mesh, const unsigned char *bytes, size_t size, const 
     return false;
 }
 
-bool rk_mesh_read(rk_mesh *mesh, const char *path, rk_error *error)
+bool rk_mesh_file_read(rk_mesh *mesh, const char *path, rk_error *error)
 {
     *mesh = (rk_mesh){0};
     const char *const arguments[] = {path, NULL};

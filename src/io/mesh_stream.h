@@ -1,6 +1,5 @@
-/* What raykit-mesh writes to its standard output and rk_mesh_read takes from it: this header, then
- * the arrays in the order below without gaps, in the machine's own byte order (both ends run on
- * the same machine). */
+/* The format in which raykit-mesh sends a mesh to rk_mesh_file_read: this header, then the arrays
+ * in the order below without gaps, in native byte order (both run on the same machine). */
 #ifndef RK_IO_MESH_STREAM_H
 #define RK_IO_MESH_STREAM_H
 
@@ -19,28 +18,29 @@ enum {
 typedef struct rk_mesh_stream_header {
     char magic[8];
     uint32_t version;
-    uint32_t flags; /* RK_MESH_NORMALS | RK_MESH_TEXCOORDS: which optional arrays follow */
+    uint32_t flags; /* RK_MESH_NORMALS | RK_MESH_TEXCOORDS: optional arrays that follow */
     uint32_t vertex_count, triangle_count, material_count;
-    uint32_t texture_count, texture_bytes; /* bytes: of all names and embedded pictures */
+    uint32_t texture_count, texture_bytes; /* bytes: all names and embedded pictures */
 } rk_mesh_stream_header;
 static_assert(sizeof(rk_mesh_stream_header) == 36, "no padding");
 
-/* On the wire a material is these numbers, whatever else rk_material may come to hold. */
+/* In the stream a material is these numbers, whatever else rk_material may come to contain. */
 typedef struct rk_mesh_stream_material {
     float kd[3], ks[3], shininess, alpha;
     uint32_t texture; /* the texture's number plus 1; 0: none */
 } rk_mesh_stream_material;
 static_assert(sizeof(rk_mesh_stream_material) == 36, "no padding");
 
-/* After these rows each texture's name follows, without a NUL, and its embedded picture. */
+/* After these rows follow, for each texture, its name without a NUL and its embedded picture. */
 typedef struct rk_mesh_stream_texture {
     uint32_t clamps; /* 0: repeats */
     uint32_t name_size, data_size;
 } rk_mesh_stream_texture;
 static_assert(sizeof(rk_mesh_stream_texture) == 12, "no padding");
-static_assert(sizeof(rk_vec3) == 12 && sizeof(rk_vec2) == 8, "vectors travel as they are");
+static_assert(sizeof(rk_vec3) == 12 && sizeof(rk_vec2) == 8,
+              "vectors are sent as they are in memory");
 
-/* Bytes of each array, in the order of the stream: 0 for an optional one that is absent. */
+/* Bytes of each array, in the order of the stream; 0 for an absent optional one. */
 typedef struct rk_mesh_stream_sizes {
     uint64_t positions, normals, texcoords, triangles, triangle_materials, materials, textures,
         texture_bytes;
@@ -61,7 +61,7 @@ static inline rk_mesh_stream_sizes rk_mesh_stream_sizes_of(const rk_mesh_stream_
     };
 }
 
-/* The whole stream's bytes; cannot overflow, since each count is below 2^32. */
+/* The whole stream's bytes; cannot overflow, because each count is below 2^32. */
 static inline uint64_t rk_mesh_stream_size(const rk_mesh_stream_header *header)
 {
     rk_mesh_stream_sizes s = rk_mesh_stream_sizes_of(header);

@@ -1,4 +1,4 @@
-/* PNG pictures by libpng: 8 bits a channel, sRGB-encoded, with the parameters as text. */
+/* PNG pictures by libpng: 8 bits per channel, sRGB-encoded, with the parameters as text. */
 #ifndef RK_IO_PNG_H
 #define RK_IO_PNG_H
 
@@ -9,14 +9,14 @@ typedef struct rk_png_text {
     const char *value; /* UTF-8 */
 } rk_png_text;
 
-/* Writes the linear image sRGB-encoded and rounded; values outside [0, 1] are clamped, NaN is 0.
- * The file appears whole or not at all. */
+/* Writes the linear image sRGB-encoded and rounded; values outside [0, 1] are clamped, NaN becomes
+ * 0. The file is written whole or not at all. */
 bool rk_png_write(const char *path, const rk_image *image, const rk_png_text *texts,
                   size_t text_count, rk_error *error);
 
-/* Reads any PNG (grey, palette, 16 bits, alpha dropped) to linear RGB; a gAMA chunk other than
- * sRGB's is honoured. False with an error that names the file when it is missing, damaged,
- * truncated or larger than RK_IMAGE_SIDE_MAX a side. */
+/* Reads any PNG (grey, palette, 16 bits; alpha is dropped) to linear RGB; a gAMA chunk other than
+ * sRGB's is applied. False with an error that names the file when it is missing, damaged, truncated
+ * or larger than RK_IMAGE_SIDE_MAX per side. */
 bool rk_png_read(rk_image *image, const char *path, rk_error *error);
 
 /* Returns the value stored under `key` as a new string to free(), or NULL when there is none or

@@ -1,8 +1,8 @@
-/* What reading and writing PNG have in common; not installed.
+/* Common to reading and writing PNG; not installed.
  *
- * libpng reports an error by a jump that must not return. All work that can jump is therefore a
- * function of its own, run by `guarded`; what it allocates hangs on a struct of the caller, who
- * frees it whichever way the work ended. */
+ * libpng reports an error by a long jump. All work that can jump is therefore a function of its
+ * own, run by `guarded`; its allocations are stored in a struct of the caller, which frees them
+ * however the work ends. */
 #ifndef RK_IO_PNG_JOB_H
 #define RK_IO_PNG_JOB_H
 
@@ -12,14 +12,14 @@
 #include <stdint.h>
 #include <stdio.h>
 
-/* One struct for both directions: what is NULL is not in use. */
+/* One struct for both directions: NULL members are not in use. */
 typedef struct job {
     const char *path;
     png_structp png;
     png_infop info;
     FILE *stream;
     unsigned char *bytes; /* a row when writing, the whole picture when reading */
-    float *linear;        /* what each stored value means, when reading */
+    float *linear;        /* linear value of each stored one, when reading */
     rk_error *error;
     char reason[200]; /* libpng's or the system's, after a jump */
 
@@ -47,7 +47,7 @@ static inline void on_warning(png_structp png, png_const_charp message)
     (void)message;
 }
 
-/* False when the work ended by a jump. */
+/* False if the work ended by a jump. */
 static inline bool guarded(job *j, void (*work)(job *))
 {
     if (setjmp(png_jmpbuf(j->png)))

@@ -21,8 +21,8 @@ static uint32_t big_endian(const unsigned char *bytes)
     return (uint32_t)bytes[0] << 24 | (uint32_t)bytes[1] << 16 | (uint32_t)bytes[2] << 8 | bytes[3];
 }
 
-/* libpng's own words on a wrong size or a foreign file are of little help, so the first 24 bytes
- * (signature, the chunk's length and name, width, height) are looked at before it starts. */
+/* libpng's own messages about a wrong size or a foreign file are of little help, so the first 24
+ * bytes (signature, the chunk's length and name, width, height) are checked before it starts. */
 static bool check_head(const job *j)
 {
     unsigned char head[24];
@@ -32,8 +32,8 @@ static bool check_head(const job *j)
     if (size == 0)
         return rk_fail(j->error, "%s: the file is empty; save or download it again", j->path);
     if (png_sig_cmp(head, 0, size < 8 ? size : 8) != 0)
-        return rk_fail(j->error, "%s: is not a PNG picture; give its name the ending of what it is",
-                       j->path);
+        return rk_fail(
+            j->error, "%s: is not a PNG picture; rename it with the ending of its format", j->path);
     if (size < sizeof head)
         return rk_fail(j->error,
                        "%s: damaged PNG: the file ends too early; save or download it again",
@@ -86,15 +86,15 @@ static void read_head(job *j)
     png_set_read_fn(j->png, j, read_bytes);
     png_set_user_limits(j->png, RK_IMAGE_SIDE_MAX, RK_IMAGE_SIDE_MAX);
     png_read_info(j->png, j->info);
-    /* Deflate packs no more than 1032 bytes into one (zlib's technical details), so a small file
-     * with a large size is found out here, before it takes gigabytes. */
+    /* Deflate compresses no more than 1032 bytes into one (zlib's technical details), so a small
+     * file that claims a large size is detected here, before it takes gigabytes. */
     uintmax_t raw =
         (uintmax_t)png_get_rowbytes(j->png, j->info) * png_get_image_height(j->png, j->info);
     if (raw / 1032 > j->file_size)
         png_error(j->png, "the file is too short for its size in pixels");
 }
 
-/* From here on libpng hands out RGB of 8 or 16 bits. */
+/* From here on libpng delivers RGB of 8 or 16 bits. */
 static void ask_for_rgb(job *j)
 {
     png_set_expand(j->png);
@@ -116,8 +116,8 @@ static void read_rows(job *j)
     png_read_end(j->png, NULL);
 }
 
-/* The power that takes stored values to linear ones, or 0 for the sRGB curve: without a gAMA
- * chunk, and with that of sRGB (1 / 2.2, which programs round in their own ways). */
+/* The exponent from stored to linear values, or 0 for the sRGB curve: without a gAMA chunk, or with
+ * sRGB's (1 / 2.2, which programs round differently). */
 static double power_of(const job *j)
 {
     int intent;
@@ -213,7 +213,7 @@ static void find_text(job *j)
     }
 }
 
-/* Texts may also stand behind the picture. */
+/* Texts may also follow the picture. */
 static void skip_picture(job *j)
 {
     int passes = png_set_interlace_handling(j->png);

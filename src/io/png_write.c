@@ -9,8 +9,8 @@
 #include <string.h>
 
 /* Measured on 800 x 800 pixels: zlib's default level with libpng's choice of filters takes 20 ms
- * for a smooth picture and 200 ms for a noisy one, more than rendering it; this takes 10 ms and 40
- * ms, for files that are a seventh larger where there is noise. */
+ * for a smooth picture and 200 ms for a noisy one, more than rendering it; these settings take 10
+ * ms and 40 ms, for noisy files that are a seventh larger. */
 enum { compression_level = 2, row_filter = PNG_FILTER_PAETH };
 
 static void write_bytes(png_structp png, png_bytep bytes, size_t size)
@@ -35,7 +35,7 @@ static bool is_ascii(const char *text)
     return true;
 }
 
-/* The specification's rules for keywords, which libpng would mend without a word. */
+/* The specification's rules for keywords, which libpng would enforce silently. */
 static bool check_key(const job *j, const char *key)
 {
     size_t length = strlen(key);
@@ -46,13 +46,13 @@ static bool check_key(const job *j, const char *key)
         ok = (c >= 32 && c <= 126) || c >= 161;
     }
     return ok || rk_fail(j->error,
-                         "%s: \"%s\" cannot be a text's key: take 1 to 79 printable characters, "
+                         "%s: \"%s\" cannot be a text's key: use 1 to 79 printable characters, "
                          "without spaces at the ends or side by side",
                          j->path, key);
 }
 
-/* tEXt holds Latin-1, iTXt holds UTF-8: their common part goes into the older chunk, which every
- * program shows. */
+/* tEXt is Latin-1, iTXt is UTF-8: ASCII texts go into the older chunk, which every program
+ * shows. */
 static void set_text(job *j, const rk_png_text *text)
 {
     png_text chunk = {

@@ -18,7 +18,7 @@ typedef struct long_path {
 
 /* --- finding --------------------------------------------------------------------------------- */
 
-/* Puts the file's path together. False with the reason when no file is there that can be read. */
+/* Builds the file's path. False with the reason if there is no readable file. */
 static bool find_at(long_path *path, const char *mesh_path, const char *name, rk_error *error)
 {
     const char *slash = strrchr(mesh_path, '/');
@@ -29,7 +29,7 @@ static bool find_at(long_path *path, const char *mesh_path, const char *name, rk
     struct stat status;
     if (stat(path->text, &status) != 0)
         return rk_fail(error, "%s: %s", path->text, strerror(errno));
-    return S_ISREG(status.st_mode) || rk_fail(error, "%s: is no ordinary file", path->text);
+    return S_ISREG(status.st_mode) || rk_fail(error, "%s: is not a regular file", path->text);
 }
 
 static void turn_slashes(char *name)
@@ -39,7 +39,7 @@ static void turn_slashes(char *name)
             *name = '/';
 }
 
-/* Makes one character of each % with two hexadecimal digits. */
+/* Decodes each % with two hexadecimal digits to one character. */
 static void unescape(char *name)
 {
     char *to = name;
@@ -73,8 +73,8 @@ static bool find_file(long_path *path, const char *mesh_path, const char *given,
 
 /* --- reading --------------------------------------------------------------------------------- */
 
-/* Puts the bytes into a file of its own, whose path it completes. */
-static bool write_temporary(long_path *path, const rk_texture_source *source)
+/* Writes the bytes to a temporary file, whose path it completes. */
+static bool write_temporary(long_path *path, const rk_texture_file_source *source)
 {
     const char *folder = getenv("TMPDIR");
     if (snprintf(path->text, sizeof path->text, "%s/raykit-picture-XXXXXX",
@@ -93,8 +93,8 @@ static bool write_temporary(long_path *path, const rk_texture_source *source)
     return written;
 }
 
-/* Our readers take files. The first bytes tell a PNG, which needs no helper program. */
-static bool read_embedded(rk_image *image, const rk_texture_source *source, rk_error *error)
+/* Our readers need files. The first bytes identify a PNG, which needs no helper program. */
+static bool read_embedded(rk_image *image, const rk_texture_file_source *source, rk_error *error)
 {
     static const unsigned char png[] = {0x89, 'P', 'N', 'G'};
     long_path path;
@@ -104,8 +104,8 @@ static bool read_embedded(rk_image *image, const rk_texture_source *source, rk_e
         return rk_fail(error, "picture %s in the mesh file: no temporary file: %s: set TMPDIR",
                        source->name, strerror(errno));
     bool is_png = source->data_size >= sizeof png && memcmp(source->data, png, sizeof png) == 0;
-    bool ok =
-        is_png ? rk_png_read(image, path.text, &reason) : rk_image_read(image, path.text, &reason);
+    bool ok = is_png ? rk_png_read(image, path.text, &reason)
+                     : rk_image_file_read(image, path.text, &reason);
     unlink(path.text);
     size_t length = strlen(path.text);
     if (ok)
@@ -115,15 +115,15 @@ static bool read_embedded(rk_image *image, const rk_texture_source *source, rk_e
                                                                 : " is lost");
 }
 
-bool rk_texture_read(rk_texture *texture, const rk_texture_source *source, const char *mesh_path,
-                     size_t *texels_left, rk_error *error)
+bool rk_texture_file_read(rk_texture *texture, const rk_texture_file_source *source,
+                          const char *mesh_path, size_t *texels_left, rk_error *error)
 {
     long_path path;
     *texture = (rk_texture){.wrap = source->clamps ? RK_TEXTURE_CLAMP : RK_TEXTURE_REPEAT,
                             .filter = RK_TEXTURE_BILINEAR};
     bool ok = source->data ? read_embedded(&texture->image, source, error)
                            : find_file(&path, mesh_path, source->name, error) &&
-                                 rk_image_read(&texture->image, path.text, error);
+                                 rk_image_file_read(&texture->image, path.text, error);
     if (!ok)
         return false;
     size_t texels = texture->image.width * texture->image.height;
@@ -131,7 +131,7 @@ bool rk_texture_read(rk_texture *texture, const rk_texture_source *source, const
         *texels_left -= texels;
         return true;
     }
-    rk_fail(error, "%s: its %zu x %zu texels are more than there is room for: make it smaller",
+    rk_fail(error, "%s: its %zu x %zu texels are more than remain for textures: make it smaller",
             source->data ? source->name : path.text, texture->image.width, texture->image.height);
     rk_texture_free(texture);
     return false;

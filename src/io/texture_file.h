@@ -1,27 +1,27 @@
-/* The pictures that mesh files name for their surfaces. */
+/* The pictures that mesh files use as textures. */
 #ifndef RK_IO_TEXTURE_FILE_H
 #define RK_IO_TEXTURE_FILE_H
 
 #include "base/texture.h"
 
-typedef struct rk_texture_source {
+typedef struct rk_texture_file_source {
     const char *name;          /* as the mesh file gives it */
-    const unsigned char *data; /* the picture itself where the mesh file holds it, or NULL */
+    const unsigned char *data; /* the picture, if embedded in the mesh file, or NULL */
     size_t data_size;
     bool clamps; /* else it repeats */
-} rk_texture_source;
+} rk_texture_file_source;
 
-/* Reads a mesh file's picture, to be filtered bilinearly. Its texels are taken from `texels_left`;
- * a picture that has more is refused. False with an error that begins with the picture's path.
+/* Reads a mesh file's picture as a bilinear texture. Its texels are subtracted from `texels_left`;
+ * a picture with more is refused. False with an error that begins with the picture's path.
  *
- * The name counts from the mesh file's folder unless it begins with a slash. Backslashes are
- * slashes, %20 may be a blank, as in glTF, and where no such file is, the last part of the name
- * beside the mesh file serves: many files name a folder on the computer where they were made.
+ * The name is relative to the mesh file's folder unless it begins with a slash. Backslashes are
+ * slashes, and %20 may be a space, as in glTF. If there is no such file, the name's last part is
+ * looked up beside the mesh file: many files name a folder on the computer where they were made.
  *
- * Names may lead anywhere, /etc/passwd and ../../x too: the file is opened with the user's own
- * rights, is read only as a picture, and nothing of another kind is shown. Devices and pipes, which
+ * Names may point anywhere, including /etc/passwd and ../../x: the file is opened with the user's
+ * own rights and read only as a picture, so no other contents are shown. Devices and pipes, which
  * might never end, are refused. */
-bool rk_texture_read(rk_texture *texture, const rk_texture_source *source, const char *mesh_path,
-                     size_t *texels_left, rk_error *error);
+bool rk_texture_file_read(rk_texture *texture, const rk_texture_file_source *source,
+                          const char *mesh_path, size_t *texels_left, rk_error *error);
 
 #endif

@@ -31,7 +31,7 @@ void rk_shadow_stage(const rk_rendering *r, rk_tile *t);
 
 /* Adds to the pixels' sums what one light sends by way of the tile's seen surfaces, and keeps
  * account of it in the tile's `sums`. */
-void rk_light_stage(const rk_rendering *r, rk_tile *t, uint32_t light);
+void rk_parallelogram_light_stage(const rk_rendering *r, rk_tile *t, uint32_t light);
 
 /* The same sums without the account, for a point without a falloff. */
 void rk_point_light_stage(const rk_rendering *r, rk_tile *t, const rk_light *light);

@@ -171,7 +171,7 @@ static void light_and_mirror(const rk_rendering *r, rk_tile *t)
         if (light->kind == RK_LIGHT_POINT && !physical)
             rk_point_light_stage(r, t, light);
         else
-            rk_light_stage(r, t, i);
+            rk_parallelogram_light_stage(r, t, i);
     }
     if (r->plan.glossy)
         rk_glossy_stage(r, t);

@@ -27,16 +27,6 @@ rk_render_options rk_render_options_default(void)
     };
 }
 
-bool rk_light_emits(const rk_light *light)
-{
-    const uint32_t corners[] = {
-        [RK_LIGHT_POINT] = 1, [RK_LIGHT_SEGMENT] = 2, [RK_LIGHT_PARALLELOGRAM] = 4};
-    for (uint32_t i = 0; i < corners[light->kind]; i++)
-        if (light->colours[i].x > 0 || light->colours[i].y > 0 || light->colours[i].z > 0)
-            return true;
-    return false;
-}
-
 static bool reflects(const rk_material *material)
 {
     return material->ks.x > 0 || material->ks.y > 0 || material->ks.z > 0;

@@ -92,9 +92,6 @@ typedef struct rk_plan {
     bool time_samples; /* at times that differ from sample to sample */
 } rk_plan;
 
-/* Is it anything but black? */
-bool rk_light_emits(const rk_light *light);
-
 rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options);
 
 /* Can rk_render draw it? False with an error for a value out of its range or its enumeration, a

@@ -78,21 +78,21 @@ typedef struct rk_shading_point {
 
 /* What more light samples would tell of a seen surface: open questions, or no more; a tinted one
  * stays open. */
-typedef enum rk_light_state {
+typedef enum rk_tile_light_state {
     RK_LIGHT_OPEN,
     RK_LIGHT_TINTED,
     RK_LIGHT_UNBLOCKED,
     RK_LIGHT_BLOCKED
-} rk_light_state;
+} rk_tile_light_state;
 
 /* One light's work on all that is seen, entry for entry. */
-typedef struct rk_light_sums {
+typedef struct rk_tile_light_sums {
     rk_vec3 lit[RK_BATCH_MAX];    /* over samples, as far as it arrives */
     rk_vec3 all[RK_BATCH_MAX];    /* as if nothing were in the way */
     uint32_t asked[RK_BATCH_MAX]; /* shadow rays, and how many of them found the way free */
     uint32_t free[RK_BATCH_MAX];
-    rk_light_state state[RK_BATCH_MAX];
-} rk_light_sums;
+    rk_tile_light_state state[RK_BATCH_MAX];
+} rk_tile_light_sums;
 
 /* A thread's workspace for a tile. */
 typedef struct rk_tile {
@@ -103,7 +103,7 @@ typedef struct rk_tile {
     rk_hit_batch hits;
     uint32_t seen_count;
     rk_shading_point seen[RK_BATCH_MAX];
-    rk_light_sums sums;
+    rk_tile_light_sums sums;
     rk_ray_batch shadow; /* each asks whether something is in the way of a light; and for each: */
     uint16_t arriving_at[RK_BATCH_MAX]; /* the seen surface */
     rk_vec3 arriving[RK_BATCH_MAX]; /* what it would reflect of the light, or does, behind panes */

@@ -31,8 +31,8 @@ void rk_bvh_visit(const rk_bvh *bvh, rk_bvh_visitor *visitor, void *context)
     stack_entry stack[RK_BVH_LEVELS_MAX];
     uint32_t size = 0;
     stack[size++] = (stack_entry){0, 0};
-    /* An unsound tree may have cycles or point outside: no more visits than nodes, and no child
-     * that is not there. */
+    /* An invalid tree may have cycles or children outside the array: visit no more nodes than there
+     * are, and only existing ones. */
     for (uint32_t visits = 0; size && visits < bvh->node_count; visits++) {
         stack_entry top = stack[--size];
         const rk_bvh_node *node = &bvh->nodes[top.node];
@@ -99,8 +99,8 @@ static rk_box triangle_box(const rk_mesh *mesh, uint32_t index)
 typedef struct validation {
     const rk_bvh *bvh;
     const rk_mesh *mesh;
-    unsigned char *reached; /* by node: was it visited? */
-    unsigned char *seen;    /* by triangle of the mesh: does it stand in a leaf? */
+    unsigned char *reached; /* per node: was it visited? */
+    unsigned char *seen;    /* per triangle of the mesh: is it in a leaf? */
     bool sound;
     rk_error *error;
 } validation;
@@ -137,11 +137,11 @@ static void validate_leaf(validation *v, const rk_bvh_node *node)
     for (uint32_t i = node->first; i < node->first + node->count; i++) {
         uint32_t index = v->bvh->triangles[i].index;
         if (index >= v->mesh->triangle_count) {
-            fault(v, "a leaf names a triangle that the mesh does not have", "triangle", index);
+            fault(v, "a leaf has a triangle that the mesh does not have", "triangle", index);
             continue;
         }
         if (v->seen[index])
-            fault(v, "a triangle stands in the leaves twice", "triangle", index);
+            fault(v, "a triangle is in the leaves twice", "triangle", index);
         v->seen[index] = 1;
         if (!is_copy(&v->bvh->triangles[i], v->mesh))
             fault(v, "a leaf's copy of a triangle differs from the mesh's", "triangle", index);
@@ -167,7 +167,8 @@ static void validate_node(const rk_bvh_node *node, uint32_t level, void *context
         return;
     }
     if (node->first < 2 || node->first % 2 || node->first + 1 >= v->bvh->node_count) {
-        fault(v, "an inner node points outside the nodes, or at an odd one", "first", node->first);
+        fault(v, "an inner node's children are outside the nodes, or at an odd index", "first",
+              node->first);
         return;
     }
     for (uint32_t child = node->first; child < node->first + 2; child++)
@@ -185,7 +186,7 @@ bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
         rk_bvh_visit(bvh, validate_node, &v);
     for (uint32_t i = 0; v.sound && i < mesh->triangle_count; i++)
         if (!v.seen[i])
-            fault(&v, "a triangle stands in no leaf", "triangle", i);
+            fault(&v, "a triangle is in no leaf", "triangle", i);
     free(v.reached);
     free(v.seen);
     return v.sound;

@@ -1,21 +1,21 @@
-/* What all builders of binary trees share: what they know of a triangle while they sort it, and
- * what a leaf keeps of it. */
+/* Common to all builders of binary trees: the record that represents a triangle while they sort,
+ * and the copy that a leaf keeps. */
 #ifndef RK_SCENE_BVH_BUILD_H
 #define RK_SCENE_BVH_BUILD_H
 
 #include "scene/bvh.h"
 
-/* A triangle's stand-in during the build. */
+/* Represents a triangle during the build. */
 typedef struct rk_bvh_reference {
     rk_box box;
-    rk_vec3 centroid; /* the mean of the corners; finite, as they are */
+    rk_vec3 centroid; /* the mean of the corners; finite, because they are */
     uint32_t triangle;
 } rk_bvh_reference;
 
 static inline rk_bvh_reference rk_bvh_reference_of(const rk_mesh *mesh, uint32_t triangle)
 {
-    /* Rounded down: three thirds of the largest float do not overflow, and neither does their sum.
-     */
+    /* Rounded down: neither a third of the largest float nor the sum of three such thirds
+     * overflows. */
     const float third = 0x1.555554p-2f;
     const uint32_t *corner = mesh->triangles[triangle];
     rk_vec3 a = mesh->positions[corner[0]];

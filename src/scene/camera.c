@@ -9,7 +9,7 @@ rk_camera rk_camera_default(void)
     return (rk_camera){.distance = 3, .rotation = rk_vec(20, 20, 0), .fov = 50};
 }
 
-/* Turns (p[a], p[b]) by an angle from axis a towards axis b. */
+/* Rotates (p[a], p[b]) by an angle from axis a towards axis b. */
 static void turn(double p[3], int a, int b, double degrees)
 {
     double cosine = cos(degrees * radians_per_degree), sine = sin(degrees * radians_per_degree);
@@ -18,7 +18,7 @@ static void turn(double p[3], int a, int b, double degrees)
     p[b] = sine * pa + cosine * pb;
 }
 
-/* R (x, y, z), in double, so that the axes are orthogonal to the last bit of a float. */
+/* R (x, y, z), in double, so that the axes are orthogonal up to the last bit of a float. */
 static void rotate(const rk_camera *camera, double p[3])
 {
     turn(p, 1, 2, (double)camera->rotation.x);

@@ -15,7 +15,7 @@ bool rk_cubemap_init(rk_cubemap *map, uint32_t side, rk_error *error)
 {
     *map = (rk_cubemap){0};
     if (side < 1 || side > RK_CUBEMAP_SIDE_MAX)
-        return rk_fail(error, "a cube map of %u texels a side: it must be 1 to %d", side,
+        return rk_fail(error, "a cube map of %u texels per side: choose 1 to %d", side,
                        RK_CUBEMAP_SIDE_MAX);
     size_t texels = (size_t)side * side;
     rk_vec3 *block = rk_allocate(RK_FACES * texels, sizeof *block, "cube map", error);

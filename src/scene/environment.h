@@ -1,10 +1,10 @@
 /* An environment: light from so far away that only its direction matters, as a map on the six faces
- * of a cube around the viewer. Here stand the cube, which way round its faces are, and its memory;
- * who looks something up needs features/cubemap.h.
+ * of a cube around the viewer. This header has the cube, the orientation of its faces, and its
+ * memory; features/cubemap.h has the lookups.
  *
- * A face is a square picture as it is seen from the cube's centre, u to the right and v upwards,
- * [0, 1] across, as for textures. All orientation in this kit is this cross, cut out and folded
- * backwards around the viewer, who looks at -z:
+ * A face is a square picture seen from the cube's centre, with u in [0, 1] to the right and v in
+ * [0, 1] upwards, as for textures. All orientations in this kit follow from this cross, cut out and
+ * folded backwards around the viewer, who looks at -z:
  *
  *              +----+                         face   ahead  right   up
  *              | +y |                          +x     +x     +z     +y
@@ -22,7 +22,7 @@
 
 #include <stdint.h>
 
-/* Twice the axis, 0 for x to 2 for z, and 1 more where it points to the negative side. */
+/* Twice the axis (0 for x to 2 for z), plus 1 for the negative side. */
 typedef enum rk_cube_face {
     RK_FACE_X,
     RK_FACE_MINUS_X,
@@ -47,18 +47,18 @@ static inline rk_vec3 rk_cube_direction(rk_cube_face face, float u, float v)
     return rk_madd(rk_madd(axes->ahead, axes->right, 2 * u - 1), axes->up, 2 * v - 1);
 }
 
-/* Four faces beside each other are as wide as a picture may be. */
+/* Four faces side by side are as wide as the widest picture. */
 enum { RK_CUBEMAP_SIDE_MAX = 8192 };
 
 typedef struct rk_cubemap {
-    uint32_t side;            /* texels, of each face; 0: there is no map */
+    uint32_t side;            /* of each face, in texels; 0: there is no map */
     rk_vec3 *faces[RK_FACES]; /* side * side, row by row from the top; one block of memory */
 } rk_cubemap;
 
-/* Makes a black map of 1 to RK_CUBEMAP_SIDE_MAX texels a side. */
+/* Makes a black map of 1 to RK_CUBEMAP_SIDE_MAX texels per side. */
 bool rk_cubemap_init(rk_cubemap *map, uint32_t side, rk_error *error);
 
-/* A zeroed map has nothing to free. */
+/* Accepts a zeroed map. */
 void rk_cubemap_free(rk_cubemap *map);
 
 /* Columns count from the left, rows from the top. */

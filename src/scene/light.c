@@ -1,33 +1,47 @@
-/* What lights are asked for apart from their samples. */
+/* Properties of lights that need no samples. */
 #include "scene/light.h"
 
 #include <string.h>
 
+static int corner_count(const rk_light *light)
+{
+    const int counts[] = {
+        [RK_LIGHT_POINT] = 1, [RK_LIGHT_SEGMENT] = 2, [RK_LIGHT_PARALLELOGRAM] = 4};
+    return counts[light->kind];
+}
+
+bool rk_light_emits(const rk_light *light)
+{
+    for (int i = 0; i < corner_count(light); i++)
+        if (light->colours[i].x > 0 || light->colours[i].y > 0 || light->colours[i].z > 0)
+            return true;
+    return false;
+}
+
 bool rk_light_has_one_colour(const rk_light *light)
 {
-    int count = light->kind == RK_LIGHT_POINT ? 1 : light->kind == RK_LIGHT_SEGMENT ? 2 : 4;
-    for (int i = 1; i < count; i++)
+    for (int i = 1; i < corner_count(light); i++)
         if (memcmp(&light->colours[i], &light->colours[0], sizeof *light->colours) != 0)
             return false;
     return true;
 }
 
-/* The segment is seen along p + t |p| tan phi, where p is the foot of the perpendicular, t the unit
- * edge, and phi runs from phi0 to phi1. There r = |p| / cos phi and sin' = cos phi, so it is the
- * integral of (n.p / |p| cos^2 phi + n.t sin phi cos phi) / |p|. */
-double rk_segment_irradiance(rk_dvec3 from, rk_dvec3 edge, rk_dvec3 normal)
+/* Seen from the point, the segment is p + t |p| tan phi, where p is the foot of the perpendicular,
+ * t the unit edge, and phi runs from phi0 to phi1. There r = |p| / cos phi and sin' = cos phi, so
+ * the integrand becomes (n.p / |p| cos^2 phi + n.t sin phi cos phi) / |p|. */
+double rk_light_segment_irradiance(rk_dvec3 from, rk_dvec3 edge, rk_dvec3 normal)
 {
     double whole = rk_dlength(edge);
     rk_dvec3 t = rk_dscale(edge, 1 / whole), moment = rk_dcross(from, edge);
     rk_dvec3 p = rk_dscale(rk_dcross(t, moment), 1 / whole); /* from - t (t.from) would cancel */
     double distance = rk_dlength(moment) / whole, at = rk_ddot(from, t);
     double begin = rk_ddot(normal, from), end = begin + rk_ddot(normal, edge);
-    if ((begin <= 0 && end <= 0) || !(distance > 0)) /* not positive: no length makes a NaN here */
+    if ((begin <= 0 && end <= 0) || !(distance > 0)) /* negated: a segment of no length gives NaN */
         return 0;
     /* Clipped at the horizon. */
     double low = begin < 0 ? begin / (begin - end) : 0, high = end < 0 ? begin / (begin - end) : 1;
     double phi0 = atan2(at + low * whole, distance), phi1 = atan2(at + high * whole, distance);
-    /* Differences of squared sines and cosines, as products, which do not cancel. */
+    /* Differences of squared sines and cosines as products, which do not cancel. */
     double turn = phi1 - phi0, sum = phi0 + phi1;
     double across = (turn + sin(turn) * cos(sum)) * rk_ddot(normal, p) / distance;
     return (across + sin(turn) * sin(sum) * rk_ddot(normal, t)) / (2 * distance);

@@ -1,4 +1,4 @@
-/* Lights: a point, a segment, or a parallelogram that shines to both of its sides. */
+/* Lights: a point, a segment, or a parallelogram that emits from both sides. */
 #ifndef RK_SCENE_LIGHT_H
 #define RK_SCENE_LIGHT_H
 
@@ -12,14 +12,14 @@ typedef enum rk_light_kind {
     RK_LIGHT_PARALLELOGRAM
 } rk_light_kind;
 
-/* A point of the light stands at position + x edge01 + y edge02, x and y in [0, 1]; its colour is
- * linear RGB, bilinear in x and y between the corners' colours. A segment has no y, a point
- * neither; what they do not have is not read. */
+/* The points of the light are position + x edge01 + y edge02, x and y in [0, 1]; the colour is
+ * linear RGB, interpolated bilinearly between the corners. A segment has no y, a point neither x
+ * nor y; members that a kind does not have are not read. */
 typedef struct rk_light {
     rk_light_kind kind;
     rk_vec3 position;       /* corner 0 */
     rk_vec3 edge01, edge02; /* from corner 0 to corners 1 and 2 */
-    rk_vec3 colours[4];     /* of corners 0, 1, 2, and 3, which is opposite to 0 */
+    rk_vec3 colours[4];     /* of corners 0, 1, 2, and 3, opposite to 0 */
 } rk_light;
 
 static inline rk_light rk_light_point(rk_vec3 position, rk_vec3 colour)
@@ -27,12 +27,16 @@ static inline rk_light rk_light_point(rk_vec3 position, rk_vec3 colour)
     return (rk_light){.kind = RK_LIGHT_POINT, .position = position, .colours = {colour}};
 }
 
+/* Is any of its colours other than black? */
+bool rk_light_emits(const rk_light *light);
+
 /* Do all of its corners have the same colour? */
 bool rk_light_has_one_colour(const rk_light *light);
 
-/* Returns the integral of cos sin' / r^2 dl over the part above the horizon of the segment `from`
- * to `from` + `edge`, both relative to the surface point whose unit normal is `normal`; sin' is of
- * the angle between segment and direction. 0 for no length, or in line with the point. */
-double rk_segment_irradiance(rk_dvec3 from, rk_dvec3 edge, rk_dvec3 normal);
+/* Returns the integral of cos sin' / r^2 dl over the part above the horizon of the segment from
+ * `from` to `from` + `edge`, both relative to the surface point whose unit normal is `normal`; sin'
+ * belongs to the angle between segment and direction. 0 for a segment of no length or in line with
+ * the point. */
+double rk_light_segment_irradiance(rk_dvec3 from, rk_dvec3 edge, rk_dvec3 normal);
 
 #endif

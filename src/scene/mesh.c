@@ -85,7 +85,7 @@ static bool validate_triangles(const rk_mesh *mesh, const char *name, rk_error *
     return true;
 }
 
-/* One of the mesh's textures that has an image, or none at all. */
+/* Is it NULL, or one of the mesh's textures, with an image? */
 static bool is_texture_of(const rk_texture *texture, const rk_mesh *mesh)
 {
     for (uint32_t i = 0; texture && i < mesh->texture_count; i++)
@@ -108,13 +108,13 @@ static bool validate_materials(const rk_mesh *mesh, const char *name, rk_error *
         if (!is_finite3(m->absorption) || !(m->absorption.x >= 0) || !(m->absorption.y >= 0) ||
             !(m->absorption.z >= 0))
             return rk_fail(error,
-                           "%s: material %u absorbs a share of the light that is negative or not "
-                           "finite: 0 is clear glass, more is darker",
+                           "%s: material %u has an absorption that is negative or not finite: "
+                           "choose 0 for clear glass, more for darker glass",
                            name, i);
         if (!is_texture_of(m->kd_texture, mesh))
             return rk_fail(error,
-                           "%s: the texture of material %u is none of the mesh's, or without an "
-                           "image: put it into the mesh's textures",
+                           "%s: the texture of material %u is not one of the mesh's, or has no "
+                           "image: add it to the mesh's textures",
                            name, i);
     }
     return true;
@@ -144,7 +144,7 @@ static uint32_t hash_position(rk_vec3 p)
     return h ^ h >> 13;
 }
 
-/* Sums the distinct positions through an open-addressing table of vertex indices. */
+/* Finds distinct positions by an open-addressing hash table of vertex indices. */
 static bool mean_of_distinct(const rk_mesh *mesh, double mean[3], rk_error *error)
 {
     size_t slots = 16;
@@ -156,7 +156,7 @@ static bool mean_of_distinct(const rk_mesh *mesh, double mean[3], rk_error *erro
     uint32_t distinct = 0;
     double sum[3] = {0, 0, 0};
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-        /* Adding 0 makes -0 and 0, which are the same place, the same bits. */
+        /* Adding 0 gives -0 and 0, which are equal, the same bits. */
         rk_vec3 p = rk_add(mesh->positions[i], rk_vec(0, 0, 0));
         size_t slot = hash_position(p) & (slots - 1);
         while (table[slot]) {
@@ -206,7 +206,7 @@ bool rk_mesh_smooth(rk_mesh *mesh, rk_error *error)
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         const uint32_t *corner = mesh->triangles[i];
         rk_vec3 a = mesh->positions[corner[0]];
-        /* The cross product's length is twice the area: the weight comes for free. */
+        /* The cross product's length is twice the area, so it is the weight already. */
         rk_vec3 weighted =
             rk_cross(rk_sub(mesh->positions[corner[1]], a), rk_sub(mesh->positions[corner[2]], a));
         for (int k = 0; k < 3; k++)
@@ -217,4 +217,22 @@ bool rk_mesh_smooth(rk_mesh *mesh, rk_error *error)
     free(mesh->normals);
     mesh->normals = normals;
     return true;
+}
+
+void rk_mesh_append(rk_mesh *mesh, const rk_mesh *part, rk_vec3 shift, float scale,
+                    uint16_t material)
+{
+    uint32_t v = mesh->vertex_count, t = mesh->triangle_count;
+    for (uint32_t i = 0; i < part->vertex_count; i++)
+        mesh->positions[v + i] = rk_madd(shift, part->positions[i], scale);
+    memcpy(&mesh->normals[v], part->normals, part->vertex_count * sizeof *mesh->normals);
+    for (uint32_t i = 0; i < part->triangle_count; i++) {
+        for (int k = 0; k < 3; k++)
+            mesh->triangles[t + i][k] = v + part->triangles[i][k];
+        mesh->triangle_materials[t + i] = (uint16_t)(material + part->triangle_materials[i]);
+    }
+    for (uint32_t i = 0; i < part->material_count; i++)
+        mesh->materials[material + i] = part->materials[i];
+    mesh->vertex_count += part->vertex_count;
+    mesh->triangle_count += part->triangle_count;
 }

@@ -1,4 +1,4 @@
-/* Indexed triangles with materials: what every scene is made of. */
+/* Indexed triangles with materials. */
 #ifndef RK_SCENE_MESH_H
 #define RK_SCENE_MESH_H
 
@@ -14,7 +14,8 @@ typedef struct rk_material {
     rk_vec3 ks;         /* specular colour, each component in [0, 1] */
     float shininess;    /* exponent of the highlight, >= 0 */
     float alpha;        /* opacity: 1 opaque, 0 invisible */
-    rk_vec3 absorption; /* sigma >= 0 of a closed block: exp(-sigma x) passes after x world units */
+    rk_vec3 absorption; /* sigma_a >= 0 inside a closed object; transmittance exp(-sigma_a x) after
+                           x world units */
     const rk_texture *kd_texture; /* multiplies kd, or NULL; one of the mesh's textures */
 } rk_material;
 
@@ -32,22 +33,28 @@ typedef struct rk_mesh {
     rk_texture *textures; /* texture_count, each owning its image; or NULL */
 } rk_mesh;
 
-enum { RK_MESH_NORMALS = 1, RK_MESH_TEXCOORDS = 2 }; /* which optional arrays to make */
+enum { RK_MESH_NORMALS = 1, RK_MESH_TEXCOORDS = 2 }; /* optional arrays */
 
-/* Makes a mesh with all arrays zeroed and every material the default one: kd .8, opaque. */
+/* Makes a mesh with all arrays zeroed and every material the default: kd .8, opaque. */
 bool rk_mesh_init(rk_mesh *mesh, uint32_t vertices, uint32_t triangles, uint32_t materials,
                   int optional_arrays, rk_error *error);
 void rk_mesh_free(rk_mesh *mesh);
 
-/* Refuses what later code relies on not to see: indices out of range, a position, normal, texture
- * coordinate or material that is NaN or infinite, a negative absorption, a texture that is none of
- * the mesh's. `name` begins the error, the place follows. */
+/* Checks everything that later code relies on: false for indices out of range, a position, normal,
+ * texture coordinate or material that is NaN or infinite, a negative absorption, or a texture that
+ * is not the mesh's. The error begins with `name`, followed by the place. */
 bool rk_mesh_validate(const rk_mesh *mesh, const char *name, rk_error *error);
+
+/* Appends a part that has normals, scaled by `scale` and moved by `shift`; its materials take the
+ * numbers from `material` on. The mesh has normals and enough memory: its counts say how far the
+ * arrays are filled. */
+void rk_mesh_append(rk_mesh *mesh, const rk_mesh *part, rk_vec3 shift, float scale,
+                    uint16_t material);
 
 rk_box rk_mesh_bounds(const rk_mesh *mesh);
 
-/* Moves the mesh into the unit ball: the mean of its distinct vertices goes to 0, the farthest
- * vertex to distance 1. A mesh of one distinct point only moves. Computed in double. */
+/* Moves and scales the mesh into the unit ball: the mean of its distinct vertices goes to 0, the
+ * farthest vertex to distance 1. A mesh of one distinct point is only moved. Computed in double. */
 bool rk_mesh_normalize(rk_mesh *mesh, rk_error *error);
 
 /* Replaces the normals by area-weighted averages of the faces around each vertex. */

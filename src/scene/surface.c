@@ -10,8 +10,8 @@ static float gamma_bound(int n)
     return (float)n * eps / (1 - (float)n * eps);
 }
 
-/* Summed in double and rounded once: 1 - u - v in float loses its digits near the edge opposite a,
- * and a corner far away would then carry the point off the plane. */
+/* Summed in double and rounded once: in float, 1 - u - v loses its digits near the edge opposite a,
+ * and a distant corner would then move the point off the plane. */
 static float point_on_axis(float a, float b, float c, const rk_hit *hit)
 {
     double u = (double)hit->u, v = (double)hit->v;
@@ -23,8 +23,8 @@ static rk_vec3 facing(rk_vec3 normal, rk_vec3 side)
     return rk_dot(normal, side) < 0 ? rk_negate(normal) : normal;
 }
 
-/* In double, where neither the differences of a sliver nor the squares of a tiny triangle vanish.
- * A triangle without area has no normal: it comes back as 0. */
+/* In double, where neither the differences of a sliver nor the squares of a tiny triangle vanish. A
+ * triangle without area has no normal: the result is 0. */
 static rk_vec3 unit_normal(rk_vec3 a, rk_vec3 b, rk_vec3 c)
 {
     double bx = (double)b.x - (double)a.x, cx = (double)c.x - (double)a.x;
@@ -49,8 +49,7 @@ void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, 
                             point_on_axis(a.z, b.z, c.z, hit));
     surface->barycentric = weights;
     surface->material = &mesh->materials[mesh->triangle_materials[hit->triangle]];
-    /* The rounding to float is the one that counts; the second pays for this very sum and for
-     * what happened in double. */
+    /* Two roundings: to float, and of this sum, which also covers the errors in double. */
     rk_vec3 sizes = rk_max3(rk_abs3(surface->point),
                             rk_interpolate3(rk_abs3(a), rk_abs3(b), rk_abs3(c), rk_abs3(weights)));
     surface->point_error = rk_scale(sizes, gamma_bound(2));
@@ -69,15 +68,16 @@ void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, 
 void rk_surface_at_sphere(rk_surface *surface, const rk_sphere *sphere, const rk_material *material,
                           const rk_ray *ray, const rk_hit *hit)
 {
-    /* The hit tells the direction from the centre; the point is put back on the sphere along it. */
+    /* The hit gives the direction from the centre; the point is moved back onto the sphere along
+     * it. */
     rk_vec3 along = rk_madd(ray->origin, ray->direction, hit->t);
     rk_vec3 outward = rk_normalize(rk_sub(along, sphere->centre));
-    /* There is no plane to leave: a triangle without edges is ahead of nobody. */
+    /* There is no plane to leave: a triangle without edges is never ahead. */
     *surface = (rk_surface){.point = rk_madd(sphere->centre, outward, sphere->radius),
                             .material = material,
                             .triangle = {.index = RK_MISS}};
     /* Five roundings: of the unit vector (a sum of squares, a root, a quotient), of its product
-     * with the radius, of the sum; and as many again in the test that a new ray will meet. */
+     * with the radius, and of the sum; and as many again in the sphere test of the spawned ray. */
     rk_vec3 radius = rk_vec(sphere->radius, sphere->radius, sphere->radius);
     surface->point_error = rk_scale(rk_add(rk_abs3(sphere->centre), radius), gamma_bound(10));
     surface->face_normal = facing(outward, rk_negate(ray->direction));
@@ -89,8 +89,8 @@ void rk_surface_move(rk_surface *surface, rk_vec3 offset)
     rk_vec3 rest = surface->point;
     surface->point = rk_add(rest, offset);
     surface->offset = offset;
-    /* The point is rounded here, and the origin of a ray that leaves from it when the ray is moved
-     * back; the third pays for this sum, and for the origin being a step away. */
+    /* The point is rounded here, and so is the origin of a spawned ray when the ray is moved back;
+     * the third rounding is of this sum, and allows for the origin's distance from the point. */
     rk_vec3 sizes = rk_max3(rk_abs3(surface->point), rk_abs3(rest));
     surface->point_error = rk_madd(surface->point_error, sizes, gamma_bound(3));
 }
@@ -120,8 +120,8 @@ static rk_vec3 step_along(rk_vec3 point, rk_vec3 normal, float distance)
                   round_outward(start.z, step.z));
 }
 
-/* Does the triangle test see the ray from `start` meet the plane ahead of it? To what moves the ray
- * comes moved back, with this very rounding; without an offset nothing is rounded. */
+/* Does the triangle test find the plane ahead of the ray from `start`? Rays are moved back by the
+ * offset of a moving object, with the same rounding; without an offset nothing is rounded. */
 static bool plane_is_ahead(const rk_surface *surface, rk_vec3 start, float heading)
 {
     float side = rk_triangle_side(&surface->triangle, rk_sub(start, surface->offset));
@@ -132,19 +132,19 @@ rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction)
 {
     const rk_triangle *triangle = &surface->triangle;
     rk_vec3 normal = facing(surface->face_normal, direction);
-    /* For tangents the signs may differ from those of the triangle test, which is to be pleased. */
+    /* For grazing directions the signs may differ from the triangle test's, which decides. */
     float heading = rk_triangle_heading(triangle, direction);
     float normal_heading = rk_triangle_heading(triangle, normal);
     if ((heading > 0 && normal_heading < 0) || (heading < 0 && normal_heading > 0))
         normal = rk_negate(normal);
-    /* Past the point's error, and past two roundings of the edges: the test, the neighbours' too,
-     * works on rounded edges and a rounded difference of points. */
+    /* Past the point's error, and past two roundings of the edges: the triangle test, also of
+     * neighbouring triangles, uses rounded edges and a rounded difference of points. */
     rk_vec3 edges = rk_add(rk_abs3(triangle->edge_ab), rk_abs3(triangle->edge_ac));
     rk_vec3 error = rk_madd(surface->point_error, edges, gamma_bound(2));
     float distance = rk_dot(rk_abs3(normal), error);
     rk_vec3 start = step_along(surface->point, normal, distance);
-    /* In slivers the test's error grows with their length over their width. A step of 2^-24 of
-     * the triangle's size is as long as the triangle after so many doublings. */
+    /* In slivers the test's error grows with the ratio of length to width. A step of 2^-24 of the
+     * triangle's size reaches that size after 24 doublings. */
     for (int i = 0; i < 24 && plane_is_ahead(surface, start, heading); i++) {
         distance *= 2;
         start = step_along(surface->point, normal, distance);

@@ -1,6 +1,6 @@
-/* What stands at a hit: the point with its error bound, the normals, the material; and how a new
- * ray leaves from there without meeting the same surface again (Pharr, Jakob, Humphreys,
- * "Physically Based Rendering", section 3.9 of the third edition). */
+/* The surface at a hit: the point with its error bound, the normals, the material; and how to spawn
+ * a ray there that does not intersect the same surface again (Pharr, Jakob, Humphreys, "Physically
+ * Based Rendering", section 3.9 of the third edition). */
 #ifndef RK_SCENE_SURFACE_H
 #define RK_SCENE_SURFACE_H
 
@@ -11,29 +11,29 @@
 typedef struct rk_surface {
     rk_vec3 point;
     rk_vec3 point_error; /* bounds |point - the exact point on the triangle| on each axis */
-    rk_vec3 face_normal; /* unit, of the triangle's plane, turned to face the ray; a triangle
-                            without area has the ray's opposite */
+    rk_vec3 face_normal; /* unit, of the triangle's plane, facing the ray; of a triangle without
+                            area, the opposite of the ray's direction */
     rk_vec3 normal;      /* unit, for shading: interpolated where the mesh has normals, on the same
                             side as face_normal */
     rk_vec3 barycentric; /* weights of the triangle's corners, sum 1 */
     const rk_material *material;
-    rk_triangle triangle; /* as the triangle test sees it; on a sphere its index is RK_MISS */
-    rk_vec3 offset;       /* of what moves: where it stands, from where its triangle rests; or 0 */
+    rk_triangle triangle; /* as the triangle test uses it; on a sphere its index is RK_MISS */
+    rk_vec3 offset;       /* of a moving object from its position at rest; else 0 */
 } rk_surface;
 
-/* Fills in the surface at a hit that `ray` found in `mesh`. */
+/* Fills in the surface at a hit of `ray` on `mesh`. */
 void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, const rk_hit *hit);
 
 /* The same on a sphere made of `material`. */
 void rk_surface_at_sphere(rk_surface *surface, const rk_sphere *sphere, const rk_material *material,
                           const rk_ray *ray, const rk_hit *hit);
 
-/* Takes a surface of an object at rest to where the object stands, `offset` from there. The point's
- * error then bounds what this rounds and what moving a ray from there the other way rounds. */
+/* Translates a surface of an object at rest by the object's `offset`. The point's error then also
+ * bounds the rounding of this sum and of moving a ray back by the offset. */
 void rk_surface_move(rk_surface *surface, rk_vec3 offset);
 
-/* Returns the diffuse colour there: the material's kd, times its texture where it has one. `mesh`
- * is the one of the hit; a mesh without texture coordinates and a sphere show no texture. */
+/* Returns the diffuse colour: the material's kd, times its texture if it has one. `mesh` is the one
+ * that was hit; a mesh without texture coordinates and a sphere show no texture. */
 rk_vec3 rk_surface_textured_kd(const rk_surface *surface, const rk_mesh *mesh);
 static inline rk_vec3 rk_surface_kd(const rk_surface *surface, const rk_mesh *mesh)
 {
@@ -41,14 +41,14 @@ static inline rk_vec3 rk_surface_kd(const rk_surface *surface, const rk_mesh *me
                                          : surface->material->kd;
 }
 
-/* The point to start a ray from that leaves into `direction` (any length): moved along the face
- * normal just past the error bound, to the side into which the ray leaves, and farther where
- * the triangle test itself is less exact than that. No epsilon to tune: the step follows from the
- * rounding errors, at any scale. The ray never meets the triangle that it leaves. */
+/* The origin of a ray spawned into `direction` (any length): moved along the face normal just past
+ * the error bound, to the side of the direction, and farther where the triangle test itself is less
+ * exact than that. No epsilon to tune: the step follows from the rounding errors, at any scale. The
+ * ray never hits the triangle at which it starts. */
 rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction);
 
-/* Do rays into both directions start from the same point? It depends on the sides of the plane into
- * which they lead: as the normal says it, and as the triangle test does. */
+/* Do rays into both directions start at the same point? That depends on the side of the plane to
+ * which they point, both by the normal and by the triangle test. */
 static inline bool rk_surface_spawns_alike(const rk_surface *surface, rk_vec3 a, rk_vec3 b)
 {
     float heading_a = rk_triangle_heading(&surface->triangle, a);

@@ -1,9 +1,9 @@
-/* The Cornell box: with a mirror, 16 four-cornered faces cut into 32 triangles; with two blocks of
- * glass; and with a light in place of the lamp.
- * Source: "Cornell Box Data", Cornell University Program of Computer Graphics, 1998: lengths in
- * millimetres, x to the left of the picture, y up, z away from the viewer. The lamp hangs .8 mm
- * below the ceiling, so that a ray meets one of them first. */
-#include "scenes/builtin.h"
+/* The Cornell box: with a mirror, 16 quadrilaterals as 32 triangles; with two blocks of glass; and
+ * with a parallelogram light in place of the lamp. Source: "Cornell Box Data", Cornell University
+ * Program of Computer Graphics, 1998: lengths in millimetres, x to the left of the picture, y up, z
+ * away from the viewer. The lamp hangs .8 mm below the ceiling, so that a ray hits the two at
+ * different distances. */
+#include "scenes/makers.h"
 
 enum { white, red, green, lamp, tall, low, material_count };
 
@@ -32,7 +32,7 @@ static const block tall_block = {{{423, 247}, {265, 296}, {314, 456}, {472, 406}
 
 enum { room_faces = sizeof room / sizeof room[0] };
 
-/* The box's centre goes to 0 and its half diagonal, 480.3 mm, to just below 1. */
+/* The box's centre goes to 0, and its half diagonal, 480.3 mm, to just below 1. */
 static const double centre[3] = {278, 274.4, 279.6};
 static const double millimetres = 1.0 / 481;
 
@@ -43,7 +43,7 @@ static rk_vec3 place(float x, float y, float z)
                   (float)(((double)z - centre[2]) * millimetres));
 }
 
-/* Adds a face behind those that are there, as two triangles. */
+/* Appends a face, as two triangles. */
 static void put_face(rk_mesh *mesh, const face *f)
 {
     uint32_t first = mesh->vertex_count, row = mesh->triangle_count;
@@ -63,8 +63,8 @@ static void put_corner(face *f, int i, const float *foot, float y)
     f->corners[i][0] = foot[0], f->corners[i][1] = y, f->corners[i][2] = foot[1];
 }
 
-/* Top, the four sides, and a bottom where the block is of glass, which has to be closed. It then
- * ends 1 mm above the floor, so that a ray meets one of them first. */
+/* Top, four sides, and for a block of glass, which has to be closed, a bottom. It then ends 1 mm
+ * above the floor, so that a ray hits the two at different distances. */
 static void put_block(rk_mesh *mesh, const block *b, int material, bool closed)
 {
     const float bottom = closed ? 1 : 0;
@@ -86,7 +86,7 @@ static void put_block(rk_mesh *mesh, const block *b, int material, bool closed)
         put_face(mesh, &f);
 }
 
-/* What is in the room besides its walls. */
+/* The contents of the room. */
 typedef struct furniture {
     bool has_lamp;
     bool of_glass; /* the blocks, both */
@@ -111,7 +111,7 @@ static bool make_box(rk_mesh *mesh, furniture has, rk_error *error)
     return true;
 }
 
-bool rk_mesh_make_cornell(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_cornell(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     (void)number;
     if (!make_box(mesh, (furniture){.has_lamp = true, .low = white, .tall = tall}, error))
@@ -123,27 +123,28 @@ bool rk_mesh_make_cornell(rk_mesh *mesh, uint32_t number, rk_error *error)
     return true;
 }
 
-bool rk_mesh_make_cornell_glass(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_cornell_glass(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     (void)number;
     const furniture glass = {.has_lamp = true, .of_glass = true, .low = low, .tall = tall};
     if (!make_box(mesh, glass, error))
         return false;
-    /* The blocks are about 165 mm thick; so much filters white light to their colour. */
+    /* The blocks are about 165 mm thick; this thickness filters white light to their colour. */
     const float thickness = (float)(165 * millimetres);
-    mesh->materials[low] = rk_glass(rk_vec(0.9f, 0.6f, 0.2f), 0.3f, thickness);
-    mesh->materials[tall] = rk_glass(rk_vec(0.3f, 0.55f, 0.9f), 0.3f, thickness);
+    mesh->materials[low] = rk_builtin_glass(rk_vec(0.9f, 0.6f, 0.2f), 0.3f, thickness);
+    mesh->materials[tall] = rk_builtin_glass(rk_vec(0.3f, 0.55f, 0.9f), 0.3f, thickness);
     return true;
 }
 
-bool rk_mesh_make_cornell_light(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_cornell_light(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     (void)number;
     return make_box(mesh, (furniture){.low = white, .tall = white}, error);
 }
 
-/* The published camera: at (278, 273, -800), along z, a 25 mm film behind a lens of 35 mm. */
-void rk_scene_arrange_cornell(rk_scene *scene)
+/* The published camera: at (278, 273, -800), looking along z, with a 25 mm film behind a 35 mm
+ * lens. */
+void rk_builtin_arrange_cornell(rk_scene *scene)
 {
     scene->camera = (rk_camera){
         .look_at = place(278, 273, 279.6f),
@@ -154,10 +155,10 @@ void rk_scene_arrange_cornell(rk_scene *scene)
     scene->light_count = 1;
 }
 
-/* The light is where the lamp was, and as large. */
-void rk_scene_arrange_cornell_light(rk_scene *scene)
+/* The light replaces the lamp, at the same size. */
+void rk_builtin_arrange_cornell_light(rk_scene *scene)
 {
-    rk_scene_arrange_cornell(scene);
+    rk_builtin_arrange_cornell(scene);
     const rk_vec3 corner = place(213, 548, 227), white_light = {1, 1, 1};
     scene->lights[0] = (rk_light){
         .kind = RK_LIGHT_PARALLELOGRAM,

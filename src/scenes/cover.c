@@ -1,7 +1,6 @@
 /* All features in one scene: a statue on a rough mirror, between a ball of chrome, a block of glass
- * and a ball that flies past, below a lamp and, if asked for, the sky. x grows to the left of the
- * picture. */
-#include "scenes/builtin.h"
+ * and a flying ball, below a lamp and optionally the sky. x points to the left of the picture. */
+#include "scenes/makers.h"
 
 #include <string.h>
 
@@ -12,7 +11,7 @@ enum { ball_triangles = 5120 };
 
 static const rk_vec3 axes[3] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
 
-/* A closed box around 0, half as large as `half` says, with flat faces. */
+/* A closed box around 0 with flat faces; `half` has half of its sizes. */
 static bool make_box(rk_mesh *mesh, rk_vec3 half, rk_error *error)
 {
     if (!rk_mesh_init(mesh, 24, 12, 1, RK_MESH_NORMALS, error))
@@ -43,9 +42,9 @@ static bool make_parts(part_list *parts, uint32_t triangles, rk_error *error)
     *parts = (part_list){0};
     return make_box(&parts->floor, rk_vec(30, 0.5f, 30), error) &&
            make_box(&parts->block, rk_vec(0.3f, 0.42f, 0.12f), error) &&
-           rk_mesh_make_statue(&parts->statue, triangles, error) &&
+           rk_builtin_make_statue(&parts->statue, triangles, error) &&
            rk_mesh_normalize(&parts->statue, error) &&
-           rk_mesh_make_sphere(&parts->ball, ball_triangles, error);
+           rk_builtin_make_sphere(&parts->ball, ball_triangles, error);
 }
 
 static void free_parts(part_list *parts)
@@ -56,7 +55,7 @@ static void free_parts(part_list *parts)
     rk_mesh_free(&parts->ball);
 }
 
-static bool put_together(rk_mesh *mesh, const part_list *p, rk_error *error)
+static bool assemble(rk_mesh *mesh, const part_list *p, rk_error *error)
 {
     const rk_mesh *all[] = {&p->floor, &p->block, &p->statue, &p->ball};
     uint32_t vertices = 0, triangles = 0;
@@ -77,21 +76,21 @@ static bool put_together(rk_mesh *mesh, const part_list *p, rk_error *error)
                                                     .ks = rk_vec(0.35f, 0.35f, 0.37f),
                                                     .shininess = 25,
                                                     .alpha = 1};
-    mesh->materials[glass_material] = rk_glass(rk_vec(0.35f, 0.75f, 0.9f), 0.25f, 0.24f);
+    mesh->materials[glass_material] = rk_builtin_glass(rk_vec(0.35f, 0.75f, 0.9f), 0.25f, 0.24f);
     mesh->materials[ball_material] =
         (rk_material){.kd = rk_vec(0.95f, 0.35f, 0.1f), .shininess = 1, .alpha = 1};
     return true;
 }
 
-bool rk_mesh_make_cover(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_cover(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     part_list parts;
-    bool ok = make_parts(&parts, number, error) && put_together(mesh, &parts, error);
+    bool ok = make_parts(&parts, number, error) && assemble(mesh, &parts, error);
     free_parts(&parts);
     return ok;
 }
 
-void rk_scene_arrange_cover(rk_scene *scene)
+void rk_builtin_arrange_cover(rk_scene *scene)
 {
     uint32_t ball = scene->mesh.triangle_count - ball_triangles;
     scene->moving[0] = (rk_moving){ball, ball_triangles, {-4, 0.5f, 1.5f}};

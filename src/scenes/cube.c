@@ -1,13 +1,14 @@
-/* The cube, plain and with a letter on each side. Sides and their materials: -x +x -y +y -z +z. */
-#include "scenes/builtin.h"
+/* The cube, plain and with a letter on each side. Order of sides and materials: -x +x -y +y -z
+ * +z. */
+#include "scenes/makers.h"
 
-/* Corner c is at x, y, z = -1 or 1 by its bits 0, 1, 2. Each side begins bottom left as seen from
- * outside and goes on counter-clockwise. Up is +y; on top it is +z and below -z, as a camera sees
- * them that looks along z and tilts. */
+/* Bits 0, 1, 2 of c give the signs of x, y, z of corner c. Each side begins bottom left as seen
+ * from outside and continues counter-clockwise. Up is +y; on the top side it is +z and on the
+ * bottom side -z, as for a camera that looks along z and tilts. */
 static const uint8_t cube_sides[6][4] = {{0, 4, 6, 2}, {5, 1, 3, 7}, {5, 4, 0, 1},
                                          {3, 2, 6, 7}, {1, 0, 2, 3}, {4, 5, 7, 6}};
 
-/* A positive side has the full colour of its axis, red, green or blue. */
+/* A positive side has the saturated colour of its axis, red, green or blue. */
 static const rk_vec3 cube_colours[6] = {{0.8f, 0.5f, 0.45f}, {0.8f, 0.1f, 0.08f},
                                         {0.5f, 0.7f, 0.45f}, {0.15f, 0.6f, 0.1f},
                                         {0.5f, 0.6f, 0.8f},  {0.1f, 0.2f, 0.75f}};
@@ -17,7 +18,7 @@ static rk_vec3 cube_corner(int c)
     return rk_vec(c & 1 ? 1 : -1, c & 2 ? 1 : -1, c & 4 ? 1 : -1);
 }
 
-bool rk_mesh_make_cube(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_cube(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     (void)number;
     if (!rk_mesh_init(mesh, 8, 12, 6, 0, error))
@@ -38,14 +39,14 @@ bool rk_mesh_make_cube(rk_mesh *mesh, uint32_t number, rk_error *error)
 
 /* --- with a texture -------------------------------------------------------------------------- */
 
-/* An F looks different however it is turned or mirrored. */
+/* An F looks different in each of its eight orientations. */
 static const char *const letter[8] = {
     /* clang-format off: one row of texels a line, the top one first */
     "........", ".#####..", ".##.....", ".####...", ".##.....", ".##.....", ".##.....", "........",
     /* clang-format on */
 };
 
-/* The letter in dark on a bright chequered ground. */
+/* The dark letter on a bright chequered ground. */
 static void paint(rk_image *image)
 {
     const rk_vec3 ink = {0.05f, 0.05f, 0.1f}, bright = {1, 1, 1}, shade = {0.8f, 0.8f, 0.8f};
@@ -54,10 +55,10 @@ static void paint(rk_image *image)
             *rk_image_at(image, x, y) = letter[y][x] == '#' ? ink : (x + y) % 2 ? shade : bright;
 }
 
-bool rk_mesh_make_cube_textured(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_cube_textured(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     (void)number;
-    /* Corners are not shared: each side has texture coordinates of its own there. */
+    /* Sides do not share corners: each has its own texture coordinates there. */
     if (!rk_mesh_init(mesh, 24, 12, 6, RK_MESH_TEXCOORDS, error))
         return false;
     mesh->textures = rk_allocate(1, sizeof *mesh->textures, "textures", error);

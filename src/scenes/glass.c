@@ -1,8 +1,8 @@
-/* Scenes that show what light does behind coloured glass: two thin panes, one behind the other, and
- * two blocks of one glass, thin and thick. x grows to the left of the picture. */
-#include "scenes/builtin.h"
+/* Scenes that show light behind coloured glass: two thin panes, one in front of the other, and two
+ * blocks of the same glass, thin and thick. x points to the left of the picture. */
+#include "scenes/makers.h"
 
-rk_material rk_glass(rk_vec3 colour, float alpha, float thickness)
+rk_material rk_builtin_glass(rk_vec3 colour, float alpha, float thickness)
 {
     return (rk_material){.kd = colour,
                          .alpha = alpha,
@@ -11,8 +11,8 @@ rk_material rk_glass(rk_vec3 colour, float alpha, float thickness)
                                     -logf(colour.z) / thickness)};
 }
 
-/* Adds the parallelogram from `corner` along `a` and `b`, counter-clockwise as seen against
- * a cross b, behind what is there. */
+/* Appends the parallelogram from `corner` along `a` and `b`, counter-clockwise as seen against a
+ * cross b. */
 static void put_quad(rk_mesh *mesh, rk_vec3 corner, rk_vec3 a, rk_vec3 b, uint16_t material)
 {
     const rk_vec3 corners[4] = {corner, rk_add(corner, a), rk_add(rk_add(corner, a), b),
@@ -29,7 +29,7 @@ static void put_quad(rk_mesh *mesh, rk_vec3 corner, rk_vec3 a, rk_vec3 b, uint16
     mesh->vertex_count += 4;
 }
 
-/* Makes an empty mesh with room for so many parallelograms. */
+/* Makes an empty mesh with memory for `quads` parallelograms. */
 static bool init_quads(rk_mesh *mesh, uint32_t quads, uint32_t materials, rk_error *error)
 {
     if (!rk_mesh_init(mesh, 4 * quads, 2 * quads, materials, 0, error))
@@ -42,15 +42,15 @@ static bool init_quads(rk_mesh *mesh, uint32_t quads, uint32_t materials, rk_err
 
 enum { plaster, red, yellow, pane_materials };
 
-/* A pane that faces the viewer. Left and right overlap in the middle third or so. */
+/* A pane that faces the viewer. The left and the right one overlap in about the middle third. */
 static void put_pane(rk_mesh *mesh, bool left, bool in_front, uint16_t material)
 {
     const float x = left ? -0.15f : -0.35f, z = in_front ? -0.15f : 0;
     put_quad(mesh, rk_vec(x, -0.45f, z), rk_vec(0, 0.65f, 0), rk_vec(0.5f, 0, 0), material);
 }
 
-/* Whichever is in front, red stands on the left and yellow on the right. */
-bool rk_mesh_make_panes(rk_mesh *mesh, uint32_t yellow_first, rk_error *error)
+/* Red is on the left and yellow on the right, whichever is in front. */
+bool rk_builtin_make_panes(rk_mesh *mesh, uint32_t yellow_first, rk_error *error)
 {
     if (!init_quads(mesh, 4, pane_materials, error))
         return false;
@@ -64,8 +64,8 @@ bool rk_mesh_make_panes(rk_mesh *mesh, uint32_t yellow_first, rk_error *error)
     return true;
 }
 
-/* The light from the left, the view from the right: the shadow lies beside the panes. */
-void rk_scene_arrange_panes(rk_scene *scene)
+/* Light from the left, viewer on the right: the shadow lies beside the panes. */
+void rk_builtin_arrange_panes(rk_scene *scene)
 {
     scene->camera.rotation = rk_vec(10, 24, 0);
     scene->camera.distance = 2.1f;
@@ -88,8 +88,9 @@ static void put_block(rk_mesh *mesh, rk_vec3 low, rk_vec3 size)
     put_quad(mesh, rk_add(low, y), z, x, glass);
 }
 
-/* The blocks end a thousandth above the floor, so that a ray meets one of them first. */
-bool rk_mesh_make_glass(rk_mesh *mesh, uint32_t number, rk_error *error)
+/* The blocks end a thousandth above the floor, so that a ray hits the two at different
+ * distances. */
+bool rk_builtin_make_glass(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     (void)number;
     if (!init_quads(mesh, 13, block_materials, error))
@@ -97,12 +98,12 @@ bool rk_mesh_make_glass(rk_mesh *mesh, uint32_t number, rk_error *error)
     put_quad(mesh, rk_vec(-0.7f, -0.35f, -0.6f), rk_vec(0, 0, 1.2f), rk_vec(1.4f, 0, 0), stone);
     put_block(mesh, rk_vec(0.1f, -0.349f, 0.02f), rk_vec(0.4f, 0.35f, 0.06f));
     put_block(mesh, rk_vec(-0.5f, -0.349f, -0.15f), rk_vec(0.4f, 0.35f, 0.4f));
-    mesh->materials[glass] = rk_glass(rk_vec(0.35f, 0.75f, 0.55f), 0.3f, 0.4f);
+    mesh->materials[glass] = rk_builtin_glass(rk_vec(0.35f, 0.75f, 0.55f), 0.3f, 0.4f);
     return true;
 }
 
-/* The light comes from behind: the shadows lie before the blocks. */
-void rk_scene_arrange_glass(rk_scene *scene)
+/* The light is behind the blocks: their shadows lie in front. */
+void rk_builtin_arrange_glass(rk_scene *scene)
 {
     scene->camera.rotation = rk_vec(40, 0, 0);
     scene->camera.distance = 2.1f;

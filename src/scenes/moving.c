@@ -1,6 +1,6 @@
-/* A scene that moves: the teapot and a ball above a floor, each on a path of its own. x grows to
- * the left of the picture. */
-#include "scenes/builtin.h"
+/* Moving objects: the teapot and a ball above a floor, each on a path of its own. x points to the
+ * left of the picture. */
+#include "scenes/makers.h"
 
 #include <string.h>
 
@@ -18,8 +18,8 @@ static bool make_floor(rk_mesh *mesh, rk_error *error)
     return true;
 }
 
-static bool put_together(rk_mesh *mesh, const rk_mesh *floor, const rk_mesh *teapot,
-                         const rk_mesh *ball, rk_error *error)
+static bool assemble(rk_mesh *mesh, const rk_mesh *floor, const rk_mesh *teapot,
+                     const rk_mesh *ball, rk_error *error)
 {
     if (!rk_mesh_init(mesh, floor->vertex_count + teapot->vertex_count + ball->vertex_count,
                       floor->triangle_count + teapot->triangle_count + ball->triangle_count,
@@ -36,21 +36,21 @@ static bool put_together(rk_mesh *mesh, const rk_mesh *floor, const rk_mesh *tea
 
 enum { ball_triangles = 320 };
 
-bool rk_mesh_make_moving(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_moving(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     rk_mesh floor = {0}, teapot = {0}, ball = {0};
-    bool ok = make_floor(&floor, error) && rk_mesh_make_teapot(&teapot, number, error) &&
+    bool ok = make_floor(&floor, error) && rk_builtin_make_teapot(&teapot, number, error) &&
               rk_mesh_normalize(&teapot, error) &&
-              rk_mesh_make_sphere(&ball, ball_triangles, error) &&
-              put_together(mesh, &floor, &teapot, &ball, error);
+              rk_builtin_make_sphere(&ball, ball_triangles, error) &&
+              assemble(mesh, &floor, &teapot, &ball, error);
     rk_mesh_free(&floor);
     rk_mesh_free(&teapot);
     rk_mesh_free(&ball);
     return ok;
 }
 
-/* The teapot takes the classic path; the ball rises higher, and falls again. */
-void rk_scene_arrange_moving(rk_scene *scene)
+/* The teapot takes the classic path; the ball rises higher and falls again. */
+void rk_builtin_arrange_moving(rk_scene *scene)
 {
     uint32_t ball = scene->mesh.triangle_count - ball_triangles;
     scene->moving[0] = (rk_moving){2, ball - 2, {-4, 0.5f, 1.5f}};

@@ -1,6 +1,8 @@
-/* Two rings of vertices, stitched like a zip: of the two next edges, the one that ends earlier on
- * its ring is the next triangle's base. */
-#include "scenes/builtin.h"
+/* Stitches two rings of vertices like a zip: of the next edge on each, the one that ends earlier on
+ * its ring becomes the next triangle's base. */
+#include "scenes/ring.h"
+
+#include <stdbool.h>
 
 static uint32_t edges_of(rk_ring ring)
 {

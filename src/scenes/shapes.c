@@ -1,14 +1,15 @@
 /* The simplest scenes: a triangle, a sphere, a sphere beside an exact one. */
-#include "scenes/builtin.h"
+#include "scenes/makers.h"
+#include "scenes/ring.h"
 
 #include <string.h>
 
-bool rk_mesh_make_triangle(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_triangle(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     (void)number;
     if (!rk_mesh_init(mesh, 3, 1, 1, 0, error))
         return false;
-    /* Equilateral, and facing the default camera, which looks along +z. */
+    /* Equilateral, facing the default camera, which looks along +z. */
     const float half_root_3 = 0.8660254f;
     mesh->positions[0] = rk_vec(0, 1, 0);
     mesh->positions[1] = rk_vec(-half_root_3, -0.5f, 0);
@@ -18,9 +19,10 @@ bool rk_mesh_make_triangle(rk_mesh *mesh, uint32_t number, rk_error *error)
     return true;
 }
 
-/* --- sphere: an icosahedron whose edges are cut into f parts, blown up ----------------------- */
+/* --- sphere: an icosahedron, each edge divided into f parts, projected onto the sphere ------- */
 
-/* Corners of the icosahedron of radius 1 with poles on the y axis: two pentagons between them. */
+/* Corners of the icosahedron of radius 1 with poles on the y axis: between them are two
+ * pentagons. */
 typedef struct corner {
     double x, y, z;
 } corner;
@@ -41,7 +43,7 @@ static corner high_corner(uint32_t s)
     return pentagon_corner(s, 1 / sqrt(5), 0.5);
 }
 
-/* The point with the weights i, j, k on a face, moved out to the sphere. */
+/* The point of a face with the weights i, j, k, projected onto the sphere. */
 static rk_vec3 face_point(corner a, uint32_t i, corner b, uint32_t j, corner c, uint32_t k)
 {
     double x = a.x * i + b.x * j + c.x * k;
@@ -52,7 +54,7 @@ static rk_vec3 face_point(corner a, uint32_t i, corner b, uint32_t j, corner c, 
 }
 
 /* Vertex j of sector s (a fifth) of ring k: rings 0 to f widen from the lower pole, f to 2 f run
- * up between the pentagons, 2 f to 3 f narrow to the upper pole. */
+ * between the pentagons, 2 f to 3 f narrow to the upper pole. */
 static rk_vec3 sphere_point(uint32_t f, uint32_t k, uint32_t s, uint32_t j)
 {
     const corner lowest = {0, -1, 0}, highest = {0, 1, 0};
@@ -72,7 +74,7 @@ static uint32_t sphere_sector(uint32_t f, uint32_t k)
     return k <= f ? k : k <= 2 * f ? f : 3 * f - k;
 }
 
-bool rk_mesh_make_sphere(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_sphere(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     uint32_t f = 1;
     while (20 * f * f < number)
@@ -95,13 +97,13 @@ bool rk_mesh_make_sphere(rk_mesh *mesh, uint32_t number, rk_error *error)
     return true;
 }
 
-/* Two balls on a floor, at x and -x; x grows to the left of the picture. */
+/* Two balls on a floor, at x and -x; x points to the left of the picture. */
 static const float ball_x = 0.5f, ball_radius = 0.48f;
 
-bool rk_mesh_make_spheres(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_spheres(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     rk_mesh ball;
-    if (!rk_mesh_make_sphere(&ball, number, error))
+    if (!rk_builtin_make_sphere(&ball, number, error))
         return false;
     uint32_t v = ball.vertex_count, t = ball.triangle_count;
     bool ok = rk_mesh_init(mesh, v + 4, t + 2, 1, RK_MESH_NORMALS, error);
@@ -122,7 +124,7 @@ bool rk_mesh_make_spheres(rk_mesh *mesh, uint32_t number, rk_error *error)
     return ok;
 }
 
-void rk_scene_arrange_spheres(rk_scene *scene)
+void rk_builtin_arrange_spheres(rk_scene *scene)
 {
     scene->spheres[0] = (rk_sphere){rk_vec(-ball_x, 0, 0), ball_radius};
     scene->sphere_materials[0] = scene->mesh.materials[0];

@@ -1,15 +1,15 @@
-/* Five exact spheres side by side, alike but for their shininess: 1, 10, 100, 1000 and 100,000. */
-#include "scenes/builtin.h"
+/* Five exact spheres side by side that differ only in shininess: 1, 10, 100, 1000 and 100,000. */
+#include "scenes/makers.h"
 
-bool rk_mesh_make_nothing(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_nothing(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     (void)number;
     return rk_mesh_init(mesh, 0, 0, 1, 0, error);
 }
 
-/* The camera stands far back, so that all five are seen from the front; the default field of view
- * takes in the row, as --fov 3.6 takes in its height. The light, to the upper left, is as far. */
-void rk_scene_arrange_shininess(rk_scene *scene)
+/* The camera is far away, so that all five are seen from the front. The default field of view fits
+ * the row's width, --fov 3.6 its height. The light, to the upper left, is as far away. */
+void rk_builtin_arrange_shininess(rk_scene *scene)
 {
     static const float shininess[] = {1, 10, 100, 1e3f, 1e5f};
     for (uint32_t i = 0; i < 5; i++) {

@@ -6,37 +6,37 @@ static const rk_vec3 ground_far = {0.3f, 0.26f, 0.2f};
 static const rk_vec3 ground_near = {0.04f, 0.05f, 0.02f};
 static const rk_vec3 sun = {30, 27, 20};
 
-/* That of the default light, (0, 2.4, -3.2). */
+/* The direction of the default light, (0, 2.4, -3.2). */
 static const rk_vec3 to_sun = {0, 0.6f, -0.8f};
 
-/* From 0 at `from` to 1 at `to`, with level ends. */
+/* Rises from 0 at `from` to 1 at `to`, with zero slope at both ends. */
 static float smooth_step(float from, float to, float x)
 {
     float t = rk_max(0, rk_min((x - from) / (to - from), 1));
     return t * t * (3 - 2 * t);
 }
 
-/* Height is the sine of the angle above the horizon. Air is the brighter the more of it there is
- * along the way. */
+/* Height is the sine of the angle above the horizon. The more air a ray passes, the brighter. */
 static rk_vec3 air(float height)
 {
     float low = 1 - rk_max(height, 0);
     return rk_mix(zenith, horizon, low * low * low * low);
 }
 
-/* Through more of it the ground is brighter, too. */
+/* The ground, too, is brighter in the distance, seen through more air. */
 static rk_vec3 ground(float height)
 {
     float far = 1 - rk_max(-height, 0);
     return rk_mix(ground_near, ground_far, far * far * far);
 }
 
-/* The sine between two directions is exact where their cosine, near 1, is not. */
+/* By the sine between the directions: near the sun it is exact, and the cosine, near 1, is not. */
 static float sun_disk(rk_vec3 d)
 {
     if (rk_dot(d, to_sun) <= 0)
         return 0;
-    const float inner = 0.045f, outer = 0.055f; /* of 2.6 and 3.2 degrees: ten times the real one */
+    const float inner = 0.045f,
+                outer = 0.055f; /* sines of 2.6 and 3.2 degrees: ten times the real sun */
     return 1 - smooth_step(inner, outer, rk_length(rk_cross(d, to_sun)));
 }
 

@@ -1,20 +1,21 @@
-/* A statue such as a laser scanner delivers it: a seahorse among corals, in exactly as many
- * triangles as asked for, all of similar size, in rows as they were swept.
+/* A statue as if from a laser scanner: a seahorse among corals, with exactly as many triangles as
+ * requested, of similar size, in the order of a scanner's rows.
  *
- * Each part is a tube: a spine through a few keys (a uniform cubic B-spline), an oval around it
- * that closes at both ends, and relief upon it. A tube of rings with n_1, n_2, ... vertices and two
- * poles has 2 (n_1 + n_2 + ...) triangles: so N / 2 vertices are dealt out to the rings by their
- * girth. For an odd N the last triangle is missing: scans have holes.
+ * Each part is a tube: a spine through a few keys (a uniform cubic B-spline), an oval cross-section
+ * that closes at both ends, and relief. A tube of rings with n_1, n_2, ... vertices and two poles
+ * has 2 (n_1 + n_2 + ...) triangles, so N / 2 vertices are distributed over the rings in proportion
+ * to their girth. For an odd N the last triangle is missing: scans have holes.
  *
- * Computed with + - * / sqrt in double alone, so that every machine makes the same bits. */
-#include "scenes/builtin.h"
+ * Computed with + - * / sqrt in double alone, so that every machine gives the same bits. */
+#include "scenes/makers.h"
+#include "scenes/ring.h"
 #include "scenes/statue_parts.h"
 
 #include <stdlib.h>
 
-/* --- dealing out rings and vertices ---------------------------------------------------------- */
+/* --- distributing rings and vertices --------------------------------------------------------- */
 
-/* A ring of the plan: a place on a part, and how many vertices it gets. */
+/* A ring of the plan: its place on a part, and its number of vertices. */
 typedef struct plan_ring {
     uint32_t part, count;
     double key, girth;
@@ -28,7 +29,7 @@ typedef struct plan {
     uint32_t ring_count;
 } plan;
 
-/* Parts that are too small for two dozen triangles are left out; the body stays in any case. */
+/* Parts that are too small for two dozen triangles are left out; the body always stays. */
 static double choose_parts(plan *p, double triangles)
 {
     const double fewest = 24;
@@ -45,7 +46,7 @@ static double choose_parts(plan *p, double triangles)
     return chosen_area;
 }
 
-/* How many rings each part gets when rings are `spacing` apart; returns their sum. */
+/* Counts the rings of each part if rings are `spacing` apart; returns their sum. */
 static uint32_t count_rings(plan *p, double spacing)
 {
     p->ring_count = 0;
@@ -57,9 +58,9 @@ static uint32_t count_rings(plan *p, double spacing)
     return p->ring_count;
 }
 
-/* Each ring gets 3 vertices, and its share of the others by how far its girth exceeds 3 edges. The
- * shares are rounded as a running sum, so that they add up exactly. */
-static void deal_vertices(plan *p, uint32_t vertices, double edge)
+/* Each ring gets 3 vertices, and a fraction of the others proportional to the excess of its girth
+ * over 3 edges. Running sums are rounded, so that the fractions add up exactly. */
+static void distribute_vertices(plan *p, uint32_t vertices, double edge)
 {
     double total = 0, running = 0;
     for (uint32_t i = 0; i < p->ring_count; i++)
@@ -76,7 +77,7 @@ static void deal_vertices(plan *p, uint32_t vertices, double edge)
 static bool make_plan(plan *p, uint32_t vertices, rk_error *error)
 {
     double area = choose_parts(p, 2.0 * vertices);
-    /* Equilateral triangles: an edge e, rings sqrt(3) / 2 e apart, an area of sqrt(3) / 4 e^2. */
+    /* Equilateral triangles: edges e, rings sqrt(3) / 2 e apart, areas sqrt(3) / 4 e^2. */
     double edge = sqrt(area / (2 * vertices) * 4 / sqrt(3));
     while (3 * (uint64_t)count_rings(p, 0.5 * sqrt(3) * edge) > vertices)
         edge *= 1.05;
@@ -90,13 +91,13 @@ static bool make_plan(plan *p, uint32_t vertices, rk_error *error)
             rk_statue_locate(&p->parts[i], (k + 1.0) / (p->rings_of[i] + 1.0), &ring->key,
                              &ring->girth);
         }
-    deal_vertices(p, vertices, edge);
+    distribute_vertices(p, vertices, edge);
     return true;
 }
 
 /* --- filling the mesh ------------------------------------------------------------------------ */
 
-/* A part's rings with a pole before and behind; returns the vertex after its last. */
+/* Adds a part's rings between two poles; returns the vertex after its last. */
 static uint32_t put_part(rk_mesh *mesh, const plan *p, const plan_ring *rings, uint32_t count,
                          uint32_t first, uint32_t (**row)[3])
 {
@@ -129,8 +130,8 @@ static void put_parts(rk_mesh *mesh, const plan *p)
     }
 }
 
-/* Leaves the last triangles out, and vertices that then belong to none. */
-static void cut_to(rk_mesh *mesh, uint32_t triangles)
+/* Removes the last triangles, and vertices that then belong to none. */
+static void truncate_to(rk_mesh *mesh, uint32_t triangles)
 {
     mesh->triangle_count = triangles;
     if (triangles >= 4)
@@ -141,7 +142,7 @@ static void cut_to(rk_mesh *mesh, uint32_t triangles)
     mesh->vertex_count = highest + 1;
 }
 
-bool rk_mesh_make_statue(rk_mesh *mesh, uint32_t number, rk_error *error)
+bool rk_builtin_make_statue(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     uint32_t vertices = number < 6 ? 3 : number / 2 + number % 2;
     plan p = {0};
@@ -150,7 +151,7 @@ bool rk_mesh_make_statue(rk_mesh *mesh, uint32_t number, rk_error *error)
                                                        2 * vertices, RK_STATUE_MATERIALS, 0, error);
     if (ok) {
         put_parts(mesh, &p);
-        cut_to(mesh, number);
+        truncate_to(mesh, number);
         for (int i = 0; i < RK_STATUE_MATERIALS; i++)
             mesh->materials[i].kd = rk_statue_colours[i];
         ok = rk_mesh_smooth(mesh, error);

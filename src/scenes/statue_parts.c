@@ -1,6 +1,5 @@
-/* The statue's smooth tubes: where a part's spine runs, how long and wide it is, and the points of
- * a ring around it. Source of the spline: de Boor, "A practical guide to splines", 1978 (uniform
- * cubic case). */
+/* The statue's smooth tubes: a part's spine, its length and girth, and the points of a ring. Source
+ * of the spline: de Boor, "A practical guide to splines", 1978 (uniform cubic case). */
 #include "scenes/statue_parts.h"
 
 /* --- arithmetic ------------------------------------------------------------------------------ */
@@ -27,8 +26,8 @@ static vec unit(vec a)
     return along((vec){0, 0, 0}, a, 1 / length(a));
 }
 
-/* Sine and cosine of an angle in turns from 0 to 1: libm's may differ in the last bit from machine
- * to machine. Taylor series on an eighth of a turn, off by less than 1e-11. */
+/* Sine and cosine of an angle in turns from 0 to 1: libm's may differ in the last bit between
+ * machines. Taylor series on an eighth of a turn, with errors below 1e-11. */
 static void sine_cosine(double turns, double *sine, double *cosine)
 {
     int quarter = (int)(4 * turns + 0.5);
@@ -45,13 +44,13 @@ static void sine_cosine(double turns, double *sine, double *cosine)
 
 /* --- the spine ------------------------------------------------------------------------------- */
 
-/* The spine's place and direction at a key, and the oval's radii. */
+/* The spine's position and direction at a key, and the oval's radii. */
 typedef struct section {
     vec centre, direction;
     double wide, thin;
 } section;
 
-/* Keys beyond the ends mirror the inner ones, so that the spline starts and ends on a key. */
+/* Keys beyond the ends reflect the inner ones, so that the spline starts and ends on a key. */
 static double key_value(const rk_statue_shape *s, int i, int member)
 {
     int last = (int)s->key_count - 1;
@@ -81,7 +80,7 @@ static section section_at(const rk_statue_part *part, double at)
     return (section){{v[0], v[1], v[2]}, unit((vec){d[0], d[1], d[2]}), v[3], v[4]};
 }
 
-/* The radii shrink to 0 at both ends as those of a sphere do, over two thirds of a key. */
+/* The radii shrink to 0 at both ends like a sphere's, over two thirds of a key. */
 static double closing(const rk_statue_part *part, double at)
 {
     double end = fmin(at, part->key_count - 1 - at) * 1.5;
@@ -121,25 +120,25 @@ void rk_statue_measure(rk_statue_part *part, uint32_t index)
         double along_spine = length(along(here.centre, before.centre, -1));
         double outwards = here.wide * closed - before.wide * closed_before;
         double step = sqrt(along_spine * along_spine + outwards * outwards);
-        part->walked[i] = part->walked[i - 1] + step;
+        part->arc_length[i] = part->arc_length[i - 1] + step;
         part->area += step * oval_girth(here.wide * closed, here.thin * closed);
         before = here, closed_before = closed;
     }
-    part->length = part->walked[RK_STATUE_STEPS];
+    part->length = part->arc_length[RK_STATUE_STEPS];
 }
 
 void rk_statue_locate(const rk_statue_part *part, double fraction, double *at, double *girth)
 {
     double wanted = fraction * part->length;
-    int low = 0, high = RK_STATUE_STEPS; /* walked[low] <= wanted < walked[high] */
+    int low = 0, high = RK_STATUE_STEPS; /* arc_length[low] <= wanted < arc_length[high] */
     while (high - low > 1) {
         int middle = (low + high) / 2;
-        if (part->walked[middle] <= wanted)
+        if (part->arc_length[middle] <= wanted)
             low = middle;
         else
             high = middle;
     }
-    double t = (wanted - part->walked[low]) / (part->walked[high] - part->walked[low]);
+    double t = (wanted - part->arc_length[low]) / (part->arc_length[high] - part->arc_length[low]);
     *at = key_of_step(part, low + t);
     section here = section_at(part, *at);
     double closed = closing(part, *at);
@@ -148,7 +147,7 @@ void rk_statue_locate(const rk_statue_part *part, double fraction, double *at, d
 
 /* --- points ---------------------------------------------------------------------------------- */
 
-/* In picture coordinates x grows to the right and z to the viewer; half a turn about y makes them
+/* Picture coordinates have x to the right and z towards the viewer; half a turn about y makes them
  * the world's. */
 static rk_vec3 to_world(vec p)
 {
@@ -163,15 +162,15 @@ rk_vec3 rk_statue_pole(const rk_statue_part *part, int end)
 enum { arcs = 64 };
 
 /* The oval's arc length up to each of 64 equal parts of a turn. */
-static void measure_oval(double a, double b, double walked[arcs + 1])
+static void measure_oval(double a, double b, double arc_length[arcs + 1])
 {
     double x = a, y = 0;
-    walked[0] = 0;
+    arc_length[0] = 0;
     for (int i = 1; i <= arcs; i++) {
         double sine, cosine;
         sine_cosine((double)i / arcs, &sine, &cosine);
         double dx = a * cosine - x, dy = b * sine - y;
-        walked[i] = walked[i - 1] + sqrt(dx * dx + dy * dy);
+        arc_length[i] = arc_length[i - 1] + sqrt(dx * dx + dy * dy);
         x = a * cosine, y = b * sine;
     }
 }
@@ -182,17 +181,18 @@ void rk_statue_ring(const rk_statue_part *part, double at, rk_vec3 *points, uint
     double closed = closing(part, at), a = here.wide * closed, b = here.thin * closed;
     const vec axis = {part->least_axis == 0, part->least_axis == 1, part->least_axis == 2};
     vec side = unit(cross(axis, here.direction)), across = cross(here.direction, side);
-    double walked[arcs + 1];
-    measure_oval(a, b, walked);
+    double arc_length[arcs + 1];
+    measure_oval(a, b, arc_length);
     int arc = 0;
     for (uint32_t i = 0; i < count; i++) {
-        double wanted = walked[arcs] * i / count, sine, cosine;
-        while (walked[arc + 1] < wanted)
+        double wanted = arc_length[arcs] * i / count, sine, cosine;
+        while (arc_length[arc + 1] < wanted)
             arc++;
-        double turns = (arc + (wanted - walked[arc]) / (walked[arc + 1] - walked[arc])) / arcs;
+        double turns =
+            (arc + (wanted - arc_length[arc]) / (arc_length[arc + 1] - arc_length[arc])) / arcs;
         sine_cosine(turns, &sine, &cosine);
         vec p = along(along(here.centre, side, a * cosine), across, b * sine);
-        /* The oval's normal; on a fin it points across, on a stem it is the radius. */
+        /* The oval's normal; on a fin it points across, on a round stem along the radius. */
         vec outward = unit(along(along((vec){0, 0, 0}, side, b * cosine), across, a * sine));
         double height =
             rk_statue_relief_at(rk_statue_shapes[part->index].relief, p, at, turns, here.thin);

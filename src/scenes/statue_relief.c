@@ -1,5 +1,5 @@
-/* What stands out from the statue's smooth tubes: bony rings and keels, fin rays, knobs, and the
- * small unevenness that a scanner adds. */
+/* The relief on the statue's smooth tubes: bony rings and keels, fin rays, knobs, and a scanner's
+ * small unevenness. */
 #include "base/random.h"
 #include "scenes/statue_parts.h"
 
@@ -13,7 +13,7 @@ static double mix(double a, double b, double t)
     return a + (b - a) * t;
 }
 
-/* Random values on a grid of cells 1 wide, smoothly joined; in [-1, 1]. */
+/* Random values on a grid of cells of width 1, smoothly interpolated; in [-1, 1]. */
 static double noise(rk_statue_vec p)
 {
     double fx = floor(p.x), fy = floor(p.y), fz = floor(p.z);
@@ -32,7 +32,7 @@ static double noise_at(rk_statue_vec p, double frequency)
     return noise((rk_statue_vec){p.x * frequency, p.y * frequency, p.z * frequency});
 }
 
-/* A wave of period 1 with a sharp crest of height 1 at whole numbers and flat troughs. */
+/* A wave of period 1 with sharp crests of height 1 at integers and flat troughs. */
 static double crest(double x)
 {
     double distance = fabs(x - floor(x + 0.5));

@@ -1,4 +1,4 @@
-/* What the statue is made of. The body comes first: it stays at any size. */
+/* The parts of the statue. The body comes first: it is kept at any size. */
 #include "scenes/statue_parts.h"
 
 enum { ochre, coral_red, stone };

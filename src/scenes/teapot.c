@@ -1,13 +1,13 @@
 /* The Utah teapot: 32 bicubic Bezier patches.
  * Source: M. Newell's data of 1975, in F. Crow, "The origins of the teapot", IEEE Computer Graphics
- * and Applications 7(1), 1987, with the bottom that was added later. Heights are as everyone shows
- * them: J. Blinn divided them by 1.3 for a display of tall pixels, and so they stayed.
+ * and Applications 7(1), 1987, with the bottom that was added later. Heights have their usual
+ * scale: J. Blinn divided them by 1.3 for a display with tall pixels, and so they have stayed.
  *
- * Its symmetry leaves little to store: body, lid and bottom are profiles turned about the axis, a
- * quarter to each patch; handle and spout are rows of loops, half a loop to each patch. */
-#include "scenes/builtin.h"
+ * Symmetry leaves little to store: body, lid and bottom are profiles rotated about the axis, one
+ * patch per quarter; handle and spout are rows of loops, one patch per half loop. */
+#include "scenes/makers.h"
 
-/* A control point on a profile, and what turns it into a quarter circle: the control points
+/* A control point of a profile, and `bend`, which makes a quarter circle of it: the control points
  * (radius, 0), (radius, bend), (bend, radius), (0, radius). */
 typedef struct turned {
     double radius, height, bend;
@@ -15,7 +15,7 @@ typedef struct turned {
 
 enum { profile_count = 6, loop_count = 4, patch_count = 4 * profile_count + 2 * loop_count };
 
-/* From the top down, as the outside goes. */
+/* From the top down, on the outside. */
 static const turned profiles[profile_count][4] = {
     /* rim */
     {{1.4, 2.4, 0.784}, {1.3375, 2.53125, 0.749}, {1.4375, 2.53125, 0.805}, {1.5, 2.4, 0.84}},
@@ -60,7 +60,7 @@ typedef struct point {
     double x, y, z;
 } point;
 
-/* Rows go along v, columns along u; du x dv points outwards. y is up. */
+/* Rows run along v, columns along u; du x dv points outwards. y is up. */
 typedef struct patch {
     point rows[4][4];
 } patch;
@@ -83,8 +83,8 @@ static patch turned_patch(const turned profile[4], int quarter)
     return p;
 }
 
-/* The published data has the spout at +x; turned by half a turn it points right in the default
- * view, whose x grows to the left. */
+/* The published data has the spout at +x; half a turn makes it point right in the default view,
+ * where x points left. */
 static patch loop_patch(const loop rows[4], int half)
 {
     patch p;
@@ -147,7 +147,7 @@ static bool is_pole(const patch *p, int v)
     return row[0].x == row[3].x && row[0].y == row[3].y && row[0].z == row[3].z;
 }
 
-/* At a pole the tangent along u vanishes; its direction tends to that of the next row. */
+/* At a pole the tangent along u vanishes; its limit has the direction of the next row's tangent. */
 static point tangent_u(const patch *p, const weights *u, const weights *v)
 {
     if (v->value[0] == 1 && is_pole(p, 0))
@@ -178,7 +178,7 @@ static void put_vertices(rk_mesh *mesh, uint32_t first, const patch *p, uint32_t
         }
 }
 
-/* Two triangles a square, but one where the square's edge is a pole. */
+/* Two triangles per square, but one where an edge of the square is a pole. */
 static uint32_t (*put_triangles(uint32_t (*row)[3], uint32_t first, const patch *p, uint32_t n))[3]
 {
     for (uint32_t v = 0; v < n; v++)
@@ -192,7 +192,7 @@ static uint32_t (*put_triangles(uint32_t (*row)[3], uint32_t first, const patch 
     return row;
 }
 
-bool rk_mesh_make_teapot(rk_mesh *mesh, uint32_t n, rk_error *error)
+bool rk_builtin_make_teapot(rk_mesh *mesh, uint32_t n, rk_error *error)
 {
     const uint32_t poles = 8; /* patches of the knob and the bottom */
     const uint32_t vertices = (n + 1) * (n + 1);

@@ -1,5 +1,5 @@
-/* Damaged mesh files: whatever is done to a good one, rk_mesh_read either gives a valid mesh or
- * says why not in one line that names the file; it never crashes, leaks or hangs.
+/* Damaged mesh files: whatever is done to a good one, rk_mesh_file_read either gives a valid mesh
+ * or says why not in one line that names the file; it never crashes, leaks or hangs.
  *
  * Deterministic: case i of a format is the same file on every machine, and case 0 is undamaged.
  * RAYKIT_STRESS=N makes N times as many cases (make stress), RAYKIT_FUZZ_FIRST=I begins at case I,
@@ -116,7 +116,7 @@ static void run_case(int format, uint32_t number, tally *t)
     rk_mesh mesh;
     rk_error error = {0};
     const char *again = "look at it again with RAYKIT_FUZZ_FIRST and RAYKIT_STRESS=1";
-    if (rk_mesh_read(&mesh, path.text, &error)) {
+    if (rk_mesh_file_read(&mesh, path.text, &error)) {
         rk_check(mesh.triangle_count > 0, "%s, case %u: no triangles; %s", seed.name, number,
                  again);
         rk_check(rk_mesh_validate(&mesh, seed.name, &error), "%s, case %u: %s; %s", seed.name,
@@ -216,7 +216,7 @@ static void more_materials_than_16_bits_count_are_refused(void **state)
     free(text);
     rk_mesh mesh;
     rk_error error;
-    rk_check(!rk_mesh_read(&mesh, path.text, &error), "%d materials were accepted", count);
+    rk_check(!rk_mesh_file_read(&mesh, path.text, &error), "%d materials were accepted", count);
     rk_check_error_names(error, "many.gltf: uses more than 65535 materials");
 }
 

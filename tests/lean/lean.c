@@ -4,6 +4,7 @@
 #include "render/render.h"
 
 #include "scene/surface.h"
+#include "scenes/builtin.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -124,7 +125,7 @@ static bool run(const char *name, bool shadows, rk_error *error)
     options.width = options.height = 200;
     options.shadows = shadows;
     rk_pool *pool = rk_pool_start(1, error);
-    if (!pool || !rk_scene_builtin(&scene, name, error) ||
+    if (!pool || !rk_builtin_scene(&scene, name, error) ||
         !rk_accel_build(&accel, RK_ACCEL_MEDIAN, &scene, error) ||
         !rk_image_init(&lean, options.width, options.height, error) ||
         !rk_image_init(&whole, options.width, options.height, error) ||

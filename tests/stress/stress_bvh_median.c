@@ -77,7 +77,7 @@ static void check_size(uint32_t triangles, float size)
     rk_mesh_free(&mesh);
 }
 
-static void a_huge_soup_gives_a_sound_tree_of_the_levels_of_halving(void **state)
+static void a_huge_soup_gives_a_valid_tree_as_deep_as_halving(void **state)
 {
     (void)state;
     check_size(triangle_count(), 0.001f);
@@ -118,7 +118,7 @@ static void a_progression_of_all_octaves_keeps_to_the_levels(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(a_huge_soup_gives_a_sound_tree_of_the_levels_of_halving),
+    cmocka_unit_test(a_huge_soup_gives_a_valid_tree_as_deep_as_halving),
     cmocka_unit_test(as_many_triangles_at_one_point_do_too),
     cmocka_unit_test(so_does_every_size_up_to_a_few_thousand),
     cmocka_unit_test(a_progression_of_all_octaves_keeps_to_the_levels),

@@ -19,9 +19,7 @@ SAME_STEPS = [
     ("bvh_median", "step 4, the walk, for a packet of rays", "src/accel/packet.c",
      "static inline const rk_bvh_node *push_far_return_near("),
     ("bvh_median", "step 4, the walk, for all crossings", "src/accel/crossings.c", "static void visit_children("),
-    ("glossy_reflection", "step 2, the concentric map", "src/features/depth_of_field.c", "rk_vec2 rk_lens_disk("),
     ("cubemap", "step 3, bilinear, in a picture", "src/base/texture.c", "static rk_vec3 bilinear("),
-    ("depth_of_field", "step 1, the lens", "src/features/glossy_reflection.c", "static rk_vec2 concentric("),
 ]
 
 

@@ -1,11 +1,11 @@
-// Yee's metric in three steps: how strong a luminance difference must be to be seen at this
-// brightness; how much busy surroundings raise that threshold; and, where luminance passes, whether
-// the hue gives it away.
+// Yee's metric in three steps: the threshold of visible luminance differences at this brightness;
+// the factor by which busy surroundings raise it; and, where luminance passes, the difference in
+// hue.
 //
-// OpenImageIO has the metric too, but its luminance test reads a channel that is not there (2.4.7,
-// compare_Yee) and so passes black for white. Its bands are also blurred by one fixed kernel; here
-// the kernel's taps move apart by a factor of 2 a level (Burt and Adelson 1983), so that each band
-// has the frequency that the formulas assume.
+// OpenImageIO has the metric too, but its luminance test reads a channel that does not exist
+// (2.4.7, compare_Yee) and so accepts black for white. Its bands are also blurred by one fixed
+// kernel; here the distance of the kernel's taps doubles with each level (Burt and Adelson 1983),
+// so that each band has the frequency that the formulas assume.
 #include "io/image_helper/perceptual.h"
 
 #include <algorithm>
@@ -23,7 +23,7 @@ constexpr double least_luminance = 1e-5; // candela per square metre: far below 
 using Plane = std::vector<float>;
 
 struct View {
-    std::array<Plane, levels> luminance; // ever more blurred
+    std::array<Plane, levels> luminance; // blurred more with each level
     Plane a, b;                          // hue, in CIELAB
 };
 
@@ -37,13 +37,13 @@ double contrast_sensitivity(double frequency, double luminance)
     return a * frequency * std::exp(-b * frequency) * std::sqrt(1 + 0.06 * std::exp(b * frequency));
 }
 
-// By how much contrast that is there already raises the threshold (Daly 1993).
+// The factor by which existing contrast raises the threshold (Daly 1993).
 double masking(double contrast)
 {
     return std::pow(1 + std::pow(0.0153 * std::pow(392.498 * contrast, 0.7), 4), 0.25);
 }
 
-// The smallest difference seen by an eye adapted to a luminance (Ward Larson et al. 1997).
+// The smallest visible difference for an eye adapted to a luminance (Ward Larson et al. 1997).
 double threshold(double luminance)
 {
     double l = std::log10(luminance), t;
@@ -62,7 +62,7 @@ double threshold(double luminance)
 
 // --- views --------------------------------------------------------------------------------------
 
-// Five taps along one axis, `step` samples apart; the border is repeated.
+// Five taps along one axis, `step` samples apart; the edge is repeated.
 Plane blur_axis(const Plane &source, size_t width, size_t height, long step, bool along_x)
 {
     static const float weights[] = {0.05f, 0.25f, 0.4f, 0.25f, 0.05f};
@@ -115,8 +115,8 @@ View make_view(const float *rgb, size_t width, size_t height)
 
 struct Setting {
     std::array<double, bands> frequency; // cycles per degree
-    std::array<double, bands> unease; // how much less sensitive than at its best the eye is there
-    size_t adaptation;                // the level that blurs about one degree
+    std::array<double, bands> unease;    // the eye's best sensitivity over the one there
+    size_t adaptation;                   // the level that blurs about one degree
 };
 
 Setting make_setting(size_t width)
@@ -135,7 +135,7 @@ Setting make_setting(size_t width)
     return setting;
 }
 
-// By which factor, 1 to 10, the surroundings raise the threshold.
+// The factor, 1 to 10, by which the surroundings raise the threshold.
 double elevation(const View &a, const View &b, const Setting &setting, double adapted, size_t i)
 {
     double sum = 0, weighted = 0;

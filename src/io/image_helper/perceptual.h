@@ -1,4 +1,4 @@
-// In how many pixels would a viewer see a difference between two pictures? The metric of Yee, "A
+// The number of pixels with a visible difference between two pictures: the metric of Yee, "A
 // perceptual metric for production testing", Journal of Graphics Tools 9(4), 2004.
 #ifndef RK_IO_IMAGE_HELPER_PERCEPTUAL_H
 #define RK_IO_IMAGE_HELPER_PERCEPTUAL_H

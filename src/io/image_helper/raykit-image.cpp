@@ -1,7 +1,7 @@
-// raykit-image: pictures in every format that OpenImageIO knows, for the library, which does not
-// link it (a process that does takes a quarter of a second to start).
+// raykit-image: pictures in every format of OpenImageIO, for the library, which does not link it (a
+// process that does takes a quarter of a second to start).
 //
-//   raykit-image read FILE        picture to standard output, in the form of image_stream.h
+//   raykit-image read FILE        picture to standard output, in the format of image_stream.h
 //   raykit-image write FILE       picture from standard input, in the format of FILE's ending
 //   raykit-image compare A B      prints rms, psnr, maximum, its x and y, and Yee's pixel count
 //
@@ -31,8 +31,8 @@
 
 namespace {
 
-// Unlike a vector's, its values are not set to zero: a small file that claims to be a huge picture
-// is found out by its reader before the memory is ever touched.
+// Unlike a vector's, its values are not set to zero: the reader detects a small file that claims to
+// be a huge picture before the memory is touched.
 class Floats {
   public:
     explicit Floats(size_t wanted) : values(new float[wanted]), count(wanted)
@@ -70,7 +70,7 @@ struct Picture {
     throw std::runtime_error(path + ": " + what);
 }
 
-// OpenImageIO reports a line for each thing that went wrong; the others follow from the first.
+// OpenImageIO reports a line per failure; the first is the cause of the others.
 std::string first_line(const std::string &text)
 {
     return text.substr(0, text.find('\n'));
@@ -93,7 +93,7 @@ void check_size(const std::string &path, const OIIO::ImageSpec &spec)
         fail(path, "is a deep or volume picture; flatten it, for instance by oiiotool --flatten");
 }
 
-// The first of the channels that are the colour, and how many they are: 3 of RGB, or 1 of grey.
+// The first colour channel and the number of colour channels: 3 for RGB, or 1 for grey.
 struct Channels {
     int first, count;
 };
@@ -113,8 +113,8 @@ float decode_srgb(double stored)
     return float(stored <= 0.04045 ? stored / 12.92 : std::pow((stored + 0.055) / 1.055, 2.4));
 }
 
-// The curve from stored to linear values; an empty function when they are linear already. Where
-// the file says nothing, integers are sRGB-encoded and floats are linear.
+// The curve from stored to linear values; an empty function if they are linear already. Unless the
+// file says otherwise, integers are sRGB-encoded and floats are linear.
 std::function<float(double)> curve_of(const OIIO::ImageSpec &spec)
 {
     std::string space = spec.get_string_attribute("oiio:ColorSpace");
@@ -129,7 +129,7 @@ std::function<float(double)> curve_of(const OIIO::ImageSpec &spec)
     return decode_srgb;
 }
 
-// By a table where there are fewer stored values than pixels.
+// Integers by a table: there are fewer stored values than pixels.
 void make_linear(const Floats &values, const OIIO::ImageSpec &spec)
 {
     auto curve = curve_of(spec);
@@ -157,7 +157,7 @@ void check_finite(const std::string &path, const Picture &picture)
                    " is not a finite number; repair it, for instance by oiiotool --fixnan box3");
 }
 
-// Cameras store what the sensor saw and a note on how they were held.
+// Cameras store the sensor's picture and a note on the camera's orientation.
 void turn_upright(Picture &picture, int orientation)
 {
     if (orientation <= 1 || orientation > 8)
@@ -181,7 +181,7 @@ Floats replicate(const Floats &grey)
     return rgb;
 }
 
-// The system's reason is better than OpenImageIO's.
+// The system's reason says more than OpenImageIO's.
 void check_readable(const std::string &path)
 {
     std::FILE *file = std::fopen(path.c_str(), "rb");
@@ -196,7 +196,7 @@ void check_readable(const std::string &path)
 Picture read_picture(const std::string &path)
 {
     check_readable(path);
-    // Colour that is to lose its alpha must not be multiplied by it first.
+    // Alpha is dropped, so colours must not be multiplied by it.
     OIIO::ImageSpec wishes;
     wishes["oiio:UnassociatedAlpha"] = 1;
     auto input = OIIO::ImageInput::open(path, &wishes);
@@ -207,7 +207,7 @@ Picture read_picture(const std::string &path)
     Channels channels = colour_channels(path, spec);
     size_t pixels = size_t(spec.width) * size_t(spec.height);
     Floats values(pixels * size_t(channels.count));
-    // Some readers fill what is missing with grey and count it as success, but say what was wrong.
+    // Some readers fill missing parts with grey and report success, but leave an error message.
     if (!input->read_image(0, 0, channels.first, channels.first + channels.count,
                            OIIO::TypeDesc::FLOAT, values.data()) ||
         input->has_error())
@@ -269,12 +269,12 @@ std::string temporary_name(const std::string &path)
     return path.substr(0, dot) + ".part-" + std::to_string(::getpid()) + path.substr(dot);
 }
 
-// What is being written, and under which name; both empty when nothing is.
+// The file being written, and its temporary name; both empty when nothing is written.
 struct Unfinished {
     std::string path, temporary;
 } unfinished;
 
-// The temporary name for a signal, which may call nothing but the system.
+// The temporary name for a signal handler, which may make system calls only.
 const char *volatile unfinished_name;
 
 void remove_unfinished()
@@ -293,7 +293,7 @@ void on_interrupt(int signal)
     std::raise(signal);
 }
 
-// Ctrl-C reaches this process as well as its caller. What the caller ignores stays ignored.
+// Ctrl-C reaches this process as well as its caller. Signals that the caller ignores stay ignored.
 void remove_unfinished_when_interrupted()
 {
     unfinished_name = unfinished.temporary.c_str();
@@ -311,7 +311,7 @@ void on_exit_by_library()
     remove_unfinished();
 }
 
-// Not every writer notices a full disk either, so what was written must also be readable.
+// Not every writer notices a full disk, so the file is read again.
 void check_written(const Picture &picture)
 {
     Picture back = read_picture(unfinished.temporary);
@@ -331,7 +331,7 @@ void store(const std::string &path, Picture picture)
     if (!output)
         fail(path, "no such format: " + first_line(OIIO::geterror()));
     OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT);
-    // Without one, OpenImageIO stores the time, and equal pictures would make different files.
+    // Otherwise OpenImageIO stores the current time, and equal pictures would give different files.
     spec["DateTime"] = "1970:01:01 00:00:00";
     unfinished = {path, temporary_name(path)};
     std::atexit(on_exit_by_library);
@@ -339,7 +339,7 @@ void store(const std::string &path, Picture picture)
     if (!output->open(unfinished.temporary, spec))
         fail(path,
              "cannot be written: " + first_line(output->geterror()) + "; choose another place");
-    if (!output->spec().format.is_floating_point()) // what the format made of the wish
+    if (!output->spec().format.is_floating_point()) // the format has no floats
         for (float &value : picture.rgb)
             value = OIIO::linear_to_sRGB(value > 0 ? std::min(value, 1.0f) : 0);
     if (!output->write_image(OIIO::TypeDesc::FLOAT, picture.rgb.data()) || !output->close())

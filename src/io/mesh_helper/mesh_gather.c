@@ -9,10 +9,10 @@
 
 enum { most_materials = UINT16_MAX, deepest_node = 1000 };
 
-/* Row-major 3 x 4: a point's place in the world. */
+/* Row-major 3 x 4: from a part's coordinates to the world's. */
 typedef struct placement {
     double m[3][4];
-    bool is_identity; /* then coordinates pass to the bit */
+    bool is_identity; /* then coordinates are kept to the bit */
 } placement;
 
 typedef struct gather {
@@ -24,13 +24,13 @@ typedef struct gather {
     uint32_t (*triangles)[3];
     uint16_t *triangle_materials;
     uint32_t triangle_count, triangle_room;
-    uint32_t *material_numbers; /* ours plus 1 for each of the scene's, twice: first with its
-                                   texture, then for parts that cannot show it; 0: unused so far */
-    uint32_t *material_sources; /* which of those each of ours is */
+    uint32_t *material_numbers; /* ours plus 1 for each of the scene's, twice: with its texture,
+                                   and for parts that cannot show it; 0: unused so far */
+    uint32_t *material_sources; /* of each of ours, the scene's */
     uint32_t material_count;
 } gather;
 
-/* What emitting one part needs. */
+/* The state of emitting one part. */
 typedef struct part {
     const struct aiMesh *mesh;
     const placement *place;
@@ -40,7 +40,7 @@ typedef struct part {
     uint16_t material;
     uint32_t room; /* corners of the largest polygon */
     rk_vec3 *points;
-    uint32_t (*cuts)[3];
+    uint32_t (*triangles)[3];
     uint32_t *left;
 } part;
 
@@ -77,8 +77,8 @@ static rk_vec3 move_point(const placement *p, rk_vec3 v)
     return rk_vec((float)moved[0], (float)moved[1], (float)moved[2]);
 }
 
-/* Normals move by the inverse transpose; the cofactors are that but for a positive factor, once
- * multiplied by the determinant's sign, and exist for singular transforms too. */
+/* Normals are transformed by the inverse transpose. The cofactors equal it up to a positive factor,
+ * once multiplied by the determinant's sign, and exist for singular transforms, too. */
 static void cofactors(const placement *p, double c[3][3])
 {
     for (int i = 0; i < 3; i++)
@@ -92,7 +92,7 @@ static void cofactors(const placement *p, double c[3][3])
             c[i][k] = -c[i][k];
 }
 
-/* False for a vector without direction. NaN stays NaN, to be refused where meshes are validated. */
+/* False for a vector without direction. NaN is kept, for the mesh's validation to refuse. */
 static bool make_unit(const double v[3], rk_vec3 *unit)
 {
     double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
@@ -114,7 +114,7 @@ static bool move_normal(const placement *p, const struct aiVector3D *n, rk_vec3 
     return make_unit(w, moved);
 }
 
-/* A face without area has no normal and meets no ray: any unit vector will do. */
+/* A face without area has no normal and is never hit: any unit vector will do. */
 static rk_vec3 face_normal(rk_vec3 a, rk_vec3 b, rk_vec3 c)
 {
     double e[3] = {(double)b.x - (double)a.x, (double)b.y - (double)a.y, (double)b.z - (double)a.z};
@@ -151,8 +151,8 @@ static rk_vec3 position_of(const part *p, uint32_t vertex)
     return move_point(p->place, rk_vec((float)v->x, (float)v->y, (float)v->z));
 }
 
-/* A vertex with a normal of its own, or where normals play no part, is the same for all its faces
- * and looked up once; one that takes its face's normal belongs to that face. */
+/* A vertex with a normal of its own, or in a mesh without normals, is the same for all its faces
+ * and is looked up once; one that takes its face's normal belongs to that face. */
 static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, uint32_t *index,
                         rk_error *error)
 {
@@ -193,13 +193,13 @@ static bool make_polygon_room(const gather *g, part *p, uint32_t corners, rk_err
     if (corners <= p->room)
         return true;
     free(p->points);
-    free(p->cuts);
+    free(p->triangles);
     free(p->left);
     p->room = 0;
     p->points = rk_allocate(corners, sizeof *p->points, g->path, error);
-    p->cuts = rk_allocate(corners, sizeof *p->cuts, g->path, error);
+    p->triangles = rk_allocate(corners, sizeof *p->triangles, g->path, error);
     p->left = rk_allocate(corners, sizeof *p->left, g->path, error);
-    if (!p->points || !p->cuts || !p->left)
+    if (!p->points || !p->triangles || !p->left)
         return false;
     p->room = corners;
     return true;
@@ -212,11 +212,11 @@ static bool emit_polygon(gather *g, part *p, const struct aiFace *face, rk_error
         return false;
     for (uint32_t i = 0; i < corners; i++)
         p->points[i] = position_of(p, face->mIndices[i]);
-    rk_polygon_cut(p->points, corners, p->cuts, p->left);
+    rk_polygon_triangulate(p->points, corners, p->triangles, p->left);
     for (uint32_t i = 0; i < corners - 2; i++) {
-        const uint32_t *cut = p->cuts[i];
-        uint32_t triangle[3] = {face->mIndices[cut[0]], face->mIndices[cut[1]],
-                                face->mIndices[cut[2]]};
+        const uint32_t *corner = p->triangles[i];
+        uint32_t triangle[3] = {face->mIndices[corner[0]], face->mIndices[corner[1]],
+                                face->mIndices[corner[2]]};
         if (!emit_triangle(g, p, triangle, error))
             return false;
     }
@@ -254,8 +254,8 @@ static bool find_material(gather *g, part *p, rk_error *error)
         key++;
     if (g->material_numbers[key] == 0) {
         if (g->material_count == most_materials)
-            return rk_fail(error, "%s: uses more than %d materials: merge those that are alike",
-                           g->path, most_materials);
+            return rk_fail(error, "%s: uses more than %d materials: merge equal ones", g->path,
+                           most_materials);
         g->material_sources[g->material_count] = key;
         g->material_numbers[key] = ++g->material_count;
     }
@@ -291,7 +291,7 @@ static bool emit_part(gather *g, const struct aiMesh *mesh, const placement *pla
     bool ok = p.numbers && emit_faces(g, &p, error);
     free(p.numbers);
     free(p.points);
-    free(p.cuts);
+    free(p.triangles);
     free(p.left);
     return ok;
 }
@@ -334,7 +334,7 @@ static void set_material(const gather *g, rk_mesh *mesh, rk_mesh_textures *textu
 static bool finish(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, rk_error *error)
 {
     if (g->triangle_count == 0)
-        return rk_fail(error, "%s: holds no triangles: choose a mesh with faces", g->path);
+        return rk_fail(error, "%s: has no triangles: choose a mesh with faces", g->path);
     int optional =
         (g->any_normals ? RK_MESH_NORMALS : 0) | (g->any_texcoords ? RK_MESH_TEXCOORDS : 0);
     rk_error reason;

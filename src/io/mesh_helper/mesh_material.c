@@ -3,7 +3,7 @@
 #include <assimp/GltfMaterial.h>
 #include <string.h>
 
-/* NaN passes through: both comparisons are false. */
+/* NaN is kept: both comparisons are false. */
 static float clamp_fraction(float v)
 {
     return v < 0 ? 0 : v > 1 ? 1 : v;
@@ -28,8 +28,8 @@ static bool has_text(const struct aiMaterial *material, const char *key, unsigne
            strcmp(string.data, text) == 0;
 }
 
-/* Assimp's grey where the file gives no diffuse colour. One that gives just this grey looks no
- * different to us, but that is rarer beside a texture than none. */
+/* Assimp's grey where the file gives no diffuse colour. A file that gives just this grey cannot be
+ * told apart, but that is rarer with a texture than no colour. */
 static bool is_made_up(rk_vec3 kd)
 {
     return kd.x == 0.6f && kd.y == 0.6f && kd.z == 0.6f;

@@ -1,4 +1,4 @@
-/* From Assimp's material properties to ours. Part of raykit-mesh. */
+/* Converts Assimp's material properties to rk_material. Part of raykit-mesh. */
 #ifndef RK_IO_MESH_HELPER_MESH_MATERIAL_H
 #define RK_IO_MESH_HELPER_MESH_MATERIAL_H
 
@@ -6,10 +6,10 @@
 
 #include <assimp/material.h>
 
-/* MTL: Kd, Ks, Ns, and d or Tr. glTF: the base colour, with its alpha where alphaMode is BLEND. The
- * grey that Assimp invents for surfaces without a material becomes rk_mesh_init's default. Colours
- * are clamped to [0, 1]; a texture whose material has no Kd is not darkened by the grey that Assimp
- * gives it. What is not finite stays so, for rk_mesh_validate to refuse. */
+/* MTL: Kd, Ks, Ns, and d or Tr. glTF: the base colour, with its alpha if alphaMode is BLEND. The
+ * grey that Assimp gives surfaces without a material becomes rk_mesh_init's default. Colours are
+ * clamped to [0, 1]; a texture whose material has no Kd is not darkened by Assimp's grey. Values
+ * that are not finite are kept, for rk_mesh_validate to refuse. */
 rk_material rk_mesh_material(const struct aiMaterial *material, bool textured);
 
 #endif

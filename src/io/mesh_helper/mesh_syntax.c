@@ -8,7 +8,7 @@
 #include <sys/stat.h>
 #include <unistd.h>
 
-/* Assimp holds a file and what it makes of it in memory at once. */
+/* Assimp keeps the file and its own data in memory at the same time. */
 static const off_t largest_file = (off_t)4 << 30;
 
 static bool has_ending(const char *path, const char *ending)
@@ -22,7 +22,7 @@ static bool check_kind(const char *path, const struct stat *status, rk_error *er
     if (S_ISDIR(status->st_mode))
         return rk_fail(error, "%s: is a folder: name a mesh file in it", path);
     if (!S_ISREG(status->st_mode))
-        return rk_fail(error, "%s: is no ordinary file: copy the mesh to one", path);
+        return rk_fail(error, "%s: is not a regular file: copy the mesh to one", path);
     if (status->st_size == 0)
         return rk_fail(error, "%s: is empty: export the mesh again", path);
     if (status->st_size > largest_file)
@@ -46,7 +46,7 @@ bool rk_mesh_syntax_check(const char *path, rk_mesh_hints *hints, rk_error *erro
 {
     *hints = (rk_mesh_hints){0};
     struct stat status;
-    /* A pipe without a writer would make a blocking open wait for ever. */
+    /* Opening a pipe without a writer would block for ever. */
     int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (file < 0)
         return rk_fail(error, "%s: cannot be read: %s", path, strerror(errno));

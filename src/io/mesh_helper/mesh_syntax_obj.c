@@ -1,4 +1,4 @@
-/* Wavefront OBJ, one statement a line: v and vn with three numbers, vt with one to three, f with
+/* Wavefront OBJ, one statement per line: v and vn with three numbers, vt with one to three, f with
  * corners v, v/vt, v//vn or v/vt/vn, whose indices count from 1, or backwards from the latest.
  * Format: Wavefront's Advanced Visualizer manual, appendix B1. */
 #include "io/mesh_helper/mesh_syntax.h"
@@ -12,10 +12,10 @@ enum { POSITION, TEXCOORD, NORMAL, kinds };
 typedef struct obj_parser {
     const char *path;
     long long count[kinds];
-    long long largest[kinds]; /* index used by a face, which may stand before what it names */
+    long long largest[kinds]; /* index used by a face, which may precede the named line */
     size_t largest_line[kinds];
     size_t faces;
-    char library[512]; /* what mtllib names; "" without */
+    char library[512]; /* the file named by mtllib, or "" */
     size_t library_line;
 } obj_parser;
 
@@ -47,8 +47,7 @@ static bool parse_index(obj_parser *s, text_cursor *c, int kind, rk_error *error
         return rk_fail(error, "%s:%zu: a face uses index 0, but OBJ counts from 1: %s", s->path,
                        c->line, remedy);
     if (index < -s->count[kind])
-        return rk_fail(error,
-                       "%s:%zu: a face uses index %lld, but only %lld %s stand before it: %s",
+        return rk_fail(error, "%s:%zu: a face uses index %lld, but only %lld %s precede it: %s",
                        s->path, c->line, index, s->count[kind], nouns[kind], remedy);
     if (index > s->largest[kind]) {
         s->largest[kind] = index;
@@ -64,11 +63,11 @@ static bool parse_corner(obj_parser *s, text_cursor *c, rk_error *error)
         return false;
     for (int kind = TEXCOORD; kind <= NORMAL && c->at < c->end && *c->at == '/'; kind++) {
         c->at++;
-        bool absent = text_is_border(c) || *c->at == '/';
+        bool absent = text_is_separator(c) || *c->at == '/';
         if (!absent && !parse_index(s, c, kind, error))
             return false;
     }
-    if (!text_is_border(c))
+    if (!text_is_separator(c))
         return rk_fail(error, "%s:%zu: a face's corner is not v, v/vt, v//vn or v/vt/vn: %s",
                        s->path, c->line, remedy);
     return true;
@@ -104,7 +103,7 @@ static void keep_library(obj_parser *s, text_cursor *c)
 static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
 {
     const char *word = c->at;
-    while (!text_is_border(c))
+    while (!text_is_separator(c))
         c->at++;
     size_t length = (size_t)(c->at - word);
     if (length == 1 && word[0] == 'v')
@@ -151,8 +150,7 @@ bool rk_mesh_syntax_obj(const char *path, const char *text, size_t size, rk_mesh
                        path, c.line);
     hints->plain = !s.library[0] || !library_is_there(&s);
     if (s.library[0] && hints->plain)
-        rk_fail(&hints->note,
-                "%s:%zu: the material file %s is missing: all surfaces are plain grey", path,
-                s.library_line, s.library);
+        rk_fail(&hints->note, "%s:%zu: the material file %s is missing: all surfaces are grey",
+                path, s.library_line, s.library);
     return true;
 }

@@ -1,6 +1,6 @@
 /* OFF: the word OFF with prefixes that announce texture coordinates, colours and normals, three
- * counts (vertices, faces, edges), a line for each vertex, a line for each face: its number of
- * corners, their indices from 0, perhaps a colour. Format: Geomview manual, "OFF files". */
+ * counts (vertices, faces, edges), one line per vertex, one line per face: its number of corners,
+ * their indices from 0, optionally a colour. Format: Geomview manual, "OFF files". */
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
 
@@ -13,15 +13,15 @@ static bool statue_counts(const char *path, text_cursor *c, long long counts[2],
     for (int i = 0; i < 2; i++) {
         text_skip_blanks(c);
         if (!text_next_content(c) || !text_read_integer(c, &counts[i]) || counts[i] < 0 ||
-            !text_is_border(c))
+            !text_is_separator(c))
             return rk_fail(error, "%s:%zu: the counts of vertices and faces are missing: %s", path,
                            c->line, remedy);
         if (counts[i] > UINT32_MAX)
-            return rk_fail(error, "%s:%zu: %lld rows are more than 32-bit indices reach: %s", path,
-                           c->line, counts[i], remedy);
+            return rk_fail(error, "%s:%zu: %lld rows exceed 32-bit indices: %s", path, c->line,
+                           counts[i], remedy);
     }
     if (counts[0] == 0 || counts[1] == 0)
-        return rk_fail(error, "%s: holds no triangles: choose a mesh with faces", path);
+        return rk_fail(error, "%s: has no triangles: choose a mesh with faces", path);
     text_next_line(c);
     return true;
 }
@@ -40,12 +40,12 @@ static bool parse_face(const char *path, text_cursor *c, long long vertices, rk_
     long long corners, index;
     text_skip_blanks(c);
     if (!text_read_integer(c, &corners) || corners < 1)
-        return rk_fail(error, "%s:%zu: a face begins with its number of corners: %s", path, c->line,
-                       remedy);
+        return rk_fail(error, "%s:%zu: a face must begin with its number of corners: %s", path,
+                       c->line, remedy);
     for (long long i = 0; i < corners; i++) {
         text_skip_blanks(c);
-        if (!text_read_integer(c, &index) || !text_is_border(c))
-            return rk_fail(error, "%s:%zu: a face's index is missing or no number: %s", path,
+        if (!text_read_integer(c, &index) || !text_is_separator(c))
+            return rk_fail(error, "%s:%zu: a face's index is missing or not a number: %s", path,
                            c->line, remedy);
         if (index < 0 || index >= vertices)
             return rk_fail(error, "%s:%zu: a face uses vertex %lld, but the file has %lld: %s",
@@ -64,10 +64,10 @@ bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh
         text_next_content(&c) && text_read_word(&c, word, sizeof word) ? strlen(word) : 0;
     if (length < 3 || strcmp(word + length - 3, "OFF") != 0)
         return rk_fail(error,
-                       "%s:%zu: an OFF file begins with the word OFF: is it of another format?",
+                       "%s:%zu: an OFF file begins with the word OFF: does it have another format?",
                        path, c.line);
     if (strpbrk(word, "4n"))
-        return rk_fail(error, "%s:%zu: OFF in four or more dimensions is no surface here: %s", path,
+        return rk_fail(error, "%s:%zu: OFF in four or more dimensions is not supported: %s", path,
                        c.line, remedy);
     long long counts[2];
     if (!statue_counts(path, &c, counts, error))

@@ -1,6 +1,6 @@
 /* PLY: a header that declares elements (vertex, face, ...) with their counts and properties, then
- * the rows, as text or binary. The counts are promises: all are checked against what follows.
- * Format: Greg Turk, "The PLY Polygon File Format", Stanford University, 1994. */
+ * the rows, as text or binary. All counts are checked against the rows. Format: Greg Turk, "The PLY
+ * Polygon File Format", Stanford University, 1994. */
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
 
@@ -94,8 +94,8 @@ static bool read_element(ply_parser *s, text_cursor *c, rk_error *error)
     if (!named || !text_read_integer(c, &e->count) || e->count < 0)
         return fail_header(s, c->line, "an element line needs a name and a count", error);
     if (e->count > UINT32_MAX)
-        return rk_fail(error, "%s:%zu: %lld rows of %s are more than 32-bit indices reach: %s",
-                       s->path, c->line, e->count, e->name, remedy);
+        return rk_fail(error, "%s:%zu: %lld rows of %s exceed 32-bit indices: %s", s->path, c->line,
+                       e->count, e->name, remedy);
     if (strcmp(e->name, "vertex") == 0)
         s->vertices = e->count;
     return true;
@@ -116,7 +116,7 @@ static bool is_geometry(const ply_element *e, const ply_property *p, const char 
 static bool read_property(ply_parser *s, text_cursor *c, rk_error *error)
 {
     if (s->element_count == 0)
-        return fail_header(s, c->line, "a property stands before the first element", error);
+        return fail_header(s, c->line, "a property precedes the first element", error);
     ply_element *e = &s->elements[s->element_count - 1];
     if (e->property_count == max_properties)
         return fail_header(s, c->line, "more than 128 properties in an element", error);
@@ -167,7 +167,7 @@ static bool check_header(const ply_parser *s, rk_error *error)
         has_faces |= e->count > 0 && strcmp(e->name, "vertex") != 0;
     }
     if (s->vertices == 0 || !has_faces)
-        return rk_fail(error, "%s: holds no triangles: choose a mesh with faces, not a point cloud",
+        return rk_fail(error, "%s: has no triangles: choose a mesh with faces, not a point cloud",
                        s->path);
     return true;
 }
@@ -187,10 +187,10 @@ static bool parse_text_index(const ply_parser *s, text_cursor *c, bool is_vertex
     text_skip_blanks(c);
     if (!is_vertex)
         return text_read_finite(c) ||
-               rk_fail(error, "%s:%zu: a list's value is missing or no number: %s", s->path,
+               rk_fail(error, "%s:%zu: a list's value is missing or not a number: %s", s->path,
                        c->line, remedy);
-    if (!text_read_integer(c, &index) || !text_is_border(c))
-        return rk_fail(error, "%s:%zu: a face's index is missing or no number: %s", s->path,
+    if (!text_read_integer(c, &index) || !text_is_separator(c))
+        return rk_fail(error, "%s:%zu: a face's index is missing or not a number: %s", s->path,
                        c->line, remedy);
     if (index < 0 || index >= s->vertices)
         return rk_fail(error, "%s:%zu: a face uses vertex %lld, but the file has %lld: %s", s->path,
@@ -210,7 +210,7 @@ static bool parse_text_property(const ply_parser *s, text_cursor *c, const ply_p
     long long count;
     text_skip_blanks(c);
     if (!text_read_integer(c, &count) || count < 0)
-        return rk_fail(error, "%s:%zu: a list's count is missing or no number: %s", s->path,
+        return rk_fail(error, "%s:%zu: a list's count is missing or not a number: %s", s->path,
                        c->line, remedy);
     for (long long i = 0; i < count; i++)
         if (!parse_text_index(s, c, p->is_geometry, error))

@@ -31,7 +31,7 @@ typedef struct named_picture {
     enum aiTextureMapMode modes[2];
 } named_picture;
 
-/* Assimp calls it diffuse, and in some formats base colour besides or instead. */
+/* Assimp calls it diffuse; in some formats it is called base colour, or both. */
 static bool find_picture(const struct aiMaterial *material, named_picture *found)
 {
     static const enum aiTextureType types[] = {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR};
@@ -45,8 +45,8 @@ static bool find_picture(const struct aiMaterial *material, named_picture *found
     return false;
 }
 
-/* A picture inside the file is named "*" and its number. One that is not compressed (no height) is
- * in no format that raykit-image reads; only a few games' models have such. */
+/* An embedded picture is named "*" and its number. Uncompressed ones (no height), which only a few
+ * games' models have, are in no format that raykit-image reads. */
 static const struct aiTexture *find_embedded(const struct aiScene *scene, const char *name)
 {
     char *end;

@@ -1,4 +1,4 @@
-/* The pictures that materials name for their diffuse colour. Part of raykit-mesh. */
+/* The diffuse textures of materials. Part of raykit-mesh. */
 #ifndef RK_IO_MESH_HELPER_MESH_TEXTURE_H
 #define RK_IO_MESH_HELPER_MESH_TEXTURE_H
 
@@ -8,8 +8,9 @@
 #include <stdint.h>
 
 typedef struct rk_mesh_texture {
-    struct aiString name;      /* as the mesh file gives it, without blanks at its end */
-    const unsigned char *data; /* the scene's, where the picture is in the mesh file; else NULL */
+    struct aiString name; /* as in the mesh file, without trailing blanks */
+    const unsigned char
+        *data; /* the scene's, if the picture is embedded in the mesh file; else NULL */
     uint32_t data_size;
     bool clamps;
 } rk_mesh_texture;
@@ -18,21 +19,21 @@ typedef struct rk_mesh_textures {
     uint32_t count;
     rk_mesh_texture *entries;
     uint32_t *of_material; /* each material's entry plus 1; 0: none */
-    bool too_many;         /* RK_MESH_STREAM_TEXTURES_MAX are kept */
+    bool too_many;         /* only the first RK_MESH_STREAM_TEXTURES_MAX are kept */
 } rk_mesh_textures;
 
-/* Makes room for the textures of so many materials, which have none so far. */
+/* Allocates the textures of `material_count` materials, which have none so far. */
 bool rk_mesh_textures_init(rk_mesh_textures *textures, uint32_t material_count, const char *path,
                            rk_error *error);
 void rk_mesh_textures_free(rk_mesh_textures *textures);
 
-/* Sets the texture of our material `number` to what the scene's material names: map_Kd in MTL, the
- * base colour in glTF. Materials that name the same picture share one entry. */
+/* Sets the texture of our material `number` to the one that the scene's material names: map_Kd in
+ * MTL, the base colour in glTF. Materials that name the same picture share one entry. */
 void rk_mesh_textures_find(rk_mesh_textures *textures, uint32_t number, const struct aiScene *scene,
                            const struct aiMaterial *material);
 
-/* Does the material name a picture? `set` is then which of a part's sets of texture coordinates it
- * goes by: 0 but in glTF. */
+/* Does the material name a picture? `set` is then the set of texture coordinates that it uses: 0
+ * except in glTF. */
 bool rk_mesh_texture_set(const struct aiMaterial *material, uint32_t *set);
 
 #endif

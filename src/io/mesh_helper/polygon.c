@@ -1,6 +1,6 @@
-/* Ear clipping: a corner whose triangle turns the polygon's way and holds no other corner is cut
- * off, until three are left. Convex polygons, nearly all, are seen at once and cut like a fan.
- * Source: Meisters, "Polygons have ears", American Mathematical Monthly 82 (1975). */
+/* Ear clipping: a corner whose triangle has the polygon's orientation and contains no other corner
+ * is cut off, until three are left. Convex polygons, nearly all, are detected first and become a
+ * fan. Source: Meisters, "Polygons have ears", American Mathematical Monthly 82 (1975). */
 #include "io/mesh_helper/polygon.h"
 
 #include <stdbool.h>
@@ -22,8 +22,8 @@ static void newell_normal(const rk_vec3 *points, uint32_t corners, double normal
     }
 }
 
-/* The two axes that are left when the polygon is seen along the one it faces most, in the order in
- * which it turns counterclockwise. */
+/* The two axes of the projection along the axis that the polygon faces most, ordered so that it is
+ * counterclockwise. */
 typedef struct view {
     const rk_vec3 *points;
     int u, v;
@@ -45,7 +45,7 @@ static flat seen(const view *w, uint32_t corner)
                   (double)rk_axis(w->points[corner], w->v)};
 }
 
-/* Positive where a, b, c turn counterclockwise. */
+/* Positive if a, b, c are counterclockwise. */
 static double turn(flat a, flat b, flat c)
 {
     return (b.x - a.x) * (c.y - a.y) - (b.y - a.y) * (c.x - a.x);
@@ -67,16 +67,16 @@ static bool is_ear(const view *w, const uint32_t *left, uint32_t count, uint32_t
             continue;
         flat p = seen(w, left[k]);
         bool inside = turn(a, b, p) >= 0 && turn(b, c, p) >= 0 && turn(c, a, p) >= 0;
-        /* A corner that repeats one of these three (a bridge to a hole) blocks nothing. */
+        /* A copy of one of these three corners (a bridge to a hole) does not count. */
         if (inside && !is_same(p, a) && !is_same(p, b) && !is_same(p, c))
             return false;
     }
     return true;
 }
 
-/* Convex but for the rounding of its coordinates to float, which moves each by half an ulp at most
- * and a turn by that times the edges' lengths: a circle of many corners is never convex otherwise.
- */
+/* Convex up to the rounding of its coordinates to float, which moves each by at most half an ulp,
+ * and a cross product of edges by that times the edges' lengths: otherwise a circle of many corners
+ * would never be convex. */
 static bool is_convex(const view *w, uint32_t corners)
 {
     double half_ulp = 0;
@@ -96,8 +96,8 @@ static bool is_convex(const view *w, uint32_t corners)
     return true;
 }
 
-void rk_polygon_cut(const rk_vec3 *points, uint32_t corners, uint32_t (*triangles)[3],
-                    uint32_t *left)
+void rk_polygon_triangulate(const rk_vec3 *points, uint32_t corners, uint32_t (*triangles)[3],
+                            uint32_t *left)
 {
     view w = look_at(points, corners);
     bool convex = is_convex(&w, corners);
@@ -110,11 +110,11 @@ void rk_polygon_cut(const rk_vec3 *points, uint32_t corners, uint32_t (*triangle
             row[0] = 0, row[1] = corners - count + 1, row[2] = row[1] + 1;
             continue;
         }
-        /* On from the last ear: what was none before it seldom is one now. */
+        /* Continue from the last ear: corners that were not ears before seldom are now. */
         uint32_t tried = 0;
         for (ear %= count; tried < count && !is_ear(&w, left, count, ear); tried++)
             ear = (ear + 1) % count;
-        /* None: it crosses itself or has no area, and any cut is as good. */
+        /* No ear: the polygon intersects itself or has no area, and any corner will do. */
         row[0] = left[(ear + count - 1) % count], row[1] = left[ear],
         row[2] = left[(ear + 1) % count];
         memmove(&left[ear], &left[ear + 1], (count - 1 - ear) * sizeof *left);

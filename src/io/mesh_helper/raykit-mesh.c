@@ -1,6 +1,6 @@
-/* raykit-mesh FILE: reads a mesh with Assimp and writes it to standard output as mesh_stream.h
- * says. On failure the exit status is 1 and the last line on standard error is the reason.
- * rk_mesh_read starts it; a file that makes Assimp crash ends only this process. */
+/* raykit-mesh FILE: reads a mesh with Assimp and writes it to standard output in the format of
+ * mesh_stream.h. On failure the exit status is 1 and the last line on standard error is the reason.
+ * rk_mesh_file_read starts it; a file that makes Assimp crash ends only this process. */
 #include "io/mesh_helper/mesh_gather.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_stream.h"
@@ -65,7 +65,7 @@ static bool count_texture_bytes(const rk_mesh_textures *textures, const char *pa
         bytes += (uint64_t)textures->entries[i].name.length + textures->entries[i].data_size;
     *count = (uint32_t)bytes;
     return bytes <= UINT32_MAX ||
-           rk_fail(error, "%s: its pictures are larger than 4 GB: make them smaller", path);
+           rk_fail(error, "%s: its pictures exceed 4 GB: make them smaller", path);
 }
 
 static bool write_mesh(const rk_mesh *mesh, const rk_mesh_textures *textures, const char *path,
@@ -92,7 +92,8 @@ static bool write_mesh(const rk_mesh *mesh, const rk_mesh_textures *textures, co
            write_materials(mesh, textures, error) && write_textures(textures, error);
 }
 
-/* No post-processing: Assimp's triangulation aborts on some broken files, its joining is slow. */
+/* No post-processing: Assimp's triangulation aborts on some broken files, and its joining of
+ * vertices is slow. */
 static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
 {
     if (!rk_mesh_syntax_check(path, hints, error))
@@ -105,8 +106,9 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
     bool ok = rk_mesh_gather(&mesh, &textures, scene, hints->plain, path, error) &&
               rk_mesh_validate(&mesh, path, error) && write_mesh(&mesh, &textures, path, error);
     if (textures.too_many)
-        rk_fail(&hints->note, "%s: names more than %d textures: the others' surfaces are plain",
-                path, RK_MESH_STREAM_TEXTURES_MAX);
+        rk_fail(&hints->note,
+                "%s: names more than %d textures: surfaces with the others are untextured", path,
+                RK_MESH_STREAM_TEXTURES_MAX);
     rk_mesh_textures_free(&textures);
     rk_mesh_free(&mesh);
     aiReleaseImport(scene);
@@ -116,8 +118,9 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
 int main(int argc, char **argv)
 {
     if (argc != 2) {
-        fputs("usage: raykit-mesh FILE (writes the mesh to standard output for rk_mesh_read)\n",
-              stderr);
+        fputs(
+            "usage: raykit-mesh FILE (writes the mesh to standard output for rk_mesh_file_read)\n",
+            stderr);
         return EXIT_FAILURE;
     }
     rk_mesh_hints hints;

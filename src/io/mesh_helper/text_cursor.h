@@ -1,4 +1,4 @@
-/* Walks through text that need not end in NUL, counting lines, and reads numbers strictly. */
+/* Reads text that need not end in NUL: counts lines, and parses numbers strictly. */
 #ifndef RK_IO_MESH_HELPER_TEXT_CURSOR_H
 #define RK_IO_MESH_HELPER_TEXT_CURSOR_H
 
@@ -16,13 +16,13 @@ typedef struct text_cursor {
 static inline text_cursor text_begin(const char *text, size_t size)
 {
     text_cursor c = {text, text + size, 1};
-    /* The byte order mark that some editors put before UTF-8. */
+    /* Skip the byte order mark that some editors write before UTF-8. */
     if (size >= 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0)
         c.at += 3;
     return c;
 }
 
-/* Moves over spaces, and over line breaks that a backslash hides, as OBJ has them. */
+/* Skips spaces, and line breaks after a backslash, as in OBJ. */
 static inline void text_skip_blanks(text_cursor *c)
 {
     for (; c->at < c->end; c->at++) {
@@ -38,7 +38,7 @@ static inline void text_skip_blanks(text_cursor *c)
     }
 }
 
-/* Blanks skipped, nothing is left in this line but perhaps a comment. */
+/* After blanks, is nothing left in this line except perhaps a comment? */
 static inline bool text_line_ended(text_cursor *c)
 {
     text_skip_blanks(c);
@@ -52,7 +52,7 @@ static inline void text_next_line(text_cursor *c)
     c->line += newline != NULL;
 }
 
-/* To the next line that holds more than blanks and a comment; false at the end of the text. */
+/* Moves to the next line with more than blanks and a comment; false at the end of the text. */
 static inline bool text_next_content(text_cursor *c)
 {
     while (text_line_ended(c)) {
@@ -63,7 +63,7 @@ static inline bool text_next_content(text_cursor *c)
     return true;
 }
 
-static inline bool text_is_border(const text_cursor *c)
+static inline bool text_is_separator(const text_cursor *c)
 {
     return c->at == c->end || *c->at == ' ' || *c->at == '\t' || *c->at == '\n' || *c->at == '\r' ||
            *c->at == '#' || *c->at == '\\';
@@ -77,8 +77,8 @@ static inline size_t text_skip_digits(text_cursor *c)
     return (size_t)(c->at - from);
 }
 
-/* A decimal number that is finite as a float. Only a long or a scaled one can fail to be, so only
- * those cost a conversion. */
+/* Reads a decimal number that is finite as a float. Only a long one or one with an exponent may not
+ * be, so only these are converted. */
 static inline bool text_read_finite(text_cursor *c)
 {
     text_skip_blanks(c);
@@ -100,7 +100,7 @@ static inline bool text_read_finite(text_cursor *c)
         if (text_skip_digits(c) == 0)
             return false;
     }
-    if (!text_is_border(c))
+    if (!text_is_separator(c))
         return false;
     if (!scaled && whole < 38)
         return true;
@@ -113,7 +113,7 @@ static inline bool text_read_finite(text_cursor *c)
     return isfinite(strtof(number, NULL));
 }
 
-/* An integer of up to 18 digits; what ends it is the caller's to judge. */
+/* Reads an integer of up to 18 digits; the caller checks the character after it. */
 static inline bool text_read_integer(text_cursor *c, long long *value)
 {
     bool negative = c->at < c->end && *c->at == '-';
@@ -131,13 +131,13 @@ static inline bool text_read_integer(text_cursor *c, long long *value)
     return true;
 }
 
-/* Reads a word up to the next border, cut to fit. Returns false at the end of the line. */
+/* Reads a word up to the next separator, truncated to fit. Returns false at the end of the line. */
 static inline bool text_read_word(text_cursor *c, char *word, size_t size)
 {
     if (text_line_ended(c))
         return false;
     size_t length = 0;
-    for (; !text_is_border(c); c->at++)
+    for (; !text_is_separator(c); c->at++)
         if (length < size - 1)
             word[length++] = *c->at;
     if (length == 0) /* a lone backslash */

@@ -19,7 +19,7 @@ static uint32_t hash_vertex(const rk_vertex *vertex)
     return h ^ h >> 13;
 }
 
-/* The slot that holds the vertex, or the empty one where it belongs. */
+/* The slot of the vertex, or the empty one where it is to be inserted. */
 static uint32_t *find_slot(const rk_vertex_pool *pool, const rk_vertex *vertex)
 {
     size_t mask = 2 * (size_t)pool->room - 1;

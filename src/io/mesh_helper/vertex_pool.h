@@ -1,4 +1,4 @@
-/* Vertices without duplicates: equal ones, to the bit, get the same index. Part of raykit-mesh. */
+/* Vertices without duplicates: those with equal bits get the same index. Part of raykit-mesh. */
 #ifndef RK_IO_MESH_HELPER_VERTEX_POOL_H
 #define RK_IO_MESH_HELPER_VERTEX_POOL_H
 
@@ -13,17 +13,18 @@ typedef struct rk_vertex {
 } rk_vertex;
 
 typedef struct rk_vertex_pool {
-    const char *name; /* what errors begin with; the rest begins zeroed */
+    const char *name; /* begins errors; all other members start zeroed */
     rk_vertex *vertices;
     uint32_t count, room;
-    uint32_t *table; /* 2 * room places: 0 empty, else an index plus 1 */
+    uint32_t *table; /* 2 * room slots: 0 if empty, else an index plus 1 */
 } rk_vertex_pool;
 
-/* Returns the vertex's index in *index. False with an error when memory or 32 bits are short. */
+/* Returns the vertex's index in *index. False with an error when memory is short or the index
+ * exceeds 32 bits. */
 bool rk_vertex_pool_add(rk_vertex_pool *pool, const rk_vertex *vertex, uint32_t *index,
                         rk_error *error);
 
-/* Accepts a pool that never held a vertex. */
+/* Accepts an empty pool. */
 void rk_vertex_pool_free(rk_vertex_pool *pool);
 
 #endif

@@ -1,5 +1,5 @@
 /* Which pixels does the lens blur? A ray through each pixel's centre says how large the circle of
- * confusion is of what it sees, and where coc_count reach, the renderer takes lens samples.
+ * confusion is of what it sees, and where circles reach, the renderer takes lens samples.
  *
  * Nothing nearer than the focal surface is overlooked: what hides a blurred thing there is nearer
  * still, and has a larger circle. Overlooked is what no centre ray sees: things smaller than a

@@ -33,7 +33,7 @@ static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t,
 /* What the sample would add to each surface; where that hangs on shadows, a ray that asks. */
 static void send(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t sample)
 {
-    rk_light_sums *sums = &t->sums;
+    rk_tile_light_sums *sums = &t->sums;
     t->shadow.count = 0;
     for (uint32_t i = 0; i < t->seen_count; i++) {
         if (sums->state[i] == RK_LIGHT_BLOCKED)
@@ -55,7 +55,7 @@ static void send(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t sam
 
 static void arrive(const rk_rendering *r, rk_tile *t)
 {
-    rk_light_sums *sums = &t->sums;
+    rk_tile_light_sums *sums = &t->sums;
     for (uint32_t k = 0; k < t->shadow.count; k++) {
         uint32_t i = t->arriving_at[k];
         sums->asked[i]++;
@@ -94,7 +94,7 @@ static rk_vec3 closed_form(const rk_rendering *r, const rk_shading_point *seen,
     return rk_light_ratio(unshadowed, lit, all);
 }
 
-void rk_light_stage(const rk_rendering *r, rk_tile *t, uint32_t index)
+void rk_parallelogram_light_stage(const rk_rendering *r, rk_tile *t, uint32_t index)
 {
     const rk_light *light = &r->scene->lights[index];
     uint32_t samples = samples_of(r, light);

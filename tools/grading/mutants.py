@@ -4,7 +4,7 @@
     mutant upper_half_is_larger
     mistake: Of an odd number of triangles the upper half gets one more.
     fails: five_triangles_split_three_to_two
-        levels_and_leaves_are_those_of_halving
+        levels_and_leaves_follow_from_halving
     in split_at_median
     - count - count / 2
     + count / 2
@@ -24,7 +24,7 @@ that the first and the last statement are enough to name a long passage.
 import collections
 import re
 
-from c_source import closing, functions_of, tokens_of
+from grading.c_source import closing, functions_of, line_of, tokens_of
 
 Mutant = collections.namedtuple("Mutant", "file line name mistake fails fails_line changes")
 Change = collections.namedtuple("Change", "line place find instead")
@@ -149,7 +149,8 @@ class _Reader:
             self.fault(change["line"], "the text to find neither is empty nor begins or ends with \"...\"; write what "
                        "stands in the unit")
         if not change["+"]:
-            self.fault(change["line"], "what stands instead of this text? Write it below, with \"+ \", or a \"+\" alone")
+            self.fault(change["line"], "what stands instead of this text? Write it below, with \"+ \", or a \"+\" "
+                       "alone")
         instead = "\n".join(change["+"])
         if find == [token.text for token in tokens_of(instead)]:
             self.fault(change["line"], "the text instead is the same; change it")
@@ -205,11 +206,12 @@ def _find(change, tokens, text, said, source):
     texts = [token.text for token in tokens]
     found = [match for span in spans for match in _matches(texts, _parts(change.find), *span)]
     if not found:
-        raise MutantError(f"{said}this text does not stand in {where} of {source}; copy from there what is to be changed")
+        raise MutantError(f"{said}this text does not stand in {where} of {source}; copy from there what is to be "
+                          "changed")
     if len(found) > 1:
-        lines = ", ".join(str(text.count("\n", 0, tokens[first].start) + 1) for first, _ in found)
-        raise MutantError(f"{said}this text stands {len(found)} times in {where} of {source} (lines {lines}); take in so "
-                          "much of what surrounds it that it stands there once")
+        lines = ", ".join(str(line_of(text, tokens[first])) for first, _ in found)
+        raise MutantError(f"{said}this text stands {len(found)} times in {where} of {source} (lines {lines}); take "
+                          "in so much of what surrounds it that it stands there once")
     first, end = found[0]
     return tokens[first].start, tokens[end - 1].end
 
@@ -235,8 +237,8 @@ def mutate(mutant, text, source):
     spans.sort(key=lambda span: span[:2])
     for (_, end, _), (begin, _, change) in zip(spans, spans[1:]):
         if begin < end:
-            raise MutantError(f"{mutant.file}:{change.line}: this text overlaps another that {mutant.name} changes; make one "
-                              "change of both")
+            raise MutantError(f"{mutant.file}:{change.line}: this text overlaps another that {mutant.name} "
+                              "changes; make one change of both")
     for begin, end, change in reversed(spans):
         text = text[:begin] + _padded(text[:begin], change.instead, text[end:]) + text[end:]
     return text
