@@ -1,6 +1,6 @@
-/* Counts calls of malloc and its kin: by glibc's malloc under our own, or by the hook that a
- * sanitizer's offers (gcc and clang say differently that there is one). A file of its own, as it
- * must be built like the program that it counts in, with sanitizers or without. */
+/* Counts calls of malloc and related functions: by wrapping glibc's malloc, or by the sanitizer's
+ * hook (which gcc and clang announce differently). A separate file, because it must be built like
+ * the program in which it counts, with sanitizers or without. */
 #include "test.h"
 
 size_t rk_allocations;

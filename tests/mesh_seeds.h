@@ -1,6 +1,6 @@
-/* One small mesh in each format: a unit square in the plane z = 0 and a triangle that stands on its
- * first edge. Three triangles, five distinct points; OBJ and glTF give the square and the triangle
- * a material each. The textured glTF has just the square. */
+/* One small mesh in each format: a unit square in the plane z = 0 and a triangle perpendicular to
+ * it on its first edge. Three triangles, five distinct points; OBJ and glTF give the square and the
+ * triangle a material each. The textured glTF has only the square. */
 #ifndef RK_TESTS_MESH_SEEDS_H
 #define RK_TESTS_MESH_SEEDS_H
 
@@ -113,8 +113,9 @@ static const char seed_picture[] =
     "BfsL2WiLAAAAAElFTkSuQmCC"
     "\"";
 
-/* A square whose picture is `image`, a glTF object's members; `sampler` those of the sampler. Its
- * second set of texture coordinates, the one in use, is the texels' centres; the first is all 0. */
+/* A square whose picture is `image`, the members of a glTF object; `sampler` are those of the
+ * sampler. Its second set of texture coordinates, the one in use, has the texels' centres; the
+ * first is all 0. */
 static inline void seed_append_textured_gltf(mesh_seed *seed, const char *image,
                                              const char *sampler)
 {

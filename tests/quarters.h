@@ -1,5 +1,4 @@
-/* A picture that tells how it is turned or mirrored: 2 x 2 texels, red and green above blue and
- * white. */
+/* A picture that shows its orientation: 2 x 2 texels, red and green above blue and white. */
 #ifndef RK_TESTS_QUARTERS_H
 #define RK_TESTS_QUARTERS_H
 
@@ -28,7 +27,7 @@ static inline void check_texel(const rk_texture *texture, float u, float v, rk_v
              (double)want.y, (double)want.z);
 }
 
-/* Texels' centres, where a mix of neighbours is the texel's own colour. */
+/* Texels' centres, where the bilinear mix is the texel's own colour. */
 static inline void check_quarters(const rk_texture *texture)
 {
     check_texel(texture, 0.25f, 0.75f, rk_vec(1, 0, 0));

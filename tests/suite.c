@@ -1,5 +1,5 @@
-/* The main of every suite. Runs all tests, those that a pattern names, or exactly one; the last
- * form can attest its verdict to whoever started it, so that printing "ok" proves nothing. */
+/* The main of every suite. Runs all tests, those that match a pattern, or exactly one; the last
+ * form can attest its verdict to the calling program, so that printing "ok" proves nothing. */
 #include "test.h"
 
 #include <fnmatch.h>
@@ -15,8 +15,8 @@ static const struct CMUnitTest *only;
 static attestation witness = {.file = -1};
 static bool a_claim_was_told;
 
-/* RAYKIT_ATTEST names a descriptor from which a secret of up to 64 characters is read, once, and
- * which then takes either the secret back or the claim that failed. */
+/* RAYKIT_ATTEST names a descriptor: a secret of up to 64 characters is read from it, once, and
+ * either the secret or the failed claim is written back. */
 static void take_attestation(void)
 {
     char *value = getenv("RAYKIT_ATTEST");
@@ -30,7 +30,7 @@ static void take_attestation(void)
     unsetenv("RAYKIT_ATTEST");
 }
 
-/* A test that fails does not return from its function. */
+/* A failing test does not return from its function. */
 static void run_and_attest(void **state)
 {
     only->test_func(state);

@@ -1,8 +1,8 @@
-/* What every suite stands on: checks that print what was got and wanted with a hint, and a main
- * that speaks TAP under `make check`.
+/* The base of every suite: checks that print the value they got and the value they wanted with a
+ * hint, and a main that speaks TAP under `make check`.
  *
- * cmocka's own float assertions pass for NaN and compare absolutely; these do not pass NaN, and
- * the tolerance is the caller's, with its reason beside it. */
+ * cmocka's own float assertions accept NaN and compare absolutely; these refuse NaN, and the caller
+ * gives the tolerance, with its reason beside it. */
 #ifndef RK_TESTS_TEST_H
 #define RK_TESTS_TEST_H
 
@@ -18,15 +18,15 @@
 
 #include <cmocka.h>
 
-/* True or the test fails with the hint (a printf format and its arguments). */
+/* Fails the test with the hint (a printf format and its arguments) unless true. */
 #define rk_check(condition, ...)                                                                   \
     do {                                                                                           \
         if (!(condition))                                                                          \
             rk_claim_failed(__FILE__, __LINE__, __VA_ARGS__);                                      \
     } while (0)
 
-/* Ends the test: prints the hint, and tells it to a grader, who then needs not guess which of the
- * lines that were printed it is. */
+/* Ends the test: prints the hint, and sends it to a grader, which then need not guess it from the
+ * printed lines. */
 void rk_claim_failed(const char *file, int line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
@@ -38,8 +38,8 @@ void rk_claim_failed(const char *file, int line, const char *format, ...)
                  #got, got_, want_, tolerance_, hint);                                             \
     } while (0)
 
-/* The same; what is compared, and where (a printf format and its arguments), takes the place of the
- * expression, for loops and helpers in which that says little. */
+/* The same for loops and helpers, where the expression says little: a printf format and its
+ * arguments describe the compared value instead. */
 #define rk_check_near(got, want, tolerance, ...)                                                   \
     do {                                                                                           \
         double got_ = (double)(got), want_ = (double)(want), tolerance_ = (double)(tolerance);     \
@@ -58,7 +58,7 @@ void rk_claim_failed(const char *file, int line, const char *format, ...)
         rk_check(got_ == want_, "%s: got %lld, want %lld: %s", #got, got_, want_, hint);           \
     } while (0)
 
-/* The call succeeds, or the test fails with the error's own words. */
+/* The call succeeds, or the test fails with the error's text. */
 #define rk_check_ok(call, error) rk_check(call, "%s", (error).text)
 
 /* The error is one line that contains `part`. */
@@ -66,7 +66,7 @@ void rk_claim_failed(const char *file, int line, const char *format, ...)
     rk_check(strstr((error).text, part) != NULL, "the error should name \"%s\", but says: %s",     \
              part, (error).text)
 
-/* How often memory was asked for so far, where that can be counted. */
+/* The number of allocations so far, where it can be counted. */
 extern size_t rk_allocations;
 extern const bool rk_allocations_are_counted;
 
@@ -85,7 +85,7 @@ int rk_suite_main(const rk_suite *suite, int argc, char **argv);
 /* Ends a suite's file: `tests` is its array of cmocka_unit_test. */
 #define RK_SUITE(name, tests) RK_SUITE_IN(name, tests, NULL, NULL)
 
-/* The same, with what is made before the first test and removed after the last (cmocka's
+/* The same, with a set-up before the first test and a tear-down after the last (cmocka's
  * CMFixtureFunction: 0 is success). */
 #define RK_SUITE_IN(name, tests, set_up, tear_down)                                                \
     int main(int argc, char **argv)                                                                \

@@ -1,5 +1,5 @@
 /* Boxes: extents, and the slab test against exact arithmetic. A box that the ray touches is never
- * lost; a box is only met in vain when the ray passes by within a few roundings. */
+ * lost; a box that it does not touch is hit only if the ray passes within a few roundings. */
 #include "test.h"
 
 #include "base/box.h"
@@ -57,8 +57,8 @@ static void the_longest_axis_prefers_x_then_y_among_equals(void **state)
 
 static const rk_box unit = {{{0, 0, 0}, {1, 1, 1}}};
 
-/* Relative slack of a slab's t: the reciprocals are pushed by 6 units of 2^-24, and four roundings
- * (reciprocal, pushing, difference, product) come on top. */
+/* Relative slack of a slab's t: 6 units of 2^-24 by which the reciprocals are pushed apart, and
+ * four roundings (reciprocal, pushing, difference, product). */
 #define SLACK (10.5 * 0x1p-24)
 
 static void a_ray_enters_at_the_nearest_face(void **state)
@@ -150,15 +150,15 @@ static void nan_directions_give_a_number(void **state)
 
 /* --- against exact integers ------------------------------------------------------------------ */
 
-/* A ray and a box of small integers: t in [0, t_max] is a fourth slab. All quotients that the slab
- * test compares are compared here as products, which 64 bits hold exactly. */
+/* A ray and a box of small integers: t in [0, t_max] is a fourth slab. The slab test compares
+ * quotients; here they are compared as products, which are exact in 64 bits. */
 typedef struct exact_case {
     int64_t origin[4], direction[4], low[4], high[4];
 } exact_case;
 
 enum { endless = 1 << 30 };
 
-/* True if the ray touches the box, when each slab is widened by a relative `slack`. */
+/* Does the ray touch the box if each slab is widened by a relative `slack`? */
 static bool touches(const exact_case *c, long double slack)
 {
     long double near[4], far[4], step[4];
@@ -183,7 +183,7 @@ static int64_t pick(uint32_t i, uint32_t dimension, int64_t low, int64_t high)
 }
 
 /* Aims at a corner, an edge, a face or the inside of the box, or one step beside it, from any
- * number of steps away, forward or backward; sizes from flat to `size`. */
+ * number of steps away, forward or backward; box sizes from 0 to `size`. */
 static exact_case make_case(uint32_t i, int64_t size)
 {
     exact_case c = {{0, 0, 0, 0}, {0, 0, 0, 1}, {0, 0, 0, 0}, {0, 0, 0, endless}};
@@ -201,7 +201,7 @@ static exact_case make_case(uint32_t i, int64_t size)
     return c;
 }
 
-/* Puts the case to the slab test, each axis scaled by a power of two of its own: that changes
+/* Passes the case to the slab test, each axis scaled by a power of two of its own, which changes
  * neither t nor any rounding. */
 static float enter_scaled(const exact_case *c, const int exponent[3])
 {
@@ -217,7 +217,7 @@ static float enter_scaled(const exact_case *c, const int exponent[3])
 
 static void check_against_exact(int64_t size, int lowest_exponent, int highest_exponent, bool tight)
 {
-    unsigned met = 0, passed = 0;
+    unsigned hit_count = 0, miss_count = 0;
     for (uint32_t i = 0; i < 60000; i++) {
         exact_case c = make_case(i, size);
         int exponent[3];
@@ -232,11 +232,11 @@ static void check_against_exact(int64_t size, int lowest_exponent, int highest_e
                  (long long)c.origin[2], (long long)c.direction[0], (long long)c.direction[1],
                  (long long)c.direction[2]);
         rk_check(!tight || isinf(t) || touches(&c, SLACK),
-                 "ray %u of size %lld passes by, but meets the box", i, (long long)size);
-        met += exact, passed += !exact;
+                 "ray %u of size %lld passes by, but hits the box", i, (long long)size);
+        hit_count += exact, miss_count += !exact;
     }
-    rk_check(met > 6000 && passed > 6000, "the rays should be mixed: %u meet, %u pass", met,
-             passed);
+    rk_check(hit_count > 6000 && miss_count > 6000, "the rays should be mixed: %u hit, %u miss",
+             hit_count, miss_count);
 }
 
 static void rays_through_corners_edges_and_faces_agree_with_integers(void **state)
@@ -249,7 +249,7 @@ static void rays_through_corners_edges_and_faces_agree_with_integers(void **stat
 static void long_mantissas_agree_with_integers(void **state)
 {
     (void)state;
-    /* 10 * size is below 2^24: all inputs are exact floats, and nothing else is. */
+    /* 10 * size is below 2^24, so all inputs are exact floats. */
     check_against_exact(1600000, 0, 0, true);
 }
 
@@ -301,8 +301,8 @@ static float spread(uint32_t i, uint32_t dimension, int exponent)
     return ldexpf(2 * rk_unit_float(rk_hash(11, i, 0, dimension)) - 1, exponent);
 }
 
-/* Boxes of size 2^-60 to 2^60 seen from a distance of up to 2^100, aimed at their surface,
- * their inside, or a little beside them. */
+/* Boxes of size 2^-60 to 2^60 at a distance of up to 2^100; rays aim at their surface, their
+ * inside, or slightly beside them. */
 static rk_ray aim(uint32_t i, rk_box *box)
 {
     int size = (int)pick(i, 60, -60, 60), away = size + (int)pick(i, 61, 0, 40);
@@ -325,7 +325,7 @@ static rk_ray aim(uint32_t i, rk_box *box)
 static void any_scale_and_distance_agrees_with_long_double(void **state)
 {
     (void)state;
-    unsigned met = 0, passed = 0;
+    unsigned hit_count = 0, miss_count = 0;
     for (uint32_t i = 0; i < 200000; i++) {
         rk_box box;
         rk_ray ray = aim(i, &box);
@@ -342,14 +342,14 @@ static void any_scale_and_distance_agrees_with_long_double(void **state)
             rk_check(leave >= sure.far && leave <= possible.far,
                      "ray %u: leaves at %.9Lg, want %.9Lg or a few roundings more", i, leave,
                      sure.far);
-            met++;
+            hit_count++;
         } else if (possible.near > possible.far) {
-            rk_check(isinf(t), "ray %u surely passes by, but meets the box", i);
-            passed++;
+            rk_check(isinf(t), "ray %u surely passes by, but hits the box", i);
+            miss_count++;
         }
     }
-    rk_check(met > 20000 && passed > 20000, "the rays should be mixed: %u meet, %u pass", met,
-             passed);
+    rk_check(hit_count > 20000 && miss_count > 20000, "the rays should be mixed: %u hit, %u miss",
+             hit_count, miss_count);
 }
 
 static void a_distant_ray_hits_a_box_of_no_thickness(void **state)
@@ -367,7 +367,7 @@ static void a_distant_ray_hits_a_box_of_no_thickness(void **state)
         rk_box point = box_of(rk_vec(1, 1, 1), rk_vec(1, 1, 1));
         rk_check(
             isfinite(enter(point, rk_vec(far[i], far[i], far[i]), rk_vec(-1, -1, -1), INFINITY)),
-            "a single point is met along the diagonal");
+            "a single point is hit along the diagonal");
     }
 }
 

@@ -1,12 +1,12 @@
-/* The tree that all builders share: measured, visited, and found out when it is not sound. */
+/* The tree of all builders: measured, visited, and refused if invalid. */
 #include "test.h"
 
 #include "features/bvh_median.h"
 
 /* --- A row of twelve triangles --------------------------------------------------------------- */
 
-/* Triangle i lies within x in [i, i + 1]: cut at 6 | 6, then 3 | 3 twice, so 4 leaves of 3. Nodes:
- * 0 root, 2 and 3 its children, 4 to 7 the leaves. */
+/* Triangle i lies within x in [i, i + 1]: split 6 | 6, then 3 | 3 twice, so 4 leaves of 3. Nodes: 0
+ * is the root, 2 and 3 its children, 4 to 7 the leaves. */
 static rk_mesh make_row(void)
 {
     rk_mesh mesh;
@@ -68,7 +68,7 @@ static void a_single_leaf_costs_its_triangles(void **state)
     rk_bvh_measures measures = rk_bvh_measure(&bvh);
     rk_check_equal(measures.levels, 1, "the root");
     rk_check_equal(measures.leaves, 1, "the root");
-    rk_check_close(measures.sah_cost, 3, 0, "a ray that meets the box tests 3 triangles");
+    rk_check_close(measures.sah_cost, 3, 0, "a ray that hits the box tests 3 triangles");
 }
 
 static void the_sah_cost_is_the_one_computed_by_hand(void **state)
@@ -92,7 +92,7 @@ static void the_sah_cost_is_the_one_computed_by_hand(void **state)
     rk_check_equal(measures.leaves, 3, "nodes with triangles");
 }
 
-static void a_flat_point_of_a_root_costs_nothing_rather_than_nan(void **state)
+static void a_root_without_area_costs_nothing_rather_than_nan(void **state)
 {
     (void)state;
     rk_bvh_node node = {{{rk_vec(1, 1, 1), rk_vec(1, 1, 1)}}, 0, 3};
@@ -214,11 +214,11 @@ static void a_leaf_box_that_is_too_small_is_found(void **state)
     for (int side = 0; side < 2; side++)
         for (int axis = 0; axis < 3; axis++) {
             rk_bvh_node *leaf = first_leaf(f);
-            rk_box sound = leaf->box;
+            rk_box valid = leaf->box;
             float *bound = &leaf->box.corner[side].x + axis;
             *bound = nextafterf(*bound, side ? -INFINITY : INFINITY);
             check_fault(f, "triangle sticks out", "(triangle ");
-            leaf->box = sound;
+            leaf->box = valid;
         }
 }
 
@@ -259,11 +259,11 @@ static void a_cycle_is_found(void **state)
 static void two_parents_of_a_node_are_found(void **state)
 {
     fixture *f = *state;
-    uint32_t shared = f->bvh.nodes[2].first;
-    f->bvh.nodes[3].first = shared;
+    uint32_t common_child = f->bvh.nodes[2].first;
+    f->bvh.nodes[3].first = common_child;
     f->bvh.nodes[3].box = f->bvh.nodes[0].box;
     char place[24];
-    snprintf(place, sizeof place, "(node %u)", shared);
+    snprintf(place, sizeof place, "(node %u)", common_child);
     check_fault(f, "two parents", place);
 }
 
@@ -306,15 +306,15 @@ static void a_false_copy_of_a_triangle_is_found(void **state)
 {
     fixture *f = *state;
     for (int i = 0; i < 9; i++) {
-        rk_triangle sound = f->bvh.triangles[7];
+        rk_triangle valid = f->bvh.triangles[7];
         float *number = &f->bvh.triangles[7].a.x + i;
         *number = nextafterf(*number, INFINITY);
         check_fault(f, "copy of a triangle", "(triangle ");
-        f->bvh.triangles[7] = sound;
+        f->bvh.triangles[7] = valid;
     }
 }
 
-/* A chain: each left child is a leaf, each right child the rest; `inner` inner nodes. */
+/* A chain with `inner` inner nodes: each left child is a leaf, each right child the rest. */
 static fixture make_chain(uint32_t inner)
 {
     fixture f = {0};
@@ -363,7 +363,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_tree_without_nodes_measures_zero),
     cmocka_unit_test(a_single_leaf_costs_its_triangles),
     cmocka_unit_test(the_sah_cost_is_the_one_computed_by_hand),
-    cmocka_unit_test(a_flat_point_of_a_root_costs_nothing_rather_than_nan),
+    cmocka_unit_test(a_root_without_area_costs_nothing_rather_than_nan),
     cmocka_unit_test(areas_of_huge_boxes_do_not_overflow),
     on_the_row(visits_go_parents_first_and_left_before_right),
     cmocka_unit_test(visits_of_invalid_trees_end),

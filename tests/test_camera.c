@@ -1,4 +1,4 @@
-/* The camera: where it stands, where its rays go, and back. */
+/* The camera: its position, its rays, and projection. */
 #include "test.h"
 
 #include "base/random.h"
@@ -26,10 +26,10 @@ static void the_default_position_is_above_and_in_front(void **state)
 static void rotation_is_about_x_then_y_then_z(void **state)
 {
     (void)state;
-    /* (0, 0, -2) -> about x by 90 degrees (0, 2, 0), which y leaves -> about z by 90 (-2, 0, 0). */
+    /* (0, 0, -2), by 90 degrees about x: (0, 2, 0), unchanged by y; by 90 about z: (-2, 0, 0). */
     rk_camera camera = {.distance = 2, .rotation = rk_vec(90, 30, 90), .fov = 50};
     rk_view view = rk_view_of(&camera, 10, 10);
-    rk_check_close(view.position.x, -2, 0, "Rz Ry Rx: exact but for 1e-16");
+    rk_check_close(view.position.x, -2, 0, "Rz Ry Rx: exact up to 1e-16");
     rk_check_close(view.position.y, 0, 1e-15, "the cosine of pi / 2 as a double");
     rk_check_close(view.position.z, 0, 1e-15, "the cosine of pi / 2 as a double");
 }
@@ -73,10 +73,10 @@ static void the_ray_through_the_centre_hits_the_look_at_point(void **state)
         .look_at = rk_vec(1, -2, 5), .distance = 7, .rotation = rk_vec(33, -71, 12), .fov = 35};
     rk_view view = rk_view_of(&camera, 640, 480);
     rk_ray ray = rk_view_ray(&view, 320, 240);
-    rk_vec3 met = rk_madd(ray.origin, ray.direction, camera.distance);
-    rk_check(rk_length(rk_sub(met, camera.look_at)) <= 12 * 7 * epsilon,
+    rk_vec3 target = rk_madd(ray.origin, ray.direction, camera.distance);
+    rk_check(rk_length(rk_sub(target, camera.look_at)) <= 12 * 7 * epsilon,
              "missed by %g: a dozen roundings of lengths up to 7",
-             (double)rk_length(rk_sub(met, camera.look_at)));
+             (double)rk_length(rk_sub(target, camera.look_at)));
     rk_check(isinf(ray.t_max) && ray.t_max > 0, "a view ray has no end");
 }
 
@@ -133,8 +133,8 @@ static void directions_are_unit(void **state)
         }
 }
 
-/* A point on a ray is off by some roundings of the camera's distance from 0 and of t; seen from the
- * camera, that over the depth is an angle, and over the side of a pixel a distance in pixels. */
+/* A point on a ray has an error of a few roundings of the camera's distance from 0 and of t. Over
+ * the depth that is an angle, and over the side of a pixel a distance in pixels. */
 static double projection_bound(const rk_view *view, float t, float depth)
 {
     double off = (double)rk_length(view->position) + 4 * (double)t;

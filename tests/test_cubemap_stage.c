@@ -317,9 +317,9 @@ static void a_scene_without_an_environment_pays_nothing_for_it(void **state)
     options.environment_filter = RK_CUBEMAP_NEAREST;
     test_picture without = test_render(&scene, options, 2);
     rk_check_equal(without.counters.environment_lookups, 0, "there is none");
-    rk_check(!rk_plan_of(&scene, &options).environment, "it is not in the plan");
+    rk_check(!rk_plan_of(&scene, &options).cubemap, "it is not in the plan");
     add_environment(&scene);
-    rk_check(rk_plan_of(&scene, &options).environment, "now it is in the plan");
+    rk_check(rk_plan_of(&scene, &options).cubemap, "now it is in the plan");
     test_picture with = test_render(&scene, options, 2);
     rk_check_equal(with.counters.box_tests, without.counters.box_tests, "box tests");
     rk_check_equal(with.counters.triangle_tests, without.counters.triangle_tests, "triangle tests");

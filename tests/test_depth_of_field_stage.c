@@ -60,7 +60,7 @@ static void without_aperture_or_samples_the_picture_is_the_pinholes_to_the_bit(v
     options.shadows = options.reflections = true;
     for (options.samples = 1; options.samples <= 4; options.samples += 3) {
         rk_plan plan = rk_plan_of(&scene, &options);
-        rk_check(!plan.lens, "a lens without aperture is none");
+        rk_check(!plan.depth_of_field, "a lens without aperture is none");
         check_same_as_pinhole(&scene, options, "aperture 0");
         test_picture lens = test_render(&scene, options, 2);
         options.lens_samples = 0;
@@ -431,4 +431,4 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_lens_without_focus_is_refused),
 };
 
-RK_SUITE("lens", tests)
+RK_SUITE("depth_of_field_stage", tests)

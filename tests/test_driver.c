@@ -189,7 +189,8 @@ static void help_speaks_to_a_newcomer(void **state)
                                  "(default out)"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         check_contains(help.out, parts[i]);
-    const char *const riddles[] = {"nan", "inf", "4294967295", "4000000000", "e+"};
+    const char *const riddles[] = {"nan", "inf",         "4294967295",  "4000000000",
+                                   "e+",  "--recursion", "--light-map", "--settle"};
     for (size_t i = 0; i < sizeof riddles / sizeof *riddles; i++)
         rk_check(!strstr(help.out, riddles[i]), "what is \"%s\" in\n%s", riddles[i], help.out);
     run_free(&help);
@@ -243,6 +244,8 @@ static void every_bad_option_is_named_in_one_line(void **state)
         {"--timing --debug leaf", "--timing and --debug", "choose one"},
         {"--threads 1025", "--threads 1025", "0 to 1024"},
         {"--split half", "--split half", "median|sah|sah3"},
+        {"--light-map round", "--light-domain round", "area|solid-angle"},
+        {"--recursion 17", "--max-depth 17", "0 to 16"},
         {"--bins 1", "--bins 1", "2 to 256"},
         {"--isolate 3", "--isolate 3", "--time-samples N"},
         {"--environment=", "--environment", "sky"},
@@ -267,6 +270,45 @@ static void options_that_mean_nothing_together_are_refused(void **state)
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         check_feature_complaint(bad[i][0], *state, bad[i][1], bad[i][2], bad[i][3]);
+}
+
+static void an_option_without_effect_is_noted(void **state)
+{
+    const char *const cases[][3] = {
+        {"--glossy-radius 0.2", "--glossy-radius changes nothing", "--glossy, "},
+        {"--bloom-radius 3 --bloom-border clamp", "--bloom-radius changes nothing", "--bloom, "},
+        {"--light-map=area", "--light-domain changes nothing", "a light that is"},
+        {"--time-samples 2", "--time-samples changes nothing", "something that moves"},
+    };
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char words[128];
+        snprintf(words, sizeof words, "--scene cube --width 4 --height 4 %s", cases[i][0]);
+        run r = run_driver(*state, words);
+        rk_check_equal(r.status, 0, "it is drawn nevertheless");
+        check_contains(r.err, cases[i][1]);
+        check_contains(r.err, cases[i][2]);
+        rk_check_equal(strcspn(r.err, "\n") + 1, strlen(r.err), "one note for a feature");
+        run_free(&r);
+    }
+}
+
+static void an_option_with_effect_is_not_noted(void **state)
+{
+    const char *const cases[] = {"--reflections --glossy 2 --glossy-radius 0.2",
+                                 "--bloom --bloom-radius 3", "--move --time-samples 2 --isolate 1",
+                                 "--lens-samples 2 --aperture 20", "--shading phong"};
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char words[128];
+        snprintf(words, sizeof words, "--width 4 --height 4 %s", cases[i]);
+        run r = run_well(*state, words);
+        run_free(&r);
+    }
+    run quiet = run_well(*state, "--scene cube --width 4 --height 4 --quiet --glossy-radius 0.2");
+    run off = run_feature("06_bloom/bloom", *state,
+                          "--scene cube --width 4 --height 4 --bloom-intensity 0");
+    rk_check(off.status == 0 && !*off.err, "it turned the bloom off: %s", off.err);
+    run_free(&quiet);
+    run_free(&off);
 }
 
 static void levels_and_leaves_that_are_not_there_are_named(void **state)
@@ -353,6 +395,18 @@ static void captions_tell_nothing_of_the_machines_folders(void **state)
     test_path picture = test_folder_path(folder, "secret/place/figures/bvh_median_cube.png");
     check_metadata(picture, "raykit:command",
                    "bvh_median --scene=cube --width=4 --height=4 --out=DIR");
+    run_free(&r);
+}
+
+static void captions_name_the_present_spelling(void **state)
+{
+    const test_folder *folder = *state;
+    run r = run_well(folder,
+                     "--scene cube --width 4 --height 4 --recursion 3 --light-map=area --quiet");
+    test_path picture = test_folder_path(folder, "out/figures/bvh_median_cube.png");
+    check_metadata(picture, "raykit:command",
+                   "bvh_median --scene cube --width 4 --height 4 --max-depth 3 "
+                   "--light-domain=area --quiet");
     run_free(&r);
 }
 
@@ -581,12 +635,15 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(every_help_is_wrapped_as_if_by_hand),
     test_in_folder(every_bad_option_is_named_in_one_line),
     test_in_folder(options_that_mean_nothing_together_are_refused),
+    test_in_folder(an_option_without_effect_is_noted),
+    test_in_folder(an_option_with_effect_is_not_noted),
     test_in_folder(levels_and_leaves_that_are_not_there_are_named),
     test_in_folder(a_missing_mesh_is_named),
     test_in_folder(an_out_folder_that_cannot_be_is_named_before_rendering),
     test_in_folder(a_picture_that_cannot_be_written_leaves_nothing),
     test_in_folder(a_picture_lands_in_figures_with_its_parameters),
     test_in_folder(captions_tell_nothing_of_the_machines_folders),
+    test_in_folder(captions_name_the_present_spelling),
     test_in_folder(debug_views_have_pictures_of_their_own),
     test_in_folder(the_cuts_of_a_node_are_drawn_and_told),
     test_in_folder(quiet_says_nothing),

@@ -1,5 +1,5 @@
-/* Environments from files: every layout with marked faces, so that one that is mirrored, turned or
- * swapped is found out; the same map by every layout; and what cannot be one refused in a sentence.
+/* Environments from files: every layout with marked faces, so that reflected, rotated or swapped
+ * ones are detected; the same map by every layout; and other pictures refused in a sentence.
  *
  * Each start of the helper takes a quarter of a second, so most pictures here are PNG, which needs
  * none. */
@@ -10,11 +10,10 @@
 #include "io/environment_file.h"
 #include "io/image_file.h"
 
-/* --- Marked faces ----------------------------------------------------------------------------- */
+/* --- marked faces ----------------------------------------------------------------------------- */
 
-/* Of a face's 2 x 2 texels the top left one says which face it is, the top right one is white, and
- * those below are black, so that none looks the same mirrored or turned. PNG keeps 0 and 1 exactly.
- */
+/* Of a face's 2 x 2 texels the top left one identifies the face, the top right one is white, and
+ * those below are black, so that a face differs in each orientation. PNG keeps 0 and 1 exactly. */
 typedef struct mark {
     rk_cube_face face;
     rk_vec3 colour;
@@ -38,7 +37,8 @@ static rk_vec3 marked(rk_cube_face face, size_t column, size_t row)
     return row > 0 ? rk_vec(0, 0, 0) : column > 0 ? rk_vec(1, 1, 1) : marks[face].colour;
 }
 
-/* A 2 x 2 face with its top left corner at (x, y), turned by a half where the layout wants it. */
+/* A 2 x 2 face with its top left corner at (x, y), rotated by 180 degrees if the layout requires
+ * it. */
 static void draw_face(rk_image *image, rk_cube_face face, size_t x, size_t y, bool upside_down)
 {
     for (size_t row = 0; row < 2; row++)
@@ -92,9 +92,9 @@ static void check_refused(const char *path, const char *part)
     rk_check(!strchr(error.text, '\n'), "one line: %s", error.text);
 }
 
-/* --- Layouts ---------------------------------------------------------------------------------- */
+/* --- layouts ---------------------------------------------------------------------------------- */
 
-/* The row of four that both crosses share, as far as it goes. */
+/* The row of four in both crosses, as far as it goes. */
 static void draw_row(rk_image *image)
 {
     draw_face(image, RK_FACE_MINUS_X, 0, 2, false);
@@ -120,7 +120,7 @@ static void a_standing_cross_has_z_below_upside_down(void **state)
     check_marks(write_image(*state, "standing.png", &image).text);
 }
 
-/* The order and the names of OpenGL, whose +z is ahead, as our -z is. */
+/* OpenGL's order and names, where +z is ahead, like our -z. */
 static const struct {
     const char *name;
     rk_cube_face face;
@@ -155,7 +155,7 @@ static void six_files_go_by_a_pattern(void **state)
 {
     write_six(*state, "room_", "_2k.png");
     check_marks(test_folder_path(*state, "room_%s_2k.png").text);
-    /* Other signs of printf are just signs. */
+    /* Other conversions of printf are plain text. */
     write_six(*state, "100%d_", ".png");
     check_marks(test_folder_path(*state, "100%d_%s.png").text);
 }
@@ -170,7 +170,7 @@ static void six_files_go_by_their_folder(void **state)
     check_marks(test_folder_path(folder, "").text); /* with a slash at its end */
 }
 
-/* --- Longitude and latitude ------------------------------------------------------------------- */
+/* --- longitude and latitude ------------------------------------------------------------------- */
 
 /* A smooth function of direction, in [0, 1]. */
 static rk_vec3 smooth(rk_vec3 d)
@@ -215,11 +215,12 @@ static void longitude_and_latitude_become_the_cube(void **state)
     rk_image world = make_world(128);
     test_path path = write_image(*state, "world.exr", &world);
     rk_cubemap map = read_map(path.text);
-    /* 128 pixels around: texels in the middle of a face are no coarser from 128 / pi on. */
+    /* 128 pixels around the equator: from 128 / pi on, texels in the middle of a face are no
+     * coarser. */
     rk_check_equal(map.side, 41, "as fine as the picture's equator");
     rk_cubemap_free(&map);
-    /* Linear between pixels 2 pi / 128 apart: the square of that, an eighth of it, on each axis;
-     * 1 / 10 more at the poles, where the ring of the last pixels is. */
+    /* Linear interpolation between pixels 2 pi / 128 apart: an eighth of the square of that on each
+     * axis; 1 / 10 more at the poles, on the last ring of pixels. */
     double pixel = 2 * 3.1416 / 128;
     check_smooth(path.text, 2 * pixel * pixel / 8);
 }
@@ -230,17 +231,17 @@ static void the_smallest_world_is_two_pixels(void **state)
     *rk_image_at(&world, 0, 0) = rk_vec(1, 0, 0);
     *rk_image_at(&world, 1, 0) = rk_vec(0, 1, 0);
     rk_cubemap map = read_map(write_image(*state, "world.png", &world).text);
-    rk_check_equal(map.side, 1, "a texel a face");
+    rk_check_equal(map.side, 1, "one texel per face");
     rk_check(rk_length(rk_sub(map.faces[RK_FACE_X][0], rk_vec(0, 1, 0))) < 1e-6f,
              "the right half is around +x");
     rk_check(rk_length(rk_sub(map.faces[RK_FACE_MINUS_X][0], rk_vec(1, 0, 0))) < 1e-6f,
              "the left half is around -x");
     rk_check(rk_length(rk_sub(map.faces[RK_FACE_Y][0], rk_vec(0.5f, 0.5f, 0))) < 1e-6f,
-             "at the pole both meet");
+             "both agree at the pole");
     rk_cubemap_free(&map);
 }
 
-/* --- Formats ---------------------------------------------------------------------------------- */
+/* --- formats ---------------------------------------------------------------------------------- */
 
 /* A smooth function on the lying cross. */
 static rk_image make_cross(size_t side)
@@ -263,8 +264,8 @@ static rk_image make_cross(size_t side)
 
 static void every_format_arrives_linear(void **state)
 {
-    /* What a format loses: nothing; a step of 8-bit sRGB, whose slope is 2.3 at 1; a 128th of the
-     * brightest channel. JPG blurs the borders of cells, so it gets one colour. */
+    /* The error of each format: none; a step of 8-bit sRGB, whose slope is 2.3 at 1; a 128th of the
+     * brightest channel. JPG blurs the edges of cells, so it gets one colour. */
     const struct {
         const char *name;
         double tolerance;
@@ -299,7 +300,7 @@ static void one_pixel_faces_are_a_map(void **state)
     }
 }
 
-/* --- What cannot be an environment ------------------------------------------------------------ */
+/* --- refusals --------------------------------------------------------------------------------- */
 
 static void other_shapes_are_refused_with_their_size(void **state)
 {
@@ -360,7 +361,7 @@ static void a_pixel_that_is_not_a_number_is_named(void **state)
     check_refused(write_image(*state, "nan.exr", &image).text, "x 5, y 0");
 }
 
-/* The files end behind a head that claims much. */
+/* The files end after a header that claims too much. */
 static void huge_sizes_are_refused(void **state)
 {
     const char more[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 75000 +X 100000\n";
@@ -371,7 +372,7 @@ static void huge_sizes_are_refused(void **state)
                   "most.hdr");
 }
 
-/* Files cut short and with bytes changed: whatever comes of it, it is a map or one sentence. */
+/* Files truncated or with bytes changed: the result is a map or one sentence. */
 static void damaged_files_are_refused_or_read(void **state)
 {
     const test_folder *folder = *state;
@@ -391,7 +392,7 @@ static void damaged_files_are_refused_or_read(void **state)
         rk_cubemap map;
         rk_error error = {""};
         if (rk_environment_file_read(&map, path.text, &error)) {
-            rk_check(n >= 100, "a file cut to %zu of %zu bytes was accepted", length, size);
+            rk_check(n >= 100, "a file truncated to %zu of %zu bytes was accepted", length, size);
         } else {
             rk_check(map.side == 0 && !map.faces[0], "a map was left behind");
             rk_check_error_names(error, "damaged.png");
@@ -406,7 +407,7 @@ static void damaged_files_are_refused_or_read(void **state)
 static void truncated_files_of_other_formats_are_refused(void **state)
 {
     const test_folder *folder = *state;
-    const char *const names[] = {"cut.exr", "cut.hdr", "cut.jpg"};
+    const char *const names[] = {"truncated.exr", "truncated.hdr", "truncated.jpg"};
     for (int i = 0; i < 3; i++) {
         size_t size;
         rk_image image = make_cross(16);

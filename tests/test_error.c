@@ -1,10 +1,10 @@
-/* Errors are one sentence on one line, and short memory is one of them. */
+/* Errors are one sentence on one line; short memory is one of them. */
 #include "test.h"
 
 #include "base/error.h"
 
-/* AddressSanitizer and ThreadSanitizer end a program that asks for too much, unless told that the
- * program knows what to do with NULL. */
+/* AddressSanitizer and ThreadSanitizer end a program that requests too much, unless told that the
+ * program handles NULL. */
 const char *__asan_default_options(void);
 const char *__tsan_default_options(void);
 
@@ -53,7 +53,7 @@ static void a_long_sentence_is_truncated(void **state)
     memset(text, 'x', sizeof text - 1);
     text[sizeof text - 1] = '\0';
     rk_fail(&box.error, "%s", text);
-    rk_check_equal(strlen(box.error.text), sizeof box.error.text - 1, "cut, and ended");
+    rk_check_equal(strlen(box.error.text), sizeof box.error.text - 1, "truncated and terminated");
     rk_check(box.guard == '!', "nothing is written beyond the end");
 }
 
@@ -67,7 +67,7 @@ static void memory_comes_zeroed_on_a_cache_line(void **state)
         rk_check((uintptr_t)memory % 64 == 0, "%zu elements lie at %p", count, (void *)memory);
         for (size_t i = 0; i < 3 * count; i++) {
             rk_check_equal(memory[i], 0, "zeroed");
-            memory[i] = 255; /* so that the next block at this place starts dirty */
+            memory[i] = 255; /* so that the next block at this address starts dirty */
         }
         free(memory);
     }
@@ -99,7 +99,7 @@ static void memory_that_is_filled_at_once_comes_unset(void **state)
     rk_error error = {""};
     unsigned char *memory = rk_allocate_unset(100, 3, "bytes", &error);
     rk_check_ok(memory != NULL, error);
-    rk_check((uintptr_t)memory % 64 == 0, "it lies at %p", (void *)memory);
+    rk_check((uintptr_t)memory % 64 == 0, "it is at %p", (void *)memory);
     memset(memory, 1, 300);
     free(memory);
     rk_check(!rk_allocate_unset(SIZE_MAX, 2, "bytes", &error), "the same limits");

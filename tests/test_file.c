@@ -1,5 +1,5 @@
-/* Files appear whole or not at all, and never leave anything else behind: where the file system has
- * files without a name, and where it has none. */
+/* Files are written whole or not at all, and nothing else is left behind, on file systems with
+ * files without a name and on others. */
 #define _GNU_SOURCE /* O_TMPFILE, of Linux */
 #include "test.h"
 #include "test_folder.h"
@@ -13,7 +13,7 @@
 
 static bool all_files_have_names;
 
-/* Takes the place of the system's, which it calls. */
+/* Replaces the system's function, which it calls. */
 int open(const char *path, int flags, ...)
 {
     va_list list;
@@ -98,7 +98,7 @@ static void places_that_cannot_be_written_are_refused_at_once(void **state)
     memset(endless, 'x', sizeof endless - 1);
     endless[sizeof endless - 1] = '\0';
     check_refused(endless, "longer");
-    /* File systems have names of at most 255 bytes. */
+    /* File systems allow names of at most 255 bytes. */
     char name[257];
     memset(name, 'x', sizeof name - 1);
     name[sizeof name - 1] = '\0';
@@ -120,7 +120,7 @@ static void a_full_disk_is_an_error_and_keeps_the_older_file(void **state)
     const test_folder *folder = *state;
     test_path path = test_folder_path(folder, "old.txt");
     test_file_put(path.text, "old");
-    /* A little waits in the stream's buffer and fails at the commit; a lot fails before. */
+    /* A little stays in the stream's buffer and fails at the commit; a lot fails earlier. */
     const int sizes[] = {100, 1000000};
     for (int i = 0; i < 2; i++) {
         rk_file file = begin(path.text);
@@ -188,7 +188,7 @@ static void a_file_has_the_permissions_of_any_other(void **state)
     umask(before);
     rk_check_ok(rk_file_commit(&file, &error), error);
     rk_check(stat(path.text, &status) == 0, "it is there");
-    rk_check_equal(status.st_mode & 0777, 0640, "all may read and write it, but for the umask");
+    rk_check_equal(status.st_mode & 0777, 0640, "all may read and write it, except by the umask");
 }
 
 /* --- a process that dies ---------------------------------------------------------------------- */
@@ -295,7 +295,7 @@ static int named_or_not(void **state)
     return test_folder_teardown(state);
 }
 
-/* As it is, and where the file system wants a name for each file. */
+/* On this file system, and as on one without unnamed files. */
 #define test_both(name)                                                                            \
     test_in_folder(name),                                                                          \
     {                                                                                              \

@@ -1,5 +1,4 @@
-/* A folder of its own for a suite that needs files: made under TMPDIR, removed with all it holds.
- */
+/* A folder for a suite that needs files: made under TMPDIR, removed with its contents. */
 #ifndef RK_TESTS_TEST_FOLDER_H
 #define RK_TESTS_TEST_FOLDER_H
 
@@ -51,7 +50,7 @@ static inline test_path test_folder_write(const test_folder *folder, const char 
     return path;
 }
 
-/* Removes the folder with all that is in it. */
+/* Removes the folder with its contents. */
 static inline void test_folder_remove(const test_folder *folder)
 {
     DIR *directory = opendir(folder->path);
@@ -68,7 +67,7 @@ static inline void test_folder_remove(const test_folder *folder)
     rmdir(folder->path);
 }
 
-/* Files and folders directly in it. */
+/* The number of files and folders directly in it. */
 static inline int test_folder_count(const test_folder *folder)
 {
     DIR *directory = opendir(folder->path);
@@ -97,14 +96,14 @@ static inline unsigned char *test_folder_read(test_path path, size_t *size)
     return bytes;
 }
 
-/* Makes a file of the text. */
+/* Makes a file with this text. */
 static inline void test_file_put(const char *path, const char *text)
 {
     FILE *file = fopen(path, "wb");
     rk_check(file && fputs(text, file) >= 0 && fclose(file) == 0, "%s cannot be made", path);
 }
 
-/* The file holds the text and nothing else. */
+/* The file contains exactly this text. */
 static inline void test_file_check(const char *path, const char *want)
 {
     char got[4096] = "";
@@ -116,8 +115,7 @@ static inline void test_file_check(const char *path, const char *want)
              "%s holds\n%s\nbut should hold\n%s", path, got, want);
 }
 
-/* A folder for one test, which finds it as a test_folder * in its state: removed even when the
- * test fails. */
+/* A folder for one test, passed as a test_folder * in its state; removed even if the test fails. */
 static inline int test_folder_setup(void **state)
 {
     test_folder *folder = malloc(sizeof *folder);

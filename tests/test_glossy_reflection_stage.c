@@ -2,7 +2,7 @@
  * that nothing is drawn where nothing is rough. */
 #include "test_scene.h"
 
-#include "accel/ray_group.h"
+#include "accel/trace.h"
 
 static const double pi = 3.14159265358979323846;
 
@@ -242,7 +242,7 @@ static void a_mirror_behind_a_pane_spreads_rays_too(void **state)
     rk_scene_free(&scene);
 }
 
-/* --- Rays that are followed together ---------------------------------------------------------- */
+/* --- Rays that are traced together ---------------------------------------------------------- */
 
 static float noise(uint32_t a, uint32_t b, uint32_t c)
 {
@@ -254,8 +254,8 @@ static rk_vec3 noise3(uint32_t a, uint32_t b)
     return rk_vec(2 * noise(a, b, 0) - 1, 2 * noise(a, b, 1) - 1, 2 * noise(a, b, 2) - 1);
 }
 
-/* A few bundles of all widths, from 2 rays to 64. */
-static rk_ray_batch make_bundles(uint32_t key)
+/* A few groups of all widths, from 2 rays to 64. */
+static rk_ray_batch make_ray_groups(uint32_t key)
 {
     rk_ray_batch rays = {.count = 0};
     for (uint32_t k = 0; rays.count + 64 <= RK_BATCH_MAX; k++) {
@@ -273,7 +273,7 @@ static rk_ray_batch make_bundles(uint32_t key)
     return rays;
 }
 
-static void bundles_find_what_single_rays_find(void **state)
+static void ray_groups_find_what_single_rays_find(void **state)
 {
     (void)state;
     const char *const names[] = {"cornell", "cornell-glass", "sphere:1280", "spheres",
@@ -286,10 +286,10 @@ static void bundles_find_what_single_rays_find(void **state)
         uint32_t met = 0;
         rk_counters single = {0}, together = {0};
         for (uint32_t key = 0; key < 400; key++) {
-            rk_ray_batch rays = make_bundles(key);
+            rk_ray_batch rays = make_ray_groups(key);
             rk_hit_batch want, got;
             rk_accel_closest(&accel, &rays, &want, &single);
-            rk_ray_group_closest(&accel, &rays, &got, &together);
+            rk_accel_closest_still_grouped(&accel, &rays, &got, &together);
             for (uint32_t i = 0; i < rays.count; i++) {
                 met += want.triangle[i] != RK_MISS;
                 rk_check(got.triangle[i] == want.triangle[i] && got.t[i] == want.t[i] &&
@@ -369,16 +369,16 @@ static void without_rough_mirrors_no_sample_is_drawn(void **state)
     (void)state;
     rk_scene scene = make_half();
     rk_render_options options = small();
-    rk_check(rk_plan_of(&scene, &options).glossy, "here it is needed");
+    rk_check(rk_plan_of(&scene, &options).glossy_reflection, "here it is needed");
     options.reflections = false;
-    rk_check(!rk_plan_of(&scene, &options).glossy, "mirrors are off");
+    rk_check(!rk_plan_of(&scene, &options).glossy_reflection, "mirrors are off");
     check_same_as_perfect(&scene, options, "mirrors are off");
     options = small();
     options.max_depth = 0;
     check_same_as_perfect(&scene, options, "nothing is mirrored");
     options = small();
     scene.mesh.materials[0].ks = rk_vec(0, 0, 0);
-    rk_check(!rk_plan_of(&scene, &options).glossy, "there is no mirror");
+    rk_check(!rk_plan_of(&scene, &options).glossy_reflection, "there is no mirror");
     check_same_as_perfect(&scene, options, "there is no mirror");
     rk_scene_free(&scene);
 }
@@ -449,7 +449,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(renormalised_weights_keep_a_white_room_white),
     cmocka_unit_test(only_the_first_mirror_spreads_a_ray),
     cmocka_unit_test(a_mirror_behind_a_pane_spreads_rays_too),
-    cmocka_unit_test(bundles_find_what_single_rays_find),
+    cmocka_unit_test(ray_groups_find_what_single_rays_find),
     cmocka_unit_test(radius_0_is_a_perfect_mirror),
     cmocka_unit_test(a_tiny_radius_is_nearly_a_perfect_mirror),
     cmocka_unit_test(without_rough_mirrors_no_sample_is_drawn),
@@ -458,4 +458,4 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(more_samples_than_a_sampler_has_are_an_error),
 };
 
-RK_SUITE("glossy", tests)
+RK_SUITE("glossy_reflection_stage", tests)

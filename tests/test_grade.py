@@ -104,7 +104,7 @@ BAD = {
     "exit in the middle of a test is no pass": (unit("exit(0);"), ONE, "ended in the middle of the test"),
     "_Exit after printing ok is no pass": (
         unit(f'printf("1..1\\nok 1 - {ONE}\\n");\n    fflush(stdout);\n    _Exit(0);'),
-        ONE, "what it printed counts for nothing",
+        ONE, "its printed output does not count",
     ),
     "exit before main is refused": (
         unit("", "__attribute__((constructor)) static void early(void)\n{\n    exit(0);\n}"), ONE, "constructor"
@@ -266,7 +266,11 @@ def a_workbook_is_the_students(folder):
     for part in ("assignments/01_bvh_median", "src/features"):
         os.makedirs(os.path.join(source, part))
     with open(os.path.join(source, "assignments/features.tsv"), "w", encoding="utf-8") as file:
-        file.write("stem\tfolder\tneeds\nbvh_median\t01_bvh_median\t\n")
+        file.write("stem\tfolder\tneeds\tabout\tpicture\nbvh_median\t01_bvh_median\t\t\t\n")
+    with open(os.path.join(source, "assignments/01_bvh_median/handout.md"), "w", encoding="utf-8") as file:
+        file.write("# Trees\n\n[How to start](../handout_common.md#how-to-start)\n\n[points](points.tsv)\n")
+    with open(os.path.join(source, "assignments/handout_common.md"), "w", encoding="utf-8") as file:
+        file.write("# All\n\n## How to start\n\n<!-- kit -->\ncheck-{stem} IMPL=mine\n<!-- pack\ncheck\nend -->\n\n## More\n")
     reference = os.path.join(source, "src/features/bvh_median.c")
 
     def release(word):
@@ -277,6 +281,9 @@ def a_workbook_is_the_students(folder):
     make_workbook(source, mine)
     check(read(mine, "bvh_median.c") == "first\n" and "make check-bvh_median" in read(mine, "README.txt"),
           "a workbook holds the starters, and says what to do next")
+    check(read(mine, "bvh_median.md") == f"# Trees\n\n## How to start\n\ncheck-bvh_median IMPL={mine}\n\n"
+          "[points](../kit/assignments/01_bvh_median/points.tsv)\n",
+          "beside a starter stands its task, with what all share and the folder's name", read(mine, "bvh_median.md"))
     release("second")
     said = make_workbook(source, mine)
     check(read(mine, "bvh_median.c") == "second\n", "an unchanged starter is renewed", said)

@@ -5,6 +5,7 @@ submissions is graded. Speaks TAP, for make check-handout; runs in a build folde
 import html
 import json
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -19,7 +20,7 @@ import handout  # noqa: E402
 from grading import leak_check  # noqa: E402
 from grading.assignments import ToolError, read_features, read_points  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
-from mutants import mutate, read_mutants  # noqa: E402
+from grading.mutants import mutate, read_mutants  # noqa: E402
 from grading.starters import solution_lines, starter_of  # noqa: E402
 
 STEM = "bvh_median"
@@ -100,6 +101,21 @@ def texts_speak_of_the_pack(pack):
     except ToolError as error:
         check("docs/some.md:2" in str(error) and "DIR=mine" in str(error),
               "a text that is true in the kit only is refused, with file and line", error)
+
+
+def handouts_share_sections(folder):
+    texts = [handout.handout_of(SOURCE, feature) for feature in FEATURES.values()]
+    check(all("## How to start" in text and "## Points and handing in" in text
+              and "handout_common" not in text and "{" not in re.sub("`.*?`", "", text) for text in texts),
+          "each handout has the sections that all share, filled in")
+    write("# All\n\n## More\n", folder, "assignments", "handout_common.md")
+    write("[Start](../handout_common.md#start)\n", folder, "assignments", FEATURE.folder, "handout.md")
+    try:
+        handout.handout_of(folder, FEATURE)
+        check(False, "a section that is not there is refused")
+    except ToolError as error:
+        check(FEATURE.folder in str(error) and "\"start\"" in str(error) and "more" in str(error),
+              "a section that is not there is refused, with those that are", error)
 
 
 def smuggled_lines_are_found(pack):
@@ -229,7 +245,7 @@ def a_class_is_graded(folder):
         "crashing": ("static volatile int *volatile nowhere;\n" + reference.replace(start, start + "    *nowhere = 1;\n"), 0, 0, "NULL"),
         "hanging, by O'Brien": (reference.replace(any_hit, any_hit + "    for (volatile int k = 0; k < 2; k = 0) { }\n"), 1, TOTAL - 1, "endless loop"),
         "cheating by what it prints": (heads + STARTER.replace(
-            start, start + f'    printf("1..{len(TESTS)}\\n{oks}\\n");\n    fflush(stdout);\n    _Exit(0);\n'), 0, 0, "counts for nothing"),
+            start, start + f'    printf("1..{len(TESTS)}\\n{oks}\\n");\n    fflush(stdout);\n    _Exit(0);\n'), 0, 0, "does not count"),
         "cheating before main": ("#include <stdlib.h>\n__attribute__((constructor)) static void early(void)\n{\n    exit(0);\n}\n"
                                  + STARTER, 0, 0, "constructor"),
         "cheating by the suite's own names": (
@@ -256,10 +272,11 @@ def main():
         return 0
     folder = tempfile.mkdtemp(prefix="raykit-test-handout-")
     try:
-        places = {name: os.path.join(folder, name) for name in ("refused", "packed", "class")}
+        places = {name: os.path.join(folder, name) for name in ("refused", "shared", "packed", "class")}
         for place in places.values():
             os.mkdir(place)
         mistakes_are_refused(places["refused"])
+        handouts_share_sections(places["shared"])
         pack = os.path.join(places["packed"], "pack")
         said = handout.make_handout(SOURCE, [STEM], folder=pack, book=False)
         check(os.listdir(places["packed"]) == ["pack"] and "none where students write" in said[1],

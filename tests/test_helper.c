@@ -1,4 +1,4 @@
-/* Helper programs: fed, read, judged, stopped. Shell scripts stand in for the real ones. */
+/* Helper programs: input, output, verdict, stopping. Shell scripts replace the real ones. */
 #include "test.h"
 #include "test_folder.h"
 
@@ -25,7 +25,7 @@ typedef struct answer {
     rk_error error;
 } answer;
 
-/* Runs `script`, the body of a shell program, with call's other fields. */
+/* Runs `script`, the body of a shell program, with the call's other members. */
 static answer run_script(const char *script, rk_helper_call call)
 {
     char text[2048];
@@ -78,8 +78,8 @@ static void arguments_arrive_whole(void **state)
     free(got.output);
 }
 
-/* Input and output are each larger than any socket's buffer, and the helper answers while it still
- * reads: whoever sends first and reads later waits for ever. */
+/* Input and output each exceed any socket's buffer, and the helper writes while it still reads:
+ * sending everything first and reading later would wait for ever. */
 static void large_input_and_output_pass_without_deadlock(void **state)
 {
     (void)state;
@@ -114,7 +114,7 @@ static void *echo_much(void *unused)
     return ok ? &folder : NULL;
 }
 
-/* A child that inherited another's input would keep it from ever ending: both would be silent. */
+/* If a child inherited another's input, that would never end, and both would be silent. */
 static void threads_may_call_at_the_same_time(void **state)
 {
     (void)state;
@@ -224,7 +224,7 @@ static void silence_ends_after_the_timeout(void **state)
         double taken = seconds_now() - begin;
         rk_check(!got.ok, "silence was accepted as an answer");
         rk_check_error_names(got.error, "silent for 0.1 s");
-        /* Far below the script's 30 s, far above what a loaded machine delays. */
+        /* Far below the script's 30 s, far above the delays of a loaded machine. */
         rk_check(taken >= 0.1 && taken < 10, "stopped after %.2f s instead of 0.1", taken);
     }
 }
@@ -301,8 +301,8 @@ static void the_helper_inherits_nothing_but_its_three_streams(void **state)
     (void)state;
     if (access("/proc/self/fd", R_OK) != 0)
         return;
-    /* What make and the terminal left open reaches every child; popen's tells how many these are.
-     */
+    /* Every child inherits the descriptors that make and the terminal left open; popen's child
+     * counts them. */
     FILE *list = popen("ls /proc/self/fd | wc -l", "r");
     assert_non_null(list);
     int others = 0;

@@ -1,4 +1,4 @@
-/* Images: their sizes and places, and sRGB against its definition in double. */
+/* Images: their sizes and layout, and sRGB against its definition in double. */
 #include "test.h"
 
 #include "base/image.h"
@@ -86,7 +86,7 @@ static void srgb_follows_its_definition(void **state)
 {
     (void)state;
     rk_check_close(rk_srgb_encode(0.214041140f), 0.5, 1e-7, "a well-known pair");
-    /* The power's few roundings, and its base's times the exponent: 8 units of 2^-24. */
+    /* The power's few roundings, and its base's error times the exponent: 8 units of 2^-24. */
     for (int i = 0; i <= 100000; i++) {
         float v = (float)i / 100000;
         rk_check_close(rk_srgb_encode(v), encode_wide((double)v), 8 * 0x1p-24, "encoding");

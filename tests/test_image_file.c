@@ -1,4 +1,4 @@
-/* Pictures in formats other than PNG, through the real helper and through false ones.
+/* Pictures in formats other than PNG, through the real helper and through fake ones.
  *
  * Each start of the real helper loads OpenImageIO with its 260 libraries, a quarter of a second, so
  * a test starts it as few times as its claim allows. */
@@ -14,7 +14,7 @@
 #include <sys/wait.h>
 #include <time.h>
 
-/* Stands in for the archive's own, so that a test can take the helper away. */
+/* Replaces the archive's own function, so that a test can hide the helper. */
 static const char *helper_folder = RK_BUILD_FOLDER;
 
 const char *rk_helper_folder(void)
@@ -92,7 +92,7 @@ static void the_same_picture_gives_the_same_exr(void **state)
     rk_image image = make_noise(5, 5);
     size_t size_a, size_b;
     unsigned char *a = test_folder_read(write_image(*state, "a.exr", &image), &size_a);
-    /* The date in an EXR counts seconds, so let one go by. */
+    /* The date in an EXR counts seconds, so wait for the next one. */
     nanosleep(&(struct timespec){.tv_nsec = 800000000}, NULL);
     unsigned char *b = test_folder_read(write_image(*state, "b.exr", &image), &size_b);
     rk_check(size_a == size_b && memcmp(a, b, size_a) == 0, "a date or a name is in the file");
@@ -120,8 +120,8 @@ static void hdr_keeps_a_hundredth_of_the_brightest_channel(void **state)
     rk_image back = read_image(write_by_helper(*state, "noise.hdr", &image));
     for (size_t i = 0; i < 40 * 30; i++) {
         rk_vec3 v = image.pixels[i];
-        /* RGBE: three mantissas of 8 bits share the exponent of the largest, whose mantissa is at
-         * least 128, and the last bit is cut off. */
+        /* RGBE: three mantissas of 8 bits have the exponent of the largest, whose mantissa is at
+         * least 128, and the last bit is truncated. */
         float step = rk_max(v.x, rk_max(v.y, v.z)) / 128;
         for (int c = 0; c < 3; c++)
             rk_check_close(rk_axis(back.pixels[i], c), rk_axis(v, c), step,
@@ -137,8 +137,8 @@ static void jpeg_is_srgb_encoded(void **state)
     rk_image image = make_constant(16, 16, colour);
     rk_image back = read_image(write_by_helper(*state, "plain.jpg", &image));
     for (int c = 0; c < 3; c++)
-        /* A plain picture survives the cosine transform; the colours go through 8 bits twice, as
-         * RGB and as YCbCr: each at most a step of half, 1.772 wide for blue. */
+        /* A picture of one colour survives the cosine transform; colours go through 8 bits twice,
+         * as RGB and as YCbCr: each at most half a step, 1.772 wide for blue. */
         rk_check_close(255 * rk_srgb_encode(rk_axis(back.pixels[100], c)),
                        255 * rk_srgb_encode(rk_axis(colour, c)), 2.5, "stored sRGB-encoded");
     rk_image_free(&image);
@@ -148,7 +148,7 @@ static void jpeg_is_srgb_encoded(void **state)
 /* --- integers, byte by byte ------------------------------------------------------------------ */
 
 /* Writes an uncompressed TIFF 6.0 file, little-endian, all samples in one strip; `extra` is 0 or 2
- * (the last sample is an alpha that is not multiplied in), `orientation` 1 to 8. */
+ * (the last sample is an unassociated alpha), `orientation` 1 to 8. */
 static test_path write_tiff(const test_folder *folder, uint16_t width, uint16_t height,
                             uint16_t bits, uint16_t samples, uint16_t orientation,
                             const void *pixels)
@@ -198,13 +198,13 @@ static void eight_bit_grey_is_decoded_and_replicated(void **state)
 
 static void sixteen_bits_are_decoded_and_alpha_is_dropped(void **state)
 {
-    /* 0x8080 is 128 / 255 exactly; the alphas are a fourth and nothing. */
+    /* 0x8080 is 128 / 255 exactly; the alphas are a fourth and zero. */
     const unsigned char pixels[] = {0x80, 0x80, 0xff, 0xff, 1, 0, 0, 0x40,
                                     0xff, 0xff, 0x80, 0x80, 0, 0, 0, 0};
     rk_image image = read_image(write_tiff(*state, 2, 1, 16, 4, 1, pixels));
     rk_check_close(image.pixels[0].x, half, 1e-7, "one rounding to float");
     rk_check_close(image.pixels[0].y, 1, 0, "not darkened by its alpha");
-    rk_check_close(image.pixels[0].z, 1 / 65535.0 / 12.92, 1e-12, "what 8 bits would lose");
+    rk_check_close(image.pixels[0].z, 1 / 65535.0 / 12.92, 1e-12, "8 bits would lose it");
     rk_check_close(image.pixels[1].x, 1, 0, "colour stays where alpha is 0");
     rk_check_close(image.pixels[1].y, half, 1e-7, "one rounding to float");
     rk_image_free(&image);
@@ -256,7 +256,8 @@ static void a_viewer_sees_stripes_on_grey_but_not_a_thousandth(void **state)
     rk_image_file_difference d;
     rk_error error;
     rk_check_ok(rk_image_file_compare(&d, a.text, b.text, &error), error);
-    /* The 256 striped pixels are seen, with some of those around them, but not the right edge. */
+    /* The difference is visible in the 256 striped pixels and some around them, but not at the
+     * right edge. */
     rk_check(d.perceptual >= 256 && d.perceptual < 800, "%g pixels are seen of 256 that differ",
              d.perceptual);
     rk_image_free(&image);
@@ -313,7 +314,7 @@ static void check_broken_kind(const test_folder *folder, const char *name)
     unsigned char *bytes = test_folder_read(write_by_helper(folder, name, &image), &size);
     rk_image_free(&image);
     check_refused(test_folder_write(folder, name, bytes, size * 3 / 5, 0600), "; save or download");
-    /* Damage in the middle may go unseen, but must not be worse than an error. */
+    /* Damage in the middle may stay unnoticed, but must not be worse than an error. */
     for (size_t i = size / 2; i < size / 2 + 40; i++)
         bytes[i] ^= 0x5a;
     test_path path = test_folder_write(folder, name, bytes, size, 0600);
@@ -429,7 +430,8 @@ static pid_t start_writing(test_path input, test_path output)
 
 static void an_interrupted_exr_leaves_nothing(void **state)
 {
-    /* So large that it takes about a second: the temporary file is seen before it is whole. */
+    /* Large enough to take about a second, so that the temporary file is seen before it is
+     * complete. */
     rk_image image = make_noise(2048, 2048);
     size_t bytes;
     unsigned char *stream = stream_of(&image, &bytes);
@@ -466,7 +468,7 @@ static void other_endings_are_not_written(void **state)
     rk_image_free(&image);
 }
 
-/* --- false helpers --------------------------------------------------------------------------- */
+/* --- fake helpers ---------------------------------------------------------------------------- */
 
 /* From here until the end of the test, only the test's folder is searched for helpers. */
 static void use_helpers_of(const test_folder *folder)
@@ -498,7 +500,7 @@ static int teardown_false(void **state)
 #define test_with_false_helper(name)                                                               \
     cmocka_unit_test_setup_teardown(name, setup_false, teardown_false)
 
-/* A helper that answers with these bytes, whatever it is asked. */
+/* A helper that always gives this answer. */
 static void install_answer(const test_folder *folder, const void *bytes, size_t size)
 {
     test_path answer = test_folder_write(folder, "answer", bytes, size, 0600);
@@ -530,7 +532,7 @@ static void invalid_answers_are_refused(void **state)
         rk_image_stream_head head;
         float pixels[6];
     } answer;
-    const answer sound = {{RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION, 2, 1},
+    const answer valid = {{RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION, 2, 1},
                           {1, 2, 3, 4, 5, 6}};
     const rk_image_stream_head heads[] = {
         {RK_IMAGE_STREAM_MAGIC + 1, RK_IMAGE_STREAM_VERSION, 2, 1},
@@ -542,23 +544,23 @@ static void invalid_answers_are_refused(void **state)
         {RK_IMAGE_STREAM_MAGIC, RK_IMAGE_STREAM_VERSION, 40000, 1}};
     test_path path = test_folder_path(*state, "a.exr");
     for (size_t i = 0; i < sizeof heads / sizeof *heads; i++) {
-        answer broken = sound;
+        answer broken = valid;
         broken.head = heads[i];
         install_answer(*state, &broken, sizeof broken);
         check_refused(path, "invalid answer");
     }
-    const size_t sizes[] = {0, 1, sizeof sound.head, sizeof sound - 1};
+    const size_t sizes[] = {0, 1, sizeof valid.head, sizeof valid - 1};
     for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
-        install_answer(*state, &sound, sizes[i]);
+        install_answer(*state, &valid, sizes[i]);
         check_refused(path, "invalid answer");
     }
-    answer infinite = sound;
+    answer infinite = valid;
     infinite.pixels[4] = INFINITY;
     install_answer(*state, &infinite, sizeof infinite);
     check_refused(path, "x 1, y 0");
-    install_answer(*state, &sound, sizeof sound);
+    install_answer(*state, &valid, sizeof valid);
     rk_image image = read_image(path);
-    rk_check_close(image.pixels[1].z, 6, 0, "the sound answer is believed");
+    rk_check_close(image.pixels[1].z, 6, 0, "the valid answer is accepted");
     rk_image_free(&image);
 }
 
@@ -583,7 +585,7 @@ static void invalid_comparisons_are_refused(void **state)
     }
     install_answer(*state, "0.5 inf 3 4 5 6\n", 16);
     rk_check_ok(rk_image_file_compare(&d, "a.png", "b.png", &error), error);
-    rk_check_close(d.rms, 0.5, 0, "the sound answer is believed");
+    rk_check_close(d.rms, 0.5, 0, "the valid answer is accepted");
 }
 
 static void a_helper_that_dies_is_an_error_with_the_files_name(void **state)

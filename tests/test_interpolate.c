@@ -45,7 +45,7 @@ static void each_corner_has_its_own_weight(void **state)
     rk_check_close(pair.y, 8, 0, "64 / 8");
 }
 
-/* Interpolating a linear function of the corners is the function at the point. */
+/* Interpolating values of a linear function gives its value at the point. */
 static void linear_functions_are_reproduced(void **state)
 {
     (void)state;
@@ -60,7 +60,7 @@ static void linear_functions_are_reproduced(void **state)
         of = rk_interpolate3(rk_vec(value[0], 0, 0), rk_vec(value[1], 0, 0), rk_vec(value[2], 0, 0),
                              w);
         double want = 2 * (double)point.x - 3 * (double)point.y + 0.5 * (double)point.z + 1;
-        /* Values are up to 6.5: about five roundings of 2^-24 each, and of the weights' sum. */
+        /* Values are up to 6.5: about five roundings of 2^-24 each, and one of the weights' sum. */
         rk_check_close(of.x, want, 6.5 * 8 * 0x1p-24, "linear in the point");
         rk_vec2 pair = rk_interpolate2((rk_vec2){value[0], 1}, (rk_vec2){value[1], 1},
                                        (rk_vec2){value[2], 1}, w);

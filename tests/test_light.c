@@ -1,4 +1,4 @@
-/* Lights: which have one colour, and what a segment gives to a surface. */
+/* Lights: those of one colour, and a segment's irradiance. */
 #include "test.h"
 
 #include "scene/light.h"
@@ -29,8 +29,8 @@ static void a_segment_gives_the_value_of_its_integral(void **state)
     (void)state;
     const double pi = 3.14159265358979323846;
     const rk_dvec3 up = {0, 0, 1}, aside = {1, 0, 0}, along = {2e6, 0, 0};
-    /* At height 2 from phi = 0 to nearly pi / 2: the integral of cos^2 phi is pi / 4, that of
-     * sin phi cos phi is 1 / 2. */
+    /* At height 2 from phi = 0 to nearly pi / 2: the integral of cos^2 phi is pi / 4, and of sin
+     * phi cos phi 1 / 2. */
     rk_check_close(rk_light_segment_irradiance((rk_dvec3){0, 0, 2}, along, up), pi / 8, 1e-6,
                    "half of a long segment above the surface");
     rk_check_close(rk_light_segment_irradiance((rk_dvec3){0, 0, 2}, along, aside), 0.25, 1e-6,

@@ -1,4 +1,4 @@
-/* Meshes: made, refused when broken, moved into the unit ball. */
+/* Meshes: made, refused when broken, scaled into the unit ball. */
 #include "test.h"
 
 #include "scene/mesh.h"
@@ -55,10 +55,10 @@ static void a_broken_material_is_refused_with_its_place(void **state)
 {
     (void)state;
     rk_mesh mesh = make_square();
-    const rk_material sound = mesh.materials[0];
+    const rk_material valid = mesh.materials[0];
     rk_material broken[10];
     for (int i = 0; i < 10; i++)
-        broken[i] = sound;
+        broken[i] = valid;
     broken[0].kd.y = NAN;
     broken[1].ks.z = INFINITY;
     broken[2].shininess = -1;
@@ -112,7 +112,7 @@ static void a_texture_is_one_of_the_meshs_and_has_an_image(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* Who forgets the images fails under AddressSanitizer, which finds the leak. */
+/* If images are not freed, AddressSanitizer reports the leak. */
 static void a_mesh_frees_its_textures_and_may_be_freed_again(void **state)
 {
     (void)state;
@@ -133,7 +133,7 @@ static void normalizing_puts_the_mean_at_zero_and_the_farthest_vertex_at_one(voi
     /* The square's corners are at distance sqrt 2 from its centre (2, 2, 5). */
     rk_check_close(mesh.positions[0].x, -0.70710678, 1e-7, "one rounding to float");
     rk_check_close(mesh.positions[2].y, 0.70710678, 1e-7, "one rounding to float");
-    rk_check_close(mesh.positions[2].z, 0, 0, "the square lies in its centre's plane");
+    rk_check_close(mesh.positions[2].z, 0, 0, "the square is in its centre's plane");
     rk_mesh_free(&mesh);
 }
 

@@ -1,5 +1,5 @@
-/* Mesh files: each format loads to the same mesh, and what is wrong with a file is said in one
- * line that names the file and the place. */
+/* Mesh files: each format loads to the same mesh, and a fault is reported in one line that names
+ * the file and the place. */
 #include "test.h"
 
 #include "mesh_seeds.h"
@@ -45,7 +45,7 @@ static void check_refused_path(const char *path, const char *place, const char *
     rk_check_error_names(error, what);
 }
 
-/* The file is refused with "PATHPLACE ...": `place` is what follows the file's name. */
+/* The file is refused with "PATHPLACE ...": `place` follows the file's name. */
 static void check_refused(const char *name, const char *text, const char *place, const char *what)
 {
     check_refused_path(write_text(name, text).text, place, what);
@@ -69,21 +69,21 @@ static void check_point(rk_vec3 got, float x, float y, float z)
              (double)got.x, (double)got.y, (double)got.z, (double)x, (double)y, (double)z);
 }
 
-/* --- what loads ---------------------------------------------------------------------------- */
+/* --- loading -------------------------------------------------------------------------------- */
 
 static void every_format_gives_the_same_square_and_triangle(void **state)
 {
     (void)state;
     for (int format = seed_obj; format <= seed_off; format++) {
         rk_mesh mesh = load(write_seed(format));
-        rk_check_equal(mesh.triangle_count, 3, "a square cut in two, and a triangle");
+        rk_check_equal(mesh.triangle_count, 3, "a square as two triangles, and a triangle");
         check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
         check_point(vector_area(&mesh, 1), 0, 0, 0.5f);
         check_point(corner(&mesh, 2, 0), 0, 0, 0);
         check_point(corner(&mesh, 2, 1), 1, 0, 0);
         check_point(corner(&mesh, 2, 2), 0.5f, 0, 1);
         if (format != seed_obj) {
-            rk_check_equal(mesh.vertex_count, 5, "shared corners are one vertex");
+            rk_check_equal(mesh.vertex_count, 5, "common corners are one vertex");
             rk_check_equal(mesh.material_count, 1, "the default");
             check_point(mesh.materials[0].kd, 0.8f, 0.8f, 0.8f);
             rk_check(!mesh.normals && !mesh.texcoords, "the file has none");
@@ -144,7 +144,8 @@ static void gltf_parts_stand_where_their_nodes_put_them(void **state)
     (void)state;
     rk_mesh mesh = load(write_seed(seed_gltf));
     rk_check_equal(mesh.triangle_count, 3, "two parts");
-    rk_check_equal(mesh.vertex_count, 7, "the parts share no point once moved; unused ones go");
+    rk_check_equal(mesh.vertex_count, 7,
+                   "the moved parts have no common point; unused ones are left out");
     check_point(corner(&mesh, 0, 0), 10, 0, 0);
     check_point(corner(&mesh, 0, 2), 11, 1, 0);
     check_point(corner(&mesh, 2, 2), 1, 0, 2);
@@ -179,7 +180,8 @@ static void a_zero_normal_is_replaced_by_the_faces(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* An L, from its inner corner's neighbour, clockwise and counterclockwise: a fan would leave it. */
+/* An L, from its inner corner's neighbour, clockwise and counterclockwise: a fan would extend
+ * beyond it. */
 static void a_polygon_that_is_not_convex_is_triangulated_inside(void **state)
 {
     (void)state;
@@ -234,7 +236,7 @@ static void a_missing_mtl_is_a_note_not_an_error(void **state)
 
 /* --- textures ------------------------------------------------------------------------------ */
 
-/* A square whose corners have the texture coordinates of the four texels' centres, once with each
+/* A square with the centres of the four texels as texture coordinates of its corners, once per
  * material. */
 static test_path write_textured_obj(const char *mtl, const char *materials)
 {
@@ -254,7 +256,7 @@ static const rk_texture *texture_of(const rk_mesh *mesh, uint32_t triangle)
     return mesh->materials[mesh->triangle_materials[triangle]].kd_texture;
 }
 
-/* Seen from +z, the picture stands upright on the unit square. */
+/* Seen from +z, the picture is upright on the unit square. */
 static void check_upright(const rk_mesh *mesh)
 {
     const rk_texture *texture = texture_of(mesh, 0);
@@ -411,7 +413,7 @@ static void pictures_without_texture_coordinates_are_a_note(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* Else its surface would have the colour of one texel. */
+/* Otherwise its surface would have the colour of one texel. */
 static void a_part_without_texture_coordinates_shows_its_colour_alone(void **state)
 {
     (void)state;
@@ -427,7 +429,7 @@ static void a_part_without_texture_coordinates_shows_its_colour_alone(void **sta
     rk_mesh_free(&mesh);
 }
 
-/* Files are opened 1024 times at most, and none is here. */
+/* At most 1024 files are opened, and none of these exists. */
 static void more_pictures_than_1024_are_a_note(void **state)
 {
     (void)state;
@@ -450,7 +452,7 @@ static void more_pictures_than_1024_are_a_note(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* --- what is refused ----------------------------------------------------------------------- */
+/* --- refusals ------------------------------------------------------------------------------- */
 
 static void obj_mistakes_are_found_with_their_line(void **state)
 {
@@ -517,7 +519,7 @@ static void binary_ply_mistakes_are_found_with_their_place(void **state)
         "face 1 uses vertex 200");
     for (size_t cut = 1; cut <= 60 + 17 + 13; cut += 8)
         check_refused_path(
-            test_folder_write(&folder, "cut.ply", seed.bytes, seed.size - cut, 0600).text,
+            test_folder_write(&folder, "truncated.ply", seed.bytes, seed.size - cut, 0600).text,
             cut <= 30 ? ":8: " : ":4: ", "the file ends in row");
 }
 
@@ -576,7 +578,7 @@ static void a_file_of_absurd_size_is_refused_unread(void **state)
     check_refused_path(path.text, ": ", "larger than 4 GB");
 }
 
-/* --- what a helper may answer -------------------------------------------------------------- */
+/* --- answers of a helper -------------------------------------------------------------------- */
 
 typedef struct triangle_stream {
     rk_mesh_stream_header header;
@@ -611,8 +613,7 @@ static triangle_stream make_stream(void)
     return s;
 }
 
-/* What rk_mesh_file_read makes of these bytes, which a shell script in the helper's place writes.
- */
+/* Passes these bytes to rk_mesh_file_read, written by a shell script in the helper's place. */
 static bool read_stream(const triangle_stream *stream, size_t size, rk_error *error)
 {
     const char *before = getenv("RAYKIT_HELPERS");

@@ -707,4 +707,4 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_shutter_that_closes_before_it_opens_is_refused),
 };
 
-RK_SUITE("moving", tests)
+RK_SUITE("motion_blur_stage", tests)

@@ -7,42 +7,51 @@
 #include <fcntl.h>
 #include <float.h>
 
-static struct {
+typedef enum colour { red, green, blue } colour;
+
+typedef struct choices {
     bool quiet;
-    uint32_t width, seed;
+    uint32_t width, seed, last;
     float fov, far, near;
     const char *out, *way;
     rk_text_list meshes;
     rk_pixel pixel;
-    enum { red, green, blue } light;
-} values;
+    colour light;
+} choices;
+
+static choices values;
+
+RK_NAMES(colour_names, colour, blue, "red", "green", "blue");
 
 static const rk_option common[] = {
-    {"width", RK_OPTION_UINT, &values.width, "N", "picture width in pixels", 1, 32768},
-    {"seed", RK_OPTION_UINT, &values.seed, "N", "seed of the random numbers", 0, UINT32_MAX},
-    {"quiet", RK_OPTION_FLAG, &values.quiet, NULL, "shows no progress", 0, 0},
-    {"out", RK_OPTION_TEXT, &values.out, "FOLDER", "where the pictures go", 0, 0},
+    {"width", RK_FIELD(choices, width), "N", "picture width in pixels", 1, 32768, 800,
+     .alias = "columns"},
+    {"seed", RK_FIELD(choices, seed), "N", "seed of the random numbers", 0, UINT32_MAX, 0},
+    {"quiet", RK_FIELD(choices, quiet), NULL, "shows no progress"},
+    {"out", RK_FIELD(choices, out), "FOLDER", "where the pictures go",
+     .initial_text = "reports/out"},
     {0},
 };
 static const rk_option own[] = {
-    {"fov", RK_OPTION_FLOAT, &values.fov, "DEGREES",
+    {"fov", RK_FIELD(choices, fov), "DEGREES",
      "vertical field of view in degrees, which is a help text that needs more than one line of a "
      "terminal",
-     1, 179},
-    {"far", RK_OPTION_FLOAT, &values.far, "X", "any distance", 0, INFINITY},
-    {"near", RK_OPTION_FLOAT, &values.near, "X", "any distance; by default none", 0, 9},
-    {"way", RK_OPTION_TEXT, &values.way, "NAME",
-     "left   a way\nright  a way which is told in more words than a line will ever hold", 0, 0},
-    {"mesh", RK_OPTION_LIST, &values.meshes, "FILE", "a mesh file\nmay come again", 0, 0},
-    {"pixel", RK_OPTION_PIXEL, &values.pixel, "X,Y", "narrates one pixel", 0, 0},
-    {"light", RK_OPTION_CHOICE, &values.light, "red|green|blue", "its colour", 0, 0},
-    {"narrow", RK_OPTION_FLAG, &values.quiet, NULL,
+     1, 179, 50},
+    {"far", RK_FIELD(choices, far), "X", "any distance", 0, INFINITY, 2.5},
+    {"near", RK_FIELD(choices, near), "X", "any distance; by default none", 0, 9, NAN},
+    {"last", RK_FIELD(choices, last), "N", "by default all", 0, 9, UINT32_MAX},
+    {"way", RK_FIELD(choices, way), "NAME",
+     "left   a way\nright  a way which is told in more words than a line will ever hold"},
+    {"mesh", RK_FIELD(choices, meshes), "FILE", "a mesh file\nmay come again"},
+    {"pixel", RK_FIELD(choices, pixel), "X,Y", "narrates one pixel"},
+    {"light", RK_CHOICE(choices, light, colour_names), "its colour", .alias = "lamp"},
+    {"narrow", RK_FIELD(choices, quiet), NULL,
      "a b c d e f g h i j k l m n o p q r s t u v w x y z a b c d e f g h i j k l m n o p q r s t "
-     "u v",
-     0, 0},
-    {"an-option-with-a-long-name", RK_OPTION_FLAG, &values.quiet, NULL, "as quiet", 0, 0},
+     "u v"},
+    {"an-option-with-a-long-name", RK_FIELD(choices, quiet), NULL, "as quiet"},
     {0},
 };
+static const rk_option_table tables[] = {{common, &values}, {own, &values}};
 static const char summary[] =
     "Renders a picture, which takes a summary that does not fit one line of "
     "eighty columns.\nSecond line.";
@@ -55,13 +64,12 @@ static rk_options_result parse(const char *line, rk_error *error)
     static char text[4096];
     char *argv[arguments_max + 2] = {(char[]){"folder/program"}};
     int argc = 1;
-    memset(&values, 0, sizeof values);
-    values.width = 800, values.fov = 50, values.far = 2.5f, values.near = NAN,
-    values.out = "reports/out";
+    memset(&values, 0xff, sizeof values);
+    rk_options_set_defaults(common, &values);
+    rk_options_set_defaults(own, &values);
     snprintf(text, sizeof text, "%s", line);
     for (char *word = strtok(text, " "); word && argc <= arguments_max; word = strtok(NULL, " "))
         argv[argc++] = word;
-    const rk_option *const tables[] = {common, own};
     *error = (rk_error){""};
     return rk_options_parse(argc, argv, summary, tables, 2, error);
 }
@@ -91,6 +99,27 @@ static void without_arguments_the_defaults_stay(void **state)
     rk_check(values.width == 800 && values.fov == 50 && values.meshes.count == 0 &&
                  !values.pixel.given && !values.quiet && strcmp(values.out, "reports/out") == 0,
              "a default has changed");
+    rk_check(isnan(values.near) && values.last == UINT32_MAX && !values.way &&
+                 values.light == red && values.seed == 0,
+             "what is not given is NaN, above the range, or none");
+}
+
+static void a_row_knows_the_kind_of_its_field(void **state)
+{
+    (void)state;
+    const struct {
+        const char *name, *field;
+        rk_option_kind kind;
+    } want[] = {{"fov", "fov", RK_OPTION_FLOAT},     {"last", "last", RK_OPTION_UINT},
+                {"way", "way", RK_OPTION_TEXT},      {"mesh", "meshes", RK_OPTION_LIST},
+                {"pixel", "pixel", RK_OPTION_PIXEL}, {"light", "light", RK_OPTION_CHOICE},
+                {"narrow", "quiet", RK_OPTION_FLAG}};
+    for (size_t i = 0; i < sizeof want / sizeof *want; i++)
+        for (const rk_option *row = own; row->name; row++)
+            if (strcmp(row->name, want[i].name) == 0) {
+                rk_check_equal(row->kind, want[i].kind, row->name);
+                assert_string_equal(row->field, want[i].field);
+            }
 }
 
 static void each_kind_of_value_is_read(void **state)
@@ -147,6 +176,70 @@ static void parsing_again_starts_anew(void **state)
         check_accepted("--quiet --width 4");
         rk_check(values.quiet && values.width == 4, "nothing is left of the parse before");
     }
+}
+
+static void an_older_spelling_sets_the_same(void **state)
+{
+    (void)state;
+    check_accepted("--columns 3 --lamp blue");
+    rk_check(values.width == 3 && values.light == blue, "--columns is --width, --lamp is --light");
+    check_accepted("--columns=3 --width=4");
+    rk_check_equal(values.width, 4, "the last one counts, however it is spelled");
+    check_refused("--columns 0", "--width 0", "1 to 32768");
+    check_refused("--lamp pink", "--light pink", "one of red|green|blue");
+}
+
+static void an_argument_that_is_spelled_out_is_found(void **state)
+{
+    (void)state;
+    const char *const good[] = {"--width", "--width=3", "--columns", "--columns=3", "--width="};
+    for (size_t i = 0; i < sizeof good / sizeof *good; i++)
+        rk_check(rk_options_find(tables, 2, good[i]) == &common[0], "%s is --width", good[i]);
+    const char *const others[] = {"width", "--col", "--columnss", "--", "--=", "", "-width", "3"};
+    for (size_t i = 0; i < sizeof others / sizeof *others; i++)
+        rk_check(!rk_options_find(tables, 2, others[i]), "%s is no option's name", others[i]);
+}
+
+/* --- values that programs set ---------------------------------------------------------------- */
+
+static void check_row_refuses(const rk_option *rows, const char *field, const char *takes)
+{
+    rk_error error = {""};
+    rk_check(!rk_options_check(rows, &values, &error), "%s was accepted", field);
+    rk_check_error_names(error, field);
+    rk_check_error_names(error, takes);
+    check_accepted("");
+}
+
+static void a_value_out_of_range_is_refused_by_its_field(void **state)
+{
+    (void)state;
+    check_accepted("");
+    values.width = 0;
+    check_row_refuses(common, "width is 0", "a whole number, 1 to 32768");
+    values.width = 32769;
+    check_row_refuses(common, "width is 32769", "1 to 32768");
+    values.fov = NAN;
+    check_row_refuses(own, "fov is nan", "1 to 179");
+    values.far = -0.5f;
+    check_row_refuses(own, "far is -0.5", "0 or more");
+    values.last = 10;
+    check_row_refuses(own, "last is 10", "0 to 9");
+    values.light = (colour)3;
+    check_row_refuses(own, "light is 3", "colour goes from 0 to 2");
+}
+
+static void defaults_and_both_ends_of_a_range_are_accepted(void **state)
+{
+    (void)state;
+    rk_error error;
+    check_accepted("");
+    rk_check_ok(rk_options_check(common, &values, &error), error);
+    rk_check_ok(rk_options_check(own, &values, &error), error);
+    values.width = 32768, values.fov = 179, values.far = INFINITY, values.near = 9, values.last = 9,
+    values.light = blue;
+    rk_check_ok(rk_options_check(common, &values, &error), error);
+    rk_check_ok(rk_options_check(own, &values, &error), error);
 }
 
 /* --- refusals -------------------------------------------------------------------------------- */
@@ -351,6 +444,9 @@ static void help_lists_every_option_with_range_and_default(void **state)
     check_lists(help.output, "  --pixel X,Y           narrates one pixel\n");
     check_lists(help.output, "its colour (default red)\n");
     check_lists(help.output, "  --light red|green|blue\n");
+    rk_check(!strstr(help.output, "--columns") && !strstr(help.output, "--lamp"),
+             "older spellings are not listed:\n%s", help.output);
+    check_lists(help.output, "by default all (0 to 9)\n");
     check_lists(help.output, "  --an-option-with-a-long-name\n                        as quiet\n");
     check_lists(help.output, "  --help                this text\n");
     check_lists(help.output, "  --version             the version\n");
@@ -425,11 +521,16 @@ static void help_into_a_full_device_is_an_error(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(without_arguments_the_defaults_stay),
+    cmocka_unit_test(a_row_knows_the_kind_of_its_field),
     cmocka_unit_test(each_kind_of_value_is_read),
     cmocka_unit_test(both_ends_of_a_range_belong_to_it),
     cmocka_unit_test(the_last_of_several_values_counts),
     cmocka_unit_test(an_unmistakable_beginning_of_a_name_is_enough),
     cmocka_unit_test(parsing_again_starts_anew),
+    cmocka_unit_test(an_older_spelling_sets_the_same),
+    cmocka_unit_test(an_argument_that_is_spelled_out_is_found),
+    cmocka_unit_test(a_value_out_of_range_is_refused_by_its_field),
+    cmocka_unit_test(defaults_and_both_ends_of_a_range_are_accepted),
     cmocka_unit_test(unknown_options_are_refused),
     cmocka_unit_test(a_missing_value_is_refused_with_what_it_takes),
     cmocka_unit_test(a_value_for_a_flag_is_refused),

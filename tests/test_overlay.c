@@ -2,6 +2,7 @@
  * harmless for whatever they are given; and the single rays that find what to draw. */
 #include "test_scene.h"
 
+#include "accel/trace.h"
 #include "accel/trace_one.h"
 #include "driver/overlay.h"
 

@@ -1,5 +1,5 @@
-/* Threads: each item once, with storage of its own, and really at the same time. What this suite
- * cannot see, `./configure --enable-sanitizers=thread` does. */
+/* Threads: each item once, with separate storage, and really at the same time. `./configure
+ * --enable-sanitizers=thread` finds the errors that this suite cannot. */
 #ifdef __linux__
 #define _GNU_SOURCE /* sched_setaffinity, pthread_setattr_default_np */
 #endif
@@ -15,8 +15,8 @@
 enum { most_items = 10000, most_threads = 8 };
 
 typedef struct work_log {
-    atomic_uint done[most_items + 1]; /* how often each item was done; the last: out of range */
-    unsigned done_by[most_threads];   /* not atomic: each thread counts in its own place */
+    atomic_uint done[most_items + 1]; /* count per item; the last: out of range */
+    unsigned done_by[most_threads];   /* not atomic: each thread has its own counter */
     atomic_uint strangers;            /* calls with a thread number out of range */
     uint32_t threads;
 } work_log;
@@ -119,7 +119,7 @@ typedef struct meeting {
     uint32_t present, expected;
 } meeting;
 
-/* Waits until everybody is here, but not for ever. */
+/* Waits until all threads are here, but not for ever. */
 static void meet(uint32_t index, uint32_t thread, void *context)
 {
     (void)index, (void)thread;

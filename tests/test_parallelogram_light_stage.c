@@ -318,4 +318,4 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(tinted_light_is_never_settled_as_free),
 };
 
-RK_SUITE("light_stage", tests)
+RK_SUITE("parallelogram_light_stage", tests)

@@ -309,4 +309,4 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(batches_that_overflow_lose_nothing),
 };
 
-RK_SUITE("follow", tests)
+RK_SUITE("paths", tests)

@@ -1,4 +1,4 @@
-/* Pictures in formats that the helper writes, and the library does not. */
+/* Pictures in formats that the helper writes, but not the library. */
 #ifndef RK_TESTS_TEST_PICTURE_FILE_H
 #define RK_TESTS_TEST_PICTURE_FILE_H
 
@@ -9,7 +9,7 @@
 #include "io/helper.h"
 #include "io/image_stream.h"
 
-/* The picture as the helper wants it, to free(). */
+/* The picture in the helper's input format, to free(). */
 static inline unsigned char *stream_of(const rk_image *image, size_t *bytes)
 {
     size_t pixels = image->width * image->height * sizeof *image->pixels;

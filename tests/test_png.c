@@ -1,4 +1,4 @@
-/* PNG pictures: what is written comes back, what is broken is refused with a sentence. */
+/* PNG pictures: written ones read back the same, broken ones are refused with a sentence. */
 #include "test.h"
 #include "test_folder.h"
 
@@ -11,7 +11,7 @@
 #include <signal.h>
 #include <sys/resource.h>
 
-/* The transfer function once more, in double and from the standard's other direction. */
+/* The transfer function again, in double and by the standard's inverse formula. */
 static double encode_exactly(double linear)
 {
     return linear <= 0.0031308 ? 12.92 * linear : 1.055 * pow(linear, 1 / 2.4) - 0.055;
@@ -243,7 +243,7 @@ typedef struct kind {
     int width, height;
 } kind;
 
-/* Writes a picture of any kind with libpng itself. */
+/* Writes a picture of any kind directly with libpng. */
 static test_path write_kind(const test_folder *folder, const kind *k)
 {
     test_path path = test_folder_path(folder, "kind.png");
@@ -332,7 +332,7 @@ static void grey_is_replicated_at_one_eight_and_sixteen_bits(void **state)
 
 static void sixteen_bits_keep_what_eight_would_lose(void **state)
 {
-    /* 1 / 65535 is on the curve's straight foot. */
+    /* 1 / 65535 is on the linear foot of the curve. */
     kind k = {.colour = PNG_COLOR_TYPE_RGB,
               .depth = 16,
               .row = (unsigned char[]){0, 1, 128, 128, 255, 255},
@@ -395,7 +395,7 @@ static void a_gamma_other_than_srgbs_is_honoured(void **state)
 
 static void latin1_texts_become_utf8(void **state)
 {
-    /* A 1 x 1 picture with a tEXt chunk that holds byte 0xe9, put together by libpng. */
+    /* A 1 x 1 picture with a tEXt chunk that contains byte 0xe9, made by libpng. */
     test_path path = test_folder_path(*state, "latin1.png");
     FILE *stream = fopen(path.text, "wb");
     rk_check(stream, "%s: the test cannot write its file", path.text);
@@ -405,7 +405,7 @@ static void latin1_texts_become_utf8(void **state)
     png_set_IHDR(png, info, 1, 1, 8, PNG_COLOR_TYPE_GRAY, 0, 0, 0);
     png_write_info(png, info);
     png_write_row(png, (const unsigned char[]){9});
-    /* Behind the picture, where a reader must still find it. */
+    /* After the picture, where a reader must still find it. */
     char key[] = "Author", value[] = "Ren\xe9";
     png_text text = {.compression = PNG_TEXT_COMPRESSION_NONE, .key = key, .text = value};
     png_set_text(png, info, &text, 1);
@@ -459,7 +459,7 @@ static void every_damaged_byte_is_refused_or_read(void **state)
     rk_image_free(&image);
 }
 
-/* Reads a whole 1 x 1 picture whose header was changed to claim another size. */
+/* Reads a complete 1 x 1 picture whose header was changed to claim another size. */
 static void check_claim(const test_folder *folder, uint32_t width, uint32_t height,
                         const char *part)
 {
@@ -471,7 +471,7 @@ static void check_claim(const test_folder *folder, uint32_t width, uint32_t heig
         bytes[16 + i] = (unsigned char)(width >> (24 - 8 * i));
         bytes[20 + i] = (unsigned char)(height >> (24 - 8 * i));
     }
-    png_uint_32 crc = 0xffffffffu; /* the chunk's check, so that only the size is wrong */
+    png_uint_32 crc = 0xffffffffu; /* the chunk's checksum, so that only the size is wrong */
     for (int i = 12; i < 29; i++) {
         crc ^= bytes[i];
         for (int bit = 0; bit < 8; bit++)
@@ -523,8 +523,8 @@ static void a_missing_folder_is_an_error(void **state)
     rk_image_free(&image);
 }
 
-/* A limit on the size of files stands in for a full disk: fwrite fails in the middle, or, when the
- * picture fits the stream's buffer, only at the end. */
+/* A limit on file sizes simulates a full disk: fwrite fails in the middle or, if the picture fits
+ * the stream's buffer, only at the end. */
 static bool write_on_full_disk(const char *path, const rk_image *image, rlim_t room,
                                rk_error *error)
 {

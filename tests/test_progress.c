@@ -1,4 +1,5 @@
-/* Progress: seen on a terminal (a pseudo-terminal here), silent elsewhere, gone at the end. */
+/* Progress: visible on a terminal (a pseudo-terminal here), silent elsewhere, cleared at the
+ * end. */
 #include "test.h"
 
 #include "base/parallel.h"
@@ -9,7 +10,7 @@
 #include <termios.h>
 #include <unistd.h>
 
-/* Standard error, redirected to where the test can read it. */
+/* Standard error, redirected for the test to read. */
 typedef struct capture {
     int kept, reader;
     char text[8192];
@@ -42,8 +43,8 @@ static capture open_pipe(void)
     return show_on(ends[0], ends[1]);
 }
 
-/* Adds what was written since the last look; returns how much that is. */
-static size_t look(capture *screen)
+/* Appends the output since the last call; returns its length. */
+static size_t read_screen(capture *screen)
 {
     size_t length = strlen(screen->text), before = length;
     ssize_t got;
@@ -57,14 +58,13 @@ static size_t look(capture *screen)
 static void close_screen(capture *screen)
 {
     fflush(stderr);
-    look(screen);
+    read_screen(screen);
     dup2(screen->kept, STDERR_FILENO);
     close(screen->kept);
     close(screen->reader);
 }
 
-/* What a reader of the screen's line sees after all that: carriage returns go back, letters
- * overwrite. */
+/* The visible line on the screen: carriage returns go back, letters overwrite. */
 static void last_line(const char *text, char line[256])
 {
     memset(line, ' ', 255);
@@ -78,7 +78,7 @@ static void last_line(const char *text, char line[256])
         line[end - 1] = '\0';
 }
 
-/* As if the work had begun, and the bar been drawn, `seconds` earlier. */
+/* Pretends that the work began, and the bar was drawn, `seconds` earlier. */
 static void let_time_pass(rk_progress *progress, double seconds)
 {
     progress->started -= seconds;
@@ -93,7 +93,7 @@ static void a_terminal_shows_label_and_percentage(void **state)
     rk_progress_start(&progress, "rendering", 4, false);
     let_time_pass(&progress, 1);
     rk_progress_step(&progress);
-    look(&screen);
+    read_screen(&screen);
     char line[256];
     last_line(screen.text, line);
     rk_progress_end(&progress);
@@ -109,16 +109,16 @@ static void the_bar_grows_and_clears_itself(void **state)
     char line[256], first[256];
     rk_progress_start(&progress,
                       "a label that is longer than a line of a terminal would ever be, in "
-                      "truth, so that it is cut",
+                      "truth, so that it is truncated",
                       4, false);
     for (int i = 0; i < 4; i++) {
         let_time_pass(&progress, 1);
         rk_progress_step(&progress);
-        look(&screen);
+        read_screen(&screen);
         last_line(screen.text, i ? line : first);
     }
     rk_progress_end(&progress);
-    look(&screen);
+    read_screen(&screen);
     char cleared[256];
     last_line(screen.text, cleared);
     close_screen(&screen);
@@ -158,12 +158,12 @@ static void the_bar_is_drawn_at_most_ten_times_a_second(void **state)
     double begin = rk_clock_wall();
     while (rk_clock_wall() - begin < 0.25)
         rk_progress_step(&progress);
-    look(&screen);
+    read_screen(&screen);
     close_screen(&screen);
     int draws = 0;
     for (const char *c = screen.text; *c; c++)
         draws += *c == '\r';
-    /* At 0, .1 and .2 s; fewer on a machine that halts for a while. */
+    /* At 0, .1 and .2 s; fewer on a machine that stalls. */
     rk_check(draws >= 1 && draws <= 3, "drawn %d times in a quarter of a second", draws);
 }
 
@@ -197,7 +197,7 @@ static void more_steps_than_announced_end_at_the_full_bar(void **state)
             let_time_pass(&progress, 1);
             rk_progress_step(&progress);
         }
-        look(&screen);
+        read_screen(&screen);
         char line[256];
         last_line(screen.text, line);
         rk_progress_end(&progress);

@@ -1,6 +1,6 @@
-/* Random numbers: fixed, uniform, and unrelated wherever they are used. Seeds are fixed, so these
- * tests pass or fail for ever; their limits are those that a truly random generator would exceed
- * once in a million times (z = 4.75), so a failure means a broken generator. */
+/* Random numbers: fixed, uniform, and independent wherever they are used. Seeds are fixed, so these
+ * tests always give the same result; a truly random generator would exceed their limits once in a
+ * million times (z = 4.75), so a failure means a broken generator. */
 #include "test.h"
 
 #include "base/sampler.h"
@@ -10,7 +10,8 @@ static const double z_limit = 4.75;
 static void the_hash_is_the_published_one(void **state)
 {
     (void)state;
-    /* Worked out apart from this code from the paper's formula: pictures depend on these bits. */
+    /* Computed from the paper's formula, independently of this code: pictures depend on these
+     * bits. */
     rk_check_equal(rk_hash(0, 0, 0, 0), 0xdc27b0c3, "pcg4d of zeros");
     rk_check_equal(rk_hash(1, 2, 3, 4), 0x349b8139, "pcg4d of 1, 2, 3, 4");
     rk_check_equal(rk_hash(UINT32_MAX, UINT32_MAX, UINT32_MAX, UINT32_MAX), 0x36f57a9a,
@@ -35,7 +36,7 @@ static void unit_floats_cover_0_to_1_evenly_and_never_are_1(void **state)
 
 enum { draws = 1 << 16, bins = 64, side = 16 };
 
-/* The four coordinates of a draw; which of them counts, the others stay. */
+/* The four coordinates of a hash; one of them counts up, the others stay. */
 typedef struct place {
     uint32_t seed, pixel, sample, dimension;
 } place;
@@ -142,8 +143,8 @@ static int compare_numbers(const void *a, const void *b)
 static void the_four_coordinates_are_not_interchangeable(void **state)
 {
     (void)state;
-    /* 16^4 places give 65,536 numbers; of 2^24 values, 128 coincidences are to be expected, with a
-     * standard deviation of their root. */
+    /* 16^4 combinations give 65,536 numbers; with 2^24 values, 128 coincidences are expected, with
+     * a standard deviation of their root. */
     static float numbers[draws];
     for (uint32_t i = 0; i < draws; i++)
         numbers[i] = draw((place){i & 15, i >> 4 & 15, i >> 8 & 15, i >> 12});

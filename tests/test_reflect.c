@@ -1,4 +1,4 @@
-/* Mirror reflection: by hand, and what physics asks of any mirror. */
+/* Mirror reflection: examples by hand, and the laws of any mirror. */
 #include "test.h"
 
 #include "base/random.h"
@@ -34,8 +34,8 @@ static void a_floor_turns_downwards_into_upwards(void **state)
                  2e-6, "d.n = -5.6, so d + 11.2 n; six roundings of numbers up to 8.96");
 }
 
-/* The bounds below: n.n is 1 within 4 roundings, d.n and each component of the result take three
- * or four more, all of numbers up to 2. */
+/* Bounds: n.n is 1 within 4 roundings; d.n and each component of the result take three or four
+ * more, of numbers up to 2. */
 static const double few_roundings = 16 * 0x1p-24;
 
 static void the_angle_out_is_the_angle_in(void **state)

@@ -1,6 +1,8 @@
 /* What cannot be drawn is refused with one sentence, before the first ray. */
 #include "test_scene.h"
 
+#include "render/options.h"
+
 enum { side = 8 };
 
 typedef struct fixture {
@@ -163,6 +165,154 @@ static void a_value_beyond_its_enumeration_is_refused_by_its_name(void **state)
     }
 }
 
+/* --- Rows ------------------------------------------------------------------------------------- */
+
+/* Calls `claim` with each row of the renderer's and the features' options. */
+static void for_each_row(fixture *f, void (*claim)(fixture *f, const rk_option *row))
+{
+    const rk_render_option_tables all = rk_render_options_tables(&f->options);
+    for (size_t t = 0; t < all.count; t++)
+        for (const rk_option *row = all.tables[t].rows; row->name; row++)
+            claim(f, row);
+}
+
+static void *value_of(fixture *f, const rk_option *row)
+{
+    return (char *)&f->options + row->offset;
+}
+
+static void check_default(fixture *f, const rk_option *row)
+{
+    const float *number = value_of(f, row);
+    const uint32_t *count = value_of(f, row);
+    rk_check(row->field && row->help && row->kind != RK_OPTION_TEXT, "--%s: half a row", row->name);
+    if (row->kind == RK_OPTION_FLOAT && !isnan(row->initial))
+        rk_check(*number == (float)row->initial && *number >= (float)row->low &&
+                     *number <= (float)row->high,
+                 "--%s: the default %g should lie from %g to %g", row->name, (double)*number,
+                 row->low, row->high);
+    if (row->kind == RK_OPTION_UINT)
+        rk_check(*count == row->initial && *count >= row->low && *count <= row->high,
+                 "--%s: the default %u should lie from %g to %g", row->name, *count, row->low,
+                 row->high);
+    if (row->kind == RK_OPTION_CHOICE)
+        rk_check(*count == row->initial && *count < row->names->count,
+                 "--%s: the default %u should be one of %u names", row->name, *count,
+                 row->names->count);
+}
+
+static void every_default_lies_in_its_range(void **state)
+{
+    fixture *f = *state;
+    rk_error error;
+    f->options = rk_render_options_default();
+    for_each_row(f, check_default);
+    rk_check_ok(rk_render_options_check(&f->options, &error), error);
+}
+
+static void check_beyond(fixture *f, const rk_option *row)
+{
+    const rk_render_options right = f->options;
+    const double beyond[] = {row->low - fmax(1, fabs(row->low)), row->high + fmax(1, row->high)};
+    for (int i = 0; i < 2; i++) {
+        rk_error error = {""};
+        if (row->kind == RK_OPTION_FLOAT)
+            *(float *)value_of(f, row) = (float)beyond[i];
+        else if (row->kind == RK_OPTION_UINT && beyond[i] >= 0 && beyond[i] <= UINT32_MAX)
+            *(uint32_t *)value_of(f, row) = (uint32_t)beyond[i];
+        else
+            continue;
+        rk_check(!rk_render_options_check(&f->options, &error), "--%s accepts %g", row->name,
+                 beyond[i]);
+        rk_check_error_names(error, row->field);
+        f->options = right;
+    }
+}
+
+static void a_number_beyond_its_row_is_refused_by_its_field(void **state)
+{
+    for_each_row(*state, check_beyond);
+}
+
+static void check_names(fixture *f, const rk_option *row)
+{
+    (void)f;
+    if (row->kind != RK_OPTION_CHOICE)
+        return;
+    for (uint32_t i = 0; i < row->names->count; i++)
+        for (uint32_t k = 0; k <= i; k++)
+            rk_check(*row->names->items[i] &&
+                         (i == k || strcmp(row->names->items[i], row->names->items[k]) != 0),
+                     "--%s: its names should differ", row->name);
+}
+
+static void the_names_of_a_choice_differ(void **state)
+{
+    for_each_row(*state, check_names);
+}
+
+static const rk_option *spelled; /* to be found once */
+static uint32_t spellings;
+
+static void count_spellings(fixture *f, const rk_option *row)
+{
+    (void)f;
+    spellings += strcmp(row->name, spelled->name) == 0;
+    spellings += row->alias && strcmp(row->alias, spelled->name) == 0;
+    spellings += row->alias && spelled->alias && strcmp(row->alias, spelled->alias) == 0;
+}
+
+static void check_spelling(fixture *f, const rk_option *row)
+{
+    spelled = row;
+    spellings = 0;
+    for_each_row(f, count_spellings);
+    rk_check_equal(spellings, row->alias ? 2 : 1, row->name);
+}
+
+static void no_two_options_are_spelled_alike(void **state)
+{
+    for_each_row(*state, check_spelling);
+}
+
+/* --- Features --------------------------------------------------------------------------------- */
+
+static void each_feature_has_its_descriptor_and_its_bit(void **state)
+{
+    (void)state;
+#define RK_FEATURE(feature)                                                                        \
+    {                                                                                              \
+        const rk_plan plan = {.feature = true};                                                    \
+        assert_string_equal(rk_features[RK_FEATURE_##feature]->stem, #feature);                    \
+        for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)                                            \
+            rk_check_equal(rk_plan_has(&plan, i), i == RK_FEATURE_##feature, #feature);            \
+    }
+#include "features/list.h"
+#undef RK_FEATURE
+}
+
+static void a_shutter_that_closes_before_it_opens_is_refused(void **state)
+{
+    fixture *f = *state;
+    f->options.motion.shutter = (rk_shutter){0.5f, 0.25f};
+    check_refused(f, "behind x = 0.25");
+}
+
+static void a_picture_without_pixels_or_samples_is_refused(void **state)
+{
+    fixture *f = *state;
+    f->options.samples = 0;
+    check_refused(f, "samples is 0, but it takes a whole number, 1 to");
+    f->options.samples = 1;
+    f->options.light.samples = 0;
+    check_refused(f, "light.samples is 0");
+    rk_error error = {""};
+    f->options.light.samples = 1;
+    f->options.width = 0;
+    rk_check(!rk_render_check(&f->scene, &f->options, &error), "a picture is at least 1 wide");
+    rk_check_error_names(error, "width is 0");
+}
+
 /* --- Numbers ---------------------------------------------------------------------------------- */
 
 static void a_wrong_bloom_is_refused_before_the_picture_is_rendered(void **state)
@@ -171,7 +321,7 @@ static void a_wrong_bloom_is_refused_before_the_picture_is_rendered(void **state
     const rk_bloom_options right = {.on = true, .threshold = 0.5f, .intensity = 1, .radius = 2};
     f->options.bloom = right;
     f->options.bloom.radius = RK_BLOOM_RADIUS_MAX + 1;
-    check_refused(f, "at most 4096 pixels");
+    check_refused(f, "bloom.radius is 4097, but it takes a whole number, 0 to 4096");
     f->options.bloom = right;
     f->options.bloom.threshold = NAN;
     check_refused(f, "threshold");
@@ -255,6 +405,13 @@ static const struct CMUnitTest tests[] = {
     in_fixture(samples_are_refused_however_large_their_product_is),
     in_fixture(as_many_samples_as_a_sampler_has_are_accepted),
     in_fixture(a_value_beyond_its_enumeration_is_refused_by_its_name),
+    in_fixture(every_default_lies_in_its_range),
+    in_fixture(a_number_beyond_its_row_is_refused_by_its_field),
+    in_fixture(the_names_of_a_choice_differ),
+    in_fixture(no_two_options_are_spelled_alike),
+    in_fixture(each_feature_has_its_descriptor_and_its_bit),
+    in_fixture(a_shutter_that_closes_before_it_opens_is_refused),
+    in_fixture(a_picture_without_pixels_or_samples_is_refused),
     in_fixture(a_wrong_bloom_is_refused_before_the_picture_is_rendered),
     in_fixture(a_gradient_of_too_many_stops_is_refused),
     in_fixture(a_field_of_view_that_is_none_is_refused),

@@ -1,7 +1,7 @@
-/* The three kinds of samples: each as evenly spread as it claims, unrelated between pixels and
- * dimensions, and worth its price: estimates err less. Seeds are fixed, so these tests pass or fail
- * for ever; the limits of the statistical ones are those that true randomness would exceed once in
- * a million times (z = 4.75). */
+/* The three kinds of samples: as evenly distributed as they claim, independent between pixels and
+ * dimensions, and useful: their estimates have smaller errors. Seeds are fixed, so these tests
+ * always give the same result; true randomness would exceed the statistical limits once in a
+ * million times (z = 4.75). */
 #include "test.h"
 
 #include "base/sampler.h"
@@ -98,7 +98,7 @@ static const uint32_t cell_counts[] = {1,  2,  3,  4,  5,  6,  7,   8,   9,    1
 
 enum { cell_count_count = sizeof cell_counts / sizeof *cell_counts };
 
-/* Marks a cell; in double, where a number of 24 bits times one of 24 is exact. */
+/* Marks a cell; in double, where a product of two 24-bit numbers is exact. */
 static void mark(unsigned char *seen, uint32_t cell, uint32_t n, uint32_t sample)
 {
     rk_check(cell < n, "%u samples: sample %u is in cell %u", n, sample, cell);
@@ -120,8 +120,8 @@ static void one_sample_is_in_each_of_n_intervals(void **state)
         }
 }
 
-/* The layout that base/sampler.c describes, written down once more: rows of cells, as many rows as
- * the root of n rounded down, row j from cell j n / r on, each as high as its share. */
+/* The layout of base/sampler.c, written once more: rows of cells, as many as the root of n rounded
+ * down, row j from cell j n / r on, each height proportional to its number of cells. */
 static uint32_t cell_at(rk_vec2 p, uint32_t n)
 {
     uint32_t rows = 1, row = 0;
@@ -176,7 +176,7 @@ static double deviate(const unsigned *counts, int cells, double draws)
 static void check_even(const unsigned *counts, int cells, double draws, const char *hint)
 {
     double z = deviate(counts, cells, draws);
-    /* Too even is no fault here: strata are made for that. */
+    /* Being too even is no fault: strata are meant to be. */
     rk_check(z <= z_limit, "z = %.2f, limit %.2f: %s", z, z_limit, hint);
 }
 
@@ -190,7 +190,7 @@ static void cells_come_in_every_order_equally_often(void **state)
         int cell[n], code = 0;
         for (uint32_t i = 0; i < n; i++)
             cell[i] = (int)(rk_sample_1d(&sampler, pixel, i, 0) * n);
-        /* The order's number, in the factorial system. */
+        /* The permutation's number, in the factorial number system. */
         for (int i = 0; i < n; i++) {
             int smaller = 0;
             for (int j = i + 1; j < n; j++)
@@ -261,9 +261,9 @@ static void single_dimensions_are_stratified_for_every_power_of_two(void **state
         }
 }
 
-/* Owen's scrambling swaps the halves of every interval by a coin of its own. Here are the coins of
- * the 31 largest intervals: whether the half with the lower number has the even sample. Each coin
- * is fair, and no two are related. */
+/* Owen's scrambling swaps the halves of every interval by a coin of its own. These are the coins of
+ * the 31 largest intervals: does the half with the lower number have the even sample? Each coin is
+ * fair, and no two are correlated. */
 static void halves_are_swapped_by_independent_coins(void **state)
 {
     (void)state;
@@ -271,7 +271,7 @@ static void halves_are_swapped_by_independent_coins(void **state)
     static int together[coins][coins]; /* heads less tails, and equal less different */
     rk_sampler sampler = sampler_of(RK_SAMPLER_LOW_DISCREPANCY, n);
     for (uint32_t pixel = 0; pixel < draws; pixel++) {
-        /* Which sample is in which interval of 1 / n; a parent's is its children's lower one. */
+        /* The sample in each interval of 1 / n; a parent's is the lower one of its children's. */
         uint32_t in[2 * n];
         for (uint32_t i = 0; i < n; i++)
             in[n + (uint32_t)(rk_sample_1d(&sampler, pixel, i, 1) * n)] = i;
@@ -317,7 +317,7 @@ static void each_sample_alone_is_uniform_over_pixels(void **state)
         }
 }
 
-/* Cells of unequal width, as 7 samples have, are of equal area: no place is preferred. */
+/* With 7 samples, cells have unequal widths but equal areas: no point is preferred. */
 static void all_samples_together_are_uniform(void **state)
 {
     (void)state;
@@ -335,8 +335,8 @@ static void all_samples_together_are_uniform(void **state)
         }
 }
 
-/* Fills the square with one number of each of two places, over many pixels: along the first four
- * samples, where strata would show a relation first. */
+/* Fills the square with pairs of numbers from two dimensions or pixels, over many pixels, for the
+ * first four samples, where strata would show a correlation first. */
 static void check_unrelated(int kind, uint32_t pixel_offset, uint32_t dimension_offset,
                             uint32_t seed_offset)
 {
@@ -373,11 +373,11 @@ static void pixels_dimensions_and_seeds_are_unrelated(void **state)
     }
 }
 
-/* Within a pixel: where the first number of one pair is must not tell where that of another is. The
- * mean of their products over n samples, both less 1/2, has the variance 1 / 144 n if they are
- * independent. Samples in the same order would make it n / 4 times that, or more. Strata have a
- * sample more to go by, n / (n - 1); a scrambled order decides in blocks, of 2 for the first digit,
- * of 4 for the second, and so on, which makes it twice as large. */
+/* Within a pixel, the first number of one pair must be independent of that of another. The mean of
+ * their products over n samples, both minus 1/2, then has the variance 1 / 144 n. Samples in the
+ * same order would make it n / 4 times that, or more. Stratified samples have n / (n - 1) of it; a
+ * scrambled order, which decides in blocks of 2 for the first digit, 4 for the second, and so on,
+ * twice as much. */
 static void dimensions_of_a_pixels_samples_are_unrelated(void **state)
 {
     (void)state;
@@ -400,7 +400,7 @@ static void dimensions_of_a_pixels_samples_are_unrelated(void **state)
     }
 }
 
-/* --- what it is worth ------------------------------------------------------------------------ */
+/* --- errors of estimates --------------------------------------------------------------------- */
 
 typedef double integrand(double x, double y);
 
@@ -436,7 +436,7 @@ static double variance(integrand *f, rk_sampler_kind kind, uint32_t n)
     return squares / pixels - (sum / pixels) * (sum / pixels);
 }
 
-/* How many times as large the variance of uniform samples is, which 1 / n of that of one sample. */
+/* The ratio of the variance of uniform samples, 1 / n of a single sample's, to the measured one. */
 static double gain(integrand *f, double variance_of_one, rk_sampler_kind kind, uint32_t n)
 {
     return variance_of_one / n / variance(f, kind, n);
@@ -466,15 +466,15 @@ static void low_discrepancy_variance_of_a_ramp_falls_as_one_over_n_cubed(void **
 {
     (void)state;
     /* x alone has a sample in each of n intervals: its mean's variance is 1 / 12 n^3, and so is
-     * y's. That they add up needs independent swaps in x and y. */
+     * y's. Their sum is the whole only if the swaps in x and y are independent. */
     for (uint32_t n = 4; n <= 64; n *= 4)
         rk_check_close(gain(ramp, 1.0 / 6, RK_SAMPLER_LOW_DISCREPANCY, n) / (n * n), 1,
                        of_a_variance, "the gain over n^2");
 }
 
-/* In a cell of side h the variance of f is |grad f|^2 h^2 / 12, so strata divide that of one sample
- * by n and by 12 var f n / mean |grad f|^2 once more; for small cells, of which 16 are enough here
- * for 2 % of that. The two means have closed forms. */
+/* In a cell of side h the variance of f is |grad f|^2 h^2 / 12, so strata divide a single sample's
+ * variance by n and again by 12 var f n / mean |grad f|^2. 16 cells are small enough for an
+ * accuracy of 2 %. Both means have closed forms. */
 static void stratified_variance_of_a_smooth_function_follows_its_slope(void **state)
 {
     (void)state;
@@ -495,8 +495,8 @@ static void check_gain(integrand *f, rk_sampler_kind kind, uint32_t n, double le
 }
 
 /* By Owen's theorem ("Scrambled net variance for integrals of smooth functions", 1997), the
- * variance falls as n^-3 log n, so the gain grows as n^2 / log n: from 16 to 256 samples by 128.
- * The limits have that ratio; measured are 36 and 5,200. */
+ * variance falls as n^-3 log n, so the gain grows as n^2 / log n: from 16 to 256 samples by a
+ * factor of 128. The limits have that ratio; the measured gains are 36 and 5,200. */
 static void low_discrepancy_beats_strata_for_a_smooth_function(void **state)
 {
     (void)state;
@@ -504,7 +504,7 @@ static void low_discrepancy_beats_strata_for_a_smooth_function(void **state)
     check_gain(smooth, RK_SAMPLER_LOW_DISCREPANCY, 256, 30 * 128);
 }
 
-/* An edge crosses about n^1/2 of n cells, and only these err: the gain grows with n^1/2. */
+/* An edge crosses about n^1/2 of n cells, and only these have errors: the gain grows with n^1/2. */
 static void an_edges_variance_falls_by_the_root_of_n_for_both(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* Small scenes for the renderer's suites, and what it takes to render them. */
+/* Small scenes for the renderer's suites, and functions to render them. */
 #ifndef RK_TESTS_TEST_SCENE_H
 #define RK_TESTS_TEST_SCENE_H
 
@@ -7,8 +7,8 @@
 #include "render/render.h"
 #include "scenes/builtin.h"
 
-/* A scene of `triangles` triangles with corners of their own, all 0, of material 0, without lights.
- * The camera looks from (0, 0, -3) along +z; x grows to the left of the picture, y up. */
+/* A scene of `triangles` triangles with separate corners, all 0, of material 0, without lights. The
+ * camera looks from (0, 0, -3) along +z; x points to the left of the picture, y up. */
 static inline rk_scene test_scene_of(uint32_t triangles, uint32_t materials)
 {
     rk_scene scene = {.name = "test", .camera = {.distance = 3, .fov = 50}};
@@ -20,7 +20,7 @@ static inline rk_scene test_scene_of(uint32_t triangles, uint32_t materials)
     return scene;
 }
 
-/* The same of one material. */
+/* The same with one material. */
 static inline rk_scene test_scene_make(uint32_t triangles)
 {
     return test_scene_of(triangles, 1);
@@ -78,7 +78,7 @@ static inline test_picture test_render(const rk_scene *scene, rk_render_options 
     rk_check_ok(pool != NULL, error);
     rk_check_ok(rk_accel_build(&accel, RK_ACCEL_MEDIAN, scene, &error), error);
     rk_check_ok(rk_image_init(&picture.image, options.width, options.height, &error), error);
-    /* What was in the image before must not show through. */
+    /* Earlier contents of the image must not show through. */
     memset(picture.image.pixels, 0x55, options.width * options.height * sizeof(rk_vec3));
     rk_check_ok(
         rk_render(&picture.image, scene, &accel, &options, pool, &picture.counters, NULL, &error),

@@ -1,5 +1,5 @@
-/* The built-in scenes: how many triangles, closed, outwards, in the unit ball, in view, well lit.
- */
+/* The built-in scenes: number of triangles, closed, facing outwards, in the unit ball, in view,
+ * well lit. */
 #include "test.h"
 
 #include "scenes/builtin.h"
@@ -52,7 +52,7 @@ static double dot(vec a, vec b)
     return a.x * b.x + a.y * b.y + a.z * b.z;
 }
 
-/* Perpendicular to the triangle, as long as twice its area. */
+/* Perpendicular to the triangle; its length is twice the area. */
 static vec normal_of(const rk_mesh *mesh, uint32_t triangle)
 {
     vec a = corner_of(mesh, triangle, 0);
@@ -87,8 +87,8 @@ static int compare_keys(const void *a, const void *b)
     return (x > y) - (x < y);
 }
 
-/* How many edges belong to one triangle only; every other edge must belong to two that run along
- * it in opposite directions. Vertices count as the same when `id` gives them the same number. */
+/* Counts the edges that belong to one triangle only; every other edge must belong to two that use
+ * it in opposite directions. Vertices are the same if `id` gives them the same number. */
 static uint32_t free_edges(const rk_mesh *mesh, const uint32_t *id)
 {
     size_t count = 3 * (size_t)mesh->triangle_count;
@@ -99,7 +99,7 @@ static uint32_t free_edges(const rk_mesh *mesh, const uint32_t *id)
         if (id)
             from = id[from], to = id[to];
         rk_check(from != to, "triangle %zu has an edge without length", i / 3);
-        /* The direction is the lowest bit, so that the two of a pair become neighbours. */
+        /* The direction is the lowest bit, so that both of a pair become neighbours. */
         edges[i] = from < to ? from << 32 | to << 1 : to << 32 | from << 1 | 1;
     }
     qsort(edges, count, sizeof *edges, compare_keys);
@@ -132,7 +132,7 @@ static int compare_positions(const void *a, const void *b)
     return (p.z > q.z) - (p.z < q.z);
 }
 
-/* Numbers the vertices so that those in exactly the same place have the same number. */
+/* Gives vertices at exactly the same position the same number. */
 static uint32_t *weld(const rk_mesh *mesh)
 {
     uint32_t *order = malloc(mesh->vertex_count * sizeof *order);
@@ -150,7 +150,7 @@ static uint32_t *weld(const rk_mesh *mesh)
 
 /* --- all scenes ------------------------------------------------------------------------------ */
 
-/* All but the cover, whose floor reaches to the horizon. */
+/* All but the cover, whose floor extends to the horizon. */
 static const char *const names[] = {"triangle",      "cube",          "cube-textured", "cornell",
                                     "cornell-glass", "cornell-light", "panes",         "panes:1",
                                     "glass",         "sphere",        "teapot",        "teapot:3",
@@ -158,7 +158,7 @@ static const char *const names[] = {"triangle",      "cube",          "cube-text
 
 enum { name_count = sizeof names / sizeof names[0] };
 
-/* These keep the size that their makers gave them. */
+/* Scenes that keep the size given by their makers. */
 static bool is_arranged(const char *name)
 {
     return strncmp(name, "cornell", 7) == 0 || strncmp(name, "panes", 5) == 0 ||
@@ -212,7 +212,7 @@ static void normals_are_unit_and_agree_with_the_faces(void **state)
         const rk_mesh *mesh = &scene.mesh;
         for (uint32_t v = 0; mesh->normals && v < mesh->vertex_count; v++)
             rk_check_close(rk_length(mesh->normals[v]), 1, 4 * 0x1p-24, names[i]);
-        /* On rough ground single corners may turn away from the mean of their faces. */
+        /* On a rough surface a corner's normal may point away from one of its faces. */
         uint32_t turned = 0;
         for (uint32_t t = 0; mesh->normals && t < mesh->triangle_count; t++)
             for (int k = 0; k < 3; k++) {
@@ -235,7 +235,7 @@ static void the_light_is_above_left_of_the_camera_and_lights_its_view(void **sta
     rk_check(rk_dot(light, view.right) < -0.1f, "to the left");
     rk_check(rk_dot(light, view.up) > 0.1f, "above");
     rk_check(rk_dot(light, rk_normalize(view.position)) > 0.5f,
-             "more than 60 degrees from the view: most of what one sees is in the dark");
+             "more than 60 degrees from the view: most of the visible side is dark");
     rk_check(rk_length(scene.lights[0].position) > 1, "outside the unit ball");
     rk_scene_free(&scene);
 }
@@ -400,7 +400,7 @@ static void the_cube_is_closed_and_each_side_has_one_colour(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* How fast p grows along one texture coordinate of a triangle, where the other stands still. */
+/* The derivative of p by one texture coordinate of a triangle, with the other constant. */
 static void texture_axes(const rk_mesh *mesh, uint32_t triangle, vec *along_u, vec *along_v)
 {
     const uint32_t *row = mesh->triangles[triangle];
@@ -449,8 +449,8 @@ static void the_letter_differs_from_its_turned_and_mirrored_selves(void **state)
     rk_mesh mesh;
     rk_error error;
     rk_check_ok(rk_builtin_make_cube_textured(&mesh, 0, &error), error);
-    /* Ink in the quarters: top left, top right, bottom left, bottom right; an F has the most in the
-     * first and the least in the last, and no two alike that a mirror would swap. */
+    /* Ink in the quarters, top left, top right, bottom left, bottom right: an F has most in the
+     * first and least in the last, and differs in any two that a reflection would swap. */
     int ink[4] = {0};
     const rk_image *image = &mesh.textures[0].image;
     for (size_t y = 0; y < image->height; y++)
@@ -489,10 +489,11 @@ static void sphere_triangles_are_the_icosahedrons_own(void **state)
         smallest = fmin(smallest, area_of(&mesh, i));
         largest = fmax(largest, area_of(&mesh, i));
     }
-    /* Blowing up stretches a face's middle against its corners by (R / r)^3 = 1.258^3 = 1.99 at
-     * most; a wrong diagonal somewhere would bring slivers. */
+    /* The projection stretches a face's middle against its corners by at most (R / r)^3 = 1.258^3 =
+     * 1.99; a wrong diagonal would give slivers. */
     rk_check(largest < 2 * smallest, "areas from %g to %g", smallest, largest);
-    rk_check_close(volume_of(&mesh), 4.18879, 0.02, "4 pi / 3 less what 2880 flat faces cut off");
+    rk_check_close(volume_of(&mesh), 4.18879, 0.02,
+                   "4 pi / 3 minus the volume outside 2880 flat faces");
     rk_mesh_free(&mesh);
 }
 
@@ -615,14 +616,15 @@ static void check_block(const rk_mesh *mesh, uint32_t first, double volume, doub
     for (uint32_t t = first; t < first + 12; t++) {
         const rk_material *m = &mesh->materials[mesh->triangle_materials[t]];
         rk_check_close(m->alpha, 0.3, 1e-7, "transparent");
-        /* A tint: no light passes it unchanged, and none is swallowed whole. */
+        /* It filters every channel: none passes unchanged, none is absorbed completely. */
         rk_check(m->absorption.x > 0 && m->absorption.y > 0 && m->absorption.z > 0 &&
                      m->absorption.x < 10,
                  "the glass is clear, or black");
     }
 }
 
-/* The footprint's area, by the shoelace formula, times the height less 1 mm, in 481 mm. */
+/* The footprint's area, by the shoelace formula, times the height minus 1 mm, in units of 481
+ * mm. */
 static double cornell_block(const double (*p)[2], double height)
 {
     double twice = 0;
@@ -637,7 +639,7 @@ static void the_cornell_blocks_of_glass_are_closed_and_coloured(void **state)
     const double low[4][2] = {{130, 65}, {82, 225}, {240, 272}, {290, 114}};
     const double tall[4][2] = {{423, 247}, {265, 296}, {314, 456}, {472, 406}};
     rk_scene scene = make_scene("cornell-glass");
-    /* Corners below 1 are rounded by 2^-25, faces are below 1 large; there are 12. */
+    /* Corners below 1 are rounded by 2^-25, and areas are below 1; there are 12. */
     const double rounding = 12 * 0x1p-25;
     check_block(&scene.mesh, 12, cornell_block(low, 165), rounding);
     check_block(&scene.mesh, 24, cornell_block(tall, 330), rounding);
@@ -667,7 +669,7 @@ static void the_parallelogram_light_is_where_the_lamp_was(void **state)
     rk_check(scene.light_count == 1 && light->kind == RK_LIGHT_PARALLELOGRAM, "one light");
     for (uint32_t t = 0; t < scene.mesh.triangle_count; t++)
         rk_check(scene.mesh.triangle_materials[t] != lamp, "triangle %u blocks the light", t);
-    int met = 0;
+    int matches = 0;
     for (uint32_t t = 0; t < mesh->triangle_count; t++)
         for (int k = 0; k < 3; k++) {
             if (mesh->triangle_materials[t] != lamp)
@@ -676,10 +678,10 @@ static void the_parallelogram_light_is_where_the_lamp_was(void **state)
             for (int c = 0; c < 4; c++) {
                 rk_vec3 q = rk_madd(light->position, light->edge01, (float)(c & 1));
                 q = rk_madd(q, light->edge02, (float)(c >> 1));
-                met += rk_length(rk_sub(p, q)) < 4 * 0x1p-24f; /* edges are rounded */
+                matches += rk_length(rk_sub(p, q)) < 4 * 0x1p-24f; /* edges are rounded */
             }
         }
-    rk_check_equal(met, 6, "all corners of the lamp's two triangles are the light's");
+    rk_check_equal(matches, 6, "all corners of the lamp's two triangles are the light's");
     for (int c = 0; c < 4; c++)
         rk_check(light->colours[c].x > 0, "corner %d is dark", c);
     rk_scene_free(&with_lamp);
@@ -688,7 +690,7 @@ static void the_parallelogram_light_is_where_the_lamp_was(void **state)
 
 /* --- panes and blocks of glass --------------------------------------------------------------- */
 
-/* The materials that the segment from a to b crosses, nearest first; the ends do not count. */
+/* The materials between a and b, nearest first, without the ends'. */
 static uint32_t crossed(const rk_scene *scene, rk_vec3 a, rk_vec3 b, uint32_t materials[8],
                         float t[8])
 {
@@ -700,7 +702,7 @@ static uint32_t crossed(const rk_scene *scene, rk_vec3 a, rk_vec3 b, uint32_t ma
                                 rk_sub(mesh->positions[mesh->triangles[i][2]], corner), i};
         rk_ray ray = {a, rk_sub(b, a), 1};
         rk_hit hit;
-        /* What stands within a thousandth of an end is the surface that the end is on. */
+        /* A hit within a thousandth of an end is the surface of that end. */
         if (!rk_triangle_intersect(&triangle, &ray, &hit) || hit.t < 0.001f || hit.t > 0.999f)
             continue;
         rk_check(count < 8, "more than 8 crossings");
@@ -723,7 +725,7 @@ static void panes_stand_in_the_same_order_for_the_light_and_the_viewer(void **st
                       lit = scene.lights[0].position;
         uint32_t first = order ? yellow_pane : red_pane, second = order ? red_pane : yellow_pane;
         int seen_through_both = 0, seen_through_one[2] = {0}, in_full_shadow = 0, in_light = 0;
-        /* Places on the wall: what stands between each of them and the viewer, and the light? */
+        /* For points on the wall: the materials towards the viewer and towards the light. */
         for (int y = 0; y < 40; y++)
             for (int x = 0; x < 40; x++) {
                 rk_vec3 p = rk_vec(((float)x + 0.5f) * 0.035f - 0.7f,
@@ -740,7 +742,7 @@ static void panes_stand_in_the_same_order_for_the_light_and_the_viewer(void **st
                 in_full_shadow += to_eye == 0 && to_light == 2;
                 in_light += to_eye == 0 && to_light == 0;
             }
-        /* Of 1600 places. */
+        /* Of 1600 points. */
         rk_check(seen_through_both > 50, "%d places are seen through both", seen_through_both);
         rk_check(seen_through_one[0] > 50 && seen_through_one[1] > 50,
                  "%d and %d are seen through one", seen_through_one[0], seen_through_one[1]);
@@ -757,7 +759,7 @@ static void the_two_orders_differ_in_depth_alone(void **state)
     for (uint32_t t = 0; t < 8; t++)
         for (int k = 0; k < 3; k++) {
             vec p = corner_of(&a.mesh, t, k), q = corner_of(&b.mesh, t, k);
-            rk_check(p.x == q.x && p.y == q.y, "triangle %u stands elsewhere", t);
+            rk_check(p.x == q.x && p.y == q.y, "triangle %u is elsewhere", t);
             rk_check((p.z != q.z) == (a.mesh.triangle_materials[t] != plaster), "triangle %u", t);
             rk_check(a.mesh.triangle_materials[t] == b.mesh.triangle_materials[t], "colours");
         }
@@ -788,7 +790,7 @@ static void both_shadows_of_the_glass_are_seen_on_the_floor(void **state)
     rk_scene scene = make_scene("glass");
     const rk_vec3 eye = rk_view_of(&scene.camera, 8, 8).position, lit = scene.lights[0].position;
     int in_shadow[2] = {0};
-    double inside[2] = {0}; /* how far light goes in the glass, at most */
+    double inside[2] = {0}; /* the longest path of light in the glass */
     for (int z = 0; z < 60; z++)
         for (int x = 0; x < 60; x++) {
             rk_vec3 p = rk_vec(((float)x + 0.5f) * 1.4f / 60 - 0.7f, -0.35f,
@@ -801,7 +803,7 @@ static void both_shadows_of_the_glass_are_seen_on_the_floor(void **state)
             in_shadow[thin]++;
             inside[thin] = fmax(inside[thin], (double)((t[1] - t[0]) * rk_length(rk_sub(lit, p))));
         }
-    /* Of 3600 places on the floor. */
+    /* Of 3600 points on the floor. */
     rk_check(in_shadow[0] > 100 && in_shadow[1] > 100, "shadows are seen at %d and %d places",
              in_shadow[0], in_shadow[1]);
     rk_check(inside[0] > 4 * inside[1], "light goes %f in the thick block, %f in the thin one",
@@ -825,8 +827,8 @@ static void teapot_patches_have_common_edges_to_the_bit(void **state)
     for (uint32_t n = 2; n <= 14; n += 3) {
         rk_mesh mesh = make_teapot(n);
         uint32_t *id = weld(&mesh);
-        /* Open are the rim inside and the lid's edge, 4 patches each, and both ends of handle and
-         * spout, 2 patches each. */
+        /* Open edges: the inside of the rim and the lid's edge, 4 patches each, and both ends of
+         * handle and spout, 2 patches each. */
         rk_check_equal(free_edges(&mesh, id), 16 * n, "free edges of the welded teapot");
         free(id);
         rk_mesh_free(&mesh);
@@ -836,8 +838,8 @@ static void teapot_patches_have_common_edges_to_the_bit(void **state)
 static void the_teapots_patches_are_the_published_ones(void **state)
 {
     (void)state;
-    /* Each base patch's middle, sum of w_i w_j P_ij with w = (1, 3, 3, 1) / 8 over the 16 control
-     * points that are published for it one by one: every one of them weighs in. */
+    /* The middle of each published patch, sum of w_i w_j P_ij with w = (1, 3, 3, 1) / 8: each of
+     * the 16 control points, published one by one, counts. */
     static const struct {
         uint32_t patch;
         double middle[3];
@@ -863,7 +865,7 @@ static void the_teapot_has_its_known_size(void **state)
     (void)state;
     rk_mesh mesh = make_teapot(64);
     rk_box box = rk_mesh_bounds(&mesh);
-    rk_check_close(box.corner[1].x, 3, 0, "the handle reaches to 3 at a patch border");
+    rk_check_close(box.corner[1].x, 3, 0, "the handle reaches to 3 at a patch's edge");
     /* The lip's control points 3.3, 3.525, 3.45, 3.2 are farthest out at t = .410025. */
     const double t = 0.410025, s = 1 - t;
     double lip = 3.3 * s * s * s + 3 * 3.525 * s * s * t + 3 * 3.45 * s * t * t + 3.2 * t * t * t;
@@ -919,7 +921,7 @@ static void the_teapot_faces_outwards(void **state)
             rk_check(dot(face, minus(a, (vec){a.x * 1.42 / hypot(a.x, a.z), 2.4,
                                               a.z * 1.42 / hypot(a.x, a.z)})) > 0,
                      "rim triangle %u faces inwards", i);
-        if (patch >= 24 && patch < 30 && fabs(a.z) > 0.1) /* handle and spout, but its lip */
+        if (patch >= 24 && patch < 30 && fabs(a.z) > 0.1) /* handle and spout without its lip */
             rk_check(face.z * a.z > -1e-4 * fabs(a.z), "triangle %u of handle or spout", i);
     }
     rk_mesh_free(&mesh);
@@ -1015,7 +1017,7 @@ static void every_vertex_of_a_statue_belongs_to_a_triangle(void **state)
         for (uint32_t i = 0; i < 3 * n; i++)
             used[scene.mesh.triangles[i / 3][i % 3]] = 1;
         for (uint32_t v = 0; v < scene.mesh.vertex_count; v++)
-            rk_check(used[v], "statue:%u: vertex %u hangs in the air", n, v);
+            rk_check(used[v], "statue:%u: vertex %u belongs to no triangle", n, v);
         rk_scene_free(&scene);
     }
 }

@@ -1,4 +1,4 @@
-/* Meshes and rays that a tree is tried with, and what a ray finds without any tree. */
+/* Meshes and rays for testing trees, and a ray's hit found without a tree. */
 #ifndef RK_TESTS_TEST_SOUP_H
 #define RK_TESTS_TEST_SOUP_H
 
@@ -8,7 +8,7 @@
 #include "base/triangle.h"
 #include "scene/mesh.h"
 
-/* Triangles of their own corners, which are still to be placed. */
+/* Triangles with separate corners, not yet placed. */
 static inline rk_mesh make_mesh(uint32_t triangles)
 {
     rk_mesh mesh;

@@ -1,5 +1,5 @@
 /* The exact sphere: against the textbook's quadratic in long double, from inside, from far away,
- * and as a surface that its own rays leave. */
+ * and as a surface that spawns rays. */
 #include "test.h"
 
 #include "base/random.h"
@@ -16,7 +16,7 @@ static rk_vec3 noise3(uint32_t a, uint32_t b)
     return rk_vec(noise(a, 3 * b), noise(a, 3 * b + 1), noise(a, 3 * b + 2));
 }
 
-/* The smaller positive root, or NAN. `margin` gets how clearly the line passes the rim: the
+/* The smaller positive root, or NAN. `margin` gets the line's distance from the rim: the
  * discriminant over its two parts. */
 static long double quadratic(const rk_sphere *sphere, const rk_ray *ray, long double *margin)
 {
@@ -63,7 +63,7 @@ static void a_sphere_behind_or_beyond_t_max_is_missed(void **state)
     rk_ray away = {rk_vec(0, 0, 0), rk_vec(0, 0, -1), INFINITY};
     rk_check(rk_sphere_intersect(&sphere, &away, INFINITY) == INFINITY, "the sphere is behind");
     rk_ray ray = {rk_vec(0, 0, 0), rk_vec(0, 0, 1), INFINITY};
-    rk_check(rk_sphere_intersect(&sphere, &ray, 2.99f) == INFINITY, "3 lies beyond 2.99");
+    rk_check(rk_sphere_intersect(&sphere, &ray, 2.99f) == INFINITY, "3 is beyond 2.99");
     rk_check(rk_sphere_intersect(&sphere, &ray, 3) == 3, "t_max itself counts");
     rk_ray beside = {rk_vec(3, 0, 0), rk_vec(0, 0, 1), INFINITY};
     rk_check(rk_sphere_intersect(&sphere, &beside, INFINITY) == INFINITY,
@@ -80,15 +80,15 @@ static void random_rays_hit_it_where_the_quadratic_says(void **state)
         ray.direction = rk_sub(rk_madd(sphere.centre, noise3(4, i), sphere.radius), ray.origin);
         long double margin, want = quadratic(&sphere, &ray, &margin);
         float got = rk_sphere_intersect(&sphere, &ray, INFINITY);
-        /* Within 2^-18 of the rim, 64 roundings, hit or miss is anybody's guess. */
+        /* Within 2^-18 of the rim, 64 roundings, either result is right. */
         if (margin < 0x1p-18L)
             continue;
         hits += isnan(want) ? 0 : 1;
         if (isnan(want))
             rk_check(got == INFINITY, "ray %u: got %g for a miss", i, (double)got);
         else {
-            /* Eight roundings of lengths like |o - c| and r; under the root, what is wrong by a
-             * share e of the whole is wrong by e / sqrt(margin) near the rim. */
+            /* Eight roundings of lengths like |o - c| and r; under the root, a relative error e of
+             * the whole becomes e / sqrt(margin) near the rim. */
             rk_vec3 f = rk_sub(ray.origin, sphere.centre);
             float scale = (rk_length(f) + sphere.radius) / rk_length(ray.direction);
             rk_check_close(got, want, 8 * 0x1p-24L * scale / sqrtl(margin), "t");
@@ -100,14 +100,14 @@ static void random_rays_hit_it_where_the_quadratic_says(void **state)
 static void a_small_sphere_far_away_keeps_its_size(void **state)
 {
     (void)state;
-    /* Radius 1 at distance 4,000: b^2 - 4ac in floats would be wrong by about 1 in the square of
-     * the radius, and the rim would be anywhere. */
+    /* Radius 1 at distance 4,000: in floats, b^2 - 4ac would have an error of about 1 in the square
+     * of the radius, and the rim would be anywhere. */
     rk_sphere sphere = {rk_vec(0, 0, 4000), 1};
     for (int i = 0; i < 2000; i++) {
         float x = (float)i / 1000;
         rk_ray ray = {rk_vec(x, 0, 0), rk_vec(0, 0, 1), INFINITY};
-        bool met = rk_sphere_intersect(&sphere, &ray, INFINITY) < INFINITY;
-        rk_check(met == (x <= 1), "a ray at distance %g from the centre: %d", (double)x, met);
+        bool is_hit = rk_sphere_intersect(&sphere, &ray, INFINITY) < INFINITY;
+        rk_check(is_hit == (x <= 1), "a ray at distance %g from the centre: %d", (double)x, is_hit);
     }
 }
 
@@ -154,12 +154,12 @@ static void rays_spawned_outwards_never_hit_the_sphere_again(void **state)
             continue;
         rk_surface surface;
         rk_surface_at_sphere(&surface, &sphere, &material, &ray, &hit);
-        rk_vec3 outward = surface.normal; /* turned towards the ray, which may come from inside */
+        rk_vec3 outward = surface.normal; /* faces the ray, which may come from inside */
         if (rk_dot(outward, rk_sub(surface.point, sphere.centre)) < 0)
             outward = rk_negate(outward);
         rk_check_close(rk_length(surface.normal), 1, 4 * 0x1p-24, "unit to a few roundings");
         rk_check(rk_dot(surface.normal, ray.direction) <= 0, "ray %u: the normal faces away", i);
-        /* Every fourth way nearly tangential. */
+        /* Every fourth direction is nearly tangential. */
         rk_vec3 way = rk_normalize(noise3(13, i));
         way =
             rk_madd(way, outward,

@@ -1,11 +1,11 @@
-/* Surfaces at a hit: the point within its error bound, the normals on the right side, and rays that
- * leave without meeting the triangle again, which is what keeps shadows free of specks. */
+/* Surfaces at a hit: the point within its error bound, the normals on the right side, and spawned
+ * rays that do not hit their triangle again, so that shadows have no specks. */
 #include "test.h"
 
 #include "base/random.h"
 #include "scene/surface.h"
 
-/* --- Triangles and rays to try --------------------------------------------------------------- */
+/* --- triangles and rays ----------------------------------------------------------------------- */
 
 typedef struct noise {
     uint32_t key, drawn;
@@ -31,8 +31,8 @@ static rk_mesh make_triangle(int optional_arrays)
     return mesh;
 }
 
-/* What to try: edges of about `scale`, at a distance of up to `offset` from the origin, the third
- * corner within `width` times scale of the edge between the others. */
+/* A triangle with edges of about `scale`, at a distance of up to `offset` from the origin, the
+ * third corner within `width` times scale of the opposite edge. */
 typedef struct family {
     float scale, offset, width;
 } family;
@@ -53,7 +53,7 @@ static void place_corners(rk_mesh *mesh, noise *n, family f)
     mesh->positions[2] = rk_madd(rk_mix(a, b, between(n, 0, 1)), in_cube(n), f.width * f.scale);
 }
 
-/* A ray at some place of the triangle, and its hit; false when roundings make it miss. */
+/* A ray at a point of the triangle, and its hit; false if roundings make it miss. */
 static bool aim(const rk_mesh *mesh, noise *n, family f, rk_ray *ray, rk_hit *hit)
 {
     const rk_vec3 *p = mesh->positions;
@@ -74,7 +74,7 @@ static long double exact_coordinate(const rk_mesh *mesh, const rk_hit *hit, int 
            v * (long double)rk_axis(p[2], axis);
 }
 
-/* --- The point ------------------------------------------------------------------------------- */
+/* --- the point -------------------------------------------------------------------------------- */
 
 static void check_point(const rk_mesh *mesh, const rk_surface *surface, const rk_hit *hit)
 {
@@ -112,8 +112,7 @@ static void the_point_lies_within_its_error_bound(void **state)
 static void a_distant_corner_does_not_move_the_point_off_the_opposite_edge(void **state)
 {
     (void)state;
-    /* 1 - u - v is about 0 there; an error of 2^-25 in it, times 10^6, is a hundred times more
-     * than all else. */
+    /* 1 - u - v is about 0 there; its error of 2^-25 times 10^6 is a hundred times all others. */
     rk_mesh mesh = make_triangle(0);
     noise n = {2, 0};
     for (int i = 0; i < 50000; i++) {
@@ -135,7 +134,7 @@ static void a_distant_corner_does_not_move_the_point_off_the_opposite_edge(void 
 static void the_error_bound_is_two_roundings_of_the_coordinates(void **state)
 {
     (void)state;
-    /* A bound that is merely large would pass the tests above. */
+    /* A bound that is too large would pass the tests above. */
     rk_mesh mesh = make_triangle(0);
     noise n = {3, 0};
     for (int i = 0; i < 10000; i++) {
@@ -157,7 +156,7 @@ static void the_error_bound_is_two_roundings_of_the_coordinates(void **state)
     rk_mesh_free(&mesh);
 }
 
-static void the_surface_tells_where_and_of_what_it_is(void **state)
+static void a_surface_has_the_point_weights_and_material_of_its_hit(void **state)
 {
     (void)state;
     rk_mesh mesh;
@@ -177,11 +176,11 @@ static void the_surface_tells_where_and_of_what_it_is(void **state)
     rk_check_close(surface.barycentric.x, 0.25, 0, "the rest is corner a's");
     rk_check_close(surface.barycentric.y, 0.25, 0, "u is corner b's");
     rk_check_close(surface.barycentric.z, 0.5, 0, "v is corner c's");
-    rk_check_equal(surface.triangle.index, 1, "the triangle goes along");
+    rk_check_equal(surface.triangle.index, 1, "the triangle's index is copied");
     rk_mesh_free(&mesh);
 }
 
-/* --- The normals ----------------------------------------------------------------------------- */
+/* --- the normals ------------------------------------------------------------------------------ */
 
 static void face_normals_are_unit_orthogonal_and_face_the_ray(void **state)
 {
@@ -203,8 +202,8 @@ static void face_normals_are_unit_orthogonal_and_face_the_ray(void **state)
                      "the normal looks away from the ray");
             for (int k = 0; k < 3; k++) {
                 rk_vec3 edge = rk_normalize(rk_sub(p[(k + 1) % 3], p[k]));
-                /* Roundings of the normal and the edge; a difference of far corners may have lost
-                 * digits of its own, but is the exact one by Sterbenz or rounded once. */
+                /* Roundings of the normal and the edge; a difference of distant corners is exact by
+                 * Sterbenz, or rounded once. */
                 rk_check_close(rk_dot(surface.face_normal, edge), 0, 1e-6,
                                "the normal is orthogonal to the edges");
             }
@@ -217,7 +216,7 @@ static void face_normals_are_unit_orthogonal_and_face_the_ray(void **state)
 static void tiny_triangles_keep_their_normal(void **state)
 {
     (void)state;
-    /* The square of the cross product's length is 10^-120, far below what a float holds. */
+    /* The square of the cross product's length is 10^-120, far below a float's range. */
     rk_mesh mesh = make_triangle(0);
     mesh.positions[1] = rk_vec(1e-30f, 0, 0);
     mesh.positions[2] = rk_vec(0, 1e-30f, 0);
@@ -225,7 +224,7 @@ static void tiny_triangles_keep_their_normal(void **state)
     rk_hit hit = {1, 0.25f, 0.25f, 0};
     rk_surface surface;
     rk_surface_at(&surface, &mesh, &ray, &hit);
-    rk_check_close(surface.face_normal.z, 1, 0, "the triangle lies in the xy plane");
+    rk_check_close(surface.face_normal.z, 1, 0, "the triangle is in the xy plane");
     for (int i = 0; i < 3; i++)
         mesh.positions[i].z = 1;
     rk_surface_at(&surface, &mesh, &ray, &hit);
@@ -321,7 +320,7 @@ static void triangles_without_area_have_a_unit_normal_and_spawn_rays(void **stat
         }
 }
 
-/* --- Textures -------------------------------------------------------------------------------- */
+/* --- textures --------------------------------------------------------------------------------- */
 
 /* Texture coordinates (0, 0), (1, 0), (0, 1) over a picture of 2 x 1: red left, green right. */
 static rk_mesh make_textured_triangle(void)
@@ -385,7 +384,7 @@ static void the_diffuse_colour_is_plain_where_there_is_no_texture(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* --- Leaving --------------------------------------------------------------------------------- */
+/* --- spawning --------------------------------------------------------------------------------- */
 
 /* Any direction; every second one within a thousandth, or a millionth, of the triangle's plane. */
 static rk_vec3 way_out(noise *n, const rk_surface *surface, int i)
@@ -413,7 +412,7 @@ static void check_that_nothing_returns(uint32_t key, family f, int triangles)
             rk_ray out = {rk_surface_spawn(&surface, direction), direction, INFINITY};
             rk_hit again = {INFINITY, 0, 0, RK_MISS};
             rk_check(!rk_triangle_closest(&surface.triangle, &out, &again),
-                     "scale %g, offset %g, width %g: ray %d of triangle %d met it again at t = "
+                     "scale %g, offset %g, width %g: ray %d of triangle %d hit it again at t = "
                      "%.3g: a lit surface would get specks of shadow",
                      (double)f.scale, (double)f.offset, (double)f.width, k, i, (double)again.t);
         }
@@ -479,7 +478,7 @@ static void a_ray_is_spawned_on_the_side_of_its_direction(void **state)
         rk_vec3 step = rk_sub(rk_surface_spawn(&surface, direction), surface.point);
         float height = rk_dot(step, surface.face_normal) * copysignf(1, cosine);
         float bound = rk_dot(rk_abs3(surface.face_normal), surface.point_error);
-        /* Neighbours that share an edge count on it; 1 % for the roundings of this sum. */
+        /* A common edge with a neighbour counts as hit; 1 % for the roundings of this sum. */
         rk_check(height >= 0.99f * bound,
                  "cosine %.3g: the step goes %.3g to its side, the error may be %.3g",
                  (double)cosine, (double)height, (double)bound);
@@ -487,9 +486,9 @@ static void a_ray_is_spawned_on_the_side_of_its_direction(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* The step for ordinary triangles: on each axis the error bound, two roundings of both edges, a
- * rounding outward, and that at most doubled a few times where the triangle test needs more. The
- * width of a triangle is at least a tenth of its length here. */
+/* The step for ordinary triangles: on each axis the error bound, two roundings of both edges, and a
+ * rounding outward, doubled at most a few times where the triangle test needs more. Triangles here
+ * are at least a tenth as wide as long. */
 static void the_step_is_a_few_error_bounds(void **state)
 {
     (void)state;
@@ -524,7 +523,7 @@ static void the_step_is_a_few_error_bounds(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(the_surface_tells_where_and_of_what_it_is),
+    cmocka_unit_test(a_surface_has_the_point_weights_and_material_of_its_hit),
     cmocka_unit_test(the_point_lies_within_its_error_bound),
     cmocka_unit_test(a_distant_corner_does_not_move_the_point_off_the_opposite_edge),
     cmocka_unit_test(the_error_bound_is_two_roundings_of_the_coordinates),

@@ -1,4 +1,4 @@
-/* Tables: rows come, are replaced, are quoted; what is no table of ours is left alone. */
+/* Tables: rows are added, replaced and quoted; files that are not our tables are left unchanged. */
 #include "test.h"
 #include "test_folder.h"
 #include "test_full_disk.h"
@@ -126,7 +126,7 @@ static void an_empty_file_becomes_a_table(void **state)
     test_file_check(path.text, "scene,method,ms\na,x,1\n");
 }
 
-/* --- what is refused ------------------------------------------------------------------------- */
+/* --- refusals -------------------------------------------------------------------------------- */
 
 static void check_untouched(const test_folder *folder, const char *content, const char *part)
 {
@@ -299,7 +299,7 @@ static void the_clocks_run_in_seconds(void **state)
         work = work + 1;
     double wall_passed = rk_clock_wall() - wall, thread_passed = rk_clock_thread() - thread;
     rk_check(wall_passed >= 0.0099, "10 ms of work took %g s on the wall clock", wall_passed);
-    /* While the thread sleeps, only the wall's clock goes on. */
+    /* While the thread sleeps, only the wall clock advances. */
     wall = rk_clock_wall(), thread = rk_clock_thread();
     nanosleep(&(struct timespec){0, 20000000}, NULL);
     wall_passed = rk_clock_wall() - wall, thread_passed = rk_clock_thread() - thread;

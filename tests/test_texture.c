@@ -1,4 +1,4 @@
-/* Textures: exact at texel centres, linear between them, and sound for any coordinate. */
+/* Textures: exact at texel centres, linear between them, and valid for any coordinate. */
 #include "test.h"
 
 #include "base/random.h"
@@ -16,7 +16,7 @@ static rk_texture make_texture(size_t width, size_t height, rk_texture_wrap wrap
     return texture;
 }
 
-/* Every texel in its own colour, in [0, 1]. */
+/* Gives every texel its own colour, in [0, 1]. */
 static rk_texture make_noise(size_t width, size_t height, rk_texture_wrap wrap,
                              rk_texture_filter filter)
 {
@@ -70,8 +70,8 @@ static void texel_centres_give_the_texels(void **state)
         for (int k = 0; k < 4; k++) {
             size_t width = sizes[s][0], height = sizes[s][1];
             rk_texture texture = make_noise(width, height, wraps[k / 2], filters[k % 2]);
-            /* To the bit, but where (i + .5) / width is rounded, by 2^-24 of the width, and a
-             * bilinear mix sees it: the texture changes by at most 1 a texel, in each direction. */
+            /* To the bit, unless (i + .5) / width is rounded, by 2^-24 of the width, and the filter
+             * is bilinear: the texture changes by at most 1 per texel in each direction. */
             bool exact = s < 4 || filters[k % 2] == RK_TEXTURE_NEAREST;
             double tolerance = exact ? 0 : 2 * 0x1p-24 * (double)(width + height);
             for (size_t j = 0; j < height; j++)
@@ -93,9 +93,9 @@ static void the_nearest_texel_contains_the_point(void **state)
                      0, "texel i covers [i / n, (i + 1) / n)");
     }
     for (size_t i = 0; i < 16; i++) {
-        float border = (float)i / 16;
-        check_colour(look_up(&texture, border, 0), texel_of(&texture, i, 0), 0, "its left border");
-        check_colour(look_up(&texture, nextafterf(border + 0.0625f, 0), 0),
+        float left_edge = (float)i / 16;
+        check_colour(look_up(&texture, left_edge, 0), texel_of(&texture, i, 0), 0, "its left edge");
+        check_colour(look_up(&texture, nextafterf(left_edge + 0.0625f, 0), 0),
                      texel_of(&texture, i, 0), 0, "just before the next one");
     }
     rk_texture_free(&texture);
@@ -129,7 +129,7 @@ static void bilinear_reproduces_linear_images(void **state)
         float u = rk_unit_float(rk_hash(k, 0, 2, 2)), v = rk_unit_float(rk_hash(k, 1, 2, 2));
         double x = (double)u * (double)width - 0.5, y = (double)v * (double)height - 0.5;
         if (x < 0 || y < 0 || x > (double)width - 1 || y > (double)height - 1)
-            continue; /* between the outer centres and the border, clamping flattens */
+            continue; /* between the outer centres and the edge, clamping is constant */
         rk_vec3 got = look_up(&texture, u, v);
         /* Two or three roundings each way of numbers up to 24, and of 78 in the sum. */
         rk_check_close(got.x, x, 8 * 24 * 0x1p-24, "the column");
@@ -147,7 +147,7 @@ static void bilinear_is_continuous_across_texels_and_repeats(void **state)
     const float h = 0x1p-16f;
     for (int k = -40; k <= 40; k++) {
         float u = (float)k / 32, v = 0.3f;
-        /* Noise changes by at most 1 a texel: by 2 h side over a step of 2 h. */
+        /* Noise changes by at most 1 per texel: by 2 h side over a step of 2 h. */
         check_colour(look_up(&texture, u - h, v), look_up(&texture, u + h, v),
                      2 * (double)h * (double)side + 0x1p-20, "no jump in u");
         check_colour(look_up(&texture, v, u - h), look_up(&texture, v, u + h),
@@ -184,7 +184,7 @@ static void repeating_has_period_one(void **state)
     for (int f = 0; f < 2; f++) {
         rk_texture texture = make_noise(8, 5, RK_TEXTURE_REPEAT, filters[f]);
         for (uint32_t k = 0; k < 2000; k++) {
-            /* Multiples of 2^-10, so that sums with whole numbers are exact. */
+            /* Multiples of 2^-10, so that sums with integers are exact. */
             float u = (float)(rk_hash(k, 0, 3, 3) >> 22) * 0x1p-10f;
             float v = (float)(rk_hash(k, 1, 3, 3) >> 22) * 0x1p-10f;
             rk_vec3 want = look_up(&texture, u, v);
@@ -225,8 +225,8 @@ static void integers_of_any_size_give_the_pictures_corner(void **state)
     }
 }
 
-/* Reads out of range would end this test under AddressSanitizer, conversions of what no integer
- * holds under UndefinedBehaviorSanitizer; what comes back is always in the picture's range. */
+/* AddressSanitizer would catch reads out of range, UndefinedBehaviorSanitizer conversions that no
+ * integer can hold; results are always within the picture's range. */
 static void any_coordinate_gives_a_colour_of_the_picture(void **state)
 {
     (void)state;

@@ -1,4 +1,4 @@
-/* The pictures that mesh files name: where they are looked for, and what is refused. */
+/* Pictures named by mesh files: where they are found, and which are refused. */
 #include "test.h"
 
 #include "quarters.h"
@@ -7,7 +7,7 @@
 
 static const size_t plenty = 1000;
 
-/* As a mesh file in the folder gives the name. */
+/* Reads the picture by a mesh file's name for it. */
 static bool read_named(rk_texture *texture, const test_folder *folder, const char *name,
                        rk_error *error)
 {
@@ -132,12 +132,12 @@ static void texels_are_counted_and_too_many_refused(void **state)
              "4 texels were read where there is room for 3");
     rk_check(!texture.image.pixels, "pixels were left behind");
     rk_check_error_names(error, "quarters.png: its 2 x 2 texels");
-    rk_check_equal(texels_left, 3, "what is refused takes nothing");
+    rk_check_equal(texels_left, 3, "a refused picture takes nothing");
 }
 
 /* --- pictures inside the mesh file --------------------------------------------------------- */
 
-/* With the folder as the place for temporary files. */
+/* With the folder as TMPDIR. */
 static bool read_embedded(rk_texture *texture, const test_folder *folder,
                           const unsigned char *bytes, size_t size, rk_error *error)
 {

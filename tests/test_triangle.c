@@ -1,5 +1,5 @@
 /* Rays and triangles: by hand, then against long double with rigorous error bounds, then at every
- * scale, then what must never hit. */
+ * scale, then cases that must never hit. */
 #include "test.h"
 
 #include "base/random.h"
@@ -17,7 +17,7 @@ static rk_hit closest(const rk_triangle *triangle, const rk_ray *ray)
     rk_hit hit = {ray->t_max, 0, 0, RK_MISS};
     bool replaced = rk_triangle_closest(triangle, ray, &hit);
     rk_check(replaced == (hit.triangle != RK_MISS),
-             "the answer should tell whether the hit changed");
+             "the result should say whether the hit changed");
     return hit;
 }
 
@@ -82,11 +82,11 @@ static void edges_and_corners_belong_to_the_triangle(void **state)
 {
     (void)state;
     rk_triangle triangle = corner_triangle();
-    const float border[][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5f, 0}, {0, 0.5f}, {0.5f, 0.5f}};
+    const float on_edge[][2] = {{0, 0}, {1, 0}, {0, 1}, {0.5f, 0}, {0, 0.5f}, {0.5f, 0.5f}};
     for (int i = 0; i < 6; i++) {
-        rk_ray ray = ray_at(border[i][0], border[i][1]);
-        rk_check(hits(&triangle, &ray), "(%g, %g) is on the border", (double)border[i][0],
-                 (double)border[i][1]);
+        rk_ray ray = ray_at(on_edge[i][0], on_edge[i][1]);
+        rk_check(hits(&triangle, &ray), "(%g, %g) is on the edge", (double)on_edge[i][0],
+                 (double)on_edge[i][1]);
     }
 }
 
@@ -153,14 +153,14 @@ static wide3 magnitude(wide3 v)
     return (wide3){fabsl(v.x), fabsl(v.y), fabsl(v.z)};
 }
 
-/* a . (b x c); with `sign` 1 the sum of its terms' magnitudes, for magnitudes a, b, c. */
+/* a . (b x c); with `sign` 1, the sum of its terms' magnitudes, for magnitudes a, b, c. */
 static long double triple(wide3 a, wide3 b, wide3 c, long double sign)
 {
     return a.x * (b.y * c.z + sign * b.z * c.y) + a.y * (b.z * c.x + sign * b.x * c.z) +
            a.z * (b.x * c.y + sign * b.y * c.x);
 }
 
-/* A value, and how far float arithmetic may be from it. */
+/* A value, and a bound of float arithmetic's error. */
 typedef struct bounded {
     long double value, error;
 } bounded;
@@ -179,7 +179,7 @@ typedef struct oracle {
     bounded det, u_det, v_det, t_det;
 } oracle;
 
-static oracle ask(const rk_triangle *triangle, const rk_ray *ray)
+static oracle solve(const rk_triangle *triangle, const rk_ray *ray)
 {
     wide3 ab = widen(triangle->edge_ab), ac = widen(triangle->edge_ac), d = widen(ray->direction);
     wide3 o = widen(ray->origin), a = widen(triangle->a), s = {o.x - a.x, o.y - a.y, o.z - a.z};
@@ -192,7 +192,7 @@ static oracle ask(const rk_triangle *triangle, const rk_ray *ray)
     return answer;
 }
 
-/* What is left of the triangle on the third side, 1 - u - v; its sum and comparison round once. */
+/* The third barycentric coordinate, 1 - u - v; its sum and comparison round once. */
 static bounded rest(const oracle *o)
 {
     long double value = o->det.value - o->u_det.value - o->v_det.value;
@@ -210,7 +210,7 @@ static bool surely_negative(bounded b)
     return b.value < -b.error;
 }
 
-/* The quotient's error: of both parts, and its own rounding. */
+/* The quotient's error: from numerator, denominator, and its own rounding. */
 static long double quotient_error(bounded part, bounded det)
 {
     long double quotient = part.value / det.value;
@@ -228,8 +228,8 @@ static rk_vec3 noise3(uint32_t i, uint32_t dimension)
     return rk_vec(noise(i, dimension), noise(i, dimension + 1), noise(i, dimension + 2));
 }
 
-/* Triangles of all shapes, needles among them, hit inside, near an edge or beside, near and far,
- * head-on and grazing. */
+/* Triangles of all shapes, including needles; rays that hit inside, near an edge or beside it, near
+ * and far, head-on and grazing. */
 static void make_pair(uint32_t i, rk_triangle *triangle, rk_ray *ray)
 {
     rk_vec3 a = noise3(i, 0), b = noise3(i, 3), c = noise3(i, 6);
@@ -243,7 +243,7 @@ static void make_pair(uint32_t i, rk_triangle *triangle, rk_ray *ray)
     rk_vec3 origin = rk_scale(noise3(i, 16), i % 3 == 1 ? 1000 : 3);
     if (i % 8 == 3) /* from within a thousandth of the triangle's plane */
         origin = rk_madd(rk_madd(target, triangle->edge_ab, 3 * noise(i, 19)), origin, 1e-3f);
-    float reach = 1.5f + noise(i, 20); /* t lies around 1 / reach */
+    float reach = 1.5f + noise(i, 20); /* t is around 1 / reach */
     *ray = (rk_ray){origin, rk_scale(rk_sub(target, origin), reach), INFINITY};
 }
 
@@ -257,7 +257,7 @@ static void clear_hits_hit_and_clear_misses_miss(void **state)
         rk_triangle triangle;
         rk_ray ray;
         make_pair(i, &triangle, &ray);
-        oracle want = ask(&triangle, &ray);
+        oracle want = solve(&triangle, &ray);
         bounded third = rest(&want);
         if (surely_positive(want.det) && surely_positive(want.u_det) &&
             surely_positive(want.v_det) && surely_positive(third) && surely_positive(want.t_det)) {
@@ -282,7 +282,7 @@ static void t_u_and_v_stay_within_their_error_bounds(void **state)
         rk_ray ray;
         make_pair(i, &triangle, &ray);
         rk_hit hit = closest(&triangle, &ray);
-        oracle want = ask(&triangle, &ray);
+        oracle want = solve(&triangle, &ray);
         if (hit.triangle == RK_MISS || !surely_positive(want.det))
             continue;
         long double det = want.det.value;
@@ -300,7 +300,7 @@ static void barycentric_coordinates_give_the_point_back(void **state)
         rk_ray ray;
         make_pair(i, &triangle, &ray);
         rk_hit hit = closest(&triangle, &ray);
-        oracle want = ask(&triangle, &ray);
+        oracle want = solve(&triangle, &ray);
         if (hit.triangle == RK_MISS || !surely_positive(want.det))
             continue;
         for (int k = 0; k < 3; k++) {
@@ -364,9 +364,8 @@ static void powers_of_two_change_no_bit_of_a_hit(void **state)
         rk_ray ray, scaled_ray;
         make_pair(i, &triangle, &ray);
         rk_hit want = closest(&triangle, &ray);
-        /* Lengths are within 2^-14 .. 2^11 here (a needle's height, a far origin); products of
-         * three stay in range, and what cancels below is too small to matter, from 2^-28 to 2^30.
-         */
+        /* Lengths are within 2^-14 .. 2^11 (a needle's height, a distant origin); products of three
+         * stay in range, and cancelled digits are too small to matter, from 2^-28 to 2^30. */
         int exponent = (int)(rk_hash(i, 1, 1, 1) % 59) - 28;
         scaled = triangle, scaled_ray = ray;
         scale_pair(&scaled, &scaled_ray, ldexpf(1, exponent), 1);
@@ -410,7 +409,7 @@ static void a_hit_at_any_scale_is_finite_and_in_range(void **state)
     }
 }
 
-/* --- what never hits ------------------------------------------------------------------------- */
+/* --- cases that never hit -------------------------------------------------------------------- */
 
 static void an_edge_on_triangle_is_missed(void **state)
 {
@@ -462,7 +461,7 @@ static void nan_and_infinity_in_any_input_miss(void **state)
             rk_triangle triangle =
                 triangle_of(rk_vec(-1, -1, 0.5f), rk_vec(2, -1, 0), rk_vec(-1, 3, 1), 0);
             rk_ray ray = {rk_vec(0.1f, 0.2f, -2), rk_vec(0.1f, 0.2f, 1), INFINITY};
-            rk_check(hits(&triangle, &ray), "the sound pair hits");
+            rk_check(hits(&triangle, &ray), "the valid pair hits");
             float *places[] = {&triangle.a.x, &triangle.edge_ab.x, &triangle.edge_ac.x,
                                &ray.origin.x, &ray.direction.x};
             places[place / 3][place % 3] = broken[i];

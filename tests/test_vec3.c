@@ -1,4 +1,4 @@
-/* Vectors: the formulas, and what happens at zero, at infinity and at NaN. */
+/* Vectors: the formulas, and results for zero, infinity and NaN. */
 #include "test.h"
 
 #include "base/random.h"

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Proves that suites tell right work from wrong: `make check-suites`.
+"""Proves that suites distinguish right work from wrong: `make check-suites`.
 
 For each feature of assignments/features.tsv:
 - the reference passes every test of its suite;
@@ -54,7 +54,7 @@ SANITIZER_ENVIRONMENT = {
 
 
 class Fault(Exception):
-    """What is wrong, in one sentence with its remedy."""
+    """A fault, in one sentence with its remedy."""
 
 
 class Progress:
@@ -131,7 +131,7 @@ def list_tests(program):
 
 
 def run_test(program, test, environment=None):
-    """Returns the exit status of one test, 0 for passed, and what it said. Out of time: 124."""
+    """Returns the exit status of one test, 0 for passed, and its output. Out of time: 124."""
     try:
         done = subprocess.run([program, "--only", test], stdin=subprocess.DEVNULL,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace",
@@ -146,7 +146,7 @@ def run_test(program, test, environment=None):
 
 
 class Feature:
-    """A row of features.tsv, and what stands in the tree for it."""
+    """A row of features.tsv, and its files in the tree."""
 
     def __init__(self, row, root, builder, progress):
         self.stem, self.root, self.builder, self.progress = row["stem"], root, builder, progress
@@ -157,7 +157,7 @@ class Feature:
         self.faults, self.notes = [], []
 
     def prepare(self):
-        """Builds what all programs share, and the reference; finds the tests' names."""
+        """Builds the objects common to all programs, and the reference; finds the tests' names."""
         self.common = self.compile_common("", [])
         self.reference = self.program(self.source, "reference", f"{self.stem}'s reference",
                                       ["-w"])
@@ -196,7 +196,7 @@ class Feature:
     # --- jobs: each may raise a Fault
 
     def check_handout(self):
-        """What students read of the tests is the table that they are graded by."""
+        """The handout's table of tests must match the table used for grading."""
         handout = self.points.with_name("handout.md")
         if not self.points.exists() or not handout.exists():
             return
@@ -207,11 +207,11 @@ class Feature:
         faults = [f"{name}: no step names {test}" for test in scored if test not in told]
         faults += [f"{name}: a step names {test}, which carries no points" for test in told
                    if test not in scored]
-        faults += [f"{name}: {test} stands in the steps twice" for test in dict.fromkeys(told)
+        faults += [f"{name}: {test} is in the steps twice" for test in dict.fromkeys(told)
                    if told.count(test) > 1]
         if not faults and told != scored:
             at = next(i for i, test in enumerate(told) if test != scored[i])
-            faults = [f"{name}: {told[at]} stands where points.tsv has {scored[at]}; order them alike"]
+            faults = [f"{name}: {told[at]} is where points.tsv has {scored[at]}; order them alike"]
         if faults:
             raise Fault("\n".join(faults))
 
@@ -233,11 +233,11 @@ class Feature:
         scored = self.scored(status)
         lucky = [test for test in scored if status[test] == 0]
         if lucky:
-            self.faults.append(f"the starter passes what carries points: {' '.join(lucky)}; sharpen "
+            self.faults.append(f"the starter passes tests that carry points: {' '.join(lucky)}; sharpen "
                                "these tests, or give them 0 in points.tsv")
         worthless = [test for test in self.tests if test not in scored and status[test] != 0]
         if worthless:
-            self.faults.append(f"the starter fails what carries no points: {' '.join(worthless)}; "
+            self.faults.append(f"the starter fails tests that carry no points: {' '.join(worthless)}; "
                                "give these tests some in points.tsv")
         self.check_safety(text, status)
 

@@ -2,9 +2,9 @@
 """Starts gdb on a unit, stopped at the first of its functions that the test calls.
 
 The unit is built without optimization and with the sanitizers that grade it into
-impl/debug/test_STEM: a stray index stops where it happens, and not where it shows. What gdb is to do
-stands in impl/debug/STEM.gdb, for editors that bring their own view of gdb. It stops once in each
-function that students write; those that are given are no news."""
+impl/debug/test_STEM: a stray index stops where it occurs, and not where its effect shows. The commands for gdb
+are in impl/debug/STEM.gdb, for editors with their own interface to gdb. It stops once in each function
+that students write, but not in given ones."""
 
 import os
 import re
@@ -19,8 +19,8 @@ from grading.assignments import (
 from grade import grade_impl, stop_on_signals
 from grading.starters import read_regions
 
-# A report is an abort, at which gdb stops; leaks cannot be looked for under a debugger. The suite's
-# own signal handlers stand back, as when grading.
+# A report aborts, where gdb stops; leaks cannot be detected under a debugger. The suite's own signal
+# handlers are disabled, as in grading.
 _ASAN_OPTIONS = "abort_on_error=1:detect_leaks=0:handle_segv=0:handle_abort=0:allow_user_segv_handler=1"
 _UBSAN_OPTIONS = "abort_on_error=1:handle_abort=0:print_stacktrace=0"
 
@@ -97,10 +97,10 @@ def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stem", metavar="STEM")
     parser.add_argument(
-        "--impl", default="", metavar="FILE_OR_DIR", help="the work; none means the reference"
+        "--impl", default="", metavar="FILE_OR_DIR", help="the work; default: the reference"
     )
     parser.add_argument("--build", default=".", metavar="DIR")
-    parser.add_argument("--test", metavar="NAME", help="the test to run; none means the first that fails")
+    parser.add_argument("--test", metavar="NAME", help="the test to run; default: the first that fails")
     parser.add_argument("--prepare", action="store_true", help="only build, for an editor's debugger")
     arguments = parser.parse_args()
     stop_on_signals()
@@ -131,7 +131,7 @@ def main():
     keys = "n(ext), s(tep), p(rint) NAME, bt, c(ontinue to the next function of yours), q(uit)"
     print(f"{unit.shown}, test {test}; in gdb: {keys}", flush=True)
     os.environ["CMOCKA_MESSAGE_OUTPUT"] = "TAP"
-    # set startup-with-shell off: neither quoting nor a shell's start files come between.
+    # set startup-with-shell off: avoids quoting and a shell's start files.
     os.execv(debugger, [debugger, "-q", "-ex", "set startup-with-shell off", "-x", script, "-ex", "run",
                         "--args", program, "--only", test])
     return 1

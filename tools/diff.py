@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""Shows what a student has changed: the unit against the starter that it began as."""
+"""Shows a student's changes: the unit against its starter."""
 
 import difflib
 import sys

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
-"""Links each driver with the student's unit of its own feature, below impl/ in the build folder:
-impl/assignments is then to those units what assignments/ is to the reference's.
+"""Links each driver with the student's unit of its own feature: impl/assignments in the build folder
+then corresponds to assignments/ with the reference's units.
 
 All other units are the reference's, so that an unsolved assignment does not spoil the pictures of
-the solved ones; pictures and impl/units say which is which. Where a unit cannot be built, a script
-that says so stands in its driver's place, and the reason in STEM.unmade beside it."""
+the solved ones; pictures and impl/units name the units' authors. If a unit cannot be built, a script that
+reports it replaces the driver, and STEM.unmade beside it has the reason."""
 
 import os
 import shutil
@@ -48,7 +48,7 @@ def _renderer_without_features(toolchain, features, folder):
 
 
 def _sentence(units, impl):
-    """Says whose units these are, for captions; nothing where all are the reference's."""
+    """Names the units' authors, for captions; empty if all are the reference's."""
     own = [unit.feature.stem for unit in units if not unit.is_reference]
     name = os.path.basename(os.path.normpath(impl))
     others = ", others: reference" if len(own) < len(units) else ""
@@ -133,7 +133,7 @@ def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
     parser.add_argument("--build", default=".", metavar="DIR")
-    parser.add_argument("--only", metavar="STEM", help="make this driver alone, and say where it is")
+    parser.add_argument("--only", metavar="STEM", help="make only this driver, and print its path")
     arguments = parser.parse_args()
     try:
         toolchain = build.Toolchain(arguments.build)
@@ -149,7 +149,7 @@ def main():
         print(f"drivers: {error}", file=sys.stderr)
         return 1
     except subprocess.CalledProcessError as error:
-        print(f"drivers: {error.cmd[0]} failed; its reason stands above", file=sys.stderr)
+        print(f"drivers: {error.cmd[0]} failed; its reason is above", file=sys.stderr)
         return 1
     return 0
 

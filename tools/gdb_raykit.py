@@ -1,5 +1,5 @@
-"""gdb: vectors, rays, boxes and nodes of trees as a person would write them. When the program
-fails in the middle of a library, the frame of the unit that called it is the one selected.
+"""gdb: prints vectors, rays, boxes and tree nodes readably. If the program fails within a library,
+the frame of the unit that called it is selected.
 
     (gdb) source tools/gdb_raykit.py
     (gdb) print ray          ->  from (0, 0, -1) along (0, 0, 1), t_max inf
@@ -97,7 +97,7 @@ def stop_in(name):
         while frame and not (frame.find_sal().symtab and frame.find_sal().symtab.filename.endswith(name)):
             frame = frame.older()
         if frame and frame != gdb.selected_frame():
-            print("This is where your code stands (bt shows the way there):")
+            print("This is the line reached in your code (bt shows its callers):")
             gdb.execute(f"frame {frame.level()}")
 
     def stopped(event):

@@ -2,7 +2,7 @@
 """Grades units against their suites: compiles each once, runs every scored test in a process of its
 own under limits, and reports points.
 
-A test counts as passed only when its process came back from it and proved so (see verdicts.py);
+A test counts as passed only if its process returns from it and proves so (see verdicts.py);
 crashes, endless loops, leaks and programs that end early are failed tests with a reason.
 """
 
@@ -33,8 +33,8 @@ TIMEOUTS = 2  # so many tests of a suite may take all their time; the others the
 
 
 class Suite:
-    """What became of one feature: its unit, its scored tests and a verdict for each. `problem` is
-    why nothing ran, `fallback` says that the reference stood in."""
+    """The result of one feature: its unit, its scored tests and a verdict for each. `problem` is the
+    reason why nothing ran, `fallback` says that the reference was used instead."""
 
     def __init__(self, feature, unit, tests, fallback=False):
         self.feature, self.unit, self.tests, self.fallback = feature, unit, tests, fallback
@@ -45,7 +45,7 @@ class Suite:
         return all(self.verdicts[test.name].passed for test in self.tests)
 
     def points(self):
-        """The points earned; nobody earns any with the reference's work."""
+        """The points earned; the reference's work earns none."""
         if self.unit.is_reference:
             return 0
         return sum(test.points for test in self.tests if self.verdicts[test.name].passed)
@@ -96,7 +96,7 @@ def _object_of(toolchain, unit, folder):
     return path, warnings
 
 
-def build(toolchain, suite, needed_units):
+def build_suite(toolchain, suite, needed_units):
     """Builds the suite's program around the unit, or gives up with the reason."""
     try:
         objects = []
@@ -116,13 +116,13 @@ def build(toolchain, suite, needed_units):
 
 
 def _environment(folder, look_for_leaks):
-    """What the program sees: nothing of the caller's but where libraries are, and nothing that leads
+    """The program's environment: of the caller's only the paths of libraries, and nothing that leads
     to the kit."""
     kept = ("LD_LIBRARY_PATH", "RAYKIT_ISA")
     environment = {name: os.environ[name] for name in kept if name in os.environ}
     environment.update(
         HOME=folder, TMPDIR=folder, LC_ALL="C", CMOCKA_MESSAGE_OUTPUT="TAP", UBSAN_OPTIONS="print_stacktrace=1",
-        # 2: the suite's own signal handlers stand back. The slow unwinder sees through code
+        # 2: the suite's own signal handlers are disabled. The slow unwinder sees through code
         # without frame pointers, so that a leak's trace reaches the unit.
         ASAN_OPTIONS="handle_segv=2:handle_sigbus=2:handle_sigfpe=2:handle_sigill=2:handle_abort=1:"
         "allocator_may_return_null=1:fast_unwind_on_malloc=0:"
@@ -132,7 +132,7 @@ def _environment(folder, look_for_leaks):
 
 
 def _with_lines(program, text):
-    """Names functions and lines in traces whose program could not be found, being in memory only."""
+    """Adds functions and lines to traces whose program is not found because it is in memory only."""
     unnamed = r"(#\d+ 0x[0-9a-f]+) +\(/memfd:\S+ \(deleted\)\+(0x[0-9a-f]+)\).*"
     addresses = list(dict.fromkeys(address for _, address in re.findall(unnamed, text)))
     finder = shutil.which("addr2line")
@@ -177,7 +177,7 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None)
 
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:
         try:
-            finish([pool.submit(build, toolchain, suite, [units[stem] for stem in suite.feature.needs])
+            finish([pool.submit(build_suite, toolchain, suite, [units[stem] for stem in suite.feature.needs])
                     for suite in suites if not suite.problem])
             runs = [(suite, test) for suite in suites if suite.program for test in suite.tests]
             if progress:
@@ -201,7 +201,7 @@ def _arguments():
         description=__doc__.split("\n\n")[0],
         epilog="Exit status: 0 all tests passed, or FILE was written; 1 some test failed; 2 nothing could be graded.",
     )
-    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; none means all of them")
+    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     add = parser.add_argument
     add("--impl", required=True, metavar="FILE_OR_DIR", help="a C file, or a folder with STEM.c")
     add("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
@@ -262,8 +262,8 @@ def grade_impl(build_folder, stems, impl, fallback=False, only=None, progress=No
 
 
 def _grade_apart(build_folder, stems, impl, only, progress):
-    """Grades in a process of its own. Where a unit ends that, each feature gets one, and who ends it
-    again has no verdicts."""
+    """Grades in a separate process. If a unit ends it, each feature gets one of its own, and a unit
+    that ends it again gets no verdicts."""
     try:
         return isolate.call(grade_impl, build_folder, stems, impl, False, only, progress)[1]
     except isolate.Ended as ended:
@@ -276,7 +276,7 @@ def _grade_apart(build_folder, stems, impl, only, progress):
 
 
 def grade_submission(build_folder, stems, impl, only=None, progress=None, places=()):
-    """Returns the suites of somebody else's work, which must not have changed the kit, nor these
+    """Returns the suites of somebody else's work, which must have changed neither the kit nor these
     folders."""
     toolchain = build.Toolchain(build_folder)
     stems = stems or list(read_features(toolchain.source))
@@ -299,7 +299,7 @@ def stop_on_signals():
 
 
 def show_progress(done, total):
-    """For a terminal: one line that is written over, and gone in the end."""
+    """For a terminal: one line that is overwritten, and cleared in the end."""
     text = f"running test {done + 1} of {total}" if done < total else ""
     print(f"\r{text:<40}" + ("" if text else "\r"), end="", file=sys.stderr, flush=True)
 

@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Grades a class: each folder or C file in SUBMISSIONS, one after the other. Writes a report for each
-and class.csv, which is renewed after each, so that an interruption keeps what is done.
+and class.csv, which is rewritten after each, so that an interruption loses no results.
 
 A submission that cannot be graded gets a remark and no points; so does one that adds files to the kit,
-which are taken out again. One that changes the kit, another's submission or the results ends the class:
-nothing after it could be believed.
+which are removed again. One that changes the kit, another's submission or the results stops the
+grading, because no later verdict would be reliable.
 """
 
 import csv
@@ -38,7 +38,7 @@ def submissions_in(folder):
 
 
 def _check_is_a_class(folder, found, features):
-    """One student's folder would be graded as students who are called bloom and so on."""
+    """One student's folder would be graded as students called bloom and so on."""
     work = {name: path for name, path in found.items() if path.endswith(".c") or os.path.isdir(path)}
     if work and all(name in features and os.path.isfile(path) for name, path in work.items()):
         raise ToolError(f"SUBMISSIONS: the folder {folder} holds one student's units ({', '.join(work)}); give the "
@@ -46,7 +46,7 @@ def _check_is_a_class(folder, found, features):
 
 
 def _remarks(suites):
-    """What an instructor should know beside the points."""
+    """Remarks for the instructor beside the points."""
     told = next((suite for suite in suites if not suite.passed()), None)  # stands in a column of its own
     remarks = []
     for suite in suites:
@@ -66,7 +66,7 @@ class Table:
         self.rows = [["name", *stems, "total", "first failing claim", "reason", "remarks"]]
 
     def add(self, name, points, first=("", ""), remarks=""):
-        """Adds a row, of empty cells where there are no points, and renews the file."""
+        """Adds a row, with empty cells if there are no points, and rewrites the file."""
         cells = [*points, sum(points)] if points else [""] * (len(self.rows[0]) - 4)
         self.rows.append([results.name_of(name), *cells, *first, remarks])
         text = io.StringIO()
@@ -74,9 +74,9 @@ class Table:
         results.write_whole(self.path, text.getvalue())
 
 
-def grade_class(build, stems, submissions, out, format_name):
+def grade_class(build_folder, stems, submissions, out, format_name):
     """Grades all; returns how many could not be graded."""
-    toolchain = build.Toolchain(build)
+    toolchain = build.Toolchain(build_folder)
     features = choose(read_features(toolchain.source), stems)
     found = submissions_in(submissions)
     _check_is_a_class(submissions, found, read_features(toolchain.source))
@@ -97,7 +97,7 @@ def grade_class(build, stems, submissions, out, format_name):
         try:
             if os.path.isfile(path) and not path.endswith(".c"):
                 raise ToolError("neither a folder nor a C file")
-            suites = grade_submission(build, [feature.stem for feature in features], path, places=(submissions, out))
+            suites = grade_submission(build_folder, [feature.stem for feature in features], path, places=(submissions, out))
             results.write_whole(os.path.join(out, name + _ENDINGS[format_name]),
                                 results.FORMATS[format_name](suites, name))
             table.add(name, [suite.points() for suite in suites], results.first_failed(suites), _remarks(suites))
@@ -118,7 +118,7 @@ def main():
         description=__doc__.split("\n\n")[0],
         epilog="Exit status: 0 all were graded; 1 some could not be; 2 it could not begin, or had to stop.",
     )
-    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; none means all of them")
+    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     parser.add_argument("--submissions", required=True, metavar="DIR", help="a folder or C file for each student")
     parser.add_argument("--out", required=True, metavar="DIR", help="where the results go")
     parser.add_argument("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
@@ -136,7 +136,7 @@ def main():
         print(f"grade-class: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
         return 2
     except KeyboardInterrupt:
-        print("grade-class: stopped; what was done stands in the results", file=sys.stderr)
+        print("grade-class: stopped; finished reports are in the results", file=sys.stderr)
         return 130
     return 1 if ungraded else 0
 

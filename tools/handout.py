@@ -1,14 +1,13 @@
 #!/usr/bin/env python3
 """Packs the kit for students: everything but the solutions of the named assignments, proven.
 
-The pack is a release of the kit in which those features' sources are starters in workbook/; its
-Makefile.am says so in `handed_out`. It grows beside its place and takes it when it is whole and the
-solutions were not found in it (leak_check.py).
+The pack is a release of the kit in which those features' sources are starters in workbook/; a line in
+src/features tells the build so (tools/features.sh). It is made beside its destination and moved there
+when it is complete and found free of solutions (leak_check.py).
 """
 
 import errno
 import os
-import re
 import shutil
 import subprocess
 import sys
@@ -16,6 +15,7 @@ import tarfile
 import tempfile
 
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
+from handout_text import as_packed, handout_of
 from grading.leak_check import prove
 from grading.starters import RegionError, handed_out_of, starter_of
 from grading.results import write_whole
@@ -86,73 +86,40 @@ def place_of(out, folder):
 
 
 def _release(pack):
-    """What make dist would pack, less what ./bootstrap makes."""
+    """The files that make dist would pack, without those that ./bootstrap makes."""
     command = [os.environ.get("MAKE", "make"), "-s", "distdir", f"distdir={pack}"]
     environment = {name: value for name, value in os.environ.items() if name != "MAKEFLAGS"}
     answer = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                             errors="replace", check=False)
     if answer.returncode:
         raise ToolError(f"the kit's files could not be gathered:\n{answer.stdout.strip()}")
-    for name in ("configure", "Makefile.in", "aclocal.m4"):
+    for name in ("configure", "Makefile.in", "aclocal.m4", "features.am"):
         os.unlink(os.path.join(pack, name))
     shutil.rmtree(os.path.join(pack, "build-aux"))
 
 
 def _hand_out(pack, features):
-    """Puts starters in the solutions' places, and has them built from the workbook."""
-    path = os.path.join(pack, "Makefile.am")
-    with open(path, encoding="utf-8") as file:
-        makefile = file.read()
+    """Replaces solutions by starters, from which the build knows which sources to take from workbook/."""
     os.mkdir(os.path.join(pack, "workbook"))
     for feature in features:
         old, new = f"src/features/{feature.stem}.c", f"workbook/{feature.stem}.c"
         write_whole(os.path.join(pack, new), starter_of(feature.reference))
         write_whole(os.path.join(pack, old), handed_out_of(feature.reference, new))
         os.unlink(os.path.join(pack, "tests", "mutants", f"{feature.stem}.mutants"))
-        makefile = re.sub(rf"(?<![\w/]){re.escape(old)}\b", new, makefile)
-    stems = [feature.stem for feature in features]
-    makefile, found = re.subn("^handed_out =.*$", f"handed_out = {' '.join(stems)}", makefile, flags=re.M)
-    if found != 1:
-        raise ToolError("Makefile.am has no line of its own that begins with \"handed_out =\"")
-    starters = " ".join(f"src/features/{stem}.c" for stem in stems)
-    write_whole(path, f"{makefile}\nEXTRA_DIST += HANDOUT.md\nEXTRA_LIBRARIES = librkstarters.a\n"
-                      f"librkstarters_a_SOURCES = {starters}\n")
 
 
-# In texts: what stands between the first two lines is for the whole kit, and what follows for packs.
-_KIT_OR_PACK = re.compile(r"^<!-- kit -->\n.*?^<!-- pack\n(.*?)^end -->\n", re.MULTILINE | re.DOTALL)
-_OF_THE_KIT = re.compile(r"\b(IMPL|DIR)=mine\b|(?<![\w/])mine/|`mine`|<!-- (kit|pack)\b")
-
-
-def as_packed(text, name, stems):
-    """Returns a text of the kit as it is true in a pack, where the workbook is meant without a word."""
-    text = _KIT_OR_PACK.sub(r"\1", text)
-    text = re.sub(r" IMPL=mine\b(?!/)", "", text)
-    for stem in stems:
-        text = text.replace(f"mine/{stem}.c", f"workbook/{stem}.c")
-        text = text.replace(f"[`src/features/{stem}.c`](file:src/features/{stem}.c)",
-                            f"[`workbook/{stem}.c`](file:workbook/{stem}.c)")
-    left = _OF_THE_KIT.search(text)
-    if left:
-        line = text.count("\n", 0, left.start()) + 1
-        raise ToolError(f"{name}:{line} of the pack says {left.group()}, which is true in the whole kit only; "
-                        "put it between <!-- kit --> and <!-- pack")
-    return text
-
-
-def _adapt_texts(pack, features, chosen):
-    """Chapters and handouts speak of the workbook; assignments that are not handed out go."""
+def _adapt_texts(source, pack, features, chosen):
+    """Adapts chapters and handouts to the workbook; removes assignments that are not handed out."""
+    os.unlink(os.path.join(pack, "assignments", "handout_common.md"))
     for feature in features:
         if feature not in chosen:
             os.unlink(os.path.join(pack, "assignments", feature.folder, "handout.md"))
-    stems = [feature.stem for feature in chosen]
-    names = ["docs/book.md", *(feature.chapter for feature in features),
-             *(f"assignments/{feature.folder}/handout.md" for feature in chosen)]
-    for name in names:
-        path = os.path.join(pack, name)
-        with open(path, encoding="utf-8") as file:
-            text = file.read()
-        write_whole(path, as_packed(text, name, stems))
+    texts = {f"assignments/{feature.folder}/handout.md": handout_of(source, feature) for feature in chosen}
+    for name in ("docs/book.md", *(feature.chapter for feature in features)):
+        with open(os.path.join(pack, name), encoding="utf-8") as file:
+            texts[name] = file.read()
+    for name, text in texts.items():
+        write_whole(os.path.join(pack, name), as_packed(text, name, [feature.stem for feature in chosen]))
 
 
 def _weave_book(pack, features):
@@ -181,7 +148,7 @@ def _title(pack, feature):
 
 
 def _write_handout(pack, features, has_book):
-    """Writes HANDOUT.md, where a student begins."""
+    """Writes HANDOUT.md, the student's first page."""
     rows = ["| task | your file | points | chapter |", "|---|---|---|---|"]
     for feature in features:
         task, file = f"assignments/{feature.folder}/handout.md", f"workbook/{feature.stem}.c"
@@ -205,10 +172,10 @@ def _write_handout(pack, features, has_book):
 
 
 def make_handout(source, stems, out="", folder="", book=True):
-    """Makes the pack; returns lines that say what it is."""
+    """Makes the pack; returns lines that describe it."""
     features = read_features(source)
     if not stems:
-        raise ToolError(f"say what to hand out: make handout ASSIGNMENTS=\"...\", of: {' '.join(features)}")
+        raise ToolError(f"name the assignments: make handout ASSIGNMENTS=\"...\", of: {' '.join(features)}")
     named = choose(features, stems)
     chosen = [feature for feature in features.values() if feature in named]  # in the course's order
     place, name = place_of(out, folder)
@@ -221,7 +188,7 @@ def make_handout(source, stems, out="", folder="", book=True):
         pack = os.path.join(work, name)
         _release(pack)
         _hand_out(pack, chosen)
-        _adapt_texts(pack, features.values(), chosen)
+        _adapt_texts(source, pack, features.values(), chosen)
         if has_book:
             _weave_book(pack, features.values())
         _write_handout(pack, chosen, has_book)
@@ -253,7 +220,7 @@ def main():
     arguments = parser.parse_args()
     try:
         if arguments.book not in ("", "yes", "no"):
-            raise ToolError(f"BOOK={arguments.book}: it is yes or no")
+            raise ToolError(f"BOOK={arguments.book}: choose yes or no")
         print("\n".join(make_handout(arguments.source, arguments.stems, arguments.out, arguments.dir,
                                      arguments.book != "no")))
     except (ToolError, RegionError) as error:

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Grades a unit again whenever it is saved. Ctrl-C ends it.
 
-The last verdict stays to be read while the next is on its way. A save meanwhile ends that check and
-begins another: what it would find is about a file that is no more."""
+The last verdict stays on the screen until the next. A save during a check ends it and starts another,
+because its result would be about an old file."""
 
 import os
 import re
@@ -21,7 +21,7 @@ _GOODBYE_SECONDS = 5  # for a check to end what it started; it takes a fraction 
 
 
 def state(impl):
-    """Returns what changes when a C file or header of IMPL is saved."""
+    """Returns a value that changes when a C file or header of IMPL is saved."""
     folder = impl if os.path.isdir(impl) else os.path.dirname(impl) or "."
     files = []
     try:
@@ -36,7 +36,7 @@ def state(impl):
 
 
 class Check:
-    """One run of the grader, in a session of its own: Ctrl-C is for the watcher, who ends it."""
+    """One run of the grader, in a session of its own: Ctrl-C goes to the watcher, which ends it."""
 
     def __init__(self, command):
         self._said = tempfile.TemporaryFile()
@@ -47,7 +47,7 @@ class Check:
         return self._process.poll() is not None
 
     def verdict(self):
-        """Returns what the grader said."""
+        """Returns the grader's output."""
         self._said.seek(0)
         return self._said.read().decode(errors="replace")
 
@@ -63,7 +63,7 @@ class Check:
 
 
 class Screen:
-    """A terminal that shows one verdict, and a line on what goes on; else one after the other."""
+    """A terminal shows one verdict and a status line; other output gets one verdict after the other."""
 
     def __init__(self):
         self._is_terminal = sys.stdout.isatty()

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
-"""Makes a workbook: a folder of the student's own with a starter for every feature.
+"""Makes a workbook: a student's folder with a starter and its task for every feature.
 
-A file that the student changed is never touched. What was generated is remembered by its hash in
-the folder's .workbook, so that a starter nobody has changed is renewed with the kit.
+A file that the student changed is never touched. The folder's .workbook has the hash of each generated file, so
+that an unchanged starter is renewed with the kit.
 """
 
 import hashlib
@@ -10,13 +10,14 @@ import os
 import sys
 
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features
+from handout_text import as_in_workbook, handout_of
 from grading.starters import RegionError, starter_of
 from grading.results import write_whole
 
 MANIFEST = ".workbook"
 
 README = """\
-This is your workbook: one C file for each assignment, yours to change.
+This is your workbook: one C file for each assignment, yours to change, and beside it its task.
 
 {assignments}
 
@@ -30,8 +31,8 @@ In raykit's folder, with this folder as IMPL:
     make driver-{first} IMPL={folder}      its driver, to draw pictures by your code; it says where it is
     make report IMPL={folder}/{first}.c QUICK=1    its section of the report, drawn by your code, small
 
-Start with {first}.c and its chapter, {chapter}: read, run the check, solve the step that it names,
-and run it again. A file that is not here is replaced by the kit's own where something needs it.
+Start with {first}.md and its chapter, {chapter}: read, run the check, solve in {first}.c the step
+that it names, and run it again. A file that is not here is replaced by the kit's own where something needs it.
 make workbook DIR={folder} brings new assignments later, and leaves alone what you have changed.
 """
 
@@ -49,7 +50,7 @@ def _read_manifest(path):
 
 
 def _put(path, text, generated, said):
-    """Writes the file unless the student changed it; says what was done."""
+    """Writes the file unless the student changed it; returns a line about it."""
     name = os.path.basename(path)
     if not os.path.lexists(path):
         write_whole(path, text)
@@ -79,16 +80,18 @@ def make_workbook(source, folder, stems=()):
     """Puts starters of these features, or of all, and a README.txt into the folder. Returns a line
     for each file."""
     if not folder:
-        raise ToolError("say where: make workbook DIR=mine")
+        raise ToolError("name a folder: make workbook DIR=mine")
     real, inside = os.path.realpath(folder), os.path.realpath(os.path.join(source, "src"))
     if os.path.commonpath([real, inside]) == inside:
         raise ToolError(
-            f"DIR: {folder} lies in the kit's own src/; choose a folder of your own, say DIR=mine"
+            f"DIR: {folder} is in the kit's own src/; choose a folder of your own, such as DIR=mine"
         )
     if os.path.lexists(folder) and not os.path.isdir(folder):
         raise ToolError(f"DIR: {folder} is a file; choose another name")
     features = choose(read_features(source), stems)
     files = {feature.stem + ".c": starter_of(feature.reference) for feature in features}
+    for feature in features:
+        files[feature.stem + ".md"] = as_in_workbook(handout_of(source, feature), source, feature, folder)
     first = features[0]
     files["README.txt"] = README.format(
         assignments="\n".join(f"    {f.stem + '.c':<24}chapter {f.chapter}" for f in features),
@@ -110,7 +113,7 @@ def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
     parser.add_argument("folder", metavar="DIR", help="the workbook")
-    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; none means all of them")
+    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     arguments = parser.parse_args()
     try:
         print("\n".join(make_workbook(arguments.source, arguments.folder, arguments.stems)))

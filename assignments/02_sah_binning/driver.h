@@ -2,7 +2,9 @@
 #ifndef RK_02_SAH_BINNING_DRIVER_H
 #define RK_02_SAH_BINNING_DRIVER_H
 
+#include "driver/driver_main.h"
 #include "driver/tree_view.h"
+#include "features/sah_binning.h"
 
 typedef struct choices {
     rk_tree_view tree;
@@ -10,10 +12,13 @@ typedef struct choices {
     uint32_t candidate; /* of them, or RK_TREE_VIEW_NOT_GIVEN */
 } choices;
 
-/* Does --debug name a view of a node's cuts? */
-bool wants_cuts(const rk_driver *driver);
+/* Does --debug name a view of a node's splits? */
+bool wants_splits(const rk_driver *driver);
 
-/* Renders, draws driver->debug and saves it; of cuts it tells the numbers, too. */
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+/* Renders and draws --debug split, bad-split or candidates. */
+bool draw_splits(rk_driver *driver, rk_error *error);
+
+/* Saves that, and prints the numbers of these splits. */
+bool save_splits(rk_driver *driver, rk_error *error);
 
 #endif

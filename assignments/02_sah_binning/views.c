@@ -1,7 +1,5 @@
-/* The debug views: a level or a leaf of the tree, or a node's cuts, which are told as well. */
+/* The debug views of a node's splits, whose numbers are printed as well. */
 #include "driver.h"
-
-#include "features/sah_binning.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -122,38 +120,52 @@ static bool tell_cuts(const cuts *c, const rk_driver *driver, const rk_sah_split
     return ok;
 }
 
-static bool draw_cuts(cuts *c, rk_driver *driver, rk_error *error)
+/* The split that --debug split or bad-split draws. */
+static const rk_sah_split *shown_of(const cuts *c, const rk_driver *driver)
 {
-    rk_overlay overlay;
-    if (!rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
-                         error))
-        return false;
-    const rk_sah_split *best = rk_sah_cheapest(c->list, c->count), *shown = best;
-    char label[48];
-    snprintf(label, sizeof label, "%s%u", driver->debug, c->node);
-    if (rk_driver_debug(driver, "bad-split")) {
-        shown = c->candidate == RK_TREE_VIEW_NOT_GIVEN ? dearest(c) : &c->list[c->candidate];
-        snprintf(label, sizeof label, "bad-split%u_%u", c->node, (uint32_t)(shown - c->list));
-    }
-    if (rk_driver_debug(driver, "candidates"))
-        draw_all(&overlay, c);
-    else
-        draw_cut(&overlay, shown);
-    rk_overlay_free(&overlay);
-    return rk_driver_save(driver, label, error) && tell_cuts(c, driver, shown, error);
+    if (!rk_driver_debug(driver, "bad-split"))
+        return rk_sah_cheapest(c->list, c->count);
+    return c->candidate == RK_TREE_VIEW_NOT_GIVEN ? dearest(c) : &c->list[c->candidate];
 }
 
-bool wants_cuts(const rk_driver *driver)
+static bool list_chosen(cuts *c, const rk_driver *driver, rk_error *error)
+{
+    const choices *chosen = driver->choices;
+    *c = (cuts){.node = chosen->node, .candidate = chosen->candidate};
+    return list_cuts(c, driver, error);
+}
+
+bool wants_splits(const rk_driver *driver)
 {
     return rk_driver_debug(driver, "split") || rk_driver_debug(driver, "bad-split") ||
            rk_driver_debug(driver, "candidates");
 }
 
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
+bool draw_splits(rk_driver *driver, rk_error *error)
 {
-    if (!wants_cuts(driver))
-        return rk_driver_render(driver, error) && rk_tree_view_draw(&c->tree, driver, error);
-    cuts of_node = {.node = c->node, .candidate = c->candidate};
-    return list_cuts(&of_node, driver, error) && rk_driver_render(driver, error) &&
-           draw_cuts(&of_node, driver, error);
+    cuts c;
+    rk_overlay overlay;
+    if (!list_chosen(&c, driver, error) || !rk_driver_render(driver, error) ||
+        !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
+                         error))
+        return false;
+    if (rk_driver_debug(driver, "candidates"))
+        draw_all(&overlay, &c);
+    else
+        draw_cut(&overlay, shown_of(&c, driver));
+    rk_overlay_free(&overlay);
+    return true;
+}
+
+bool save_splits(rk_driver *driver, rk_error *error)
+{
+    cuts c;
+    char label[48];
+    if (!list_chosen(&c, driver, error))
+        return false;
+    const rk_sah_split *shown = shown_of(&c, driver);
+    snprintf(label, sizeof label, "%s%u", driver->debug, c.node);
+    if (rk_driver_debug(driver, "bad-split"))
+        snprintf(label, sizeof label, "bad-split%u_%u", c.node, (uint32_t)(shown - c.list));
+    return rk_driver_save(driver, label, error) && tell_cuts(&c, driver, shown, error);
 }

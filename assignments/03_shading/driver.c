@@ -31,8 +31,9 @@ static void set_material(rk_material *material, const choices *c)
         material->shininess = c->shininess;
 }
 
-static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
+static bool prepare(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     rk_shading *shading = &driver->render.shading;
     bool has_lobe = shading->model == RK_SHADING_PHONG || shading->model == RK_SHADING_BLINN_PHONG;
     if (rk_driver_debug(driver, "lobe") && (!has_lobe || shading->normalized))
@@ -55,14 +56,16 @@ static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
     char metric[32];
-    snprintf(metric, sizeof metric, "render_%s", model_names[driver->render.shading.model]);
+    snprintf(metric, sizeof metric, "render_%s",
+             rk_shading_model_names.items[driver->render.shading.model]);
     return rk_driver_row(driver, metric, "ms", driver->render_ms, error);
 }
 
-static bool save(rk_driver *driver, const choices *c, rk_error *error)
+static bool save(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     const rk_shading *shading = &driver->render.shading;
-    const char *model = model_names[shading->model];
+    const char *model = rk_shading_model_names.items[shading->model];
     char label[64];
     if (driver->debug)
         snprintf(label, sizeof label, "%s_%g", model, (double)c->incidence);
@@ -72,37 +75,39 @@ static bool save(rk_driver *driver, const choices *c, rk_error *error)
     return rk_driver_save(driver, label, error);
 }
 
+static void set_defaults(rk_driver *driver)
+{
+    driver->scene_name = "shininess";
+}
+
+static const rk_option options[] = {
+    {"ks", RK_FIELD(choices, ks), "K",
+     "specular colour of all materials, a grey; by default their own", 0, 1, NAN},
+    {"shininess", RK_FIELD(choices, shininess), "S", "of all materials; by default their own", 0,
+     1e6, NAN},
+    {"bands", RK_FIELD(choices, bands), "N", "the gradient in so many even steps; 0: smooth", 0,
+     RK_GRADIENT_STOPS_MAX / 2, 0},
+    {"incidence", RK_FIELD(choices, incidence), "DEG",
+     "of the light in --debug lobe, degrees from the normal", 0, 89, 45},
+    {"lobes", RK_FIELD(choices, lobes), NULL,
+     "put values of the lobes into DIR/tables/shading_lobes.csv instead of drawing a picture"},
+    {0},
+};
+
 int main(int argc, char **argv)
 {
-    choices c = {.ks = NAN, .shininess = NAN, .incidence = 45};
-    const rk_option options[] = {
-        {"ks", RK_OPTION_FLOAT, &c.ks, "K",
-         "specular colour of all materials, a grey; by default their own", 0, 1},
-        {"shininess", RK_OPTION_FLOAT, &c.shininess, "S", "of all materials; by default their own",
-         0, 1e6},
-        {"bands", RK_OPTION_UINT, &c.bands, "N", "the gradient in so many even steps; 0: smooth", 0,
-         RK_GRADIENT_STOPS_MAX / 2},
-        {"incidence", RK_OPTION_FLOAT, &c.incidence, "DEG",
-         "of the light in --debug lobe, degrees from the normal", 0, 89},
-        {"lobes", RK_OPTION_FLAG, &c.lobes, NULL,
-         "put values of the lobes into DIR/tables/shading_lobes.csv instead of drawing a picture",
-         0, 0},
-        {0},
+    choices c;
+    const rk_driver_spec spec = {
+        .feature = "shading",
+        .summary = summary,
+        .options = options,
+        .choices = &c,
+        .set_defaults = set_defaults,
+        .views = (rk_driver_view[]){{"lobe", draw_view, false}, {0}},
+        .studies = (rk_driver_study[]){{&c.lobes, put_study, true}, {0}},
+        .prepare = prepare,
+        .put_rows = put_rows,
+        .save = save,
     };
-    const char *const views[] = {"lobe", NULL};
-    rk_driver driver = rk_driver_default("shading", summary);
-    driver.scene_name = "shininess";
-    int status;
-    if (!rk_driver_start(&driver, argc, argv, options, views, &status))
-        return status;
-    rk_error error = {""};
-    bool ok = prepare(&driver, &c, &error) && (c.lobes || rk_driver_build(&driver, &error));
-    if (ok && c.lobes)
-        ok = put_study(&driver, &c, &error);
-    else if (ok && driver.debug)
-        ok = draw_view(&driver, &c, &error) && save(&driver, &c, &error);
-    else if (ok)
-        ok = rk_driver_render(&driver, &error) &&
-             (driver.timing ? put_rows(&driver, &error) : save(&driver, &c, &error));
-    return rk_driver_finish(&driver, ok, &error);
+    return rk_driver_main(&spec, argc, argv);
 }

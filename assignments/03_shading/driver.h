@@ -2,9 +2,9 @@
 #ifndef RK_03_SHADING_DRIVER_H
 #define RK_03_SHADING_DRIVER_H
 
-#include "driver/driver.h"
+#include "driver/driver_main.h"
+#include "render/stages/shading_stage.h"
 
-static const char *const model_names[] = {"off", "lambert", "phong", "blinn-phong", "gradient"};
 static const float shininess_shown[] = {1, 10, 100, 1e3f, 1e5f};
 enum { shown = sizeof shininess_shown / sizeof shininess_shown[0] };
 
@@ -28,9 +28,9 @@ float lobe(rk_shading_model model, bool normalized, float shininess, rk_vec3 l, 
 bool make_plane(rk_driver *driver, rk_error *error);
 
 /* Renders the plane and draws driver->debug over it. */
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+bool draw_view(rk_driver *driver, rk_error *error);
 
 /* Puts the table of --lobes. */
-bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+bool put_study(rk_driver *driver, rk_error *error);
 
 #endif

@@ -5,11 +5,10 @@
 
 /* Rows of both models with light along the normal, by the viewer's angle from the mirror direction:
  * ten to a factor of ten, from a hundredth of a degree. */
-bool put_study(rk_driver *driver, const choices *c, rk_error *error)
+bool put_study(rk_driver *driver, rk_error *error)
 {
     static const char *const header[] = {"model", "shininess", "angle", "value", NULL};
     char path[4096], cells[3][32];
-    (void)c;
     if (!rk_driver_table(driver, "shading_lobes", path, error))
         return false;
     for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++)
@@ -23,7 +22,8 @@ bool put_study(rk_driver *driver, const choices *c, rk_error *error)
                 snprintf(cells[0], sizeof cells[0], "%g", (double)shininess_shown[i]);
                 snprintf(cells[1], sizeof cells[1], "%.4g", (double)angle);
                 snprintf(cells[2], sizeof cells[2], "%.6g", (double)value);
-                const char *row[] = {model_names[model], cells[0], cells[1], cells[2]};
+                const char *row[] = {rk_shading_model_names.items[model], cells[0], cells[1],
+                                     cells[2]};
                 if (!rk_table_put(path, header, row, 4, 3, error))
                     return false;
             }

@@ -58,8 +58,9 @@ static void draw_lobes(rk_overlay *overlay, rk_shading_model model, float incide
     }
 }
 
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
+bool draw_view(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     rk_overlay overlay;
     if (!rk_driver_render(driver, error) ||
         !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,

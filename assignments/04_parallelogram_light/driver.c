@@ -12,6 +12,23 @@ static const char summary[] =
     "--convergence puts the error of each method against time into a table; with --falloff "
     "physical into another one.";
 
+RK_NAMES(light_names, choice of light, 1 + RK_LIGHT_PARALLELOGRAM, "own", "point", "segment",
+         "parallelogram");
+
+static const rk_option options[] = {
+    {"light", RK_CHOICE(choices, light, light_names),
+     "shrink the scene's parallelograms to their middle, or to a line through it"},
+    {"coloured", RK_FIELD(choices, coloured), NULL,
+     "the lights' corners shine red, green, blue and yellow"},
+    {"brightness", RK_FIELD(choices, brightness), "F", "multiplies the lights' colours", 0, 1e6, 1},
+    {"convergence", RK_FIELD(choices, convergence), NULL,
+     "put the error and time of each method and number of samples into a table"},
+    {"most", RK_FIELD(choices, most), "N", "samples that --convergence goes up to", 1, 4096, 64},
+    {"reference", RK_FIELD(choices, reference), "N",
+     "samples of the picture that --convergence compares with", 1, 16384, 2048},
+    {0},
+};
+
 /* --- The lights ------------------------------------------------------------------------------ */
 
 /* A point stands in the middle of the light, a segment between the middles of two sides. */
@@ -23,8 +40,10 @@ static void shrink(rk_light *light, rk_light_kind kind)
     light->kind = kind;
 }
 
-static void set_lights(rk_driver *driver, const choices *c)
+static bool set_lights(rk_driver *driver, rk_error *error)
 {
+    (void)error;
+    const choices *c = driver->choices;
     const rk_vec3 corners[4] = {{1, 0.1f, 0.1f}, {0.1f, 1, 0.1f}, {0.2f, 0.2f, 1}, {1, 0.9f, 0.1f}};
     for (uint32_t i = 0; i < driver->scene.light_count; i++) {
         rk_light *light = &driver->scene.lights[i];
@@ -35,21 +54,23 @@ static void set_lights(rk_driver *driver, const choices *c)
         for (int k = 0; k < 4; k++)
             light->colours[k] = rk_scale(light->colours[k], c->brightness);
     }
+    return true;
 }
 
 /* --- What is saved --------------------------------------------------------------------------- */
 
 /* Names the picture by all that it depends on here. */
-static bool save(rk_driver *driver, const choices *c, rk_error *error)
+static bool save(rk_driver *driver, rk_error *error)
 {
-    static const char *const kinds[] = {"", "point_", "segment_", "parallelogram_"};
+    const choices *c = driver->choices;
     const rk_light_options *light = &driver->render.light;
     char label[128], pixel[32] = "";
     if (driver->debug)
         snprintf(pixel, sizeof pixel, "_%u_%u", driver->pixel.x, driver->pixel.y);
-    snprintf(label, sizeof label, "%s%s%s%s%u_%s%s%s%s%s", driver->debug ? driver->debug : "",
-             driver->debug ? "_" : "", kinds[c->light], c->coloured ? "coloured_" : "",
-             light->samples, rk_sampler_name(light->sampling),
+    snprintf(label, sizeof label, "%s%s%s%s%s%u_%s%s%s%s%s", driver->debug ? driver->debug : "",
+             driver->debug ? "_" : "", c->light ? light_names.items[c->light] : "",
+             c->light ? "_" : "", c->coloured ? "coloured_" : "", light->samples,
+             rk_sampler_name(light->sampling),
              light->domain == RK_LIGHT_DOMAIN_SOLID_ANGLE ? "_solid-angle" : "",
              light->falloff == RK_FALLOFF_PHYSICAL ? "_physical" : "", light->ratio ? "_ratio" : "",
              pixel);
@@ -70,42 +91,30 @@ static bool put_rows(rk_driver *driver, rk_error *error)
            rk_driver_row(driver, "shadow_rays", "1", rays, error);
 }
 
+/* --- Its main -------------------------------------------------------------------------------- */
+
+static void set_defaults(rk_driver *driver)
+{
+    driver->scene_name = "cornell-light";
+    driver->drawn_x = 86; /* in the Cornell box, a place on the floor that sees part of the lamp */
+    driver->drawn_y = 88;
+    driver->render.shadows = true;
+}
+
 int main(int argc, char **argv)
 {
-    choices c = {.brightness = 1, .most = 64, .reference = 2048};
-    const rk_option options[] = {
-        {"light", RK_OPTION_CHOICE, &c.light, "own|point|segment|parallelogram",
-         "shrink the scene's parallelograms to their middle, or to a line through it", 0, 0},
-        {"coloured", RK_OPTION_FLAG, &c.coloured, NULL,
-         "the lights' corners shine red, green, blue and yellow", 0, 0},
-        {"brightness", RK_OPTION_FLOAT, &c.brightness, "F", "multiplies the lights' colours", 0,
-         1e6},
-        {"convergence", RK_OPTION_FLAG, &c.convergence, NULL,
-         "put the error and time of each method and number of samples into a table", 0, 0},
-        {"most", RK_OPTION_UINT, &c.most, "N", "samples that --convergence goes up to", 1, 4096},
-        {"reference", RK_OPTION_UINT, &c.reference, "N",
-         "samples of the picture that --convergence compares with", 1, 16384},
-        {0},
+    choices c;
+    const rk_driver_spec spec = {
+        .feature = "parallelogram_light",
+        .summary = summary,
+        .options = options,
+        .choices = &c,
+        .set_defaults = set_defaults,
+        .views = (rk_driver_view[]){{"rays", draw_view, false}, {"samples", draw_view, false}, {0}},
+        .studies = (rk_driver_study[]){{&c.convergence, put_study, false}, {0}},
+        .prepare = set_lights,
+        .put_rows = put_rows,
+        .save = save,
     };
-    const char *const views[] = {"rays", "samples", NULL};
-    rk_driver driver = rk_driver_default("parallelogram_light", summary);
-    driver.scene_name = "cornell-light";
-    driver.drawn_x = 86; /* in the Cornell box, a place on the floor that sees a part of the lamp */
-    driver.drawn_y = 88;
-    driver.render.shadows = true;
-    driver.render.light.sampling = RK_SAMPLER_LOW_DISCREPANCY; /* settling wants even prefixes */
-    int status;
-    if (!rk_driver_start(&driver, argc, argv, options, views, &status))
-        return status;
-    set_lights(&driver, &c);
-    rk_error error = {""};
-    bool ok = rk_driver_build(&driver, &error);
-    if (ok && c.convergence)
-        ok = put_study(&driver, &c, &error);
-    else if (ok && driver.debug)
-        ok = draw_view(&driver, &c, &error) && save(&driver, &c, &error);
-    else if (ok)
-        ok = rk_driver_render(&driver, &error) &&
-             (driver.timing ? put_rows(&driver, &error) : save(&driver, &c, &error));
-    return rk_driver_finish(&driver, ok, &error);
+    return rk_driver_main(&spec, argc, argv);
 }

@@ -2,7 +2,7 @@
 #ifndef RK_04_PARALLELOGRAM_LIGHT_DRIVER_H
 #define RK_04_PARALLELOGRAM_LIGHT_DRIVER_H
 
-#include "driver/driver.h"
+#include "driver/driver_main.h"
 
 typedef struct choices {
     uint32_t light; /* 0: as the scene has it; or 1 + rk_light_kind */
@@ -12,9 +12,9 @@ typedef struct choices {
 } choices;
 
 /* Renders, and draws driver->debug over the picture: "rays" or "samples". */
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+bool draw_view(rk_driver *driver, rk_error *error);
 
 /* Puts the table of --convergence. */
-bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+bool put_study(rk_driver *driver, rk_error *error);
 
 #endif

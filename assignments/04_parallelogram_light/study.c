@@ -36,8 +36,9 @@ static void choose(rk_driver *driver, const method *m, uint32_t samples)
     light->samples = samples;
 }
 
-bool put_study(rk_driver *driver, const choices *c, rk_error *error)
+bool put_study(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     bool physical = driver->render.light.falloff == RK_FALLOFF_PHYSICAL;
     size_t count = sizeof methods / sizeof *methods - (physical ? 0 : 2);
     char name[64], truth[32];

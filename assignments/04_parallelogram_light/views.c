@@ -66,9 +66,8 @@ static void draw_light(drawing *d, uint32_t index)
     }
 }
 
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
+bool draw_view(rk_driver *driver, rk_error *error)
 {
-    (void)c;
     drawing d = {.driver = driver};
     rk_driver_draw_pixel(driver);
     if (!rk_driver_render(driver, error) ||

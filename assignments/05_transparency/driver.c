@@ -17,8 +17,9 @@ static void set_material(rk_material *material, const choices *c)
         material->absorption = rk_scale(rk_sub(rk_vec(1, 1, 1), material->kd), c->absorption);
 }
 
-static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
+static bool prepare(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     if (rk_driver_debug(driver, "rays") && !driver->render.transparency)
         return rk_fail(error, "--debug rays goes with --transparency: without it no ray goes on");
     rk_scene *scene = &driver->scene;
@@ -29,12 +30,17 @@ static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
     return true;
 }
 
+static const char *model_name(const rk_driver *driver)
+{
+    const rk_render_options *options = &driver->render;
+    return options->transparency ? rk_glass_model_names.items[options->glass] : "opaque";
+}
+
 /* Crossings of all camera rays, counted without a limit of recursion. */
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
     char metric[32];
-    snprintf(metric, sizeof metric, "render_%s",
-             driver->render.transparency ? model_names[driver->render.glass] : "opaque");
+    snprintf(metric, sizeof metric, "render_%s", model_name(driver));
     rk_view view = rk_view_of(&driver->scene.camera, driver->render.width, driver->render.height);
     double sum = 0, most = 0;
     rk_counters counters = {0};
@@ -54,7 +60,7 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 
 static bool save(rk_driver *driver, rk_error *error)
 {
-    const char *model = driver->render.transparency ? model_names[driver->render.glass] : "opaque";
+    const char *model = model_name(driver);
     char label[64];
     if (driver->debug)
         snprintf(label, sizeof label, "rays_%s_%u_%u", model, driver->pixel.x, driver->pixel.y);
@@ -65,37 +71,40 @@ static bool save(rk_driver *driver, rk_error *error)
     return rk_driver_save(driver, label, error);
 }
 
+static const rk_option options[] = {
+    {"alpha", RK_FIELD(choices, alpha), "A",
+     "opacity of all materials, 1 is opaque; by default their own", 0, 1, NAN},
+    {"absorption", RK_FIELD(choices, absorption), "S",
+     "of all materials: what their colour lacks of white, times S in each world unit; by default "
+     "their own",
+     0, 1e6, NAN},
+    RK_SIDE_VIEW_OPTIONS(choices, viewer),
+    {"models", RK_FIELD(choices, models), NULL,
+     "put the models' light into DIR/tables/transparency_models.csv instead of drawing"},
+    {0},
+};
+
+static void set_defaults(rk_driver *driver)
+{
+    driver->scene_name = "panes";
+    driver->drawn_x = 65; /* through all of the panes */
+    driver->drawn_y = 58;
+}
+
 int main(int argc, char **argv)
 {
-    choices c = {.alpha = NAN, .absorption = NAN, .viewer = rk_side_view_default()};
-    const rk_option options[] = {
-        {"alpha", RK_OPTION_FLOAT, &c.alpha, "A",
-         "opacity of all materials, 1 is opaque; by default their own", 0, 1},
-        {"absorption", RK_OPTION_FLOAT, &c.absorption, "S",
-         "of all materials: what their colour lacks of white, times S in each world unit; by "
-         "default their own",
-         0, 1e6},
-        RK_SIDE_VIEW_OPTIONS(c.viewer),
-        {"models", RK_OPTION_FLAG, &c.models, NULL,
-         "put the models' light into DIR/tables/transparency_models.csv instead of drawing", 0, 0},
-        {0},
+    choices c;
+    const rk_driver_spec spec = {
+        .feature = "transparency",
+        .summary = summary,
+        .options = options,
+        .choices = &c,
+        .set_defaults = set_defaults,
+        .views = (rk_driver_view[]){{"rays", draw_view, false}, {0}},
+        .studies = (rk_driver_study[]){{&c.models, put_study, true}, {0}},
+        .prepare = prepare,
+        .put_rows = put_rows,
+        .save = save,
     };
-    const char *const views[] = {"rays", NULL};
-    rk_driver driver = rk_driver_default("transparency", summary);
-    driver.scene_name = "panes";
-    driver.drawn_x = 65; /* through all of the panes */
-    driver.drawn_y = 58;
-    int status;
-    if (!rk_driver_start(&driver, argc, argv, options, views, &status))
-        return status;
-    rk_error error = {""};
-    bool ok = prepare(&driver, &c, &error) && (c.models || rk_driver_build(&driver, &error));
-    if (ok && c.models)
-        ok = put_study(&driver, &c, &error);
-    else if (ok && driver.debug)
-        ok = draw_view(&driver, &c, &error) && save(&driver, &error);
-    else if (ok)
-        ok = rk_driver_render(&driver, &error) &&
-             (driver.timing ? put_rows(&driver, &error) : save(&driver, &error));
-    return rk_driver_finish(&driver, ok, &error);
+    return rk_driver_main(&spec, argc, argv);
 }

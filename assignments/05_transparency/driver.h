@@ -3,10 +3,9 @@
 #define RK_05_TRANSPARENCY_DRIVER_H
 
 #include "accel/crossings.h"
+#include "driver/driver_main.h"
 #include "driver/side_view.h"
-
-static const char *const model_names[] = {"multiplicative", "ordered", "beer-lambert"};
-enum { model_count = sizeof model_names / sizeof model_names[0] };
+#include "render/stages/transparency_stage.h"
 
 typedef struct choices {
     float alpha, absorption; /* of all materials; NaN: their own */
@@ -15,9 +14,9 @@ typedef struct choices {
 } choices;
 
 /* Renders from beside the camera and draws driver->debug over it. */
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+bool draw_view(rk_driver *driver, rk_error *error);
 
 /* Puts the table of --models. */
-bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+bool put_study(rk_driver *driver, rk_error *error);
 
 #endif

@@ -35,19 +35,19 @@ static rk_vec3 light_along(const way *w, rk_glass_model model)
     return rk_transparency_transmit(model, crossings, 2, 1);
 }
 
-bool put_study(rk_driver *driver, const choices *c, rk_error *error)
+bool put_study(rk_driver *driver, rk_error *error)
 {
     static const char *const header[] = {"way", "model", "red", "green", "blue", NULL};
     char path[4096], cells[3][32];
-    (void)c;
     if (!rk_driver_table(driver, "transparency_models", path, error))
         return false;
     for (size_t w = 0; w < sizeof ways / sizeof *ways; w++)
-        for (int model = 0; model < model_count; model++) {
+        for (uint32_t model = 0; model < rk_glass_model_names.count; model++) {
             rk_vec3 share = light_along(&ways[w], (rk_glass_model)model);
             for (int axis = 0; axis < 3; axis++)
                 snprintf(cells[axis], sizeof cells[axis], "%.4f", (double)rk_axis(share, axis));
-            const char *row[] = {ways[w].name, model_names[model], cells[0], cells[1], cells[2]};
+            const char *row[] = {ways[w].name, rk_glass_model_names.items[model], cells[0],
+                                 cells[1], cells[2]};
             if (!rk_table_put(path, header, row, 5, 2, error))
                 return false;
         }

@@ -85,8 +85,9 @@ static void draw_rays(drawing *d, const rk_ray *ray)
 
 /* The ray is the camera's, the picture is drawn from beside it. Nothing hides the ray: it is to be
  * seen through walls as well. */
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
+bool draw_view(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     rk_ray ray = rk_side_view_ray(driver);
     drawing d = {.driver = driver};
     if (!rk_side_view_render(&c->viewer, driver, &d.overlay, error))

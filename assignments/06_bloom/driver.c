@@ -12,17 +12,18 @@ static const char summary[] =
     "--debug threshold shows what glows in red, --debug mask the glow alone.\n"
     "--errors puts time and error of each --bloom-method into a table.";
 
-static const char *const border_names[] = {"zero", "clamp", "renormalize"};
-
 /* The renderer makes no glow where copies of its picture are to glow. */
-static void prepare(rk_driver *driver, choices *c)
+static bool prepare(rk_driver *driver, rk_error *error)
 {
+    (void)error;
+    choices *c = driver->choices;
     rk_scene *scene = &driver->scene;
     for (uint32_t i = 0; i < scene->light_count; i++)
         for (int k = 0; k < 4; k++)
             scene->lights[i].colours[k] = rk_scale(scene->lights[i].colours[k], c->light);
     c->bloom = driver->render.bloom;
     driver->render.bloom.on = c->bloom.on && !driver->debug && !driver->timing && !c->errors;
+    return true;
 }
 
 bool glow_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *copy, rk_timing *ms,
@@ -42,8 +43,9 @@ bool glow_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *cop
 }
 
 /* A picture as it is, a dark one, and one that glows everywhere. */
-static bool put_rows(rk_driver *driver, const choices *c, rk_error *error)
+static bool put_rows(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     const rk_bloom_options *options = &c->bloom;
     const char *const names[] = {"as_is", "dark", "all"};
     const float thresholds[] = {options->threshold, 1e6f, -1e6f};
@@ -57,7 +59,7 @@ static bool put_rows(rk_driver *driver, const choices *c, rk_error *error)
         rk_bloom_options now = *options;
         now.threshold = thresholds[i];
         snprintf(metric, sizeof metric, "%s_r%u_%s", names[i], now.radius,
-                 method_names[now.method]);
+                 rk_bloom_method_names.items[now.method]);
         ok = glow_copy(driver, &now, &copy, &ms, error) &&
              rk_driver_row(driver, metric, "ms", ms, error);
     }
@@ -65,46 +67,50 @@ static bool put_rows(rk_driver *driver, const choices *c, rk_error *error)
     return ok;
 }
 
-static bool save(rk_driver *driver, const choices *c, rk_error *error)
+static bool save(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     const rk_bloom_options *options = &c->bloom;
     char label[96];
     snprintf(label, sizeof label, "%s_%g_r%u_%s_%s", driver->debug ? driver->debug : "glow",
-             (double)options->threshold, options->radius, border_names[options->border],
-             method_names[options->method]);
+             (double)options->threshold, options->radius,
+             rk_bloom_border_names.items[options->border],
+             rk_bloom_method_names.items[options->method]);
     return rk_driver_save(driver, rk_bloom_wanted(options) || driver->debug ? label : "without",
                           error);
 }
 
+static const rk_option options[] = {
+    {"light", RK_FIELD(choices, light), "F", "lights are F times as bright as the scene's", 0, 1e6,
+     1},
+    {"errors", RK_FIELD(choices, errors), NULL,
+     "put time and error of each method into DIR/tables/bloom_errors.csv instead of drawing"},
+    {0},
+};
+
+static void set_defaults(rk_driver *driver)
+{
+    driver->scene_name = "teapot";
+    driver->render.bloom.on = true;
+    driver->render.shading.model = RK_SHADING_BLINN_PHONG;
+    driver->render.shadows = true;
+}
+
 int main(int argc, char **argv)
 {
-    choices c = {.light = 1};
-    const rk_option options[] = {
-        {"light", RK_OPTION_FLOAT, &c.light, "F", "lights are F times as bright as the scene's", 0,
-         1e6},
-        {"errors", RK_OPTION_FLAG, &c.errors, NULL,
-         "put time and error of each method into DIR/tables/bloom_errors.csv instead of drawing", 0,
-         0},
-        {0},
+    choices c;
+    const rk_driver_spec spec = {
+        .feature = "bloom",
+        .summary = summary,
+        .options = options,
+        .choices = &c,
+        .set_defaults = set_defaults,
+        .views =
+            (rk_driver_view[]){{"threshold", draw_view, false}, {"mask", draw_view, false}, {0}},
+        .studies = (rk_driver_study[]){{&c.errors, put_study, false}, {0}},
+        .prepare = prepare,
+        .put_rows = put_rows,
+        .save = save,
     };
-    const char *const views[] = {"threshold", "mask", NULL};
-    rk_driver driver = rk_driver_default("bloom", summary);
-    driver.scene_name = "teapot";
-    driver.render.bloom.on = true;
-    driver.render.shading.model = RK_SHADING_BLINN_PHONG;
-    driver.render.shadows = true;
-    int status;
-    if (!rk_driver_start(&driver, argc, argv, options, views, &status))
-        return status;
-    rk_error error = {""};
-    prepare(&driver, &c);
-    bool ok = rk_driver_build(&driver, &error);
-    if (ok && c.errors)
-        ok = put_study(&driver, &c, &error);
-    else if (ok && driver.debug)
-        ok = draw_view(&driver, &c, &error) && save(&driver, &c, &error);
-    else if (ok)
-        ok = rk_driver_render(&driver, &error) &&
-             (driver.timing ? put_rows(&driver, &c, &error) : save(&driver, &c, &error));
-    return rk_driver_finish(&driver, ok, &error);
+    return rk_driver_main(&spec, argc, argv);
 }

@@ -2,10 +2,8 @@
 #ifndef RK_06_BLOOM_DRIVER_H
 #define RK_06_BLOOM_DRIVER_H
 
-#include "driver/driver.h"
-
-static const char *const method_names[] = {"exact", "gaussian", "recursive", "pyramid"};
-enum { method_count = sizeof method_names / sizeof method_names[0] };
+#include "driver/driver_main.h"
+#include "post/bloom_stage.h"
 
 typedef struct choices {
     float light; /* times as bright as the scene's own */
@@ -23,9 +21,9 @@ bool glow_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *cop
                rk_error *error);
 
 /* Renders without a glow and draws driver->debug. */
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+bool draw_view(rk_driver *driver, rk_error *error);
 
 /* Renders without a glow and puts the table of --errors. */
-bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+bool put_study(rk_driver *driver, rk_error *error);
 
 #endif

@@ -32,7 +32,7 @@ static bool put_error(rk_driver *driver, const rk_bloom_options *options, double
     snprintf(cells[1], sizeof cells[1], "%.4g", ms);
     snprintf(cells[2], sizeof cells[2], "%.3g", d.largest);
     snprintf(cells[3], sizeof cells[3], "%.3g", d.rms);
-    const char *row[] = {driver->scene.name, cells[0], method_names[options->method],
+    const char *row[] = {driver->scene.name, cells[0], rk_bloom_method_names.items[options->method],
                          cells[1],           cells[2], cells[3]};
     return rk_table_put(path, header, row, 6, 3, error);
 }
@@ -45,7 +45,7 @@ static bool put_errors(rk_driver *driver, const rk_bloom_options *options, rk_er
     bool ok = rk_image_init(&exact, driver->image.width, driver->image.height, error) &&
               rk_image_init(&near, driver->image.width, driver->image.height, error);
     for (size_t i = 0; ok && i < sizeof radii / sizeof *radii; i++)
-        for (int method = 0; ok && method < method_count; method++) {
+        for (uint32_t method = 0; ok && method < rk_bloom_method_names.count; method++) {
             rk_bloom_options now = *options;
             rk_timing ms;
             now.radius = radii[i];
@@ -59,7 +59,8 @@ static bool put_errors(rk_driver *driver, const rk_bloom_options *options, rk_er
     return ok;
 }
 
-bool put_study(rk_driver *driver, const choices *c, rk_error *error)
+bool put_study(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     return rk_driver_render(driver, error) && put_errors(driver, &c->bloom, error);
 }

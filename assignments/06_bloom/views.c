@@ -26,8 +26,9 @@ static bool show_mask(rk_driver *driver, const rk_bloom_options *options, rk_err
     return ok;
 }
 
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
+bool draw_view(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     if (!rk_driver_render(driver, error))
         return false;
     if (rk_driver_debug(driver, "mask"))

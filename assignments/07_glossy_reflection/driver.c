@@ -12,16 +12,26 @@ static const char summary[] =
     "--convergence puts the error of each map and sampler against time into a table.\n"
     "--policies puts the light that each way to weigh samples keeps into a table.";
 
-static bool save(rk_driver *driver, bool of_pixel, rk_error *error)
+/* Drawing takes the pixel away. */
+static bool prepare(rk_driver *driver, rk_error *error)
 {
+    (void)error;
+    choices *c = driver->choices;
+    c->of_pixel = rk_driver_debug(driver, "rays") || driver->pixel.given;
+    return true;
+}
+
+static bool save(rk_driver *driver, rk_error *error)
+{
+    const choices *c = driver->choices;
     const rk_glossy_options *glossy = &driver->render.glossy;
     char label[128], pixel[32] = "", radius[32] = "";
-    if (driver->debug && of_pixel)
+    if (driver->debug && c->of_pixel)
         snprintf(pixel, sizeof pixel, "_%u_%u", driver->pixel.x, driver->pixel.y);
     if (glossy->radius >= 0)
         snprintf(radius, sizeof radius, "_radius%g", (double)glossy->radius);
     snprintf(label, sizeof label, "%s%s%u_%s_%s%s%s%s", driver->debug ? driver->debug : "",
-             driver->debug ? "_" : "", glossy->samples, map_name(glossy->map),
+             driver->debug ? "_" : "", glossy->samples, rk_disk_map_names.items[glossy->map],
              rk_sampler_name(glossy->sampling), radius,
              glossy->weights == RK_GLOSSY_CLASSIC ? "_classic" : "", pixel);
     return rk_driver_save(driver, label, error);
@@ -38,40 +48,44 @@ static bool put_rows(rk_driver *driver, rk_error *error)
            rk_driver_row(driver, reflected, "1", rk_timing_once(rays), error);
 }
 
+static const rk_option options[] = {
+    RK_SIDE_VIEW_OPTIONS(choices, viewer),
+    {"convergence", RK_FIELD(choices, convergence), NULL,
+     "put the error and time of each map, sampler and number of samples into a table"},
+    {"policies", RK_FIELD(choices, policies), NULL,
+     "put what each way to weigh samples makes of grazing reflections into a table"},
+    {"most", RK_FIELD(choices, most), "N", "samples that --convergence goes up to", 1, 4096, 256},
+    {"reference", RK_FIELD(choices, reference), "N",
+     "samples of the picture that --convergence compares with", 1, 16384, 4096},
+    {0},
+};
+
+static void set_defaults(rk_driver *driver)
+{
+    driver->split = RK_ACCEL_SAH_3;
+    driver->drawn_x = 36; /* the mirror of the Cornell box */
+    driver->drawn_y = 56;
+    driver->render.reflections = true;
+    driver->render.glossy.samples = 64;
+    driver->render.glossy.radius = 0.1f; /* the box' own mirror is too shiny to see it */
+}
+
 int main(int argc, char **argv)
 {
-    choices c = {.viewer = rk_side_view_default(), .most = 256, .reference = 4096};
-    const rk_option options[] = {
-        RK_SIDE_VIEW_OPTIONS(c.viewer),
-        {"convergence", RK_OPTION_FLAG, &c.convergence, NULL,
-         "put the error and time of each map, sampler and number of samples into a table", 0, 0},
-        {"policies", RK_OPTION_FLAG, &c.policies, NULL,
-         "put what each way to weigh samples makes of grazing reflections into a table", 0, 0},
-        {"most", RK_OPTION_UINT, &c.most, "N", "samples that --convergence goes up to", 1, 4096},
-        {"reference", RK_OPTION_UINT, &c.reference, "N",
-         "samples of the picture that --convergence compares with", 1, 16384},
-        {0},
+    choices c;
+    const rk_driver_spec spec = {
+        .feature = "glossy_reflection",
+        .summary = summary,
+        .options = options,
+        .choices = &c,
+        .set_defaults = set_defaults,
+        .views = (rk_driver_view[]){{"rays", draw_rays, false}, {"dots", draw_dots, false}, {0}},
+        .studies = (rk_driver_study[]){{&c.convergence, put_convergence, false},
+                                       {&c.policies, put_policies, false},
+                                       {0}},
+        .prepare = prepare,
+        .put_rows = put_rows,
+        .save = save,
     };
-    const char *const views[] = {"rays", "dots", NULL};
-    rk_driver driver = rk_driver_default("glossy_reflection", summary);
-    driver.split = RK_ACCEL_SAH_3;
-    driver.drawn_x = 36; /* the mirror of the Cornell box */
-    driver.drawn_y = 56;
-    driver.render.reflections = true;
-    driver.render.glossy.samples = 64;
-    driver.render.glossy.radius = 0.1f; /* the box' own mirror is too shiny to see it */
-    int status;
-    if (!rk_driver_start(&driver, argc, argv, options, views, &status))
-        return status;
-    rk_error error = {""};
-    bool of_pixel = rk_driver_debug(&driver, "rays") || driver.pixel.given;
-    bool ok = rk_driver_build(&driver, &error);
-    if (ok && (c.convergence || c.policies))
-        ok = put_study(&driver, &c, &error);
-    else if (ok && driver.debug)
-        ok = draw_view(&driver, &c, &error) && save(&driver, of_pixel, &error);
-    else if (ok)
-        ok = rk_driver_render(&driver, &error) &&
-             (driver.timing ? put_rows(&driver, &error) : save(&driver, of_pixel, &error));
-    return rk_driver_finish(&driver, ok, &error);
+    return rk_driver_main(&spec, argc, argv);
 }

@@ -2,24 +2,23 @@
 #ifndef RK_07_GLOSSY_REFLECTION_DRIVER_H
 #define RK_07_GLOSSY_REFLECTION_DRIVER_H
 
+#include "driver/driver_main.h"
 #include "driver/side_view.h"
+#include "render/stages/glossy_reflection_stage.h"
 
 typedef struct choices {
     rk_side_view viewer;
     bool convergence, policies;
     uint32_t most, reference; /* samples */
+    bool of_pixel;            /* the picture is of one pixel's rays, which its name tells */
 } choices;
 
-/* The map's name in options, tables and names of pictures. */
-static inline const char *map_name(rk_disk_map map)
-{
-    return map == RK_DISK_POLAR ? "polar" : "concentric";
-}
+/* Make the pictures of --debug rays and --debug dots. */
+bool draw_rays(rk_driver *driver, rk_error *error);
+bool draw_dots(rk_driver *driver, rk_error *error);
 
-/* Makes the picture of driver->debug: "rays" or "dots". */
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
-
-/* Puts the table of --convergence or --policies. */
-bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+/* Put the tables of --convergence and --policies. */
+bool put_convergence(rk_driver *driver, rk_error *error);
+bool put_policies(rk_driver *driver, rk_error *error);
 
 #endif

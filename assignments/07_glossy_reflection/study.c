@@ -8,8 +8,9 @@
 
 /* --- Error against time ----------------------------------------------------------------------- */
 
-static bool converge(rk_driver *driver, const choices *c, rk_error *error)
+bool put_convergence(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     rk_glossy_options *glossy = &driver->render.glossy;
     char truth[32], method[64];
     rk_image want;
@@ -22,7 +23,7 @@ static bool converge(rk_driver *driver, const choices *c, rk_error *error)
         glossy->sampling = (rk_sampler_kind)(i / 2);
         glossy->map = (rk_disk_map)(i % 2);
         snprintf(method, sizeof method, "%s, %s", rk_sampler_name(glossy->sampling),
-                 map_name(glossy->map));
+                 rk_disk_map_names.items[glossy->map]);
         for (glossy->samples = 1; ok && glossy->samples <= c->most; glossy->samples *= 4)
             ok = rk_convergence_row_of(driver, "glossy_reflection_convergence", method,
                                        glossy->samples, &want, truth, error);
@@ -84,10 +85,10 @@ static double estimate_of(const rk_driver *driver, const rk_glossy_disk *disk,
     return mean;
 }
 
-static bool put_policies(rk_driver *driver, rk_error *error)
+bool put_policies(rk_driver *driver, rk_error *error)
 {
-    static const char *const header[] = {"degrees", "radius",     "share above",  "black below",
-                                         "classic", "above only", "renormalised", NULL};
+    static const char *const header[] = {"degrees", "radius",     "fraction above", "black below",
+                                         "classic", "above only", "renormalized",   NULL};
     static const float degrees[] = {1, 2, 5, 10, 15, 20, 30};
     char path[4096];
     if (!rk_driver_table(driver, "glossy_reflection_policies", path, error))
@@ -115,9 +116,4 @@ static bool put_policies(rk_driver *driver, rk_error *error)
             return false;
     }
     return true;
-}
-
-bool put_study(rk_driver *driver, const choices *c, rk_error *error)
-{
-    return c->convergence ? converge(driver, c, error) : put_policies(driver, error);
 }

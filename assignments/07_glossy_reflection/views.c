@@ -2,7 +2,8 @@
 #include "driver.h"
 
 #include "accel/trace_one.h"
-#include "render/tile.h"
+#include "render/stages/glossy_reflection_stage.h"
+#include "render/stages/reflection_stage.h"
 
 static const rk_vec3 red = {1, 0.1f, 0.05f}, blue = {0.1f, 0.4f, 1}, yellow = {1, 0.85f, 0.1f},
                      grey = {0.35f, 0.35f, 0.35f};
@@ -73,8 +74,9 @@ static void draw_rim(drawing *d, const rk_glossy_disk *disk)
     }
 }
 
-static bool draw_rays(rk_driver *driver, const choices *c, rk_error *error)
+bool draw_rays(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     drawing d = {.driver = driver};
     rk_shading_point seen;
     rk_ray ray = rk_side_view_ray(driver);
@@ -116,7 +118,7 @@ static void put_ring(const rk_image *image, float x, float y, float inner, float
 }
 
 /* The unit disk, seen from the mirror; with --pixel, what its surface hides is grey. */
-static bool draw_dots(rk_driver *driver, rk_error *error)
+bool draw_dots(rk_driver *driver, rk_error *error)
 {
     const rk_image *image = &driver->image;
     float middle_x = (float)image->width / 2, middle_y = (float)image->height / 2;
@@ -141,9 +143,4 @@ static bool draw_dots(rk_driver *driver, rk_error *error)
     }
     put_ring(image, middle_x, middle_y, -1, 5, blue);
     return true;
-}
-
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
-{
-    return rk_driver_debug(driver, "rays") ? draw_rays(driver, c, error) : draw_dots(driver, error);
 }

@@ -26,8 +26,9 @@ static void set_materials(rk_scene *scene, float mirror)
         set_material(&scene->sphere_materials[i], mirror);
 }
 
-static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
+static bool prepare(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     bool seam = rk_driver_debug(driver, "seam"), is_sky = strcmp(driver->environment, "sky") == 0;
     if (c->side && !is_sky && !seam && !c->marked)
         return rk_fail(error, "--side: a file has a size of its own; this goes with --environment "
@@ -39,14 +40,15 @@ static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
                        driver->debug);
     if (!isnan(c->mirror))
         set_materials(&driver->scene, c->mirror);
-    return paint_environment(driver, c, error);
+    return paint_environment(driver, error);
 }
 
-static bool save(rk_driver *driver, const choices *c, rk_error *error)
+static bool save(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     char label[320];
     const char *file = driver->environment, *slash = strrchr(file, '/');
-    const char *filter = filter_names[driver->render.environment_filter];
+    const char *filter = rk_cubemap_filter_names.items[driver->render.environment_filter];
     bool is_sky = strcmp(file, "sky") == 0;
     if (driver->debug)
         snprintf(label, sizeof label, "%s_%s", driver->debug, filter);
@@ -59,43 +61,44 @@ static bool save(rk_driver *driver, const choices *c, rk_error *error)
     return rk_driver_save(driver, label, error);
 }
 
+static const rk_option options[] = {
+    {"mirror", RK_FIELD(choices, mirror), "K",
+     "specular colour of all materials, a grey, which their diffuse colour loses; by default "
+     "their own",
+     0, 1, NAN},
+    {"side", RK_FIELD(choices, side), "N",
+     "texels a side of the built-in sky, or of --marked or --debug seam; 0: 256, and 8 for --debug "
+     "seam",
+     0, RK_CUBEMAP_SIDE_MAX, 0},
+    {"marked", RK_FIELD(choices, marked), NULL,
+     "an environment of six colours, with the letter F upright on each face"},
+    {"filters", RK_FIELD(choices, filters), NULL,
+     "put errors and steps at edges, by the map's size, into DIR/tables/cubemap_filters.csv "
+     "instead of drawing"},
+    {0},
+};
+
+static void set_defaults(rk_driver *driver)
+{
+    driver->scene_name = "statue";
+    driver->environment = "sky";
+    driver->render.reflections = true; /* what else would a mirror show? */
+}
+
 int main(int argc, char **argv)
 {
-    choices c = {.mirror = NAN};
-    const rk_option options[] = {
-        {"mirror", RK_OPTION_FLOAT, &c.mirror, "K",
-         "specular colour of all materials, a grey, which their diffuse colour loses; by default "
-         "their own",
-         0, 1},
-        {"side", RK_OPTION_UINT, &c.side, "N",
-         "texels a side of the built-in sky, or of --marked or --debug seam; 0: 256, "
-         "and 8 for --debug seam",
-         0, RK_CUBEMAP_SIDE_MAX},
-        {"marked", RK_OPTION_FLAG, &c.marked, NULL,
-         "an environment of six colours, with the letter F upright on each face", 0, 0},
-        {"filters", RK_OPTION_FLAG, &c.filters, NULL,
-         "put errors and steps at edges, by the map's size, into DIR/tables/cubemap_filters.csv "
-         "instead of drawing",
-         0, 0},
-        {0},
+    choices c;
+    const rk_driver_spec spec = {
+        .feature = "cubemap",
+        .summary = summary,
+        .options = options,
+        .choices = &c,
+        .set_defaults = set_defaults,
+        .views = (rk_driver_view[]){{"cross", draw_cross, true}, {"seam", draw_seam, true}, {0}},
+        .studies = (rk_driver_study[]){{&c.filters, put_study, true}, {0}},
+        .prepare = prepare,
+        .put_rows = put_rows,
+        .save = save,
     };
-    const char *const views[] = {"cross", "seam", NULL};
-    rk_driver driver = rk_driver_default("cubemap", summary);
-    driver.scene_name = "statue";
-    driver.environment = "sky";
-    driver.render.reflections = true; /* what else would a mirror show? */
-    int status;
-    if (!rk_driver_start(&driver, argc, argv, options, views, &status))
-        return status;
-    rk_error error = {""};
-    bool ok = prepare(&driver, &c, &error) &&
-              (c.filters || driver.debug || rk_driver_build(&driver, &error));
-    if (ok && c.filters)
-        ok = put_study(&driver, &c, &error);
-    else if (ok && driver.debug)
-        ok = draw_view(&driver, &c, &error) && save(&driver, &c, &error);
-    else if (ok)
-        ok = rk_driver_render(&driver, &error) &&
-             (driver.timing ? put_rows(&driver, &error) : save(&driver, &c, &error));
-    return rk_driver_finish(&driver, ok, &error);
+    return rk_driver_main(&spec, argc, argv);
 }

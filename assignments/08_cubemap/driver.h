@@ -2,10 +2,8 @@
 #ifndef RK_08_CUBEMAP_DRIVER_H
 #define RK_08_CUBEMAP_DRIVER_H
 
-#include "driver/driver.h"
-
-static const char *const filter_names[] = {"nearest", "bilinear", "seamless"};
-enum { filter_count = sizeof filter_names / sizeof filter_names[0] };
+#include "driver/driver_main.h"
+#include "render/stages/cubemap_stage.h"
 
 typedef struct choices {
     float mirror;  /* NaN: materials are their own */
@@ -20,13 +18,14 @@ typedef rk_vec3 paint(uint32_t side, rk_cube_face face, uint32_t column, uint32_
 bool paint_map(rk_cubemap *map, uint32_t side, paint *colour, rk_error *error);
 
 /* Where --marked, --side or --debug seam want another environment, paints it. */
-bool paint_environment(rk_driver *driver, const choices *c, rk_error *error);
+bool paint_environment(rk_driver *driver, rk_error *error);
 
-/* Draws driver->debug: the map alone, without a scene. */
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+/* Draw --debug cross and --debug seam: the map alone, without a scene. */
+bool draw_cross(rk_driver *driver, rk_error *error);
+bool draw_seam(rk_driver *driver, rk_error *error);
 
 /* Puts the table of --filters. */
-bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+bool put_study(rk_driver *driver, rk_error *error);
 
 /* Puts the rows of --timing: the picture's, and a lookup's by each filter. */
 bool put_rows(rk_driver *driver, rk_error *error);

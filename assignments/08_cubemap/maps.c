@@ -43,8 +43,9 @@ static rk_vec3 marked(uint32_t side, rk_cube_face face, uint32_t column, uint32_
     return ink ? rk_vec(1, 1, 1) : border ? rk_vec(0, 0, 0) : colours[face];
 }
 
-bool paint_environment(rk_driver *driver, const choices *c, rk_error *error)
+bool paint_environment(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     rk_cubemap *map = &driver->scene.environment;
     if (rk_driver_debug(driver, "seam"))
         return paint_map(map, c->side ? c->side : 8, random_colour, error);

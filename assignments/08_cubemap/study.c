@@ -24,7 +24,7 @@ bool put_rows(rk_driver *driver, rk_error *error)
     for (uint32_t n = 0; n < directions; n++)
         d[n] = random_direction(n);
     bool ok = rk_driver_row(driver, "render", "ms", driver->render_ms, error);
-    for (int filter = 0; ok && filter < filter_count; filter++) {
+    for (uint32_t filter = 0; ok && filter < rk_cubemap_filter_names.count; filter++) {
         float sum = 0; /* is asked for below, or the compiler would leave the lookups out */
         for (uint32_t run = 0; run < driver->runs; run++) {
             double start = rk_clock_thread();
@@ -37,7 +37,7 @@ bool put_rows(rk_driver *driver, rk_error *error)
         if (!isfinite(sum))
             ok = rk_fail(error, "the environment is too bright to be added up");
         char metric[48];
-        snprintf(metric, sizeof metric, "lookup_%s_%u", filter_names[filter],
+        snprintf(metric, sizeof metric, "lookup_%s_%u", rk_cubemap_filter_names.items[filter],
                  driver->scene.environment.side);
         ok = ok &&
              rk_driver_row(driver, metric, "ns", rk_timing_of(nanoseconds, driver->runs), error);
@@ -95,22 +95,22 @@ static double step_of(const rk_cubemap *map, rk_cubemap_filter filter)
     return largest;
 }
 
-bool put_study(rk_driver *driver, const choices *c, rk_error *error)
+bool put_study(rk_driver *driver, rk_error *error)
 {
     static const char *const header[] = {"filter", "side", "rmse", "step", NULL};
     char path[4096], cells[3][32];
-    (void)c;
     if (!rk_driver_table(driver, "cubemap_filters", path, error))
         return false;
     for (uint32_t side = 2; side <= 256; side *= 2) {
         if (!paint_map(&driver->scene.environment, side, smooth_texel, error))
             return false;
-        for (int filter = 0; filter < filter_count; filter++) {
+        for (uint32_t filter = 0; filter < rk_cubemap_filter_names.count; filter++) {
             const rk_cubemap *map = &driver->scene.environment;
             snprintf(cells[0], sizeof cells[0], "%u", side);
             snprintf(cells[1], sizeof cells[1], "%.4g", error_of(map, (rk_cubemap_filter)filter));
             snprintf(cells[2], sizeof cells[2], "%.4g", step_of(map, (rk_cubemap_filter)filter));
-            const char *row[] = {filter_names[filter], cells[0], cells[1], cells[2]};
+            const char *row[] = {rk_cubemap_filter_names.items[filter], cells[0], cells[1],
+                                 cells[2]};
             if (!rk_table_put(path, header, row, 4, 2, error))
                 return false;
         }

@@ -14,9 +14,28 @@ static rk_vec3 seen(const rk_driver *driver, rk_vec3 direction)
     return rk_cubemap_at(&driver->scene.environment, direction, driver->render.environment_filter);
 }
 
-/* The cross as large as it fits, in the picture's middle. */
-static void draw_cross(rk_driver *driver)
+/* The map takes the scene's place, in names and captions as well. */
+static void show_map_alone(rk_driver *driver)
 {
+    const choices *c = driver->choices;
+    const char *slash = strrchr(driver->environment, '/');
+    const char *own = slash ? slash + 1 : driver->environment;
+    bool seam = rk_driver_debug(driver, "seam");
+    rk_cubemap map = driver->scene.environment;
+    driver->scene.environment = (rk_cubemap){0};
+    rk_scene_free(&driver->scene);
+    driver->scene.environment = map;
+    snprintf(driver->scene.name, sizeof driver->scene.name, "%s",
+             seam        ? "random-colours"
+             : c->marked ? "marked"
+                         : own);
+}
+
+/* The cross as large as it fits, in the picture's middle. */
+bool draw_cross(rk_driver *driver, rk_error *error)
+{
+    (void)error;
+    show_map_alone(driver);
     float width = (float)driver->image.width, height = (float)driver->image.height;
     float cell = rk_min(width / 4, height / 3);
     for (size_t y = 0; y < driver->image.height; y++)
@@ -31,42 +50,19 @@ static void draw_cross(rk_driver *driver)
                     : seen(driver, rk_cube_direction((rk_cube_face)face, across - floorf(across),
                                                      1 - (down - floorf(down))));
         }
-}
-
-/* The map takes the scene's place, in names and captions as well. */
-static void show_map_alone(rk_driver *driver, const choices *c)
-{
-    const char *slash = strrchr(driver->environment, '/');
-    const char *own = slash ? slash + 1 : driver->environment;
-    bool seam = rk_driver_debug(driver, "seam");
-    rk_cubemap map = driver->scene.environment;
-    driver->scene.environment = (rk_cubemap){0};
-    rk_scene_free(&driver->scene);
-    driver->scene.environment = map;
-    snprintf(driver->scene.name, sizeof driver->scene.name, "%s",
-             seam        ? "random-colours"
-             : c->marked ? "marked"
-                         : own);
+    return true;
 }
 
 /* From the cube's centre to the corner of +x, +y and -z, half a face to each side. */
-static void draw_seam(rk_driver *driver)
+bool draw_seam(rk_driver *driver, rk_error *error)
 {
+    (void)error;
+    show_map_alone(driver);
     const rk_camera camera = {.distance = 1, .rotation = rk_vec(-35.264f, 135, 0), .fov = 40};
     rk_view view = rk_view_of(&camera, driver->image.width, driver->image.height);
     for (size_t y = 0; y < driver->image.height; y++)
         for (size_t x = 0; x < driver->image.width; x++)
             *rk_image_at(&driver->image, x, y) =
                 seen(driver, rk_view_ray(&view, (float)x + 0.5f, (float)y + 0.5f).direction);
-}
-
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
-{
-    (void)error;
-    show_map_alone(driver, c);
-    if (rk_driver_debug(driver, "cross"))
-        draw_cross(driver);
-    else
-        draw_seam(driver);
     return true;
 }

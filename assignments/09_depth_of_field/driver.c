@@ -12,7 +12,7 @@ static const char summary[] =
     "--debug blurred marks the pixels that take lens samples.\n"
     "--convergence puts the errors of a blurred edge into a table.";
 
-static bool check(const rk_driver *driver, rk_error *error)
+static bool prepare(rk_driver *driver, rk_error *error)
 {
     if (rk_driver_debug(driver, "focus") && driver->pixel.given)
         return rk_fail(error, "--debug focus shows no pixel: --pixel goes without --debug, or with "
@@ -31,7 +31,7 @@ static bool save(rk_driver *driver, rk_error *error)
         snprintf(pixel, sizeof pixel, "_%u_%u", driver->pixel.x, driver->pixel.y);
     if (o->lens_samples > 0)
         snprintf(label, sizeof label, "%s%s%s_%g_%g_%u%s", driver->debug ? driver->debug : "",
-                 driver->debug ? "_" : "", o->lens.focal == RK_FOCAL_PLANE ? "plane" : "sphere",
+                 driver->debug ? "_" : "", rk_focal_surface_names.items[o->lens.focal],
                  (double)o->lens.focal_distance, (double)o->lens.aperture, o->lens_samples, pixel);
     return rk_driver_save(driver, label, error);
 }
@@ -55,36 +55,43 @@ static bool put_rows(rk_driver *driver, rk_error *error)
     return rk_driver_row(driver, metric, "%", rk_timing_once(100 * blurred / pixels), error);
 }
 
+static const rk_option options[] = {
+    {"viewer-yaw", RK_FIELD(choices, viewer_yaw), "DEG",
+     "the side is the camera's, turned so far about y", -360, 360, 75},
+    {"viewer-pitch", RK_FIELD(choices, viewer_pitch), "DEG", "and so far about x", -360, 360, -5},
+    {"viewer-far", RK_FIELD(choices, viewer_far), "F", "from F times the camera's distance", 0.01,
+     100, 1.8},
+    {"convergence", RK_FIELD(choices, convergence), NULL,
+     "put errors into DIR/tables/depth_of_field_convergence.csv instead of drawing a picture"},
+    {0},
+};
+
+static void set_defaults(rk_driver *driver)
+{
+    driver->scene_name = "statue:87130";
+    driver->render.lens_samples = 15;
+}
+
 int main(int argc, char **argv)
 {
-    choices c = {.viewer_yaw = 75, .viewer_pitch = -5, .viewer_far = 1.8f};
-    const rk_option options[] = {
-        {"viewer-yaw", RK_OPTION_FLOAT, &c.viewer_yaw, "DEG",
-         "the side is the camera's, turned so far about y", -360, 360},
-        {"viewer-pitch", RK_OPTION_FLOAT, &c.viewer_pitch, "DEG", "and so far about x", -360, 360},
-        {"viewer-far", RK_OPTION_FLOAT, &c.viewer_far, "F", "from F times the camera's distance",
-         0.01, 100},
-        {"convergence", RK_OPTION_FLAG, &c.convergence, NULL,
-         "put errors into DIR/tables/depth_of_field_convergence.csv instead of drawing a picture",
-         0, 0},
+    static const rk_driver_view views[] = {
+        {"focus", draw_from_the_side, false},
+        {"rays", draw_from_the_side, false},
+        {"blurred", draw_blurred, false},
         {0},
     };
-    const char *const views[] = {"focus", "rays", "blurred", NULL};
-    rk_driver driver = rk_driver_default("depth_of_field", summary);
-    driver.scene_name = "statue:87130";
-    driver.render.lens_samples = 15;
-    int status;
-    if (!rk_driver_start(&driver, argc, argv, options, views, &status))
-        return status;
-    rk_error error = {""};
-    /* The study has a scene of its own. */
-    bool ok = check(&driver, &error) && (c.convergence || rk_driver_build(&driver, &error));
-    if (ok && c.convergence)
-        ok = put_study(&driver, &c, &error);
-    else if (ok && driver.debug)
-        ok = draw_view(&driver, &c, &error) && save(&driver, &error);
-    else if (ok)
-        ok = rk_driver_render(&driver, &error) &&
-             (driver.timing ? put_rows(&driver, &error) : save(&driver, &error));
-    return rk_driver_finish(&driver, ok, &error);
+    choices c;
+    const rk_driver_spec spec = {
+        .feature = "depth_of_field",
+        .summary = summary,
+        .options = options,
+        .choices = &c,
+        .set_defaults = set_defaults,
+        .views = views,
+        .studies = (rk_driver_study[]){{&c.convergence, put_study, true}, {0}},
+        .prepare = prepare,
+        .put_rows = put_rows,
+        .save = save,
+    };
+    return rk_driver_main(&spec, argc, argv);
 }

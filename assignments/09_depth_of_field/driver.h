@@ -2,7 +2,8 @@
 #ifndef RK_09_DEPTH_OF_FIELD_DRIVER_H
 #define RK_09_DEPTH_OF_FIELD_DRIVER_H
 
-#include "driver/driver.h"
+#include "driver/driver_main.h"
+#include "render/stages/depth_of_field_stage.h"
 
 typedef struct choices {
     float viewer_yaw, viewer_pitch, viewer_far; /* where the side is */
@@ -15,10 +16,13 @@ static inline rk_view view_of(const rk_driver *driver)
     return rk_view_of(&driver->scene.camera, driver->render.width, driver->render.height);
 }
 
-/* Renders, and draws driver->debug over the picture: "focus", "rays" or "blurred". */
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+/* Renders from the side of the lens, and draws --debug focus or --debug rays over it. */
+bool draw_from_the_side(rk_driver *driver, rk_error *error);
+
+/* Renders, and marks the pixels that take lens samples. */
+bool draw_blurred(rk_driver *driver, rk_error *error);
 
 /* Puts the table of --convergence; it builds a scene of its own. */
-bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+bool put_study(rk_driver *driver, rk_error *error);
 
 #endif

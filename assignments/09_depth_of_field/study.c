@@ -65,9 +65,8 @@ static void measure(const rk_driver *driver, double diameter, rk_convergence_row
 }
 
 /* The edge of a wall behind the focus, by all ways of sampling. */
-bool put_study(rk_driver *driver, const choices *c, rk_error *error)
+bool put_study(rk_driver *driver, rk_error *error)
 {
-    (void)c;
     rk_render_options *o = &driver->render;
     o->shading.model = RK_SHADING_OFF;
     o->lens.focal_distance = 1.5f;

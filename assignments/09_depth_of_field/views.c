@@ -95,13 +95,13 @@ static void look_from_the_side(rk_camera *camera, const rk_view *view, const cho
 }
 
 /* The scene by a pinhole from the side of the lens, which stands where the camera was. */
-static bool render_from_the_side(rk_driver *driver, const choices *c, rk_error *error)
+bool draw_from_the_side(rk_driver *driver, rk_error *error)
 {
     bool rays = rk_driver_debug(driver, "rays");
     rk_view view = view_of(driver);
     rk_overlay overlay;
     rk_driver_draw_pixel(driver);
-    look_from_the_side(&driver->scene.camera, &view, c);
+    look_from_the_side(&driver->scene.camera, &view, driver->choices);
     uint32_t lens_samples = driver->render.lens_samples;
     driver->render.lens_samples = 0;
     if (!rk_driver_render(driver, error) ||
@@ -156,9 +156,7 @@ static bool mark_blurred(rk_driver *driver, rk_error *error)
     return true;
 }
 
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
+bool draw_blurred(rk_driver *driver, rk_error *error)
 {
-    if (rk_driver_debug(driver, "blurred"))
-        return rk_driver_render(driver, error) && mark_blurred(driver, error);
-    return render_from_the_side(driver, c, error);
+    return rk_driver_render(driver, error) && mark_blurred(driver, error);
 }

@@ -10,8 +10,9 @@ static const char summary[] =
     "--debug path draws the path, each of the times on it, and what is swept.\n"
     "--convergence puts errors against many more samples into a table.";
 
-static bool prepare(rk_driver *driver, const choices *c, rk_error *error)
+static bool prepare(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     if (c->still && driver->debug)
         return rk_fail(error, "--debug path draws how things move, and with --still nothing does: "
                               "choose one of them");
@@ -29,7 +30,7 @@ static bool put_rows(rk_driver *driver, rk_error *error)
     char metric[64], share[64];
     bool blurred = driver->scene.moving_count > 0 && motion->samples > 0;
     snprintf(metric, sizeof metric, blurred ? "render_%s_%u" : "render_still",
-             sampling_names[motion->sampling], motion->samples);
+             rk_time_sampling_names.items[motion->sampling], motion->samples);
     snprintf(share, sizeof share, blurred ? "times_per_pixel_%u" : "times_per_pixel_still",
              motion->samples);
     double pixels = (double)driver->render.width * (double)driver->render.height;
@@ -41,7 +42,8 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 static bool save(rk_driver *driver, rk_error *error)
 {
     const rk_motion_options *motion = &driver->render.motion;
-    const rk_shutter usual = rk_shutter_default(), *shutter = &motion->shutter;
+    const rk_shutter usual = rk_render_options_default().motion.shutter,
+                     *shutter = &motion->shutter;
     char label[128], open[32] = "";
     if (shutter->open != usual.open || shutter->close != usual.close)
         snprintf(open, sizeof open, "_%g_to_%g", (double)shutter->open, (double)shutter->close);
@@ -52,41 +54,49 @@ static bool save(rk_driver *driver, rk_error *error)
                  (double)motion->isolate, motion->samples, open);
     else
         snprintf(label, sizeof label, "%s%s_%u%s", driver->debug ? "path_" : "",
-                 sampling_names[motion->sampling], motion->samples, open);
+                 rk_time_sampling_names.items[motion->sampling], motion->samples, open);
     return rk_driver_save(driver, label, error);
+}
+
+static const rk_option driver_options[] = {
+    {"path-a", RK_FIELD(rk_driver, motion.a), "A", "a mesh moves to (x, A x^3 + B x^2 + C x, 0)",
+     -1e3, 1e3},
+    {"path-b", RK_FIELD(rk_driver, motion.b), "B", "of that path", -1e3, 1e3},
+    {"path-c", RK_FIELD(rk_driver, motion.c), "C", "of that path", -1e3, 1e3},
+    {0},
+};
+
+static const rk_option options[] = {
+    {"still", RK_FIELD(choices, still), NULL, "nothing moves, to compare with"},
+    {"convergence", RK_FIELD(choices, convergence), NULL,
+     "put errors into DIR/tables/motion_blur_convergence.csv instead of drawing"},
+    {"reference", RK_FIELD(choices, reference), "N", "samples that errors are measured against", 1,
+     65536, 2048},
+    {0},
+};
+
+static void set_defaults(rk_driver *driver)
+{
+    driver->scene_name = "moving";
+    driver->move = true;
+    driver->render.motion.samples = 20;
 }
 
 int main(int argc, char **argv)
 {
-    choices c = {.reference = 2048};
-    rk_driver driver = rk_driver_default("motion_blur", summary);
-    const rk_option options[] = {
-        {"path-a", RK_OPTION_FLOAT, &driver.motion.a, "A",
-         "a mesh moves to (x, A x^3 + B x^2 + C x, 0)", -1e3, 1e3},
-        {"path-b", RK_OPTION_FLOAT, &driver.motion.b, "B", "of that path", -1e3, 1e3},
-        {"path-c", RK_OPTION_FLOAT, &driver.motion.c, "C", "of that path", -1e3, 1e3},
-        {"still", RK_OPTION_FLAG, &c.still, NULL, "nothing moves, to compare with", 0, 0},
-        {"convergence", RK_OPTION_FLAG, &c.convergence, NULL,
-         "put errors into DIR/tables/motion_blur_convergence.csv instead of drawing", 0, 0},
-        {"reference", RK_OPTION_UINT, &c.reference, "N", "samples that errors are measured against",
-         1, 65536},
-        {0},
+    choices c;
+    const rk_driver_spec spec = {
+        .feature = "motion_blur",
+        .summary = summary,
+        .options = options,
+        .choices = &c,
+        .driver_options = driver_options,
+        .set_defaults = set_defaults,
+        .views = (rk_driver_view[]){{"path", draw_view, false}, {0}},
+        .studies = (rk_driver_study[]){{&c.convergence, put_study, false}, {0}},
+        .prepare = prepare,
+        .put_rows = put_rows,
+        .save = save,
     };
-    const char *const views[] = {"path", NULL};
-    driver.scene_name = "moving";
-    driver.move = true;
-    driver.render.motion.samples = 20;
-    int status;
-    if (!rk_driver_start(&driver, argc, argv, options, views, &status))
-        return status;
-    rk_error error = {""};
-    bool ok = prepare(&driver, &c, &error) && rk_driver_build(&driver, &error);
-    if (ok && c.convergence)
-        ok = put_study(&driver, &c, &error);
-    else if (ok && driver.debug)
-        ok = draw_view(&driver, &c, &error) && save(&driver, &error);
-    else if (ok)
-        ok = rk_driver_render(&driver, &error) &&
-             (driver.timing ? put_rows(&driver, &error) : save(&driver, &error));
-    return rk_driver_finish(&driver, ok, &error);
+    return rk_driver_main(&spec, argc, argv);
 }

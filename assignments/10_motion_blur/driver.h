@@ -2,10 +2,8 @@
 #ifndef RK_10_MOTION_BLUR_DRIVER_H
 #define RK_10_MOTION_BLUR_DRIVER_H
 
-#include "driver/driver.h"
-
-static const char *const sampling_names[] = {"equidistant", "stratified", "low-discrepancy"};
-enum { sampling_count = sizeof sampling_names / sizeof sampling_names[0] };
+#include "driver/driver_main.h"
+#include "render/stages/motion_blur_stage.h"
 
 typedef struct choices {
     uint32_t reference; /* samples of what --convergence compares with */
@@ -13,9 +11,9 @@ typedef struct choices {
 } choices;
 
 /* Renders and draws driver->debug over the picture. */
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error);
+bool draw_view(rk_driver *driver, rk_error *error);
 
 /* Puts the table of --convergence. */
-bool put_study(rk_driver *driver, const choices *c, rk_error *error);
+bool put_study(rk_driver *driver, rk_error *error);
 
 #endif

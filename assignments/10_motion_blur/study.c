@@ -7,20 +7,22 @@
 
 static bool put_errors(rk_driver *driver, const rk_image *truth, const char *name, rk_error *error)
 {
-    for (int sampling = 0; sampling < sampling_count; sampling++)
+    for (uint32_t sampling = 0; sampling < rk_time_sampling_names.count; sampling++)
         for (uint32_t samples = 1; samples <= 256; samples *= 2) {
             driver->render.motion.sampling = (rk_time_sampling)sampling;
             driver->render.motion.samples = samples;
-            if (!rk_convergence_row_of(driver, "motion_blur_convergence", sampling_names[sampling],
-                                       samples, truth, name, error))
+            if (!rk_convergence_row_of(driver, "motion_blur_convergence",
+                                       rk_time_sampling_names.items[sampling], samples, truth, name,
+                                       error))
                 return false;
         }
     return true;
 }
 
 /* The truth: equidistant times, so many that their error is far below the others'. */
-bool put_study(rk_driver *driver, const choices *c, rk_error *error)
+bool put_study(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     char name[64];
     snprintf(name, sizeof name, "%u equidistant times", c->reference);
     driver->render.motion.sampling = RK_TIME_EQUIDISTANT;

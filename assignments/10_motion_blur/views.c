@@ -57,8 +57,7 @@ static bool draw_paths(rk_driver *driver, rk_error *error)
     return true;
 }
 
-bool draw_view(rk_driver *driver, const choices *c, rk_error *error)
+bool draw_view(rk_driver *driver, rk_error *error)
 {
-    (void)c;
     return rk_driver_render(driver, error) && draw_paths(driver, error);
 }

@@ -1,17 +1,16 @@
-/* The acceleration structure, whichever was chosen: built once, asked in batches. */
-#ifndef RK_ACCEL_ACCEL_H
-#define RK_ACCEL_ACCEL_H
+/* The acceleration structure, whichever was chosen: built once, traced in batches (accel/trace.h).
+ */
+#ifndef RK_ACCEL_H
+#define RK_ACCEL_H
 
-#include "accel/batch.h"
-#include "base/counters.h"
-#include "features/motion_blur.h"
+#include "base/error.h"
 #include "scene/bvh.h"
 #include "scene/scene.h"
 
 typedef enum rk_accel_kind {
     RK_ACCEL_MEDIAN, /* bvh_median */
-    RK_ACCEL_SAH,    /* sah_binning, borders on the longest axis */
-    RK_ACCEL_SAH_3,  /* sah_binning, borders on all three axes */
+    RK_ACCEL_SAH,    /* sah_binning, split on the longest axis */
+    RK_ACCEL_SAH_3,  /* sah_binning, split on all three axes */
 } rk_accel_kind;
 
 typedef struct rk_accel {
@@ -39,31 +38,8 @@ typedef struct rk_accel_title {
 
 rk_accel_title rk_accel_name(const rk_accel *accel);
 
-/* "scalar": the instruction set of the traversal, in tables; what moves is met in packets, which
- * have SSE2 where the compiler may use it. */
+/* "scalar": the instruction set of the traversal, in tables; objects that move are traced in
+ * packets, which have SSE2 where the compiler may use it. */
 const char *rk_accel_isa(rk_accel_kind kind);
-
-/* All that moves is met where it rests. */
-void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
-                      rk_counters *counters);
-/* Makes entry i of `hits` from the closest hit in the tree, or a nearer sphere. */
-void rk_accel_put_hit(const rk_accel *accel, const rk_ray *ray, rk_hit hit, rk_hit_batch *hits,
-                      uint32_t i, rk_counters *counters);
-void rk_accel_occluded(const rk_accel *accel, const rk_ray_batch *rays, rk_occlusion_batch *answers,
-                       rk_counters *counters);
-
-/* Where moving objects stand when the rays of a batch are traced. `reaches` is asked last, when all
- * that stands still has shortened the ray to t_max: may ray `index` meet the object at all? If so
- * it fills in the object's offset. A ray may be asked about all objects before it meets any. */
-typedef struct rk_moments {
-    bool (*reaches)(void *asker, uint32_t index, uint32_t object, const rk_slabs *ray, float t_max,
-                    rk_vec3 *offset);
-    void *asker;
-} rk_moments;
-
-void rk_accel_closest_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
-                         rk_hit_batch *hits, rk_counters *counters);
-void rk_accel_any_at(const rk_accel *accel, const rk_ray_batch *rays, const rk_moments *when,
-                     rk_occlusion_batch *answers, rk_counters *counters);
 
 #endif

@@ -7,7 +7,7 @@
 #include <stdbool.h>
 
 enum {
-    RK_TILE_SIDE = 16, /* pixels; near enough to each other to meet the same boxes */
+    RK_TILE_SIDE = 16, /* pixels; near enough to each other to enter the same boxes */
     RK_BATCH_MAX = RK_TILE_SIDE * RK_TILE_SIDE,
 };
 
@@ -24,9 +24,9 @@ typedef struct rk_hit_batch {
     uint32_t triangle[RK_BATCH_MAX]; /* or RK_MISS */
 } rk_hit_batch;
 
-/* The answer to an any-hit batch. */
+/* The answer to an occlusion batch: does a ray hit anything? */
 typedef struct rk_occlusion_batch {
-    bool found[RK_BATCH_MAX];
+    bool occluded[RK_BATCH_MAX];
 } rk_occlusion_batch;
 
 static inline void rk_batch_push(rk_ray_batch *batch, const rk_ray *ray)
@@ -51,6 +51,14 @@ static inline rk_ray rk_batch_ray(const rk_ray_batch *batch, uint32_t i)
 static inline rk_hit rk_batch_hit(const rk_hit_batch *hits, uint32_t i)
 {
     return (rk_hit){hits->t[i], hits->u[i], hits->v[i], hits->triangle[i]};
+}
+
+static inline void rk_batch_put_hit(rk_hit_batch *hits, uint32_t i, const rk_hit *hit)
+{
+    hits->t[i] = hit->t;
+    hits->u[i] = hit->u;
+    hits->v[i] = hit->v;
+    hits->triangle[i] = hit->triangle;
 }
 
 #endif

@@ -5,6 +5,8 @@
  * Muecke, "Simulation of simplicity", ACM Transactions on Graphics 9(1), 1990). */
 #include "accel/crossings.h"
 
+#include "accel/trace_moving.h"
+
 /* --- Triangles, as seen along the ray --------------------------------------------------------- */
 
 /* The ray's own axes: x and y across it, z the one on which its direction is longest. In double:
@@ -102,10 +104,10 @@ typedef struct gathering {
     const rk_ray *ray;
     rk_crossing_list *list;
     float end;         /* what lies at or beyond it does not count */
-    bool until_opaque; /* an opaque crossing settles all */
+    bool until_opaque; /* behind an opaque crossing nothing counts */
 } gathering;
 
-static bool is_settled(const gathering *g)
+static bool is_done(const gathering *g)
 {
     const rk_crossing_list *list = g->list;
     return g->until_opaque && list->count && list->crossings[list->count - 1].alpha >= 1;
@@ -159,7 +161,7 @@ static void gather_leaf(gathering *g, const projection *p, const rk_triangle *tr
 static void gather_spheres(gathering *g, rk_counters *counters)
 {
     const rk_scene *scene = g->scene;
-    for (uint32_t k = 0; k < scene->sphere_count && !is_settled(g); k++) {
+    for (uint32_t k = 0; k < scene->sphere_count && !is_done(g); k++) {
         float t[2];
         counters->sphere_tests++;
         if (!rk_sphere_span(&scene->spheres[k], g->ray, &t[0], &t[1]))
@@ -172,101 +174,115 @@ static void gather_spheres(gathering *g, rk_counters *counters)
     }
 }
 
-static void wait_for(rk_traversal_stack *list, const rk_bvh_node *node, float enter)
+static void push_entered(rk_traversal_stack *stack, const rk_bvh_node *node, float enter)
 {
     if (enter < INFINITY) {
-        list->entries[list->size].node = node;
-        list->entries[list->size++].enter = enter;
+        stack->entries[stack->size].node = node;
+        stack->entries[stack->size++].enter = enter;
     }
 }
 
-/* The nearer child comes off the list first: what is found in it may spare us the other. */
-static void visit_children(rk_traversal_stack *list, const rk_bvh_node *children,
+/* The nearer child comes off the stack first: its crossings may end the ray before the other. */
+static void visit_children(rk_traversal_stack *stack, const rk_bvh_node *children,
                            const rk_slabs *slabs, float end)
 {
     float left = rk_box_enter(&children[0].box, slabs, end);
     float right = rk_box_enter(&children[1].box, slabs, end);
     bool right_first = right < left;
-    wait_for(list, &children[right_first ? 0 : 1], right_first ? left : right);
-    wait_for(list, &children[right_first ? 1 : 0], right_first ? right : left);
+    push_entered(stack, &children[right_first ? 0 : 1], right_first ? left : right);
+    push_entered(stack, &children[right_first ? 1 : 0], right_first ? right : left);
 }
 
 static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
                              rk_counters *counters)
 {
-    if (bvh->node_count == 0 || is_settled(g))
+    if (bvh->node_count == 0 || is_done(g))
         return;
     const rk_slabs slabs = rk_slabs_of(ray);
     const projection p = projection_along(ray);
-    rk_traversal_stack list;
-    list.size = 0;
+    rk_traversal_stack stack;
+    stack.size = 0;
     counters->box_tests++;
-    wait_for(&list, &bvh->nodes[0], rk_box_enter(&bvh->nodes[0].box, &slabs, g->end));
-    while (list.size && !is_settled(g)) {
-        if (list.entries[--list.size].enter > g->end)
+    push_entered(&stack, &bvh->nodes[0], rk_box_enter(&bvh->nodes[0].box, &slabs, g->end));
+    while (stack.size && !is_done(g)) {
+        if (stack.entries[--stack.size].enter > g->end)
             continue;
-        const rk_bvh_node *node = list.entries[list.size].node;
+        const rk_bvh_node *node = stack.entries[stack.size].node;
         if (node->count > 0) {
             gather_leaf(g, &p, &bvh->triangles[node->first], node->count, counters);
         } else {
-            visit_children(&list, &bvh->nodes[node->first], &slabs, g->end);
+            visit_children(&stack, &bvh->nodes[node->first], &slabs, g->end);
             counters->box_tests += 2;
         }
     }
 }
 
-static void gather_moving(gathering *g, const rk_accel *accel, const rk_moments *when,
-                          uint32_t index, rk_counters *counters)
+/* A gathering that goes on where the list stands. */
+static gathering gathering_into(rk_crossing_list *list, const rk_accel *accel, const rk_ray *ray,
+                                bool until_opaque)
 {
-    const rk_slabs slabs = rk_slabs_of(g->ray);
-    rk_vec3 offset;
-    for (uint32_t k = 0; k < accel->scene->moving_count && !is_settled(g); k++)
-        if (when->reaches(when->asker, index, k, &slabs, g->end, &offset)) {
-            rk_ray moved = rk_motion_ray(offset, g->ray);
-            gather_triangles(g, &accel->moving[k], &moved, counters);
+    return (gathering){.scene = accel->scene,
+                       .ray = ray,
+                       .list = list,
+                       .end = rk_transparency_end(list, ray->t_max),
+                       .until_opaque = until_opaque};
+}
+
+void rk_crossings_gather_still(const rk_accel *accel, const rk_ray *ray, bool until_opaque,
+                               rk_crossing_list *list, rk_counters *counters)
+{
+    gathering g = gathering_into(list, accel, ray, until_opaque);
+    gather_spheres(&g, counters);
+    gather_triangles(&g, &accel->bvh, ray, counters);
+}
+
+void rk_crossings_gather_moving(const rk_accel *accel, const rk_ray *ray, const rk_ray_time *when,
+                                bool until_opaque, rk_crossing_list *list, rk_counters *counters)
+{
+    gathering g = gathering_into(list, accel, ray, until_opaque);
+    for (uint32_t k = 0; k < accel->scene->moving_count; k++)
+        if (when->objects >> k & 1) {
+            rk_ray moved = rk_accel_ray_at(accel, k, when->time, ray);
+            gather_triangles(&g, &accel->moving[k], &moved, counters);
         }
 }
 
-static void gather(gathering *g, const rk_accel *accel, const rk_moments *when, uint32_t index,
-                   uint32_t limit, rk_counters *counters)
+bool rk_crossings_are_opaque(const rk_crossing_list *list)
 {
-    rk_transparency_start(g->list, limit);
-    gather_spheres(g, counters);
-    gather_triangles(g, &accel->bvh, g->ray, counters);
-    if (when)
-        gather_moving(g, accel, when, index, counters);
-    for (uint32_t k = 0; !when && k < accel->scene->moving_count; k++)
-        gather_triangles(g, &accel->moving[k], g->ray, counters);
+    return list->count == RK_CROSSINGS_MAX ||
+           (list->count && list->crossings[list->count - 1].alpha >= 1);
 }
 
-void rk_crossings_gather_at(const rk_accel *accel, const rk_ray *ray, const rk_moments *when,
-                            uint32_t index, uint32_t limit, rk_crossing_list *list,
-                            rk_counters *counters)
+rk_vec3 rk_crossings_transmittance(const rk_crossing_list *list, const rk_ray *ray,
+                                   rk_glass_model model)
 {
-    gathering g = {.scene = accel->scene, .ray = ray, .list = list, .end = ray->t_max};
-    gather(&g, accel, when, index, limit, counters);
+    if (rk_crossings_are_opaque(list))
+        return rk_vec(0, 0, 0);
+    return rk_transparency_transmit(model, list->crossings, list->count, rk_length(ray->direction));
+}
+
+void rk_crossings_gather_at_rest(const rk_accel *accel, const rk_ray *ray, bool until_opaque,
+                                 rk_crossing_list *list, rk_counters *counters)
+{
+    gathering g = gathering_into(list, accel, ray, until_opaque);
+    for (uint32_t k = 0; k < accel->scene->moving_count; k++)
+        gather_triangles(&g, &accel->moving[k], ray, counters);
 }
 
 void rk_crossings_gather(const rk_accel *accel, const rk_ray *ray, uint32_t limit,
                          rk_crossing_list *list, rk_counters *counters)
 {
-    rk_crossings_gather_at(accel, ray, NULL, 0, limit, list, counters);
-}
-
-rk_vec3 rk_crossings_transmit_at(const rk_accel *accel, const rk_ray *ray, const rk_moments *when,
-                                 uint32_t index, rk_glass_model model, rk_counters *counters)
-{
-    rk_crossing_list list;
-    gathering g = {
-        .scene = accel->scene, .ray = ray, .list = &list, .end = ray->t_max, .until_opaque = true};
-    gather(&g, accel, when, index, RK_CROSSINGS_MAX, counters);
-    if (is_settled(&g) || list.count == RK_CROSSINGS_MAX)
-        return rk_vec(0, 0, 0);
-    return rk_transparency_transmit(model, list.crossings, list.count, rk_length(ray->direction));
+    rk_transparency_start(list, limit);
+    rk_crossings_gather_still(accel, ray, false, list, counters);
+    rk_crossings_gather_at_rest(accel, ray, false, list, counters);
 }
 
 rk_vec3 rk_crossings_transmit(const rk_accel *accel, const rk_ray *ray, rk_glass_model model,
                               rk_counters *counters)
 {
-    return rk_crossings_transmit_at(accel, ray, NULL, 0, model, counters);
+    rk_crossing_list list;
+    rk_transparency_start(&list, RK_CROSSINGS_MAX);
+    rk_crossings_gather_still(accel, ray, true, &list, counters);
+    rk_crossings_gather_at_rest(accel, ray, true, &list, counters);
+    return rk_crossings_transmittance(&list, ray, model);
 }

@@ -23,7 +23,7 @@ static void put_ray(packet *p, uint32_t lane, const rk_ray *ray, const rk_slabs 
     p->t_max[lane] = -1;
 }
 
-/* False if the rays' directions differ in a sign: then they meet boxes at different corners. */
+/* False if the rays' directions differ in a sign: then they enter boxes at different corners. */
 static bool fill(packet *p, const rk_ray *rays, uint32_t count)
 {
     const rk_slabs first = rk_slabs_of(&rays[0]);
@@ -97,19 +97,19 @@ static inline uint32_t cross_triangle(const packet *p, const rk_triangle *triang
 
 /* --- Down the tree ---------------------------------------------------------------------------- */
 
-typedef enum question { CLOSEST, ANY } question;
+typedef enum query_kind { CLOSEST, OCCLUSION } query_kind;
 
 /* At the same t the smaller index wins, as everywhere. */
-static inline void take(packet *p, question what, uint32_t lane, const rk_hit *hit)
+static inline void take(packet *p, query_kind kind, uint32_t lane, const rk_hit *hit)
 {
     const rk_hit *best = &p->hits[lane];
     if (hit->t < best->t || hit->triangle < best->triangle) {
         p->hits[lane] = *hit;
-        p->t_max[lane] = what == ANY ? -1 : hit->t;
+        p->t_max[lane] = kind == OCCLUSION ? -1 : hit->t;
     }
 }
 
-static inline void intersect_leaf(packet *p, question what, const rk_triangle *triangles,
+static inline void intersect_leaf(packet *p, query_kind kind, const rk_triangle *triangles,
                                   uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
@@ -117,7 +117,7 @@ static inline void intersect_leaf(packet *p, question what, const rk_triangle *t
         uint32_t crossed = cross_triangle(p, &triangles[i], &cross);
         for (uint32_t lane = 0; crossed; lane++, crossed >>= 1)
             if (crossed & 1)
-                take(p, what, lane,
+                take(p, kind, lane,
                      &(rk_hit){cross.t[lane], cross.u[lane], cross.v[lane], triangles[i].index});
     }
 }
@@ -134,9 +134,9 @@ static inline uint32_t entered(rk_simd4 enter)
     return rk_simd4_movemask(enter < rk_simd4_all(INFINITY));
 }
 
-/* Of the two children the one to go to, NULL if no ray enters either; the other has to wait if any
+/* Of the two children the one to go to, NULL if no ray enters either; the other is pushed if any
  * does. */
-static inline const rk_bvh_node *push_far_return_near(traversal_stack *list, const packet *p,
+static inline const rk_bvh_node *push_far_return_near(traversal_stack *stack, const packet *p,
                                                       const rk_bvh_node *children)
 {
     rk_simd4 left = enter_box(p, &children[0].box), right = enter_box(p, &children[1].box);
@@ -146,38 +146,38 @@ static inline const rk_bvh_node *push_far_return_near(traversal_stack *list, con
     /* The first ray that enters any decides for all. */
     uint32_t in_any = in_left | in_right, first = in_any & (0 - in_any);
     bool right_first = (rk_simd4_movemask(right < left) & first) != 0;
-    list->nodes[list->size] = &children[right_first ? 0 : 1];
-    list->enter[list->size++] = right_first ? left : right;
+    stack->nodes[stack->size] = &children[right_first ? 0 : 1];
+    stack->enter[stack->size++] = right_first ? left : right;
     return &children[right_first ? 1 : 0];
 }
 
-static inline const rk_bvh_node *pop_nearer(traversal_stack *list, const packet *p)
+static inline const rk_bvh_node *pop_nearer(traversal_stack *stack, const packet *p)
 {
-    while (list->size) {
-        rk_simd4 enter = list->enter[--list->size];
+    while (stack->size) {
+        rk_simd4 enter = stack->enter[--stack->size];
         if (rk_simd4_movemask((enter <= p->t_max) & (enter < rk_simd4_all(INFINITY))))
-            return list->nodes[list->size];
+            return stack->nodes[stack->size];
     }
     return NULL;
 }
 
-__attribute__((always_inline)) static inline void walk(packet *p, question what, const rk_bvh *bvh,
-                                                       rk_counters *counters)
+__attribute__((always_inline)) static inline void traverse(packet *p, query_kind kind,
+                                                           const rk_bvh *bvh, rk_counters *counters)
 {
-    traversal_stack list;
-    list.size = 0;
+    traversal_stack stack;
+    stack.size = 0;
     uint64_t box_tests = 1, triangle_tests = 0;
     const rk_bvh_node *root = &bvh->nodes[0];
     const rk_bvh_node *node = entered(enter_box(p, &root->box)) ? root : NULL;
     while (node) {
         const rk_bvh_node *next = NULL;
         if (node->count == 0) {
-            next = push_far_return_near(&list, p, &bvh->nodes[node->first]);
+            next = push_far_return_near(&stack, p, &bvh->nodes[node->first]);
             box_tests += 2;
         }
-        intersect_leaf(p, what, &bvh->triangles[node->first], node->count);
+        intersect_leaf(p, kind, &bvh->triangles[node->first], node->count);
         triangle_tests += node->count;
-        node = next ? next : pop_nearer(&list, p);
+        node = next ? next : pop_nearer(&stack, p);
     }
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;
@@ -189,7 +189,7 @@ void rk_packet_closest(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, rk
     packet p;
     bool together = count > 1 && bvh->node_count > 0 && fill(&p, rays, count);
     if (together)
-        walk(&p, CLOSEST, bvh, counters);
+        traverse(&p, CLOSEST, bvh, counters);
     for (uint32_t i = 0; i < count; i++)
         hits[i] = together ? p.hits[i] : rk_bvh_closest(bvh, &rays[i], counters);
 }
@@ -200,7 +200,7 @@ void rk_packet_occluded(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, b
     packet p;
     bool together = count > 1 && bvh->node_count > 0 && fill(&p, rays, count);
     if (together)
-        walk(&p, ANY, bvh, counters);
+        traverse(&p, OCCLUSION, bvh, counters);
     for (uint32_t i = 0; i < count; i++)
         found[i] =
             together ? p.hits[i].triangle != RK_MISS : rk_bvh_occluded(bvh, &rays[i], counters);

@@ -1,5 +1,5 @@
-/* Four rays that go nearly the same way walk down a tree together: a box or a triangle is fetched
- * once, and asked for all four at once (after Wald, Slusallek, Benthin, Wagner, "Interactive
+/* Four rays that go nearly the same way go down a tree together: a box or a triangle is fetched
+ * once, and tested for all four at once (after Wald, Slusallek, Benthin, Wagner, "Interactive
  * rendering with coherent ray tracing", Eurographics 2001). */
 #ifndef RK_ACCEL_PACKET_H
 #define RK_ACCEL_PACKET_H
@@ -11,7 +11,7 @@
 
 enum { RK_PACKET_MAX = 4 };
 
-/* Up to RK_PACKET_MAX rays, and what each of them meets: the same answers as rk_bvh_closest's and
+/* Up to RK_PACKET_MAX rays, and the hit of each of them: the same answers as rk_bvh_closest's and
  * rk_bvh_occluded's. A test of a box or a triangle counts once for all. */
 void rk_packet_closest(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, rk_hit *hits,
                        rk_counters *counters);

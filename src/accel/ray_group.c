@@ -3,29 +3,30 @@
 #include "base/dvec3.h"
 #include "features/bvh_median.h"
 
-/* A bundle that may meet more triangles than this is wide for its scene, and its rays go each their
- * own way; with fewer rays, looking for triangles costs more than it saves. */
+/* A group that may intersect more triangles than this is wide for its scene, and its rays go each
+ * their own way; with fewer rays, looking for triangles costs more than it saves. */
 enum { found_max = 16, fewest_rays = 4 };
 
 /* All directions are within low and high on each axis, and by 2^-16 away from them: far more than
  * the triangle test's roundings, so that a ray between two triangles loses neither; far less than
  * the rays of a rough mirror differ. */
-typedef struct bundle {
+typedef struct group {
     double origin[3], low[3], high[3], inverse_low[3], inverse_high[3];
     bool low_is_positive[3], high_is_positive[3];
-} bundle;
+} group;
 
 typedef struct found_list {
     uint32_t count;
-    const rk_triangle *triangles[found_max]; /* in the order of where the first ray may meet them */
+    const rk_triangle
+        *triangles[found_max]; /* in the order of where the first ray may intersect them */
     double enter[found_max];
 } found_list;
 
-static bundle bundle_of(const rk_ray_batch *rays, uint32_t first, uint32_t end)
+static group group_of(const rk_ray_batch *rays, uint32_t first, uint32_t end)
 {
     const float *directions[3] = {rays->direction_x, rays->direction_y, rays->direction_z};
     const float *origins[3] = {rays->origin_x, rays->origin_y, rays->origin_z};
-    bundle b;
+    group g;
     for (int axis = 0; axis < 3; axis++) {
         float low = INFINITY, high = -INFINITY;
         for (uint32_t i = first; i < end; i++) {
@@ -33,21 +34,21 @@ static bundle bundle_of(const rk_ray_batch *rays, uint32_t first, uint32_t end)
             high = rk_max(high, directions[axis][i]);
         }
         double wide_low = (double)low - 0x1p-16, wide_high = (double)high + 0x1p-16;
-        b.origin[axis] = (double)origins[axis][first];
-        b.low[axis] = wide_low;
-        b.high[axis] = wide_high;
-        b.inverse_low[axis] = 1 / wide_low;
-        b.inverse_high[axis] = 1 / wide_high;
-        b.low_is_positive[axis] = wide_low > 0;
-        b.high_is_positive[axis] = wide_high > 0;
+        g.origin[axis] = (double)origins[axis][first];
+        g.low[axis] = wide_low;
+        g.high[axis] = wide_high;
+        g.inverse_low[axis] = 1 / wide_low;
+        g.inverse_high[axis] = 1 / wide_high;
+        g.low_is_positive[axis] = wide_low > 0;
+        g.high_is_positive[axis] = wide_high > 0;
     }
-    return b;
+    return g;
 }
 
-/* Returns a t before which no ray of the bundle is in the box, infinity if none ever is. At t, the
+/* Returns a t before which no ray of the group is in the box, infinity if none ever is. At t, the
  * rays are between low t and high t on each axis; so low t is below the box' upper end, and high t
  * above its lower one. NaN, of 0 / 0, bounds nothing. */
-static double enter_box(const bundle *b, const rk_box *box)
+static double enter_box(const group *g, const rk_box *box)
 {
     const double lower[3] = {(double)box->corner[0].x, (double)box->corner[0].y,
                              (double)box->corner[0].z};
@@ -55,13 +56,13 @@ static double enter_box(const bundle *b, const rk_box *box)
                              (double)box->corner[1].z};
     double enter = 0, leave = INFINITY;
     for (int axis = 0; axis < 3; axis++) {
-        double by_low = (upper[axis] - b->origin[axis]) * b->inverse_low[axis];
-        double by_high = (lower[axis] - b->origin[axis]) * b->inverse_high[axis];
-        if (b->low_is_positive[axis])
+        double by_low = (upper[axis] - g->origin[axis]) * g->inverse_low[axis];
+        double by_high = (lower[axis] - g->origin[axis]) * g->inverse_high[axis];
+        if (g->low_is_positive[axis])
             leave = by_low < leave ? by_low : leave;
         else
             enter = by_low > enter ? by_low : enter;
-        if (b->high_is_positive[axis])
+        if (g->high_is_positive[axis])
             enter = by_high > enter ? by_high : enter;
         else
             leave = by_high < leave ? by_high : leave;
@@ -75,29 +76,29 @@ static rk_box box_of(const rk_triangle *triangle)
     return rk_box_add(rk_box_add(rk_box_add(rk_box_empty(), triangle->a), b), c);
 }
 
-static rk_dvec3 from_origin(const bundle *b, rk_vec3 point)
+static rk_dvec3 from_origin(const group *g, rk_vec3 point)
 {
-    return (rk_dvec3){(double)point.x - b->origin[0], (double)point.y - b->origin[1],
-                      (double)point.z - b->origin[2]};
+    return (rk_dvec3){(double)point.x - g->origin[0], (double)point.y - g->origin[1],
+                      (double)point.z - g->origin[2]};
 }
 
 /* The largest n.d of all directions d. */
-static double largest_along(const bundle *b, rk_dvec3 n)
+static double largest_along(const group *g, rk_dvec3 n)
 {
-    return fmax(n.x * b->low[0], n.x * b->high[0]) + fmax(n.y * b->low[1], n.y * b->high[1]) +
-           fmax(n.z * b->low[2], n.z * b->high[2]);
+    return fmax(n.x * g->low[0], n.x * g->high[0]) + fmax(n.y * g->low[1], n.y * g->high[1]) +
+           fmax(n.z * g->low[2], n.z * g->high[2]);
 }
 
 /* False if all rays pass on the outer side of one edge: the origin and the edge span a plane. */
-static bool may_meet(const bundle *b, const rk_triangle *triangle)
+static bool may_intersect(const group *g, const rk_triangle *triangle)
 {
-    const rk_dvec3 corner[3] = {from_origin(b, triangle->a),
-                                from_origin(b, rk_add(triangle->a, triangle->edge_ab)),
-                                from_origin(b, rk_add(triangle->a, triangle->edge_ac))};
+    const rk_dvec3 corner[3] = {from_origin(g, triangle->a),
+                                from_origin(g, rk_add(triangle->a, triangle->edge_ab)),
+                                from_origin(g, rk_add(triangle->a, triangle->edge_ac))};
     double volume = rk_ddot(corner[0], rk_dcross(corner[1], corner[2]));
     for (int i = 0; i < 3 && volume != 0; i++) {
         rk_dvec3 across = rk_dcross(corner[i], corner[(i + 1) % 3]);
-        if (largest_along(b, rk_dscale(across, volume > 0 ? 1 : -1)) < 0)
+        if (largest_along(g, rk_dscale(across, volume > 0 ? 1 : -1)) < 0)
             return false;
     }
     return true;
@@ -118,12 +119,12 @@ static bool add_triangle(found_list *list, const rk_triangle *triangle, double e
     return true;
 }
 
-static bool add_leaf(found_list *list, const bundle *b, const rk_bvh *bvh, const rk_bvh_node *leaf)
+static bool add_leaf(found_list *list, const group *g, const rk_bvh *bvh, const rk_bvh_node *leaf)
 {
     for (uint32_t i = leaf->first; i < leaf->first + leaf->count; i++) {
         rk_box box = box_of(&bvh->triangles[i]);
-        double enter = enter_box(b, &box);
-        if (enter < INFINITY && may_meet(b, &bvh->triangles[i]) &&
+        double enter = enter_box(g, &box);
+        if (enter < INFINITY && may_intersect(g, &bvh->triangles[i]) &&
             !add_triangle(list, &bvh->triangles[i], enter))
             return false;
     }
@@ -131,7 +132,7 @@ static bool add_leaf(found_list *list, const bundle *b, const rk_bvh *bvh, const
 }
 
 /* False if there are too many. */
-static bool find_triangles(const rk_bvh *bvh, const bundle *b, found_list *list,
+static bool find_triangles(const rk_bvh *bvh, const group *g, found_list *list,
                            rk_counters *counters)
 {
     uint32_t stack[RK_BVH_LEVELS_MAX], size = 0;
@@ -141,12 +142,12 @@ static bool find_triangles(const rk_bvh *bvh, const bundle *b, found_list *list,
     while (size > 0) {
         const rk_bvh_node *node = &bvh->nodes[stack[--size]];
         counters->box_tests += 1 + node->count;
-        if (enter_box(b, &node->box) == INFINITY)
+        if (enter_box(g, &node->box) == INFINITY)
             continue;
         if (node->count == 0) {
             stack[size++] = node->first;
             stack[size++] = node->first + 1;
-        } else if (!add_leaf(list, b, bvh, node)) {
+        } else if (!add_leaf(list, g, bvh, node)) {
             return false;
         }
     }
@@ -169,7 +170,7 @@ static bool same_origin(const rk_ray_batch *rays, uint32_t i, uint32_t k)
            rays->origin_z[i] == rays->origin_z[k];
 }
 
-void rk_ray_group_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
+void rk_ray_group_closest(const rk_bvh *bvh, const rk_ray_batch *rays, rk_hit_batch *hits,
                           rk_counters *counters)
 {
     uint32_t end;
@@ -177,15 +178,13 @@ void rk_ray_group_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hi
         for (end = first + 1; end < rays->count && same_origin(rays, first, end);)
             end++;
         found_list list = {.count = 0};
-        bundle b = bundle_of(rays, first, end);
-        bool together =
-            end - first >= fewest_rays && find_triangles(&accel->bvh, &b, &list, counters);
+        group g = group_of(rays, first, end);
+        bool together = end - first >= fewest_rays && find_triangles(bvh, &g, &list, counters);
         for (uint32_t i = first; i < end; i++) {
             rk_ray ray = rk_batch_ray(rays, i);
-            rk_accel_put_hit(accel, &ray,
-                             together ? closest_in(&list, &ray, counters)
-                                      : rk_bvh_closest(&accel->bvh, &ray, counters),
-                             hits, i, counters);
+            rk_hit hit =
+                together ? closest_in(&list, &ray, counters) : rk_bvh_closest(bvh, &ray, counters);
+            rk_batch_put_hit(hits, i, &hit);
         }
     }
 }

@@ -1,5 +1,7 @@
 #include "accel/trace_one.h"
 
+#include "accel/trace.h"
+
 rk_hit rk_trace_one(const rk_accel *accel, const rk_ray *ray)
 {
     rk_ray_batch rays = {.count = 0};

@@ -12,7 +12,7 @@ typedef struct rk_image {
 
 enum { RK_IMAGE_SIDE_MAX = 32768 };
 
-/* Makes a black image of 1 to RK_IMAGE_SIDE_MAX pixels a side. */
+/* Makes a black image of 1 to RK_IMAGE_SIDE_MAX pixels per side. */
 bool rk_image_init(rk_image *image, size_t width, size_t height, rk_error *error);
 void rk_image_free(rk_image *image);
 

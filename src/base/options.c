@@ -19,34 +19,52 @@
  * characters that it uses for itself. */
 enum { ask_help = 1000, ask_version, first_option };
 
-/* All tables in one, twice: as ours and as getopt_long's. */
+/* All tables in one, twice: as ours and as getopt_long's, which lists aliases as well. */
 typedef struct option_list {
     size_t count;
-    const rk_option **options; /* count */
-    struct option *getopt;     /* count, help, version, and a zeroed end */
+    rk_bound_option *options; /* count */
+    size_t getopt_count;
+    struct option *getopt; /* options, their aliases, help, version, and a zeroed end */
 } option_list;
 
-static bool option_list_init(option_list *list, const rk_option *const *tables, size_t table_count,
+static size_t count_rows(const rk_option_table *tables, size_t table_count)
+{
+    size_t count = 0;
+    for (size_t t = 0; t < table_count; t++)
+        for (const rk_option *row = tables[t].rows; row->name; row++)
+            count++;
+    return count;
+}
+
+static void add_spelling(option_list *list, const char *name, int has_argument, int answer)
+{
+    list->getopt[list->getopt_count++] = (struct option){name, has_argument, NULL, answer};
+}
+
+static void add_option(option_list *list, const rk_option *row, void *values)
+{
+    int has_argument = row->kind == RK_OPTION_FLAG ? no_argument : required_argument;
+    int answer = first_option + (int)list->count;
+    add_spelling(list, row->name, has_argument, answer);
+    if (row->alias)
+        add_spelling(list, row->alias, has_argument, answer);
+    list->options[list->count++] = (rk_bound_option){row, (char *)values + row->offset};
+}
+
+static bool option_list_init(option_list *list, const rk_option_table *tables, size_t table_count,
                              rk_error *error)
 {
+    size_t rows = count_rows(tables, table_count);
     *list = (option_list){0};
-    for (size_t t = 0; t < table_count; t++)
-        for (const rk_option *option = tables[t]; option->name; option++)
-            list->count++;
-    list->options = rk_allocate(list->count, sizeof *list->options, "options", error);
-    list->getopt = rk_allocate(list->count + 3, sizeof *list->getopt, "options", error);
+    list->options = rk_allocate(rows, sizeof *list->options, "options", error);
+    list->getopt = rk_allocate(2 * rows + 3, sizeof *list->getopt, "options", error);
     if (!list->options || !list->getopt)
         return false;
-    size_t i = 0;
     for (size_t t = 0; t < table_count; t++)
-        for (const rk_option *option = tables[t]; option->name; option++, i++) {
-            int has_argument = option->kind == RK_OPTION_FLAG ? no_argument : required_argument;
-            list->options[i] = option;
-            list->getopt[i] =
-                (struct option){option->name, has_argument, NULL, first_option + (int)i};
-        }
-    list->getopt[i++] = (struct option){"help", no_argument, NULL, ask_help};
-    list->getopt[i] = (struct option){"version", no_argument, NULL, ask_version};
+        for (const rk_option *row = tables[t].rows; row->name; row++)
+            add_option(list, row, tables[t].values);
+    add_spelling(list, "help", no_argument, ask_help);
+    add_spelling(list, "version", no_argument, ask_version);
     return true;
 }
 
@@ -73,18 +91,18 @@ static bool read_digits(const char **text, uint32_t *value)
     return true;
 }
 
-static bool read_uint(const rk_option *option, const char *text)
+static bool read_uint(const rk_option *row, const char *text, uint32_t *to)
 {
     uint32_t value;
     if (!read_digits(&text, &value) || *text)
         return false;
-    if (!(value >= option->low && value <= option->high))
+    if (!(value >= row->low && value <= row->high))
         return false;
-    *(uint32_t *)option->value = value;
+    *to = value;
     return true;
 }
 
-static bool read_float(const rk_option *option, const char *text)
+static bool read_float(const rk_option *row, const char *text, float *to)
 {
     if (isspace((unsigned char)*text))
         return false;
@@ -92,70 +110,70 @@ static bool read_float(const rk_option *option, const char *text)
     double value = strtod(text, &end);
     if (end == text || *end)
         return false;
-    if (!(value >= option->low && value <= option->high)) /* false for NaN */
+    if (!(value >= row->low && value <= row->high)) /* false for NaN */
         return false;
     /* Infinity only for who asks for it by name: 1e39 is more than a float holds. */
     if (isinf((float)value) && strpbrk(text, "0123456789"))
         return false;
-    *(float *)option->value = (float)value;
+    *to = (float)value;
     return true;
 }
 
-static bool read_pixel(const rk_option *option, const char *text)
+static bool read_pixel(const char *text, rk_pixel *to)
 {
     uint32_t x, y;
     if (!read_digits(&text, &x) || *text++ != ',' || !read_digits(&text, &y) || *text)
         return false;
-    *(rk_pixel *)option->value = (rk_pixel){true, x, y};
+    *to = (rk_pixel){true, x, y};
     return true;
 }
 
-static bool read_choice(const rk_option *option, const char *text)
+static bool read_choice(const rk_names *names, const char *text, uint32_t *to)
 {
-    uint32_t value = 0;
-    for (const char *name = option->argument; name; value++) {
-        size_t length = strcspn(name, "|");
-        if (strlen(text) == length && strncmp(text, name, length) == 0) {
-            *(uint32_t *)option->value = value;
+    for (uint32_t value = 0; value < names->count; value++)
+        if (strcmp(text, names->items[value]) == 0) {
+            *to = value;
             return true;
         }
-        name = name[length] ? name + length + 1 : NULL;
-    }
     return false;
 }
 
-static bool read_value(const rk_option *option, const char *text, rk_error *error)
+static bool add_to_list(const rk_option *row, const char *text, rk_text_list *list, rk_error *error)
+{
+    if (list->count == RK_TEXT_LIST_MAX)
+        return rk_fail(error, "--%s: given more than %d times; see --help", row->name,
+                       RK_TEXT_LIST_MAX);
+    list->items[list->count++] = text;
+    return true;
+}
+
+static bool read_value(rk_bound_option option, const char *text, rk_error *error)
 {
     bool good = true;
-    rk_text_list *list = option->value;
-    switch (option->kind) {
+    switch (option.row->kind) {
     case RK_OPTION_FLAG:
-        *(bool *)option->value = true;
+        *(bool *)option.value = true;
         break;
     case RK_OPTION_UINT:
-        good = read_uint(option, text);
+        good = read_uint(option.row, text, option.value);
         break;
     case RK_OPTION_FLOAT:
-        good = read_float(option, text);
+        good = read_float(option.row, text, option.value);
         break;
     case RK_OPTION_PIXEL:
-        good = read_pixel(option, text);
+        good = read_pixel(text, option.value);
         break;
     case RK_OPTION_CHOICE:
-        good = read_choice(option, text);
+        good = read_choice(option.row->names, text, option.value);
         break;
     case RK_OPTION_TEXT:
-        *(const char **)option->value = text;
+        *(const char **)option.value = text;
         break;
     case RK_OPTION_LIST:
-        if (list->count == RK_TEXT_LIST_MAX)
-            return rk_fail(error, "--%s: given more than %d times; see --help", option->name,
-                           RK_TEXT_LIST_MAX);
-        list->items[list->count++] = text;
-        break;
+        return add_to_list(option.row, text, option.value, error);
     }
-    return good || rk_fail(error, "--%s %.80s: it takes %s; see --help", option->name, text,
-                           rk_option_takes(option).text);
+    return good || rk_fail(error, "--%s %.80s: it takes %s; see --help", option.row->name, text,
+                           rk_option_takes(option.row).text);
 }
 
 /* --- walking argv ---------------------------------------------------------------------------- */
@@ -195,7 +213,8 @@ static bool is_ambiguous(const char *argument, const option_list *list)
 
 static bool refuse(char answer, const char *argument, const option_list *list, rk_error *error)
 {
-    const rk_option *option = optopt >= first_option ? list->options[optopt - first_option] : NULL;
+    const rk_option *option =
+        optopt >= first_option ? list->options[optopt - first_option].row : NULL;
     if (answer == ':' && option)
         return rk_fail(error, "--%s: the value is missing: it takes %s; see --help", option->name,
                        rk_option_takes(option).text);
@@ -239,8 +258,27 @@ static rk_options_result finish_printing(rk_error *error)
     return RK_OPTIONS_BAD;
 }
 
+static bool is_spelled(const char *name, const char *text, size_t length)
+{
+    return name && strlen(name) == length && strncmp(name, text, length) == 0;
+}
+
+const rk_option *rk_options_find(const rk_option_table *tables, size_t table_count,
+                                 const char *argument)
+{
+    if (strncmp(argument, "--", 2) != 0)
+        return NULL;
+    const char *name = argument + 2;
+    size_t length = strcspn(name, "=");
+    for (size_t t = 0; t < table_count; t++)
+        for (const rk_option *row = tables[t].rows; row->name; row++)
+            if (is_spelled(row->name, name, length) || is_spelled(row->alias, name, length))
+                return row;
+    return NULL;
+}
+
 rk_options_result rk_options_parse(int argc, char **argv, const char *summary,
-                                   const rk_option *const *tables, size_t table_count,
+                                   const rk_option_table *tables, size_t table_count,
                                    rk_error *error)
 {
     option_list list;

@@ -9,13 +9,14 @@
 
 /* --- what an option takes -------------------------------------------------------------------- */
 
-const char *rk_option_choice_name(const rk_option *option, uint32_t value, size_t *length)
+rk_phrase rk_names_list(const rk_names *names)
 {
-    const char *name = option->argument;
-    for (; value > 0; value--)
-        name = strchr(name, '|') + 1;
-    *length = strcspn(name, "|");
-    return name;
+    rk_phrase list = {""};
+    for (uint32_t i = 0; i < names->count; i++) {
+        strncat(list.text, i ? "|" : "", sizeof list.text - strlen(list.text) - 1);
+        strncat(list.text, names->items[i], sizeof list.text - strlen(list.text) - 1);
+    }
+    return list;
 }
 
 rk_phrase rk_option_range(const rk_option *option)
@@ -53,7 +54,7 @@ rk_phrase rk_option_takes(const rk_option *option)
                  "a pixel's column and row from the top left as X,Y (such as 3,4)");
         break;
     case RK_OPTION_CHOICE:
-        snprintf(takes.text, sizeof takes.text, "one of %.140s", option->argument);
+        snprintf(takes.text, sizeof takes.text, "one of %.140s", rk_names_list(option->names).text);
         break;
     case RK_OPTION_TEXT:
     case RK_OPTION_LIST:
@@ -113,29 +114,28 @@ static size_t print_wrapped(const char *text, size_t column, size_t indent)
     return column;
 }
 
-static rk_phrase default_of(const rk_option *option)
+static rk_phrase default_of(rk_bound_option option)
 {
     rk_phrase value = {""};
-    const rk_text_list *list = option->value;
-    const rk_pixel *pixel = option->value;
+    const rk_text_list *list = option.value;
+    const rk_pixel *pixel = option.value;
     const char *text;
-    size_t length;
-    switch (option->kind) {
+    switch (option.row->kind) {
     /* A number that nobody could give means "not given": its help says what happens then. */
     case RK_OPTION_UINT:
-        if ((double)*(uint32_t *)option->value <= option->high)
-            snprintf(value.text, sizeof value.text, "%u", (unsigned)*(uint32_t *)option->value);
+        if ((double)*(uint32_t *)option.value <= option.row->high)
+            snprintf(value.text, sizeof value.text, "%u", (unsigned)*(uint32_t *)option.value);
         break;
     case RK_OPTION_FLOAT:
-        if (!isnan(*(float *)option->value))
-            snprintf(value.text, sizeof value.text, "%g", (double)*(float *)option->value);
+        if (!isnan(*(float *)option.value))
+            snprintf(value.text, sizeof value.text, "%g", (double)*(float *)option.value);
         break;
     case RK_OPTION_CHOICE:
-        text = rk_option_choice_name(option, *(uint32_t *)option->value, &length);
-        snprintf(value.text, sizeof value.text, "%.*s", (int)length, text);
+        text = option.row->names->items[*(uint32_t *)option.value];
+        snprintf(value.text, sizeof value.text, "%.120s", text);
         break;
     case RK_OPTION_TEXT:
-        text = *(const char **)option->value;
+        text = *(const char **)option.value;
         snprintf(value.text, sizeof value.text, "%.120s", text ? text : "");
         break;
     case RK_OPTION_LIST:
@@ -178,44 +178,56 @@ static void print_whole(const char *note, size_t column)
         printf(" %s", note);
 }
 
-static void print_option(const rk_option *option)
+/* Returns the column after it. */
+static size_t print_name(const rk_option *option)
 {
     size_t column = (size_t)printf("  --%s", option->name);
-    if (option->argument && option->kind != RK_OPTION_FLAG)
+    if (option->kind == RK_OPTION_CHOICE)
+        column += (size_t)printf(" %s", rk_names_list(option->names).text);
+    else if (option->argument && option->kind != RK_OPTION_FLAG)
         column += (size_t)printf(" %s", option->argument);
-    if (column + 2 > help_column) {
-        putchar('\n');
-        column = 0;
-    }
-    column = print_wrapped(option->help, column, help_column);
-    rk_phrase range = range_worth_showing(option), value = default_of(option), note;
+    return column;
+}
+
+/* "(1 to 64; default 16)", or as much of it as there is. */
+static rk_phrase note_of(rk_bound_option option)
+{
+    rk_phrase range = range_worth_showing(option.row), value = default_of(option), note = {""};
     if (*range.text && *value.text)
         snprintf(note.text, sizeof note.text, "(%.60s; default %.80s)", range.text, value.text);
     else if (*range.text)
         snprintf(note.text, sizeof note.text, "(%.80s)", range.text);
     else if (*value.text)
         snprintf(note.text, sizeof note.text, "(default %.120s)", value.text);
-    else
-        note.text[0] = '\0';
+    return note;
+}
+
+static void print_option(rk_bound_option option)
+{
+    size_t column = print_name(option.row);
+    if (column + 2 > help_column) {
+        putchar('\n');
+        column = 0;
+    }
+    column = print_wrapped(option.row->help, column, help_column);
+    rk_phrase note = note_of(option);
     if (*note.text)
         print_whole(note.text, column);
     putchar('\n');
 }
 
-void rk_options_print_help(const char *program, const char *summary,
-                           const rk_option *const *options, size_t count)
+void rk_options_print_help(const char *program, const char *summary, const rk_bound_option *options,
+                           size_t count)
 {
-    bool help = false, version = false;
-    const rk_option common[] = {
-        {"help", RK_OPTION_FLAG, &help, NULL, "this text", 0, 0},
-        {"version", RK_OPTION_FLAG, &version, NULL, "the version", 0, 0},
-    };
+    bool unset = false;
+    const rk_option help = {.name = "help", .help = "this text"};
+    const rk_option version = {.name = "version", .help = "the version"};
     const char *slash = strrchr(program, '/');
     printf("usage: %s [OPTION]...\n", slash ? slash + 1 : program);
     print_wrapped(summary, 0, 0);
     printf("\n\n");
     for (size_t i = 0; i < count; i++)
         print_option(options[i]);
-    for (size_t i = 0; i < sizeof common / sizeof *common; i++)
-        print_option(&common[i]);
+    print_option((rk_bound_option){&help, &unset});
+    print_option((rk_bound_option){&version, &unset});
 }

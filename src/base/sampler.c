@@ -4,10 +4,12 @@
 
 #include <assert.h>
 
+RK_NAMES(rk_sampler_names, rk_sampler_kind, RK_SAMPLER_LOW_DISCREPANCY, "uniform", "stratified",
+         "low-discrepancy");
+
 const char *rk_sampler_name(rk_sampler_kind kind)
 {
-    static const char *const names[] = {"uniform", "stratified", "low-discrepancy"};
-    return names[kind];
+    return rk_sampler_names.items[kind];
 }
 
 /* Identifies a sequence of numbers, one for each sample. */

@@ -5,6 +5,7 @@
 #ifndef RK_BASE_SAMPLER_H
 #define RK_BASE_SAMPLER_H
 
+#include "base/names.h"
 #include "base/random.h"
 #include "base/vec3.h"
 
@@ -29,7 +30,8 @@ enum {
 /* Cells can be halved down to 2^-24, the spacing of the samplers' numbers. */
 enum { RK_SAMPLES_MAX = 1 << 24 };
 
-/* The kind's name in options, tables and names of pictures, such as "low-discrepancy". */
+/* The kinds' names in options, tables and names of pictures, such as "low-discrepancy". */
+extern const rk_names rk_sampler_names;
 const char *rk_sampler_name(rk_sampler_kind kind);
 
 typedef struct rk_sampler {

@@ -1,27 +1,8 @@
 #include "driver/driver.h"
 
 #include "driver/explain_pixel.h"
-#include "features/sah_binning.h"
 
 #include <string.h>
-
-rk_driver rk_driver_default(const char *feature, const char *summary)
-{
-    return (rk_driver){
-        .feature = feature,
-        .summary = summary,
-        .render = rk_render_options_default(),
-        .runs = 1,
-        .split = RK_ACCEL_SAH,
-        .bins = rk_sah_options_default().bins,
-        .scene_name = "cornell",
-        .drawn_x = 50,
-        .drawn_y = 50,
-        .out = "out",
-        .motion = rk_motion_default(),
-        .camera_given = {{NAN, NAN, NAN}, NAN, {NAN, NAN, NAN}, NAN},
-    };
-}
 
 bool rk_driver_build(rk_driver *driver, rk_error *error)
 {

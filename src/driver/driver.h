@@ -1,5 +1,5 @@
-/* What all drivers share: their options, the scene, rendering with a progress bar, pictures with
- * their parameters, timing rows. A driver itself stays one screen. */
+/* What all drivers share: the scene, rendering with a progress bar, pictures with their parameters,
+ * timing rows. driver_main.h has their main. */
 #ifndef RK_DRIVER_DRIVER_H
 #define RK_DRIVER_DRIVER_H
 
@@ -11,8 +11,9 @@
 typedef struct rk_driver {
     const char *feature; /* "bvh_median": begins the names of pictures and tables */
     const char *summary; /* the first lines of --help */
+    void *choices;       /* the driver's own options */
 
-    /* options; set defaults before rk_driver_start where they differ from the common ones */
+    /* common options */
     rk_render_options render;
     uint32_t threads; /* 0: all processors */
     uint32_t runs;    /* timings are medians of this many */
@@ -22,7 +23,7 @@ typedef struct rk_driver {
     const char *mesh_path;   /* NULL: the built-in scene */
     const char *environment; /* NULL: none; "sky", or files as in io/environment_file.h */
     const char *out;
-    const char *debug; /* NULL, or one of debug_views */
+    const char *debug; /* NULL, or the name of a view */
     rk_pixel pixel;
     uint32_t drawn_x, drawn_y; /* per cent of the picture: where --debug rays looks by default */
     bool quiet;
@@ -31,6 +32,10 @@ typedef struct rk_driver {
     bool move;              /* the whole mesh moves, if nothing in the scene moves by itself */
     rk_motion motion;       /* and this is its path */
 
+    char **argv;                    /* the command line, ended by NULL */
+    char parameters[1024];          /* the same for captions */
+    rk_render_options render_usual; /* the renderer's options without it */
+
     /* from rk_driver_start on */
     rk_scene scene;
     rk_accel accel;
@@ -38,17 +43,13 @@ typedef struct rk_driver {
     rk_image image;
     rk_counters counters;
     rk_timing build_ms, render_ms;
-    char parameters[1024]; /* the command line, for captions */
 } rk_driver;
 
 /* The common defaults. */
 rk_driver rk_driver_default(const char *feature, const char *summary);
 
-/* Reads the options, loads the scene and starts the threads. `debug_views` lists what --debug may
- * name, NULL-terminated. When it returns false the program ends with *status: an error was printed
- * to standard error, or --help to standard output. */
-bool rk_driver_start(rk_driver *driver, int argc, char **argv, const rk_option *own_options,
-                     const char *const *debug_views, int *status);
+/* Loads the scene and starts the threads, as the options say. */
+bool rk_driver_start(rk_driver *driver, rk_error *error);
 
 /* Who cannot save need not render: tries to begin a file where one will be wanted. */
 bool rk_driver_try_folder(const rk_driver *driver, rk_error *error);

@@ -2,6 +2,7 @@
  * met by the very rays of the pixels, so that they agree with the scene to the bit. */
 #include "driver/overlay.h"
 
+#include "accel/trace.h"
 #include "base/box.h"
 #include "base/triangle.h"
 

@@ -10,25 +10,20 @@ typedef struct rk_side_view {
     float far;        /* times the camera's distance */
 } rk_side_view;
 
-/* Beside the camera, and as far. */
-static inline rk_side_view rk_side_view_default(void)
-{
-    return (rk_side_view){.yaw = 40, .far = 1};
-}
-
-/* The three options' rows, for a driver's own table. */
-#define RK_SIDE_VIEW_OPTIONS(view)                                                                 \
+/* The three options' rows, for a driver's own table: `view` is a rk_side_view of struct `type`.
+ * Beside the camera, and as far. */
+#define RK_SIDE_VIEW_OPTIONS(type, view)                                                           \
     {"viewer-yaw",                                                                                 \
-     RK_OPTION_FLOAT,                                                                              \
-     &(view).yaw,                                                                                  \
+     RK_FIELD(type, view.yaw),                                                                     \
      "DEG",                                                                                        \
      "--debug rays is seen from the camera turned so far about y",                                 \
      -360,                                                                                         \
-     360},                                                                                         \
-        {"viewer-pitch", RK_OPTION_FLOAT, &(view).pitch, "DEG", "and so far about x", -360, 360},  \
+     360,                                                                                          \
+     40},                                                                                          \
+        {"viewer-pitch", RK_FIELD(type, view.pitch), "DEG", "and so far about x", -360, 360, 0},   \
     {                                                                                              \
-        "viewer-far", RK_OPTION_FLOAT, &(view).far, "F", "from F times the camera's distance",     \
-            0.01, 100                                                                              \
+        "viewer-far", RK_FIELD(type, view.far), "F", "from F times the camera's distance", 0.01,   \
+            100, 1                                                                                 \
     }
 
 /* Returns the ray through the centre of the pixel that is drawn (rk_driver_draw_pixel): it is none

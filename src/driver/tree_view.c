@@ -68,14 +68,23 @@ bool rk_tree_view_draw(const rk_tree_view *view, rk_driver *driver, rk_error *er
 {
     bool is_level = rk_driver_debug(driver, "level");
     drawing d = {.driver = driver, .wanted = *view};
-    if (!rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
+    if (!rk_driver_render(driver, error) ||
+        !rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
                          error))
         return false;
     if (!is_level)
         rk_tree_view_dim(&driver->image);
     rk_bvh_visit(&driver->accel.bvh, is_level ? draw_level : draw_leaf, &d);
     rk_overlay_free(&d.overlay);
+    return true;
+}
+
+bool rk_tree_view_save(const rk_tree_view *view, rk_driver *driver, rk_error *error)
+{
     char label[32];
+    bool is_level = rk_driver_debug(driver, "level");
+    if (!driver->debug)
+        return rk_driver_save(driver, NULL, error);
     snprintf(label, sizeof label, "%s%u", driver->debug, is_level ? view->level : view->leaf);
     return rk_driver_save(driver, label, error);
 }

@@ -12,25 +12,29 @@ typedef struct rk_tree_view {
     uint32_t level, leaf;
 } rk_tree_view;
 
-/* The two options' rows, for a driver's own table. */
-#define RK_TREE_VIEW_OPTIONS(view)                                                                 \
+/* The two options' rows, for a driver's own table: `view` is a rk_tree_view of struct `type`. */
+#define RK_TREE_VIEW_OPTIONS(type, view)                                                           \
     {"level",                                                                                      \
-     RK_OPTION_UINT,                                                                               \
-     &(view).level,                                                                                \
+     RK_FIELD(type, view.level),                                                                   \
      "N",                                                                                          \
      "level drawn by --debug level; 0 is the root; by default 4, or the deepest",                  \
      0,                                                                                            \
-     RK_BVH_LEVELS_MAX - 1},                                                                       \
+     RK_BVH_LEVELS_MAX - 1,                                                                        \
+     RK_TREE_VIEW_NOT_GIVEN},                                                                      \
     {                                                                                              \
-        "leaf", RK_OPTION_UINT, &(view).leaf, "N",                                                 \
-            "leaf drawn by --debug leaf, from the left; by default 0", 0, UINT32_MAX - 1           \
+        "leaf", RK_FIELD(type, view.leaf), "N",                                                    \
+            "leaf drawn by --debug leaf, from the left; by default 0", 0, UINT32_MAX - 1,          \
+            RK_TREE_VIEW_NOT_GIVEN                                                                 \
     }
 
 /* Settles which level and leaf to draw; an error names what the tree has. */
 bool rk_tree_view_choose(rk_tree_view *view, const rk_driver *driver, rk_error *error);
 
-/* Draws --debug level or --debug leaf over the finished picture and saves it. */
+/* Renders, and draws --debug level or --debug leaf over the picture. */
 bool rk_tree_view_draw(const rk_tree_view *view, rk_driver *driver, rk_error *error);
+
+/* Saves that, or the plain picture without --debug. */
+bool rk_tree_view_save(const rk_tree_view *view, rk_driver *driver, rk_error *error);
 
 /* Darkens the picture: what is drawn next is small. */
 void rk_tree_view_dim(const rk_image *image);

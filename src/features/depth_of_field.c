@@ -20,11 +20,6 @@ static float diameter_of(const rk_lens *lens);
 static float focus_along(const rk_lens *lens, rk_vec3 through);
 static span span_around(uint32_t at, float blur, uint32_t size);
 
-rk_lens rk_lens_default(void)
-{
-    return (rk_lens){.focal_distance = 1.8f, .aperture = 10, .focal = RK_FOCAL_PLANE};
-}
-
 static float diameter_of(const rk_lens *lens)
 {
     return 0.001f * lens->aperture;

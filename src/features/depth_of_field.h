@@ -18,9 +18,6 @@ typedef struct rk_lens {
     rk_focal_surface focal;
 } rk_lens;
 
-/* Focused on a plane at 1.8, an aperture of 10. */
-rk_lens rk_lens_default(void);
-
 /* Returns the ray through the point (x, y) of the picture, pixels as in rk_view_ray, that starts at
  * the lens's point for `xi` in [0, 1)^2 by the concentric map (rk_disk_at): x of the disk counts
  * along view->right, y along view->up. All rays of one (x, y) meet on the focal surface. The

@@ -25,11 +25,6 @@ rk_motion rk_motion_default(void)
     return (rk_motion){-4, 0.5f, 1.5f};
 }
 
-rk_shutter rk_shutter_default(void)
-{
-    return (rk_shutter){0, 0.05f};
-}
-
 /* --- Where it is ------------------------------------------------------------------------------ */
 
 static double height_at(const rk_motion *motion, double x)

@@ -24,9 +24,6 @@ typedef struct rk_shutter {
     float open, close;
 } rk_shutter;
 
-/* [0, 0.05], as in the classic pictures. */
-rk_shutter rk_shutter_default(void);
-
 /* Returns the time k of `samples` that are equally far apart: the middle of the k-th of as many
  * equal parts of the shutter, open + (k - 1/2) / samples (close - open). So neither end is one of
  * the times: each stands for a part of the shutter, and all parts are inside. k counts from 1; with

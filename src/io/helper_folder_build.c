@@ -1,4 +1,4 @@
-/* For programs inside the build tree: the helpers stand where make put them. */
+/* For programs inside the build tree: the helpers are where make built them. */
 #include "io/helper.h"
 
 const char *rk_helper_folder(void)

@@ -1,4 +1,4 @@
-/* For programs that use the installed library: the helpers stand in its libexec folder. */
+/* For programs that use the installed library: the helpers are in its libexec folder. */
 #include "io/helper.h"
 
 const char *rk_helper_folder(void)

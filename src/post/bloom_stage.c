@@ -10,37 +10,6 @@
 #include <stdlib.h>
 #include <string.h>
 
-rk_bloom_options rk_bloom_options_default(void)
-{
-    return (rk_bloom_options){.threshold = 0.5f, .intensity = 0.8f, .radius = 15};
-}
-
-bool rk_bloom_wanted(const rk_bloom_options *options)
-{
-    return options->on && options->intensity > 0;
-}
-
-bool rk_bloom_check(const rk_bloom_options *options, rk_error *error)
-{
-    if (options->radius > RK_BLOOM_RADIUS_MAX)
-        return rk_fail(error, "a bloom's radius is at most %d pixels, not %u", RK_BLOOM_RADIUS_MAX,
-                       options->radius);
-    if (isnan(options->threshold))
-        return rk_fail(error, "a bloom's threshold is a number, not NaN");
-    if (!(options->intensity >= 0 && options->intensity < INFINITY))
-        return rk_fail(error, "a bloom's intensity is finite, and 0 or more, not %g",
-                       (double)options->intensity);
-    if (options->border > RK_BLOOM_RENORMALIZE)
-        return rk_fail(error,
-                       "the option bloom.border is %u, but rk_bloom_border goes from 0 to %u",
-                       options->border, RK_BLOOM_RENORMALIZE);
-    if (options->method > RK_BLOOM_PYRAMID)
-        return rk_fail(error,
-                       "the option bloom.method is %u, but rk_bloom_method goes from 0 to %u",
-                       options->method, RK_BLOOM_PYRAMID);
-    return true;
-}
-
 /* --- Bright spans ----------------------------------------------------------------------------- */
 
 static void find_bright_span(uint32_t y, uint32_t thread, void *context)
@@ -138,3 +107,63 @@ bool rk_bloom_stage(rk_image *image, const rk_bloom_options *options, rk_pool *p
     free(work.gains_down);
     return ok;
 }
+
+/* --- The feature ----------------------------------------------------------------------------- */
+
+RK_NAMES(rk_bloom_border_names, rk_bloom_border, RK_BLOOM_RENORMALIZE, "zero", "clamp",
+         "renormalize");
+RK_NAMES(rk_bloom_method_names, rk_bloom_method, RK_BLOOM_PYRAMID, "exact", "gaussian", "recursive",
+         "pyramid");
+
+static const rk_option rows[] = {
+    {"bloom", RK_FIELD(rk_render_options, bloom.on), NULL,
+     "what is bright glows into what is around it"},
+    {"bloom-threshold", RK_FIELD(rk_render_options, bloom.threshold), "Y",
+     "brightness from which on a pixel glows", -1e6, 1e6, 0.5},
+    {"bloom-intensity", RK_FIELD(rk_render_options, bloom.intensity), "I",
+     "of the glow that is added", 0, 1e6, 0.8},
+    {"bloom-radius", RK_FIELD(rk_render_options, bloom.radius), "R",
+     "of the filter, pixels: it has 2R + 1 taps", 0, RK_BLOOM_RADIUS_MAX, 15},
+    {"bloom-border", RK_CHOICE(rk_render_options, bloom.border, rk_bloom_border_names),
+     "the filter sees beyond the picture: nothing; what is at the border; nothing, and the other "
+     "weights count as all"},
+    {"bloom-method", RK_CHOICE(rk_render_options, bloom.method, rk_bloom_method_names),
+     "the filter itself, or one that is close to it and cheaper"},
+    {0},
+};
+
+rk_bloom_options rk_bloom_options_default(void)
+{
+    rk_render_options options = {0};
+    rk_options_set_defaults(rows, &options);
+    return options.bloom;
+}
+
+bool rk_bloom_wanted(const rk_bloom_options *options)
+{
+    return options->on && options->intensity > 0;
+}
+
+bool rk_bloom_check(const rk_bloom_options *options, rk_error *error)
+{
+    const rk_render_options with = {.bloom = *options};
+    return rk_options_check(rows, &with, error);
+}
+
+static bool wanted(const rk_scene *scene, const rk_render_options *options)
+{
+    (void)scene;
+    return rk_bloom_wanted(&options->bloom);
+}
+
+static bool post(rk_image *image, const rk_render_options *options, rk_pool *pool,
+                 rk_counters *counters, rk_error *error)
+{
+    return rk_bloom_stage(image, &options->bloom, pool, counters, error);
+}
+
+const rk_feature rk_bloom_feature = {.stem = "bloom",
+                                     .options = rows,
+                                     .takes = "--bloom, light, and an intensity above 0",
+                                     .wanted = wanted,
+                                     .post = post};

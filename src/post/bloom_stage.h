@@ -6,8 +6,9 @@
 #include "base/image.h"
 #include "base/parallel.h"
 #include "features/bloom.h"
+#include "render/feature.h"
 
-/* Radius 15, threshold .5, intensity .8, a border of zeros, the filter itself; not on. */
+/* The defaults of its options: off. */
 rk_bloom_options rk_bloom_options_default(void);
 
 /* Would bloom change a picture that is not black? */
@@ -22,5 +23,7 @@ bool rk_bloom_check(const rk_bloom_options *options, rk_error *error);
  * rk_bloom_check refuses; an error leaves the picture unchanged. */
 bool rk_bloom_stage(rk_image *image, const rk_bloom_options *options, rk_pool *pool,
                     rk_counters *counters, rk_error *error);
+
+extern const rk_names rk_bloom_border_names, rk_bloom_method_names;
 
 #endif

@@ -1,18 +1,21 @@
-/* The renderer's options as a table for the command line; not installed. */
+/* The renderer's options as tables: its own rows, and those of each feature. Not installed. */
 #ifndef RK_RENDER_OPTIONS_H
 #define RK_RENDER_OPTIONS_H
 
-#include "base/options.h"
-#include "render/plan.h"
+#include "render/feature.h"
 
-typedef struct rk_option_table {
-    rk_option options[48]; /* ended by a NULL name */
-} rk_option_table;
+typedef struct rk_render_option_tables {
+    rk_option_table tables[1 + RK_FEATURE_COUNT];
+    size_t count;
+} rk_render_option_tables;
 
-/* A table that reads into `options`, whose present values are the defaults. */
-rk_option_table rk_render_option_table(rk_render_options *options);
+/* Tables that read into `options`, whose present values are the defaults in --help. */
+rk_render_option_tables rk_render_options_tables(rk_render_options *options);
 
-/* Do the options go together? False with an error that names those that do not. */
+/* Is each option in its range, and does each feature accept them? */
 bool rk_render_options_check(const rk_render_options *options, rk_error *error);
+
+/* Do those that a user asked for go together? False with an error that names those that do not. */
+bool rk_render_options_check_command(const rk_render_options *options, rk_error *error);
 
 #endif

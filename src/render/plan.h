@@ -70,9 +70,7 @@ typedef struct rk_render_options {
 
 enum { RK_MAX_DEPTH = 16 };
 
-/* 800 x 800, 1 sample, Lambert, no shadows, no reflections, no transparency, recursion 6; 16
- * low-discrepancy samples a light, settled by 16; environments without a seam; no bloom, no lens;
- * everything at rest; perfect mirrors. */
+/* What --help lists: each option's row has its default. */
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
@@ -83,16 +81,27 @@ typedef struct rk_plan {
     bool textures;     /* some material has one */
     bool viewer;       /* something looks different from elsewhere: highlights, mirrors */
     bool reflections;  /* a surface reflects, and may */
-    bool glossy;       /* and mirrors may be rough */
-    bool transparency; /* a surface lets light through, and may */
-    bool bloom;        /* what is bright glows into what is around it */
-    bool environment;  /* what meets nothing is looked up */
-    bool lens;         /* something may be out of focus */
-    bool motion;       /* something moves, and may */
     bool time_samples; /* at times that differ from sample to sample */
+
+    /* One for each feature: is it wanted? */
+#define RK_FEATURE(stem) bool stem;
+#include "features/list.h"
+#undef RK_FEATURE
 } rk_plan;
 
 rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options);
+
+/* Is one of its colours anything but black? */
+bool rk_light_emits(const rk_light *light);
+
+/* Does one of the scene's lights shine? */
+bool rk_plan_has_light(const rk_scene *scene);
+
+/* Does it hold for a material of the mesh or of a sphere? */
+bool rk_plan_any_material(const rk_scene *scene, bool (*holds)(const rk_material *material));
+
+/* Is a material specular, and may rays be reflected? */
+bool rk_plan_reflects(const rk_scene *scene, const rk_render_options *options);
 
 /* Can rk_render draw it? False with an error for a value out of its range or its enumeration, a
  * wrong field of view, more lights or spheres than a scene has room for, and more samples than a

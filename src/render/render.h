@@ -3,6 +3,7 @@
 #define RK_RENDER_RENDER_H
 
 #include "accel/accel.h"
+#include "base/counters.h"
 #include "base/image.h"
 #include "base/parallel.h"
 #include "base/progress.h"

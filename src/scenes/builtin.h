@@ -1,6 +1,4 @@
-/* The built-in scenes, which need no file. A driver's --help lists them, from the table in
- * builtin.c.
- */
+/* The built-in scenes, which need no file. The table in builtin.c describes them. */
 #ifndef RK_SCENES_BUILTIN_H
 #define RK_SCENES_BUILTIN_H
 

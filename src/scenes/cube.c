@@ -41,7 +41,7 @@ bool rk_builtin_make_cube(rk_mesh *mesh, uint32_t number, rk_error *error)
 
 /* An F looks different in each of its eight orientations. */
 static const char *const letter[8] = {
-    /* clang-format off: one row of texels a line, the top one first */
+    /* clang-format off: one row of texels per line, the top one first */
     "........", ".#####..", ".##.....", ".####...", ".##.....", ".##.....", ".##.....", "........",
     /* clang-format on */
 };

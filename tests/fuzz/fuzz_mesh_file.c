@@ -1,9 +1,9 @@
-/* Damaged mesh files: whatever is done to a good one, rk_mesh_file_read either gives a valid mesh
- * or says why not in one line that names the file; it never crashes, leaks or hangs.
+/* Damaged mesh files: from any damage to a good one, rk_mesh_file_read gives a valid mesh, or the
+ * reason in one line that names the file; it never crashes, leaks or hangs.
  *
  * Deterministic: case i of a format is the same file on every machine, and case 0 is undamaged.
- * RAYKIT_STRESS=N makes N times as many cases (make stress), RAYKIT_FUZZ_FIRST=I begins at case I,
- * to look at one again. */
+ * RAYKIT_STRESS=N runs N times as many cases (make stress), RAYKIT_FUZZ_FIRST=I starts at case I,
+ * to debug one. */
 #include "../test.h"
 
 #include "../mesh_seeds.h"
@@ -115,7 +115,7 @@ static void run_case(int format, uint32_t number, tally *t)
     test_path path = test_folder_write(&folder, seed.name, seed.bytes, seed.size, 0600);
     rk_mesh mesh;
     rk_error error = {0};
-    const char *again = "look at it again with RAYKIT_FUZZ_FIRST and RAYKIT_STRESS=1";
+    const char *again = "run it again with RAYKIT_FUZZ_FIRST and RAYKIT_STRESS=1";
     if (rk_mesh_file_read(&mesh, path.text, &error)) {
         rk_check(mesh.triangle_count > 0, "%s, case %u: no triangles; %s", seed.name, number,
                  again);
@@ -190,7 +190,7 @@ static void damaged_gltf_with_a_picture_gives_a_mesh_or_a_reason(void **state)
     run_format(seed_gltf_textured);
 }
 
-/* Too long for tests/test_mesh_file.c: Assimp takes a second over so many parts. */
+/* Too slow for tests/test_mesh_file.c: Assimp takes a second for so many parts. */
 static void more_materials_than_16_bits_count_are_refused(void **state)
 {
     (void)state;

@@ -3,6 +3,7 @@
  * `check` counts the instructions that it takes, and those of rk_render for the same picture. */
 #include "render/render.h"
 
+#include "accel/trace.h"
 #include "scene/surface.h"
 #include "scenes/builtin.h"
 
@@ -81,7 +82,7 @@ static void arrive(lean_tile *t)
     t->counters.shadow_rays += t->shadow.count;
     for (uint32_t i = 0; i < t->arriving_count; i++) {
         rk_vec3 *sum = &t->sum[t->arriving_pixel[i]];
-        if (!t->options->shadows || !t->blocked.found[i])
+        if (!t->options->shadows || !t->blocked.occluded[i])
             *sum = rk_add(*sum, t->arriving[i]);
     }
 }

@@ -1,6 +1,6 @@
-/* Trees at sizes that make check has no time for, cut at the median and by the surface area
- * heuristic. RAYKIT_STRESS is the factor over make check, which builds 100,000 triangles; make
- * stress builds 10 million. */
+/* Trees too large for make check, split at the median and by the surface area heuristic.
+ * RAYKIT_STRESS is the factor over make check, which builds 100,000 triangles; make stress builds
+ * 10 million. */
 #include "../test.h"
 
 #include "base/random.h"
@@ -34,7 +34,7 @@ static rk_mesh make_soup(uint32_t triangles, float size)
     return mesh;
 }
 
-/* Halving with the larger half to the left: what the counts must be. */
+/* The expected counts of halving with the larger half to the left. */
 static rk_bvh_measures halve(uint32_t count)
 {
     if (count <= RK_BVH_LEAF_TARGET)
@@ -44,7 +44,7 @@ static rk_bvh_measures halve(uint32_t count)
                              left.leaves + right.leaves, 0};
 }
 
-/* By the heuristic: sound, and no dearer than the median's tree. */
+/* By the heuristic: valid, and no more expensive than the median's tree. */
 static void check_heuristic(const rk_mesh *mesh, double median_cost)
 {
     for (int all_axes = 0; all_axes < 2; all_axes++) {
@@ -97,7 +97,7 @@ static void so_does_every_size_up_to_a_few_thousand(void **state)
 }
 
 /* The triangles of each octave are half as large and half as far away as those before: the deepest
- * tree that floats allow wants more levels than there are. */
+ * tree possible with floats would need more levels than allowed. */
 static void a_progression_of_all_octaves_keeps_to_the_levels(void **state)
 {
     (void)state;

@@ -1,8 +1,9 @@
-"""The tables that say what there is to solve, and whose solution is meant.
+"""The tables of assignments, and the units that solve them.
 
-assignments/features.tsv lists the features (stem, folder, needs), assignments/FOLDER/points.tsv the
-scored tests of one (test, points, section of the chapter to read), simplest first. Both are read by
-every tool for students and instructors, so a new feature is two tables and no code.
+assignments/features.tsv lists the features (stem, folder, needs, and README's words), from which
+tools/features.sh makes the build's lists; assignments/FOLDER/points.tsv lists the scored tests of one
+(test, points, section of the chapter to read), simplest first. Every tool for students and instructors
+reads both, so a new feature needs two tables and no code.
 """
 
 import argparse
@@ -11,20 +12,20 @@ import os
 
 
 class ToolError(Exception):
-    """Something that the user can put right; the text is one sentence that says how."""
+    """An error that the user can correct; the text is one sentence that says how."""
 
 
 class UnitError(ToolError):
-    """A submission that cannot be judged, and so earns nothing; the text is the reason."""
+    """A submission that cannot be graded, and so earns nothing; the text is the reason."""
 
 
 def cannot_write(path, error):
-    """Returns the ToolError for an OSError that keeps a file or folder from being written."""
+    """Returns the ToolError for an OSError that prevents writing a file or folder."""
     return ToolError(f"{path}: cannot be written: {error.strerror}; free some space, or choose another place")
 
 
 class Parser(argparse.ArgumentParser):
-    """Complains in one line, without the usage."""
+    """Reports errors in one line, without the usage."""
 
     def error(self, message):
         name = os.path.splitext(self.prog)[0].replace("_", "-")
@@ -65,15 +66,15 @@ def _read_table(path, columns):
         raise ToolError(f"{path}:1: the header should be {', '.join(columns)}, separated by tabs")
     for number, row in enumerate(rows[1:], 2):
         if len(row) != len(columns):
-            raise ToolError(f"{path}:{number}: {len(columns)} columns are wanted, here are {len(row)}")
+            raise ToolError(f"{path}:{number}: {len(columns)} columns are needed, this line has {len(row)}")
     return rows[1:]
 
 
 def read_features(source):
     """Returns a dictionary from stem to Feature, in the table's order."""
     path = os.path.join(source, "assignments", "features.tsv")
-    rows = _read_table(path, ["stem", "folder", "needs"])
-    features = {row[0]: Feature(source, *row) for row in rows}
+    rows = _read_table(path, ["stem", "folder", "needs", "about", "picture"])
+    features = {row[0]: Feature(source, *row[:3]) for row in rows}
     for feature in features.values():
         for need in feature.needs:
             if need not in features:
@@ -91,7 +92,7 @@ def choose(features, stems):
 
 def read_points(feature):
     """Returns the feature's scored tests, in the order in which a student works. Those without
-    points hold with the starter, and have to go on holding."""
+    points hold with the starter, and must continue to hold."""
     tests = []
     for number, row in enumerate(
         _read_table(feature.points_table, ["test", "points", "section"]), 2
@@ -125,7 +126,7 @@ def _unit_in(feature, path):
     if not os.path.isfile(path):
         raise UnitError(f"{os.path.basename(path)} is not a plain file")
     if not os.access(path, os.R_OK):
-        raise UnitError(f"{os.path.basename(path)} cannot be read; look at its permissions")
+        raise UnitError(f"{os.path.basename(path)} cannot be read; check its permissions")
     return Unit(feature, path, path, False)
 
 
@@ -141,8 +142,8 @@ def find_unit(feature, impl):
 
 
 def submitted_unit(feature, impl):
-    """Returns the unit that was handed in, or raises UnitError: it has to be there, and no link to
-    somebody else's work."""
+    """Returns the submitted unit, or raises UnitError if it is missing or a link to somebody else's
+    work."""
     path = os.path.join(impl, feature.stem + ".c") if os.path.isdir(impl) else impl
     if os.path.islink(path):
         place = os.path.realpath(path)
@@ -168,9 +169,9 @@ def _what_is_in(folder):
 
 
 def unit_beside(feature, impl, handed_out):
-    """Returns the unit of a feature that another one's work is built with: the reference, so that
-    each assignment is judged by itself; where the feature is handed out too, and so has no
-    reference, the one in IMPL."""
+    """Returns the unit with which another feature's work is built: the reference, so that each
+    assignment is graded separately; if the feature is handed out, too, and so has no reference,
+    the one in IMPL."""
     if feature.stem in handed_out and os.path.isdir(impl):
         try:
             unit = find_unit(feature, impl)
@@ -182,10 +183,10 @@ def unit_beside(feature, impl, handed_out):
 
 
 def check_impl(features, impl, stems, may_be_empty=False):
-    """Raises ToolError unless IMPL names something that can be used for these stems; for a grader a
-    folder may also hold nothing that fits."""
+    """Raises ToolError unless IMPL can be used for these stems; a grader also accepts a folder
+    without matching units."""
     if not impl:
-        raise ToolError("say whose work is meant: IMPL=mine (a folder) or IMPL=my_file.c")
+        raise ToolError("name the work: IMPL=mine (a folder) or IMPL=my_file.c")
     if os.path.isdir(impl):
         if not may_be_empty and not any(os.path.lexists(os.path.join(impl, stem + ".c")) for stem in features):
             names = ", ".join(stem + ".c" for stem in features)
@@ -195,10 +196,10 @@ def check_impl(features, impl, stems, may_be_empty=False):
             )
     elif not os.path.lexists(impl):
         raise ToolError(
-            f"IMPL: there is no file or folder {impl}; make workbook DIR=mine makes a folder to start in"
+            f"IMPL: there is no file or folder {impl}; make workbook DIR=mine makes one"
         )
     elif not impl.endswith(".c"):
         name = stems[0] + ".c" if len(stems) == 1 else "STEM.c"
-        raise ToolError(f"IMPL: {impl} is no C file; name it {name}, or give a folder that holds {name}")
+        raise ToolError(f"IMPL: {impl} is not a C file; name it {name}, or give a folder that holds {name}")
     elif len(stems) != 1:
-        raise ToolError(f"IMPL: {impl} is one file, and this wants a folder with one for each feature")
+        raise ToolError(f"IMPL: {impl} is one file, but this needs a folder with one for each feature")

@@ -1,7 +1,7 @@
 """Builds a student's unit, alone or into a suite: exactly one object for each feature, so that a
-missing function is missing, and never silently the reference's.
+missing function is missing, and never silently taken from the reference.
 
-The build's compiler and flags stand in DIR/impl/toolchain, which the Makefile writes.
+The build's compiler and flags are in DIR/impl/toolchain, which the Makefile writes.
 """
 
 import os
@@ -17,7 +17,7 @@ _MEGABYTES = 4096
 
 
 class BuildError(Exception):
-    """A unit that cannot be built: `reason` is one sentence, `details` what the tools said."""
+    """A unit that cannot be built: `reason` is one sentence, `details` the tools' output."""
 
     def __init__(self, reason, details=""):
         super().__init__(reason)
@@ -25,7 +25,7 @@ class BuildError(Exception):
 
 
 class Toolchain:
-    """What DIR/impl/toolchain says: one NAME=VALUE a line."""
+    """The contents of DIR/impl/toolchain: one NAME=VALUE per line."""
 
     def __init__(self, build):
         path = os.path.join(build, "impl", "toolchain")
@@ -48,7 +48,7 @@ class Toolchain:
         self.tools = {name: values[name] for name in ("ar", "nm", "objcopy", "objdump")}
 
     def built(self, path):
-        """Returns the absolute path of something in the build folder, which has to be there."""
+        """Returns the absolute path of a file in the build folder, which must exist."""
         path = os.path.join(self.build, path)
         if not os.path.exists(path):
             raise ToolError(f"{path} is missing; run make there")
@@ -67,7 +67,7 @@ def _run_tool(command, folder):
 
 
 def global_symbols(toolchain, path):
-    """Returns the names that an object defines for others."""
+    """Returns the global names that an object defines."""
     command = [toolchain.tools["nm"], "-g", "--defined-only", path]
     answer = subprocess.run(command, capture_output=True, text=True, check=False)
     if answer.returncode:
@@ -100,7 +100,7 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
 
 
 def plain(toolchain, unit, text):
-    """Shortens the paths in what tools say: the unit's are as unit.shown is, the kit's from its top."""
+    """Shortens paths in the tools' output: the unit's to unit.shown, the kit's to begin at its top."""
     own, shown = os.path.dirname(unit.path), os.path.dirname(unit.shown)
     shorter = {os.path.realpath(own): shown, os.path.abspath(own): shown, own: shown}
     shorter |= {os.path.realpath(toolchain.source): "", toolchain.source: ""}
@@ -115,9 +115,9 @@ def _is_below(path, folder):
 
 
 def _check_included(toolchain, unit, listing):
-    """A solution may include the kit's headers, the system's, and headers that stand beside it."""
+    """A solution may include the kit's headers, the system's, and headers beside it."""
     with open(listing, encoding="utf-8", errors="replace") as file:
-        # As make reads it: blanks in names are escaped, quotes stand for themselves.
+        # In make's syntax: blanks in names are escaped, quotes are ordinary characters.
         words = [re.sub(r"\\([ #])", r"\1", word).replace("$$", "$")
                  for word in re.findall(r"(?:\\.|\S)+", file.read().replace("\\\n", " "))]
     own, source = os.path.dirname(os.path.abspath(unit.path)), os.path.join(toolchain.source, "src")
@@ -134,15 +134,15 @@ def _check_included(toolchain, unit, listing):
 
 
 def check_no_early_code(toolchain, unit, path):
-    """Code that runs before main or after it could speak for the tests; only the sanitizer's own
-    may."""
+    """Code that runs before or after main could fake the tests' output; only the sanitizer's own is
+    allowed."""
     command = [toolchain.tools["objdump"], "-h", "-r", "-t", path]
     answer = subprocess.run(command, capture_output=True, text=True, check=False)
     if answer.returncode:
         raise ToolError(f"{command[0]} could not read {path}: {answer.stderr.strip()}")
     counts, section = {}, ""
     for line in answer.stdout.splitlines():
-        # Sections that run as they are, and functions that are chosen when the program is loaded.
+        # Sections that are executed directly, and functions chosen when the program is loaded.
         if re.match(r" *\d+ \.(init|fini) ", line) or re.match(r"[0-9a-f]{8,} .{4}i", line):
             counts["preloaded"] = 1
         heading = re.match(r"RELOCATION RECORDS FOR \[(.*)\]:", line)
@@ -157,13 +157,13 @@ def check_no_early_code(toolchain, unit, path):
         if kind.startswith("pre") or count > sanitized:
             raise BuildError(
                 f"{unit.shown} has code that runs before or after the tests (a constructor or "
-                "destructor); a unit consists of functions that are called"
+                "destructor); a unit contains only functions to be called"
             )
 
 
 def keep_interface(toolchain, feature, path):
-    """Makes all names of an object its own but those of the feature's interface: a helper without
-    `static`, a `main` to try things, or a function called `malloc` then change nothing elsewhere."""
+    """Makes all names of an object local except the feature's interface: a helper without `static`,
+    a `main` for trying things, or a function called `malloc` then changes nothing elsewhere."""
     names = global_symbols(toolchain, toolchain.built(f"src/features/{feature.stem}.o"))
     keep = [f"--keep-global-symbol={name}" for name in names]
     command = [toolchain.tools["objcopy"], *keep, path]
@@ -188,7 +188,7 @@ def link_suite(toolchain, units, objects, folder, sanitize):
     path."""
     stem = units[0].feature.stem
     output = os.path.join(folder, "test_" + stem)
-    # What counts allocations must be built like the program, so not the archive's copy of it.
+    # The allocation counter must be built like the program, so the archive's copy will not do.
     counter = os.path.join(toolchain.source, "tests", "count_allocations.c")
     command = [*toolchain.compiler, *sanitize, *toolchain.flags, *toolchain.link_flags,
                toolchain.built(f"tests/test_{stem}.o"), *objects, counter, toolchain.built("librktest.a"),

@@ -1,5 +1,5 @@
-"""Has a submission changed what others are graded with? What grading stands on is looked at before
-and after it: a unit runs as the user who grades, and can write whatever that user can."""
+"""Has a submission changed the files with which others are graded? They are compared before and
+after it, because a unit runs with the grader's rights and can write every file that the grader can."""
 
 import json
 import os
@@ -14,12 +14,12 @@ _OF_OTHERS = (".log", ".trs")  # written by make check, which may run at the sam
 
 
 class KitChanged(ToolError):
-    """No verdict since the last look can be believed, and none on others until somebody puts right
-    what was changed."""
+    """No verdict since the last check is reliable, and none on others until somebody restores the
+    changed files."""
 
 
 class KitRestored(ToolError):
-    """No verdict since the last look can be believed; the kit is as it was before."""
+    """No verdict since the last check is reliable; the kit is as it was before."""
 
 
 def _mark(path):
@@ -31,8 +31,8 @@ def _mark(path):
 
 
 def state(toolchain, *places):
-    """Returns a dictionary from path to what changes with the file, for the kit and these folders. The
-    change time is the system's, so a unit cannot set it back."""
+    """Returns a dictionary from path to a mark that changes with the file, for the kit and these
+    folders. Its change time is set by the system, so a unit cannot set it back."""
     found = {}
 
     def look(path):
@@ -54,8 +54,8 @@ def state(toolchain, *places):
 
 
 def check_unchanged(toolchain, before, submission, *places):
-    """Raises KitRestored if the kit has files more than in the state before, which are taken out of
-    it; KitChanged if anything else is not as it was, also in these folders."""
+    """Raises KitRestored if the kit has more files than in the state before, which are then removed;
+    KitChanged if any other file has changed, also in these folders."""
     after = state(toolchain, *places)
     changed = sorted(path for path in before.keys() | after.keys() if before.get(path) != after.get(path))
     if not changed:
@@ -101,7 +101,7 @@ def _remedy(toolchain, added):
 
 
 def _take_out(toolchain, paths):
-    """Moves files out of the kit. Returns the folder they are in now, or None if it cannot be done."""
+    """Moves files out of the kit. Returns the folder that now has them, or None on failure."""
     try:
         folder = tempfile.mkdtemp(prefix="added-", dir=os.path.join(toolchain.build, "impl"))
         for number, path in enumerate(paths, 1):

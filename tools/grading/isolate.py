@@ -1,5 +1,5 @@
-"""Calls a function in a process of its own, which the caller outlives: a unit that sends signals to
-its parent ends that process, and nobody else's grading."""
+"""Calls a function in a separate process, which the caller outlives: a unit that sends signals to
+its parent ends that process, but no other grading."""
 
 import os
 import pickle
@@ -16,12 +16,12 @@ _PATIENCE = 5  # seconds to clean up after an interrupt
 
 
 class Ended(Exception):
-    """The process ended without an answer; the text is how."""
+    """The process ended without an answer; the text says how."""
 
 
 def call(function, *arguments):
-    """Returns or raises what the function does, or raises Ended. Its temporary files, and what it
-    started, go with it."""
+    """Returns or raises what the function does, or raises Ended. Its temporary files and
+    child processes are removed with it."""
     folder = tempfile.mkdtemp(prefix="raykit-grade-")
     sys.stdout.flush()
     reading, writing = os.pipe()
@@ -50,7 +50,7 @@ def call(function, *arguments):
 
 
 def _answer(writing, function, arguments):
-    """The new process: sends what there is to say, and does not return."""
+    """The new process: sends its answer, and does not return."""
     status = 1
     try:
         sandbox.end_with_parent(signal.SIGTERM)
@@ -67,8 +67,8 @@ def _answer(writing, function, arguments):
 
 
 def _listen(reading, process):
-    """Returns the whole answer, and whether the process was stopped: nobody would ever wake it up, so
-    it is killed. Ctrl-Z is another signal, and stops the caller, too."""
+    """Returns the whole answer, and whether the process was stopped: nobody would wake it up, so it
+    is killed. Ctrl-Z is another signal, and stops the caller, too."""
     answer, was_stopped = b"", False
     while True:
         if select.select([reading], [], [], 0.1)[0]:

@@ -1,8 +1,8 @@
-"""Are the solutions really out of a pack for students? Looks for their lines in all of its files.
+"""Is a pack for students free of solutions? Searches all of its files for their lines.
 
-A line of a solution that was packed by mistake is refused. What the kit's own code has in common with
-a solution cannot be left out, as the kit would not work without it; the instructor hears of each such
-place, and what to do about it.
+A line of a solution that was packed by mistake is an error. Lines that the kit's own code has in common
+with a solution cannot be left out, because the kit needs them; the instructor gets a list of these
+places with the remedy.
 """
 
 import filecmp
@@ -13,12 +13,12 @@ import re
 from grading.assignments import ToolError
 from grading.starters import solution_lines, starter_of
 
-# What no comparison of lines finds: the same step in other words. (feature, its step, file, the line
+# The same steps in other words, which no comparison of lines finds. (feature, its step, file, the line
 # of that file where it begins)
 SAME_STEPS = [
-    ("bvh_median", "step 4, the walk, for a packet of rays", "src/accel/packet.c",
+    ("bvh_median", "step 4, the traversal, for a packet of rays", "src/accel/packet.c",
      "static inline const rk_bvh_node *push_far_return_near("),
-    ("bvh_median", "step 4, the walk, for all crossings", "src/accel/crossings.c", "static void visit_children("),
+    ("bvh_median", "step 4, the traversal, for all crossings", "src/accel/crossings.c", "static void visit_children("),
     ("cubemap", "step 3, bilinear, in a picture", "src/base/texture.c", "static rk_vec3 bilinear("),
 ]
 
@@ -33,7 +33,7 @@ def _spaced(text):
 
 
 def _read_lines(path):
-    """The file's lines, spaces made even; a page's without its tags."""
+    """The file's lines with normalized spaces; a page's without tags."""
     with open(path, encoding="utf-8", errors="replace") as file:
         text = file.read()
     lines = text.split("\n")
@@ -43,8 +43,8 @@ def _read_lines(path):
 
 
 def secret_lines(source, features):
-    """Returns the features' solution lines, spaces made even, and those of them that prove nothing
-    by themselves: another C file of the kit has them, too."""
+    """Returns the features' solution lines with normalized spaces, and those of them that prove
+    nothing alone, because another C file of the kit has them, too."""
     secrets = {_spaced(line) for feature in features for line in solution_lines(feature.reference)}
     for feature in features:
         secrets -= {_spaced(line) for line in starter_of(feature.reference).split("\n")}
@@ -65,21 +65,22 @@ def _is_the_kits(source, pack, name):
     return os.path.isfile(own) and filecmp.cmp(own, packed, shallow=False)
 
 
-_PASSAGE = 4  # lines of a solution, and how near to each other they tell more than chance
+_PASSAGE = 4  # so many solution lines, at most so far apart, are no coincidence
 
 
 def _passages(lines, secrets):
-    """Returns the numbers of lines where a passage of a solution begins: several of its lines,
-    different ones, that are hardly interrupted."""
+    """Returns the numbers of lines where a passage of a solution begins: several different
+    lines of it with few others between them."""
     places = [number for number, line in enumerate(lines) if line in secrets]
     return [number for number in places
             if len({line for line in lines[number:number + _PASSAGE + 1] if line in secrets}) >= _PASSAGE]
 
 
 def find_secrets(source, pack, features, secrets, common):
-    """Returns "file:line: text" for each line of the pack that gives a solution away. In the places
-    of the solutions it is any line of them, the common ones too; in what packing made or changed,
-    any that is not common; in the kit's other files, which may have a line by chance, a passage."""
+    """Returns "file:line: text" for each line of the pack that gives a solution away. In the
+    solutions' own files that is any of their lines, including common ones; in files that packing
+    made or changed, any that is not common; in the kit's other files, which may contain a line by
+    chance, a passage."""
     own = {f"{folder}/{feature.stem}.c" for feature in features for folder in ("workbook", "src/features")}
     found = []
     for name in _files(pack):
@@ -96,8 +97,8 @@ def find_secrets(source, pack, features, secrets, common):
 
 
 def lines_elsewhere(pack, features, secrets):
-    """Returns a list of (file, number, line, how many places) for solution lines that stand outside of
-    the solutions' own places: the first place of each, code before text, the rarest first."""
+    """Returns a list of (file, number, line, how many places) for solution lines outside the
+    solutions' own files: the first place of each, code before text, the rarest first."""
     own = {f"{folder}/{feature.stem}.c" for feature in features for folder in ("workbook", "src/features")}
     places = {}
     for name in sorted(_files(pack), key=lambda name: (not name.endswith((".c", ".h")), name)):
@@ -126,8 +127,8 @@ def steps_elsewhere(pack, features):
 
 
 def prove(source, pack, all_features, features):
-    """Returns lines that say what was looked for and what the kit has in common with it, or raises
-    ToolError with the places of solutions that were left in the pack."""
+    """Returns lines that report the search and the kit's lines in common with solutions, or raises
+    ToolError with the places of solutions left in the pack."""
     secrets, common = secret_lines(source, features)
     found = find_secrets(source, pack, features, secrets, common)
     if found:

@@ -14,7 +14,7 @@ _DETAILS_MAX = 10000  # characters of a program's output that go into a report
 
 
 def _printable(text):
-    """XML holds no control characters, and nobody wants them on a terminal."""
+    """Control characters are not allowed in XML, and unwanted on a terminal."""
     return re.sub(r"[^\t\n\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)
 
 
@@ -31,16 +31,16 @@ def _counts(suite):
 
 
 def name_of(impl):
-    """Whose work it is, without the way there, which is the grader's own."""
+    """The name of the work, without the path to it, which is the grader's."""
     return _printable(os.path.basename(os.path.normpath(impl))).replace("\n", "?")
 
 
 def _worth(test):
-    return f"{test.points} points" if test.points else "no points: it held with the starter, and has to go on holding"
+    return f"{test.points} points" if test.points else "no points: it held with the starter, and must continue to hold"
 
 
 def _explained(suite, test):
-    """The reason, the place and where to read, a line each. What concerns the whole unit stands once."""
+    """The reason, the place and the section to read, one line each. The whole unit's reason appears once."""
     verdict = suite.verdicts[test.name]
     if suite.problem:
         return [_printable(suite.problem)] if test is suite.tests[0] else ["not run, for the reason above"]
@@ -87,7 +87,7 @@ def _whose(suite):
 
 
 def text(suites, _impl, colours=False):
-    """As `make check` speaks: a line for a suite, and what to do next."""
+    """In the format of `make check`: one line per suite, and the next step."""
     lines = []
     for suite in suites:
         if suite.warnings:
@@ -120,7 +120,7 @@ def first_failed(suites):
 
 
 def table(suites, impl):
-    """One line for each assignment: how far a student has come."""
+    """One line for each assignment: the student's progress."""
     name = "total, " + name_of(impl)
     width = 2 + max(len(name), *(len(suite.feature.folder) for suite in suites))
     lines = [f"{'assignment':<{width}}{'claims':>10}{'points':>14}  next"]
@@ -202,7 +202,7 @@ def gradescope(suites, impl):
         "score": sum(suite.points() for suite in suites),
         "execution_time": round(sum(v.seconds for suite in suites for v in suite.verdicts.values())),
         "output": text(suites, impl),
-        # What the harness prints is for instructors; students read the tests' outputs.
+        # The harness's output is for instructors; students read the tests' outputs.
         "stdout_visibility": "hidden",
         "tests": tests,
     }
@@ -234,7 +234,7 @@ def write_whole(path, content):
 
 
 def check_place(path):
-    """Raises ToolError unless a file can stand there."""
+    """Raises ToolError unless a file can be made there."""
     folder = os.path.dirname(path or "") or "."
     if not os.path.isdir(folder):
         raise ToolError(f"OUT: there is no folder {folder}; make it first")

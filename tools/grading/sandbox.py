@@ -1,8 +1,8 @@
-"""Runs a program that nobody trusts: it ends in time, within its memory, with bounded output, and
-takes everything that it started with it.
+"""Runs an untrusted program: it ends in time, within its memory, with bounded output, and all of its
+child processes end with it.
 
-A program here has no input, leads a session of its own, and leaves no core file. Linux is asked
-through /proc what it and its children occupy; elsewhere that limit is left out.
+The program has no input, leads a session of its own, and leaves no core file. Its memory and its
+children's is read from Linux's /proc; on other systems there is no such limit.
 """
 
 import ctypes
@@ -30,9 +30,9 @@ _KEPT = 64 << 10  # bytes of the output's beginning, and as many of its end
 
 
 class Outcome:
-    """How a run went. `status` is the exit status, negative for a signal; `limit` is None or what
-    ended the run: "seconds", "memory", "output", "processes" or "stopped". `testimony` is what came
-    by the witness instead of the secret: the claim that failed."""
+    """How a run went. `status` is the exit status, negative for a signal; `limit` is None or the
+    limit that ended the run: "seconds", "memory", "output", "processes" or "stopped". `testimony` is
+    the witness's answer instead of the secret: the claim that failed."""
 
     def __init__(self):
         self.status, self.limit, self.output, self.seconds = None, None, "", 0.0
@@ -40,8 +40,8 @@ class Outcome:
 
 
 class Program:
-    """A copy of a program in memory, sealed, so that no run of it can change the next one. Where the
-    system has no such copies it is the file itself."""
+    """A copy of a program in memory, sealed, so that no run of it can change the next one. On a
+    system without such copies it is the file itself."""
 
     def __init__(self, path):
         self.path, self.descriptor = path, None
@@ -62,8 +62,8 @@ class Program:
 
 
 def prepare():
-    """Called once: no core files, orphans come to this process, where end_strays finds them, and what
-    it started cannot look into its memory (unless that runs as root)."""
+    """Called once: no core files, orphans become children of this process, where end_strays finds
+    them, and child processes cannot read its memory (unless they run as root)."""
     resource.setrlimit(resource.RLIMIT_CORE, (0, 0))
     set_dumpable, set_child_subreaper = 4, 36  # PR_SET_... of <linux/prctl.h>
     _prctl(set_dumpable, 0, 0, 0, 0)
@@ -71,8 +71,8 @@ def prepare():
 
 
 def end_with_parent(number=signal.SIGKILL):
-    """Has the system send this signal when the parent ends. What outlived a killed grader would get
-    the next process up as its parent, and could kill that, too."""
+    """Has the system send this signal when the parent ends. A process that outlived a killed grader
+    would get the next process up as its parent, and could kill that, too."""
     set_parent_death_signal = 1
     _prctl(set_parent_death_signal, int(number), 0, 0, 0)
 
@@ -95,8 +95,8 @@ def _family(pid):
 
 
 def _worked(pid):
-    """Returns the processor seconds that a process and its children had; more than any limit where
-    that is not known. A busy machine makes no program fail."""
+    """Returns the processor seconds of a process and its children; infinite if unknown. With these, a
+    busy machine makes no program fail."""
     ticks = 0
     for process in _family(pid):
         try:
@@ -109,7 +109,7 @@ def _worked(pid):
 
 
 def _occupied(pid):
-    """Returns the resident bytes of a process and its children, and how many they are."""
+    """Returns the resident bytes and the number of a process and its children."""
     total, family = 0, _family(pid)
     for process in family:
         try:
@@ -135,7 +135,7 @@ def _kill(pid):
 
 
 def end_strays():
-    """Kills what escaped from its session and lost its parent. Called when no run is under way."""
+    """Kills processes that escaped from their session and lost their parent. Called when no run is under way."""
     for _ in range(100):
         strays = _children(os.getpid())
         if not strays:
@@ -149,8 +149,8 @@ def end_strays():
 
 
 def end_those_in(folder):
-    """Kills what was given a home in this folder, after its grader was ended and could not. It is no
-    child of this process, and so does not find it by asking for its parent."""
+    """Kills processes with a home in this folder, after their grader was killed and could not. They
+    are not children of this process, so their parents do not identify them."""
     if not os.path.isdir("/proc"):
         return
     home = b"HOME=" + os.fsencode(folder) + b"/"
@@ -171,12 +171,12 @@ def _environ(pid):
 
 
 def _has_ended(process):
-    """Asks without burying it, so that its number stays its own until its group is killed."""
+    """Checks without reaping it, so that its number stays reserved until its group is killed."""
     return os.waitid(os.P_PID, process.pid, os.WEXITED | os.WNOHANG | os.WNOWAIT) is not None
 
 
 class _Tail:
-    """Keeps the beginning and the end of what is fed to it."""
+    """Keeps the beginning and the end of its input."""
 
     def __init__(self):
         self.head, self.tail, self.total = b"", b"", 0
@@ -195,7 +195,7 @@ class _Tail:
 
 
 def _limit_process(pid, seconds):
-    """For the case that this script is killed: a program that loops ends all the same."""
+    """In case this script is killed: a program that loops then ends, too."""
     if hasattr(resource, "prlimit"):
         cpu = int(seconds) * 8 + 60
         try:
@@ -206,9 +206,9 @@ def _limit_process(pid, seconds):
 
 
 def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, witnessed=None):
-    """Runs the command in `folder` and returns its Outcome. With a Program as `witnessed`, that is
-    what runs; it is given RAYKIT_ATTEST, a descriptor from which it reads a fresh secret, and
-    outcome.attested tells whether just that came back."""
+    """Runs the command in `folder` and returns its Outcome. A Program as `witnessed` is
+    run instead; in RAYKIT_ATTEST it gets a descriptor from which it reads a fresh secret, and
+    outcome.attested tells whether exactly that came back."""
     outcome, kept, secret = Outcome(), _Tail(), secrets.token_hex(24).encode()
     descriptors, options = (), {}
     if witnessed:
@@ -250,7 +250,7 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
 
 
 def _drain(pipe, kept):
-    """Takes what is in the pipe now; somebody may still hold its other end."""
+    """Reads the pipe's present contents; another process may still have its other end open."""
     os.set_blocking(pipe.fileno(), False)
     try:
         for _ in range(64):
@@ -263,7 +263,7 @@ def _drain(pipe, kept):
 
 
 def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes):
-    """Reads until the program ends or has to be ended, and says why in outcome.limit."""
+    """Reads until the program ends or is ended, with the reason in outcome.limit."""
     next_look = 0.0
     with selectors.DefaultSelector() as selector:
         selector.register(process.stdout, selectors.EVENT_READ)
@@ -296,7 +296,7 @@ def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes):
 
 
 def _ask_where(process, kept):
-    """The address sanitizer answers SIGABRT with the place at which the program is."""
+    """On SIGABRT the address sanitizer prints the program's current position."""
     process.send_signal(signal.SIGABRT)
     patience = time.monotonic() + 1
     while not _has_ended(process) and time.monotonic() < patience and not stop.is_set():

@@ -1,6 +1,6 @@
-"""What a student gets of a feature: its file with starters in place of solutions.
+"""A feature's file as students get it, with starters in place of solutions.
 
-In a feature's file stands, anywhere a line may stand:
+Anywhere between the lines of a feature's file there may be:
 
     /* solution */
     the reference's lines
@@ -60,8 +60,8 @@ _HANDED_OUT = "/* Handed out: "
 
 
 def handed_out_of(path, yours):
-    """Returns what stands in the file's place in a pack for students: its starter in both halves of
-    each region, so that compilers and tools find what they know. `yours` is the file to solve."""
+    """Returns the file's replacement in a pack for students: its starter in both halves of each
+    region, so that compilers and tools find the usual layout. `yours` is the file to solve."""
     note = f"{_HANDED_OUT}this starter is for comparison, the file to edit is {yours}. */\n\n"
     text, starter = ["/* solution */\n", note, "/* starter\n", "end */\n"], []
     for kind, line in read_regions(path):
@@ -82,8 +82,8 @@ def is_handed_out(path):
 
 
 def solution_lines(path):
-    """Returns the set of the solution's lines, stripped, that say something of their own: what must
-    not be found in a pack for students."""
+    """Returns the set of the solution's lines, stripped, that occur only there: they must not be
+    found in a pack for students."""
     regions = read_regions(path)
     common = {line.strip() for kind, line in regions if kind in ("common", "starter")}
     lines = {line.strip() for kind, line in regions if kind == "solution"}

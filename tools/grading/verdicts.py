@@ -1,7 +1,7 @@
-"""What became of a test, in plain words: from a run's outcome to a verdict with its reason.
+"""The result of a test in plain words: from a run's outcome to a verdict with its reason.
 
-A test passes only when its program exits with 0 and sent back the secret of this very run, which
-the suite does after the test's function has returned. What a program prints is never believed.
+A test passes only if its program exits with 0 and sends back the secret of this run, which the
+suite does after the test's function has returned. A program's printed output proves nothing.
 """
 
 import os
@@ -10,14 +10,14 @@ import signal
 
 
 class Verdict:
-    """`reason` is one or two lines, `place` a file and line or "", `details` all that was said."""
+    """`reason` is one or two lines, `place` a file and line or "", `details` the whole output."""
 
     def __init__(self, passed, reason="", place="", details="", seconds=0.0):
         self.passed, self.reason, self.place = passed, reason, place
         self.details, self.seconds, self.timed_out = details, seconds, False
 
 
-# What the sanitizers call it, and what it is.
+# The sanitizers' terms, and explanations.
 _CRASHES = [
     ("stack-overflow", "ran out of stack: endless recursion, or a very large local array?"),
     ("heap-buffer-overflow", "goes beyond the end of allocated memory"),
@@ -29,13 +29,13 @@ _CRASHES = [
     ("stack-use-after-scope", "uses a local variable that no longer exists"),
     ("stack-use-after-return", "uses a local variable of a function that has returned"),
     ("attempting double-free", "frees the same memory twice"),
-    ("attempting free on address", "frees what was not allocated"),
+    ("attempting free on address", "frees memory that was not allocated"),
     ("alloc-dealloc-mismatch", "frees memory in another way than it was allocated"),
     ("negative-size-param", "copies a negative number of bytes"),
-    ("param-overlap", "copies between places that overlap"),
+    ("param-overlap", "copies between ranges that overlap"),
     ("FPE", "divides an integer by zero"),
-    ("ILL", "met an instruction that ends the program"),
-    ("BUS", "uses memory that is not there"),
+    ("ILL", "executed an illegal instruction"),
+    ("BUS", "uses memory that does not exist"),
     ("ABRT", "called abort, or an assertion failed"),
 ]
 
@@ -65,7 +65,7 @@ def _crash(text, unit):
         if "null pointer" in what:
             what = f"it uses a NULL pointer ({what})"
         elif "insufficient space" in what:
-            what = f"it goes beyond the end of what it points to ({what})"
+            what = f"it goes beyond the end of the pointer's object ({what})"
         return f"undefined behaviour: {what}", _place_in_unit(text, unit) or f"{path}:{line}"
     report = re.search(r"ERROR: AddressSanitizer:? (.*)", text)
     if not report:
@@ -81,8 +81,8 @@ def _crash(text, unit):
 
 
 def _failed_claim(outcome, name, suite_source):
-    """Returns (message, place) of a claim that the suite found false, or None. Where a helper of the
-    suite found it, the place is the claim's own beginning."""
+    """Returns (message, place) of a claim that failed, or None. If a helper of the suite detected it,
+    the place is the beginning of the claim."""
     told = re.match(r"([^\n]*):(\d+)\n(.*)", outcome.testimony, re.DOTALL)
     if not told:
         return None
@@ -122,7 +122,7 @@ _LIMITS = {
 
 
 def judge(outcome, suite, name, limit, megabytes):
-    """Returns the Verdict on the run of one test. `limit` is the sentence about the time it had."""
+    """Returns the Verdict on the run of one test. `limit` is a phrase for its time limit."""
     unit = suite.unit
 
     def fail(reason, place=""):
@@ -143,7 +143,7 @@ def judge(outcome, suite, name, limit, megabytes):
         return fail(*crash)
     if claim and outcome.status and not outcome.attested:
         verdict = fail(*claim)
-        # A test that fails leaves its memory as it is; that is nobody's fault.
+        # A test that fails does not free its memory; that is not a leak of the unit.
         verdict.details = re.split(r"\n=+\n==\d+==ERROR: LeakSanitizer", text)[0]
         return verdict
     leak = re.search(r"SUMMARY: \w+Sanitizer: (\d+) byte\(s\) leaked in (\d+) alloc", text)
@@ -156,7 +156,7 @@ def judge(outcome, suite, name, limit, megabytes):
         return fail(f"crashed: {signal.strsignal(-outcome.status) or -outcome.status}")
     if outcome.attested:
         return fail(f"the test was passed, but then the program ended with exit status {outcome.status}")
-    pretends = "; what it printed counts for nothing" if re.search(r"^ok\b", text, re.MULTILINE) else ""
+    pretends = "; its printed output does not count" if re.search(r"^ok\b", text, re.MULTILINE) else ""
     return fail(
         f"the program ended in the middle of the test, with exit status {outcome.status}: does your "
         f"code call exit?{pretends}"

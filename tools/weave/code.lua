@@ -1,16 +1,16 @@
 -- Finds definitions in our C files by their names: functions, structs, enums and their constants,
 -- macros, tests. Returns the block from the comment above it to its closing brace, as .clang-format
--- lays it out: what stands outside of everything begins in the first column and so does its end.
--- Of the regions that tools/grading/starters.py describes, either the solutions stay or the starters; where
--- both are the same, in a pack for students, there is only a starter.
+-- lays it out: top-level definitions begin and end in the first column. Of the regions that
+-- tools/grading/starters.py describes, either the solutions stay or the starters; if both are the same,
+-- in a pack for students, there is only a starter.
 
 local code = {}
 
 local follows = {common = "/* solution */", solution = "/* starter", starter = "end */"}
 local becomes = {["/* solution */"] = "solution", ["/* starter"] = "starter", ["end */"] = "common"}
 
--- Takes the solution out of a region, lines[first] and what follows, that is its starter twice; what
--- is left is kind "handed out".
+-- Removes the solution from a region, from lines[first] on, whose two halves are equal; the other half
+-- gets the kind "handed out".
 local function merge_halves(lines, first)
   local half = (#lines - first + 1) // 2
   for i = first, first + half - 1 do
@@ -24,7 +24,7 @@ local function merge_halves(lines, first)
 end
 
 -- Returns the lines of a file as {number, text, kind} without markers; kind is "common", "solution",
--- "starter" or "handed out". Or nil and what is wrong.
+-- "starter" or "handed out". Or nil and the reason.
 local function read_regions(path, label)
   local file = io.open(path)
   if not file then return nil, "there is no file " .. label end
@@ -51,7 +51,7 @@ local function read_regions(path, label)
   return lines
 end
 
--- How many more braces a line opens than it closes, outside of strings and comments.
+-- The number of braces that a line opens minus those that it closes, outside strings and comments.
 local function opened_by(text)
   text = text:gsub("\\.", ""):gsub('"[^"]*"', ""):gsub("'[^']*'", ""):gsub("/%*.-%*/", "")
   local _, opening = text:gsub("{", "")
@@ -59,7 +59,7 @@ local function opened_by(text)
   return opening - closing
 end
 
--- Where the comment, macro or definition that begins in line i ends.
+-- The last line of the comment, macro or definition that begins in line i.
 local function end_of(lines, i)
   local first, open = lines[i].text, 0
   for j = i, #lines do
@@ -92,8 +92,8 @@ local function defines(block, name)
 end
 
 -- Returns {text, line, own} of a definition: its text, the number of the line where it begins (not
--- its comment), and whether it shows a starter, the student's to solve. Or nil and what is wrong.
--- solutions: whether these are shown, or the starters in their places.
+-- its comment), and whether it shows a starter, the student's to solve. Or nil and the reason.
+-- solutions: whether to show these, or the starters instead.
 function code.find(path, label, name, solutions)
   local all, wrong = read_regions(path, label)
   if not all then return nil, wrong end
@@ -133,7 +133,7 @@ function code.find(path, label, name, solutions)
   return {text = text_of(lines, best.first, best.last), line = lines[best.begin].number, own = own}
 end
 
--- Returns the names of a suite's tests in its order, or nil and what is wrong.
+-- Returns the names of a suite's tests in its order, or nil and the reason.
 function code.tests(path, label)
   local block, wrong = code.find(path, label, "tests", true)
   if not block then return nil, wrong end

@@ -1,5 +1,5 @@
--- The weaver's ground: what it is told by the environment, errors that name the text's file and
--- line (pandoc reads it with the extension sourcepos), and running drivers.
+-- The weaver's base: its parameters from the environment, errors that name the text's file and line
+-- (pandoc reads it with the extension sourcepos), and running drivers.
 
 local drive = {
   page = os.getenv("RAYKIT_WEAVES"),
@@ -19,7 +19,7 @@ function drive.fail(...)
   os.exit(1)
 end
 
--- "docs/01_bvh_median.md:12", where an element stands.
+-- An element's position, such as "docs/01_bvh_median.md:12".
 function drive.place(element)
   local file, line = (element.attributes["data-pos"] or ""):match("^(.-)@(%d+):")
   if not file then return "a text" end
@@ -32,8 +32,8 @@ function drive.fail_at(element, ...)
   drive.fail("%s: %s", drive.place(element), string.format(...))
 end
 
--- A driver's failure does too, but with a student's units it costs only what the driver was to
--- make: see drive.forgiving.
+-- So does a driver's failure, but with a student's units it costs only the driver's output: see
+-- drive.forgiving.
 local function fail_by_driver(element, ...)
   if drive.units == "" then drive.fail_at(element, ...) end
   drive.say("%s: %s", drive.place(element), string.format(...))
@@ -41,7 +41,7 @@ local function fail_by_driver(element, ...)
 end
 drive.fail_by_driver = fail_by_driver
 
--- Returns what a directive makes of an element, or nil where a student's units failed.
+-- Returns a directive's result for an element, or nil if a student's units failed.
 function drive.forgiving(directive, element)
   local made, result = pcall(directive, element)
   if made then return result end
@@ -49,11 +49,11 @@ function drive.forgiving(directive, element)
   return nil
 end
 
--- An attribute that a directive cannot do without.
+-- A directive's mandatory attribute.
 function drive.need(element, key)
   local value = element.attributes[key]
   if not value or value == "" then
-    drive.fail_at(element, ".%s wants %s=...", element.classes[1], key)
+    drive.fail_at(element, ".%s needs %s=...", element.classes[1], key)
   end
   return value
 end
@@ -68,10 +68,10 @@ drive.meshes = drive.words(os.getenv("MESHES"))
 
 function drive.quote(word) return "'" .. word:gsub("'", "'\\''") .. "'" end
 
--- SIGHUP, SIGINT and SIGTERM: somebody wants all of it to end.
+-- SIGHUP, SIGINT and SIGTERM: the whole weaving is to end.
 local interruptions = {[1] = true, [2] = true, [15] = true}
 
--- Runs a command and returns what it printed, or nil and its exit status.
+-- Runs a command and returns its output, or nil and its exit status.
 local function answer_of(command)
   local pipe = io.popen(command, "r")
   local answer = pipe:read("a")
@@ -97,7 +97,7 @@ local function driver_path(element)
     drive.fail_at(element, "there is no driver called %s", name)
 end
 
--- Why a student's unit could not be built into this driver, or nil where it could.
+-- The reason why a student's unit could not be built into this driver, or nil.
 function drive.unmade(element)
   local file = io.open(driver_path(element) .. ".unmade")
   return file and file:read("a"):gsub("%s+$", "") or nil
@@ -107,8 +107,8 @@ local patience = 120 -- seconds for a driver with a student's units, which may n
 local timed_out = 124 -- timeout's exit status
 local printed = {} -- by command: what was measured once is not measured again
 
--- Runs the driver that an element names and returns what it printed. Its files go where all go, in
--- the size of a trial if it is one and the text names no size; or into `folder`, as they are.
+-- Runs an element's driver and returns its output. Its files go into the common folder, in trials at
+-- the trial's size unless the text gives one; or into `folder`, unchanged.
 function drive.run(element, args, folder)
   local sized = args:find("--width", 1, true) or args:find("--height", 1, true)
   if size ~= "" and not folder and not sized then args = args .. " --width " .. size .. " --height " .. size end
@@ -121,14 +121,14 @@ function drive.run(element, args, folder)
   if not answer and drive.units ~= "" and status == timed_out then
     fail_by_driver(element, "this command did not end within %d seconds: %s", patience, command)
   elseif not answer then
-    fail_by_driver(element, "this command failed (its reason stands above): %s", command)
+    fail_by_driver(element, "this command failed (its reason is above): %s", command)
   end
   printed[command] = answer
   return answer
 end
 
--- Runs the driver on each of the element's scenes, and on each mesh where these count too; once
--- plainly and once with each of the variants. What it measures goes to its CSV file.
+-- Runs the driver on each of the element's scenes, and on each mesh if these count, too; once without
+-- and once with each of the variants. Its measurements go to its CSV file.
 function drive.measure(element, options, with_meshes)
   local attributes, targets, variants = element.attributes, {}, {""}
   for variant in (attributes.variants or ""):gmatch("[^,]+") do variants[#variants + 1] = variant end
@@ -146,7 +146,7 @@ end
 
 drive.timing = "--timing --quiet --runs " .. drive.runs
 
--- What stands under a picture or a table: a text, and in small print what it was made with.
+-- The caption of a picture or a table: a text, and in small print its parameters.
 function drive.caption(blocks, small)
   local caption = {pandoc.Plain(pandoc.utils.blocks_to_inlines(blocks))}
   if small then caption[2] = pandoc.Plain({pandoc.Span(small, {class = "parameters"})}) end

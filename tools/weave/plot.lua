@@ -6,22 +6,22 @@ local fail_at, need, words = drive.fail_at, drive.need, drive.words
 
 local gnuplot = os.getenv("RAYKIT_GNUPLOT") or ""
 
--- Colours that people with any colour vision tell apart (M. Okabe and K. Ito, 2008), and points of
--- different shapes for print.
+-- Colours that people with any colour vision can distinguish (M. Okabe and K. Ito, 2008), and points
+-- of different shapes for print.
 local styles = {{"#0072b2", 7}, {"#d55e00", 5}, {"#009e73", 9}, {"#cc79a7", 13}, {"#56b4e9", 11},
   {"#e69f00", 6}, {"#000000", 4}, {"#777777", 8}}
 
 local function quote(text) return "'" .. text:gsub("'", "''") .. "'" end
 
--- The number in a row's column, or nil where a logarithm has no place for it.
+-- The number in a row's column, or nil if it has no logarithm.
 local function coordinate(div, row, column)
   local value = tonumber(row[column])
-  if not value then drive.fail_by_driver(div, "%s is no number: %s", column, row[column] or "") end
+  if not value then drive.fail_by_driver(div, "%s is not a number: %s", column, row[column] or "") end
   return value > 0 and value or nil
 end
 
--- Puts the rows into lines, one for each value of the column `by`, in the order of the rows. Returns
--- also how many rows have no place in the plot.
+-- Groups the rows into lines, one per value of the column `by`, in the order of the rows. Also returns
+-- the number of rows that cannot be plotted.
 local function lines_of(div, rows, x, y, by)
   local lines, by_title, left_out = {}, {}, 0
   for _, row in ipairs(rows) do
@@ -42,17 +42,17 @@ local function lines_of(div, rows, x, y, by)
     table.sort(line.points, function(a, b) return a[1] < b[1] end)
     for i = 2, #line.points do -- measured times may be equal by chance
       if x ~= "seconds" and line.points[i][1] == line.points[i - 1][1] then
-        fail_at(div, "%s has several values at one %s; tell the rows apart by by=... or where=...",
+        fail_at(div, "%s has several values at one %s; distinguish the rows by by=... or where=...",
           line.title, x)
       end
     end
   end
   if #lines == 0 then drive.fail_by_driver(div, "tables/%s.csv has nothing to plot", tables.name(div)) end
-  if #lines > #styles then fail_at(div, "%d lines are too many to tell apart", #lines) end
+  if #lines > #styles then fail_at(div, "%d lines are too many to distinguish", #lines) end
   return lines, left_out
 end
 
--- Powers of ten where the numbers span two of them or more, else the numbers themselves.
+-- Powers of ten if the numbers span two of them or more, else the numbers themselves.
 local function tics(lines, axis, i)
   local least, most = math.huge, 0
   for _, line in ipairs(lines) do
@@ -63,7 +63,7 @@ local function tics(lines, axis, i)
   return "set format " .. axis .. (most / least >= 100 and " '10^{%L}'" or " '%g'")
 end
 
--- The legend stands where lines that fall or rise leave room; that of many lines, beside the plot.
+-- The legend is placed where falling or rising lines leave room; for many lines, beside the plot.
 local many = 5
 
 local function legend(lines)
@@ -97,7 +97,7 @@ local function draw(div, name, xlabel, ylabel, lines, left_out)
   script[#script + 1] = "plot " .. table.concat(parts, ", ") .. "\n"
   local pipe = io.popen(drive.quote(gnuplot), "w")
   pipe:write(table.concat(script, "\n"))
-  if not pipe:close() then fail_at(div, "gnuplot failed (its reason stands above)") end
+  if not pipe:close() then fail_at(div, "gnuplot failed (its reason is above)") end
   local note = left_out > 0 and "left out: values of 0 or less, which have no logarithm (" .. left_out .. ")"
   return pandoc.Div({
     pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}), drive.caption(div.content, note),

@@ -32,7 +32,7 @@ end
 
 function tables.name(element) return element.attributes.table or need(element, "driver") end
 
--- Which columns the rows must have which values in: where="method=grid threads=1".
+-- The values that rows must have in some columns: where="method=grid threads=1".
 local function conditions(element)
   local wanted = {}
   for _, word in ipairs(words(element.attributes.where)) do
@@ -43,7 +43,7 @@ local function conditions(element)
   return wanted
 end
 
--- The rows that an element asks for, cells by column, and the set of columns.
+-- The rows that an element selects, cells by column, and the set of columns.
 function tables.read(element)
   local path = "tables/" .. tables.name(element) .. ".csv"
   local file = io.open(drive.out .. "/" .. path)
@@ -70,7 +70,7 @@ end
 
 local function basename(path) return (path:gsub(".*/", "")) end
 
--- The scenes that an element asks for, in its order.
+-- The scenes that an element selects, in its order.
 function tables.scenes(element, with_meshes)
   local list = words(need(element, "scenes"))
   for _, mesh in ipairs(with_meshes and drive.meshes or {}) do list[#list + 1] = basename(mesh) end
@@ -94,16 +94,16 @@ end
 
 -- --- showing ---------------------------------------------------------------------------------
 
-local labels = {samples = "samples a pixel", seconds = "time, s", rmse = "RMS error",
+local labels = {samples = "samples per pixel", seconds = "time, s", rmse = "RMS error",
   max_error = "largest error"}
 
--- What a column or a metric is called in a heading or beside an axis.
+-- The name of a column or a metric in a heading or beside an axis.
 function tables.label(name, unit)
   local label = labels[name] or name:gsub("_", " ")
   return unit and unit ~= "1" and label .. ", " .. unit or label
 end
 
--- A cell as readers see it: names of methods are words.
+-- A cell in a readable form: names of methods as words.
 function tables.cell(row, column)
   local text = row[column] or ""
   return column == "method" and text:gsub("_", " ") or text
@@ -111,7 +111,7 @@ end
 
 local function minus(digits) return (digits:gsub("^-", "−")) end
 
--- Three significant digits, or all of a larger number with its thousands marked; inlines.
+-- Three significant digits, or all of a larger number with thousands separated; inlines.
 local function show(text)
   local value = tonumber(text)
   if not value then return pandoc.List({pandoc.Str(text)}) end
@@ -127,7 +127,7 @@ local function show(text)
   return pandoc.List({pandoc.Str(minus(digits))})
 end
 
--- A table of headings and rows of texts, numbers to the right; with its caption.
+-- A table with headings, rows of texts, numbers aligned right, and a caption.
 local function lay_out(div, titles, rows, small)
   local head, body, aligns, widths = {}, {}, {}, {}
   for i, title in ipairs(titles) do
@@ -149,8 +149,8 @@ end
 
 -- --- directives ------------------------------------------------------------------------------
 
--- Collects rows by the columns that tell them apart. Returns the groups, each with medians by metric,
--- and what each metric is called.
+-- Groups rows by the columns that distinguish them. Returns the groups, each with medians by metric,
+-- and each metric's name.
 local function group(div, rows, apart)
   local groups, by_key, titles = {}, {}, {}
   for _, row in ipairs(rows) do
@@ -164,7 +164,7 @@ local function group(div, rows, apart)
       groups[#groups + 1] = found
     end
     if found.medians[row.metric] then
-      fail_at(div, "%s of %s is measured twice; tell the rows apart by rows=... or where=...",
+      fail_at(div, "%s of %s is measured twice; distinguish the rows by rows=... or where=...",
         row.metric, table.concat(key, ", "))
     end
     found.medians[row.metric] = row.median

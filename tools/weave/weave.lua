@@ -1,38 +1,37 @@
--- What the report's filter and the book's share: directives, by which a text asks for what it
--- shows, and links. Figures and links stand here, tables in tables.lua, plots in plot.lua.
+-- Common to the report's filter and the book's: directives, by which a text requests figures, tables
+-- and plots, and links. Figures and links are here, tables in tables.lua, plots in plot.lua.
 --
 --   ::: {.figure driver=bvh_median args="--scene teapot --debug level --level 4"}
 --   The caption, in Markdown.
 --   :::
--- runs the driver and becomes its picture, with the caption and the driver's own line of
--- parameters under it. With each=mesh it is repeated for every file in MESHES (and is left out
--- when there is none).
+-- runs the driver and becomes its picture, with the caption and the driver's line of parameters below.
+-- With each=mesh it is repeated for every file in MESHES (and left out if there is none).
 --
 --   :::: {.row}
 --   ::: {.figure ...}
 --   ::::
--- puts figures and plots side by side, two or three where the page is wide enough; .pair puts two
--- and two. On a phone they stand one below the other.
+-- puts figures and plots side by side, two or three if the page is wide enough; .pair puts two per
+-- row. On a phone they are one below the other.
 --
 --   ::: {.timings driver=bvh_median scenes="cornell teapot" variants="--shadows" metrics="build render"}
 --   The caption.
 --   :::
--- times the driver on each scene and each mesh, once plainly and once with each of the variants
+-- times the driver on each scene and each mesh, once without and once with each of the variants
 -- (separated by commas), and becomes a table with a column for each of the metrics, from the
--- driver's CSV file. rows="scene method" has a row for each scene and method; rows="scene" is what
--- it does unasked.
+-- driver's CSV file. rows="scene method" has a row for each scene and method; rows="scene" is
+-- the default.
 --
 --   ::: {.table driver=shadows args="--convergence" columns="method, samples, rmse: error"}
 --   The caption.
 --   :::
 -- shows columns of tables/shadows.csv, each under a title of its own if one follows its colon.
 -- table=NAME reads tables/NAME.csv instead. The driver runs first, on each of scenes="..." if given;
--- without driver=... the table is one that another directive has made before.
+-- without driver=... the table is that of an earlier directive.
 --
 --   ::: {.plot driver=shadows args="--convergence" x=samples y=rmse by=method}
 -- plots a column over another, both with logarithmic axes, a line for each value of a third; from
 -- the same table. xlabel="..." and ylabel="..." name the axes, with their units, if the columns'
--- own names don't do.
+-- names do not suffice.
 --
 --   ::: {.plot driver=bvh_median scenes="statue:1000 statue:10000" metrics="build render" ylabel="median time"}
 -- times as .timings does and plots the metrics over the number of triangles, or over x=...
@@ -47,12 +46,12 @@
 -- one of the same page.
 --
 -- A mistake in a text ends the weaving and names the text's file and line. So does a driver's
--- failure, but with a student's units it costs only what the driver was to make.
+-- failure, but with a student's units it costs only the driver's output.
 --
--- Environment: RAYKIT_WEAVES (report or book: what is woven), RAYKIT_SOURCE, RAYKIT_SOURCE_LINK (the
--- way from the page to it), RAYKIT_DRIVERS (the folder over assignments/ with the drivers),
--- RAYKIT_UNITS (whose units they have, empty for the kit's own), RAYKIT_OUT, RAYKIT_SCRAPS (for
--- files that nobody keeps), MESHES, RAYKIT_RUNS, RAYKIT_SIZE (pixels a side, empty for the drivers'
+-- Environment: RAYKIT_WEAVES (report or book), RAYKIT_SOURCE, RAYKIT_SOURCE_LINK (the
+-- path from the page to it), RAYKIT_DRIVERS (the folder over assignments/ with the drivers),
+-- RAYKIT_UNITS (the name of their units' author, empty for the kit's own), RAYKIT_OUT, RAYKIT_SCRAPS (for
+-- temporary files), MESHES, RAYKIT_RUNS, RAYKIT_SIZE (pixels per side, empty for the drivers'
 -- own), RAYKIT_GNUPLOT (empty: no plots).
 
 local drive = require("drive")
@@ -64,7 +63,7 @@ local weave = {}
 
 -- --- figures ---------------------------------------------------------------------------------
 
--- "out/figures/x.png: what it shows" -> "figures/x.png", "what it shows"
+-- "out/figures/x.png: its contents" -> "figures/x.png", "its contents"
 local function split_line(div, line)
   local path, parameters = line:match("^(.-%.png): ([^\n]*)")
   if not path then drive.fail_by_driver(div, "the driver printed no line with its picture's path: %s", line) end
@@ -76,7 +75,7 @@ local drawn_by = {} -- arguments, by picture
 local function figure(div, args)
   local path, parameters = split_line(div, drive.run(div, args))
   if (drawn_by[path] or args) ~= args then
-    fail_at(div, "%s is drawn already, but with %s; two pictures of one name cannot both be shown",
+    fail_at(div, "%s is drawn already, but with %s; two pictures cannot have the same name",
       path, drawn_by[path])
   end
   drawn_by[path] = args
@@ -135,14 +134,14 @@ function weave.resolve(link)
     end
     link.target = (kind == drive.page and "" or pages[kind].page) .. "#" .. rest
   elseif kind ~= "https" and link.target:sub(1, 1) ~= "#" then
-    fail_at(link, "%s is no link; begin it with #, file:, book:, report: or https:", link.target)
+    fail_at(link, "%s is not a link; begin it with #, file:, book:, report: or https:", link.target)
   end
   return link
 end
 
 local names = {} -- of anchors that are set already
 
--- The name, the first time that it is asked for: an anchor can stand in one place only.
+-- The name, on its first use: an anchor must be unique.
 function weave.anchor(name)
   if names[name] then return "" end
   names[name] = true
@@ -162,10 +161,10 @@ end
 
 -- --- filters ---------------------------------------------------------------------------------
 
--- Classes of divisions that only look different.
+-- Classes of divisions that affect only the layout.
 local plain_classes = {row = true, pair = true}
 
--- What stands where a student's units failed.
+-- The replacement where a student's units failed.
 local function missing(element)
   local reason = drive.unmade(element) or "the driver failed with these units."
   local sentence = "Not made: " .. reason
@@ -188,7 +187,7 @@ local function forget(element)
   return element
 end
 
--- A wrapper in which pandoc put something only to say where it stands.
+-- A wrapper that pandoc added only to record a position.
 local function unwrap(element)
   forget(element)
   if element.identifier == "" and #element.classes == 0 and #element.attributes == 0 then
@@ -197,9 +196,9 @@ local function unwrap(element)
   return element
 end
 
--- The filters of a page: directives become what they ask for, links within the page are checked,
--- and places, which are of no use to readers, are forgotten. `own` holds the page's own directives,
--- by element type and class.
+-- The filters of a page: directives are replaced by their results, links within the page are checked,
+-- and positions, which are of no use to readers, are removed. `own` has the page's own directives, by
+-- element type and class.
 function weave.filters(own)
   local divs = {figure = figures, timings = tables.timings, table = tables.table, plot = plot}
   for class, directive in pairs(own.Div or {}) do divs[class] = directive end

@@ -1,9 +1,9 @@
-# What make_report and make_book share, to be read in by them. They set RAYKIT_WEAVES (report or
-# book) and texts (the folder with its texts, filter and stylesheet) first; make sets the rest.
+# Common to make_report and make_book, which source it. They set RAYKIT_WEAVES (report or book) and
+# texts (the folder with its texts, filter and stylesheet) first; make sets the rest.
 : "${RAYKIT_WEAVES:?}" "${texts:?}" "${RAYKIT_SOURCE:?}" "${RAYKIT_BUILD:?}" "${RAYKIT_DRIVERS:?}" \
     "${RAYKIT_VERSION:?}"
 
-# The new page grows beside the old one and takes its place when it is whole.
+# The new page is made beside the old one and replaces it when it is complete.
 final=$RAYKIT_BUILD/$texts/out
 RAYKIT_OUT=$final.part
 RAYKIT_SCRAPS=$(mktemp -d) || exit 1 # it has said which folder, and why
@@ -33,8 +33,8 @@ if [ -n "${QUICK-}" ]; then # a trial of the text itself, not of speed
 fi
 RAYKIT_GNUPLOT=${GNUPLOT-}
 
-# All meshes are tried before anything is rendered. They are named as seen from where make was
-# called; their bare names stand in tables and captions, and must tell them apart.
+# All meshes are tried before anything is rendered. Their paths are relative to the folder where make
+# was called; tables and captions have their bare names, which must differ.
 names=
 for mesh in ${MESHES-}; do
     name=$(basename "$mesh")
@@ -43,7 +43,7 @@ for mesh in ${MESHES-}; do
     esac
     names="$names $name"
     "$RAYKIT_BUILD"/assignments/01_bvh_median/bvh_median --mesh "$mesh" --width 1 --height 1 --quiet \
-        --out "$RAYKIT_SCRAPS" || give_up "MESHES: $mesh cannot be used (its reason stands above)"
+        --out "$RAYKIT_SCRAPS" || give_up "MESHES: $mesh cannot be used (its reason is above)"
 done
 
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1)
@@ -51,15 +51,15 @@ machine="${processor:-$(uname -m)}, $(getconf _NPROCESSORS_ONLN) processors"
 system=$(sed -n 's/^PRETTY_NAME="\(.*\)"/\1/p' /etc/os-release 2>/dev/null)
 system="${system:-$(uname -s)}, $(uname -sr)"
 
-# A page drawn by a student's units says so under its title.
+# A page with a student's units says so under its title.
 RAYKIT_UNITS=
 [ ! -f "$RAYKIT_DRIVERS/units" ] || RAYKIT_UNITS=$(cat "$RAYKIT_DRIVERS/units")
 
-# Said before anything is rendered.
-unwritable="$final cannot be written (the reason stands above): free some space, or build in a folder that is yours"
+# Reported before anything is rendered.
+unwritable="$final cannot be written (the reason is above): free some space, or build in a folder of your own"
 rm -rf "$RAYKIT_OUT" && mkdir -p "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables" || give_up "$unwritable"
 
-# Pages link to sources by relative ways, so that a folder can move as a whole.
+# Pages link to sources by relative paths, so that the whole folder can be moved.
 RAYKIT_SOURCE_LINK=$(realpath --relative-to="$RAYKIT_OUT" "$RAYKIT_SOURCE" 2>/dev/null) ||
     RAYKIT_SOURCE_LINK=$RAYKIT_SOURCE
 export RAYKIT_WEAVES RAYKIT_SOURCE RAYKIT_SOURCE_LINK RAYKIT_DRIVERS RAYKIT_UNITS RAYKIT_OUT \
@@ -89,10 +89,10 @@ print_pdf() {
         "file://$RAYKIT_OUT/$RAYKIT_WEAVES.html" >"$RAYKIT_SCRAPS/log" 2>&1 &&
         [ -s "$RAYKIT_OUT/$RAYKIT_WEAVES.pdf" ] && return
     tail -n 3 "$RAYKIT_SCRAPS/log" >&2
-    give_up "chromium could not print the PDF (its last words stand above)"
+    give_up "chromium could not print the PDF (its last message is above)"
 }
 
-# Prints the page where chromium is, and puts all of it in the old one's place.
+# Prints the page if there is chromium, and replaces the old page.
 publish() {
     pdf="(no $RAYKIT_WEAVES.pdf: it needs chromium)"
     if [ -n "${CHROMIUM-}" ]; then

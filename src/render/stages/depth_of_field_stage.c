@@ -1,20 +1,16 @@
-/* Which pixels does the lens blur? A ray through each pixel's centre says how large the circle of
- * confusion is of what it sees, and where circles reach, the renderer takes lens samples.
- *
- * Nothing nearer than the focal surface is overlooked: what hides a blurred thing there is nearer
- * still, and has a larger circle. Overlooked is what no centre ray sees: things smaller than a
- * pixel, and things behind the focal surface that sharper ones hide altogether, which a lens sees
- * around their edges. */
-#include "render/render.h"
-#include "render/tile.h"
+#include "render/stages/depth_of_field_stage.h"
+
+#include "render/stages/trace_stage.h"
+#include "render/stages/transparency_stage.h"
+#include "render/tiles.h"
 
 #include <stdlib.h>
-#include <string.h>
 
-typedef struct focus_pass {
+typedef struct coc_job {
     const rk_rendering *r;
-    float *blur; /* diameters in pixels, one for each pixel */
-} focus_pass;
+    rk_counters *counters; /* one for each thread */
+    float *diameter;       /* of circles of confusion, in pixels, one for each pixel */
+} coc_job;
 
 static const rk_material *material_at(const rk_scene *scene, const rk_hit *hit)
 {
@@ -24,94 +20,155 @@ static const rk_material *material_at(const rk_scene *scene, const rk_hit *hit)
                : &scene->sphere_materials[hit->triangle - mesh->triangle_count];
 }
 
-/* What a mirror shows is as far as the ray's whole way, so a sharp mirror needs samples, too. */
-static float blur_at(const rk_rendering *r, const rk_ray *ray, const rk_hit *hit)
+/* A reflection is as far as the whole path, so a sharp mirror needs samples, too. */
+static float coc_at(const rk_rendering *r, const rk_ray *ray, const rk_hit *hit)
 {
-    float blur = rk_lens_coc_diameter(&r->options->lens, &r->view, ray, hit->t);
+    float coc = rk_lens_coc_diameter(&r->options->lens, &r->view, ray, hit->t);
     if (!r->plan.reflections)
-        return blur;
+        return coc;
     rk_vec3 ks = material_at(r->scene, hit)->ks;
-    return ks.x > 0 || ks.y > 0 || ks.z > 0 ? rk_max(blur, RK_LENS_COC_MIN) : blur;
+    return ks.x > 0 || ks.y > 0 || ks.z > 0 ? rk_max(coc, RK_LENS_COC_MIN) : coc;
 }
 
-/* What is as far as the environment; without one, nothing is there to be blurred. */
-static float blur_at_infinity(const rk_rendering *r, const rk_ray *ray)
+/* Of the environment; without one, nothing is there to be blurred. */
+static float coc_at_infinity(const rk_rendering *r, const rk_ray *ray)
 {
-    return r->plan.environment ? rk_lens_coc_diameter(&r->options->lens, &r->view, ray, INFINITY)
-                               : 0;
+    return r->plan.cubemap ? rk_lens_coc_diameter(&r->options->lens, &r->view, ray, INFINITY) : 0;
 }
 
-/* The largest circle of all that a ray sees, through panes as well. */
-static float blur_through_panes(const rk_rendering *r, rk_tile *t, const rk_path_batch *camera,
-                                uint32_t i)
+static float coc_of_hit(const rk_rendering *r, const rk_ray *ray, const rk_hit *hit)
 {
-    rk_crossing_list list;
-    float weights[RK_MAX_DEPTH + 1], blur = 0;
-    rk_ray ray = rk_batch_ray(&camera->rays, i);
-    float behind = rk_trace_transparent(r, t, camera, i, &list, weights);
-    if (r->plan.environment && behind > 0)
-        blur = blur_at_infinity(r, &ray);
-    for (uint32_t k = 0; k < list.count; k++) {
-        rk_hit hit = rk_crossing_hit(&list.crossings[k]);
-        if (weights[k] > 0)
-            blur = rk_max(blur, blur_at(r, &ray, &hit));
-    }
-    return blur;
+    return hit->triangle != RK_MISS ? coc_at(r, ray, hit) : coc_at_infinity(r, ray);
 }
 
-static void find_blur(const focus_pass *pass, rk_tile *t, const rk_path_batch *camera)
+/* The largest circle of all hits that show. */
+static float coc_of_visible(const rk_rendering *r, const rk_ray *ray,
+                            const rk_visible_hits *visible)
 {
-    const rk_rendering *r = pass->r;
-    if (!r->plan.transparency)
-        rk_trace_closest(r, t, camera);
+    float coc = visible->behind > 0 ? coc_at_infinity(r, ray) : 0;
+    for (uint32_t k = 0; k < visible->count; k++)
+        if (visible->weights[k] > 0)
+            coc = rk_max(coc, coc_at(r, ray, &visible->hits[k]));
+    return coc;
+}
+
+/* What moves is seen at the first of its times. */
+static void trace_hits(const rk_rendering *r, rk_sample_pass *pass, const rk_path_batch *camera,
+                       float *coc)
+{
+    rk_hit_batch hits;
+    rk_ray_times times;
+    rk_trace_closest(r, pass, camera, &hits, &times);
     for (uint32_t i = 0; i < camera->rays.count; i++) {
         rk_ray ray = rk_batch_ray(&camera->rays, i);
-        float *blur =
-            &pass->blur[(size_t)(t->y + i / t->width) * r->options->width + t->x + i % t->width];
-        rk_hit hit = rk_batch_hit(&t->hits, i);
-        if (r->plan.transparency)
-            *blur = blur_through_panes(r, t, camera, i);
-        else
-            *blur = hit.triangle != RK_MISS ? blur_at(r, &ray, &hit) : blur_at_infinity(r, &ray);
-        /* At other times it may see something else. */
-        if (r->plan.motion && t->in_motion[i])
-            *blur = rk_max(*blur, RK_LENS_COC_MIN);
+        rk_hit hit = rk_batch_hit(&hits, i);
+        coc[i] = coc_of_hit(r, &ray, &hit);
     }
 }
 
-static void find_blur_of_tile(uint32_t index, uint32_t thread, void *context)
+static void trace_visible(const rk_rendering *r, rk_sample_pass *pass, const rk_path_batch *camera,
+                          float *coc)
 {
-    const focus_pass *pass = context;
-    const rk_rendering *r = pass->r;
-    rk_tile t;
-    rk_path_batch camera;
-    rk_tile_start(r, &t, index, thread);
-    t.sample = 0; /* what moves is seen at the first of its times */
-    t.samples = t.turns = 1;
-    camera.rays.count = 0;
-    for (uint32_t y = t.y; y < t.y + t.height; y++)
-        for (uint32_t x = t.x; x < t.x + t.width; x++) {
-            rk_ray ray = rk_view_ray(&r->view, (float)x + 0.5f, (float)y + 0.5f);
-            rk_path_push(&camera, &ray, camera.rays.count, rk_path_start(0, r->options->max_depth));
-        }
-    t.counters->primary_rays += camera.rays.count;
-    find_blur(pass, &t, &camera);
+    for (uint32_t i = 0; i < camera->rays.count; i++) {
+        rk_visible_hits visible;
+        rk_ray ray = rk_batch_ray(&camera->rays, i);
+        rk_transparency_stage(r, pass, camera, i, &visible);
+        coc[i] = coc_of_visible(r, &ray, &visible);
+    }
 }
 
-bool rk_focus_find(rk_rendering *r, rk_pool *pool, rk_error *error)
+/* Where a ray needs a time, it may hit something else at other times. */
+static void put_tile(const coc_job *job, const rk_sample_pass *pass, const float *coc)
+{
+    const rk_rendering *r = job->r;
+    const rk_tile *tile = &pass->tile;
+    for (uint32_t i = 0; i < tile->width * tile->height; i++) {
+        bool moves = r->plan.motion_blur && pass->needs_time[i];
+        job->diameter[rk_picture_pixel(pass, r->options->width, i)] =
+            moves ? rk_max(coc[i], RK_LENS_COC_MIN) : coc[i];
+    }
+}
+
+static void push_centres(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *camera)
+{
+    const rk_tile *tile = &pass->tile;
+    camera->rays.count = 0;
+    for (uint32_t y = tile->y; y < tile->y + tile->height; y++)
+        for (uint32_t x = tile->x; x < tile->x + tile->width; x++) {
+            rk_ray ray = rk_view_ray(&r->view, (float)x + 0.5f, (float)y + 0.5f);
+            rk_path_push(camera, &ray, camera->rays.count, rk_path_start(0, r->options->max_depth));
+        }
+    pass->counters->primary_rays += camera->rays.count;
+}
+
+static void find_coc_of_tile(uint32_t index, uint32_t thread, void *context)
+{
+    const coc_job *job = context;
+    const rk_rendering *r = job->r;
+    rk_sample_pass pass = {.tile = rk_tile_at(r->options, index),
+                           .samples = 1,
+                           .time_passes = 1,
+                           .counters = &job->counters[thread]};
+    rk_path_batch camera;
+    float coc[RK_BATCH_MAX];
+    push_centres(r, &pass, &camera);
+    if (r->plan.transparency)
+        trace_visible(r, &pass, &camera, coc);
+    else
+        trace_hits(r, &pass, &camera, coc);
+    put_tile(job, &pass, coc);
+}
+
+bool rk_depth_of_field_prepass(rk_rendering *r, rk_pool *pool, rk_counters *counters,
+                               rk_error *error)
 {
     uint32_t width = r->options->width, height = r->options->height;
-    if (!r->plan.lens)
-        return true;
-    focus_pass pass = {
-        r, rk_allocate_unset((size_t)width * height, sizeof *pass.blur, "focus", error)};
-    if (pass.blur)
+    coc_job job = {r, counters,
+                   rk_allocate_unset((size_t)width * height, sizeof *job.diameter, "focus", error)};
+    if (job.diameter)
         r->coc_count = rk_allocate_unset(((size_t)width + 1) * (height + 1), sizeof *r->coc_count,
                                          "focus", error);
     if (r->coc_count) {
-        rk_pool_run(pool, rk_render_tiles(r->options), find_blur_of_tile, &pass);
-        rk_lens_coc(pass.blur, width, height, r->coc_count);
+        rk_pool_run(pool, rk_tile_count(r->options), find_coc_of_tile, &job);
+        rk_lens_coc(job.diameter, width, height, r->coc_count);
     }
-    free(pass.blur);
+    free(job.diameter);
     return r->coc_count != NULL;
 }
+
+/* --- The feature ----------------------------------------------------------------------------- */
+
+RK_NAMES(rk_focal_surface_names, rk_focal_surface, RK_FOCAL_SPHERE, "plane", "sphere");
+
+static const rk_option rows[] = {
+    {"focal-distance", RK_FIELD(rk_render_options, lens.focal_distance), "D",
+     "what is so far from the camera is sharp, world units", 1e-3, 1e6, 1.8},
+    {"focal", RK_CHOICE(rk_render_options, lens.focal, rk_focal_surface_names),
+     "so far along the view, as in photographs, or in any direction", .initial = RK_FOCAL_PLANE},
+    {"aperture", RK_FIELD(rk_render_options, lens.aperture), "A",
+     "diameter of the lens, thousandths of a world unit; 0 is a pinhole", 0, 1e6, 10},
+    {"lens-samples", RK_FIELD(rk_render_options, lens_samples), "N",
+     "rays through the lens for each pixel that is out of focus; 0: a pinhole", 0, RK_SAMPLES_MAX,
+     0},
+    {"lens-sampling", RK_CHOICE(rk_render_options, lens_sampling, rk_sampler_names),
+     "how they are spread over the lens and the pixel", .initial = RK_SAMPLER_LOW_DISCREPANCY},
+    {0},
+};
+
+static bool wanted(const rk_scene *scene, const rk_render_options *options)
+{
+    (void)scene;
+    return options->lens_samples > 0 && options->lens.aperture > 0;
+}
+
+static void release(rk_rendering *r)
+{
+    free(r->coc_count);
+}
+
+const rk_feature rk_depth_of_field_feature = {.stem = "depth_of_field",
+                                              .options = rows,
+                                              .takes = "--lens-samples and an aperture above 0",
+                                              .wanted = wanted,
+                                              .prepass = rk_depth_of_field_prepass,
+                                              .release = release};

@@ -1,59 +1,62 @@
-/* Rough mirrors: a seen one sends rays into a disk of directions, many if it is the first on its
- * way, otherwise one. A pixel's rays come one after the other, so that those of a batch go nearly
- * the same way. */
-#include "render/tile.h"
+#include "render/stages/glossy_reflection_stage.h"
 
-rk_glossy_disk rk_glossy_disk_at(const rk_glossy_options *options, const rk_shading_point *seen)
+#include "render/stages/reflection_stage.h"
+
+void rk_specular_queue_fill(rk_specular_queue *queue, const rk_shading_points *points)
 {
-    float radius = options->radius >= 0 ? options->radius
-                                        : rk_glossy_radius(seen->surface.material->shininess);
-    return rk_glossy_disk_of(rk_reflected_direction(seen), radius, seen->surface.face_normal);
+    queue->next = queue->sample = queue->waiting.count = 0;
+    for (uint32_t i = 0; i < points->count; i++)
+        if (rk_is_specular(&points->points[i]))
+            queue->waiting.points[queue->waiting.count++] = points->points[i];
 }
 
-enum { at_once = 64 }; /* samples are drawn so many together */
+rk_glossy_disk rk_glossy_disk_at(const rk_glossy_options *options, const rk_shading_point *point)
+{
+    float radius = options->radius >= 0 ? options->radius
+                                        : rk_glossy_radius(point->surface.material->shininess);
+    return rk_glossy_disk_of(rk_reflected_direction(point), radius, point->surface.face_normal);
+}
 
-/* Where a mirror's samples come from. */
-typedef struct source {
-    rk_glossy_disk disk;
-    rk_disk_map map;
-    rk_sampler sampler;
-    uint32_t pixel, dimension;
-    uint32_t first, count; /* samples of the pixel */
-    rk_vec2 drawn[at_once];
-} source;
-
-static source source_of(const rk_rendering *r, const rk_tile *t, const rk_shading_point *seen)
+static rk_glossy_samples samples_of(const rk_rendering *r, const rk_sample_pass *pass,
+                                    const rk_shading_point *point)
 {
     const rk_render_options *options = r->options;
+    const rk_path *path = &point->path;
+    const rk_sample_index index = rk_sample_index_of(pass, point->pixel);
     /* Each bounce is a stream of its own. */
-    uint32_t bounce = options->max_depth - seen->path.left;
-    uint32_t count = seen->path.spread ? 1 : options->glossy.samples;
-    return (source){
-        .disk = rk_glossy_disk_at(&options->glossy, seen),
+    uint32_t bounce = options->max_depth - path->bounces_left;
+    uint32_t count = path->split ? 1 : options->glossy.samples;
+    return (rk_glossy_samples){
+        .disk = rk_glossy_disk_at(&options->glossy, point),
         .map = options->glossy.map,
         .sampler = {options->glossy.sampling, options->seed,
-                    rk_path_samples(r, t, seen->pixel, true)},
-        .pixel = rk_tile_pixel(r, t, seen->pixel),
-        .dimension =
-            rk_sample_index_of(t, seen->pixel).dimension + RK_DIMENSION_GLOSSY + 2 * bounce,
-        .first = seen->path.sample * count,
+                    index.samples * options->glossy.samples},
+        .pixel = rk_picture_pixel(pass, options->width, point->pixel),
+        .dimension = index.dimension + RK_DIMENSION_GLOSSY + 2 * bounce,
+        .first = path->sample * count,
         .count = count,
     };
 }
 
-/* To be asked for one i after the other, from 0. */
-static bool direction_of(source *s, uint32_t i, rk_vec3 *direction)
+static void draw(rk_glossy_samples *s, uint32_t from)
 {
-    uint32_t left = s->count - i;
-    if (i % at_once == 0)
-        rk_sample_2d_run(&s->sampler, s->pixel, s->first + i, left < at_once ? left : at_once,
-                         s->dimension, s->drawn);
-    return rk_glossy_direction(&s->disk, rk_disk_at(s->map, s->drawn[i % at_once]), direction);
+    uint32_t left = s->count - from;
+    rk_sample_2d_run(&s->sampler, s->pixel, s->first + from,
+                     left < RK_GLOSSY_DRAWN ? left : RK_GLOSSY_DRAWN, s->dimension, s->drawn);
 }
 
-/* What each direction counts for. How many are above has to be known beforehand, but can be asked
- * only where the surface cuts the disk. */
-static float weight_of(source *s, rk_glossy_weights weights)
+/* To be called for one i after the other, from 0. */
+static bool direction_of(rk_glossy_samples *s, uint32_t i, rk_vec3 *direction)
+{
+    if (i % RK_GLOSSY_DRAWN == 0)
+        draw(s, i);
+    return rk_glossy_direction(&s->disk, rk_disk_at(s->map, s->drawn[i % RK_GLOSSY_DRAWN]),
+                               direction);
+}
+
+/* The weight of each direction. How many are above the surface has to be known beforehand, but
+ * differs from `count` only where the surface cuts the disk. */
+static float weight_of(rk_glossy_samples *s, rk_glossy_weights weights)
 {
     float share = rk_glossy_fraction_above(&s->disk);
     uint32_t above = s->count;
@@ -66,56 +69,101 @@ static float weight_of(source *s, rk_glossy_weights weights)
     return rk_glossy_weight(weights, above, s->count, share);
 }
 
-static void follow(const rk_rendering *r, rk_tile *t, rk_path_batch *mirrored)
+static void start_point(const rk_rendering *r, const rk_sample_pass *pass, rk_specular_queue *queue)
 {
-    t->counters->reflected_rays += mirrored->rays.count;
-    if (mirrored->rays.count)
-        rk_trace_paths(r, t, mirrored);
-    mirrored->rays.count = 0;
-}
-
-static void send(const rk_rendering *r, rk_tile *t, const rk_shading_point *seen,
-                 rk_path_batch *mirrored)
-{
-    source s = source_of(r, t, seen);
-    if (s.disk.radius == 0) {
-        rk_spawn_reflection(seen, mirrored);
+    const rk_shading_point *point = &queue->waiting.points[queue->next];
+    queue->samples = samples_of(r, pass, point);
+    if (queue->samples.disk.radius == 0)
         return;
-    }
-    rk_vec3 weight = rk_scale(rk_mul(seen->path.weight, seen->surface.material->ks),
-                              weight_of(&s, r->options->glossy.weights));
-    t->counters->glossy_samples += s.count;
-    const rk_surface *surface = &seen->surface;
-    rk_vec3 start = rk_surface_spawn(surface, s.disk.w);
-    for (uint32_t i = 0; i < s.count; i++) {
-        rk_vec3 direction;
-        if (!direction_of(&s, i, &direction))
-            continue;
-        if (mirrored->rays.count == RK_BATCH_MAX)
-            follow(r, t, mirrored);
-        rk_ray ray = {start, direction, INFINITY};
-        if (!rk_surface_spawns_alike(surface, s.disk.w, direction))
-            ray.origin = rk_surface_spawn(surface, direction);
-        rk_path_push(mirrored, &ray, seen->pixel,
-                     rk_path_of(weight, s.first + i, true, seen->path.left - 1u));
-    }
+    queue->throughput = rk_scale(rk_mul(point->path.throughput, point->surface.material->ks),
+                                 weight_of(&queue->samples, r->options->glossy.weights));
+    pass->counters->glossy_samples += queue->samples.count;
 }
 
-void rk_glossy_stage(const rk_rendering *r, rk_tile *t)
+/* The rays of the point, from its next sample on. False if there is no room for all of them. */
+static bool spawn_samples(rk_specular_queue *queue, rk_path_batch *reflected)
 {
-    /* Rays that are followed make new seen surfaces in the tile, so mirrors are put aside. */
-    rk_shading_point mirrors[RK_BATCH_MAX];
-    uint32_t count = 0;
-    for (uint32_t i = 0; i < t->seen_count; i++)
-        if (rk_is_specular(&t->seen[i]))
-            mirrors[count++] = t->seen[i];
-    t->seen_count = 0;
-    rk_path_batch mirrored;
-    mirrored.rays.count = 0;
-    for (uint32_t i = 0; i < count; i++) {
-        if (mirrored.rays.count == RK_BATCH_MAX)
-            follow(r, t, &mirrored);
-        send(r, t, &mirrors[i], &mirrored);
+    const rk_shading_point *point = &queue->waiting.points[queue->next];
+    rk_glossy_samples *s = &queue->samples;
+    rk_vec3 start = rk_surface_spawn(&point->surface, s->disk.w);
+    for (; queue->sample < s->count; queue->sample++) {
+        rk_vec3 direction;
+        if (reflected->rays.count == RK_BATCH_MAX)
+            return false;
+        if (!direction_of(s, queue->sample, &direction))
+            continue;
+        rk_ray ray = {start, direction, INFINITY};
+        if (!rk_surface_spawns_alike(&point->surface, s->disk.w, direction))
+            ray.origin = rk_surface_spawn(&point->surface, direction);
+        rk_path_push(reflected, &ray, point->pixel,
+                     rk_path_of(queue->throughput, s->first + queue->sample, true,
+                                point->path.bounces_left - 1u));
     }
-    follow(r, t, &mirrored);
+    return true;
 }
+
+static bool spawn_point(const rk_rendering *r, const rk_sample_pass *pass, rk_specular_queue *queue,
+                        rk_path_batch *reflected)
+{
+    if (queue->sample == 0)
+        start_point(r, pass, queue);
+    if (queue->samples.disk.radius > 0)
+        return spawn_samples(queue, reflected);
+    rk_spawn_reflection(&queue->waiting.points[queue->next], reflected);
+    return true;
+}
+
+void rk_glossy_reflection_stage(const rk_rendering *r, const rk_sample_pass *pass,
+                                rk_specular_queue *queue, rk_path_batch *reflected)
+{
+    reflected->rays.count = 0;
+    while (queue->next < queue->waiting.count && reflected->rays.count < RK_BATCH_MAX &&
+           spawn_point(r, pass, queue, reflected)) {
+        queue->next++;
+        queue->sample = 0;
+    }
+    pass->counters->reflected_rays += reflected->rays.count;
+}
+
+/* --- The feature ----------------------------------------------------------------------------- */
+
+RK_NAMES(rk_glossy_weights_names, rk_glossy_weights, RK_GLOSSY_RENORMALIZED, "classic",
+         "renormalized");
+RK_NAMES(rk_disk_map_names, rk_disk_map, RK_DISK_CONCENTRIC, "polar", "concentric");
+
+static const rk_option rows[] = {
+    {"glossy", RK_FIELD(rk_render_options, glossy.samples), "N",
+     "directions that the first rough mirror on a way sends a ray into; 0: mirrors are perfect", 0,
+     RK_SAMPLES_MAX, 0},
+    {"glossy-radius", RK_FIELD(rk_render_options, glossy.radius), "R",
+     "of the disk around mirrored directions, at distance 1; negative, and by default, 0.5 over "
+     "the material's shininess",
+     -1, 1000, NAN},
+    {"glossy-weights", RK_CHOICE(rk_render_options, glossy.weights, rk_glossy_weights_names),
+     "directions that lead into the surface count as black, or not at all",
+     .initial = RK_GLOSSY_RENORMALIZED},
+    {"glossy-map", RK_CHOICE(rk_render_options, glossy.map, rk_disk_map_names),
+     "how the disk is filled", .initial = RK_DISK_CONCENTRIC},
+    {"glossy-sampling", RK_CHOICE(rk_render_options, glossy.sampling, rk_sampler_names),
+     "how directions are spread over it", .initial = RK_SAMPLER_LOW_DISCREPANCY},
+    {0},
+};
+
+static bool wanted(const rk_scene *scene, const rk_render_options *options)
+{
+    return options->glossy.samples > 0 && options->glossy.radius != 0 &&
+           rk_plan_reflects(scene, options);
+}
+
+static uint32_t samples(const rk_scene *scene, const rk_render_options *options)
+{
+    (void)scene;
+    return options->glossy.samples;
+}
+
+const rk_feature rk_glossy_reflection_feature = {
+    .stem = "glossy_reflection",
+    .options = rows,
+    .takes = "--glossy, a radius other than 0, --reflections and a mirror",
+    .wanted = wanted,
+    .samples = samples};

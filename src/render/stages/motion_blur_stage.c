@@ -1,71 +1,180 @@
-/* When rays are traced. A sample of a pixel has one time for all its rays, from the camera's to the
- * last shadow ray, and it is drawn when the first of them reaches the swept boxes of something that
- * moves. Until then nothing depends on the time: so a sample none of whose rays does so is the same
- * at all times, and taken once. Others are taken in turns, at times of their own, and count for
- * their mean. */
-#include "render/tile.h"
+#include "render/stages/motion_blur_stage.h"
 
-/* With one time for all, it is known; else the sample's own, drawn if need be. */
-static float time_of(const rk_rendering *r, rk_tile *t, uint32_t pixel)
+#include <string.h>
+
+/* Where all rays have the same: when the shutter opens, or the single time that is asked for. */
+static float common_time(const rk_motion_options *motion)
 {
-    const rk_motion_options *motion = &r->options->motion;
-    if (!r->plan.time_samples)
-        return isnan(motion->isolate)
-                   ? motion->shutter.open
-                   : rk_shutter_equidistant(&motion->shutter, motion->isolate, motion->samples);
-    if (!t->has_time[pixel]) {
-        t->has_time[pixel] = t->in_motion[pixel] = true;
-        t->time[pixel] = rk_shutter_time(&motion->shutter, motion->sampling, r->options->seed,
-                                         rk_tile_pixel(r, t, pixel),
-                                         t->turn * t->samples + t->sample, t->turns * t->samples);
-        t->counters->time_samples++;
-    }
-    return t->time[pixel];
+    return isnan(motion->isolate)
+               ? motion->shutter.open
+               : rk_shutter_equidistant(&motion->shutter, motion->isolate, motion->samples);
 }
 
-/* Whether a sample is in motion is worth a closer look, once. */
-static bool reaches(void *context, uint32_t index, uint32_t object, const rk_slabs *ray,
-                    float t_max, rk_vec3 *offset)
-{
-    const rk_asker *asker = context;
-    const rk_rendering *r = asker->r;
-    uint32_t pixel = asker->pixels[index];
-    bool settled = !r->plan.time_samples || asker->t->in_motion[pixel];
-    asker->t->counters->box_tests++;
-    if (!rk_motion_may_intersect(&r->swept[object], ray, t_max) ||
-        !(settled ||
-          rk_motion_may_intersect_leaf(&r->accel->moving[object], &r->swept[object], ray, t_max)))
-        return false;
-    asker->t->in_sight[pixel] |= asker->from_camera;
-    *offset = rk_motion_offset(&r->scene->moving[object].motion, time_of(r, asker->t, pixel));
-    return true;
-}
-
-rk_moments rk_moments_of(rk_asker *asker)
-{
-    return (rk_moments){reaches, asker};
-}
-
-void rk_moving_prepare(rk_rendering *r)
+void rk_motion_blur_prepare(rk_rendering *r)
 {
     const rk_motion_options *motion = &r->options->motion;
     rk_shutter shutter = motion->shutter;
-    if (!r->plan.motion)
-        return;
     if (!isnan(motion->isolate))
-        shutter.open = shutter.close =
-            rk_shutter_equidistant(&motion->shutter, motion->isolate, motion->samples);
+        shutter.open = shutter.close = common_time(motion);
     for (uint32_t i = 0; i < r->scene->moving_count; i++) {
         const rk_box *rest = &r->accel->moving[i].nodes[0].box;
         r->swept[i] = rk_motion_sweep(&r->scene->moving[i].motion, &shutter, rest);
     }
 }
 
-void rk_moving_place(const rk_rendering *r, rk_tile *t, uint32_t pixel, uint32_t triangle,
-                     rk_surface *surface)
+uint32_t rk_time_passes(const rk_plan *plan, const rk_render_options *options, uint32_t samples)
+{
+    uint64_t times = options->motion.samples;
+    return plan->time_samples ? (uint32_t)((times + samples - 1) / samples) : 1;
+}
+
+void rk_motion_blur_start_pass(rk_sample_pass *pass)
+{
+    memset(pass->has_time, 0, sizeof pass->has_time);
+    if (pass->time_pass > 0)
+        return;
+    memset(pass->needs_time, 0, sizeof pass->needs_time);
+    memset(pass->camera_needs_time, 0, sizeof pass->camera_needs_time);
+}
+
+/* Whether a sample needs a time is worth a closer look, once. */
+static bool may_reach(const rk_rendering *r, const rk_sample_pass *pass, uint32_t pixel,
+                      uint32_t object, const rk_slabs *ray, float t_max)
+{
+    const rk_box *swept = &r->swept[object];
+    pass->counters->box_tests++;
+    return rk_motion_may_intersect(swept, ray, t_max) &&
+           (!r->plan.time_samples || pass->needs_time[pixel] ||
+            rk_motion_may_intersect_leaf(&r->accel->moving[object], swept, ray, t_max));
+}
+
+static uint16_t reachable_objects(const rk_rendering *r, rk_sample_pass *pass, uint32_t pixel,
+                                  const rk_ray *ray, float t_max)
+{
+    const rk_slabs slabs = rk_slabs_of(ray);
+    uint16_t objects = 0;
+    for (uint32_t k = 0; k < r->scene->moving_count; k++)
+        if (may_reach(r, pass, pixel, k, &slabs, t_max)) {
+            objects |= (uint16_t)(1u << k);
+            pass->needs_time[pixel] |= r->plan.time_samples;
+        }
+    return objects;
+}
+
+/* The sample's own, drawn if need be. */
+static float time_of(const rk_rendering *r, rk_sample_pass *pass, uint32_t pixel)
+{
+    const rk_motion_options *motion = &r->options->motion;
+    if (!pass->has_time[pixel]) {
+        pass->has_time[pixel] = true;
+        pass->time[pixel] = rk_shutter_time(&motion->shutter, motion->sampling, r->options->seed,
+                                            rk_picture_pixel(pass, r->options->width, pixel),
+                                            pass->time_pass * pass->samples + pass->sample,
+                                            pass->time_passes * pass->samples);
+        pass->counters->time_samples++;
+    }
+    return pass->time[pixel];
+}
+
+rk_ray_time rk_motion_blur_ray_time(const rk_rendering *r, rk_sample_pass *pass, uint32_t pixel,
+                                    bool from_camera, const rk_ray *ray, float t_max)
+{
+    rk_ray_time when = {NAN, reachable_objects(r, pass, pixel, ray, t_max)};
+    if (when.objects == 0)
+        return when;
+    pass->camera_needs_time[pixel] |= from_camera;
+    when.time = r->plan.time_samples ? time_of(r, pass, pixel) : common_time(&r->options->motion);
+    return when;
+}
+
+void rk_motion_blur_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_ray_batch *rays,
+                          const uint16_t *pixels, bool from_camera, const float *t_max,
+                          rk_ray_times *times)
+{
+    for (uint32_t i = 0; i < rays->count; i++) {
+        rk_ray ray = rk_batch_ray(rays, i);
+        rk_ray_time when = {NAN, 0};
+        if (t_max[i] > 0)
+            when = rk_motion_blur_ray_time(r, pass, pixels[i], from_camera, &ray, t_max[i]);
+        times->time[i] = when.time;
+        times->objects[i] = when.objects;
+    }
+}
+
+void rk_motion_blur_move(const rk_rendering *r, float time, uint32_t triangle, rk_surface *surface)
 {
     uint32_t object = rk_scene_moving_object(r->scene, triangle);
     if (object != RK_MISS)
-        rk_surface_move(surface,
-                        rk_motion_offset(&r->scene->moving[object].motion, time_of(r, t, pixel)));
+        rk_surface_move(surface, rk_motion_offset(&r->scene->moving[object].motion, time));
 }
+
+void rk_motion_blur_average(const rk_sample_pass *pass, const rk_film *before, rk_film *film)
+{
+    for (uint32_t i = 0; i < pass->tile.width * pass->tile.height; i++)
+        if (pass->needs_time[i])
+            film->sum[i] = rk_madd(before->sum[i], rk_sub(film->sum[i], before->sum[i]),
+                                   1 / (float)pass->time_passes);
+}
+
+/* --- The feature ----------------------------------------------------------------------------- */
+
+RK_NAMES(rk_time_sampling_names, rk_time_sampling, RK_TIME_LOW_DISCREPANCY, "equidistant",
+         "stratified", "low-discrepancy");
+
+static const rk_option rows[] = {
+    {"shutter-open", RK_FIELD(rk_render_options, motion.shutter.open), "X",
+     "when the shutter opens; what moves is then at (X, y(X), 0) from where it rests", -1e6, 1e6,
+     0},
+    {"shutter-close", RK_FIELD(rk_render_options, motion.shutter.close), "X", "when it closes",
+     -1e6, 1e6, 0.05},
+    {"time-samples", RK_FIELD(rk_render_options, motion.samples), "N",
+     "times that a pixel's --samples see together, where motion may change them; 0: everything "
+     "rests",
+     0, RK_SAMPLES_MAX, 0},
+    {"time-sampling", RK_CHOICE(rk_render_options, motion.sampling, rk_time_sampling_names),
+     "how times are spread; equidistant ones are the same for all pixels",
+     .initial = RK_TIME_STRATIFIED},
+    {"isolate", RK_FIELD(rk_render_options, motion.isolate), "K",
+     "show the equidistant time K of --time-samples alone; below 1 or above N it lies before or "
+     "after the shutter",
+     -1e6, 1e6, NAN},
+    {0},
+};
+
+static bool prepare(rk_rendering *r, rk_error *error)
+{
+    (void)error;
+    rk_motion_blur_prepare(r);
+    return true;
+}
+
+static bool wanted(const rk_scene *scene, const rk_render_options *options)
+{
+    return options->motion.samples > 0 && scene->moving_count > 0;
+}
+
+static bool check(const rk_render_options *options, rk_error *error)
+{
+    const rk_shutter *shutter = &options->motion.shutter;
+    return shutter->open <= shutter->close ||
+           rk_fail(error, "the shutter opens at x = %g, behind x = %g, where it closes",
+                   (double)shutter->open, (double)shutter->close);
+}
+
+static bool check_command(const rk_render_options *options, rk_error *error)
+{
+    const rk_motion_options *motion = &options->motion;
+    return isnan(motion->isolate) || motion->samples > 0 ||
+           rk_fail(error,
+                   "--isolate %g: it is one of the --time-samples, and there are none; give "
+                   "--time-samples N, 1 or more",
+                   (double)motion->isolate);
+}
+
+const rk_feature rk_motion_blur_feature = {.stem = "motion_blur",
+                                           .options = rows,
+                                           .takes = "--time-samples and something that moves",
+                                           .wanted = wanted,
+                                           .prepare = prepare,
+                                           .check = check,
+                                           .check_command = check_command};

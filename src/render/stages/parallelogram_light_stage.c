@@ -1,79 +1,99 @@
-/* A light sends samples to all that is seen, one after the other for the whole batch: what each
- * would add, and a shadow ray to ask whether it may. A point that the first samples agree on, all
- * or none arriving, is settled, and asks no more. */
-#include "render/lighting.h"
+#include "render/stages/parallelogram_light_stage.h"
 
 static uint32_t samples_of(const rk_rendering *r, const rk_light *light)
 {
     return light->kind == RK_LIGHT_POINT ? 1 : r->options->light.samples;
 }
 
-static rk_light_sample sample_of(const rk_rendering *r, const rk_tile *t,
-                                 const rk_shading_point *seen, uint32_t index, uint32_t sample)
+static void start(const rk_shading_points *points, rk_light_sums *sums)
+{
+    for (uint32_t i = 0; i < points->count; i++) {
+        sums->shadowed[i] = sums->unshadowed[i] = rk_vec(0, 0, 0);
+        sums->traced[i] = sums->unoccluded[i] = 0;
+        sums->visibility[i] = RK_LIGHT_UNDECIDED;
+    }
+}
+
+/* The random point of the light for one of a shading point's samples. */
+static rk_vec2 place_on_light(const rk_rendering *r, const rk_sample_pass *pass,
+                              const rk_shading_point *point, uint32_t light, uint32_t sample)
+{
+    /* Each bounce is a stream of its own, which all rays of a pixel share. */
+    const rk_light_options *options = &r->options->light;
+    const rk_path *path = &point->path;
+    const rk_sample_index index = rk_sample_index_of(pass, point->pixel);
+    uint32_t bounce = r->options->max_depth - path->bounces_left;
+    uint32_t paths = index.samples * (path->split ? r->options->glossy.samples : 1);
+    const rk_sampler sampler = {options->sampling, r->options->seed, paths * options->samples};
+    pass->counters->light_samples++;
+    return rk_sample_2d(&sampler, rk_picture_pixel(pass, r->options->width, point->pixel),
+                        path->sample * options->samples + sample,
+                        index.dimension + RK_DIMENSION_LIGHT +
+                            2 * (bounce * RK_LIGHTS_MAX + light));
+}
+
+static rk_light_sample light_sample(const rk_rendering *r, const rk_sample_pass *pass,
+                                    const rk_shading_point *point, uint32_t index, uint32_t sample)
 {
     const rk_light *light = &r->scene->lights[index];
     const rk_light_options *options = &r->options->light;
     rk_vec2 xi = {0, 0};
-    if (light->kind != RK_LIGHT_POINT) {
-        /* Each bounce is a stream of its own, which all rays of a pixel share. */
-        const rk_sample_index draw = rk_sample_index_of(t, seen->pixel);
-        uint32_t bounce = r->options->max_depth - seen->path.left;
-        const rk_sampler sampler = {options->sampling, r->options->seed,
-                                    rk_path_samples(r, t, seen->pixel, seen->path.spread) *
-                                        options->samples};
-        xi = rk_sample_2d(&sampler, rk_tile_pixel(r, t, seen->pixel),
-                          seen->path.sample * options->samples + sample,
-                          draw.dimension + RK_DIMENSION_LIGHT +
-                              2 * (bounce * RK_LIGHTS_MAX + index));
-        t->counters->light_samples++;
-    }
-    return rk_light_sample_at(light, options->falloff, options->domain, seen->surface.point, xi);
+    if (light->kind != RK_LIGHT_POINT)
+        xi = place_on_light(r, pass, point, index, sample);
+    return rk_light_sample_at(light, options->falloff, options->domain, point->surface.point, xi);
 }
 
-/* What the sample would add to each surface; where that hangs on shadows, a ray that asks. */
-static void send(const rk_rendering *r, rk_tile *t, uint32_t index, uint32_t sample)
+/* A contribution whose point is not decided waits for its shadow ray. */
+static void queue_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
+                              const rk_shading_points *points, uint32_t index, uint32_t sample,
+                              rk_light_sums *sums, rk_shadow_queue *queue)
 {
-    rk_tile_light_sums *sums = &t->sums;
-    t->shadow.count = 0;
-    for (uint32_t i = 0; i < t->seen_count; i++) {
-        if (sums->state[i] == RK_LIGHT_BLOCKED)
+    queue->rays.count = 0;
+    for (uint32_t i = 0; i < points->count; i++) {
+        if (sums->visibility[i] == RK_LIGHT_OCCLUDED)
             continue;
-        const rk_shading_point *seen = &t->seen[i];
-        rk_light_sample light = sample_of(r, t, seen, index, sample);
-        rk_vec3 to_light = rk_sub(light.position, seen->surface.point);
-        rk_vec3 arriving = rk_reflected(r, seen, to_light, light.colour);
-        if (rk_is_black(arriving))
+        const rk_shading_point *point = &points->points[i];
+        rk_light_sample light = light_sample(r, pass, point, index, sample);
+        rk_vec3 to_light = rk_sub(light.position, point->surface.point);
+        rk_vec3 contribution =
+            rk_reflected_radiance(&r->options->shading, point, to_light, light.colour);
+        if (rk_is_black(contribution))
             continue;
-        sums->all[i] = rk_add(sums->all[i], arriving);
-        if (!r->plan.shadow_rays || sums->state[i] == RK_LIGHT_UNBLOCKED) {
-            sums->lit[i] = rk_add(sums->lit[i], arriving);
-            continue;
-        }
-        rk_queue_shadow_ray(t, i, to_light, light.position, arriving);
+        sums->unshadowed[i] = rk_add(sums->unshadowed[i], contribution);
+        if (!r->plan.shadow_rays || sums->visibility[i] == RK_LIGHT_UNOCCLUDED)
+            sums->shadowed[i] = rk_add(sums->shadowed[i], contribution);
+        else
+            rk_queue_shadow_ray(queue, points, i, to_light, light.position, contribution);
     }
 }
 
-static void arrive(const rk_rendering *r, rk_tile *t)
+static bool is_attenuated(const rk_rendering *r, const rk_shadow_answers *answers, uint32_t k)
 {
-    rk_tile_light_sums *sums = &t->sums;
-    for (uint32_t k = 0; k < t->shadow.count; k++) {
-        uint32_t i = t->arriving_at[k];
-        sums->asked[i]++;
-        if (t->blocked.found[k])
+    const rk_vec3 *t = &answers->transmittance[k];
+    return r->plan.transparency && (t->x < 1 || t->y < 1 || t->z < 1);
+}
+
+static void add_unoccluded(const rk_rendering *r, const rk_shadow_queue *queue,
+                           const rk_shadow_answers *answers, rk_light_sums *sums)
+{
+    for (uint32_t k = 0; k < queue->rays.count; k++) {
+        uint32_t i = queue->point[k];
+        sums->traced[i]++;
+        if (answers->occlusion.occluded[k])
             continue;
-        sums->free[i]++;
-        if (r->plan.transparency && t->tinted[k])
-            sums->state[i] = RK_LIGHT_TINTED;
-        sums->lit[i] = rk_add(sums->lit[i], t->arriving[k]);
+        sums->unoccluded[i]++;
+        if (is_attenuated(r, answers, k))
+            sums->visibility[i] = RK_LIGHT_ATTENUATED;
+        sums->shadowed[i] = rk_add(sums->shadowed[i], rk_unoccluded(r, queue, answers, k));
     }
 }
 
-static void settle(rk_tile *t)
+static void early_out(const rk_shading_points *points, rk_light_sums *sums)
 {
-    for (uint32_t i = 0; i < t->seen_count; i++)
-        if (t->sums.state[i] == RK_LIGHT_OPEN && t->sums.asked[i] > 0 &&
-            rk_light_early_out(t->sums.asked[i], t->sums.free[i]))
-            t->sums.state[i] = t->sums.free[i] ? RK_LIGHT_UNBLOCKED : RK_LIGHT_BLOCKED;
+    for (uint32_t i = 0; i < points->count; i++)
+        if (sums->visibility[i] == RK_LIGHT_UNDECIDED && sums->traced[i] > 0 &&
+            rk_light_early_out(sums->traced[i], sums->unoccluded[i]))
+            sums->visibility[i] = sums->unoccluded[i] ? RK_LIGHT_UNOCCLUDED : RK_LIGHT_OCCLUDED;
 }
 
 /* The ratio estimator needs the closed form: of Lambert's law, for a light of one colour. */
@@ -83,42 +103,97 @@ static bool has_closed_form(const rk_rendering *r, const rk_light *light)
            r->options->light.falloff == RK_FALLOFF_PHYSICAL && rk_light_has_one_colour(light);
 }
 
-static rk_vec3 closed_form(const rk_rendering *r, const rk_shading_point *seen,
-                           const rk_light *light, rk_vec3 lit, rk_vec3 all)
+static rk_vec3 closed_form(const rk_rendering *r, const rk_shading_point *point,
+                           const rk_light *light, rk_vec3 shadowed, rk_vec3 unshadowed)
 {
-    const rk_surface *surface = &seen->surface;
+    const rk_surface *surface = &point->surface;
     float irradiance = rk_light_irradiance(light, surface->point, surface->normal);
-    rk_vec3 unshadowed = rk_shade(&r->options->shading, seen->kd, surface->material->ks,
-                                  surface->material->shininess, surface->normal, surface->normal,
-                                  seen->to_viewer, rk_scale(light->colours[0], irradiance));
-    return rk_light_ratio(unshadowed, lit, all);
+    rk_vec3 exact = rk_shade(&r->options->shading, point->kd, surface->material->ks,
+                             surface->material->shininess, surface->normal, surface->normal,
+                             point->to_viewer, rk_scale(light->colours[0], irradiance));
+    return rk_light_ratio(exact, shadowed, unshadowed);
 }
 
-void rk_parallelogram_light_stage(const rk_rendering *r, rk_tile *t, uint32_t index)
+static void add_means(const rk_rendering *r, const rk_shading_points *points, const rk_light *light,
+                      const rk_light_sums *sums, rk_film *film)
+{
+    bool in_closed_form = has_closed_form(r, light);
+    for (uint32_t i = 0; i < points->count; i++) {
+        const rk_shading_point *point = &points->points[i];
+        rk_vec3 mean = rk_scale(sums->shadowed[i], 1 / (float)samples_of(r, light));
+        if (in_closed_form && !rk_is_black(sums->unshadowed[i]))
+            mean = closed_form(r, point, light, sums->shadowed[i], sums->unshadowed[i]);
+        rk_film_add(film, point->pixel, rk_mul(point->path.throughput, mean));
+    }
+}
+
+void rk_parallelogram_light_stage(const rk_rendering *r, rk_sample_pass *pass,
+                                  const rk_shading_points *points, uint32_t index,
+                                  rk_shadow_queue *queue, rk_shadow_answers *answers,
+                                  rk_light_sums *sums, rk_film *film)
 {
     const rk_light *light = &r->scene->lights[index];
     uint32_t samples = samples_of(r, light);
-    for (uint32_t i = 0; i < t->seen_count; i++) {
-        t->sums.lit[i] = t->sums.all[i] = rk_vec(0, 0, 0);
-        t->sums.asked[i] = t->sums.free[i] = 0;
-        t->sums.state[i] = RK_LIGHT_OPEN;
-    }
+    start(points, sums);
     for (uint32_t sample = 0; sample < samples; sample++) {
         if (sample > 0 && sample == r->options->light.early_out)
-            settle(t);
-        send(r, t, index, sample);
-        if (t->shadow.count == 0)
+            early_out(points, sums);
+        queue_shadow_rays(r, pass, points, index, sample, sums, queue);
+        if (queue->rays.count == 0)
             continue;
-        rk_shadow_stage(r, t);
-        arrive(r, t);
+        rk_shadow_stage(r, pass, queue, answers);
+        add_unoccluded(r, queue, answers, sums);
     }
-    bool in_closed_form = has_closed_form(r, light);
-    for (uint32_t i = 0; i < t->seen_count; i++) {
-        const rk_shading_point *seen = &t->seen[i];
-        rk_vec3 mean = rk_scale(t->sums.lit[i], 1 / (float)samples);
-        if (in_closed_form && !rk_is_black(t->sums.all[i]))
-            mean = closed_form(r, seen, light, t->sums.lit[i], t->sums.all[i]);
-        rk_vec3 *sum = &t->sum[seen->pixel];
-        *sum = rk_add(*sum, rk_mul(seen->path.weight, mean));
-    }
+    add_means(r, points, light, sums, film);
 }
+
+/* --- The feature ----------------------------------------------------------------------------- */
+
+RK_NAMES(rk_light_domain_names, rk_light_domain, RK_LIGHT_DOMAIN_SOLID_ANGLE, "area",
+         "solid-angle");
+RK_NAMES(rk_light_falloff_names, rk_light_falloff, RK_FALLOFF_PHYSICAL, "none", "physical");
+
+static const rk_option rows[] = {
+    {"light-samples", RK_FIELD(rk_render_options, light.samples), "N",
+     "points on a light with an extent, for each point that it may shine on", 1, RK_SAMPLES_MAX,
+     16},
+    {"light-sampling", RK_CHOICE(rk_render_options, light.sampling, rk_sampler_names),
+     "how they are spread over the light", .initial = RK_SAMPLER_LOW_DISCREPANCY},
+    {"light-domain", RK_CHOICE(rk_render_options, light.domain, rk_light_domain_names),
+     "spread evenly over the light, or over the directions to it", .alias = "light-map"},
+    {"falloff", RK_CHOICE(rk_render_options, light.falloff, rk_light_falloff_names),
+     "does light get weaker with distance and slant?"},
+    {"ratio", RK_FIELD(rk_render_options, light.ratio), NULL,
+     "unshadowed light by its closed form, times the share that is seen; for a parallelogram of "
+     "one colour with --falloff physical and Lambert's law"},
+    {"early-out", RK_FIELD(rk_render_options, light.early_out), "N",
+     "stop after this many shadow rays if all or none of them are occluded; 0: trace all", 0,
+     RK_SAMPLES_MAX, RK_LIGHT_EARLY_OUT, .alias = "settle"},
+    {0},
+};
+
+static bool is_wide(const rk_light *light)
+{
+    return light->kind != RK_LIGHT_POINT && rk_light_emits(light);
+}
+
+static bool wanted(const rk_scene *scene, const rk_render_options *options)
+{
+    (void)options;
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (is_wide(&scene->lights[i]))
+            return true;
+    return false;
+}
+
+static uint32_t samples(const rk_scene *scene, const rk_render_options *options)
+{
+    (void)scene;
+    return options->light.samples;
+}
+
+const rk_feature rk_parallelogram_light_feature = {.stem = "parallelogram_light",
+                                                   .options = rows,
+                                                   .takes = "a light that is more than a point",
+                                                   .wanted = wanted,
+                                                   .samples = samples};

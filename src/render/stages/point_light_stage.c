@@ -1,38 +1,53 @@
-/* A light that is one point, without a falloff, shines alike on all that is seen: no samples,
- * nothing to settle. Each surface asks once, and where nothing can be in the way not at all. */
-#include "render/lighting.h"
+#include "render/stages/point_light_stage.h"
 
-static inline void arrive(rk_tile *t, uint32_t i, rk_vec3 arriving)
+static inline void add_unoccluded(const rk_shading_point *point, rk_vec3 contribution,
+                                  rk_film *film)
 {
-    const rk_shading_point *seen = &t->seen[i];
-    rk_vec3 *sum = &t->sum[seen->pixel];
-    *sum = rk_add(*sum, rk_mul(seen->path.weight, arriving));
+    rk_film_add(film, point->pixel, rk_mul(point->path.throughput, contribution));
 }
 
-static void send(const rk_rendering *r, rk_tile *t, rk_vec3 position, rk_vec3 colour)
+static void add_all(const rk_rendering *r, const rk_shading_points *points, rk_light_sample light,
+                    rk_film *film)
 {
-    for (uint32_t i = 0; i < t->seen_count; i++) {
-        const rk_shading_point *seen = &t->seen[i];
-        rk_vec3 to_light = rk_sub(position, seen->surface.point);
-        rk_vec3 arriving = rk_reflected(r, seen, to_light, colour);
-        if (!r->plan.shadow_rays)
-            arrive(t, i, arriving);
-        else if (!rk_is_black(arriving))
-            rk_queue_shadow_ray(t, i, to_light, position, arriving);
+    const rk_shading *shading = &r->options->shading;
+    const rk_shading_point *end = points->points + points->count;
+    for (const rk_shading_point *point = points->points; point < end; point++) {
+        rk_vec3 to_light = rk_sub(light.position, point->surface.point);
+        add_unoccluded(point, rk_reflected_radiance(shading, point, to_light, light.colour), film);
     }
 }
 
-void rk_point_light_stage(const rk_rendering *r, rk_tile *t, const rk_light *light)
+static void queue_shadow_rays(const rk_rendering *r, const rk_shading_points *points,
+                              rk_light_sample light, rk_shadow_queue *queue)
+{
+    queue->rays.count = 0;
+    for (uint32_t i = 0; i < points->count; i++) {
+        const rk_shading_point *point = &points->points[i];
+        rk_vec3 to_light = rk_sub(light.position, point->surface.point);
+        rk_vec3 contribution =
+            rk_reflected_radiance(&r->options->shading, point, to_light, light.colour);
+        if (!rk_is_black(contribution))
+            rk_queue_shadow_ray(queue, points, i, to_light, light.position, contribution);
+    }
+}
+
+void rk_point_light_stage(const rk_rendering *r, rk_sample_pass *pass,
+                          const rk_shading_points *points, const rk_light *light,
+                          rk_shadow_queue *queue, rk_shadow_answers *answers, rk_film *film)
 {
     const rk_light_options *options = &r->options->light;
     const rk_light_sample everywhere = rk_light_sample_at(light, options->falloff, options->domain,
                                                           light->position, (rk_vec2){0, 0});
-    t->shadow.count = 0;
-    send(r, t, everywhere.position, everywhere.colour);
-    if (t->shadow.count == 0)
+    if (!r->plan.shadow_rays) {
+        add_all(r, points, everywhere, film);
         return;
-    rk_shadow_stage(r, t);
-    for (uint32_t k = 0; k < t->shadow.count; k++)
-        if (!t->blocked.found[k])
-            arrive(t, t->arriving_at[k], t->arriving[k]);
+    }
+    queue_shadow_rays(r, points, everywhere, queue);
+    if (queue->rays.count == 0)
+        return;
+    rk_shadow_stage(r, pass, queue, answers);
+    for (uint32_t k = 0; k < queue->rays.count; k++)
+        if (!answers->occlusion.occluded[k])
+            add_unoccluded(&points->points[queue->point[k]], rk_unoccluded(r, queue, answers, k),
+                           film);
 }

@@ -1,0 +1,21 @@
+/* When rays are traced, and which of the objects that move they may intersect then. */
+#ifndef RK_ACCEL_RAY_TIMES_H
+#define RK_ACCEL_RAY_TIMES_H
+
+#include "accel/batch.h"
+#include "scene/scene.h"
+
+typedef struct rk_ray_time {
+    float time;       /* NaN: at rest, where no bit is set */
+    uint16_t objects; /* bit k: object k */
+} rk_ray_time;
+
+_Static_assert(RK_MOVING_MAX <= 16, "a bit for each object");
+
+/* The same for a batch, entry for entry. */
+typedef struct rk_ray_times {
+    float time[RK_BATCH_MAX];
+    uint16_t objects[RK_BATCH_MAX];
+} rk_ray_times;
+
+#endif

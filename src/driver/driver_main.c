@@ -1,0 +1,62 @@
+#include "driver/driver_main.h"
+
+#include "driver/driver_options.h"
+#include "driver/driver_unused.h"
+
+static const rk_driver_view *find_view(const rk_driver_spec *spec, const rk_driver *driver)
+{
+    for (const rk_driver_view *view = spec->views; view && view->name; view++)
+        if (rk_driver_debug(driver, view->name))
+            return view;
+    return NULL;
+}
+
+static const rk_driver_study *find_study(const rk_driver_spec *spec)
+{
+    for (const rk_driver_study *study = spec->studies; study && study->wanted; study++)
+        if (*study->wanted)
+            return study;
+    return NULL;
+}
+
+/* A driver may leave a step out. */
+static bool take(rk_driver_step *step, rk_driver *driver, rk_error *error)
+{
+    return !step || step(driver, error);
+}
+
+static bool save(const rk_driver_spec *spec, rk_driver *driver, rk_error *error)
+{
+    return spec->save ? spec->save(driver, error) : rk_driver_save(driver, NULL, error);
+}
+
+/* From a scene to what was asked for. */
+static bool work(const rk_driver_spec *spec, rk_driver *driver, rk_error *error)
+{
+    const rk_driver_study *study = find_study(spec);
+    const rk_driver_view *view = study ? NULL : find_view(spec, driver);
+    bool without_tree = (study && study->without_tree) || (view && view->without_tree);
+    if (!take(spec->prepare, driver, error))
+        return false;
+    if (!without_tree && !(rk_driver_build(driver, error) && take(spec->check_tree, driver, error)))
+        return false;
+    if (study)
+        return study->put(driver, error);
+    if (view)
+        return view->draw(driver, error) && save(spec, driver, error);
+    rk_driver_note_unused(driver);
+    if (!rk_driver_render(driver, error))
+        return false;
+    return driver->timing ? take(spec->put_rows, driver, error) : save(spec, driver, error);
+}
+
+int rk_driver_main(const rk_driver_spec *spec, int argc, char **argv)
+{
+    rk_error error = {""};
+    rk_driver driver = rk_driver_default(spec->feature, spec->summary);
+    rk_driver_set_defaults(&driver, spec);
+    rk_options_result result = rk_driver_read_options(&driver, spec, argc, argv, &error);
+    bool ok =
+        result == RK_OPTIONS_OK && rk_driver_start(&driver, &error) && work(spec, &driver, &error);
+    return rk_driver_finish(&driver, ok || result == RK_OPTIONS_DONE, &error);
+}

@@ -1,0 +1,226 @@
+/* What all drivers take on the command line, and what does not go together. */
+#include "driver/driver_options.h"
+
+#include "driver/driver_command.h"
+#include "features/sah_binning.h"
+#include "render/options.h"
+#include "scenes/builtin.h"
+
+#include <stdio.h>
+#include <string.h>
+
+/* --- Rows ------------------------------------------------------------------------------------ */
+
+RK_NAMES(split_names, rk_accel_kind, RK_ACCEL_SAH_3, "median", "sah", "sah3");
+
+/* The help of --scene, --debug and --pixel depends on the driver, and --move on its scene: see
+ * make_common. */
+static const rk_option common_rows[] = {
+    {"scene", RK_FIELD(rk_driver, scene_name), "NAME", NULL, .initial_text = "cornell"},
+    {"mesh", RK_FIELD(rk_driver, mesh_path), "FILE",
+     "a mesh file instead (OBJ, PLY, OFF, glTF ...), moved into the unit ball"},
+    {"environment", RK_FIELD(rk_driver, environment), "sky|FILE",
+     "what is seen where nothing is met: the built-in sky, or a picture (JPG, PNG, EXR, HDR ...) "
+     "that is a cross (4:3, 3:4), a strip (6:1, 1:6) or longitude and latitude (2:1), or six: a "
+     "folder of px.*, nx.* ..., or a name with %s in their place"},
+    {"distance", RK_FIELD(rk_driver, camera_given.distance), "D",
+     "of the camera from the point it looks at, world units; by default the scene's own", 1e-3, 1e6,
+     NAN},
+    {"fov", RK_FIELD(rk_driver, camera_given.fov), "DEG",
+     "vertical field of view, degrees; by default the scene's own", 1, 179, NAN},
+    {"pitch", RK_FIELD(rk_driver, camera_given.rotation.x), "DEG",
+     "the camera's turn about x, degrees: how far it looks down; by default the scene's own", -360,
+     360, NAN},
+    {"yaw", RK_FIELD(rk_driver, camera_given.rotation.y), "DEG",
+     "the camera's turn about y, degrees: how far it goes round; by default the scene's own", -360,
+     360, NAN},
+    {"threads", RK_FIELD(rk_driver, threads), "N",
+     "that share the work; 0: as many as there are processors", 0, RK_THREADS_MAX, 0},
+    {"runs", RK_FIELD(rk_driver, runs), "N", "build and render so many times; timings are medians",
+     1, RK_RUNS_MAX, 1},
+    {"split", RK_CHOICE(rk_driver, split, split_names),
+     "nodes of the tree: sah by the surface area heuristic on the longest axis, sah3 on all three",
+     .initial = RK_ACCEL_SAH},
+    {"bins", RK_FIELD(rk_driver, bins), "N", "that sah and sah3 count triangles into", 2,
+     RK_SAH_BINS_MAX},
+    {"timing", RK_FIELD(rk_driver, timing), NULL,
+     "put timings into DIR/tables instead of drawing a picture"},
+    {"debug", RK_FIELD(rk_driver, debug), "VIEW", NULL},
+    {"pixel", RK_FIELD(rk_driver, pixel), "X,Y", NULL},
+    {"out", RK_FIELD(rk_driver, out), "DIR", "pictures go to DIR/figures, tables to DIR/tables",
+     .initial_text = "out"},
+    {"quiet", RK_FIELD(rk_driver, quiet), NULL, "no progress bar, no summary"},
+    {"move", RK_FIELD(rk_driver, move), NULL,
+     "the whole mesh moves (with --time-samples), if nothing in the scene moves by itself"},
+    {0},
+};
+
+enum { common_count = sizeof common_rows / sizeof *common_rows };
+
+/* A text of --help that names the driver's views. */
+typedef struct view_text {
+    char text[300];
+} view_text;
+
+static view_text list_views(const rk_driver_view *views)
+{
+    view_text list = {""};
+    for (; views && views->name; views++) {
+        strncat(list.text, *list.text ? ", " : "", sizeof list.text - strlen(list.text) - 1);
+        strncat(list.text, views->name, sizeof list.text - strlen(list.text) - 1);
+    }
+    return list;
+}
+
+static view_text debug_help(const rk_driver_view *views)
+{
+    view_text help;
+    snprintf(help.text, sizeof help.text, "draw a debug view: %.256s", list_views(views).text);
+    return help;
+}
+
+/* Some drivers draw a pixel's rays. */
+static view_text pixel_help(const rk_driver *driver, const rk_driver_view *views)
+{
+    view_text help = {"tell how this pixel gets its colour; 0,0 is at the top left"};
+    size_t length = strlen(help.text);
+    for (; views && views->name; views++)
+        if (strcmp(views->name, "rays") == 0)
+            snprintf(help.text + length, sizeof help.text - length,
+                     "; --debug rays draws its rays instead, and without --pixel those of the "
+                     "pixel at %u %% of the width and %u %% of the height",
+                     driver->drawn_x, driver->drawn_y);
+    return help;
+}
+
+typedef struct help_texts {
+    view_text debug, pixel;
+    char scene[2000];
+} help_texts;
+
+static help_texts help_for(const rk_driver *driver, const rk_driver_view *views)
+{
+    help_texts texts = {debug_help(views), pixel_help(driver, views), ""};
+    rk_builtin_help(texts.scene, sizeof texts.scene);
+    return texts;
+}
+
+/* Fills in the help that depends on the driver; --move comes last, and is left out where everything
+ * moves anyway. */
+static void make_common(rk_option rows[common_count], const rk_driver *driver,
+                        const help_texts *texts)
+{
+    memcpy(rows, common_rows, sizeof common_rows);
+    for (rk_option *row = rows; row->name; row++) {
+        if (strcmp(row->name, "scene") == 0)
+            row->help = texts->scene;
+        else if (strcmp(row->name, "debug") == 0)
+            row->help = texts->debug.text;
+        else if (strcmp(row->name, "pixel") == 0)
+            row->help = texts->pixel.text;
+        else if (strcmp(row->name, "move") == 0 && driver->move)
+            row->name = NULL;
+    }
+}
+
+/* --- Defaults -------------------------------------------------------------------------------- */
+
+rk_driver rk_driver_default(const char *feature, const char *summary)
+{
+    rk_driver driver = {
+        .feature = feature,
+        .summary = summary,
+        .render = rk_render_options_default(),
+        .drawn_x = 50,
+        .drawn_y = 50,
+        .motion = rk_motion_default(),
+    };
+    rk_options_set_defaults(common_rows, &driver);
+    driver.bins = rk_sah_options_default().bins;
+    return driver;
+}
+
+void rk_driver_set_defaults(rk_driver *driver, const rk_driver_spec *spec)
+{
+    driver->choices = spec->choices;
+    if (spec->options)
+        rk_options_set_defaults(spec->options, spec->choices);
+    if (spec->set_defaults)
+        spec->set_defaults(driver);
+}
+
+/* --- What does not go together --------------------------------------------------------------- */
+
+static bool check_debug_view(const rk_driver *driver, const rk_driver_view *views, rk_error *error)
+{
+    if (!driver->debug)
+        return true;
+    for (const rk_driver_view *view = views; view && view->name; view++)
+        if (rk_driver_debug(driver, view->name))
+            return true;
+    return rk_fail(error, "--debug %.80s: there is no such view: choose one of %.256s",
+                   driver->debug, list_views(views).text);
+}
+
+static bool check_pixel(const rk_driver *driver, rk_error *error)
+{
+    if (driver->pixel.given &&
+        (driver->pixel.x >= driver->render.width || driver->pixel.y >= driver->render.height))
+        return rk_fail(
+            error,
+            "--pixel %u,%u: the picture has %u x %u pixels, counted from 0,0 at the top left",
+            driver->pixel.x, driver->pixel.y, driver->render.width, driver->render.height);
+    return true;
+}
+
+static bool check(const rk_driver *driver, const rk_driver_view *views, const char *usual_scene,
+                  rk_error *error)
+{
+    if (driver->mesh_path && driver->scene_name != usual_scene)
+        return rk_fail(error, "--scene and --mesh: choose one of them");
+    if (driver->timing && driver->debug)
+        return rk_fail(error,
+                       "--timing and --debug: choose one of them; --timing draws no picture");
+    return check_debug_view(driver, views, error) && check_pixel(driver, error) &&
+           rk_render_options_check_command(&driver->render, error);
+}
+
+/* --- Reading --------------------------------------------------------------------------------- */
+
+static void add(rk_driver_tables *all, const rk_option *rows, void *values)
+{
+    if (rows)
+        all->tables[all->count++] = (rk_option_table){rows, values};
+}
+
+/* `common` is the table that make_common made. */
+static rk_driver_tables all_tables(rk_driver *driver, const rk_driver_spec *spec,
+                                   const rk_option *common)
+{
+    rk_driver_tables all = {.count = 0};
+    add(&all, spec->driver_options, driver);
+    add(&all, spec->options, spec->choices);
+    add(&all, common, driver);
+    const rk_render_option_tables render = rk_render_options_tables(&driver->render);
+    for (size_t i = 0; i < render.count; i++)
+        add(&all, render.tables[i].rows, &driver->render);
+    return all;
+}
+
+rk_options_result rk_driver_read_options(rk_driver *driver, const rk_driver_spec *spec, int argc,
+                                         char **argv, rk_error *error)
+{
+    const char *usual_scene = driver->scene_name;
+    const help_texts texts = help_for(driver, spec->views);
+    rk_option common[common_count];
+    make_common(common, driver, &texts);
+    const rk_driver_tables all = all_tables(driver, spec, common);
+    driver->argv = argv;
+    driver->render_usual = driver->render;
+    rk_options_result result =
+        rk_options_parse(argc, argv, driver->summary, all.tables, all.count, error);
+    rk_driver_note_command(driver, &all);
+    if (result == RK_OPTIONS_OK && !check(driver, spec->views, usual_scene, error))
+        return RK_OPTIONS_BAD;
+    return result;
+}

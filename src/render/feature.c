@@ -1,0 +1,64 @@
+#include "render/feature.h"
+
+#include "render/rendering.h"
+
+const rk_feature *const rk_features[RK_FEATURE_COUNT] = {
+#define RK_FEATURE(stem) &rk_##stem##_feature,
+#include "features/list.h"
+#undef RK_FEATURE
+};
+
+bool rk_plan_has(const rk_plan *plan, uint32_t feature)
+{
+    const bool bits[] = {
+#define RK_FEATURE(stem) plan->stem,
+#include "features/list.h"
+#undef RK_FEATURE
+    };
+    return bits[feature];
+}
+
+static bool prepare_all(rk_rendering *r, rk_error *error)
+{
+    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
+        if (rk_features[i]->prepare && rk_plan_has(&r->plan, i) &&
+            !rk_features[i]->prepare(r, error))
+            return false;
+    return true;
+}
+
+bool rk_features_prepare(rk_rendering *r, rk_pool *pool, rk_counters *counters, rk_error *error)
+{
+    if (!prepare_all(r, error))
+        return false;
+    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
+        if (rk_features[i]->prepass && rk_plan_has(&r->plan, i) &&
+            !rk_features[i]->prepass(r, pool, counters, error))
+            return false;
+    return true;
+}
+
+void rk_features_release(rk_rendering *r)
+{
+    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
+        if (rk_features[i]->release && rk_plan_has(&r->plan, i))
+            rk_features[i]->release(r);
+}
+
+void rk_features_shade(const rk_rendering *r, struct rk_sample_pass *pass,
+                       const struct rk_shading_points *points, struct rk_film *film)
+{
+    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
+        if (rk_features[i]->shade && rk_plan_has(&r->plan, i))
+            rk_features[i]->shade(r, pass, points, film);
+}
+
+bool rk_features_post(rk_image *image, const rk_rendering *r, rk_pool *pool, rk_counters *counters,
+                      rk_error *error)
+{
+    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
+        if (rk_features[i]->post && rk_plan_has(&r->plan, i) &&
+            !rk_features[i]->post(image, r->options, pool, counters, error))
+            return false;
+    return true;
+}

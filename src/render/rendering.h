@@ -1,0 +1,18 @@
+/* What a picture is made from: the same for all threads, and constant while they work. */
+#ifndef RK_RENDER_RENDERING_H
+#define RK_RENDER_RENDERING_H
+
+#include "accel/accel.h"
+#include "render/plan.h"
+
+typedef struct rk_rendering {
+    const rk_scene *scene;
+    const rk_accel *accel;
+    const rk_render_options *options;
+    rk_plan plan;
+    rk_view view;
+    int32_t *coc_count;          /* see rk_lens_coc; NULL without a lens */
+    rk_box swept[RK_MOVING_MAX]; /* by each moving object; unset unless plan.motion_blur */
+} rk_rendering;
+
+#endif

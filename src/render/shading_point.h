@@ -1,0 +1,33 @@
+/* A shading point: where a path hits a surface, with all that lights and reflections need. */
+#ifndef RK_RENDER_SHADING_POINT_H
+#define RK_RENDER_SHADING_POINT_H
+
+#include "base/colour.h"
+#include "render/path_batch.h"
+#include "scene/surface.h"
+
+typedef struct rk_shading_point {
+    rk_surface surface;
+    rk_vec3 kd;
+    rk_vec3 to_viewer; /* unit, back along the ray; 0 unless plan.viewer */
+    rk_path path;      /* the rest of it, from here on */
+    uint16_t pixel;
+} rk_shading_point;
+
+typedef struct rk_shading_points {
+    uint32_t count;
+    rk_shading_point points[RK_BATCH_MAX];
+} rk_shading_points;
+
+/* Returns the radiance that the point reflects to the viewer of light from a direction (any
+ * length). */
+static inline rk_vec3 rk_reflected_radiance(const rk_shading *shading,
+                                            const rk_shading_point *point, rk_vec3 to_light,
+                                            rk_vec3 light)
+{
+    const rk_material *material = point->surface.material;
+    return rk_shade(shading, point->kd, material->ks, material->shininess, point->surface.normal,
+                    rk_normalize(to_light), point->to_viewer, light);
+}
+
+#endif

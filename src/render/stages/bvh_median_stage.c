@@ -1,0 +1,4 @@
+/* A tree is chosen when it is built (accel/accel.h): nothing here is asked of a picture. */
+#include "render/feature.h"
+
+const rk_feature rk_bvh_median_feature = {.stem = "bvh_median"};

@@ -1,0 +1,30 @@
+#include "render/stages/shading_stage.h"
+
+RK_NAMES(rk_shading_model_names, rk_shading_model, RK_SHADING_GRADIENT, "off", "lambert", "phong",
+         "blinn-phong", "gradient");
+
+static const rk_option rows[] = {
+    {"shading", RK_CHOICE(rk_render_options, shading.model, rk_shading_model_names),
+     "how surfaces answer light", .initial = RK_SHADING_LAMBERT},
+    {"normalized", RK_FIELD(rk_render_options, shading.normalized), NULL,
+     "no surface sends back more light than it gets"},
+    {0},
+};
+
+static bool wanted(const rk_scene *scene, const rk_render_options *options)
+{
+    return options->shading.model != RK_SHADING_OFF && rk_plan_has_light(scene);
+}
+
+static bool check(const rk_render_options *options, rk_error *error)
+{
+    return options->shading.gradient.count <= RK_GRADIENT_STOPS_MAX ||
+           rk_fail(error, "a gradient has at most %d stops, not %u", RK_GRADIENT_STOPS_MAX,
+                   options->shading.gradient.count);
+}
+
+const rk_feature rk_shading_feature = {.stem = "shading",
+                                       .options = rows,
+                                       .takes = "a light and a model other than off",
+                                       .wanted = wanted,
+                                       .check = check};

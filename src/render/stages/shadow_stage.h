@@ -1,0 +1,47 @@
+/* Shadow stage: how much of the light that is on its way to shading points arrives? */
+#ifndef RK_RENDER_STAGES_SHADOW_STAGE_H
+#define RK_RENDER_STAGES_SHADOW_STAGE_H
+
+#include "render/rendering.h"
+#include "render/sample_pass.h"
+#include "render/shading_point.h"
+
+/* Shadow rays of a batch of shading points, and for each of them: */
+typedef struct rk_shadow_queue {
+    rk_ray_batch rays;                  /* from the point, t = 0, to the light, t = 1 */
+    uint16_t point[RK_BATCH_MAX];       /* its index */
+    uint16_t pixel[RK_BATCH_MAX];       /* its pixel */
+    rk_vec3 contribution[RK_BATCH_MAX]; /* radiance that it reflects if all the light arrives */
+} rk_shadow_queue;
+
+/* The answers, entry for entry. */
+typedef struct rk_shadow_answers {
+    rk_occlusion_batch occlusion;
+    rk_vec3 transmittance[RK_BATCH_MAX]; /* set only with plan.transparency */
+} rk_shadow_answers;
+
+static inline void rk_queue_shadow_ray(rk_shadow_queue *queue, const rk_shading_points *points,
+                                       uint32_t i, rk_vec3 to_light, rk_vec3 light,
+                                       rk_vec3 contribution)
+{
+    const rk_shading_point *point = &points->points[i];
+    rk_vec3 start = rk_surface_spawn(&point->surface, to_light);
+    rk_ray ray = {start, rk_sub(light, start), 1};
+    queue->point[queue->rays.count] = (uint16_t)i;
+    queue->pixel[queue->rays.count] = point->pixel;
+    queue->contribution[queue->rays.count] = contribution;
+    rk_batch_push(&queue->rays, &ray);
+}
+
+void rk_shadow_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_shadow_queue *queue,
+                     rk_shadow_answers *answers);
+
+/* Returns the contribution of ray k as far as it arrives; it is not occluded. */
+static inline rk_vec3 rk_unoccluded(const rk_rendering *r, const rk_shadow_queue *queue,
+                                    const rk_shadow_answers *answers, uint32_t k)
+{
+    return r->plan.transparency ? rk_mul(queue->contribution[k], answers->transmittance[k])
+                                : queue->contribution[k];
+}
+
+#endif

@@ -1,0 +1,45 @@
+#include "render/stages/transparency_stage.h"
+
+#include "render/stages/trace_stage.h"
+
+void rk_transparency_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_path_batch *paths,
+                           uint32_t i, rk_visible_hits *visible)
+{
+    rk_crossing_list list;
+    visible->time = rk_trace_crossings(r, pass, paths, i, &list).time;
+    rk_transparency_weights(list.crossings, list.count, visible->weights, &visible->behind);
+    if (list.count == list.limit)
+        visible->behind = 0;
+    visible->count = list.count;
+    for (uint32_t k = 0; k < list.count; k++)
+        visible->hits[k] = rk_crossing_hit(&list.crossings[k]);
+}
+
+/* --- The feature ----------------------------------------------------------------------------- */
+
+RK_NAMES(rk_glass_model_names, rk_glass_model, RK_GLASS_BEER_LAMBERT, "multiplicative", "ordered",
+         "beer-lambert");
+
+static const rk_option rows[] = {
+    {"transparency", RK_FIELD(rk_render_options, transparency), NULL,
+     "glass shows what is behind it, and tints its shadows"},
+    {"glass", RK_CHOICE(rk_render_options, glass, rk_glass_model_names),
+     "how glass tints its shadows", .initial = RK_GLASS_ORDERED},
+    {0},
+};
+
+static bool is_transparent(const rk_material *material)
+{
+    return material->alpha < 1;
+}
+
+static bool wanted(const rk_scene *scene, const rk_render_options *options)
+{
+    return options->transparency && rk_plan_any_material(scene, is_transparent);
+}
+
+const rk_feature rk_transparency_feature = {.stem = "transparency",
+                                            .options = rows,
+                                            .takes =
+                                                "--transparency and a material that is not opaque",
+                                            .wanted = wanted};

@@ -1,0 +1,175 @@
+# Prints one of the parts that tools/features.sh writes. A row of the table: stem, folder, needs, and
+# README's words: about, picture. Plain awk, so that a build needs no Python.
+
+function fail(message) {
+    print "features: " FILENAME message | "cat >&2"
+    failed = 1
+    exit 1
+}
+
+function exists(path, line) {
+    if ((getline line < path) < 0) return 0
+    close(path)
+    return 1
+}
+
+function files(globs, command, name, found) {
+    command = "ls -d " globs " 2>/dev/null"
+    while ((command | getline name) > 0) found = found " " name
+    close(command)
+    return found
+}
+
+function only(names, regex, count, i, list, found) {
+    count = split(names, list, " ")
+    for (i = 1; i <= count; i++)
+        if (list[i] ~ regex) found = found " " list[i]
+    return found
+}
+
+# A pack for students has a starter in the unit's place, which says that another file is to be solved.
+function unit_of(stem, path, line, handed) {
+    path = "src/features/" stem ".c"
+    while ((getline line < path) > 0)
+        if (line ~ /^\/\* Handed out: /) handed = 1
+    close(path)
+    return handed ? "workbook/" stem ".c" : path
+}
+
+function need_rooms(stem, folder, rooms, i) {
+    split("src/features/.h src/features/.c tests/test_.c", rooms, " ")
+    for (i = 1; i in rooms; i++) sub(/\./, stem ".", rooms[i])
+    rooms[i] = "assignments/" folder "/driver.c"
+    for (i = 1; i in rooms; i++)
+        if (!exists(rooms[i])) fail(":" FNR ": there is no " rooms[i] "; make new-feature writes all files of a new feature")
+}
+
+function units_of(needs, list, i, found) {
+    split(needs, list, " ")
+    for (i = 1; i in list; i++) found = found " $(unit_" list[i] ")"
+    return found
+}
+
+# A feature's own lines; what it adds to the lists of all.
+function build_one(stem, folder, needs, unit, driver, name) {
+    unit = unit_of(stem)
+    driver = name = "assignments/" folder "/" stem
+    gsub("/", "_", name)
+    print "\nunit_" stem " = " unit
+    print name "_SOURCES =" only(seen, "^assignments/" folder "/")
+    print name "_LDADD = $(driver_libs)"
+    print "tests_test_" stem "_SOURCES = tests/test_" stem ".c $(unit_" stem ")" units_of(needs)
+    drivers = drivers " " driver
+    headers = headers " src/features/" stem ".h"
+    units = units " $(unit_" stem ")"
+    suites = suites " tests/test_" stem
+    if (only(seen, "^tests/test_" stem "_stage\\.c$")) {
+        print "tests_test_" stem "_stage_LDADD = $(render_libs)"
+        suites = suites " tests/test_" stem "_stage"
+    }
+    if (unit ~ /^workbook/) {
+        handed_out = handed_out " " stem
+        starters = starters " src/features/" stem ".c"
+    }
+}
+
+# A header that nobody outside should include says "not installed" in its first comment.
+function is_internal(path, line, internal) {
+    while ((getline line < path) > 0) {
+        if (line ~ /not installed/) internal = 1
+        if (internal || line ~ /\*\/$/) break
+    }
+    close(path)
+    return internal
+}
+
+# All files of a room: headers to install, and everything else.
+function room(name, globs, left_out, names, count, i, list, headers, sources) {
+    patterns = patterns " " globs
+    names = files(globs)
+    count = split(names, list, " ")
+    for (i = 1; i <= count; i++) {
+        seen = seen " " list[i]
+        if (left_out && list[i] ~ left_out) continue
+        if (list[i] ~ /\.h$/ && !is_internal(list[i])) headers = headers " " list[i]
+        else sources = sources " " list[i]
+    }
+    print name "_headers =" headers
+    print name "_sources =" sources
+}
+
+function build_rooms() {
+    print "\n# The rooms of src: all files of each."
+    room("base", "src/base/*.[ch]")
+    room("scene", "src/scene/*.[ch]")
+    room("scenes", "src/scenes/*.[ch]")
+    room("io", "src/io/*.[ch]", "helper_folder_")
+    room("accel", "src/accel/*.[ch]")
+    room("render", "src/render/*.[ch]")
+    room("stage", "src/render/stages/*.[ch]")
+    room("post", "src/post/*.[ch]")
+    room("driver", "src/driver/*.[ch]")
+    room("mesh_helper", "src/io/mesh_helper/*.[ch]")
+    room("image_helper", "src/io/image_helper/*.h src/io/image_helper/*.cpp")
+}
+
+function build_all() {
+    build_rooms()
+    print "\nfeatures =" stems
+    print "feature_drivers =" drivers
+    print "feature_suites =" suites
+    print "feature_headers = src/features/all.h src/features/list.h" headers
+    print "feature_sources =" units
+    print "\n# What make looks for again: a file that comes or goes changes the lists above."
+    print "feature_patterns = " patterns
+    print "feature_files =" seen
+    print "\n# In a pack for students, the features that they solve."
+    print "handed_out =" handed_out
+    print "starters =" starters
+}
+
+function readme_row(stem, about, picture) {
+    if (picture) picture = "![" picture "](docs/pictures/" stem ".png) "
+    return "| " picture "| `" stem "` | " about " |\n"
+}
+
+function readme(line, skips, found) {
+    while ((getline line < "README.md") > 0) {
+        if (line ~ /^<!-- features end/) skips = 0
+        if (!skips) print line
+        if (line ~ /^<!-- features:/) {
+            found = skips = 1
+            printf "| | feature | what it is |\n|---|---|---|\n%s", rows
+        }
+    }
+    if (!found || skips) fail(": README.md has no line <!-- features: ... -->, or none <!-- features end --> below it")
+}
+
+BEGIN {
+    written = "Written by tools/features.sh from assignments/features.tsv."
+    if (part == "build") print "# " written
+    else if (part != "readme") print "/* " written " */\n/* clang-format off */"
+    patterns = "assignments/[0-9]*/*.[ch] tests/test_*_stage.c"
+    seen = files(patterns)
+}
+
+FNR == 1 && $0 != "stem\tfolder\tneeds\tabout\tpicture" {
+    fail(":1: the header should be stem, folder, needs, about, picture, separated by tabs")
+}
+
+FNR > 1 {
+    if (NF != 5) fail(":" FNR ": five columns are wanted, separated by tabs; here are " NF)
+    need_rooms($1, $2)
+    stems = stems " " $1
+    rows = rows readme_row($1, $4, $5)
+    if (part == "build") build_one($1, $2, $3)
+    if (part == "list") list = list "RK_FEATURE(" $1 ")\n"
+    if (part == "headers") print "#include \"features/" $1 ".h\""
+}
+
+END {
+    if (failed) exit 1
+    if (part == "build") build_all()
+    if (part == "list") printf "/* For programs that define RK_FEATURE. */\n#ifdef RK_FEATURE\n%s#endif\n", list
+    if (part == "readme") readme()
+}

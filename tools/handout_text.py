@@ -1,0 +1,70 @@
+"""The text of an assignment: its handout.md with the sections that all share, as it is true for whom.
+
+A line of a handout that begins with a link to a section of assignments/handout_common.md stands for
+that section, with {stem}, {folder} and {number} filled in. What is true in one place only stands
+between `<!-- kit -->` and `<!-- pack`, and its counterpart from there to `end -->`.
+"""
+
+import os
+import re
+
+from grading.assignments import ToolError
+
+_LINK = re.compile(r"^\[[^]]*\]\(\.\./(handout_common\.md)#([\w-]+)\).*$", re.MULTILINE)
+_KIT_OR_PACK = re.compile(r"^<!-- kit -->\n(.*?)^<!-- pack\n(.*?)^end -->\n", re.MULTILINE | re.DOTALL)
+_OF_THE_KIT = re.compile(r"\b(IMPL|DIR)=mine\b|(?<![\w/])mine/|`mine`|<!-- (kit|pack)\b")
+
+
+def _read(*path):
+    try:
+        with open(os.path.join(*path), encoding="utf-8") as file:
+            return file.read()
+    except OSError as error:
+        raise ToolError(f"{os.path.join(*path)} cannot be read: {error.strerror}") from error
+
+
+def _sections(text):
+    """Returns a dictionary from a heading's anchor to its section."""
+    parts = re.split(r"^(?=## )", text, flags=re.MULTILINE)[1:]
+    return {re.sub(r"\W+", "-", part.splitlines()[0][3:].lower()): part.rstrip() for part in parts}
+
+
+def handout_of(source, feature):
+    """Returns a feature's handout with the shared sections in their places."""
+    own = _read(source, "assignments", feature.folder, "handout.md")
+    filled = {"stem": feature.stem, "folder": feature.folder, "number": str(int(feature.folder.split("_")[0]))}
+
+    def section(link):
+        name, anchor = link.groups()
+        shared = _sections(_read(source, "assignments", name))
+        if anchor not in shared:
+            raise ToolError(f"assignments/{feature.folder}/handout.md: {name} has no section \"{anchor}\"; "
+                            f"it has: {', '.join(shared)}")
+        return re.sub(r"\{(stem|folder|number)\}", lambda word: filled[word[1]], shared[anchor])
+
+    return _LINK.sub(section, own)
+
+
+def as_packed(text, name, stems):
+    """Returns a text of the kit as it is true in a pack, where the workbook is meant without a word."""
+    text = _KIT_OR_PACK.sub(r"\2", text)
+    text = re.sub(r" IMPL=mine\b(?!/)", "", text)
+    for stem in stems:
+        text = text.replace(f"mine/{stem}.c", f"workbook/{stem}.c")
+        text = text.replace(f"[`src/features/{stem}.c`](file:src/features/{stem}.c)",
+                            f"[`workbook/{stem}.c`](file:workbook/{stem}.c)")
+    left = _OF_THE_KIT.search(text)
+    if left:
+        line = text.count("\n", 0, left.start()) + 1
+        raise ToolError(f"{name}:{line} of the pack says {left.group()}, which is true in the whole kit only; "
+                        "put it between <!-- kit --> and <!-- pack")
+    return text
+
+
+def as_in_workbook(text, source, feature, folder):
+    """Returns a handout as it is true in the student's folder, which need not be called mine."""
+    kit = os.path.relpath(source, folder)
+    text = _KIT_OR_PACK.sub(r"\1", text)
+    text = re.sub(r"(?<==)mine\b|(?<![\w/])mine(?=/)|(?<=`)mine(?=`)", lambda _: folder.rstrip("/") or "/", text)
+    text = text.replace("](points.tsv)", f"](../../assignments/{feature.folder}/points.tsv)")
+    return text.replace("](../../", f"]({kit}/")
