@@ -57,7 +57,7 @@ def check_name(source, stem):
 def _filler(stem, folder):
     """Returns the function that makes a text or a path about fog one about the feature."""
     words = {"NN_fog": folder, "NUMBER": str(int(folder.split("_")[0])), "FOG": stem.upper(),
-             "Fog": stem.replace("_", " ").capitalize(), "fog": stem}
+             "Fog": stem.replace("_", " ").capitalize(), "fog-": stem.replace("_", "-") + "-", "fog": stem}
     return lambda text: re.sub("|".join(words), lambda match: words[match.group()], text)
 
 
@@ -75,7 +75,13 @@ def edited_files(source, stem, folder):
     """Returns the same for files that gain a line."""
     table = "assignments/features.tsv"
     row = "\t".join([stem, folder, "", "say in a few words what it is", ""])
-    return {table: _read(os.path.join(source, table)) + row + "\n"}
+    options = "src/render/plan.h"
+    text, end = _read(os.path.join(source, options)), "} rk_render_options;\n"
+    includes = re.search(r'(#include "features/.*\n)+', text).group().splitlines(keepends=True)
+    more = sorted([*includes, f'#include "features/{stem}.h"\n'])
+    text = text.replace("".join(includes), "".join(more))
+    return {table: _read(os.path.join(source, table)) + row + "\n",
+            options: text.replace(end, f"    rk_{stem}_options {stem};\n" + end)}
 
 
 def _make_folders(folder):

@@ -1,21 +1,19 @@
-/* Fog in the renderer: where it is not wanted nothing changes, and nothing is done. */
+/* Fog in the renderer: it is planned only where it is wanted. */
 #include "test_scene.h"
 
-#include "render/stages/fog_stage.h"
-
-static void without_fog_the_picture_stays_as_it_is(void **state)
+static void fog_is_planned_where_it_is_wanted(void **state)
 {
     (void)state;
-    rk_vec3 before[] = {{0.25f, 0.5f, 2}, {0, 0, 0}}, after[] = {before[0], before[1]};
-    rk_image image = {.width = 2, .height = 1, .pixels = after};
-    const rk_fog_options none = {.strength = 0};
-    rk_fog_stage(&image, &none);
-    rk_check(!rk_fog_wanted(&none), "fog is wanted at strength 0");
-    rk_check(memcmp(before, after, sizeof before) == 0, "fog changes a picture at strength 0");
+    rk_scene scene = test_scene_builtin("cornell");
+    rk_render_options options = rk_render_options_default();
+    rk_check(!rk_plan_of(&scene, &options).fog, "fog is planned by default");
+    options.fog.strength = 1;
+    rk_check(rk_plan_of(&scene, &options).fog, "fog is not planned at strength 1");
+    rk_scene_free(&scene);
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(without_fog_the_picture_stays_as_it_is),
+    cmocka_unit_test(fog_is_planned_where_it_is_wanted),
 };
 
 RK_SUITE("fog_stage", tests)

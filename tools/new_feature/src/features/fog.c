@@ -9,7 +9,6 @@ rk_vec3 rk_fog_colour(rk_vec3 colour, float strength)
     return colour;
     /* starter
     // First step.
-    (void)strength;
     return colour;
     end */
 }
