@@ -30,7 +30,7 @@ static bool render(const rk_scene *scene, const char *path, rk_error *error)
               rk_render(&image, scene, &accel, &options, pool, &counters, NULL, error) &&
               rk_image_file_write(path, &image, error);
     if (ok)
-        printf("%s: %.2f boxes and %.2f triangles tested a ray\n", path,
+        printf("%s: %.2f boxes and %.2f triangles tested per ray\n", path,
                (double)counters.box_tests / (double)(counters.primary_rays + counters.shadow_rays),
                (double)counters.triangle_tests /
                    (double)(counters.primary_rays + counters.shadow_rays));

@@ -1,4 +1,4 @@
-/* raykit, all of it: include this one header, or just those that you need. */
+/* All of raykit: include this header, or only those that you need. */
 #ifndef RAYKIT_H
 #define RAYKIT_H
 

@@ -13,7 +13,7 @@ static rk_image make_image(const rk_vec3 *pixels, size_t count)
     return image;
 }
 
-static void a_picture_is_no_way_from_itself(void **state)
+static void a_picture_has_no_error_against_itself(void **state)
 {
     (void)state;
     const rk_vec3 pixels[] = {{0.25f, 1, 7}, {0, -3, 0.1f}};
@@ -59,13 +59,13 @@ static void a_reference_has_samples_of_its_own_and_leaves_the_driver_as_it_was(v
     rk_check(driver.image.pixels == pixels && driver.render.seed == 5, "the driver has changed");
     rk_check_ok(rk_driver_render(&driver, &error), error);
     rk_picture_error off = rk_picture_compare(&driver.image, &reference);
-    rk_check(off.rmse > 0, "at the sphere's rim, other samples see another part of it");
+    rk_check(off.rmse > 0, "at the sphere's rim, other samples cover another part of it");
     rk_image_free(&reference);
     rk_check_equal(rk_driver_finish(&driver, true, &error), 0, "all is freed");
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(a_picture_is_no_way_from_itself),
+    cmocka_unit_test(a_picture_has_no_error_against_itself),
     cmocka_unit_test(errors_are_taken_over_all_channels),
     cmocka_unit_test(a_reference_has_samples_of_its_own_and_leaves_the_driver_as_it_was),
 };

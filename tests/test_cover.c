@@ -1,5 +1,5 @@
-/* All features in one picture: each takes part, each can be left out, and what is left out, or what
- * a scene has no use for, is not counted once. */
+/* All features in one picture: each takes part, each can be left out, and one that is left out or
+ * that the scene does not need leaves its counters at 0. */
 #include "test_scene.h"
 
 #include "scenes/sky.h"
@@ -30,7 +30,7 @@ static rk_scene make_cover(void)
     return scene;
 }
 
-/* What each feature is counted by, and how it is left out. */
+/* The counter of each feature, and how it is left out. */
 typedef enum feature {
     mirrors,
     rough,
@@ -100,7 +100,7 @@ static void all_features_take_part(void **state)
     rk_scene_free(&scene);
 }
 
-static void each_can_be_left_out_and_then_counts_nothing(void **state)
+static void each_can_be_left_out_at_no_cost(void **state)
 {
     (void)state;
     rk_scene scene = make_cover();
@@ -129,27 +129,29 @@ static void the_picture_is_the_same_for_any_number_of_threads(void **state)
     test_picture three = test_render(&scene, everything(), 3);
     rk_check(test_same_pixels(&one.image, &three.image), "threads change the picture");
     rk_check(memcmp(&one.counters, &three.counters, sizeof one.counters) == 0,
-             "threads change what is done");
+             "threads change the work");
     rk_image_free(&one.image);
     rk_image_free(&three.image);
     rk_scene_free(&scene);
 }
 
-static void a_scene_that_has_no_use_for_them_pays_for_none(void **state)
+static void a_scene_that_needs_none_pays_for_none(void **state)
 {
     (void)state;
-    /* A dull statue and a point light, with everything asked for that the scene does not have. */
+    /* A dull statue and a point light, with all options of features that the scene does not need.
+     */
     rk_scene scene = test_scene_builtin("statue:2000");
     for (uint32_t i = 0; i < scene.mesh.material_count; i++)
         scene.mesh.materials[i].ks = rk_vec(0, 0, 0);
-    rk_render_options plain = rk_render_options_default(), asked = everything();
-    plain.width = asked.width;
-    plain.height = asked.height;
+    rk_render_options plain = rk_render_options_default(), full = everything();
+    plain.width = full.width;
+    plain.height = full.height;
     plain.shadows = true;
-    asked.shading = plain.shading;
-    asked.lens.aperture = 0;
-    asked.bloom.threshold = 100; /* nothing is that bright: one look at the picture, no filter */
-    test_picture want = test_render(&scene, plain, 2), got = test_render(&scene, asked, 2);
+    full.shading = plain.shading;
+    full.lens.aperture = 0;
+    full.bloom.threshold =
+        100; /* nothing is that bright: the picture is read once, and not filtered */
+    test_picture want = test_render(&scene, plain, 2), got = test_render(&scene, full, 2);
     rk_check(test_same_pixels(&want.image, &got.image), "not the same picture to the bit");
     got.counters.bloom_pixels_read = 0;
     rk_check(memcmp(&want.counters, &got.counters, sizeof want.counters) == 0,
@@ -161,9 +163,9 @@ static void a_scene_that_has_no_use_for_them_pays_for_none(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(all_features_take_part),
-    cmocka_unit_test(each_can_be_left_out_and_then_counts_nothing),
+    cmocka_unit_test(each_can_be_left_out_at_no_cost),
     cmocka_unit_test(the_picture_is_the_same_for_any_number_of_threads),
-    cmocka_unit_test(a_scene_that_has_no_use_for_them_pays_for_none),
+    cmocka_unit_test(a_scene_that_needs_none_pays_for_none),
 };
 
 RK_SUITE("cover", tests)

@@ -211,16 +211,16 @@ static void opaque_triangles_end_the_list(void **state)
 
 /* --- Panes ------------------------------------------------------------------------------------ */
 
-static void coinciding_panes_are_each_crossed(void **state)
+static void coinciding_surfaces_are_each_crossed(void **state)
 {
     (void)state;
     const float heights[] = {0.5f, 0.5f, 0.5f};
     rk_scene scene = make_panes(heights, 3);
-    /* Through the middle, where each pane's diagonal runs, and beside it. */
+    /* Through the middle, where each surface's diagonal runs, and beside it. */
     for (int i = 0; i < 2; i++) {
         rk_ray ray = {rk_vec(0, (float)i / 4, 0), rk_vec(0, 0, 1), 1};
         rk_crossing_list list = gather_in(&scene, ray);
-        rk_check_equal(list.count, 3, "three coinciding panes are three crossings");
+        rk_check_equal(list.count, 3, "three coinciding surfaces are three crossings");
         rk_check_equal(balance(&list), 3, "each is entered from its outside");
         for (uint32_t k = 0; k < 3; k++)
             rk_check_close(list.crossings[k].t, 0.5, 0, "all at the same t");
@@ -228,7 +228,7 @@ static void coinciding_panes_are_each_crossed(void **state)
     rk_scene_free(&scene);
 }
 
-static void panes_a_millionth_apart_are_each_crossed(void **state)
+static void surfaces_a_millionth_apart_are_each_crossed(void **state)
 {
     (void)state;
     const float heights[] = {0.5f, 0.500001f, 0.500002f};
@@ -238,7 +238,7 @@ static void panes_a_millionth_apart_are_each_crossed(void **state)
         float x = noise(30, i, 0) / 2, y = i % 4 ? noise(30, i, 1) / 2 : x;
         rk_ray ray = {rk_vec(x, y, 0), rk_vec(0, 0, 1), 1};
         rk_crossing_list list = gather_in(&scene, ray);
-        rk_check_equal(list.count, 3, "no fixed step skips a pane, none is counted twice");
+        rk_check_equal(list.count, 3, "no fixed step skips a surface, none is counted twice");
         for (uint32_t k = 0; k < 3; k++)
             rk_check_close(list.crossings[k].t, heights[k], 0x1p-24, "sorted by t");
     }
@@ -258,7 +258,7 @@ static void only_crossings_strictly_between_point_and_light_count(void **state)
     rk_scene_free(&scene);
 }
 
-/* The number of crossings from a point on pane `index` of the scene to a light. */
+/* The number of crossings from a point on surface `index` of the scene to a light. */
 static uint32_t crossings_from(const rk_accel *accel, uint32_t triangle, float u, float v,
                                rk_vec3 light)
 {
@@ -274,7 +274,7 @@ static uint32_t crossings_from(const rk_accel *accel, uint32_t triangle, float u
     return list.count;
 }
 
-static void a_ray_does_not_cross_the_pane_it_starts_on(void **state)
+static void a_ray_does_not_cross_the_surface_it_starts_on(void **state)
 {
     (void)state;
     const float heights[] = {0.3f, 0.3f + 1e-6f, 0.7f};
@@ -284,9 +284,9 @@ static void a_ray_does_not_cross_the_pane_it_starts_on(void **state)
         float u = rk_unit_float(rk_hash(i, 0, 40, 0)) * 0.5f, v = i % 4 ? 0.25f : 0;
         rk_vec3 light = rk_vec(noise(41, i, 0), noise(41, i, 1), i % 2 ? 1 : -1);
         rk_check_equal(crossings_from(&accel, 0, u, v, light), i % 2 ? 2 : 0,
-                       "from the lowest pane: the other two upwards, nothing downwards");
+                       "from the lowest surface: the other two upwards, nothing downwards");
         rk_check_equal(crossings_from(&accel, 4, u, v, light), i % 2 ? 0 : 2,
-                       "from the highest pane: nothing upwards, the other two downwards");
+                       "from the highest surface: nothing upwards, the other two downwards");
     }
     release(&scene, &accel);
 }
@@ -415,7 +415,7 @@ static void a_ray_near_an_edge_crosses_one_of_its_two_triangles(void **state)
         x_a++;
     x_b = (x_a * y_b - 1) / y_a;
     for (int sign = -1; sign <= 1; sign += 2) {
-        /* The mirrored corner b puts the ray between the two; it passes a-b on the left or right.
+        /* The reflected corner b puts the ray between the two; it passes a-b on the left or right.
          * */
         int64_t ax = sign * x_a + 997 * y_a, bx = sign * x_b + 997 * y_b;
         rk_vec3 a = corner_at(ax, y_a), b = corner_at(-bx, -y_b);
@@ -591,17 +591,17 @@ static void an_opaque_surface_ends_the_search(void **state)
         heights[i] = (float)(i + 1) / 65;
     rk_scene scene = make_panes(heights, 64);
     rk_ray ray = {rk_vec(0.125f, 0.25f, 0), rk_vec(0, 0, 1), 1};
-    rk_counters clear = {0}, blocked = {0};
+    rk_counters clear = {0}, occluded = {0};
     rk_vec3 transmittance = transmit_in(&scene, ray, RK_GLASS_ORDERED, &clear);
-    rk_check(transmittance.x > 0, "got no light through 64 clear panes, want some");
-    rk_check_equal(clear.triangle_tests, 128, "all panes are tested, two triangles each");
+    rk_check(transmittance.x > 0, "got no light through 64 clear surfaces, want some");
+    rk_check_equal(clear.triangle_tests, 128, "all surfaces are tested, two triangles each");
     scene.mesh.materials[0].alpha = 1;
-    transmittance = transmit_in(&scene, ray, RK_GLASS_ORDERED, &blocked);
-    rk_check_close(transmittance.x, 0, 0, "opaque panes let nothing through");
+    transmittance = transmit_in(&scene, ray, RK_GLASS_ORDERED, &occluded);
+    rk_check_close(transmittance.x, 0, 0, "opaque surfaces transmit nothing");
     rk_check(
-        blocked.triangle_tests >= 1 && blocked.triangle_tests <= 4,
-        "got %llu triangle tests, want one leaf at most: the first opaque pane ends the search",
-        (unsigned long long)blocked.triangle_tests);
+        occluded.triangle_tests >= 1 && occluded.triangle_tests <= 4,
+        "got %llu triangle tests, want one leaf at most: the first opaque surface ends the search",
+        (unsigned long long)occluded.triangle_tests);
     rk_scene_free(&scene);
 }
 
@@ -620,19 +620,19 @@ static void a_view_ray_gathers_no_more_crossings_than_its_limit(void **state)
         rk_crossing_list list;
         rk_counters counters = {0};
         rk_crossings_gather(&accel, &ray, limit, &list, &counters);
-        rk_check_equal(list.count, limit, "the nearest panes up to the limit");
+        rk_check_equal(list.count, limit, "the nearest surfaces up to the limit");
         rk_check_close(list.crossings[limit - 1].t, heights[limit - 1], 0x1p-23,
                        "the nearest, from either side");
-        /* 128 triangles are 32 leaves of two panes each. */
+        /* 128 triangles are 32 leaves of two surfaces each. */
         rk_check(counters.triangle_tests <= 4 * ((limit + 1) / 2 + 1),
                  "limit %u: got %llu triangle tests, want those of the leaves with the nearest "
-                 "panes and of one more: visit the nearer child first, and stop at a full list",
+                 "surfaces and of one more: visit the nearer child first, and stop at a full list",
                  limit, (unsigned long long)counters.triangle_tests);
     }
     release(&scene, &accel);
 }
 
-static void too_many_crossings_block_the_light(void **state)
+static void too_many_crossings_occlude_the_light(void **state)
 {
     (void)state;
     static float heights[RK_CROSSINGS_MAX];
@@ -685,10 +685,10 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_camera_inside_glass_crosses_its_far_side),
     cmocka_unit_test(rays_gather_the_same_crossings_as_brute_force),
     cmocka_unit_test(opaque_triangles_end_the_list),
-    cmocka_unit_test(coinciding_panes_are_each_crossed),
-    cmocka_unit_test(panes_a_millionth_apart_are_each_crossed),
+    cmocka_unit_test(coinciding_surfaces_are_each_crossed),
+    cmocka_unit_test(surfaces_a_millionth_apart_are_each_crossed),
     cmocka_unit_test(only_crossings_strictly_between_point_and_light_count),
-    cmocka_unit_test(a_ray_does_not_cross_the_pane_it_starts_on),
+    cmocka_unit_test(a_ray_does_not_cross_the_surface_it_starts_on),
     cmocka_unit_test(no_ray_crosses_the_triangle_it_starts_on),
     cmocka_unit_test(edges_and_corners_are_crossed_once),
     cmocka_unit_test(a_ray_near_an_edge_crosses_one_of_its_two_triangles),
@@ -699,7 +699,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(absorption_is_per_world_unit_of_glass),
     cmocka_unit_test(an_opaque_surface_ends_the_search),
     cmocka_unit_test(a_view_ray_gathers_no_more_crossings_than_its_limit),
-    cmocka_unit_test(too_many_crossings_block_the_light),
+    cmocka_unit_test(too_many_crossings_occlude_the_light),
     cmocka_unit_test(rays_of_nan_and_of_no_direction_cross_nothing),
     cmocka_unit_test(gathering_allocates_nothing),
 };

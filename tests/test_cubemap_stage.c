@@ -96,20 +96,22 @@ static void the_sky_is_above_and_the_ground_below(void **state)
 static void the_sky_is_continuous_and_ignores_lengths(void **state)
 {
     (void)state;
-    for (int way = 0; way < 3; way++) {
+    for (int path = 0; path < 3; path++) {
         rk_vec3 last = {0, 0, 0};
         for (int i = 0; i <= 20000; i++) {
             double angle = 2 * 3.14159265358979 * i / 20000;
             /* Up and down through the sun, through the sides, and along the horizon. */
             float c = (float)cos(angle), s = (float)sin(angle);
-            rk_vec3 d = way == 0 ? rk_vec(0, s, -c) : way == 1 ? rk_vec(c, s, 0) : rk_vec(c, 0, s);
+            rk_vec3 d = path == 0   ? rk_vec(0, s, -c)
+                        : path == 1 ? rk_vec(c, s, 0)
+                                    : rk_vec(c, 0, s);
             rk_vec3 next = rk_sky_at(d), far = rk_sky_at(rk_scale(d, 1000));
             rk_check(isfinite(next.x) && next.x >= 0 && next.y >= 0 && next.z >= 0, "a colour");
             rk_check(rk_length(rk_sub(next, far)) < 1e-3f, "the direction's length matters");
             /* The sun's edge is steepest: it rises to 45 within a hundredth, at most 1.5 times as
              * steeply as on average; a step is 2 pi / 20000. */
             rk_check(i == 0 || rk_length(rk_sub(next, last)) <= 1.5 * 45 / 0.01 * 3.2e-4,
-                     "a step at %d of path %d", i, way);
+                     "a step at %d of path %d", i, path);
             last = next;
         }
     }

@@ -1,5 +1,5 @@
-/* The renderer with a lens: what is in focus is the pinhole's picture to the bit and takes no lens
- * samples; what is not becomes the closed form's disk, of the size and with the light it should. */
+/* The renderer with a lens: surfaces in focus are the pinhole's picture to the bit and take no lens
+ * samples; a spot out of focus becomes a disk with the size and the light of the closed form. */
 #include "test_scene.h"
 
 enum { side = 64 };
@@ -50,7 +50,7 @@ static void check_same_as_pinhole(const rk_scene *scene, rk_render_options optio
     rk_image_free(&sharp.image);
 }
 
-/* --- What is sharp ---------------------------------------------------------------------------- */
+/* --- In focus --------------------------------------------------------------------------------- */
 
 static void without_aperture_or_samples_the_picture_is_the_pinholes_to_the_bit(void **state)
 {
@@ -67,7 +67,7 @@ static void without_aperture_or_samples_the_picture_is_the_pinholes_to_the_bit(v
         options.lens.aperture = 10;
         test_picture none = test_render(&scene, options, 2);
         rk_check_equal(none.counters.primary_rays, side * side * options.samples, "no other rays");
-        rk_check_equal(none.counters.lens_samples, 0, "none were asked for");
+        rk_check_equal(none.counters.lens_samples, 0, "the options have none");
         rk_check(test_same_pixels(&lens.image, &none.image), "no samples, and another picture");
         rk_image_free(&lens.image);
         rk_image_free(&none.image);
@@ -82,15 +82,15 @@ static void a_wall_in_focus_takes_no_lens_samples(void **state)
     rk_render_options options = with_lens(3, 50, 25);
     check_same_as_pinhole(&scene, options, "all of it is in focus");
     options.samples = 4;
-    check_same_as_pinhole(&scene, options, "all of it is in focus, with four samples a pixel");
+    check_same_as_pinhole(&scene, options, "all of it is in focus, with four samples per pixel");
     test_picture lens = test_render(&scene, options, 1);
     rk_check_equal(lens.counters.primary_rays, side * side * (4 + 1),
-                   "a ray a pixel to find out, then the pinhole's");
+                   "a ray per pixel to find circles of confusion, then the pinhole's");
     rk_image_free(&lens.image);
     rk_scene_free(&scene);
 }
 
-static void without_anything_to_see_there_is_no_lens(void **state)
+static void an_empty_scene_takes_no_lens_samples(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_make(0);
@@ -138,7 +138,8 @@ static moments moments_of(const rk_image *image)
 }
 
 /* A disk of diameter c, smeared by a square of side s and by the pixels' own: mean squares on an
- * axis are c^2 / 16, s^2 / 12 and 1 / 12. `samples` yes-or-no samples a pixel found s^2 in all. */
+ * axis are c^2 / 16, s^2 / 12 and 1 / 12. `samples` yes-or-no samples per pixel found s^2 in all.
+ */
 static void check_disk(const rk_image *image, double diameter, double spot, double samples)
 {
     moments m = moments_of(image);
@@ -176,7 +177,7 @@ static void check_spot(rk_vec3 rotation, float focal_distance, float depth, rk_f
     check_disk(&picture.image, circle_at(&options, (double)depth), 2, 4096);
     options.lens_samples = 0;
     test_picture sharp = test_render(&scene, options, 1);
-    rk_check_close(moments_of(&sharp.image).sum, 4, 0, "the pinhole sees four pixels");
+    rk_check_close(moments_of(&sharp.image).sum, 4, 0, "the pinhole's spot is four pixels");
     rk_image_free(&sharp.image);
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
@@ -204,7 +205,7 @@ static void the_lens_turns_with_the_camera(void **state)
     check_spot(rk_vec(70, -40, 30), 2, 5, RK_FOCAL_PLANE);
 }
 
-static void what_a_mirror_shows_is_blurred_by_the_whole_way(void **state)
+static void reflections_are_blurred_by_the_length_of_the_whole_path(void **state)
 {
     (void)state;
     /* A mirror in focus 3 ahead, and 7 behind it, counted along the ray, a spot behind the camera:
@@ -245,7 +246,7 @@ static rk_scene make_halves(float focused, float blurred)
     return scene;
 }
 
-static void only_what_a_blurred_half_reaches_takes_lens_samples(void **state)
+static void only_pixels_within_reach_of_a_blurred_half_take_lens_samples(void **state)
 {
     (void)state;
     const float depths[] = {2, 6};
@@ -261,7 +262,7 @@ static void only_what_a_blurred_half_reaches_takes_lens_samples(void **state)
         rk_check_equal(lens.counters.lens_samples, side * columns * 25,
                        "25 for each blurred pixel");
         rk_check_equal(lens.counters.primary_rays, side * (side + columns * 25 + (side - columns)),
-                       "one to find out, 25 or one to see");
+                       "one for the circle of confusion, 25 or one for the picture");
         for (size_t y = 0; y < side; y++)
             for (size_t x = 0; x < side / 2; x++) {
                 rk_vec3 *a = rk_image_at(&lens.image, x, y), *b = rk_image_at(&sharp.image, x, y);
@@ -304,7 +305,7 @@ static void a_plane_is_flat_and_a_sphere_is_round(void **state)
     rk_scene_free(&ball);
 }
 
-static void panes_in_focus_take_samples_for_what_is_behind_them(void **state)
+static void transparent_surfaces_in_focus_take_samples_for_surfaces_behind_them(void **state)
 {
     (void)state;
     const float behind[] = {3, 6};
@@ -315,11 +316,11 @@ static void panes_in_focus_take_samples_for_what_is_behind_them(void **state)
         scene.mesh.materials[0].alpha = 0.5f;
         white_light(&scene);
         rk_render_options options = with_lens(3, 200, 16);
-        check_same_as_pinhole(&scene, options, "the pane is in focus, and opaque so far");
+        check_same_as_pinhole(&scene, options, "the surface is in focus, and opaque so far");
         options.transparency = true;
         test_picture picture = test_render(&scene, options, 2);
         rk_check_equal(picture.counters.lens_samples, i ? side * side * 16 : 0,
-                       i ? "what is behind it is blurred" : "what is behind it is sharp");
+                       i ? "the wall behind it is blurred" : "the wall behind it is sharp");
         rk_image_free(&picture.image);
         rk_scene_free(&scene);
     }
@@ -375,12 +376,12 @@ static void a_blurred_pixel_takes_as_many_samples_as_the_more_demanding_asks(voi
 {
     (void)state;
     rk_scene scene = make_wall(3);
-    const uint32_t asked[][3] = {{1, 7, 7}, {4, 7, 7}, {9, 7, 9}};
+    const uint32_t requested[][3] = {{1, 7, 7}, {4, 7, 7}, {9, 7, 9}};
     for (int i = 0; i < 3; i++) {
-        rk_render_options options = with_lens(3, 200, asked[i][1]);
-        options.samples = asked[i][0];
+        rk_render_options options = with_lens(3, 200, requested[i][1]);
+        options.samples = requested[i][0];
         test_picture picture = test_render(&scene, options, 2);
-        rk_check_equal(picture.counters.lens_samples, side * side * asked[i][2],
+        rk_check_equal(picture.counters.lens_samples, side * side * requested[i][2],
                        "each with a place in the pixel and one on the lens");
         /* A wall of one colour stays it; a mean of 9 has that many roundings. */
         for (size_t k = 0; k < side * side; k++)
@@ -417,14 +418,14 @@ static void a_lens_without_focus_is_refused(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(without_aperture_or_samples_the_picture_is_the_pinholes_to_the_bit),
     cmocka_unit_test(a_wall_in_focus_takes_no_lens_samples),
-    cmocka_unit_test(without_anything_to_see_there_is_no_lens),
+    cmocka_unit_test(an_empty_scene_takes_no_lens_samples),
     cmocka_unit_test(a_spot_behind_the_focus_becomes_the_closed_forms_disk),
     cmocka_unit_test(a_spot_before_the_focus_becomes_the_closed_forms_disk),
     cmocka_unit_test(the_lens_turns_with_the_camera),
-    cmocka_unit_test(what_a_mirror_shows_is_blurred_by_the_whole_way),
-    cmocka_unit_test(only_what_a_blurred_half_reaches_takes_lens_samples),
+    cmocka_unit_test(reflections_are_blurred_by_the_length_of_the_whole_path),
+    cmocka_unit_test(only_pixels_within_reach_of_a_blurred_half_take_lens_samples),
     cmocka_unit_test(a_plane_is_flat_and_a_sphere_is_round),
-    cmocka_unit_test(panes_in_focus_take_samples_for_what_is_behind_them),
+    cmocka_unit_test(transparent_surfaces_in_focus_take_samples_for_surfaces_behind_them),
     cmocka_unit_test(the_picture_is_the_same_for_any_number_of_threads),
     cmocka_unit_test(each_pixel_has_lens_points_of_its_own),
     cmocka_unit_test(a_blurred_pixel_takes_as_many_samples_as_the_more_demanding_asks),

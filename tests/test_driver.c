@@ -1,5 +1,5 @@
-/* The drivers' common ways, tried on the first of them: the program itself is run, with its output
- * caught, and what it leaves in its folder is looked at. */
+/* The common behaviour of the drivers, mostly tested with the first of them: the program itself is
+ * run, and its output and files are checked. */
 #include "test.h"
 #include "test_folder.h"
 
@@ -90,7 +90,7 @@ static run run_well(const test_folder *folder, const char *arguments)
 {
     run r = run_driver(folder, arguments);
     rk_check(r.status == 0, "%s: exit status %d: %s", arguments, r.status, r.err);
-    rk_check(r.err[0] == '\0', "%s: a success has nothing to complain about: %s", arguments, r.err);
+    rk_check(r.err[0] == '\0', "%s: a success prints no error: %s", arguments, r.err);
     return r;
 }
 
@@ -102,7 +102,7 @@ static double children_seconds(void)
            (double)(usage.ru_utime.tv_usec + usage.ru_stime.tv_usec) * 1e-6;
 }
 
-/* --- What lies in the folder ----------------------------------------------------------------- */
+/* --- Files in the folder --------------------------------------------------------------------- */
 
 static int files_found;
 
@@ -129,7 +129,7 @@ static bool is_there(const test_folder *folder, const char *name)
 
 static void check_contains(const char *text, const char *part)
 {
-    rk_check(strstr(text, part) != NULL, "\"%s\" should stand in:\n%s", part, text);
+    rk_check(strstr(text, part) != NULL, "\"%s\" is missing in:\n%s", part, text);
 }
 
 static void help_and_version_are_successes(void **state)
@@ -155,7 +155,7 @@ static const char *const features[] = {
     "10_motion_blur/motion_blur",
 };
 
-/* Lines that end early, before a word that had room, look as if something were missing. */
+/* A line must not end before a word that fits it. */
 static void check_paragraphs(const char *name, const char *text)
 {
     for (const char *line = text; *line;) {
@@ -192,11 +192,12 @@ static void help_speaks_to_a_newcomer(void **state)
     const char *const riddles[] = {"nan", "inf",         "4294967295",  "4000000000",
                                    "e+",  "--recursion", "--light-map", "--settle"};
     for (size_t i = 0; i < sizeof riddles / sizeof *riddles; i++)
-        rk_check(!strstr(help.out, riddles[i]), "what is \"%s\" in\n%s", riddles[i], help.out);
+        rk_check(!strstr(help.out, riddles[i]), "a newcomer does not know \"%s\":\n%s", riddles[i],
+                 help.out);
     run_free(&help);
 }
 
-/* One line on standard error that begins with the program and names what is wrong; no file. */
+/* One line on standard error that begins with the program's name and names the fault; no file. */
 static void check_feature_complaint(const char *name, const test_folder *folder,
                                     const char *arguments, const char *thing, const char *remedy)
 {
@@ -206,7 +207,7 @@ static void check_feature_complaint(const char *name, const test_folder *folder,
     rk_check_equal(r.status, 1, arguments);
     rk_check(r.out[0] == '\0', "%s: complaints go to standard error, not\n%s", arguments, r.out);
     rk_check(strncmp(r.err, feature, strlen(feature)) == 0 && r.err[strlen(feature)] == ':',
-             "%s: who says this? %s", arguments, r.err);
+             "%s: the program's name is missing: %s", arguments, r.err);
     size_t length = strlen(r.err);
     rk_check(strcspn(r.err, "\n") + 1 == length, "%s: it should be one line:\n%s", arguments,
              r.err);
@@ -255,7 +256,7 @@ static void every_bad_option_is_named_in_one_line(void **state)
         check_complaint(*state, bad[i][0], bad[i][1], bad[i][2]);
 }
 
-static void options_that_mean_nothing_together_are_refused(void **state)
+static void options_that_do_not_go_together_are_refused(void **state)
 {
     const char *const bad[][4] = {
         {"05_transparency/transparency", "--debug rays", "--debug rays", "--transparency"},
@@ -278,7 +279,7 @@ static void an_option_without_effect_is_noted(void **state)
         {"--glossy-radius 0.2", "--glossy-radius changes nothing", "--glossy, "},
         {"--bloom-radius 3 --bloom-border clamp", "--bloom-radius changes nothing", "--bloom, "},
         {"--light-map=area", "--light-domain changes nothing", "a light that is"},
-        {"--time-samples 2", "--time-samples changes nothing", "something that moves"},
+        {"--time-samples 2", "--time-samples changes nothing", "a moving object"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char words[128];
@@ -311,7 +312,7 @@ static void an_option_with_effect_is_not_noted(void **state)
     run_free(&off);
 }
 
-static void levels_and_leaves_that_are_not_there_are_named(void **state)
+static void levels_and_leaves_that_do_not_exist_are_named(void **state)
 {
     check_complaint(*state, "--width 8 --height 8 --debug level --level 4", "--level 4", "0 to 3");
     check_complaint(*state, "--width 8 --height 8 --debug leaf --leaf 8", "--leaf 8", "0 to 7");
@@ -323,7 +324,7 @@ static void a_missing_mesh_is_named(void **state)
     check_complaint(*state, "--mesh nowhere/dragon.ply", "nowhere/dragon.ply", "");
 }
 
-static void an_out_folder_that_cannot_be_is_named_before_rendering(void **state)
+static void an_impossible_out_folder_is_named_before_rendering(void **state)
 {
     const test_folder *folder = *state;
     test_folder_write(folder, "file", "x", 1, 0600);
@@ -366,8 +367,8 @@ static void a_picture_lands_in_figures_with_its_parameters(void **state)
     rk_image image;
     rk_error error;
     rk_check_ok(rk_png_read(&image, picture.text, &error), error);
-    rk_check_equal(image.width, 12, "as asked");
-    rk_check_equal(image.height, 9, "as asked");
+    rk_check_equal(image.width, 12, "the size of the options");
+    rk_check_equal(image.height, 9, "the size of the options");
     rk_image_free(&image);
     rk_check_equal(count_files(folder), 1, "the picture and no other file");
     check_metadata(picture, "raykit:scene", "sphere:99");
@@ -384,11 +385,11 @@ static void a_picture_lands_in_figures_with_its_parameters(void **state)
     free(seconds);
     free(triangles);
     check_contains(r.out, "my/folder/figures/bvh_median_sphere-99.png: sphere:99");
-    check_contains(r.out, "3 samples a pixel");
+    check_contains(r.out, "3 samples per pixel");
     run_free(&r);
 }
 
-static void captions_tell_nothing_of_the_machines_folders(void **state)
+static void captions_do_not_contain_the_machines_folders(void **state)
 {
     const test_folder *folder = *state;
     run r = run_well(folder, "--scene=cube --width=4 --height=4 --out=secret/place");
@@ -433,11 +434,11 @@ static void debug_views_have_pictures_of_their_own(void **state)
     run_free(&leaf);
 }
 
-static void the_cuts_of_a_node_are_drawn_and_told(void **state)
+static void the_splits_of_a_node_are_drawn_and_printed(void **state)
 {
     const test_folder *folder = *state;
     const char *const views[] = {"split", "bad-split --candidate 2", "candidates"};
-    const char *const told[] = {
+    const char *const printed[] = {
         ", the cheapest\n", "candidate 2: axis x, border 3: ", "candidate 0: axis x, border 1: "};
     const char *const pictures[] = {"out/figures/sah_binning_statue-500_split1.png",
                                     "out/figures/sah_binning_statue-500_bad-split1_2.png",
@@ -449,7 +450,7 @@ static void the_cuts_of_a_node_are_drawn_and_told(void **state)
                  views[i]);
         run r = run_program(sah_program, folder, words);
         rk_check(r.status == 0, "%s: exit status %d: %s", words, r.status, r.err);
-        check_contains(r.out, told[i]);
+        check_contains(r.out, printed[i]);
         rk_check(is_there(folder, pictures[i]), "%s is missing", pictures[i]);
         run_free(&r);
     }
@@ -463,14 +464,14 @@ static void the_cuts_of_a_node_are_drawn_and_told(void **state)
 static void quiet_says_nothing(void **state)
 {
     run r = run_well(*state, "--scene cube --width 4 --height 4 --quiet");
-    rk_check(r.out[0] == '\0', "quiet said: %s", r.out);
+    rk_check(r.out[0] == '\0', "with --quiet it printed: %s", r.out);
     run timing = run_well(*state, "--scene cube --width 4 --height 4 --quiet --timing");
-    rk_check(timing.out[0] == '\0', "quiet said: %s", timing.out);
+    rk_check(timing.out[0] == '\0', "with --quiet it printed: %s", timing.out);
     run_free(&r);
     run_free(&timing);
 }
 
-static void a_pixel_is_narrated(void **state)
+static void a_pixel_is_explained(void **state)
 {
     run r = run_well(*state, "--width 20 --height 20 --pixel 10,10");
     check_contains(r.out, "pixel (10, 10) of cornell");
@@ -502,7 +503,7 @@ static void debug_rays_draws_the_pixel_and_names_the_picture_by_it(void **state)
         run given = run_feature(drivers[i].name, *state, arguments);
         rk_check_equal(given.status, 0, given.err);
         check_contains(given.out, drivers[i].given);
-        rk_check(!strstr(given.out, "pixel ("), "it is drawn, not told:\n%s", given.out);
+        rk_check(!strstr(given.out, "pixel ("), "it is drawn, not explained:\n%s", given.out);
         run_free(&own);
         run_free(&given);
     }
@@ -575,7 +576,7 @@ static void timings_become_rows_and_the_next_run_replaces_them(void **state)
     run_free(&third);
 }
 
-static void rows_name_how_the_tree_was_cut(void **state)
+static void rows_name_how_the_tree_was_split(void **state)
 {
     const test_folder *folder = *state;
     const char *const splits[] = {"median", "sah --bins 16", "sah3"};
@@ -624,8 +625,8 @@ static void starting_up_takes_milliseconds(void **state)
         0.010; /* it is about 2 ms; the best of five, since other work disturbs */
 #endif
     rk_check(best < allowed,
-             "one pixel took %.1f ms of processor time: what is loaded or built "
-             "that it does not need?",
+             "one pixel took %.1f ms of processor time: something is loaded or built "
+             "that it does not need",
              1e3 * best);
 }
 
@@ -634,24 +635,24 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(help_speaks_to_a_newcomer),
     test_in_folder(every_help_is_wrapped_as_if_by_hand),
     test_in_folder(every_bad_option_is_named_in_one_line),
-    test_in_folder(options_that_mean_nothing_together_are_refused),
+    test_in_folder(options_that_do_not_go_together_are_refused),
     test_in_folder(an_option_without_effect_is_noted),
     test_in_folder(an_option_with_effect_is_not_noted),
-    test_in_folder(levels_and_leaves_that_are_not_there_are_named),
+    test_in_folder(levels_and_leaves_that_do_not_exist_are_named),
     test_in_folder(a_missing_mesh_is_named),
-    test_in_folder(an_out_folder_that_cannot_be_is_named_before_rendering),
+    test_in_folder(an_impossible_out_folder_is_named_before_rendering),
     test_in_folder(a_picture_that_cannot_be_written_leaves_nothing),
     test_in_folder(a_picture_lands_in_figures_with_its_parameters),
-    test_in_folder(captions_tell_nothing_of_the_machines_folders),
+    test_in_folder(captions_do_not_contain_the_machines_folders),
     test_in_folder(captions_name_the_present_spelling),
     test_in_folder(debug_views_have_pictures_of_their_own),
-    test_in_folder(the_cuts_of_a_node_are_drawn_and_told),
+    test_in_folder(the_splits_of_a_node_are_drawn_and_printed),
     test_in_folder(quiet_says_nothing),
-    test_in_folder(a_pixel_is_narrated),
+    test_in_folder(a_pixel_is_explained),
     test_in_folder(debug_rays_draws_the_pixel_and_names_the_picture_by_it),
     test_in_folder(pictures_of_a_map_are_named_by_the_map),
     test_in_folder(timings_become_rows_and_the_next_run_replaces_them),
-    test_in_folder(rows_name_how_the_tree_was_cut),
+    test_in_folder(rows_name_how_the_tree_was_split),
     test_in_folder(a_foreign_table_is_left_alone),
     test_in_folder(starting_up_takes_milliseconds),
 };

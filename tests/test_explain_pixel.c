@@ -1,12 +1,12 @@
-/* A pixel's story must be the renderer's: the colour that it ends with is the picture's, and what
- * it tells on the way is what happened. */
+/* The explanation of a pixel ends with the colour that the renderer gives it, and names the hits
+ * and shadow rays that led to it. */
 #include "test_scene.h"
 
 #include "driver/explain_pixel.h"
 #include "scenes/sky.h"
 
 /* A new string to free(). */
-static char *narrate(const rk_scene *scene, rk_render_options options, uint32_t x, uint32_t y)
+static char *explain(const rk_scene *scene, rk_render_options options, uint32_t x, uint32_t y)
 {
     rk_accel accel;
     rk_error error;
@@ -20,31 +20,31 @@ static char *narrate(const rk_scene *scene, rk_render_options options, uint32_t 
     return text;
 }
 
-static bool tells(const char *story, const char *part)
+static bool contains(const char *text, const char *part)
 {
-    return strstr(story, part) != NULL;
+    return strstr(text, part) != NULL;
 }
 
-/* The vector behind the last `label` of the story; zero when there is none. */
-static rk_vec3 told_vector(const char *story, const char *label)
+/* The vector after the last `label` in the text; zero if there is none. */
+static rk_vec3 printed_vector(const char *text, const char *label)
 {
     rk_vec3 v = {0, 0, 0};
     const char *last = NULL;
-    for (const char *at = strstr(story, label); at; at = strstr(at + 1, label))
+    for (const char *at = strstr(text, label); at; at = strstr(at + 1, label))
         last = at;
     if (last)
         sscanf(last + strlen(label), " (%f, %f, %f)", &v.x, &v.y, &v.z);
     return v;
 }
 
-/* Six digits behind the point are told. */
-static void check_told(const char *story, const char *label, rk_vec3 want)
+/* Six digits after the point are printed. */
+static void check_printed(const char *text, const char *label, rk_vec3 want)
 {
-    rk_vec3 told = told_vector(story, label);
-    rk_vec3 off = rk_abs3(rk_sub(told, want));
+    rk_vec3 printed = printed_vector(text, label);
+    rk_vec3 off = rk_abs3(rk_sub(printed, want));
     rk_check(off.x <= 1e-6f && off.y <= 1e-6f && off.z <= 1e-6f,
-             "%s should be (%g, %g, %g), but the story is:\n%s", label, (double)want.x,
-             (double)want.y, (double)want.z, story);
+             "%s should be (%g, %g, %g), but the text is:\n%s", label, (double)want.x,
+             (double)want.y, (double)want.z, text);
 }
 
 static rk_render_options size_of(uint32_t width, uint32_t height, bool shadows)
@@ -56,7 +56,7 @@ static rk_render_options size_of(uint32_t width, uint32_t height, bool shadows)
     return options;
 }
 
-static void the_told_colour_is_the_rendered_one(void **state)
+static void the_printed_colour_is_the_rendered_one(void **state)
 {
     (void)state;
     const char *const names[] = {"cornell", "sphere:320", "cube", "panes", "cornell-light"};
@@ -69,9 +69,9 @@ static void the_told_colour_is_the_rendered_one(void **state)
             test_picture picture = test_render(&scene, options, 1);
             for (uint32_t y = 0; y < options.height; y++)
                 for (uint32_t x = 0; x < options.width; x++) {
-                    char *story = narrate(&scene, options, x, y);
-                    check_told(story, "colour (linear)", *rk_image_at(&picture.image, x, y));
-                    free(story);
+                    char *text = explain(&scene, options, x, y);
+                    check_printed(text, "colour (linear)", *rk_image_at(&picture.image, x, y));
+                    free(text);
                 }
             rk_image_free(&picture.image);
             rk_scene_free(&scene);
@@ -89,19 +89,19 @@ static rk_scene make_stage(void)
     return scene;
 }
 
-static void a_miss_is_told(void **state)
+static void a_miss_is_explained(void **state)
 {
     (void)state;
     rk_scene scene = make_stage();
-    char *story = narrate(&scene, size_of(20, 20, true), 15, 10);
-    rk_check(tells(story, "met nothing") && tells(story, "black"), "a miss is black:\n%s", story);
-    rk_check(tells(story, "pixel (15, 10)"), "the story begins with its pixel:\n%s", story);
-    rk_check(!tells(story, "light 0"), "no light shines on nothing:\n%s", story);
-    free(story);
+    char *text = explain(&scene, size_of(20, 20, true), 15, 10);
+    rk_check(contains(text, "no hit") && contains(text, "black"), "a miss is black:\n%s", text);
+    rk_check(contains(text, "pixel (15, 10)"), "the text begins with its pixel:\n%s", text);
+    rk_check(!contains(text, "light 0"), "no light shines on nothing:\n%s", text);
+    free(text);
     rk_scene_free(&scene);
 }
 
-static void an_environment_is_told(void **state)
+static void an_environment_is_explained(void **state)
 {
     (void)state;
     /* Misses, glass in front of nothing, and a mirror. */
@@ -120,68 +120,68 @@ static void an_environment_is_told(void **state)
     int misses = 0, behind = 0;
     for (uint32_t y = 0; y < options.height; y++)
         for (uint32_t x = 0; x < options.width; x++) {
-            char *story = narrate(&scene, options, x, y);
-            check_told(story, "colour (linear)", *rk_image_at(&picture.image, x, y));
-            misses += tells(story, "met nothing: the environment");
-            behind += tells(story, "behind it all: the environment");
-            free(story);
+            char *text = explain(&scene, options, x, y);
+            check_printed(text, "colour (linear)", *rk_image_at(&picture.image, x, y));
+            misses += contains(text, "no hit: the environment");
+            behind += contains(text, "behind all surfaces: the environment");
+            free(text);
         }
     rk_check(misses > 10 && behind > 2, "%d misses, %d through glass", misses, behind);
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
 
-static void shadow_and_free_ways_are_told(void **state)
+static void occluded_and_unoccluded_lights_are_explained(void **state)
 {
     (void)state;
     rk_scene scene = make_stage();
     rk_render_options options = size_of(20, 20, true);
     /* Half-way from wall to light is z = 0; in the square if the wall's x is in 0.5 to 1.5. */
-    char *dark = narrate(&scene, options, 5, 10), *lit = narrate(&scene, options, 1, 10);
-    rk_check(tells(dark, "in shadow"), "the square is in the way:\n%s", dark);
-    check_told(dark, "colour (linear)", rk_vec(0, 0, 0));
-    rk_check(tells(lit, "the way is free"), "nothing is in the way:\n%s", lit);
+    char *dark = explain(&scene, options, 5, 10), *lit = explain(&scene, options, 1, 10);
+    rk_check(contains(dark, "in shadow"), "the square occludes the light:\n%s", dark);
+    check_printed(dark, "colour (linear)", rk_vec(0, 0, 0));
+    rk_check(contains(lit, "    unoccluded"), "nothing occludes the light:\n%s", lit);
     free(dark);
     free(lit);
     options.shadows = false;
-    char *unasked = narrate(&scene, options, 5, 10);
-    rk_check(!tells(unasked, "shadow ray"), "no shadow ray was asked for:\n%s", unasked);
-    rk_check(told_vector(unasked, "colour (linear)").x > 0, "without shadows it is lit:\n%s",
-             unasked);
-    free(unasked);
+    char *without = explain(&scene, options, 5, 10);
+    rk_check(!contains(without, "shadow ray"), "no shadow ray is traced:\n%s", without);
+    rk_check(printed_vector(without, "colour (linear)").x > 0, "without shadows it is lit:\n%s",
+             without);
+    free(without);
     rk_scene_free(&scene);
 }
 
-static void the_hit_is_told(void **state)
+static void the_hit_is_explained(void **state)
 {
     (void)state;
     rk_scene scene = make_stage();
-    char *story = narrate(&scene, size_of(21, 21, false), 5, 10);
+    char *text = explain(&scene, size_of(21, 21, false), 5, 10);
     /* Pixel 5 of 21 is 5 pixels left of the middle: x = 5 / 21 of 2 tan 25 degrees, times 4. */
     float x = 4 * 2 * 0.46630766f * 5 / 21;
-    rk_check(tells(story, "met triangle"), "the wall is met:\n%s", story);
-    check_told(story, "    origin", rk_vec(0, 0, -3));
-    check_told(story, "    point", rk_vec(x, 0, 1));
-    check_told(story, "    face normal", rk_vec(0, 0, -1));
-    check_told(story, "    shading normal", rk_vec(0, 0, -1));
-    check_told(story, "    kd  ", rk_vec(0.8f, 0.8f, 0.8f));
-    check_told(story, "    position", rk_vec(5, 0, -1));
-    free(story);
+    rk_check(contains(text, "hit triangle"), "the wall is hit:\n%s", text);
+    check_printed(text, "    origin", rk_vec(0, 0, -3));
+    check_printed(text, "    point", rk_vec(x, 0, 1));
+    check_printed(text, "    face normal", rk_vec(0, 0, -1));
+    check_printed(text, "    shading normal", rk_vec(0, 0, -1));
+    check_printed(text, "    kd  ", rk_vec(0.8f, 0.8f, 0.8f));
+    check_printed(text, "    position", rk_vec(5, 0, -1));
+    free(text);
     rk_scene_free(&scene);
 }
 
-static void lights_that_add_nothing_are_told(void **state)
+static void lights_that_add_nothing_are_explained(void **state)
 {
     (void)state;
     rk_scene scene = make_stage();
     scene.light_count = 0;
     test_scene_light(&scene, rk_vec(1, 0, 3), rk_vec(1, 1, 1));
     test_scene_light(&scene, rk_vec(1, 0, -1), rk_vec(0, 0, 0));
-    char *story = narrate(&scene, size_of(20, 20, true), 5, 10);
-    rk_check(tells(story, "turned away"), "light 0 is behind the wall:\n%s", story);
-    rk_check(tells(story, "light is black"), "light 1 is black:\n%s", story);
-    rk_check(!tells(story, "shadow ray"), "neither needs a shadow ray:\n%s", story);
-    free(story);
+    char *text = explain(&scene, size_of(20, 20, true), 5, 10);
+    rk_check(contains(text, "faces away"), "light 0 is behind the wall:\n%s", text);
+    rk_check(contains(text, "light is black"), "light 1 is black:\n%s", text);
+    rk_check(!contains(text, "shadow ray"), "neither needs a shadow ray:\n%s", text);
+    free(text);
     rk_scene_free(&scene);
 }
 
@@ -190,17 +190,17 @@ static void more_samples_than_the_centre_are_mentioned(void **state)
     (void)state;
     rk_scene scene = make_stage();
     rk_render_options options = size_of(20, 20, false);
-    char *one = narrate(&scene, options, 5, 10);
+    char *one = explain(&scene, options, 5, 10);
     options.samples = 16;
-    char *many = narrate(&scene, options, 5, 10);
-    rk_check(tells(many, "averages 16 rays") && !tells(one, "averages"),
-             "the story of one ray is not the pixel's colour then:\n%s", many);
+    char *many = explain(&scene, options, 5, 10);
+    rk_check(contains(many, "averages 16 rays") && !contains(one, "averages"),
+             "one ray does not give the pixel's colour then:\n%s", many);
     free(one);
     free(many);
     rk_scene_free(&scene);
 }
 
-static void mirrors_and_panes_on_the_way_are_told(void **state)
+static void reflections_and_transparent_surfaces_are_explained(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_of(6, 3);
@@ -213,70 +213,71 @@ static void mirrors_and_panes_on_the_way_are_told(void **state)
     rk_render_options options = size_of(20, 20, true);
     options.reflections = options.transparency = true;
     options.max_depth = 1;
-    char *story = narrate(&scene, options, 5, 9);
-    rk_check(tells(story, "alpha = 0.250000"), "the pane's opacity:\n%s", story);
-    rk_check(tells(story, "the way leads through glass") || tells(story, "the way is free"),
-             "what became of the shadow rays:\n%s", story);
-    rk_check(!tells(story, "mirrored ray"), "the limit of 1 ends at the mirror:\n%s", story);
-    free(story);
+    char *text = explain(&scene, options, 5, 9);
+    rk_check(contains(text, "alpha = 0.250000"), "the opacity of the transparent surface:\n%s",
+             text);
+    rk_check(contains(text, "attenuated by") || contains(text, "    unoccluded"),
+             "the result of the shadow rays:\n%s", text);
+    rk_check(!contains(text, "reflected ray"), "a max depth of 1 ends at the mirror:\n%s", text);
+    free(text);
     options.max_depth = 3;
-    story = narrate(&scene, options, 5, 9);
-    rk_check(tells(story, "mirrored ray"), "the limit of 3 lets it be mirrored:\n%s", story);
-    free(story);
+    text = explain(&scene, options, 5, 9);
+    rk_check(contains(text, "reflected ray"), "a max depth of 3 permits a reflection:\n%s", text);
+    free(text);
     rk_scene_free(&scene);
 }
 
-static void a_light_with_an_extent_tells_how_much_of_it_is_seen(void **state)
+static void shadow_rays_of_an_area_light_are_counted(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_builtin("cornell-light");
     rk_render_options options = size_of(40, 40, true);
-    char *story = narrate(&scene, options, 20, 12);
-    rk_check(tells(story, "a parallelogram") && tells(story, "16 shadow rays, 16 of them not"),
-             "the back wall sees the whole light:\n%s", story);
-    free(story);
+    char *text = explain(&scene, options, 20, 12);
+    rk_check(contains(text, "a parallelogram") && contains(text, "16 shadow rays, 16 unoccluded"),
+             "the whole light is visible from the back wall:\n%s", text);
+    free(text);
     rk_scene_free(&scene);
 }
 
-static void a_lens_is_told_of_where_there_is_one(void **state)
+static void a_lens_is_mentioned_where_there_is_one(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_builtin("cube");
     rk_render_options options = size_of(40, 40, false);
     for (options.lens_samples = 0; options.lens_samples <= 15; options.lens_samples += 15) {
-        char *story = narrate(&scene, options, 20, 20);
-        rk_check(tells(story, "lens") == (options.lens_samples > 0), "the story is:\n%s", story);
-        free(story);
+        char *text = explain(&scene, options, 20, 20);
+        rk_check(contains(text, "lens") == (options.lens_samples > 0), "the text is:\n%s", text);
+        free(text);
     }
     rk_scene_free(&scene);
 }
 
-static void a_glow_is_told_of_where_there_may_be_one(void **state)
+static void bloom_is_mentioned_where_it_is_on(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_builtin("cube");
     rk_render_options options = size_of(40, 40, false);
     for (int on = 0; on < 2; on++) {
         options.bloom.on = on;
-        char *story = narrate(&scene, options, 20, 20);
-        rk_check(tells(story, "glow") == on, "the story is:\n%s", story);
-        free(story);
+        char *text = explain(&scene, options, 20, 20);
+        rk_check(contains(text, "bloom") == on, "the text is:\n%s", text);
+        free(text);
     }
     rk_scene_free(&scene);
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(the_told_colour_is_the_rendered_one),
-    cmocka_unit_test(a_miss_is_told),
-    cmocka_unit_test(an_environment_is_told),
-    cmocka_unit_test(shadow_and_free_ways_are_told),
-    cmocka_unit_test(the_hit_is_told),
-    cmocka_unit_test(lights_that_add_nothing_are_told),
-    cmocka_unit_test(mirrors_and_panes_on_the_way_are_told),
-    cmocka_unit_test(a_light_with_an_extent_tells_how_much_of_it_is_seen),
+    cmocka_unit_test(the_printed_colour_is_the_rendered_one),
+    cmocka_unit_test(a_miss_is_explained),
+    cmocka_unit_test(an_environment_is_explained),
+    cmocka_unit_test(occluded_and_unoccluded_lights_are_explained),
+    cmocka_unit_test(the_hit_is_explained),
+    cmocka_unit_test(lights_that_add_nothing_are_explained),
+    cmocka_unit_test(reflections_and_transparent_surfaces_are_explained),
+    cmocka_unit_test(shadow_rays_of_an_area_light_are_counted),
     cmocka_unit_test(more_samples_than_the_centre_are_mentioned),
-    cmocka_unit_test(a_glow_is_told_of_where_there_may_be_one),
-    cmocka_unit_test(a_lens_is_told_of_where_there_is_one),
+    cmocka_unit_test(bloom_is_mentioned_where_it_is_on),
+    cmocka_unit_test(a_lens_is_mentioned_where_there_is_one),
 };
 
-RK_SUITE("narrate", tests)
+RK_SUITE("explain_pixel", tests)

@@ -152,7 +152,7 @@ static void the_concentric_map_keeps_the_middle_and_the_axes(void **state)
 {
     (void)state;
     check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f}, 0, 0, "the middle");
-    check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f - 0x1p-15f}, 0, -0x1p-14,
+    check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f - 0x1p-18f}, 0, -0x1p-17,
                 "near the middle, but not the middle");
     for (float r = -1; r < 1; r += 0.125f) {
         float at = (1 + r) / 2;

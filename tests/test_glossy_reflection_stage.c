@@ -38,9 +38,9 @@ static rk_scene make_half(void)
     return scene;
 }
 
-/* The share of a disk of a radius at the tip of the unit vector w that is above the plane through
- * 0 with the unit normal n. */
-static double share_above(rk_dvec3 w, double radius, rk_dvec3 n)
+/* The fraction of a disk of a radius at the tip of the unit vector w that is above the plane
+ * through 0 with the unit normal n. */
+static double fraction_above(rk_dvec3 w, double radius, rk_dvec3 n)
 {
     double height = rk_ddot(w, n), reach = radius * sqrt(fmax(1 - height * height, 0));
     double d = fmin(fmax(height / reach, -1), 1);
@@ -62,7 +62,7 @@ static double red_at(const test_picture *picture, size_t x, size_t y)
     return (double)rk_image_at(&picture->image, x, y)->x;
 }
 
-/* --- What is shown ---------------------------------------------------------------------------- */
+/* --- The picture ------------------------------------------------------------------------------ */
 
 static void check_half(rk_sampler_kind sampling, rk_disk_map map)
 {
@@ -77,20 +77,20 @@ static void check_half(rk_sampler_kind sampling, rk_disk_map map)
     for (size_t y = 0; y < options.height; y++)
         for (size_t x = 0; x < options.width; x++) {
             rk_dvec3 w = pixel_direction(&options, x, y);
-            double at = 4 * w.x / w.z; /* where the mirror is met, on the x axis */
+            double at = 4 * w.x / w.z; /* where the mirror is hit, on the x axis */
             w.z = -w.z;
             /* The plane from there to the edge of the wall. */
             rk_dvec3 n = rk_dscale((rk_dvec3){-7, 0, at}, 1 / hypot(7, at));
-            double want = share_above(w, (double)options.glossy.radius, n);
+            double want = fraction_above(w, (double)options.glossy.radius, n);
             partly += want > 0.01 && want < 0.99;
             /* 5 standard deviations of independent samples; others are no worse. */
             rk_check(
                 fabs(red_at(&picture, x, y) - want) <= 5 * 0.5 / sqrt(samples),
-                "pixel (%zu, %zu), sampler %d: got %.4f, want %.4f, the share of the disk that "
-                "sees the wall",
+                "pixel (%zu, %zu), sampler %d: got %.4f, want %.4f, the fraction of the disk in "
+                "which rays hit the wall",
                 x, y, (int)sampling, red_at(&picture, x, y), want);
         }
-    rk_check(partly > 40, "the edge of the wall is seen in %d pixels only", partly);
+    rk_check(partly > 40, "only %d pixels show the edge of the wall", partly);
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
@@ -106,7 +106,7 @@ static void the_mean_is_the_integral_over_the_disk(void **state)
 static void pixel_samples_and_glossy_samples_multiply(void **state)
 {
     (void)state;
-    /* 256 x 16 samples of a pixel that is seen from far away show what 4096 of its middle show. */
+    /* 256 x 16 samples of a pixel far away have the mean of 4096 samples of its centre. */
     rk_scene scene = make_half();
     rk_render_options options = small();
     options.width = options.height = 1;
@@ -116,7 +116,8 @@ static void pixel_samples_and_glossy_samples_multiply(void **state)
     test_picture picture = test_render(&scene, options, 1);
     rk_check_equal(picture.counters.glossy_samples, 4096, "a disk for each ray of the pixel");
     /* 5 standard deviations: the edge halves the disk. */
-    rk_check_close(red_at(&picture, 0, 0), 0.5, 5 * 0.5 / 64, "half of the disk sees the wall");
+    rk_check_close(red_at(&picture, 0, 0), 0.5, 5 * 0.5 / 64,
+                   "half of the disk's rays hit the wall");
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
@@ -143,31 +144,32 @@ static void check_white_room(rk_glossy_weights weights, uint32_t samples)
     options.glossy.samples = samples;
     test_picture picture = test_render(&scene, options, 2);
     double sum = 0, wanted = 0;
-    int cut = 0;
+    int intersected = 0;
     for (size_t y = 0; y < options.height; y++)
         for (size_t x = 0; x < options.width; x++) {
             rk_dvec3 w = pixel_direction(&options, x, y);
-            double share = 1, height = -w.y;
+            double fraction = 1, height = -w.y;
             bool floor = w.y < 0 && fabs(-0.2 / w.y * w.x) < 5 && -0.2 / w.y * w.z < 8;
             if (floor)
-                share = share_above((rk_dvec3){w.x, height, w.z}, 0.3, (rk_dvec3){0, 1, 0});
-            double want = weights == RK_GLOSSY_CLASSIC ? share : 1;
-            cut += share < 0.99;
+                fraction = fraction_above((rk_dvec3){w.x, height, w.z}, 0.3, (rk_dvec3){0, 1, 0});
+            double want = weights == RK_GLOSSY_CLASSIC ? fraction : 1;
+            intersected += fraction < 0.99;
             sum += red_at(&picture, x, y);
             wanted += want;
-            /* 5 standard deviations of an estimated share, and a whole sample where few are below.
+            /* 5 standard deviations of an estimated fraction, and a whole sample where few are
+             * below.
              */
             double tolerance = 1e-5;
             if (weights == RK_GLOSSY_CLASSIC)
-                tolerance += 5 * sqrt(share * (1 - share) / samples) + 1.0 / samples;
+                tolerance += 5 * sqrt(fraction * (1 - fraction) / samples) + 1.0 / samples;
             if (samples > 1)
                 rk_check(fabs(red_at(&picture, x, y) - want) <= tolerance,
                          "pixel (%zu, %zu), %u samples: got %.5f, want %.5f within %.5f", x, y,
                          samples, red_at(&picture, x, y), want, tolerance);
         }
-    rk_check(cut > 100, "the floor cuts %d disks only", cut);
-    /* A pixel's standard deviation is at most 1, that of 1 / share for half of the disk. */
-    rk_check_close(sum / 1600, wanted / 1600, 5 * sqrt(cut / (double)samples) / 1600 + 1e-5,
+    rk_check(intersected > 100, "the floor intersects only %d disks", intersected);
+    /* A pixel's standard deviation is at most 1, that of 1 / fraction for half of the disk. */
+    rk_check_close(sum / 1600, wanted / 1600, 5 * sqrt(intersected / (double)samples) / 1600 + 1e-5,
                    "over the picture, errors average out");
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
@@ -180,7 +182,7 @@ static void classic_weights_darken_grazing_mirrors(void **state)
     check_white_room(RK_GLOSSY_CLASSIC, 1);
 }
 
-static void renormalised_weights_keep_a_white_room_white(void **state)
+static void renormalized_weights_keep_a_white_room_white(void **state)
 {
     (void)state;
     check_white_room(RK_GLOSSY_RENORMALIZED, 64);
@@ -189,7 +191,7 @@ static void renormalised_weights_keep_a_white_room_white(void **state)
 
 /* --- How many rays ---------------------------------------------------------------------------- */
 
-static void only_the_first_mirror_spreads_a_ray(void **state)
+static void only_the_first_mirror_splits_a_path(void **state)
 {
     (void)state;
     /* Two mirrors that face each other. */
@@ -200,7 +202,7 @@ static void only_the_first_mirror_spreads_a_ray(void **state)
     scene.mesh.materials[0].kd = scene.mesh.materials[0].ks = rk_vec(0.5f, 0.5f, 0.5f);
     test_scene_light(&scene, rk_vec(0, 0, -2), rk_vec(1, 1, 1));
     rk_render_options options = small();
-    options.glossy.radius = 0.05f; /* no way gets so slanting that a mirror cuts its disk */
+    options.glossy.radius = 0.05f; /* no ray is so slanting that a mirror intersects its disk */
     for (options.max_depth = 0; options.max_depth <= 6; options.max_depth++) {
         test_picture picture = test_render(&scene, options, 2);
         uint64_t want = 14ull * 11 * 64 * options.max_depth;
@@ -209,7 +211,7 @@ static void only_the_first_mirror_spreads_a_ray(void **state)
         rk_check_equal(picture.counters.glossy_samples, want, "as many samples are drawn");
         for (size_t y = 0; y < options.height; y++)
             for (size_t x = 0; x < options.width; x++)
-                /* 0.5 of itself and 0.5 of what it mirrors; sums of 64 weights round 64 times. */
+                /* 0.5 of itself and 0.5 of the reflection; sums of 64 weights round 64 times. */
                 rk_check_close(red_at(&picture, x, y), 1 - pow(0.5, options.max_depth + 1),
                                64 * 0x1p-24, "a ray that is not spread has the weight of all");
         rk_image_free(&picture.image);
@@ -217,7 +219,7 @@ static void only_the_first_mirror_spreads_a_ray(void **state)
     rk_scene_free(&scene);
 }
 
-static void a_mirror_behind_a_pane_spreads_rays_too(void **state)
+static void a_mirror_behind_glass_splits_a_path_too(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_of(6, 3);
@@ -233,11 +235,11 @@ static void a_mirror_behind_a_pane_spreads_rays_too(void **state)
     rk_render_options options = small();
     options.transparency = true;
     test_picture picture = test_render(&scene, options, 2);
-    rk_check_equal(picture.counters.glossy_samples, 14 * 11 * 64, "at the mirror behind the pane");
+    rk_check_equal(picture.counters.glossy_samples, 14 * 11 * 64, "at the mirror behind the glass");
     for (size_t y = 0; y < options.height; y++)
         for (size_t x = 0; x < options.width; x++)
             rk_check_close(red_at(&picture, x, y), 0.25, 64 * 0x1p-24,
-                           "the pane takes half on the way there, and half on the way back");
+                           "the glass absorbs half on the way there, and half on the way back");
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
@@ -283,7 +285,7 @@ static void ray_groups_find_what_single_rays_find(void **state)
         rk_accel accel;
         rk_error error;
         rk_check_ok(rk_accel_build(&accel, RK_ACCEL_SAH_3, &scene, &error), error);
-        uint32_t met = 0;
+        uint32_t hit_count = 0;
         rk_counters single = {0}, together = {0};
         for (uint32_t key = 0; key < 400; key++) {
             rk_ray_batch rays = make_ray_groups(key);
@@ -291,16 +293,16 @@ static void ray_groups_find_what_single_rays_find(void **state)
             rk_accel_closest(&accel, &rays, &want, &single);
             rk_accel_closest_still_grouped(&accel, &rays, &got, &together);
             for (uint32_t i = 0; i < rays.count; i++) {
-                met += want.triangle[i] != RK_MISS;
+                hit_count += want.triangle[i] != RK_MISS;
                 rk_check(got.triangle[i] == want.triangle[i] && got.t[i] == want.t[i] &&
                              (want.triangle[i] == RK_MISS ||
                               (got.u[i] == want.u[i] && got.v[i] == want.v[i])),
-                         "%s, batch %u, ray %u: met triangle %d at %.9g, want %d at %.9g", names[n],
+                         "%s, batch %u, ray %u: hit triangle %d at %.9g, want %d at %.9g", names[n],
                          key, i, (int)got.triangle[i], (double)got.t[i], (int)want.triangle[i],
                          (double)want.t[i]);
             }
         }
-        rk_check(met > 5000, "%s: only %u rays meet anything", names[n], met);
+        rk_check(hit_count > 5000, "%s: only %u rays have a hit", names[n], hit_count);
         if (n == 0)
             rk_check(together.box_tests + together.triangle_tests <
                          (single.box_tests + single.triangle_tests) / 2,
@@ -312,7 +314,8 @@ static void ray_groups_find_what_single_rays_find(void **state)
     }
 }
 
-/* --- What is not needed ----------------------------------------------------------------------- */
+/* --- Without rough mirrors ---------------------------------------------------------------------
+ */
 
 static void check_same_as_perfect(const rk_scene *scene, rk_render_options options,
                                   const char *hint)
@@ -375,7 +378,7 @@ static void without_rough_mirrors_no_sample_is_drawn(void **state)
     check_same_as_perfect(&scene, options, "mirrors are off");
     options = small();
     options.max_depth = 0;
-    check_same_as_perfect(&scene, options, "nothing is mirrored");
+    check_same_as_perfect(&scene, options, "nothing is reflected");
     options = small();
     scene.mesh.materials[0].ks = rk_vec(0, 0, 0);
     rk_check(!rk_plan_of(&scene, &options).glossy_reflection, "there is no mirror");
@@ -434,7 +437,7 @@ static void more_samples_than_a_sampler_has_are_an_error(void **state)
     options.samples = 65536;
     options.glossy.samples = 16384;
     rk_check(!rk_render(&image, &scene, &accel, &options, pool, &counters, NULL, &error),
-             "2^30 samples of a pixel: more than numbers that a sampler gives");
+             "2^30 samples per pixel: more than a sampler has");
     rk_check_error_names(error, "16777216");
     rk_image_free(&image);
     rk_accel_free(&accel);
@@ -446,9 +449,9 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_mean_is_the_integral_over_the_disk),
     cmocka_unit_test(pixel_samples_and_glossy_samples_multiply),
     cmocka_unit_test(classic_weights_darken_grazing_mirrors),
-    cmocka_unit_test(renormalised_weights_keep_a_white_room_white),
-    cmocka_unit_test(only_the_first_mirror_spreads_a_ray),
-    cmocka_unit_test(a_mirror_behind_a_pane_spreads_rays_too),
+    cmocka_unit_test(renormalized_weights_keep_a_white_room_white),
+    cmocka_unit_test(only_the_first_mirror_splits_a_path),
+    cmocka_unit_test(a_mirror_behind_glass_splits_a_path_too),
     cmocka_unit_test(ray_groups_find_what_single_rays_find),
     cmocka_unit_test(radius_0_is_a_perfect_mirror),
     cmocka_unit_test(a_tiny_radius_is_nearly_a_perfect_mirror),

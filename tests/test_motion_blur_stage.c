@@ -1,12 +1,12 @@
-/* The renderer in time: what moves is blurred by the share of time in closed form, directly, in
- * shadows, in mirrors and through glass; and what does not move costs nothing. */
+/* Motion blur in the renderer: moving objects, their shadows, their reflections and moving glass
+ * cover pixels for a fraction of the time, in closed form; and static scenes cost nothing. */
 #include "test_scene.h"
 
 static const double pi = 3.14159265358979323846;
 
 enum { width = 30, height = 22, times = 64 };
 
-/* Colours without light's cosine, so that a pixel's colour is a share of time. */
+/* Colours without light's cosine, so that a pixel's colour is a fraction of the time. */
 static rk_render_options blurred(float open, float close)
 {
     rk_render_options options = rk_render_options_default();
@@ -22,7 +22,7 @@ typedef struct place {
     double x, y;
 } place;
 
-/* What the centre of a pixel shows of the plane at `reach` from the camera along z. */
+/* The point of the plane at `reach` from the camera along z on which a pixel's centre projects. */
 static place seen_at(size_t column, size_t row, double reach)
 {
     double half = tan(25 * pi / 180);
@@ -53,15 +53,15 @@ static void shine(rk_scene *scene)
 
 static const rk_motion level = {0, 0, 0}; /* straight along x, x units at the time x */
 
-/* The share of the shutter during which low + x <= p <= high + x. */
-static double share_between(rk_shutter shutter, double low, double high, double p)
+/* The fraction of the shutter interval during which low + x <= p <= high + x. */
+static double fraction_between(rk_shutter shutter, double low, double high, double p)
 {
     double from = fmax((double)shutter.open, p - high), to = fmin((double)shutter.close, p - low);
     return fmax(0, to - from) / ((double)shutter.close - (double)shutter.open);
 }
 
-static void check_share(const test_picture *picture, size_t column, size_t row, double low,
-                        double high, double tolerance, const char *hint)
+static void check_fraction(const test_picture *picture, size_t column, size_t row, double low,
+                           double high, double tolerance, const char *hint)
 {
     double got = (double)rk_image_at(&picture->image, column, row)->x;
     rk_check(got >= low - tolerance && got <= high + tolerance,
@@ -69,11 +69,11 @@ static void check_share(const test_picture *picture, size_t column, size_t row, 
              high, tolerance, hint);
 }
 
-/* Stratified times: what begins and ends once leaves two of the parts in doubt. The other term is
- * for roundings of positions near an edge. */
+/* Stratified times: an object that comes and goes once leaves two of the strata in doubt. The other
+ * term is for roundings of positions near an edge. */
 static const double doubt = 2.0 / times + 1e-4;
 
-/* --- What is seen ----------------------------------------------------------------------------- */
+/* --- The picture ------------------------------------------------------------------------------ */
 
 static rk_scene one_square(void)
 {
@@ -85,27 +85,28 @@ static rk_scene one_square(void)
     return scene;
 }
 
-/* What is seen where nothing moves, and where something is in the way. */
+/* The colours with and without the moving object in front. */
 typedef struct shown {
     double apart, covered;
 } shown;
 
-/* The square that moves along x, from `low` to `high` at time 0 and within `half` of y = 0, is seen
- * for its share of the time. */
+/* The square that moves along x, from `low` to `high` at time 0 and within `half` of y = 0, covers
+ * pixels for its fraction of the time. */
 static void check_square(const test_picture *picture, const rk_render_options *options,
-                         double reach, double low, double high, double half, shown seen)
+                         double reach, double low, double high, double half, shown colours)
 {
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0; x < width; x++) {
             place p = seen_at(x, y, reach);
-            double share = share_between(options->motion.shutter, low, high, p.x);
-            share = fabs(p.y) < half ? share : 0;
-            double want = seen.apart + share * (seen.covered - seen.apart);
-            check_share(picture, x, y, want, want, doubt, "covered for its share of the time");
+            double fraction = fraction_between(options->motion.shutter, low, high, p.x);
+            fraction = fabs(p.y) < half ? fraction : 0;
+            double want = colours.apart + fraction * (colours.covered - colours.apart);
+            check_fraction(picture, x, y, want, want, doubt,
+                           "covered for its fraction of the time");
         }
 }
 
-static void a_moving_edge_is_seen_for_its_share_of_the_time(void **state)
+static void a_moving_edge_covers_a_pixel_for_its_fraction_of_the_time(void **state)
 {
     (void)state;
     rk_scene scene = one_square();
@@ -135,7 +136,7 @@ static rk_scene one_disk(float radius)
     return scene;
 }
 
-/* The share of the shutter during which a disk around (x, c x) holds the point. */
+/* The fraction of the shutter interval during which a disk around (x, c x) holds the point. */
 static double share_in_disk(rk_shutter shutter, double c, double radius, place p)
 {
     double along = 1 + c * c, b = p.x + c * p.y, rest = p.x * p.x + p.y * p.y - radius * radius;
@@ -147,7 +148,7 @@ static double share_in_disk(rk_shutter shutter, double c, double radius, place p
     return fmax(0, to - from) / ((double)shutter.close - (double)shutter.open);
 }
 
-static void a_moving_disk_is_seen_for_its_chord_of_the_way(void **state)
+static void a_moving_disk_covers_a_pixel_for_its_chord_of_the_path(void **state)
 {
     (void)state;
     const double radius = 0.5, c = 0.75;
@@ -162,7 +163,7 @@ static void a_moving_disk_is_seen_for_its_chord_of_the_way(void **state)
             /* Between the polygon's inner and outer circle. */
             double low = share_in_disk(options.motion.shutter, c, radius * cos(pi / corners), p);
             double high = share_in_disk(options.motion.shutter, c, radius, p);
-            check_share(&picture, x, y, low, high, doubt, "the chord over the way");
+            check_fraction(&picture, x, y, low, high, doubt, "the chord over the path");
             partly += low > 0.1;
         }
     rk_check(partly > 50, "the disk should pass over many pixels, not %zu", partly);
@@ -173,7 +174,7 @@ static void a_moving_disk_is_seen_for_its_chord_of_the_way(void **state)
 static void objects_take_paths_of_their_own(void **state)
 {
     (void)state;
-    /* One rises to the left, one falls; a third stands still. */
+    /* One rises to the left, one falls; a third is static. */
     rk_scene scene = test_scene_make(6);
     put_square(&scene, 0, 0, 0, 0, 0.125f);
     put_square(&scene, 2, -0.5, 0, 0, 0.125f);
@@ -196,14 +197,15 @@ static void objects_take_paths_of_their_own(void **state)
                 bool inside = false;
                 for (int k = 0; k < 3; k++)
                     inside |= fmax(fabs(p.x - middles[k].x), fabs(p.y - middles[k].y)) < 0.125;
-                check_share(&picture, column, row, inside, inside, 0, "each where its path leads");
+                check_fraction(&picture, column, row, inside, inside, 0,
+                               "each where its path leads");
             }
         rk_image_free(&picture.image);
     }
     rk_scene_free(&scene);
 }
 
-static void an_isolated_time_is_a_sharp_picture_also_outside_of_the_shutter(void **state)
+static void a_single_time_is_a_sharp_picture_also_outside_of_the_shutter(void **state)
 {
     (void)state;
     rk_scene scene = one_square();
@@ -217,16 +219,16 @@ static void an_isolated_time_is_a_sharp_picture_also_outside_of_the_shutter(void
             for (size_t x = 0; x < width; x++) {
                 place p = seen_at(x, y, 3);
                 bool inside = fmax(fabs(p.x + 0.25 - offset), fabs(p.y)) < 0.5;
-                check_share(&picture, x, y, inside, inside, 0, "it is there, or it is not");
+                check_fraction(&picture, x, y, inside, inside, 0, "it is there, or it is not");
             }
         rk_check_equal(picture.counters.time_samples, 0, "one time for all: none is drawn");
-        rk_check_equal(picture.counters.primary_rays, width * height, "a ray a pixel");
+        rk_check_equal(picture.counters.primary_rays, width * height, "a ray per pixel");
         rk_image_free(&picture.image);
     }
     rk_scene_free(&scene);
 }
 
-/* --- What needs no time ----------------------------------------------------------------------- */
+/* --- Without a time --------------------------------------------------------------------------- */
 
 static void check_unblurred(const rk_scene *scene, rk_render_options options)
 {
@@ -258,7 +260,7 @@ static void a_still_scene_is_the_unblurred_picture_to_the_bit(void **state)
     }
 }
 
-static void without_time_samples_everything_rests(void **state)
+static void without_time_samples_everything_is_at_rest(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_builtin("moving");
@@ -302,7 +304,7 @@ static void pixels_that_motion_cannot_change_take_no_time_samples(void **state)
             inside += swept;
             rk_check(swept || memcmp(rk_image_at(&picture.image, x, y),
                                      rk_image_at(&rest.image, x, y), sizeof(rk_vec3)) == 0,
-                     "pixel (%zu, %zu) sees only the wall, and should stay the same to the bit", x,
+                     "pixel (%zu, %zu) shows only the wall, and should stay the same to the bit", x,
                      y);
         }
     rk_check_equal(picture.counters.time_samples, times * inside,
@@ -314,7 +316,7 @@ static void pixels_that_motion_cannot_change_take_no_time_samples(void **state)
     rk_scene_free(&scene);
 }
 
-static void what_is_hidden_takes_no_time_samples(void **state)
+static void hidden_motion_takes_no_time_samples(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_make(4);
@@ -362,18 +364,18 @@ static double mean_of_row(const rk_scene *scene, rk_render_options options, size
     return sum / width / seeds;
 }
 
-/* A sample that meets nothing in motion says nothing of the rest of its pixel. Were the first
- * samples to decide for the pixel, its mean would be off by (1 - n / times) (1 - p)^n p, if a share
- * p of it is covered and n are the samples: here by 0.08. */
+/* A sample that hits no moving object says nothing about the rest of its pixel. Were the first
+ * samples to decide for the pixel, its mean would be off by (1 - n / times) (1 - p)^n p, if a
+ * fraction p of it is covered and n are the samples: here by 0.08. */
 static void pixels_that_are_covered_in_part_are_right_on_average(void **state)
 {
     (void)state;
     enum { samples = 4, seeds = 60 };
-    double share = 0.2, side = 2 * tan(25 * pi / 180) * 3 / height;
+    double fraction = 0.2, side = 2 * tan(25 * pi / 180) * 3 / height;
     rk_scene scene = test_scene_make(2);
     /* Its upper edge is in the row above the middle; it covers the whole width all the time. */
     test_scene_quad(&scene, 0, rk_vec(-10, -10, 0), rk_vec(20, 0, 0),
-                    rk_vec(0, 10 + (float)(share * side), 0));
+                    rk_vec(0, 10 + (float)(fraction * side), 0));
     scene.mesh.materials[0].kd = rk_vec(1, 1, 1);
     shine(&scene);
     set_moving(&scene, 0, level);
@@ -383,15 +385,15 @@ static void pixels_that_are_covered_in_part_are_right_on_average(void **state)
         options.sampling = (rk_sampler_kind)sampling;
         double mean = mean_of_row(&scene, options, height / 2 - 1, seeds);
         /* Independent samples are the worst: four standard deviations of the mean. */
-        double deviation = sqrt(share * (1 - share) / (samples * width * seeds));
-        rk_check_close(mean, share, 4 * deviation, "the covered share of the pixels");
+        double deviation = sqrt(fraction * (1 - fraction) / (samples * width * seeds));
+        rk_check_close(mean, fraction, 4 * deviation, "the covered fraction of the pixels");
     }
     rk_scene_free(&scene);
 }
 
 /* --- Shadows, mirrors, glass ------------------------------------------------------------------ */
 
-static void the_shadow_of_what_moves_is_blurred(void **state)
+static void the_shadow_of_a_moving_object_is_blurred(void **state)
 {
     (void)state;
     /* A wall at z = 1, and beside the view a square between it and the light at (6, 0, -1): its
@@ -408,10 +410,10 @@ static void the_shadow_of_what_moves_is_blurred(void **state)
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0; x < width; x++) {
             place p = seen_at(x, y, 4);
-            double share = share_between(options.motion.shutter, -0.25, 0.25, p.x / 2);
-            share = fabs(p.y + 0.12) < 0.5 ? share : 0;
-            check_share(&picture, x, y, 1 - share, 1 - share, doubt,
-                        "light for the rest of the time");
+            double fraction = fraction_between(options.motion.shutter, -0.25, 0.25, p.x / 2);
+            fraction = fabs(p.y + 0.12) < 0.5 ? fraction : 0;
+            check_fraction(&picture, x, y, 1 - fraction, 1 - fraction, doubt,
+                           "light for the rest of the time");
         }
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
@@ -441,7 +443,7 @@ static double rms_error(const rk_scene *scene, rk_render_options options, const 
 }
 
 /* Where the camera's ray decides that there is motion, light samples are drawn anew each time. */
-static void what_is_seen_in_motion_takes_light_samples_at_each_time(void **state)
+static void moving_surfaces_take_light_samples_at_each_time(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_make(2);
@@ -452,7 +454,7 @@ static void what_is_seen_in_motion_takes_light_samples_at_each_time(void **state
     options.shading.model = RK_SHADING_LAMBERT;
     options.light.samples = 1024;
     test_picture truth = test_render(&scene, options, 2);
-    set_moving(&scene, 0, level); /* looks the same at all times */
+    set_moving(&scene, 0, level); /* the same picture at all times */
     options.light.samples = 1;
     options.motion.samples = 1;
     double once = rms_error(&scene, options, &truth.image);
@@ -473,7 +475,7 @@ static void add_picture(double *sum, const rk_scene *scene, rk_render_options op
     rk_image_free(&picture.image);
 }
 
-/* A single random point of a large light decides whether there is motion in its way. Were the
+/* A single random point of a large light decides whether a moving object may occlude it. Were the
  * others then drawn anew, shadows would be too bright, here by 0.07. */
 static void shadows_of_large_lights_are_right_on_average(void **state)
 {
@@ -504,7 +506,7 @@ static void shadows_of_large_lights_are_right_on_average(void **state)
     rk_scene_free(&scene);
 }
 
-static void a_mirror_shows_what_moves_blurred(void **state)
+static void a_mirror_reflects_moving_objects_blurred(void **state)
 {
     (void)state;
     /* A mirror at z = 1, and the square behind the viewer, 4 + 5 from the camera. */
@@ -523,7 +525,7 @@ static void a_mirror_shows_what_moves_blurred(void **state)
     rk_scene_free(&scene);
 }
 
-static void moving_glass_dims_what_is_behind_it_for_its_share_of_the_time(void **state)
+static void moving_glass_attenuates_the_wall_behind_it_for_its_fraction_of_the_time(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_of(4, 2);
@@ -548,21 +550,22 @@ static void a_lens_and_motion_go_together(void **state)
     (void)state;
     rk_scene scene = one_square();
     rk_render_options options = blurred(-0.5f, 1);
-    options.lens.focal_distance = 3; /* the square's plane: what blurs it is motion alone */
+    options.lens.focal_distance = 3; /* the square's plane: only motion blurs it */
     options.lens.aperture = 100;
     options.lens_samples = 16;
     test_picture picture = test_render(&scene, options, 2);
-    /* A sample looks anywhere in its pixel, in which the share changes by the pixel's width over
-     * the way; the square's upper and lower border may run through a pixel. */
+    /* A sample is anywhere in its pixel, in which the fraction changes by the pixel's width over
+     * the path; the square's upper and lower edge may run through a pixel. */
     double side = 2 * tan(25 * pi / 180) * 3 / height, tolerance = doubt + side / 1.5;
     for (size_t y = 0; y < height; y++)
         for (size_t x = 0; x < width; x++) {
             place p = seen_at(x, y, 3);
-            double share = share_between(options.motion.shutter, -0.75, 0.25, p.x);
+            double fraction = fraction_between(options.motion.shutter, -0.75, 0.25, p.x);
             if (fabs(fabs(p.y) - 0.5) < side)
                 continue;
-            share = fabs(p.y) < 0.5 ? share : 0;
-            check_share(&picture, x, y, share, share, tolerance, "the share of the time");
+            fraction = fabs(p.y) < 0.5 ? fraction : 0;
+            check_fraction(&picture, x, y, fraction, fraction, tolerance,
+                           "the fraction of the time");
         }
     rk_check(picture.counters.lens_samples > 0 && picture.counters.time_samples > 0,
              "each ray has its place on the lens and its time");
@@ -571,7 +574,7 @@ static void a_lens_and_motion_go_together(void **state)
 }
 
 /* A convex body has no shadow on itself, wherever its rays are carried. */
-static void no_ray_meets_the_moving_surface_that_it_leaves(void **state)
+static void no_ray_hits_the_moving_surface_that_it_leaves(void **state)
 {
     (void)state;
     const float at[] = {0.05f, 1, 30, 1000, 30000};
@@ -684,23 +687,23 @@ static void a_shutter_that_closes_before_it_opens_is_refused(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(a_moving_edge_is_seen_for_its_share_of_the_time),
-    cmocka_unit_test(a_moving_disk_is_seen_for_its_chord_of_the_way),
+    cmocka_unit_test(a_moving_edge_covers_a_pixel_for_its_fraction_of_the_time),
+    cmocka_unit_test(a_moving_disk_covers_a_pixel_for_its_chord_of_the_path),
     cmocka_unit_test(objects_take_paths_of_their_own),
-    cmocka_unit_test(an_isolated_time_is_a_sharp_picture_also_outside_of_the_shutter),
+    cmocka_unit_test(a_single_time_is_a_sharp_picture_also_outside_of_the_shutter),
     cmocka_unit_test(a_still_scene_is_the_unblurred_picture_to_the_bit),
-    cmocka_unit_test(without_time_samples_everything_rests),
+    cmocka_unit_test(without_time_samples_everything_is_at_rest),
     cmocka_unit_test(pixels_that_motion_cannot_change_take_no_time_samples),
-    cmocka_unit_test(what_is_hidden_takes_no_time_samples),
+    cmocka_unit_test(hidden_motion_takes_no_time_samples),
     cmocka_unit_test(more_samples_than_times_each_have_a_time),
     cmocka_unit_test(pixels_that_are_covered_in_part_are_right_on_average),
-    cmocka_unit_test(the_shadow_of_what_moves_is_blurred),
-    cmocka_unit_test(what_is_seen_in_motion_takes_light_samples_at_each_time),
+    cmocka_unit_test(the_shadow_of_a_moving_object_is_blurred),
+    cmocka_unit_test(moving_surfaces_take_light_samples_at_each_time),
     cmocka_unit_test(shadows_of_large_lights_are_right_on_average),
-    cmocka_unit_test(a_mirror_shows_what_moves_blurred),
-    cmocka_unit_test(moving_glass_dims_what_is_behind_it_for_its_share_of_the_time),
+    cmocka_unit_test(a_mirror_reflects_moving_objects_blurred),
+    cmocka_unit_test(moving_glass_attenuates_the_wall_behind_it_for_its_fraction_of_the_time),
     cmocka_unit_test(a_lens_and_motion_go_together),
-    cmocka_unit_test(no_ray_meets_the_moving_surface_that_it_leaves),
+    cmocka_unit_test(no_ray_hits_the_moving_surface_that_it_leaves),
     cmocka_unit_test(the_blur_is_the_same_for_any_number_of_threads),
     cmocka_unit_test(memory_does_not_grow_with_the_samples),
     cmocka_unit_test(moving_objects_that_are_not_the_last_triangles_are_refused),

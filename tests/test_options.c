@@ -43,7 +43,7 @@ static const rk_option own[] = {
     {"way", RK_FIELD(choices, way), "NAME",
      "left   a way\nright  a way which is told in more words than a line will ever hold"},
     {"mesh", RK_FIELD(choices, meshes), "FILE", "a mesh file\nmay come again"},
-    {"pixel", RK_FIELD(choices, pixel), "X,Y", "narrates one pixel"},
+    {"pixel", RK_FIELD(choices, pixel), "X,Y", "explains one pixel"},
     {"light", RK_CHOICE(choices, light, colour_names), "its colour", .alias = "lamp"},
     {"narrow", RK_FIELD(choices, quiet), NULL,
      "a b c d e f g h i j k l m n o p q r s t u v w x y z a b c d e f g h i j k l m n o p q r s t "
@@ -80,7 +80,7 @@ static void check_accepted(const char *line)
     rk_check(parse(line, &error) == RK_OPTIONS_OK, "%s: %s", line, error.text);
 }
 
-/* Refused, with a sentence that names the option, what it takes, and where to look. */
+/* Refused with a sentence that names the option, its values, and --help. */
 static void check_refused(const char *line, const char *name, const char *takes)
 {
     rk_error error;
@@ -101,7 +101,7 @@ static void without_arguments_the_defaults_stay(void **state)
              "a default has changed");
     rk_check(isnan(values.near) && values.last == UINT32_MAX && !values.way &&
                  values.light == red && values.seed == 0,
-             "what is not given is NaN, above the range, or none");
+             "options that are not given are NaN, above the range, or NULL");
 }
 
 static void a_row_knows_the_kind_of_its_field(void **state)
@@ -147,7 +147,7 @@ static void both_ends_of_a_range_belong_to_it(void **state)
     check_accepted("--far 0 --pixel 0,4294967295");
     rk_check_equal(values.pixel.y, UINT32_MAX, "all 32 bits");
     check_accepted("--far inf");
-    rk_check(isinf(values.far), "infinity may be asked for where the range allows it");
+    rk_check(isinf(values.far), "infinity is accepted if it is in the range");
 }
 
 static void the_last_of_several_values_counts(void **state)
@@ -157,7 +157,7 @@ static void the_last_of_several_values_counts(void **state)
     rk_check_equal(values.width, 4, "so that a script's options can be overridden");
 }
 
-static void an_unmistakable_beginning_of_a_name_is_enough(void **state)
+static void an_unambiguous_prefix_of_a_name_is_enough(void **state)
 {
     (void)state;
     check_accepted("--wid 3 --pix 1,2");
@@ -171,7 +171,7 @@ static void parsing_again_starts_anew(void **state)
     rk_error error;
     for (int i = 0; i < 3; i++) {
         check_accepted("--width 3");
-        rk_check_equal(values.width, 3, "the first argument is seen in each parse");
+        rk_check_equal(values.width, 3, "each parse reads the first argument");
         rk_check(parse("-xyz --width 5", &error) == RK_OPTIONS_BAD, "stops within -xyz");
         check_accepted("--quiet --width 4");
         rk_check(values.quiet && values.width == 4, "nothing is left of the parse before");
@@ -269,7 +269,7 @@ static void a_value_for_a_flag_is_refused(void **state)
     check_refused("--help=yes", "--help=yes", "takes no value");
 }
 
-static void what_is_no_whole_number_in_range_is_refused(void **state)
+static void a_value_that_is_no_whole_number_in_range_is_refused(void **state)
 {
     (void)state;
     const char *bad[] = {"abc",
@@ -296,7 +296,7 @@ static void what_is_no_whole_number_in_range_is_refused(void **state)
     check_refused("--seed 4294967296", "--seed", "0 to 4294967295");
 }
 
-static void what_is_no_number_in_range_is_refused(void **state)
+static void a_value_that_is_no_number_in_range_is_refused(void **state)
 {
     (void)state;
     const char *bad[] = {"abc", "0.999", "179.001", "-1",  "3x",
@@ -314,7 +314,7 @@ static void what_is_no_number_in_range_is_refused(void **state)
     check_refused("--far -0.001", "--far", "0 or more");
 }
 
-static void what_is_no_pixel_is_refused(void **state)
+static void a_value_that_is_no_pixel_is_refused(void **state)
 {
     (void)state;
     const char *bad[] = {"3",    "3,",    ",4",           "3,4x", "3,4,5", "3;4",
@@ -372,7 +372,7 @@ static void the_longest_value_leaves_room_for_the_remedy(void **state)
     check_refused(line, "--width 999", "1 to 32768");
 }
 
-/* --- what is printed ------------------------------------------------------------------------- */
+/* --- output ---------------------------------------------------------------------------------- */
 
 typedef struct print {
     rk_options_result result;
@@ -441,7 +441,7 @@ static void help_lists_every_option_with_range_and_default(void **state)
     check_lists(help.output, "(0 or more; default 2.5)\n");
     check_lists(help.output,
                 "  --mesh FILE           a mesh file\n                        may come again\n");
-    check_lists(help.output, "  --pixel X,Y           narrates one pixel\n");
+    check_lists(help.output, "  --pixel X,Y           explains one pixel\n");
     check_lists(help.output, "its colour (default red)\n");
     check_lists(help.output, "  --light red|green|blue\n");
     rk_check(!strstr(help.output, "--columns") && !strstr(help.output, "--lamp"),
@@ -495,7 +495,7 @@ static void version_is_the_name_and_a_number(void **state)
     assert_string_equal(version.output, "raykit " PACKAGE_VERSION "\n");
 }
 
-static void refusals_print_nothing_by_themselves(void **state)
+static void refusals_print_nothing(void **state)
 {
     const char *lines[] = {"--widht", "--width", "--width x", "--quiet=1", "-x", "x"};
     for (int i = 0; i < 6; i++) {
@@ -525,7 +525,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(each_kind_of_value_is_read),
     cmocka_unit_test(both_ends_of_a_range_belong_to_it),
     cmocka_unit_test(the_last_of_several_values_counts),
-    cmocka_unit_test(an_unmistakable_beginning_of_a_name_is_enough),
+    cmocka_unit_test(an_unambiguous_prefix_of_a_name_is_enough),
     cmocka_unit_test(parsing_again_starts_anew),
     cmocka_unit_test(an_older_spelling_sets_the_same),
     cmocka_unit_test(an_argument_that_is_spelled_out_is_found),
@@ -534,9 +534,9 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(unknown_options_are_refused),
     cmocka_unit_test(a_missing_value_is_refused_with_what_it_takes),
     cmocka_unit_test(a_value_for_a_flag_is_refused),
-    cmocka_unit_test(what_is_no_whole_number_in_range_is_refused),
-    cmocka_unit_test(what_is_no_number_in_range_is_refused),
-    cmocka_unit_test(what_is_no_pixel_is_refused),
+    cmocka_unit_test(a_value_that_is_no_whole_number_in_range_is_refused),
+    cmocka_unit_test(a_value_that_is_no_number_in_range_is_refused),
+    cmocka_unit_test(a_value_that_is_no_pixel_is_refused),
     cmocka_unit_test(a_choice_is_one_of_its_names),
     cmocka_unit_test(stray_words_are_refused),
     cmocka_unit_test(a_list_that_is_full_is_refused),
@@ -546,7 +546,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(help_fits_eighty_columns_and_fills_them),
     test_in_folder(help_shows_defaults_whatever_else_is_given),
     test_in_folder(version_is_the_name_and_a_number),
-    test_in_folder(refusals_print_nothing_by_themselves),
+    test_in_folder(refusals_print_nothing),
     cmocka_unit_test(help_into_a_full_device_is_an_error),
 };
 

@@ -1,5 +1,5 @@
-/* Debug drawings: where projection says, in front of what they are in front of, and quick and
- * harmless for whatever they are given; and the single rays that find what to draw. */
+/* Debug drawings: at their projections, hidden by nearer surfaces only, and quick and harmless for
+ * any input; and the single rays that drivers draw. */
 #include "test_scene.h"
 
 #include "accel/trace.h"
@@ -125,7 +125,7 @@ static void a_slanted_line_is_where_projection_says(void **state)
     free_canvas(c);
 }
 
-static void a_line_weighs_its_length_times_its_width(void **state)
+static void a_line_covers_its_length_times_its_width(void **state)
 {
     (void)state;
     canvas *c = make_canvas(test_scene_make(0), 80, 80);
@@ -146,7 +146,7 @@ static void a_line_weighs_its_length_times_its_width(void **state)
     }
     wipe(c);
     rk_overlay_line(&c->overlay, at_pixel(c, 10, 20), at_pixel(c, 50, 40), white, 0);
-    rk_check_close(sum_of_red(c), 0, 0, "a line without width is not seen");
+    rk_check_close(sum_of_red(c), 0, 0, "a line without width is invisible");
     free_canvas(c);
 }
 
@@ -170,12 +170,12 @@ static canvas *make_walled_canvas(void)
     return make_canvas(scene, 40, 20);
 }
 
-static void lines_are_hidden_behind_surfaces_and_seen_before_them(void **state)
+static void lines_are_hidden_behind_surfaces_and_visible_in_front_of_them(void **state)
 {
     (void)state;
     canvas *c = make_walled_canvas();
-    /* Perspective: what is at distance 3 + z and appears at the same pixel is (3 + z) / 3 as far
-     * from the axis. */
+    /* Perspective: a point at distance 3 + z that projects onto the same pixel is (3 + z) / 3 as
+     * far from the axis. */
     const float depths[] = {0.5f, -0.5f, 0}; /* behind, before, on it */
     for (int i = 0; i < 3; i++) {
         wipe(c);
@@ -211,7 +211,7 @@ static void a_line_into_the_depth_is_hidden_from_where_it_enters(void **state)
     }
 }
 
-static void lines_behind_the_viewer_are_cut(void **state)
+static void lines_behind_the_viewer_are_clipped(void **state)
 {
     (void)state;
     canvas *c = make_canvas(test_scene_make(0), 40, 20);
@@ -242,7 +242,7 @@ static void a_wireframe_has_twelve_edges(void **state)
     double pixel = (double)c->overlay.view.pixel;
     double near = 1 / 2.5 / pixel, far = 1 / 3.5 / pixel;
     double length = 4 * near + 4 * far + 4 * (near - far) / sqrt(2);
-    /* Where edges meet they overlap, a pixel or so at each of eight corners. */
+    /* Edges overlap by about a pixel at each of eight corners. */
     rk_check_close(sum_of_red(c), length, 0.03 * length, "four near edges, four far, four between");
     free_canvas(c);
 }
@@ -272,7 +272,7 @@ static void a_glass_box_blends_its_far_and_its_near_face(void **state)
     free_canvas(c);
 }
 
-static void from_within_a_glass_box_only_its_far_face_is_seen(void **state)
+static void from_within_a_glass_box_only_its_far_face_is_visible(void **state)
 {
     (void)state;
     canvas *c = make_canvas(test_scene_make(0), 21, 21);
@@ -359,7 +359,7 @@ static void a_triangle_is_blended_by_its_opacity(void **state)
     free_canvas(c);
 }
 
-/* --- What should not be given ---------------------------------------------------------------- */
+/* --- Degenerate input ------------------------------------------------------------------------ */
 
 static void degenerate_drawings_end_and_leave_numbers(void **state)
 {
@@ -388,7 +388,7 @@ static void degenerate_drawings_end_and_leave_numbers(void **state)
     free_canvas(c);
 }
 
-static void what_has_nan_for_a_corner_is_not_drawn(void **state)
+static void shapes_with_a_nan_corner_are_not_drawn(void **state)
 {
     (void)state;
     canvas *c = make_canvas(test_scene_make(0), 20, 20);
@@ -417,20 +417,20 @@ static void a_point_like_line_is_a_point(void **state)
     free_canvas(c);
 }
 
-static void colours_cycle_and_are_told_apart(void **state)
+static void colours_cycle_and_differ(void **state)
 {
     (void)state;
     for (uint32_t n = 0; n < 20; n++) {
         rk_vec3 colour = rk_overlay_colour(n), next = rk_overlay_colour(n + 1);
-        rk_check(rk_length(rk_sub(colour, next)) > 0.2f, "colours %u and %u look alike", n, n + 1);
-        rk_check(rk_length(colour) > 0.2f, "colour %u is hard to see on black", n);
+        rk_check(rk_length(rk_sub(colour, next)) > 0.2f, "colours %u and %u are alike", n, n + 1);
+        rk_check(rk_length(colour) > 0.2f, "colour %u is too dark on black", n);
     }
     rk_overlay_colour(UINT32_MAX);
 }
 
 /* --- Single rays ----------------------------------------------------------------------------- */
 
-static void a_look_meets_the_nearer_of_two_walls(void **state)
+static void a_single_ray_hits_the_nearer_of_two_walls(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_make(4);
@@ -439,13 +439,13 @@ static void a_look_meets_the_nearer_of_two_walls(void **state)
     canvas *c = make_canvas(scene, 1, 1);
     const rk_ray ray = {rk_vec(0.25f, 0.5f, 0), rk_vec(0, 0, 1), INFINITY};
     rk_surface surface;
-    rk_check(rk_trace_one_surface(&surface, &c->accel, &ray), "the ray meets no wall");
+    rk_check(rk_trace_one_surface(&surface, &c->accel, &ray), "the ray hits no wall");
     /* Some roundings of the walls' coordinates, which are up to 10. */
     rk_check_close(surface.point.z, 2, 1e-5, "the nearer wall's depth; the other's is 5");
     free_canvas(c);
 }
 
-static void a_look_ends_where_its_ray_does(void **state)
+static void a_single_ray_ends_at_its_t_max(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_make(2);
@@ -463,23 +463,23 @@ static void a_look_ends_where_its_ray_does(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_level_line_covers_its_row_with_its_ends),
     cmocka_unit_test(a_slanted_line_is_where_projection_says),
-    cmocka_unit_test(a_line_weighs_its_length_times_its_width),
+    cmocka_unit_test(a_line_covers_its_length_times_its_width),
     cmocka_unit_test(a_point_is_a_disk),
-    cmocka_unit_test(lines_are_hidden_behind_surfaces_and_seen_before_them),
+    cmocka_unit_test(lines_are_hidden_behind_surfaces_and_visible_in_front_of_them),
     cmocka_unit_test(a_line_into_the_depth_is_hidden_from_where_it_enters),
-    cmocka_unit_test(lines_behind_the_viewer_are_cut),
+    cmocka_unit_test(lines_behind_the_viewer_are_clipped),
     cmocka_unit_test(a_wireframe_has_twelve_edges),
     cmocka_unit_test(a_glass_box_blends_its_far_and_its_near_face),
-    cmocka_unit_test(from_within_a_glass_box_only_its_far_face_is_seen),
+    cmocka_unit_test(from_within_a_glass_box_only_its_far_face_is_visible),
     cmocka_unit_test(a_surface_hides_the_faces_behind_it),
     cmocka_unit_test(a_triangle_covers_just_the_pixels_in_which_it_is_the_nearest),
     cmocka_unit_test(a_triangle_is_blended_by_its_opacity),
     cmocka_unit_test(degenerate_drawings_end_and_leave_numbers),
-    cmocka_unit_test(what_has_nan_for_a_corner_is_not_drawn),
+    cmocka_unit_test(shapes_with_a_nan_corner_are_not_drawn),
     cmocka_unit_test(a_point_like_line_is_a_point),
-    cmocka_unit_test(colours_cycle_and_are_told_apart),
-    cmocka_unit_test(a_look_meets_the_nearer_of_two_walls),
-    cmocka_unit_test(a_look_ends_where_its_ray_does),
+    cmocka_unit_test(colours_cycle_and_differ),
+    cmocka_unit_test(a_single_ray_hits_the_nearer_of_two_walls),
+    cmocka_unit_test(a_single_ray_ends_at_its_t_max),
 };
 
 RK_SUITE("overlay", tests)

@@ -1,4 +1,4 @@
-/* Packets: rays that go down a tree together meet just what each of them meets alone. */
+/* Packets: rays that traverse a tree together have the same hits as each of them alone. */
 #include "test_scene.h"
 #include "test_soup.h"
 
@@ -25,27 +25,27 @@ static void check_hit(const rk_hit *got, const rk_hit *want, uint32_t key, uint3
 {
     rk_check(got->t == want->t && got->triangle == want->triangle && got->u == want->u &&
                  got->v == want->v,
-             "packet %u, ray %u: met triangle %d at %.9g, want %d at %.9g", key, i,
+             "packet %u, ray %u: hit triangle %d at %.9g, want %d at %.9g", key, i,
              (int)got->triangle, (double)got->t, (int)want->triangle, (double)want->t);
 }
 
-/* Returns how many rays meet anything. */
+/* Returns the number of rays with a hit. */
 static uint32_t check_packet(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, uint32_t key)
 {
     rk_counters counters = {0};
     rk_hit hits[RK_PACKET_MAX];
-    bool found[RK_PACKET_MAX];
-    uint32_t met = 0;
+    bool occluded[RK_PACKET_MAX];
+    uint32_t hit_count = 0;
     rk_packet_closest(bvh, rays, count, hits, &counters);
-    rk_packet_occluded(bvh, rays, count, found, &counters);
+    rk_packet_occluded(bvh, rays, count, occluded, &counters);
     for (uint32_t i = 0; i < count; i++) {
         rk_hit want = rk_bvh_closest(bvh, &rays[i], &counters);
         check_hit(&hits[i], &want, key, i);
-        rk_check(found[i] == (want.triangle != RK_MISS), "packet %u, ray %u: is anything met?", key,
-                 i);
-        met += found[i];
+        rk_check(occluded[i] == (want.triangle != RK_MISS), "packet %u, ray %u: is it occluded?",
+                 key, i);
+        hit_count += occluded[i];
     }
-    return met;
+    return hit_count;
 }
 
 static const float widths[] = {0, 0x1p-20f, 0.01f, 0.5f};
@@ -54,19 +54,19 @@ static void check_tree(const rk_mesh *mesh, uint32_t packets, const char *name)
 {
     rk_bvh bvh;
     rk_error error;
-    uint32_t met = 0;
+    uint32_t hit_count = 0;
     rk_check_ok(rk_bvh_build_median(&bvh, mesh, &error), error);
     for (size_t w = 0; w < sizeof widths / sizeof *widths; w++)
         for (uint32_t key = 0; key < packets; key++) {
             rk_ray rays[RK_PACKET_MAX];
             make_packet(rays, key, widths[w]);
-            met += check_packet(&bvh, rays, 1 + key % RK_PACKET_MAX, key);
+            hit_count += check_packet(&bvh, rays, 1 + key % RK_PACKET_MAX, key);
         }
-    rk_check(met > packets, "%s: only %u rays meet anything", name, met);
+    rk_check(hit_count > packets, "%s: only %u rays have a hit", name, hit_count);
     rk_bvh_free(&bvh);
 }
 
-static void rays_meet_together_what_they_meet_alone(void **state)
+static void packets_find_the_hits_of_single_rays(void **state)
 {
     (void)state;
     for (uint32_t triangles = 1; triangles <= 4096; triangles *= 8) {
@@ -76,7 +76,7 @@ static void rays_meet_together_what_they_meet_alone(void **state)
     }
 }
 
-/* Through edges and corners, where several triangles are met at the same t. */
+/* Through edges and corners, where several triangles are hit at the same t. */
 static void neighbours_that_share_an_edge_agree(void **state)
 {
     (void)state;
@@ -104,7 +104,7 @@ static void neighbours_that_share_an_edge_agree(void **state)
     rk_scene_free(&scene);
 }
 
-static void nothing_is_met_in_an_empty_tree(void **state)
+static void an_empty_tree_has_no_hits(void **state)
 {
     (void)state;
     const rk_bvh nothing = {0};
@@ -113,7 +113,7 @@ static void nothing_is_met_in_an_empty_tree(void **state)
     rk_check_equal(check_packet(&nothing, rays, RK_PACKET_MAX, 1), 0, "there is nothing");
 }
 
-static void near_rays_share_their_work(void **state)
+static void packets_of_near_rays_need_fewer_tests(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_builtin("statue:20000");
@@ -139,10 +139,10 @@ static void near_rays_share_their_work(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(rays_meet_together_what_they_meet_alone),
+    cmocka_unit_test(packets_find_the_hits_of_single_rays),
     cmocka_unit_test(neighbours_that_share_an_edge_agree),
-    cmocka_unit_test(nothing_is_met_in_an_empty_tree),
-    cmocka_unit_test(near_rays_share_their_work),
+    cmocka_unit_test(an_empty_tree_has_no_hits),
+    cmocka_unit_test(packets_of_near_rays_need_fewer_tests),
 };
 
 RK_SUITE("packet", tests)

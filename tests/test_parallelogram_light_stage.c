@@ -1,5 +1,5 @@
 /* The light stage: lights with an extent against closed forms and grids in double, shading models
- * and glass as the renderer applies them, and counters as proof of what was not done. */
+ * and glass as the renderer applies them, and counters as proof of work not done. */
 #include "test_scene.h"
 
 static const double pi = 3.14159265358979323846;
@@ -49,7 +49,7 @@ static double mean_over_light(wall_point p, bool physical, bool (*passes)(double
         for (int i = 0; i < side; i++) {
             double lx = -0.2 + (i + 0.5) / side - p.x, ly = -0.3 + 0.8 * (j + 0.5) / side - p.y;
             double square = lx * lx + ly * ly + 4, cosine = 2 / sqrt(square);
-            /* Half-way, at z = 0, is where blockers stand. */
+            /* Half-way, at z = 0, is where occluders are. */
             if (!passes || passes(p.x + lx / 2, p.y + ly / 2))
                 sum += physical ? cosine * cosine / square * 0.8 : cosine;
         }
@@ -84,25 +84,25 @@ static void an_unshadowed_light_is_its_mean_or_its_irradiance(void **state)
             test_picture picture = test_render(&scene, options, 2);
             /* In 64 x 64 strata a smooth integrand errs by its change within one, at most 1/64,
              * over the root of their number: 2.4e-4; the grid of 400 x 400 by much less. */
-            check_wall(&picture, &options, physical, NULL, 2.5e-4, "no blocker is there");
+            check_wall(&picture, &options, physical, NULL, 2.5e-4, "there is no occluder");
             rk_image_free(&picture.image);
         }
     rk_scene_free(&scene);
 }
 
-/* A half-plane at z = 0 blocks what passes to its left. */
+/* A half-plane at z = 0 occludes rays to its left. */
 static bool passes_right_half(double x, double y)
 {
     (void)y;
     return x < 0.1;
 }
 
-static void a_soft_shadow_is_the_share_of_the_light_that_is_seen(void **state)
+static void a_soft_shadow_is_the_unoccluded_fraction_of_the_light(void **state)
 {
     (void)state;
     rk_scene scene = make_wall(2);
     test_scene_quad(&scene, 2, rk_vec(0.1f, -9, 0), rk_vec(18, 0, 0), rk_vec(0, 18, 0));
-    /* The blocker is beside the camera's cone, so that the wall is seen: look past it. */
+    /* The occluder is beside the camera's cone, so that the wall is visible. */
     scene.camera.rotation = rk_vec(0, 0, 0);
     rk_render_options options = small();
     options.light.samples = 4096;
@@ -112,48 +112,51 @@ static void a_soft_shadow_is_the_share_of_the_light_that_is_seen(void **state)
     for (size_t y = 0; y < options.height; y++)
         for (size_t x = 0; x < options.width; x++) {
             wall_point p = seen_on_wall(&options, x, y);
-            /* Seen from the camera, the blocker hides the wall where 3 / 4 of the way is at x > .1.
+            /* From the camera, the occluder hides the wall where 3 / 4 of the distance is at x >
+             * .1.
              */
             if (p.x * 0.75 > 0.1 - 1e-3)
                 continue;
             double got = (double)rk_image_at(&picture.image, x, y)->x;
             double want = 0.5 * mean_over_light(p, true, passes_right_half);
             /* An edge crosses 64 of 4096 strata, each of which errs by half at most. */
-            rk_check_close(got, want, 64 * 0.5 / 4096 * 0.5 * 0.2, "the seen share of the light");
+            rk_check_close(got, want, 64 * 0.5 / 4096 * 0.5 * 0.2,
+                           "the visible fraction of the light");
         }
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
 
-static void points_that_see_all_or_nothing_are_settled_by_a_round(void **state)
+static void points_with_all_or_no_rays_occluded_stop_early(void **state)
 {
     (void)state;
     rk_render_options options = small();
     options.light.samples = 256;
     const uint64_t pixels = 14 * 11;
-    for (int blocked = 0; blocked < 2; blocked++) {
+    for (int occluded = 0; occluded < 2; occluded++) {
         rk_scene scene = make_wall(2);
-        /* Near the light: out of the camera's sight, as it looks ahead from z = -3. */
+        /* Near the light: out of the camera's view, which is ahead of z = -3. */
         scene.lights[0].position.z = -4;
-        if (blocked)
+        if (occluded)
             test_scene_wall(&scene, 2, -3.5f, 0);
         options.light.early_out = 16;
-        test_picture settled = test_render(&scene, options, 2);
+        test_picture early = test_render(&scene, options, 2);
         options.light.early_out = 0;
         test_picture traced = test_render(&scene, options, 2);
-        rk_check(test_same_pixels(&settled.image, &traced.image),
+        rk_check(test_same_pixels(&early.image, &traced.image),
                  "where all rays agree, the rest changes nothing");
-        rk_check_equal(settled.counters.shadow_rays, 16 * pixels, "a round of 16 for each pixel");
-        rk_check_equal(traced.counters.shadow_rays, 256 * pixels, "settle 0 traces them all");
-        rk_check((rk_length(*rk_image_at(&settled.image, 3, 3)) == 0) == blocked,
-                 "blocked is black, unblocked is not");
-        rk_image_free(&settled.image);
+        rk_check_equal(early.counters.shadow_rays, 16 * pixels,
+                       "16 for each pixel, then early out");
+        rk_check_equal(traced.counters.shadow_rays, 256 * pixels, "early_out = 0 traces them all");
+        rk_check((rk_length(*rk_image_at(&early.image, 3, 3)) == 0) == occluded,
+                 "occluded is black, unoccluded is not");
+        rk_image_free(&early.image);
         rk_image_free(&traced.image);
         rk_scene_free(&scene);
     }
 }
 
-static void the_ratio_estimator_is_exact_where_nothing_blocks(void **state)
+static void the_ratio_estimator_is_exact_where_nothing_occludes(void **state)
 {
     (void)state;
     rk_scene scene = make_wall(0);
@@ -177,7 +180,7 @@ static void lights_without_extent_draw_no_samples(void **state)
     rk_render_options options = small();
     test_picture point = test_render(&scene, options, 1);
     rk_check_equal(point.counters.light_samples, 0, "a point needs no random numbers");
-    rk_check_equal(point.counters.shadow_rays, 14 * 11, "and one shadow ray a pixel");
+    rk_check_equal(point.counters.shadow_rays, 14 * 11, "and one shadow ray per pixel");
     scene.lights[0].kind = RK_LIGHT_PARALLELOGRAM;
     scene.lights[0].edge01 = scene.lights[0].edge02 = rk_vec(0, 0, 0);
     test_picture small_light = test_render(&scene, options, 1);
@@ -250,7 +253,7 @@ static void the_shading_model_is_the_options(void **state)
     rk_scene_free(&scene);
 }
 
-static void glass_tints_the_shadow_by_the_chosen_model(void **state)
+static void glass_attenuates_the_shadow_by_the_chosen_model(void **state)
 {
     (void)state;
     rk_scene scene = make_wall(2);
@@ -266,28 +269,28 @@ static void glass_tints_the_shadow_by_the_chosen_model(void **state)
     test_picture solid = test_render(&scene, options, 1);
     options.transparency = true;
     /* kd (1 - alpha); alpha kd + (1 - alpha) of white. */
-    const rk_vec3 shares[] = {{0.5f, 0.25f, 0}, {1, 0.75f, 0.5f}};
+    const rk_vec3 transmittances[] = {{0.5f, 0.25f, 0}, {1, 0.75f, 0.5f}};
     for (int model = RK_GLASS_MULTIPLICATIVE; model <= RK_GLASS_ORDERED; model++) {
         options.glass = (rk_glass_model)model;
-        test_picture tinted = test_render(&scene, options, 1);
+        test_picture attenuated = test_render(&scene, options, 1);
         for (size_t i = 0; i < 14 * 11; i++) {
-            rk_vec3 want = rk_mul(open.image.pixels[i], shares[model]);
-            rk_vec3 off = rk_abs3(rk_sub(tinted.image.pixels[i], want));
+            rk_vec3 want = rk_mul(open.image.pixels[i], transmittances[model]);
+            rk_vec3 off = rk_abs3(rk_sub(attenuated.image.pixels[i], want));
             rk_check(off.x <= 1e-6f && off.y <= 1e-6f && off.z <= 1e-6f, "model %d, pixel %zu",
                      model, i);
             rk_check(rk_length(solid.image.pixels[i]) == 0, "without the option it is solid");
         }
-        rk_image_free(&tinted.image);
+        rk_image_free(&attenuated.image);
     }
     rk_image_free(&open.image);
     rk_image_free(&solid.image);
     rk_scene_free(&scene);
 }
 
-static void tinted_light_is_never_settled_as_free(void **state)
+static void attenuated_light_never_stops_early_as_unoccluded(void **state)
 {
     (void)state;
-    /* A pane before half of the light: some samples are tinted, the others are not. */
+    /* Glass in front of half of the light: some samples are attenuated, the others are not. */
     rk_scene scene = make_wall(2);
     rk_render_options options = small();
     options.transparency = true;
@@ -297,25 +300,26 @@ static void tinted_light_is_never_settled_as_free(void **state)
     scene.mesh.materials[1].kd = rk_vec(0, 0, 0);
     scene.mesh.materials[1].alpha = 0.5f;
     scene.camera.distance = 0.5f; /* between light and wall */
-    test_picture settled = test_render(&scene, options, 1);
+    test_picture early = test_render(&scene, options, 1);
     options.light.early_out = 0;
     test_picture traced = test_render(&scene, options, 1);
-    rk_check(test_same_pixels(&settled.image, &traced.image), "a tint was taken for no tint");
-    rk_image_free(&settled.image);
+    rk_check(test_same_pixels(&early.image, &traced.image),
+             "attenuated light was taken for unoccluded");
+    rk_image_free(&early.image);
     rk_image_free(&traced.image);
     rk_scene_free(&scene);
 }
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_unshadowed_light_is_its_mean_or_its_irradiance),
-    cmocka_unit_test(a_soft_shadow_is_the_share_of_the_light_that_is_seen),
-    cmocka_unit_test(points_that_see_all_or_nothing_are_settled_by_a_round),
-    cmocka_unit_test(the_ratio_estimator_is_exact_where_nothing_blocks),
+    cmocka_unit_test(a_soft_shadow_is_the_unoccluded_fraction_of_the_light),
+    cmocka_unit_test(points_with_all_or_no_rays_occluded_stop_early),
+    cmocka_unit_test(the_ratio_estimator_is_exact_where_nothing_occludes),
     cmocka_unit_test(lights_without_extent_draw_no_samples),
     cmocka_unit_test(each_pixel_and_each_light_has_samples_of_its_own),
     cmocka_unit_test(the_shading_model_is_the_options),
-    cmocka_unit_test(glass_tints_the_shadow_by_the_chosen_model),
-    cmocka_unit_test(tinted_light_is_never_settled_as_free),
+    cmocka_unit_test(glass_attenuates_the_shadow_by_the_chosen_model),
+    cmocka_unit_test(attenuated_light_never_stops_early_as_unoccluded),
 };
 
 RK_SUITE("parallelogram_light_stage", tests)

@@ -1,5 +1,5 @@
-/* What rays see along mirrors and panes: colours against closed forms in double, and the limit to
- * which they are followed, which is exact. */
+/* Paths with reflections and transparent surfaces: colours against closed forms in double, and the
+ * exact limit max_depth. */
 #include "test_scene.h"
 
 static const double pi = 3.14159265358979323846;
@@ -21,7 +21,7 @@ static void shine(rk_scene *scene)
     test_scene_light(scene, rk_vec(0.4f, 0.3f, -2), rk_vec(1, 1, 1));
 }
 
-/* Lambert's cosine at a wall of depth z, seen after a way of `reach` along z from the camera. */
+/* Lambert's cosine at a wall of depth z, at the end of a path of length `reach` along z. */
 static double cosine_on_wall(const rk_render_options *options, size_t x, size_t y, double z,
                              double reach)
 {
@@ -33,8 +33,8 @@ static double cosine_on_wall(const rk_render_options *options, size_t x, size_t 
     return fabs(l[2]) / sqrt(l[0] * l[0] + l[1] * l[1] + l[2] * l[2]);
 }
 
-/* A dozen roundings a surface, of numbers up to 1; the eighth along a way adds up those of seven.
- */
+/* A dozen roundings per surface, of numbers up to 1; the eighth surface of a path adds up those of
+ * seven. */
 static const double rounding = 8 * 12 * 0x1p-24;
 
 static void check_grey(const test_picture *picture, size_t x, size_t y, double want,
@@ -60,7 +60,7 @@ static rk_scene make_mirror(void)
     return scene;
 }
 
-static void a_mirror_shows_what_is_behind_the_viewer(void **state)
+static void a_mirror_reflects_the_wall_behind_the_viewer(void **state)
 {
     (void)state;
     rk_scene scene = make_mirror();
@@ -70,13 +70,13 @@ static void a_mirror_shows_what_is_behind_the_viewer(void **state)
         for (size_t x = 0; x < options.width; x++)
             /* 4 to the mirror, 7 back to the wall. */
             check_grey(&picture, x, y, 0.75 * 0.5 * cosine_on_wall(&options, x, y, -6, 11),
-                       "ks times what the mirrored ray sees");
-    rk_check_equal(picture.counters.reflected_rays, 14 * 11, "a mirrored ray a pixel");
+                       "ks times the radiance along the reflected ray");
+    rk_check_equal(picture.counters.reflected_rays, 14 * 11, "a reflected ray per pixel");
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
 
-static void without_a_specular_colour_or_the_option_no_ray_is_mirrored(void **state)
+static void without_a_specular_colour_or_the_option_no_ray_is_reflected(void **state)
 {
     (void)state;
     rk_scene scene = make_mirror();
@@ -96,11 +96,11 @@ static void without_a_specular_colour_or_the_option_no_ray_is_mirrored(void **st
     rk_scene_free(&scene);
 }
 
-static void the_limit_of_mirrored_rays_is_exact(void **state)
+static void reflections_end_exactly_at_max_depth(void **state)
 {
     (void)state;
-    /* Two mirrors that face each other, the viewer and the light between them: what is added by the
-     * k-th mirrored ray is 2^-k of a Lambert's cosine, 7 units farther along each time. */
+    /* Two mirrors that face each other, the viewer and the light between them: the k-th
+     * reflected ray adds 2^-k of a Lambert's cosine, 7 units farther along each time. */
     rk_scene scene = test_scene_of(4, 1);
     for (uint32_t i = 0; i < 2; i++)
         test_scene_quad(&scene, 2 * i, rk_vec(-99, -99, i ? -6 : 1), rk_vec(198, 0, 0),
@@ -116,19 +116,19 @@ static void the_limit_of_mirrored_rays_is_exact(void **state)
                 for (uint32_t k = 0; k <= options.max_depth; k++)
                     want += 0.5 * pow(0.5, k) *
                             cosine_on_wall(&options, x, y, k % 2 ? -6 : 1, 4 + 7 * (double)k);
-                check_grey(&picture, x, y, want, "one term for each mirrored ray, and no more");
+                check_grey(&picture, x, y, want, "one term per reflected ray, and no more");
             }
         rk_check_equal(picture.counters.reflected_rays, 14 * 11 * options.max_depth,
-                       "one mirrored ray more for each step of the limit");
+                       "one more reflected ray for each step of the limit");
         rk_image_free(&picture.image);
     }
     rk_scene_free(&scene);
 }
 
-static void a_convex_mirror_never_sees_itself(void **state)
+static void a_convex_mirror_never_reflects_itself(void **state)
 {
     (void)state;
-    /* Interpolated normals would send rays at the rim into the body. */
+    /* Interpolated normals would reflect rays at the rim into the body. */
     const char *const names[] = {"sphere:80", "sphere:1280"};
     for (size_t i = 0; i < 2; i++) {
         rk_scene scene = test_scene_builtin(names[i]);
@@ -141,14 +141,14 @@ static void a_convex_mirror_never_sees_itself(void **state)
         test_picture plain = test_render(&scene, options, 2);
         rk_check(mirror.counters.reflected_rays > 1000, "the sphere is not in the picture");
         rk_check(test_same_pixels(&mirror.image, &plain.image),
-                 "%s: a mirrored ray met the sphere that it left", names[i]);
+                 "%s: a reflected ray hit the sphere that it left", names[i]);
         rk_image_free(&mirror.image);
         rk_image_free(&plain.image);
         rk_scene_free(&scene);
     }
 }
 
-/* --- Panes ----------------------------------------------------------------------------------- */
+/* --- Glass ----------------------------------------------------------------------------------- */
 
 enum { pane_count = 5 };
 
@@ -164,7 +164,7 @@ static rk_scene make_panes(void)
     return scene;
 }
 
-static void the_limit_of_panes_is_exact(void **state)
+static void transparent_surfaces_end_exactly_at_max_depth(void **state)
 {
     (void)state;
     rk_scene scene = make_panes();
@@ -196,7 +196,7 @@ static void without_the_option_glass_is_opaque(void **state)
     for (size_t y = 0; y < options.height; y++)
         for (size_t x = 0; x < options.width; x++)
             check_grey(&picture, x, y, 0.8 * cosine_on_wall(&options, x, y, 0, 3),
-                       "the first pane, as if it were solid");
+                       "the first surface, as if it were opaque");
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
@@ -219,11 +219,11 @@ static void a_scene_without_glass_is_rendered_as_without_the_option(void **state
     rk_scene_free(&scene);
 }
 
-static void mirrors_and_panes_share_the_limit(void **state)
+static void reflections_and_transparent_surfaces_count_towards_max_depth(void **state)
 {
     (void)state;
-    /* The way from the viewer: pane, mirror, pane again, wall. The wall is the third surface behind
-     * the first. */
+    /* The path from the viewer: glass, mirror, glass again, wall. The wall is the third surface
+     * after the first. */
     rk_scene scene = test_scene_of(6, 3);
     test_scene_wall(&scene, 0, 1, 1);
     test_scene_wall(&scene, 2, -6, 0);
@@ -241,13 +241,13 @@ static void mirrors_and_panes_share_the_limit(void **state)
                 check_grey(
                     &picture, x, y,
                     options.max_depth < 3 ? 0 : 0.25 * 0.5 * cosine_on_wall(&options, x, y, -6, 11),
-                    "the wall is seen through the pane, twice, from a limit of 3 on");
+                    "the wall shows through the glass, twice, from a max depth of 3 on");
         rk_image_free(&picture.image);
     }
     rk_scene_free(&scene);
 }
 
-static void a_mirror_of_glass_both_mirrors_and_shows(void **state)
+static void a_mirror_of_glass_both_reflects_and_transmits(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_of(6, 3);
@@ -268,7 +268,7 @@ static void a_mirror_of_glass_both_mirrors_and_shows(void **state)
             check_grey(&picture, x, y, 0.75 * cosine_on_wall(&options, x, y, 1, 4),
                        "1 - alpha of the wall behind it");
             rk_check_close(got->y, 0.25 * cosine_on_wall(&options, x, y, -6, 9), rounding,
-                           "alpha of what is mirrored");
+                           "alpha times the reflection");
         }
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
@@ -277,8 +277,7 @@ static void a_mirror_of_glass_both_mirrors_and_shows(void **state)
 static void batches_that_overflow_lose_nothing(void **state)
 {
     (void)state;
-    /* A full tile sees six surfaces a ray, more than a batch holds; the same tile in narrow
-     * pictures, a column at a time, sees few. */
+    /* Six surfaces per ray of a full tile: more shading points than a batch holds. */
     rk_scene scene = make_panes();
     rk_render_options options = small();
     options.width = options.height = 64;
@@ -290,22 +289,22 @@ static void batches_that_overflow_lose_nothing(void **state)
             want += 0.8 * pow(0.5, k) * (k == pane_count ? 1 : 0.5) *
                     cosine_on_wall(&options, i % 64, i / 64, z, 3 + z);
         }
-        check_grey(&whole, i % 64, i / 64, want, "six surfaces a ray");
+        check_grey(&whole, i % 64, i / 64, want, "six surfaces per ray");
     }
     rk_image_free(&whole.image);
     rk_scene_free(&scene);
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(a_mirror_shows_what_is_behind_the_viewer),
-    cmocka_unit_test(without_a_specular_colour_or_the_option_no_ray_is_mirrored),
-    cmocka_unit_test(the_limit_of_mirrored_rays_is_exact),
-    cmocka_unit_test(a_convex_mirror_never_sees_itself),
-    cmocka_unit_test(the_limit_of_panes_is_exact),
+    cmocka_unit_test(a_mirror_reflects_the_wall_behind_the_viewer),
+    cmocka_unit_test(without_a_specular_colour_or_the_option_no_ray_is_reflected),
+    cmocka_unit_test(reflections_end_exactly_at_max_depth),
+    cmocka_unit_test(a_convex_mirror_never_reflects_itself),
+    cmocka_unit_test(transparent_surfaces_end_exactly_at_max_depth),
     cmocka_unit_test(without_the_option_glass_is_opaque),
     cmocka_unit_test(a_scene_without_glass_is_rendered_as_without_the_option),
-    cmocka_unit_test(mirrors_and_panes_share_the_limit),
-    cmocka_unit_test(a_mirror_of_glass_both_mirrors_and_shows),
+    cmocka_unit_test(reflections_and_transparent_surfaces_count_towards_max_depth),
+    cmocka_unit_test(a_mirror_of_glass_both_reflects_and_transmits),
     cmocka_unit_test(batches_that_overflow_lose_nothing),
 };
 

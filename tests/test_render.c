@@ -22,7 +22,7 @@ static void check_colour(const rk_image *image, size_t x, size_t y, const double
 
 /* --- Light ----------------------------------------------------------------------------------- */
 
-/* The plane z = depth seen from (0, 0, -3), worked out in double for a pixel. */
+/* A pixel's point on the plane z = depth, from (0, 0, -3), in double. */
 typedef struct plane_point {
     double x, y, z;
 } plane_point;
@@ -133,7 +133,7 @@ static void a_surface_lit_from_behind_is_black(void **state)
 
 /* --- Shadows --------------------------------------------------------------------------------- */
 
-static void a_blocker_darkens_the_region_that_projects_onto_it(void **state)
+static void an_occluder_shadows_the_region_that_projects_onto_it(void **state)
 {
     (void)state;
     /* A wall at z = 1, and a square beside the camera's cone of view that is between the light and
@@ -150,7 +150,7 @@ static void a_blocker_darkens_the_region_that_projects_onto_it(void **state)
     for (size_t y = 0; y < options.height; y++)
         for (size_t x = 0; x < options.width; x++) {
             plane_point p = seen_on_plane(1, &options, x, y);
-            /* The way to the light crosses z = 0 half-way. */
+            /* The ray to the light crosses z = 0 half-way. */
             double inside = fmin(0.25 - fabs((p.x + 6) / 2 - 3), 0.25 - fabs(p.y / 2 + 0.06));
             if (fabs(inside) < 1e-5)
                 continue;
@@ -159,14 +159,14 @@ static void a_blocker_darkens_the_region_that_projects_onto_it(void **state)
                 lambert(p, &scene.lights[0], scene.mesh.materials[0].kd, colour);
             dark += inside > 0;
             check_colour(&picture.image, x, y, colour, inside > 0 ? 0 : 2e-6,
-                         inside > 0 ? "it lies in the shadow" : "nothing is in the way");
+                         inside > 0 ? "it lies in the shadow" : "nothing occludes the light");
         }
     rk_check(dark > 50, "only %zu pixels lie in the shadow", dark);
     rk_image_free(&picture.image);
     rk_scene_free(&scene);
 }
 
-static void what_lies_beyond_the_light_casts_no_shadow(void **state)
+static void surfaces_beyond_the_light_cast_no_shadow(void **state)
 {
     (void)state;
     rk_scene scene = test_scene_make(4);
@@ -184,8 +184,8 @@ static void what_lies_beyond_the_light_casts_no_shadow(void **state)
     rk_scene_free(&scene);
 }
 
-/* A convex body lit by a light outside casts no shadow on what faces the light, so with and without
- * shadows the picture is the same, to the bit. */
+/* A convex body lit by a light outside casts no shadow on surfaces that face the light, so with and
+ * without shadows the picture is the same, to the bit. */
 static void check_no_acne(const char *name, float size, rk_vec3 shift, rk_vec3 light)
 {
     rk_scene scene = test_scene_builtin(name);
@@ -207,7 +207,7 @@ static void check_no_acne(const char *name, float size, rk_vec3 shift, rk_vec3 l
     rk_check(shadowed.counters.shadow_rays > 1000, "hardly anything is lit");
     rk_check(specks == 0,
              "%s, %g times as large, at (%g, %g, %g): %zu of %llu lit pixels are in the shadow of "
-             "nothing: shadow rays meet the surface that they leave",
+             "nothing: shadow rays hit the surface that they leave",
              name, (double)size, (double)shift.x, (double)shift.y, (double)shift.z, specks,
              (unsigned long long)shadowed.counters.shadow_rays);
     rk_image_free(&open.image);
@@ -300,13 +300,13 @@ static void check_nothing_was_done(const rk_scene *scene)
     test_picture picture = test_render(scene, options, 2);
     rk_counters none = {0};
     rk_check(memcmp(&picture.counters, &none, sizeof none) == 0,
-             "rays were sent though nothing can be seen");
+             "rays were traced although the picture is black");
     for (size_t i = 0; i < 400; i++)
         rk_check(rk_length(picture.image.pixels[i]) == 0, "pixel %zu is not black", i);
     rk_image_free(&picture.image);
 }
 
-static void without_triangles_lights_or_colour_no_ray_is_sent(void **state)
+static void without_triangles_lights_or_colour_no_ray_is_traced(void **state)
 {
     (void)state;
     rk_scene empty = test_scene_make(0);
@@ -320,7 +320,7 @@ static void without_triangles_lights_or_colour_no_ray_is_sent(void **state)
     rk_scene_free(&unlit);
 }
 
-static void the_plan_wants_nothing_for_a_picture_that_is_black_anyway(void **state)
+static void the_plan_is_empty_for_a_picture_that_is_black_anyway(void **state)
 {
     (void)state;
     rk_scene scene = make_facing_triangle();
@@ -333,7 +333,7 @@ static void the_plan_wants_nothing_for_a_picture_that_is_black_anyway(void **sta
     test_scene_light(&scene, rk_vec(0, 0, -2), rk_vec(0, 0, 1));
     plan = rk_plan_of(&scene, &options);
     rk_check(plan.rays && plan.pixel_samples && plan.lights && plan.shadow_rays,
-             "a blue light shines: all that was asked for is needed");
+             "a blue light shines: all options are needed");
     scene.mesh.triangle_count = 0;
     plan = rk_plan_of(&scene, &options);
     rk_check(!plan.rays && !plan.pixel_samples && plan.lights && !plan.shadow_rays,
@@ -341,7 +341,7 @@ static void the_plan_wants_nothing_for_a_picture_that_is_black_anyway(void **sta
     rk_scene_free(&scene);
 }
 
-static void the_counters_say_what_the_options_asked_for(void **state)
+static void the_counters_match_the_options(void **state)
 {
     (void)state;
     rk_scene scene = make_facing_triangle();
@@ -353,15 +353,15 @@ static void the_counters_say_what_the_options_asked_for(void **state)
             options.shadows = shadows;
             test_picture picture = test_render(&scene, options, 2);
             uint64_t rays = 37 * 21 * samples;
-            rk_check_equal(picture.counters.primary_rays, rays, "one a pixel and sample");
+            rk_check_equal(picture.counters.primary_rays, rays, "one per pixel and sample");
             rk_check_equal(picture.counters.pixel_samples, samples > 1 ? rays : 0,
-                           "the centre of a pixel is not drawn at random");
+                           "the centre of a pixel is not random");
             if (shadows)
                 rk_check(picture.counters.shadow_rays > 0 && picture.counters.shadow_rays < rays,
                          "shadow rays go from where something is lit: %llu",
                          (unsigned long long)picture.counters.shadow_rays);
             else
-                rk_check_equal(picture.counters.shadow_rays, 0, "not asked for");
+                rk_check_equal(picture.counters.shadow_rays, 0, "without the option");
             rk_image_free(&picture.image);
         }
     rk_scene_free(&scene);
@@ -378,7 +378,7 @@ static void black_lights_and_black_surfaces_cost_no_shadow_ray(void **state)
     test_scene_light(&scene, rk_vec(1, 0, -2), rk_vec(0, 0, 0));
     test_picture two = test_render(&scene, options, 1);
     rk_check(test_same_pixels(&one.image, &two.image), "a black light adds nothing");
-    rk_check_equal(two.counters.shadow_rays, one.counters.shadow_rays, "nor asks for anything");
+    rk_check_equal(two.counters.shadow_rays, one.counters.shadow_rays, "nor traces any ray");
     scene.mesh.materials[0].kd = rk_vec(0, 1, 1); /* reflects nothing of a red light */
     test_picture black = test_render(&scene, options, 1);
     rk_check_equal(black.counters.shadow_rays, 0, "there is nothing to keep in shadow");
@@ -393,7 +393,7 @@ static void black_lights_and_black_surfaces_cost_no_shadow_ray(void **state)
 static void an_exact_sphere_is_round_and_lies_before_and_behind_triangles(void **state)
 {
     (void)state;
-    /* A wall cuts the sphere in two: what shows is its front half, a disk on the wall. */
+    /* A wall divides the sphere: its front half is visible, a disk on the wall. */
     rk_scene scene = test_scene_make(2);
     test_scene_quad(&scene, 0, rk_vec(-9, -9, 0.5f), rk_vec(18, 0, 0), rk_vec(0, 18, 0));
     scene.spheres[0] = (rk_sphere){rk_vec(0, 0, 0.5f), 0.5f};
@@ -405,7 +405,7 @@ static void an_exact_sphere_is_round_and_lies_before_and_behind_triangles(void *
     rk_view view = rk_view_of(&scene.camera, side, side);
     for (uint32_t y = 0; y < side; y++)
         for (uint32_t x = 0; x < side; x++) {
-            /* The line passes the centre at 3.5 sin(angle), seen before the wall if that is less
+            /* The line passes the centre at 3.5 sin(angle), in front of the wall if that is less
              * than the radius: the rim's tangent points lie in front of the centre's plane. */
             rk_ray ray = rk_view_ray(&view, (float)x + 0.5f, (float)y + 0.5f);
             double cosine = (double)rk_dot(ray.direction, view.forward);
@@ -454,7 +454,7 @@ static void samples_converge_to_the_covered_part_of_the_pixel(void **state)
 {
     (void)state;
     /* One pixel; a quad ahead whose right edge is at x = 0 covers the left half in the picture, a
-     * second the lower half: a quarter, a half and three quarters are seen. The light is far
+     * second the lower half: a quarter, a half and three quarters are covered. The light is far
      * away, so that n.l = 1 to 10^-11. */
     const rk_vec3 corner[] = {{0, -9, 0}, {-9, -9, 0}, {0, 0, 0}};
     const rk_vec3 side_a[] = {{9, 0, 0}, {18, 0, 0}, {9, 0, 0}};
@@ -505,15 +505,15 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_facing_triangle_shines_by_lamberts_law),
     cmocka_unit_test(several_lights_add_up),
     cmocka_unit_test(a_surface_lit_from_behind_is_black),
-    cmocka_unit_test(a_blocker_darkens_the_region_that_projects_onto_it),
-    cmocka_unit_test(what_lies_beyond_the_light_casts_no_shadow),
+    cmocka_unit_test(an_occluder_shadows_the_region_that_projects_onto_it),
+    cmocka_unit_test(surfaces_beyond_the_light_cast_no_shadow),
     cmocka_unit_test(convex_bodies_cast_no_shadow_on_themselves),
     cmocka_unit_test(the_picture_is_the_same_for_any_number_of_threads),
     cmocka_unit_test(the_seed_changes_random_samples_and_nothing_else),
     cmocka_unit_test(every_tile_is_a_step_of_progress),
-    cmocka_unit_test(without_triangles_lights_or_colour_no_ray_is_sent),
-    cmocka_unit_test(the_plan_wants_nothing_for_a_picture_that_is_black_anyway),
-    cmocka_unit_test(the_counters_say_what_the_options_asked_for),
+    cmocka_unit_test(without_triangles_lights_or_colour_no_ray_is_traced),
+    cmocka_unit_test(the_plan_is_empty_for_a_picture_that_is_black_anyway),
+    cmocka_unit_test(the_counters_match_the_options),
     cmocka_unit_test(black_lights_and_black_surfaces_cost_no_shadow_ray),
     cmocka_unit_test(an_exact_sphere_is_round_and_lies_before_and_behind_triangles),
     cmocka_unit_test(an_exact_sphere_casts_a_shadow_but_none_on_itself),

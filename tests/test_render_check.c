@@ -1,4 +1,4 @@
-/* What cannot be drawn is refused with one sentence, before the first ray. */
+/* Wrong scenes and options are refused with one sentence, before the first ray. */
 #include "test_scene.h"
 
 #include "render/options.h"
@@ -43,7 +43,7 @@ static int tear_down(void **state)
     return 0;
 }
 
-/* The error names `part`, and not a ray was sent. */
+/* The error names `part`, and no ray was traced. */
 static void check_refused(fixture *f, const char *part)
 {
     rk_error error = {""};
@@ -58,7 +58,7 @@ static void check_refused(fixture *f, const char *part)
     rk_check(rk_image_at(&f->image, 0, 0)->x == 7, "\"%s\": the picture was touched", part);
 }
 
-static void what_the_tests_begin_with_is_drawn(void **state)
+static void the_options_that_these_tests_start_from_are_accepted(void **state)
 {
     fixture *f = *state;
     rk_error error;
@@ -67,10 +67,10 @@ static void what_the_tests_begin_with_is_drawn(void **state)
     rk_check_ok(
         rk_render(&f->image, &f->scene, &f->accel, &f->options, f->pool, &counters, NULL, &error),
         error);
-    rk_check_equal(counters.primary_rays, side * side, "one a pixel");
+    rk_check_equal(counters.primary_rays, side * side, "one per pixel");
 }
 
-/* Gives the scene what takes samples of its own: motion, a mirror and a wide light. */
+/* Adds features with samples of their own: motion, a mirror and a light with an extent. */
 static void add_all_that_is_sampled(fixture *f)
 {
     rk_error error;
@@ -229,7 +229,7 @@ static void check_beyond(fixture *f, const rk_option *row)
     }
 }
 
-static void a_number_beyond_its_row_is_refused_by_its_field(void **state)
+static void a_number_out_of_range_is_refused_by_its_field(void **state)
 {
     for_each_row(*state, check_beyond);
 }
@@ -295,7 +295,7 @@ static void a_shutter_that_closes_before_it_opens_is_refused(void **state)
 {
     fixture *f = *state;
     f->options.motion.shutter = (rk_shutter){0.5f, 0.25f};
-    check_refused(f, "behind x = 0.25");
+    check_refused(f, "closes at x = 0.25");
 }
 
 static void a_picture_without_pixels_or_samples_is_refused(void **state)
@@ -342,7 +342,7 @@ static void a_gradient_of_too_many_stops_is_refused(void **state)
 
 /* --- Scenes ----------------------------------------------------------------------------------- */
 
-static void a_field_of_view_that_is_none_is_refused(void **state)
+static void a_wrong_field_of_view_is_refused(void **state)
 {
     fixture *f = *state;
     const float wrong[] = {0, 180, -1, 200, NAN, INFINITY};
@@ -367,7 +367,7 @@ static void more_lights_or_spheres_than_there_is_room_for_are_refused(void **sta
 
 /* --- Trees ------------------------------------------------------------------------------------ */
 
-static void a_tree_of_no_kind_or_without_usable_bins_is_refused(void **state)
+static void a_tree_of_an_unknown_kind_or_without_usable_bins_is_refused(void **state)
 {
     fixture *f = *state;
     const struct {
@@ -389,7 +389,7 @@ static void a_tree_of_no_kind_or_without_usable_bins_is_refused(void **state)
     }
 }
 
-static void a_tree_without_bins_does_not_ask_for_them(void **state)
+static void a_tree_without_bins_ignores_their_number(void **state)
 {
     fixture *f = *state;
     rk_accel accel;
@@ -401,12 +401,12 @@ static void a_tree_without_bins_does_not_ask_for_them(void **state)
 #define in_fixture(name) cmocka_unit_test_setup_teardown(name, set_up, tear_down)
 
 static const struct CMUnitTest tests[] = {
-    in_fixture(what_the_tests_begin_with_is_drawn),
+    in_fixture(the_options_that_these_tests_start_from_are_accepted),
     in_fixture(samples_are_refused_however_large_their_product_is),
     in_fixture(as_many_samples_as_a_sampler_has_are_accepted),
     in_fixture(a_value_beyond_its_enumeration_is_refused_by_its_name),
     in_fixture(every_default_lies_in_its_range),
-    in_fixture(a_number_beyond_its_row_is_refused_by_its_field),
+    in_fixture(a_number_out_of_range_is_refused_by_its_field),
     in_fixture(the_names_of_a_choice_differ),
     in_fixture(no_two_options_are_spelled_alike),
     in_fixture(each_feature_has_its_descriptor_and_its_bit),
@@ -414,10 +414,10 @@ static const struct CMUnitTest tests[] = {
     in_fixture(a_picture_without_pixels_or_samples_is_refused),
     in_fixture(a_wrong_bloom_is_refused_before_the_picture_is_rendered),
     in_fixture(a_gradient_of_too_many_stops_is_refused),
-    in_fixture(a_field_of_view_that_is_none_is_refused),
+    in_fixture(a_wrong_field_of_view_is_refused),
     in_fixture(more_lights_or_spheres_than_there_is_room_for_are_refused),
-    in_fixture(a_tree_of_no_kind_or_without_usable_bins_is_refused),
-    in_fixture(a_tree_without_bins_does_not_ask_for_them),
+    in_fixture(a_tree_of_an_unknown_kind_or_without_usable_bins_is_refused),
+    in_fixture(a_tree_without_bins_ignores_their_number),
 };
 
 RK_SUITE("render_check", tests)

@@ -45,7 +45,7 @@ static void check_counts(const rk_sah_split *split, uint32_t left, uint32_t righ
 {
     rk_check(split->count[0] == left && split->count[1] == right,
              "boundary %u: got %u triangles to the left and %u to the right, want %u and %u: %s",
-             split->border, split->count[0], split->count[1], left, right, hint);
+             split->boundary, split->count[0], split->count[1], left, right, hint);
 }
 
 /* --- The same by brute force, in double ------------------------------------------------------ */
@@ -60,9 +60,10 @@ static double area_of(const rk_box *box)
 
 /* The split at one bin boundary: every triangle is assigned to its side. */
 static rk_sah_split try_split(const rk_bvh_reference *references, uint32_t count, int axis,
-                              uint32_t bins, uint32_t border)
+                              uint32_t bins, uint32_t boundary)
 {
-    rk_sah_split split = {.axis = axis, .border = border, .box = {rk_box_empty(), rk_box_empty()}};
+    rk_sah_split split = {
+        .axis = axis, .boundary = boundary, .box = {rk_box_empty(), rk_box_empty()}};
     double low = INFINITY, high = -INFINITY;
     for (uint32_t i = 0; i < count; i++) {
         low = fmin(low, (double)rk_axis(references[i].centroid, axis));
@@ -71,7 +72,7 @@ static rk_sah_split try_split(const rk_bvh_reference *references, uint32_t count
     for (uint32_t i = 0; i < count; i++) {
         double c = (double)rk_axis(references[i].centroid, axis);
         double bin = fmin(floor((c - low) * (bins / (high - low))), bins - 1);
-        int side = bin < border ? 0 : 1;
+        int side = bin < boundary ? 0 : 1;
         split.count[side]++;
         split.box[side] = rk_box_merge(split.box[side], references[i].box);
     }
@@ -99,9 +100,9 @@ static uint32_t list_by_brute_force(const rk_bvh_reference *references, uint32_t
     uint32_t bins = options->bins < count ? options->bins : count, found = 0;
     int longest = longest_axis_of_centroids(references, count);
     for (int axis = 0; axis < 3; axis++)
-        for (uint32_t border = 1; border < bins && (options->all_axes || axis == longest);
-             border++) {
-            rk_sah_split split = try_split(references, count, axis, bins, border);
+        for (uint32_t boundary = 1; boundary < bins && (options->all_axes || axis == longest);
+             boundary++) {
+            rk_sah_split split = try_split(references, count, axis, bins, boundary);
             bool again = found && splits[found - 1].axis == axis &&
                          splits[found - 1].count[0] == split.count[0];
             if (split.count[0] && split.count[1] && !again)
@@ -116,20 +117,20 @@ static const double cost_tolerance = 16 * 0x1p-53;
 
 static void check_split(const rk_sah_split *got, const rk_sah_split *want, uint32_t count)
 {
-    rk_check(got->axis == want->axis && got->border == want->border,
+    rk_check(got->axis == want->axis && got->boundary == want->boundary,
              "%u triangles: got boundary %u on axis %c, want %u on %c: each bin boundary that "
              "divides the triangles differently is listed, in order",
-             count, got->border, "xyz"[got->axis], want -> border, "xyz"[want->axis]);
+             count, got->boundary, "xyz"[got->axis], want -> boundary, "xyz"[want->axis]);
     check_counts(got, want->count[0], want->count[1],
                  "is each triangle counted in the bin of its centroid?");
     for (int side = 0; side < 2; side++)
         rk_check(memcmp(&got->box[side], &want->box[side], sizeof got->box[side]) == 0,
                  "boundary %u of %u triangles: the %s box is not the smallest around its triangles",
-                 got->border, count, side ? "right" : "left");
+                 got->boundary, count, side ? "right" : "left");
     rk_check(fabs(got->cost - want->cost) <= cost_tolerance * want->cost,
              "boundary %u of %u triangles: got the cost %.17g, want %.17g, which is 1.5 + "
              "(area_left N_left + area_right N_right) / area, in double",
-             got->border, count, got->cost, want->cost);
+             got->boundary, count, got->cost, want->cost);
 }
 
 /* --- Bins and candidates --------------------------------------------------------------------- */
@@ -159,7 +160,7 @@ static void bins_divide_the_extent_of_the_centroids_equally(void **state)
         row[i] = cube_at((float)(i * 4 % 9), 0, 0);
     rk_check_equal(list(row, 9, 4, false), 3, "four bins have three boundaries");
     for (uint32_t k = 0; k < 3; k++) {
-        rk_check_equal(candidates[k].border, k + 1,
+        rk_check_equal(candidates[k].boundary, k + 1,
                        "boundaries 1, 2, 3: the number of bins to the left");
         check_counts(&candidates[k], 2 * k + 2, 7 - 2 * k,
                      "two centroids per bin, three in the last, which has the highest too");
@@ -191,7 +192,8 @@ static void empty_bins_add_no_candidate_and_no_box(void **state)
     uint32_t found = list(row, 5, 5, false);
     rk_check_equal(found, 1, "of five bins only the outermost are filled: one split");
     check_counts(&candidates[0], 3, 2, "three at 5 and 6, two at 14 and 15");
-    rk_check_equal(candidates[0].border, 1, "of several boundaries with the same split, the first");
+    rk_check_equal(candidates[0].boundary, 1,
+                   "of several boundaries with the same split, the first");
     rk_check_close(candidates[0].box[0].corner[0].x, 5, 0, "an empty bin's box would begin at 0");
     rk_check_close(candidates[0].box[0].corner[1].x, 7, 0, "the left box ends with its cubes");
     rk_check_close(candidates[0].box[1].corner[0].x, 14, 0, "the right box begins with its cubes");
@@ -277,7 +279,7 @@ static void no_node_has_more_bins_than_triangles(void **state)
     (void)state;
     const rk_bvh_reference row[] = {cube_at(0, 0, 0), cube_at(4, 0, 0), cube_at(10, 0, 0)};
     rk_check_equal(list(row, 3, 50, false), 2, "three bins with one cube each");
-    rk_check_equal(candidates[1].border, 2, "more bins than triangles would mostly be empty");
+    rk_check_equal(candidates[1].boundary, 2, "more bins than triangles would mostly be empty");
 }
 
 static void the_first_of_equally_cheap_splits_is_taken(void **state)
@@ -295,7 +297,7 @@ static void the_first_of_equally_cheap_splits_is_taken(void **state)
     rk_check(best == &candidates[0],
              "got the cheapest on axis %c at boundary %u, want x and 1: among equal costs the "
              "first wins",
-             best ? "xyz"[best->axis] : '-', best ? best->border : 0);
+             best ? "xyz"[best->axis] : '-', best ? best->boundary : 0);
 }
 
 static void candidates_equal_brute_force(void **state)
@@ -470,7 +472,7 @@ static void compare_with_brute_force(const rk_bvh_node *node, uint32_t level, vo
                  "a node of %u triangles: its %s child has %u of them, want the %u, and their box, "
                  "of the cheapest split, on axis %c at boundary %u",
                  range.count, side ? "right" : "left", got, best.count[side], "xyz"[best.axis],
-                 best.border);
+                 best.boundary);
     }
 }
 

@@ -1,5 +1,5 @@
-/* Tracing in parts: what stands still first, then what moves, at the rays' times. Together they
- * find what each ray finds alone, to the bit. */
+/* Tracing in parts: static surfaces first, then moving objects at the rays' times. Together they
+ * find the same hits as single rays, to the bit. */
 #include "test_scene.h"
 #include "test_soup.h"
 
@@ -82,7 +82,7 @@ static void trace_alone(const rk_accel *accel, const rk_ray_batch *rays, const r
         }
 }
 
-static void rays_find_at_their_times_what_each_finds_alone(void **state)
+static void batches_at_ray_times_find_the_hits_of_single_rays(void **state)
 {
     (void)state;
     for (uint32_t n = 0; n < name_count; n++) {
@@ -108,13 +108,13 @@ static void rays_find_at_their_times_what_each_finds_alone(void **state)
                          want.triangle[i] < scene.mesh.triangle_count;
             }
         }
-        rk_check(moved > 20, "%s: only %u rays hit what moves", names[n], moved);
+        rk_check(moved > 20, "%s: only %u rays hit a moving object", names[n], moved);
         rk_accel_free(&accel);
         rk_scene_free(&scene);
     }
 }
 
-static void at_time_0_all_is_where_it_rests(void **state)
+static void at_time_0_objects_are_at_rest(void **state)
 {
     (void)state;
     for (uint32_t n = 0; n < name_count; n++) {
@@ -174,8 +174,8 @@ static void rays_at_rest_cost_nothing(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
-    cmocka_unit_test(rays_find_at_their_times_what_each_finds_alone),
-    cmocka_unit_test(at_time_0_all_is_where_it_rests),
+    cmocka_unit_test(batches_at_ray_times_find_the_hits_of_single_rays),
+    cmocka_unit_test(at_time_0_objects_are_at_rest),
     cmocka_unit_test(rays_at_rest_cost_nothing),
 };
 

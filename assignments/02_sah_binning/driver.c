@@ -1,21 +1,22 @@
 /* Draws the figures and measures the table of sah_binning: a scene, a level or a leaf of its tree,
- * and for one node the cut that was chosen, a rejected one, or all of them with their costs. */
+ * and for one node the chosen split, a rejected one, or all candidates with their costs. */
 #include "driver.h"
 
 static const char summary[] =
     "Builds a bounding volume hierarchy by the surface area heuristic and renders with it.\n"
     "--debug level draws the boxes of a level, --debug leaf the triangles of a leaf.\n"
-    "--debug split draws the cheapest cut of a node, --debug bad-split another one.\n"
-    "--debug candidates draws all cuts of a node: blue where they are cheap, orange where they "
-    "are dear, and the cheapest white.";
+    "--debug split draws the cheapest split of a node, --debug bad-split another one.\n"
+    "--debug candidates draws all possible splits of a node, from blue, cheap, to orange, "
+    "expensive; the cheapest is white.";
 
 static const rk_option options[] = {
     RK_TREE_VIEW_OPTIONS(choices, tree),
     {"node", RK_FIELD(choices, node), "N",
-     "whose cuts are drawn: 0 is the root, parents come before children, left before right", 0,
+     "whose splits are drawn: 0 is the root, parents come before children, left before right", 0,
      UINT32_MAX - 1, 0},
     {"candidate", RK_FIELD(choices, candidate), "K",
-     "cut drawn by --debug bad-split, as --debug candidates numbers them; by default the dearest",
+     "split drawn by --debug bad-split, as --debug candidates numbers them; by default the most "
+     "expensive",
      0, RK_SAH_CANDIDATES_MAX - 1, RK_TREE_VIEW_NOT_GIVEN},
     {0},
 };

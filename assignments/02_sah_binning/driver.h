@@ -1,4 +1,4 @@
-/* What the files of this driver share. */
+/* Declarations that the files of this driver share. */
 #ifndef RK_02_SAH_BINNING_DRIVER_H
 #define RK_02_SAH_BINNING_DRIVER_H
 
@@ -8,8 +8,8 @@
 
 typedef struct choices {
     rk_tree_view tree;
-    uint32_t node;      /* whose cuts are drawn: 0 is the root, parents first, left before right */
-    uint32_t candidate; /* of them, or RK_TREE_VIEW_NOT_GIVEN */
+    uint32_t node; /* whose splits are drawn: 0 is the root, parents first, left before right */
+    uint32_t candidate; /* index of a split, or RK_TREE_VIEW_NOT_GIVEN */
 } choices;
 
 /* Does --debug name a view of a node's splits? */
@@ -18,7 +18,7 @@ bool wants_splits(const rk_driver *driver);
 /* Renders and draws --debug split, bad-split or candidates. */
 bool draw_splits(rk_driver *driver, rk_error *error);
 
-/* Saves that, and prints the numbers of these splits. */
+/* Saves the picture, and prints the numbers of the splits drawn. */
 bool save_splits(rk_driver *driver, rk_error *error);
 
 #endif

@@ -1,4 +1,4 @@
-/* Draws the figures and measures the table of shading: a scene by one of the models, the models'
+/* Draws the figures and measures the table of shading: a scene by one of the models, a model's
  * lobes over a plane, and the lobes' values as a table. */
 #include "driver.h"
 
@@ -6,10 +6,10 @@
 
 static const char summary[] =
     "Renders a scene by one of the shading models (--shading).\n"
-    "--debug lobe draws how far highlights of shininess 1 to 100,000 reach.\n"
-    "--lobes puts the values of normalised highlights into a table.";
+    "--debug lobe draws the lobes of highlights of shininess 1 to 100,000.\n"
+    "--lobes puts the values of normalized highlights into a table.";
 
-/* The gradient in even steps, by two stops at each border. */
+/* The gradient in equal steps, by two stops at each boundary. */
 static rk_gradient in_bands(const rk_gradient *smooth, uint32_t bands)
 {
     rk_gradient stepped = {.count = 2 * bands};
@@ -46,7 +46,7 @@ static bool prepare(rk_driver *driver, rk_error *error)
         set_material(&scene->sphere_materials[i], c);
     if (c->bands)
         shading->gradient = in_bands(&shading->gradient, c->bands);
-    /* So that diffuse surfaces look the same, kd / pi gets pi times the light. */
+    /* With pi times the light, diffuse surfaces of kd / pi look the same. */
     for (uint32_t i = 0; shading->normalized && i < scene->light_count; i++)
         for (uint32_t k = 0; k < 4; k++)
             scene->lights[i].colours[k] = rk_scale(scene->lights[i].colours[k], RK_PI);
@@ -85,7 +85,7 @@ static const rk_option options[] = {
      "specular colour of all materials, a grey; by default their own", 0, 1, NAN},
     {"shininess", RK_FIELD(choices, shininess), "S", "of all materials; by default their own", 0,
      1e6, NAN},
-    {"bands", RK_FIELD(choices, bands), "N", "the gradient in so many even steps; 0: smooth", 0,
+    {"bands", RK_FIELD(choices, bands), "N", "the gradient in N equal steps; 0: smooth", 0,
      RK_GRADIENT_STOPS_MAX / 2, 0},
     {"incidence", RK_FIELD(choices, incidence), "DEG",
      "of the light in --debug lobe, degrees from the normal", 0, 89, 45},

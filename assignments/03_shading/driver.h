@@ -1,4 +1,4 @@
-/* What the files of this driver share. */
+/* Declarations that the files of this driver share. */
 #ifndef RK_03_SHADING_DRIVER_H
 #define RK_03_SHADING_DRIVER_H
 
@@ -24,7 +24,7 @@ rk_vec3 at_angle(float degrees);
  * viewer. */
 float lobe(rk_shading_model model, bool normalized, float shininess, rk_vec3 l, rk_vec3 v);
 
-/* The scene becomes a plane, seen from the side. */
+/* Replaces the scene by a plane, seen from the side. */
 bool make_plane(rk_driver *driver, rk_error *error);
 
 /* Renders the plane and draws driver->debug over it. */

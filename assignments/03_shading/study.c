@@ -1,10 +1,10 @@
-/* The table: how far the highlights of each model reach. */
+/* The table of --lobes: the highlights of each model by angle. */
 #include "driver.h"
 
 #include <stdio.h>
 
 /* Rows of both models with light along the normal, by the viewer's angle from the mirror direction:
- * ten to a factor of ten, from a hundredth of a degree. */
+ * ten per factor of ten, from a hundredth of a degree. */
 bool put_study(rk_driver *driver, rk_error *error)
 {
     static const char *const header[] = {"model", "shininess", "angle", "value", NULL};

@@ -37,8 +37,8 @@ bool make_plane(rk_driver *driver, rk_error *error)
     return true;
 }
 
-/* Each lobe as a curve whose distance from the point is the light that goes this way; directions
- * stand closer where sharp lobes are, around the mirror direction. */
+/* Each lobe as a curve whose distance from the point is the light reflected in that direction;
+ * directions are denser around the mirror direction, where sharp lobes are. */
 static void draw_lobes(rk_overlay *overlay, rk_shading_model model, float incidence)
 {
     const rk_vec3 point = {0, 0, 0}, l = at_angle(-incidence);
@@ -48,7 +48,7 @@ static void draw_lobes(rk_overlay *overlay, rk_shading_model model, float incide
     for (uint32_t i = 0; i < shown; i++) {
         rk_vec3 last = point;
         for (int k = -200; k <= 200; k++) {
-            float share = (float)k / 200, angle = incidence + 180 * share * share * share;
+            float offset = (float)k / 200, angle = incidence + 180 * offset * offset * offset;
             rk_vec3 v = at_angle(rk_max(-90, rk_min(angle, 90)));
             rk_vec3 next = rk_scale(v, lobe(model, false, shininess_shown[i], l, v));
             rk_overlay_line(overlay, last, next, rk_overlay_colour(i), 3);

@@ -1,5 +1,5 @@
 /* Draws the figures and measures the tables of parallelogram_light: hard and soft shadows, the
- * shadow rays of one pixel, the samples on the light, and how fast each method gets exact. */
+ * shadow rays of one pixel, the samples on the light, and how fast each method converges. */
 #include "driver.h"
 
 #include <stdio.h>
@@ -7,10 +7,10 @@
 
 static const char summary[] =
     "Renders a scene with lights that have an extent.\n"
-    "--debug rays draws the shadow rays of --pixel: green pass, red are blocked.\n"
-    "--debug samples draws the samples on the light in its colours.\n"
-    "--convergence puts the error of each method against time into a table; with --falloff "
-    "physical into another one.";
+    "--debug rays draws the shadow rays of --pixel: unoccluded green, occluded red.\n"
+    "--debug samples draws the samples on the light in their colours.\n"
+    "--convergence puts each method's error and time into a table; with --falloff physical "
+    "into another one.";
 
 RK_NAMES(light_names, choice of light, 1 + RK_LIGHT_PARALLELOGRAM, "own", "point", "segment",
          "parallelogram");
@@ -19,19 +19,20 @@ static const rk_option options[] = {
     {"light", RK_CHOICE(choices, light, light_names),
      "shrink the scene's parallelograms to their middle, or to a line through it"},
     {"coloured", RK_FIELD(choices, coloured), NULL,
-     "the lights' corners shine red, green, blue and yellow"},
+     "gives the lights' corners the colours red, green, blue and yellow"},
     {"brightness", RK_FIELD(choices, brightness), "F", "multiplies the lights' colours", 0, 1e6, 1},
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "put the error and time of each method and number of samples into a table"},
-    {"most", RK_FIELD(choices, most), "N", "samples that --convergence goes up to", 1, 4096, 64},
+    {"most", RK_FIELD(choices, most), "N", "largest number of samples in --convergence", 1, 4096,
+     64},
     {"reference", RK_FIELD(choices, reference), "N",
-     "samples of the picture that --convergence compares with", 1, 16384, 2048},
+     "samples of the reference picture of --convergence", 1, 16384, 2048},
     {0},
 };
 
 /* --- The lights ------------------------------------------------------------------------------ */
 
-/* A point stands in the middle of the light, a segment between the middles of two sides. */
+/* A point is put in the middle of the light, a segment between the middles of two sides. */
 static void shrink(rk_light *light, rk_light_kind kind)
 {
     light->position = rk_madd(light->position, light->edge02, 0.5f);
@@ -57,9 +58,9 @@ static bool set_lights(rk_driver *driver, rk_error *error)
     return true;
 }
 
-/* --- What is saved --------------------------------------------------------------------------- */
+/* --- Saving ---------------------------------------------------------------------------------- */
 
-/* Names the picture by all that it depends on here. */
+/* Names the picture by every option of this driver that changes it. */
 static bool save(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
@@ -77,7 +78,7 @@ static bool save(rk_driver *driver, rk_error *error)
     return rk_driver_save(driver, label, error);
 }
 
-/* The render, and what a pixel asked for; under names of their own where nothing may be settled. */
+/* The render, with samples and shadow rays per pixel; under other names without early out. */
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
     double pixels = (double)driver->counters.primary_rays;
@@ -91,12 +92,12 @@ static bool put_rows(rk_driver *driver, rk_error *error)
            rk_driver_row(driver, "shadow_rays", "1", rays, error);
 }
 
-/* --- Its main -------------------------------------------------------------------------------- */
+/* --- Main ------------------------------------------------------------------------------------ */
 
 static void set_defaults(rk_driver *driver)
 {
     driver->scene_name = "cornell-light";
-    driver->drawn_x = 86; /* in the Cornell box, a place on the floor that sees part of the lamp */
+    driver->drawn_x = 86; /* in the Cornell box, a point of the floor that sees part of the lamp */
     driver->drawn_y = 88;
     driver->render.shadows = true;
 }

@@ -1,4 +1,5 @@
-/* Error against time: how soon each method's picture gets like that of very many samples. */
+/* Error against time: how fast each method's picture converges to a reference of very many
+ * samples. */
 #include "driver.h"
 
 #include "driver/convergence.h"
@@ -13,17 +14,17 @@ typedef struct method {
     uint32_t early_out;
 } method;
 
-/* The last two are others only with physical falloff, and have no rows without. */
+/* The last two differ only with physical falloff, and have no rows without it. */
 static const method methods[] = {
     {"uniform", RK_SAMPLER_UNIFORM, RK_LIGHT_DOMAIN_AREA, false, 0},
     {"stratified", RK_SAMPLER_STRATIFIED, RK_LIGHT_DOMAIN_AREA, false, 0},
     {"low discrepancy", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_DOMAIN_AREA, false, 0},
-    {"settled", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_DOMAIN_AREA, false, RK_LIGHT_EARLY_OUT},
+    {"early out", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_DOMAIN_AREA, false, RK_LIGHT_EARLY_OUT},
     {"solid angle", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_DOMAIN_SOLID_ANGLE, false, 0},
     {"ratio", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_DOMAIN_AREA, true, 0},
 };
 
-/* The least noisy of all; its bias falls with 1 / samples. */
+/* The least noisy method; its bias falls with 1 / samples. */
 static const method best = {"", RK_SAMPLER_LOW_DISCREPANCY, RK_LIGHT_DOMAIN_SOLID_ANGLE, true, 0};
 
 static void choose(rk_driver *driver, const method *m, uint32_t samples)

@@ -1,4 +1,5 @@
-/* The debug views: samples on the lights, and the shadow rays to them from what a pixel sees. */
+/* The debug views: samples on the lights, and the shadow rays to them from the point that a pixel
+ * sees. */
 #include "driver.h"
 
 #include "accel/trace_one.h"
@@ -9,14 +10,14 @@ typedef struct drawing {
     rk_surface surface; /* what the pixel sees */
 } drawing;
 
-/* The surface behind the pixel's centre. */
-static bool look(drawing *d, rk_error *error)
+/* Finds the surface at the pixel's centre. */
+static bool find_surface(drawing *d, rk_error *error)
 {
     const rk_pixel pixel = d->driver->pixel;
     rk_ray ray = rk_view_ray(&d->overlay.view, (float)pixel.x + 0.5f, (float)pixel.y + 0.5f);
     return rk_trace_one_surface(&d->surface, &d->driver->accel, &ray) ||
            rk_fail(error,
-                   "--debug %s: nothing is seen at the pixel %u,%u; choose one on a surface by "
+                   "--debug %s: the pixel %u,%u sees no surface; choose one that does by "
                    "--pixel X,Y",
                    d->driver->debug, pixel.x, pixel.y);
 }
@@ -38,9 +39,9 @@ static void draw_shadow_ray(drawing *d, rk_vec3 end)
 {
     rk_vec3 start = rk_surface_spawn(&d->surface, rk_sub(end, d->surface.point));
     rk_ray ray = {start, rk_sub(end, start), 1};
-    bool blocked = rk_trace_one(&d->driver->accel, &ray).triangle != RK_MISS;
+    bool occluded = rk_trace_one(&d->driver->accel, &ray).triangle != RK_MISS;
     rk_overlay_line(&d->overlay, start, end,
-                    blocked ? rk_vec(1, 0.05f, 0.05f) : rk_vec(0.05f, 0.8f, 0.1f), 1);
+                    occluded ? rk_vec(1, 0.05f, 0.05f) : rk_vec(0.05f, 0.8f, 0.1f), 1);
 }
 
 /* The samples that the renderer takes for the pixel's first ray. */
@@ -74,9 +75,9 @@ bool draw_view(rk_driver *driver, rk_error *error)
         !rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
                          error))
         return false;
-    bool ok = look(&d, error);
+    bool ok = find_surface(&d, error);
     for (size_t i = 0; ok && i < driver->image.width * driver->image.height; i++)
-        driver->image.pixels[i] = rk_scale(driver->image.pixels[i], 0.4f); /* steps back */
+        driver->image.pixels[i] = rk_scale(driver->image.pixels[i], 0.4f); /* to the background */
     for (uint32_t i = 0; ok && i < driver->scene.light_count; i++)
         draw_light(&d, i);
     rk_overlay_free(&d.overlay);

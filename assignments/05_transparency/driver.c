@@ -1,19 +1,19 @@
-/* Draws the figures and measures the tables of transparency: a scene with its glass, the way of one
- * pixel's ray through it, and what the three models of shadows make of a few panes. */
+/* Draws the figures and measures the tables of transparency: a scene with glass, the path of one
+ * pixel's ray through it, and the light through a few surfaces by the three models of shadows. */
 #include "driver.h"
 
 #include <stdio.h>
 
 static const char summary[] =
     "Renders a scene with glass (--transparency; --shadows as --glass says).\n"
-    "--debug rays shows the way of the ray of --pixel from beside the camera.\n"
-    "--models puts the light behind a few panes and blocks into a table.";
+    "--debug rays shows the path of the ray of --pixel from beside the camera.\n"
+    "--models puts the light through a few panes and blocks into a table.";
 
 static void set_material(rk_material *material, const choices *c)
 {
     if (!isnan(c->alpha))
         material->alpha = c->alpha;
-    if (!isnan(c->absorption)) /* what the colour lacks is absorbed */
+    if (!isnan(c->absorption)) /* the colour's complement is absorbed */
         material->absorption = rk_scale(rk_sub(rk_vec(1, 1, 1), material->kd), c->absorption);
 }
 
@@ -21,7 +21,8 @@ static bool prepare(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     if (rk_driver_debug(driver, "rays") && !driver->render.transparency)
-        return rk_fail(error, "--debug rays goes with --transparency: without it no ray goes on");
+        return rk_fail(error,
+                       "--debug rays goes with --transparency: without it no ray passes a surface");
     rk_scene *scene = &driver->scene;
     for (uint32_t i = 0; i < scene->mesh.material_count; i++)
         set_material(&scene->mesh.materials[i], c);
@@ -36,7 +37,7 @@ static const char *model_name(const rk_driver *driver)
     return options->transparency ? rk_glass_model_names.items[options->glass] : "opaque";
 }
 
-/* Crossings of all camera rays, counted without a limit of recursion. */
+/* Crossings of all camera rays, counted without a max depth. */
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
     char metric[32];
@@ -65,7 +66,7 @@ static bool save(rk_driver *driver, rk_error *error)
     if (driver->debug)
         snprintf(label, sizeof label, "rays_%s_%u_%u", model, driver->pixel.x, driver->pixel.y);
     else if (driver->render.max_depth != rk_render_options_default().max_depth)
-        snprintf(label, sizeof label, "%s_recursion%u", model, driver->render.max_depth);
+        snprintf(label, sizeof label, "%s_depth%u", model, driver->render.max_depth);
     else
         snprintf(label, sizeof label, "%s", model);
     return rk_driver_save(driver, label, error);
@@ -75,12 +76,11 @@ static const rk_option options[] = {
     {"alpha", RK_FIELD(choices, alpha), "A",
      "opacity of all materials, 1 is opaque; by default their own", 0, 1, NAN},
     {"absorption", RK_FIELD(choices, absorption), "S",
-     "of all materials: what their colour lacks of white, times S in each world unit; by default "
-     "their own",
-     0, 1e6, NAN},
+     "of all materials: white minus their colour, times S per world unit; by default their own", 0,
+     1e6, NAN},
     RK_SIDE_VIEW_OPTIONS(choices, viewer),
     {"models", RK_FIELD(choices, models), NULL,
-     "put the models' light into DIR/tables/transparency_models.csv instead of drawing"},
+     "put the light by each model into DIR/tables/transparency_models.csv instead of drawing"},
     {0},
 };
 

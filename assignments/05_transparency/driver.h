@@ -1,4 +1,4 @@
-/* What the files of this driver share. */
+/* Declarations that the files of this driver share. */
 #ifndef RK_05_TRANSPARENCY_DRIVER_H
 #define RK_05_TRANSPARENCY_DRIVER_H
 

@@ -1,10 +1,10 @@
-/* The debug view: the way of one pixel's ray through glass, and from its end to the lights. */
+/* The debug view: the path of one pixel's ray through glass, and the shadow rays from its end. */
 #include "driver.h"
 
 typedef struct drawing {
     const rk_driver *driver;
     rk_overlay overlay;
-    rk_counters counters; /* nobody reads them */
+    rk_counters counters; /* not read */
 } drawing;
 
 static rk_vec3 along(const rk_ray *ray, float t)
@@ -12,29 +12,29 @@ static rk_vec3 along(const rk_ray *ray, float t)
     return rk_madd(ray->origin, ray->direction, t);
 }
 
-/* What is seen along the rest of a view ray, from t on: surfaces in their own colours, as if fully
- * lit, blended with those behind them. */
+/* The colour seen along the rest of a view ray, from t on: surfaces in their own colours, as if
+ * fully lit, blended with those behind them. */
 static rk_vec3 colour_behind(drawing *d, const rk_ray *ray, float t, uint32_t limit)
 {
     rk_ray rest = {along(ray, t), ray->direction, INFINITY};
     rk_crossing_list list;
-    float weights[RK_CROSSINGS_MAX], behind;
+    float weights[RK_CROSSINGS_MAX], transmittance;
     rk_crossings_gather(&d->driver->accel, &rest, limit, &list, &d->counters);
-    rk_transparency_weights(list.crossings, list.count, weights, &behind);
+    rk_transparency_weights(list.crossings, list.count, weights, &transmittance);
     rk_vec3 colour = rk_vec(0, 0, 0);
     for (uint32_t k = 0; k < list.count; k++)
         colour = rk_madd(colour, list.crossings[k].kd, weights[k]);
     return colour;
 }
 
-/* A light's colour where a shadow ray has still to go from t to 1. */
+/* The light's transmittance along a shadow ray from t to 1. */
 static rk_vec3 colour_of_light(drawing *d, const rk_ray *ray, float t)
 {
     rk_ray rest = {along(ray, t), rk_scale(ray->direction, 1 - t), 1};
     return rk_crossings_transmit(&d->driver->accel, &rest, d->driver->render.glass, &d->counters);
 }
 
-/* One stretch after the other, each in the colour that is on its way there. */
+/* Each interval between crossings in the colour of the light that travels there. */
 static void draw_view_ray(drawing *d, const rk_ray *ray, const rk_crossing_list *list)
 {
     float from = 0;
@@ -83,8 +83,8 @@ static void draw_rays(drawing *d, const rk_ray *ray)
                             .position);
 }
 
-/* The ray is the camera's, the picture is drawn from beside it. Nothing hides the ray: it is to be
- * seen through walls as well. */
+/* The ray is the camera's, the picture is drawn from beside it. Nothing hides the ray, not even
+ * walls. */
 bool draw_view(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;

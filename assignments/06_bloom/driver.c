@@ -1,5 +1,5 @@
-/* Draws the figures and measures the tables of bloom: a scene that glows, what of it glows, the
- * glow alone, how long it takes, and how far cheaper filters are from it. */
+/* Draws the figures and measures the tables of bloom: a scene with bloom, its bright pixels, the
+ * bloom alone, the time it takes, and the errors of cheaper filters. */
 #include "driver.h"
 
 #include "post/bloom_stage.h"
@@ -8,11 +8,11 @@
 #include <string.h>
 
 static const char summary[] =
-    "Renders a scene and lets what is bright glow (--bloom-threshold and others).\n"
-    "--debug threshold shows what glows in red, --debug mask the glow alone.\n"
+    "Renders a scene with bloom around bright pixels (--bloom-threshold and others).\n"
+    "--debug threshold shows bright pixels in red, --debug mask the bloom alone.\n"
     "--errors puts time and error of each --bloom-method into a table.";
 
-/* The renderer makes no glow where copies of its picture are to glow. */
+/* The renderer adds no bloom where copies of its picture get it. */
 static bool prepare(rk_driver *driver, rk_error *error)
 {
     (void)error;
@@ -26,8 +26,8 @@ static bool prepare(rk_driver *driver, rk_error *error)
     return true;
 }
 
-bool glow_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *copy, rk_timing *ms,
-               rk_error *error)
+bool bloom_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *copy, rk_timing *ms,
+                rk_error *error)
 {
     double milliseconds[RK_RUNS_MAX];
     bool ok = true;
@@ -42,7 +42,7 @@ bool glow_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *cop
     return ok;
 }
 
-/* A picture as it is, a dark one, and one that glows everywhere. */
+/* The picture as it is, all of it dark, and all of it bright. */
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
@@ -60,7 +60,7 @@ static bool put_rows(rk_driver *driver, rk_error *error)
         now.threshold = thresholds[i];
         snprintf(metric, sizeof metric, "%s_r%u_%s", names[i], now.radius,
                  rk_bloom_method_names.items[now.method]);
-        ok = glow_copy(driver, &now, &copy, &ms, error) &&
+        ok = bloom_copy(driver, &now, &copy, &ms, error) &&
              rk_driver_row(driver, metric, "ms", ms, error);
     }
     rk_image_free(&copy);
@@ -81,7 +81,7 @@ static bool save(rk_driver *driver, rk_error *error)
 }
 
 static const rk_option options[] = {
-    {"light", RK_FIELD(choices, light), "F", "lights are F times as bright as the scene's", 0, 1e6,
+    {"light", RK_FIELD(choices, light), "F", "multiplies the colours of the scene's lights", 0, 1e6,
      1},
     {"errors", RK_FIELD(choices, errors), NULL,
      "put time and error of each method into DIR/tables/bloom_errors.csv instead of drawing"},

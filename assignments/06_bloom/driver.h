@@ -1,4 +1,4 @@
-/* What the files of this driver share. */
+/* Declarations that the files of this driver share. */
 #ifndef RK_06_BLOOM_DRIVER_H
 #define RK_06_BLOOM_DRIVER_H
 
@@ -6,7 +6,7 @@
 #include "post/bloom_stage.h"
 
 typedef struct choices {
-    float light; /* times as bright as the scene's own */
+    float light; /* factor for the colours of the scene's lights */
     bool errors;
     rk_bloom_options bloom; /* as given; see prepare */
 } choices;
@@ -16,14 +16,14 @@ static inline size_t pixels_of(const rk_image *image)
     return image->width * image->height;
 }
 
-/* Lets a copy of the picture glow, `runs` times. */
-bool glow_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *copy, rk_timing *ms,
-               rk_error *error);
+/* Adds bloom to a copy of the picture, `runs` times. */
+bool bloom_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *copy, rk_timing *ms,
+                rk_error *error);
 
-/* Renders without a glow and draws driver->debug. */
+/* Renders without bloom and draws driver->debug. */
 bool draw_view(rk_driver *driver, rk_error *error);
 
-/* Renders without a glow and puts the table of --errors. */
+/* Renders without bloom and puts the table of --errors. */
 bool put_study(rk_driver *driver, rk_error *error);
 
 #endif

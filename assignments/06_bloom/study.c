@@ -1,4 +1,5 @@
-/* The table: how long each method of bloom takes, and how far it is from the filter itself. */
+/* The table of --errors: the time of each method of bloom, and its difference from the exact
+ * filter. */
 #include "driver.h"
 
 #include <stdio.h>
@@ -37,25 +38,25 @@ static bool put_error(rk_driver *driver, const rk_bloom_options *options, double
     return rk_table_put(path, header, row, 6, 3, error);
 }
 
-/* Each method at several radii, against the filter itself. */
+/* Each method at several radii, against the exact filter. */
 static bool put_errors(rk_driver *driver, const rk_bloom_options *options, rk_error *error)
 {
     const uint32_t radii[] = {15, 50, 100, 250, 1000};
-    rk_image exact = {0}, near = {0};
+    rk_image exact = {0}, other = {0};
     bool ok = rk_image_init(&exact, driver->image.width, driver->image.height, error) &&
-              rk_image_init(&near, driver->image.width, driver->image.height, error);
+              rk_image_init(&other, driver->image.width, driver->image.height, error);
     for (size_t i = 0; ok && i < sizeof radii / sizeof *radii; i++)
         for (uint32_t method = 0; ok && method < rk_bloom_method_names.count; method++) {
             rk_bloom_options now = *options;
             rk_timing ms;
             now.radius = radii[i];
             now.method = (rk_bloom_method)method;
-            rk_image *result = method == RK_BLOOM_EXACT ? &exact : &near;
-            ok = glow_copy(driver, &now, result, &ms, error) &&
+            rk_image *result = method == RK_BLOOM_EXACT ? &exact : &other;
+            ok = bloom_copy(driver, &now, result, &ms, error) &&
                  put_error(driver, &now, ms.median, difference_of(result, &exact), error);
         }
     rk_image_free(&exact);
-    rk_image_free(&near);
+    rk_image_free(&other);
     return ok;
 }
 

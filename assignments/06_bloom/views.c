@@ -1,4 +1,4 @@
-/* The debug views: what of a picture glows, and the glow alone. */
+/* The debug views: the bright pixels of a picture, and the bloom alone. */
 #include "driver.h"
 
 static void show_threshold(rk_image *image, float threshold)
@@ -19,7 +19,7 @@ static bool show_mask(rk_driver *driver, const rk_bloom_options *options, rk_err
         return false;
     rk_bloom_options alone = *options;
     alone.intensity = 1;
-    bool ok = glow_copy(driver, &alone, &with, &ms, error);
+    bool ok = bloom_copy(driver, &alone, &with, &ms, error);
     for (size_t i = 0; ok && i < pixels_of(&with); i++)
         driver->image.pixels[i] = rk_sub(with.pixels[i], driver->image.pixels[i]);
     rk_image_free(&with);

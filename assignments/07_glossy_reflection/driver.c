@@ -1,18 +1,18 @@
 /* Draws the figures and measures the tables of glossy_reflection: rough mirrors with few and many
- * samples, the rays of one pixel, the dots in their disk, and what the ways to weigh them make of
- * directions that lead into the surface. */
+ * samples, the rays of one pixel, their points in the disk, and the effect of the weights where
+ * directions lead into the surface. */
 #include "driver.h"
 
 #include <stdio.h>
 
 static const char summary[] =
     "Renders a scene whose mirrors are rough (--glossy samples in a disk of --glossy-radius).\n"
-    "--debug rays shows the mirrored rays of --pixel from beside the camera.\n"
-    "--debug dots shows their disk: as a whole, or what --pixel makes of it.\n"
-    "--convergence puts the error of each map and sampler against time into a table.\n"
-    "--policies puts the light that each way to weigh samples keeps into a table.";
+    "--debug rays shows the reflected rays of --pixel from beside the camera.\n"
+    "--debug dots shows the samples in the disk; with --pixel, those below the surface are grey.\n"
+    "--convergence puts the error and time of each map and sampler into a table.\n"
+    "--policies puts the light that remains with each kind of weights into a table.";
 
-/* Drawing takes the pixel away. */
+/* Remembers --pixel, which drawing resets. */
 static bool prepare(rk_driver *driver, rk_error *error)
 {
     (void)error;
@@ -37,7 +37,7 @@ static bool save(rk_driver *driver, rk_error *error)
     return rk_driver_save(driver, label, error);
 }
 
-/* Under names of their own for each number of samples. */
+/* With the number of samples in their names. */
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
     double rays = (double)driver->counters.reflected_rays / (double)driver->counters.primary_rays;
@@ -53,10 +53,11 @@ static const rk_option options[] = {
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "put the error and time of each map, sampler and number of samples into a table"},
     {"policies", RK_FIELD(choices, policies), NULL,
-     "put what each way to weigh samples makes of grazing reflections into a table"},
-    {"most", RK_FIELD(choices, most), "N", "samples that --convergence goes up to", 1, 4096, 256},
+     "put the light of grazing reflections with each kind of weights into a table"},
+    {"most", RK_FIELD(choices, most), "N", "largest number of samples in --convergence", 1, 4096,
+     256},
     {"reference", RK_FIELD(choices, reference), "N",
-     "samples of the picture that --convergence compares with", 1, 16384, 4096},
+     "samples of the reference picture of --convergence", 1, 16384, 4096},
     {0},
 };
 
@@ -67,7 +68,7 @@ static void set_defaults(rk_driver *driver)
     driver->drawn_y = 56;
     driver->render.reflections = true;
     driver->render.glossy.samples = 64;
-    driver->render.glossy.radius = 0.1f; /* the box' own mirror is too shiny to see it */
+    driver->render.glossy.radius = 0.1f; /* the box's own mirror is too shiny to look rough */
 }
 
 int main(int argc, char **argv)

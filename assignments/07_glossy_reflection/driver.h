@@ -1,4 +1,4 @@
-/* What the files of this driver share. */
+/* Declarations that the files of this driver share. */
 #ifndef RK_07_GLOSSY_REFLECTION_DRIVER_H
 #define RK_07_GLOSSY_REFLECTION_DRIVER_H
 
@@ -10,7 +10,7 @@ typedef struct choices {
     rk_side_view viewer;
     bool convergence, policies;
     uint32_t most, reference; /* samples */
-    bool of_pixel;            /* the picture is of one pixel's rays, which its name tells */
+    bool of_pixel;            /* the picture shows one pixel's rays, and is named after it */
 } choices;
 
 /* Make the pictures of --debug rays and --debug dots. */

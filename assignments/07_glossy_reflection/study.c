@@ -1,5 +1,5 @@
-/* The tables: how soon each map and sampler gets exact, and what the ways to weigh samples make of
- * directions that lead into the surface. */
+/* The tables: how fast each map and sampler converges, and the effect of the weights where
+ * directions lead into the surface. */
 #include "driver.h"
 
 #include "driver/convergence.h"
@@ -34,14 +34,14 @@ bool put_convergence(rk_driver *driver, rk_error *error)
 
 /* --- Weights ---------------------------------------------------------------------------------- */
 
-/* A room that is brighter above: what is seen in a direction. */
-static double seen_in(rk_vec3 direction)
+/* The radiance from a direction in a room that is brighter above. */
+static double radiance_from(rk_vec3 direction)
 {
     return 1 + (double)direction.z;
 }
 
-/* The mean over the disk of what is seen above the surface, black elsewhere: the middles of a grid
- * on the disk, of which those at the border are off by less than what the table shows. */
+/* The mean radiance over the disk, black below the surface: by the midpoints of a grid, whose error
+ * at the rim is smaller than the table's digits. */
 static double integral_of(const rk_glossy_disk *disk)
 {
     enum { side = 2000 };
@@ -54,19 +54,19 @@ static double integral_of(const rk_glossy_disk *disk)
             continue;
         count++;
         if (rk_glossy_direction(disk, at, &direction))
-            sum += seen_in(direction);
+            sum += radiance_from(direction);
     }
     return sum / count;
 }
 
-/* The mean of what `pixels` pixels make of it with so many samples each. */
+/* The mean of the estimates of `pixels` pixels. */
 static double estimate_of(const rk_driver *driver, const rk_glossy_disk *disk,
                           rk_glossy_weights weights)
 {
     enum { pixels = 4096 };
     const rk_glossy_options *glossy = &driver->render.glossy;
     const rk_sampler sampler = {glossy->sampling, driver->render.seed, glossy->samples};
-    float share = rk_glossy_fraction_above(disk);
+    float fraction_above = rk_glossy_fraction_above(disk);
     double mean = 0;
     for (uint32_t pixel = 0; pixel < pixels; pixel++) {
         double sum = 0;
@@ -76,11 +76,12 @@ static double estimate_of(const rk_driver *driver, const rk_glossy_disk *disk,
                 rk_disk_at(glossy->map, rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_GLOSSY));
             rk_vec3 direction;
             if (rk_glossy_direction(disk, at, &direction)) {
-                sum += seen_in(direction);
+                sum += radiance_from(direction);
                 above++;
             }
         }
-        mean += sum * (double)rk_glossy_weight(weights, above, glossy->samples, share) / pixels;
+        mean += sum * (double)rk_glossy_weight(weights, above, glossy->samples, fraction_above) /
+                pixels;
     }
     return mean;
 }
@@ -98,13 +99,13 @@ bool put_policies(rk_driver *driver, rk_error *error)
         float height = degrees[i] * 0.017453293f;
         rk_glossy_disk disk =
             rk_glossy_disk_of(rk_vec(cosf(height), 0, sinf(height)), radius, rk_vec(0, 0, 1));
-        double share = (double)rk_glossy_fraction_above(&disk), black = integral_of(&disk);
+        double above = (double)rk_glossy_fraction_above(&disk), black = integral_of(&disk);
         const double figures[] = {(double)degrees[i],
                                   (double)radius,
-                                  share,
+                                  above,
                                   black,
                                   estimate_of(driver, &disk, RK_GLOSSY_CLASSIC),
-                                  black / share,
+                                  black / above,
                                   estimate_of(driver, &disk, RK_GLOSSY_RENORMALIZED)};
         char cells[7][32];
         const char *row[7];

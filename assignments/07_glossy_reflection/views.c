@@ -1,4 +1,5 @@
-/* The debug views: a pixel's mirrored rays, from beside the camera, and the dots in their disk. */
+/* The debug views: a pixel's reflected rays, from beside the camera, and the samples in their
+ * disk. */
 #include "driver.h"
 
 #include "accel/trace_one.h"
@@ -10,12 +11,13 @@ static const rk_vec3 red = {1, 0.1f, 0.05f}, blue = {0.1f, 0.4f, 1}, yellow = {1
 
 /* --- The samples of a pixel ------------------------------------------------------------------- */
 
-/* Finds the mirror that a camera ray meets. */
-static bool look(const rk_driver *driver, const rk_ray *ray, rk_shading_point *seen,
-                 rk_error *error)
+/* Finds the mirror that a camera ray hits. */
+static bool find_mirror(const rk_driver *driver, const rk_ray *ray, rk_shading_point *point,
+                        rk_error *error)
 {
-    *seen = (rk_shading_point){.path = rk_path_start(0, 1), .to_viewer = rk_negate(ray->direction)};
-    return (rk_trace_one_surface(&seen->surface, &driver->accel, ray) && rk_is_specular(seen)) ||
+    *point =
+        (rk_shading_point){.path = rk_path_start(0, 1), .to_viewer = rk_negate(ray->direction)};
+    return (rk_trace_one_surface(&point->surface, &driver->accel, ray) && rk_is_specular(point)) ||
            rk_fail(error,
                    "--debug %s: there is no mirror at the pixel %u,%u; choose one that shows a "
                    "mirror by --pixel X,Y",
@@ -41,7 +43,7 @@ typedef struct drawing {
     float reach; /* how far from the start the disk is drawn */
 } drawing;
 
-/* How far a ray gets; a step where there is nothing. */
+/* The distance to the closest hit; 1 for a miss. */
 static float length_of(const rk_driver *driver, rk_vec3 start, rk_vec3 direction)
 {
     rk_ray ray = {start, direction, INFINITY};
@@ -78,13 +80,13 @@ bool draw_rays(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     drawing d = {.driver = driver};
-    rk_shading_point seen;
+    rk_shading_point point;
     rk_ray ray = rk_side_view_ray(driver);
-    if (!look(driver, &ray, &seen, error) ||
+    if (!find_mirror(driver, &ray, &point, error) ||
         !rk_side_view_render(&c->viewer, driver, &d.overlay, error))
         return false;
-    rk_glossy_disk disk = rk_glossy_disk_at(&driver->render.glossy, &seen);
-    d.start = rk_surface_spawn(&seen.surface, disk.w);
+    rk_glossy_disk disk = rk_glossy_disk_at(&driver->render.glossy, &point);
+    d.start = rk_surface_spawn(&point.surface, disk.w);
     d.reach = length_of(driver, d.start, disk.w) / 2;
     for (uint32_t i = 0; i < driver->render.glossy.samples; i++) {
         rk_vec3 direction;
@@ -117,19 +119,19 @@ static void put_ring(const rk_image *image, float x, float y, float inner, float
         }
 }
 
-/* The unit disk, seen from the mirror; with --pixel, what its surface hides is grey. */
+/* The unit disk, point from the mirror; with --pixel, samples below the surface are grey. */
 bool draw_dots(rk_driver *driver, rk_error *error)
 {
     const rk_image *image = &driver->image;
     float middle_x = (float)image->width / 2, middle_y = (float)image->height / 2;
     float radius = 0.46f * rk_min((float)image->width, (float)image->height);
-    rk_shading_point seen;
+    rk_shading_point point;
     rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 0, 1), 1, rk_vec(0, 0, 1));
     if (driver->pixel.given) {
         rk_ray ray = rk_side_view_ray(driver);
-        if (!look(driver, &ray, &seen, error))
+        if (!find_mirror(driver, &ray, &point, error))
             return false;
-        disk = rk_glossy_disk_at(&driver->render.glossy, &seen);
+        disk = rk_glossy_disk_at(&driver->render.glossy, &point);
     }
     for (size_t i = 0; i < image->width * image->height; i++)
         image->pixels[i] = rk_vec(0.01f, 0.01f, 0.015f);

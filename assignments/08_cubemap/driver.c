@@ -1,15 +1,15 @@
 /* Draws the figures and measures the tables of cubemap: a scene in its environment, the map as a
- * cross, marked faces, the filters close up where faces meet, and how far they are off. */
+ * cross, marked faces, the filters close up at a corner of the cube, and their errors. */
 #include "driver.h"
 
 #include <stdio.h>
 #include <string.h>
 
 static const char summary[] =
-    "Renders a scene in an environment (--environment), which mirrors and misses see.\n"
-    "--marked takes a map with a letter on each face.\n"
+    "Renders a scene in an environment (--environment), seen in mirrors and where rays miss.\n"
+    "--marked uses a map with a letter on each face.\n"
     "--debug cross draws the map unfolded.\n"
-    "--debug seam draws a map of random colours where three faces meet.\n"
+    "--debug seam draws a map of random colours around a corner of three faces.\n"
     "--filters puts the filters' errors and steps into a table.";
 
 static void set_material(rk_material *material, float mirror)
@@ -31,12 +31,12 @@ static bool prepare(rk_driver *driver, rk_error *error)
     const choices *c = driver->choices;
     bool seam = rk_driver_debug(driver, "seam"), is_sky = strcmp(driver->environment, "sky") == 0;
     if (c->side && !is_sky && !seam && !c->marked)
-        return rk_fail(error, "--side: a file has a size of its own; this goes with --environment "
-                              "sky, --marked and --debug seam");
+        return rk_fail(error, "--side: a file has its own size; this goes with --environment sky, "
+                              "--marked and --debug seam");
     if (driver->debug && driver->pixel.given)
         return rk_fail(error,
-                       "--debug %s shows the map and not the scene, so --pixel has no story: "
-                       "leave one of them out",
+                       "--debug %s shows the map and not the scene, so there is no pixel to "
+                       "explain: leave it or --pixel out",
                        driver->debug);
     if (!isnan(c->mirror))
         set_materials(&driver->scene, c->mirror);
@@ -63,15 +63,15 @@ static bool save(rk_driver *driver, rk_error *error)
 
 static const rk_option options[] = {
     {"mirror", RK_FIELD(choices, mirror), "K",
-     "specular colour of all materials, a grey, which their diffuse colour loses; by default "
+     "specular colour of all materials, a grey, subtracted from their diffuse colour; by default "
      "their own",
      0, 1, NAN},
     {"side", RK_FIELD(choices, side), "N",
-     "texels a side of the built-in sky, or of --marked or --debug seam; 0: 256, and 8 for --debug "
+     "texels per side of the built-in sky, --marked or --debug seam; 0: 256, and 8 for --debug "
      "seam",
      0, RK_CUBEMAP_SIDE_MAX, 0},
     {"marked", RK_FIELD(choices, marked), NULL,
-     "an environment of six colours, with the letter F upright on each face"},
+     "use an environment of six colours, with an upright letter F on each face"},
     {"filters", RK_FIELD(choices, filters), NULL,
      "put errors and steps at edges, by the map's size, into DIR/tables/cubemap_filters.csv "
      "instead of drawing"},
@@ -82,7 +82,7 @@ static void set_defaults(rk_driver *driver)
 {
     driver->scene_name = "statue";
     driver->environment = "sky";
-    driver->render.reflections = true; /* what else would a mirror show? */
+    driver->render.reflections = true; /* without them mirrors are black */
 }
 
 int main(int argc, char **argv)

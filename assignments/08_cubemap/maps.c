@@ -1,4 +1,4 @@
-/* Maps that show something: what the environment is where it is not read from files. */
+/* Environments that are computed, not read from files. */
 #include "driver.h"
 
 #include "base/random.h"
@@ -29,8 +29,8 @@ static rk_vec3 random_colour(uint32_t side, rk_cube_face face, uint32_t column, 
                   rk_unit_float(rk_hash(texel, 2, 0, 0)));
 }
 
-/* Each face in a colour: that of its axis, red, green or blue, or the opposite of it for the
- * negative side; and on it an F, which is another letter in a mirror, and however it is turned. */
+/* Each face in the colour of its axis, red, green or blue, or the complementary one for the
+ * negative side; on it an F, which looks different in each of its eight orientations. */
 static rk_vec3 marked(uint32_t side, rk_cube_face face, uint32_t column, uint32_t row)
 {
     static const rk_vec3 colours[RK_FACES] = {{0.7f, 0.1f, 0.1f}, {0.1f, 0.6f, 0.6f},

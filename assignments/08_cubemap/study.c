@@ -1,4 +1,4 @@
-/* The tables: how long a lookup by each filter takes, and how far each is off. */
+/* The tables: the time of a lookup by each filter, and each filter's error. */
 #include "driver.h"
 
 #include "base/random.h"
@@ -13,7 +13,7 @@ static rk_vec3 random_direction(uint32_t n)
     return rk_vec(r * cosf(angle), r * sinf(angle), z);
 }
 
-/* Nanoseconds a lookup in random directions, and the time of the picture. */
+/* Nanoseconds per lookup in random directions, and the time of the picture. */
 bool put_rows(rk_driver *driver, rk_error *error)
 {
     enum { directions = 1 << 16, rounds = 32 };
@@ -25,7 +25,7 @@ bool put_rows(rk_driver *driver, rk_error *error)
         d[n] = random_direction(n);
     bool ok = rk_driver_row(driver, "render", "ms", driver->render_ms, error);
     for (uint32_t filter = 0; ok && filter < rk_cubemap_filter_names.count; filter++) {
-        float sum = 0; /* is asked for below, or the compiler would leave the lookups out */
+        float sum = 0; /* read below, or the compiler would remove the lookups */
         for (uint32_t run = 0; run < driver->runs; run++) {
             double start = rk_clock_thread();
             for (uint32_t n = 0; n < rounds * directions; n++)
@@ -35,7 +35,7 @@ bool put_rows(rk_driver *driver, rk_error *error)
             nanoseconds[run] = 1e9 * (rk_clock_thread() - start) / (rounds * directions);
         }
         if (!isfinite(sum))
-            ok = rk_fail(error, "the environment is too bright to be added up");
+            ok = rk_fail(error, "the environment is too bright to be summed up");
         char metric[48];
         snprintf(metric, sizeof metric, "lookup_%s_%u", rk_cubemap_filter_names.items[filter],
                  driver->scene.environment.side);
@@ -46,7 +46,7 @@ bool put_rows(rk_driver *driver, rk_error *error)
     return ok;
 }
 
-/* A smooth function, to be told from its map. */
+/* A smooth function, to compare its map with. */
 static rk_vec3 smooth(rk_vec3 d)
 {
     d = rk_normalize(d);
@@ -77,7 +77,7 @@ static double error_of(const rk_cubemap *map, rk_cubemap_filter filter)
     return sqrt(sum / directions);
 }
 
-/* The largest difference between two directions on the two sides of an edge, nearly the same. */
+/* The largest difference between two nearly equal directions on the two sides of an edge. */
 static double step_of(const rk_cubemap *map, rk_cubemap_filter filter)
 {
     const float below = 0.5f - 0x1p-22f, above = 0.5f + 0x1p-22f;

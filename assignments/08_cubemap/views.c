@@ -1,20 +1,20 @@
-/* The debug views: the map as a cross, and close up where faces meet. */
+/* The debug views: the map as a cross, and close up at a corner. */
 #include "driver.h"
 
 #include <stdio.h>
 #include <string.h>
 
-/* The faces of the cross in columns and rows; blank cells are none. */
+/* The faces of the cross by row and column; -1 is a blank cell. */
 static const int cross[3][4] = {{-1, RK_FACE_Y, -1, -1},
                                 {RK_FACE_MINUS_X, RK_FACE_MINUS_Z, RK_FACE_X, RK_FACE_Z},
                                 {-1, RK_FACE_MINUS_Y, -1, -1}};
 
-static rk_vec3 seen(const rk_driver *driver, rk_vec3 direction)
+static rk_vec3 colour_at(const rk_driver *driver, rk_vec3 direction)
 {
     return rk_cubemap_at(&driver->scene.environment, direction, driver->render.environment_filter);
 }
 
-/* The map takes the scene's place, in names and captions as well. */
+/* Replaces the scene by the map, in names and captions as well. */
 static void show_map_alone(rk_driver *driver)
 {
     const choices *c = driver->choices;
@@ -45,10 +45,10 @@ bool draw_cross(rk_driver *driver, rk_error *error)
             bool outside = across < 0 || across >= 4 || down < 0 || down >= 3;
             int face = outside ? -1 : cross[(int)down][(int)across];
             *rk_image_at(&driver->image, x, y) =
-                face < 0
-                    ? rk_vec(0.02f, 0.02f, 0.02f)
-                    : seen(driver, rk_cube_direction((rk_cube_face)face, across - floorf(across),
-                                                     1 - (down - floorf(down))));
+                face < 0 ? rk_vec(0.02f, 0.02f, 0.02f)
+                         : colour_at(driver,
+                                     rk_cube_direction((rk_cube_face)face, across - floorf(across),
+                                                       1 - (down - floorf(down))));
         }
     return true;
 }
@@ -63,6 +63,6 @@ bool draw_seam(rk_driver *driver, rk_error *error)
     for (size_t y = 0; y < driver->image.height; y++)
         for (size_t x = 0; x < driver->image.width; x++)
             *rk_image_at(&driver->image, x, y) =
-                seen(driver, rk_view_ray(&view, (float)x + 0.5f, (float)y + 0.5f).direction);
+                colour_at(driver, rk_view_ray(&view, (float)x + 0.5f, (float)y + 0.5f).direction);
     return true;
 }

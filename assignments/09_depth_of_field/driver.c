@@ -1,6 +1,5 @@
-/* Draws the figures and measures the tables of depth of field: a scene through a lens, what the
- * lens is focused on and how its rays get there, seen from the side, and errors by the closed form.
- */
+/* Draws the figures and measures the tables of depth of field: a scene through a lens, its focal
+ * surface and rays, seen from the side, and errors against the closed form. */
 #include "driver.h"
 
 #include <stdio.h>
@@ -57,10 +56,11 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 
 static const rk_option options[] = {
     {"viewer-yaw", RK_FIELD(choices, viewer_yaw), "DEG",
-     "the side is the camera's, turned so far about y", -360, 360, 75},
-    {"viewer-pitch", RK_FIELD(choices, viewer_pitch), "DEG", "and so far about x", -360, 360, -5},
-    {"viewer-far", RK_FIELD(choices, viewer_far), "F", "from F times the camera's distance", 0.01,
-     100, 1.8},
+     "degrees by which the camera is turned about y, for the view from the side", -360, 360, 75},
+    {"viewer-pitch", RK_FIELD(choices, viewer_pitch), "DEG",
+     "degrees by which it is turned about x", -360, 360, -5},
+    {"viewer-far", RK_FIELD(choices, viewer_far), "F", "and its distance, times the camera's own",
+     0.01, 100, 1.8},
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "put errors into DIR/tables/depth_of_field_convergence.csv instead of drawing a picture"},
     {0},

@@ -1,4 +1,4 @@
-/* What the files of this driver share. */
+/* Declarations that the files of this driver share. */
 #ifndef RK_09_DEPTH_OF_FIELD_DRIVER_H
 #define RK_09_DEPTH_OF_FIELD_DRIVER_H
 
@@ -6,11 +6,11 @@
 #include "render/stages/depth_of_field_stage.h"
 
 typedef struct choices {
-    float viewer_yaw, viewer_pitch, viewer_far; /* where the side is */
+    float viewer_yaw, viewer_pitch, viewer_far; /* of the view from the side */
     bool convergence;
 } choices;
 
-/* Returns how the camera sees. */
+/* Returns the camera's view. */
 static inline rk_view view_of(const rk_driver *driver)
 {
     return rk_view_of(&driver->scene.camera, driver->render.width, driver->render.height);

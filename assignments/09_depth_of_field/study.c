@@ -1,9 +1,9 @@
-/* Errors by the closed form: a wall whose edge is out of focus, by all ways of sampling. */
+/* Errors against the closed form: a wall whose edge is out of focus, by all samplers. */
 #include "driver.h"
 
 #include <stdio.h>
 
-/* A wall that ends at x = 0, seen from 3 units; half of the picture, but for the lens. */
+/* A wall that ends at x = 0, seen from 3 units away; without a lens, half of the picture. */
 static bool make_edge(rk_driver *driver, rk_error *error)
 {
     rk_mesh wall;
@@ -26,16 +26,17 @@ static bool make_edge(rk_driver *driver, rk_error *error)
     return true;
 }
 
-/* The part of a disk of diameter 2 left of x, a segment's area over the disk's; from -1 to 1. */
+/* The fraction of a unit disk left of x: a segment's area over the disk's. x is clamped to [-1,
+ * 1]. */
 static double disk_left_of(double x)
 {
     x = fmin(fmax(x, -1), 1);
     return 0.5 + (asin(x) + x * sqrt(1 - x * x)) / RK_PI_DOUBLE;
 }
 
-/* The wall's share of a pixel whose middle is `x` pixels right of the edge, with a circle of so
- * many pixels: the mean over the pixel, of 64 strips. */
-static double wall_seen(double x, double diameter)
+/* The fraction of the wall in a pixel whose centre is `x` pixels right of the edge, with a circle
+ * of confusion of `diameter` pixels: the mean over 64 strips of the pixel. */
+static double wall_fraction(double x, double diameter)
 {
     const int strips = 64;
     double sum = 0;
@@ -52,7 +53,7 @@ static void measure(const rk_driver *driver, double diameter, rk_convergence_row
         double right = (double)x + 0.5 - 0.5 * (double)image->width;
         if (fabs(right) > 0.5 * diameter)
             continue;
-        double want = wall_seen(right, diameter);
+        double want = wall_fraction(right, diameter);
         for (size_t y = 0; y < image->height; y++, counted++) {
             double error = (double)rk_image_at(image, x, y)->x - want;
             squares += error * error;
@@ -64,7 +65,7 @@ static void measure(const rk_driver *driver, double diameter, rk_convergence_row
     row->bias = sum / counted;
 }
 
-/* The edge of a wall behind the focus, by all ways of sampling. */
+/* The edge of a wall behind the focus, by all samplers. */
 bool put_study(rk_driver *driver, rk_error *error)
 {
     rk_render_options *o = &driver->render;
@@ -74,7 +75,7 @@ bool put_study(rk_driver *driver, rk_error *error)
     if (!make_edge(driver, error) || !rk_driver_build(driver, error) ||
         !rk_driver_table(driver, "depth_of_field_convergence", path, error))
         return false;
-    /* The aperture for a circle of so many pixels, by the closed form. */
+    /* The aperture for a circle of confusion of that diameter, by the closed form. */
     const double diameter = 32, d = 3, f = (double)o->lens.focal_distance;
     o->lens.aperture = (float)(1e3 * diameter * (double)view_of(driver).pixel * d * f / (d - f));
     for (int kind = RK_SAMPLER_UNIFORM; kind <= RK_SAMPLER_LOW_DISCREPANCY; kind++)

@@ -1,5 +1,5 @@
-/* The debug views: what the lens is focused on and how its rays get there, seen from the side, and
- * which pixels take lens samples. */
+/* The debug views: the focal surface and the lens rays, seen from the side, and the pixels that
+ * take lens samples. */
 #include "driver.h"
 
 #include "accel/trace_one.h"
@@ -10,7 +10,7 @@ static const rk_vec3 white = {1, 1, 1}, orange = {1, 0.35f, 0}, blue = {0.1f, 0.
 
 /* --- From the side ---------------------------------------------------------------------------- */
 
-/* The point of the focal surface that a place of the picture sees. */
+/* The point of the focal surface that projects onto a point of the picture. */
 static rk_vec3 focus_of(const rk_lens *lens, const rk_view *view, float x, float y)
 {
     rk_ray ray = rk_view_ray(view, x, y);
@@ -63,7 +63,7 @@ static void draw_lens(rk_overlay *overlay, const rk_lens *lens, const rk_view *v
     }
 }
 
-/* From the lens through the focus to what each ray meets, or as far again as the focus is. */
+/* From the lens through the focus to each ray's hit, or to twice the distance of the focus. */
 static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_view *view)
 {
     const rk_render_options *options = &driver->render;
@@ -76,10 +76,10 @@ static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_vie
         rk_ray ray = rk_lens_ray(&options->lens, view, x, y,
                                  rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_LENS));
         rk_hit hit = rk_trace_one(&driver->accel, &ray);
-        bool met = hit.triangle != RK_MISS;
-        rk_vec3 end = rk_madd(ray.origin, ray.direction, met ? hit.t : far);
-        rk_overlay_line(overlay, ray.origin, end, met ? orange : rk_scale(white, 0.6f), 1.5f);
-        if (met)
+        bool is_hit = hit.triangle != RK_MISS;
+        rk_vec3 end = rk_madd(ray.origin, ray.direction, is_hit ? hit.t : far);
+        rk_overlay_line(overlay, ray.origin, end, is_hit ? orange : rk_scale(white, 0.6f), 1.5f);
+        if (is_hit)
             rk_overlay_point(overlay, end, orange, 3);
     }
     rk_overlay_point(overlay, focus, white, 5);
@@ -94,7 +94,7 @@ static void look_from_the_side(rk_camera *camera, const rk_view *view, const cho
     camera->distance *= c->viewer_far;
 }
 
-/* The scene by a pinhole from the side of the lens, which stands where the camera was. */
+/* The scene through a pinhole, from the side of the lens, which is where the camera was. */
 bool draw_from_the_side(rk_driver *driver, rk_error *error)
 {
     bool rays = rk_driver_debug(driver, "rays");
@@ -109,7 +109,7 @@ bool draw_from_the_side(rk_driver *driver, rk_error *error)
                          error))
         return false;
     driver->render.lens_samples = lens_samples;
-    /* Rays are to be seen through the scene as well. */
+    /* Nothing hides the rays, not even the scene. */
     for (size_t i = 0; rays && i < driver->image.width * driver->image.height; i++) {
         overlay.depth[i] = INFINITY;
         driver->image.pixels[i] = rk_scale(driver->image.pixels[i], 0.4f);
@@ -122,9 +122,9 @@ bool draw_from_the_side(rk_driver *driver, rk_error *error)
     return true;
 }
 
-/* --- Which pixels take lens samples ----------------------------------------------------------- */
+/* --- Pixels that take lens samples ------------------------------------------------------------ */
 
-/* They become orange. As in the renderer, but for mirrors and panes. */
+/* They become orange. As in the renderer, except for mirrors and transparent surfaces. */
 static bool mark_blurred(rk_driver *driver, rk_error *error)
 {
     uint32_t width = driver->render.width, height = driver->render.height;
@@ -139,7 +139,7 @@ static bool mark_blurred(rk_driver *driver, rk_error *error)
     for (size_t i = 0; i < (size_t)width * height; i++) {
         rk_ray ray =
             rk_view_ray(&overlay.view, (float)(i % width) + 0.5f, (float)(i / width) + 0.5f);
-        float *depth = &overlay.depth[i]; /* becomes a circle's diameter */
+        float *depth = &overlay.depth[i]; /* becomes the diameter of the circle of confusion */
         *depth = isinf(*depth)
                      ? 0
                      : rk_lens_coc_diameter(&driver->render.lens, &overlay.view, &ray, *depth);

@@ -1,21 +1,22 @@
-/* Draws the figures and measures the tables of motion blur: a scene on the move, one of its times,
- * the path with the boxes that are swept, and the error against the number of samples. */
+/* Draws the figures and measures the tables of motion blur: a moving scene, one of its times, the
+ * path with the swept boxes, and the error by the number of samples. */
 #include "driver.h"
 
 #include <stdio.h>
 
 static const char summary[] =
-    "Renders a scene while it moves, by --time-samples rays a pixel; a mesh moves as a whole.\n"
-    "--isolate K shows one of the times, also before the first or behind the last.\n"
-    "--debug path draws the path, each of the times on it, and what is swept.\n"
+    "Renders a moving scene with --time-samples rays per pixel; a mesh moves as a whole.\n"
+    "--isolate K shows one of the times, also before the first or after the last.\n"
+    "--debug path draws the path, each of the times on it, and the swept box.\n"
     "--convergence puts errors against many more samples into a table.";
 
 static bool prepare(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     if (c->still && driver->debug)
-        return rk_fail(error, "--debug path draws how things move, and with --still nothing does: "
-                              "choose one of them");
+        return rk_fail(error,
+                       "--debug path draws paths, and with --still nothing moves: choose one "
+                       "of them");
     if (c->still && c->convergence)
         return rk_fail(error, "--convergence measures blur, and with --still there is none: choose "
                               "one of them");
@@ -27,15 +28,15 @@ static bool prepare(rk_driver *driver, rk_error *error)
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
     const rk_motion_options *motion = &driver->render.motion;
-    char metric[64], share[64];
+    char metric[64], times[64];
     bool blurred = driver->scene.moving_count > 0 && motion->samples > 0;
     snprintf(metric, sizeof metric, blurred ? "render_%s_%u" : "render_still",
              rk_time_sampling_names.items[motion->sampling], motion->samples);
-    snprintf(share, sizeof share, blurred ? "times_per_pixel_%u" : "times_per_pixel_still",
+    snprintf(times, sizeof times, blurred ? "times_per_pixel_%u" : "times_per_pixel_still",
              motion->samples);
     double pixels = (double)driver->render.width * (double)driver->render.height;
     return rk_driver_row(driver, metric, "ms", driver->render_ms, error) &&
-           rk_driver_row(driver, share, "1",
+           rk_driver_row(driver, times, "1",
                          rk_timing_once((double)driver->counters.time_samples / pixels), error);
 }
 
@@ -61,17 +62,17 @@ static bool save(rk_driver *driver, rk_error *error)
 static const rk_option driver_options[] = {
     {"path-a", RK_FIELD(rk_driver, motion.a), "A", "a mesh moves to (x, A x^3 + B x^2 + C x, 0)",
      -1e3, 1e3},
-    {"path-b", RK_FIELD(rk_driver, motion.b), "B", "of that path", -1e3, 1e3},
-    {"path-c", RK_FIELD(rk_driver, motion.c), "C", "of that path", -1e3, 1e3},
+    {"path-b", RK_FIELD(rk_driver, motion.b), "B", "of this path", -1e3, 1e3},
+    {"path-c", RK_FIELD(rk_driver, motion.c), "C", "of this path", -1e3, 1e3},
     {0},
 };
 
 static const rk_option options[] = {
-    {"still", RK_FIELD(choices, still), NULL, "nothing moves, to compare with"},
+    {"still", RK_FIELD(choices, still), NULL, "keeps everything at rest, for comparison"},
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "put errors into DIR/tables/motion_blur_convergence.csv instead of drawing"},
-    {"reference", RK_FIELD(choices, reference), "N", "samples that errors are measured against", 1,
-     65536, 2048},
+    {"reference", RK_FIELD(choices, reference), "N",
+     "samples of the reference picture of --convergence", 1, 65536, 2048},
     {0},
 };
 

@@ -1,4 +1,4 @@
-/* What the files of this driver share. */
+/* Declarations that the files of this driver share. */
 #ifndef RK_10_MOTION_BLUR_DRIVER_H
 #define RK_10_MOTION_BLUR_DRIVER_H
 
@@ -6,7 +6,7 @@
 #include "render/stages/motion_blur_stage.h"
 
 typedef struct choices {
-    uint32_t reference; /* samples of what --convergence compares with */
+    uint32_t reference; /* samples of the picture that --convergence compares with */
     bool convergence, still;
 } choices;
 

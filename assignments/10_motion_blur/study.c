@@ -1,4 +1,4 @@
-/* The table: how soon each sampling of times gets exact. */
+/* The table of --convergence: how fast each sampling of times converges. */
 #include "driver.h"
 
 #include "driver/convergence.h"
@@ -19,7 +19,7 @@ static bool put_errors(rk_driver *driver, const rk_image *truth, const char *nam
     return true;
 }
 
-/* The truth: equidistant times, so many that their error is far below the others'. */
+/* The reference: so many equidistant times that their error is far below the others'. */
 bool put_study(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;

@@ -1,4 +1,4 @@
-/* The debug view: the path of what moves, the times on it, and what is swept. */
+/* The debug view: the paths of moving objects, the times on them, and the swept boxes. */
 #include "driver.h"
 
 static float isolated_or(const rk_motion_options *motion, float x)
@@ -39,7 +39,7 @@ static void draw_path(rk_overlay *overlay, const rk_motion_options *motion, cons
     rk_overlay_point(overlay, rk_add(centre, rk_motion_offset(path, then.open)), blue, 6);
 }
 
-/* Nothing hides the path: most of it is inside of what moves. */
+/* Nothing hides the path: most of it is inside the moving object. */
 static bool draw_paths(rk_driver *driver, rk_error *error)
 {
     rk_overlay overlay;

@@ -15,7 +15,7 @@ static bool build_tree(rk_bvh *bvh, const rk_accel *accel, const rk_mesh *mesh, 
     return rk_bvh_build_sah(bvh, mesh, &options, error);
 }
 
-/* A tree over these triangles of the mesh alone; in it they keep their numbers. */
+/* A tree over a part of the mesh's triangles, which keep their indices. */
 static bool build_part(rk_bvh *bvh, const rk_accel *accel, uint32_t first, uint32_t count,
                        rk_error *error)
 {
@@ -42,7 +42,7 @@ static bool check_method(const rk_accel *accel, rk_error *error)
     return true;
 }
 
-/* Fills in how many triangles stand still. */
+/* Fills in the number of static triangles. */
 static bool check_moving(const rk_scene *scene, uint32_t *still, rk_error *error)
 {
     uint32_t end = scene->mesh.triangle_count;
@@ -54,7 +54,7 @@ static bool check_moving(const rk_scene *scene, uint32_t *still, rk_error *error
         if (object->count < 1 || object->count > end || object->first != end - object->count)
             return rk_fail(error,
                            "%s: moving object %u has %u triangles from %u on: moving objects are a "
-                           "mesh's last triangles, one behind the other",
+                           "mesh's last triangles, one after the other",
                            scene->name, i - 1, object->count, object->first);
         end = object->first;
     }

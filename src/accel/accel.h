@@ -1,5 +1,4 @@
-/* The acceleration structure, whichever was chosen: built once, traced in batches (accel/trace.h).
- */
+/* The acceleration structure, built once and traced in batches (accel/trace.h). */
 #ifndef RK_ACCEL_H
 #define RK_ACCEL_H
 
@@ -15,31 +14,31 @@ typedef enum rk_accel_kind {
 
 typedef struct rk_accel {
     rk_accel_kind kind;
-    uint32_t bins;                /* of the two with bins */
-    rk_bvh bvh;                   /* over what stands still */
-    rk_bvh moving[RK_MOVING_MAX]; /* one over each moving object, where it rests */
-    const rk_scene *scene;        /* for its spheres, which no tree holds */
+    uint32_t bins;                /* per axis; of the two kinds with bins */
+    rk_bvh bvh;                   /* over static triangles */
+    rk_bvh moving[RK_MOVING_MAX]; /* over each moving object at rest */
+    const rk_scene *scene;        /* for its spheres, which are in no tree */
 } rk_accel;
 
-/* `scene` stays where it is while the structure is in use. Relies on a mesh that rk_mesh_validate
- * accepts, as it does those of rk_scene_around, rk_builtin_scene and rk_mesh_file_read. An unknown
- * kind is an error, and so is a scene whose moving objects are not its last triangles, in order. */
+/* `scene` must not move while the structure is in use, and its mesh must pass rk_mesh_validate, as
+ * those of rk_scene_around, rk_builtin_scene and rk_mesh_file_read do. Errors: an unknown kind;
+ * moving objects that are not the mesh's last triangles, in order. */
 bool rk_accel_build(rk_accel *accel, rk_accel_kind kind, const rk_scene *scene, rk_error *error);
 void rk_accel_free(rk_accel *accel);
 
-/* The same with so many bins, 2 to RK_SAH_BINS_MAX, where the kind has any. */
+/* The same with this number of bins, 2 to RK_SAH_BINS_MAX; ignored by RK_ACCEL_MEDIAN. */
 bool rk_accel_build_binned(rk_accel *accel, rk_accel_kind kind, uint32_t bins,
                            const rk_scene *scene, rk_error *error);
 
-/* "median", "sah50" or "sah50_3", with the number of bins: the method's name in tables. */
+/* The method's name in tables, with the number of bins: "median", "sah50" or "sah50_3". */
 typedef struct rk_accel_title {
     char text[24];
 } rk_accel_title;
 
 rk_accel_title rk_accel_name(const rk_accel *accel);
 
-/* "scalar": the instruction set of the traversal, in tables; objects that move are traced in
- * packets, which have SSE2 where the compiler may use it. */
+/* The instruction set of the traversal, in tables: "scalar". Moving objects are traced in packets,
+ * which use SSE2 if the compiler may. */
 const char *rk_accel_isa(rk_accel_kind kind);
 
 #endif

@@ -1,4 +1,4 @@
-/* Rays in batches, each quantity an array of its own: the form in which stages hand rays on. */
+/* Rays in batches, as structures of arrays: the form in which stages pass them on. */
 #ifndef RK_ACCEL_BATCH_H
 #define RK_ACCEL_BATCH_H
 
@@ -7,7 +7,7 @@
 #include <stdbool.h>
 
 enum {
-    RK_TILE_SIDE = 16, /* pixels; near enough to each other to enter the same boxes */
+    RK_TILE_SIDE = 16, /* pixels; so close that their rays enter mostly the same boxes */
     RK_BATCH_MAX = RK_TILE_SIDE * RK_TILE_SIDE,
 };
 
@@ -18,13 +18,13 @@ typedef struct rk_ray_batch {
     float t_max[RK_BATCH_MAX];
 } rk_ray_batch;
 
-/* The answer to a closest-hit batch, entry for entry. */
+/* The closest hits of a batch, entry for entry. */
 typedef struct rk_hit_batch {
     float t[RK_BATCH_MAX], u[RK_BATCH_MAX], v[RK_BATCH_MAX];
     uint32_t triangle[RK_BATCH_MAX]; /* or RK_MISS */
 } rk_hit_batch;
 
-/* The answer to an occlusion batch: does a ray hit anything? */
+/* The results of an occlusion test, entry for entry. */
 typedef struct rk_occlusion_batch {
     bool occluded[RK_BATCH_MAX];
 } rk_occlusion_batch;

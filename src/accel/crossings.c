@@ -1,16 +1,17 @@
-/* The triangle test here loses nothing between neighbours (after Woop, Benthin, Wald, "Watertight
- * ray/triangle intersection", JCGT 2013): corners are projected along the ray, each by itself, so
- * triangles that share a corner agree on where it is, and the side of an edge on which the ray
- * passes is exact. Where it passes neither, it is moved aside by an infinitesimal (Edelsbrunner and
- * Muecke, "Simulation of simplicity", ACM Transactions on Graphics 9(1), 1990). */
+/* A watertight triangle test: no ray slips between neighbours (after Woop, Benthin, Wald,
+ * "Watertight ray/triangle intersection", JCGT 2013): each corner is projected along the ray
+ * separately, so triangles with a common corner agree on its position, and the side of an edge on
+ * which the ray passes is exact. A ray exactly through an edge is moved aside by an infinitesimal
+ * (Edelsbrunner and Muecke, "Simulation of simplicity", ACM Transactions on Graphics 9(1), 1990).
+ */
 #include "accel/crossings.h"
 
 #include "accel/trace_moving.h"
 
-/* --- Triangles, as seen along the ray --------------------------------------------------------- */
+/* --- Triangles, projected along the ray ------------------------------------------------------ */
 
-/* The ray's own axes: x and y across it, z the one on which its direction is longest. In double:
- * roundings are then far below what a box test is widened by, so no box is left out. */
+/* The ray's own axes: x and y across it, z the one on which its direction is longest. In double,
+ * whose rounding errors are far below the margin of the box test, so no box is missed. */
 typedef struct projection {
     int x, y, z;                         /* right-handed, z along the ray */
     double origin_x, origin_y, origin_z; /* on these axes */
@@ -58,7 +59,7 @@ static inline int sign_of_difference(double a, double b)
 /* On which side of the edge from a to b the ray passes: 1 where it turns counter-clockwise about
  * the ray, or -1; 0 only for a = b. Exact: rounding keeps the order of two products, and where they
  * round alike their errors, which fma gives, decide. A ray through the edge is taken to pass at
- * (e, e^2) for an e above 0 and below any number, so e decides, and then e^2. */
+ * (e, e^2) for an e above 0 and below any number, so e decides, then e^2. */
 static inline int side_of(projected a, projected b)
 {
     double ab = a.x * b.y, ba = a.y * b.x;
@@ -75,8 +76,8 @@ static double area_of(projected a, projected b)
     return fabs(a.x * b.y - a.y * b.x);
 }
 
-/* Fills in the place and the direction of the crossing; t is a mean of the corners' own, so a
- * triangle that is nearly edge-on does not lose it. One that is a point has a t of NaN. */
+/* Fills in position and direction of the crossing. t is a mean of the corners' t, so that a
+ * triangle nearly edge-on has one, too; that of a triangle that is a point is NaN. */
 static bool cross_triangle(const projection *p, const rk_mesh *mesh, uint32_t triangle,
                            rk_crossing *crossing)
 {
@@ -103,8 +104,8 @@ typedef struct gathering {
     const rk_scene *scene;
     const rk_ray *ray;
     rk_crossing_list *list;
-    float end;         /* what lies at or beyond it does not count */
-    bool until_opaque; /* behind an opaque crossing nothing counts */
+    float end;         /* crossings beyond it do not count */
+    bool until_opaque; /* stop at the first opaque crossing */
 } gathering;
 
 static bool is_done(const gathering *g)
@@ -125,8 +126,8 @@ static rk_vec3 kd_at(const rk_scene *scene, const rk_crossing *crossing,
     return rk_surface_kd(&surface, &scene->mesh);
 }
 
-/* Gives the crossing its material, and puts it into the list if it lies on the ray. NaN does not.
- */
+/* Fills in the crossing's material, and inserts it into the list if it lies on the ray; NaN does
+ * not. */
 static void add_crossing(gathering *g, rk_crossing *crossing, uint32_t medium,
                          const rk_material *material)
 {
@@ -182,7 +183,7 @@ static void push_entered(rk_traversal_stack *stack, const rk_bvh_node *node, flo
     }
 }
 
-/* The nearer child comes off the stack first: its crossings may end the ray before the other. */
+/* The nearer child is popped first: its crossings may end the ray before the other. */
 static void visit_children(rk_traversal_stack *stack, const rk_bvh_node *children,
                            const rk_slabs *slabs, float end)
 {
@@ -217,7 +218,7 @@ static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
     }
 }
 
-/* A gathering that goes on where the list stands. */
+/* A gathering that adds to the list. */
 static gathering gathering_into(rk_crossing_list *list, const rk_accel *accel, const rk_ray *ray,
                                 bool until_opaque)
 {

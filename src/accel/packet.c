@@ -9,11 +9,11 @@ typedef struct packet {
     rk_simd4x3 origin, direction;
     rk_simd4x3 inverse_near, inverse_far; /* see rk_slabs */
     int near_x, near_y, near_z;           /* the same for all rays */
-    rk_simd4 t_max;                       /* nearest hits so far; negative: is done */
+    rk_simd4 t_max;                       /* of the nearest hits so far; negative: done */
     rk_hit hits[RK_PACKET_MAX];
 } packet;
 
-/* Lanes without a ray are copies of the first, and done. */
+/* Lanes without a ray are copies of the first ray, and done. */
 static void put_ray(packet *p, uint32_t lane, const rk_ray *ray, const rk_slabs *slabs)
 {
     rk_simd4x3_put(&p->origin, lane, ray->origin);
@@ -46,7 +46,7 @@ static bool fill(packet *p, const rk_ray *rays, uint32_t count)
 
 /* --- Tests ------------------------------------------------------------------------------------ */
 
-/* As rk_box_enter. */
+/* See rk_box_enter. */
 static inline rk_simd4 enter_box(const packet *p, const rk_box *box)
 {
     const rk_vec3 *corner = box->corner;
@@ -69,7 +69,7 @@ typedef struct crossing {
     rk_simd4 t, u, v;
 } crossing;
 
-/* As rk_triangle_intersect: sets a bit for each ray that crosses the triangle no farther than
+/* See rk_triangle_intersect. Sets a bit for each ray that crosses the triangle no farther than
  * t_max. */
 static inline uint32_t cross_triangle(const packet *p, const rk_triangle *triangle, crossing *cross)
 {
@@ -95,7 +95,7 @@ static inline uint32_t cross_triangle(const packet *p, const rk_triangle *triang
                              (cross->t <= p->t_max));
 }
 
-/* --- Down the tree ---------------------------------------------------------------------------- */
+/* --- Traversal -------------------------------------------------------------------------------- */
 
 typedef enum query_kind { CLOSEST, OCCLUSION } query_kind;
 
@@ -134,8 +134,8 @@ static inline uint32_t entered(rk_simd4 enter)
     return rk_simd4_movemask(enter < rk_simd4_all(INFINITY));
 }
 
-/* Of the two children the one to go to, NULL if no ray enters either; the other is pushed if any
- * does. */
+/* Returns the child to visit next, NULL if no ray enters either; pushes the other if a ray enters
+ * it. */
 static inline const rk_bvh_node *push_far_return_near(traversal_stack *stack, const packet *p,
                                                       const rk_bvh_node *children)
 {
@@ -143,7 +143,7 @@ static inline const rk_bvh_node *push_far_return_near(traversal_stack *stack, co
     uint32_t in_left = entered(left), in_right = entered(right);
     if (!in_left || !in_right)
         return in_left ? &children[0] : in_right ? &children[1] : NULL;
-    /* The first ray that enters any decides for all. */
+    /* The first ray that enters either decides for all. */
     uint32_t in_any = in_left | in_right, first = in_any & (0 - in_any);
     bool right_first = (rk_simd4_movemask(right < left) & first) != 0;
     stack->nodes[stack->size] = &children[right_first ? 0 : 1];
@@ -194,7 +194,7 @@ void rk_packet_closest(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, rk
         hits[i] = together ? p.hits[i] : rk_bvh_closest(bvh, &rays[i], counters);
 }
 
-void rk_packet_occluded(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, bool *found,
+void rk_packet_occluded(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, bool *occluded,
                         rk_counters *counters)
 {
     packet p;
@@ -202,6 +202,6 @@ void rk_packet_occluded(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, b
     if (together)
         traverse(&p, OCCLUSION, bvh, counters);
     for (uint32_t i = 0; i < count; i++)
-        found[i] =
+        occluded[i] =
             together ? p.hits[i].triangle != RK_MISS : rk_bvh_occluded(bvh, &rays[i], counters);
 }

@@ -1,6 +1,6 @@
-/* Four rays that go nearly the same way go down a tree together: a box or a triangle is fetched
- * once, and tested for all four at once (after Wald, Slusallek, Benthin, Wagner, "Interactive
- * rendering with coherent ray tracing", Eurographics 2001). */
+/* Packets: four rays of nearly the same direction traverse a tree together. A box or a triangle is
+ * fetched once, and tested against all four at once (after Wald, Slusallek, Benthin, Wagner,
+ * "Interactive rendering with coherent ray tracing", Eurographics 2001). */
 #ifndef RK_ACCEL_PACKET_H
 #define RK_ACCEL_PACKET_H
 
@@ -11,11 +11,11 @@
 
 enum { RK_PACKET_MAX = 4 };
 
-/* Up to RK_PACKET_MAX rays, and the hit of each of them: the same answers as rk_bvh_closest's and
- * rk_bvh_occluded's. A test of a box or a triangle counts once for all. */
+/* Up to RK_PACKET_MAX rays; the same results as of rk_bvh_closest and rk_bvh_occluded. A test of a
+ * box or a triangle counts once for all rays. */
 void rk_packet_closest(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, rk_hit *hits,
                        rk_counters *counters);
-void rk_packet_occluded(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, bool *found,
+void rk_packet_occluded(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, bool *occluded,
                         rk_counters *counters);
 
 #endif

@@ -3,24 +3,24 @@
 #include "base/dvec3.h"
 #include "features/bvh_median.h"
 
-/* A group that may intersect more triangles than this is wide for its scene, and its rays go each
- * their own way; with fewer rays, looking for triangles costs more than it saves. */
-enum { found_max = 16, fewest_rays = 4 };
+/* A group with more candidate triangles is wide for its scene, so its rays are traced one by one;
+ * with fewer rays, finding candidates costs more than it saves. */
+enum { candidates_max = 16, fewest_rays = 4 };
 
-/* All directions are within low and high on each axis, and by 2^-16 away from them: far more than
- * the triangle test's roundings, so that a ray between two triangles loses neither; far less than
- * the rays of a rough mirror differ. */
+/* All directions are between low and high on each axis, with a margin of 2^-16: far more than the
+ * rounding errors of the triangle test, so that a ray between two triangles misses neither; far
+ * less than the reflections of a rough mirror differ. */
 typedef struct group {
     double origin[3], low[3], high[3], inverse_low[3], inverse_high[3];
     bool low_is_positive[3], high_is_positive[3];
 } group;
 
-typedef struct found_list {
+/* In the order in which a ray may hit them first. */
+typedef struct candidate_list {
     uint32_t count;
-    const rk_triangle
-        *triangles[found_max]; /* in the order of where the first ray may intersect them */
-    double enter[found_max];
-} found_list;
+    const rk_triangle *triangles[candidates_max];
+    double enter[candidates_max]; /* a t before which no ray hits the triangle */
+} candidate_list;
 
 static group group_of(const rk_ray_batch *rays, uint32_t first, uint32_t end)
 {
@@ -46,8 +46,8 @@ static group group_of(const rk_ray_batch *rays, uint32_t first, uint32_t end)
 }
 
 /* Returns a t before which no ray of the group is in the box, infinity if none ever is. At t, the
- * rays are between low t and high t on each axis; so low t is below the box' upper end, and high t
- * above its lower one. NaN, of 0 / 0, bounds nothing. */
+ * rays are between low t and high t on each axis: inside the box, low t is below its upper end, and
+ * high t above its lower one. NaN, from 0 / 0, bounds nothing. */
 static double enter_box(const group *g, const rk_box *box)
 {
     const double lower[3] = {(double)box->corner[0].x, (double)box->corner[0].y,
@@ -82,14 +82,14 @@ static rk_dvec3 from_origin(const group *g, rk_vec3 point)
                       (double)point.z - g->origin[2]};
 }
 
-/* The largest n.d of all directions d. */
+/* The largest n.d over all directions d. */
 static double largest_along(const group *g, rk_dvec3 n)
 {
     return fmax(n.x * g->low[0], n.x * g->high[0]) + fmax(n.y * g->low[1], n.y * g->high[1]) +
            fmax(n.z * g->low[2], n.z * g->high[2]);
 }
 
-/* False if all rays pass on the outer side of one edge: the origin and the edge span a plane. */
+/* False if all rays are outside the plane through the origin and one edge. */
 static bool may_intersect(const group *g, const rk_triangle *triangle)
 {
     const rk_dvec3 corner[3] = {from_origin(g, triangle->a),
@@ -104,10 +104,10 @@ static bool may_intersect(const group *g, const rk_triangle *triangle)
     return true;
 }
 
-/* False if there is no room. */
-static bool add_triangle(found_list *list, const rk_triangle *triangle, double enter)
+/* False if the list is full. */
+static bool add_triangle(candidate_list *list, const rk_triangle *triangle, double enter)
 {
-    if (list->count == found_max)
+    if (list->count == candidates_max)
         return false;
     uint32_t place = list->count++;
     for (; place > 0 && list->enter[place - 1] > enter; place--) {
@@ -119,7 +119,8 @@ static bool add_triangle(found_list *list, const rk_triangle *triangle, double e
     return true;
 }
 
-static bool add_leaf(found_list *list, const group *g, const rk_bvh *bvh, const rk_bvh_node *leaf)
+static bool add_leaf(candidate_list *list, const group *g, const rk_bvh *bvh,
+                     const rk_bvh_node *leaf)
 {
     for (uint32_t i = leaf->first; i < leaf->first + leaf->count; i++) {
         rk_box box = box_of(&bvh->triangles[i]);
@@ -131,9 +132,9 @@ static bool add_leaf(found_list *list, const group *g, const rk_bvh *bvh, const 
     return true;
 }
 
-/* False if there are too many. */
-static bool find_triangles(const rk_bvh *bvh, const group *g, found_list *list,
-                           rk_counters *counters)
+/* False if there are more than fit the list. */
+static bool find_candidates(const rk_bvh *bvh, const group *g, candidate_list *list,
+                            rk_counters *counters)
 {
     uint32_t stack[RK_BVH_LEVELS_MAX], size = 0;
     list->count = 0;
@@ -154,7 +155,7 @@ static bool find_triangles(const rk_bvh *bvh, const group *g, found_list *list,
     return true;
 }
 
-static rk_hit closest_in(const found_list *list, const rk_ray *ray, rk_counters *counters)
+static rk_hit closest_in(const candidate_list *list, const rk_ray *ray, rk_counters *counters)
 {
     rk_hit hit = {ray->t_max, 0, 0, RK_MISS};
     uint32_t k = 0;
@@ -177,9 +178,9 @@ void rk_ray_group_closest(const rk_bvh *bvh, const rk_ray_batch *rays, rk_hit_ba
     for (uint32_t first = 0; first < rays->count; first = end) {
         for (end = first + 1; end < rays->count && same_origin(rays, first, end);)
             end++;
-        found_list list = {.count = 0};
+        candidate_list list = {.count = 0};
         group g = group_of(rays, first, end);
-        bool together = end - first >= fewest_rays && find_triangles(bvh, &g, &list, counters);
+        bool together = end - first >= fewest_rays && find_candidates(bvh, &g, &list, counters);
         for (uint32_t i = first; i < end; i++) {
             rk_ray ray = rk_batch_ray(rays, i);
             rk_hit hit =

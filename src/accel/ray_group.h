@@ -1,6 +1,6 @@
-/* Rays from one point that go nearly the same way, such as those of a rough mirror: which triangles
- * any of them may intersect is found once for all (after Reshetov, Soupikov, Hurley,
- * "Multi-level ray tracing algorithm", SIGGRAPH 2005). */
+/* Ray groups: rays from one point of nearly the same direction, such as the reflections of a rough
+ * mirror. The triangles that any of them may hit are found once for all (after Reshetov, Soupikov,
+ * Hurley, "Multi-level ray tracing algorithm", SIGGRAPH 2005). */
 #ifndef RK_ACCEL_RAY_GROUP_H
 #define RK_ACCEL_RAY_GROUP_H
 
@@ -8,8 +8,8 @@
 #include "base/counters.h"
 #include "scene/bvh.h"
 
-/* The same hits as rk_bvh_closest's, sooner where rays that follow each other in the batch start
- * from the same point; directions are unit vectors. */
+/* The same hits as rk_bvh_closest's, faster if consecutive rays of the batch have the same origin;
+ * directions are unit vectors. */
 void rk_ray_group_closest(const rk_bvh *bvh, const rk_ray_batch *rays, rk_hit_batch *hits,
                           rk_counters *counters);
 

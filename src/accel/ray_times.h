@@ -1,4 +1,4 @@
-/* When rays are traced, and which of the objects that move they may intersect then. */
+/* Ray times, and the moving objects that a ray may hit. */
 #ifndef RK_ACCEL_RAY_TIMES_H
 #define RK_ACCEL_RAY_TIMES_H
 
@@ -6,7 +6,7 @@
 #include "scene/scene.h"
 
 typedef struct rk_ray_time {
-    float time;       /* NaN: at rest, where no bit is set */
+    float time;       /* NaN if no bit is set */
     uint16_t objects; /* bit k: object k */
 } rk_ray_time;
 

@@ -1,6 +1,6 @@
-/* Four numbers side by side, each in a lane of its own: what is done to them is done to all four at
- * once. Each lane is rounded as a single float is, so answers are the same to the bit. By the
- * vectors of gcc and clang, and by SSE, which every x86-64 has, where they have no word for it. */
+/* Four floats, one per lane, computed by one instruction. Each lane is rounded like a single float,
+ * so results are the same to the bit. By the vector extensions of gcc and clang; by SSE, which
+ * every x86-64 has, for operations that these lack. */
 #ifndef RK_ACCEL_SIMD4_H
 #define RK_ACCEL_SIMD4_H
 
@@ -30,7 +30,7 @@ static inline rk_simd4 rk_simd4_select(rk_simd4_mask mask, rk_simd4 a, rk_simd4 
 
 #ifdef __SSE2__
 
-/* As rk_min and rk_max: b where a is NaN. */
+/* Like rk_min and rk_max: b where a is NaN. */
 static inline rk_simd4 rk_simd4_min(rk_simd4 a, rk_simd4 b)
 {
     return _mm_min_ps(a, b);
@@ -41,7 +41,7 @@ static inline rk_simd4 rk_simd4_max(rk_simd4 a, rk_simd4 b)
     return _mm_max_ps(a, b);
 }
 
-/* Bit i is set where lane i is. */
+/* Bit i of the result is set if lane i is. */
 static inline uint32_t rk_simd4_movemask(rk_simd4_mask mask)
 {
     return (uint32_t)_mm_movemask_ps((rk_simd4)mask);

@@ -3,14 +3,20 @@
 #include "accel/ray_group.h"
 #include "features/bvh_median.h"
 
-/* --- What stands still ------------------------------------------------------------------------ */
+/* --- Static surfaces -------------------------------------------------------------------------- */
 
-__attribute__((always_inline)) static inline void
-intersect_spheres(const rk_scene *scene, const rk_ray *ray, rk_hit *hit, rk_counters *counters)
+/* After the triangles, whose hits end the rays early. */
+static void intersect_spheres(const rk_scene *scene, const rk_ray_batch *rays, rk_hit_batch *hits,
+                              rk_counters *counters)
 {
-    for (uint32_t k = 0; k < scene->sphere_count; k++)
-        rk_sphere_closest(&scene->spheres[k], scene->mesh.triangle_count + k, ray, hit);
-    counters->sphere_tests += scene->sphere_count;
+    for (uint32_t i = 0; scene->sphere_count && i < rays->count; i++) {
+        rk_ray ray = rk_batch_ray(rays, i);
+        rk_hit hit = rk_batch_hit(hits, i);
+        for (uint32_t k = 0; k < scene->sphere_count; k++)
+            rk_sphere_closest(&scene->spheres[k], scene->mesh.triangle_count + k, &ray, &hit);
+        rk_batch_put_hit(hits, i, &hit);
+        counters->sphere_tests += scene->sphere_count;
+    }
 }
 
 static bool is_occluded_by_sphere(const rk_scene *scene, const rk_ray *ray, rk_counters *counters)
@@ -26,26 +32,19 @@ static bool is_occluded_by_sphere(const rk_scene *scene, const rk_ray *ray, rk_c
 void rk_accel_closest_still(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                             rk_counters *counters)
 {
-    const bool spheres = accel->scene->sphere_count > 0;
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
         rk_hit hit = rk_bvh_closest(&accel->bvh, &ray, counters);
-        if (spheres)
-            intersect_spheres(accel->scene, &ray, &hit, counters);
         rk_batch_put_hit(hits, i, &hit);
     }
+    intersect_spheres(accel->scene, rays, hits, counters);
 }
 
 void rk_accel_closest_still_grouped(const rk_accel *accel, const rk_ray_batch *rays,
                                     rk_hit_batch *hits, rk_counters *counters)
 {
     rk_ray_group_closest(&accel->bvh, rays, hits, counters);
-    for (uint32_t i = 0; accel->scene->sphere_count && i < rays->count; i++) {
-        rk_ray ray = rk_batch_ray(rays, i);
-        rk_hit hit = rk_batch_hit(hits, i);
-        intersect_spheres(accel->scene, &ray, &hit, counters);
-        rk_batch_put_hit(hits, i, &hit);
-    }
+    intersect_spheres(accel->scene, rays, hits, counters);
 }
 
 void rk_accel_occluded_still(const rk_accel *accel, const rk_ray_batch *rays,
@@ -58,7 +57,8 @@ void rk_accel_occluded_still(const rk_accel *accel, const rk_ray_batch *rays,
     }
 }
 
-/* --- What moves, at rest ---------------------------------------------------------------------- */
+/* --- Moving objects, at rest -------------------------------------------------------------------
+ */
 
 static void intersect_object(const rk_bvh *bvh, rk_ray ray, rk_hit *hit, rk_counters *counters)
 {
@@ -91,7 +91,7 @@ void rk_accel_occluded_at_rest(const rk_accel *accel, const rk_ray_batch *rays,
     }
 }
 
-/* --- All, at rest ----------------------------------------------------------------------------- */
+/* --- Both parts ------------------------------------------------------------------------------- */
 
 void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                       rk_counters *counters)

@@ -1,5 +1,4 @@
-/* Rays in batches, through the acceleration structure: the closest hits, or whether there are any.
- */
+/* Traces batches of rays through the acceleration structure: closest hits, or occlusion. */
 #ifndef RK_ACCEL_TRACE_H
 #define RK_ACCEL_TRACE_H
 
@@ -7,22 +6,22 @@
 #include "accel/batch.h"
 #include "base/counters.h"
 
-/* Objects that move are intersected where they rest. */
+/* Moving objects are at rest. */
 void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                       rk_counters *counters);
 void rk_accel_occluded(const rk_accel *accel, const rk_ray_batch *rays, rk_occlusion_batch *answers,
                        rk_counters *counters);
 
-/* The same in two parts: first what stands still alone, spheres included, ... */
+/* The same in two parts. First static surfaces: triangles, then spheres. */
 void rk_accel_closest_still(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                             rk_counters *counters);
 void rk_accel_occluded_still(const rk_accel *accel, const rk_ray_batch *rays,
                              rk_occlusion_batch *answers, rk_counters *counters);
-/* (sooner where rays that follow each other start from the same point: accel/ray_group.h) */
+/* Faster if consecutive rays have the same origin: see accel/ray_group.h. */
 void rk_accel_closest_still_grouped(const rk_accel *accel, const rk_ray_batch *rays,
                                     rk_hit_batch *hits, rk_counters *counters);
-/* ... then objects that move, where they rest; or where they stand at the rays' times: see
- * accel/trace_moving.h. `hits` and `answers` hold the first part's. */
+/* Then moving objects at rest; or at the rays' times, by accel/trace_moving.h. `hits` and `answers`
+ * hold the results of the first part. */
 void rk_accel_closest_at_rest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                               rk_counters *counters);
 void rk_accel_occluded_at_rest(const rk_accel *accel, const rk_ray_batch *rays,

@@ -1,5 +1,5 @@
-/* Rays through objects that move, where these stand at the rays' times. The objects stay where they
- * rest, and the rays are moved instead. */
+/* Traces rays against moving objects at the rays' times. The objects stay at rest; the rays are
+ * moved instead. */
 #ifndef RK_ACCEL_TRACE_MOVING_H
 #define RK_ACCEL_TRACE_MOVING_H
 
@@ -8,15 +8,15 @@
 #include "base/counters.h"
 #include "features/motion_blur.h"
 
-/* `hits` and `answers` hold what accel/trace.h says of what stands still; nearer hits and further
- * occlusions are added. */
+/* `hits` and `answers` hold the results for static surfaces (accel/trace.h); nearer hits and
+ * further occlusions are added. */
 void rk_accel_closest_moving(const rk_accel *accel, const rk_ray_batch *rays,
                              const rk_ray_times *times, rk_hit_batch *hits, rk_counters *counters);
 void rk_accel_occluded_moving(const rk_accel *accel, const rk_ray_batch *rays,
                               const rk_ray_times *times, rk_occlusion_batch *answers,
                               rk_counters *counters);
 
-/* Returns the ray as the object sees it from where it stands at this time. */
+/* Returns the ray relative to the object at this time, so that the object is at rest. */
 static inline rk_ray rk_accel_ray_at(const rk_accel *accel, uint32_t object, float time,
                                      const rk_ray *ray)
 {

@@ -1,4 +1,4 @@
-/* The names of an enumeration, tied to it when it is compiled. */
+/* The names of an enumeration; the compiler checks their number. */
 #ifndef RK_BASE_NAMES_H
 #define RK_BASE_NAMES_H
 
@@ -11,8 +11,8 @@ typedef struct rk_names {
     const char *const *items; /* count */
 } rk_names;
 
-/* Defines `variable` as the names of `type` from 0 to `last`; one too few or too many is an error
- * of the compiler. */
+/* Defines `variable` as the names of `type` from 0 to `last`; the compiler refuses a wrong number
+ * of names. */
 #define RK_NAMES(variable, type, last, ...)                                                        \
     static const char *const variable##_items[] = {__VA_ARGS__};                                   \
     _Static_assert(sizeof variable##_items / sizeof *variable##_items == (last) + 1,               \

@@ -1,6 +1,6 @@
 /* An option is one row: its name, the field that it sets, its range and default, its help. The row
  * serves the default (rk_options_set_defaults), the command line and --help (base/options.h), and
- * the check of values that did not come from there (rk_options_check). */
+ * the check of values that a program set itself (rk_options_check). */
 #ifndef RK_BASE_OPTION_ROW_H
 #define RK_BASE_OPTION_ROW_H
 
@@ -10,9 +10,9 @@
 typedef enum rk_option_kind {
     RK_OPTION_FLAG,   /* bool: --name sets it */
     RK_OPTION_UINT,   /* uint32_t in [low, high] */
-    RK_OPTION_FLOAT,  /* float in [low, high]; NaN is refused, but as a default means: not given */
+    RK_OPTION_FLOAT,  /* float in [low, high]; NaN is refused; as a default it means "not given" */
     RK_OPTION_TEXT,   /* const char *, pointing into argv */
-    RK_OPTION_LIST,   /* rk_text_list: --name may come again */
+    RK_OPTION_LIST,   /* rk_text_list: --name may be repeated */
     RK_OPTION_PIXEL,  /* rk_pixel: X,Y */
     RK_OPTION_CHOICE, /* an enumeration from 0 on, by its names */
 } rk_option_kind;
@@ -37,8 +37,8 @@ typedef struct rk_option {
     rk_option_kind kind;
     const rk_names *names; /* of a choice */
     const char *argument;  /* its name in --help: FILE, N; NULL for flags and choices */
-    const char *help;      /* what it is, with its unit; a newline starts a further line; several
-                              spaces after a name in a list are kept */
+    const char *help;      /* with the unit; a newline starts a further line; several spaces after
+                              a name in a list are kept */
     double low, high;      /* for numbers; both inclusive */
     double initial;        /* the default of numbers, choices and flags; NaN or a whole number above
                               `high` stands for "not given" */
@@ -47,7 +47,7 @@ typedef struct rk_option {
 } rk_option;
 
 /* clang-format off */
-/* A row's field, and the kind that its type has. */
+/* A row's field; its type determines the kind. */
 #define RK_FIELD(type, member)                                                                     \
     .field = #member, .offset = offsetof(type, member),                                            \
     .kind = _Generic(((type *)0)->member,                                                          \
@@ -66,7 +66,7 @@ typedef struct rk_option {
     .names = &(of_names), .argument = NULL
 /* clang-format on */
 
-/* Sets the fields of all rows, ended by a NULL name, to their defaults; others stay. */
+/* Sets the fields of all rows, ended by a NULL name, to their defaults; other fields stay. */
 void rk_options_set_defaults(const rk_option *rows, void *values);
 
 /* Is each field in its range, or its default? False with an error that names the first that is

@@ -1,5 +1,5 @@
-/* Tables of options become the table that getopt_long wants; its answers are checked here, so that
- * every complaint is one sentence of ours. */
+/* Turns tables of options into the table of getopt_long, and checks its results, so that each error
+ * message is one sentence of ours. */
 #include "base/options_words.h"
 
 #include <ctype.h>
@@ -15,11 +15,11 @@
 #define PACKAGE_VERSION "(unknown version)"
 #endif
 
-/* What getopt_long returns: these, or first_option + the option's number. All lie above the
- * characters that it uses for itself. */
+/* Results of getopt_long: these, or first_option + the option's number; all above the characters
+ * that it returns itself. */
 enum { ask_help = 1000, ask_version, first_option };
 
-/* All tables in one, twice: as ours and as getopt_long's, which lists aliases as well. */
+/* All tables in one, twice: as ours, and as getopt_long's, which also lists aliases. */
 typedef struct option_list {
     size_t count;
     rk_bound_option *options; /* count */
@@ -76,8 +76,7 @@ static void option_list_free(option_list *list)
 
 /* --- reading values -------------------------------------------------------------------------- */
 
-/* Reads decimal digits, and moves *text behind them. strtoul alone would take " -1" for 2^64 - 1.
- */
+/* Reads decimal digits, and moves *text past them. strtoul alone would accept " -1" as 2^64 - 1. */
 static bool read_digits(const char **text, uint32_t *value)
 {
     if (!isdigit((unsigned char)**text))
@@ -112,7 +111,7 @@ static bool read_float(const rk_option *row, const char *text, float *to)
         return false;
     if (!(value >= row->low && value <= row->high)) /* false for NaN */
         return false;
-    /* Infinity only for who asks for it by name: 1e39 is more than a float holds. */
+    /* Infinity only by name: 1e39 overflows a float. */
     if (isinf((float)value) && strpbrk(text, "0123456789"))
         return false;
     *to = (float)value;
@@ -176,23 +175,24 @@ static bool read_value(rk_bound_option option, const char *text, rk_error *error
                            rk_option_takes(option.row).text);
 }
 
-/* --- walking argv ---------------------------------------------------------------------------- */
+/* --- reading argv ---------------------------------------------------------------------------- */
 
-/* getopt_long keeps its place in globals; this starts it over, silent. */
+/* getopt_long keeps its position in globals; this resets it, and silences its messages. */
 static void restart_getopt(void)
 {
-    optind = 0; /* to glibc and musl more than 1: forget all, even the place within an argument */
+    optind = 0; /* not 1: glibc and musl then also reset the position within an argument */
     opterr = 0;
 }
 
-/* "+": stop at what is no option; ":": tell a missing value from an unknown option. */
+/* "+": stop at the first word that is no option; ":": distinguish a missing value from an unknown
+ * option. */
 static int next_option(int argc, char **argv, const option_list *list)
 {
     return getopt_long(argc, argv, "+:h", list->getopt, NULL);
 }
 
-/* Looks for --help and --version alone: help shows the defaults, so it comes before any value is
- * stored, and it is there for who mistyped another option. */
+/* Looks for --help and --version alone: help shows the defaults, so it is printed before any value
+ * is stored, even if another option is mistyped. */
 static int find_request(int argc, char **argv, const option_list *list)
 {
     restart_getopt();
@@ -230,7 +230,7 @@ static bool read_all(int argc, char **argv, const option_list *list, rk_error *e
 {
     restart_getopt();
     for (;;) {
-        /* Within -xyz getopt stays at the same argument, so note it before each step. */
+        /* Within -xyz getopt stays at the same argument, so remember it before each step. */
         const char *argument = argv[optind ? optind : 1];
         int answer = next_option(argc, argv, list);
         if (answer == -1)

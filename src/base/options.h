@@ -22,8 +22,8 @@ rk_options_result rk_options_parse(int argc, char **argv, const char *summary,
                                    const rk_option_table *tables, size_t table_count,
                                    rk_error *error);
 
-/* Returns the row that an argument, --name or --name=value, spells out by its present or its older
- * name; NULL if none does. */
+/* Returns the row whose name or alias the argument, --name or --name=value, spells out; NULL if
+ * there is none. */
 const rk_option *rk_options_find(const rk_option_table *tables, size_t table_count,
                                  const char *argument);
 

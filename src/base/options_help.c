@@ -1,4 +1,4 @@
-/* What options take, in words, and --help. */
+/* Option values in words, and --help: the second half of base/options_words.h. */
 #include "base/options_words.h"
 
 #include <float.h>
@@ -7,7 +7,7 @@
 #include <stdio.h>
 #include <string.h>
 
-/* --- what an option takes -------------------------------------------------------------------- */
+/* --- values in words -------------------------------------------------------------------------- */
 
 rk_phrase rk_names_list(const rk_names *names)
 {
@@ -77,9 +77,9 @@ static size_t width_of(const char *text, size_t bytes)
     return width;
 }
 
-/* Prints words from `column` on, which is where the cursor stands; further lines begin at `indent`.
- * Several spaces between two words are kept, and what is wrapped behind them stays behind them: so
- * a text may hold a list of names and what they are. Returns the column after the last word. */
+/* Prints words from `column` on, where the cursor is; further lines begin at `indent`. Several
+ * spaces between two words are kept, and wrapped words after them are aligned with the first: so a
+ * text may hold a list of names and descriptions. Returns the column after the last word. */
 static size_t print_wrapped(const char *text, size_t column, size_t indent)
 {
     bool line_begins = column <= indent;
@@ -121,7 +121,7 @@ static rk_phrase default_of(rk_bound_option option)
     const rk_pixel *pixel = option.value;
     const char *text;
     switch (option.row->kind) {
-    /* A number that nobody could give means "not given": its help says what happens then. */
+    /* A number out of range means "not given": the help says what happens then. */
     case RK_OPTION_UINT:
         if ((double)*(uint32_t *)option.value <= option.row->high)
             snprintf(value.text, sizeof value.text, "%u", (unsigned)*(uint32_t *)option.value);
@@ -151,7 +151,7 @@ static rk_phrase default_of(rk_bound_option option)
     return value;
 }
 
-/* The range where it tells something: not that a whole number fits 32 bits. */
+/* The range, unless it is merely that of 32 bits. */
 static rk_phrase range_worth_showing(const rk_option *option)
 {
     if (option->kind == RK_OPTION_FLOAT)
@@ -166,8 +166,8 @@ static rk_phrase range_worth_showing(const rk_option *option)
     return range;
 }
 
-/* Prints a note behind the text, or on a line of its own where it does not fit, or where the text
- * has ended its last one. */
+/* Prints a note after the text, or on a line of its own if it does not fit or the text ends with a
+ * newline. */
 static void print_whole(const char *note, size_t column)
 {
     if (column == 0)

@@ -1,5 +1,4 @@
-/* What options are in words; for option_row.c, options.c and options_help.c alone, not installed.
- */
+/* Options in words: for option_row.c, options.c and options_help.c; not installed. */
 #ifndef RK_BASE_OPTIONS_WORDS_H
 #define RK_BASE_OPTIONS_WORDS_H
 
@@ -15,10 +14,10 @@ typedef struct rk_bound_option {
     void *value;
 } rk_bound_option;
 
-/* "1 to 64", "0 or more", "up to 5", or "" when every number will do. */
+/* "1 to 64", "0 or more", "up to 5", or "" if every number is accepted. */
 rk_phrase rk_option_range(const rk_option *option);
 
-/* "a whole number, 1 to 64": what a complaint says. */
+/* "a whole number, 1 to 64", for error messages. */
 rk_phrase rk_option_takes(const rk_option *option);
 
 /* "uniform|stratified". */

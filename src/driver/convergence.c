@@ -2,7 +2,7 @@
 
 rk_picture_error rk_picture_compare(const rk_image *got, const rk_image *want)
 {
-    rk_picture_error made = {0, 0, 0};
+    rk_picture_error total = {0, 0, 0};
     double squares = 0, sum = 0, count = 3 * (double)(got->width * got->height);
     for (size_t i = 0; i < got->width * got->height; i++)
         for (int axis = 0; axis < 3; axis++) {
@@ -10,11 +10,11 @@ rk_picture_error rk_picture_compare(const rk_image *got, const rk_image *want)
                 (double)rk_axis(got->pixels[i], axis) - (double)rk_axis(want->pixels[i], axis);
             squares += error * error;
             sum += error;
-            made.max_error = fmax(made.max_error, fabs(error));
+            total.max_error = fmax(total.max_error, fabs(error));
         }
-    made.rmse = sqrt(squares / count);
-    made.bias = sum / count;
-    return made;
+    total.rmse = sqrt(squares / count);
+    total.bias = sum / count;
+    return total;
 }
 
 bool rk_convergence_reference(rk_driver *driver, rk_image *reference, rk_error *error)

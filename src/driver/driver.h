@@ -1,5 +1,5 @@
-/* What all drivers share: the scene, rendering with a progress bar, pictures with their parameters,
- * timing rows. driver_main.h has their main. */
+/* The common parts of all drivers: the scene, rendering with a progress bar, pictures with their
+ * parameters, timing rows. Their main is in driver_main.h. */
 #ifndef RK_DRIVER_DRIVER_H
 #define RK_DRIVER_DRIVER_H
 
@@ -16,25 +16,25 @@ typedef struct rk_driver {
     /* common options */
     rk_render_options render;
     uint32_t threads; /* 0: all processors */
-    uint32_t runs;    /* timings are medians of this many */
+    uint32_t runs;    /* builds and renderings; timings are medians */
     rk_accel_kind split;
-    uint32_t bins; /* on an axis, of the kinds that have some */
+    uint32_t bins; /* per axis; of the kinds with bins */
     const char *scene_name;
     const char *mesh_path;   /* NULL: the built-in scene */
     const char *environment; /* NULL: none; "sky", or files as in io/environment_file.h */
     const char *out;
     const char *debug; /* NULL, or the name of a view */
     rk_pixel pixel;
-    uint32_t drawn_x, drawn_y; /* per cent of the picture: where --debug rays looks by default */
+    uint32_t drawn_x, drawn_y; /* per cent of the picture: the default pixel of --debug rays */
     bool quiet;
     bool timing;            /* put rows into the table, draw no picture */
-    rk_camera camera_given; /* what the user set; NaN elsewhere: the scene's own */
-    bool move;              /* the whole mesh moves, if nothing in the scene moves by itself */
-    rk_motion motion;       /* and this is its path */
+    rk_camera camera_given; /* by the user; NaN: the scene's own */
+    bool move;              /* the whole mesh, if the scene has no moving object */
+    rk_motion motion;       /* the path of the mesh */
 
-    char **argv;                    /* the command line, ended by NULL */
-    char parameters[1024];          /* the same for captions */
-    rk_render_options render_usual; /* the renderer's options without it */
+    char **argv;                    /* the command line; NULL ends it */
+    char parameters[1024];          /* the command line for captions */
+    rk_render_options render_usual; /* the renderer's options without the command line */
 
     /* from rk_driver_start on */
     rk_scene scene;
@@ -48,37 +48,37 @@ typedef struct rk_driver {
 /* The common defaults. */
 rk_driver rk_driver_default(const char *feature, const char *summary);
 
-/* Loads the scene and starts the threads, as the options say. */
+/* Loads the scene and starts the threads by the options. */
 bool rk_driver_start(rk_driver *driver, rk_error *error);
 
-/* Who cannot save need not render: tries to begin a file where one will be wanted. */
+/* Tries to begin a file in the output folder, so that an error comes before the rendering. */
 bool rk_driver_try_folder(const rk_driver *driver, rk_error *error);
 
 /* Builds the acceleration structure, `runs` times. */
 bool rk_driver_build(rk_driver *driver, rk_error *error);
 
-/* Narrates --pixel, and renders into driver->image, `runs` times. */
+/* Explains --pixel, and renders into driver->image, `runs` times. */
 bool rk_driver_render(rk_driver *driver, rk_error *error);
 
-/* Is this the debug view that was asked for? */
+/* Is this the view of --debug? */
 bool rk_driver_debug(const rk_driver *driver, const char *view);
 
-/* The pixel whose rays a debug view draws becomes driver->pixel: --pixel, or the one at drawn_x and
- * drawn_y. It is drawn then, and not told. */
+/* Sets driver->pixel to the pixel whose rays a debug view draws: --pixel, or the one at drawn_x and
+ * drawn_y. Its rays are drawn, not explained. */
 void rk_driver_draw_pixel(rk_driver *driver);
 
-/* Writes the picture to OUT/figures/FEATURE_SCENE[_LABEL].png, label being the debug view and its
- * number, or NULL, and prints a line for its caption. */
+/* Writes the picture to OUT/figures/FEATURE_SCENE[_LABEL].png, with the debug view and its number
+ * as label, or NULL, and prints its caption. */
 bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error);
 
 /* Makes OUT/tables if it is missing, and fills in the path of NAME.csv there. */
 bool rk_driver_table(const rk_driver *driver, const char *name, char path[4096], rk_error *error);
 
-/* Puts a figure into OUT/tables/FEATURE.csv. */
+/* Puts a row with this metric into OUT/tables/FEATURE.csv. */
 bool rk_driver_row(rk_driver *driver, const char *metric, const char *unit, rk_timing timing,
                    rk_error *error);
 
-/* A figure that was measured once, or counted. */
+/* A number that was measured once, or counted. */
 rk_timing rk_timing_once(double figure);
 
 /* Frees everything; prints `error` if `ok` is false. Returns the exit status. */

@@ -2,7 +2,7 @@
 
 #include <string.h>
 
-/* Adds to the caption's command line, as far as it fits. */
+/* Appends to the caption's command line, truncated to its size. */
 static void note(rk_driver *driver, const char *text, size_t length)
 {
     size_t used = strlen(driver->parameters), room = sizeof driver->parameters - 1 - used;
@@ -11,7 +11,7 @@ static void note(rk_driver *driver, const char *text, size_t length)
     driver->parameters[used + length] = '\0';
 }
 
-/* An option's name by its present spelling, where the argument spells it out. */
+/* The name in its present spelling, if the argument is not an abbreviation. */
 static void note_name(rk_driver *driver, const rk_driver_tables *all, const char *argument,
                       size_t length)
 {
@@ -21,7 +21,7 @@ static void note_name(rk_driver *driver, const rk_driver_tables *all, const char
         note(driver, row->name, strlen(row->name));
 }
 
-/* Files without their folders: a caption tells nothing of the machine's. */
+/* File names without folders: captions must not reveal the machine's. */
 static void note_value(rk_driver *driver, const char *value, bool is_out)
 {
     const char *slash = strrchr(value, '/');
@@ -29,7 +29,7 @@ static void note_value(rk_driver *driver, const char *value, bool is_out)
     note(driver, shown, strlen(shown));
 }
 
-/* --name, --name=value, or what belongs to the argument before it. */
+/* --name, --name=value, or the value of the argument before it. */
 static void note_argument(rk_driver *driver, const rk_driver_tables *all, const char *argument,
                           bool after_out)
 {

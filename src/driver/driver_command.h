@@ -3,7 +3,7 @@
 #define RK_DRIVER_DRIVER_COMMAND_H
 
 #include "driver/driver.h"
-#include "render/feature.h"
+#include "render/feature_list.h"
 
 /* All options of a driver, in the order of --help. */
 typedef struct rk_driver_tables {
@@ -12,7 +12,7 @@ typedef struct rk_driver_tables {
 } rk_driver_tables;
 
 /* Fills in driver->parameters: the command line from the program's bare name on, files without
- * their folders, options by their present spelling. */
+ * their folders, options in their present spelling. */
 void rk_driver_note_command(rk_driver *driver, const rk_driver_tables *all);
 
 #endif

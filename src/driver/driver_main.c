@@ -20,7 +20,7 @@ static const rk_driver_study *find_study(const rk_driver_spec *spec)
 }
 
 /* A driver may leave a step out. */
-static bool take(rk_driver_step *step, rk_driver *driver, rk_error *error)
+static bool run_step(rk_driver_step *step, rk_driver *driver, rk_error *error)
 {
     return !step || step(driver, error);
 }
@@ -30,15 +30,16 @@ static bool save(const rk_driver_spec *spec, rk_driver *driver, rk_error *error)
     return spec->save ? spec->save(driver, error) : rk_driver_save(driver, NULL, error);
 }
 
-/* From a scene to what was asked for. */
+/* From a scene to a study, a debug view, timing rows or the picture. */
 static bool work(const rk_driver_spec *spec, rk_driver *driver, rk_error *error)
 {
     const rk_driver_study *study = find_study(spec);
     const rk_driver_view *view = study ? NULL : find_view(spec, driver);
     bool without_tree = (study && study->without_tree) || (view && view->without_tree);
-    if (!take(spec->prepare, driver, error))
+    if (!run_step(spec->prepare, driver, error))
         return false;
-    if (!without_tree && !(rk_driver_build(driver, error) && take(spec->check_tree, driver, error)))
+    if (!without_tree &&
+        !(rk_driver_build(driver, error) && run_step(spec->check_tree, driver, error)))
         return false;
     if (study)
         return study->put(driver, error);
@@ -47,7 +48,7 @@ static bool work(const rk_driver_spec *spec, rk_driver *driver, rk_error *error)
     rk_driver_note_unused(driver);
     if (!rk_driver_render(driver, error))
         return false;
-    return driver->timing ? take(spec->put_rows, driver, error) : save(spec, driver, error);
+    return driver->timing ? run_step(spec->put_rows, driver, error) : save(spec, driver, error);
 }
 
 int rk_driver_main(const rk_driver_spec *spec, int argc, char **argv)

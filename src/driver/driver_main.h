@@ -1,23 +1,23 @@
-/* The main of all drivers. A driver says in a spec what is its own: options, debug views, studies,
- * timing rows, names of pictures. */
+/* The main of all drivers. A spec holds a driver's own parts: options, debug views, studies, timing
+ * rows, names of pictures. */
 #ifndef RK_DRIVER_DRIVER_MAIN_H
 #define RK_DRIVER_DRIVER_MAIN_H
 
 #include "driver/driver.h"
 
-/* A step of a driver's own. It finds its options in driver->choices. */
+/* A driver's own step; its options are in driver->choices. */
 typedef bool rk_driver_step(rk_driver *driver, rk_error *error);
 
-/* A picture of --debug: renders what it needs into driver->image, and draws over it. */
+/* A picture of --debug: renders into driver->image, and draws over it. */
 typedef struct rk_driver_view {
     const char *name; /* NULL ends a table */
     rk_driver_step *draw;
-    bool without_tree; /* it needs none built */
+    bool without_tree; /* no tree is built for it */
 } rk_driver_view;
 
-/* A table that is put instead of drawing a picture. */
+/* A table in place of a picture. */
 typedef struct rk_driver_study {
-    const bool *wanted; /* the flag that asks for it; NULL ends a table */
+    const bool *wanted; /* the flag of its option; NULL ends a table */
     rk_driver_step *put;
     bool without_tree;
 } rk_driver_study;
@@ -25,20 +25,20 @@ typedef struct rk_driver_study {
 typedef struct rk_driver_spec {
     const char *feature, *summary;
 
-    /* Options: rows over `choices`, which are set to the rows' defaults; and rows over rk_driver,
-     * whose defaults are its values. Either may be NULL. */
+    /* Options: rows over `choices`, which is set to the rows' defaults; and rows over rk_driver,
+     * whose values are the defaults. Either may be NULL. */
     const rk_option *options;
     void *choices;
     const rk_option *driver_options;
-    void (*set_defaults)(rk_driver *driver); /* of common options, where they are others here */
+    void (*set_defaults)(rk_driver *driver); /* of common options that differ here */
 
     const rk_driver_view *views;
     const rk_driver_study *studies;
 
     /* Each of these may be NULL. */
     rk_driver_step *prepare;    /* checks options and changes the scene, before the tree is built */
-    rk_driver_step *check_tree; /* when it is built */
-    rk_driver_step *put_rows;   /* of --timing, when the picture is rendered */
+    rk_driver_step *check_tree; /* after it is built */
+    rk_driver_step *put_rows;   /* of --timing, after the picture is rendered */
     rk_driver_step *save; /* a picture, driver->debug's or the plain one; NULL: without label */
 } rk_driver_spec;
 

@@ -1,4 +1,4 @@
-/* What all drivers take on the command line, and what does not go together. */
+/* The common options, and the combinations that are refused. */
 #include "driver/driver_options.h"
 
 #include "driver/driver_command.h"
@@ -18,31 +18,31 @@ RK_NAMES(split_names, rk_accel_kind, RK_ACCEL_SAH_3, "median", "sah", "sah3");
 static const rk_option common_rows[] = {
     {"scene", RK_FIELD(rk_driver, scene_name), "NAME", NULL, .initial_text = "cornell"},
     {"mesh", RK_FIELD(rk_driver, mesh_path), "FILE",
-     "a mesh file instead (OBJ, PLY, OFF, glTF ...), moved into the unit ball"},
+     "a mesh file in place of --scene (OBJ, PLY, OFF, glTF ...), moved into the unit ball"},
     {"environment", RK_FIELD(rk_driver, environment), "sky|FILE",
-     "what is seen where nothing is met: the built-in sky, or a picture (JPG, PNG, EXR, HDR ...) "
-     "that is a cross (4:3, 3:4), a strip (6:1, 1:6) or longitude and latitude (2:1), or six: a "
-     "folder of px.*, nx.* ..., or a name with %s in their place"},
+     "radiance of rays that hit nothing: the built-in sky, or a picture (JPG, PNG, EXR, HDR ...) "
+     "that is a cross (4:3, 3:4), a strip (6:1, 1:6) or longitude and latitude (2:1), or six "
+     "pictures: a folder of px.*, nx.* ..., or a name with %s in place of px, nx ..."},
     {"distance", RK_FIELD(rk_driver, camera_given.distance), "D",
-     "of the camera from the point it looks at, world units; by default the scene's own", 1e-3, 1e6,
+     "distance of the camera from its target, world units; by default the scene's own", 1e-3, 1e6,
      NAN},
     {"fov", RK_FIELD(rk_driver, camera_given.fov), "DEG",
      "vertical field of view, degrees; by default the scene's own", 1, 179, NAN},
     {"pitch", RK_FIELD(rk_driver, camera_given.rotation.x), "DEG",
-     "the camera's turn about x, degrees: how far it looks down; by default the scene's own", -360,
-     360, NAN},
+     "rotation of the camera about x, degrees: how far it looks down; by default the scene's own",
+     -360, 360, NAN},
     {"yaw", RK_FIELD(rk_driver, camera_given.rotation.y), "DEG",
-     "the camera's turn about y, degrees: how far it goes round; by default the scene's own", -360,
-     360, NAN},
-    {"threads", RK_FIELD(rk_driver, threads), "N",
-     "that share the work; 0: as many as there are processors", 0, RK_THREADS_MAX, 0},
-    {"runs", RK_FIELD(rk_driver, runs), "N", "build and render so many times; timings are medians",
+     "rotation of the camera about y, degrees: how far it goes round; by default the scene's own",
+     -360, 360, NAN},
+    {"threads", RK_FIELD(rk_driver, threads), "N", "number of threads; 0: one per processor", 0,
+     RK_THREADS_MAX, 0},
+    {"runs", RK_FIELD(rk_driver, runs), "N", "number of builds and renderings; timings are medians",
      1, RK_RUNS_MAX, 1},
     {"split", RK_CHOICE(rk_driver, split, split_names),
-     "nodes of the tree: sah by the surface area heuristic on the longest axis, sah3 on all three",
+     "how nodes are split: at the median; by the surface area heuristic on the longest axis (sah) "
+     "or on all three (sah3)",
      .initial = RK_ACCEL_SAH},
-    {"bins", RK_FIELD(rk_driver, bins), "N", "that sah and sah3 count triangles into", 2,
-     RK_SAH_BINS_MAX},
+    {"bins", RK_FIELD(rk_driver, bins), "N", "bins per axis of sah and sah3", 2, RK_SAH_BINS_MAX},
     {"timing", RK_FIELD(rk_driver, timing), NULL,
      "put timings into DIR/tables instead of drawing a picture"},
     {"debug", RK_FIELD(rk_driver, debug), "VIEW", NULL},
@@ -51,13 +51,13 @@ static const rk_option common_rows[] = {
      .initial_text = "out"},
     {"quiet", RK_FIELD(rk_driver, quiet), NULL, "no progress bar, no summary"},
     {"move", RK_FIELD(rk_driver, move), NULL,
-     "the whole mesh moves (with --time-samples), if nothing in the scene moves by itself"},
+     "move the whole mesh (with --time-samples), if the scene has no moving object"},
     {0},
 };
 
 enum { common_count = sizeof common_rows / sizeof *common_rows };
 
-/* A text of --help that names the driver's views. */
+/* A text of --help with the names of the driver's views. */
 typedef struct view_text {
     char text[300];
 } view_text;
@@ -82,13 +82,13 @@ static view_text debug_help(const rk_driver_view *views)
 /* Some drivers draw a pixel's rays. */
 static view_text pixel_help(const rk_driver *driver, const rk_driver_view *views)
 {
-    view_text help = {"tell how this pixel gets its colour; 0,0 is at the top left"};
+    view_text help = {"explain how this pixel gets its colour; 0,0 is at the top left"};
     size_t length = strlen(help.text);
     for (; views && views->name; views++)
         if (strcmp(views->name, "rays") == 0)
             snprintf(help.text + length, sizeof help.text - length,
-                     "; --debug rays draws its rays instead, and without --pixel those of the "
-                     "pixel at %u %% of the width and %u %% of the height",
+                     "; --debug rays draws its rays instead, by default those of the pixel at "
+                     "%u %% of the width and %u %% of the height",
                      driver->drawn_x, driver->drawn_y);
     return help;
 }
@@ -105,8 +105,8 @@ static help_texts help_for(const rk_driver *driver, const rk_driver_view *views)
     return texts;
 }
 
-/* Fills in the help that depends on the driver; --move comes last, and is left out where everything
- * moves anyway. */
+/* Fills in the help that depends on the driver. --move comes last, and is left out for drivers that
+ * move everything anyway. */
 static void make_common(rk_option rows[common_count], const rk_driver *driver,
                         const help_texts *texts)
 {
@@ -149,7 +149,7 @@ void rk_driver_set_defaults(rk_driver *driver, const rk_driver_spec *spec)
         spec->set_defaults(driver);
 }
 
-/* --- What does not go together --------------------------------------------------------------- */
+/* --- Combinations ---------------------------------------------------------------------------- */
 
 static bool check_debug_view(const rk_driver *driver, const rk_driver_view *views, rk_error *error)
 {

@@ -1,4 +1,4 @@
-/* What drivers leave behind: pictures that know how they were made, and rows of tables. */
+/* The output of driver/driver.h: pictures with their parameters, and rows of tables. */
 #include "base/file.h"
 #include "driver/driver.h"
 #include "driver/implementation_note.h"
@@ -64,7 +64,7 @@ typedef struct shown_duration {
     char text[32];
 } shown_duration;
 
-/* Three digits in the unit that a person would choose. */
+/* Three digits, in ms or s. */
 static shown_duration duration(double milliseconds)
 {
     shown_duration shown;
@@ -82,12 +82,12 @@ static const char *plural(uint32_t count)
     return count == 1 ? "" : "s";
 }
 
-/* Lens and motion are told of where they took samples of their own. */
+/* Lens and motion are mentioned if they took samples of their own. */
 static void print_rendering(const rk_driver *driver)
 {
     const rk_render_options *render = &driver->render;
     uint32_t threads = rk_pool_threads(driver->pool);
-    printf("%u triangle%s, %u x %u, %u sample%s a pixel", driver->scene.mesh.triangle_count,
+    printf("%u triangle%s, %u x %u, %u sample%s per pixel", driver->scene.mesh.triangle_count,
            plural(driver->scene.mesh.triangle_count), render->width, render->height,
            render->samples, plural(render->samples));
     if (driver->counters.lens_samples > 0 && render->lens_samples > render->samples)

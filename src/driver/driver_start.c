@@ -1,4 +1,4 @@
-/* From the options to a scene, a picture and threads. */
+/* rk_driver_start of driver/driver.h: from the options to a scene, a picture and threads. */
 #include "driver/driver.h"
 #include "io/environment_file.h"
 #include "io/mesh_file.h"
@@ -8,13 +8,13 @@
 #include <stdio.h>
 #include <string.h>
 
-/* Returns given, or the scene's own value where nothing was given. */
+/* Returns `given`, or the scene's own value if it is NaN. */
 static float or_own(float given, float own)
 {
     return isnan(given) ? own : given;
 }
 
-/* Fine enough for the sun's edge to be round. */
+/* Texels; so fine that the sun looks round. */
 enum { SKY_SIDE = 256 };
 
 static bool load_environment(rk_driver *driver, rk_error *error)

@@ -1,6 +1,6 @@
 #include "driver/driver_unused.h"
 
-#include "render/feature.h"
+#include "render/feature_list.h"
 
 #include <stdio.h>
 
@@ -13,7 +13,8 @@ static const rk_option *first_given(const rk_driver *driver, const rk_feature *f
     return row;
 }
 
-/* A feature that the command line turned off is in the usual plan. */
+/* Options of a feature that the command line turns off have an effect, too: it is in the usual
+ * plan. */
 void rk_driver_note_unused(const rk_driver *driver)
 {
     const rk_plan plan = rk_plan_of(&driver->scene, &driver->render);

@@ -1,4 +1,4 @@
-/* A pixel's story in words: its ray, what it met, and where its light came from. */
+/* Explains a pixel: prints its rays, their hits, the lights and their contributions. */
 #ifndef RK_DRIVER_EXPLAIN_PIXEL_H
 #define RK_DRIVER_EXPLAIN_PIXEL_H
 
@@ -7,7 +7,7 @@
 
 #include <stdio.h>
 
-/* Tells of the ray through the centre of pixel (x, y) as the renderer treats it. */
+/* Prints how the renderer traces and shades the ray through the centre of pixel (x, y). */
 void rk_explain_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                       const rk_render_options *options, uint32_t x, uint32_t y);
 

@@ -1,5 +1,5 @@
 /* Lines and points are drawn in the picture's plane with smooth edges; boxes and triangles are
- * met by the very rays of the pixels, so that they agree with the scene to the bit. */
+ * intersected by the pixels' own rays, so that they agree with the scene to the bit. */
 #include "driver/overlay.h"
 
 #include "accel/trace.h"
@@ -106,13 +106,13 @@ static float pixel_size_at(const rk_overlay *overlay, float view_depth)
     return view_depth * overlay->view.pixel;
 }
 
-/* Cuts a segment at the smallest depth that can be projected; false when none of it is in front. */
+/* Clips a segment at the smallest depth that can be projected; false if none of it is in front. */
 static bool clip_to_front(const rk_view *view, rk_vec3 *from, rk_vec3 *to)
 {
     float from_depth = rk_dot(rk_sub(*from, view->position), view->forward);
     float to_depth = rk_dot(rk_sub(*to, view->position), view->forward);
-    /* A thousandth of the segment's own reach: nearer parts would be spread over the whole
-     * picture, and dividing by their depth would overflow. */
+    /* A thousandth of the segment's largest depth: nearer parts would cover the whole picture, and
+     * dividing by their depth would overflow. */
     float nearest = 1e-3f * rk_max(from_depth, to_depth);
     if (!(nearest > 0))
         return false;
@@ -124,7 +124,7 @@ static bool clip_to_front(const rk_view *view, rk_vec3 *from, rk_vec3 *to)
     return true;
 }
 
-/* The part of `range` in row y that a segment from a to b can reach. */
+/* The part of `range` in row y within `reach` of the segment from a to b. */
 static pixel_range range_in_row(const rk_overlay *overlay, pixel_range range, uint32_t y, rk_vec2 a,
                                 rk_vec2 b, float reach)
 {
@@ -134,7 +134,7 @@ static pixel_range range_in_row(const rk_overlay *overlay, pixel_range range, ui
     float s0 = rk_min(rk_max((middle - reach) * slope, 0), 1);
     float s1 = rk_min(rk_max((middle + reach) * slope, 0), 1);
     float x0 = a.x + s0 * (b.x - a.x), x1 = a.x + s1 * (b.x - a.x);
-    /* One pixel for the roundings of far ends. */
+    /* One pixel for rounding errors of far ends. */
     return range_around(overlay, (rk_vec2){rk_min(x0, x1), (float)y},
                         (rk_vec2){rk_max(x0, x1), (float)y}, reach + 1);
 }
@@ -149,8 +149,8 @@ void rk_overlay_line(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, rk_vec3 colo
         return;
     float dx = b.x - a.x, dy = b.y - a.y;
     float length_squared = dx * dx + dy * dy;
-    /* Across the line these make a trapezium of area `width`, for lines thinner than a pixel too.
-     */
+    /* The coverage across the line is a trapezium of area `width`, also for lines thinner than a
+     * pixel. */
     float reach = 0.5f * width + 0.5f, densest = rk_min(width, 1);
     rk_vec2 lo = {rk_min(a.x, b.x), rk_min(a.y, b.y)}, hi = {rk_max(a.x, b.x), rk_max(a.y, b.y)};
     pixel_range range = range_around(overlay, lo, hi, reach);
@@ -163,7 +163,7 @@ void rk_overlay_line(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, rk_vec3 colo
             float coverage = reach - hypotf(px - s * dx, py - s * dy);
             if (!(coverage > 0))
                 continue;
-            /* Along a projected line it is 1 / depth that changes evenly. */
+            /* Along a projected line, 1 / depth is linear. */
             float depth = 1 / ((1 - s) / a_depth + s / b_depth);
             if (!is_hidden(overlay, x, y, depth, width * pixel_size_at(overlay, depth)))
                 blend(overlay, x, y, colour, rk_min(coverage, densest));
@@ -193,7 +193,7 @@ void rk_overlay_wireframe(rk_overlay *overlay, const rk_box *box, rk_vec3 colour
 
 /* --- By the pixels' rays --------------------------------------------------------------------- */
 
-/* The pixels in which points may appear: the whole picture when one is behind the viewer. */
+/* The pixels around projected points; the whole picture if one is behind the viewer. */
 static pixel_range range_of(const rk_overlay *overlay, const rk_vec3 *points, int count)
 {
     rk_vec2 lo = {INFINITY, INFINITY}, hi = {-INFINITY, -INFINITY};

@@ -11,7 +11,7 @@
 typedef struct rk_overlay {
     rk_image *image;
     rk_view view;
-    float *depth; /* a pixel: distance along its centre's ray to the scene, infinite where empty */
+    float *depth; /* per pixel: distance along the ray through its centre, infinite without a hit */
 } rk_overlay;
 
 /* Finds the depth of every pixel of `image`. */
@@ -19,11 +19,11 @@ bool rk_overlay_init(rk_overlay *overlay, rk_image *image, const rk_scene *scene
                      const rk_accel *accel, rk_pool *pool, rk_error *error);
 void rk_overlay_free(rk_overlay *overlay);
 
-/* A line `width` pixels wide with smooth edges. It is as thick as it is wide: a surface hides it
- * only when it is more than that in front. */
+/* A line `width` pixels wide with smooth edges. Its depth equals its width: a surface hides it only
+ * if it is farther than that in front. */
 void rk_overlay_line(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, rk_vec3 colour, float width);
 
-/* A disk `radius` pixels large, facing the viewer. */
+/* A disk that faces the viewer; `radius`: pixels. */
 void rk_overlay_point(rk_overlay *overlay, rk_vec3 point, rk_vec3 colour, float radius);
 
 /* The twelve edges of a box. */
@@ -32,11 +32,12 @@ void rk_overlay_wireframe(rk_overlay *overlay, const rk_box *box, rk_vec3 colour
 /* A box of coloured glass: its far and then its near faces are blended with opacity `alpha`. */
 void rk_overlay_box(rk_overlay *overlay, const rk_box *box, rk_vec3 colour, float alpha);
 
-/* A triangle blended with opacity `alpha`; one of the scene's own covers itself exactly. */
+/* A triangle blended with opacity `alpha`; a triangle of the scene covers exactly its own pixels.
+ */
 void rk_overlay_triangle(rk_overlay *overlay, rk_vec3 a, rk_vec3 b, rk_vec3 c, rk_vec3 colour,
                          float alpha);
 
-/* The n-th of a cycle of colours that are easy to tell apart. */
+/* Colour n of a cycle of distinct ones. */
 rk_vec3 rk_overlay_colour(uint32_t n);
 
 #endif

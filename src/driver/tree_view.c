@@ -2,12 +2,12 @@
 
 #include <stdio.h>
 
-/* What a visit of the tree draws: the boxes of one level, or one leaf. */
+/* Drawn while visiting the tree: the boxes of one level, or one leaf. */
 typedef struct drawing {
     rk_overlay overlay;
     const rk_driver *driver;
     rk_tree_view wanted;
-    uint32_t boxes, leaves; /* met so far */
+    uint32_t boxes, leaves; /* visited so far */
 } drawing;
 
 static void draw_level(const rk_bvh_node *node, uint32_t level, void *context)
@@ -45,10 +45,10 @@ bool rk_tree_view_choose(rk_tree_view *view, const rk_driver *driver, rk_error *
     if ((view->level != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "level")) ||
         (view->leaf != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "leaf")))
         return rk_fail(error, "--level goes with --debug level, --leaf with --debug leaf");
-    if (tree.levels == 0) /* what moves has trees of its own */
+    if (tree.levels == 0) /* moving objects have trees of their own */
         return !driver->debug ||
                rk_fail(error,
-                       "--debug %s: everything moves, and the tree of what stands still is "
+                       "--debug %s: everything moves, and the tree of static triangles is "
                        "empty; leave --move out",
                        driver->debug);
     if (view->level == RK_TREE_VIEW_NOT_GIVEN)

@@ -1,5 +1,4 @@
-/* What the drivers of binary trees share: the views of a level and of a leaf, and the table's rows.
- */
+/* For drivers of binary trees: the views of a level and of a leaf, and the table's rows. */
 #ifndef RK_DRIVER_TREE_VIEW_H
 #define RK_DRIVER_TREE_VIEW_H
 
@@ -23,11 +22,11 @@ typedef struct rk_tree_view {
      RK_TREE_VIEW_NOT_GIVEN},                                                                      \
     {                                                                                              \
         "leaf", RK_FIELD(type, view.leaf), "N",                                                    \
-            "leaf drawn by --debug leaf, from the left; by default 0", 0, UINT32_MAX - 1,          \
+            "leaf drawn by --debug leaf, counted from the left; by default 0", 0, UINT32_MAX - 1,  \
             RK_TREE_VIEW_NOT_GIVEN                                                                 \
     }
 
-/* Settles which level and leaf to draw; an error names what the tree has. */
+/* Chooses the level and the leaf to draw. Errors name the tree's range. */
 bool rk_tree_view_choose(rk_tree_view *view, const rk_driver *driver, rk_error *error);
 
 /* Renders, and draws --debug level or --debug leaf over the picture. */
@@ -36,11 +35,11 @@ bool rk_tree_view_draw(const rk_tree_view *view, rk_driver *driver, rk_error *er
 /* Saves that, or the plain picture without --debug. */
 bool rk_tree_view_save(const rk_tree_view *view, rk_driver *driver, rk_error *error);
 
-/* Darkens the picture: what is drawn next is small. */
+/* Darkens the picture, so that small drawings stand out. */
 void rk_tree_view_dim(const rk_image *image);
 
-/* One row a figure: build, render, the tree's shape, the work of a camera ray; with --shadows the
- * render time alone. */
+/* Rows: build and render time, the tree's shape, tests per camera ray; with --shadows the render
+ * time alone. */
 bool rk_tree_view_rows(rk_driver *driver, rk_error *error);
 
 #endif

@@ -18,14 +18,14 @@ static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *r
 
 /* --- Bright pixels ---------------------------------------------------------------------------- */
 
-/* Written by differences, so that roundings cannot push a white of 1 below a threshold of 1. */
+/* Written with differences, so that rounding cannot push a white of 1 below a threshold of 1. */
 float rk_bloom_luminance(rk_vec3 colour)
 {
     /* solution */
     float red = colour.x, green = colour.y, blue = colour.z;
     return green + 0.2126f * (red - green) + 0.0722f * (blue - green);
     /* starter
-    // First step: the weighted sum, such that that of a grey is the grey.
+    // First step: the weighted sum; for a grey it is the grey itself, to the bit.
     return 0;
     end */
 }
@@ -57,16 +57,16 @@ rk_bloom_span rk_bloom_bright_span(const rk_vec3 *row, size_t width, float thres
 }
 
 void rk_bloom_bright_pass(const rk_bloom_filter *filter, const rk_vec3 *row, size_t width,
-                          float threshold, rk_bloom_span lit, size_t from, size_t count,
+                          float threshold, rk_bloom_span bright, size_t from, size_t count,
                           rk_vec3 *masked)
 {
     /* solution */
     size_t reach = filter->reach, total = count + 2 * reach;
-    size_t before = reach > from ? reach - from : 0; /* so many begin beyond the left border */
+    size_t before = reach > from ? reach - from : 0; /* entries beyond the left border */
     size_t start = from + before - reach;            /* the row's pixel at masked[before] */
     size_t after = start + (total - before) > width ? start + (total - before) - width : 0;
-    size_t first = lit.first > start ? lit.first : start;
-    size_t last = start + (total - before - after), end = lit.end < last ? lit.end : last;
+    size_t first = bright.first > start ? bright.first : start;
+    size_t last = start + (total - before - after), end = bright.end < last ? bright.end : last;
     memset(masked, 0, total * sizeof *masked);
     for (size_t x = first; x < end; x++)
         if (rk_bloom_is_bright(row[x], threshold))
@@ -78,8 +78,8 @@ void rk_bloom_bright_pass(const rk_bloom_filter *filter, const rk_vec3 *row, siz
     for (size_t i = total - after; i < total; i++)
         masked[i] = masked[total - after - 1];
     /* starter
-    // First step: the row's pixels that glow, in their places; 0 everywhere else. Fourth step: with
-    // RK_BLOOM_CLAMP, what lies beyond the border is masked like the border's own pixel.
+    // First step: the row's bright pixels, in their places; 0 everywhere else. Fourth step:
+    // with RK_BLOOM_CLAMP, entries beyond the border are masked like the border's own pixel.
     memset(masked, 0, (count + 2 * filter->reach) * sizeof *masked);
     end */
 }
@@ -87,8 +87,8 @@ void rk_bloom_bright_pass(const rk_bloom_filter *filter, const rk_vec3 *row, siz
 /* --- The filter's weights --------------------------------------------------------------------- */
 
 /* Along the row of Pascal's triangle, from its end. A double with an exponent of its own holds
- * C(2r, k): to the bit up to 2^53, and with two roundings a step from then on, far from what a
- * float can tell. Only the quotient by 4^r may become too small for a float, and is then as good as
+ * C(2r, k): to the bit up to 2^53, and with two roundings per step from then on, far below a
+ * float's precision. Only the quotient by 4^r may be too small for a float, and is then as good as
  * 0. */
 void rk_bloom_weights(uint32_t radius, float *weights)
 {
@@ -110,7 +110,8 @@ void rk_bloom_weights(uint32_t radius, float *weights)
 
 /* --- The weighted sum ------------------------------------------------------------------------- */
 
-/* A line without a partner is its own, at half the weight; doubling and halving are exact. */
+/* A line without a partner is its own partner, at half the weight; doubling and halving are
+ * exact. */
 static tap_pair pair_of(const float *a, const float *b, float weight)
 {
     if (!a || !b)
@@ -131,23 +132,23 @@ uint32_t rk_bloom_blur_lines(const rk_bloom_filter *filter, const float *const *
         if (a || b)
             pairs[used++] = pair_of(a, b, filter->weights[k]);
     }
-    for (; used % 5; used++) /* filled up with pairs that weigh nothing */
+    for (; used % 5; used++) /* filled up with pairs of weight 0 */
         pairs[used] = (tap_pair){pairs[0].a, pairs[0].b, 0};
     memset(sum, 0, count * sizeof *sum);
     for (size_t at = 0; at < count; at += RK_BLOOM_BLOCK)
         add_pairs(pairs, used, at, sum);
     return taps;
     /* starter
-    // Third step: for each line that is not NULL, its weight times its values. Sixth step: list the
-    // pairs of lines with the same weight (pair_of), fill the list up to a multiple of five with
+    // Third step: add each line that is not NULL, times its weight. Sixth step: list the pairs
+    // of lines with the same weight (pair_of), fill the list up to a multiple of five with
     // pairs of weight 0, and add them up by add_pairs.
     memset(sum, 0, count * sizeof *sum);
     return 0;
     end */
 }
 
-/* The loop over a block has a fixed length, so that compilers make vector code of it at -O2; with
- * five pairs at a time, sums go to memory and back less often. `count` is a multiple of five. */
+/* The loop over a block has a fixed length, so that compilers vectorize it at -O2; with five pairs
+ * at a time, sums are loaded and stored less often. `count` is a multiple of five. */
 static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *restrict sum)
 {
     for (const tap_pair *p = pairs; p < pairs + count; p += 5) {
@@ -162,19 +163,19 @@ static void add_pairs(const tap_pair *pairs, uint32_t count, size_t at, float *r
     }
 }
 
-void rk_bloom_composite(float *restrict pixels, const float *restrict glow, size_t count,
+void rk_bloom_composite(float *restrict pixels, const float *restrict blurred, size_t count,
                         float gain)
 {
     /* solution */
-    enum { together = 16 }; /* as above: a fixed length is vector code */
+    enum { together = 16 }; /* as above: loops of a fixed length are vectorized */
     size_t i = 0;
     for (; i + together <= count; i += together)
         for (size_t j = 0; j < together; j++)
-            pixels[i + j] += gain * glow[i + j];
+            pixels[i + j] += gain * blurred[i + j];
     for (; i < count; i++)
-        pixels[i] += gain * glow[i];
+        pixels[i] += gain * blurred[i];
     /* starter
-    // Third step.
+    // Third step: add gain times blurred.
     end */
 }
 
@@ -183,12 +184,12 @@ void rk_bloom_composite(float *restrict pixels, const float *restrict glow, size
 float rk_bloom_weight_inside(const rk_bloom_filter *filter, size_t place, size_t length)
 {
     /* solution */
-    double share = (double)filter->weights[0];
+    double inside = (double)filter->weights[0];
     for (size_t k = 1; k <= filter->reach; k++) {
-        share += place >= k ? (double)filter->weights[k] : 0;
-        share += place + k < length ? (double)filter->weights[k] : 0;
+        inside += place >= k ? (double)filter->weights[k] : 0;
+        inside += place + k < length ? (double)filter->weights[k] : 0;
     }
-    return (float)share;
+    return (float)inside;
     /* starter
     // Fourth step: the sum of the weights that fall inside.
     return 1;
@@ -205,7 +206,7 @@ uint32_t rk_bloom_reach(uint32_t radius, const float *weights)
         left_out += 2 * (double)weights[reach--];
     return reach;
     /* starter
-    // Fifth step: from the ends inwards, as long as it makes no difference.
+    // Fifth step: leave out weights from the ends inwards, as long as it makes no difference.
     return radius;
     end */
 }

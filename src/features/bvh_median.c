@@ -1,6 +1,6 @@
-/* A bounding volume hierarchy sorts triangles into a tree of boxes, so that a ray which misses a
- * box misses all that is in it. This one cuts every node at the median of its longest axis: half
- * of the triangles go left, half right, whatever they look like.
+/* A bounding volume hierarchy sorts triangles into a tree of boxes, so that a ray that misses a box
+ * misses everything in it. This one splits every node at the median of its longest axis: half of
+ * the triangles go left, half right, whatever their shape.
  * Kay and Kajiya, "Ray tracing complex scenes", 1986; Pharr, Jakob, Humphreys, "Physically Based
  * Rendering", 4th edition, section 7.3. */
 #include "features/bvh_median.h"
@@ -12,16 +12,16 @@
 #include <string.h>
 
 /* Contents, in the order of the chapter. */
-static rk_box box_of(const rk_bvh_reference *references, const uint64_t *ranks, uint32_t count);
-static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *ranks, uint32_t count,
+static rk_box box_of(const rk_bvh_reference *references, const uint64_t *keys, uint32_t count);
+static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *keys, uint32_t count,
                                 const rk_box *box);
 static uint32_t split_range_at_median(void *context, uint32_t begin, uint32_t count,
                                       uint32_t depth_left, rk_box *box);
-static void fill_leaves(rk_bvh *bvh, const rk_mesh *mesh, const uint64_t *ranks);
+static void fill_leaves(rk_bvh *bvh, const rk_mesh *mesh, const uint64_t *keys);
 static inline uint64_t sort_key(float coordinate, uint32_t triangle);
-static inline uint32_t triangle_of(uint64_t rank);
-static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted);
-static void sort_few(uint64_t *ranks, uint32_t count);
+static inline uint32_t triangle_of(uint64_t key);
+static void select_lowest(uint64_t *keys, uint32_t count, uint32_t wanted);
+static void sort_few(uint64_t *keys, uint32_t count);
 static inline void swap_keys(uint64_t *a, uint64_t *b);
 static inline const rk_bvh_node *push_far_return_near(rk_traversal_stack *stack,
                                                       const rk_bvh_node *children,
@@ -30,12 +30,12 @@ static inline const rk_bvh_node *pop_nearer(rk_traversal_stack *stack, float t_m
 
 /* --- Building --------------------------------------------------------------------------------- */
 
-static rk_box box_of(const rk_bvh_reference *references, const uint64_t *ranks, uint32_t count)
+static rk_box box_of(const rk_bvh_reference *references, const uint64_t *keys, uint32_t count)
 {
     /* solution */
     rk_box box = rk_box_empty();
     for (uint32_t i = 0; i < count; i++)
-        box = rk_box_merge(box, references[triangle_of(ranks[i])].box);
+        box = rk_box_merge(box, references[triangle_of(keys[i])].box);
     return box;
     /* starter
     // First step: the smallest box around the boxes of all these triangles.
@@ -43,21 +43,21 @@ static rk_box box_of(const rk_bvh_reference *references, const uint64_t *ranks, 
     end */
 }
 
-/* Orders ranks so that the lower half, ceil(count / 2) of them, comes first; returns its size. */
-static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *ranks, uint32_t count,
+/* Orders keys so that the lower half, ceil(count / 2) of them, comes first; returns its size. */
+static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *keys, uint32_t count,
                                 const rk_box *box)
 {
     /* solution */
     int axis = rk_box_longest_axis(*box);
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t triangle = triangle_of(ranks[i]);
-        ranks[i] = sort_key(rk_axis(references[triangle].centroid, axis), triangle);
+        uint32_t triangle = triangle_of(keys[i]);
+        keys[i] = sort_key(rk_axis(references[triangle].centroid, axis), triangle);
     }
     uint32_t half = count - count / 2;
-    select_lowest(ranks, count, half);
+    select_lowest(keys, count, half);
     return half;
     /* starter
-    // Second step: give each triangle its rank along the longest axis of the box, then select.
+    // Second step: give each triangle its sort key on the longest axis of the box, then select.
     return count;
     end */
 }
@@ -65,11 +65,11 @@ static uint32_t split_at_median(const rk_bvh_reference *references, uint64_t *ra
 /* A node that still has no box, over `count` triangles from `begin` on. */
 typedef struct unbuilt {
     uint32_t node, begin, count;
-    uint32_t depth_left; /* that there may be */
+    uint32_t depth_left; /* levels that may follow below */
 } unbuilt;
 
-/* The stack never holds more than one node a level, and the last one's sibling. */
-void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split cut, void *builder)
+/* The stack never holds more than one node per level, and the last one's sibling. */
+void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split split, void *builder)
 {
     /* solution */
     unbuilt stack[RK_BVH_LEVELS_MAX];
@@ -79,8 +79,8 @@ void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split cut, void *builder)
     while (size) {
         unbuilt part = stack[--size];
         rk_bvh_node *node = &bvh->nodes[part.node];
-        uint32_t half = cut(builder, part.begin, part.count, part.depth_left, &node->box);
-        if (half == 0) {
+        uint32_t left_count = split(builder, part.begin, part.count, part.depth_left, &node->box);
+        if (left_count == 0) {
             node->first = part.begin;
             node->count = part.count;
             continue;
@@ -89,40 +89,41 @@ void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split cut, void *builder)
         bvh->node_count += 2;
         node->first = left;
         node->count = 0;
-        stack[size++] = (unbuilt){left + 1, part.begin + half, part.count - half, levels};
-        stack[size++] = (unbuilt){left, part.begin, half, levels};
+        stack[size++] =
+            (unbuilt){left + 1, part.begin + left_count, part.count - left_count, levels};
+        stack[size++] = (unbuilt){left, part.begin, left_count, levels};
     }
     /* starter
-    // First step: the root is a leaf with all triangles in it; `cut` gives it its box. Second step:
-    // where `cut` returns more than 0, reserve two children, and build them in the same way.
+    // First step: the root is a leaf with all triangles; `split` gives it its box. Second step:
+    // where `split` returns more than 0, reserve two children and build them likewise.
     bvh->node_count = 2;
     bvh->nodes[0] = (rk_bvh_node){rk_box_empty(), 0, bvh->triangle_count};
     end */
 }
 
-/* What cuts nodes at the median. */
+/* The context of split_range_at_median. */
 typedef struct median_builder {
     const rk_bvh_reference *references;
-    uint64_t *ranks;
+    uint64_t *keys;
 } median_builder;
 
-/* Halving 2^32 triangles takes 31 levels, so there are always enough below. */
+/* Halving 2^32 triangles down to leaves takes 31 levels, so depth_left needs no check. */
 static uint32_t split_range_at_median(void *context, uint32_t begin, uint32_t count,
                                       uint32_t depth_left, rk_box *box)
 {
     const median_builder *builder = context;
     (void)depth_left;
-    *box = box_of(builder->references, builder->ranks + begin, count);
+    *box = box_of(builder->references, builder->keys + begin, count);
     if (count <= RK_BVH_LEAF_TARGET)
         return 0;
-    return split_at_median(builder->references, builder->ranks + begin, count, box);
+    return split_at_median(builder->references, builder->keys + begin, count, box);
 }
 
-/* Copies the triangles in the order of the leaves, so that a leaf reads one stretch of memory. */
-static void fill_leaves(rk_bvh *bvh, const rk_mesh *mesh, const uint64_t *ranks)
+/* Copies the triangles in the order of the leaves, so that a leaf reads one range of memory. */
+static void fill_leaves(rk_bvh *bvh, const rk_mesh *mesh, const uint64_t *keys)
 {
     for (uint32_t i = 0; i < bvh->triangle_count; i++)
-        bvh->triangles[i] = rk_bvh_triangle_of(mesh, triangle_of(ranks[i]));
+        bvh->triangles[i] = rk_bvh_triangle_of(mesh, triangle_of(keys[i]));
 }
 
 bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
@@ -131,29 +132,29 @@ bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
     if (!rk_bvh_init(bvh, count, count, error) || count == 0)
         return count == 0 && bvh->nodes;
     rk_bvh_reference *references = rk_allocate_unset(count, sizeof *references, "tree", error);
-    uint64_t *ranks = rk_allocate_unset(count, sizeof *ranks, "tree", error);
-    bool ok = references && ranks;
+    uint64_t *keys = rk_allocate_unset(count, sizeof *keys, "tree", error);
+    bool ok = references && keys;
     if (ok) {
         for (uint32_t i = 0; i < count; i++) {
             references[i] = rk_bvh_reference_of(mesh, i);
-            ranks[i] = i;
+            keys[i] = i;
         }
-        rk_bvh_build_nodes(bvh, split_range_at_median, &(median_builder){references, ranks});
-        fill_leaves(bvh, mesh, ranks);
+        rk_bvh_build_nodes(bvh, split_range_at_median, &(median_builder){references, keys});
+        fill_leaves(bvh, mesh, keys);
     } else {
         rk_bvh_free(bvh);
     }
     free(references);
-    free(ranks);
+    free(keys);
     return ok;
 }
 
 /* --- Selecting -------------------------------------------------------------------------------- */
 
-/* A triangle's rank along an axis, as one integer: the centroid's coordinate above, the triangle's
- * index below. One comparison then orders all triangles strictly, coinciding centroids too, and
- * the tree is the same on every machine. A float's bits order like an integer once negative values
- * are flipped whole and the others in their sign. */
+/* A triangle's sort key on an axis: the centroid's coordinate in the upper half, the triangle's
+ * index in the lower. One comparison then orders all triangles strictly, even if centroids
+ * coincide, and the tree is the same on every machine. The bits of floats sort as integers once all
+ * bits of negative floats are flipped, and the sign bit of the others. */
 static inline uint64_t sort_key(float coordinate, uint32_t triangle)
 {
     uint32_t bits;
@@ -162,46 +163,47 @@ static inline uint64_t sort_key(float coordinate, uint32_t triangle)
     return (uint64_t)bits << 32 | triangle;
 }
 
-static inline uint32_t triangle_of(uint64_t rank)
+static inline uint32_t triangle_of(uint64_t key)
 {
-    return (uint32_t)rank;
+    return (uint32_t)key;
 }
 
-/* Moves the `wanted` lowest ranks to the front (Hoare's FIND). A hash picks the pivots, so that no
- * order in which a mesh comes is a slow one: linear time on average. The partition (Lomuto's)
- * moves every rank and counts, where a branch could not be predicted. */
-static void select_lowest(uint64_t *ranks, uint32_t count, uint32_t wanted)
+/* Moves the `wanted` lowest keys to the front (Hoare's FIND). A hash picks the pivots, so that no
+ * order of the mesh is slow: linear time on average. The partition (Lomuto's) moves every key and
+ * adds the result of the comparison, because a branch on it could not be predicted. */
+static void select_lowest(uint64_t *keys, uint32_t count, uint32_t wanted)
 {
     /* solution */
-    const uint32_t few = 16; /* sorting these costs less than choosing pivots among them */
+    const uint32_t few = 16; /* sorting so few costs less than partitioning them */
     uint32_t begin = 0, end = count;
     while (end - begin > few) {
-        swap_keys(&ranks[begin], &ranks[begin + rk_hash(begin, end, 0, 0) % (end - begin)]);
-        uint64_t pivot = ranks[begin];
-        uint32_t cut = begin; /* ranks[begin + 1 .. cut] are below the pivot */
+        swap_keys(&keys[begin], &keys[begin + rk_hash(begin, end, 0, 0) % (end - begin)]);
+        uint64_t pivot = keys[begin];
+        uint32_t boundary = begin; /* keys[begin + 1 .. boundary] are below the pivot */
         for (uint32_t i = begin + 1; i < end; i++) {
-            uint64_t rank = ranks[i];
-            ranks[i] = ranks[cut + 1];
-            ranks[cut + 1] = rank;
-            cut += rank < pivot;
+            uint64_t key = keys[i];
+            keys[i] = keys[boundary + 1];
+            keys[boundary + 1] = key;
+            boundary += key < pivot;
         }
-        swap_keys(&ranks[begin], &ranks[cut]);
-        if (wanted <= cut)
-            end = cut;
+        swap_keys(&keys[begin], &keys[boundary]);
+        if (wanted <= boundary)
+            end = boundary;
         else
-            begin = cut + 1;
+            begin = boundary + 1;
     }
-    sort_few(ranks + begin, end - begin);
+    sort_few(keys + begin, end - begin);
     /* starter
-    // Third step: nothing moves yet. Sorting them all, sort_few, would be right, but far too slow.
+    // Third step: nothing moves yet. Sorting all keys by sort_few would be right, but far too
+    // slow.
     end */
 }
 
-static void sort_few(uint64_t *ranks, uint32_t count)
+static void sort_few(uint64_t *keys, uint32_t count)
 {
     for (uint32_t i = 1; i < count; i++)
-        for (uint32_t j = i; j > 0 && ranks[j] < ranks[j - 1]; j--)
-            swap_keys(&ranks[j], &ranks[j - 1]);
+        for (uint32_t j = i; j > 0 && keys[j] < keys[j - 1]; j--)
+            swap_keys(&keys[j], &keys[j - 1]);
 }
 
 static inline void swap_keys(uint64_t *a, uint64_t *b)
@@ -213,9 +215,9 @@ static inline void swap_keys(uint64_t *a, uint64_t *b)
 
 /* --- Traversal -------------------------------------------------------------------------------- */
 
-/* Of the two children, the one that the ray enters first: what lies in it may spare us the other,
- * which is pushed. NULL if the ray enters neither. Not entered is INFINITY, which is no greater
- * than a t_max of infinity: compare with INFINITY itself. */
+/* Returns the child that the ray enters first and pushes the other one, which a hit in the first
+ * may make unnecessary. NULL if the ray enters neither. A miss is INFINITY, which is no greater
+ * than a t_max of INFINITY: compare with INFINITY itself. */
 static inline const rk_bvh_node *push_far_return_near(rk_traversal_stack *stack,
                                                       const rk_bvh_node *children,
                                                       const rk_slabs *slabs, float t_max)
@@ -236,12 +238,12 @@ static inline const rk_bvh_node *push_far_return_near(rk_traversal_stack *stack,
     }
     return enter_near < INFINITY ? near : NULL;
     /* starter
-    // Fourth step: rk_box_enter tells where a ray enters a box; INFINITY says that it does not.
+    // Fourth step: rk_box_enter returns the t at which a ray enters a box, INFINITY for a miss.
     return NULL;
     end */
 }
 
-/* The last of those that the ray enters at t_max or before, or NULL. */
+/* Pops nodes down to one that the ray enters at t_max or before; NULL if none is left. */
 static inline const rk_bvh_node *pop_nearer(rk_traversal_stack *stack, float t_max)
 {
     /* solution */
@@ -250,7 +252,7 @@ static inline const rk_bvh_node *pop_nearer(rk_traversal_stack *stack, float t_m
             return stack->entries[stack->size].node;
     return NULL;
     /* starter
-    // Fourth step: what the ray enters only behind t_max is not worth a visit.
+    // Fourth step: nodes that the ray enters beyond t_max need no visit.
     return NULL;
     end */
 }
@@ -281,7 +283,7 @@ rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counter
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;
     /* starter
-    // Fourth step: from the root down, leaves by rk_triangle_closest. Count the tests.
+    // Fourth step: traverse from the root; leaves by rk_triangle_closest. Count the tests.
     end */
     return hit;
 }
@@ -314,7 +316,7 @@ bool rk_bvh_occluded(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters
     counters->triangle_tests += triangle_tests;
     return found;
     /* starter
-    // Fifth step: as above, by rk_triangle_occludes. The first triangle found ends the search.
+    // Fifth step: as above, by rk_triangle_occludes. The first hit ends the search.
     return false;
     end */
 }

@@ -1,11 +1,11 @@
 /* An environment on the faces of a cube: a direction, divided by its largest component, is a place
- * on a face, and the texels around it are mixed, beyond the edges too.
+ * on a face, and the texels around it are mixed, even across edges.
  * Greene, "Environment mapping and other applications of world projections", IEEE Computer Graphics
  * and Applications 6(11), 1986; seamless: the OpenGL extension ARB_seamless_cube_map, 2009. */
 #include "features/cubemap.h"
 
-/* The texels (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1) have the place between their centres,
- * the share s of the way to the right and t upwards. Indices -1 and `side` are beyond an edge. */
+/* A place between the centres of the texels (i, j), (i + 1, j), (i, j + 1), (i + 1, j + 1), at the
+ * fraction s to the right and t upwards. Indices -1 and `side` are beyond an edge. */
 typedef struct quad {
     rk_cube_face face;
     int i, j;
@@ -45,7 +45,7 @@ static rk_cube_face face_of(rk_vec3 direction)
     end */
 }
 
-/* NaN becomes 1. */
+/* Clamps; NaN becomes 1. */
 static float to_unit(float x)
 {
     return rk_max(0, rk_min(x, 1));
@@ -106,13 +106,13 @@ static quad quad_around(const rk_cubemap *map, rk_vec3 direction)
     end */
 }
 
-/* texels[j][i]: below and above, left and right. */
+/* texels[j][i]: j = 0 below, 1 above; i = 0 left, 1 right. */
 static rk_vec3 mix_four(rk_vec3 texels[2][2], float s, float t)
 {
     return rk_mix(rk_mix(texels[0][0], texels[0][1], s), rk_mix(texels[1][0], texels[1][1], s), t);
 }
 
-/* Beyond an edge the face's last texels go on. */
+/* Beyond an edge the face's last texels are repeated. */
 static rk_vec3 bilinear(const rk_cubemap *map, const quad *q)
 {
     /* solution */
@@ -135,9 +135,10 @@ static bool is_beyond(const rk_cubemap *map, int i)
     return i < 0 || i >= (int)map->side;
 }
 
-/* The texel of the neighbouring face that touches texel (i, j)'s place beyond the edge; one of i
- * and j is -1 or `side`. In units of half a texel the face is `side` away from the cube's centre,
- * and centres of texels are whole numbers. What is beyond the edge is folded down over it. */
+/* The texel of the neighbouring face in the place of texel (i, j) beyond the edge; one of i and j
+ * is -1 or `side`. In units of half a texel the face is `side` away from the cube's centre, and
+ * centres of texels are whole numbers. The part of the plane beyond the edge is folded down over
+ * it. */
 static rk_vec3 texel_beyond(const rk_cubemap *map, rk_cube_face face, int i, int j)
 {
     /* solution */
@@ -173,8 +174,8 @@ static rk_vec3 seamless(const rk_cubemap *map, const quad *q)
         *missing = rk_scale(sum, 1.0f / 3);
     return mix_four(texels, q->s, q->t);
     /* starter
-    // Fourth step: as bilinear, with the neighbour's texels beyond an edge. Fifth step: at a corner
-    // there are three; the mean of these stands in for the fourth.
+    // Fourth step: as bilinear, with the neighbour's texels beyond an edge. Fifth step: at a
+    // corner there are three; their mean replaces the fourth.
     return rk_vec(1, 0, 1);
     end */
 }
@@ -197,7 +198,8 @@ rk_vec3 rk_cubemap_at(const rk_cubemap *map, rk_vec3 direction, rk_cubemap_filte
 
 /* --- Solid angles ----------------------------------------------------------------------------- */
 
-/* Of the rectangle from (0, 0) to (x, y) on a plane at distance 1; negative where x or y is. */
+/* The solid angle of the rectangle from (0, 0) to (x, y) on a plane at distance 1, with the sign of
+ * x y. */
 static double angle_from_centre(double x, double y)
 {
     /* solution */
@@ -217,7 +219,7 @@ double rk_cubemap_solid_angle(uint32_t side, uint32_t column, uint32_t row)
     return angle_from_centre(right, bottom) - angle_from_centre(left, bottom) -
            angle_from_centre(right, top) + angle_from_centre(left, top);
     /* starter
-    // Sixth step: of the rectangle to each corner, added and taken away.
+    // Sixth step: add and subtract the rectangles from the centre to the four corners.
     return 0;
     end */
 }

@@ -1,6 +1,6 @@
-/* Depth of field: a camera with a lens instead of a pinhole. What lies on the focal surface is
- * sharp; a point before or behind it becomes a disk, its circle of confusion. The lens is a disk
- * around the camera's position, in the camera's own x and y. */
+/* Depth of field: a camera with a lens instead of a pinhole. Points on the focal surface are sharp;
+ * a point in front of it or behind it becomes a disk, its circle of confusion. The lens is a disk
+ * around the camera's position, along the camera's own x and y axes. */
 #ifndef RK_FEATURES_DEPTH_OF_FIELD_H
 #define RK_FEATURES_DEPTH_OF_FIELD_H
 
@@ -8,8 +8,9 @@
 
 #include <stdint.h>
 
-/* What is sharp: as in photography all points of one depth, a plane across the view; or, as in
- * classic courses, all points of one distance from the camera, a sphere around it. */
+/* The points in focus: as in photography all points of one depth, a plane perpendicular to the
+ * view; or, as in classic courses, all points of one distance from the camera, a sphere around
+ * it. */
 typedef enum rk_focal_surface { RK_FOCAL_PLANE, RK_FOCAL_SPHERE } rk_focal_surface;
 
 typedef struct rk_lens {
@@ -18,11 +19,11 @@ typedef struct rk_lens {
     rk_focal_surface focal;
 } rk_lens;
 
-/* Returns the ray through the point (x, y) of the picture, pixels as in rk_view_ray, that starts at
- * the lens's point for `xi` in [0, 1)^2 by the concentric map (rk_disk_at): x of the disk counts
- * along view->right, y along view->up. All rays of one (x, y) meet on the focal surface. The
- * direction is unit, t_max infinite. The ray from the lens's centre is rk_view_ray's, to the bit.
- */
+/* Returns the ray through the point (x, y) of the picture, in pixels as in rk_view_ray, that starts
+ * at the lens point for `xi` in [0, 1)^2 by the concentric map (rk_disk_at): the disk's x axis is
+ * view->right, its y axis view->up. All rays of one (x, y) converge on the focal surface. The
+ * direction is unit, t_max infinite. The ray from the lens's centre is rk_view_ray's, to the
+ * bit. */
 rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, rk_vec2 xi);
 
 /* Returns the diameter in pixels of the circle of confusion of the point at `t` of `ray`, one of
@@ -32,14 +33,14 @@ rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, r
  * order in A / d. t may be infinite. */
 float rk_lens_coc_diameter(const rk_lens *lens, const rk_view *view, const rk_ray *ray, float t);
 
-/* Circles of a smaller diameter, in pixels, count as points. */
+/* Circles of confusion of a smaller diameter, in pixels, count as points. */
 #define RK_LENS_COC_MIN 0.5f
 
-/* Which pixels need lens samples? Those onto which a circle of confusion of RK_LENS_COC_MIN or more
- * may spill. `blur`: width * height diameters, what each pixel sees, 0 where it sees nothing.
- * `coc_count`: (width + 1) * (height + 1) numbers, overwritten. On return coc_count[y * (width + 1)
- * + x] is the number of pixels whose circle, taken as the square around it, reaches pixel (x, y).
- */
-void rk_lens_coc(const float *blur, uint32_t width, uint32_t height, int32_t *coc_count);
+/* Finds the pixels that need lens samples: those that a circle of confusion of RK_LENS_COC_MIN or
+ * more may reach. `diameters`: width * height circles of confusion, one per pixel, 0 where it sees
+ * nothing. `coc_count`: (width + 1) * (height + 1) numbers, overwritten. On return coc_count[y *
+ * (width + 1) + x] is the number of circles of confusion, each taken as the square around it, that
+ * reach pixel (x, y). */
+void rk_lens_coc(const float *diameters, uint32_t width, uint32_t height, int32_t *coc_count);
 
 #endif

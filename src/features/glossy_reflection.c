@@ -1,6 +1,6 @@
-/* A ray that is mirrored leaves through a random point of a disk around the mirrored direction. A
- * basis from one vector turns the disk; a map from the unit square fills it evenly; what leads into
- * the surface is discarded, and weighed.
+/* A reflected ray goes through a random point of a disk around the reflected direction. A basis
+ * made from one vector orients the disk; a map from the unit square fills it uniformly; directions
+ * into the surface are discarded, and the weights of the others account for them.
  * Cook, Porter, Carpenter, "Distributed ray tracing", SIGGRAPH 1984; Duff and others, "Building an
  * orthonormal basis, revisited", JCGT 6(1), 2017; Shirley and Chiu, "A low distortion map between
  * disk and square", JGT 2(3), 1997. */
@@ -12,8 +12,8 @@ static rk_vec2 concentric(float x, float y);
 
 /* --- The basis -------------------------------------------------------------------------------- */
 
-/* The x and y axes, turned along the shortest way that takes the z axis, or its opposite if that is
- * nearer, to w. So sign + w.z is at least 1 in size, and nothing is divided by nearly 0. */
+/* The x and y axes under the smallest rotation that takes the z axis, or its opposite if that is
+ * nearer, to w. So |sign + w.z| is at least 1, and nothing is divided by nearly 0. */
 void rk_basis_of(rk_vec3 w, rk_vec3 *u, rk_vec3 *v)
 {
     /* solution */
@@ -46,18 +46,18 @@ static rk_vec2 polar(float radius, float angle)
     return (rk_vec2){radius * cosf(angle), radius * sinf(angle)};
 }
 
-/* Of the square [-1, 1)^2: its distance from the middle, by the larger coordinate, becomes the
- * radius, and its place on the side of the square around it the angle. */
+/* From the square [-1, 1)^2: the larger coordinate becomes the radius, the ratio of the two the
+ * angle. */
 static rk_vec2 concentric(float x, float y)
 {
     /* solution */
     if (fabsf(x) > fabsf(y))
         return polar(x, RK_PI / 4 * (y / x));
-    /* Above and below the same with both axes swapped, as pi / 2 - theta would be rounded. */
+    /* Above and below with both axes swapped, because pi / 2 - theta would be rounded. */
     rk_vec2 swapped = y == 0 ? (rk_vec2){0, 0} : polar(y, RK_PI / 4 * (x / y));
     return (rk_vec2){swapped.y, swapped.x};
     /* starter
-    // Second step: of the sector of the larger coordinate, the sides +x and -x first.
+    // Second step: the larger coordinate chooses the sector; begin with those of +x and -x.
     return (rk_vec2){0, 0};
     end */
 }
@@ -86,45 +86,48 @@ bool rk_glossy_direction(const rk_glossy_disk *disk, rk_vec2 at, rk_vec3 *direct
     /* solution */
     float x = disk->radius * at.x, y = disk->radius * at.y;
     rk_vec3 to = rk_madd(rk_madd(disk->w, disk->u, x), disk->v, y);
-    /* Its length is known, as the axes are at right angles. */
+    /* Its length is known, because the axes are at right angles. */
     *direction = rk_scale(to, 1 / sqrtf(1 + x * x + y * y));
     return rk_dot(*direction, disk->face_normal) > 0;
     /* starter
-    // Third step: w + x u + y v with radius times the point for x and y; its unit vector.
+    // Third step: w + x u + y v with (x, y) = radius times the point, normalized.
     *direction = rk_vec(0, 0, 0);
     return false;
     end */
 }
 
-/* --- What is below the surface ---------------------------------------------------------------- */
+/* --- The part below the surface --------------------------------------------------------------- */
 
-/* The face's plane cuts the disk along a line, at `d` of the radius from the middle. Beyond that
- * line lies a segment of the circle: a sector of the angle 2 acos(d) without its triangle. */
+/* The face's plane intersects the disk in a line, d radii from the centre. Below that line lies a
+ * segment of the disk: a sector of the angle 2 acos(d) without its triangle. */
 float rk_glossy_fraction_above(const rk_glossy_disk *disk)
 {
     /* solution */
-    float height = rk_dot(disk->w, disk->face_normal); /* of the middle above the plane */
+    float height = rk_dot(disk->w, disk->face_normal); /* of the centre above the plane */
     float reach = disk->radius * rk_length(rk_cross(disk->w, disk->face_normal));
     if (height >= reach)
         return 1;
     float d = height / reach;
     return 1 - (acosf(d) - d * sqrtf(1 - d * d)) / RK_PI;
     /* starter
-    // Fourth step: how high above the plane is the middle, and how much lower is the lowest point?
+    // Fourth step: how high above the plane is the centre, and how much lower is the lowest
+    // point?
     return -1;
     end */
 }
 
-float rk_glossy_weight(rk_glossy_weights weights, uint32_t above, uint32_t samples, float share)
+float rk_glossy_weight(rk_glossy_weights weights, uint32_t above, uint32_t samples,
+                       float fraction_above)
 {
     /* solution */
     if (above == 0)
         return 0;
     if (weights == RK_GLOSSY_CLASSIC)
         return 1 / (float)samples;
-    return 1 / ((float)above * (1 - powf(1 - share, (float)samples)));
+    return 1 / ((float)above * (1 - powf(1 - fraction_above, (float)samples)));
     /* starter
-    // Fourth step: classic first; then renormalised, which makes up for estimates with no sample.
+    // Fourth step: classic first; then renormalized, which makes up for estimates with no
+    // sample above.
     return -1;
     end */
 }

@@ -1,7 +1,7 @@
 /* Distributed ray tracing over time (Cook, Porter, Carpenter, "Distributed ray tracing", SIGGRAPH
  * 1984): each ray sees the scene at a time of its own, and the mean over times is the blur. Instead
- * of the object the ray moves, the other way; a box around the whole way tells early which rays
- * need no time. */
+ * of the object the ray is moved, in the opposite direction; a box swept over the whole path tells
+ * early which rays need no time. */
 #include "features/motion_blur.h"
 
 #include "base/sampler.h"
@@ -12,20 +12,20 @@ typedef struct range {
 
 /* Contents, in the order of the chapter. */
 static double height_at(const rk_motion *motion, double x);
-static float time_at(const rk_shutter *shutter, double share);
+static float time_at(const rk_shutter *shutter, double fraction);
 static void sweep_axis(float *low, float *high, range offset);
 static range range_with(range r, double y);
 static int turning_points(const rk_motion *motion, double x[2]);
 static range heights(const rk_motion *motion, const rk_shutter *shutter);
 static rk_box widened(const rk_box *box, const rk_box *by);
-static rk_box spare_for(const rk_slabs *ray);
+static rk_box rounding_margin(const rk_slabs *ray);
 
 rk_motion rk_motion_default(void)
 {
     return (rk_motion){-4, 0.5f, 1.5f};
 }
 
-/* --- Where it is ------------------------------------------------------------------------------ */
+/* --- The path --------------------------------------------------------------------------------- */
 
 static double height_at(const rk_motion *motion, double x)
 {
@@ -47,7 +47,7 @@ rk_vec3 rk_motion_offset(const rk_motion *motion, float x)
     end */
 }
 
-/* To whom moves to the left, the world moves to the right. */
+/* Seen from an object that moves to the left, the world moves to the right. */
 rk_ray rk_motion_ray(rk_vec3 offset, const rk_ray *ray)
 {
     /* solution */
@@ -58,13 +58,13 @@ rk_ray rk_motion_ray(rk_vec3 offset, const rk_ray *ray)
     end */
 }
 
-/* --- When ------------------------------------------------------------------------------------- */
+/* --- Times ------------------------------------------------------------------------------------ */
 
-/* The time at a share of the shutter, 0 where it opens and 1 where it closes. */
-static float time_at(const rk_shutter *shutter, double share)
+/* The time at a fraction of the shutter interval: 0 is where it opens, 1 where it closes. */
+static float time_at(const rk_shutter *shutter, double fraction)
 {
     double open = (double)shutter->open, close = (double)shutter->close;
-    return (float)(open + share * (close - open));
+    return (float)(open + fraction * (close - open));
 }
 
 float rk_shutter_equidistant(const rk_shutter *shutter, float k, uint32_t samples)
@@ -89,19 +89,19 @@ float rk_shutter_time(const rk_shutter *shutter, rk_time_sampling sampling, uint
     double xi = (double)rk_sample_1d(&sampler, pixel, sample, RK_DIMENSION_TIME);
     return time_at(shutter, sampling == RK_TIME_STRATIFIED ? (sample + xi) / samples : xi);
     /* starter
-    // Fourth step: rk_sample_1d of RK_DIMENSION_TIME is the share of the shutter or, where sample i
-    // lies in part i, the place in that part.
+    // Fourth step: rk_sample_1d of RK_DIMENSION_TIME is the fraction of the shutter or, where
+    // sample i lies in part i, the fraction of that part.
     return shutter->open;
     end */
 }
 
-/* --- Where it may be -------------------------------------------------------------------------- */
+/* --- Swept boxes ------------------------------------------------------------------------------ */
 
-/* How far roundings may carry a moved ray on one axis, for each unit of what is added there:
- * origin, offset, corner. 1 eps, 2^-24, for the moved origin, 10 for the test of the box at rest
- * (its reciprocals are pushed apart by 6, and it rounds three times, on either side); the sums
- * that use this round a few times more. Then doubled: a box that is too large by a few roundings
- * costs nothing. */
+/* Bounds the rounding error of a moved ray on one axis, relative to the terms of the sum: origin,
+ * offset, corner. 1 eps, 2^-24, for the moved origin, 10 for the test of the box at rest (its
+ * reciprocals are widened by 6, and it rounds three times, on either side); the sums that use this
+ * bound round a few times more. Then doubled: a box that is too large by a few roundings costs
+ * nothing. */
 static const double rounding = 32 * 0x1p-24;
 
 static void sweep_axis(float *low, float *high, range offset)
@@ -131,10 +131,10 @@ static range range_with(range r, double y)
     return (range){y < r.low ? y : r.low, y > r.high ? y : r.high};
 }
 
-/* Returns how many turning points the path has, 0 or 2: where 3 a x^2 + 2 b x + c changes its sign.
- * The two roots as q / 3a and c / q, of which neither subtracts numbers of one sign; for a = 0 the
- * first is at infinity. Of floats, b^2 and 3 a c are exact in double, so the sign of the
- * discriminant is right. Where it is 0 the path has a level point, but does not turn. */
+/* Returns the number of the path's turning points, 0 or 2: the roots where 3 a x^2 + 2 b x + c
+ * changes its sign. They are computed as q / 3a and c / q, which subtracts no numbers of one sign;
+ * for a = 0 the first is at infinity. b^2 and 3 a c of floats are exact in double, so the sign of
+ * the discriminant is right. Where it is 0 the path has a level point, but does not turn. */
 static int turning_points(const rk_motion *motion, double x[2])
 {
     /* solution */
@@ -169,7 +169,7 @@ static range heights(const rk_motion *motion, const rk_shutter *shutter)
     double error = 10 * 0x1p-53 * height_at(&all, size);
     return (range){y.low - error, y.high + error};
     /* starter
-    // Fifth step: the lower and the higher end of the way. Sixth step: where the path turns, too.
+    // Fifth step: the lower and the higher end of the path. Sixth step: its turning points.
     return (range){0, 0};
     end */
 }
@@ -182,49 +182,49 @@ static rk_box widened(const rk_box *box, const rk_box *by)
     return (rk_box){{rk_add(box->corner[0], by->corner[0]), rk_add(box->corner[1], by->corner[1])}};
 }
 
-/* What roundings of the ray's own origin ask for. */
-static rk_box spare_for(const rk_slabs *ray)
+/* The margin for rounding errors that grow with the ray's own origin. */
+static rk_box rounding_margin(const rk_slabs *ray)
 {
-    rk_vec3 spare = rk_scale(rk_abs3(ray->origin), (float)rounding);
-    return (rk_box){{rk_negate(spare), spare}};
+    rk_vec3 margin = rk_scale(rk_abs3(ray->origin), (float)rounding);
+    return (rk_box){{rk_negate(margin), margin}};
 }
 
 bool rk_motion_may_intersect(const rk_box *swept, const rk_slabs *ray, float t_max)
 {
     /* solution */
-    const rk_box spare = spare_for(ray), box = widened(swept, &spare);
+    const rk_box margin = rounding_margin(ray), box = widened(swept, &margin);
     return rk_box_enter(&box, ray, t_max) < INFINITY;
     /* starter
-    // Seventh step: does the ray enter (rk_box_enter) the box, widened by spare_for(ray)?
+    // Seventh step: does the ray enter (rk_box_enter) the box, widened by rounding_margin(ray)?
     return true;
     end */
 }
 
-/* All boxes of the tree move alike: what the root's box gained, each of them gains. */
+/* All boxes of the tree move alike, so each grows by as much as the root's box did. */
 bool rk_motion_may_intersect_leaf(const rk_bvh *bvh, const rk_box *swept, const rk_slabs *ray,
                                   float t_max)
 {
     /* solution */
     const rk_box *root = &bvh->nodes[0].box;
-    const rk_box way = {
+    const rk_box sweep = {
         {rk_sub(swept->corner[0], root->corner[0]), rk_sub(swept->corner[1], root->corner[1])}};
-    const rk_box spare = spare_for(ray), gain = widened(&way, &spare);
-    const rk_bvh_node *waiting[RK_BVH_LEVELS_MAX];
+    const rk_box margin = rounding_margin(ray), gain = widened(&sweep, &margin);
+    const rk_bvh_node *stack[RK_BVH_LEVELS_MAX];
     uint32_t size = 0;
-    waiting[size++] = &bvh->nodes[0];
+    stack[size++] = &bvh->nodes[0];
     while (size) {
-        const rk_bvh_node *node = waiting[--size];
+        const rk_bvh_node *node = stack[--size];
         const rk_box box = widened(&node->box, &gain);
         if (!(rk_box_enter(&box, ray, t_max) < INFINITY))
             continue;
         if (node->count)
             return true;
-        waiting[size++] = &bvh->nodes[node->first + 1];
-        waiting[size++] = &bvh->nodes[node->first];
+        stack[size++] = &bvh->nodes[node->first + 1];
+        stack[size++] = &bvh->nodes[node->first];
     }
     return false;
     /* starter
-    // Eighth step: down the tree, into boxes that are widened as the root's was, to the first leaf.
+    // Eighth step: traverse boxes that are widened like the root's, down to the first leaf.
     return true;
     end */
 }

@@ -1,10 +1,9 @@
-/* A tree of boxes is good if its boxes are small, as the share of rays that meet a box is its area
- * over that of the box around it. So of the ways to cut a node this builder takes the one that is
- * expected to cost least. It does not try all of them: triangles are counted into bins along an
- * axis, and only the borders between bins are tried.
- * Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", 1987 (the
- * heuristic); Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007 (bins).
- */
+/* A tree is good if its boxes are small: of the rays that hit a node's box, the fraction that hits
+ * a child's box is the ratio of their areas. So of all splits of a node this builder takes the one
+ * with the lowest expected cost. It does not try all of them: triangles are counted into bins along
+ * an axis, and only the boundaries between bins are tried.
+ * Goldsmith and Salmon, "Automatic creation of object hierarchies for ray tracing", 1987
+ * (SAH); Wald, "On fast construction of SAH-based bounding volume hierarchies", 2007 (bins). */
 #include "features/sah_binning.h"
 
 #include "features/bvh_median.h"
@@ -18,13 +17,13 @@ typedef struct bin_axis {
     double low, bins_per_unit;
 } bin_axis;
 
-/* Some triangles: those of a bin, or of all bins on one side of a border. */
+/* The triangles of one bin, or of all bins on one side of a boundary. */
 typedef struct group {
     rk_box box;
     uint32_t count;
 } group;
 
-/* What is measured of a node before it is cut. */
+/* The bounds of a node's triangles, and of their centroids. */
 typedef struct bounds {
     rk_box box, centroids;
 } bounds;
@@ -46,12 +45,12 @@ static uint32_t candidates_within(const bounds *b, const rk_bvh_reference *refer
                                   uint32_t count, const rk_sah_options *options,
                                   rk_sah_split *candidates);
 static uint32_t partition(rk_bvh_reference *references, uint32_t count, const bin_axis *along,
-                          uint32_t border);
+                          uint32_t boundary);
 static uint32_t larger_part(const rk_sah_split *split);
 static bool fits_depth(const rk_sah_split *split, uint32_t depth_left);
 static const rk_sah_split *most_balanced(const rk_sah_split *candidates, uint32_t count);
-static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t depth_left,
-                    const rk_sah_options *options, rk_box *box);
+static uint32_t split_node(rk_bvh_reference *references, uint32_t count, uint32_t depth_left,
+                           const rk_sah_options *options, rk_box *box);
 static uint32_t split_by_cost(void *context, uint32_t begin, uint32_t count, uint32_t depth_left,
                               rk_box *box);
 
@@ -60,9 +59,9 @@ rk_sah_options rk_sah_options_default(void)
     return (rk_sah_options){.bins = 50, .all_axes = false};
 }
 
-/* --- What a cut costs ------------------------------------------------------------------------- */
+/* --- The cost of a split ---------------------------------------------------------------------- */
 
-/* A node without area is met by no ray; its parts then count as if they were as large. */
+/* No ray hits a node without area; its children then count as if they had the same area. */
 static double cost_of(double area, const group *left, const group *right)
 {
     /* solution */
@@ -72,7 +71,7 @@ static double cost_of(double area, const group *left, const group *right)
             (rk_box_area(left->box) * left->count + rk_box_area(right->box) * right->count) / area;
     return RK_BVH_TRAVERSAL_COST + RK_BVH_INTERSECTION_COST * tests;
     /* starter
-    // First step: what a ray that meets the node is expected to cost if the node is cut here.
+    // First step: the expected cost of a ray that hits the node, if the node is split here.
     return 0;
     end */
 }
@@ -82,7 +81,7 @@ static double cost_of(double area, const group *left, const group *right)
 static bin_axis bin_axis_of(const rk_box *centroids, int axis, uint32_t bins)
 {
     /* solution */
-    /* In double, as the extent may overflow a float, and its reciprocal too. */
+    /* In double, because the extent may overflow a float, and its reciprocal too. */
     double low = (double)rk_axis(centroids->corner[0], axis);
     double high = (double)rk_axis(centroids->corner[1], axis);
     if (!(low < high))
@@ -101,7 +100,7 @@ static uint32_t bin_of(const bin_axis *along, rk_vec3 centroid)
     double place = offset * along->bins_per_unit;
     return place < along->bins ? (uint32_t)place : along->bins - 1;
     /* starter
-    // First step: the highest centroid is in the last bin, not in one behind it.
+    // First step: the highest centroid is in the last bin, not in one beyond it.
     return 0;
     end */
 }
@@ -126,7 +125,7 @@ static void fill_bins(group *bins, const bin_axis *along, const rk_bvh_reference
         bin->count++;
     }
     /* starter
-    // First step: each bin counts its triangles and has the box around theirs.
+    // First step: each bin has the number of its triangles and the box around their boxes.
     for (uint32_t k = 0; k < along->bins; k++)
         bins[k] = (group){nothing.box, count};
     end */
@@ -134,9 +133,9 @@ static void fill_bins(group *bins, const bin_axis *along, const rk_bvh_reference
 
 /* --- Candidates ------------------------------------------------------------------------------- */
 
-/* Two sweeps: from the last bin down, what lies above each border; from the first bin up, what
- * lies below it. Neither is ever nothing, as the lowest centroid is in the first bin, the highest
- * in the last. */
+/* Two sweeps: from the last bin down, the group above each boundary; from the first bin up, the
+ * group below it. Neither is ever empty, because the lowest centroid is in the first bin and the
+ * highest in the last. */
 static uint32_t sweep(const bin_axis *along, const group *bins, double area,
                       rk_sah_split *candidates)
 {
@@ -147,22 +146,22 @@ static uint32_t sweep(const bin_axis *along, const group *bins, double area,
         above[k] = merge(above[k + 1], &bins[k]);
     uint32_t found = 0;
     group below = nothing;
-    for (uint32_t border = 1; border < along->bins; border++) {
-        if (bins[border - 1].count == 0)
+    for (uint32_t boundary = 1; boundary < along->bins; boundary++) {
+        if (bins[boundary - 1].count == 0)
             continue;
-        below = merge(below, &bins[border - 1]);
+        below = merge(below, &bins[boundary - 1]);
         candidates[found++] = (rk_sah_split){
             .axis = along->axis,
-            .border = border,
-            .count = {below.count, above[border].count},
-            .box = {below.box, above[border].box},
-            .cost = cost_of(area, &below, &above[border]),
+            .boundary = boundary,
+            .count = {below.count, above[boundary].count},
+            .box = {below.box, above[boundary].box},
+            .cost = cost_of(area, &below, &above[boundary]),
         };
     }
     return found;
     /* starter
-    // Second step: the first sweep stores what lies above each border, the second goes up with
-    // what lies below it. A border above an empty bin is none.
+    // Second step: the first sweep stores the group above each boundary, the second goes up
+    // with the group below it. The boundary above an empty bin is no candidate.
     return 0;
     end */
 }
@@ -232,18 +231,18 @@ const rk_sah_split *rk_sah_cheapest(const rk_sah_split *candidates, uint32_t cou
     end */
 }
 
-/* --- Cutting ---------------------------------------------------------------------------------- */
+/* --- Splitting -------------------------------------------------------------------------------- */
 
-/* Moves what is in bins below the border to the front; returns how many those are. */
+/* Moves the triangles in bins below the boundary to the front; returns their number. */
 static uint32_t partition(rk_bvh_reference *references, uint32_t count, const bin_axis *along,
-                          uint32_t border)
+                          uint32_t boundary)
 {
     /* solution */
     uint32_t left = 0, right = count;
     for (;;) {
-        while (left < right && bin_of(along, references[left].centroid) < border)
+        while (left < right && bin_of(along, references[left].centroid) < boundary)
             left++;
-        while (left < right && bin_of(along, references[right - 1].centroid) >= border)
+        while (left < right && bin_of(along, references[right - 1].centroid) >= boundary)
             right--;
         if (left == right)
             return left;
@@ -252,7 +251,7 @@ static uint32_t partition(rk_bvh_reference *references, uint32_t count, const bi
         references[right] = swapped;
     }
     /* starter
-    // Fourth step: both sides of the border, each in any order.
+    // Fourth step: both sides of the boundary, each in any order.
     return count;
     end */
 }
@@ -262,7 +261,8 @@ static uint32_t larger_part(const rk_sah_split *split)
     return split->count[0] > split->count[1] ? split->count[0] : split->count[1];
 }
 
-/* Can both parts still be halved down to leaves, with so many levels below the node? */
+/* Can both children still be halved down to leaves, if depth_left levels may follow below the
+ * node? */
 static bool fits_depth(const rk_sah_split *split, uint32_t depth_left)
 {
     /* solution */
@@ -285,14 +285,13 @@ static const rk_sah_split *most_balanced(const rk_sah_split *candidates, uint32_
     return best;
 }
 
-/* Cuts a node with so many levels below it, and returns the size of its left part, which comes
- * first; 0: it is to be a leaf. Fills in the node's box. Where no cut pays, but a leaf would be too
- * large, the most even one is taken: later ones may pay. Where even that does not leave room below,
- * or all centroids coincide, half of the triangles go left as they stand. So no node ever has more
- * than RK_BVH_LEAF_MAX << depth_left triangles, and those with no level below them are leaves.
- */
-static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t depth_left,
-                    const rk_sah_options *options, rk_box *box)
+/* Fills in the node's box, moves the left child's triangles to the front, and returns their number;
+ * 0 makes the node a leaf. Where no split pays, but a leaf would be too large, the most balanced
+ * split is taken: later ones may pay. If even that one does not fit the depth, or all centroids
+ * coincide, half of the triangles go left as they stand. So no node ever has more than
+ * RK_BVH_LEAF_MAX << depth_left triangles, and nodes with depth_left = 0 are leaves. */
+static uint32_t split_node(rk_bvh_reference *references, uint32_t count, uint32_t depth_left,
+                           const rk_sah_options *options, rk_box *box)
 {
     bounds b = bounds_of(references, count);
     *box = b.box;
@@ -309,17 +308,17 @@ static uint32_t cut(rk_bvh_reference *references, uint32_t count, uint32_t depth
             return count - count / 2;
     }
     bin_axis along = bin_axis_of(&b.centroids, split->axis, bins_for(options, count));
-    return partition(references, count, &along, split->border);
+    return partition(references, count, &along, split->boundary);
     /* starter
-    // For now all triangles are one leaf. Fourth step: cut where it costs least, if that is less
-    // than a leaf costs. Fifth step: leaves too large, trees too deep.
+    // For now all triangles are one leaf. Fourth step: split where it costs least, if that is
+    // less than a leaf costs. Fifth step: leaves too large, trees too deep.
     return 0;
     end */
 }
 
 /* --- The tree --------------------------------------------------------------------------------- */
 
-/* What cuts nodes by the heuristic. */
+/* The context of split_by_cost. */
 typedef struct sah_builder {
     rk_bvh_reference *references;
     const rk_sah_options *options;
@@ -329,7 +328,7 @@ static uint32_t split_by_cost(void *context, uint32_t begin, uint32_t count, uin
                               rk_box *box)
 {
     const sah_builder *builder = context;
-    return cut(builder->references + begin, count, depth_left, builder->options, box);
+    return split_node(builder->references + begin, count, depth_left, builder->options, box);
 }
 
 bool rk_bvh_build_sah(rk_bvh *bvh, const rk_mesh *mesh, const rk_sah_options *options,

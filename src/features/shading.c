@@ -1,7 +1,7 @@
 /* The light that a surface sends to the viewer: a diffuse part, the same in all directions, and a
- * highlight around the direction in which a mirror would send it.
+ * highlight around the mirror direction of the light.
  * Phong, "Illumination for computer generated pictures", 1975; Blinn, "Models of light reflection
- * for computer synthesized pictures", 1977. Normalised: Lafortune and Willems, "Using the modified
+ * for computer synthesized pictures", 1977. Normalized: Lafortune and Willems, "Using the modified
  * Phong reflectance model for physically based rendering", 1994; Giesen, "Derivation of
  * Phong and Blinn-Phong BRDF normalization factors", 2009. */
 #include "features/shading.h"
@@ -24,12 +24,12 @@ static float phong_lobe(float shininess, rk_vec3 n, rk_vec3 l, rk_vec3 v)
     rk_vec3 r = rk_sub(rk_scale(n, 2 * rk_dot(n, l)), l);
     return power_of_cosine(r, v, shininess);
     /* starter
-    // Second step: the cosine between the mirrored light and the viewer, to a power.
+    // Second step: the cosine between the mirror direction and the viewer's, to a power.
     return 0;
     end */
 }
 
-/* Between opposite directions there is no halfway, and no highlight. */
+/* Opposite directions have no half vector, and no highlight. */
 static float blinn_phong_lobe(float shininess, rk_vec3 n, rk_vec3 l, rk_vec3 v)
 {
     /* solution */
@@ -38,7 +38,7 @@ static float blinn_phong_lobe(float shininess, rk_vec3 n, rk_vec3 l, rk_vec3 v)
         return 0;
     return power_of_cosine(n, rk_normalize(sum), shininess);
     /* starter
-    // Third step: the cosine between the normal and the direction halfway, to a power.
+    // Third step: the cosine between the normal and the half vector, to a power.
     return 0;
     end */
 }
@@ -67,7 +67,7 @@ rk_vec3 rk_shade(const rk_shading *shading, rk_vec3 kd, rk_vec3 ks, float shinin
     return rk_mul(light_colour, rk_madd(rk_scale(kd, diffuse), ks, highlight));
     /* starter
     // First step: off, and Lambert. Second step: Phong. Third step: Blinn-Phong. Fifth step:
-    // normalised. Sixth step: the gradient. Green is what has no model yet.
+    // normalized. Sixth step: the gradient. Until then surfaces are green.
     return rk_mul(light_colour, rk_vec(0, 1, 0));
     end */
 }
@@ -75,8 +75,9 @@ rk_vec3 rk_shade(const rk_shading *shading, rk_vec3 kd, rk_vec3 ks, float shinin
 /* --- Sharp highlights ------------------------------------------------------------------------- */
 
 /* (a.b)^s for unit vectors, 0 from a right angle on. Near 1, where sharp highlights are, a.b has
- * lost what matters: an error of 1e-7 there is one of 1e-2 in its power of 1e5. The difference of
- * two vectors that are close together is nearly exact, and 1 - a.b is half of its square. */
+ * lost the digits that matter: an error of 1e-7 becomes one of 1e-2 in the power of 1e5. The
+ * difference of two vectors that are close together is nearly exact, and 1 - a.b is half of its
+ * squared length. */
 static float power_of_cosine(rk_vec3 a, rk_vec3 b, float s)
 {
     /* solution */
@@ -93,10 +94,10 @@ static float power_of_cosine(rk_vec3 a, rk_vec3 b, float s)
     end */
 }
 
-/* --- Normalised ------------------------------------------------------------------------------- */
+/* --- Normalized ------------------------------------------------------------------------------- */
 
-/* One over what the lobe integrates to, weighted by n.l, for light that comes along the normal:
- * from every other direction it is less. */
+/* One over the integral of the lobe times n.l for light along the normal; for light from any other
+ * direction the integral is smaller. */
 static float normalizer(rk_shading_model model, float s)
 {
     /* solution */
@@ -112,7 +113,7 @@ static float normalizer(rk_shading_model model, float s)
 
 /* --- The gradient ----------------------------------------------------------------------------- */
 
-/* One pass finds the two neighbours of x in any order of the stops. */
+/* One pass finds the two neighbours of x, whatever the order of the stops. */
 rk_vec3 rk_gradient_at(const rk_gradient *gradient, float x)
 {
     /* solution */
@@ -128,7 +129,7 @@ rk_vec3 rk_gradient_at(const rk_gradient *gradient, float x)
         return below ? below->colour : above ? above->colour : rk_vec(0, 0, 0);
     return rk_mix(below->colour, above->colour, (x - below->at) / (above->at - below->at));
     /* starter
-    // Sixth step: the highest stop at or below x, the lowest above it, and between the two.
+    // Sixth step: the highest stop at or below x, the lowest above it, and the mix of the two.
     return rk_vec(1, 0, 1);
     end */
 }

@@ -1,6 +1,6 @@
-/* A ray crosses panes of glass; in which order, and what comes of their colours? The list of
- * crossings is kept sorted, then folded: by alpha blending for what is seen (Porter and Duff,
- * "Compositing digital images", SIGGRAPH 1984), by one of three models for the light that arrives
+/* A ray crosses transparent surfaces; in which order, and how do their colours combine? The list of
+ * crossings is kept sorted, then reduced: by alpha blending for view rays (Porter and Duff,
+ * "Compositing digital images", SIGGRAPH 1984), by one of three models for shadow rays
  * (Beer-Lambert: Glassner, "Principles of Digital Image Synthesis", 1995, volume 2). */
 #include "features/transparency.h"
 
@@ -14,7 +14,7 @@ static rk_vec3 ordered(const rk_crossing *crossings, uint32_t count);
 static rk_vec3 beer_lambert(const rk_crossing *crossings, uint32_t count, float length);
 static bool is_first_of_its_medium(const rk_crossing *crossings, uint32_t k);
 static int step_into(const rk_crossing *crossing, uint32_t medium);
-static float share_inside(const rk_crossing *crossings, uint32_t count, uint32_t medium);
+static float fraction_inside(const rk_crossing *crossings, uint32_t count, uint32_t medium);
 static int depth_at_start(const rk_crossing *crossings, uint32_t count, uint32_t medium);
 
 /* --- The list --------------------------------------------------------------------------------- */
@@ -29,7 +29,7 @@ static bool comes_before(const rk_crossing *a, const rk_crossing *b)
     return a->t < b->t || (a->t == b->t && a->primitive < b->primitive);
 }
 
-/* A few entries: insertion from the far end moves no more than what lies behind. */
+/* Lists are short: insertion from the far end moves only the crossings behind the new one. */
 void rk_transparency_insert(rk_crossing_list *list, const rk_crossing *crossing)
 {
     /* solution */
@@ -47,7 +47,7 @@ void rk_transparency_insert(rk_crossing_list *list, const rk_crossing *crossing)
     list->crossings[place] = *crossing;
     list->count++;
     /* starter
-    // First step: the nearest `limit` crossings, in order, and nothing behind an opaque one.
+    // First step: keep the nearest `limit` crossings, in order, and none behind an opaque one.
     end */
 }
 
@@ -59,7 +59,7 @@ float rk_transparency_end(const rk_crossing_list *list, float t_max)
     const rk_crossing *last = &list->crossings[list->count - 1];
     return list->count == list->limit || is_opaque(last) ? last->t : t_max;
     /* starter
-    // First step: what lies behind a full list, or behind an opaque crossing, need not be found.
+    // First step: crossings behind a full list, or behind an opaque one, need not be found.
     return t_max;
     end */
 }
@@ -67,20 +67,20 @@ float rk_transparency_end(const rk_crossing_list *list, float t_max)
 /* --- View rays -------------------------------------------------------------------------------- */
 
 void rk_transparency_weights(const rk_crossing *crossings, uint32_t count, float *weights,
-                             float *behind)
+                             float *transmittance)
 {
     /* solution */
-    float passing = 1; /* prod (1 - alpha_j) so far */
+    float transmitted = 1; /* prod (1 - alpha_j), j < k */
     for (uint32_t k = 0; k < count; k++) {
-        weights[k] = crossings[k].alpha * passing;
-        passing *= 1 - crossings[k].alpha;
+        weights[k] = crossings[k].alpha * transmitted;
+        transmitted *= 1 - crossings[k].alpha;
     }
-    *behind = passing;
+    *transmittance = transmitted;
     /* starter
-    // Second step: alpha here, and 1 - alpha of what is behind.
+    // Second step: a surface counts by its alpha, all behind it by 1 - alpha.
     for (uint32_t k = 0; k < count; k++)
         weights[k] = 0;
-    *behind = 0;
+    *transmittance = 0;
     end */
 }
 
@@ -106,29 +106,29 @@ rk_vec3 rk_transparency_transmit(rk_glass_model model, const rk_crossing *crossi
 static rk_vec3 multiplicative(const rk_crossing *crossings, uint32_t count)
 {
     /* solution */
-    rk_vec3 share = rk_vec(1, 1, 1);
+    rk_vec3 transmittance = rk_vec(1, 1, 1);
     for (uint32_t k = 0; k < count; k++)
-        share = rk_mul(share, rk_scale(crossings[k].kd, 1 - crossings[k].alpha));
-    return share;
+        transmittance = rk_mul(transmittance, rk_scale(crossings[k].kd, 1 - crossings[k].alpha));
+    return transmittance;
     /* starter
     // Third step: prod kd (1 - alpha).
     return rk_vec(0, 0, 0);
     end */
 }
 
-/* What the point would see if it looked at a white light through the panes. */
+/* The colour of a white light, seen from the point through the surfaces. */
 static rk_vec3 ordered(const rk_crossing *crossings, uint32_t count)
 {
     /* solution */
-    rk_vec3 seen = rk_vec(0, 0, 0);
-    float passing = 1;
+    rk_vec3 colour = rk_vec(0, 0, 0);
+    float transmitted = 1;
     for (uint32_t k = 0; k < count; k++) {
-        seen = rk_madd(seen, crossings[k].kd, crossings[k].alpha * passing);
-        passing *= 1 - crossings[k].alpha;
+        colour = rk_madd(colour, crossings[k].kd, crossings[k].alpha * transmitted);
+        transmitted *= 1 - crossings[k].alpha;
     }
-    return rk_madd(seen, rk_vec(1, 1, 1), passing);
+    return rk_madd(colour, rk_vec(1, 1, 1), transmitted);
     /* starter
-    // Fourth step: blend the panes, the nearest to the point in front, over white.
+    // Fourth step: blend the surfaces, the nearest to the point in front, over white.
     return rk_vec(0, 0, 0);
     end */
 }
@@ -136,10 +136,10 @@ static rk_vec3 ordered(const rk_crossing *crossings, uint32_t count)
 static rk_vec3 beer_lambert(const rk_crossing *crossings, uint32_t count, float length)
 {
     /* solution */
-    rk_vec3 depth = rk_vec(0, 0, 0); /* optical: the sum of sigma thickness */
+    rk_vec3 depth = rk_vec(0, 0, 0); /* optical depth: the sum of sigma thickness */
     for (uint32_t k = 0; k < count; k++)
         if (is_first_of_its_medium(crossings, k)) {
-            float thickness = share_inside(crossings, count, crossings[k].medium) * length;
+            float thickness = fraction_inside(crossings, count, crossings[k].medium) * length;
             depth = rk_madd(depth, crossings[k].absorption, thickness);
         }
     return rk_vec(expf(-depth.x), expf(-depth.y), expf(-depth.z));
@@ -157,15 +157,15 @@ static bool is_first_of_its_medium(const rk_crossing *crossings, uint32_t k)
     return true;
 }
 
-/* How many more times the crossing enters its medium than it leaves it: 1 or -1, or 0 where it is
- * of another. */
+/* The change of depth in the medium at a crossing: 1 if it is entered, -1 if it is left, 0 if it
+ * belongs to another. */
 static int step_into(const rk_crossing *crossing, uint32_t medium)
 {
     return crossing->medium != medium ? 0 : crossing->entering ? 1 : -1;
 }
 
-/* The share of the way from t = 0 to t = 1 that runs inside the medium. */
-static float share_inside(const rk_crossing *crossings, uint32_t count, uint32_t medium)
+/* The fraction of the ray from t = 0 to t = 1 that lies inside the medium. */
+static float fraction_inside(const rk_crossing *crossings, uint32_t count, uint32_t medium)
 {
     /* solution */
     int depth = depth_at_start(crossings, count, medium);
@@ -178,13 +178,14 @@ static float share_inside(const rk_crossing *crossings, uint32_t count, uint32_t
     }
     return depth > 0 ? inside + (1 - from) : inside;
     /* starter
-    // Fifth step: add up the stretches between crossings during which the depth is above 0.
+    // Fifth step: add up the intervals between crossings in which the depth is above 0.
     return 0;
     end */
 }
 
-/* In how many blocks of the medium the ray starts: the fewest with which it never leaves one that
- * it is not in. All steps at one t count together, as roundings may have swapped them. */
+/* The number of blocks of the medium around the ray's start: the smallest with which it never
+ * leaves a block that it is not in. All steps at one t count together, because rounding may have
+ * swapped them. */
 static int depth_at_start(const rk_crossing *crossings, uint32_t count, uint32_t medium)
 {
     /* solution */

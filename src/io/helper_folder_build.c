@@ -1,4 +1,4 @@
-/* For programs inside the build tree: the helpers are where make built them. */
+/* The folder of io/helper.h for programs inside the build tree: where make built the helpers. */
 #include "io/helper.h"
 
 const char *rk_helper_folder(void)

@@ -1,4 +1,4 @@
-/* For programs that use the installed library: the helpers are in its libexec folder. */
+/* The folder of io/helper.h for programs with the installed library: its libexec folder. */
 #include "io/helper.h"
 
 const char *rk_helper_folder(void)

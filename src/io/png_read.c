@@ -1,5 +1,5 @@
-/* Reads pictures as PNG by libpng (its manual, libpng-manual.txt, and the PNG specification, third
- * edition, W3C). */
+/* The reading half of io/png.h, by libpng (its manual, libpng-manual.txt, and the PNG
+ * specification, third edition, W3C). */
 #include "io/png_job.h"
 #include "io/srgb8.h"
 

@@ -1,6 +1,7 @@
-/* A separable blur by weights: rows first, then columns. Columns are filtered strip by strip, in
- * bands of a few rows: neighbours in a column read nearly the same pixels, which are then in the
- * first-level cache, and each band is read and written from left to right, in the order of memory.
+/* rk_bloom_by_taps of post/bloom_passes.h: a separable blur by weights, rows before columns.
+ * Columns are filtered strip by strip, in bands of a few rows: neighbours in a column read nearly
+ * the same pixels, which are then in the first-level cache, and each band is read and written from
+ * left to right, in the order of memory.
  */
 #include "post/bloom_passes.h"
 

@@ -1,4 +1,4 @@
-/* The data that bloom's passes share, and the two ways to blur; not installed. */
+/* The data of bloom's passes, and the two ways to blur; not installed. */
 #ifndef RK_POST_BLOOM_PASSES_H
 #define RK_POST_BLOOM_PASSES_H
 

@@ -1,7 +1,7 @@
 /* Bloom in three passes over the picture: find the bright span of each row; blur the rows that have
  * one; blur the columns, a band of rows at a time, and add them. Rows without a bright pixel, and
  * strips out of the filter's reach, are neither filtered nor stored. Threads wait for each other
- * between passes; within a pass they share only the number of the next item. */
+ * between passes; within a pass they share only the index of the next item. */
 #include "post/bloom_stage.h"
 
 #include "post/bloom_passes.h"
@@ -117,18 +117,18 @@ RK_NAMES(rk_bloom_method_names, rk_bloom_method, RK_BLOOM_PYRAMID, "exact", "gau
 
 static const rk_option rows[] = {
     {"bloom", RK_FIELD(rk_render_options, bloom.on), NULL,
-     "what is bright glows into what is around it"},
+     "blur bright pixels and add them to the picture"},
     {"bloom-threshold", RK_FIELD(rk_render_options, bloom.threshold), "Y",
-     "brightness from which on a pixel glows", -1e6, 1e6, 0.5},
+     "brightness from which on a pixel is bright", -1e6, 1e6, 0.5},
     {"bloom-intensity", RK_FIELD(rk_render_options, bloom.intensity), "I",
-     "of the glow that is added", 0, 1e6, 0.8},
+     "weight of the blurred pixels", 0, 1e6, 0.8},
     {"bloom-radius", RK_FIELD(rk_render_options, bloom.radius), "R",
-     "of the filter, pixels: it has 2R + 1 taps", 0, RK_BLOOM_RADIUS_MAX, 15},
+     "radius of the filter, pixels: it has 2R + 1 taps", 0, RK_BLOOM_RADIUS_MAX, 15},
     {"bloom-border", RK_CHOICE(rk_render_options, bloom.border, rk_bloom_border_names),
-     "the filter sees beyond the picture: nothing; what is at the border; nothing, and the other "
-     "weights count as all"},
+     "beyond the picture, pixels are black; like the nearest one at the border; or left out, and "
+     "the other weights sum to 1"},
     {"bloom-method", RK_CHOICE(rk_render_options, bloom.method, rk_bloom_method_names),
-     "the filter itself, or one that is close to it and cheaper"},
+     "the exact filter, or a cheaper one that is close to it"},
     {0},
 };
 

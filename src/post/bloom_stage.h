@@ -1,4 +1,5 @@
-/* Bloom over a whole picture: memory, threads, and as little work as the light allows. */
+/* Bloom stage: bloom over a whole picture, with threads, and work in proportion to its bright
+ * pixels. */
 #ifndef RK_POST_BLOOM_STAGE_H
 #define RK_POST_BLOOM_STAGE_H
 

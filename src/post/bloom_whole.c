@@ -1,5 +1,5 @@
-/* A blur of the whole picture: bright pixels are copied into an image with a margin as wide as the
- * filter's reach, blurred there by a method that has no rule for borders, and added. */
+/* rk_bloom_whole of post/bloom_passes.h: bright pixels are copied into an image with a margin as
+ * wide as the filter's reach, blurred there by a method without border modes, and added. */
 #include "post/bloom_passes.h"
 #include "post/blur.h"
 

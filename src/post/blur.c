@@ -123,7 +123,8 @@ static void halve_row(uint32_t row, uint32_t thread, void *context)
     }
 }
 
-/* A pixel of the finer image is 3/4 of the coarse one that it lies in, and 1/4 of the next. */
+/* Per axis, a pixel of the finer image is 3/4 of the coarse pixel that contains it, and 1/4 of the
+ * next. */
 static void double_row(uint32_t row, uint32_t thread, void *context)
 {
     (void)thread;
@@ -165,9 +166,9 @@ static bool filter_all(const step *s, double variance, rk_pool *pool, rk_error *
     return ok;
 }
 
-/* With v for the variance of each of its n halvings and doublings, in pixels of their own level,
- * they add up to 2 v (1 + 4 + ... + 4^(n - 1)) = (4^n - 1) / 2; the rest is left to the Gaussian on
- * the coarsest level, which has 4^n times the variance here and keeps its shape from 1.5 on. */
+/* The n halvings and n doublings have the variance v = 3/4 each, in pixels of their own level, and
+ * together 2 v (1 + 4 + ... + 4^(n - 1)) = (4^n - 1) / 2. The Gaussian on the coarsest level
+ * provides the rest: its variance counts 4^n times, and from 1.5 on it keeps its shape. */
 bool rk_blur_pyramid(rk_image *image, uint32_t radius, rk_pool *pool, rk_error *error)
 {
     const double least = 1.5;

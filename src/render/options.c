@@ -1,23 +1,22 @@
 #include "render/options.h"
 
 static const rk_option rows[] = {
-    {"width", RK_FIELD(rk_render_options, width), "N", "of the picture, pixels", 1,
+    {"width", RK_FIELD(rk_render_options, width), "N", "width of the picture, pixels", 1,
      RK_IMAGE_SIDE_MAX, 800},
-    {"height", RK_FIELD(rk_render_options, height), "N", "of the picture, pixels", 1,
+    {"height", RK_FIELD(rk_render_options, height), "N", "height of the picture, pixels", 1,
      RK_IMAGE_SIDE_MAX, 800},
-    {"samples", RK_FIELD(rk_render_options, samples), "N",
-     "rays through each pixel; 1 looks through its centre", 1, RK_SAMPLES_MAX, 1},
+    {"samples", RK_FIELD(rk_render_options, samples), "N", "rays per pixel; 1: through its centre",
+     1, RK_SAMPLES_MAX, 1},
     {"sampling", RK_CHOICE(rk_render_options, sampling, rk_sampler_names),
-     "how they are spread over the pixel", .initial = RK_SAMPLER_STRATIFIED},
+     "distribution of the samples over the pixel", .initial = RK_SAMPLER_STRATIFIED},
     {"seed", RK_FIELD(rk_render_options, seed), "N",
-     "of the random samples: another seed, other noise", 0, UINT32_MAX, 0},
-    {"shadows", RK_FIELD(rk_render_options, shadows), NULL,
-     "ask for each light whether something is in its way"},
+     "seed of the random samples: another seed gives other noise", 0, UINT32_MAX, 0},
+    {"shadows", RK_FIELD(rk_render_options, shadows), NULL, "test whether lights are occluded"},
     {"reflections", RK_FIELD(rk_render_options, reflections), NULL,
-     "surfaces with a specular colour mirror what is around them"},
+     "trace reflected rays from surfaces with a specular colour"},
     {"max-depth", RK_FIELD(rk_render_options, max_depth), "N",
-     "surfaces behind the first that a ray may go on to, by mirrors and panes", 0, RK_MAX_DEPTH, 6,
-     .alias = "recursion"},
+     "largest number of bounces of a path: reflections and transparent surfaces passed", 0,
+     RK_MAX_DEPTH, 6, .alias = "recursion"},
     {0},
 };
 
@@ -32,7 +31,7 @@ rk_render_option_tables rk_render_options_tables(rk_render_options *options)
 
 rk_render_options rk_render_options_default(void)
 {
-    /* The gradient's stops are the one thing that no row can hold. */
+    /* The gradient's stops have no row. */
     rk_render_options options = {.shading.gradient = rk_gradient_cool_to_warm()};
     const rk_render_option_tables all = rk_render_options_tables(&options);
     for (size_t i = 0; i < all.count; i++)

@@ -1,5 +1,5 @@
-/* Paths that wait to be traced, by bounces: what one level spawns waits on the level above it,
- * which is taken first. So there are never more batches than bounces. */
+/* Paths that wait to be traced, a batch per level of bounces. A level's reflections go to the next
+ * deeper one, which is traced first: so there are never more batches than bounces. */
 #ifndef RK_RENDER_PATH_QUEUE_H
 #define RK_RENDER_PATH_QUEUE_H
 
@@ -10,22 +10,22 @@
 /* One level. */
 typedef struct rk_path_level {
     rk_path_batch paths;
-    rk_shading_cursor cursor; /* those up to here are shaded */
-    rk_specular_queue
-        *specular; /* with plan.glossy_reflection: points whose rays are still to be spawned */
+    rk_shading_cursor cursor;    /* the part that is shaded */
+    rk_specular_queue *specular; /* points without reflected rays yet; NULL without
+                                    plan.glossy_reflection */
 } rk_path_level;
 
 typedef struct rk_path_queue {
-    uint32_t depth, limit; /* levels in use, of which the last is the deepest; and of all */
+    uint32_t depth, limit; /* levels in use, the last one the deepest; levels allocated */
     rk_path_level *levels;
     rk_specular_queue *specular;
 } rk_path_queue;
 
-/* Room for all bounces that the plan has. */
+/* Allocates a level for each bounce of the plan. */
 bool rk_path_queue_init(rk_path_queue *queue, const rk_rendering *r, rk_error *error);
 void rk_path_queue_free(rk_path_queue *queue);
 
-/* Returns the new deepest level, whose batch is the caller's to fill. */
+/* Returns a new deepest level; the caller fills its batch. */
 rk_path_level *rk_path_queue_push(rk_path_queue *queue);
 
 #endif

@@ -1,10 +1,10 @@
-/* Each round takes the deepest level of the queue, and does one of three things: it spawns a batch
- * of rays from specular points that wait there; or it traces and shades its paths, which are lit,
- * and whose specular points then wait or spawn; or nothing is left to do, and the level is done.
- * Going deepest first keeps the queue small, and the order in which radiance is added the same. */
+/* Each round takes the deepest level of the queue. If specular points wait there, it spawns a batch
+ * of their reflections. Else it traces and shades the level's paths, adds their light, and spawns
+ * reflections or lets them wait. A level with nothing left is removed. Deepest first keeps the
+ * queue small, and fixes the order in which radiance is added, to the bit. */
 #include "render/paths.h"
 
-#include "render/feature.h"
+#include "render/feature_hooks.h"
 #include "render/stages/cubemap_stage.h"
 #include "render/stages/reflection_stage.h"
 #include "render/stages/trace_stage.h"
@@ -29,7 +29,8 @@ static bool is_shaded(const rk_path_level *level)
            level->cursor.hit == level->cursor.visible.count;
 }
 
-/* A perfect mirror's ray is spawned at once; a rough one has too many for a batch. */
+/* Perfect mirrors spawn at most one ray per point, which fits a batch; rough ones need several
+ * batches, so their points wait. */
 static void spawn(const rk_rendering *r, const rk_sample_pass *pass, rk_path_level *level,
                   const rk_shading_points *points, rk_path_queue *queue)
 {

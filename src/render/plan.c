@@ -1,6 +1,6 @@
 #include "render/plan.h"
 
-#include "render/feature.h"
+#include "render/feature_list.h"
 
 static bool reflects(const rk_material *material)
 {

@@ -1,42 +1,43 @@
-/* Each tile is rendered in passes, one for each sample, its pixels in focus first, then the others.
- * A pass goes through the stages: camera rays, the paths that start with them (paths.c), and what
- * these bring is added up. Each tile has sums of its own, so threads share nothing but the next
- * tile's number. */
+/* Each tile is rendered in passes, one per sample: first its pixels in focus, then the others. A
+ * pass makes camera rays, traces the paths that start with them (paths.c), and adds their radiance
+ * to the tile's film. Each tile has a film of its own, so threads share nothing but the next tile's
+ * number. */
 #include "render/render.h"
 
-#include "render/feature.h"
+#include "render/feature_hooks.h"
 #include "render/paths.h"
 #include "render/stages/camera_stage.h"
 #include "render/stages/depth_of_field_stage.h"
 #include "render/stages/film_stage.h"
-#include "render/stages/motion_blur_stage.h"
 #include "render/tiles.h"
+#include "render/time_passes.h"
 
 #include <stdlib.h>
 #include <string.h>
 
 typedef struct render_job {
     rk_rendering rendering;
-    rk_path_workspace *workspaces; /* one for each thread, */
-    rk_counters *counters;         /* and so are these */
+    rk_path_workspace *workspaces; /* one per thread */
+    rk_counters *counters;         /* one per thread */
     rk_image *image;
     rk_progress *progress;
 } render_job;
 
-/* False if there are no pixels for the pass. */
+/* False if no pixel of the tile belongs to the pass. */
 static bool render_pass(const rk_rendering *r, rk_sample_pass *pass, rk_path_workspace *workspace,
                         rk_film *film)
 {
     rk_path_batch *camera = &rk_path_queue_push(&workspace->queue)->paths;
     if (r->plan.motion_blur)
-        rk_motion_blur_start_pass(pass);
+        rk_time_pass_start(pass);
     rk_camera_stage(r, pass, camera);
     bool any = camera->rays.count > 0;
     rk_trace_paths(r, pass, workspace, film);
     return any;
 }
 
-/* The next sample of each of the pass's pixels; where it needs a time, the mean over its times. */
+/* The next sample of each of the pass's pixels. Further time passes stop when no pixel needs a
+ * time. */
 static bool render_sample(const rk_rendering *r, rk_sample_pass *pass, rk_path_workspace *workspace,
                           rk_film *film)
 {
@@ -48,11 +49,11 @@ static bool render_sample(const rk_rendering *r, rk_sample_pass *pass, rk_path_w
     for (pass->time_pass = 1; more && pass->time_pass < pass->time_passes; pass->time_pass++)
         more = render_pass(r, pass, workspace, film);
     if (pass->time_passes > 1)
-        rk_motion_blur_average(pass, &before, film);
+        rk_time_passes_average(pass, &before, film);
     return any;
 }
 
-/* A tile's passes over its pixels in focus, or over all others. */
+/* Of a tile, over its pixels in focus or over the others. */
 static void start_passes(const rk_rendering *r, bool out_of_focus, rk_sample_pass *pass)
 {
     const rk_render_options *options = r->options;
@@ -96,7 +97,7 @@ static void free_job(render_job *job, uint32_t threads)
     rk_features_release(&job->rendering);
 }
 
-/* What the threads work with. */
+/* Memory, and the features' own preparations. */
 static bool prepare_job(render_job *job, rk_pool *pool, rk_error *error)
 {
     rk_rendering *r = &job->rendering;
@@ -108,7 +109,8 @@ static bool prepare_job(render_job *job, rk_pool *pool, rk_error *error)
         job->workspaces[i].queue = (rk_path_queue){0};
     for (uint32_t i = 0; ok && i < threads; i++)
         ok = rk_path_queue_init(&job->workspaces[i].queue, r, error);
-    return ok && rk_features_prepare(r, pool, job->counters, error);
+    return ok && rk_features_prepare(r, error) &&
+           rk_features_prepass(r, pool, job->counters, error);
 }
 
 static void render_picture(render_job *job, rk_pool *pool, rk_counters *counters)

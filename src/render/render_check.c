@@ -1,6 +1,7 @@
-/* What rk_render refuses before the first ray, so that no picture is black, or lost, for it. */
+/* rk_render_check of render/plan.h: errors before the first ray, instead of a black or a lost
+ * picture. */
 #include "render/options.h"
-#include "render/stages/motion_blur_stage.h"
+#include "render/time_passes.h"
 
 /* --- The scene -------------------------------------------------------------------------------- */
 
@@ -16,20 +17,20 @@ static bool check_scene(const rk_scene *scene, rk_error *error)
                        RK_SPHERES_MAX);
     for (uint32_t i = 0; i < scene->light_count; i++)
         if (scene->lights[i].kind > RK_LIGHT_PARALLELOGRAM)
-            return rk_fail(error, "%s: light %u is of the kind %u, which is none of rk_light_kind",
+            return rk_fail(error, "%s: light %u has the kind %u, which is not in rk_light_kind",
                            scene->name, i, scene->lights[i].kind);
     return true;
 }
 
 /* --- Samples ---------------------------------------------------------------------------------- */
 
-/* Stays beyond the limit once it is, without going beyond 64 bits. */
+/* Stops multiplying above the limit, so that the product fits 64 bits. */
 static uint64_t multiply(uint64_t samples, uint32_t by)
 {
     return samples > RK_SAMPLES_MAX ? samples : samples * by;
 }
 
-/* Of a pixel, in the dimension that takes the most. */
+/* Per pixel, in the dimension that takes the most. */
 static uint64_t most_samples(const rk_scene *scene, const rk_render_options *options,
                              const rk_plan *plan)
 {
@@ -47,11 +48,12 @@ static bool check_samples(const rk_scene *scene, const rk_render_options *option
 {
     const rk_plan plan = rk_plan_of(scene, options);
     return most_samples(scene, options, &plan) <= RK_SAMPLES_MAX ||
-           rk_fail(error,
-                   "a pixel takes at most %d samples, but its own, or those on the lens or in time "
-                   "where they are more, times those of rough mirrors and of lights are more: ask "
-                   "for fewer",
-                   RK_SAMPLES_MAX);
+           rk_fail(
+               error,
+               "a pixel takes at most %d samples, and here it would take more: the product of its "
+               "own (or those of the lens or in time, if they are more) and those of rough "
+               "mirrors and lights; reduce one of them",
+               RK_SAMPLES_MAX);
 }
 
 bool rk_render_check(const rk_scene *scene, const rk_render_options *options, rk_error *error)

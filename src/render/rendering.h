@@ -1,4 +1,4 @@
-/* What a picture is made from: the same for all threads, and constant while they work. */
+/* The inputs of a picture: shared by all threads, and constant while they work. */
 #ifndef RK_RENDER_RENDERING_H
 #define RK_RENDER_RENDERING_H
 
@@ -12,7 +12,7 @@ typedef struct rk_rendering {
     rk_plan plan;
     rk_view view;
     int32_t *coc_count;          /* see rk_lens_coc; NULL without a lens */
-    rk_box swept[RK_MOVING_MAX]; /* by each moving object; unset unless plan.motion_blur */
+    rk_box swept[RK_MOVING_MAX]; /* of each moving object; unset unless plan.motion_blur */
 } rk_rendering;
 
 #endif

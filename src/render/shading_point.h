@@ -1,4 +1,4 @@
-/* A shading point: where a path hits a surface, with all that lights and reflections need. */
+/* A shading point: a path's hit, with the data that lights and reflections need. */
 #ifndef RK_RENDER_SHADING_POINT_H
 #define RK_RENDER_SHADING_POINT_H
 
@@ -10,7 +10,7 @@ typedef struct rk_shading_point {
     rk_surface surface;
     rk_vec3 kd;
     rk_vec3 to_viewer; /* unit, back along the ray; 0 unless plan.viewer */
-    rk_path path;      /* the rest of it, from here on */
+    rk_path path;      /* from this point on */
     uint16_t pixel;
 } rk_shading_point;
 
@@ -19,8 +19,7 @@ typedef struct rk_shading_points {
     rk_shading_point points[RK_BATCH_MAX];
 } rk_shading_points;
 
-/* Returns the radiance that the point reflects to the viewer of light from a direction (any
- * length). */
+/* Returns the radiance reflected to the viewer from a light in this direction (any length). */
 static inline rk_vec3 rk_reflected_radiance(const rk_shading *shading,
                                             const rk_shading_point *point, rk_vec3 to_light,
                                             rk_vec3 light)

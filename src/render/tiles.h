@@ -1,5 +1,4 @@
-/* The tiles of a picture: squares of RK_TILE_SIDE pixels, cut off at the right and at the bottom.
- */
+/* The tiles of a picture: squares of RK_TILE_SIDE pixels, clipped at the right and the bottom. */
 #ifndef RK_RENDER_TILES_H
 #define RK_RENDER_TILES_H
 

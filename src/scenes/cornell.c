@@ -2,7 +2,7 @@
  * with a parallelogram light in place of the lamp. Source: "Cornell Box Data", Cornell University
  * Program of Computer Graphics, 1998: lengths in millimetres, x to the left of the picture, y up, z
  * away from the viewer. The lamp hangs .8 mm below the ceiling, so that a ray hits the two at
- * different distances. */
+ * different distances. Declared in scenes/makers.h. */
 #include "scenes/makers.h"
 
 enum { white, red, green, lamp, tall, low, material_count };

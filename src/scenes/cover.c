@@ -1,5 +1,6 @@
 /* All features in one scene: a statue on a rough mirror, between a ball of chrome, a block of glass
- * and a flying ball, below a lamp and optionally the sky. x points to the left of the picture. */
+ * and a flying ball, below a lamp and optionally the sky. x points to the left of the picture.
+ * Declared in scenes/makers.h. */
 #include "scenes/makers.h"
 
 #include <string.h>

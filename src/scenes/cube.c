@@ -1,5 +1,5 @@
 /* The cube, plain and with a letter on each side. Order of sides and materials: -x +x -y +y -z
- * +z. */
+ * +z. Declared in scenes/makers.h. */
 #include "scenes/makers.h"
 
 /* Bits 0, 1, 2 of c give the signs of x, y, z of corner c. Each side begins bottom left as seen

@@ -1,5 +1,6 @@
 /* Scenes that show light behind coloured glass: two thin panes, one in front of the other, and two
- * blocks of the same glass, thin and thick. x points to the left of the picture. */
+ * blocks of the same glass, thin and thick. x points to the left of the picture.
+ * Declared in scenes/makers.h. */
 #include "scenes/makers.h"
 
 rk_material rk_builtin_glass(rk_vec3 colour, float alpha, float thickness)

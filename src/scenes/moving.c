@@ -1,5 +1,5 @@
 /* Moving objects: the teapot and a ball above a floor, each on a path of its own. x points to the
- * left of the picture. */
+ * left of the picture. Declared in scenes/makers.h. */
 #include "scenes/makers.h"
 
 #include <string.h>

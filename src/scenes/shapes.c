@@ -1,4 +1,5 @@
-/* The simplest scenes: a triangle, a sphere, a sphere beside an exact one. */
+/* The simplest scenes: a triangle, a sphere, a sphere beside an exact one.
+ * Declared in scenes/makers.h. */
 #include "scenes/makers.h"
 #include "scenes/ring.h"
 

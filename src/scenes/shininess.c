@@ -1,4 +1,5 @@
-/* Five exact spheres side by side that differ only in shininess: 1, 10, 100, 1000 and 100,000. */
+/* Five exact spheres side by side that differ only in shininess: 1, 10, 100, 1000 and 100,000.
+ * Declared in scenes/makers.h. */
 #include "scenes/makers.h"
 
 bool rk_builtin_make_nothing(rk_mesh *mesh, uint32_t number, rk_error *error)

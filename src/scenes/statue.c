@@ -6,7 +6,8 @@
  * has 2 (n_1 + n_2 + ...) triangles, so N / 2 vertices are distributed over the rings in proportion
  * to their girth. For an odd N the last triangle is missing: scans have holes.
  *
- * Computed with + - * / sqrt in double alone, so that every machine gives the same bits. */
+ * Computed with + - * / sqrt in double alone, so that every machine gives the same bits.
+ * Declared in scenes/makers.h. */
 #include "scenes/makers.h"
 #include "scenes/ring.h"
 #include "scenes/statue_parts.h"

@@ -1,5 +1,5 @@
 /* The relief on the statue's smooth tubes: bony rings and keels, fin rays, knobs, and a scanner's
- * small unevenness. */
+ * small unevenness. Declared in scenes/statue_parts.h. */
 #include "base/random.h"
 #include "scenes/statue_parts.h"
 

@@ -1,4 +1,5 @@
-/* The parts of the statue. The body comes first: it is kept at any size. */
+/* The parts of the statue. The body comes first: it is kept at any size.
+ * Declared in scenes/statue_parts.h. */
 #include "scenes/statue_parts.h"
 
 enum { ochre, coral_red, stone };

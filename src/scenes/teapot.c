@@ -4,7 +4,8 @@
  * scale: J. Blinn divided them by 1.3 for a display with tall pixels, and so they have stayed.
  *
  * Symmetry leaves little to store: body, lid and bottom are profiles rotated about the axis, one
- * patch per quarter; handle and spout are rows of loops, one patch per half loop. */
+ * patch per quarter; handle and spout are rows of loops, one patch per half loop.
+ * Declared in scenes/makers.h. */
 #include "scenes/makers.h"
 
 /* A control point of a profile, and `bend`, which makes a quarter circle of it: the control points

@@ -1,6 +1,6 @@
-/* What does a feature cost that a scene does not need? Here is the renderer with nothing but what a
- * scene of Lambert surfaces and point lights does need: camera rays, nearest hits, shadow rays.
- * `check` counts the instructions that it takes, and those of rk_render for the same picture. */
+/* The cost of features that a scene does not need: a renderer with nothing but the work for Lambert
+ * surfaces and point lights, which is camera rays, closest hits and shadow rays. `check` compares
+ * its number of instructions with that of rk_render for the same picture. */
 #include "render/render.h"
 
 #include "accel/trace.h"
@@ -11,10 +11,10 @@
 #include <stdlib.h>
 #include <string.h>
 
-typedef struct lean_seen {
+typedef struct lean_point {
     rk_surface surface;
     uint16_t pixel;
-} lean_seen;
+} lean_point;
 
 typedef struct lean_tile {
     const rk_scene *scene;
@@ -25,19 +25,19 @@ typedef struct lean_tile {
     uint32_t x, y, width, height;
     rk_ray_batch camera;
     rk_hit_batch hits;
-    uint32_t seen_count;
-    lean_seen seen[RK_BATCH_MAX];
-    uint32_t arriving_count;
-    uint16_t arriving_pixel[RK_BATCH_MAX];
-    rk_vec3 arriving[RK_BATCH_MAX];
+    uint32_t point_count;
+    lean_point points[RK_BATCH_MAX];
+    uint32_t contribution_count;
+    uint16_t contribution_pixel[RK_BATCH_MAX];
+    rk_vec3 contributions[RK_BATCH_MAX];
     rk_ray_batch shadow;
-    rk_occlusion_batch blocked;
+    rk_occlusion_batch occlusion;
     rk_vec3 sum[RK_BATCH_MAX];
 } lean_tile;
 
-static void look(lean_tile *t)
+static void trace_and_shade(lean_tile *t)
 {
-    t->camera.count = t->seen_count = 0;
+    t->camera.count = t->point_count = 0;
     for (uint32_t y = t->y; y < t->y + t->height; y++)
         for (uint32_t x = t->x; x < t->x + t->width; x++) {
             rk_ray ray = rk_view_ray(&t->view, (float)x + 0.5f, (float)y + 0.5f);
@@ -50,23 +50,23 @@ static void look(lean_tile *t)
             continue;
         rk_ray ray = rk_batch_ray(&t->camera, i);
         rk_hit hit = rk_batch_hit(&t->hits, i);
-        t->seen[t->seen_count].pixel = (uint16_t)i;
-        rk_scene_surface(&t->seen[t->seen_count++].surface, t->scene, &ray, &hit);
+        t->points[t->point_count].pixel = (uint16_t)i;
+        rk_scene_surface(&t->points[t->point_count++].surface, t->scene, &ray, &hit);
     }
 }
 
-static void send(lean_tile *t, const rk_light *light)
+static void queue_shadow_rays(lean_tile *t, const rk_light *light)
 {
-    t->arriving_count = t->shadow.count = 0;
-    for (uint32_t i = 0; i < t->seen_count; i++) {
-        const rk_surface *surface = &t->seen[i].surface;
+    t->contribution_count = t->shadow.count = 0;
+    for (uint32_t i = 0; i < t->point_count; i++) {
+        const rk_surface *surface = &t->points[i].surface;
         rk_vec3 to_light = rk_sub(light->position, surface->point);
         float cos_i = rk_dot(surface->normal, rk_normalize(to_light));
         rk_vec3 kd = surface->material->kd;
         if (!(cos_i > 0) || (kd.x == 0 && kd.y == 0 && kd.z == 0))
             continue;
-        t->arriving_pixel[t->arriving_count] = t->seen[i].pixel;
-        t->arriving[t->arriving_count++] = rk_mul(light->colours[0], rk_scale(kd, cos_i));
+        t->contribution_pixel[t->contribution_count] = t->points[i].pixel;
+        t->contributions[t->contribution_count++] = rk_mul(light->colours[0], rk_scale(kd, cos_i));
         if (!t->options->shadows)
             continue;
         rk_vec3 start = rk_surface_spawn(surface, to_light);
@@ -75,25 +75,25 @@ static void send(lean_tile *t, const rk_light *light)
     }
 }
 
-static void arrive(lean_tile *t)
+static void add_unoccluded(lean_tile *t)
 {
     if (t->options->shadows)
-        rk_accel_occluded(t->accel, &t->shadow, &t->blocked, &t->counters);
+        rk_accel_occluded(t->accel, &t->shadow, &t->occlusion, &t->counters);
     t->counters.shadow_rays += t->shadow.count;
-    for (uint32_t i = 0; i < t->arriving_count; i++) {
-        rk_vec3 *sum = &t->sum[t->arriving_pixel[i]];
-        if (!t->options->shadows || !t->blocked.occluded[i])
-            *sum = rk_add(*sum, t->arriving[i]);
+    for (uint32_t i = 0; i < t->contribution_count; i++) {
+        rk_vec3 *sum = &t->sum[t->contribution_pixel[i]];
+        if (!t->options->shadows || !t->occlusion.occluded[i])
+            *sum = rk_add(*sum, t->contributions[i]);
     }
 }
 
 static void render_tile(lean_tile *t, rk_image *image)
 {
     memset(t->sum, 0, sizeof t->sum);
-    look(t);
+    trace_and_shade(t);
     for (uint32_t i = 0; i < t->scene->light_count; i++) {
-        send(t, &t->scene->lights[i]);
-        arrive(t);
+        queue_shadow_rays(t, &t->scene->lights[i]);
+        add_unoccluded(t);
     }
     const rk_vec3 *sum = t->sum;
     for (uint32_t y = 0; y < t->height; y++)

@@ -1,6 +1,6 @@
-/* Wavefront OBJ, one statement per line: v and vn with three numbers, vt with one to three, f with
- * corners v, v/vt, v//vn or v/vt/vn, whose indices count from 1, or backwards from the latest.
- * Format: Wavefront's Advanced Visualizer manual, appendix B1. */
+/* io/mesh_helper/mesh_syntax.h for Wavefront OBJ. One statement per line: v and vn with three
+ * numbers, vt with one to three, f with corners v, v/vt, v//vn or v/vt/vn, whose indices count from
+ * 1, or backwards from the latest. Format: Wavefront's Advanced Visualizer manual, appendix B1. */
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
 

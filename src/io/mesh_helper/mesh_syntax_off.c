@@ -1,6 +1,7 @@
-/* OFF: the word OFF with prefixes that announce texture coordinates, colours and normals, three
- * counts (vertices, faces, edges), one line per vertex, one line per face: its number of corners,
- * their indices from 0, optionally a colour. Format: Geomview manual, "OFF files". */
+/* io/mesh_helper/mesh_syntax.h for OFF: the word OFF with prefixes that announce texture
+ * coordinates, colours and normals, three counts (vertices, faces, edges), one line per vertex, one
+ * line per face: its number of corners, their indices from 0, optionally a colour. Format: Geomview
+ * manual, "OFF files". */
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
 

@@ -1,6 +1,6 @@
-/* PLY: a header that declares elements (vertex, face, ...) with their counts and properties, then
- * the rows, as text or binary. All counts are checked against the rows. Format: Greg Turk, "The PLY
- * Polygon File Format", Stanford University, 1994. */
+/* io/mesh_helper/mesh_syntax.h for PLY: a header that declares elements (vertex, face, ...) with
+ * their counts and properties, then the rows, as text or binary. All counts are checked against the
+ * rows. Format: Greg Turk, "The PLY Polygon File Format", Stanford University, 1994. */
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
 

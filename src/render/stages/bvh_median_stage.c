@@ -1,4 +1,5 @@
-/* A tree is chosen when it is built (accel/accel.h): nothing here is asked of a picture. */
+/* The descriptor alone (render/feature.h): the tree is chosen when it is built (accel/accel.h), so
+ * the renderer has nothing to decide. */
 #include "render/feature.h"
 
 const rk_feature rk_bvh_median_feature = {.stem = "bvh_median"};

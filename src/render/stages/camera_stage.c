@@ -4,7 +4,7 @@
 
 #include <string.h>
 
-/* What is the same for all camera rays of a sample. */
+/* All camera rays of a sample start with the same path, copied in doubling blocks. */
 static void start_paths(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
 {
     paths->path[0] = rk_path_start(pass->sample, r->options->max_depth);
@@ -30,8 +30,8 @@ static rk_ray sampled_ray(const rk_rendering *r, const rk_sample_pass *pass, uin
     return rk_lens_ray(&options->lens, &r->view, (float)x + within.x, (float)y + within.y, xi);
 }
 
-/* Time passes beyond the first are for samples that need a time alone, and go along the same ray:
- * were there others, whether there are any would hang on the first. */
+/* Further time passes take only the samples that need a time, along the same camera ray: with
+ * another ray, whether there are further passes would depend on the first one, a bias. */
 static void push_sampled(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
 {
     const rk_tile *tile = &pass->tile;

@@ -1,4 +1,4 @@
-/* Camera stage: the rays that a pass sends through its pixels. */
+/* Camera stage: the primary rays of a pass. */
 #ifndef RK_RENDER_STAGES_CAMERA_STAGE_H
 #define RK_RENDER_STAGES_CAMERA_STAGE_H
 
@@ -6,8 +6,8 @@
 #include "render/rendering.h"
 #include "render/sample_pass.h"
 
-/* Fills `paths` with a ray for each pixel that the pass samples: through its centre, or a random
- * place of it; from the camera's position, or, out of focus, a random place of the lens. */
+/* Fills `paths` with a ray per pixel of the pass: through its centre or a random point of it; from
+ * the camera's position or, out of focus, a random point of the lens. */
 void rk_camera_stage(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths);
 
 #endif

@@ -1,4 +1,4 @@
-/* Environment stage: paths that hit nothing. */
+/* Environment stage: adds radiance from infinitely far. */
 #ifndef RK_RENDER_STAGES_CUBEMAP_STAGE_H
 #define RK_RENDER_STAGES_CUBEMAP_STAGE_H
 
@@ -8,12 +8,12 @@
 #include "render/path_batch.h"
 #include "render/rendering.h"
 
-/* Adds the environment to the film for all paths of the batch that hit nothing. */
+/* For all paths of the batch that hit nothing. */
 void rk_cubemap_stage(const rk_rendering *r, const rk_path_batch *paths, const rk_hit_batch *hits,
                       rk_film *film, rk_counters *counters);
 
-/* Returns the radiance that path i brings from the environment to its pixel, through transparent
- * surfaces that let this fraction through. */
+/* Returns the environment's contribution to the pixel of path i; `fraction`: of the transparent
+ * surfaces in front of it. */
 rk_vec3 rk_environment_radiance(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
                                 float fraction, rk_counters *counters);
 

@@ -8,8 +8,8 @@
 
 typedef struct coc_job {
     const rk_rendering *r;
-    rk_counters *counters; /* one for each thread */
-    float *diameter;       /* of circles of confusion, in pixels, one for each pixel */
+    rk_counters *counters; /* one per thread */
+    float *diameter;       /* of the circle of confusion of each pixel, pixels */
 } coc_job;
 
 static const rk_material *material_at(const rk_scene *scene, const rk_hit *hit)
@@ -20,7 +20,7 @@ static const rk_material *material_at(const rk_scene *scene, const rk_hit *hit)
                : &scene->sphere_materials[hit->triangle - mesh->triangle_count];
 }
 
-/* A reflection is as far as the whole path, so a sharp mirror needs samples, too. */
+/* A reflection is as far away as the whole path is long, so mirrors in focus need samples, too. */
 static float coc_at(const rk_rendering *r, const rk_ray *ray, const rk_hit *hit)
 {
     float coc = rk_lens_coc_diameter(&r->options->lens, &r->view, ray, hit->t);
@@ -30,7 +30,7 @@ static float coc_at(const rk_rendering *r, const rk_ray *ray, const rk_hit *hit)
     return ks.x > 0 || ks.y > 0 || ks.z > 0 ? rk_max(coc, RK_LENS_COC_MIN) : coc;
 }
 
-/* Of the environment; without one, nothing is there to be blurred. */
+/* Of the environment; without one, black is not blurred. */
 static float coc_at_infinity(const rk_rendering *r, const rk_ray *ray)
 {
     return r->plan.cubemap ? rk_lens_coc_diameter(&r->options->lens, &r->view, ray, INFINITY) : 0;
@@ -41,7 +41,7 @@ static float coc_of_hit(const rk_rendering *r, const rk_ray *ray, const rk_hit *
     return hit->triangle != RK_MISS ? coc_at(r, ray, hit) : coc_at_infinity(r, ray);
 }
 
-/* The largest circle of all hits that show. */
+/* The largest circle of confusion of all visible hits. */
 static float coc_of_visible(const rk_rendering *r, const rk_ray *ray,
                             const rk_visible_hits *visible)
 {
@@ -52,7 +52,7 @@ static float coc_of_visible(const rk_rendering *r, const rk_ray *ray,
     return coc;
 }
 
-/* What moves is seen at the first of its times. */
+/* Moving objects are at the first time of the sample. */
 static void trace_hits(const rk_rendering *r, rk_sample_pass *pass, const rk_path_batch *camera,
                        float *coc)
 {
@@ -77,7 +77,7 @@ static void trace_visible(const rk_rendering *r, rk_sample_pass *pass, const rk_
     }
 }
 
-/* Where a ray needs a time, it may hit something else at other times. */
+/* A ray that needs a time may hit another surface at another time, so its pixel takes samples. */
 static void put_tile(const coc_job *job, const rk_sample_pass *pass, const float *coc)
 {
     const rk_rendering *r = job->r;
@@ -142,16 +142,16 @@ RK_NAMES(rk_focal_surface_names, rk_focal_surface, RK_FOCAL_SPHERE, "plane", "sp
 
 static const rk_option rows[] = {
     {"focal-distance", RK_FIELD(rk_render_options, lens.focal_distance), "D",
-     "what is so far from the camera is sharp, world units", 1e-3, 1e6, 1.8},
+     "distance of the focal surface from the camera, world units", 1e-3, 1e6, 1.8},
     {"focal", RK_CHOICE(rk_render_options, lens.focal, rk_focal_surface_names),
-     "so far along the view, as in photographs, or in any direction", .initial = RK_FOCAL_PLANE},
+     "measured along the view, as in photographs, or along each ray", .initial = RK_FOCAL_PLANE},
     {"aperture", RK_FIELD(rk_render_options, lens.aperture), "A",
-     "diameter of the lens, thousandths of a world unit; 0 is a pinhole", 0, 1e6, 10},
+     "diameter of the lens, thousandths of a world unit; 0: a pinhole", 0, 1e6, 10},
     {"lens-samples", RK_FIELD(rk_render_options, lens_samples), "N",
-     "rays through the lens for each pixel that is out of focus; 0: a pinhole", 0, RK_SAMPLES_MAX,
-     0},
+     "rays through the lens per pixel out of focus; 0: a pinhole", 0, RK_SAMPLES_MAX, 0},
     {"lens-sampling", RK_CHOICE(rk_render_options, lens_sampling, rk_sampler_names),
-     "how they are spread over the lens and the pixel", .initial = RK_SAMPLER_LOW_DISCREPANCY},
+     "distribution of the samples over the lens and the pixel",
+     .initial = RK_SAMPLER_LOW_DISCREPANCY},
     {0},
 };
 

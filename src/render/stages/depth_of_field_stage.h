@@ -1,10 +1,10 @@
-/* Which pixels does the lens blur? A ray through each pixel's centre finds the circle of confusion
- * of the surface that it hits, and where circles reach, the renderer takes lens samples.
+/* Lens stage: finds the pixels that the lens blurs. A ray through each pixel's centre finds the
+ * circle of confusion of the surface that it hits; pixels within a circle take lens samples.
  *
- * Nothing nearer than the focal surface is overlooked: what hides a blurred surface there is nearer
- * still, and has a larger circle. Overlooked is what no centre ray hits: surfaces smaller than a
- * pixel, and those behind the focal surface that sharper ones hide altogether, which a lens sees
- * around their edges. */
+ * No surface in front of the focal surface is missed: anything that hides it is nearer still, and
+ * has a larger circle. Surfaces that no centre ray hits are missed: those smaller than a pixel, and
+ * those behind the focal surface that are hidden by sharper ones but visible from parts of the
+ * lens. */
 #ifndef RK_RENDER_STAGES_DEPTH_OF_FIELD_STAGE_H
 #define RK_RENDER_STAGES_DEPTH_OF_FIELD_STAGE_H
 
@@ -13,12 +13,11 @@
 #include "render/rendering.h"
 #include "render/sample_pass.h"
 
-/* Allocates and fills r->coc_count; `counters`: one for
- * each thread of the pool. */
+/* Allocates and fills r->coc_count; `counters`: one per thread of the pool. */
 bool rk_depth_of_field_prepass(rk_rendering *r, rk_pool *pool, rk_counters *counters,
                                rk_error *error);
 
-/* Is it a pass for this pixel of the picture: in or out of focus, as the pixel is? */
+/* Does the pass take this pixel of the picture: both in focus, or both out of focus? */
 static inline bool rk_is_in_pass(const rk_rendering *r, const rk_sample_pass *pass, uint32_t x,
                                  uint32_t y)
 {

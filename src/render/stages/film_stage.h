@@ -1,4 +1,4 @@
-/* Film stage: a tile's sums become pixels of the picture. */
+/* Film stage: from a tile's sums to pixels of the picture. */
 #ifndef RK_RENDER_STAGES_FILM_STAGE_H
 #define RK_RENDER_STAGES_FILM_STAGE_H
 
@@ -7,7 +7,7 @@
 #include "render/rendering.h"
 #include "render/sample_pass.h"
 
-/* The sums of the pass's pixels become means over its samples. */
+/* Divides the sums of the pass's pixels by its number of samples. */
 void rk_film_mean(const rk_rendering *r, const rk_sample_pass *pass, rk_film *film);
 
 /* Writes the tile's part of the picture. */

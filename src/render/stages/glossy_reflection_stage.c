@@ -23,7 +23,7 @@ static rk_glossy_samples samples_of(const rk_rendering *r, const rk_sample_pass 
     const rk_render_options *options = r->options;
     const rk_path *path = &point->path;
     const rk_sample_index index = rk_sample_index_of(pass, point->pixel);
-    /* Each bounce is a stream of its own. */
+    /* Each bounce has dimensions of its own. */
     uint32_t bounce = options->max_depth - path->bounces_left;
     uint32_t count = path->split ? 1 : options->glossy.samples;
     return (rk_glossy_samples){
@@ -45,7 +45,7 @@ static void draw(rk_glossy_samples *s, uint32_t from)
                      left < RK_GLOSSY_DRAWN ? left : RK_GLOSSY_DRAWN, s->dimension, s->drawn);
 }
 
-/* To be called for one i after the other, from 0. */
+/* Called with i = 0, 1, 2 ...: samples are drawn in runs. */
 static bool direction_of(rk_glossy_samples *s, uint32_t i, rk_vec3 *direction)
 {
     if (i % RK_GLOSSY_DRAWN == 0)
@@ -54,19 +54,19 @@ static bool direction_of(rk_glossy_samples *s, uint32_t i, rk_vec3 *direction)
                                direction);
 }
 
-/* The weight of each direction. How many are above the surface has to be known beforehand, but
- * differs from `count` only where the surface cuts the disk. */
+/* The weight of each direction. Renormalized weights depend on the number of directions above the
+ * surface, which is below `count` only if the surface intersects the disk: only then count them. */
 static float weight_of(rk_glossy_samples *s, rk_glossy_weights weights)
 {
-    float share = rk_glossy_fraction_above(&s->disk);
+    float fraction = rk_glossy_fraction_above(&s->disk);
     uint32_t above = s->count;
-    if (share < 1 && weights == RK_GLOSSY_RENORMALIZED) {
+    if (fraction < 1 && weights == RK_GLOSSY_RENORMALIZED) {
         rk_vec3 direction;
         above = 0;
         for (uint32_t i = 0; i < s->count; i++)
             above += direction_of(s, i, &direction);
     }
-    return rk_glossy_weight(weights, above, s->count, share);
+    return rk_glossy_weight(weights, above, s->count, fraction);
 }
 
 static void start_point(const rk_rendering *r, const rk_sample_pass *pass, rk_specular_queue *queue)
@@ -80,7 +80,7 @@ static void start_point(const rk_rendering *r, const rk_sample_pass *pass, rk_sp
     pass->counters->glossy_samples += queue->samples.count;
 }
 
-/* The rays of the point, from its next sample on. False if there is no room for all of them. */
+/* The rays of the point, from its next sample on. False if the batch is full before the last. */
 static bool spawn_samples(rk_specular_queue *queue, rk_path_batch *reflected)
 {
     const rk_shading_point *point = &queue->waiting.points[queue->next];
@@ -133,19 +133,19 @@ RK_NAMES(rk_disk_map_names, rk_disk_map, RK_DISK_CONCENTRIC, "polar", "concentri
 
 static const rk_option rows[] = {
     {"glossy", RK_FIELD(rk_render_options, glossy.samples), "N",
-     "directions that the first rough mirror on a way sends a ray into; 0: mirrors are perfect", 0,
+     "directions per ray at the first rough mirror of a path; 0: mirrors are perfect", 0,
      RK_SAMPLES_MAX, 0},
     {"glossy-radius", RK_FIELD(rk_render_options, glossy.radius), "R",
-     "of the disk around mirrored directions, at distance 1; negative, and by default, 0.5 over "
-     "the material's shininess",
+     "radius of the disk around the reflected direction, at distance 1; negative, and by default, "
+     "0.5 over the material's shininess",
      -1, 1000, NAN},
     {"glossy-weights", RK_CHOICE(rk_render_options, glossy.weights, rk_glossy_weights_names),
-     "directions that lead into the surface count as black, or not at all",
+     "directions below the surface count as black, or are left out",
      .initial = RK_GLOSSY_RENORMALIZED},
     {"glossy-map", RK_CHOICE(rk_render_options, glossy.map, rk_disk_map_names),
-     "how the disk is filled", .initial = RK_DISK_CONCENTRIC},
+     "map of the unit square to the disk", .initial = RK_DISK_CONCENTRIC},
     {"glossy-sampling", RK_CHOICE(rk_render_options, glossy.sampling, rk_sampler_names),
-     "how directions are spread over it", .initial = RK_SAMPLER_LOW_DISCREPANCY},
+     "distribution of the directions over the disk", .initial = RK_SAMPLER_LOW_DISCREPANCY},
     {0},
 };
 

@@ -1,10 +1,10 @@
-/* Light stage: what all lights of the scene do at a batch of shading points. */
+/* Light stage: adds the light of all lights at a batch of shading points. */
 #ifndef RK_RENDER_STAGES_LIGHT_STAGE_H
 #define RK_RENDER_STAGES_LIGHT_STAGE_H
 
 #include "render/stages/parallelogram_light_stage.h"
 
-/* Room to work in. */
+/* Scratch memory, per thread. */
 typedef struct rk_light_workspace {
     rk_shadow_queue queue;
     rk_shadow_answers answers;

@@ -1,8 +1,6 @@
 #include "render/stages/motion_blur_stage.h"
 
-#include <string.h>
-
-/* Where all rays have the same: when the shutter opens, or the single time that is asked for. */
+/* If all rays have the same: when the shutter opens, or options->motion.isolate. */
 static float common_time(const rk_motion_options *motion)
 {
     return isnan(motion->isolate)
@@ -10,34 +8,8 @@ static float common_time(const rk_motion_options *motion)
                : rk_shutter_equidistant(&motion->shutter, motion->isolate, motion->samples);
 }
 
-void rk_motion_blur_prepare(rk_rendering *r)
-{
-    const rk_motion_options *motion = &r->options->motion;
-    rk_shutter shutter = motion->shutter;
-    if (!isnan(motion->isolate))
-        shutter.open = shutter.close = common_time(motion);
-    for (uint32_t i = 0; i < r->scene->moving_count; i++) {
-        const rk_box *rest = &r->accel->moving[i].nodes[0].box;
-        r->swept[i] = rk_motion_sweep(&r->scene->moving[i].motion, &shutter, rest);
-    }
-}
-
-uint32_t rk_time_passes(const rk_plan *plan, const rk_render_options *options, uint32_t samples)
-{
-    uint64_t times = options->motion.samples;
-    return plan->time_samples ? (uint32_t)((times + samples - 1) / samples) : 1;
-}
-
-void rk_motion_blur_start_pass(rk_sample_pass *pass)
-{
-    memset(pass->has_time, 0, sizeof pass->has_time);
-    if (pass->time_pass > 0)
-        return;
-    memset(pass->needs_time, 0, sizeof pass->needs_time);
-    memset(pass->camera_needs_time, 0, sizeof pass->camera_needs_time);
-}
-
-/* Whether a sample needs a time is worth a closer look, once. */
+/* A box test suffices for most rays. But a sample that needs a time costs further passes, so before
+ * the first of them the ray is tested against the boxes of leaves, too. */
 static bool may_reach(const rk_rendering *r, const rk_sample_pass *pass, uint32_t pixel,
                       uint32_t object, const rk_slabs *ray, float t_max)
 {
@@ -61,15 +33,15 @@ static uint16_t reachable_objects(const rk_rendering *r, rk_sample_pass *pass, u
     return objects;
 }
 
-/* The sample's own, drawn if need be. */
+/* Of the pixel's sample, drawn if this is the first ray that needs it. */
 static float time_of(const rk_rendering *r, rk_sample_pass *pass, uint32_t pixel)
 {
     const rk_motion_options *motion = &r->options->motion;
     if (!pass->has_time[pixel]) {
+        uint32_t key = rk_picture_pixel(pass, r->options->width, pixel);
         pass->has_time[pixel] = true;
         pass->time[pixel] = rk_shutter_time(&motion->shutter, motion->sampling, r->options->seed,
-                                            rk_picture_pixel(pass, r->options->width, pixel),
-                                            pass->time_pass * pass->samples + pass->sample,
+                                            key, pass->time_pass * pass->samples + pass->sample,
                                             pass->time_passes * pass->samples);
         pass->counters->time_samples++;
     }
@@ -101,21 +73,6 @@ void rk_motion_blur_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_
     }
 }
 
-void rk_motion_blur_move(const rk_rendering *r, float time, uint32_t triangle, rk_surface *surface)
-{
-    uint32_t object = rk_scene_moving_object(r->scene, triangle);
-    if (object != RK_MISS)
-        rk_surface_move(surface, rk_motion_offset(&r->scene->moving[object].motion, time));
-}
-
-void rk_motion_blur_average(const rk_sample_pass *pass, const rk_film *before, rk_film *film)
-{
-    for (uint32_t i = 0; i < pass->tile.width * pass->tile.height; i++)
-        if (pass->needs_time[i])
-            film->sum[i] = rk_madd(before->sum[i], rk_sub(film->sum[i], before->sum[i]),
-                                   1 / (float)pass->time_passes);
-}
-
 /* --- The feature ----------------------------------------------------------------------------- */
 
 RK_NAMES(rk_time_sampling_names, rk_time_sampling, RK_TIME_LOW_DISCREPANCY, "equidistant",
@@ -123,28 +80,35 @@ RK_NAMES(rk_time_sampling_names, rk_time_sampling, RK_TIME_LOW_DISCREPANCY, "equ
 
 static const rk_option rows[] = {
     {"shutter-open", RK_FIELD(rk_render_options, motion.shutter.open), "X",
-     "when the shutter opens; what moves is then at (X, y(X), 0) from where it rests", -1e6, 1e6,
-     0},
+     "when the shutter opens; moving objects are then displaced by (X, y(X), 0)", -1e6, 1e6, 0},
     {"shutter-close", RK_FIELD(rk_render_options, motion.shutter.close), "X", "when it closes",
      -1e6, 1e6, 0.05},
     {"time-samples", RK_FIELD(rk_render_options, motion.samples), "N",
-     "times that a pixel's --samples see together, where motion may change them; 0: everything "
-     "rests",
+     "times per pixel, over all of its --samples, where motion may change them; 0: everything "
+     "is at rest",
      0, RK_SAMPLES_MAX, 0},
     {"time-sampling", RK_CHOICE(rk_render_options, motion.sampling, rk_time_sampling_names),
-     "how times are spread; equidistant ones are the same for all pixels",
+     "distribution of the times; equidistant ones are the same for all pixels",
      .initial = RK_TIME_STRATIFIED},
     {"isolate", RK_FIELD(rk_render_options, motion.isolate), "K",
-     "show the equidistant time K of --time-samples alone; below 1 or above N it lies before or "
-     "after the shutter",
+     "render the equidistant time K of --time-samples alone; below 1 or above N it lies before "
+     "or after the shutter interval",
      -1e6, 1e6, NAN},
     {0},
 };
 
+/* The boxes that moving objects sweep while the shutter is open. */
 static bool prepare(rk_rendering *r, rk_error *error)
 {
     (void)error;
-    rk_motion_blur_prepare(r);
+    const rk_motion_options *motion = &r->options->motion;
+    rk_shutter shutter = motion->shutter;
+    if (!isnan(motion->isolate))
+        shutter.open = shutter.close = common_time(motion);
+    for (uint32_t i = 0; i < r->scene->moving_count; i++) {
+        const rk_box *rest = &r->accel->moving[i].nodes[0].box;
+        r->swept[i] = rk_motion_sweep(&r->scene->moving[i].motion, &shutter, rest);
+    }
     return true;
 }
 
@@ -157,7 +121,7 @@ static bool check(const rk_render_options *options, rk_error *error)
 {
     const rk_shutter *shutter = &options->motion.shutter;
     return shutter->open <= shutter->close ||
-           rk_fail(error, "the shutter opens at x = %g, behind x = %g, where it closes",
+           rk_fail(error, "the shutter opens at x = %g, after it closes at x = %g",
                    (double)shutter->open, (double)shutter->close);
 }
 
@@ -173,7 +137,7 @@ static bool check_command(const rk_render_options *options, rk_error *error)
 
 const rk_feature rk_motion_blur_feature = {.stem = "motion_blur",
                                            .options = rows,
-                                           .takes = "--time-samples and something that moves",
+                                           .takes = "--time-samples and a moving object",
                                            .wanted = wanted,
                                            .prepare = prepare,
                                            .check = check,

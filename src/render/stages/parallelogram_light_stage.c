@@ -14,22 +14,23 @@ static void start(const rk_shading_points *points, rk_light_sums *sums)
     }
 }
 
-/* The random point of the light for one of a shading point's samples. */
+/* The random number for one of a shading point's samples. */
 static rk_vec2 place_on_light(const rk_rendering *r, const rk_sample_pass *pass,
                               const rk_shading_point *point, uint32_t light, uint32_t sample)
 {
-    /* Each bounce is a stream of its own, which all rays of a pixel share. */
+    /* Each bounce and light has dimensions of its own; all paths of a pixel are one set of samples.
+     */
     const rk_light_options *options = &r->options->light;
     const rk_path *path = &point->path;
     const rk_sample_index index = rk_sample_index_of(pass, point->pixel);
     uint32_t bounce = r->options->max_depth - path->bounces_left;
     uint32_t paths = index.samples * (path->split ? r->options->glossy.samples : 1);
+    uint32_t pixel = rk_picture_pixel(pass, r->options->width, point->pixel);
+    uint32_t first = index.dimension + RK_DIMENSION_LIGHT;
     const rk_sampler sampler = {options->sampling, r->options->seed, paths * options->samples};
     pass->counters->light_samples++;
-    return rk_sample_2d(&sampler, rk_picture_pixel(pass, r->options->width, point->pixel),
-                        path->sample * options->samples + sample,
-                        index.dimension + RK_DIMENSION_LIGHT +
-                            2 * (bounce * RK_LIGHTS_MAX + light));
+    return rk_sample_2d(&sampler, pixel, path->sample * options->samples + sample,
+                        first + 2 * (bounce * RK_LIGHTS_MAX + light));
 }
 
 static rk_light_sample light_sample(const rk_rendering *r, const rk_sample_pass *pass,
@@ -43,7 +44,7 @@ static rk_light_sample light_sample(const rk_rendering *r, const rk_sample_pass 
     return rk_light_sample_at(light, options->falloff, options->domain, point->surface.point, xi);
 }
 
-/* A contribution whose point is not decided waits for its shadow ray. */
+/* Contributions of undecided points wait for their shadow rays; others count at once. */
 static void queue_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
                               const rk_shading_points *points, uint32_t index, uint32_t sample,
                               rk_light_sums *sums, rk_shadow_queue *queue)
@@ -96,7 +97,8 @@ static void early_out(const rk_shading_points *points, rk_light_sums *sums)
             sums->visibility[i] = sums->unoccluded[i] ? RK_LIGHT_UNOCCLUDED : RK_LIGHT_OCCLUDED;
 }
 
-/* The ratio estimator needs the closed form: of Lambert's law, for a light of one colour. */
+/* The ratio estimator needs the closed form, which exists for Lambert's law and a light of one
+ * colour. */
 static bool has_closed_form(const rk_rendering *r, const rk_light *light)
 {
     return r->options->light.ratio && r->options->shading.model == RK_SHADING_LAMBERT &&
@@ -155,17 +157,16 @@ RK_NAMES(rk_light_falloff_names, rk_light_falloff, RK_FALLOFF_PHYSICAL, "none", 
 
 static const rk_option rows[] = {
     {"light-samples", RK_FIELD(rk_render_options, light.samples), "N",
-     "points on a light with an extent, for each point that it may shine on", 1, RK_SAMPLES_MAX,
-     16},
+     "samples per light with an extent and shading point", 1, RK_SAMPLES_MAX, 16},
     {"light-sampling", RK_CHOICE(rk_render_options, light.sampling, rk_sampler_names),
-     "how they are spread over the light", .initial = RK_SAMPLER_LOW_DISCREPANCY},
+     "distribution of the samples over the light", .initial = RK_SAMPLER_LOW_DISCREPANCY},
     {"light-domain", RK_CHOICE(rk_render_options, light.domain, rk_light_domain_names),
-     "spread evenly over the light, or over the directions to it", .alias = "light-map"},
+     "samples are uniform over the light's area, or over its solid angle", .alias = "light-map"},
     {"falloff", RK_CHOICE(rk_render_options, light.falloff, rk_light_falloff_names),
-     "does light get weaker with distance and slant?"},
+     "does light decrease with distance and slant?"},
     {"ratio", RK_FIELD(rk_render_options, light.ratio), NULL,
-     "unshadowed light by its closed form, times the share that is seen; for a parallelogram of "
-     "one colour with --falloff physical and Lambert's law"},
+     "ratio estimator: unshadowed light in closed form, times the sampled ratio; for a "
+     "parallelogram of one colour with --falloff physical and Lambert's law"},
     {"early-out", RK_FIELD(rk_render_options, light.early_out), "N",
      "stop after this many shadow rays if all or none of them are occluded; 0: trace all", 0,
      RK_SAMPLES_MAX, RK_LIGHT_EARLY_OUT, .alias = "settle"},
@@ -194,6 +195,6 @@ static uint32_t samples(const rk_scene *scene, const rk_render_options *options)
 
 const rk_feature rk_parallelogram_light_feature = {.stem = "parallelogram_light",
                                                    .options = rows,
-                                                   .takes = "a light that is more than a point",
+                                                   .takes = "a light that is not a point",
                                                    .wanted = wanted,
                                                    .samples = samples};

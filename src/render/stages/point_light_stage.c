@@ -13,7 +13,8 @@ static void add_all(const rk_rendering *r, const rk_shading_points *points, rk_l
     const rk_shading_point *end = points->points + points->count;
     for (const rk_shading_point *point = points->points; point < end; point++) {
         rk_vec3 to_light = rk_sub(light.position, point->surface.point);
-        add_unoccluded(point, rk_reflected_radiance(shading, point, to_light, light.colour), film);
+        rk_vec3 contribution = rk_reflected_radiance(shading, point, to_light, light.colour);
+        add_unoccluded(point, contribution, film);
     }
 }
 

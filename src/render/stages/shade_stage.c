@@ -1,9 +1,17 @@
 #include "render/stages/shade_stage.h"
 
+#include "features/motion_blur.h"
 #include "render/stages/cubemap_stage.h"
-#include "render/stages/motion_blur_stage.h"
 
-/* `time` is read with plan.motion_blur alone. */
+/* Moves a hit surface from its object's rest position to that at this time. */
+static void move_surface(const rk_scene *scene, float time, uint32_t triangle, rk_surface *surface)
+{
+    uint32_t object = rk_scene_moving_object(scene, triangle);
+    if (object != RK_MISS)
+        rk_surface_move(surface, rk_motion_offset(&scene->moving[object].motion, time));
+}
+
+/* Inlined into both callers, because it runs per hit. `time` is read only with plan.motion_blur. */
 __attribute__((always_inline)) static inline void
 shading_point_at(rk_shading_point *point, const rk_rendering *r, const rk_path_batch *paths,
                  uint32_t i, const rk_hit *hit, const float *time)
@@ -11,7 +19,7 @@ shading_point_at(rk_shading_point *point, const rk_rendering *r, const rk_path_b
     rk_ray ray = rk_batch_ray(&paths->rays, i);
     rk_scene_surface(&point->surface, r->scene, &ray, hit);
     if (r->plan.motion_blur)
-        rk_motion_blur_move(r, *time, hit->triangle, &point->surface);
+        move_surface(r->scene, *time, hit->triangle, &point->surface);
     point->kd = point->surface.material->kd;
     if (r->plan.textures)
         point->kd = rk_surface_kd(&point->surface, &r->scene->mesh);
@@ -50,7 +58,7 @@ void rk_shade_stage(const rk_rendering *r, const rk_path_batch *paths, const rk_
     points->count = (uint32_t)(point - points->points);
 }
 
-/* Shades what shows of the path that was traced last. False if there is no room for all of it. */
+/* Shades the visible hits of the path traced last. False if the batch is full before the last. */
 static bool shade_visible(const rk_rendering *r, const rk_path_batch *paths,
                           rk_shading_cursor *cursor, rk_shading_points *points)
 {

@@ -1,4 +1,4 @@
-/* Shade stage: hits become shading points. */
+/* Shade stage: from hits to shading points. */
 #ifndef RK_RENDER_STAGES_SHADE_STAGE_H
 #define RK_RENDER_STAGES_SHADE_STAGE_H
 
@@ -9,28 +9,28 @@
 #include "render/shading_point.h"
 #include "render/stages/transparency_stage.h"
 
-/* One shading point for each hit of the batch. */
+/* One shading point per hit of the batch. */
 void rk_shade_stage(const rk_rendering *r, const rk_path_batch *paths, const rk_hit_batch *hits,
                     const rk_ray_times *times, rk_shading_points *points);
 
-/* How far a batch with transparent surfaces is shaded. */
+/* Position in a batch that is shaded in several rounds, because of transparent surfaces. */
 typedef struct rk_shading_cursor {
-    uint32_t path;           /* the next one to be traced */
-    uint32_t hit;            /* the next one of those below to be shaded */
-    rk_visible_hits visible; /* of the path before */
+    uint32_t path;           /* next path to be traced */
+    uint32_t hit;            /* next of the visible hits to be shaded */
+    rk_visible_hits visible; /* of path - 1 */
 } rk_shading_cursor;
 
-/* The next RK_BATCH_MAX shading points of the batch, or all that are left: a path passes several
- * transparent surfaces. Each path is traced when its first point is due, and what the environment
- * adds behind them all goes to the film. */
+/* The next shading points of the batch, up to RK_BATCH_MAX: a path may have one on each of several
+ * transparent surfaces. Traces each path when its first point is due, and adds the environment
+ * behind all surfaces to the film. */
 void rk_shade_transparent_stage(const rk_rendering *r, rk_sample_pass *pass,
                                 const rk_path_batch *paths, rk_shading_cursor *cursor,
                                 rk_shading_points *points, rk_film *film);
 
-/* The point where path i hits at `time` (which counts only with plan.motion_blur); */
+/* The shading point of a hit of path i at `time`, which is read only with plan.motion_blur. */
 void rk_shading_point_at(rk_shading_point *point, const rk_rendering *r, const rk_path_batch *paths,
                          uint32_t i, const rk_hit *hit, float time);
-/* or at hit k of those that show. */
+/* The same for visible hit k, with its part of the throughput. */
 void rk_shading_point_behind(rk_shading_point *point, const rk_rendering *r,
                              const rk_path_batch *paths, uint32_t i, const rk_visible_hits *visible,
                              uint32_t k);

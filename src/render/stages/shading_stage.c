@@ -5,9 +5,9 @@ RK_NAMES(rk_shading_model_names, rk_shading_model, RK_SHADING_GRADIENT, "off", "
 
 static const rk_option rows[] = {
     {"shading", RK_CHOICE(rk_render_options, shading.model, rk_shading_model_names),
-     "how surfaces answer light", .initial = RK_SHADING_LAMBERT},
+     "how surfaces reflect light", .initial = RK_SHADING_LAMBERT},
     {"normalized", RK_FIELD(rk_render_options, shading.normalized), NULL,
-     "no surface sends back more light than it gets"},
+     "scale the model so that no surface reflects more light than arrives"},
     {0},
 };
 

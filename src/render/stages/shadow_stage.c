@@ -1,6 +1,25 @@
 #include "render/stages/shadow_stage.h"
 
-#include "render/stages/trace_stage.h"
+#include "accel/trace.h"
+#include "accel/trace_moving.h"
+#include "render/stages/motion_blur_stage.h"
+#include "render/stages/trace_transparent.h"
+
+static void trace_occlusion(const rk_rendering *r, rk_sample_pass *pass, const rk_ray_batch *rays,
+                            const uint16_t *pixels, rk_occlusion_batch *answers)
+{
+    if (!r->plan.motion_blur) {
+        rk_accel_occluded(r->accel, rays, answers, pass->counters);
+        return;
+    }
+    float t_max[RK_BATCH_MAX];
+    rk_ray_times times;
+    rk_accel_occluded_still(r->accel, rays, answers, pass->counters);
+    for (uint32_t i = 0; i < rays->count; i++)
+        t_max[i] = answers->occluded[i] ? 0 : rays->t_max[i];
+    rk_motion_blur_stage(r, pass, rays, pixels, false, t_max, &times);
+    rk_accel_occluded_moving(r->accel, rays, &times, answers, pass->counters);
+}
 
 static void attenuate(const rk_rendering *r, rk_sample_pass *pass, const rk_shadow_queue *queue,
                       rk_shadow_answers *answers)
@@ -19,5 +38,5 @@ void rk_shadow_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_shado
     if (r->plan.transparency)
         attenuate(r, pass, queue, answers);
     else
-        rk_trace_occlusion(r, pass, &queue->rays, queue->pixel, &answers->occlusion);
+        trace_occlusion(r, pass, &queue->rays, queue->pixel, &answers->occlusion);
 }

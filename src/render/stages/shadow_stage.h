@@ -1,4 +1,4 @@
-/* Shadow stage: how much of the light that is on its way to shading points arrives? */
+/* Shadow stage: traces shadow rays to lights. */
 #ifndef RK_RENDER_STAGES_SHADOW_STAGE_H
 #define RK_RENDER_STAGES_SHADOW_STAGE_H
 
@@ -6,15 +6,15 @@
 #include "render/sample_pass.h"
 #include "render/shading_point.h"
 
-/* Shadow rays of a batch of shading points, and for each of them: */
+/* Shadow rays of a batch of shading points, with these data for each: */
 typedef struct rk_shadow_queue {
     rk_ray_batch rays;                  /* from the point, t = 0, to the light, t = 1 */
-    uint16_t point[RK_BATCH_MAX];       /* its index */
-    uint16_t pixel[RK_BATCH_MAX];       /* its pixel */
-    rk_vec3 contribution[RK_BATCH_MAX]; /* radiance that it reflects if all the light arrives */
+    uint16_t point[RK_BATCH_MAX];       /* index among the shading points */
+    uint16_t pixel[RK_BATCH_MAX];       /* of the tile */
+    rk_vec3 contribution[RK_BATCH_MAX]; /* radiance to the pixel if unoccluded */
 } rk_shadow_queue;
 
-/* The answers, entry for entry. */
+/* The results, entry for entry. */
 typedef struct rk_shadow_answers {
     rk_occlusion_batch occlusion;
     rk_vec3 transmittance[RK_BATCH_MAX]; /* set only with plan.transparency */
@@ -36,7 +36,7 @@ static inline void rk_queue_shadow_ray(rk_shadow_queue *queue, const rk_shading_
 void rk_shadow_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_shadow_queue *queue,
                      rk_shadow_answers *answers);
 
-/* Returns the contribution of ray k as far as it arrives; it is not occluded. */
+/* Returns the contribution of ray k, which is not occluded, times its transmittance. */
 static inline rk_vec3 rk_unoccluded(const rk_rendering *r, const rk_shadow_queue *queue,
                                     const rk_shadow_answers *answers, uint32_t k)
 {

@@ -1,6 +1,6 @@
 #include "render/stages/transparency_stage.h"
 
-#include "render/stages/trace_stage.h"
+#include "render/stages/trace_transparent.h"
 
 void rk_transparency_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_path_batch *paths,
                            uint32_t i, rk_visible_hits *visible)
@@ -22,9 +22,9 @@ RK_NAMES(rk_glass_model_names, rk_glass_model, RK_GLASS_BEER_LAMBERT, "multiplic
 
 static const rk_option rows[] = {
     {"transparency", RK_FIELD(rk_render_options, transparency), NULL,
-     "glass shows what is behind it, and tints its shadows"},
+     "surfaces with an opacity below 1 transmit light, and their shadows are coloured"},
     {"glass", RK_CHOICE(rk_render_options, glass, rk_glass_model_names),
-     "how glass tints its shadows", .initial = RK_GLASS_ORDERED},
+     "model of coloured shadows", .initial = RK_GLASS_ORDERED},
     {0},
 };
 

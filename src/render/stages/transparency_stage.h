@@ -1,4 +1,4 @@
-/* Transparency: the hits of one path that show in its pixel, one behind the other. */
+/* Transparency stage: the visible hits of a path, one behind the other. */
 #ifndef RK_RENDER_STAGES_TRANSPARENCY_STAGE_H
 #define RK_RENDER_STAGES_TRANSPARENCY_STAGE_H
 
@@ -11,9 +11,9 @@
 typedef struct rk_visible_hits {
     uint32_t count;
     rk_hit hits[RK_MAX_DEPTH + 1];
-    float weights[RK_MAX_DEPTH + 1]; /* fraction of the pixel that is its colour; may be 0 */
-    float behind; /* fraction of the environment: 0 behind something opaque, and where the path may
-                     not go on that far */
+    float weights[RK_MAX_DEPTH +
+                  1]; /* fraction of the radiance that reaches the ray's origin; may be 0 */
+    float behind; /* fraction of the environment; 0 behind an opaque surface or beyond max_depth */
     float time;   /* see rk_ray_times */
 } rk_visible_hits;
 

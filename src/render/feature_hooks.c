@@ -1,24 +1,8 @@
-#include "render/feature.h"
+#include "render/feature_hooks.h"
 
-#include "render/rendering.h"
+#include "render/feature_list.h"
 
-const rk_feature *const rk_features[RK_FEATURE_COUNT] = {
-#define RK_FEATURE(stem) &rk_##stem##_feature,
-#include "features/list.h"
-#undef RK_FEATURE
-};
-
-bool rk_plan_has(const rk_plan *plan, uint32_t feature)
-{
-    const bool bits[] = {
-#define RK_FEATURE(stem) plan->stem,
-#include "features/list.h"
-#undef RK_FEATURE
-    };
-    return bits[feature];
-}
-
-static bool prepare_all(rk_rendering *r, rk_error *error)
+bool rk_features_prepare(rk_rendering *r, rk_error *error)
 {
     for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
         if (rk_features[i]->prepare && rk_plan_has(&r->plan, i) &&
@@ -27,10 +11,8 @@ static bool prepare_all(rk_rendering *r, rk_error *error)
     return true;
 }
 
-bool rk_features_prepare(rk_rendering *r, rk_pool *pool, rk_counters *counters, rk_error *error)
+bool rk_features_prepass(rk_rendering *r, rk_pool *pool, rk_counters *counters, rk_error *error)
 {
-    if (!prepare_all(r, error))
-        return false;
     for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
         if (rk_features[i]->prepass && rk_plan_has(&r->plan, i) &&
             !rk_features[i]->prepass(r, pool, counters, error))

@@ -1,0 +1,41 @@
+#include "render/stages/trace_transparent.h"
+
+#include "render/stages/motion_blur_stage.h"
+
+/* Crossings with moving objects, after those with static surfaces, which may end the ray early. */
+static rk_ray_time gather_moving(const rk_rendering *r, rk_sample_pass *pass, const rk_ray *ray,
+                                 uint32_t pixel, bool from_camera, bool until_opaque,
+                                 rk_crossing_list *list)
+{
+    rk_ray_time when = {NAN, 0};
+    if (!r->plan.motion_blur) {
+        rk_crossings_gather_at_rest(r->accel, ray, until_opaque, list, pass->counters);
+        return when;
+    }
+    float t_max = rk_transparency_end(list, ray->t_max);
+    when = rk_motion_blur_ray_time(r, pass, pixel, from_camera, ray, t_max);
+    rk_crossings_gather_moving(r->accel, ray, &when, until_opaque, list, pass->counters);
+    return when;
+}
+
+rk_ray_time rk_trace_crossings(const rk_rendering *r, rk_sample_pass *pass,
+                               const rk_path_batch *paths, uint32_t i, rk_crossing_list *list)
+{
+    const rk_path *path = &paths->path[i];
+    rk_ray ray = rk_batch_ray(&paths->rays, i);
+    rk_transparency_start(list, path->bounces_left + 1u);
+    rk_crossings_gather_still(r->accel, &ray, false, list, pass->counters);
+    return gather_moving(r, pass, &ray, paths->pixel[i],
+                         rk_path_is_from_camera(path, r->options->max_depth), false, list);
+}
+
+rk_vec3 rk_trace_transmittance(const rk_rendering *r, rk_sample_pass *pass, const rk_ray *ray,
+                               uint32_t pixel)
+{
+    rk_crossing_list list;
+    rk_transparency_start(&list, RK_CROSSINGS_MAX);
+    rk_crossings_gather_still(r->accel, ray, true, &list, pass->counters);
+    if (!rk_crossings_are_opaque(&list))
+        gather_moving(r, pass, ray, pixel, false, true, &list);
+    return rk_crossings_transmittance(&list, ray, r->options->glass);
+}

@@ -1,0 +1,92 @@
+#!/bin/sh
+# Includes go up only: a folder of src uses those named after it below, headers do not include each
+# other in a circle, and a reader finds each function in the file that is named like its header.
+set -u
+[ "${1-}" != --list ] || exit 0 # the test driver asks for test names; there is nothing to choose from
+cd "${srcdir:-.}/src" || exit 1
+
+# folder: the folders that it may include
+allowed="base:
+scene: base
+io: base scene
+scenes: base scene
+features: base scene
+accel: base scene features
+render: base scene features accel
+post: base scene features accel render
+driver: base scene io scenes features accel render post"
+
+includes() {
+    find . -name '*.[ch]' | LC_ALL=C sort | xargs awk '
+        match($0, /^#include "[^"]+"/) {
+            print substr(FILENAME, 3), FNR, substr($0, RSTART + 10, RLENGTH - 11)
+        }'
+}
+
+only_upwards() {
+    includes | awk -v allowed="$allowed" '
+        BEGIN {
+            count = split(allowed, rows, "\n")
+            for (i = 1; i <= count; i++) {
+                folder = rows[i]; sub(/:.*/, "", folder)
+                known[folder] = 1
+                names = split(rows[i], name, " ")
+                for (k = 2; k <= names; k++) may[folder, name[k]] = 1
+            }
+        }
+        {
+            from = $1; to = $3
+            if (!sub(/\/.*/, "", from)) next # raykit.h includes everything
+            sub(/\/.*/, "", to)
+            if (!(from in known)) {
+                print "src/" $1 ":" $2 ": the folder " from " is not in the table of tests/test_includes.sh; add it"
+            } else if (from != to && !((from, to) in may)) {
+                print "src/" $1 ":" $2 ": " from " may not include " $3 "; move what is used there into a folder that both may include"
+            }
+        }'
+}
+
+# Depth-first from each header: one that is still open closes a circle.
+no_circles() {
+    includes | awk '
+        function visit(file, way, i) {
+            if (state[file] == "done") return
+            if (state[file] == "open") {
+                print "src/" way file ": headers in a circle; declare a struct in one instead of including its header"
+                return
+            }
+            state[file] = "open"
+            for (i = 1; i <= count[file]; i++) visit(uses[file, i], way file " -> ")
+            state[file] = "done"
+        }
+        $1 ~ /\.h$/ { uses[$1, ++count[$1]] = $3; files[$1] }
+        END { for (file in files) visit(file, "") }'
+}
+
+# X.c belongs to X.h. A unit of several files says so: their first comments name its header.
+own_headers() {
+    find . -name '*.c' | LC_ALL=C sort | while read -r file; do
+        file=${file#./}
+        [ ! -e "${file%.c}.h" ] && ! grep -q '^int main(' "$file" || continue
+        header=$(awk '{ print } /\*\// { exit }' "$file" | grep -o '[a-z_]*/[a-z_/]*\.h' | head -n 1)
+        [ -n "$header" ] && [ -e "$header" ] ||
+            echo "src/$file:1: there is no src/${file%.c}.h; add it, or name in the first comment the header that it implements"
+    done
+}
+
+number=0
+check() {
+    number=$((number + 1))
+    complaints=$("$1")
+    if [ -z "$complaints" ]; then
+        echo "ok $number - $2"
+    else
+        echo "$complaints" | sed 's/^/# /'
+        echo "not ok $number - $2"
+    fi
+}
+
+echo 1..3
+check only_upwards "includes go up only"
+check no_circles "headers form no circle"
+check own_headers "each file has its header"
