@@ -66,6 +66,7 @@ static void the_printed_colour_is_the_rendered_one(void **state)
             test_scene_light(&scene, rk_vec(-3, 0, -1), rk_vec(0.5f, 0, 0.25f));
             rk_render_options options = size_of(19, 13, shadows);
             options.reflections = options.transparency = shadows;
+            options.ambient_occlusion.intensity = shadows ? 0.25f : 0;
             test_picture picture = test_render(&scene, options, 1);
             for (uint32_t y = 0; y < options.height; y++)
                 for (uint32_t x = 0; x < options.width; x++) {

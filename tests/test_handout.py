@@ -170,7 +170,7 @@ def what_the_kit_has_in_common_is_told(pack):
     said = "\n".join(leak_check.prove(SOURCE, pack, FEATURES, [FEATURE]))
     check("src/accel/packet.c:" in said and "in other words" in said, "the packing says so", said)
     alike = ("depth_of_field", "a step", "src/features/glossy_reflection.c", "static rk_vec2 concentric(")
-    with mock.patch.object(proof, "SAME_STEPS", [alike]):
+    with mock.patch.object(leak_check, "SAME_STEPS", [alike]):
         check(leak_check.steps_elsewhere(SOURCE, [lens]), "what another feature's solution tells is found")
         check(not leak_check.steps_elsewhere(SOURCE, [lens, glossy]), "two that are handed out together do not tell of each other")
 

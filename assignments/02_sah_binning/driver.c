@@ -12,8 +12,8 @@ static const char summary[] =
 static const rk_option options[] = {
     RK_TREE_VIEW_OPTIONS(choices, tree),
     {"node", RK_FIELD(choices, node), "N",
-     "whose splits are drawn: 0 is the root, parents come before children, left before right", 0,
-     UINT32_MAX - 1, 0},
+     "node whose splits are drawn: 0 is the root, parents come before children, left before right",
+     0, UINT32_MAX - 1, 0},
     {"candidate", RK_FIELD(choices, candidate), "K",
      "split drawn by --debug bad-split, as --debug candidates numbers them; by default the most "
      "expensive",

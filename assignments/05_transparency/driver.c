@@ -5,7 +5,7 @@
 #include <stdio.h>
 
 static const char summary[] =
-    "Renders a scene with glass (--transparency; --shadows as --glass says).\n"
+    "Renders a scene with glass (--transparency; --shadows are coloured by --glass).\n"
     "--debug rays shows the path of the ray of --pixel from beside the camera.\n"
     "--models puts the light through a few panes and blocks into a table.";
 
@@ -76,8 +76,9 @@ static const rk_option options[] = {
     {"alpha", RK_FIELD(choices, alpha), "A",
      "opacity of all materials, 1 is opaque; by default their own", 0, 1, NAN},
     {"absorption", RK_FIELD(choices, absorption), "S",
-     "of all materials: white minus their colour, times S per world unit; by default their own", 0,
-     1e6, NAN},
+     "absorption of all materials: white minus their colour, times S per world unit; by default "
+     "their own",
+     0, 1e6, NAN},
     RK_SIDE_VIEW_OPTIONS(choices, viewer),
     {"models", RK_FIELD(choices, models), NULL,
      "put the light by each model into DIR/tables/transparency_models.csv instead of drawing"},

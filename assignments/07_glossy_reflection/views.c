@@ -119,7 +119,7 @@ static void put_ring(const rk_image *image, float x, float y, float inner, float
         }
 }
 
-/* The unit disk, point from the mirror; with --pixel, samples below the surface are grey. */
+/* The unit disk, seen from the mirror; with --pixel, samples below the surface are grey. */
 bool draw_dots(rk_driver *driver, rk_error *error)
 {
     const rk_image *image = &driver->image;

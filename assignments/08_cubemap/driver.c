@@ -63,8 +63,8 @@ static bool save(rk_driver *driver, rk_error *error)
 
 static const rk_option options[] = {
     {"mirror", RK_FIELD(choices, mirror), "K",
-     "specular colour of all materials, a grey, subtracted from their diffuse colour; by default "
-     "their own",
+     "specular colour of all materials, a grey; their diffuse colour is scaled by 1 - K; by "
+     "default their own",
      0, 1, NAN},
     {"side", RK_FIELD(choices, side), "N",
      "texels per side of the built-in sky, --marked or --debug seam; 0: 256, and 8 for --debug "

@@ -56,11 +56,11 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 
 static const rk_option options[] = {
     {"viewer-yaw", RK_FIELD(choices, viewer_yaw), "DEG",
-     "degrees by which the camera is turned about y, for the view from the side", -360, 360, 75},
-    {"viewer-pitch", RK_FIELD(choices, viewer_pitch), "DEG",
-     "degrees by which it is turned about x", -360, 360, -5},
-    {"viewer-far", RK_FIELD(choices, viewer_far), "F", "and its distance, times the camera's own",
-     0.01, 100, 1.8},
+     "turn of the camera about y for the view from the side, degrees", -360, 360, 75},
+    {"viewer-pitch", RK_FIELD(choices, viewer_pitch), "DEG", "its turn about x, degrees", -360, 360,
+     -5},
+    {"viewer-far", RK_FIELD(choices, viewer_far), "F",
+     "its distance, in multiples of the camera's own", 0.01, 100, 1.8},
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "put errors into DIR/tables/depth_of_field_convergence.csv instead of drawing a picture"},
     {0},

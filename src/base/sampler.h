@@ -17,14 +17,15 @@ typedef enum rk_sampler_kind {
 } rk_sampler_kind;
 
 /* Dimensions taken so far; each is the first of a pair. Lights take a pair for each light and
- * bounce, rough mirrors one for each bounce. */
+ * bounce, rough mirrors one for each bounce. A new feature needs none here: it has a block. */
 enum {
     RK_DIMENSION_PIXEL = 0,
     RK_DIMENSION_LIGHT = 2,
     RK_DIMENSION_LENS = 1 << 16,
     RK_DIMENSION_GLOSSY = 1 << 17,
     RK_DIMENSION_TIME = 1 << 18,
-    RK_DIMENSION_FURTHER = 1 << 20, /* added to these for a pixel's further samples */
+    RK_DIMENSION_FEATURES = 1 << 19, /* a block for each feature: rk_feature_dimension */
+    RK_DIMENSION_FURTHER = 1 << 20,  /* added to these for a pixel's further samples */
 };
 
 /* Cells can be halved down to 2^-24, the spacing of the samplers' numbers. */

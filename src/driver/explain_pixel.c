@@ -3,6 +3,7 @@
 #include "driver/explain_pixel.h"
 
 #include "render/feature_hooks.h"
+#include "render/feature_list.h"
 #include "render/stages/cubemap_stage.h"
 #include "render/stages/glossy_reflection_stage.h"
 #include "render/stages/light_stage.h"
@@ -88,6 +89,21 @@ static void print_light(const explanation *e, uint32_t index)
     print_vector(e->out, "    adds to the pixel", rk_sub(e->film->sum[0], before));
 }
 
+/* The contributions of features by their own hooks. */
+static void print_features(const explanation *e)
+{
+    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++) {
+        if (!rk_features[i]->shade || !rk_plan_has(&e->r->plan, i))
+            continue;
+        rk_vec3 before = e->film->sum[0];
+        fprintf(e->out, "%s\n", rk_features[i]->stem);
+        *e->pass->counters = (rk_counters){0};
+        rk_features[i]->shade(e->r, e->pass, e->points, e->film);
+        print_tests(e);
+        print_vector(e->out, "    adds to the pixel", rk_sub(e->film->sum[0], before));
+    }
+}
+
 static void print_hit(const explanation *e, const rk_hit *hit)
 {
     const rk_shading_point *point = &e->points->points[0];
@@ -124,6 +140,7 @@ static void print_surface(const explanation *e, const rk_hit *hit)
     rk_path_batch reflected;
     reflected.rays.count = 0;
     print_hit(e, hit);
+    print_features(e);
     for (uint32_t i = 0; i < e->r->scene->light_count; i++)
         print_light(e, i);
     if (e->r->plan.reflections && rk_is_specular(point))

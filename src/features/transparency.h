@@ -36,7 +36,7 @@ enum { RK_CROSSINGS_MAX = 256 };
 /* The nearest crossings of a ray in the order of t, at equal t in that of the primitives. None lies
  * behind an opaque one. */
 typedef struct rk_crossing_list {
-    uint32_t limit; /* of the crossings kept: 1 to RK_CROSSINGS_MAX */
+    uint32_t limit; /* of the count: 1 to RK_CROSSINGS_MAX */
     uint32_t count;
     rk_crossing crossings[RK_CROSSINGS_MAX];
 } rk_crossing_list;

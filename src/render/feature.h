@@ -23,7 +23,7 @@ typedef struct rk_feature {
     const char *takes; /* preconditions for the options to have an effect, for a note to the user */
 
     /* Its bit of the plan: does the scene need it, by these options? Called only if there is
-     * something to render. NULL: the bit stays unset. */
+     * something to render, or if the feature `shines`. NULL: the bit stays unset. */
     bool (*wanted)(const rk_scene *scene, const rk_render_options *options);
 
     /* Are the options valid, beyond the ranges of their rows? */
@@ -32,8 +32,12 @@ typedef struct rk_feature {
     /* Do the options of a command line go together? */
     bool (*check_command)(const rk_render_options *options, rk_error *error);
 
-    /* If wanted: the number of its samples per sample of a pixel. NULL: 1. */
+    bool shines; /* it brings light of its own: if wanted, a scene needs no other */
+
+    /* If wanted: the number of its samples per sample of a pixel; NULL: 1. If it `splits` paths,
+     * each of them goes on alone, and other features take theirs for each. */
     uint32_t (*samples)(const rk_scene *scene, const rk_render_options *options);
+    bool splits;
 
     /* If wanted: data for the whole picture. `prepass` runs after `prepare` of all features and
      * before the first tile, and may trace rays; `counters`: one per thread of the pool. */

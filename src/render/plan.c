@@ -54,6 +54,14 @@ static bool wants(const rk_feature *feature, const rk_scene *scene,
     return feature->wanted && feature->wanted(scene, options);
 }
 
+static bool shines(const rk_scene *scene, const rk_render_options *options)
+{
+    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
+        if (rk_features[i]->shines && wants(rk_features[i], scene, options))
+            return true;
+    return false;
+}
+
 static void set_features(rk_plan *plan, const rk_scene *scene, const rk_render_options *options)
 {
 #define RK_FEATURE(stem) plan->stem = plan->rays && wants(&rk_##stem##_feature, scene, options);
@@ -65,7 +73,9 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
 {
     bool anything = scene->mesh.triangle_count > 0 || scene->sphere_count > 0;
     bool lights = rk_plan_has_light(scene);
-    rk_plan plan = {.rays = (anything && lights) || scene->environment.side > 0, .lights = lights};
+    rk_plan plan = {.rays = (anything && (lights || shines(scene, options))) ||
+                            scene->environment.side > 0,
+                    .lights = lights};
     set_features(&plan, scene, options);
     plan.pixel_samples = plan.rays && options->samples > 1;
     plan.shadow_rays = anything && lights && options->shadows;

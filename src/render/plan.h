@@ -4,6 +4,7 @@
 #define RK_RENDER_PLAN_H
 
 #include "base/sampler.h"
+#include "features/ambient_occlusion.h"
 #include "features/bloom.h"
 #include "features/cubemap.h"
 #include "features/depth_of_field.h"
@@ -64,6 +65,7 @@ typedef struct rk_render_options {
     rk_sampler_kind lens_sampling; /* of both points */
     rk_motion_options motion;
     rk_glossy_options glossy;
+    rk_ambient_occlusion_options ambient_occlusion;
 } rk_render_options;
 
 enum { RK_MAX_DEPTH = 16 };
@@ -72,7 +74,7 @@ enum { RK_MAX_DEPTH = 16 };
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
-    bool rays;          /* an environment, or lights and something to shine on */
+    bool rays;          /* an environment, or light (a feature's, too) and something to shine on */
     bool pixel_samples; /* at random positions within pixels */
     bool lights;        /* some light is not black */
     bool shadow_rays;

@@ -38,10 +38,17 @@ static uint64_t most_samples(const rk_scene *scene, const rk_render_options *opt
     if (plan->depth_of_field && options->lens_samples > own)
         own = options->lens_samples;
     uint64_t samples = multiply(own, rk_time_passes(plan, options, own));
-    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
-        if (rk_features[i]->samples && rk_plan_has(plan, i))
-            samples = multiply(samples, rk_features[i]->samples(scene, options));
-    return samples;
+    uint32_t at_a_point = 1;
+    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++) {
+        if (!rk_features[i]->samples || !rk_plan_has(plan, i))
+            continue;
+        uint32_t taken = rk_features[i]->samples(scene, options);
+        if (rk_features[i]->splits)
+            samples = multiply(samples, taken);
+        else if (taken > at_a_point)
+            at_a_point = taken;
+    }
+    return multiply(samples, at_a_point);
 }
 
 static bool check_samples(const rk_scene *scene, const rk_render_options *options, rk_error *error)
@@ -51,8 +58,8 @@ static bool check_samples(const rk_scene *scene, const rk_render_options *option
            rk_fail(
                error,
                "a pixel takes at most %d samples, and here it would take more: the product of its "
-               "own (or those of the lens or in time, if they are more) and those of rough "
-               "mirrors and lights; reduce one of them",
+               "own (or those of the lens or in time, if they are more), those of rough mirrors, "
+               "and the most that a light or another feature takes per point; reduce one of them",
                RK_SAMPLES_MAX);
 }
 

@@ -50,7 +50,7 @@
 --
 -- Environment: RAYKIT_WEAVES (report or book), RAYKIT_SOURCE, RAYKIT_SOURCE_LINK (the
 -- path from the page to it), RAYKIT_DRIVERS (the folder over assignments/ with the drivers),
--- RAYKIT_UNITS (the name of their units' author, empty for the kit's own), RAYKIT_OUT, RAYKIT_SCRAPS (for
+-- RAYKIT_ALONE (the features that are woven alone, empty for all), RAYKIT_UNITS (the name of their units' author, empty for the kit's own), RAYKIT_OUT, RAYKIT_SCRAPS (for
 -- temporary files), MESHES, RAYKIT_RUNS, RAYKIT_SIZE (pixels per side, empty for the drivers'
 -- own), RAYKIT_GNUPLOT (empty: no plots).
 
@@ -152,9 +152,14 @@ local function remember(element)
   if element.identifier ~= "" then names[element.identifier] = true end
 end
 
+-- Where some features are woven alone, links to others go to the whole page.
 local function check_link(link)
   local target = link.target:match("^#(.*)$")
-  if target and not names[target] then
+  if not target or names[target] then return end
+  if os.getenv("RAYKIT_ALONE") ~= "" and is_anchored(pages[drive.page], target) then
+    link.target = pages[drive.page].page .. "#" .. target
+    return link
+  else
     fail_at(link, "nothing in the %s is called #%s", drive.page, target)
   end
 end

@@ -3,8 +3,10 @@
 : "${RAYKIT_WEAVES:?}" "${texts:?}" "${RAYKIT_SOURCE:?}" "${RAYKIT_BUILD:?}" "${RAYKIT_DRIVERS:?}" \
     "${RAYKIT_VERSION:?}"
 
-# The new page is made beside the old one and replaces it when it is complete.
-final=$RAYKIT_BUILD/$texts/out
+# The new page is made beside the old one and replaces it when it is complete. A page of some features
+# alone, for who writes about them, leaves the whole one as it is.
+RAYKIT_ALONE=${FEATURES-}
+final=$RAYKIT_BUILD/$texts/out${FEATURES:+.some}
 RAYKIT_OUT=$final.part
 RAYKIT_SCRAPS=$(mktemp -d) || exit 1 # it has said which folder, and why
 
@@ -63,7 +65,18 @@ rm -rf "$RAYKIT_OUT" && mkdir -p "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables" || g
 RAYKIT_SOURCE_LINK=$(realpath --relative-to="$RAYKIT_OUT" "$RAYKIT_SOURCE" 2>/dev/null) ||
     RAYKIT_SOURCE_LINK=$RAYKIT_SOURCE
 export RAYKIT_WEAVES RAYKIT_SOURCE RAYKIT_SOURCE_LINK RAYKIT_DRIVERS RAYKIT_UNITS RAYKIT_OUT \
-    RAYKIT_SCRAPS RAYKIT_RUNS RAYKIT_SIZE RAYKIT_GNUPLOT MESHES
+    RAYKIT_SCRAPS RAYKIT_RUNS RAYKIT_SIZE RAYKIT_GNUPLOT MESHES RAYKIT_ALONE
+
+# weave_features OPTION...: the page, with the texts of FEATURES in the place of all
+weave_features() {
+    for feature in $FEATURES; do
+        for text in "$RAYKIT_SOURCE/$texts"/[0-9][0-9]_"$feature".md; do
+            [ -e "$text" ] || give_up "FEATURES: there is no feature $feature"
+            set -- "$@" "$text"
+        done
+    done
+    weave "$@"
+}
 
 # weave OPTION... TEXT...: the page
 weave() {

@@ -166,4 +166,5 @@ const rk_feature rk_glossy_reflection_feature = {
     .options = rows,
     .takes = "--glossy, a radius other than 0, --reflections and a mirror",
     .wanted = wanted,
-    .samples = samples};
+    .samples = samples,
+    .splits = true};

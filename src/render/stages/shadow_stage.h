@@ -1,4 +1,4 @@
-/* Shadow stage: traces shadow rays to lights. */
+/* Shadow stage: traces shadow rays to points of lights, or to the end of another distance. */
 #ifndef RK_RENDER_STAGES_SHADOW_STAGE_H
 #define RK_RENDER_STAGES_SHADOW_STAGE_H
 

@@ -18,7 +18,8 @@ static bool wanted(const rk_scene *scene, const rk_render_options *options)
     return rk_fog_wanted(&options->fog);
 }
 
-/* On the whole picture, when all tiles are rendered; rk_feature has other hooks. */
+/* On the whole picture, when all tiles are rendered. rk_feature has other hooks: `shade` adds light
+ * at shading points, as in ambient_occlusion_stage.c. */
 static bool post(rk_image *image, const rk_render_options *options, rk_pool *pool,
                  rk_counters *counters, rk_error *error)
 {

@@ -1,0 +1,454 @@
+/* Ambient occlusion: directions above a surface, their weights, directions into the surface, and
+ * the agreement of both maps' estimates with closed forms. Random numbers have fixed seeds; a
+ * correct unit would fail a statistical test for one seed in a million. */
+#include "test.h"
+
+#include "base/dvec3.h"
+#include "base/random.h"
+#include "features/ambient_occlusion.h"
+#include "features/glossy_reflection.h"
+
+static const double pi = RK_PI_DOUBLE;
+
+/* A number in [0, 1), the same for the same three keys. */
+static float noise(uint32_t a, uint32_t b, uint32_t c)
+{
+    return rk_unit_float(rk_hash(a, b, c, 11));
+}
+
+static rk_vec2 noise2(uint32_t a, uint32_t b)
+{
+    return (rk_vec2){noise(a, b, 0), noise(a, b, 1)};
+}
+
+static rk_vec3 narrow(rk_dvec3 v)
+{
+    return rk_vec((float)v.x, (float)v.y, (float)v.z);
+}
+
+/* The unit vector at the angle theta to the z axis, and phi around it. */
+static rk_dvec3 polar(double theta, double phi)
+{
+    return (rk_dvec3){sin(theta) * cos(phi), sin(theta) * sin(phi), cos(theta)};
+}
+
+/* Uniform over the sphere. */
+static rk_vec3 noise_direction(uint32_t a, uint32_t b)
+{
+    return narrow(polar(acos(2 * (double)noise(a, b, 2) - 1), 2 * pi * (double)noise(a, b, 3)));
+}
+
+static const rk_ambient_map maps[] = {RK_AMBIENT_UNIFORM, RK_AMBIENT_COSINE};
+static const char *const map_names[] = {
+    [RK_AMBIENT_UNIFORM] = "uniform", [RK_AMBIENT_COSINE] = "cosine"};
+
+/* --- Directions around the z axis ------------------------------------------------------------- */
+
+/* A squared length is a sum of three squares, each rounded a few times by half of 2^-23 or less. */
+static const double length_rounding = 8 * 0x1p-24;
+
+static void check_direction(rk_ambient_map map, rk_vec2 xi)
+{
+    rk_vec3 d = rk_ambient_hemisphere(map, xi);
+    rk_dvec3 wide = rk_widen(d);
+    rk_check_near(rk_ddot(wide, wide), 1, length_rounding,
+                  "%s map of xi (%.9g, %.9g): the squared length of (%.9g, %.9g, %.9g)",
+                  map_names[map], (double)xi.x, (double)xi.y, (double)d.x, (double)d.y,
+                  (double)d.z);
+    rk_check(map == RK_AMBIENT_UNIFORM ? d.z > 0 : d.z >= 0,
+             "%s map of xi (%.9g, %.9g): z is %.9g, below the horizon", map_names[map],
+             (double)xi.x, (double)xi.y, (double)d.z);
+}
+
+/* Inside the unit square, and on its edges, where square roots of 0 occur. */
+static void check_directions(rk_ambient_map map)
+{
+    for (uint32_t i = 0; i < 100000; i++)
+        check_direction(map, noise2(1, i));
+    for (uint32_t i = 0; i <= 4096; i++)
+        for (int edge = 0; edge < 4; edge++) {
+            float along = (float)i / 4097, end = edge % 2 ? 1 - 0x1p-24f : 0;
+            check_direction(map, edge < 2 ? (rk_vec2){end, along} : (rk_vec2){along, end});
+        }
+}
+
+enum { side = 16, cells = side * side, points = 256 * 1000 };
+
+static uint32_t counts[cells];
+
+/* Equally likely cells: by height, or by its square, and by angle. */
+static void count_in_cells(rk_ambient_map map, bool squared)
+{
+    memset(counts, 0, sizeof counts);
+    for (uint32_t i = 0; i < points; i++) {
+        rk_vec3 d = rk_ambient_hemisphere(map, noise2(2 + (uint32_t)map, i));
+        double z = (double)d.z, around = atan2((double)d.y, (double)d.x) / (2 * pi) + 0.5;
+        int zone = (int)fmax(fmin((squared ? z * z : z) * side, side - 1), 0);
+        counts[zone * side + (int)fmin(around * side, side - 1)]++;
+    }
+}
+
+static void check_cells(rk_ambient_map map, bool squared, const char *hint)
+{
+    double chi2 = 0, want = (double)points / cells;
+    int worst = 0;
+    count_in_cells(map, squared);
+    for (int i = 0; i < cells; i++) {
+        chi2 += (counts[i] - want) * (counts[i] - want) / want;
+        if (fabs(counts[i] - want) > fabs(counts[worst] - want))
+            worst = i;
+    }
+    /* 255 degrees of freedom: above 378 once in a million times, below 161 as rarely. */
+    rk_check(chi2 > 161 && chi2 < 378,
+             "%s map: chi^2 of %d directions in %d equally likely cells is %.1f, want 161 "
+             "to 378; zone %d of %d from the horizon, at %d degrees, got %u, want about %.0f: %s",
+             map_names[map], points, cells, chi2, worst / side + 1, side,
+             (int)(worst % side * 360.0 / side) - 180, counts[worst], want, hint);
+}
+
+static void uniform_directions_are_unit_and_above_the_horizon(void **state)
+{
+    (void)state;
+    check_directions(RK_AMBIENT_UNIFORM);
+}
+
+static void the_uniform_map_is_uniform_in_solid_angle(void **state)
+{
+    (void)state;
+    check_cells(RK_AMBIENT_UNIFORM, false, "zones of equal height have equal areas");
+}
+
+static void cosine_directions_are_unit_and_never_below_the_horizon(void **state)
+{
+    (void)state;
+    check_directions(RK_AMBIENT_COSINE);
+}
+
+static void cosine_directions_are_cosine_distributed(void **state)
+{
+    (void)state;
+    check_cells(RK_AMBIENT_COSINE, true,
+                "the fraction above a height z is the integral of 2 z dz, 1 - z^2");
+}
+
+static void a_cosine_direction_projects_onto_its_point_of_the_disk(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 10000; i++) {
+        rk_vec2 xi = noise2(4, i), disk = rk_disk_at(RK_DISK_CONCENTRIC, xi);
+        rk_vec3 d = rk_ambient_hemisphere(RK_AMBIENT_COSINE, xi);
+        rk_check(d.x == disk.x && d.y == disk.y && d.z >= 0 && (d.x != 0 || d.z > 0.9f),
+                 "xi (%.9g, %.9g): got (%.9g, %.9g, %.9g) above the point (%.9g, %.9g) of "
+                 "rk_disk_at by the concentric map, which keeps neighbours together",
+                 (double)xi.x, (double)xi.y, (double)d.x, (double)d.y, (double)d.z, (double)disk.x,
+                 (double)disk.y);
+    }
+}
+
+/* --- Weights ---------------------------------------------------------------------------------- */
+
+static void the_uniform_weight_is_twice_the_cosine(void **state)
+{
+    (void)state;
+    for (int i = 0; i <= 64; i++)
+        rk_check_near(rk_ambient_weight(RK_AMBIENT_UNIFORM, (float)i / 64), 2 * i / 64.0, 0,
+                      "cosine %d / 64, density 1 / (2 pi)", i);
+}
+
+static void the_cosine_weight_is_1(void **state)
+{
+    (void)state;
+    for (int i = 0; i <= 64; i++)
+        rk_check_near(rk_ambient_weight(RK_AMBIENT_COSINE, (float)i / 64), 1, 0,
+                      "cosine %d / 64, density cos(theta) / pi", i);
+}
+
+/* The mean over the unit square of weight times a power of the cosine, at the cell centres of a
+ * grid. */
+static double mean_of_power(rk_ambient_map map, double power)
+{
+    enum { grid = 512 };
+    double sum = 0;
+    for (int i = 0; i < grid * grid; i++) {
+        rk_vec2 xi = {((float)(i % grid) + 0.5f) / grid, ((float)(i / grid) + 0.5f) / grid};
+        rk_vec3 d = rk_ambient_hemisphere(map, xi);
+        sum += (double)rk_ambient_weight(map, d.z) * pow((double)d.z, power);
+    }
+    return sum / (grid * grid);
+}
+
+/* Of the midpoint rule with cells of width h = 1 / 512: about h^1.5 / 2 for the root at the rim,
+ * and h^2 elsewhere. */
+static const double grid_error = 1e-4;
+
+static void weights_are_1_on_average(void **state)
+{
+    (void)state;
+    for (int m = 0; m < 2; m++)
+        rk_check_near(mean_of_power(maps[m], 0), 1, 1e-6,
+                      "%s map: the integral of cos(theta) / pi over the hemisphere", map_names[m]);
+}
+
+static void both_maps_estimate_the_same_integrals(void **state)
+{
+    (void)state;
+    for (int m = 0; m < 2; m++)
+        for (int power = 1; power <= 4; power++)
+            rk_check_near(mean_of_power(maps[m], power), 2.0 / (power + 2), grid_error,
+                          "%s map: the integral of cos(theta)^%d / pi", map_names[m], power + 1);
+}
+
+/* --- Around the normal ------------------------------------------------------------------------ */
+
+/* The basis' own error, 8 units of 2^-24, for each of three terms, and their sum. */
+static const double rotation_rounding = 32 * 0x1p-24;
+
+static void check_rotated(rk_vec3 normal, rk_vec3 local)
+{
+    rk_ambient_frame frame = rk_ambient_frame_of(normal, normal);
+    rk_vec3 got = {NAN, NAN, NAN};
+    rk_ambient_direction(&frame, local, &got);
+    rk_dvec3 d = rk_widen(got);
+    rk_check_near(rk_dlength(d), 1, rotation_rounding,
+                  "normal (%.9g, %.9g, %.9g): length of the direction", (double)normal.x,
+                  (double)normal.y, (double)normal.z);
+    rk_check_near(rk_ddot(d, rk_widen(normal)), local.z, rotation_rounding,
+                  "normal (%.9g, %.9g, %.9g): cosine of (%.9g, %.9g, %.9g)", (double)normal.x,
+                  (double)normal.y, (double)normal.z, (double)local.x, (double)local.y,
+                  (double)local.z);
+}
+
+static rk_vec3 noise_local(uint32_t a, uint32_t b)
+{
+    rk_vec3 d = noise_direction(a, b);
+    return rk_vec(d.x, d.y, fabsf(d.z));
+}
+
+static void a_direction_keeps_its_cosine_around_any_normal(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 100000; i++)
+        check_rotated(noise_direction(5, i), noise_local(6, i));
+}
+
+static void a_direction_keeps_its_cosine_near_the_poles(void **state)
+{
+    (void)state;
+    for (int e = 0; e <= 149; e++)
+        for (uint32_t i = 0; i < 16; i++) {
+            double tilt = ldexp(pi / 4, -e), phi = 2 * pi * (double)noise(7, i, 0);
+            for (int below = 0; below < 2; below++)
+                check_rotated(narrow(polar(below ? pi - tilt : tilt, phi)), noise_local(8, i));
+        }
+}
+
+static void the_frame_is_a_rotation(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 10000; i++) {
+        rk_vec3 normal = noise_direction(9, i), a, b, c;
+        rk_ambient_frame frame = rk_ambient_frame_of(normal, normal);
+        rk_vec3 p = noise_local(10, i), q = noise_local(11, i), r = noise_local(12, i);
+        rk_ambient_direction(&frame, p, &a);
+        rk_ambient_direction(&frame, q, &b);
+        rk_ambient_direction(&frame, r, &c);
+        rk_check_near(rk_dot(a, b), rk_dot(p, q), 4 * rotation_rounding,
+                      "the cosine between two directions");
+        rk_check_near(rk_dot(rk_cross(a, b), c), rk_dot(rk_cross(p, q), r), 8 * rotation_rounding,
+                      "the volume of three directions: a rotation does not reflect");
+    }
+}
+
+static void directions_into_the_surface_are_reported_and_filled_in(void **state)
+{
+    (void)state;
+    uint32_t above = 0, below = 0;
+    for (uint32_t i = 0; i < 100000; i++) {
+        rk_vec3 normal = noise_direction(13, i), face = noise_direction(14, i),
+                got = {NAN, NAN, NAN};
+        rk_vec3 local = noise_local(15, i);
+        if (rk_dot(normal, face) < 0)
+            face = rk_negate(face);
+        rk_ambient_frame frame = rk_ambient_frame_of(normal, face);
+        bool above_face = rk_ambient_direction(&frame, local, &got);
+        double height = rk_ddot(rk_widen(got), rk_widen(face));
+        /* Three products and two sums of numbers up to 1. */
+        rk_check(above_face ? height > -3 * 0x1p-24 : height <= 3 * 0x1p-24,
+                 "a direction %.9g above the face is reported %s it", height,
+                 above_face ? "above" : "below");
+        rk_check_near(rk_ddot(rk_widen(got), rk_widen(normal)), local.z, rotation_rounding,
+                      "its cosine with the shading normal, above or below the face");
+        above += above_face;
+        below += !above_face;
+    }
+    rk_check(above > 50000 && below > 5000, "%u above, %u below: both should happen", above, below);
+    rk_vec3 got, up = rk_vec(0, 0, 1);
+    rk_ambient_frame frame = rk_ambient_frame_of(up, up);
+    rk_check(!rk_ambient_direction(&frame, rk_vec(1, 0, 0), &got),
+             "a direction in the plane of the face is not above it");
+}
+
+/* --- Radiance --------------------------------------------------------------------------------- */
+
+static void one_unoccluded_cosine_direction_is_exact(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_vec3 local = rk_ambient_hemisphere(RK_AMBIENT_COSINE, noise2(16, i));
+        float w = rk_ambient_weight(RK_AMBIENT_COSINE, local.z);
+        rk_vec3 got = rk_ambient_radiance(rk_vec(0.5f, 0.25f, 1), 2, rk_vec(w, w, w), 1);
+        rk_check(got.x == 1 && got.y == 0.5f && got.z == 2,
+                 "got (%.9g, %.9g, %.9g), want ka kd, (1, 0.5, 2), to the bit", (double)got.x,
+                 (double)got.y, (double)got.z);
+    }
+}
+
+static void occluded_directions_count_among_the_samples(void **state)
+{
+    (void)state;
+    rk_vec3 got = rk_ambient_radiance(rk_vec(1, 1, 1), 1, rk_vec(3, 3, 3), 16);
+    rk_check_close(got.x, 3.0 / 16, 1e-7, "3 of 16 directions are unoccluded");
+    got = rk_ambient_radiance(rk_vec(1, 1, 1), 1, rk_vec(0, 0, 0), 16);
+    rk_check(got.x == 0 && got.y == 0 && got.z == 0, "none is unoccluded: black, got %.9g",
+             (double)got.x);
+}
+
+static void colour_intensity_and_visibility_multiply_per_channel(void **state)
+{
+    (void)state;
+    rk_vec3 got = rk_ambient_radiance(rk_vec(0.5f, 0.25f, 0.75f), 3, rk_vec(4, 2, 1), 4);
+    rk_check_close(got.x, 1.5, 1e-6, "red: 3 x 0.5 x 4 / 4");
+    rk_check_close(got.y, 0.375, 1e-6, "green: 3 x 0.25 x 2 / 4");
+    rk_check_close(got.z, 0.5625, 1e-6, "blue: 3 x 0.75 x 1 / 4");
+}
+
+/* --- Closed forms ----------------------------------------------------------------------------- */
+
+/* Occludes directions from the point 0 with the normal z. */
+typedef struct occluder {
+    double size, distance, cosine;
+} occluder;
+
+typedef bool occludes(const occluder *o, rk_dvec3 d);
+
+static bool disk_occludes(const occluder *o, rk_dvec3 d)
+{
+    return hypot(d.x, d.y) * o->distance < d.z * o->size;
+}
+
+static bool sphere_occludes(const occluder *o, rk_dvec3 d)
+{
+    rk_dvec3 centre = rk_dscale(polar(acos(o->cosine), 1), o->distance);
+    double along = rk_ddot(centre, d);
+    return along > 0 && o->distance * o->distance - along * along < o->size * o->size;
+}
+
+static bool wall_occludes(const occluder *o, rk_dvec3 d)
+{
+    return d.x > 0 && d.z * o->distance < d.x * o->size;
+}
+
+enum { estimates = 1 << 18 };
+
+/* The mean of weight times V. A weight's mean square is at most 4/3, and the mean is off by more
+ * than 5 standard errors less than once in a million times. */
+static void check_estimate(const occluder *o, occludes *is_occluded, double want, const char *name)
+{
+    for (int m = 0; m < 2; m++) {
+        double sum = 0;
+        for (uint32_t i = 0; i < estimates; i++) {
+            rk_vec3 d = rk_ambient_hemisphere(maps[m], noise2(20 + (uint32_t)m, i));
+            if (!is_occluded(o, rk_widen(d)))
+                sum += (double)rk_ambient_weight(maps[m], d.z);
+        }
+        rk_check_near(
+            want, sum / estimates, 5 * sqrt(4.0 / 3 / estimates),
+            "%s of size %g at the distance %g, cosine %g: closed form against the mean of "
+            "%d directions by the %s map",
+            name, o->size, o->distance, o->cosine, estimates, map_names[m]);
+    }
+}
+
+static void a_disk_occludes_the_squared_sine_of_its_rim_angle(void **state)
+{
+    (void)state;
+    rk_check_close(rk_ambient_below_disk(1, 1), 0.5, 1e-7,
+                   "its rim is at 45 degrees from the normal");
+    rk_check_close(rk_ambient_below_disk(0, 3), 1, 0, "no disk");
+    rk_check_close(rk_ambient_below_disk(3, 1), 0.1, 1e-7, "1 - 9 / 10");
+    rk_check_close(rk_ambient_below_disk(300, 100), 0.1, 1e-7, "the same, larger");
+    rk_check_close(rk_ambient_below_disk(1e6f, 1) * 1e12, 1, 1e-3,
+                   "a disk over nearly everything: h^2 / (R^2 + h^2) does not cancel");
+}
+
+static void estimates_agree_with_the_disk(void **state)
+{
+    (void)state;
+    const double sizes[] = {0.25, 1, 4};
+    for (int i = 0; i < 3; i++)
+        check_estimate(&(occluder){sizes[i], 1, 1}, disk_occludes,
+                       (double)rk_ambient_below_disk((float)sizes[i], 1), "a disk");
+}
+
+static void a_sphere_occludes_its_squared_sine_times_the_cosine(void **state)
+{
+    (void)state;
+    rk_check_close(rk_ambient_below_sphere(1, 2, 1), 0.75, 1e-7, "straight above");
+    rk_check_close(rk_ambient_below_sphere(1, 2, 0.5f), 0.875, 1e-7, "60 degrees from the normal");
+    rk_check_close(rk_ambient_below_sphere(3, 3, 1), 0, 1e-7, "it touches the point");
+    rk_check_close(rk_ambient_below_sphere(0, 3, 1), 1, 0, "no sphere");
+}
+
+static void estimates_agree_with_the_sphere(void **state)
+{
+    (void)state;
+    for (int i = 0; i < 3; i++) {
+        const occluder o = {0.45, 1, 0.5 + 0.25 * i}; /* above the horizon, because 0.45 < 0.5 */
+        check_estimate(&o, sphere_occludes,
+                       (double)rk_ambient_below_sphere(0.45f, 1, (float)o.cosine), "a sphere");
+    }
+}
+
+static void a_wall_occludes_half_at_its_foot_and_less_farther_away(void **state)
+{
+    (void)state;
+    rk_check_close(rk_ambient_beside_wall(1, 1e-8f), 0.5, 1e-6, "at the foot");
+    rk_check_close(rk_ambient_beside_wall(3, 4), 0.9, 1e-7, "(1 + 4 / 5) / 2");
+    rk_check_close(rk_ambient_beside_wall(1e-8f, 1), 1, 1e-7, "no wall");
+}
+
+static void estimates_agree_with_the_wall(void **state)
+{
+    (void)state;
+    const double distances[] = {0.1, 1, 3};
+    for (int i = 0; i < 3; i++)
+        check_estimate(&(occluder){1, distances[i], 0}, wall_occludes,
+                       (double)rk_ambient_beside_wall(1, (float)distances[i]), "a wall");
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(uniform_directions_are_unit_and_above_the_horizon),
+    cmocka_unit_test(the_uniform_map_is_uniform_in_solid_angle),
+    cmocka_unit_test(cosine_directions_are_unit_and_never_below_the_horizon),
+    cmocka_unit_test(cosine_directions_are_cosine_distributed),
+    cmocka_unit_test(a_cosine_direction_projects_onto_its_point_of_the_disk),
+    cmocka_unit_test(the_uniform_weight_is_twice_the_cosine),
+    cmocka_unit_test(the_cosine_weight_is_1),
+    cmocka_unit_test(weights_are_1_on_average),
+    cmocka_unit_test(both_maps_estimate_the_same_integrals),
+    cmocka_unit_test(a_direction_keeps_its_cosine_around_any_normal),
+    cmocka_unit_test(a_direction_keeps_its_cosine_near_the_poles),
+    cmocka_unit_test(the_frame_is_a_rotation),
+    cmocka_unit_test(directions_into_the_surface_are_reported_and_filled_in),
+    cmocka_unit_test(one_unoccluded_cosine_direction_is_exact),
+    cmocka_unit_test(occluded_directions_count_among_the_samples),
+    cmocka_unit_test(colour_intensity_and_visibility_multiply_per_channel),
+    cmocka_unit_test(a_disk_occludes_the_squared_sine_of_its_rim_angle),
+    cmocka_unit_test(estimates_agree_with_the_disk),
+    cmocka_unit_test(a_sphere_occludes_its_squared_sine_times_the_cosine),
+    cmocka_unit_test(estimates_agree_with_the_sphere),
+    cmocka_unit_test(a_wall_occludes_half_at_its_foot_and_less_farther_away),
+    cmocka_unit_test(estimates_agree_with_the_wall),
+};
+
+RK_SUITE("ambient_occlusion", tests)
