@@ -185,7 +185,7 @@ static void help_speaks_to_a_newcomer(void **state)
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         check_contains(help.out, parts[i]);
     const char *const riddles[] = {"nan", "inf",         "4294967295",  "4000000000",
-                                   "e+",  "--recursion", "--light-map", "--settle"};
+                                   "e+",  "--recursion", "--light-map", "--settle", "--isolate"};
     for (size_t i = 0; i < sizeof riddles / sizeof *riddles; i++)
         rk_check(!strstr(help.out, riddles[i]), "a newcomer does not know \"%s\":\n%s", riddles[i],
                  help.out);
@@ -243,7 +243,7 @@ static void every_bad_option_is_named_in_one_line(void **state)
         {"--light-map round", "--light-domain round", "area|solid-angle"},
         {"--recursion 17", "--max-depth 17", "0 to 16"},
         {"--bins 1", "--bins 1", "2 to 256"},
-        {"--isolate 3", "--isolate 3", "--time-samples N"},
+        {"--single-time 3", "--single-time 3", "--time-samples N"},
         {"--environment=", "--environment", "sky"},
         {"--move --time-samples 2 --debug level", "everything moves", "--move"},
     };
@@ -258,7 +258,7 @@ static void options_that_do_not_go_together_are_refused(void **state)
         {"08_cubemap/cubemap", "--scene cube --debug seam --pixel 3,4", "--debug seam", "--pixel"},
         {"09_depth_of_field/depth_of_field", "--scene cube --debug focus --pixel 3,4",
          "--debug focus", "--debug rays"},
-        {"10_motion_blur/motion_blur", "--isolate 3 --time-samples 0", "--isolate 3",
+        {"10_motion_blur/motion_blur", "--single-time 3 --time-samples 0", "--single-time 3",
          "--time-samples N"},
         {"10_motion_blur/motion_blur", "--debug path --still", "--debug path", "--still"},
         {"10_motion_blur/motion_blur", "--convergence --still", "--convergence", "--still"},
@@ -291,7 +291,8 @@ static void an_option_without_effect_is_noted(void **state)
 static void an_option_with_effect_is_not_noted(void **state)
 {
     const char *const cases[] = {"--reflections --glossy 2 --glossy-radius 0.2",
-                                 "--bloom --bloom-radius 3", "--move --time-samples 2 --isolate 1",
+                                 "--bloom --bloom-radius 3",
+                                 "--move --time-samples 2 --single-time 1",
                                  "--lens-samples 2 --aperture 20", "--shading phong"};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char words[128];

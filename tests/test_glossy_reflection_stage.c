@@ -291,7 +291,7 @@ static void ray_groups_find_what_single_rays_find(void **state)
             rk_ray_batch rays = make_ray_groups(key);
             rk_hit_batch want, got;
             rk_accel_closest(&accel, &rays, &want, &single);
-            rk_accel_closest_still_grouped(&accel, &rays, &got, &together);
+            rk_accel_closest_static_grouped(&accel, &rays, &got, &together);
             for (uint32_t i = 0; i < rays.count; i++) {
                 hit_count += want.triangle[i] != RK_MISS;
                 rk_check(got.triangle[i] == want.triangle[i] && got.t[i] == want.t[i] &&

@@ -187,7 +187,7 @@ static void objects_take_paths_of_their_own(void **state)
     rk_render_options options = blurred(0, 1);
     const float at[] = {0.25f, 0.5f, 0.75f};
     for (int i = 0; i < 3; i++) {
-        options.motion.isolate = 0.5f + times * at[i];
+        options.motion.single_time = 0.5f + times * at[i];
         test_picture picture = test_render(&scene, options, 1);
         double x = (double)at[i];
         const place middles[] = {{0, 0}, {x - 0.5, x}, {x - 0.5, -2 * x * x}};
@@ -212,7 +212,7 @@ static void a_single_time_is_a_sharp_picture_also_outside_of_the_shutter(void **
     rk_render_options options = blurred(0, 0.25f);
     const float ks[] = {1, 32, 64, 0, -100, 200};
     for (size_t i = 0; i < sizeof ks / sizeof *ks; i++) {
-        options.motion.isolate = ks[i];
+        options.motion.single_time = ks[i];
         double offset = ((double)ks[i] - 0.5) / times * 0.25;
         test_picture picture = test_render(&scene, options, 2);
         for (size_t y = 0; y < height; y++)
@@ -494,9 +494,10 @@ static void shadows_of_large_lights_are_right_on_average(void **state)
     options.light.early_out = 0;
     options.light.samples = 256;
     double want = 0, got = 0;
-    for (options.motion.isolate = 1; options.motion.isolate <= few; options.motion.isolate++)
+    for (options.motion.single_time = 1; options.motion.single_time <= few;
+         options.motion.single_time++)
         add_picture(&want, &scene, options);
-    options.motion.isolate = NAN;
+    options.motion.single_time = NAN;
     options.light.samples = 1;
     for (options.seed = 0; options.seed < seeds; options.seed++)
         add_picture(&got, &scene, options);

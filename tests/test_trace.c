@@ -67,7 +67,7 @@ static void check_same_hit(const rk_hit_batch *got, const rk_hit_batch *want, ui
 static void trace_alone(const rk_accel *accel, const rk_ray_batch *rays, const rk_ray_times *times,
                         rk_hit_batch *hits, rk_counters *counters)
 {
-    rk_accel_closest_still(accel, rays, hits, counters);
+    rk_accel_closest_static(accel, rays, hits, counters);
     for (uint32_t i = 0; i < rays->count; i++)
         for (uint32_t k = 0; k < accel->scene->moving_count; k++) {
             rk_hit hit = rk_batch_hit(hits, i);
@@ -96,9 +96,9 @@ static void batches_at_ray_times_find_the_hits_of_single_rays(void **state)
             rk_occlusion_batch answers;
             rk_counters counters = {0};
             trace_alone(&accel, &rays, &times, &want, &counters);
-            rk_accel_closest_still(&accel, &rays, &got, &counters);
+            rk_accel_closest_static(&accel, &rays, &got, &counters);
             rk_accel_closest_moving(&accel, &rays, &times, &got, &counters);
-            rk_accel_occluded_still(&accel, &rays, &answers, &counters);
+            rk_accel_occluded_static(&accel, &rays, &answers, &counters);
             rk_accel_occluded_moving(&accel, &rays, &times, &answers, &counters);
             for (uint32_t i = 0; i < rays.count; i++) {
                 check_same_hit(&got, &want, i, names[n]);
@@ -131,10 +131,10 @@ static void at_time_0_objects_are_at_rest(void **state)
             rk_occlusion_batch answers, whole;
             rk_counters counters = {0};
             rk_accel_closest(&accel, &rays, &want, &counters);
-            rk_accel_closest_still(&accel, &rays, &got, &counters);
+            rk_accel_closest_static(&accel, &rays, &got, &counters);
             rk_accel_closest_moving(&accel, &rays, &times, &got, &counters);
             rk_accel_occluded(&accel, &rays, &whole, &counters);
-            rk_accel_occluded_still(&accel, &rays, &answers, &counters);
+            rk_accel_occluded_static(&accel, &rays, &answers, &counters);
             rk_accel_occluded_moving(&accel, &rays, &times, &answers, &counters);
             for (uint32_t i = 0; i < rays.count; i++) {
                 check_same_hit(&got, &want, i, names[n]);
@@ -161,8 +161,8 @@ static void rays_at_rest_cost_nothing(void **state)
         times.time[i] = NAN;
         times.objects[i] = 0;
     }
-    rk_accel_closest_still(&accel, &rays, &hits, &counters);
-    rk_accel_occluded_still(&accel, &rays, &answers, &counters);
+    rk_accel_closest_static(&accel, &rays, &hits, &counters);
+    rk_accel_occluded_static(&accel, &rays, &answers, &counters);
     before = hits;
     rk_accel_closest_moving(&accel, &rays, &times, &hits, &none);
     rk_accel_occluded_moving(&accel, &rays, &times, &answers, &none);

@@ -59,7 +59,7 @@ class Suite:
         for test in self.tests:
             self.verdicts[test.name] = Verdict(False, reason, "", details)
 
-    def time_for_a_test(self, seconds):
+    def limit_of_next_test(self, seconds):
         """Returns the limit for the next test, and a phrase for it: short after two that took all of
         theirs, but three times as long as those that passed."""
         verdicts = list(self.verdicts.values())
@@ -70,7 +70,7 @@ class Suite:
         return short, f"{short:.3g} s (a short limit, as {TIMEOUTS} tests before it took all of {seconds:g} seconds)"
 
 
-def time_limit():
+def seconds_per_test():
     """Seconds that one test may take."""
     text = os.environ.get("RAYKIT_TEST_SECONDS", "10")
     try:
@@ -146,7 +146,7 @@ def _with_lines(program, text):
 
 def run_test(toolchain, suite, test, seconds, megabytes):
     """Runs one scored test and returns its Verdict."""
-    limit, phrase = suite.time_for_a_test(seconds)
+    limit, phrase = suite.limit_of_next_test(seconds)
     for look_for_leaks in (True, False):
         folder = tempfile.mkdtemp(dir=suite.folder)
         outcome = sandbox.run(
@@ -247,7 +247,7 @@ def grade_impl(build_folder, stems, impl, fallback=False, only=None, progress=No
     features = read_features(toolchain.source)
     suites = prepare_suites(features, choose(features, stems), impl, fallback, only)
     units = {stem: unit_beside(feature, impl, toolchain.handed_out) for stem, feature in features.items()}
-    seconds = time_limit()
+    seconds = seconds_per_test()
     sandbox.prepare()
     work = tempfile.mkdtemp(prefix="raykit-grade-")
     try:

@@ -6,7 +6,7 @@
 
 static const char summary[] =
     "Renders a moving scene with --time-samples rays per pixel; a mesh moves as a whole.\n"
-    "--isolate K shows one of the times, also before the first or after the last.\n"
+    "--single-time K shows one of the times, also before the first or after the last.\n"
     "--debug path draws the path, each of the times on it, and the swept box.\n"
     "--convergence puts errors against many more samples into a table.";
 
@@ -50,9 +50,9 @@ static bool save(rk_driver *driver, rk_error *error)
         snprintf(open, sizeof open, "_%g_to_%g", (double)shutter->open, (double)shutter->close);
     if (driver->scene.moving_count == 0)
         snprintf(label, sizeof label, "still");
-    else if (!isnan(motion->isolate))
-        snprintf(label, sizeof label, "%s%g_of_%u%s", driver->debug ? "path_" : "isolated_",
-                 (double)motion->isolate, motion->samples, open);
+    else if (!isnan(motion->single_time))
+        snprintf(label, sizeof label, "%s%g_of_%u%s", driver->debug ? "path_" : "single_",
+                 (double)motion->single_time, motion->samples, open);
     else
         snprintf(label, sizeof label, "%s%s_%u%s", driver->debug ? "path_" : "",
                  rk_time_sampling_names.items[motion->sampling], motion->samples, open);

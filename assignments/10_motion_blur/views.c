@@ -1,11 +1,11 @@
 /* The debug view: the paths of moving objects, the times on them, and the swept boxes. */
 #include "driver.h"
 
-static float isolated_or(const rk_motion_options *motion, float x)
+static float single_time_or(const rk_motion_options *motion, float x)
 {
-    return isnan(motion->isolate)
+    return isnan(motion->single_time)
                ? x
-               : rk_shutter_equidistant(&motion->shutter, motion->isolate, motion->samples);
+               : rk_shutter_equidistant(&motion->shutter, motion->single_time, motion->samples);
 }
 
 static void draw_path(rk_overlay *overlay, const rk_motion_options *motion, const rk_box *rest,
@@ -15,8 +15,8 @@ static void draw_path(rk_overlay *overlay, const rk_motion_options *motion, cons
     const rk_vec3 white = rk_vec(1, 1, 1);
     rk_vec3 centre = rk_scale(rk_add(rest->corner[0], rest->corner[1]), 0.5f);
     float open = motion->shutter.open, close = motion->shutter.close;
-    float from = rk_min(open, isolated_or(motion, open));
-    float to = rk_max(close, isolated_or(motion, close));
+    float from = rk_min(open, single_time_or(motion, open));
+    float to = rk_max(close, single_time_or(motion, close));
     const int steps = 200;
     rk_vec3 last = rk_add(centre, rk_motion_offset(path, from));
     for (int i = 1; i <= steps; i++) {
@@ -31,9 +31,9 @@ static void draw_path(rk_overlay *overlay, const rk_motion_options *motion, cons
         float x = rk_shutter_equidistant(&motion->shutter, (float)k, motion->samples);
         rk_overlay_point(overlay, rk_add(centre, rk_motion_offset(path, x)), orange, 3.5f);
     }
-    if (isnan(motion->isolate))
+    if (isnan(motion->single_time))
         return;
-    const rk_shutter then = {isolated_or(motion, 0), isolated_or(motion, 0)};
+    const rk_shutter then = {single_time_or(motion, 0), single_time_or(motion, 0)};
     swept = rk_motion_sweep(path, &then, rest);
     rk_overlay_wireframe(overlay, &swept, blue, 2.5f);
     rk_overlay_point(overlay, rk_add(centre, rk_motion_offset(path, then.open)), blue, 6);

@@ -229,8 +229,8 @@ static gathering gathering_into(rk_crossing_list *list, const rk_accel *accel, c
                        .until_opaque = until_opaque};
 }
 
-void rk_crossings_gather_still(const rk_accel *accel, const rk_ray *ray, bool until_opaque,
-                               rk_crossing_list *list, rk_counters *counters)
+void rk_crossings_gather_static(const rk_accel *accel, const rk_ray *ray, bool until_opaque,
+                                rk_crossing_list *list, rk_counters *counters)
 {
     gathering g = gathering_into(list, accel, ray, until_opaque);
     gather_spheres(&g, counters);
@@ -274,7 +274,7 @@ void rk_crossings_gather(const rk_accel *accel, const rk_ray *ray, uint32_t limi
                          rk_crossing_list *list, rk_counters *counters)
 {
     rk_transparency_start(list, limit);
-    rk_crossings_gather_still(accel, ray, false, list, counters);
+    rk_crossings_gather_static(accel, ray, false, list, counters);
     rk_crossings_gather_at_rest(accel, ray, false, list, counters);
 }
 
@@ -283,7 +283,7 @@ rk_vec3 rk_crossings_transmit(const rk_accel *accel, const rk_ray *ray, rk_glass
 {
     rk_crossing_list list;
     rk_transparency_start(&list, RK_CROSSINGS_MAX);
-    rk_crossings_gather_still(accel, ray, true, &list, counters);
+    rk_crossings_gather_static(accel, ray, true, &list, counters);
     rk_crossings_gather_at_rest(accel, ray, true, &list, counters);
     return rk_crossings_transmittance(&list, ray, model);
 }

@@ -24,8 +24,8 @@ rk_vec3 rk_crossings_transmit(const rk_accel *accel, const rk_ray *ray, rk_glass
                               rk_counters *counters);
 
 /* Both in parts, for a list from rk_transparency_start. First static surfaces. */
-void rk_crossings_gather_still(const rk_accel *accel, const rk_ray *ray, bool until_opaque,
-                               rk_crossing_list *list, rk_counters *counters);
+void rk_crossings_gather_static(const rk_accel *accel, const rk_ray *ray, bool until_opaque,
+                                rk_crossing_list *list, rk_counters *counters);
 /* Then moving objects at the ray's time, */
 void rk_crossings_gather_moving(const rk_accel *accel, const rk_ray *ray, const rk_ray_time *when,
                                 bool until_opaque, rk_crossing_list *list, rk_counters *counters);

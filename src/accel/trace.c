@@ -29,8 +29,8 @@ static bool is_occluded_by_sphere(const rk_scene *scene, const rk_ray *ray, rk_c
     return occluded;
 }
 
-void rk_accel_closest_still(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
-                            rk_counters *counters)
+void rk_accel_closest_static(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
+                             rk_counters *counters)
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
@@ -40,15 +40,15 @@ void rk_accel_closest_still(const rk_accel *accel, const rk_ray_batch *rays, rk_
     intersect_spheres(accel->scene, rays, hits, counters);
 }
 
-void rk_accel_closest_still_grouped(const rk_accel *accel, const rk_ray_batch *rays,
-                                    rk_hit_batch *hits, rk_counters *counters)
+void rk_accel_closest_static_grouped(const rk_accel *accel, const rk_ray_batch *rays,
+                                     rk_hit_batch *hits, rk_counters *counters)
 {
     rk_ray_group_closest(&accel->bvh, rays, hits, counters);
     intersect_spheres(accel->scene, rays, hits, counters);
 }
 
-void rk_accel_occluded_still(const rk_accel *accel, const rk_ray_batch *rays,
-                             rk_occlusion_batch *answers, rk_counters *counters)
+void rk_accel_occluded_static(const rk_accel *accel, const rk_ray_batch *rays,
+                              rk_occlusion_batch *answers, rk_counters *counters)
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
@@ -96,13 +96,13 @@ void rk_accel_occluded_at_rest(const rk_accel *accel, const rk_ray_batch *rays,
 void rk_accel_closest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                       rk_counters *counters)
 {
-    rk_accel_closest_still(accel, rays, hits, counters);
+    rk_accel_closest_static(accel, rays, hits, counters);
     rk_accel_closest_at_rest(accel, rays, hits, counters);
 }
 
 void rk_accel_occluded(const rk_accel *accel, const rk_ray_batch *rays, rk_occlusion_batch *answers,
                        rk_counters *counters)
 {
-    rk_accel_occluded_still(accel, rays, answers, counters);
+    rk_accel_occluded_static(accel, rays, answers, counters);
     rk_accel_occluded_at_rest(accel, rays, answers, counters);
 }

@@ -45,7 +45,7 @@ static bool has_highlights(const rk_scene *scene, const rk_render_options *optio
 
 static bool times_differ(const rk_motion_options *motion)
 {
-    return isnan(motion->isolate) && motion->shutter.open < motion->shutter.close;
+    return isnan(motion->single_time) && motion->shutter.open < motion->shutter.close;
 }
 
 static bool wants(const rk_feature *feature, const rk_scene *scene,

@@ -31,7 +31,7 @@ typedef struct rk_motion_options {
     uint32_t samples; /* times per pixel, over all of its samples, where motion may change it; 0:
                          everything is at rest */
     rk_time_sampling sampling;
-    float isolate; /* NaN, or a single equidistant time for all rays, 1 to `samples` or beyond;
+    float single_time; /* NaN, or a single equidistant time for all rays, 1 to `samples` or beyond;
                       ignored if `samples` is 0 */
 } rk_motion_options;
 

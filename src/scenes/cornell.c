@@ -5,7 +5,7 @@
  * different distances. Declared in scenes/makers.h. */
 #include "scenes/makers.h"
 
-enum { white, red, green, lamp, tall, low, material_count };
+enum { white, left_wall, right_wall, lamp, tall, low, material_count };
 
 typedef struct face {
     float corners[4][3];
@@ -16,8 +16,8 @@ static const face room[] = {
     {{{552.8f, 0, 0}, {0, 0, 0}, {0, 0, 559.2f}, {549.6f, 0, 559.2f}}, white},
     {{{556, 548.8f, 0}, {556, 548.8f, 559.2f}, {0, 548.8f, 559.2f}, {0, 548.8f, 0}}, white},
     {{{549.6f, 0, 559.2f}, {0, 0, 559.2f}, {0, 548.8f, 559.2f}, {556, 548.8f, 559.2f}}, white},
-    {{{552.8f, 0, 0}, {549.6f, 0, 559.2f}, {556, 548.8f, 559.2f}, {556, 548.8f, 0}}, red},
-    {{{0, 0, 559.2f}, {0, 0, 0}, {0, 548.8f, 0}, {0, 548.8f, 559.2f}}, green},
+    {{{552.8f, 0, 0}, {549.6f, 0, 559.2f}, {556, 548.8f, 559.2f}, {556, 548.8f, 0}}, left_wall},
+    {{{0, 0, 559.2f}, {0, 0, 0}, {0, 548.8f, 0}, {0, 548.8f, 559.2f}}, right_wall},
     {{{343, 548, 227}, {343, 548, 332}, {213, 548, 332}, {213, 548, 227}}, lamp},
 };
 
@@ -105,8 +105,8 @@ static bool make_box(rk_mesh *mesh, furniture has, rk_error *error)
     put_block(mesh, &low_block, has.low, has.of_glass);
     put_block(mesh, &tall_block, has.tall, has.of_glass);
     mesh->materials[white].kd = rk_vec(0.73f, 0.73f, 0.73f);
-    mesh->materials[red].kd = rk_vec(0.65f, 0.06f, 0.05f);
-    mesh->materials[green].kd = rk_vec(0.12f, 0.45f, 0.15f);
+    mesh->materials[left_wall].kd = rk_vec(0.65f, 0.06f, 0.05f);
+    mesh->materials[right_wall].kd = rk_vec(0.12f, 0.45f, 0.15f);
     mesh->materials[lamp].kd = rk_vec(1, 1, 1);
     return true;
 }

@@ -1,11 +1,11 @@
 #include "render/stages/motion_blur_stage.h"
 
-/* If all rays have the same: when the shutter opens, or options->motion.isolate. */
+/* If all rays have the same: when the shutter opens, or options->motion.single_time. */
 static float common_time(const rk_motion_options *motion)
 {
-    return isnan(motion->isolate)
+    return isnan(motion->single_time)
                ? motion->shutter.open
-               : rk_shutter_equidistant(&motion->shutter, motion->isolate, motion->samples);
+               : rk_shutter_equidistant(&motion->shutter, motion->single_time, motion->samples);
 }
 
 /* A box test suffices for most rays. But a sample that needs a time costs further passes, so before
@@ -90,10 +90,10 @@ static const rk_option rows[] = {
     {"time-sampling", RK_CHOICE(rk_render_options, motion.sampling, rk_time_sampling_names),
      "distribution of the times; equidistant ones are the same for all pixels",
      .initial = RK_TIME_STRATIFIED},
-    {"isolate", RK_FIELD(rk_render_options, motion.isolate), "K",
+    {"single-time", RK_FIELD(rk_render_options, motion.single_time), "K",
      "render the equidistant time K of --time-samples alone; below 1 or above N it lies before "
      "or after the shutter interval",
-     -1e6, 1e6, NAN},
+     -1e6, 1e6, NAN, .alias = "isolate"},
     {0},
 };
 
@@ -103,7 +103,7 @@ static bool prepare(rk_rendering *r, rk_error *error)
     (void)error;
     const rk_motion_options *motion = &r->options->motion;
     rk_shutter shutter = motion->shutter;
-    if (!isnan(motion->isolate))
+    if (!isnan(motion->single_time))
         shutter.open = shutter.close = common_time(motion);
     for (uint32_t i = 0; i < r->scene->moving_count; i++) {
         const rk_box *rest = &r->accel->moving[i].nodes[0].box;
@@ -128,11 +128,11 @@ static bool check(const rk_render_options *options, rk_error *error)
 static bool check_command(const rk_render_options *options, rk_error *error)
 {
     const rk_motion_options *motion = &options->motion;
-    return isnan(motion->isolate) || motion->samples > 0 ||
+    return isnan(motion->single_time) || motion->samples > 0 ||
            rk_fail(error,
-                   "--isolate %g: it is one of the --time-samples, and there are none; give "
+                   "--single-time %g: it is one of the --time-samples, and there are none; give "
                    "--time-samples N, 1 or more",
-                   (double)motion->isolate);
+                   (double)motion->single_time);
 }
 
 const rk_feature rk_motion_blur_feature = {.stem = "motion_blur",

@@ -14,7 +14,7 @@ static void trace_occlusion(const rk_rendering *r, rk_sample_pass *pass, const r
     }
     float t_max[RK_BATCH_MAX];
     rk_ray_times times;
-    rk_accel_occluded_still(r->accel, rays, answers, pass->counters);
+    rk_accel_occluded_static(r->accel, rays, answers, pass->counters);
     for (uint32_t i = 0; i < rays->count; i++)
         t_max[i] = answers->occluded[i] ? 0 : rays->t_max[i];
     rk_motion_blur_stage(r, pass, rays, pixels, false, t_max, &times);

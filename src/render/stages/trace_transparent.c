@@ -24,7 +24,7 @@ rk_ray_time rk_trace_crossings(const rk_rendering *r, rk_sample_pass *pass,
     const rk_path *path = &paths->path[i];
     rk_ray ray = rk_batch_ray(&paths->rays, i);
     rk_transparency_start(list, path->bounces_left + 1u);
-    rk_crossings_gather_still(r->accel, &ray, false, list, pass->counters);
+    rk_crossings_gather_static(r->accel, &ray, false, list, pass->counters);
     return gather_moving(r, pass, &ray, paths->pixel[i],
                          rk_path_is_from_camera(path, r->options->max_depth), false, list);
 }
@@ -34,7 +34,7 @@ rk_vec3 rk_trace_transmittance(const rk_rendering *r, rk_sample_pass *pass, cons
 {
     rk_crossing_list list;
     rk_transparency_start(&list, RK_CROSSINGS_MAX);
-    rk_crossings_gather_still(r->accel, ray, true, &list, pass->counters);
+    rk_crossings_gather_static(r->accel, ray, true, &list, pass->counters);
     if (!rk_crossings_are_opaque(&list))
         gather_moving(r, pass, ray, pixel, false, true, &list);
     return rk_crossings_transmittance(&list, ray, r->options->glass);
