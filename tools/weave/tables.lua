@@ -205,11 +205,13 @@ end
 function tables.table(div)
   if div.attributes.driver then drive.measure(div, "--quiet") end
   local rows, columns = tables.read(div)
-  local head, names, body = {}, {}, {}
+  local head, names, body, seen = {}, {}, {}, {}
   for part in need(div, "columns"):gmatch("[^,]+") do
     local name, title = part:match("^%s*([%w_]+)%s*:%s*(.-)%s*$")
     name = name or part:match("^%s*(.-)%s*$")
     tables.check_column(div, columns, name)
+    if seen[name] then fail_at(div, "columns=...: %s stands there twice; a column is shown once", name) end
+    seen[name] = true
     names[#names + 1], head[#head + 1] = name, title or tables.label(name)
   end
   for r, row in ipairs(rows) do
