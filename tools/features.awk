@@ -74,13 +74,14 @@ function build_one(stem, folder, needs, unit, driver, name) {
 }
 
 # A header that nobody outside should include says "not installed" in its first comment.
-function is_internal(path, line, internal) {
+function is_internal(path, line, comment) {
     while ((getline line < path) > 0) {
-        if (line ~ /not installed/) internal = 1
-        if (internal || line ~ /\*\/$/) break
+        sub(/^ \*/, "", line)
+        comment = comment line
+        if (line ~ /\*\/$/) break
     }
     close(path)
-    return internal
+    return comment ~ /not installed/
 }
 
 # All files of a room: headers to install, and everything else.

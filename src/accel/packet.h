@@ -1,6 +1,6 @@
 /* Packets: four rays of nearly the same direction traverse a tree together. A box or a triangle is
  * fetched once, and tested against all four at once (after Wald, Slusallek, Benthin, Wagner,
- * "Interactive rendering with coherent ray tracing", Eurographics 2001). */
+ * "Interactive rendering with coherent ray tracing", Eurographics 2001); not installed. */
 #ifndef RK_ACCEL_PACKET_H
 #define RK_ACCEL_PACKET_H
 

@@ -1,6 +1,6 @@
 /* Ray groups: rays from one point of nearly the same direction, such as the reflections of a rough
  * mirror. The triangles that any of them may hit are found once for all (after Reshetov, Soupikov,
- * Hurley, "Multi-level ray tracing algorithm", SIGGRAPH 2005). */
+ * Hurley, "Multi-level ray tracing algorithm", SIGGRAPH 2005); not installed. */
 #ifndef RK_ACCEL_RAY_GROUP_H
 #define RK_ACCEL_RAY_GROUP_H
 

@@ -1,6 +1,6 @@
 /* Four floats, one per lane, computed by one instruction. Each lane is rounded like a single float,
  * so results are the same to the bit. By the vector extensions of gcc and clang; by SSE, which
- * every x86-64 has, for operations that these lack. */
+ * every x86-64 has, for operations that these lack; not installed. */
 #ifndef RK_ACCEL_SIMD4_H
 #define RK_ACCEL_SIMD4_H
 

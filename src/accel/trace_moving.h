@@ -1,5 +1,5 @@
 /* Traces rays against moving objects at the rays' times. The objects stay at rest; the rays are
- * moved instead. */
+ * moved instead; not installed. */
 #ifndef RK_ACCEL_TRACE_MOVING_H
 #define RK_ACCEL_TRACE_MOVING_H
 

@@ -1,5 +1,5 @@
 /* Helper programs read foreign files in a process of their own: a corrupt file can crash only the
- * helper, and the big libraries cost only those who need them. */
+ * helper, and the big libraries cost only those who need them; not installed. */
 #ifndef RK_IO_HELPER_H
 #define RK_IO_HELPER_H
 

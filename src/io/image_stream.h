@@ -1,5 +1,5 @@
 /* The format in which library and raykit-image exchange pictures: this head, then width * height *
- * 3 floats of linear RGB, row by row from the top, in native byte order. */
+ * 3 floats of linear RGB, row by row from the top, in native byte order; not installed. */
 #ifndef RK_IO_IMAGE_STREAM_H
 #define RK_IO_IMAGE_STREAM_H
 

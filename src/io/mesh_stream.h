@@ -1,5 +1,6 @@
 /* The format in which raykit-mesh sends a mesh to rk_mesh_file_read: this header, then the arrays
- * in the order below without gaps, in native byte order (both run on the same machine). */
+ * in the order below without gaps, in native byte order (both run on the same machine);
+ * not installed. */
 #ifndef RK_IO_MESH_STREAM_H
 #define RK_IO_MESH_STREAM_H
 

@@ -1,4 +1,4 @@
-/* Cheaper blurs, close to bloom's binomial filter, whose variance is radius / 2. */
+/* Cheaper blurs, close to bloom's binomial filter, whose variance is radius / 2; not installed. */
 #ifndef RK_POST_BLUR_H
 #define RK_POST_BLUR_H
 

@@ -1,4 +1,4 @@
-/* The radiance of a tile's pixels, summed over the samples so far. */
+/* The radiance of a tile's pixels, summed over the samples so far; not installed. */
 #ifndef RK_RENDER_FILM_H
 #define RK_RENDER_FILM_H
 

@@ -1,4 +1,4 @@
-/* Paths in batches: rays, and the contribution of each to its pixel. */
+/* Paths in batches: rays, and the contribution of each to its pixel; not installed. */
 #ifndef RK_RENDER_PATH_BATCH_H
 #define RK_RENDER_PATH_BATCH_H
 

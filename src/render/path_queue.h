@@ -1,5 +1,6 @@
 /* Paths that wait to be traced, a batch per level of bounces. A level's reflections go to the next
- * deeper one, which is traced first: so there are never more batches than bounces. */
+ * deeper one, which is traced first: so there are never more batches than bounces; not installed.
+ */
 #ifndef RK_RENDER_PATH_QUEUE_H
 #define RK_RENDER_PATH_QUEUE_H
 

@@ -1,4 +1,4 @@
-/* Traces paths from the camera to their ends. */
+/* Traces paths from the camera to their ends; not installed. */
 #ifndef RK_RENDER_PATHS_H
 #define RK_RENDER_PATHS_H
 

@@ -1,4 +1,4 @@
-/* The inputs of a picture: shared by all threads, and constant while they work. */
+/* The inputs of a picture: shared by all threads, and constant while they work; not installed. */
 #ifndef RK_RENDER_RENDERING_H
 #define RK_RENDER_RENDERING_H
 

@@ -1,4 +1,5 @@
-/* A pass over a tile: one sample of each of its pixels, and the indices of its random numbers. */
+/* A pass over a tile: one sample of each of its pixels, and the indices of its random numbers;
+ * not installed. */
 #ifndef RK_RENDER_SAMPLE_PASS_H
 #define RK_RENDER_SAMPLE_PASS_H
 

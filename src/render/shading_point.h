@@ -1,4 +1,4 @@
-/* A shading point: a path's hit, with the data that lights and reflections need. */
+/* A shading point: a path's hit, with the data that lights and reflections need; not installed. */
 #ifndef RK_RENDER_SHADING_POINT_H
 #define RK_RENDER_SHADING_POINT_H
 

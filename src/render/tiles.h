@@ -1,4 +1,5 @@
-/* The tiles of a picture: squares of RK_TILE_SIDE pixels, clipped at the right and the bottom. */
+/* The tiles of a picture: squares of RK_TILE_SIDE pixels, clipped at the right and the bottom;
+ * not installed. */
 #ifndef RK_RENDER_TILES_H
 #define RK_RENDER_TILES_H
 

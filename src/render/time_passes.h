@@ -1,5 +1,5 @@
 /* Time passes: a sample with a ray that may hit a moving object is taken several times, each pass
- * at a time of its own, and the mean of the passes counts. */
+ * at a time of its own, and the mean of the passes counts; not installed. */
 #ifndef RK_RENDER_TIME_PASSES_H
 #define RK_RENDER_TIME_PASSES_H
 

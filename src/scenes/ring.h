@@ -1,4 +1,4 @@
-/* Rings of vertices, and the band of triangles between two of them. */
+/* Rings of vertices, and the band of triangles between two of them; not installed. */
 #ifndef RK_SCENES_RING_H
 #define RK_SCENES_RING_H
 

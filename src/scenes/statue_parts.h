@@ -1,5 +1,5 @@
 /* The parts of the statue, as shapes without triangles: declared here for three files, internal to
- * statue.c. */
+ * statue.c; not installed. */
 #ifndef RK_SCENES_STATUE_PARTS_H
 #define RK_SCENES_STATUE_PARTS_H
 

@@ -1,4 +1,4 @@
-/* Camera stage: the primary rays of a pass. */
+/* Camera stage: the primary rays of a pass; not installed. */
 #ifndef RK_RENDER_STAGES_CAMERA_STAGE_H
 #define RK_RENDER_STAGES_CAMERA_STAGE_H
 

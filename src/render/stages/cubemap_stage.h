@@ -1,4 +1,4 @@
-/* Environment stage: adds radiance from infinitely far. */
+/* Environment stage: adds radiance from infinitely far; not installed. */
 #ifndef RK_RENDER_STAGES_CUBEMAP_STAGE_H
 #define RK_RENDER_STAGES_CUBEMAP_STAGE_H
 

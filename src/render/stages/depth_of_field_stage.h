@@ -4,7 +4,7 @@
  * No surface in front of the focal surface is missed: anything that hides it is nearer still, and
  * has a larger circle. Surfaces that no centre ray hits are missed: those smaller than a pixel, and
  * those behind the focal surface that are hidden by sharper ones but visible from parts of the
- * lens. */
+ * lens; not installed. */
 #ifndef RK_RENDER_STAGES_DEPTH_OF_FIELD_STAGE_H
 #define RK_RENDER_STAGES_DEPTH_OF_FIELD_STAGE_H
 

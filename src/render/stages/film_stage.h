@@ -1,4 +1,4 @@
-/* Film stage: from a tile's sums to pixels of the picture. */
+/* Film stage: from a tile's sums to pixels of the picture; not installed. */
 #ifndef RK_RENDER_STAGES_FILM_STAGE_H
 #define RK_RENDER_STAGES_FILM_STAGE_H
 

@@ -1,4 +1,4 @@
-/* Light stage: adds the light of all lights at a batch of shading points. */
+/* Light stage: adds the light of all lights at a batch of shading points; not installed. */
 #ifndef RK_RENDER_STAGES_LIGHT_STAGE_H
 #define RK_RENDER_STAGES_LIGHT_STAGE_H
 

@@ -1,7 +1,7 @@
 /* Time stage: finds the rays that may hit moving objects, and their time. A sample of a pixel has
  * one time for all its rays, from the camera ray to the last shadow ray. It is drawn when the first
  * of them may hit a moving object. A sample without such a ray is the same at all times, and taken
- * once; others are taken in several time passes (render/time_passes.h). */
+ * once; others are taken in several time passes (render/time_passes.h); not installed. */
 #ifndef RK_RENDER_STAGES_MOTION_BLUR_STAGE_H
 #define RK_RENDER_STAGES_MOTION_BLUR_STAGE_H
 

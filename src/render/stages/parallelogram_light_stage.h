@@ -1,6 +1,6 @@
 /* Lights with an extent or a falloff: sample by sample, a shadow ray and its contribution for each
  * shading point of the batch. A point stops early if its first shadow rays agree, all or none of
- * them occluded. */
+ * them occluded; not installed. */
 #ifndef RK_RENDER_STAGES_PARALLELOGRAM_LIGHT_STAGE_H
 #define RK_RENDER_STAGES_PARALLELOGRAM_LIGHT_STAGE_H
 

@@ -1,5 +1,5 @@
 /* Point lights without falloff: the same radiance at all shading points, so there is nothing to
- * sample. One shadow ray per point, none without shadows. */
+ * sample. One shadow ray per point, none without shadows; not installed. */
 #ifndef RK_RENDER_STAGES_POINT_LIGHT_STAGE_H
 #define RK_RENDER_STAGES_POINT_LIGHT_STAGE_H
 

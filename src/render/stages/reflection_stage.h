@@ -1,4 +1,4 @@
-/* Perfect mirrors: one reflected ray per shading point. */
+/* Perfect mirrors: one reflected ray per shading point; not installed. */
 #ifndef RK_RENDER_STAGES_REFLECTION_STAGE_H
 #define RK_RENDER_STAGES_REFLECTION_STAGE_H
 

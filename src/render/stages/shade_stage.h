@@ -1,4 +1,4 @@
-/* Shade stage: from hits to shading points. */
+/* Shade stage: from hits to shading points; not installed. */
 #ifndef RK_RENDER_STAGES_SHADE_STAGE_H
 #define RK_RENDER_STAGES_SHADE_STAGE_H
 

@@ -1,4 +1,4 @@
-/* The names of the shading models. */
+/* The names of the shading models; not installed. */
 #ifndef RK_RENDER_STAGES_SHADING_STAGE_H
 #define RK_RENDER_STAGES_SHADING_STAGE_H
 

@@ -1,4 +1,5 @@
-/* Shadow stage: traces shadow rays to points of lights, or to the end of another distance. */
+/* Shadow stage: traces shadow rays to points of lights, or to the end of another distance;
+ * not installed. */
 #ifndef RK_RENDER_STAGES_SHADOW_STAGE_H
 #define RK_RENDER_STAGES_SHADOW_STAGE_H
 

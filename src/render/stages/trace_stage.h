@@ -1,6 +1,7 @@
 /* Trace stage, in three steps: the hits on static surfaces, which end rays early; the time stage,
  * which finds the rays that may hit a moving object before that; the hits of these rays on moving
- * objects, at their times. Without motion blur, moving objects are traced at rest. */
+ * objects, at their times. Without motion blur, moving objects are traced at rest; not installed.
+ */
 #ifndef RK_RENDER_STAGES_TRACE_STAGE_H
 #define RK_RENDER_STAGES_TRACE_STAGE_H
 

@@ -1,5 +1,5 @@
 /* Tracing with plan.transparency: the crossings of view rays, and the transmittance of shadow rays.
- * The steps are those of the trace stage. */
+ * The steps are those of the trace stage; not installed. */
 #ifndef RK_RENDER_STAGES_TRACE_TRANSPARENT_H
 #define RK_RENDER_STAGES_TRACE_TRANSPARENT_H
 

@@ -1,4 +1,4 @@
-/* Transparency stage: the visible hits of a path, one behind the other. */
+/* Transparency stage: the visible hits of a path, one behind the other; not installed. */
 #ifndef RK_RENDER_STAGES_TRANSPARENCY_STAGE_H
 #define RK_RENDER_STAGES_TRANSPARENCY_STAGE_H
 
