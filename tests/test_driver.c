@@ -184,8 +184,8 @@ static void help_speaks_to_a_newcomer(void **state)
                                  "(default out)"};
     for (size_t i = 0; i < sizeof parts / sizeof *parts; i++)
         check_contains(help.out, parts[i]);
-    const char *const riddles[] = {"nan", "inf",         "4294967295",  "4000000000",
-                                   "e+",  "--recursion", "--light-map", "--settle", "--isolate"};
+    const char *const riddles[] = {"nan",         "inf",         "4294967295", "4000000000", "e+",
+                                   "--recursion", "--light-map", "--settle",   "--isolate"};
     for (size_t i = 0; i < sizeof riddles / sizeof *riddles; i++)
         rk_check(!strstr(help.out, riddles[i]), "a newcomer does not know \"%s\":\n%s", riddles[i],
                  help.out);

@@ -279,7 +279,7 @@ def main():
         handouts_share_sections(places["shared"])
         pack = os.path.join(places["packed"], "pack")
         said = handout.make_handout(SOURCE, [STEM], folder=pack, book=False)
-        check(os.listdir(places["packed"]) == ["pack"] and "none where students write" in said[1],
+        check(os.listdir(places["packed"]) == ["pack"] and "none is where students write" in said[1],
               "the pack is there with its proof, and nothing beside it", said)
         the_pack_holds_no_solution(pack)
         texts_speak_of_the_pack(pack)

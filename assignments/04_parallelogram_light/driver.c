@@ -9,8 +9,9 @@ static const char summary[] =
     "Renders a scene with lights that have an extent.\n"
     "--debug rays draws the shadow rays of --pixel: unoccluded green, occluded red.\n"
     "--debug samples draws the samples on the light in their colours.\n"
-    "--convergence puts each method's error and time into a table; with --falloff physical "
-    "into another one.";
+    "--convergence puts each method's error and time into the table "
+    "parallelogram_light_convergence, with --falloff physical into "
+    "parallelogram_light_convergence_physical.";
 
 RK_NAMES(light_names, choice of light, 1 + RK_LIGHT_PARALLELOGRAM, "own", "point", "segment",
          "parallelogram");

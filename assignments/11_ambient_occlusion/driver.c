@@ -11,7 +11,8 @@ static const char summary[] =
     "--debug rays shows the rays of --pixel from beside the camera: green ones are unoccluded.\n"
     "--convergence writes a table: error of each map and sampler against samples and time.\n"
     "--closed-forms writes a table: estimates below a disk, a sphere and beside a wall.\n"
-    "--on-floor puts an exact sphere on an endless floor: A is known for every pixel.";
+    "--on-floor puts an exact sphere on an endless floor: the visibility is known exactly in every "
+    "pixel.";
 
 static bool prepare(rk_driver *driver, rk_error *error)
 {

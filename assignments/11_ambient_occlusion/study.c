@@ -150,8 +150,8 @@ static estimate estimate_of(const rk_driver *driver, const occluder *o, rk_ambie
 
 bool put_closed_forms(rk_driver *driver, rk_error *error)
 {
-    static const char *const header[] = {"above it", "where",        "closed form", "uniform",
-                                         "cosine",   "uniform_rms", "cosine_rms", NULL};
+    static const char *const header[] = {"above it", "where",       "closed form", "uniform",
+                                         "cosine",   "uniform_rms", "cosine_rms",  NULL};
     static const occluder occluders[] = {
         {"nothing", "", disk, 0, 1, 1},
         {"disk", "radius 1, height 2", disk, 1, 2, 1},

@@ -241,10 +241,9 @@ static bool read_all(int argc, char **argv, const option_list *list, rk_error *e
             return false;
     }
     if (optind < argc)
-        return rk_fail(error,
-                       "%.80s: no option comes before this, so it is not expected here; "
-                       "see --help",
-                       argv[optind]);
+        return rk_fail(
+            error, "unexpected argument %.80s: it follows no option that takes a value; see --help",
+            argv[optind]);
     return true;
 }
 

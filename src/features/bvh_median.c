@@ -68,7 +68,7 @@ typedef struct unbuilt {
     uint32_t depth_left; /* levels that may follow below */
 } unbuilt;
 
-/* The stack never holds more than one node per level, and the last one's sibling. */
+/* The stack never holds more entries than the tree has levels. */
 void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split split, void *builder)
 {
     /* solution */

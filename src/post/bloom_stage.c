@@ -119,7 +119,7 @@ static const rk_option rows[] = {
     {"bloom", RK_FIELD(rk_render_options, bloom.on), NULL,
      "blur bright pixels and add them to the picture"},
     {"bloom-threshold", RK_FIELD(rk_render_options, bloom.threshold), "Y",
-     "brightness from which on a pixel is bright", -1e6, 1e6, 0.5},
+     "brightness from which on a pixel blooms", -1e6, 1e6, 0.5},
     {"bloom-intensity", RK_FIELD(rk_render_options, bloom.intensity), "I",
      "weight of the blurred pixels", 0, 1e6, 0.8},
     {"bloom-radius", RK_FIELD(rk_render_options, bloom.radius), "R",

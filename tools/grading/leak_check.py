@@ -136,17 +136,17 @@ def prove(source, pack, all_features, features):
         raise ToolError("\n".join(["these lines of the pack are solutions:", *found[:10], *more,
                                    "take them out; if another feature has them, name it in ASSIGNMENTS, too"]))
     lines, steps = lines_elsewhere(pack, features, secrets), steps_elsewhere(pack, features)
-    said = f"{len(secrets)} solution lines looked for in {len(_files(pack))} files: "
+    looked = f"Looked for {len(secrets)} solution lines in {len(_files(pack))} files: none "
     if not lines and not steps:
-        return [said + "none found"]
+        return [looked + "found."]
     told = [f"  {name}:{number}: {what}, in other words" for name, number, what in steps]
     told += [f"  {name}:{number}: {line}" + (f" (and {count - 1} times more)" if count > 1 else "")
              for name, number, line, count in lines]
     holders = {f"src/features/{stem}.c": stem for stem in all_features}
     rare = [name for name, _, _, count in lines if count == 1] + [name for name, *_ in steps]
     others = sorted({holders[name] for name in rare if name in holders})
-    remedy = "look whether these give a step away; the kit is built from them"
+    remedy = "Check whether they give a step away."
     if others:
-        remedy = f"name {' and '.join(others)} in ASSIGNMENTS, too, and their solutions are left out as well; or {remedy}"
-    return [f"{said}none where students write, but the kit's other code has in common with the solutions",
-            *told, "  " + remedy]
+        remedy = (f"To leave them out as well, add {' and '.join(others)} to ASSIGNMENTS; otherwise check "
+                  "whether they give a step away.")
+    return [f"{looked}is where students write. These lines of the kit also occur in the solutions:", *told, remedy]

@@ -80,19 +80,21 @@ RK_NAMES(rk_time_sampling_names, rk_time_sampling, RK_TIME_LOW_DISCREPANCY, "equ
 
 static const rk_option rows[] = {
     {"shutter-open", RK_FIELD(rk_render_options, motion.shutter.open), "X",
-     "when the shutter opens; moving objects are then displaced by (X, y(X), 0)", -1e6, 1e6, 0},
+     "when the shutter opens; a moving object is then displaced by (X, y(X), 0), where y(x) is its "
+     "path (rk_motion)",
+     -1e6, 1e6, 0},
     {"shutter-close", RK_FIELD(rk_render_options, motion.shutter.close), "X", "when it closes",
      -1e6, 1e6, 0.05},
     {"time-samples", RK_FIELD(rk_render_options, motion.samples), "N",
-     "times per pixel, over all of its --samples, where motion may change them; 0: everything "
-     "is at rest",
+     "times per pixel, divided among its --samples; pixels that motion cannot change need none; "
+     "0: everything is at rest",
      0, RK_SAMPLES_MAX, 0},
     {"time-sampling", RK_CHOICE(rk_render_options, motion.sampling, rk_time_sampling_names),
      "distribution of the times; equidistant ones are the same for all pixels",
      .initial = RK_TIME_STRATIFIED},
     {"single-time", RK_FIELD(rk_render_options, motion.single_time), "K",
-     "render the equidistant time K of --time-samples alone; below 1 or above N it lies before "
-     "or after the shutter interval",
+     "render the equidistant time K of --time-samples N alone; K < 1 is before the shutter opens, "
+     "K > N after it closes",
      -1e6, 1e6, NAN, .alias = "isolate"},
     {0},
 };
