@@ -7,7 +7,6 @@ import json
 import os
 import re
 import shutil
-import subprocess
 import sys
 import tempfile
 from unittest import mock
@@ -22,6 +21,7 @@ from grading.assignments import ToolError, read_features, read_points  # noqa: E
 from grading.build import Toolchain  # noqa: E402
 from grading.mutants import mutate, read_mutants  # noqa: E402
 from grading.starters import solution_lines, starter_of  # noqa: E402
+from tap import check, finish, run  # noqa: E402
 
 STEM = "bvh_median"
 FEATURES = read_features(SOURCE)
@@ -31,16 +31,6 @@ TESTS = read_points(FEATURE)
 TOTAL = sum(test.points for test in TESTS)
 SECRET = max(sorted(solution_lines(FEATURE.reference)), key=len)
 COMMON = "for (uint32_t i = 0; i < count; i++)"
-
-checks = []
-
-
-def check(condition, name, said=""):
-    """Notes a claim's verdict."""
-    checks.append(bool(condition))
-    for line in [] if condition else str(said).splitlines()[-30:]:
-        print(f"# {line}")
-    print(f"{'ok' if condition else 'not ok'} {len(checks)} - {name}", flush=True)
 
 
 def read(*path):
@@ -178,15 +168,6 @@ def what_the_kit_has_in_common_is_told(pack):
 # --- The student works ----------------------------------------------------------------------------
 
 
-def run(folder, *command):
-    """Runs a command as at a student's prompt; returns its exit status and all that it said."""
-    dropped = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "srcdir")
-    environment = {name: value for name, value in os.environ.items() if name not in dropped}
-    answer = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace", check=False)
-    return answer.returncode, answer.stdout
-
-
 def the_pack_is_failed_and_solved(pack):
     make = os.environ.get("MAKE", "make")
     compiler = " ".join(Toolchain(".").compiler)
@@ -289,8 +270,7 @@ def main():
         a_class_is_graded(places["class"])
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    print(f"1..{len(checks)}")
-    return 0
+    return finish()
 
 
 if __name__ == "__main__":

@@ -10,6 +10,7 @@ sys.path.insert(0, os.path.join(os.path.abspath(os.environ.get("srcdir", ".")), 
 
 from grading.c_source import functions_of, tokens_of  # noqa: E402
 from grading.mutants import MutantError, mutate, read_mutants  # noqa: E402
+from tap import check, finish  # noqa: E402
 
 UNIT = """#include "features/fog.h"
 
@@ -49,16 +50,6 @@ float fog_at(const fog *fog, float t)
 }
 """
 HEAD = "mutant thick\nmistake: One.\nfails: a_claim\n"
-
-checks = []
-
-
-def check(condition, name, said=""):
-    """Notes a claim's verdict."""
-    checks.append(bool(condition))
-    for line in [] if condition else str(said).splitlines()[-30:]:
-        print(f"# {line}")
-    print(f"{'ok' if condition else 'not ok'} {len(checks)} - {name}", flush=True)
 
 
 def read(text):
@@ -171,8 +162,7 @@ def main():
     slips_in_writing_are_told()
     slips_in_the_unit_are_told()
     functions_are_found()
-    print(f"1..{len(checks)}")
-    return 0 if all(checks) else 1
+    return finish()
 
 
 if __name__ == "__main__":

@@ -4,7 +4,6 @@ for make check-new-feature; runs in a build folder."""
 
 import os
 import shutil
-import subprocess
 import sys
 import tempfile
 
@@ -15,27 +14,9 @@ sys.path.insert(0, os.path.join(SOURCE, "tools"))
 from grading.assignments import ToolError, read_features, read_points  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
 from new_feature import make_feature  # noqa: E402
+from tap import check, finish, run  # noqa: E402
 
 MAKE = os.environ.get("MAKE", "make")
-checks = []
-
-
-def check(condition, name, said=""):
-    """Notes a claim's verdict."""
-    checks.append(bool(condition))
-    for line in [] if condition else str(said).splitlines()[-30:]:
-        print(f"# {line}")
-    print(f"{'ok' if condition else 'not ok'} {len(checks)} - {name}", flush=True)
-
-
-def run(folder, *command):
-    """Returns a command's exit status and all that it said."""
-    dropped = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "srcdir")
-    environment = {name: value for name, value in os.environ.items() if name not in dropped}
-    answer = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
-                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace", check=False)
-    return answer.returncode, answer.stdout
-
 
 def files_of(folder):
     """Returns a dictionary from path to content."""
@@ -125,8 +106,7 @@ def main():
         fog_builds_and_says_what_is_missing(kit)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    print(f"1..{len(checks)}")
-    return 0
+    return finish()
 
 
 if __name__ == "__main__":

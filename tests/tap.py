@@ -1,0 +1,30 @@
+"""TAP for suites in Python: claims with their verdicts, and commands as at a prompt."""
+
+import os
+import subprocess
+
+checks = []
+
+
+def check(condition, name, said=""):
+    """Notes a claim's verdict; of a failed one also the last lines of `said`, a text or a list of lines."""
+    checks.append(bool(condition))
+    lines = said if isinstance(said, list) else str(said).splitlines()
+    for line in [] if condition else lines[-30:]:
+        print(f"# {line}")
+    print(f"{'ok' if condition else 'not ok'} {len(checks)} - {name}", flush=True)
+
+
+def finish():
+    """Prints the plan; returns the exit status."""
+    print(f"1..{len(checks)}")
+    return 0 if all(checks) else 1
+
+
+def run(folder, *command):
+    """Runs a command as at a prompt, without make's own variables; returns its exit status and output."""
+    dropped = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "srcdir")
+    environment = {name: value for name, value in os.environ.items() if name not in dropped}
+    answer = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
+                            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace", check=False)
+    return answer.returncode, answer.stdout
