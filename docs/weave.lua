@@ -121,8 +121,8 @@ local function read_points(stem)
   if not path then return rows end
   local at = nil
   for line in io.lines(path) do
-    local test, points, section = line:match("^([^\t]*)\t([^\t]*)\t#?([^\t]*)$")
-    if not test then fail("%s: this line is not test, points and section: %s", path, line) end
+    local test, points, section = line:match("^([^\t]*)\t([^\t]*)\t[^\t]*\t#?([^\t]*)$")
+    if not test then fail("%s: this line is not test, points, step and section: %s", path, line) end
     if at then rows[test] = {points = points, section = section} end
     at = true -- the first line is the header
   end

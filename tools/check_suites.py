@@ -7,8 +7,7 @@ For each feature of assignments/features.tsv:
   leak sanitizers, fails every test that carries points, and passes every other one;
 - points.tsv lists every test, those that carry no points with 0, so that students hear when one
   that held no longer does;
-- the steps of the assignment's handout.md name the tests that carry points, each once, in the order
-  of points.tsv, and no other;
+- points.tsv lists the tests that carry points in the order of the steps of the assignment's handout.md;
 - the unit reads as its chapter (tools/grading/reading_order.py);
 - each mutant, a known mistake in tests/mutants/STEM.mutants, fails the tests that it names.
   tools/grading/mutants.py says how mutants are written.
@@ -34,6 +33,7 @@ import threading
 
 sys.dont_write_bytecode = True  # the source folder may be read-only, and stays clean
 sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
+from grading import assignments
 from grading import reading_order
 from grading import starters
 from grading.mutants import MutantError, mutate, read_mutants
@@ -196,22 +196,24 @@ class Feature:
     # --- jobs: each may raise a Fault
 
     def check_handout(self):
-        """The handout's table of tests must match the table used for grading."""
+        """The handout's steps are those of the table used for grading, which lists them in order."""
         handout = self.points.with_name("handout.md")
         if not self.points.exists() or not handout.exists():
             return
-        rows = re.findall(r"^\| \d+ \|.*\|(.*)\|$", handout.read_text(encoding="utf-8"), re.MULTILINE)
-        told = [name for row in rows for name in re.findall(r"`(\w+)`", row)]
-        scored = _with_points(read_table(self.points))
-        name = handout.relative_to(self.root)
-        faults = [f"{name}: no step names {test}" for test in scored if test not in told]
-        faults += [f"{name}: a step names {test}, which carries no points" for test in told
-                   if test not in scored]
-        faults += [f"{name}: {test} is in the steps twice" for test in dict.fromkeys(told)
-                   if told.count(test) > 1]
-        if not faults and told != scored:
-            at = next(i for i, test in enumerate(told) if test != scored[i])
-            faults = [f"{name}: {told[at]} is where points.tsv has {scored[at]}; order them alike"]
+        rows = re.findall(r"^\| (\d+) \|(.*)$", handout.read_text(encoding="utf-8"), re.MULTILINE)
+        told = [int(number) for number, cells in rows if "{tests}" in cells]
+        feature = assignments.read_features(str(self.root))[self.stem]
+        tests = [test for test in assignments.read_points(feature) if test.points]
+        steps = list(dict.fromkeys(test.step for test in tests))
+        handout, points = (path.relative_to(self.root) for path in (handout, self.points))
+        faults = [f"{points}: {after.name} of step {after.step} stands below {before.name} of step {before.step}; "
+                  "order them by steps" for before, after in zip(tests, tests[1:]) if after.step < before.step]
+        faults += [f"{handout}: no step {step} with {{tests}}, which {points} names" for step in steps
+                   if step not in told]
+        faults += [f"{handout}: step {step} has {{tests}}, but none in {points}" for step in told
+                   if step not in steps]
+        faults += [f"{points}: {test.name} is green since step {test.green_since}, which is not before step "
+                   f"{test.step}" for test in tests if test.green_since >= test.step]
         if faults:
             raise Fault("\n".join(faults))
 

@@ -1,16 +1,18 @@
 """The text of an assignment: its handout.md with the sections that all share, as it is true for whom.
 
 A line of a handout that begins with a link to a section of assignments/handout_common.md stands for
-that section, with {stem}, {folder} and {number} filled in. What is true in one place only stands
+that section, with {stem}, {folder} and {number} filled in. In the table of steps {tests} stands for the
+tests that points.tsv gives to a row's step. What is true in one place only stands
 between `<!-- kit -->` and `<!-- pack`, and its counterpart from there to `end -->`.
 """
 
 import os
 import re
 
-from grading.assignments import ToolError
+from grading.assignments import ToolError, read_points
 
 _LINK = re.compile(r"^\[[^]]*\]\(\.\./(handout_common\.md)#([\w-]+)\).*$", re.MULTILINE)
+_STEP = re.compile(r"^(\| (\d+) \|.*)\{tests\}", re.MULTILINE)
 _KIT_OR_PACK = re.compile(r"^<!-- kit -->\n(.*?)^<!-- pack\n(.*?)^end -->\n", re.MULTILINE | re.DOTALL)
 _OF_THE_KIT = re.compile(r"\b(IMPL|DIR)=mine\b|(?<![\w/])mine/|`mine`|<!-- (kit|pack)\b")
 
@@ -29,9 +31,15 @@ def _sections(text):
     return {re.sub(r"\W+", "-", part.splitlines()[0][3:].lower()): part.rstrip() for part in parts}
 
 
+def _named(test):
+    kept = f" (green since step {test.green_since}: keep it so)" if test.green_since else ""
+    return f"`{test.name}`{kept}"
+
+
 def handout_of(source, feature):
-    """Returns a feature's handout with the shared sections in their places."""
-    own = _read(source, "assignments", feature.folder, "handout.md")
+    """Returns a feature's handout with the shared sections and the tests of its steps in their places."""
+    own, tests = _read(source, "assignments", feature.folder, "handout.md"), read_points(feature)
+    own = _STEP.sub(lambda row: row[1] + "<br>".join(_named(test) for test in tests if test.step == int(row[2])), own)
     filled = {"stem": feature.stem, "folder": feature.folder, "number": str(int(feature.folder.split("_")[0]))}
 
     def section(link):

@@ -2,13 +2,14 @@
 
 assignments/features.tsv lists the features (stem, folder, needs, and README's words), from which
 tools/features.sh makes the build's lists; assignments/FOLDER/points.tsv lists the scored tests of one
-(test, points, section of the chapter to read), simplest first. Every tool for students and instructors
+(test, points, step, section of the chapter to read), simplest first. Every tool for students and instructors
 reads both, so a new feature needs two tables and no code.
 """
 
 import argparse
 import csv
 import os
+import re
 
 
 class ToolError(Exception):
@@ -50,10 +51,12 @@ class Feature:
 
 
 class ScoredTest:
-    """A row of points.tsv."""
+    """A row of points.tsv. `step` is the handout's step that turns it green, 0 for a test without
+    points; `green_since` an earlier one after which it happens to hold, or 0."""
 
-    def __init__(self, name, points, section):
+    def __init__(self, name, points, section, step=0, green_since=0):
         self.name, self.points, self.section = name, points, section
+        self.step, self.green_since = step, green_since
 
 
 def _read_table(path, columns):
@@ -95,13 +98,17 @@ def read_points(feature):
     points hold with the starter, and must continue to hold."""
     tests = []
     for number, row in enumerate(
-        _read_table(feature.points_table, ["test", "points", "section"]), 2
+        _read_table(feature.points_table, ["test", "points", "step", "section"]), 2
     ):
         if not row[1].isdigit():
             raise ToolError(f"{feature.points_table}:{number}: points are whole numbers, not {row[1]}")
         if any(test.name == row[0] for test in tests):
             raise ToolError(f"{feature.points_table}:{number}: {row[0]} is listed twice")
-        tests.append(ScoredTest(row[0], int(row[1]), row[2]))
+        step = re.fullmatch(r"(\d+)(?: \(green since (\d+)\))?", row[2]) if row[2] != "-" else None
+        if (step is None) != (row[1] == "0"):
+            raise ToolError(f"{feature.points_table}:{number}: the step is \"3\" or \"3 (green since 2)\", "
+                            "or - for a test without points")
+        tests.append(ScoredTest(row[0], int(row[1]), row[3], *(int(k or 0) for k in step.groups()) if step else ()))
     if not tests:
         raise ToolError(f"{feature.points_table} lists no tests")
     return tests
