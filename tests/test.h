@@ -66,8 +66,8 @@ void rk_claim_failed(const char *file, int line, const char *format, ...)
     rk_check(strstr((error).text, part) != NULL, "the error should name \"%s\", but says: %s",     \
              part, (error).text)
 
-/* The number of allocations so far, where it can be counted. */
-extern size_t rk_allocations;
+/* The number of allocations so far, and of those not yet freed, where they can be counted. */
+extern size_t rk_allocations, rk_allocations_kept;
 extern const bool rk_allocations_are_counted;
 
 typedef struct rk_suite {

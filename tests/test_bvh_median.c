@@ -1,9 +1,13 @@
 /* The bounding volume hierarchy split by the median: its shape, its soundness, and that rays find
- * the same hits in it as by brute force. */
+ * the same hits in it as by brute force, with no more work than it takes. */
+#define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
+#include "guarded_tree.h"
+#include "short_memory.h"
 #include "test.h"
 #include "test_soup.h"
 
 #include "features/bvh_median.h"
+#include "scene/bvh_build.h"
 
 #include <time.h>
 
@@ -26,9 +30,8 @@ static rk_bvh build(const rk_mesh *mesh)
     rk_bvh bvh;
     rk_error error;
     rk_check_ok(rk_bvh_build_median(&bvh, mesh, &error), error);
-    rk_check(rk_bvh_validate(&bvh, mesh, &error),
-             "the tree over %u triangle%s, with %u nodes, is not sound: %s", mesh->triangle_count,
-             mesh->triangle_count == 1 ? "" : "s", bvh.node_count, error.text);
+    rk_check(rk_bvh_validate(&bvh, mesh, &error), "the tree over %u triangle%s is not sound: %s",
+             mesh->triangle_count, mesh->triangle_count == 1 ? "" : "s", error.text);
     return bvh;
 }
 
@@ -47,11 +50,16 @@ static const char *likely_mistake(rk_hit got, rk_hit want)
     if (got.triangle == RK_MISS && want.triangle == RK_MISS)
         return "a miss leaves t at t_max, where the search starts";
     if (got.triangle == RK_MISS)
-        return "a subtree was not visited: is every child that the ray enters visited or pushed?";
+        return "a leaf was not visited, or not its own triangles, which begin at `first`: is every "
+               "child that the ray enters visited or pushed, and does the search go on with a "
+               "pushed "
+               "one until none is left, the last one too?";
     if (want.triangle == RK_MISS)
         return "only 0 < t <= t_max counts";
     if (got.t > want.t)
-        return "the search ended before all boxes nearer than the nearest hit were visited";
+        return "the search ended before all boxes nearer than the nearest hit were visited: the "
+               "last "
+               "node on the stack is one of them";
     return "among equal distances the smallest triangle index wins";
 }
 
@@ -73,7 +81,10 @@ static void check_occluded(bool got, bool want, const char *ray)
                   : "only hits at 0 < t <= t_max count");
 }
 
-static void check_against_brute_force(const rk_mesh *mesh, uint32_t rays, uint32_t seed)
+enum { CLOSEST = 1, OCCLUSION = 2 };
+
+static void check_against_brute_force(const rk_mesh *mesh, uint32_t rays, uint32_t seed,
+                                      int queries)
 {
     rk_bvh bvh = build(mesh);
     rk_box bounds = rk_mesh_bounds(mesh);
@@ -81,10 +92,12 @@ static void check_against_brute_force(const rk_mesh *mesh, uint32_t rays, uint32
     for (uint32_t i = 0; i < rays; i++) {
         rk_ray ray = make_ray(i, seed, bounds);
         rk_hit want = closest_by_brute_force(mesh, &ray);
-        char name[32];
-        snprintf(name, sizeof name, "ray %u", i);
-        check_hit(rk_bvh_closest(&bvh, &ray, &counters), want, name);
-        check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), want.triangle != RK_MISS, name);
+        char name[64];
+        snprintf(name, sizeof name, "%u triangles, ray %u", mesh->triangle_count, i);
+        if (queries & CLOSEST)
+            check_hit(rk_bvh_closest(&bvh, &ray, &counters), want, name);
+        if (queries & OCCLUSION)
+            check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), want.triangle != RK_MISS, name);
     }
     rk_bvh_free(&bvh);
 }
@@ -297,7 +310,135 @@ static void a_node_is_32_bytes_and_a_pair_of_children_one_cache_line(void **stat
     rk_mesh_free(&mesh);
 }
 
+/* --- The deepest tree ------------------------------------------------------------------------- */
+
+enum { DEEP = RK_BVH_LEVELS_MAX + 16 }; /* triangles, of which the last leaf has 17 */
+
+/* Splits one triangle off each node, at one end of it, however deep it is, and checks what it is
+ * told. */
+typedef struct deep_builder {
+    rk_mesh mesh;
+    bool one_goes_left;
+    uint32_t count[DEEP], depth[DEEP]; /* of the node that begins there, as wanted */
+} deep_builder;
+
+static uint32_t split_one_off(void *context, uint32_t begin, uint32_t count, uint32_t depth_left,
+                              rk_box *box)
+{
+    deep_builder *deep = context;
+    rk_check(begin < DEEP && deep->count[begin] == count,
+             "got a node of %u triangles from %u on, want %u: the left child has the first ones, "
+             "as many as "
+             "`split` returned, and the right child the rest",
+             count, begin, begin < DEEP ? deep->count[begin] : 0);
+    rk_check(depth_left == deep->depth[begin],
+             "a node of %u triangles: got depth_left = %u, want %u: RK_BVH_LEVELS_MAX - 1 at the "
+             "root, and one less "
+             "for each level down",
+             count, depth_left, deep->depth[begin]);
+    *box = rk_box_empty();
+    for (uint32_t i = 3 * begin; i < 3 * (begin + count); i++)
+        *box = rk_box_add(*box, deep->mesh.positions[i]);
+    if (count == 1)
+        return 0;
+    uint32_t left = deep->one_goes_left ? 1 : count - 1;
+    deep->count[begin] = left;
+    deep->count[begin + left] = count - left;
+    deep->depth[begin] = deep->depth[begin + left] = depth_left - 1;
+    return left;
+}
+
+/* Triangles that stand across the z axis, each twice as far and as large as the one before. All
+ * have their tips up but the odd one, so a ray from the origin through a corner of all boxes hits
+ * that one only. Where the larger ones are split off, the ray enters the smaller ones' box first,
+ * and all the larger ones wait on the stack. */
+static rk_bvh build_deepest(deep_builder *deep, bool one_goes_left, uint32_t odd)
+{
+    deep->mesh = make_mesh(DEEP);
+    deep->one_goes_left = one_goes_left;
+    for (uint32_t i = 0; i < DEEP; i++) {
+        uint32_t place = one_goes_left ? DEEP - 1 - i : i; /* the largest is split off first */
+        float size = ldexpf(1, (int)place - DEEP / 2), tip = place == odd ? -size : size;
+        deep->mesh.positions[3 * i] = rk_vec(-size, -tip, size);
+        deep->mesh.positions[3 * i + 1] = rk_vec(size, -tip, size);
+        deep->mesh.positions[3 * i + 2] = rk_vec(0, tip, size);
+    }
+    deep->count[0] = DEEP;
+    deep->depth[0] = RK_BVH_LEVELS_MAX - 1;
+    rk_bvh bvh;
+    rk_error error;
+    rk_check_ok(rk_bvh_init(&bvh, DEEP, DEEP, &error), error);
+    for (uint32_t i = 0; i < DEEP; i++)
+        bvh.triangles[i] = rk_bvh_triangle_of(&deep->mesh, i);
+    rk_bvh_build_nodes(&bvh, split_one_off, deep);
+    rk_check_equal(
+        bvh.node_count, 2 * RK_BVH_LEVELS_MAX,
+        "the root, an unused node, and two children for each of the other levels: each node "
+        "that is split takes the next two; with depth_left = 0 a node is a leaf, whatever "
+        "`split` returns");
+    rk_check_ok(rk_bvh_validate(&bvh, &deep->mesh, &error), error);
+    rk_check_equal(rk_bvh_measure(&bvh).levels, RK_BVH_LEVELS_MAX, "as deep as a tree may be");
+    return bvh;
+}
+
+static void each_split_is_told_how_many_levels_may_follow(void **state)
+{
+    (void)state;
+    for (int one_goes_left = 0; one_goes_left < 2; one_goes_left++) {
+        deep_builder deep;
+        rk_bvh bvh = build_deepest(&deep, one_goes_left, DEEP);
+        rk_bvh_free(&bvh);
+        rk_mesh_free(&deep.mesh);
+    }
+}
+
+/* A ray from the origin that hits the odd one only, and one from beyond all of them. */
+static void check_deepest(int queries)
+{
+    const rk_ray rays[] = {{{0, 0, 0}, {0.75f, 0.75f, 1}, INFINITY},
+                           {{0, 0, 0x1p60f}, {0, 0, -1}, INFINITY}};
+    for (uint32_t odd = 0; odd < DEEP; odd++)
+        for (int k = 0; k < 4; k++) {
+            deep_builder deep;
+            rk_bvh bvh = build_deepest(&deep, k / 2, odd);
+            const rk_ray *ray = &rays[k % 2];
+            rk_counters counters = {0};
+            rk_hit want = closest_by_brute_force(&deep.mesh, ray);
+            rk_check(want.triangle != RK_MISS, "brute force hits nothing: this test cannot tell");
+            const char *name =
+                k % 2 ? "a ray from beyond a tree of 64 levels"
+                      : "a ray from the inside of a tree of 64 levels, which leaves up to 63 "
+                        "nodes on the stack";
+            if (queries & CLOSEST)
+                check_hit(rk_bvh_closest(&bvh, ray, &counters), want, name);
+            if (queries & OCCLUSION)
+                check_occluded(rk_bvh_occluded(&bvh, ray, &counters), true, name);
+            rk_bvh_free(&bvh);
+            rk_mesh_free(&deep.mesh);
+        }
+}
+
+static void the_deepest_tree_has_all_hits(void **state)
+{
+    (void)state;
+    check_deepest(CLOSEST);
+}
+
+static void the_deepest_tree_occludes_as_brute_force(void **state)
+{
+    (void)state;
+    check_deepest(OCCLUSION);
+}
+
 /* --- Difficult meshes ------------------------------------------------------------------------ */
+
+static void where_memory_runs_out_nothing_is_kept(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(50, 0.5f, 14);
+    check_every_allocation_failing(&mesh, rk_bvh_build_median);
+    rk_mesh_free(&mesh);
+}
 
 static void identical_triangles_build_a_tree_and_the_first_is_hit(void **state)
 {
@@ -329,7 +470,7 @@ static void flat_long_and_huge_meshes_equal_brute_force(void **state)
         rk_mesh mesh = make_soup(200, 0.3f, 6 + s);
         for (uint32_t i = 0; i < mesh.vertex_count; i++)
             mesh.positions[i] = rk_mul(mesh.positions[i], scales[s]);
-        check_against_brute_force(&mesh, 1000, s);
+        check_against_brute_force(&mesh, 1000, s, CLOSEST | OCCLUSION);
         rk_mesh_free(&mesh);
     }
 }
@@ -410,18 +551,29 @@ static void no_order_of_the_mesh_makes_building_slow(void **state)
 
 /* --- Rays ------------------------------------------------------------------------------------ */
 
-static void rays_find_the_same_hits_as_brute_force(void **state)
+static void check_soups(int queries)
 {
-    (void)state;
     const struct {
         uint32_t triangles;
         float size;
     } soups[] = {{1, 1}, {2, 1}, {5, 1}, {50, 0.5f}, {500, 0.2f}, {3000, 0.03f}};
     for (uint32_t i = 0; i < sizeof soups / sizeof *soups; i++) {
         rk_mesh mesh = make_soup(soups[i].triangles, soups[i].size, 20 + i);
-        check_against_brute_force(&mesh, 3000, 30 + i);
+        check_against_brute_force(&mesh, 3000, 30 + i, queries);
         rk_mesh_free(&mesh);
     }
+}
+
+static void rays_find_the_same_hits_as_brute_force(void **state)
+{
+    (void)state;
+    check_soups(CLOSEST);
+}
+
+static void rays_are_occluded_where_brute_force_hits(void **state)
+{
+    (void)state;
+    check_soups(OCCLUSION);
 }
 
 static void rays_along_a_grid_find_the_same_hits_as_brute_force(void **state)
@@ -518,7 +670,7 @@ static void a_ray_of_nan_misses(void **state)
               "a direction of NaN");
     check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), false, "a direction of NaN");
     /* A miss counts only if other rays hit. */
-    check_against_brute_force(&mesh, 100, 8);
+    check_against_brute_force(&mesh, 100, 8, CLOSEST | OCCLUSION);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
@@ -551,6 +703,16 @@ static void a_ray_allocates_no_memory(void **state)
 
 /* --- No more work than needed ---------------------------------------------------------------- */
 
+/* Counts are what the code says of itself. So each claim below asks twice: once for the counts, and
+ * once in a copy of the tree in which all that needs no look is closed (guarded_tree.h). */
+static void check_counts(rk_counters got, rk_counters want, const char *ray, const char *hint)
+{
+    rk_check(got.box_tests == want.box_tests && got.triangle_tests == want.triangle_tests,
+             "%s: got %llu box tests and %llu triangle tests, want %llu and %llu: %s", ray,
+             (unsigned long long)got.box_tests, (unsigned long long)got.triangle_tests,
+             (unsigned long long)want.box_tests, (unsigned long long)want.triangle_tests, hint);
+}
+
 /* `count` large squares, one behind the other along z, as pairs of triangles. */
 static rk_mesh make_curtains(uint32_t count)
 {
@@ -572,13 +734,78 @@ static void a_ray_that_misses_the_root_tests_one_box(void **state)
     rk_ray ray = {rk_vec(5, 5, 5), rk_vec(1, 0, 0), INFINITY};
     rk_counters counters = {0};
     rk_bvh_closest(&bvh, &ray, &counters);
-    rk_check_equal(
-        counters.box_tests, 1,
+    check_counts(
+        counters, (rk_counters){.box_tests = 1}, "a ray beside the mesh",
         "the root's box is the only test, and is counted. If it was entered: rk_box_enter returns "
         "INFINITY for a miss, which is not greater than an infinite t_max");
-    rk_check_equal(counters.triangle_tests, 0, "no leaf is entered");
+    guarded_tree guarded = guard_tree(&bvh);
+    guarded_open_for(&guarded, &ray, INFINITY);
+    rk_bvh_closest(&guarded.copy, &ray, &counters);
+    guarded_free(&guarded);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
+}
+
+/* Rays in a soup, some of them to a point within it. */
+static rk_ray make_short_ray(uint32_t i, const rk_mesh *mesh)
+{
+    rk_ray ray = make_ray(i, 16, rk_mesh_bounds(mesh));
+    ray.t_max = i % 3 ? 0.05f * (float)(i % 7) : INFINITY;
+    return ray;
+}
+
+/* A ray that hits nothing tests all boxes whose parents it enters before t_max, in any order. */
+static void check_rays_without_a_hit(int queries)
+{
+    rk_mesh mesh = make_soup(3000, 0.01f, 15);
+    rk_bvh bvh = build(&mesh);
+    guarded_tree guarded = guard_tree(&bvh);
+    uint32_t tried = 0;
+    for (uint32_t i = 0; i < 60; i++) {
+        rk_ray ray = make_short_ray(i, &mesh);
+        if (closest_by_brute_force(&mesh, &ray).triangle != RK_MISS)
+            continue;
+        rk_counters want = guarded_open_for(&guarded, &ray, ray.t_max), got = {0};
+        char name[80];
+        snprintf(name, sizeof name, "ray %u, which hits none of 3,000 triangles before t_max = %g",
+                 i, (double)ray.t_max);
+        const char *hint = "the root's box, and both boxes below each node whose box the ray "
+                           "enters before t_max; of the "
+                           "triangles those in such leaves. A miss is INFINITY, no greater than a "
+                           "t_max of INFINITY";
+        if (queries == CLOSEST)
+            rk_bvh_closest(&bvh, &ray, &got);
+        else
+            rk_bvh_occluded(&bvh, &ray, &got);
+        check_counts(got, want, name, hint);
+        if (queries == CLOSEST)
+            rk_bvh_closest(&guarded.copy, &ray, &got);
+        else
+            rk_bvh_occluded(&guarded.copy, &ray, &got);
+        tried++;
+    }
+    rk_check(tried >= 20, "only %u of 60 rays hit nothing: too few for this test", tried);
+    guarded_free(&guarded);
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
+static void a_ray_without_a_hit_tests_only_boxes_before_t_max(void **state)
+{
+    (void)state;
+    check_rays_without_a_hit(CLOSEST);
+}
+
+static void an_occlusion_test_looks_no_farther_than_t_max(void **state)
+{
+    (void)state;
+    check_rays_without_a_hit(OCCLUSION);
+}
+
+/* A ray along the curtains, from in front of the first or from behind the last. */
+static rk_ray ray_at_curtains(int side)
+{
+    return (rk_ray){rk_vec(0.25f, 0.5f, side ? 6000 : -10), rk_vec(0, 0, side ? -1 : 1), INFINITY};
 }
 
 static void nodes_behind_the_nearest_hit_are_skipped_from_either_side(void **state)
@@ -586,9 +813,9 @@ static void nodes_behind_the_nearest_hit_are_skipped_from_either_side(void **sta
     (void)state;
     rk_mesh mesh = make_curtains(512);
     rk_bvh bvh = build(&mesh);
+    guarded_tree guarded = guard_tree(&bvh);
     for (int side = 0; side < 2; side++) {
-        rk_ray ray = {rk_vec(0.25f, 0.5f, side ? 6000 : -10), rk_vec(0, 0, side ? -1 : 1),
-                      INFINITY};
+        rk_ray ray = ray_at_curtains(side);
         rk_counters counters = {0};
         rk_hit hit = rk_bvh_closest(&bvh, &ray, &counters);
         uint32_t first = side ? 1022 : 0; /* of its curtain's two triangles; the ray may hit both */
@@ -596,12 +823,15 @@ static void nodes_behind_the_nearest_hit_are_skipped_from_either_side(void **sta
                  "got %s, want triangle %u or %u: the first of 512 curtains",
                  triangle_name(hit.triangle), first, first + 1);
         /* 1,024 triangles make 256 leaves and 9 levels: down to one leaf, two boxes per level. */
-        rk_check_equal(counters.triangle_tests, 4,
-                       "one leaf is enough: visit the nearer child first, and no box that the ray "
-                       "enters behind the nearest hit so far; count each test");
-        rk_check_equal(counters.box_tests, 1 + 2 * 8,
-                       "the root's, then two children's on each of 8 levels");
+        check_counts(counters, (rk_counters){.box_tests = 1 + 2 * 8, .triangle_tests = 4},
+                     "512 curtains",
+                     "the root's box, then two children's on each of 8 levels, and one leaf: visit "
+                     "the nearer child "
+                     "first, and no box that the ray enters behind the nearest hit so far");
+        guarded_open_for(&guarded, &ray, hit.t);
+        check_hit(rk_bvh_closest(&guarded.copy, &ray, &counters), hit, "the same ray again");
     }
+    guarded_free(&guarded);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
@@ -611,19 +841,30 @@ static void occlusion_tests_stop_at_the_first_hit(void **state)
     (void)state;
     rk_mesh mesh = make_curtains(512);
     rk_bvh bvh = build(&mesh);
-    rk_ray ray = {rk_vec(0.25f, 0.5f, -10), rk_vec(0, 0, 1), INFINITY};
-    rk_counters counters = {0};
-    check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), true, "512 curtains occlude it");
-    /* It hits one triangle of each curtain, so two of a leaf's four: the third test at the latest.
-     * */
-    rk_check(counters.triangle_tests >= 1 && counters.triangle_tests <= 3,
-             "got %llu triangle tests, want 1 to 3: the first hit ends the search, even in the "
-             "middle of a leaf",
-             (unsigned long long)counters.triangle_tests);
-    rk_check(counters.box_tests >= 1 && counters.box_tests <= 1 + 2 * 8,
-             "got %llu box tests, want %d at most, the root's and two on each of 8 levels: go down "
-             "to the nearer child first",
-             (unsigned long long)counters.box_tests, 1 + 2 * 8);
+    guarded_tree guarded = guard_tree(&bvh);
+    for (int side = 0; side < 2; side++) {
+        rk_ray ray = ray_at_curtains(side);
+        rk_counters counters = {0};
+        check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), true, "512 curtains occlude it");
+        rk_counters once = counters;
+        /* It hits one triangle of each curtain, so two of a leaf's four: the third test at the
+         * latest. */
+        rk_check(counters.triangle_tests >= 1 && counters.triangle_tests <= 3,
+                 "got %llu triangle tests, want 1 to 3: the first hit ends the search, even in the "
+                 "middle of a leaf",
+                 (unsigned long long)counters.triangle_tests);
+        rk_check(
+            counters.box_tests >= 1 && counters.box_tests <= 1 + 2 * 8,
+            "got %llu box tests, want %d at most, the root's and two on each of 8 levels: go down "
+            "to the nearer child first",
+            (unsigned long long)counters.box_tests, 1 + 2 * 8);
+        guarded_open_for(&guarded, &ray, rk_bvh_closest(&bvh, &ray, &(rk_counters){0}).t);
+        check_occluded(rk_bvh_occluded(&guarded.copy, &ray, &counters), true,
+                       "512 curtains occlude it");
+        once.box_tests *= 2, once.triangle_tests *= 2;
+        check_counts(counters, once, "the same ray twice", "counters are added to, not set");
+    }
+    guarded_free(&guarded);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
@@ -633,22 +874,17 @@ static void counts_of_several_rays_add_up(void **state)
     (void)state;
     rk_mesh mesh = make_curtains(512);
     rk_bvh bvh = build(&mesh);
-    rk_ray ray = {rk_vec(0.25f, 0.5f, -10), rk_vec(0, 0, 1), INFINITY};
-    rk_counters one = {0}, three = {0}, any_one = {0}, any_three = {0};
+    rk_ray ray = ray_at_curtains(0);
+    rk_counters one = {0}, three = {0};
     rk_bvh_closest(&bvh, &ray, &one);
-    rk_bvh_occluded(&bvh, &ray, &any_one);
-    for (int i = 0; i < 3; i++) {
+    for (int i = 0; i < 3; i++)
         rk_bvh_closest(&bvh, &ray, &three);
-        rk_bvh_occluded(&bvh, &ray, &any_three);
-    }
-    rk_check(one.box_tests > 0 && any_one.box_tests > 0,
-             "got %llu box tests for the closest hit and %llu for occlusion, want some of each: "
+    rk_check(one.box_tests > 0 && one.triangle_tests > 0,
+             "got %llu box tests and %llu triangle tests of a ray that hits, want some of each: "
              "nothing is counted yet",
-             (unsigned long long)one.box_tests, (unsigned long long)any_one.box_tests);
-    rk_check_equal(three.box_tests, 3 * one.box_tests, "counters are added to, not set");
-    rk_check_equal(three.triangle_tests, 3 * one.triangle_tests, "added to, not set");
-    rk_check_equal(any_three.box_tests, 3 * any_one.box_tests, "added to, not set");
-    rk_check_equal(any_three.triangle_tests, 3 * any_one.triangle_tests, "added to, not set");
+             (unsigned long long)one.box_tests, (unsigned long long)one.triangle_tests);
+    one.box_tests *= 3, one.triangle_tests *= 3;
+    check_counts(three, one, "three times the same ray", "counters are added to, not set");
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
@@ -668,21 +904,32 @@ static void most_boxes_of_a_large_mesh_are_never_tested(void **state)
      * Ten times as many mean that whole subtrees are traversed in vain. */
     rk_check(counters.box_tests > rays && counters.box_tests < rays * 2500ull,
              "got %llu box tests per ray, want between 1 and 2500: count them, and visit only "
-             "children whose boxes the ray enters",
+             "children whose boxes the ray enters; a miss is INFINITY, no greater than a t_max of "
+             "INFINITY",
              (unsigned long long)(counters.box_tests / rays));
     rk_check(counters.triangle_tests > 0 && counters.triangle_tests < rays * 1000ull,
              "got %llu triangle tests per ray, want some, and less than 1000: count them, and "
              "visit only leaves whose boxes the ray enters",
              (unsigned long long)(counters.triangle_tests / rays));
+    guarded_tree guarded = guard_tree(&bvh);
+    for (uint32_t i = 0; i < 10; i++) {
+        rk_ray ray = make_ray(i, 11, rk_mesh_bounds(&mesh));
+        guarded_open_for(&guarded, &ray, ray.t_max);
+        check_hit(rk_bvh_closest(&guarded.copy, &ray, &counters),
+                  rk_bvh_closest(&bvh, &ray, &counters), "the same ray again");
+    }
+    guarded_free(&guarded);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(no_triangles_give_a_tree_without_nodes),
+    cmocka_unit_test(where_memory_runs_out_nothing_is_kept),
     cmocka_unit_test(up_to_four_triangles_are_one_leaf),
     cmocka_unit_test(five_triangles_split_three_to_two),
     cmocka_unit_test(levels_and_leaves_follow_from_halving),
+    cmocka_unit_test(each_split_is_told_how_many_levels_may_follow),
     cmocka_unit_test(every_node_is_split_at_the_median_of_its_longest_axis),
     cmocka_unit_test(equal_extents_are_split_on_x_before_y_before_z),
     cmocka_unit_test(the_order_of_the_mesh_does_not_change_the_boxes),
@@ -692,12 +939,17 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(no_order_of_the_mesh_makes_building_slow),
     cmocka_unit_test(rays_find_the_same_hits_as_brute_force),
     cmocka_unit_test(rays_along_a_grid_find_the_same_hits_as_brute_force),
+    cmocka_unit_test(the_deepest_tree_has_all_hits),
+    cmocka_unit_test(rays_are_occluded_where_brute_force_hits),
+    cmocka_unit_test(the_deepest_tree_occludes_as_brute_force),
     cmocka_unit_test(flat_long_and_huge_meshes_equal_brute_force),
     cmocka_unit_test(a_box_that_begins_at_the_nearest_hit_is_visited),
     cmocka_unit_test(hits_count_up_to_t_max_and_not_behind_the_origin),
     cmocka_unit_test(a_ray_of_nan_misses),
     cmocka_unit_test(a_ray_allocates_no_memory),
     cmocka_unit_test(a_ray_that_misses_the_root_tests_one_box),
+    cmocka_unit_test(a_ray_without_a_hit_tests_only_boxes_before_t_max),
+    cmocka_unit_test(an_occlusion_test_looks_no_farther_than_t_max),
     cmocka_unit_test(nodes_behind_the_nearest_hit_are_skipped_from_either_side),
     cmocka_unit_test(occlusion_tests_stop_at_the_first_hit),
     cmocka_unit_test(counts_of_several_rays_add_up),

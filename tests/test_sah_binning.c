@@ -1,6 +1,7 @@
 /* The bounding volume hierarchy split by the surface area heuristic: that binning loses no
  * triangle, that each split is the one found by brute force, and that the tree is cheap and sound.
  * */
+#include "short_memory.h"
 #include "test.h"
 #include "test_soup.h"
 
@@ -77,8 +78,8 @@ static rk_sah_split try_split(const rk_bvh_reference *references, uint32_t count
         split.box[side] = rk_box_merge(split.box[side], references[i].box);
     }
     rk_box all = rk_box_merge(split.box[0], split.box[1]);
-    split.cost = INFINITY;
-    if (split.count[0] && split.count[1])
+    split.cost = 1.5 + split.count[0] + split.count[1];
+    if (split.count[0] && split.count[1] && area_of(&all) > 0)
         split.cost = 1.5 + (area_of(&split.box[0]) * split.count[0] +
                             area_of(&split.box[1]) * split.count[1]) /
                                area_of(&all);
@@ -117,10 +118,11 @@ static const double cost_tolerance = 16 * 0x1p-53;
 
 static void check_split(const rk_sah_split *got, const rk_sah_split *want, uint32_t count)
 {
-    rk_check(got->axis == want->axis && got->boundary == want->boundary,
+    int axis = want->axis;
+    rk_check(got->axis == axis && got->boundary == want->boundary,
              "%u triangles: got boundary %u on axis %c, want %u on %c: each bin boundary that "
              "divides the triangles differently is listed, in order",
-             count, got->boundary, "xyz"[got->axis], want -> boundary, "xyz"[want->axis]);
+             count, got->boundary, "xyz"[got->axis], want -> boundary, "xyz"[axis]);
     check_counts(got, want->count[0], want->count[1],
                  "is each triangle counted in the bin of its centroid?");
     for (int side = 0; side < 2; side++)
@@ -133,7 +135,7 @@ static void check_split(const rk_sah_split *got, const rk_sah_split *want, uint3
              got->boundary, count, got->cost, want->cost);
 }
 
-/* --- Bins and candidates --------------------------------------------------------------------- */
+/* --- Two bins along x ------------------------------------------------------------------------ */
 
 static void a_split_costs_as_computed_by_hand(void **state)
 {
@@ -149,6 +151,51 @@ static void a_split_costs_as_computed_by_hand(void **state)
     rk_check_close(candidates[0].cost, 1.5 + (14 * 3 + 6 * 1) / 42.0, 4 * cost_tolerance,
                    "1.5 + (area_left N_left + area_right N_right) / area");
 }
+
+static void no_centroid_is_beyond_the_last_bin(void **state)
+{
+    (void)state;
+    /* Extents whose product with bins / extent rounds up as well as down. */
+    for (uint32_t i = 0; i < 2000; i++) {
+        const rk_bvh_reference row[] = {cube_at(noise(1, i, 0), 0, 0),
+                                        cube_at(3 + noise(2, i, 0), 0, 0),
+                                        cube_at(1 + noise(3, i, 0), 0, 0)};
+        rk_check_equal(list(row, 3, 2, false), 1, "three different centroids, two bins");
+        rk_check_equal(candidates[0].count[0] + candidates[0].count[1], 3,
+                       "the highest centroid is in the last bin, and in no other");
+    }
+}
+
+static void without_area_a_split_costs_all_its_triangles(void **state)
+{
+    (void)state;
+    /* Boxes without height and depth, all on one line. */
+    rk_bvh_reference row[7];
+    for (uint32_t i = 0; i < 7; i++)
+        row[i] = box_at(rk_vec((float)i * 2, 1, 1), rk_vec(1, 0, 0));
+    rk_check_equal(list(row, 7, 2, false), 1, "two bins have one boundary");
+    rk_check_close(
+        candidates[0].cost, 1.5 + 7, 0,
+        "areas of 0 cannot be divided: both sides count as if they were as large as the node");
+}
+
+static void coinciding_centroids_have_no_candidate(void **state)
+{
+    (void)state;
+    rk_bvh_reference same[20];
+    for (uint32_t i = 0; i < 20; i++)
+        same[i] =
+            (rk_bvh_reference){cube_at(1, 2, 3).box, rk_vec(1.1f, 2.2f, i < 10 ? 0.0f : -0.0f), i};
+    rk_check_equal(list(same, 20, 2, false), 0, "an extent of 0 has no bins: do not divide by it");
+    rk_check_equal(list(same, 20, 50, true), 0, "nor on any other axis, with any number of bins");
+    rk_check(rk_sah_cheapest(candidates, 0) == NULL, "without candidates there is no cheapest");
+    /* Finding none counts only if candidates are found elsewhere. */
+    same[7].centroid.x = 3;
+    rk_check_equal(list(same, 20, 2, false), 1, "one centroid apart from the others: one split");
+    check_counts(&candidates[0], 19, 1, "the one apart is alone");
+}
+
+/* --- Bins along x ----------------------------------------------------------------------------- */
 
 static void bins_divide_the_extent_of_the_centroids_equally(void **state)
 {
@@ -167,23 +214,6 @@ static void bins_divide_the_extent_of_the_centroids_equally(void **state)
     }
 }
 
-static void no_centroid_is_beyond_the_last_bin(void **state)
-{
-    (void)state;
-    /* Extents whose product with bins / extent rounds up as well as down. */
-    for (uint32_t i = 0; i < 1000; i++) {
-        const rk_bvh_reference pair[] = {cube_at(noise(1, i, 0), 0, 0),
-                                         cube_at(3 + noise(2, i, 0), 0, 0),
-                                         cube_at(1 + noise(3, i, 0), 0, 0)};
-        for (uint32_t bins = 2; bins < 4; bins++) {
-            uint32_t found = list(pair, 3, bins, false);
-            rk_check(found > 0, "three different centroids: got no candidate, want at least one");
-            rk_check_equal(candidates[found - 1].count[0] + candidates[found - 1].count[1], 3,
-                           "the highest centroid is in the last bin, and in no other");
-        }
-    }
-}
-
 static void empty_bins_add_no_candidate_and_no_box(void **state)
 {
     (void)state;
@@ -199,20 +229,12 @@ static void empty_bins_add_no_candidate_and_no_box(void **state)
     rk_check_close(candidates[0].box[1].corner[0].x, 14, 0, "the right box begins with its cubes");
 }
 
-static void coinciding_centroids_have_no_candidate(void **state)
+static void no_node_has_more_bins_than_triangles(void **state)
 {
     (void)state;
-    rk_bvh_reference same[20];
-    for (uint32_t i = 0; i < 20; i++)
-        same[i] =
-            (rk_bvh_reference){cube_at(1, 2, 3).box, rk_vec(1.1f, 2.2f, i < 10 ? 0.0f : -0.0f), i};
-    rk_check_equal(list(same, 20, 50, false), 0, "an extent of 0 has no bins: do not divide by it");
-    rk_check_equal(list(same, 20, 50, true), 0, "nor on any other axis");
-    rk_check(rk_sah_cheapest(candidates, 0) == NULL, "without candidates there is no cheapest");
-    /* Finding none counts only if candidates are found elsewhere. */
-    same[7].centroid.y = 3;
-    rk_check_equal(list(same, 20, 50, false), 1, "one centroid apart from the others: one split");
-    check_counts(&candidates[0], 19, 1, "the one apart is alone");
+    const rk_bvh_reference row[] = {cube_at(0, 0, 0), cube_at(4, 0, 0), cube_at(10, 0, 0)};
+    rk_check_equal(list(row, 3, 50, false), 2, "three bins with one cube each");
+    rk_check_equal(candidates[1].boundary, 2, "more bins than triangles would mostly be empty");
 }
 
 static void tiny_and_huge_extents_are_binned_correctly(void **state)
@@ -223,12 +245,12 @@ static void tiny_and_huge_extents_are_binned_correctly(void **state)
     for (uint32_t u = 0; u < sizeof units / sizeof *units; u++) {
         rk_bvh_reference row[9];
         for (uint32_t i = 0; i < 9; i++) {
-            rk_vec3 place = rk_vec(0, ((float)i - 4) * units[u], 0);
+            rk_vec3 place = rk_vec(((float)i - 4) * units[u], 0, 0);
             row[i] = (rk_bvh_reference){{{place, place}}, place, i};
         }
         rk_check_equal(list(row, 9, 8, false), 7, "eight bins over the whole range");
         for (uint32_t k = 0; k < 7; k++) {
-            rk_check_equal(candidates[k].axis, 1, "along y");
+            rk_check_equal(candidates[k].axis, 0, "along x");
             check_counts(&candidates[k], k + 1, 8 - k,
                          "one per bin, two in the last; an extent may be too small to divide by or "
                          "too large for a float: compute the bin in double");
@@ -236,89 +258,40 @@ static void tiny_and_huge_extents_are_binned_correctly(void **state)
     }
 }
 
-static void candidates_are_on_the_longest_axis_of_the_centroids(void **state)
+static void check_candidates(const rk_mesh *mesh, rk_sah_options options)
 {
-    (void)state;
-    /* A long beam along x over cubes in a row along y: the node is longest where there is nothing
-     * to split. */
-    rk_bvh_reference row[5] = {box_at(rk_vec(-100, 0, 0), rk_vec(200, 1, 1))};
-    for (uint32_t i = 1; i < 5; i++)
-        row[i] = cube_at(0, (float)i * 10, (float)i);
-    uint32_t found = list(row, 5, 5, false);
-    rk_check(found > 0, "got no candidate, want those along y");
-    for (uint32_t k = 0; k < found; k++)
-        rk_check_equal(candidates[k].axis, 1, "0, 1, 2: the longest axis of the centroids' box");
-    for (int axis = 0; axis < 3; axis++) {
-        const rk_bvh_reference pair[] = {cube_at(0, 0, 0), cube_at(axis == 0, axis <= 1, 1)};
-        rk_check_equal(list(pair, 2, 2, false), 1, "two cubes");
-        rk_check_equal(candidates[0].axis, axis, "among equal extents x before y before z");
-    }
-}
-
-static void all_axes_are_tried_on_request(void **state)
-{
-    (void)state;
-    rk_mesh mesh = make_soup(100, 0.1f, 1);
-    rk_bvh_reference *references = references_of(&mesh);
-    uint32_t found = list(references, 100, 8, true), on[3] = {0, 0, 0};
-    for (uint32_t k = 0; k < found; k++) {
-        on[candidates[k].axis]++;
-        rk_check(k == 0 || candidates[k].axis >= candidates[k - 1].axis,
-                 "candidate %u is on axis %c, after one on %c: want x, then y, then z", k,
-                 "xyz"[candidates[k].axis], "xyz"[candidates[k - 1].axis]);
-    }
-    for (int axis = 0; axis < 3; axis++)
-        rk_check_equal(on[axis], 7,
-                       "eight bins, none of them empty, have seven boundaries per axis");
-    free(references);
-    rk_mesh_free(&mesh);
-}
-
-static void no_node_has_more_bins_than_triangles(void **state)
-{
-    (void)state;
-    const rk_bvh_reference row[] = {cube_at(0, 0, 0), cube_at(4, 0, 0), cube_at(10, 0, 0)};
-    rk_check_equal(list(row, 3, 50, false), 2, "three bins with one cube each");
-    rk_check_equal(candidates[1].boundary, 2, "more bins than triangles would mostly be empty");
-}
-
-static void the_first_of_equally_cheap_splits_is_taken(void **state)
-{
-    (void)state;
-    /* Symmetrical, and all numbers are integers: the costs are equal to the bit. */
-    rk_bvh_reference square[9];
-    for (uint32_t i = 0; i < 9; i++)
-        square[i] = cube_at((float)(i % 3), 0, (float)(i / 3));
-    uint32_t found = list(square, 9, 3, true);
-    rk_check_equal(found, 4, "two boundaries on x, none on y, two on z");
-    const rk_sah_split *best = rk_sah_cheapest(candidates, found);
-    for (uint32_t k = 1; k < found; k++)
-        rk_check_close(candidates[k].cost, candidates[0].cost, 0, "all four cost the same");
-    rk_check(best == &candidates[0],
-             "got the cheapest on axis %c at boundary %u, want x and 1: among equal costs the "
-             "first wins",
-             best ? "xyz"[best->axis] : '-', best ? best->boundary : 0);
-}
-
-static void candidates_equal_brute_force(void **state)
-{
-    (void)state;
     static rk_sah_split want[RK_SAH_CANDIDATES_MAX];
-    const uint32_t counts[] = {2, 3, 7, 49, 50, 51, 300}, bins[] = {2, 3, 16, 50, 256};
-    for (uint32_t c = 0; c < sizeof counts / sizeof *counts; c++)
-        for (uint32_t b = 0; b < sizeof bins / sizeof *bins; b++)
-            for (int all_axes = 0; all_axes < 2; all_axes++) {
-                rk_mesh mesh = make_soup(counts[c], 0.2f, 10 + b);
-                rk_bvh_reference *references = references_of(&mesh);
-                const rk_sah_options options = {bins[b], all_axes};
-                uint32_t found = rk_sah_candidates(references, counts[c], &options, candidates);
-                rk_check_equal(found, list_by_brute_force(references, counts[c], &options, want),
-                               "every boundary that divides the triangles differently, once");
-                for (uint32_t k = 0; k < found; k++)
-                    check_split(&candidates[k], &want[k], counts[c]);
-                free(references);
-                rk_mesh_free(&mesh);
-            }
+    uint32_t count = mesh->triangle_count;
+    rk_bvh_reference *references = references_of(mesh);
+    uint32_t found = rk_sah_candidates(references, count, &options, candidates);
+    uint32_t wanted = list_by_brute_force(references, count, &options, want);
+    rk_check(found == wanted,
+             "%u triangles, %u bins%s: got %u candidates, want %u: every boundary that divides the "
+             "triangles differently, once",
+             count, options.bins, options.all_axes ? " on all axes" : "", found, wanted);
+    for (uint32_t k = 0; k < found; k++)
+        check_split(&candidates[k], &want[k], count);
+    free(references);
+}
+
+static const uint32_t counts_to_try[] = {2, 3, 7, 49, 50, 51, 300, 3000},
+                      bins_to_try[] = {2, 3, 16, 50, RK_SAH_BINS_MAX};
+enum {
+    COUNTS_TO_TRY = sizeof counts_to_try / sizeof *counts_to_try,
+    BINS_TO_TRY = sizeof bins_to_try / sizeof *bins_to_try,
+};
+
+static void candidates_along_x_equal_brute_force(void **state)
+{
+    (void)state;
+    for (uint32_t c = 0; c < COUNTS_TO_TRY; c++)
+        for (uint32_t b = 0; b < BINS_TO_TRY; b++) {
+            rk_mesh mesh = make_soup(counts_to_try[c], 0.2f, 10 + b);
+            for (uint32_t i = 0; i < mesh.vertex_count; i++)
+                mesh.positions[i].x *= 100;
+            check_candidates(&mesh, (rk_sah_options){bins_to_try[b], false});
+            rk_mesh_free(&mesh);
+        }
 }
 
 /* Processor seconds to list the candidates `times` times: the least of five, because other programs
@@ -359,6 +332,76 @@ static void many_bins_cost_hardly_more_than_few(void **state)
     }
     free(references);
     rk_mesh_free(&mesh);
+}
+
+/* --- Axes ------------------------------------------------------------------------------------- */
+
+static void candidates_are_on_the_longest_axis_of_the_centroids(void **state)
+{
+    (void)state;
+    /* A long beam along x over cubes in a row along y: the node is longest where there is nothing
+     * to split. */
+    rk_bvh_reference row[5] = {box_at(rk_vec(-100, 0, 0), rk_vec(200, 1, 1))};
+    for (uint32_t i = 1; i < 5; i++)
+        row[i] = cube_at(0, (float)i * 10, (float)i);
+    uint32_t found = list(row, 5, 5, false);
+    rk_check(found > 0, "got no candidate, want those along y");
+    for (uint32_t k = 0; k < found; k++)
+        rk_check_equal(candidates[k].axis, 1, "0, 1, 2: the longest axis of the centroids' box");
+    for (int axis = 0; axis < 3; axis++) {
+        const rk_bvh_reference pair[] = {cube_at(0, 0, 0), cube_at(axis == 0, axis <= 1, 1)};
+        rk_check_equal(list(pair, 2, 2, false), 1, "two cubes");
+        rk_check_equal(candidates[0].axis, axis, "among equal extents x before y before z");
+    }
+}
+
+static void all_axes_are_tried_on_request(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(100, 0.1f, 1);
+    rk_bvh_reference *references = references_of(&mesh);
+    uint32_t found = list(references, 100, 8, true), on[3] = {0, 0, 0};
+    for (uint32_t k = 0; k < found; k++) {
+        on[candidates[k].axis]++;
+        rk_check(k == 0 || candidates[k].axis >= candidates[k - 1].axis,
+                 "candidate %u is on axis %c, after one on %c: want x, then y, then z", k,
+                 "xyz"[candidates[k].axis], "xyz"[candidates[k - 1].axis]);
+    }
+    for (int axis = 0; axis < 3; axis++)
+        rk_check_equal(on[axis], 7,
+                       "eight bins, none of them empty, have seven boundaries per axis");
+    free(references);
+    rk_mesh_free(&mesh);
+}
+
+static void the_first_of_equally_cheap_splits_is_taken(void **state)
+{
+    (void)state;
+    /* Symmetrical, and all numbers are integers: the costs are equal to the bit. */
+    rk_bvh_reference square[9];
+    for (uint32_t i = 0; i < 9; i++)
+        square[i] = cube_at((float)(i % 3), 0, (float)(i / 3));
+    uint32_t found = list(square, 9, 3, true);
+    rk_check_equal(found, 4, "two boundaries on x, none on y, two on z");
+    const rk_sah_split *best = rk_sah_cheapest(candidates, found);
+    for (uint32_t k = 1; k < found; k++)
+        rk_check_close(candidates[k].cost, candidates[0].cost, 0, "all four cost the same");
+    rk_check(best == &candidates[0],
+             "got the cheapest on axis %c at boundary %u, want x and 1: among equal costs the "
+             "first wins",
+             best ? "xyz"[best->axis] : '-', best ? best->boundary : 0);
+}
+
+static void candidates_equal_brute_force(void **state)
+{
+    (void)state;
+    for (uint32_t c = 0; c < COUNTS_TO_TRY; c++)
+        for (uint32_t b = 0; b < BINS_TO_TRY; b++)
+            for (int all_axes = 0; all_axes < 2; all_axes++) {
+                rk_mesh mesh = make_soup(counts_to_try[c], 0.2f, 10 + b);
+                check_candidates(&mesh, (rk_sah_options){bins_to_try[b], all_axes});
+                rk_mesh_free(&mesh);
+            }
 }
 
 /* --- The tree -------------------------------------------------------------------------------- */
@@ -422,6 +465,22 @@ static void a_node_is_a_leaf_where_no_split_pays(void **state)
     rk_check_equal(bvh.nodes[0].count, 20, "1.5 + 20 is more than 20: a leaf");
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
+    /* A tie: one flat triangle beside two that coincide, on either half of the node's area. */
+    mesh = make_mesh(3);
+    for (uint32_t i = 0; i < 3; i++) {
+        float x = i ? 2 : 0;
+        mesh.positions[3 * i] = rk_vec(x, 0, 0);
+        mesh.positions[3 * i + 1] = rk_vec(x + 2, 0, 0);
+        mesh.positions[3 * i + 2] = rk_vec(x + 1, 1, 0);
+    }
+    references = references_of(&mesh);
+    rk_check_equal(list(references, 3, 3, false), 1, "two places of centroids");
+    rk_check_close(candidates[0].cost, 3, 0, "1.5 + (4 x 1 + 4 x 2) / 8");
+    free(references);
+    bvh = build(&mesh);
+    rk_check_equal(bvh.nodes[0].count, 3, "3 is no less than 3: a leaf, too");
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
 }
 
 static void two_distant_triangles_are_split(void **state)
@@ -470,7 +529,8 @@ static void compare_with_brute_force(const rk_bvh_node *node, uint32_t level, vo
         rk_check(got == best.count[side] && memcmp(&c->bvh->nodes[node->first + (uint32_t)side].box,
                                                    &best.box[side], sizeof best.box[side]) == 0,
                  "a node of %u triangles: its %s child has %u of them, want the %u, and their box, "
-                 "of the cheapest split, on axis %c at boundary %u",
+                 "of the cheapest split, on axis %c at boundary %u: a triangle goes to the side on "
+                 "which its bin was counted",
                  range.count, side ? "right" : "left", got, best.count[side], "xyz"[best.axis],
                  best.boundary);
     }
@@ -497,6 +557,23 @@ static void every_node_is_split_where_brute_force_would(void **state)
         check_tree(&mesh, rk_sah_options_default());
         check_tree(&mesh, (rk_sah_options){16, true});
         check_tree(&mesh, (rk_sah_options){2, false});
+        if (i % 2)
+            check_tree(&mesh, (rk_sah_options){RK_SAH_BINS_MAX, true});
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void rows_of_whole_numbers_are_split_as_counted(void **state)
+{
+    (void)state;
+    /* Centroids exactly on boundaries between bins: whoever computes the boundary's place, and not
+     * the centroid's bin once more, moves some of them to the other side. */
+    for (uint32_t n = 3; n <= 61; n++) {
+        rk_mesh mesh = make_mesh(n);
+        for (uint32_t i = 0; i < mesh.vertex_count; i++)
+            mesh.positions[i] = rk_vec(3 * (float)(i / 3), i % 3 == 1, i % 3 == 2);
+        for (uint32_t bins = 2; bins <= 60; bins++)
+            check_tree(&mesh, (rk_sah_options){bins, false});
         rk_mesh_free(&mesh);
     }
 }
@@ -608,6 +685,25 @@ static void large_nodes_are_split_even_where_no_split_pays(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void find_largest(const rk_bvh_node *node, uint32_t level, void *context)
+{
+    (void)level;
+    uint32_t *largest = context;
+    *largest = node->count > *largest ? node->count : *largest;
+}
+
+static uint32_t largest_leaf_of(const rk_mesh *mesh, uint32_t bins)
+{
+    const rk_sah_options options = {bins, false};
+    rk_bvh bvh;
+    rk_error error;
+    uint32_t largest = 0;
+    rk_check_ok(rk_bvh_build_sah(&bvh, mesh, &options, &error), error);
+    rk_bvh_visit(&bvh, find_largest, &largest);
+    rk_bvh_free(&bvh);
+    return largest;
+}
+
 static void a_geometric_progression_is_not_too_deep(void **state)
 {
     (void)state;
@@ -620,6 +716,13 @@ static void a_geometric_progression_is_not_too_deep(void **state)
         mesh.positions[i] =
             rk_scale(rk_add(mesh.positions[i], rk_vec(6, 0, 0)), ldexpf(1, 40 - (int)(i / 24)));
     for (uint32_t bins = 2; bins <= 50; bins += 48) {
+        uint32_t largest = largest_leaf_of(&mesh, bins);
+        rk_check(
+            largest <= RK_BVH_LEAF_MAX,
+            "got a leaf of %u triangles, want %d at most: where depth_left is 0 no node can be "
+            "split, so before that a split may leave no side more than RK_BVH_LEAF_MAX, doubled "
+            "for each level that may follow",
+            largest, RK_BVH_LEAF_MAX);
         rk_bvh bvh = build_with(&mesh, bins, false);
         uint32_t levels = rk_bvh_measure(&bvh).levels;
         rk_check(bins > 2 || levels > 40,
@@ -668,7 +771,25 @@ static void coordinates_near_the_largest_float_build_as_good_a_tree(void **state
     rk_mesh_free(&mesh);
 }
 
+static bool build_by_default(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
+{
+    const rk_sah_options options = rk_sah_options_default();
+    return rk_bvh_build_sah(bvh, mesh, &options, error);
+}
+
+static void where_memory_runs_out_nothing_is_kept(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(50, 0.5f, 14);
+    check_every_allocation_failing(&mesh, build_by_default);
+    rk_mesh_free(&mesh);
+}
+
 static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(where_memory_runs_out_nothing_is_kept),
+    cmocka_unit_test(without_area_a_split_costs_all_its_triangles),
+    cmocka_unit_test(candidates_along_x_equal_brute_force),
+    cmocka_unit_test(rows_of_whole_numbers_are_split_as_counted),
     cmocka_unit_test(no_triangles_give_a_tree_without_nodes),
     cmocka_unit_test(the_default_is_fifty_bins_on_the_longest_axis),
     cmocka_unit_test(bins_divide_the_extent_of_the_centroids_equally),

@@ -154,7 +154,7 @@ static void phong_is_the_cosine_from_the_mirror_direction_to_a_power(void **stat
     (void)state;
     /* The mirror direction of l, 30 degrees to one side, is 30 degrees to the other. */
     rk_vec3 l = direction(30, 180);
-    const char *hint = "(r.v)^s with r = 2 (n.l) n - l";
+    const char *hint = "(r.v)^s with r = 2 (n.l) n - l, and not times n.l";
     rk_check_close(highlight(RK_SHADING_PHONG, 7, l, direction(30, 0)), 1, few_roundings, hint);
     rk_check_close(highlight(RK_SHADING_PHONG, 1, l, direction(90, 0)), 0.5, few_roundings, hint);
     rk_check_close(highlight(RK_SHADING_PHONG, 2, l, direction(90, 0)), 0.25, few_roundings, hint);
@@ -167,7 +167,7 @@ static void blinn_phong_is_the_cosine_from_the_normal_to_the_half_vector_to_a_po
     (void)state;
     /* Halfway between 75 degrees to one side and 15 to the other is 30 degrees from `up`. */
     rk_vec3 l = direction(75, 180), v = direction(15, 0);
-    const char *hint = "(n.h)^s with h = (l + v) / |l + v|";
+    const char *hint = "(n.h)^s with h = (l + v) / |l + v|, and not times n.l";
     rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, l, v), 0.75, few_roundings, hint);
     rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 4, l, v), 0.5625, few_roundings, hint);
     /* Out of the plane: h = (1, 1, 1) / sqrt 3 between the middles of two sides of a cube. */
@@ -204,7 +204,18 @@ static void a_highlight_ends_at_a_right_angle(void **state)
     v = direction(-30, 0);
     rk_check_close(highlight(RK_SHADING_PHONG, 2, l, v), 0, 0, "max(0, r.v), before the power");
     rk_check_close(highlight(RK_SHADING_PHONG, 0, l, v), 0, 0, "this holds for s = 0 too");
-    /* A viewer below the surface, opposite to the light and beyond: n.h is not positive. */
+}
+
+static void blinn_phong_highlights_end_at_a_right_angle_too(void **state)
+{
+    (void)state;
+    /* h is at 80 degrees to the side of the light. */
+    rk_vec3 l = direction(70, 180), v = direction(90, 180);
+    double cosine = cos(80 * pi / 180);
+    rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, l, v), cosine * cosine, few_roundings,
+                   "up to a right angle there is a highlight");
+    /* Viewers below the surface: one opposite to the light, and one beyond, where n.h is negative.
+     */
     v = direction(120, 0);
     rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, l, v), 0, 0, "max(0, n.h)");
     rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 0, l, v), 0, 0, "this holds for s = 0 too");
@@ -222,6 +233,33 @@ static void without_shininess_the_highlight_is_constant(void **state)
         rk_check_close(highlight(RK_SHADING_PHONG, 0, l, v), 1, 0, hint);
         rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 0, l, v), 1, 0, hint);
     }
+}
+
+static void a_highlight_has_the_specular_colour_however_faint(void **state)
+{
+    (void)state;
+    /* In the mirror direction the lobe is one. */
+    rk_vec3 l = direction(60, 180), v = direction(60, 0);
+    const rk_vec3 colours[] = {{1, 0, 0},          {0, 1, 0},         {0, 0, 1},
+                               {0, 1, 0.5f},       {3e-4f, 0, 0},     {0, 1e-6f, 0},
+                               {1e-4f, 0, 1e-20f}, {0x1p-126f, 0, 0}, {0, 0, 1e-30f}};
+    for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++)
+        for (size_t i = 0; i < sizeof colours / sizeof *colours; i++) {
+            rk_shading shading = shading_of((rk_shading_model)model, false);
+            rk_vec3 ks = colours[i], got = rk_shade(&shading, black, ks, 5, up, l, v, white);
+            for (int k = 0; k < 3; k++)
+                rk_check(
+                    fabsf(rk_axis(got, k) - rk_axis(ks, k)) <=
+                        8 * (float)few_roundings * rk_axis(ks, k),
+                    "%s, ks = (%g, %g, %g), in the mirror direction of white light: got %g in %s, "
+                    "want %g: only ks = (0, 0, 0) has no highlight",
+                    model_names[model], (double)ks.x, (double)ks.y, (double)ks.z,
+                    (double)rk_axis(got, k),
+                    k == 0   ? "red"
+                    : k == 1 ? "green"
+                             : "blue",
+                    (double)rk_axis(ks, k));
+        }
 }
 
 static void diffuse_part_and_highlight_add_up(void **state)
@@ -328,6 +366,24 @@ static void stops_may_come_in_any_order(void **state)
     check_colour(rk_gradient_at(&want, 0), rk_vec(0.5f, 0.5f, 0), 0, "halfway");
 }
 
+static void as_many_stops_as_there_is_room_for_all_count(void **state)
+{
+    (void)state;
+    /* Grey, and as bright as x; in the list from the last to the first, too. */
+    for (uint32_t reversed = 0; reversed < 2; reversed++) {
+        rk_gradient gradient = {.count = RK_GRADIENT_STOPS_MAX};
+        for (uint32_t i = 0; i < RK_GRADIENT_STOPS_MAX; i++) {
+            float at = (float)i / 8 - 1;
+            gradient.stops[reversed ? RK_GRADIENT_STOPS_MAX - 1 - i : i] =
+                (rk_gradient_stop){at, {at, at, at}};
+        }
+        for (float x = -1; x <= 0.875f; x += 0.0625f)
+            check_colour(
+                rk_gradient_at(&gradient, x), rk_vec(x, x, x), 0,
+                "a gradient may have RK_GRADIENT_STOPS_MAX stops, and each of them counts");
+    }
+}
+
 static void stops_at_one_place_make_a_step(void **state)
 {
     (void)state;
@@ -410,10 +466,13 @@ static void check_highlights(bool normalized, double s, double tolerance_of_one,
             float sum = model == RK_SHADING_PHONG ? 1 : rk_length(rk_add(l, v));
             double tolerance = tolerance_of_one * largest / (double)rk_min(sum, 1);
             double got = (double)rk_shade(&shading, black, white, (float)s, up, l, v, white).x;
-            rk_check(fabs(got - want) <= tolerance,
-                     "%s%s, shininess %g, light at %.3f degrees: got %.9g, want %.9g within %.3g",
-                     model_names[model], normalized ? ", normalized" : "", s, theta, got, want,
-                     tolerance);
+            rk_check(
+                fabs(got - want) <= tolerance,
+                "%s%s, shininess %g, light at %.3f degrees: got %.9g, want %.9g within %.3g: %s",
+                model_names[model], normalized ? ", normalized" : "", s, theta, got, want,
+                tolerance,
+                !normalized ? "the lobe's power"
+                            : "the lobe times n.l, and times its model's factor N");
         }
     }
 }
@@ -571,6 +630,14 @@ static void no_colour_is_nan(void **state)
                          model_names[model], i & 1 ? ", normalized" : "", (double)shininess[s],
                          angles[i / 4 % 10], angles[i / 40], (double)got.x);
             }
+    /* No colour counts as finite only if there are bright ones. */
+    for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
+        rk_shading shading = shading_of((rk_shading_model)model, true);
+        float got = rk_shade(&shading, black, white, 1e5f, up, up, up, white).x;
+        rk_check(got > 1000,
+                 "%s, normalized, shininess 1e+05, in the mirror direction: got %g, want thousands",
+                 model_names[model], (double)got);
+    }
 }
 
 static const struct CMUnitTest tests[] = {
@@ -578,6 +645,9 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(lambert_falls_with_the_cosine),
     cmocka_unit_test(light_from_behind_or_along_the_surface_gives_nothing),
     cmocka_unit_test(phong_is_the_cosine_from_the_mirror_direction_to_a_power),
+    cmocka_unit_test(blinn_phong_highlights_end_at_a_right_angle_too),
+    cmocka_unit_test(a_highlight_has_the_specular_colour_however_faint),
+    cmocka_unit_test(as_many_stops_as_there_is_room_for_all_count),
     cmocka_unit_test(blinn_phong_is_the_cosine_from_the_normal_to_the_half_vector_to_a_power),
     cmocka_unit_test(in_the_mirror_direction_both_highlights_are_one),
     cmocka_unit_test(a_highlight_ends_at_a_right_angle),

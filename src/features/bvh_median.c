@@ -80,7 +80,7 @@ void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split split, void *builder)
         unbuilt part = stack[--size];
         rk_bvh_node *node = &bvh->nodes[part.node];
         uint32_t left_count = split(builder, part.begin, part.count, part.depth_left, &node->box);
-        if (left_count == 0) {
+        if (left_count == 0 || part.depth_left == 0) {
             node->first = part.begin;
             node->count = part.count;
             continue;
@@ -95,7 +95,8 @@ void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split split, void *builder)
     }
     /* starter
     // First step: the root is a leaf with all triangles; `split` gives it its box. Second step:
-    // where `split` returns more than 0, reserve two children and build them likewise.
+    // where `split` returns more than 0, and levels may follow, reserve two children and build
+    // them likewise.
     bvh->node_count = 2;
     bvh->nodes[0] = (rk_bvh_node){rk_box_empty(), 0, bvh->triangle_count};
     end */

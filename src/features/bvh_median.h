@@ -8,7 +8,8 @@
 
 /* How a builder splits a node over the `count` triangles from `begin` on, in an order that the
  * builder keeps: fills in the node's box, moves the left child's triangles to the front, and
- * returns their number; 0 makes the node a leaf. Up to `depth_left` levels may follow below it. */
+ * returns their number; 0 makes the node a leaf. Up to `depth_left` levels may follow below it, of
+ * RK_BVH_LEVELS_MAX in all; if none may, it is a leaf, whatever is returned. */
 typedef uint32_t (*rk_bvh_split)(void *builder, uint32_t begin, uint32_t count, uint32_t depth_left,
                                  rk_box *box);
 

@@ -63,9 +63,10 @@ enum { RK_LIGHT_EARLY_OUT = 16 };
 
 /* Can the remaining samples do without shadow rays, after a first round in which `visible` of
  * `round` were unoccluded? Yes if all agree: the rest then count as visible, or as occluded, too.
- * If the fraction v of the light is visible and samples are independent, all are occluded with
- * probability (1 - v)^round, so on average at most max v (1 - v)^round = 1 / (round + 1) (round /
- * (round + 1))^round of the light is lost: 0.022 for 16 samples. */
+ * Not after a round of no rays, from which nothing is known. If the fraction v of the light is
+ * visible and samples are independent, all are occluded with probability (1 - v)^round, so on
+ * average at most max v (1 - v)^round = 1 / (round + 1) (round / (round + 1))^round of the light is
+ * lost: 0.022 for 16 samples. */
 bool rk_light_early_out(uint32_t round, uint32_t visible);
 
 #endif

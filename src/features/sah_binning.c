@@ -161,8 +161,12 @@ static uint32_t sweep(const bin_axis *along, const group *bins, double area,
     return found;
     /* starter
     // Second step: the first sweep stores the group above each boundary, the second goes up
-    // with the group below it. The boundary above an empty bin is no candidate.
-    return 0;
+    // with the group below it. The boundary above an empty bin is no candidate. So far there
+    // are two bins, and this is right.
+    double cost = cost_of(area, &bins[0], &bins[1]);
+    candidates[0] = (rk_sah_split){
+        along->axis, 1, {bins[0].count, bins[1].count}, {bins[0].box, bins[1].box}, cost};
+    return 1;
     end */
 }
 
@@ -205,8 +209,9 @@ static uint32_t candidates_within(const bounds *b, const rk_bvh_reference *refer
             found += candidates_on(axis, b, references, count, bins, candidates + found);
     return found;
     /* starter
-    // Third step: those on the centroids' longest axis, or on all three in turn.
-    return 0;
+    // Third step: those on the centroids' longest axis, or on all three in turn. So far the
+    // longest is x.
+    return candidates_on(0, b, references, count, bins_for(options, count), candidates);
     end */
 }
 

@@ -28,7 +28,8 @@ typedef struct rk_sah_split {
     uint32_t boundary; /* bins below it go left */
     uint32_t count[2]; /* triangles to the left and to the right, neither 0 */
     rk_box box[2];
-    double cost; /* 1.5 + (area_left count_left + area_right count_right) / area of the node */
+    double cost; /* 1.5 + (area_left count_left + area_right count_right) / area of the node; without
+                    area, 1.5 + count_left + count_right */
 } rk_sah_split;
 
 /* Lists the possible splits of a node over these triangles, by axis, then boundary, and returns

@@ -28,6 +28,7 @@ _CRASHES = [
     ("heap-use-after-free", "uses memory after it was freed"),
     ("stack-use-after-scope", "uses a local variable that no longer exists"),
     ("stack-use-after-return", "uses a local variable of a function that has returned"),
+    ("use-after-poison", "looks at a node or a leaf that needs no look, whatever it counts"),
     ("attempting double-free", "frees the same memory twice"),
     ("attempting free on address", "frees memory that was not allocated"),
     ("alloc-dealloc-mismatch", "frees memory in another way than it was allocated"),
