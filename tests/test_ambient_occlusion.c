@@ -56,7 +56,7 @@ static void check_direction(rk_ambient_map map, rk_vec2 xi)
                   map_names[map], (double)xi.x, (double)xi.y, (double)d.x, (double)d.y,
                   (double)d.z);
     rk_check(map == RK_AMBIENT_UNIFORM ? d.z > 0 : d.z >= 0,
-             "%s map of xi (%.9g, %.9g): z is %.9g, below the horizon", map_names[map],
+             "%s map of xi (%.9g, %.9g): z is %.9g, not above the horizon", map_names[map],
              (double)xi.x, (double)xi.y, (double)d.z);
 }
 
@@ -147,19 +147,22 @@ static void a_cosine_direction_projects_onto_its_point_of_the_disk(void **state)
 
 /* --- Weights ---------------------------------------------------------------------------------- */
 
+/* For weights that are computed as a quotient, of the cosine and the density. */
+static const double few_roundings = 4 * 0x1p-24;
+
 static void the_uniform_weight_is_twice_the_cosine(void **state)
 {
     (void)state;
     for (int i = 0; i <= 64; i++)
-        rk_check_near(rk_ambient_weight(RK_AMBIENT_UNIFORM, (float)i / 64), 2 * i / 64.0, 0,
-                      "cosine %d / 64, density 1 / (2 pi)", i);
+        rk_check_near(rk_ambient_weight(RK_AMBIENT_UNIFORM, (float)i / 64), 2 * i / 64.0,
+                      few_roundings, "cosine %d / 64, density 1 / (2 pi)", i);
 }
 
 static void the_cosine_weight_is_1(void **state)
 {
     (void)state;
     for (int i = 0; i <= 64; i++)
-        rk_check_near(rk_ambient_weight(RK_AMBIENT_COSINE, (float)i / 64), 1, 0,
+        rk_check_near(rk_ambient_weight(RK_AMBIENT_COSINE, (float)i / 64), 1, few_roundings,
                       "cosine %d / 64, density cos(theta) / pi", i);
 }
 
@@ -288,6 +291,19 @@ static void directions_into_the_surface_are_reported_and_filled_in(void **state)
              "a direction in the plane of the face is not above it");
 }
 
+static void directions_barely_above_the_face_are_not_into_it(void **state)
+{
+    (void)state;
+    const rk_vec3 up = {0, 0, 1};
+    const rk_ambient_frame frame = rk_ambient_frame_of(up, up);
+    for (int e = 1; e <= 126; e++) {
+        rk_vec3 got, local = rk_vec((float)(e % 2), (float)((e + 1) % 2), ldexpf(1, -e));
+        rk_check(rk_ambient_direction(&frame, local, &got),
+                 "normal and face normal (0, 0, 1): (%g, %g, %g) is above the face, however little",
+                 (double)local.x, (double)local.y, (double)local.z);
+    }
+}
+
 /* --- Radiance --------------------------------------------------------------------------------- */
 
 static void one_unoccluded_cosine_direction_is_exact(void **state)
@@ -320,6 +336,29 @@ static void colour_intensity_and_visibility_multiply_per_channel(void **state)
     rk_check_close(got.x, 1.5, 1e-6, "red: 3 x 0.5 x 4 / 4");
     rk_check_close(got.y, 0.375, 1e-6, "green: 3 x 0.25 x 2 / 4");
     rk_check_close(got.z, 0.5625, 1e-6, "blue: 3 x 0.75 x 1 / 4");
+    for (int black = 0; black < 3; black++) { /* red, green, blue */
+        rk_vec3 colour = rk_vec(black != 0, black != 1, black != 2), white = rk_vec(1, 1, 1);
+        rk_vec3 surface = rk_ambient_radiance(colour, 1, white, 1);
+        rk_vec3 light = rk_ambient_radiance(white, 1, colour, 1);
+        for (int axis = 0; axis < 3; axis++) {
+            double want = (double)rk_axis(colour, axis);
+            rk_check_near(rk_axis(surface, axis), want, 0,
+                          "a surface that is black in channel %d only: channel %d", black, axis);
+            rk_check_near(rk_axis(light, axis), want, 0,
+                          "light, behind glass, that is black in channel %d only: channel %d",
+                          black, axis);
+        }
+    }
+}
+
+static void an_estimate_of_the_visibility_may_exceed_1(void **state)
+{
+    (void)state;
+    /* Two directions near the normal, by the uniform map. */
+    rk_vec3 got = rk_ambient_radiance(rk_vec(1, 1, 1), 1, rk_vec(3.5f, 3.5f, 3.5f), 2);
+    rk_check_close(
+        got.x, 1.75, 1e-6,
+        "2 directions with weights of 3.5 together: clamped to 1, means would be too dark");
 }
 
 /* --- Closed forms ----------------------------------------------------------------------------- */
@@ -352,7 +391,8 @@ enum { estimates = 1 << 18 };
 
 /* The mean of weight times V. A weight's mean square is at most 4/3, and the mean is off by more
  * than 5 standard errors less than once in a million times. */
-static void check_estimate(const occluder *o, occludes *is_occluded, double want, const char *name)
+static void check_estimate(const occluder *o, occludes *is_occluded, double closed_form,
+                           const char *name)
 {
     for (int m = 0; m < 2; m++) {
         double sum = 0;
@@ -361,11 +401,14 @@ static void check_estimate(const occluder *o, occludes *is_occluded, double want
             if (!is_occluded(o, rk_widen(d)))
                 sum += (double)rk_ambient_weight(maps[m], d.z);
         }
-        rk_check_near(
-            want, sum / estimates, 5 * sqrt(4.0 / 3 / estimates),
-            "%s of size %g at the distance %g, cosine %g: closed form against the mean of "
-            "%d directions by the %s map",
-            name, o->size, o->distance, o->cosine, estimates, map_names[m]);
+        double tolerance = 5 * sqrt(4.0 / 3 / estimates);
+        rk_check(
+            fabs(closed_form - sum / estimates) <= tolerance,
+            "%s of size %g at the distance %g, cosine %g: your closed form says %.6f, but of %d "
+            "of your directions by the %s map those that miss it weigh %.6f, and both should be "
+            "equal within %.3g; the claim about the closed form tells which is wrong",
+            name, o->size, o->distance, o->cosine, closed_form, estimates, map_names[m],
+            sum / estimates, tolerance);
     }
 }
 
@@ -426,6 +469,20 @@ static void estimates_agree_with_the_wall(void **state)
                        (double)rk_ambient_beside_wall(1, (float)distances[i]), "a wall");
 }
 
+static void closed_forms_do_not_depend_on_the_unit_of_length(void **state)
+{
+    (void)state;
+    for (int e = -120; e <= 120; e += 10) {
+        float unit = ldexpf(1, e);
+        rk_check_near(rk_ambient_below_disk(3 * unit, 4 * unit), 0.64, 1e-6,
+                      "a disk of radius 3 x 2^%d, 4 x 2^%d above", e, e);
+        rk_check_near(rk_ambient_below_sphere(3 * unit, 5 * unit, 0.75f), 0.73, 1e-6,
+                      "a sphere of radius 3 x 2^%d, 5 x 2^%d away, cosine 0.75", e, e);
+        rk_check_near(rk_ambient_beside_wall(3 * unit, 4 * unit), 0.9, 1e-6,
+                      "a wall 3 x 2^%d high, 4 x 2^%d away", e, e);
+    }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(uniform_directions_are_unit_and_above_the_horizon),
     cmocka_unit_test(the_uniform_map_is_uniform_in_solid_angle),
@@ -440,15 +497,18 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_direction_keeps_its_cosine_near_the_poles),
     cmocka_unit_test(the_frame_is_a_rotation),
     cmocka_unit_test(directions_into_the_surface_are_reported_and_filled_in),
+    cmocka_unit_test(directions_barely_above_the_face_are_not_into_it),
     cmocka_unit_test(one_unoccluded_cosine_direction_is_exact),
     cmocka_unit_test(occluded_directions_count_among_the_samples),
     cmocka_unit_test(colour_intensity_and_visibility_multiply_per_channel),
+    cmocka_unit_test(an_estimate_of_the_visibility_may_exceed_1),
     cmocka_unit_test(a_disk_occludes_the_squared_sine_of_its_rim_angle),
     cmocka_unit_test(estimates_agree_with_the_disk),
     cmocka_unit_test(a_sphere_occludes_its_squared_sine_times_the_cosine),
     cmocka_unit_test(estimates_agree_with_the_sphere),
     cmocka_unit_test(a_wall_occludes_half_at_its_foot_and_less_farther_away),
     cmocka_unit_test(estimates_agree_with_the_wall),
+    cmocka_unit_test(closed_forms_do_not_depend_on_the_unit_of_length),
 };
 
 RK_SUITE("ambient_occlusion", tests)

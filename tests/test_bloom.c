@@ -1,9 +1,15 @@
 /* Bloom: weights against rows of Pascal's triangle in big integers, the separable filter against
  * the full one in double, borders against sums worked out by hand. */
+#define _DEFAULT_SOURCE /* mincore */
+
 #include "test.h"
 
 #include "base/random.h"
 #include "features/bloom.h"
+
+#include <sys/mman.h>
+#include <time.h>
+#include <unistd.h>
 
 /* --- Helpers ---------------------------------------------------------------------------------- */
 
@@ -132,18 +138,32 @@ static void a_pixel_at_the_threshold_is_bright(void **state)
 static void only_finite_pixels_are_bright(void **state)
 {
     (void)state;
-    const rk_vec3 odd[] = {{NAN, NAN, NAN},
-                           {NAN, 1, 1},
-                           {1, 1, NAN},
-                           {INFINITY, 1, 1},
-                           {1, INFINITY, 1},
-                           {0, 0, INFINITY},
-                           {1, NAN, 1},
-                           {INFINITY, -INFINITY, 0},
-                           {INFINITY, INFINITY, INFINITY}};
+    const rk_vec3 odd[] = {
+        {NAN, NAN, NAN},   {NAN, 1, 1},       {1, 1, NAN},       {INFINITY, 1, 1},
+        {1, INFINITY, 1},  {0, 0, INFINITY},  {1, NAN, 1},       {INFINITY, -INFINITY, 0},
+        {-INFINITY, 0, 0}, {0, -INFINITY, 0}, {0, 0, -INFINITY}, {INFINITY, INFINITY, INFINITY}};
     check_bright(rk_vec(1e30f, 1e30f, 1e30f), 0.5f, true, "it is very bright, but finite");
-    for (size_t i = 0; i < sizeof odd / sizeof *odd; i++)
+    for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
         check_bright(odd[i], 0.5f, false, "it would make all pixels around it infinite, or NaN");
+        check_bright(odd[i], -INFINITY, false, "infinite or NaN, it is dark for every threshold");
+    }
+}
+
+static void sums_of_two_bright_pixels_are_finite(void **state)
+{
+    (void)state;
+    const float most = RK_BLOOM_BRIGHTEST, beyond = nextafterf(most, INFINITY);
+    for (int axis = 0; axis < 3; axis++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            float colour[3] = {1, 1, 1};
+            colour[axis] = (float)sign * most;
+            check_bright(rk_vec(colour[0], colour[1], colour[2]), -INFINITY, true,
+                         "no colour is beyond RK_BLOOM_BRIGHTEST, 2^126");
+            colour[axis] = (float)sign * beyond;
+            check_bright(
+                rk_vec(colour[0], colour[1], colour[2]), -INFINITY, false,
+                "twice as much as a colour beyond RK_BLOOM_BRIGHTEST, 2^126, may be infinite");
+        }
 }
 
 static void check_bright_span(const rk_vec3 *row, size_t width, size_t first, size_t end,
@@ -177,6 +197,52 @@ static void the_bright_span_is_from_the_first_to_the_last_bright_pixel(void **st
     check_bright_span(row, 9, 0, 9, "both ends of a row of nine are bright");
     check_bright_span(row + 8, 1, 0, 1, "a row of one bright pixel");
     check_bright_span(row, 0, 0, 0, "a row of no pixels");
+}
+
+/* A row of black pixels in pages of its own, not one of which has been read or written. */
+enum { row_pages = 64 };
+
+static rk_vec3 *untouched_row(size_t *width)
+{
+    size_t size = row_pages * (size_t)sysconf(_SC_PAGESIZE);
+    void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    rk_check(memory != MAP_FAILED, "no memory for %zu bytes", size);
+#ifdef MADV_NOHUGEPAGE
+    madvise(memory, size, MADV_NOHUGEPAGE);
+#endif
+    *width = size / sizeof(rk_vec3);
+    return memory;
+}
+
+/* The number of pages that have been read or written, from `first` to before `end`. */
+static int touched_pages(rk_vec3 *row, int first, int end)
+{
+    unsigned char resident[row_pages];
+    int count = 0;
+    rk_check(mincore(row, row_pages * (size_t)sysconf(_SC_PAGESIZE), (void *)resident) == 0,
+             "mincore cannot tell which pages were read");
+    for (int i = first; i < end; i++)
+        count += resident[i] & 1;
+    return count;
+}
+
+static void the_search_reads_no_pixel_between_the_ends(void **state)
+{
+    (void)state;
+    size_t width;
+    rk_vec3 *row = untouched_row(&width);
+    row[0] = row[width - 1] = white;
+    rk_bloom_span bright = rk_bloom_bright_span(row, width, 1);
+    int touched = touched_pages(row, 1, row_pages - 1);
+    munmap(row, row_pages * (size_t)sysconf(_SC_PAGESIZE));
+    rk_check(bright.first == 0 && bright.end == width,
+             "both ends of a row of %zu are bright: got from %zu to before %zu", width,
+             bright.first, bright.end);
+    rk_check(
+        touched == 0,
+        "the first and the last pixel of %zu are bright, and the search read %d of the %d pages "
+        "of memory between them, want 0: search from both ends",
+        width, touched, row_pages - 2);
 }
 
 /* --- The mask --------------------------------------------------------------------------------- */
@@ -245,6 +311,28 @@ static void the_mask_keeps_bright_pixels_and_nothing_else(void **state)
     }
     check_dark_mask(0);
     check_dark_mask(50);
+}
+
+static void the_mask_reads_no_pixel_outside_of_the_bright_span(void **state)
+{
+    (void)state;
+    const rk_bloom_filter alone = filter_of((const float[]){1}, 0, RK_BLOOM_ZERO);
+    size_t width;
+    rk_vec3 *row = untouched_row(&width), *masked = malloc(width * sizeof *masked);
+    rk_check(masked != NULL, "no memory for %zu pixels", width);
+    row[width / 2] = white;
+    rk_bloom_bright_pass(&alone, row, width, 1, (rk_bloom_span){width / 2, width / 2 + 1}, 0, width,
+                         masked);
+    int before = touched_pages(row, 0, row_pages / 2 - 1);
+    int after = touched_pages(row, row_pages / 2 + 1, row_pages);
+    bool kept = masked[width / 2].x == 1;
+    munmap(row, row_pages * (size_t)sysconf(_SC_PAGESIZE));
+    free(masked);
+    rk_check(kept, "pixel %zu of %zu is white, and not in the mask", width / 2, width);
+    rk_check(before == 0 && after == 0,
+             "only pixel %zu of %zu is bright: read %d pages of memory before it and %d after it, "
+             "want 0: pixels outside of the bright span are dark",
+             width / 2, width, before, after);
 }
 
 /* Ten greys, 1 to 10 or 10 to 1; from 7 on they are bright. */
@@ -447,7 +535,8 @@ static void the_reach_is_the_shortest_within_half_an_ulp(void **state)
 {
     (void)state;
     static float all[RK_BLOOM_RADIUS_MAX + 1];
-    for (uint32_t radius = 0; radius <= RK_BLOOM_RADIUS_MAX; radius += 1 + radius / 8) {
+    for (uint32_t radius = 0; radius <= RK_BLOOM_RADIUS_MAX;
+         radius += radius < 64 ? 1 : radius / 8) {
         rk_bloom_weights(radius, all);
         float *weights = exact_copy(all, (radius + 1) * sizeof *all);
         uint32_t reach = rk_bloom_reach(radius, weights), want = radius;
@@ -564,6 +653,45 @@ static void lines_that_are_null_are_zeros(void **state)
         check_sum(i % 16, present, hint);
     }
     check_sum(7, 0, "all lines are NULL");
+}
+
+/* Seconds of processor time for a sum of lines, all of them the same; the fastest of five. */
+static double seconds_of_sum(const rk_bloom_filter *filter, const float *const *lines, size_t count,
+                             float *sum)
+{
+    clock_t fastest = 0;
+    for (int i = 0; i < 5; i++) {
+        clock_t start = clock();
+        rk_bloom_blur_lines(filter, lines, count, sum);
+        clock_t took = clock() - start;
+        fastest = i == 0 || took < fastest ? took : fastest;
+    }
+    return (double)fastest / CLOCKS_PER_SEC;
+}
+
+static void lines_that_are_null_cost_nothing(void **state)
+{
+    (void)state;
+    enum { reach = RK_BLOOM_RADIUS_MAX, count = 64 * RK_BLOOM_BLOCK };
+    static float weights[reach + 1], line[count], sum[count];
+    static const float *lines[2 * reach + 1];
+    for (size_t k = 0; k <= reach; k++)
+        weights[k] = 1;
+    const rk_bloom_filter filter = filter_of(weights, reach, RK_BLOOM_ZERO);
+    for (size_t k = 0; k <= 2 * reach; k++)
+        lines[k] = line;
+    double all = seconds_of_sum(&filter, lines, count, sum);
+    memset(lines, 0, sizeof lines);
+    lines[reach] = line;
+    line[0] = 1;
+    double one = seconds_of_sum(&filter, lines, count, sum);
+    rk_check(sum[0] == 1, "the only line that is not NULL is 1: got %g", (double)sum[0]);
+    /* About a thousandth: looking at the pointers is left. */
+    rk_check(
+        one <= all / 20,
+        "one of %d lines is not NULL: the sum took %.3g ms, and %.3g ms with all lines; want a "
+        "twentieth of that at most",
+        2 * reach + 1, 1000 * one, 1000 * all);
 }
 
 static void blurring_allocates_no_memory(void **state)
@@ -744,6 +872,32 @@ static void a_point_of_light_becomes_the_filter(void **state)
         }
 }
 
+static void a_pixel_as_bright_as_floats_go_spoils_no_other(void **state)
+{
+    (void)state;
+    const float brightest[] = {RK_BLOOM_BRIGHTEST, 2e38f, 3.4e38f};
+    for (int i = 0; i < 3; i++)
+        for (int border = RK_BLOOM_ZERO; border <= RK_BLOOM_RENORMALIZE; border++) {
+            picture p = random_picture(9);
+            for (int k = 0; k < 4; k++) /* in the middle, beside it, in a corner, at the right */
+                p.pixels[k < 2 ? 14 : 0][k == 0   ? 18
+                                         : k == 1 ? 19
+                                         : k == 2 ? 0
+                                                  : width - 1] = rk_scale(white, brightest[i]);
+            bloom_of_radius(&p, 8, (rk_bloom_border)border, 0.5f, 0.8f);
+            for (int y = 0; y < height; y++)
+                for (int x = 0; x < width; x++) {
+                    rk_vec3 got = p.pixels[y][x];
+                    rk_check(
+                        isfinite(got.x) && isfinite(got.y) && isfinite(got.z),
+                        "four pixels of %.3g, border %s: pixel (%d, %d) became (%g, %g, %g), want "
+                        "a finite colour: a sum or a product of them was infinite",
+                        (double)brightest[i], border_names[border], x, y, (double)got.x,
+                        (double)got.y, (double)got.z);
+                }
+        }
+}
+
 /* A picture of one colour, all or part of which the filter covers. */
 static void check_constant(rk_bloom_border border, int x, int y, double want, const char *hint)
 {
@@ -834,8 +988,11 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_luminance_of_a_grey_is_the_grey),
     cmocka_unit_test(a_pixel_at_the_threshold_is_bright),
     cmocka_unit_test(only_finite_pixels_are_bright),
+    cmocka_unit_test(sums_of_two_bright_pixels_are_finite),
     cmocka_unit_test(the_bright_span_is_from_the_first_to_the_last_bright_pixel),
+    cmocka_unit_test(the_search_reads_no_pixel_between_the_ends),
     cmocka_unit_test(the_mask_keeps_bright_pixels_and_nothing_else),
+    cmocka_unit_test(the_mask_reads_no_pixel_outside_of_the_bright_span),
     cmocka_unit_test(the_mask_is_zero_beyond_the_border),
     cmocka_unit_test(small_filters_are_rows_of_pascals_triangle),
     cmocka_unit_test(weights_are_pascals_rows_to_the_last_bit),
@@ -844,9 +1001,11 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_single_line_is_weighted_by_its_distance),
     cmocka_unit_test(all_lines_are_summed),
     cmocka_unit_test(lines_that_are_null_are_zeros),
+    cmocka_unit_test(lines_that_are_null_cost_nothing),
     cmocka_unit_test(blurring_allocates_no_memory),
     cmocka_unit_test(the_blurred_mask_is_added_times_the_gain),
     cmocka_unit_test(a_point_of_light_becomes_the_filter),
+    cmocka_unit_test(a_pixel_as_bright_as_floats_go_spoils_no_other),
     cmocka_unit_test(an_even_picture_stays_even_far_from_borders),
     cmocka_unit_test(a_border_of_zeros_loses_light),
     cmocka_unit_test(clamping_repeats_the_borders_own_pixel),

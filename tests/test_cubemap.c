@@ -275,14 +275,20 @@ static void places_and_directions_are_inverse(void **state)
     }
 }
 
+static const float odd[] = {0, NAN, INFINITY, -INFINITY, -0.0f, 1, 3e38f};
+enum { odd_count = sizeof odd / sizeof *odd, odd_directions = odd_count * odd_count * odd_count };
+
+static rk_vec3 odd_direction(int n)
+{
+    return rk_vec(odd[n % odd_count], odd[n / odd_count % odd_count],
+                  odd[n / odd_count / odd_count]);
+}
+
 static void invalid_directions_stay_on_the_cube(void **state)
 {
     (void)state;
-    const float odd[] = {0, NAN, INFINITY, -INFINITY, -0.0f, 1, 3e38f};
-    enum { count = sizeof odd / sizeof *odd };
-    rk_cubemap map = paint_map(3, one_colour_per_face);
-    for (int n = 0; n < count * count * count; n++) {
-        rk_vec3 direction = {odd[n % count], odd[n / count % count], odd[n / count / count]};
+    for (int n = 0; n < odd_directions; n++) {
+        rk_vec3 direction = odd_direction(n);
         rk_cube_place place = rk_cubemap_place(direction);
         rk_check((int)place.face >= 0 && place.face < RK_FACES, "(%g, %g, %g): there is no face %d",
                  (double)direction.x, (double)direction.y, (double)direction.z, (int)place.face);
@@ -291,12 +297,7 @@ static void invalid_directions_stay_on_the_cube(void **state)
             "(%g, %g, %g): got (u, v) = (%g, %g), want both in [0, 1]: to_unit clamps NaN, too",
             (double)direction.x, (double)direction.y, (double)direction.z, (double)place.u,
             (double)place.v);
-        for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
-            rk_check(isfinite(rk_cubemap_at(&map, direction, (rk_cubemap_filter)filter).x),
-                     "(%g, %g, %g), %s: the colour is not a number", (double)direction.x,
-                     (double)direction.y, (double)direction.z, filter_names[filter]);
     }
-    rk_cubemap_free(&map);
 }
 
 /* --- Nearest ---------------------------------------------------------------------------------- */
@@ -543,6 +544,15 @@ static void within_a_face_seamless_is_bilinear(void **state)
     rk_cubemap_free(&map);
 }
 
+/* What a colour at an edge or a corner tells: that of one texel comes from a lookup within the
+ * face. */
+static const char *is_own_texel(const rk_cubemap *map, vec d, rk_vec3 got, uint32_t side)
+{
+    rk_vec3 own = rk_cubemap_at(map, narrow(d), RK_CUBEMAP_NEAREST);
+    return distance(got, own) <= side * few_roundings ? "; got that of the face's own texel alone"
+                                                      : "";
+}
+
 static void an_edge_is_the_mean_of_the_two_texels_beside_it(void **state)
 {
     (void)state;
@@ -559,11 +569,12 @@ static void an_edge_is_the_mean_of_the_two_texels_beside_it(void **state)
                     double a = edge == left ? -1 : edge == right ? 1 : along;
                     double b = edge == below ? -1 : edge == above ? 1 : along;
                     vec d = towards(face, a, b);
-                    check_colour(rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS),
-                                 mean_of_nearest(&map, d, 2), side * few_roundings,
+                    rk_vec3 got = rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS);
+                    check_colour(got, mean_of_nearest(&map, d, 2), side * few_roundings,
                                  "side %u, face %s, middle of texel %u of its %s edge: the mean of "
-                                 "the texels on both sides",
-                                 side, cross[face].name, i, edges[edge]);
+                                 "the texels on both sides%s",
+                                 side, cross[face].name, i, edges[edge],
+                                 is_own_texel(&map, d, got, side));
                 }
         rk_cubemap_free(&map);
     }
@@ -582,12 +593,13 @@ static void a_corner_is_the_mean_of_the_three_texels_around_it(void **state)
                 /* From each of the three faces, a few floats away from the corner. */
                 double *component = axis == 0 ? &d.x : axis == 1 ? &d.y : &d.z;
                 *component *= 1 + 0x1p-22;
+                rk_vec3 got = rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS);
                 check_colour(
-                    rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS),
-                    mean_of_nearest(&map, want, 3), sides[k] * few_roundings,
+                    got, mean_of_nearest(&map, want, 3), sides[k] * few_roundings,
                     "side %u, corner (%g, %g, %g), on face %s: the mean of the three texels "
-                    "around it",
-                    sides[k], want.x, want.y, want.z, name_of(rk_cubemap_place(narrow(d)).face));
+                    "around it%s",
+                    sides[k], want.x, want.y, want.z, name_of(rk_cubemap_place(narrow(d)).face),
+                    is_own_texel(&map, d, got, sides[k]));
             }
         rk_cubemap_free(&map);
     }
@@ -724,6 +736,20 @@ static void a_smooth_function_comes_back_everywhere(void **state)
     }
 }
 
+static void invalid_directions_have_a_colour(void **state)
+{
+    (void)state;
+    rk_cubemap map = paint_map(3, one_colour_per_face);
+    for (int n = 0; n < odd_directions; n++)
+        for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++) {
+            rk_vec3 direction = odd_direction(n);
+            rk_check(isfinite(rk_cubemap_at(&map, direction, (rk_cubemap_filter)filter).x),
+                     "(%g, %g, %g), %s: the colour is not a number", (double)direction.x,
+                     (double)direction.y, (double)direction.z, filter_names[filter]);
+        }
+    rk_cubemap_free(&map);
+}
+
 static void lookups_allocate_no_memory(void **state)
 {
     (void)state;
@@ -849,6 +875,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(solid_angles_sum_to_the_sphere),
     cmocka_unit_test(a_texels_solid_angle_is_its_integral),
     cmocka_unit_test(solid_angles_weight_integrals_over_the_sphere),
+    cmocka_unit_test(invalid_directions_have_a_colour),
     cmocka_unit_test(lookups_allocate_no_memory),
 };
 

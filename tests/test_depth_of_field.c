@@ -302,6 +302,44 @@ static void directions_are_unit_and_rays_have_no_end(void **state)
     }
 }
 
+static void rays_do_not_depend_on_the_cameras_place(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_view near = turned_view(i), far = near;
+        far.position = rk_vec(1e4f, -3e4f, 2e4f);
+        rk_lens lens = lens_of(1.8f, 300, i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        rk_vec2 place = random_place(i), xi = random_xi(i);
+        rk_ray a = rk_lens_ray(&lens, &near, place.x, place.y, xi);
+        rk_ray b = rk_lens_ray(&lens, &far, place.x, place.y, xi);
+        rk_check(
+            rk_length(a.direction) > 0 &&
+                memcmp(&a.direction, &b.direction, sizeof a.direction) == 0,
+            "the same camera at (1e4, -3e4, 2e4): the direction (%.9g, %.9g, %.9g) became (%.9g, "
+            "%.9g, %.9g): far from the origin, differences of positions have few digits",
+            (double)a.direction.x, (double)a.direction.y, (double)a.direction.z,
+            (double)b.direction.x, (double)b.direction.y, (double)b.direction.z);
+    }
+}
+
+static void a_lens_focused_at_infinity_sends_parallel_rays(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_view view = turned_view(i);
+        rk_lens lens = lens_of(INFINITY, 300, i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        rk_vec2 place = random_place(i);
+        rk_vec3 got = rk_lens_ray(&lens, &view, place.x, place.y, random_xi(i)).direction;
+        rk_vec3 want = rk_view_ray(&view, place.x, place.y).direction;
+        rk_check(
+            got.x == want.x && got.y == want.y && got.z == want.z,
+            "focused infinitely far: got the direction (%.9g, %.9g, %.9g), want the pinhole's, "
+            "(%.9g, %.9g, %.9g), from every point of the lens",
+            (double)got.x, (double)got.y, (double)got.z, (double)want.x, (double)want.y,
+            (double)want.z);
+    }
+}
+
 /* --- Circles of confusion --------------------------------------------------------------------- */
 
 static const char *const focal_names[] = {[RK_FOCAL_PLANE] = "plane", [RK_FOCAL_SPHERE] = "sphere"};
@@ -320,13 +358,14 @@ static void a_point_in_focus_has_no_circle_of_confusion(void **state)
         rk_ray ray = rk_view_ray(&view, place.x, place.y);
         float f = 0.5f + 4 * unit_float(i, 7);
         rk_lens plane = lens_of(f, 50, RK_FOCAL_PLANE), sphere = lens_of(f, 50, RK_FOCAL_SPHERE);
-        /* f / d is 1 up to six roundings. */
+        /* 1 / f and 1 / d are equal up to six roundings, also if d is a product with a length. */
         double infinitely_far = 0.05 / ((double)f * (double)view.pixel);
         rk_check_near(rk_lens_coc_diameter(&plane, &view, &ray, f / (float)cosine_of(&view, &ray)),
                       0, 6 * epsilon * infinitely_far,
                       "point (%g, %g): circle of the point at the depth %g, on the focal plane",
                       (double)place.x, (double)place.y, (double)f);
-        rk_check_near(rk_lens_coc_diameter(&sphere, &view, &ray, f), 0, 0,
+        rk_check_near(rk_lens_coc_diameter(&sphere, &view, &ray, f), 0,
+                      6 * epsilon * infinitely_far / cosine_of(&view, &ray),
                       "point (%g, %g): circle of the point at the distance %g, on the focal sphere",
                       (double)place.x, (double)place.y, (double)f);
     }
@@ -348,8 +387,9 @@ static void the_circle_of_confusion_equals_the_closed_form(void **state)
             double want = 0.05 * fabs(d - f) / d / (f * pixel);
             rk_check_near(rk_lens_coc_diameter(&lens, &view, &ahead, distances[i]), want,
                           1e-5 * want,
-                          "aperture 50, focal %s at 1.8: circle of a point %g straight ahead",
-                          focal_names[focal], d);
+                          "aperture 50, focal %s at 1.8: circle of a point %g straight ahead, %s "
+                          "the focus",
+                          focal_names[focal], d, d < f ? "before" : "behind");
         }
 }
 
@@ -390,6 +430,28 @@ static void the_circle_of_an_infinitely_far_point_is_finite(void **state)
                       "aperture 50, focal %s at 2: circle of an infinitely far point ahead, where "
                       "|d - f| / d is 1",
                       focal_names[focal]);
+    }
+}
+
+static void a_lens_focused_at_infinity_blurs_what_is_near(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 200; i++) {
+        rk_view view = turned_view(i);
+        rk_vec2 place = random_place(i);
+        rk_ray ray = rk_view_ray(&view, place.x, place.y);
+        double cosine = cosine_of(&view, &ray), pixel = (double)view.pixel;
+        for (int focal = RK_FOCAL_PLANE; focal <= RK_FOCAL_SPHERE; focal++) {
+            rk_lens lens = lens_of(INFINITY, 50, (rk_focal_surface)focal);
+            rk_check_near(rk_lens_coc_diameter(&lens, &view, &ray, INFINITY), 0, 0,
+                          "focal %s infinitely far: circle of an infinitely far point",
+                          focal_names[focal]);
+            /* A / d on the plane, at the depth d = 2 cosine; on the sphere d = 2. */
+            rk_check_near(rk_lens_coc_diameter(&lens, &view, &ray, 2), 0.025 / (pixel * cosine),
+                          1e-5 / pixel,
+                          "aperture 50, focal %s infinitely far: circle of a point 2 away",
+                          focal_names[focal]);
+        }
     }
 }
 
@@ -486,7 +548,7 @@ static void fail_pixel(const picture *p, uint32_t x, uint32_t y, int got, int wa
     rk_check(
         false,
         "%u x %u pixels: pixel (%u, %u) got %d circles, want %d; the circle of pixel (%u, %u), "
-        "diameter %g, %s",
+        "diameter %g, %s; before the call each number was 7",
         p->width, p->height, x, y, got, want, of % p->width, of / p->width, (double)p->blur[of],
         got < want           ? "reaches it"
         : p->blur[of] < 0.5f ? "is a point"
@@ -498,7 +560,7 @@ static void fail_pixel(const picture *p, uint32_t x, uint32_t y, int got, int wa
  * pixels, and must not be overwritten. */
 static void check_guarded(const picture *p, size_t guard)
 {
-    const int32_t untouched = 0x55555555;
+    const int32_t untouched = 7; /* a number that sums stay small with */
     size_t pixels = (size_t)p->width * p->height, stride = p->width + 1;
     size_t numbers = stride * (p->height + 1);
     float *blur = malloc((pixels + 2 * guard) * sizeof *blur);
@@ -635,16 +697,19 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_aperture_is_the_diameter_in_thousandths_of_a_unit),
     cmocka_unit_test(directions_are_unit_and_rays_have_no_end),
     cmocka_unit_test(a_ray_from_the_lens_centre_is_the_pinhole_ray_to_the_bit),
+    cmocka_unit_test(rays_do_not_depend_on_the_cameras_place),
     cmocka_unit_test(with_aperture_0_every_ray_is_the_pinhole_ray_to_the_bit),
     cmocka_unit_test(rays_of_a_picture_point_converge_on_the_focal_plane),
     cmocka_unit_test(rays_of_a_picture_point_converge_on_the_focal_sphere),
+    cmocka_unit_test(a_lens_focused_at_infinity_sends_parallel_rays),
     cmocka_unit_test(a_point_in_focus_has_no_circle_of_confusion),
     cmocka_unit_test(the_circle_of_confusion_equals_the_closed_form),
     cmocka_unit_test(a_focal_plane_uses_depth_and_a_sphere_distance),
     cmocka_unit_test(the_circle_of_an_infinitely_far_point_is_finite),
+    cmocka_unit_test(a_lens_focused_at_infinity_blurs_what_is_near),
     cmocka_unit_test(the_rim_of_the_lens_draws_the_rim_of_the_circle),
-    cmocka_unit_test(circles_below_half_a_pixel_are_points),
     cmocka_unit_test(a_circle_reaches_every_pixel_that_it_may_touch),
+    cmocka_unit_test(circles_below_half_a_pixel_are_points),
     cmocka_unit_test(circles_end_at_the_border_of_the_picture),
     cmocka_unit_test(every_pixel_counts_the_circles_that_reach_it),
     cmocka_unit_test(large_circles_cost_no_more_than_small_ones),

@@ -261,8 +261,11 @@ static void only_pixels_within_reach_of_a_blurred_half_take_lens_samples(void **
         rk_check(reach >= 2 && reach < 16, "the circle reaches %zu pixels", reach);
         rk_check_equal(lens.counters.lens_samples, side * columns * 25,
                        "25 for each blurred pixel");
-        rk_check_equal(lens.counters.primary_rays, side * (side + columns * 25 + (side - columns)),
-                       "one for the circle of confusion, 25 or one for the picture");
+        rk_check_equal(
+            lens.counters.primary_rays,
+            (side + 2 * reach) * (side + 2 * reach) + side * (columns * 25 + (side - columns)),
+            "one for the circle of confusion, also in a margin of the largest circle, 25 "
+            "or one for the picture");
         for (size_t y = 0; y < side; y++)
             for (size_t x = 0; x < side / 2; x++) {
                 rk_vec3 *a = rk_image_at(&lens.image, x, y), *b = rk_image_at(&sharp.image, x, y);
@@ -277,6 +280,103 @@ static void only_pixels_within_reach_of_a_blurred_half_take_lens_samples(void **
         rk_image_free(&sharp.image);
         rk_scene_free(&scene);
     }
+}
+
+/* --- Beside the picture ----------------------------------------------------------------------- */
+
+/* A white wall in focus at depth 3, and a black card at depth 1 that begins `beside` pixels outside
+ * of the picture, to its right for side 0, above it for 1, and so on. */
+static rk_scene make_card(int card_side, float beside)
+{
+    rk_scene scene = test_scene_of(4, 2);
+    rk_view view = rk_view_of(&scene.camera, side, side);
+    const rk_vec3 outwards[] = {view.right, view.up, rk_negate(view.right), rk_negate(view.up)};
+    rk_vec3 out = outwards[card_side], along = outwards[(card_side + 1) % 4];
+    rk_vec3 edge =
+        rk_madd(rk_add(view.position, view.forward), out, (side / 2 + beside) * view.pixel);
+    test_scene_wall(&scene, 0, 0, 0);
+    test_scene_quad(&scene, 2, rk_madd(edge, along, -9), rk_scale(out, 9), rk_scale(along, 18));
+    scene.mesh.triangle_materials[2] = scene.mesh.triangle_materials[3] = 1;
+    scene.mesh.materials[0].kd = rk_vec(1, 1, 1);
+    scene.mesh.materials[1].kd = rk_vec(0, 0, 0);
+    white_light(&scene);
+    return scene;
+}
+
+/* The fraction of a disk of diameter c on one side of a line, `away` from the centre on the other
+ * side; the mean over a pixel. */
+static double covered(double away, double c)
+{
+    enum { steps = 100 };
+    double sum = 0;
+    for (int i = 0; i < steps; i++) {
+        double d = fmin((away + (i + 0.5) / steps - 0.5) / (0.5 * c), 1);
+        sum += (acos(d) - d * sqrt(1 - d * d)) / 3.14159265358979323846 / steps;
+    }
+    return sum;
+}
+
+static void check_card(int card_side, double beside, rk_focal_surface focal)
+{
+    const uint32_t samples = 64;
+    rk_scene scene = make_card(card_side, (float)beside);
+    rk_render_options options = with_lens(3, 500, samples);
+    options.lens.focal = focal;
+    double c = circle_at(&options, 1);
+    test_picture picture = test_render(&scene, options, 2);
+    rk_check(0.5 * c > beside + 2 && 0.5 * c < side / 2, "the card's circle of %g reaches inside",
+             c);
+    for (int k = 0; k < side; k++) { /* rows or columns, counted from the card's side */
+        double sum = 0, want = 1 - covered(k + 0.5 + beside, c);
+        for (int i = side / 4; i < side * 3 / 4; i++) {
+            size_t x = (size_t)(card_side == 0 ? side - 1 - k : card_side == 2 ? k : i);
+            size_t y = (size_t)(card_side == 1 ? k : card_side == 3 ? side - 1 - k : i);
+            sum += (double)rk_image_at(&picture.image, x, y)->x / (side / 2);
+        }
+        /* 5 standard errors of the mean of half a line's pixels. Seen from near the border, a focal
+         * sphere's circle is up to a fifth larger: then only the middle of the edge is compared. */
+        double tolerance = 5 * sqrt(want * (1 - want) / (samples * side / 2)) + 1e-5;
+        if (focal == RK_FOCAL_PLANE)
+            rk_check(fabs(sum - want) <= tolerance,
+                     "side %d, line %d: got %.4f, want %.4f within %.4f: the card outside of the "
+                     "picture covers part of the lens",
+                     card_side, k, sum, want, tolerance);
+        else
+            rk_check(k > 2 || fabs(sum - want) <= 0.3 * (1 - want),
+                     "focal sphere, side %d, line %d: got %.4f, want about %.4f", card_side, k, sum,
+                     want);
+    }
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+static void a_near_thing_beside_the_picture_is_blurred_into_it(void **state)
+{
+    (void)state;
+    for (int card_side = 0; card_side < 4; card_side++) {
+        check_card(card_side, 3, RK_FOCAL_PLANE);
+        check_card(card_side, 0.5, RK_FOCAL_PLANE);
+    }
+    check_card(0, 3, RK_FOCAL_SPHERE);
+}
+
+/* From beside the card's edge to its end all pixels look the same; only the picture's border
+ * differs. */
+static void the_margin_is_no_wider_than_the_largest_circle(void **state)
+{
+    (void)state;
+    rk_scene scene = make_card(0, 3);
+    rk_render_options options = with_lens(3, 500, 1);
+    options.lens_samples = 4;
+    uint64_t reach = (uint64_t)ceil(circle_at(&options, 1) / 2), wide = side + 2 * reach;
+    test_picture picture = test_render(&scene, options, 2);
+    uint64_t blurred = picture.counters.lens_samples / 4, sharp = side * side - blurred;
+    rk_check_equal(picture.counters.primary_rays, wide * wide + 4 * blurred + sharp,
+                   "a ray for each pixel of the picture and of the margin");
+    rk_check(blurred <= side * reach, "%llu pixels took lens samples, want %llu at most",
+             (unsigned long long)blurred, (unsigned long long)(side * reach));
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
 }
 
 static void a_plane_is_flat_and_a_sphere_is_round(void **state)
@@ -424,6 +524,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_lens_turns_with_the_camera),
     cmocka_unit_test(reflections_are_blurred_by_the_length_of_the_whole_path),
     cmocka_unit_test(only_pixels_within_reach_of_a_blurred_half_take_lens_samples),
+    cmocka_unit_test(a_near_thing_beside_the_picture_is_blurred_into_it),
+    cmocka_unit_test(the_margin_is_no_wider_than_the_largest_circle),
     cmocka_unit_test(a_plane_is_flat_and_a_sphere_is_round),
     cmocka_unit_test(transparent_surfaces_in_focus_take_samples_for_surfaces_behind_them),
     cmocka_unit_test(the_picture_is_the_same_for_any_number_of_threads),

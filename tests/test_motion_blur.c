@@ -302,6 +302,33 @@ static void times_fill_the_shutter_and_never_leave_it(void **state)
         }
 }
 
+static void the_last_of_the_most_samples_is_within_the_shutter(void **state)
+{
+    (void)state;
+    /* In floats -0.5 + (0.1 + 0.5) is more than 0.1. */
+    const rk_shutter shutters[] = {{-0.5f, 0.1f}, {0, 0.05f}, {-3, 11}, {1, 1.1f}};
+    for (int s = 0; s < 4; s++)
+        for (int sampling = RK_TIME_EQUIDISTANT; sampling <= RK_TIME_LOW_DISCREPANCY; sampling++)
+            for (uint32_t pixel = 0; pixel < 2000; pixel++) {
+                uint32_t i = pixel % 2 ? RK_SAMPLES_MAX - 1 : RK_SAMPLES_MAX - 1 - pixel;
+                float x = rk_shutter_time(&shutters[s], (rk_time_sampling)sampling, 9, pixel, i,
+                                          RK_SAMPLES_MAX);
+                rk_check(
+                    x >= shutters[s].open && x <= shutters[s].close,
+                    "%s, pixel %u, sample %u of %u: got the time %.9g, want one in the shutter "
+                    "[%.9g, %.9g]: in floats, a fraction near 1 is 1, and sums exceed their end",
+                    names[sampling], pixel, i, RK_SAMPLES_MAX, (double)x, (double)shutters[s].open,
+                    (double)shutters[s].close);
+                double open = (double)shutters[s].open, close = (double)shutters[s].close;
+                rk_check(
+                    sampling == RK_TIME_LOW_DISCREPANCY ||
+                        (double)x >= open + 0.99 * (close - open),
+                    "%s, pixel %u, sample %u of %u: got the time %.9g, want one at the end of the "
+                    "shutter [%.9g, %.9g]",
+                    names[sampling], pixel, i, RK_SAMPLES_MAX, (double)x, open, close);
+            }
+}
+
 /* --- Swept boxes ------------------------------------------------------------------------------ */
 
 /* The header allows 2^-19 of corner and offset; and floats are rounded. */
@@ -470,6 +497,35 @@ static void a_swept_box_holds_the_box_at_every_time(void **state)
     }
 }
 
+static void check_holds_every_float(rk_motion motion, float root)
+{
+    const rk_shutter shutter = {root - 1e-6f, root + 1e-6f};
+    const rk_box rest = {{{-1e-6f, -1e-6f, -1e-6f}, {1e-6f, 1e-6f, 1e-6f}}};
+    const rk_box swept = rk_motion_sweep(&motion, &shutter, &rest);
+    for (float x = shutter.open; x <= shutter.close; x = nextafterf(x, INFINITY)) {
+        double y = (double)rk_motion_offset(&motion, x).y;
+        rk_check(
+            (double)swept.corner[0].y <= y - 1e-6 && (double)swept.corner[1].y >= y + 1e-6,
+            "the path (a, b, c) = (%.9g, %.9g, %.9g), shutter [%.9g, %.9g]: at x = %.9g the unit "
+            "moves the box, +- 1e-6, to y = %.9g, and the swept box goes from %.9g to %.9g: its "
+            "terms cancel, so the roundings of a double count",
+            (double)motion.a, (double)motion.b, (double)motion.c, (double)shutter.open,
+            (double)shutter.close, (double)x, y, (double)swept.corner[0].y,
+            (double)swept.corner[1].y);
+    }
+}
+
+static void a_swept_box_holds_paths_whose_terms_cancel(void **state)
+{
+    (void)state;
+    check_holds_every_float((rk_motion){1e12f, -1.16777026e12f, 3.40921844e11f}, 0.583885133f);
+    for (uint32_t i = 0; i < 3000; i++) {
+        /* a x (x - root)^2, so that the path is nearly level where it is nearly 0. */
+        float root = random_float(i, 60, 0.25f, 2), a = exp2f(random_float(i, 61, 20, 45));
+        check_holds_every_float((rk_motion){a, -2 * a * root, a * root * root}, root);
+    }
+}
+
 static void a_swept_box_is_no_larger_than_the_path(void **state)
 {
     (void)state;
@@ -543,7 +599,7 @@ static void fail_lost_ray(uint32_t i, const rk_ray *ray, rk_vec3 offset)
     rk_check(false,
              "ray %u, from (%.9g, %.9g, %.9g) along (%.9g, %.9g, %.9g): got false, want true: at "
              "the offset (%.9g, %.9g, 0) the moved ray enters the box at rest; is the tested box "
-             "enlarged by spare_for(ray)?",
+             "enlarged by rounding_margin(ray)?",
              i, (double)ray->origin.x, (double)ray->origin.y, (double)ray->origin.z,
              (double)ray->direction.x, (double)ray->direction.y, (double)ray->direction.z,
              (double)offset.x, (double)offset.y);
@@ -861,12 +917,14 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(pixels_and_seeds_have_random_times_of_their_own),
     cmocka_unit_test(random_times_are_drawn_from_the_dimension_of_time),
     cmocka_unit_test(times_fill_the_shutter_and_never_leave_it),
+    cmocka_unit_test(the_last_of_the_most_samples_is_within_the_shutter),
     cmocka_unit_test(a_straight_path_sweeps_from_its_beginning_to_its_end),
     cmocka_unit_test(a_parabola_turns_at_its_vertex),
     cmocka_unit_test(a_cubic_turns_twice),
     cmocka_unit_test(a_level_point_is_no_turning_point),
     cmocka_unit_test(turning_points_keep_their_digits_when_one_is_far_away),
     cmocka_unit_test(a_swept_box_holds_the_box_at_every_time),
+    cmocka_unit_test(a_swept_box_holds_paths_whose_terms_cancel),
     cmocka_unit_test(a_swept_box_is_no_larger_than_the_path),
     cmocka_unit_test(a_ray_may_hit_a_box_that_it_enters_before_t_max),
     cmocka_unit_test(a_ray_that_misses_the_swept_box_never_hits_the_object),

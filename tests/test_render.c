@@ -2,6 +2,10 @@
  * the same for any threads, and its counters as proof that nothing needless is done. */
 #include "test_scene.h"
 
+#include "accel/trace_one.h"
+#include "render/rendering.h"
+#include "render/stages/shade_stage.h"
+
 static rk_render_options size_of(uint32_t width, uint32_t height)
 {
     rk_render_options options = rk_render_options_default();
@@ -501,6 +505,43 @@ static void each_pixel_has_samples_of_its_own(void **state)
     rk_scene_free(&scene);
 }
 
+/* Units are shown v by a debugger, and may test it, so it is right for models that do not read it.
+ */
+static void every_model_is_told_the_direction_to_the_viewer(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cornell");
+    rk_accel accel;
+    rk_error error;
+    rk_check_ok(rk_accel_build(&accel, RK_ACCEL_MEDIAN, &scene, &error), error);
+    for (int model = RK_SHADING_OFF; model <= RK_SHADING_GRADIENT; model++) {
+        rk_render_options options = rk_render_options_default();
+        options.shading.model = (rk_shading_model)model;
+        const rk_rendering r = {.scene = &scene,
+                                .accel = &accel,
+                                .options = &options,
+                                .plan = rk_plan_of(&scene, &options),
+                                .view = rk_view_of(&scene.camera, 40, 40)};
+        for (uint32_t i = 0; i < 40 * 40; i++) {
+            rk_ray ray = rk_view_ray(&r.view, (float)(i % 40) + 0.5f, (float)(i / 40) + 0.5f);
+            rk_hit hit = rk_trace_one(&accel, &ray);
+            rk_path_batch paths = {.rays = {.count = 0}};
+            rk_shading_point point;
+            if (hit.triangle == RK_MISS)
+                continue;
+            rk_path_push(&paths, &ray, 0, rk_path_start(0, 0));
+            rk_shading_point_at(&point, &r, &paths, 0, &hit, 0);
+            /* A normalization's roundings. */
+            rk_check_near(rk_dot(point.to_viewer, ray.direction), -1, 4 * 0x1p-24,
+                          "model %d, pixel %u: the cosine of v with the ray", model, i);
+            rk_check_near(rk_length(point.to_viewer), 1, 4 * 0x1p-24,
+                          "model %d, pixel %u: v's length", model, i);
+        }
+    }
+    rk_accel_free(&accel);
+    rk_scene_free(&scene);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_facing_triangle_shines_by_lamberts_law),
     cmocka_unit_test(several_lights_add_up),
@@ -519,6 +560,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_exact_sphere_casts_a_shadow_but_none_on_itself),
     cmocka_unit_test(samples_converge_to_the_covered_part_of_the_pixel),
     cmocka_unit_test(each_pixel_has_samples_of_its_own),
+    cmocka_unit_test(every_model_is_told_the_direction_to_the_viewer),
 };
 
 RK_SUITE("render", tests)

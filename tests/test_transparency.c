@@ -71,6 +71,65 @@ static void crossings_at_equal_t_are_sorted_by_primitive(void **state)
                "coinciding crossings are all kept, the smaller primitive first");
 }
 
+static void crossings_at_neighbouring_t_are_all_kept(void **state)
+{
+    (void)state;
+    const float starts[] = {0x1p-100f, 1e-3f, 1, 1000, 1e30f};
+    for (int s = 0; s < 5; s++) {
+        rk_crossing_list list;
+        rk_transparency_start(&list, RK_CROSSINGS_MAX);
+        float t[4] = {starts[s]};
+        for (int i = 1; i < 4; i++)
+            t[i] = nextafterf(t[i - 1], INFINITY);
+        insert(&list, t[2], 2, 0.5f);
+        insert(&list, t[0], 0, 0.5f);
+        insert(&list, t[3], 3, 0.5f);
+        insert(&list, t[1], 1, 0.5f);
+        check_list(&list, (const uint32_t[]){0, 1, 2, 3}, 4,
+                   "four t, each the next float after the one before, are four crossings");
+    }
+}
+
+/* The largest float below 1. */
+static const float nearly_opaque = 1 - 0x1p-24f;
+
+static void the_largest_alpha_below_1_is_not_opaque(void **state)
+{
+    (void)state;
+    rk_crossing_list list;
+    rk_transparency_start(&list, 3);
+    insert(&list, 2, 2, 0.5f);
+    insert(&list, 1, 1, nearly_opaque);
+    rk_check_close(rk_transparency_end(&list, 9), 9, 0, "alpha 1 - 2^-24 lets some light through");
+    insert(&list, 3, 3, 0.5f);
+    check_list(&list, (const uint32_t[]){1, 2, 3}, 3, "alpha 1 - 2^-24 lets some light through");
+}
+
+static void a_list_of_the_greatest_length_stays_in_its_memory(void **state)
+{
+    (void)state;
+    struct {
+        rk_crossing_list list;
+        unsigned char beyond[sizeof(rk_crossing)];
+    } memory;
+    for (int ascending = 0; ascending < 2; ascending++) {
+        memset(&memory, 0x5a, sizeof memory);
+        rk_transparency_start(&memory.list, RK_CROSSINGS_MAX);
+        for (uint32_t i = 0; i <= RK_CROSSINGS_MAX; i++) {
+            uint32_t at = ascending ? i : RK_CROSSINGS_MAX - i;
+            insert(&memory.list, (float)(at + 1), at, 0.5f);
+        }
+        rk_check_equal(memory.list.count, RK_CROSSINGS_MAX, "a full list stays full");
+        for (uint32_t i = 0; i < RK_CROSSINGS_MAX; i++)
+            rk_check(memory.list.crossings[i].primitive == i, "entry %u: got primitive %u", i,
+                     memory.list.crossings[i].primitive);
+        for (size_t i = 0; i < sizeof memory.beyond; i++)
+            rk_check(memory.beyond[i] == 0x5a,
+                     "RK_CROSSINGS_MAX + 1 crossings, %s: wrote beyond the list's last entry",
+                     ascending ? "nearest first" : "farthest first");
+    }
+}
+
 static void a_full_list_keeps_the_nearest(void **state)
 {
     (void)state;
@@ -127,13 +186,18 @@ static void the_list_does_not_depend_on_the_order_of_insertion(void **state)
     for (uint32_t trial = 0; trial < 2000; trial++) {
         uint32_t count = rk_hash(trial, 0, 1, 0) % 12, limit = 1 + rk_hash(trial, 0, 2, 0) % 8;
         rk_crossing all[12];
+        char inserted[512] = "", hint[640];
+        size_t said = 0;
         rk_crossing_list list;
         rk_transparency_start(&list, limit);
         for (uint32_t i = 0; i < count; i++) {
             all[i] = (rk_crossing){.t = (float)(1 + rk_hash(trial, i, 3, 0) % 8),
-                                   .primitive = i,
+                                   .primitive = (5 * i + 7) % 12, /* comes in any order */
                                    .alpha = rk_hash(trial, i, 4, 0) % 6 == 0 ? 1 : 0.5f};
             rk_transparency_insert(&list, &all[i]);
+            said += (size_t)snprintf(inserted + said, sizeof inserted - said, "%s%g %u %g",
+                                     i ? ", " : "", (double)all[i].t, all[i].primitive,
+                                     (double)all[i].alpha);
         }
         for (uint32_t i = 1; i < count; i++)
             for (uint32_t j = i; j > 0 && is_before(&all[j], &all[j - 1]); j--) {
@@ -146,9 +210,11 @@ static void the_list_does_not_depend_on_the_order_of_insertion(void **state)
             want[wanted] = all[wanted].primitive;
             wanted++;
         }
-        check_list(&list, want, wanted,
-                   "the nearest up to the limit, none behind an opaque one, as if sorted before "
-                   "insertion");
+        snprintf(
+            hint, sizeof hint,
+            "limit %u, inserted (t primitive alpha): %s; the nearest, none behind an opaque one",
+            limit, inserted);
+        check_list(&list, want, wanted, hint);
     }
 }
 
@@ -214,6 +280,33 @@ static void weights_and_transmittance_sum_to_one(void **state)
     }
 }
 
+static void the_transmittance_is_a_product(void **state)
+{
+    (void)state;
+    rk_crossing crossings[40];
+    float weights[40], transmittance;
+    for (uint32_t k = 0; k < 40; k++)
+        crossings[k] = pane((float)k, 0.5f, white);
+    rk_transparency_weights(crossings, 40, weights, &transmittance);
+    rk_check_close(transmittance, 0x1p-40, 0, "40 panes of alpha 0.5: 2^-40, not lost in a sum");
+    for (uint32_t trial = 0; trial < 1000; trial++) {
+        uint32_t count = 1 + trial % 16;
+        double want = 1;
+        for (uint32_t k = 0; k < count; k++) {
+            crossings[k] = pane((float)k, rk_unit_float(rk_hash(trial, k, 10, 0)), white);
+            want *= 1 - (double)crossings[k].alpha;
+        }
+        rk_transparency_weights(crossings, count, weights, &transmittance);
+        /* Two roundings per pane. */
+        rk_check(fabs((double)transmittance - want) <= 32 * 0x1p-24 * want,
+                 "%u panes: got a transmittance of %.9g, want %.9g: the product of all 1 - alpha",
+                 count, (double)transmittance, want);
+        crossings[count - 1].alpha = 1;
+        rk_transparency_weights(crossings, count, weights, &transmittance);
+        rk_check_close(transmittance, 0, 0, "exactly 0 through an opaque surface");
+    }
+}
+
 static void max_depth_is_exact(void **state)
 {
     (void)state;
@@ -258,6 +351,9 @@ static void opaque_surfaces_transmit_no_light(void **state)
             crossings[opaque].alpha = 1;
             check_colour(rk_transparency_transmit(models[m], crossings, 3, 1), rk_vec(0, 0, 0), 0,
                          "an opaque surface casts a black shadow, for every colour and position");
+            crossings[opaque].alpha = nearly_opaque;
+            rk_vec3 some = rk_transparency_transmit(models[m], crossings, 3, 1);
+            rk_check(some.x > 0, "got no light through a pane of alpha 1 - 2^-24, want some");
             rk_vec3 without =
                 rk_transparency_transmit(models[m], crossings + opaque + 1, 2 - opaque, 1);
             rk_check(without.x > 0, "got no light through %u panes of alpha 0.5, want some",
@@ -276,6 +372,18 @@ static void multiplicative_is_the_product_of_colours_and_one_minus_alpha(void **
                  rk_vec(0.5f, 0.25f, 0.125f), 0, "kd (1 - alpha)");
     check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, crossings, 2, 1),
                  rk_vec(0.0625f, 0.0625f, 0.015625f), 0, "the product over both panes");
+}
+
+static void a_black_channel_leaves_the_others(void **state)
+{
+    (void)state;
+    const rk_vec3 colours[] = {{0, 1, 1}, {1, 0, 1}, {1, 1, 0}, {0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
+    for (int i = 0; i < 6; i++) {
+        const rk_crossing crossings[] = {pane(0.25f, 0.5f, white), pane(0.5f, 0.5f, colours[i])};
+        check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, crossings, 2, 1),
+                     rk_scale(colours[i], 0.25f), 0,
+                     "glass that is black in one channel is not opaque");
+    }
 }
 
 static void multiplicative_ignores_the_order(void **state)
@@ -327,9 +435,17 @@ static void ordered_equals_a_view_ray_towards_a_white_light(void **state)
         rk_vec3 want = white;
         for (uint32_t k = 8; k-- > 0;)
             want = rk_mix(want, crossings[k].kd, crossings[k].alpha);
+        char hint[128];
+        float densest = 0;
+        for (uint32_t k = 0; k < 8; k++)
+            densest = rk_max(densest, crossings[k].alpha);
+        snprintf(
+            hint, sizeof hint,
+            "each of 8 panes over those behind it, a white light last; the largest alpha is %.9g",
+            (double)densest);
         /* Four roundings per pane on either side, each at most 2^-24 of a number below 1. */
         check_colour(rk_transparency_transmit(RK_GLASS_ORDERED, crossings, 8, 1), want,
-                     64 * 0x1p-24f, "each pane over those behind it, a white light last");
+                     64 * 0x1p-24f, hint);
     }
 }
 
@@ -458,8 +574,11 @@ static void clear_glass_absorbs_nothing_and_dense_glass_all(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(crossings_inserted_in_any_order_are_sorted_by_t),
     cmocka_unit_test(crossings_at_equal_t_are_sorted_by_primitive),
+    cmocka_unit_test(crossings_at_neighbouring_t_are_all_kept),
     cmocka_unit_test(a_full_list_keeps_the_nearest),
+    cmocka_unit_test(a_list_of_the_greatest_length_stays_in_its_memory),
     cmocka_unit_test(crossings_behind_an_opaque_one_are_dropped),
+    cmocka_unit_test(the_largest_alpha_below_1_is_not_opaque),
     cmocka_unit_test(the_end_is_where_no_crossing_can_be_added),
     cmocka_unit_test(the_list_does_not_depend_on_the_order_of_insertion),
     cmocka_unit_test(one_surface_weighs_alpha_and_transmits_the_rest),
@@ -467,8 +586,10 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(nothing_is_seen_behind_an_opaque_surface),
     cmocka_unit_test(without_crossings_the_transmittance_is_1),
     cmocka_unit_test(weights_and_transmittance_sum_to_one),
+    cmocka_unit_test(the_transmittance_is_a_product),
     cmocka_unit_test(max_depth_is_exact),
     cmocka_unit_test(multiplicative_is_the_product_of_colours_and_one_minus_alpha),
+    cmocka_unit_test(a_black_channel_leaves_the_others),
     cmocka_unit_test(multiplicative_ignores_the_order),
     cmocka_unit_test(ordered_blends_one_pane_over_white),
     cmocka_unit_test(ordered_tells_red_then_yellow_from_yellow_then_red),

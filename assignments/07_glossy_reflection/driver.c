@@ -8,7 +8,7 @@
 static const char summary[] =
     "Renders a scene with rough mirrors (--glossy samples in a disk of --glossy-radius).\n"
     "--debug rays shows the reflected rays of --pixel from beside the camera.\n"
-    "--debug dots shows the samples in the disk; with --pixel, those below the surface are grey.\n"
+    "--debug dots shows the samples in the disk; with --pixel, discarded ones are grey.\n"
     "--convergence puts the error and time of each map and sampler into a table.\n"
     "--policies puts the light that remains with each kind of weights into a table.";
 

@@ -66,24 +66,17 @@ static double estimate_of(const rk_driver *driver, const rk_glossy_disk *disk,
     enum { pixels = 4096 };
     const rk_glossy_options *glossy = &driver->render.glossy;
     const rk_sampler sampler = {glossy->sampling, driver->render.seed, glossy->samples};
-    float fraction_above = rk_glossy_fraction_above(disk);
-    double mean = 0;
-    for (uint32_t pixel = 0; pixel < pixels; pixel++) {
-        double sum = 0;
-        uint32_t above = 0;
+    float fraction = weights == RK_GLOSSY_CLASSIC ? 1 : rk_glossy_fraction_above(disk);
+    double sum = 0;
+    for (uint32_t pixel = 0; pixel < pixels; pixel++)
         for (uint32_t i = 0; i < glossy->samples; i++) {
-            rk_vec2 at =
-                rk_disk_at(glossy->map, rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_GLOSSY));
+            rk_vec2 xi = rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_GLOSSY);
+            rk_vec2 at = rk_glossy_point_above(disk, fraction, rk_disk_at(glossy->map, xi));
             rk_vec3 direction;
-            if (rk_glossy_direction(disk, at, &direction)) {
+            if (rk_glossy_direction(disk, at, &direction))
                 sum += radiance_from(direction);
-                above++;
-            }
         }
-        mean += sum * (double)rk_glossy_weight(weights, above, glossy->samples, fraction_above) /
-                pixels;
-    }
-    return mean;
+    return sum / ((double)pixels * glossy->samples);
 }
 
 bool put_policies(rk_driver *driver, rk_error *error)

@@ -25,13 +25,17 @@ static bool find_mirror(const rk_driver *driver, const rk_ray *ray, rk_shading_p
 }
 
 /* The i-th point of the unit disk that the renderer takes for the pixel's first ray. */
-static rk_vec2 point_of(const rk_driver *driver, uint32_t i)
+static rk_vec2 point_of(const rk_driver *driver, const rk_glossy_disk *disk, uint32_t i)
 {
     const rk_render_options *options = &driver->render;
     const rk_sampler sampler = {options->glossy.sampling, options->seed,
                                 options->samples * options->glossy.samples};
     uint32_t pixel = driver->pixel.y * options->width + driver->pixel.x;
-    return rk_disk_at(options->glossy.map, rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_GLOSSY));
+    rk_vec2 at =
+        rk_disk_at(options->glossy.map, rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_GLOSSY));
+    if (options->glossy.weights == RK_GLOSSY_CLASSIC)
+        return at;
+    return rk_glossy_point_above(disk, rk_glossy_fraction_above(disk), at);
 }
 
 /* --- Rays ------------------------------------------------------------------------------------- */
@@ -90,7 +94,7 @@ bool draw_rays(rk_driver *driver, rk_error *error)
     d.reach = length_of(driver, d.start, disk.w) / 2;
     for (uint32_t i = 0; i < driver->render.glossy.samples; i++) {
         rk_vec3 direction;
-        rk_vec2 at = point_of(driver, i);
+        rk_vec2 at = point_of(driver, &disk, i);
         bool above = rk_glossy_direction(&disk, at, &direction);
         if (above)
             draw_ray(&d, direction, red, 1);
@@ -119,7 +123,7 @@ static void put_ring(const rk_image *image, float x, float y, float inner, float
         }
 }
 
-/* The unit disk, seen from the mirror; with --pixel, samples below the surface are grey. */
+/* The unit disk, seen from the mirror; with --pixel, discarded samples are grey. */
 bool draw_dots(rk_driver *driver, rk_error *error)
 {
     const rk_image *image = &driver->image;
@@ -138,7 +142,7 @@ bool draw_dots(rk_driver *driver, rk_error *error)
     put_ring(image, middle_x, middle_y, radius - 1.5f, radius + 1.5f, yellow);
     for (uint32_t i = 0; i < driver->render.glossy.samples; i++) {
         rk_vec3 direction;
-        rk_vec2 at = point_of(driver, i);
+        rk_vec2 at = point_of(driver, &disk, i);
         bool above = rk_glossy_direction(&disk, at, &direction);
         put_ring(image, middle_x + radius * at.x, middle_y - radius * at.y, -1, 3.5f,
                  above ? red : grey);

@@ -96,7 +96,8 @@ rk_vec3 rk_ambient_radiance(rk_vec3 kd, float intensity, rk_vec3 sum, uint32_t s
 float rk_ambient_below_disk(float radius, float height)
 {
     /* solution */
-    return height * height / (radius * radius + height * height);
+    float tangent = radius / height; /* of the angle to the rim; squared lengths might overflow */
+    return 1 / (1 + tangent * tangent);
     /* starter
     // Fifth step: 1 - sin^2 of the angle between the normal and the direction to the rim.
     return -1;
@@ -117,7 +118,7 @@ float rk_ambient_below_sphere(float radius, float distance, float cosine)
 float rk_ambient_beside_wall(float height, float distance)
 {
     /* solution */
-    return (1 + distance / sqrtf(distance * distance + height * height)) / 2;
+    return (1 + distance / hypotf(distance, height)) / 2;
     /* starter
     // Fifth step: half of the hemisphere, and the part of the other half above the wall.
     return -1;

@@ -34,7 +34,8 @@ typedef struct rk_ambient_occlusion_options {
     rk_sampler_kind sampling;
 } rk_ambient_occlusion_options;
 
-/* Returns the direction for xi in [0, 1)^2: unit, around the z axis, z >= 0 its cosine. */
+/* Returns the direction for xi in [0, 1)^2: unit, around the z axis. z, its cosine, is above 0 by
+ * the uniform map, and at least 0 by the other. */
 rk_vec3 rk_ambient_hemisphere(rk_ambient_map map, rk_vec2 xi);
 
 /* Returns the weight of a direction with this cosine; its mean over the map's directions is 1. */
@@ -56,7 +57,7 @@ bool rk_ambient_direction(const rk_ambient_frame *frame, rk_vec3 local, rk_vec3 
  * the number of all directions, occluded ones and those into the surface included; at least 1. */
 rk_vec3 rk_ambient_radiance(rk_vec3 kd, float intensity, rk_vec3 sum, uint32_t samples);
 
-/* A in closed form, with a single occluder. */
+/* A in closed form, with a single occluder. Lengths are in any unit: only their ratio counts. */
 
 /* Below the centre of a disk that is parallel to the surface; height > 0. */
 float rk_ambient_below_disk(float radius, float height);

@@ -33,10 +33,10 @@ float rk_bloom_luminance(rk_vec3 colour)
 bool rk_bloom_is_bright(rk_vec3 colour, float threshold)
 {
     /* solution */
-    float luminance = rk_bloom_luminance(colour);
-    return luminance >= threshold && luminance < INFINITY;
+    float largest = rk_max(fabsf(colour.x), rk_max(fabsf(colour.y), fabsf(colour.z)));
+    return largest <= RK_BLOOM_BRIGHTEST && rk_bloom_luminance(colour) >= threshold;
     /* starter
-    // First step: at or above the threshold, and finite.
+    // First step: at or above the threshold, and no colour beyond RK_BLOOM_BRIGHTEST or NaN.
     return false;
     end */
 }

@@ -61,8 +61,12 @@ typedef struct rk_bloom_span {
 /* Returns Y; for a grey, the grey itself, to the bit. */
 float rk_bloom_luminance(rk_vec3 colour);
 
-/* Is the luminance at or above the threshold? Never true for pixels that are not finite: blurred,
- * they would spoil all pixels around them. */
+/* A sum of two colours up to this one is finite. */
+#define RK_BLOOM_BRIGHTEST 0x1p126f
+
+/* Is the luminance at or above the threshold? Never true for pixels of which a colour is NaN, or
+ * larger than RK_BLOOM_BRIGHTEST, or smaller than its opposite: blurred, they would spoil all
+ * pixels around them. */
 bool rk_bloom_is_bright(rk_vec3 colour, float threshold);
 
 /* Returns the span from the row's first to its last bright pixel; empty (first == end) if there is

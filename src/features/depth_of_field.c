@@ -64,7 +64,8 @@ float rk_lens_coc_diameter(const rk_lens *lens, const rk_view *view, const rk_ra
     float cosine = rk_dot(ray->direction, view->forward);
     bool plane = lens->focal == RK_FOCAL_PLANE;
     float d = plane ? t * cosine : t, f = lens->focal_distance;
-    float angle = diameter_of(lens) * fabsf(1 - f / d) / f; /* |d - f| / d, also if d is infinite */
+    float angle =
+        diameter_of(lens) * fabsf(1 / f - 1 / d); /* |d - f| / (d f), for infinite d or f, too */
     return angle / (plane ? view->pixel : view->pixel * cosine);
     /* starter
     // Third step: the circle's diameter on the focal surface, then in pixels.

@@ -1,6 +1,6 @@
 /* A reflected ray goes through a random point of a disk around the reflected direction. A basis
- * made from one vector orients the disk; a map from the unit square fills it uniformly; directions
- * into the surface are discarded, and the weights of the others account for them.
+ * made from one vector orients the disk; a map from the unit square fills it uniformly. Directions
+ * into the surface are discarded, or the disk's points are moved into the part above it.
  * Cook, Porter, Carpenter, "Distributed ray tracing", SIGGRAPH 1984; Duff and others, "Building an
  * orthonormal basis, revisited", JCGT 6(1), 2017; Shirley and Chiu, "A low distortion map between
  * disk and square", JGT 2(3), 1997. */
@@ -9,6 +9,8 @@
 /* Contents, in the order of the chapter. */
 static rk_vec2 polar(float radius, float angle);
 static rk_vec2 concentric(float x, float y);
+static double segment_beyond(double d);
+static double segment_at(double fraction);
 
 /* --- The basis -------------------------------------------------------------------------------- */
 
@@ -67,7 +69,7 @@ static rk_vec2 concentric(float x, float y)
 float rk_glossy_radius(float shininess)
 {
     /* solution */
-    return rk_min(0.5f / shininess, 1);
+    return 0.5f / rk_max(shininess, 0.5f);
     /* starter
     // Third step: inversely proportional to the shininess.
     return NAN;
@@ -98,17 +100,28 @@ bool rk_glossy_direction(const rk_glossy_disk *disk, rk_vec2 at, rk_vec3 *direct
 
 /* --- The part below the surface --------------------------------------------------------------- */
 
-/* The face's plane intersects the disk in a line, d radii from the centre. Below that line lies a
- * segment of the disk: a sector of the angle 2 acos(d) without its triangle. */
+/* The fraction of the unit disk that a line cuts off, d from the centre: a segment, which is a
+ * sector of the angle 2 acos(d) without its triangle. */
+static double segment_beyond(double d)
+{
+    /* solution */
+    return (acos(d) - d * sqrt(1 - d * d)) / RK_PI_DOUBLE;
+    /* starter
+    // Fourth step: the sector's area, and the triangle's; the disk's is pi.
+    return -1;
+    end */
+}
+
+/* The face's plane intersects the disk in a line, d radii from the centre, which is above it. */
 float rk_glossy_fraction_above(const rk_glossy_disk *disk)
 {
     /* solution */
-    float height = rk_dot(disk->w, disk->face_normal); /* of the centre above the plane */
+    /* Of the centre above the plane; a rounding may take it below. */
+    float height = rk_max(rk_dot(disk->w, disk->face_normal), 0);
     float reach = disk->radius * rk_length(rk_cross(disk->w, disk->face_normal));
     if (height >= reach)
         return 1;
-    float d = height / reach;
-    return 1 - (acosf(d) - d * sqrtf(1 - d * d)) / RK_PI;
+    return (float)(1 - segment_beyond((double)height / (double)reach));
     /* starter
     // Fourth step: how high above the plane is the centre, and how much lower is the lowest
     // point?
@@ -116,18 +129,45 @@ float rk_glossy_fraction_above(const rk_glossy_disk *disk)
     end */
 }
 
-float rk_glossy_weight(rk_glossy_weights weights, uint32_t above, uint32_t samples,
-                       float fraction_above)
+/* --- Points above the surface ----------------------------------------------------------------- */
+
+/* Returns the d of the line that cuts off this fraction of the disk: the inverse of segment_beyond,
+ * by Newton's method for half the sector's angle. */
+static double segment_at(double fraction)
 {
+    if (fraction > 0.5)
+        return -segment_at(1 - fraction);
+    /* Small segments have the area 2/3 angle^3, and larger ones a little less. From there on the
+     * method converges from above, because the area is convex; three steps suffice for a float. */
+    double angle = cbrt(1.5 * RK_PI_DOUBLE * fraction);
+    for (int i = 0; i < 3 && angle > 0; i++) {
+        double s = sin(angle), c = cos(angle);
+        angle -= (angle - s * c - RK_PI_DOUBLE * fraction) / (2 * s * s);
+    }
+    return cos(angle);
+}
+
+/* The point moves up until the segment beyond it has shrunk by the fraction above; its place on the
+ * chord, between the two ends on the rim, stays. So areas shrink everywhere alike. */
+rk_vec2 rk_glossy_point_above(const rk_glossy_disk *disk, float fraction_above, rk_vec2 at)
+{
+    if (fraction_above == 1)
+        return at;
     /* solution */
-    if (above == 0)
-        return 0;
-    if (weights == RK_GLOSSY_CLASSIC)
-        return 1 / (float)samples;
-    return 1 / ((float)above * (1 - powf(1 - fraction_above, (float)samples)));
+    double x = (double)rk_dot(disk->u, disk->face_normal);
+    double y = (double)rk_dot(disk->v, disk->face_normal);
+    double length = sqrt(x * x + y * y);
+    x /= length; /* (x, y) is straight up, in the disk's axes */
+    y /= length;
+    double up = fmin(fmax((double)at.x * x + (double)at.y * y, -1), 1);
+    double chord = sqrt(1 - up * up), along = (double)at.y * x - (double)at.x * y;
+    double to = segment_at((double)fraction_above * segment_beyond(up));
+    double shrunk = chord > 0 ? along / chord * sqrt(1 - to * to) : 0;
+    return (rk_vec2){(float)(to * x - shrunk * y), (float)(to * y + shrunk * x)};
     /* starter
-    // Fourth step: classic first; then renormalized, which makes up for estimates with no
-    // sample above.
-    return -1;
+    // Fifth step: find the direction in the disk that leads up, and split the point into a part
+    // along it and a part across.
+    (void)segment_at;
+    return at;
     end */
 }

@@ -46,21 +46,21 @@ rk_glossy_disk rk_glossy_disk_of(rk_vec3 reflected, float radius, rk_vec3 face_n
 bool rk_glossy_direction(const rk_glossy_disk *disk, rk_vec2 at, rk_vec3 *direction);
 
 /* Returns the fraction of the disk's area above the face: 1/2 to 1, because the centre is above
- * it. */
+ * it, apart from rounding. */
 float rk_glossy_fraction_above(const rk_glossy_disk *disk);
 
-/* How discarded directions count. */
-typedef enum rk_glossy_weights {
-    RK_GLOSSY_CLASSIC,      /* as black: grazing reflections get dark */
-    RK_GLOSSY_RENORMALIZED, /* not at all: the mean over the part of the disk above the face */
-} rk_glossy_weights;
+/* Moves a point of the unit disk up into the part above the face, which has this fraction of the
+ * area: until the fraction of the disk that is farther up has shrunk by `fraction_above`, and to
+ * the same place between the two points of the rim at its height. So uniform points become uniform
+ * points of that part, and neighbours stay neighbours. With a fraction of 1 points stay where they
+ * are. */
+rk_vec2 rk_glossy_point_above(const rk_glossy_disk *disk, float fraction_above, rk_vec2 at);
 
-/* Returns the weight of each of the `above` samples, of `samples` in all, in the estimate of the
- * reflected radiance; 0 if none is above. Classic weights are 1 / samples. Renormalized ones are 1
- * / above, and a little more: with the probability (1 - fraction_above)^samples no sample is above
- * and the estimate is 0, and the others make up for that. So for independent samples, even for a
- * single one, the mean of the estimates is exactly the integral. */
-float rk_glossy_weight(rk_glossy_weights weights, uint32_t above, uint32_t samples,
-                       float fraction_above);
+/* How the part of the disk below the surface counts. The weight of each sample is 1 / samples. */
+typedef enum rk_glossy_weights {
+    RK_GLOSSY_CLASSIC,      /* as black, by discarding: grazing reflections get dark */
+    RK_GLOSSY_RENORMALIZED, /* not at all: points are moved above the surface, and their mean is
+                               that over the part above */
+} rk_glossy_weights;
 
 #endif

@@ -5,12 +5,76 @@
 #include "render/tiles.h"
 
 #include <stdlib.h>
+#include <string.h>
 
+/* The picture with a margin around it, where only circles of confusion are found. */
 typedef struct coc_job {
-    const rk_rendering *r;
+    rk_rendering wide; /* with its own options */
+    rk_render_options options;
+    uint32_t margin;
     rk_counters *counters; /* one per thread */
     float *diameter;       /* of the circle of confusion of each pixel, pixels */
 } coc_job;
+
+/* --- The margin ------------------------------------------------------------------------------- */
+
+typedef struct depth_range {
+    float nearest, farthest;
+} depth_range;
+
+static void add_depth(depth_range *range, const rk_view *view, rk_vec3 point, float radius)
+{
+    float depth = rk_dot(rk_sub(point, view->position), view->forward);
+    range->nearest = rk_min(range->nearest, depth - radius);
+    range->farthest = rk_max(range->farthest, depth + radius);
+}
+
+static void add_box(depth_range *range, const rk_view *view, const rk_box *box)
+{
+    for (int i = 0; i < 8; i++)
+        add_depth(range, view,
+                  rk_vec(box->corner[i & 1].x, box->corner[i >> 1 & 1].y, box->corner[i >> 2].z),
+                  0);
+}
+
+static depth_range depths_of(const rk_rendering *r)
+{
+    const rk_scene *scene = r->scene;
+    depth_range range = {INFINITY, -INFINITY};
+    for (uint32_t i = 0; i < scene->mesh.vertex_count; i++)
+        add_depth(&range, &r->view, scene->mesh.positions[i], 0);
+    for (uint32_t i = 0; i < scene->sphere_count; i++)
+        add_depth(&range, &r->view, scene->spheres[i].centre, scene->spheres[i].radius);
+    for (uint32_t i = 0; r->plan.motion_blur && i < scene->moving_count; i++)
+        add_box(&range, &r->view, &r->swept[i]);
+    return range;
+}
+
+/* The circle at a depth, largest in the margin's corners on a focal sphere. */
+static float largest_coc(const rk_rendering *r, float depth, uint32_t margin)
+{
+    const rk_view *view = &r->view;
+    rk_ray corner = rk_view_ray(view, -(float)margin, -(float)margin);
+    rk_ray ahead = {view->position, view->forward, INFINITY};
+    bool plane = r->options->lens.focal == RK_FOCAL_PLANE;
+    return rk_lens_coc_diameter(&r->options->lens, view, plane ? &ahead : &corner, depth);
+}
+
+/* What is just outside of the picture may be blurred into it. So centre rays look there, too, as
+ * far as the largest circle reaches; of what is right before the lens, half a picture far. */
+static uint32_t margin_of(const rk_rendering *r)
+{
+    uint32_t width = r->options->width, height = r->options->height;
+    uint32_t most = (width > height ? width : height) / 2;
+    depth_range range = depths_of(r);
+    if (!(range.nearest > 0))
+        return range.farthest > 0 ? most : 0;
+    float coc = rk_max(largest_coc(r, range.nearest, most), largest_coc(r, range.farthest, most));
+    float reach = coc < RK_LENS_COC_MIN ? 0 : ceilf(0.5f * coc);
+    return reach < (float)most ? (uint32_t)reach : most;
+}
+
+/* --- Circles of confusion --------------------------------------------------------------------- */
 
 static const rk_material *material_at(const rk_scene *scene, const rk_hit *hit)
 {
@@ -80,23 +144,25 @@ static void trace_visible(const rk_rendering *r, rk_sample_pass *pass, const rk_
 /* A ray that needs a time may hit another surface at another time, so its pixel takes samples. */
 static void put_tile(const coc_job *job, const rk_sample_pass *pass, const float *coc)
 {
-    const rk_rendering *r = job->r;
     const rk_tile *tile = &pass->tile;
     for (uint32_t i = 0; i < tile->width * tile->height; i++) {
-        bool moves = r->plan.motion_blur && pass->needs_time[i];
-        job->diameter[rk_picture_pixel(pass, r->options->width, i)] =
+        size_t x = tile->x + i % tile->width, y = tile->y + i / tile->width;
+        bool moves = job->wide.plan.motion_blur && pass->needs_time[i];
+        job->diameter[y * job->options.width + x] =
             moves ? rk_max(coc[i], RK_LENS_COC_MIN) : coc[i];
     }
 }
 
-static void push_centres(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *camera)
+static void push_centres(const coc_job *job, const rk_sample_pass *pass, rk_path_batch *camera)
 {
     const rk_tile *tile = &pass->tile;
+    const float centre = 0.5f - (float)job->margin;
     camera->rays.count = 0;
     for (uint32_t y = tile->y; y < tile->y + tile->height; y++)
         for (uint32_t x = tile->x; x < tile->x + tile->width; x++) {
-            rk_ray ray = rk_view_ray(&r->view, (float)x + 0.5f, (float)y + 0.5f);
-            rk_path_push(camera, &ray, camera->rays.count, rk_path_start(0, r->options->max_depth));
+            rk_ray ray = rk_view_ray(&job->wide.view, (float)x + centre, (float)y + centre);
+            rk_path_push(camera, &ray, camera->rays.count,
+                         rk_path_start(0, job->options.max_depth));
         }
     pass->counters->primary_rays += camera->rays.count;
 }
@@ -104,14 +170,14 @@ static void push_centres(const rk_rendering *r, const rk_sample_pass *pass, rk_p
 static void find_coc_of_tile(uint32_t index, uint32_t thread, void *context)
 {
     const coc_job *job = context;
-    const rk_rendering *r = job->r;
-    rk_sample_pass pass = {.tile = rk_tile_at(r->options, index),
+    const rk_rendering *r = &job->wide;
+    rk_sample_pass pass = {.tile = rk_tile_at(&job->options, index),
                            .samples = 1,
                            .time_passes = 1,
                            .counters = &job->counters[thread]};
     rk_path_batch camera;
     float coc[RK_BATCH_MAX];
-    push_centres(r, &pass, &camera);
+    push_centres(job, &pass, &camera);
     if (r->plan.transparency)
         trace_visible(r, &pass, &camera, coc);
     else
@@ -119,18 +185,31 @@ static void find_coc_of_tile(uint32_t index, uint32_t thread, void *context)
     put_tile(job, &pass, coc);
 }
 
+/* Moves the numbers of the picture itself to the front. */
+static void crop(int32_t *coc_count, const coc_job *job, const rk_render_options *picture)
+{
+    size_t stride = (size_t)job->options.width + 1, row = (size_t)picture->width + 1;
+    for (size_t y = 0; y < picture->height; y++)
+        memmove(coc_count + y * row, coc_count + (y + job->margin) * stride + job->margin,
+                row * sizeof *coc_count);
+}
+
 bool rk_depth_of_field_prepass(rk_rendering *r, rk_pool *pool, rk_counters *counters,
                                rk_error *error)
 {
-    uint32_t width = r->options->width, height = r->options->height;
-    coc_job job = {r, counters,
-                   rk_allocate_unset((size_t)width * height, sizeof *job.diameter, "focus", error)};
+    coc_job job = {
+        .wide = *r, .options = *r->options, .margin = margin_of(r), .counters = counters};
+    job.wide.options = &job.options;
+    uint32_t width = job.options.width += 2 * job.margin;
+    uint32_t height = job.options.height += 2 * job.margin;
+    job.diameter = rk_allocate_unset((size_t)width * height, sizeof *job.diameter, "focus", error);
     if (job.diameter)
         r->coc_count = rk_allocate_unset(((size_t)width + 1) * (height + 1), sizeof *r->coc_count,
                                          "focus", error);
     if (r->coc_count) {
-        rk_pool_run(pool, rk_tile_count(r->options), find_coc_of_tile, &job);
+        rk_pool_run(pool, rk_tile_count(&job.options), find_coc_of_tile, &job);
         rk_lens_coc(job.diameter, width, height, r->coc_count);
+        crop(r->coc_count, &job, r->options);
     }
     free(job.diameter);
     return r->coc_count != NULL;

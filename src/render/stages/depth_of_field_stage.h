@@ -1,10 +1,12 @@
 /* Lens stage: finds the pixels that the lens blurs. A ray through each pixel's centre finds the
- * circle of confusion of the surface that it hits; pixels within a circle take lens samples.
+ * circle of confusion of the surface that it hits; pixels within a circle take lens samples. So do
+ * rays through a margin around the picture, from where circles may reach into it.
  *
- * No surface in front of the focal surface is missed: anything that hides it is nearer still, and
- * has a larger circle. Surfaces that no centre ray hits are missed: those smaller than a pixel, and
+ * No surface in front of the focal surface is missed there: anything that hides it is nearer still,
+ * and has a larger circle. Surfaces that no centre ray hits are missed: those smaller than a pixel,
  * those behind the focal surface that are hidden by sharper ones but visible from parts of the
- * lens; not installed. */
+ * lens, and those so near the lens that they are blurred into the picture from beyond the margin,
+ * which is at most half as wide as the picture; not installed. */
 #ifndef RK_RENDER_STAGES_DEPTH_OF_FIELD_STAGE_H
 #define RK_RENDER_STAGES_DEPTH_OF_FIELD_STAGE_H
 

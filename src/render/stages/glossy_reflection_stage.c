@@ -26,8 +26,11 @@ static rk_glossy_samples samples_of(const rk_rendering *r, const rk_sample_pass 
     /* Each bounce has dimensions of its own. */
     uint32_t bounce = options->max_depth - path->bounces_left;
     uint32_t count = path->split ? 1 : options->glossy.samples;
+    const rk_glossy_disk disk = rk_glossy_disk_at(&options->glossy, point);
+    bool discards = options->glossy.weights == RK_GLOSSY_CLASSIC;
     return (rk_glossy_samples){
-        .disk = rk_glossy_disk_at(&options->glossy, point),
+        .disk = disk,
+        .fraction = discards ? 1 : rk_glossy_fraction_above(&disk),
         .map = options->glossy.map,
         .sampler = {options->glossy.sampling, options->seed,
                     index.samples * options->glossy.samples},
@@ -50,23 +53,9 @@ static bool direction_of(rk_glossy_samples *s, uint32_t i, rk_vec3 *direction)
 {
     if (i % RK_GLOSSY_DRAWN == 0)
         draw(s, i);
-    return rk_glossy_direction(&s->disk, rk_disk_at(s->map, s->drawn[i % RK_GLOSSY_DRAWN]),
+    rk_vec2 at = rk_disk_at(s->map, s->drawn[i % RK_GLOSSY_DRAWN]);
+    return rk_glossy_direction(&s->disk, rk_glossy_point_above(&s->disk, s->fraction, at),
                                direction);
-}
-
-/* The weight of each direction. Renormalized weights depend on the number of directions above the
- * surface, which is below `count` only if the surface intersects the disk: only then count them. */
-static float weight_of(rk_glossy_samples *s, rk_glossy_weights weights)
-{
-    float fraction = rk_glossy_fraction_above(&s->disk);
-    uint32_t above = s->count;
-    if (fraction < 1 && weights == RK_GLOSSY_RENORMALIZED) {
-        rk_vec3 direction;
-        above = 0;
-        for (uint32_t i = 0; i < s->count; i++)
-            above += direction_of(s, i, &direction);
-    }
-    return rk_glossy_weight(weights, above, s->count, fraction);
 }
 
 static void start_point(const rk_rendering *r, const rk_sample_pass *pass, rk_specular_queue *queue)
@@ -76,7 +65,7 @@ static void start_point(const rk_rendering *r, const rk_sample_pass *pass, rk_sp
     if (queue->samples.disk.radius == 0)
         return;
     queue->throughput = rk_scale(rk_mul(point->path.throughput, point->surface.material->ks),
-                                 weight_of(&queue->samples, r->options->glossy.weights));
+                                 1 / (float)queue->samples.count);
     pass->counters->glossy_samples += queue->samples.count;
 }
 
@@ -140,7 +129,7 @@ static const rk_option rows[] = {
      "0.5 over the material's shininess",
      -1, 1000, NAN},
     {"glossy-weights", RK_CHOICE(rk_render_options, glossy.weights, rk_glossy_weights_names),
-     "directions below the surface count as black, or are left out",
+     "the part of the disk below the surface counts as black, or is left out",
      .initial = RK_GLOSSY_RENORMALIZED},
     {"glossy-map", RK_CHOICE(rk_render_options, glossy.map, rk_disk_map_names),
      "map of the unit square to the disk", .initial = RK_DISK_CONCENTRIC},

@@ -14,6 +14,7 @@ enum { RK_GLOSSY_DRAWN = 64 }; /* samples drawn at once */
 /* The samples at one point of a rough mirror. */
 typedef struct rk_glossy_samples {
     rk_glossy_disk disk;
+    float fraction; /* of the disk, into which points are moved */
     rk_disk_map map;
     rk_sampler sampler;
     uint32_t pixel, dimension;
