@@ -240,10 +240,10 @@ static void every_bad_option_is_named_in_one_line(void **state)
         {"--timing --debug leaf", "--timing and --debug", "choose one"},
         {"--threads 1025", "--threads 1025", "0 to 1024"},
         {"--split half", "--split half", "median|sah|sah3"},
-        {"--light-map round", "--light-domain round", "area|solid-angle"},
-        {"--recursion 17", "--max-depth 17", "0 to 16"},
+        {"--light-map round", "--light-map round", "area|solid-angle"},
+        {"--recursion 17", "--recursion 17", "0 to 16"},
         {"--bins 1", "--bins 1", "2 to 256"},
-        {"--single-time 3", "--single-time 3", "--time-samples N"},
+        {"--single-time 3", "the single time 3", "--time-samples N"},
         {"--environment=", "--environment", "sky"},
         {"--move --time-samples 2 --debug level", "everything moves", "--move"},
     };
@@ -258,7 +258,7 @@ static void options_that_do_not_go_together_are_refused(void **state)
         {"08_cubemap/cubemap", "--scene cube --debug seam --pixel 3,4", "--debug seam", "--pixel"},
         {"09_depth_of_field/depth_of_field", "--scene cube --debug focus --pixel 3,4",
          "--debug focus", "--debug rays"},
-        {"10_motion_blur/motion_blur", "--single-time 3 --time-samples 0", "--single-time 3",
+        {"10_motion_blur/motion_blur", "--single-time 3 --time-samples 0", "the single time 3",
          "--time-samples N"},
         {"10_motion_blur/motion_blur", "--debug path --still", "--debug path", "--still"},
         {"10_motion_blur/motion_blur", "--convergence --still", "--convergence", "--still"},
@@ -273,8 +273,10 @@ static void an_option_without_effect_is_noted(void **state)
     const char *const cases[][3] = {
         {"--glossy-radius 0.2", "--glossy-radius changes nothing", "--glossy, "},
         {"--bloom-radius 3 --bloom-border clamp", "--bloom-radius changes nothing", "--bloom, "},
-        {"--light-map=area", "--light-domain changes nothing", "a light that is"},
+        {"--light-map=area", "--light-map changes nothing", "a light that is"},
         {"--time-samples 2", "--time-samples changes nothing", "a moving object"},
+        {"--max-depth 3", "--max-depth changes nothing", "--reflections and a specular surface"},
+        {"--recursion=3", "--recursion changes nothing", "--reflections and a specular surface"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char words[128];
@@ -463,8 +465,13 @@ static void quiet_says_nothing(void **state)
     rk_check(r.out[0] == '\0', "with --quiet it printed: %s", r.out);
     run timing = run_well(*state, "--scene cube --width 4 --height 4 --quiet --timing");
     rk_check(timing.out[0] == '\0', "with --quiet it printed: %s", timing.out);
+    run split = run_feature("02_sah_binning/sah_binning", *state,
+                            "--scene cube --width 4 --height 4 --quiet --debug split");
+    rk_check_equal(split.status, 0, "a debug view, quietly");
+    rk_check(split.out[0] == '\0', "with --quiet it printed: %s", split.out);
     run_free(&r);
     run_free(&timing);
+    run_free(&split);
 }
 
 static void a_pixel_is_explained(void **state)

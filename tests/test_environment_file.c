@@ -369,7 +369,10 @@ static void huge_sizes_are_refused(void **state)
                   "1 to 32768");
     const char most[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 24576 +X 32768\n";
     check_refused(test_folder_write(*state, "most.hdr", most, sizeof most - 1, 0600).text,
-                  "most.hdr");
+                  "32768 x 24576 pixels, more than the 268435456 allowed");
+    const unsigned char png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x80\0\0\0\x60\0";
+    check_refused(test_folder_write(*state, "most.png", png, sizeof png, 0600).text,
+                  "32768 x 24576 pixels, more than the 268435456 allowed");
 }
 
 /* Files truncated or with bytes changed: the result is a map or one sentence. */

@@ -283,6 +283,67 @@ static void an_empty_or_overlong_name_is_no_folder(void **state)
     rk_check_error_names(error, "folder name");
 }
 
+/* Without a name in the folder of the test: an absolute, a relative and a chained link. */
+static void output_goes_where_links_point(void **state)
+{
+    const test_folder *folder = *state;
+    rk_error error;
+    const char *const links[][2] = {
+        {"to", "near"}, {"below/to", "far"}, {"near", "chained"}, {"new", "dangling"}};
+    rk_check(mkdir(test_folder_path(folder, "below").text, 0700) == 0, "a folder can be made");
+    test_file_put(test_folder_path(folder, "to").text, "old");
+    for (int i = 0; i < 4; i++)
+        rk_check(symlink(links[i][0], test_folder_path(folder, links[i][1]).text) == 0, "a link");
+    test_path absolute = test_folder_path(folder, "below/absolute");
+    rk_check(symlink(test_folder_path(folder, "other").text, absolute.text) == 0, "a link");
+    const char *const cases[][2] = {{"near", "to"},
+                                    {"far", "below/to"},
+                                    {"chained", "to"},
+                                    {"dangling", "new"},
+                                    {"below/absolute", "other"}};
+    for (int i = 0; i < 5; i++) {
+        test_path link = test_folder_path(folder, cases[i][0]);
+        rk_file file = begin(link.text);
+        fputs(cases[i][0], file.stream);
+        rk_check_ok(rk_file_commit(&file, &error), error);
+        test_file_check(test_folder_path(folder, cases[i][1]).text, cases[i][0]);
+        struct stat status;
+        rk_check(lstat(link.text, &status) == 0 && S_ISLNK(status.st_mode),
+                 "the link %s was replaced", cases[i][0]);
+    }
+}
+
+static void links_in_a_circle_are_refused(void **state)
+{
+    const test_folder *folder = *state;
+    rk_check(symlink("b", test_folder_path(folder, "a").text) == 0, "a link");
+    rk_check(symlink("a", test_folder_path(folder, "b").text) == 0, "a link");
+    check_refused(test_folder_path(folder, "a").text, strerror(ELOOP));
+}
+
+/* The administrator may write everything, so as nobody. */
+static void a_read_only_file_is_not_replaced(void **state)
+{
+    const test_folder *folder = *state;
+    test_path path = test_folder_path(folder, "precious");
+    test_file_put(path.text, "old");
+    rk_check(chmod(path.text, 0444) == 0 && chmod(folder->path, 0777) == 0, "it is read-only");
+    char before[4096];
+    rk_check(getcwd(before, sizeof before) && chdir(folder->path) == 0, "the folder is entered");
+    uid_t user = geteuid();
+    const bool dropped = user != 0 || seteuid(65534) == 0;
+    rk_file file;
+    rk_error error = {""};
+    bool begun = dropped && rk_file_begin(&file, "precious", &error);
+    if (begun)
+        rk_file_abort(&file);
+    rk_check((user != 0 || seteuid(0) == 0) && chdir(before) == 0, "back again");
+    rk_check(dropped, "root can become nobody");
+    rk_check(!begun, "a read-only file was opened");
+    rk_check_error_names(error, "precious: is read-only");
+    test_file_check(path.text, "old");
+}
+
 static int only_named(void **state)
 {
     all_files_have_names = true;
@@ -315,6 +376,9 @@ static const struct CMUnitTest tests[] = {
     test_both(a_file_has_the_permissions_of_any_other),
     test_both(a_process_that_is_killed_leaves_nothing),
     test_both(the_remains_of_a_dead_process_are_no_obstacle),
+    test_both(output_goes_where_links_point),
+    test_in_folder(links_in_a_circle_are_refused),
+    test_in_folder(a_read_only_file_is_not_replaced),
     test_in_folder(a_folder_is_made_with_its_parents),
     test_in_folder(a_file_in_place_of_a_folder_is_an_error),
     cmocka_unit_test(an_empty_or_overlong_name_is_no_folder),

@@ -4,8 +4,11 @@
 
 #include "io/helper.h"
 
+#include <fcntl.h>
+#include <poll.h>
 #include <pthread.h>
 #include <signal.h>
+#include <sys/wait.h>
 #include <time.h>
 
 #if defined(__has_feature)
@@ -223,7 +226,7 @@ static void silence_ends_after_the_timeout(void **state)
         answer got = run_script(silent[i], (rk_helper_call){.timeout_seconds = 0.1});
         double taken = seconds_now() - begin;
         rk_check(!got.ok, "silence was accepted as an answer");
-        rk_check_error_names(got.error, "silent for 0.1 s");
+        rk_check_error_names(got.error, "took longer than 0.1 s");
         /* Far below the script's 30 s, far above the delays of a loaded machine. */
         rk_check(taken >= 0.1 && taken < 10, "stopped after %.2f s instead of 0.1", taken);
     }
@@ -314,6 +317,36 @@ static void the_helper_inherits_nothing_but_its_three_streams(void **state)
     free(got.output);
 }
 
+#ifdef __linux__
+/* The script keeps the pipe open as long as it lives. */
+static void a_helper_ends_with_a_caller_that_is_killed(void **state)
+{
+    (void)state;
+    test_path path = test_folder_path(&folder, "alive");
+    rk_check(mkfifo(path.text, 0600) == 0, "a pipe can be made");
+    int alive = open(path.text, O_RDONLY | O_NONBLOCK);
+    rk_check(alive >= 0, "the pipe can be read");
+    pid_t caller = fork();
+    if (caller == 0) {
+        char script[1000];
+        snprintf(script, sizeof script, "exec 9>'%s'; echo started >&9; exec sleep 60", path.text);
+        run_script(script, (rk_helper_call){0});
+        _exit(0);
+    }
+    char text[100];
+    struct pollfd polled = {alive, POLLIN, 0};
+    rk_check(poll(&polled, 1, 30000) == 1 && read(alive, text, sizeof text) > 0, "it started");
+    kill(caller, SIGKILL);
+    waitpid(caller, NULL, 0);
+    polled.revents = 0;
+    /* At its end, the pipe is readable and has nothing to read. */
+    rk_check(poll(&polled, 1, 10000) == 1 && read(alive, text, sizeof text) == 0,
+             "the helper is still alive ten seconds after its caller's death");
+    close(alive);
+    unlink(path.text);
+}
+#endif
+
 static void memory_is_limited_and_core_files_are_off(void **state)
 {
     (void)state;
@@ -363,6 +396,9 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_program_of_another_kind_is_an_error),
     cmocka_unit_test(the_caller_may_have_closed_its_standard_streams),
     cmocka_unit_test(the_helper_inherits_nothing_but_its_three_streams),
+#ifdef __linux__
+    cmocka_unit_test(a_helper_ends_with_a_caller_that_is_killed),
+#endif
     cmocka_unit_test(memory_is_limited_and_core_files_are_off),
 };
 

@@ -131,6 +131,82 @@ static void hdr_keeps_a_hundredth_of_the_brightest_channel(void **state)
     rk_image_free(&back);
 }
 
+/* A Portable Float Map of one pixel, little-endian like the machines that these tests know. */
+static void a_portable_float_map_is_linear(void **state)
+{
+    const float colour[] = {0.5f, 0.25f, 3};
+    const char head[] = "PF\n1 1\n-1.0\n";
+    unsigned char bytes[sizeof head - 1 + sizeof colour];
+    memcpy(bytes, head, sizeof head - 1);
+    memcpy(bytes + sizeof head - 1, colour, sizeof colour);
+    rk_image image = read_image(test_folder_write(*state, "probe.pfm", bytes, sizeof bytes, 0600));
+    for (int c = 0; c < 3; c++)
+        rk_check_close(rk_axis(image.pixels[0], c), colour[c], 0, "floats are stored as they are");
+    rk_image_free(&image);
+}
+
+typedef struct byte_list {
+    unsigned char bytes[1000];
+    size_t size;
+} byte_list;
+
+static void append(byte_list *list, const void *bytes, size_t size)
+{
+    memcpy(list->bytes + list->size, bytes, size);
+    list->size += size;
+}
+
+static void append_attribute(byte_list *list, const char *name, const char *type, const void *value,
+                             uint32_t size)
+{
+    append(list, name, strlen(name) + 1);
+    append(list, type, strlen(type) + 1);
+    append(list, &size, sizeof size);
+    append(list, value, size);
+}
+
+/* An OpenEXR file of one grey float, uncompressed ("OpenEXR File Layout"), with the name of its
+ * colour space. */
+static test_path write_grey_exr(const test_folder *folder, const char *space, float grey)
+{
+    static const char channels[] = "Y\0\2\0\0\0\0\0\0\0\1\0\0\0\1\0\0\0";
+    const uint32_t window[4] = {0}, version = 2, size = sizeof grey, row = 0;
+    const float one = 1, centre[2] = {0};
+    byte_list list = {.size = 0};
+    append(&list, "\x76\x2f\x31\x01", 4);
+    append(&list, &version, sizeof version);
+    append_attribute(&list, "channels", "chlist", channels, sizeof channels);
+    append_attribute(&list, "compression", "compression", "", 1);
+    append_attribute(&list, "dataWindow", "box2i", window, sizeof window);
+    append_attribute(&list, "displayWindow", "box2i", window, sizeof window);
+    append_attribute(&list, "lineOrder", "lineOrder", "", 1);
+    append_attribute(&list, "oiio:ColorSpace", "string", space, (uint32_t)strlen(space));
+    append_attribute(&list, "pixelAspectRatio", "float", &one, sizeof one);
+    append_attribute(&list, "screenWindowCenter", "v2f", centre, sizeof centre);
+    append_attribute(&list, "screenWindowWidth", "float", &one, sizeof one);
+    append(&list, "", 1);
+    const uint64_t offset = list.size + sizeof offset;
+    append(&list, &offset, sizeof offset);
+    append(&list, &row, sizeof row);
+    append(&list, &size, sizeof size);
+    append(&list, &grey, sizeof grey);
+    return test_folder_write(folder, "made.exr", list.bytes, list.size, 0600);
+}
+
+static void floats_are_decoded_only_if_their_file_names_a_curve(void **state)
+{
+    const struct {
+        const char *space;
+        double want;
+    } spaces[] = {{"lin_srgb", 0.5}, {"lin_rec709", 0.5}, {"Rec709", 0.5}, {"sRGB", 0.21404114}};
+    for (size_t i = 0; i < sizeof spaces / sizeof *spaces; i++) {
+        rk_image image = read_image(write_grey_exr(*state, spaces[i].space, 0.5f));
+        rk_check_near(image.pixels[0].x, spaces[i].want, 1e-7, "0.5 stored in the space %s",
+                      spaces[i].space);
+        rk_image_free(&image);
+    }
+}
+
 static void jpeg_is_srgb_encoded(void **state)
 {
     rk_vec3 colour = rk_vec(0.5f, 0.02f, 0.2f);
@@ -385,7 +461,12 @@ static void absurd_sizes_are_refused(void **state)
     const char head[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000\n";
     check_refused(test_folder_write(*state, "huge.hdr", head, sizeof head - 1, 0600), "1 to 32768");
     const char wide[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 32768 +X 32768\n";
-    check_refused(test_folder_write(*state, "wide.hdr", wide, sizeof wide - 1, 0600), "");
+    test_path path = test_folder_write(*state, "wide.hdr", wide, sizeof wide - 1, 0600);
+    check_refused(path, "");
+    rk_image image;
+    rk_error error = {""};
+    rk_check(!rk_image_file_read_within(&image, path.text, 1 << 20, &error), "it was accepted");
+    rk_check_error_names(error, "32768 x 32768 pixels, more than the 1048576 allowed");
 }
 
 /* --- places and endings ---------------------------------------------------------------------- */
@@ -397,6 +478,19 @@ static void an_exr_into_a_missing_folder_is_an_error(void **state)
     rk_error error;
     rk_check(!rk_image_file_write(path.text, &image, &error), "%s was written", path.text);
     rk_check_error_names(error, path.text);
+    rk_image_free(&image);
+}
+
+static void an_exr_goes_where_its_link_points(void **state)
+{
+    rk_image image = make_noise(2, 2);
+    test_path link = test_folder_path(*state, "link.exr"),
+              target = test_folder_path(*state, "to.exr");
+    rk_check(symlink("to.exr", link.text) == 0, "a link can be made");
+    write_image(*state, "link.exr", &image);
+    struct stat status;
+    rk_check(lstat(link.text, &status) == 0 && S_ISLNK(status.st_mode), "the link was replaced");
+    rk_check(stat(target.text, &status) == 0 && status.st_size > 0, "there is no picture");
     rk_image_free(&image);
 }
 
@@ -601,6 +695,8 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(the_same_picture_gives_the_same_exr),
     test_in_folder(float_tiff_is_linear_and_exact),
     test_in_folder(hdr_keeps_a_hundredth_of_the_brightest_channel),
+    test_in_folder(a_portable_float_map_is_linear),
+    test_in_folder(floats_are_decoded_only_if_their_file_names_a_curve),
     test_in_folder(jpeg_is_srgb_encoded),
     test_in_folder(eight_bit_grey_is_decoded_and_replicated),
     test_in_folder(sixteen_bits_are_decoded_and_alpha_is_dropped),
@@ -617,6 +713,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(missing_empty_and_foreign_files_are_refused),
     test_in_folder(absurd_sizes_are_refused),
     test_in_folder(folders_pipes_and_devices_are_refused_at_once),
+    test_in_folder(an_exr_goes_where_its_link_points),
     test_in_folder(a_picture_without_pixels_is_not_written),
     test_in_folder(an_exr_into_a_missing_folder_is_an_error),
     test_in_folder(an_interrupted_exr_leaves_nothing),

@@ -1,6 +1,6 @@
 #!/bin/sh
 # Can a stranger build against what `make install` left? Run by `make installcheck`.
-# usage: CC=compiler test_install.sh pkgconfigdir includedir version [destdir]
+# usage: CC=compiler CXX=compiler test_install.sh pkgconfigdir includedir version [destdir]
 set -eu
 pkgconfig=$1 include=$2 version=$3 staging=${4-}
 
@@ -57,11 +57,44 @@ if "$folder/render" teapot "$folder/teapot.jpg" >"$folder/said" 2>&1 || [ -e "$f
 fi
 grep -q 'teapot.jpg.*\.png or \.exr' "$folder/said" || fail "examples/render.c does not say why: $(cat "$folder/said")"
 
+# C++ compilers that are here; configure names g++ even where there is none.
+compilers=
+for compiler in "$CXX" clang++; do
+    command -v "${compiler%% *}" >/dev/null && compilers="$compilers|$compiler"
+done
+cat >"$folder/user.cpp" <<'END'
+#include <base/image.h>
+#include <raykit.h>
+#include <cstdio>
+int main()
+{
+    rk_image image;
+    rk_error error;
+    if (!rk_image_init(&image, 2, 2, &error))
+        return 1;
+    *rk_image_at(&image, 1, 1) = rk_add(rk_vec(1, 2, 3), rk_vec(4, 5, 6));
+    std::printf("%g", double(image.pixels[3].y));
+    rk_image_free(&image);
+}
+END
+IFS='|'
+for compiler in ${compilers#|}; do
+    unset IFS
+    $compiler -std=c++17 -Wall -Wextra -pedantic -Werror -o "$folder/user++" "$folder/user.cpp" \
+        $(pkg-config --cflags --libs raykit) || fail "a program does not build with $compiler"
+    answer=$("$folder/user++") || fail "the program of $compiler ends with status $?"
+    [ "$answer" = 7 ] || fail "the program of $compiler says $answer, not 7"
+done
+
 # All but the list of features, which is for a macro of whoever includes it.
 (cd "$staging$include" && find . -name '*.h' ! -path '*/features/list.h') >"$folder/headers"
 while read -r header; do
     echo "#include <${header#./}>" >"$folder/header.c"
     $CC -std=c17 -Wall -Wextra -Werror -fsyntax-only $(pkg-config --cflags raykit) "$folder/header.c" ||
         fail "$header does not compile on its own"
+    case $compilers in
+    "|$CXX"*) $CXX -std=c++17 -x c++ -Wall -Wextra -pedantic -Werror -fsyntax-only \
+        $(pkg-config --cflags raykit) "$folder/header.c" || fail "$header does not compile on its own as C++" ;;
+    esac
 done <"$folder/headers"
-echo "installcheck: a program builds and runs, $(wc -l <"$folder/headers") headers compile on their own"
+echo "installcheck: a program builds and runs, $(wc -l <"$folder/headers") headers compile on their own${compilers:+, as C++ too}"

@@ -203,6 +203,60 @@ static void a_polygon_that_is_not_convex_is_triangulated_inside(void **state)
     }
 }
 
+/* A comb: every other corner turns the other way. */
+static void check_comb(uint32_t corners, const char *part)
+{
+    test_path path = test_folder_path(&folder, "comb.obj");
+    FILE *file = fopen(path.text, "wb");
+    rk_check(file, "%s can be written", path.text);
+    for (uint32_t i = 0; i + 2 < corners; i++)
+        fprintf(file, "v %u %d 0\n", i, i % 2 ? -2 : -1);
+    fprintf(file, "v %u 9 0\nv 0 9 0\nf", corners);
+    for (uint32_t i = 1; i <= corners; i++)
+        fprintf(file, " %u", i);
+    fputs("\n", file);
+    rk_check(fclose(file) == 0, "%s can be written", path.text);
+    if (part) {
+        check_refused_path(path.text, ": ", part);
+        return;
+    }
+    rk_mesh mesh = load(path);
+    rk_check_equal(mesh.triangle_count, corners - 2, "corners - 2");
+    rk_mesh_free(&mesh);
+}
+
+static void a_polygon_that_would_take_minutes_is_refused(void **state)
+{
+    (void)state;
+    check_comb(2000, NULL);
+    check_comb(32769, "a face has 32769 corners and is not convex: at most 32768");
+}
+
+static void a_byte_order_mark_is_no_part_of_the_text(void **state)
+{
+    (void)state;
+    write_text("marked.mtl", "\xef\xbb\xbfnewmtl red\nKd 1 0 0\n");
+    rk_mesh mesh = load(write_text("marked.obj", "\xef\xbb\xbfv 3 0 0\nv 1 0 0\nv 0 1 0\n"
+                                                 "mtllib marked.mtl\nusemtl red\nf 1 2 3\n"));
+    rk_check_close(corner(&mesh, 0, 0).x, 3, 0, "the first line counts");
+    rk_check_close(mesh.materials[0].kd.y, 0, 0, "and so does that of the materials");
+    rk_mesh_free(&mesh);
+}
+
+/* Opening it would wait for a process at its other end. */
+static void a_pipe_as_material_file_is_as_good_as_none(void **state)
+{
+    (void)state;
+    rk_check(mkfifo(test_folder_path(&folder, "pipe.mtl").text, 0600) == 0, "a pipe can be made");
+    test_path path = write_text("piped.obj", "mtllib pipe.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                             "f 1 2 3\n");
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_file_read(&mesh, path.text, &error), error);
+    rk_check_error_names(error, ":1: the material file pipe.mtl is missing");
+    rk_mesh_free(&mesh);
+}
+
 static void points_and_lines_are_dropped(void **state)
 {
     (void)state;
@@ -712,6 +766,9 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_part_without_normals_takes_its_faces_own),
     cmocka_unit_test(a_zero_normal_is_replaced_by_the_faces),
     cmocka_unit_test(a_polygon_that_is_not_convex_is_triangulated_inside),
+    cmocka_unit_test(a_polygon_that_would_take_minutes_is_refused),
+    cmocka_unit_test(a_byte_order_mark_is_no_part_of_the_text),
+    cmocka_unit_test(a_pipe_as_material_file_is_as_good_as_none),
     cmocka_unit_test(points_and_lines_are_dropped),
     cmocka_unit_test(windows_line_ends_and_long_lines_are_fine),
     cmocka_unit_test(a_missing_mtl_is_a_note_not_an_error),

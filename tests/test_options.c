@@ -1,6 +1,6 @@
 /* Options: read, refused with a sentence that helps, and listed by --help. */
 #include "test.h"
-#include "test_folder.h"
+#include "test_comma_locale.h"
 
 #include "base/options.h"
 
@@ -185,8 +185,22 @@ static void an_older_spelling_sets_the_same(void **state)
     rk_check(values.width == 3 && values.light == blue, "--columns is --width, --lamp is --light");
     check_accepted("--columns=3 --width=4");
     rk_check_equal(values.width, 4, "the last one counts, however it is spelled");
-    check_refused("--columns 0", "--width 0", "1 to 32768");
-    check_refused("--lamp pink", "--light pink", "one of red|green|blue");
+    check_refused("--columns 0", "--columns 0", "1 to 32768");
+    check_refused("--col=0", "--columns 0", "1 to 32768");
+    check_refused("--columns", "--columns: the value is missing", "1 to 32768");
+    check_refused("--lamp pink", "--lamp pink", "one of red|green|blue");
+}
+
+static void numbers_have_a_decimal_point_in_every_locale(void **state)
+{
+    rk_error error;
+    if (!test_comma_locale_begin(*state))
+        skip();
+    check_accepted("--fov 1.5");
+    rk_check_close(values.fov, 1.5, 0, "as where numbers have a point");
+    rk_check(parse("--fov 1,5", &error) == RK_OPTIONS_BAD, "a comma was accepted");
+    rk_check(parse("--far x", &error) == RK_OPTIONS_BAD, "x is no number");
+    check_refused("--fov 0.5", "--fov 0.5", "1 to 179");
 }
 
 static void an_argument_that_is_spelled_out_is_found(void **state)
@@ -528,6 +542,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_unambiguous_prefix_of_a_name_is_enough),
     cmocka_unit_test(parsing_again_starts_anew),
     cmocka_unit_test(an_older_spelling_sets_the_same),
+    test_in_comma_locale(numbers_have_a_decimal_point_in_every_locale),
     cmocka_unit_test(an_argument_that_is_spelled_out_is_found),
     cmocka_unit_test(a_value_out_of_range_is_refused_by_its_field),
     cmocka_unit_test(defaults_and_both_ends_of_a_range_are_accepted),

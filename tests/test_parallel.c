@@ -203,6 +203,43 @@ static void only_processors_available_to_this_process_count(void **state)
 #endif
 
 #ifdef __GLIBC__
+static void note_stack(uint32_t index, uint32_t thread, void *context)
+{
+    (void)index;
+    pthread_attr_t attributes;
+    size_t size = 0;
+    if (pthread_getattr_np(pthread_self(), &attributes) == 0) {
+        pthread_attr_getstacksize(&attributes, &size);
+        pthread_attr_destroy(&attributes);
+    }
+    atomic_size_t *least = context;
+    if (thread > 0)
+        atomic_store(least, size);
+}
+
+/* Some systems give a thread 128 KB. */
+static void threads_have_two_megabytes_of_stack_or_the_larger_default(void **state)
+{
+    (void)state;
+    const size_t megabyte = 1 << 20, defaults[] = {megabyte / 8, 16 * megabyte};
+    const size_t want[] = {2 * megabyte, 16 * megabyte};
+    for (int i = 0; i < 2; i++) {
+        pthread_attr_t before, given;
+        pthread_getattr_default_np(&before);
+        pthread_attr_init(&given);
+        pthread_attr_setstacksize(&given, defaults[i]);
+        rk_check(pthread_setattr_default_np(&given) == 0, "the default can be set");
+        rk_pool *pool = start(2);
+        pthread_setattr_default_np(&before);
+        atomic_size_t got = 0;
+        while (got == 0) /* until the second thread gets an item */
+            rk_pool_run(pool, 100, note_stack, &got);
+        rk_pool_stop(pool);
+        rk_check(got >= want[i] - megabyte / 8, "a default of %zu KB gave a stack of %zu KB",
+                 defaults[i] / 1024, (size_t)got / 1024);
+    }
+}
+
 static void a_system_that_refuses_threads_is_an_error(void **state)
 {
     (void)state;
@@ -234,6 +271,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(only_processors_available_to_this_process_count),
 #endif
 #ifdef __GLIBC__
+    cmocka_unit_test(threads_have_two_megabytes_of_stack_or_the_larger_default),
     cmocka_unit_test(a_system_that_refuses_threads_is_an_error),
 #endif
 };

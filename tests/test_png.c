@@ -495,6 +495,72 @@ static void absurd_sizes_are_refused_before_memory_is_taken(void **state)
     check_claim(*state, 2, 2, "damaged");
 }
 
+/* The files end after a header of at least 24 bytes: the limit is asked before anything is read. */
+static void a_limit_of_pixels_is_asked_before_reading(void **state)
+{
+    rk_image image = make_noise(9, 7), back;
+    test_path path = write_image(*state, "nine.png", &image);
+    rk_error error = {""};
+    rk_image_free(&image);
+    rk_check(!rk_png_read_within(&back, path.text, 62, &error), "63 pixels were read into 62");
+    rk_check_error_names(error, "9 x 7 pixels, more than the 62 allowed");
+    rk_check_ok(rk_png_read_within(&back, path.text, 63, &error), error);
+    rk_image_free(&back);
+    size_t size;
+    unsigned char *bytes = test_folder_read(path, &size);
+    path = test_folder_write(*state, "head.png", bytes, 24, 0600);
+    free(bytes);
+    rk_check(!rk_png_read_within(&back, path.text, 62, &error), "a header was read as a picture");
+    rk_check_error_names(error, "9 x 7 pixels, more than the 62 allowed");
+}
+
+/* The signature, the head of a grey picture of one pixel, and the head of a text. */
+static const unsigned char text_of_two_gigabytes[] =
+    "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\0\1\0\0\0\1\x8\0\0\0\0\x3a\x7e\x9b\x55"
+    "\x7f\xff\xff\xf0tEXtKey\0and so on";
+
+static void a_text_that_claims_gigabytes_takes_no_memory(void **state)
+{
+    test_path path = test_folder_write(*state, "claim.png", text_of_two_gigabytes,
+                                       sizeof text_of_two_gigabytes, 0600);
+    check_refused(path.text, "damaged PNG"); /* the reason depends on libpng's version */
+    struct rusage usage;
+    rk_check(getrusage(RUSAGE_SELF, &usage) == 0, "the system tells the memory that was used");
+    /* The suite itself takes a few MB, with sanitizers a few hundred. */
+    rk_check(usage.ru_maxrss < 1000000, "%ld KB were used for a file of %zu bytes", usage.ru_maxrss,
+             sizeof text_of_two_gigabytes);
+}
+
+static void a_text_of_seven_megabytes_is_read(void **state)
+{
+    enum { length = 7000000 };
+    char *value = malloc(length + 1);
+    rk_check(value, "no memory");
+    memset(value, 'x', length);
+    value[length] = '\0';
+    rk_image image = make_noise(3, 2);
+    test_path path = test_folder_path(*state, "long.png");
+    const rk_png_text text = {"Comment", value};
+    rk_error error = {""};
+    rk_check_ok(rk_png_write(path.text, &image, &text, 1, &error), error);
+    free(value);
+    rk_image_free(&image);
+    char *back = rk_png_read_text(path.text, "Comment", &error);
+    rk_check(back, "the text is lost: %s", error.text);
+    rk_check_equal(strlen(back), length, "its length");
+    free(back);
+}
+
+static void a_pipe_is_refused_at_once(void **state)
+{
+    test_path pipe = test_folder_path(*state, "pipe.png");
+    rk_check(mkfifo(pipe.text, 0600) == 0, "a pipe can be made");
+    check_refused(pipe.text, "is not a regular file");
+    rk_error error = {""};
+    rk_check(!rk_png_read_text(pipe.text, "Key", &error), "a text came out of a pipe");
+    rk_check_error_names(error, "is not a regular file");
+}
+
 static void files_that_are_not_png_are_refused(void **state)
 {
     const char jpeg[] = "\xff\xd8\xff\xe0 JFIF and so on, longer than a header of PNG";
@@ -582,6 +648,10 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(every_truncation_is_refused),
     test_in_folder(every_damaged_byte_is_refused_or_read),
     test_in_folder(absurd_sizes_are_refused_before_memory_is_taken),
+    test_in_folder(a_limit_of_pixels_is_asked_before_reading),
+    test_in_folder(a_text_that_claims_gigabytes_takes_no_memory),
+    test_in_folder(a_text_of_seven_megabytes_is_read),
+    test_in_folder(a_pipe_is_refused_at_once),
     test_in_folder(files_that_are_not_png_are_refused),
     test_in_folder(a_missing_folder_is_an_error),
     test_in_folder(a_full_disk_keeps_the_older_picture),

@@ -352,6 +352,45 @@ static void a_wrong_field_of_view_is_refused(void **state)
     }
 }
 
+static void a_camera_that_is_no_place_is_refused(void **state)
+{
+    fixture *f = *state;
+    const rk_camera right = f->scene.camera;
+    const float wrong[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 3; i++)
+        for (int field = 0; field < 7; field++) {
+            rk_camera *camera = &f->scene.camera;
+            *camera = right;
+            float *const members[] = {&camera->look_at.x,  &camera->look_at.y,  &camera->look_at.z,
+                                      &camera->rotation.x, &camera->rotation.y, &camera->rotation.z,
+                                      &camera->distance};
+            *members[field] = wrong[i];
+            check_refused(f, "the camera's look_at, rotation or distance");
+        }
+}
+
+static void lights_that_are_not_numbers_are_refused_where_they_are_read(void **state)
+{
+    fixture *f = *state;
+    rk_error error;
+    const float wrong[] = {NAN, INFINITY, -INFINITY};
+    const uint32_t corners[] = {1, 2, 4};
+    for (uint32_t kind = RK_LIGHT_POINT; kind <= RK_LIGHT_PARALLELOGRAM; kind++)
+        for (uint32_t field = 0; field < 7; field++) {
+            rk_light *light = &f->scene.lights[0];
+            *light = (rk_light){.kind = (rk_light_kind)kind, .position = {0, 0, -2}};
+            rk_vec3 *const members[] = {&light->position,   &light->edge01,     &light->edge02,
+                                        &light->colours[0], &light->colours[1], &light->colours[2],
+                                        &light->colours[3]};
+            const uint32_t needs[] = {1, 2, 4, 1, 2, 4, 4}; /* corners */
+            members[field]->y = wrong[field % 3];
+            if (corners[kind] >= needs[field])
+                check_refused(f, "light 0 has a position, an edge or a colour");
+            else
+                rk_check_ok(rk_render_check(&f->scene, &f->options, &error), error);
+        }
+}
+
 static void more_lights_or_spheres_than_there_is_room_for_are_refused(void **state)
 {
     fixture *f = *state;
@@ -415,6 +454,8 @@ static const struct CMUnitTest tests[] = {
     in_fixture(a_wrong_bloom_is_refused_before_the_picture_is_rendered),
     in_fixture(a_gradient_of_too_many_stops_is_refused),
     in_fixture(a_wrong_field_of_view_is_refused),
+    in_fixture(a_camera_that_is_no_place_is_refused),
+    in_fixture(lights_that_are_not_numbers_are_refused_where_they_are_read),
     in_fixture(more_lights_or_spheres_than_there_is_room_for_are_refused),
     in_fixture(a_tree_of_an_unknown_kind_or_without_usable_bins_is_refused),
     in_fixture(a_tree_without_bins_ignores_their_number),

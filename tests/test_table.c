@@ -1,10 +1,12 @@
 /* Tables: rows are added, replaced and quoted; files that are not our tables are left unchanged. */
 #include "test.h"
+#include "test_comma_locale.h"
 #include "test_folder.h"
 #include "test_full_disk.h"
 
 #include "base/table.h"
 
+#include <sys/wait.h>
 #include <time.h>
 
 static const char *const header[] = {"scene", "method", "ms"};
@@ -83,6 +85,35 @@ static void quoted_cells_are_found_again(void **state)
            "scene,method,ms\n\"a,b\",m,new\n\"\"\"\",m,new\n\"\"\"\"\"\",m,new\n\"a\nb\",m,new\n"
            "\"\r\n\",m,new\n,m,new\n\",\",m,new\n\"x\"\"y\",m,new\n");
     test_file_check(path.text, want);
+}
+
+static void each_of_many_writers_keeps_its_rows(void **state)
+{
+    enum { writers = 8, rows = 20 };
+    const test_folder *folder = *state;
+    test_path path = test_folder_path(folder, "t.csv");
+    for (int writer = 0; writer < writers; writer++) {
+        if (fork() != 0)
+            continue;
+        bool ok = true;
+        for (int row = 0; row < rows; row++) {
+            char scene[16], method[16];
+            rk_error error;
+            snprintf(scene, sizeof scene, "%d", writer);
+            snprintf(method, sizeof method, "%d", row);
+            ok = put(path.text, scene, method, "1", &error) && ok;
+        }
+        _exit(ok ? 0 : 1);
+    }
+    for (int writer = 0, status; writer < writers; writer++)
+        rk_check(wait(&status) > 0 && status == 0, "a writer failed");
+    size_t size, lines = 0;
+    unsigned char *text = test_folder_read(path, &size);
+    for (size_t i = 0; i < size; i++)
+        lines += text[i] == '\n';
+    free(text);
+    rk_check_equal(lines, 1 + writers * rows, "the header, and a line for each row put");
+    rk_check_equal(test_folder_count(folder), 1, "the table is all that is left");
 }
 
 static void a_single_empty_cell_is_a_row_too(void **state)
@@ -205,7 +236,7 @@ static void places_that_cannot_hold_a_table_are_refused(void **state)
     test_path pipe = test_folder_path(folder, "pipe");
     rk_check(mkfifo(pipe.text, 0600) == 0, "a pipe can be made");
     rk_check(!put(pipe.text, "a", "x", "1", &error), "a pipe was accepted");
-    rk_check_error_names(error, "not a regular file");
+    rk_check_error_names(error, "is a device or a pipe");
     test_file_put(test_folder_path(folder, "file").text, "");
     rk_check(!put(test_folder_path(folder, "file/t.csv").text, "a", "x", "1", &error),
              "a folder that is a file was accepted");
@@ -290,6 +321,20 @@ static void a_convergence_row_is_replaced_when_measured_again(void **state)
                     "light,cornell,stratified,64,1e-06,0.01,0.5,0,\"closed form, 1 sample\"\n");
 }
 
+static void figures_have_a_decimal_point_in_every_locale(void **state)
+{
+    const test_folder *folder = *state;
+    if (!test_comma_locale_begin(folder))
+        skip();
+    test_path path = test_folder_path(folder, "t.csv");
+    rk_error error;
+    const rk_convergence_row row = {"f", "s", "m", 4, 1.5, 0.25, 0.5, -0.125, "closed form"};
+    rk_check_ok(rk_table_put_convergence(path.text, &row, &error), error);
+    test_file_check(path.text,
+                    "feature,scene,method,samples,seconds,rmse,max_error,bias,reference\n"
+                    "f,s,m,4,1.5,0.25,0.5,-0.125,closed form\n");
+}
+
 static void the_clocks_run_in_seconds(void **state)
 {
     (void)state;
@@ -314,6 +359,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(without_a_key_every_row_is_appended),
     test_in_folder(cells_are_quoted_only_where_they_must_be),
     test_in_folder(quoted_cells_are_found_again),
+    test_in_folder(each_of_many_writers_keeps_its_rows),
     test_in_folder(a_single_empty_cell_is_a_row_too),
     test_in_folder(line_ends_of_other_systems_are_read),
     test_in_folder(a_last_line_without_an_end_is_read),
@@ -328,6 +374,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_median_is_the_middle_of_the_sorted_figures),
     test_in_folder(a_timing_row_is_replaced_when_measured_again),
     test_in_folder(a_convergence_row_is_replaced_when_measured_again),
+    test_in_comma_locale(figures_have_a_decimal_point_in_every_locale),
     cmocka_unit_test(the_clocks_run_in_seconds),
 };
 

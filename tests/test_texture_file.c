@@ -131,8 +131,13 @@ static void texels_are_counted_and_too_many_refused(void **state)
     rk_check(!rk_texture_file_read(&texture, &source, "mesh.obj", &texels_left, &error),
              "4 texels were read where there is room for 3");
     rk_check(!texture.image.pixels, "pixels were left behind");
-    rk_check_error_names(error, "quarters.png: its 2 x 2 texels");
+    rk_check_error_names(error, "quarters.png: has 2 x 2 pixels, more than the 3");
     rk_check_equal(texels_left, 3, "a refused picture takes nothing");
+    /* Of this file only the head is left, so nobody has read its texels. */
+    rk_check(truncate(path.text, 24) == 0, "the file can be cut");
+    rk_check(!rk_texture_file_read(&texture, &source, "mesh.obj", &texels_left, &error),
+             "a header was read as a picture");
+    rk_check_error_names(error, "quarters.png: has 2 x 2 pixels, more than the 3");
 }
 
 /* --- pictures inside the mesh file --------------------------------------------------------- */

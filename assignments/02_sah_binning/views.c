@@ -112,7 +112,7 @@ static bool print_splits(const splits *c, const rk_driver *driver, const rk_sah_
     for (uint32_t k = 0; ok && k < c->count; k++) {
         const rk_sah_split *split = &c->list[k];
         const char axis = "xyz"[split->axis];
-        if (all || split == shown || split == best)
+        if (!driver->quiet && (all || split == shown || split == best))
             printf("candidate %u: axis %c, boundary %u: %u triangles left, %u right, cost %.6g%s\n",
                    k, axis, split->boundary, split->count[0], split->count[1], split->cost,
                    split == best ? ", the cheapest" : "");

@@ -5,12 +5,14 @@
 #include "accel/batch.h"
 #include "scene/scene.h"
 
+#include <assert.h>
+
 typedef struct rk_ray_time {
     float time;       /* NaN if no bit is set */
     uint16_t objects; /* bit k: object k */
 } rk_ray_time;
 
-_Static_assert(RK_MOVING_MAX <= 16, "a bit for each object");
+static_assert(RK_MOVING_MAX <= 16, "a bit for each object");
 
 /* The same for a batch, entry for entry. */
 typedef struct rk_ray_times {

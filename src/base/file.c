@@ -4,6 +4,7 @@
 #include <errno.h>
 #include <fcntl.h>
 #include <string.h>
+#include <sys/file.h>
 #include <sys/stat.h>
 #include <unistd.h>
 
@@ -18,15 +19,20 @@ static short_path descriptor_path(int descriptor)
     return path;
 }
 
+/* With the last slash; "." for a path without one. */
+static void copy_folder(char *folder, size_t size, const char *path)
+{
+    const char *slash = strrchr(path, '/');
+    snprintf(folder, size, "%.*s", slash ? (int)(slash - path) + 1 : 1, slash ? path : ".");
+}
+
 /* Opens a file without a name in the folder of file->path: if this process dies, so does the file.
  * NULL where the file system does not support that, or the file could not be named later because
  * the name is too long or /proc is missing. */
 static FILE *open_unnamed(const rk_file *file)
 {
     char folder[sizeof file->path];
-    const char *slash = strrchr(file->path, '/');
-    snprintf(folder, sizeof folder, "%.*s", slash ? (int)(slash - file->path) + 1 : 1,
-             slash ? file->path : ".");
+    copy_folder(folder, sizeof folder, file->path);
     if (access(file->temporary, F_OK) != 0 && errno != ENOENT)
         return NULL;
 #ifdef O_TMPFILE
@@ -43,12 +49,35 @@ static FILE *open_unnamed(const rk_file *file)
     return stream;
 }
 
-bool rk_file_begin(rk_file *file, const char *path, rk_error *error)
+enum { links_max = 40 }; /* as in Linux */
+
+/* Renaming would replace a symbolic link. A link is relative to the folder that it is in. */
+static bool follow_links(rk_file_place *place, rk_error *error)
 {
-    *file = (rk_file){0};
-    if (strlen(path) >= sizeof file->path)
+    for (int links = 0; links < links_max; links++) {
+        rk_file_place to;
+        ssize_t length = readlink(place->text, to.text, sizeof to.text - 1);
+        if (length < 0)
+            return true;
+        to.text[length] = '\0';
+        const char *slash = strrchr(place->text, '/');
+        size_t kept = slash && to.text[0] != '/' ? (size_t)(slash - place->text) + 1 : 0;
+        if (kept + (size_t)length >= sizeof place->text)
+            return rk_fail(error, "%.60s...: links to a path that is too long", place->text);
+        memcpy(place->text + kept, to.text, (size_t)length + 1);
+    }
+    return rk_fail(error, "%.800s: %s; name a file", place->text, strerror(ELOOP));
+}
+
+bool rk_file_destination(rk_file_place *place, const char *path, rk_error *error)
+{
+    if (strlen(path) >= sizeof place->text)
         return rk_fail(error, "%.60s...: the path is longer than %zu bytes", path,
-                       sizeof file->path - 1);
+                       sizeof place->text - 1);
+    strcpy(place->text, path);
+    if (!follow_links(place, error))
+        return false;
+    path = place->text;
     struct stat status;
     bool exists = stat(path, &status) == 0;
     if (exists && S_ISDIR(status.st_mode))
@@ -56,6 +85,19 @@ bool rk_file_begin(rk_file *file, const char *path, rk_error *error)
     /* Renaming would replace /dev/null or a pipe by a plain file. */
     if (exists && !S_ISREG(status.st_mode))
         return rk_fail(error, "%s: is a device or a pipe; name a file", path);
+    if (exists && faccessat(AT_FDCWD, path, W_OK, AT_EACCESS) != 0)
+        return rk_fail(error, "%s: is read-only: %s; name another, or make it writable", path,
+                       strerror(errno));
+    return true;
+}
+
+bool rk_file_begin(rk_file *file, const char *path, rk_error *error)
+{
+    *file = (rk_file){0};
+    rk_file_place place;
+    if (!rk_file_destination(&place, path, error))
+        return false;
+    path = place.text;
     snprintf(file->path, sizeof file->path, "%s", path);
     snprintf(file->temporary, sizeof file->temporary, "%s.part-%ld", path, (long)getpid());
     file->stream = open_unnamed(file);
@@ -109,6 +151,29 @@ void rk_file_abort(rk_file *file)
             unlink(file->temporary);
         file->stream = NULL;
     }
+}
+
+int rk_file_lock_folder(const char *path)
+{
+    char folder[4096];
+    copy_folder(folder, sizeof folder, path);
+    int lock = open(folder, O_RDONLY | O_CLOEXEC);
+#ifdef LOCK_EX /* flock is not in POSIX */
+    if (lock < 0)
+        return -1;
+    while (flock(lock, LOCK_EX) != 0)
+        if (errno != EINTR) {
+            close(lock);
+            return -1;
+        }
+#endif
+    return lock;
+}
+
+void rk_file_unlock(int lock)
+{
+    if (lock >= 0)
+        close(lock);
 }
 
 bool rk_file_make_folder(const char *path, rk_error *error)

@@ -10,7 +10,7 @@ typedef struct rk_image {
     rk_vec3 *pixels; /* width * height, row by row from the top */
 } rk_image;
 
-enum { RK_IMAGE_SIDE_MAX = 32768 };
+enum { RK_IMAGE_SIDE_MAX = 32768, RK_IMAGE_PIXELS_MAX = RK_IMAGE_SIDE_MAX * RK_IMAGE_SIDE_MAX };
 
 /* Makes a black image of 1 to RK_IMAGE_SIDE_MAX pixels per side. */
 bool rk_image_init(rk_image *image, size_t width, size_t height, rk_error *error);

@@ -1,6 +1,7 @@
 /* Turns tables of options into the table of getopt_long, and checks its results, so that each error
  * message is one sentence of ours. */
 #include "base/options_words.h"
+#include "base/plain_numbers.h"
 
 #include <ctype.h>
 #include <errno.h>
@@ -137,16 +138,17 @@ static bool read_choice(const rk_names *names, const char *text, uint32_t *to)
     return false;
 }
 
-static bool add_to_list(const rk_option *row, const char *text, rk_text_list *list, rk_error *error)
+static bool add_to_list(const char *spelling, const char *text, rk_text_list *list, rk_error *error)
 {
     if (list->count == RK_TEXT_LIST_MAX)
-        return rk_fail(error, "--%s: given more than %d times; see --help", row->name,
+        return rk_fail(error, "--%s: given more than %d times; see --help", spelling,
                        RK_TEXT_LIST_MAX);
     list->items[list->count++] = text;
     return true;
 }
 
-static bool read_value(rk_bound_option option, const char *text, rk_error *error)
+static bool read_value(rk_bound_option option, const char *spelling, const char *text,
+                       rk_error *error)
 {
     bool good = true;
     switch (option.row->kind) {
@@ -169,9 +171,9 @@ static bool read_value(rk_bound_option option, const char *text, rk_error *error
         *(const char **)option.value = text;
         break;
     case RK_OPTION_LIST:
-        return add_to_list(option.row, text, option.value, error);
+        return add_to_list(spelling, text, option.value, error);
     }
-    return good || rk_fail(error, "--%s %.80s: it takes %s; see --help", option.row->name, text,
+    return good || rk_fail(error, "--%s %.80s: it takes %s; see --help", spelling, text,
                            rk_option_takes(option.row).text);
 }
 
@@ -211,13 +213,24 @@ static bool is_ambiguous(const char *argument, const option_list *list)
     return matches > 1;
 }
 
+/* The name or the alias that was typed, perhaps in part. */
+static const char *spelling_of(int answer, const char *argument, const option_list *list)
+{
+    const char *name = list->options[answer - first_option].row->name;
+    size_t length = strncmp(argument, "--", 2) == 0 ? strcspn(argument + 2, "=") : 0;
+    for (const struct option *option = list->getopt; length && option->name; option++)
+        if (option->val == answer && strncmp(option->name, argument + 2, length) == 0)
+            return option->name;
+    return name;
+}
+
 static bool refuse(char answer, const char *argument, const option_list *list, rk_error *error)
 {
     const rk_option *option =
         optopt >= first_option ? list->options[optopt - first_option].row : NULL;
     if (answer == ':' && option)
-        return rk_fail(error, "--%s: the value is missing: it takes %s; see --help", option->name,
-                       rk_option_takes(option).text);
+        return rk_fail(error, "--%s: the value is missing: it takes %s; see --help",
+                       spelling_of(optopt, argument, list), rk_option_takes(option).text);
     if (option || optopt == ask_help || optopt == ask_version)
         return rk_fail(error, "%.80s: this option takes no value; see --help", argument);
     if (is_ambiguous(argument, list))
@@ -237,7 +250,8 @@ static bool read_all(int argc, char **argv, const option_list *list, rk_error *e
             break;
         if (answer == '?' || answer == ':')
             return refuse((char)answer, argument, list, error);
-        if (!read_value(list->options[answer - first_option], optarg, error))
+        if (!read_value(list->options[answer - first_option], spelling_of(answer, argument, list),
+                        optarg, error))
             return false;
     }
     if (optind < argc)
@@ -276,9 +290,8 @@ const rk_option *rk_options_find(const rk_option_table *tables, size_t table_cou
     return NULL;
 }
 
-rk_options_result rk_options_parse(int argc, char **argv, const char *summary,
-                                   const rk_option_table *tables, size_t table_count,
-                                   rk_error *error)
+static rk_options_result parse(int argc, char **argv, const char *summary,
+                               const rk_option_table *tables, size_t table_count, rk_error *error)
 {
     option_list list;
     rk_options_result result = RK_OPTIONS_BAD;
@@ -296,5 +309,15 @@ rk_options_result rk_options_parse(int argc, char **argv, const char *summary,
     else if (read_all(argc, argv, &list, error))
         result = RK_OPTIONS_OK;
     option_list_free(&list);
+    return result;
+}
+
+rk_options_result rk_options_parse(int argc, char **argv, const char *summary,
+                                   const rk_option_table *tables, size_t table_count,
+                                   rk_error *error)
+{
+    rk_plain_numbers plain = rk_plain_numbers_begin();
+    rk_options_result result = parse(argc, argv, summary, tables, table_count, error);
+    rk_plain_numbers_end(plain);
     return result;
 }

@@ -77,13 +77,32 @@ static void *work(void *argument)
     return NULL;
 }
 
+/* The system's default may be as little as 128 KB, and a picture with all features takes a MB. */
+enum { least_stack = 2 << 20 };
+
+static int start_thread(pthread_t *thread, void *argument)
+{
+    pthread_attr_t attributes;
+    int failure = pthread_attr_init(&attributes);
+    if (failure)
+        return failure;
+    size_t stack = 0;
+    pthread_attr_getstacksize(&attributes, &stack);
+    if (stack < least_stack)
+        failure = pthread_attr_setstacksize(&attributes, least_stack);
+    if (!failure)
+        failure = pthread_create(thread, &attributes, work, argument);
+    pthread_attr_destroy(&attributes);
+    return failure;
+}
+
 static bool start_worker(rk_pool *pool, uint32_t thread, rk_error *error)
 {
     worker_start *start = malloc(sizeof *start);
     if (!start)
         return rk_fail(error, "threads: no memory");
     *start = (worker_start){pool, thread};
-    int failure = pthread_create(&pool->workers[pool->started], NULL, work, start);
+    int failure = start_thread(&pool->workers[pool->started], start);
     if (failure) {
         free(start);
         return rk_fail(error, "thread %u of %u cannot be started: %s; choose fewer with --threads",

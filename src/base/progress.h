@@ -2,8 +2,15 @@
 #ifndef RK_BASE_PROGRESS_H
 #define RK_BASE_PROGRESS_H
 
-#include <stdatomic.h>
 #include <stdbool.h>
+
+#ifdef __cplusplus
+#include <atomic>
+using std::atomic_flag;
+using std::atomic_uint;
+#else
+#include <stdatomic.h>
+#endif
 
 typedef struct rk_progress {
     bool visible;

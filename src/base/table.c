@@ -3,6 +3,7 @@
 #include "base/table.h"
 
 #include "base/file.h"
+#include "base/plain_numbers.h"
 
 #include <assert.h>
 #include <errno.h>
@@ -125,10 +126,6 @@ static bool table_read(table *old, const char *const *header, size_t columns, co
     struct stat status;
     if (stat(path, &status) != 0)
         return errno == ENOENT || rk_fail(error, "%s: cannot be read: %s", path, strerror(errno));
-    /* Opening a pipe would wait for a process at its other end. */
-    if (!S_ISREG(status.st_mode))
-        return rk_fail(error, "%s: is not a regular file, so not a table; choose another name",
-                       path);
     FILE *stream = fopen(path, "rb");
     if (!stream)
         return rk_fail(error, "%s: cannot be read: %s", path, strerror(errno));
@@ -166,8 +163,8 @@ static void write_row(FILE *stream, const char *const *cells, size_t columns)
     putc('\n', stream);
 }
 
-bool rk_table_put(const char *path, const char *const *header, const char *const *cells,
-                  size_t columns, size_t key_columns, rk_error *error)
+static bool put_row(const char *path, const char *const *header, const char *const *cells,
+                    size_t columns, size_t key_columns, rk_error *error)
 {
     assert(columns > 0 && key_columns <= columns &&
            "a table has columns, and its key consists of some of them");
@@ -192,6 +189,18 @@ bool rk_table_put(const char *path, const char *const *header, const char *const
         write_row(file.stream, cells, columns);
     table_free(&old);
     return rk_file_commit(&file, error);
+}
+
+bool rk_table_put(const char *path, const char *const *header, const char *const *cells,
+                  size_t columns, size_t key_columns, rk_error *error)
+{
+    rk_file_place place;
+    if (!rk_file_destination(&place, path, error))
+        return false;
+    int lock = rk_file_lock_folder(place.text);
+    bool ok = put_row(place.text, header, cells, columns, key_columns, error);
+    rk_file_unlock(lock);
+    return ok;
 }
 
 /* --- measurements ----------------------------------------------------------------------------- */
@@ -225,7 +234,9 @@ static number count_text(unsigned long count)
 static number figure_text(double figure)
 {
     number result;
+    rk_plain_numbers plain = rk_plain_numbers_begin();
     snprintf(result.text, sizeof result.text, "%.6g", figure);
+    rk_plain_numbers_end(plain);
     return result;
 }
 

@@ -7,7 +7,7 @@
 /* Puts a row into the file at `path`, creating it with `header` if missing. A row with the same
  * first `key_columns` cells is replaced, so that measuring again updates the table. Cells are
  * quoted where necessary. A file with another header is an error and stays unchanged. The file is
- * replaced whole or not at all. */
+ * replaced whole or not at all; of callers in several threads or processes each keeps its row. */
 bool rk_table_put(const char *path, const char *const *header, const char *const *cells,
                   size_t columns, size_t key_columns, rk_error *error);
 

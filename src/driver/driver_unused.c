@@ -1,29 +1,57 @@
 #include "driver/driver_unused.h"
 
 #include "render/feature_list.h"
+#include "render/options.h"
 
 #include <stdio.h>
+#include <string.h>
 
-static const rk_option *first_given(const rk_driver *driver, const rk_feature *feature)
+/* The first argument that names an option of the rows, or only the option of `field`. */
+static const char *first_given(const rk_driver *driver, const rk_option *rows, const char *field)
 {
-    const rk_option_table table = {feature->options, NULL};
-    const rk_option *row = NULL;
-    for (char **argument = driver->argv; feature->options && *argument && !row; argument++)
-        row = rk_options_find(&table, 1, *argument);
-    return row;
+    const rk_option_table table = {rows, NULL};
+    for (char **argument = driver->argv; rows && *argument; argument++) {
+        const rk_option *row = rk_options_find(&table, 1, *argument);
+        if (row && (!field || strcmp(row->field, field) == 0))
+            return *argument;
+    }
+    return NULL;
+}
+
+/* The option is named as it was typed. */
+static void note(const rk_driver *driver, const char *given, const char *takes)
+{
+    if (given)
+        fprintf(stderr, "%s: %.*s changes nothing in this picture: it takes %s\n", driver->feature,
+                (int)strcspn(given, "="), given, takes);
+}
+
+static bool has_bounces(const rk_plan *plan)
+{
+    return plan->reflections || plan->transparency;
+}
+
+static void note_max_depth(const rk_driver *driver, const rk_plan *usual)
+{
+    rk_render_options options = driver->render;
+    const rk_option *rows = rk_render_options_tables(&options).tables[0].rows;
+    options.max_depth = 1; /* 0 has the effect that there are no bounces */
+    const rk_plan plan = rk_plan_of(&driver->scene, &options);
+    if (!has_bounces(&plan) && !has_bounces(usual))
+        note(driver, first_given(driver, rows, "max_depth"),
+             "--reflections and a specular surface, or --transparency and a transparent one");
 }
 
 /* Options of a feature that the command line turns off have an effect, too: it is in the usual
  * plan. */
 void rk_driver_note_unused(const rk_driver *driver)
 {
+    if (driver->quiet || driver->timing)
+        return;
     const rk_plan plan = rk_plan_of(&driver->scene, &driver->render);
     const rk_plan usual = rk_plan_of(&driver->scene, &driver->render_usual);
-    for (uint32_t i = 0; i < RK_FEATURE_COUNT && !driver->quiet && !driver->timing; i++) {
-        bool needed = rk_plan_has(&plan, i) || rk_plan_has(&usual, i);
-        const rk_option *given = needed ? NULL : first_given(driver, rk_features[i]);
-        if (given)
-            fprintf(stderr, "%s: --%s changes nothing in this picture: it takes %s\n",
-                    driver->feature, given->name, rk_features[i]->takes);
-    }
+    note_max_depth(driver, &usual);
+    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
+        if (!rk_plan_has(&plan, i) && !rk_plan_has(&usual, i))
+            note(driver, first_given(driver, rk_features[i]->options, NULL), rk_features[i]->takes);
 }

@@ -5,8 +5,8 @@
 #include "driver/driver.h"
 
 /* Prints a note to standard error for each feature that the picture needs neither with the command
- * line nor without, although options of it are given; the first of them is named. Silent by --quiet
- * and --timing. */
+ * line nor without, although options of it are given, and for --max-depth without bounces; the
+ * first of them is named as it was typed. Silent by --quiet and --timing. */
 void rk_driver_note_unused(const rk_driver *driver);
 
 #endif

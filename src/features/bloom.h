@@ -101,10 +101,9 @@ enum { RK_BLOOM_BLOCK = 48 };
  * row, they are the same row, each one pixel further on. Returns the number of lines that are not
  * NULL. */
 uint32_t rk_bloom_blur_lines(const rk_bloom_filter *filter, const float *const *lines, size_t count,
-                             float *restrict sum);
+                             float *sum);
 
 /* pixels[i] += gain x blurred[i] for `count` floats. */
-void rk_bloom_composite(float *restrict pixels, const float *restrict blurred, size_t count,
-                        float gain);
+void rk_bloom_composite(float *pixels, const float *blurred, size_t count, float gain);
 
 #endif

@@ -166,7 +166,7 @@ static bool convert(rk_cubemap *map, const rk_image *image, const char *path, rk
 static bool read_one(rk_cubemap *map, const char *path, rk_error *error)
 {
     rk_image image;
-    if (!rk_image_file_read(&image, path, error))
+    if (!rk_image_file_read_within(&image, path, RK_ENVIRONMENT_FILE_PIXELS_MAX, error))
         return false;
     bool ok = convert(map, &image, path, error);
     rk_image_free(&image);
@@ -200,7 +200,7 @@ static bool fits(const rk_image *image, const rk_cubemap *map, const char *path,
 static bool read_face(rk_cubemap *map, rk_cube_face face, const char *path, rk_error *error)
 {
     rk_image image;
-    if (!rk_image_file_read(&image, path, error))
+    if (!rk_image_file_read_within(&image, path, RK_ENVIRONMENT_FILE_PIXELS_MAX, error))
         return false;
     bool ok = fits(&image, map, path, error) &&
               (map->side > 0 || make_map(map, image.width, path, error));

@@ -4,6 +4,9 @@
 
 #include "scene/environment.h"
 
+/* Of one picture: a face of the largest map, or a world whose pixels take 3 GB. */
+enum { RK_ENVIRONMENT_FILE_PIXELS_MAX = 1 << 28 };
+
 /* Reads a map. The width : height of a single file decides its layout:
  *
  *   4:3  the cross of scene/environment.h           6:1  six faces side by side
@@ -19,7 +22,8 @@
  *
  * Colours are linear, as from rk_image_file_read. The empty parts of a cross are not read. False,
  * with an error that names the file, for other shapes, missing faces, faces of different sizes,
- * more than RK_CUBEMAP_SIDE_MAX texels per side, and files that rk_image_file_read refuses. */
+ * more than RK_CUBEMAP_SIDE_MAX texels per side or RK_ENVIRONMENT_FILE_PIXELS_MAX pixels, and files
+ * that rk_image_file_read refuses. */
 bool rk_environment_file_read(rk_cubemap *map, const char *path, rk_error *error);
 
 #endif

@@ -15,6 +15,9 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#ifdef __linux__
+#include <sys/prctl.h>
+#endif
 #include <sys/resource.h>
 #include <sys/socket.h>
 #include <sys/stat.h>
@@ -144,11 +147,19 @@ static void lower_limit(int resource, rlim_t value)
 /* The child, between fork and exec: system calls only, because locks of other threads stay
  * locked. */
 static _Noreturn void become_helper(const char *path, char *const *arguments,
-                                    const int ends[streams], rlim_t memory)
+                                    const int ends[streams], rlim_t memory, pid_t caller)
 {
+    (void)caller;
     for (int i = 0; i < streams; i++)
         if (dup2(ends[i], i) < 0)
             _exit(127);
+#ifdef __linux__
+    /* It ends with its caller, also if that is killed; a caller that is dead already is not noticed
+     * by prctl. */
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != caller)
+        _exit(127);
+#endif
     lower_limit(RLIMIT_AS, memory);
     lower_limit(RLIMIT_CORE, 0);
     sigset_t none;
@@ -196,10 +207,11 @@ static bool start(session *s, rk_error *error)
             s->ends[i] = ends[0], theirs[i] = ends[1];
     }
     rlim_t memory = memory_limit();
+    pid_t caller = getpid();
     s->process = ready ? fork() : -1;
     int reason = errno;
     if (s->process == 0)
-        become_helper(path, arguments, theirs, memory);
+        become_helper(path, arguments, theirs, memory, caller);
     for (int i = 0; i < streams; i++)
         close_end(&theirs[i]);
     free(arguments);
@@ -287,9 +299,11 @@ static void read_reason(session *s)
 
 static bool fail_silent(const session *s, rk_error *error)
 {
-    return rk_fail(error,
-                   "%s: %s was silent for %g s and was stopped: the file is damaged or too large",
-                   s->subject, s->call->program, timeout_of(s->call));
+    return rk_fail(
+        error,
+        "%s: %s took longer than %g s and was stopped: the file is damaged, or too large or "
+        "intricate: make it smaller, or try another format",
+        s->subject, s->call->program, timeout_of(s->call));
 }
 
 /* Runs until the helper has closed its output and its error stream. */

@@ -2,11 +2,12 @@
  * it is used. */
 #include "io/image_file.h"
 
+#include "base/file.h"
+#include "base/plain_numbers.h"
 #include "io/helper.h"
 #include "io/image_stream.h"
 #include "io/png.h"
 
-#include <locale.h>
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
@@ -90,15 +91,20 @@ static bool unpack(rk_image *image, const unsigned char *reply, size_t size, con
     return false;
 }
 
-bool rk_image_file_read(rk_image *image, const char *path, rk_error *error)
+bool rk_image_file_read_within(rk_image *image, const char *path, size_t most_pixels,
+                               rk_error *error)
 {
     *image = (rk_image){0};
     if (!check_kind(path, error))
         return false;
     if (has_ending(path, ".png"))
-        return rk_png_read(image, path, error);
-    size_t most = sizeof(head) + sizeof(rk_vec3) * RK_IMAGE_SIDE_MAX * RK_IMAGE_SIDE_MAX;
-    rk_helper_call call = make_call(path, (const char *[]){"read", path, NULL}, most);
+        return rk_png_read_within(image, path, most_pixels, error);
+    if (most_pixels > RK_IMAGE_PIXELS_MAX)
+        most_pixels = RK_IMAGE_PIXELS_MAX;
+    char digits[24];
+    snprintf(digits, sizeof digits, "%zu", most_pixels);
+    rk_helper_call call = make_call(path, (const char *[]){"read", path, digits, NULL},
+                                    sizeof(head) + sizeof(rk_vec3) * most_pixels);
     unsigned char *reply;
     size_t size;
     if (!rk_helper_run(&call, &reply, &size, error))
@@ -108,10 +114,19 @@ bool rk_image_file_read(rk_image *image, const char *path, rk_error *error)
     return ok;
 }
 
+bool rk_image_file_read(rk_image *image, const char *path, rk_error *error)
+{
+    return rk_image_file_read_within(image, path, RK_IMAGE_PIXELS_MAX, error);
+}
+
 /* --- writing --------------------------------------------------------------------------------- */
 
 static bool write_exr(const char *path, const rk_image *image, rk_error *error)
 {
+    rk_file_place place;
+    if (!rk_file_destination(&place, path, error))
+        return false;
+    path = place.text;
     size_t bytes = image->width * image->height * sizeof *image->pixels;
     unsigned char *input = rk_allocate(sizeof(head) + bytes, 1, path, error);
     if (!input)
@@ -157,15 +172,11 @@ bool rk_image_file_write(const char *path, const rk_image *image, rk_error *erro
 /* Numbers are written with a decimal point, whatever the caller's locale. */
 static bool parse_numbers(const char *text, rk_image_file_difference *d)
 {
-    locale_t plain = newlocale(LC_ALL_MASK, "C", (locale_t)0);
-    if (plain == (locale_t)0)
-        return false;
-    locale_t old = uselocale(plain);
+    rk_plain_numbers plain = rk_plain_numbers_begin();
     int end = -1;
     int count = sscanf(text, "%lf %lf %lf %lf %lf %lf %n", &d->rms, &d->psnr, &d->maximum,
                        &d->max_x, &d->max_y, &d->perceptual, &end);
-    uselocale(old);
-    freelocale(plain);
+    rk_plain_numbers_end(plain);
     return count == 6 && end >= 0 && text[end] == '\0' && d->rms >= 0 && !isnan(d->psnr) &&
            d->maximum >= 0 && d->max_x >= 0 && d->max_y >= 0 && d->perceptual >= 0;
 }

@@ -11,6 +11,10 @@
  * is a path that is not a regular file. */
 bool rk_image_file_read(rk_image *image, const char *path, rk_error *error);
 
+/* The same, but refuses a picture of more than `most_pixels` before it takes memory for them. */
+bool rk_image_file_read_within(rk_image *image, const char *path, size_t most_pixels,
+                               rk_error *error);
+
 /* Writes .png (8 bits, sRGB-encoded) or .exr (32-bit float, linear; NaN and infinity are kept), by
  * the ending. Equal pictures give equal files; a file is written whole or not at all. A picture
  * without pixels is an error. */

@@ -15,9 +15,12 @@ bool rk_png_write(const char *path, const rk_image *image, const rk_png_text *te
                   size_t text_count, rk_error *error);
 
 /* Reads any PNG (grey, palette, 16 bits; alpha is dropped) to linear RGB; a gAMA chunk other than
- * sRGB's is applied. False with an error that names the file when it is missing, damaged, truncated
- * or larger than RK_IMAGE_SIDE_MAX per side. */
+ * sRGB's is applied. False with an error that names the file when it is missing, damaged,
+ * truncated, not a regular file, or larger than RK_IMAGE_SIDE_MAX per side. */
 bool rk_png_read(rk_image *image, const char *path, rk_error *error);
+
+/* The same, but refuses a picture of more than `most_pixels` before it takes memory for them. */
+bool rk_png_read_within(rk_image *image, const char *path, size_t most_pixels, rk_error *error);
 
 /* Returns the value stored under `key` as a new string to free(), or NULL when there is none or
  * the file cannot be read (then with an error). */

@@ -28,6 +28,7 @@ typedef struct job {
     size_t text_count;
 
     rk_image *image; /* reading */
+    size_t most_pixels;
     uintmax_t file_size;
     const char *key;
     char *value;

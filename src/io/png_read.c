@@ -42,22 +42,49 @@ static bool check_head(const job *j)
     if (width < 1 || height < 1 || width > RK_IMAGE_SIDE_MAX || height > RK_IMAGE_SIDE_MAX)
         return rk_fail(j->error, "%s: claims %u x %u pixels: each side must be 1 to %d", j->path,
                        width, height, RK_IMAGE_SIDE_MAX);
+    if ((uintmax_t)width * height > j->most_pixels)
+        return rk_fail(j->error,
+                       "%s: has %u x %u pixels, more than the %zu allowed here: make it smaller",
+                       j->path, width, height, j->most_pixels);
     rewind(j->stream);
     return true;
 }
 
+/* Of a chunk after decompression, and kept chunks; a small file may hold much or many. */
+enum { chunk_max = 8 << 20, chunks_max = 1000 };
+
+/* A file of 60 bytes may claim 2 GB for a text: libpng would allocate them and fill them with
+ * zeros, in spite of png_set_chunk_malloc_max. */
+static png_voidp allocate_block(png_structp png, png_alloc_size_t size)
+{
+    const job *j = png_get_mem_ptr(png);
+    if (size > j->file_size + chunk_max)
+        png_error(png, "a part claims to be larger than the file");
+    return malloc(size);
+}
+
+static void free_block(png_structp png, png_voidp block)
+{
+    (void)png;
+    free(block);
+}
+
+/* Opening a pipe would wait for a process at its other end. */
 static bool open_picture(job *j)
 {
+    struct stat status;
+    if (stat(j->path, &status) != 0)
+        return rk_fail(j->error, "%s: cannot be read: %s", j->path, strerror(errno));
+    if (!S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode))
+        return rk_fail(j->error, "%s: is not a regular file: copy the picture to one", j->path);
     j->stream = fopen(j->path, "rb");
     if (!j->stream)
-        return rk_fail(j->error, "%s: cannot be read: %s", j->path, strerror(errno));
-    struct stat status;
-    if (fstat(fileno(j->stream), &status) != 0)
         return rk_fail(j->error, "%s: cannot be read: %s", j->path, strerror(errno));
     j->file_size = (uintmax_t)status.st_size;
     if (!check_head(j))
         return false;
-    j->png = png_create_read_struct(PNG_LIBPNG_VER_STRING, j, on_error, on_warning);
+    j->png = png_create_read_struct_2(PNG_LIBPNG_VER_STRING, j, on_error, on_warning, j,
+                                      allocate_block, free_block);
     j->info = j->png ? png_create_info_struct(j->png) : NULL;
     return j->info ||
            rk_fail(j->error,
@@ -85,6 +112,8 @@ static void read_head(job *j)
 {
     png_set_read_fn(j->png, j, read_bytes);
     png_set_user_limits(j->png, RK_IMAGE_SIDE_MAX, RK_IMAGE_SIDE_MAX);
+    png_set_chunk_malloc_max(j->png, chunk_max);
+    png_set_chunk_cache_max(j->png, chunks_max);
     png_read_info(j->png, j->info);
     /* Deflate compresses no more than 1032 bytes into one (zlib's technical details), so a small
      * file that claims a large size is detected here, before it takes gigabytes. */
@@ -167,15 +196,20 @@ static bool decode(job *j)
     return true;
 }
 
-bool rk_png_read(rk_image *image, const char *path, rk_error *error)
+bool rk_png_read_within(rk_image *image, const char *path, size_t most_pixels, rk_error *error)
 {
     *image = (rk_image){0};
-    job j = {.path = path, .error = error, .image = image};
+    job j = {.path = path, .error = error, .image = image, .most_pixels = most_pixels};
     bool ok = decode(&j);
     close_picture(&j);
     if (!ok)
         rk_image_free(image);
     return ok;
+}
+
+bool rk_png_read(rk_image *image, const char *path, rk_error *error)
+{
+    return rk_png_read_within(image, path, RK_IMAGE_PIXELS_MAX, error);
 }
 
 /* --- texts ----------------------------------------------------------------------------------- */
@@ -227,7 +261,7 @@ char *rk_png_read_text(const char *path, const char *key, rk_error *error)
 {
     if (error)
         error->text[0] = '\0';
-    job j = {.path = path, .error = error, .key = key};
+    job j = {.path = path, .error = error, .key = key, .most_pixels = RK_IMAGE_PIXELS_MAX};
     if (open_picture(&j) && run(&j, read_head) && run(&j, find_text) && !j.value &&
         run(&j, skip_picture))
         run(&j, find_text);

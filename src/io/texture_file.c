@@ -94,7 +94,8 @@ static bool write_temporary(long_path *path, const rk_texture_file_source *sourc
 }
 
 /* Our readers need files. The first bytes identify a PNG, which needs no helper program. */
-static bool read_embedded(rk_image *image, const rk_texture_file_source *source, rk_error *error)
+static bool read_embedded(rk_image *image, const rk_texture_file_source *source, size_t most_texels,
+                          rk_error *error)
 {
     static const unsigned char png[] = {0x89, 'P', 'N', 'G'};
     long_path path;
@@ -104,8 +105,8 @@ static bool read_embedded(rk_image *image, const rk_texture_file_source *source,
         return rk_fail(error, "picture %s in the mesh file: no temporary file: %s: set TMPDIR",
                        source->name, strerror(errno));
     bool is_png = source->data_size >= sizeof png && memcmp(source->data, png, sizeof png) == 0;
-    bool ok = is_png ? rk_png_read(image, path.text, &reason)
-                     : rk_image_file_read(image, path.text, &reason);
+    bool ok = is_png ? rk_png_read_within(image, path.text, most_texels, &reason)
+                     : rk_image_file_read_within(image, path.text, most_texels, &reason);
     unlink(path.text);
     size_t length = strlen(path.text);
     if (ok)
@@ -121,18 +122,11 @@ bool rk_texture_file_read(rk_texture *texture, const rk_texture_file_source *sou
     long_path path;
     *texture = (rk_texture){.wrap = source->clamps ? RK_TEXTURE_CLAMP : RK_TEXTURE_REPEAT,
                             .filter = RK_TEXTURE_BILINEAR};
-    bool ok = source->data ? read_embedded(&texture->image, source, error)
-                           : find_file(&path, mesh_path, source->name, error) &&
-                                 rk_image_file_read(&texture->image, path.text, error);
-    if (!ok)
-        return false;
-    size_t texels = texture->image.width * texture->image.height;
-    if (texels <= *texels_left) {
-        *texels_left -= texels;
-        return true;
-    }
-    rk_fail(error, "%s: its %zu x %zu texels are more than remain for textures: make it smaller",
-            source->data ? source->name : path.text, texture->image.width, texture->image.height);
-    rk_texture_free(texture);
-    return false;
+    bool ok = source->data
+                  ? read_embedded(&texture->image, source, *texels_left, error)
+                  : find_file(&path, mesh_path, source->name, error) &&
+                        rk_image_file_read_within(&texture->image, path.text, *texels_left, error);
+    if (ok)
+        *texels_left -= texture->image.width * texture->image.height;
+    return ok;
 }

@@ -12,7 +12,8 @@ typedef struct rk_texture_file_source {
 } rk_texture_file_source;
 
 /* Reads a mesh file's picture as a bilinear texture. Its texels are subtracted from `texels_left`;
- * a picture with more is refused. False with an error that begins with the picture's path.
+ * a picture with more is refused before it is read. False with an error that begins with the
+ * picture's path.
  *
  * The name is relative to the mesh file's folder unless it begins with a slash. Backslashes are
  * slashes, and %20 may be a space, as in glTF. If there is no such file, the name's last part is

@@ -129,7 +129,7 @@ static void double_row(uint32_t row, uint32_t thread, void *context)
 {
     (void)thread;
     const step *s = context;
-    ptrdiff_t y = row / 2, beside_y = row % 2 ? y + 1 : y - 1;
+    ptrdiff_t y = (ptrdiff_t)(row / 2), beside_y = row % 2 ? y + 1 : y - 1;
     for (size_t i = 0; i < s->to->width; i++) {
         ptrdiff_t x = (ptrdiff_t)(i / 2), beside_x = i % 2 ? x + 1 : x - 1;
         rk_vec3 near =

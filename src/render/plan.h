@@ -104,8 +104,9 @@ bool rk_plan_any_material(const rk_scene *scene, bool (*holds)(const rk_material
 bool rk_plan_reflects(const rk_scene *scene, const rk_render_options *options);
 
 /* Can rk_render draw it? False with an error for a value out of its range or its enumeration, a
- * wrong field of view, more lights or spheres than a scene has room for, and more samples than a
- * sampler has numbers for. The mesh is not checked: see rk_accel_build. */
+ * wrong field of view, a camera or a light that is not finite, more lights or spheres than a scene
+ * has room for, and more samples than a sampler has numbers for. The mesh is not checked: see
+ * rk_accel_build. */
 bool rk_render_check(const rk_scene *scene, const rk_render_options *options, rk_error *error);
 
 #endif

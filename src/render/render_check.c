@@ -5,20 +5,56 @@
 
 /* --- The scene -------------------------------------------------------------------------------- */
 
-static bool check_scene(const rk_scene *scene, rk_error *error)
+static bool is_finite(rk_vec3 v)
 {
-    if (!(scene->camera.fov > 0 && scene->camera.fov < 180))
+    return isfinite(v.x) && isfinite(v.y) && isfinite(v.z);
+}
+
+/* Rays that are not numbers would be tested against everything. */
+static bool check_camera(const rk_scene *scene, rk_error *error)
+{
+    const rk_camera *camera = &scene->camera;
+    if (!(camera->fov > 0 && camera->fov < 180))
         return rk_fail(error,
                        "%s: the camera's field of view is %g degrees: it is above 0 and below 180",
-                       scene->name, (double)scene->camera.fov);
+                       scene->name, (double)camera->fov);
+    return (is_finite(camera->look_at) && is_finite(camera->rotation) &&
+            isfinite(camera->distance)) ||
+           rk_fail(error, "%s: the camera's look_at, rotation or distance is not a finite number",
+                   scene->name);
+}
+
+static bool check_light(const rk_scene *scene, uint32_t i, rk_error *error)
+{
+    const rk_light *light = &scene->lights[i];
+    if (light->kind > RK_LIGHT_PARALLELOGRAM)
+        return rk_fail(error, "%s: light %u has the kind %u, which is not in rk_light_kind",
+                       scene->name, i, light->kind);
+    /* Members that a kind does not have are not read. */
+    const uint32_t corners = light->kind == RK_LIGHT_POINT     ? 1
+                             : light->kind == RK_LIGHT_SEGMENT ? 2
+                                                               : 4;
+    bool finite = is_finite(light->position) && (corners < 2 || is_finite(light->edge01)) &&
+                  (corners < 4 || is_finite(light->edge02));
+    for (uint32_t corner = 0; corner < corners; corner++)
+        finite = finite && is_finite(light->colours[corner]);
+    return finite || rk_fail(error,
+                             "%s: light %u has a position, an edge or a colour that is not a "
+                             "finite number",
+                             scene->name, i);
+}
+
+static bool check_scene(const rk_scene *scene, rk_error *error)
+{
+    if (!check_camera(scene, error))
+        return false;
     if (scene->light_count > RK_LIGHTS_MAX || scene->sphere_count > RK_SPHERES_MAX)
         return rk_fail(error, "%s: %u lights and %u spheres: a scene has at most %d and %d",
                        scene->name, scene->light_count, scene->sphere_count, RK_LIGHTS_MAX,
                        RK_SPHERES_MAX);
     for (uint32_t i = 0; i < scene->light_count; i++)
-        if (scene->lights[i].kind > RK_LIGHT_PARALLELOGRAM)
-            return rk_fail(error, "%s: light %u has the kind %u, which is not in rk_light_kind",
-                           scene->name, i, scene->lights[i].kind);
+        if (!check_light(scene, i, error))
+            return false;
     return true;
 }
 

@@ -22,7 +22,13 @@ interrupted() {
     exit 130
 }
 
-trap 'rm -rf "$RAYKIT_OUT" "$RAYKIT_SCRAPS" || :' EXIT
+# Another who makes the same page works in the same folder: what is there is not ours before mkdir.
+started=
+clean_up() {
+    rm -rf "$RAYKIT_SCRAPS" || :
+    [ -z "$started" ] || rm -rf "$RAYKIT_OUT" || :
+}
+trap clean_up EXIT
 trap interrupted HUP INT TERM
 
 [ -n "${PANDOC-}" ] || give_up "pandoc is missing: run ./bootstrap, or install pandoc and run ./configure again"
@@ -59,7 +65,17 @@ RAYKIT_UNITS=
 
 # Reported before anything is rendered.
 unwritable="$final cannot be written (the reason is above): free some space, or build in a folder of your own"
-rm -rf "$RAYKIT_OUT" && mkdir -p "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables" || give_up "$unwritable"
+mkdir -p "$RAYKIT_BUILD/$texts" || give_up "$unwritable"
+if ! mkdir "$RAYKIT_OUT" 2>/dev/null; then
+    other=$(cat "$RAYKIT_OUT/process" 2>/dev/null || :)
+    if [ -n "$other" ] && kill -0 "$other" 2>/dev/null; then
+        give_up "process $other is making it in $RAYKIT_OUT: wait for it, build in a folder of your own, or" \
+            "remove that folder if it is left over"
+    fi
+    rm -rf "$RAYKIT_OUT" && mkdir "$RAYKIT_OUT" || give_up "$unwritable"
+fi
+started=yes
+echo $$ >"$RAYKIT_OUT/process" && mkdir "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables" || give_up "$unwritable"
 
 # Pages link to sources by relative paths, so that the whole folder can be moved.
 RAYKIT_SOURCE_LINK=$(realpath --relative-to="$RAYKIT_OUT" "$RAYKIT_SOURCE" 2>/dev/null) ||
@@ -112,7 +128,7 @@ publish() {
         print_pdf
         pdf="and $final/$RAYKIT_WEAVES.pdf"
     fi
-    rm -rf "$final.old" || give_up "$unwritable"
+    rm -rf "$final.old" "$RAYKIT_OUT/process" || give_up "$unwritable"
     trap '' HUP INT TERM # the two moves belong together
     [ ! -e "$final" ] || mv "$final" "$final.old" || give_up "$unwritable"
     mv "$RAYKIT_OUT" "$final" || give_up "$unwritable"

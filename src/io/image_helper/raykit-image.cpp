@@ -1,9 +1,10 @@
 // raykit-image: pictures in every format of OpenImageIO, for the library, which does not link it (a
 // process that does takes a quarter of a second to start).
 //
-//   raykit-image read FILE        picture to standard output, in the format of image_stream.h
-//   raykit-image write FILE       picture from standard input, in the format of FILE's ending
-//   raykit-image compare A B      prints rms, psnr, maximum, its x and y, and Yee's pixel count
+//   raykit-image read FILE MOST   picture of up to MOST pixels to standard output, in the format of
+//   image_stream.h raykit-image write FILE       picture from standard input, in the format of
+//   FILE's ending raykit-image compare A B      prints rms, psnr, maximum, its x and y, and Yee's
+//   pixel count
 //
 // Errors are one line on standard error that begins with the file's name, and exit status 1.
 #include "io/image_helper/perceptual.h"
@@ -18,6 +19,7 @@
 #include <cerrno>
 #include <cmath>
 #include <csignal>
+#include <cstdint>
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
@@ -83,12 +85,16 @@ std::string size_text(const Picture &picture)
 
 // --- reading ------------------------------------------------------------------------------------
 
-void check_size(const std::string &path, const OIIO::ImageSpec &spec)
+void check_size(const std::string &path, const OIIO::ImageSpec &spec, size_t most_pixels)
 {
     const int most = RK_IMAGE_STREAM_SIDE_MAX;
     if (spec.width < 1 || spec.height < 1 || spec.width > most || spec.height > most)
         fail(path, "claims " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
                        " pixels: each side must be 1 to " + std::to_string(most));
+    if (size_t(spec.width) * size_t(spec.height) > most_pixels)
+        fail(path, "has " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
+                       " pixels, more than the " + std::to_string(most_pixels) +
+                       " allowed here: make it smaller");
     if (spec.deep || spec.depth > 1)
         fail(path, "is a deep or volume picture; flatten it, for instance by oiiotool --flatten");
 }
@@ -113,18 +119,20 @@ float decode_srgb(double stored)
     return float(stored <= 0.04045 ? stored / 12.92 : std::pow((stored + 0.055) / 1.055, 2.4));
 }
 
-// The curve from stored to linear values; an empty function if they are linear already. Unless the
-// file says otherwise, integers are sRGB-encoded and floats are linear.
+// The curve from stored to linear values; an empty function if they are linear already. Integers
+// are sRGB-encoded and floats are linear, unless the file names a curve. The names of linear spaces
+// begin with "lin": linear, lin_srgb, lin_rec709. OpenImageIO calls every PNM Rec709, also one of
+// floats.
 std::function<float(double)> curve_of(const OIIO::ImageSpec &spec)
 {
     std::string space = spec.get_string_attribute("oiio:ColorSpace");
     std::transform(space.begin(), space.end(), space.begin(), ::tolower);
     float gamma = spec.get_float_attribute("oiio:Gamma");
-    if (space == "linear" || space == "scene_linear" || gamma == 1)
+    if (space.rfind("lin", 0) == 0 || space == "scene_linear" || gamma == 1)
         return {};
     if (gamma > 0 && std::abs(1 / gamma - 1 / 2.2) >= 0.001)
         return [gamma](double stored) { return float(std::pow(stored, double(gamma))); };
-    if (space.empty() && spec.format.is_floating_point())
+    if (spec.format.is_floating_point() && space.rfind("srgb", 0) != 0 && !(gamma > 0))
         return {};
     return decode_srgb;
 }
@@ -193,7 +201,7 @@ void check_readable(const std::string &path)
         fail(path, "cannot be read: " + reason);
 }
 
-Picture read_picture(const std::string &path)
+Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX)
 {
     check_readable(path);
     // Alpha is dropped, so colours must not be multiplied by it.
@@ -203,7 +211,7 @@ Picture read_picture(const std::string &path)
     if (!input)
         fail(path, "cannot be read: " + first_line(OIIO::geterror()));
     OIIO::ImageSpec spec = input->spec();
-    check_size(path, spec);
+    check_size(path, spec, most_pixels);
     Channels channels = colour_channels(path, spec);
     size_t pixels = size_t(spec.width) * size_t(spec.height);
     Floats values(pixels * size_t(channels.count));
@@ -219,9 +227,9 @@ Picture read_picture(const std::string &path)
     return picture;
 }
 
-Picture load(const std::string &path)
+Picture load(const std::string &path, size_t most_pixels = SIZE_MAX)
 {
-    Picture picture = read_picture(path);
+    Picture picture = read_picture(path, most_pixels);
     check_finite(path, picture);
     return picture;
 }
@@ -380,14 +388,14 @@ void compare(const std::string &path_a, const std::string &path_b)
 
 void run(const std::vector<std::string> &words)
 {
-    if (words.size() == 2 && words[0] == "read")
-        send(load(words[1]));
+    if (words.size() == 3 && words[0] == "read")
+        send(load(words[1], std::stoull(words[2])));
     else if (words.size() == 2 && words[0] == "write")
         store(words[1], receive());
     else if (words.size() == 3 && words[0] == "compare")
         compare(words[1], words[2]);
     else
-        fail("raykit-image", "usage: raykit-image read FILE | write FILE | compare A B");
+        fail("raykit-image", "usage: raykit-image read FILE MOST | write FILE | compare A B");
 }
 
 std::string one_line(std::string text)

@@ -212,7 +212,11 @@ static bool emit_polygon(gather *g, part *p, const struct aiFace *face, rk_error
         return false;
     for (uint32_t i = 0; i < corners; i++)
         p->points[i] = position_of(p, face->mIndices[i]);
-    rk_polygon_triangulate(p->points, corners, p->triangles, p->left);
+    if (!rk_polygon_triangulate(p->points, corners, p->triangles, p->left))
+        return rk_fail(error,
+                       "%s: a face has %u corners and is not convex: at most %d are divided into "
+                       "triangles; divide it before exporting",
+                       g->path, corners, RK_POLYGON_CORNERS_MAX);
     for (uint32_t i = 0; i < corners - 2; i++) {
         const uint32_t *corner = p->triangles[i];
         uint32_t triangle[3] = {face->mIndices[corner[0]], face->mIndices[corner[1]],

@@ -5,6 +5,7 @@
 #include "io/mesh_helper/text_cursor.h"
 
 #include <stdio.h>
+#include <sys/stat.h>
 #include <unistd.h>
 
 enum { POSITION, TEXCOORD, NORMAL, kinds };
@@ -119,6 +120,13 @@ static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
     return true;
 }
 
+/* mesh_io.h refuses others. */
+static bool is_readable(const char *path)
+{
+    struct stat status;
+    return stat(path, &status) == 0 && S_ISREG(status.st_mode) && access(path, R_OK) == 0;
+}
+
 /* Assimp tries the named file, then the mesh's own name with .mtl. */
 static bool library_is_there(const obj_parser *s)
 {
@@ -126,10 +134,10 @@ static bool library_is_there(const obj_parser *s)
     const char *slash = strrchr(s->path, '/');
     int folder = slash ? (int)(slash - s->path) + 1 : 0;
     snprintf(path, sizeof path, "%.*s%s", folder, s->path, s->library);
-    if (access(path, R_OK) == 0)
+    if (is_readable(path))
         return true;
     snprintf(path, sizeof path, "%.*smtl", (int)(strrchr(s->path, '.') - s->path) + 1, s->path);
-    return access(path, R_OK) == 0;
+    return is_readable(path);
 }
 
 bool rk_mesh_syntax_obj(const char *path, const char *text, size_t size, rk_mesh_hints *hints,

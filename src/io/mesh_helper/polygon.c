@@ -3,7 +3,6 @@
  * fan. Source: Meisters, "Polygons have ears", American Mathematical Monthly 82 (1975). */
 #include "io/mesh_helper/polygon.h"
 
-#include <stdbool.h>
 #include <string.h>
 
 typedef struct flat {
@@ -96,11 +95,13 @@ static bool is_convex(const view *w, uint32_t corners)
     return true;
 }
 
-void rk_polygon_triangulate(const rk_vec3 *points, uint32_t corners, uint32_t (*triangles)[3],
+bool rk_polygon_triangulate(const rk_vec3 *points, uint32_t corners, uint32_t (*triangles)[3],
                             uint32_t *left)
 {
     view w = look_at(points, corners);
     bool convex = is_convex(&w, corners);
+    if (!convex && corners > RK_POLYGON_CORNERS_MAX)
+        return false;
     for (uint32_t i = 0; i < corners; i++)
         left[i] = i;
     uint32_t ear = 0;
@@ -119,4 +120,5 @@ void rk_polygon_triangulate(const rk_vec3 *points, uint32_t corners, uint32_t (*
         row[2] = left[(ear + 1) % count];
         memmove(&left[ear], &left[ear + 1], (count - 1 - ear) * sizeof *left);
     }
+    return true;
 }

@@ -2,6 +2,7 @@
  * mesh_stream.h. On failure the exit status is 1 and the last line on standard error is the reason.
  * rk_mesh_file_read starts it; a file that makes Assimp crash ends only this process. */
 #include "io/mesh_helper/mesh_gather.h"
+#include "io/mesh_helper/mesh_io.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_stream.h"
 
@@ -98,7 +99,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
 {
     if (!rk_mesh_syntax_check(path, hints, error))
         return false;
-    const struct aiScene *scene = aiImportFile(path, 0);
+    const struct aiScene *scene = aiImportFileEx(path, 0, &rk_mesh_io);
     if (!scene)
         return rk_fail(error, "%s: Assimp cannot read it: %s", path, aiGetErrorString());
     rk_mesh mesh = {0};

@@ -132,7 +132,7 @@ static bool check_command(const rk_render_options *options, rk_error *error)
     const rk_motion_options *motion = &options->motion;
     return isnan(motion->single_time) || motion->samples > 0 ||
            rk_fail(error,
-                   "--single-time %g: it is one of the --time-samples, and there are none; give "
+                   "the single time %g is one of the --time-samples, and there are none; give "
                    "--time-samples N, 1 or more",
                    (double)motion->single_time);
 }

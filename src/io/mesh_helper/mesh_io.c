@@ -1,0 +1,87 @@
+#include "io/mesh_helper/mesh_io.h"
+
+#include <stdbool.h>
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+#include <sys/stat.h>
+
+/* `file` comes first: Assimp knows only that. */
+typedef struct opened {
+    struct aiFile file;
+    FILE *stream;
+    long skipped; /* bytes before the text */
+} opened;
+
+static size_t read_items(struct aiFile *file, char *to, size_t size, size_t count)
+{
+    return fread(to, size, count, ((opened *)file)->stream);
+}
+
+static size_t write_nothing(struct aiFile *file, const char *from, size_t size, size_t count)
+{
+    (void)file, (void)from, (void)size, (void)count;
+    return 0;
+}
+
+static size_t tell(struct aiFile *file)
+{
+    const opened *o = (opened *)file;
+    return (size_t)(ftell(o->stream) - o->skipped);
+}
+
+static size_t size_of(struct aiFile *file)
+{
+    const opened *o = (opened *)file;
+    struct stat status;
+    return fstat(fileno(o->stream), &status) == 0 ? (size_t)(status.st_size - o->skipped) : 0;
+}
+
+static enum aiReturn seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
+{
+    const opened *o = (opened *)file;
+    int from = origin == aiOrigin_SET ? SEEK_SET : origin == aiOrigin_CUR ? SEEK_CUR : SEEK_END;
+    long place = (long)offset + (from == SEEK_SET ? o->skipped : 0);
+    return fseek(o->stream, place, from) == 0 ? aiReturn_SUCCESS : aiReturn_FAILURE;
+}
+
+static void flush(struct aiFile *file)
+{
+    (void)file;
+}
+
+static bool is_text_with_mark(FILE *stream, const char *path)
+{
+    const char *ending = strrchr(path, '.');
+    char first[3];
+    return ending && (strcasecmp(ending, ".obj") == 0 || strcasecmp(ending, ".mtl") == 0) &&
+           fread(first, 1, 3, stream) == 3 && memcmp(first, "\xef\xbb\xbf", 3) == 0;
+}
+
+static struct aiFile *open_file(struct aiFileIO *io, const char *path, const char *mode)
+{
+    (void)io;
+    struct stat status;
+    if (mode[0] != 'r' || stat(path, &status) != 0 || !S_ISREG(status.st_mode))
+        return NULL;
+    opened *o = malloc(sizeof *o);
+    FILE *stream = o ? fopen(path, "rb") : NULL;
+    if (!stream) {
+        free(o);
+        return NULL;
+    }
+    long skipped = is_text_with_mark(stream, path) ? 3 : 0;
+    fseek(stream, skipped, SEEK_SET);
+    *o = (opened){{read_items, write_nothing, tell, size_of, seek, flush, NULL}, stream, skipped};
+    return &o->file;
+}
+
+static void close_file(struct aiFileIO *io, struct aiFile *file)
+{
+    (void)io;
+    fclose(((opened *)file)->stream);
+    free(file);
+}
+
+struct aiFileIO rk_mesh_io = {open_file, close_file, NULL};

@@ -1,0 +1,11 @@
+/* The files that Assimp opens: the mesh, and those that it names. Part of raykit-mesh. */
+#ifndef RK_IO_MESH_HELPER_MESH_IO_H
+#define RK_IO_MESH_HELPER_MESH_IO_H
+
+#include <assimp/cfileio.h>
+
+/* Opens regular files only, because a pipe or a device may never end; others are as missing. Skips
+ * a byte order mark before OBJ and MTL, which Assimp would take for a part of the first line. */
+extern struct aiFileIO rk_mesh_io;
+
+#endif
