@@ -43,10 +43,29 @@ end
 
 -- --- code and tests --------------------------------------------------------------------------
 
+-- Returns a definition and its file. Of a student's file in a pack, what lacks there is the starter's.
 local function definition(element, file, name)
   local found, wrong = code.find(drive.source .. "/" .. file, file, name, solutions)
+  local starters = file:gsub("^workbook/", "src/features/")
+  if starters ~= file then
+    local starter = code.find(drive.source .. "/" .. starters, starters, name, solutions)
+    if starter and found then
+      found.written = found.text ~= starter.text
+      found.own = starter.own
+    elseif starter then
+      starter.missing = file
+      return starter, starters
+    end
+  end
   if not found then fail_at(element, "%s", wrong) end
-  return found
+  return found, file
+end
+
+-- What is said below a student's part, or nil.
+local function whose(found)
+  if found.missing then return "This is the starter; " .. found.missing .. " does not define it." end
+  if found.written then return "Your code." end
+  if found.own then return found.later and "Left open here: a later assignment asks for it." or "Yours to write." end
 end
 
 local function file_line(element, file, line)
@@ -82,23 +101,25 @@ end
 
 local function listing(block)
   local file = need(block, "file")
-  local texts, first, own, anchors = {}, nil, false, pandoc.List()
+  local texts, said, first, from, anchors = {}, {}, nil, nil, pandoc.List()
   for name in need(block, "name"):gmatch("%S+") do
-    local found = definition(block, file, name)
+    local found, place = definition(block, file, name)
     texts[#texts + 1] = found.text
-    first, own = first or found.line, own or found.own
+    first, from = first or found.line, from or place
+    local note = whose(found)
+    if note and not said[note] then said[note], said[#said + 1] = true, note end
     local id = anchor("code-" .. name)
     if id ~= "" then anchors:insert(pandoc.Span({}, {id = id})) end
   end
   local top = pandoc.List(anchors)
-  top:insert(pandoc.Span({file_line(block, file, first)}, {class = "from"}))
+  top:insert(pandoc.Span({file_line(block, from, first)}, {class = "from"}))
   top:extend(inlines_of(block))
   local content = {
     pandoc.Div({pandoc.Plain(top)}, {class = "caption"}),
     pandoc.CodeBlock(table.concat(texts, "\n\n"), {class = "c"}),
   }
-  if own then
-    content[3] = pandoc.Div({pandoc.Plain("Yours to write.")}, {class = "yours"})
+  if #said > 0 then
+    content[3] = pandoc.Div({pandoc.Plain(table.concat(said, " "))}, {class = "yours"})
   end
   local _, line_ends = content[2].text:gsub("\n", "")
   return pandoc.Div(content, {class = line_ends > 22 and "listing long" or "listing"})

@@ -443,16 +443,16 @@ static const char *part_of(double x, double y, double last)
                       : "between centres";
 }
 
-/* The blend at x, y, in texels from the first centre to the right and upwards. */
-static rk_vec3 mix_by_hand(const rk_cubemap *map, int face, double x, double y)
+/* The sum over all texels of a face, each under a tent as wide as two. x to the right and y
+ * upwards, in texels from the first centre; beyond the outer centres nothing changes. */
+static rk_vec3 under_tents(const rk_cubemap *map, int face, double x, double y)
 {
     vec sum = {0, 0, 0};
     double last = map->side - 1;
-    for (int k = 0; k < 4; k++) {
-        double i = floor(x) + (k & 1), j = floor(y) + (k >> 1);
-        double weight = (1 - fabs(x - i)) * (1 - fabs(y - j));
-        uint32_t column = (uint32_t)fmin(fmax(i, 0), last);
-        uint32_t row = (uint32_t)(last - fmin(fmax(j, 0), last));
+    x = fmin(fmax(x, 0), last), y = fmin(fmax(y, 0), last);
+    for (uint32_t k = 0; k < map->side * map->side; k++) {
+        uint32_t column = k % map->side, row = k / map->side;
+        double weight = fmax(1 - fabs(x - column), 0) * fmax(1 - fabs(last - y - row), 0);
         sum =
             combine(sum, 1, widen(*rk_cubemap_texel(map, (rk_cube_face)face, column, row)), weight);
     }
@@ -473,7 +473,7 @@ static void bilinear_mixes_the_faces_own_texels_up_to_its_edges(void **state)
             /* u and v are rounded; colours differ by at most 1 per texel. */
             check_colour(rk_cubemap_at(&map, narrow(towards(face, 2 * u - 1, 2 * v - 1)),
                                        RK_CUBEMAP_BILINEAR),
-                         mix_by_hand(&map, face, x, y), 2 * (sides[k] + 1) * few_roundings,
+                         under_tents(&map, face, x, y), 2 * (sides[k] + 1) * few_roundings,
                          "side %u, face %s, (u, v) = (%.3g, %.3g), %s", sides[k], cross[face].name,
                          u, v, part_of(x, y, sides[k] - 1));
         }

@@ -20,10 +20,10 @@ from grading import leak_check  # noqa: E402
 from grading.assignments import ToolError, read_features, read_points  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
 from grading.mutants import mutate, read_mutants  # noqa: E402
-from grading.starters import solution_lines, starter_of  # noqa: E402
+from grading.starters import is_handed_out, is_left_open, solution_lines, starter_of  # noqa: E402
 from tap import check, finish, run  # noqa: E402
 
-STEM = "bvh_median"
+STEM, NEXT = "bvh_median", "sah_binning"  # the second builds its trees by the first
 FEATURES = read_features(SOURCE)
 FEATURE = FEATURES[STEM]
 STARTER = starter_of(FEATURE.reference)
@@ -47,6 +47,23 @@ def write(text, *path):
 # --- The instructor packs -------------------------------------------------------------------------
 
 
+def what_comes_later():
+    def later(stems, word):
+        return [feature.stem for feature in handout._later(FEATURES, [FEATURES[stem] for stem in stems], word)]
+
+    stems = list(FEATURES)
+    check(later([STEM], "") == stems[1:], "what comes later in the course has starters", later([STEM], ""))
+    check(later([NEXT], "") == stems[2:], "what came before has its solutions", later([NEXT], ""))
+    check(later([NEXT], "all") == stems[2:], "what is needed has its solution, though all are left open", later([NEXT], "all"))
+    check(later([STEM], "no") == [] and later([STEM], "bloom shading") == ["shading", "bloom"], "LATER names others, or none")
+    for stem, word in ((NEXT, STEM), (STEM, STEM), (STEM, "blom")):
+        try:
+            later([stem], word)
+            check(False, f"LATER={word} is refused for {stem}")
+        except ToolError as error:
+            check(word in str(error) and "\n" not in str(error), f"LATER={word} is refused for {stem}", error)
+
+
 def mistakes_are_refused(folder):
     taken = os.path.join(folder, "taken.tar.gz")
     write("mine", taken)
@@ -63,6 +80,12 @@ def mistakes_are_refused(folder):
             check(False, name)
         except ToolError as error:
             check(part in str(error) and "\n" not in str(error), name, error)
+    with mock.patch.dict(os.environ, PANDOC=""):
+        try:
+            handout.make_handout(SOURCE, [STEM], folder=os.path.join(folder, "bookless"))
+            check(False, "a pack without the book is made on request only")
+        except ToolError as error:
+            check("pandoc" in str(error) and "BOOK=no" in str(error), "a pack without the book is made on request only", error)
     check(os.listdir(folder) == ["taken.tar.gz"] and read(taken) == "mine", "what is refused leaves nothing behind",
           os.listdir(folder))
 
@@ -72,8 +95,13 @@ def the_pack_holds_no_solution(pack):
     everything = b"".join(open(os.path.join(where, name), "rb").read()
                           for where, _, names in os.walk(pack) for name in names)
     check(SECRET.encode() not in everything, "no file holds a line of the solution")
-    check(f"{STEM}.mutants" not in os.listdir(os.path.join(pack, "tests", "mutants")),
-          "mutants, which hold solutions, are left out")
+    left = [name for name in os.environ["RAYKIT_INSTRUCTORS"].split() if os.path.exists(os.path.join(pack, name))]
+    check(len(os.environ["RAYKIT_INSTRUCTORS"].split()) > 10 and not left, "what only instructors use is left out", left)
+    marked = [name for name in leak_check._files(pack) if name.endswith((".c", ".h")) and "/* solution */" in read(pack, name)]
+    held = {f"src/features/{stem}.c" for stem in FEATURES if stem != STEM}
+    check(set(marked) == held, "the word solution stands only in units whose solution is there", marked)
+    check(starter_of(os.path.join(pack, "src", "features", STEM + ".c")) == STARTER
+          and is_handed_out(os.path.join(pack, "src", "features", STEM + ".c")), "src/features has the starter, to compare with")
     check(f"## Hand in\n\n- `workbook/{STEM}.c`\n" in read(pack, "HANDOUT.md"), "HANDOUT.md names the file to hand in")
 
 
@@ -85,6 +113,11 @@ def texts_speak_of_the_pack(pack):
               f"the {name} speaks of the workbook, not of a folder to be made", text[:2000])
     check(f"make debug-{STEM} TEST=" in chapter, "the chapter's commands are those of the pack")
     check(f"workbook/{STEM}.c" in task and f"(file:workbook/{STEM}.c)" in chapter, "texts name the file to edit")
+    check("The book is missing" in read(pack, "HANDOUT.md"), "HANDOUT.md says that the book is missing")
+    broken = [f"{name}: {target}" for name in leak_check._files(pack) if name.endswith(".md")
+              for target in re.findall(r"\]\(([\w./-]+)", read(pack, name))
+              if not os.path.exists(os.path.join(pack, os.path.dirname(name), target))]
+    check(not broken, "links in texts lead to files of the pack", broken)
     try:
         handout.as_packed("one\nmake check IMPL=mine_too DIR=mine\n", "docs/some.md", [STEM])
         check(False, "a text that is true in the kit only is refused")
@@ -168,37 +201,117 @@ def what_the_kit_has_in_common_is_told(pack):
 # --- The student works ----------------------------------------------------------------------------
 
 
-def the_pack_is_failed_and_solved(pack):
+def what_is_left_open_is_no_solution(pack):
+    for stem in list(FEATURES)[2:]:
+        path = os.path.join(pack, "src", "features", stem + ".c")
+        check(is_left_open(path) and starter_of(path) == starter_of(FEATURES[stem].reference)
+              and not solution_lines(FEATURES[stem].reference) & {line.strip() for line in read(path).split("\n")},
+              f"{stem}, which a later assignment asks for, is a starter")
+    check(sorted(os.listdir(os.path.join(pack, "workbook"))) == sorted([STEM + ".c", NEXT + ".c"])
+          and "shading" not in read(pack, "HANDOUT.md").split("## Begin")[0], "and nobody is asked for it yet")
+
+
+def code_of(page, name):
+    """The listings of a page that define this name, as text."""
+    listings = re.findall(r'<div class="listing.*?</pre>', read(page), re.DOTALL)
+    texts = [html.unescape(re.sub("<[^>]*>", "", listing)) for listing in listings]
+    return "\n".join(text for text in texts if re.search(rf"\b{name}\(.*\n\{{", text))
+
+
+def the_book_is_handed_out(pack):
+    page = os.path.join(pack, "docs", "handout", "book.html")
+    text, record = read(page), os.path.join(pack, "docs", "handout", "record")
+    check("First step:" in code_of(page, "box_of") and "workbook/bvh_median.c" in code_of(page, "box_of"),
+          "the book is there, with starters", code_of(page, "box_of"))
+    check("Not made:" not in text and "src/features/bvh_median.c" not in text, "all its figures are made, its texts are the pack's")
+    check(os.path.exists(os.path.join(record, "figures", "bvh_median_statue-87130.png")), "its figures are there")
+    check(SOURCE not in text and pack not in text and SOURCE not in read(record, "record.lua"), "no path of this machine is in it")
+    check(os.path.exists(os.path.join(handout.record_folder(), "drawn_by")), "they are kept for the next pack")
+
+
+def the_starters_are_failed(pack):
     make = os.environ.get("MAKE", "make")
     compiler = " ".join(Toolchain(".").compiler)
     status, said = run(pack, "./bootstrap", "--no-install", f"CC={compiler}")
     check(status == 0, "the pack configures without git", said)
     status, said = run(pack, make, "-s", "-j2", f"check-{STEM}")
     check(status != 0 and f"first: {TESTS[0].name}" in said, "the starter fails, and the check says where to begin", said)
-    _, said = run(pack, make, "-s", "grade", "FORMAT=tap")
+    _, said = run(pack, make, "-s", "grade", f"ASSIGNMENTS={STEM}", "FORMAT=tap")
     scored = sum(test.points > 0 for test in TESTS)
     check(said.count("not ok ") == scored, "the starter fails every test that carries points, and no other", said)
     status, said = run(pack, make, "-s", "progress")
     check(status == 0 and f"0 of {TOTAL}" in said, "progress counts no points yet", said)
     status, said = run(pack, make, "-s", f"diff-{STEM}")
     check(status == 0 and "unchanged" in said, "the difference to the starter is none yet", said)
-    for target in ("handout", "check-suites"):
+    for target in ("handout", "check-suites", "check-grade", "grade-class", "new-feature"):
         status, said = run(pack, make, "-s", target)
         check(status != 0 and "this is a handout" in said, f"make {target} says that this is a handout", said)
-    status, said = run(pack, make, "-s", "-j2", "check-render")
-    check(status != 0 and "not ok" not in said, "a suite that uses the student's code fails", said)
-    status, said = run(pack, make, "-s", "-j2", "check", "check_PROGRAMS=tests/test_render", "TESTS=tests/test_render")
-    told = next((line for line in said.splitlines() if line.startswith(f"red until {STEM} is solved:")), "")
-    check(status != 0 and "test_render" in told and "test_vec3" not in told and f"make check-{STEM}" in told,
-          "make check names the suites that wait for the student", said)
-    shutil.copyfile(FEATURE.reference, os.path.join(pack, "workbook", STEM + ".c"))
+    status, said = run(pack, make, "-s", "check-shading")
+    check(status != 0 and "a later assignment asks for it" in said, "a suite of what is left open says so", said)
+
+
+def the_second_is_solved_first(pack):
+    make = os.environ.get("MAKE", "make")
+    shutil.copyfile(FEATURES[NEXT].reference, os.path.join(pack, "workbook", NEXT + ".c"))
+    status, said = run(pack, make, "-s", "-j2", f"check-{NEXT}")
+    check(status != 0 and f"it needs {STEM}, which is still the starter: solve that first" in said,
+          "the check says what is to be solved before", said)
+    for form in ("tap", "gradescope", "table"):
+        _, said = run(pack, make, "-s", "grade", f"IMPL=workbook/{NEXT}.c", f"ASSIGNMENTS={NEXT}", f"FORMAT={form}")
+        check(f"needs {STEM}, which is still the starter" in said, f"so does a report as {form}", said)
+    write(read(FEATURE.reference) + "\n/* Mine. */\n", pack, "workbook", STEM + ".c")
+    points = []
+    for impl in ("workbook", f"workbook/{NEXT}.c"):
+        status, said = run(pack, make, "-s", "grade", f"IMPL={impl}", f"ASSIGNMENTS={NEXT}")
+        points += re.findall(r"\d+ of \d+ points", said)
+    check(points == ["100 of 100 points"] * 2, "one file gets the points that it gets in the folder", points)
     status, said = run(pack, make, "-s", "-j2", f"check-{STEM}")
     check(status == 0 and f"{TOTAL} of {TOTAL}" in said, "the solution passes with all points", said)
-    for suite in ("render", "vec3"):
-        status, said = run(pack, make, "-s", "-j2", f"check-{suite}")
-        check(status == 0, f"the suite {suite} passes with the solution", said)
+
+
+def pictures_are_the_students(pack):
+    make = os.environ.get("MAKE", "make")
     status, said = run(pack, make, "-s", "-j2", "all")
-    check(status == 0, "the drivers are built from the workbook", said)
+    check(status == 0 and "warning" not in said, "the drivers are built from the workbook, without a warning", said)
+    status, said = run(pack, make, "-s", f"driver-{STEM}")
+    check(status == 0 and f"assignments/{FEATURE.folder}/{STEM} draws" in said and "impl/" not in said,
+          "there is one driver for each assignment", said)
+    names = []
+    for impl in ("workbook", f"workbook/{NEXT}.c"):
+        status, said = run(pack, make, "-s", f"driver-{NEXT}", f"IMPL={impl}")
+        driver = os.path.join("impl", "assignments", FEATURES[NEXT].folder, NEXT)
+        status, said = run(pack, driver, "--width", "64", "--height", "64", "--scene", "teapot", "--debug", "level", "--level", "3")
+        names.append(re.search(r"units: .*?(?=, raykit)", said).group() if status == 0 else said)
+        with open(os.path.join(pack, said.split(":")[0]), "rb") as file:
+            names.append(re.search(rb"IDAT.*", file.read(), re.DOTALL).group())
+    check(names[1] == names[3] and f"workbook ({STEM}" in names[2] and "reference" not in names[2],
+          "one file draws the pictures that it draws in the folder", [names[0], names[2]])
+
+
+def the_students_code_is_in_the_book(pack):
+    make = os.environ.get("MAKE", "make")
+    status, said = run(pack, make, "-s", "book")
+    page = os.path.join(pack, "docs", "out", "book.html")
+    check(status == 0, "make book weaves the book again", said)
+    code = code_of(page, "box_of")
+    check("rk_box_merge" in code and "Your code." in read(page), "the student's functions are in it", code)
+    check("Yours to write" not in code and "Left open here" in read(page) and "Not made:" not in read(page),
+          "what is not asked for yet is left open, and all figures are there")
+    run(pack, "sed", "-i", "s/box_of/my_box_of/g", f"workbook/{STEM}.c")
+    status, said = run(pack, make, "-s", "book")
+    check(status == 0 and "does not define it" in read(page), "a function of another name shows the starter", said)
+    write(read(FEATURE.reference), pack, "workbook", STEM + ".c")
+
+
+def the_rest_holds(pack):
+    make = os.environ.get("MAKE", "make")
+    few = "tests/test_render tests/test_vec3 tests/test_bvh_median"
+    status, said = run(pack, make, "-s", "-j2", "check", f"check_PROGRAMS={few}", f"TESTS={few}")
+    told = next((line for line in said.splitlines() if line.startswith(f"red until {STEM} {NEXT} is solved:")), "")
+    check(f"test_{STEM}" in told and "test_vec3" not in told and f"make check-{STEM}" in told,
+          "make check names the suites that wait for the student", said)
+    check(status == 0 and "vec3" in said and "ok    render" not in said and "test_render" in said,
+          "and leaves out those that run what is left open", said)
     write("int broken = ;\n", pack, "workbook", STEM + ".c")
     status, said = run(pack, make, "-s", f"check-{STEM}")
     check(status != 0 and "does not compile" in said, "a file that does not compile is told as such", said)
@@ -258,15 +371,27 @@ def main():
             os.mkdir(place)
         mistakes_are_refused(places["refused"])
         handouts_share_sections(places["shared"])
+        what_comes_later()
         pack = os.path.join(places["packed"], "pack")
-        said = handout.make_handout(SOURCE, [STEM], folder=pack, book=False)
-        check(os.listdir(places["packed"]) == ["pack"] and "none is where students write" in said[1],
+        said = handout.make_handout(SOURCE, [STEM], folder=pack, book=False, later="no")
+        check(os.listdir(places["packed"]) == ["pack"] and any("none is where students write" in line for line in said),
               "the pack is there with its proof, and nothing beside it", said)
+        check(any(line.startswith("the solutions of sah_binning, shading, ") and "are in this pack" in line for line in said)
+              and any("THE BOOK IS MISSING" in line for line in said), "what is in it, and what is not, is said", said)
         the_pack_holds_no_solution(pack)
         texts_speak_of_the_pack(pack)
         smuggled_lines_are_found(pack)
         what_the_kit_has_in_common_is_told(pack)
-        the_pack_is_failed_and_solved(pack)
+        pack = os.path.join(places["packed"], "later")
+        said = handout.make_handout(SOURCE, [STEM, NEXT], folder=pack)
+        check("no solution is in this pack" in said, "a first pack has no solution at all", said)
+        what_is_left_open_is_no_solution(pack)
+        the_book_is_handed_out(pack)
+        the_starters_are_failed(pack)
+        the_second_is_solved_first(pack)
+        pictures_are_the_students(pack)
+        the_students_code_is_in_the_book(pack)
+        the_rest_holds(pack)
         a_class_is_graded(places["class"])
     finally:
         shutil.rmtree(folder, ignore_errors=True)

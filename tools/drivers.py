@@ -3,7 +3,8 @@
 then corresponds to assignments/ with the reference's units.
 
 All other units are the reference's, so that an unsolved assignment does not spoil the pictures of
-the solved ones; pictures and impl/units name the units' authors. If a unit cannot be built, a script that
+the solved ones; in a pack, they are the workbook's where it has them. Pictures and impl/units name the
+units' authors. If a unit cannot be built, a script that
 reports it replaces the driver, and STEM.unmade beside it has the reason."""
 
 import os
@@ -14,6 +15,7 @@ import sys
 from grading import build
 from grading.assignments import Parser, ToolError, check_impl, find_unit, read_features, unit_beside
 from grading.results import write_whole
+from grading.starters import is_left_open
 
 
 def _object(toolchain, unit, folder):
@@ -49,17 +51,27 @@ def _renderer_without_features(toolchain, features, folder):
 
 def _sentence(units, impl):
     """Names the units' authors, for captions; empty if all are the reference's."""
-    own = [unit.feature.stem for unit in units if not unit.is_reference]
-    name = os.path.basename(os.path.normpath(impl))
-    others = ", others: reference" if len(own) < len(units) else ""
-    return f"units: {name} ({', '.join(own)}){others}" if own else ""
+    work, own, others = os.path.realpath(impl), {}, set()
+    for unit in units:
+        if unit.is_reference:
+            others.add("left open" if is_left_open(unit.path) else "reference")
+        else:
+            is_named = os.path.realpath(unit.path).startswith(work)
+            author = os.path.basename(os.path.normpath(impl)) if is_named else "workbook"
+            own.setdefault(author, []).append(unit.feature.stem)
+    names = [f"{author} ({', '.join(stems)})" for author, stems in own.items()]
+    rest = [f"others: {' or '.join(sorted(others, reverse=True))}"] if others else []
+    return "units: " + ", ".join(names + rest) if own else ""
 
 
 def _object_that_says(toolchain, sentence, folder):
     """Returns the object that brings the sentence into a driver."""
     literal = sentence.replace("\\", "\\\\").replace('"', '\\"')
     source = os.path.join(folder, "units.c")
-    write_whole(source, f'#include "driver/implementation_note.h"\n\nconst char rk_implementation_note[] = "{literal}";\n')
+    folder_of_pictures = "impl/out" if sentence else "out"
+    write_whole(source, '#include "driver/implementation_note.h"\n\n'
+                f'const char rk_implementation_note[] = "{literal}";\n'
+                f'const char rk_pictures_folder[] = "{folder_of_pictures}";\n')
     output = os.path.join(folder, "units.o")
     subprocess.run([*toolchain.compiler, *toolchain.flags, "-c", source, "-o", output], check=True)
     return output

@@ -27,13 +27,13 @@ function only(names, regex, count, i, list, found) {
     return found
 }
 
-# A pack for students has a starter in the unit's place, which says that another file is to be solved.
-function unit_of(stem, path, line, handed) {
+# A pack for students has starters, whose first lines say whether another file is to be solved ("Handed
+# out"), or nothing yet ("Left open").
+function note_of(stem, path, line) {
     path = "src/features/" stem ".c"
-    while ((getline line < path) > 0)
-        if (line ~ /^\/\* Handed out: /) handed = 1
+    getline line < path
     close(path)
-    return handed ? "workbook/" stem ".c" : path
+    return line ~ /^\/\* Handed out: / ? "handed out" : line ~ /^\/\* Left open: / ? "left open" : ""
 }
 
 function need_rooms(stem, folder, rooms, i) {
@@ -51,8 +51,9 @@ function units_of(needs, list, i, found) {
 }
 
 # A feature's own lines; what it adds to the lists of all.
-function build_one(stem, folder, needs, unit, driver, name) {
-    unit = unit_of(stem)
+function build_one(stem, folder, needs, note, unit, driver, name) {
+    note = note_of(stem)
+    unit = (note == "handed out" ? "workbook/" : "src/features/") stem ".c"
     driver = name = "assignments/" folder "/" stem
     gsub("/", "_", name)
     print "\nunit_" stem " = " unit
@@ -67,10 +68,11 @@ function build_one(stem, folder, needs, unit, driver, name) {
         print "tests_test_" stem "_stage_LDADD = $(render_libs)"
         suites = suites " tests/test_" stem "_stage"
     }
-    if (unit ~ /^workbook/) {
+    if (note == "handed out") {
         handed_out = handed_out " " stem
         starters = starters " src/features/" stem ".c"
     }
+    if (note == "left open") later = later " " stem
 }
 
 # A header that nobody outside should include says "not installed" in its first comment.
@@ -124,8 +126,9 @@ function build_all() {
     print "\n# What make looks for again: a file that comes or goes changes the lists above."
     print "feature_patterns = " patterns
     print "feature_files =" seen
-    print "\n# In a pack for students, the features that they solve."
+    print "\n# In a pack for students, the features that they solve, and those that later assignments ask for."
     print "handed_out =" handed_out
+    print "later =" later
     print "starters =" starters
 }
 

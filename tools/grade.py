@@ -26,6 +26,7 @@ from grading.assignments import (
     Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format, find_unit, read_features, read_points,
     reference_unit, submitted_unit, unit_beside,
 )
+from grading.starters import is_handed_out, starter_of
 from grading.verdicts import Verdict, judge
 
 MEGABYTES = 2048  # the suites stay below 300 with the sanitizers
@@ -34,11 +35,12 @@ TIMEOUTS = 2  # so many tests of a suite may take all their time; the others the
 
 class Suite:
     """The result of one feature: its unit, its scored tests and a verdict for each. `problem` is the
-    reason why nothing ran, `fallback` says that the reference was used instead."""
+    reason why nothing ran, `fallback` says that the reference was used instead, `beside` what is to be
+    known of a student's units that it needs."""
 
     def __init__(self, feature, unit, tests, fallback=False):
         self.feature, self.unit, self.tests, self.fallback = feature, unit, tests, fallback
-        self.verdicts, self.warnings, self.problem = {}, "", ""
+        self.verdicts, self.warnings, self.problem, self.beside = {}, "", "", ""
         self.program, self.folder, self.source = None, None, ""
 
     def passed(self):
@@ -160,6 +162,19 @@ def run_test(toolchain, suite, test, seconds, megabytes):
     return judge(outcome, suite, test.name, phrase, megabytes)
 
 
+def _about_needs(suite, units):
+    """Says what may fail a suite beside its own unit: in a pack, needed units are the student's, too."""
+    for unit in (units[stem] for stem in suite.feature.needs):
+        stem = unit.feature.stem
+        if unit.is_reference or suite.passed():
+            continue
+        with open(unit.path, encoding="utf-8", errors="replace") as file:
+            if file.read() == starter_of(unit.feature.reference):
+                return f"it needs {stem}, which is still the starter: solve that first"
+        return f"it needs your {stem}, too: does make check-{stem} give it all points?"
+    return ""
+
+
 def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None):
     """Builds all suites, then runs them, on all processors, with `units` for what they need beside
     their own; fills in their verdicts. All are built before any unit runs, and so could meddle.
@@ -183,6 +198,8 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None)
             if progress:
                 progress(0, len(runs))
             finish([pool.submit(run_into, suite, test) for suite, test in runs], progress)
+            for suite in suites:
+                suite.beside = _about_needs(suite, units)
         except BaseException:
             sandbox.stop.set()
             pool.shutdown(cancel_futures=True)
@@ -223,7 +240,7 @@ def _prepare_suite(feature, impl, fallback, only):
         hint = "do you mean " + " or ".join(near[:3]) + "?" if near else f"they stand in {feature.points_table}"
         raise ToolError(f"{feature.stem} has no test {only}; {hint}")
     try:
-        if fallback and find_unit(feature, impl).path is None:
+        if fallback and find_unit(feature, impl).path is None and not is_handed_out(feature.reference):
             return Suite(feature, reference_unit(feature), tests, True)
         unit = submitted_unit(feature, impl)
         if not fallback and not unit.is_reference:

@@ -1,12 +1,14 @@
 #!/usr/bin/env python3
 """Packs the kit for students: everything but the solutions of the named assignments, proven.
 
-The pack is a release of the kit in which those features' sources are starters in workbook/; a line in
-src/features tells the build so (tools/features.sh). It is made beside its destination and moved there
-when it is complete and found free of solutions (leak_check.py).
+The pack is a release of the kit in which those features' sources are starters in workbook/, and those of
+later assignments are starters in src/features; lines there tell the build so (tools/features.sh). It is
+made beside its destination and moved there when it is complete and found free of solutions
+(leak_check.py).
 """
 
 import errno
+import hashlib
 import os
 import shutil
 import subprocess
@@ -17,7 +19,7 @@ import tempfile
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
 from handout_text import as_packed, handout_of
 from grading.leak_check import prove
-from grading.starters import RegionError, handed_out_of, starter_of
+from grading.starters import RegionError, handed_out_of, left_open_of, starter_of
 from grading.results import write_whole
 
 HANDOUT = """\
@@ -86,26 +88,30 @@ def place_of(out, folder):
 
 
 def _release(pack):
-    """The files that make dist would pack, without those that ./bootstrap makes."""
+    """The files that make dist would pack, without those that ./bootstrap makes and those that only
+    instructors use."""
     command = [os.environ.get("MAKE", "make"), "-s", "distdir", f"distdir={pack}"]
     environment = {name: value for name, value in os.environ.items() if name != "MAKEFLAGS"}
     answer = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                             errors="replace", check=False)
     if answer.returncode:
         raise ToolError(f"the kit's files could not be gathered:\n{answer.stdout.strip()}")
-    for name in ("configure", "Makefile.in", "aclocal.m4", "features.am"):
-        os.unlink(os.path.join(pack, name))
-    shutil.rmtree(os.path.join(pack, "build-aux"))
+    made = ["configure", "Makefile.in", "aclocal.m4", "features.am", "build-aux"]
+    for name in [*made, *os.environ["RAYKIT_INSTRUCTORS"].split()]:
+        path = os.path.join(pack, name)
+        (shutil.rmtree if os.path.isdir(path) else os.unlink)(path)
 
 
-def _hand_out(pack, features):
-    """Replaces solutions by starters, from which the build knows which sources to take from workbook/."""
+def _hand_out(pack, features, later):
+    """Replaces solutions by starters, whose notes tell the build which sources to take from workbook/."""
     os.mkdir(os.path.join(pack, "workbook"))
-    for feature in features:
+    for feature in [*features, *later]:
         old, new = f"src/features/{feature.stem}.c", f"workbook/{feature.stem}.c"
-        write_whole(os.path.join(pack, new), starter_of(feature.reference))
-        write_whole(os.path.join(pack, old), handed_out_of(feature.reference, new))
-        os.unlink(os.path.join(pack, "tests", "mutants", f"{feature.stem}.mutants"))
+        if feature in later:
+            write_whole(os.path.join(pack, old), left_open_of(feature.reference))
+        else:
+            write_whole(os.path.join(pack, new), starter_of(feature.reference))
+            write_whole(os.path.join(pack, old), handed_out_of(feature.reference, new))
 
 
 def _adapt_texts(source, pack, features, chosen):
@@ -115,31 +121,57 @@ def _adapt_texts(source, pack, features, chosen):
         if feature not in chosen:
             os.unlink(os.path.join(pack, "assignments", feature.folder, "handout.md"))
     texts = {f"assignments/{feature.folder}/handout.md": handout_of(source, feature) for feature in chosen}
-    for name in ("docs/book.md", *(feature.chapter for feature in features)):
+    for name in ("README.md", "docs/architecture.md", "docs/book.md", *(feature.chapter for feature in features)):
         with open(os.path.join(pack, name), encoding="utf-8") as file:
             texts[name] = file.read()
+    texts["docs/book.md"] = texts["docs/book.md"].replace("bvh_median", chosen[0].stem)
     for name, text in texts.items():
         write_whole(os.path.join(pack, name), as_packed(text, name, [feature.stem for feature in chosen]))
 
 
+# --- The book -------------------------------------------------------------------------------------
+
+
+def record_folder():
+    """Where the build folder keeps the figures of the book, or of a quick one."""
+    return "docs/record" + (".quick" if os.environ.get("QUICK") else "")
+
+
+def _drawn_by(features):
+    """Returns a digest of all that draws and measures for the book: the programs of this build, and how
+    often they run."""
+    digest = hashlib.sha256(repr([os.environ.get(name, "") for name in ("QUICK", "GNUPLOT")]).encode())
+    programs = [f"assignments/{feature.folder}/{feature.stem}" for feature in features]
+    for path in [*programs, "raykit-mesh", "raykit-image"]:
+        if os.path.exists(path):
+            with open(path, "rb") as file:
+                digest.update(file.read())
+    return digest.hexdigest()
+
+
 def _weave_book(pack, features):
-    """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers."""
-    drivers = []
-    for feature in features:
-        path = os.path.join("assignments", feature.folder, feature.stem)
-        os.symlink(os.path.abspath(path), os.path.join(pack, path))
-        drivers.append(os.path.join(pack, path))
-    environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=pack,
-                       CHROMIUM="", SOLUTIONS="yes")
+    """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers. They
+    stay in the build folder for the next pack, and in the pack for its own make book."""
+    kept, drawn_by = os.path.abspath(record_folder()), _drawn_by(features)
+    name = os.path.join(kept, "drawn_by")
+    is_current = os.path.exists(name) and open(name, encoding="utf-8").read() == drawn_by
+    environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(), MESHES="",
+                       CHROMIUM="", FEATURES="", SOLUTIONS="yes", RAYKIT_RECORD=kept if is_current else "")
+    if not is_current:
+        print("handout: drawing the book's figures, which takes minutes; the next pack will find them in "
+              f"{record_folder()}", file=sys.stderr)
     answer = subprocess.run(["sh", os.path.join(pack, "docs", "make_book")], env=environment,
-                            stderr=subprocess.PIPE, text=True, errors="replace", check=False)
+                            stderr=subprocess.PIPE if is_current else None, text=True, errors="replace", check=False)
     if answer.returncode:
-        raise ToolError(f"the book could not be woven; BOOK=no leaves it out:\n{answer.stderr.strip()}")
-    os.mkdir(os.path.join(pack, "docs", "handout"))
-    os.rename(os.path.join(pack, "docs", "out", "book.html"), os.path.join(pack, "docs", "handout", "book.html"))
-    shutil.rmtree(os.path.join(pack, "docs", "out"))
-    for driver in drivers:
-        os.unlink(driver)
+        raise ToolError(f"the book could not be woven; BOOK=no leaves it out:\n{(answer.stderr or '').strip()}")
+    made, handed = os.path.join(pack, "docs", "out"), os.path.join(pack, "docs", "handout")
+    os.mkdir(handed)
+    os.rename(os.path.join(made, "book.html"), os.path.join(handed, "book.html"))
+    os.rename(made, os.path.join(handed, "record"))
+    if not is_current:
+        shutil.rmtree(kept, ignore_errors=True)
+        shutil.copytree(os.path.join(handed, "record"), kept)
+        write_whole(name, drawn_by)
 
 
 def _title(pack, feature):
@@ -157,8 +189,9 @@ def _write_handout(pack, features, has_book):
                     f"| [{feature.chapter}]({feature.chapter}) |")
     first = features[0].stem
     reading = ("Open `docs/handout/book.html` in a browser: the chapters, with figures as they should become.\n"
-               "`make book` makes `docs/out/book.html`, with figures by your code."
-               if has_book else "`make book` makes `docs/out/book.html`, the chapters, with figures by your code.")
+               "`make book` makes `docs/out/book.html`, with your own functions in it."
+               if has_book else "**The book is missing from this pack**, which was made for a trial; ask for one with the "
+               "book. Until then,\n`make book` makes `docs/out/book.html`, with figures by your code, which are wrong until it is solved.")
     one = f"make check-{first} TEST=name"
     width = len(one)
     commands = {"one": one} | {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "diff")}
@@ -171,15 +204,36 @@ def _write_handout(pack, features, has_book):
 # --- The command ----------------------------------------------------------------------------------
 
 
-def make_handout(source, stems, out="", folder="", book=True):
+def _later(features, chosen, later):
+    """Returns the features whose starters only fill their places: as LATER says, or those that come
+    later in the course than the chosen. What the chosen need has its solution in the pack."""
+    stems, needed = list(features), {feature.stem for feature in chosen}
+    while more := {need for stem in needed for need in features[stem].needs} - needed:
+        needed |= more
+    named = {"no": [], "all": stems, "": stems[stems.index(chosen[-1].stem) + 1:]}.get(later, later.split())
+    for feature in choose(features, named) if named else []:
+        if feature.stem in needed and later not in ("", "all"):
+            who = "is handed out" if feature in chosen else "is needed by what is handed out"
+            raise ToolError(f"LATER: {feature.stem} {who}; leave it out there")
+    return [features[stem] for stem in stems if stem in named and stem not in needed]
+
+
+def _and(stems):
+    return " and ".join(filter(None, [", ".join(stems[:-1]), *stems[-1:]]))
+
+
+def make_handout(source, stems, out="", folder="", book=True, later=""):
     """Makes the pack; returns lines that describe it."""
     features = read_features(source)
     if not stems:
         raise ToolError(f"name the assignments: make handout ASSIGNMENTS=\"...\", of: {' '.join(features)}")
     named = choose(features, stems)
     chosen = [feature for feature in features.values() if feature in named]  # in the course's order
+    left_open = _later(features, chosen, later)
+    solved = [stem for stem, feature in features.items() if feature not in [*chosen, *left_open]]
     place, name = place_of(out, folder)
-    has_book = book and bool(os.environ.get("PANDOC"))
+    if book and not os.environ.get("PANDOC"):
+        raise ToolError("the book needs pandoc: run ./bootstrap, or give BOOK=no for a pack without the book")
     try:
         work = tempfile.mkdtemp(prefix=".handout-", dir=os.path.dirname(os.path.abspath(place)))
     except OSError as error:
@@ -187,21 +241,30 @@ def make_handout(source, stems, out="", folder="", book=True):
     try:
         pack = os.path.join(work, name)
         _release(pack)
-        _hand_out(pack, chosen)
+        _hand_out(pack, chosen, left_open)
         _adapt_texts(source, pack, features.values(), chosen)
-        if has_book:
+        if book:
             _weave_book(pack, features.values())
-        _write_handout(pack, chosen, has_book)
-        proof = prove(source, pack, features, chosen)
+        _write_handout(pack, chosen, book)
+        proof = prove(source, pack, features, [*chosen, *left_open])
         if not folder:
             with tarfile.open(pack + ".tar.gz", "w:gz") as archive:
                 archive.add(pack, name, filter=_anonymous)
         os.rename(pack + ("" if folder else ".tar.gz"), place)
     finally:
         shutil.rmtree(work, ignore_errors=True)
-    without = "" if has_book else ", without the book" + (" (it needs pandoc)" if book else "")
-    return [f"handed out: {' '.join(feature.stem for feature in chosen)}{without}", *proof,
-            f"wrote {place}; students begin with its HANDOUT.md"]
+    lines = [f"handed out: {_and([feature.stem for feature in chosen])}"]
+    if left_open:
+        lines.append(f"starters that are not asked for yet: {_and([feature.stem for feature in left_open])}")
+    if solved:
+        remedy = "" if later == "all" else "; LATER=all leaves out all that are not needed"
+        lines.append(f"the solution{'s' if len(solved) > 1 else ''} of {_and(solved)} "
+                     f"{'are' if len(solved) > 1 else 'is'} in this pack{remedy}")
+    else:
+        lines.append("no solution is in this pack")
+    if not book:
+        lines.append("THE BOOK IS MISSING: this pack is for trying. Without BOOK=no, the book is in it")
+    return [*lines, *proof, f"wrote {place}; students begin with its HANDOUT.md"]
 
 
 def _anonymous(entry):
@@ -216,13 +279,15 @@ def main():
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
     parser.add_argument("--out", default="", metavar="FILE", help="the archive")
     parser.add_argument("--dir", default="", metavar="DIR", help="a folder instead of an archive")
+    parser.add_argument("--later", default="", metavar="all|no|STEMS", help="features that are not asked for yet; "
+                        "default: those that come later in the course")
     parser.add_argument("--book", default="", metavar="yes|no", help="no leaves the woven book out")
     arguments = parser.parse_args()
     try:
         if arguments.book not in ("", "yes", "no"):
             raise ToolError(f"BOOK={arguments.book}: choose yes or no")
         print("\n".join(make_handout(arguments.source, arguments.stems, arguments.out, arguments.dir,
-                                     arguments.book != "no")))
+                                     arguments.book != "no", arguments.later)))
     except (ToolError, RegionError) as error:
         print(f"handout: {error}", file=sys.stderr)
         return 1

@@ -59,8 +59,7 @@ def as_packed(text, name, stems):
     text = re.sub(r" IMPL=mine\b(?!/)", "", text)
     for stem in stems:
         text = text.replace(f"mine/{stem}.c", f"workbook/{stem}.c")
-        text = text.replace(f"[`src/features/{stem}.c`](file:src/features/{stem}.c)",
-                            f"[`workbook/{stem}.c`](file:workbook/{stem}.c)")
+        text = re.sub(rf"src/features/({stem}\.[co])\b", r"workbook/\1", text)
     left = _OF_THE_KIT.search(text)
     if left:
         line = text.count("\n", 0, left.start()) + 1

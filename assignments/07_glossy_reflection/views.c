@@ -65,9 +65,9 @@ static void draw_ray(drawing *d, rk_vec3 direction, rk_vec3 colour, float width)
 
 static rk_vec3 on_disk(const drawing *d, const rk_glossy_disk *disk, rk_vec2 at)
 {
-    float x = disk->radius * at.x, y = disk->radius * at.y;
-    rk_vec3 to = rk_madd(rk_madd(disk->w, disk->u, x), disk->v, y);
-    return rk_madd(d->start, to, d->reach);
+    rk_vec3 direction;
+    (void)rk_glossy_direction(disk, at, &direction);
+    return rk_madd(d->start, direction, d->reach / rk_dot(direction, disk->w));
 }
 
 static void draw_rim(drawing *d, const rk_glossy_disk *disk)

@@ -175,24 +175,11 @@ static void gather_spheres(gathering *g, rk_counters *counters)
     }
 }
 
-static void push_entered(rk_traversal_stack *stack, const rk_bvh_node *node, float enter)
-{
-    if (enter < INFINITY) {
-        stack->entries[stack->size].node = node;
-        stack->entries[stack->size++].enter = enter;
-    }
-}
-
-/* The nearer child is popped first: its crossings may end the ray before the other. */
-static void visit_children(rk_traversal_stack *stack, const rk_bvh_node *children,
-                           const rk_slabs *slabs, float end)
-{
-    float left = rk_box_enter(&children[0].box, slabs, end);
-    float right = rk_box_enter(&children[1].box, slabs, end);
-    bool right_first = right < left;
-    push_entered(stack, &children[right_first ? 0 : 1], right_first ? left : right);
-    push_entered(stack, &children[right_first ? 1 : 0], right_first ? right : left);
-}
+/* A part of the tree that the ray enters, and where. */
+typedef struct entered_part {
+    const rk_bvh_node *top;
+    float at;
+} entered_part;
 
 static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
                              rk_counters *counters)
@@ -201,20 +188,29 @@ static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
         return;
     const rk_slabs slabs = rk_slabs_of(ray);
     const projection p = projection_along(ray);
-    rk_traversal_stack stack;
-    stack.size = 0;
+    entered_part parts[RK_BVH_LEVELS_MAX + 1]; /* the last comes next */
+    const float at_root = rk_box_enter(&bvh->nodes[0].box, &slabs, g->end);
+    uint32_t left = at_root < INFINITY;
+    parts[0] = (entered_part){bvh->nodes, at_root};
     counters->box_tests++;
-    push_entered(&stack, &bvh->nodes[0], rk_box_enter(&bvh->nodes[0].box, &slabs, g->end));
-    while (stack.size && !is_done(g)) {
-        if (stack.entries[--stack.size].enter > g->end)
+    while (left > 0 && !is_done(g)) {
+        const rk_bvh_node *top = parts[--left].top;
+        if (parts[left].at > g->end)
             continue;
-        const rk_bvh_node *node = stack.entries[stack.size].node;
-        if (node->count > 0) {
-            gather_leaf(g, &p, &bvh->triangles[node->first], node->count, counters);
-        } else {
-            visit_children(&stack, &bvh->nodes[node->first], &slabs, g->end);
-            counters->box_tests += 2;
+        if (top->count > 0) {
+            gather_leaf(g, &p, &bvh->triangles[top->first], top->count, counters);
+            continue;
         }
+        /* The nearer half comes next: its crossings may end the ray before the other. */
+        const rk_bvh_node *half = &bvh->nodes[top->first];
+        const float at[2] = {rk_box_enter(&half[0].box, &slabs, g->end),
+                             rk_box_enter(&half[1].box, &slabs, g->end)};
+        const int nearer = at[1] < at[0];
+        parts[left] = (entered_part){&half[1 - nearer], at[1 - nearer]};
+        left += at[1 - nearer] < INFINITY;
+        parts[left] = (entered_part){&half[nearer], at[nearer]};
+        left += at[nearer] < INFINITY;
+        counters->box_tests += 2;
     }
 }
 

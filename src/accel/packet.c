@@ -122,41 +122,49 @@ static inline void intersect_leaf(packet *p, query_kind kind, const rk_triangle 
     }
 }
 
-/* Nodes still to be visited, and where each ray enters their boxes. */
-typedef struct traversal_stack {
-    uint32_t size;
-    const rk_bvh_node *nodes[RK_BVH_LEVELS_MAX];
+/* The siblings that were left aside on the way down from the root, and where each ray enters them.
+ */
+typedef struct way_down {
+    uint32_t depth;
+    const rk_bvh_node *siblings[RK_BVH_LEVELS_MAX];
     rk_simd4 enter[RK_BVH_LEVELS_MAX];
-} traversal_stack;
+} way_down;
 
-static inline uint32_t entered(rk_simd4 enter)
+static inline uint32_t rays_entering(rk_simd4 enter)
 {
     return rk_simd4_movemask(enter < rk_simd4_all(INFINITY));
 }
 
-/* Returns the child to visit next, NULL if no ray enters either; pushes the other if a ray enters
- * it. */
-static inline const rk_bvh_node *push_far_return_near(traversal_stack *stack, const packet *p,
-                                                      const rk_bvh_node *children)
+/* Goes down to a leaf, on the side of the first ray that enters either child. NULL where no ray
+ * enters. */
+__attribute__((always_inline)) static inline const rk_bvh_node *
+leaf_below(way_down *way, const packet *p, const rk_bvh_node *all, const rk_bvh_node *node,
+           uint64_t *box_tests)
 {
-    rk_simd4 left = enter_box(p, &children[0].box), right = enter_box(p, &children[1].box);
-    uint32_t in_left = entered(left), in_right = entered(right);
-    if (!in_left || !in_right)
-        return in_left ? &children[0] : in_right ? &children[1] : NULL;
-    /* The first ray that enters either decides for all. */
-    uint32_t in_any = in_left | in_right, first = in_any & (0 - in_any);
-    bool right_first = (rk_simd4_movemask(right < left) & first) != 0;
-    stack->nodes[stack->size] = &children[right_first ? 0 : 1];
-    stack->enter[stack->size++] = right_first ? left : right;
-    return &children[right_first ? 1 : 0];
+    while (node && node->count == 0) {
+        const rk_bvh_node *pair = &all[node->first];
+        rk_simd4 enter[2] = {enter_box(p, &pair[0].box), enter_box(p, &pair[1].box)};
+        uint32_t in_0 = rays_entering(enter[0]), in_1 = rays_entering(enter[1]),
+                 in_any = in_0 | in_1;
+        *box_tests += 2;
+        uint32_t side = in_0 == 0;
+        if (in_0 && in_1) {
+            side = (rk_simd4_movemask(enter[1] < enter[0]) & in_any & (0 - in_any)) != 0;
+            way->siblings[way->depth] = &pair[1 - side];
+            way->enter[way->depth++] = side ? enter[0] : enter[1];
+        }
+        node = in_any ? &pair[side] : NULL;
+    }
+    return node;
 }
 
-static inline const rk_bvh_node *pop_nearer(traversal_stack *stack, const packet *p)
+/* The deepest sibling that a ray still enters before its nearest hit; NULL if there is none. */
+static inline const rk_bvh_node *sibling_above(way_down *way, const packet *p)
 {
-    while (stack->size) {
-        rk_simd4 enter = stack->enter[--stack->size];
-        if (rk_simd4_movemask((enter <= p->t_max) & (enter < rk_simd4_all(INFINITY))))
-            return stack->nodes[stack->size];
+    while (way->depth > 0) {
+        rk_simd4 enter = way->enter[--way->depth];
+        if (rays_entering(rk_simd4_select(enter <= p->t_max, enter, rk_simd4_all(INFINITY))))
+            return way->siblings[way->depth];
     }
     return NULL;
 }
@@ -164,20 +172,18 @@ static inline const rk_bvh_node *pop_nearer(traversal_stack *stack, const packet
 __attribute__((always_inline)) static inline void traverse(packet *p, query_kind kind,
                                                            const rk_bvh *bvh, rk_counters *counters)
 {
-    traversal_stack stack;
-    stack.size = 0;
+    way_down way;
+    way.depth = 0;
     uint64_t box_tests = 1, triangle_tests = 0;
-    const rk_bvh_node *root = &bvh->nodes[0];
-    const rk_bvh_node *node = entered(enter_box(p, &root->box)) ? root : NULL;
-    while (node) {
-        const rk_bvh_node *next = NULL;
-        if (node->count == 0) {
-            next = push_far_return_near(&stack, p, &bvh->nodes[node->first]);
-            box_tests += 2;
+    const rk_bvh_node *node = bvh->nodes;
+    if (!rays_entering(enter_box(p, &node->box)))
+        node = NULL;
+    for (; node; node = sibling_above(&way, p)) {
+        const rk_bvh_node *leaf = leaf_below(&way, p, bvh->nodes, node, &box_tests);
+        if (leaf) {
+            intersect_leaf(p, kind, &bvh->triangles[leaf->first], leaf->count);
+            triangle_tests += leaf->count;
         }
-        intersect_leaf(p, kind, &bvh->triangles[node->first], node->count);
-        triangle_tests += node->count;
-        node = next ? next : pop_nearer(&stack, p);
     }
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;

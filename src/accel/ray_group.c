@@ -133,26 +133,17 @@ static bool add_leaf(candidate_list *list, const group *g, const rk_bvh *bvh,
 }
 
 /* False if there are more than fit the list. */
-static bool find_candidates(const rk_bvh *bvh, const group *g, candidate_list *list,
-                            rk_counters *counters)
+static bool add_below(candidate_list *list, const group *g, const rk_bvh *bvh,
+                      const rk_bvh_node *node, rk_counters *counters)
 {
-    uint32_t stack[RK_BVH_LEVELS_MAX], size = 0;
-    list->count = 0;
-    if (bvh->node_count > 0)
-        stack[size++] = 0;
-    while (size > 0) {
-        const rk_bvh_node *node = &bvh->nodes[stack[--size]];
-        counters->box_tests += 1 + node->count;
-        if (enter_box(g, &node->box) == INFINITY)
-            continue;
-        if (node->count == 0) {
-            stack[size++] = node->first;
-            stack[size++] = node->first + 1;
-        } else if (!add_leaf(list, g, bvh, node)) {
-            return false;
-        }
-    }
-    return true;
+    counters->box_tests += 1 + node->count;
+    if (enter_box(g, &node->box) == INFINITY)
+        return true;
+    if (node->count > 0)
+        return add_leaf(list, g, bvh, node);
+    const rk_bvh_node *inside = &bvh->nodes[node->first];
+    return add_below(list, g, bvh, &inside[1], counters) &&
+           add_below(list, g, bvh, &inside[0], counters);
 }
 
 static rk_hit closest_in(const candidate_list *list, const rk_ray *ray, rk_counters *counters)
@@ -180,7 +171,8 @@ void rk_ray_group_closest(const rk_bvh *bvh, const rk_ray_batch *rays, rk_hit_ba
             end++;
         candidate_list list = {.count = 0};
         group g = group_of(rays, first, end);
-        bool together = end - first >= fewest_rays && find_candidates(bvh, &g, &list, counters);
+        bool together = end - first >= fewest_rays && bvh->node_count > 0 &&
+                        add_below(&list, &g, bvh, bvh->nodes, counters);
         for (uint32_t i = first; i < end; i++) {
             rk_ray ray = rk_batch_ray(rays, i);
             rk_hit hit =

@@ -2,6 +2,7 @@
 #include "driver/driver_options.h"
 
 #include "driver/driver_command.h"
+#include "driver/implementation_note.h"
 #include "features/sah_binning.h"
 #include "render/options.h"
 #include "scenes/builtin.h"
@@ -48,7 +49,7 @@ static const rk_option common_rows[] = {
     {"debug", RK_FIELD(rk_driver, debug), "VIEW", NULL},
     {"pixel", RK_FIELD(rk_driver, pixel), "X,Y", NULL},
     {"out", RK_FIELD(rk_driver, out), "DIR", "pictures go to DIR/figures, tables to DIR/tables",
-     .initial_text = "out"},
+     .initial_text = rk_pictures_folder},
     {"quiet", RK_FIELD(rk_driver, quiet), NULL, "no progress bar, no summary"},
     {"move", RK_FIELD(rk_driver, move), NULL,
      "move the whole mesh (with --time-samples), if the scene has no moving object"},

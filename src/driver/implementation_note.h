@@ -6,4 +6,7 @@
  * in an object file of its own, which drivers that are linked with other units replace. */
 extern const char rk_implementation_note[];
 
+/* The default of --out, likewise: pictures by other units do not replace those by the kit's own. */
+extern const char rk_pictures_folder[];
+
 #endif

@@ -46,6 +46,7 @@ class Feature:
         self.stem, self.folder, self.needs = stem, folder, needs.split()
         self.reference = os.path.join(source, "src", "features", stem + ".c")
         self.header = os.path.join(source, "src", "features", stem + ".h")
+        self.workbook = os.path.join(source, "workbook", stem + ".c")  # the unit of a feature handed out in a pack
         self.chapter = f"docs/{folder}.md"
         self.points_table = os.path.join(source, "assignments", folder, "points.tsv")
 
@@ -177,16 +178,20 @@ def _what_is_in(folder):
 
 def unit_beside(feature, impl, handed_out):
     """Returns the unit with which another feature's work is built: the reference, so that each
-    assignment is graded separately; if the feature is handed out, too, and so has no reference,
-    the one in IMPL."""
-    if feature.stem in handed_out and os.path.isdir(impl):
+    assignment is graded separately. If the feature is handed out, too, and so has no reference, it is
+    the one in the folder IMPL, or else in the workbook."""
+    if feature.stem not in handed_out:
+        return reference_unit(feature)
+    if os.path.isdir(impl):
         try:
             unit = find_unit(feature, impl)
+            if unit.path is not None:
+                return unit
         except UnitError:
-            return reference_unit(feature)
-        if unit.path is not None:
-            return unit
-    return reference_unit(feature)
+            pass
+    if not os.path.isfile(feature.workbook):
+        raise ToolError(f"workbook/{feature.stem}.c is missing; make workbook DIR=workbook puts the starter there")
+    return Unit(feature, feature.workbook, f"workbook/{feature.stem}.c", False)
 
 
 def check_impl(features, impl, stems, may_be_empty=False):

@@ -45,7 +45,8 @@ def _explained(suite, test):
     if suite.problem:
         return [_printable(suite.problem)] if test is suite.tests[0] else ["not run, for the reason above"]
     lines = _printable(verdict.reason).split("\n") + ([verdict.place] if verdict.place else [])
-    return [*lines, f"read {suite.feature.chapter}{test.section}"]
+    beside = [suite.beside] if suite.beside else []
+    return [*lines, *beside, f"read {suite.feature.chapter}{test.section}"]
 
 
 # --- Text ---------------------------------------------------------------------------------------
@@ -128,7 +129,7 @@ def table(suites, impl):
         failed = [test for test in suite.tests if not suite.verdicts[test.name].passed]
         passed = f"{len(suite.tests) - len(failed)} of {len(suite.tests)}"
         points = f"{suite.points()} of {suite.points_max()}"
-        following = suite.problem or failed[0].name if failed else _whose(suite) or "done"
+        following = suite.problem or suite.beside or failed[0].name if failed else _whose(suite) or "done"
         following = textwrap.shorten(_printable(following), 80, placeholder=" ...")
         lines.append(f"{suite.feature.folder:<{width}}{passed:>10}{points:>14}  {following}")
     lines.append(f"{name:<{width}}{'':>10}{total(suites):>14}")

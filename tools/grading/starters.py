@@ -9,7 +9,8 @@ Anywhere between the lines of a feature's file there may be:
     end */
 
 so the reference is ordinary C, and the only source of both. Markers that are absent, nested or left
-open are errors with file and line.
+open are errors with file and line. In a pack for students the file has only its starters, each between
+`/* yours to write */` and `/* end of yours */`.
 """
 
 import re
@@ -20,33 +21,40 @@ class RegionError(Exception):
     """A marker out of place; the text names file and line."""
 
 
-MARKER = re.compile(r"^\s*(/\* solution \*/|/\* starter|end \*/)\s*$")
+MARKER = re.compile(r"^\s*(/\* solution \*/|/\* starter|end \*/|/\* yours to write \*/|/\* end of yours \*/)\s*$")
+_BECOMES = {
+    ("common", "/* solution */"): "solution", ("solution", "/* starter"): "starter", ("starter", "end */"): "common",
+    ("common", "/* yours to write */"): "yours", ("yours", "/* end of yours */"): "common",
+}
+_HANDED_OUT, _LEFT_OPEN = "/* Handed out: ", "/* Left open: "
 
 
 def read_regions(path):
     """Returns a list of (kind, line) for the file's lines; kind is "common", "solution", "starter"
     or "marker". The file has at least one region, and each is whole."""
     kinds, state, opened = [], "common", 0
-    follows = {"common": "/* solution */", "solution": "/* starter", "starter": "end */"}
-    becomes = {"/* solution */": "solution", "/* starter": "starter", "end */": "common"}
     with open(path, encoding="utf-8") as file:
         for number, line in enumerate(file, 1):
             match = MARKER.match(line)
             if not match:
-                kinds.append((state, line))
+                is_note = line.startswith((_HANDED_OUT, _LEFT_OPEN))
+                kinds.append(("marker" if is_note else "starter" if state == "yours" else state, line))
                 continue
             marker = match.group(1)
-            if marker != follows[state]:
+            if (state, marker) not in _BECOMES:
+                expected = next(follows for begun, follows in _BECOMES if begun == state)
                 raise RegionError(
-                    f"{path}:{number}: \"{marker}\" stands where \"{follows[state]}\" should come"
+                    f"{path}:{number}: \"{marker}\" stands where \"{expected}\" should come"
                     + (f" (the region began in line {opened})" if opened else "")
                 )
-            state, opened = becomes[marker], number if marker == "/* solution */" else opened
+            opened = number if state == "common" else opened
+            state = _BECOMES[state, marker]
             opened = opened if state != "common" else 0
             kinds.append(("marker", line))
     if state != "common":
-        raise RegionError(f"{path}:{opened}: this region has no \"{follows[state]}\"")
-    if not any(kind == "solution" for kind, _ in kinds):
+        expected = next(follows for begun, follows in _BECOMES if begun == state)
+        raise RegionError(f"{path}:{opened}: this region has no \"{expected}\"")
+    if not any(kind == "starter" for kind, _ in kinds):
         raise RegionError(f"{path}:1: no region is marked for students to solve")
     return kinds
 
@@ -56,29 +64,45 @@ def starter_of(path):
     return "".join(line for kind, line in read_regions(path) if kind in ("common", "starter"))
 
 
-_HANDED_OUT = "/* Handed out: "
+def _packed(path, note):
+    """Returns the starter below a note, with marks where students write."""
+    text, starter = [note + "\n"], []
+    for kind, line in read_regions(path):
+        if kind == "starter":
+            starter.append(line)
+        elif kind == "common":
+            text.append(line)
+        elif line.strip() == "end */":
+            indent = line[:-len(line.lstrip())]
+            text += [f"{indent}/* yours to write */\n", *starter, f"{indent}/* end of yours */\n"]
+            starter = []
+    return "".join(text)
 
 
 def handed_out_of(path, yours):
-    """Returns the file's replacement in a pack for students: its starter in both halves of each
-    region, so that compilers and tools find the usual layout. `yours` is the file to solve."""
-    note = f"{_HANDED_OUT}this starter is for comparison, the file to edit is {yours}. */\n\n"
-    text, starter = ["/* solution */\n", note, "/* starter\n", "end */\n"], []
-    for kind, line in read_regions(path):
-        if kind == "marker" and line.strip() == "end */":
-            text[-1:] = [*starter, text[-1], *starter]
-            starter = []
-        if kind == "starter":
-            starter.append(line)
-        elif kind != "solution":
-            text.append(line)
-    return "".join(text)
+    """Returns the file's replacement in a pack for students, whose file to solve is `yours`: the
+    starter, to compare with."""
+    return _packed(path, f"{_HANDED_OUT}the starter, to compare with; the file to edit is {yours}. */")
+
+
+def left_open_of(path):
+    """Returns the file's replacement in a pack that does not ask for it yet: the starter."""
+    return _packed(path, f"{_LEFT_OPEN}a starter, which a later assignment asks for. */")
 
 
 def is_handed_out(path):
     """Whether the file is what handed_out_of returned."""
+    return _begins_with(path, _HANDED_OUT)
+
+
+def is_left_open(path):
+    """Whether the file is what left_open_of returned."""
+    return _begins_with(path, _LEFT_OPEN)
+
+
+def _begins_with(path, note):
     with open(path, encoding="utf-8") as file:
-        return any(line.startswith(_HANDED_OUT) for line in file)
+        return file.readline().startswith(note)
 
 
 def solution_lines(path):

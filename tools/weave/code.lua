@@ -1,52 +1,44 @@
 -- Finds definitions in our C files by their names: functions, structs, enums and their constants,
 -- macros, tests. Returns the block from the comment above it to its closing brace, as .clang-format
 -- lays it out: top-level definitions begin and end in the first column. Of the regions that
--- tools/grading/starters.py describes, either the solutions stay or the starters; if both are the same,
--- in a pack for students, there is only a starter.
+-- tools/grading/starters.py describes, either the solutions stay or the starters; in a pack for students
+-- there are only starters.
 
 local code = {}
 
-local follows = {common = "/* solution */", solution = "/* starter", starter = "end */"}
-local becomes = {["/* solution */"] = "solution", ["/* starter"] = "starter", ["end */"] = "common"}
-
--- Removes the solution from a region, from lines[first] on, whose two halves are equal; the other half
--- gets the kind "handed out".
-local function merge_halves(lines, first)
-  local half = (#lines - first + 1) // 2
-  for i = first, first + half - 1 do
-    local other = lines[i + half]
-    if lines[i].kind ~= "solution" or other.kind ~= "starter" or lines[i].text ~= other.text then return end
-  end
-  if first + 2 * half <= #lines then return end
-  for i = first, first + half - 1 do
-    lines[i].kind, lines[#lines] = "handed out", nil
-  end
+local becomes = {
+  common = {["/* solution */"] = "solution", ["/* yours to write */"] = "yours"},
+  solution = {["/* starter"] = "starter"},
+  starter = {["end */"] = "common"},
+  yours = {["/* end of yours */"] = "common"},
+}
+local is_marker = {}
+for _, markers in pairs(becomes) do
+  for marker in pairs(markers) do is_marker[marker] = true end
 end
 
 -- Returns the lines of a file as {number, text, kind} without markers; kind is "common", "solution",
--- "starter" or "handed out". Or nil and the reason.
+-- "starter" or, in a pack for students, "yours". Or nil and the reason.
 local function read_regions(path, label)
   local file = io.open(path)
   if not file then return nil, "there is no file " .. label end
-  local lines, state, number, first = {}, "common", 0, 1
+  local lines, state, number = {}, "common", 0
   for text in file:lines() do
     number = number + 1
-    local marker = becomes[text:match("^%s*(.-)%s*$")] and text:match("^%s*(.-)%s*$")
-    if not marker then
+    local word = text:match("^%s*(.-)%s*$")
+    if not is_marker[word] then
       lines[#lines + 1] = {number = number, text = text, kind = state}
-    elseif marker == follows[state] then
-      if state == "common" then first = #lines + 1 end
-      state = becomes[marker]
-      if state == "common" then merge_halves(lines, first) end
+    elseif becomes[state][word] then
+      state = becomes[state][word]
     else
       file:close()
-      return nil, string.format('%s:%d: "%s" stands where "%s" should come', label, number, marker,
-        follows[state])
+      return nil, string.format('%s:%d: "%s" stands where "%s" should come', label, number, word,
+        (next(becomes[state])))
     end
   end
   file:close()
   if state ~= "common" then
-    return nil, string.format('%s: its last region has no "%s"', label, follows[state])
+    return nil, string.format('%s: its last region has no "%s"', label, (next(becomes[state])))
   end
   return lines
 end
@@ -91,8 +83,9 @@ local function defines(block, name)
     (head:find("^enum") and block:find("%f[%w_]" .. after))
 end
 
--- Returns {text, line, own} of a definition: its text, the number of the line where it begins (not
--- its comment), and whether it shows a starter, the student's to solve. Or nil and the reason.
+-- Returns {text, line, own, later} of a definition: its text, the number of the line where it begins
+-- (not its comment), whether it shows a starter, the student's to solve, and whether that is not asked
+-- for yet. Or nil and the reason.
 -- solutions: whether to show these, or the starters instead.
 function code.find(path, label, name, solutions)
   local all, wrong = read_regions(path, label)
@@ -129,8 +122,9 @@ function code.find(path, label, name, solutions)
   end
   if not best then return nil, string.format("%s defines no %s", label, name) end
   local own = false
-  for i = best.first, best.last do own = own or lines[i].kind == "starter" or lines[i].kind == "handed out" end
-  return {text = text_of(lines, best.first, best.last), line = lines[best.begin].number, own = own}
+  for i = best.first, best.last do own = own or lines[i].kind == "starter" or lines[i].kind == "yours" end
+  return {text = text_of(lines, best.first, best.last), line = lines[best.begin].number, own = own,
+    later = all[1].text:find("^/%* Left open: ") ~= nil}
 end
 
 -- Returns the names of a suite's tests in its order, or nil and the reason.

@@ -105,17 +105,34 @@ end
 
 local patience = 120 -- seconds for a driver with a student's units, which may never end
 local timed_out = 124 -- timeout's exit status
-local printed = {} -- by command: what was measured once is not measured again
+local printed = {} -- by driver and arguments: what was measured once is not measured again
 
--- Runs an element's driver and returns its output. Its files go into the common folder, in trials at
--- the trial's size unless the text gives one; or into `folder`, unchanged.
-function drive.run(element, args, folder)
-  local sized = args:find("--width", 1, true) or args:find("--height", 1, true)
-  if size ~= "" and not folder and not sized then args = args .. " --width " .. size .. " --height " .. size end
-  folder = folder or drive.out
+-- What drivers printed while an earlier page was woven, by driver and arguments. weave.sh has put the
+-- pictures and tables of that page into the folder of this one.
+local function read_record(folder)
+  local record = {answers = {}}
+  if folder ~= "" then
+    local load_record, wrong = loadfile(folder .. "/record.lua", "t", record)
+    if not load_record then drive.fail("%s: %s", folder, wrong) end
+    load_record()
+  end
+  return record.answers
+end
+
+local recorded = read_record(os.getenv("RAYKIT_RECORD") or "")
+
+-- Adds an answer to this page's own record; the folder's place in it stays open.
+local function write_record(key, answer, folder)
+  local file = io.open(drive.out .. "/record.lua", "a")
+  local open = answer:gsub(folder:gsub("%W", "%%%0"), "{folder}")
+  file:write(string.format("answers[%q] = %q\n", key, open))
+  file:close()
+end
+
+-- Runs a driver and returns its output.
+local function run_driver(element, args, folder)
   local command = drive.quote(driver_path(element)) .. " " .. args .. " --out " .. drive.quote(folder)
   if drive.units ~= "" then command = "timeout --foreground -k 5 " .. patience .. " " .. command end
-  if printed[command] then return printed[command] end
   drive.say("%s %s", element.attributes.driver, args)
   local answer, status = answer_of(command)
   if not answer and drive.units ~= "" and status == timed_out then
@@ -123,7 +140,21 @@ function drive.run(element, args, folder)
   elseif not answer then
     fail_by_driver(element, "this command failed (its reason is above): %s", command)
   end
-  printed[command] = answer
+  return answer
+end
+
+-- Returns the output of an element's driver, run now or for the record. Its files go into the common
+-- folder, in trials at the trial's size unless the text gives one; or into `folder`, unchanged.
+function drive.run(element, args, folder)
+  local sized = args:find("--width", 1, true) or args:find("--height", 1, true)
+  if size ~= "" and not folder and not sized then args = args .. " --width " .. size .. " --height " .. size end
+  folder = folder or drive.out
+  local key = drive.need(element, "driver") .. " " .. args
+  if printed[key] then return printed[key] end
+  local answer = recorded[key] and recorded[key]:gsub("{folder}", (folder:gsub("%%", "%%%%"))) or
+    run_driver(element, args, folder)
+  write_record(key, answer, folder)
+  printed[key] = answer
   return answer
 end
 

@@ -101,20 +101,33 @@ end
 -- --- links -----------------------------------------------------------------------------------
 
 local pages = {
-  book = {folder = "docs", page = "../../docs/out/book.html"},
-  report = {folder = "reports", page = "../../reports/out/report.html"},
+  book = {folder = "docs", made = "docs/out/book.html", handed_out = "docs/handout/book.html"},
+  report = {folder = "reports", made = "reports/out/report.html"},
 }
 
--- Has a text of a page a heading (or something else) with this name?
-local function is_anchored(page, anchor)
+local function exists(path)
+  local file = io.open(path)
+  return file and file:close()
+end
+
+-- Returns the text of a page that has a heading (or something else) with this name, or nil.
+local function anchored_in(page, anchor)
   local pattern = "{[^}\n]*#" .. anchor:gsub("%W", "%%%0") .. "%f[%s}]"
   for _, path in ipairs(drive.list(drive.source, page.folder .. "/*.md")) do
     local file = io.open(path)
     local text = file:read("a")
     file:close()
-    if text:find(pattern) then return true end
+    if text:find(pattern) then return path:sub(#drive.source + 2) end
   end
-  return false
+  return nil
+end
+
+-- A link to a name in another page, if that is made or in the pack; else to the name in its text.
+local function link_into(page, anchor, text)
+  local source = os.getenv("RAYKIT_SOURCE_LINK")
+  if exists(os.getenv("RAYKIT_BUILD") .. "/" .. page.made) then return "../../" .. page.made .. "#" .. anchor end
+  if page.handed_out and exists(drive.source .. "/" .. page.handed_out) then text = page.handed_out end
+  return source .. "/" .. text .. "#" .. anchor
 end
 
 function weave.link_to_file(path, element)
@@ -129,10 +142,9 @@ function weave.resolve(link)
   if kind == "file" then
     link.target = weave.link_to_file(rest, link)
   elseif pages[kind] then
-    if not is_anchored(pages[kind], rest) then
-      fail_at(link, "nothing in the %s is called %s", kind, rest)
-    end
-    link.target = (kind == drive.page and "" or pages[kind].page) .. "#" .. rest
+    local text = anchored_in(pages[kind], rest)
+    if not text then fail_at(link, "nothing in the %s is called %s", kind, rest) end
+    link.target = kind == drive.page and "#" .. rest or link_into(pages[kind], rest, text)
   elseif kind ~= "https" and link.target:sub(1, 1) ~= "#" then
     fail_at(link, "%s is not a link; begin it with #, file:, book:, report: or https:", link.target)
   end
@@ -152,16 +164,14 @@ local function remember(element)
   if element.identifier ~= "" then names[element.identifier] = true end
 end
 
--- Where some features are woven alone, links to others go to the whole page.
+-- Where some features are woven alone, links to others go elsewhere.
 local function check_link(link)
   local target = link.target:match("^#(.*)$")
   if not target or names[target] then return end
-  if os.getenv("RAYKIT_ALONE") ~= "" and is_anchored(pages[drive.page], target) then
-    link.target = pages[drive.page].page .. "#" .. target
-    return link
-  else
-    fail_at(link, "nothing in the %s is called #%s", drive.page, target)
-  end
+  local text = os.getenv("RAYKIT_ALONE") ~= "" and anchored_in(pages[drive.page], target)
+  if not text then fail_at(link, "nothing in the %s is called #%s", drive.page, target) end
+  link.target = link_into(pages[drive.page], target, text)
+  return link
 end
 
 -- --- filters ---------------------------------------------------------------------------------

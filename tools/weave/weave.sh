@@ -33,6 +33,10 @@ trap interrupted HUP INT TERM
 
 [ -n "${PANDOC-}" ] || give_up "pandoc is missing: run ./bootstrap, or install pandoc and run ./configure again"
 
+# Where RAYKIT_RECORD is the folder of an earlier page, drivers run only for what that page lacks.
+RAYKIT_RECORD=${RAYKIT_RECORD-}
+[ -z "$RAYKIT_RECORD" ] || QUICK=$(sed -n 3p "$RAYKIT_RECORD/machine")
+
 RAYKIT_RUNS=5
 RAYKIT_SIZE=
 note=
@@ -77,11 +81,17 @@ fi
 started=yes
 echo $$ >"$RAYKIT_OUT/process" && mkdir "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables" || give_up "$unwritable"
 
+if [ -n "$RAYKIT_RECORD" ]; then
+    cp -R "$RAYKIT_RECORD/figures" "$RAYKIT_RECORD/tables" "$RAYKIT_OUT" || give_up "$unwritable"
+    machine=$(sed -n 1p "$RAYKIT_RECORD/machine") system=$(sed -n 2p "$RAYKIT_RECORD/machine")
+fi
+printf '%s\n' "$machine" "$system" "${QUICK-}" >"$RAYKIT_OUT/machine" || give_up "$unwritable"
+
 # Pages link to sources by relative paths, so that the whole folder can be moved.
 RAYKIT_SOURCE_LINK=$(realpath --relative-to="$RAYKIT_OUT" "$RAYKIT_SOURCE" 2>/dev/null) ||
     RAYKIT_SOURCE_LINK=$RAYKIT_SOURCE
 export RAYKIT_WEAVES RAYKIT_SOURCE RAYKIT_SOURCE_LINK RAYKIT_DRIVERS RAYKIT_UNITS RAYKIT_OUT \
-    RAYKIT_SCRAPS RAYKIT_RUNS RAYKIT_SIZE RAYKIT_GNUPLOT MESHES RAYKIT_ALONE
+    RAYKIT_SCRAPS RAYKIT_RECORD RAYKIT_RUNS RAYKIT_SIZE RAYKIT_GNUPLOT MESHES RAYKIT_ALONE
 
 # weave_features OPTION...: the page, with the texts of FEATURES in the place of all
 weave_features() {
@@ -96,7 +106,7 @@ weave_features() {
 
 # weave OPTION... TEXT...: the page
 weave() {
-    say "running the drivers; timings want a quiet machine"
+    [ -n "$RAYKIT_RECORD" ] || say "running the drivers; timings want a quiet machine"
     status=0
     "$PANDOC" --standalone --self-contained --from=commonmark_x+sourcepos --to=html5 --toc --toc-depth=2 \
         --resource-path="$RAYKIT_OUT" --lua-filter="$RAYKIT_SOURCE/$texts/weave.lua" \
@@ -104,7 +114,7 @@ weave() {
         --css="$RAYKIT_SOURCE/tools/weave/page.css" --css="$RAYKIT_SOURCE/$texts/$RAYKIT_WEAVES.css" \
         --variable=page:"$RAYKIT_WEAVES" --variable=version:"$RAYKIT_VERSION" \
         --variable=machine:"$machine" --variable=system:"$system" \
-        ${RAYKIT_UNITS:+--variable=units:"$RAYKIT_UNITS"} \
+        ${RAYKIT_UNITS:+--variable=units:"${RAYKIT_UNITS#units: }"} \
         --output="$RAYKIT_OUT/$RAYKIT_WEAVES.html" "$@" || status=$?
     [ $status != 130 ] || interrupted
     [ $status = 0 ] || give_up "the $RAYKIT_WEAVES could not be made"
