@@ -216,9 +216,11 @@ static void check_intersection(rk_focal_surface focal)
         rk_vec2 place = random_place(i);
         rk_dvec3 focus = focus_of(&lens, &view, place);
         double f = rk_dlength(from_to(rk_widen(view.position), focus));
+        float apart = 0; /* the origins: rays that are one and the same converge nowhere */
         for (uint32_t k = 0; k < 8; k++) {
             rk_ray ray = rk_lens_ray(&lens, &view, place.x, place.y, random_xi(8 * i + k));
             double missed = distance_to(&ray, focus);
+            apart = rk_max(apart, rk_length(rk_sub(ray.origin, view.position)));
             /* One rounding of the origin, and a dozen of the direction times f. */
             double tolerance = epsilon * ((double)rk_length(view.position) + 12 * f);
             rk_check(
@@ -228,6 +230,10 @@ static void check_intersection(rk_focal_surface focal)
                 (double)place.x, (double)place.y, (double)lens.focal_distance,
                 (double)random_xi(8 * i + k).x, (double)random_xi(8 * i + k).y, missed, tolerance);
         }
+        rk_check(apart > 0,
+                 "point (%g, %g), focused at %g: all rays start at the lens's centre, want them "
+                 "all over the lens",
+                 (double)place.x, (double)place.y, (double)lens.focal_distance);
     }
 }
 

@@ -202,6 +202,8 @@ class Feature:
             return
         rows = re.findall(r"^\| (\d+) \|(.*)$", handout.read_text(encoding="utf-8"), re.MULTILINE)
         told = [int(number) for number, cells in rows if "{tests}" in cells]
+        looks = [look.step for look in assignments.read_looks(assignments.read_features(str(self.root))[self.stem])]
+        numbers = [int(number) for number, cells in rows]
         feature = assignments.read_features(str(self.root))[self.stem]
         tests = [test for test in assignments.read_points(feature) if test.points]
         steps = list(dict.fromkeys(test.step for test in tests))
@@ -214,6 +216,10 @@ class Feature:
                    if step not in steps]
         faults += [f"{points}: {test.name} is green since step {test.green_since}, which is not before step "
                    f"{test.step}" for test in tests if test.green_since >= test.step]
+        faults += [f"{handout}: step {number} has no {{look}}" for number, cells in rows if "{look}" not in cells]
+        if looks[-1:] != numbers[-1:]:
+            faults.append(f"{handout}: look.tsv beside it ends with step {looks[-1]}; the last thing to do in an "
+                          "assignment is to draw its picture")
         if faults:
             raise Fault("\n".join(faults))
 

@@ -15,7 +15,7 @@ import sys
 from grading import build
 from grading.assignments import Parser, ToolError, check_impl, find_unit, read_features, unit_beside
 from grading.results import write_whole
-from grading.starters import is_left_open
+from grading.starters import is_left_open, starter_of
 
 
 def _object(toolchain, unit, folder):
@@ -64,14 +64,22 @@ def _sentence(units, impl):
     return "units: " + ", ".join(names + rest) if own else ""
 
 
-def _object_that_says(toolchain, sentence, folder):
-    """Returns the object that brings the sentence into a driver."""
+def _is_starter(unit):
+    """Whether a unit's code is still the starter's, apart from blanks."""
+    with open(unit.path, encoding="utf-8", errors="replace") as file:
+        return not unit.is_reference and file.read().split() == starter_of(unit.feature.reference).split()
+
+
+def _object_that_says(toolchain, sentence, units, folder):
+    """Returns the object that brings the sentence into a driver, and the names of the starters."""
+    starters = " ".join(["", *(unit.feature.stem for unit in units if _is_starter(unit)), ""])
     literal = sentence.replace("\\", "\\\\").replace('"', '\\"')
     source = os.path.join(folder, "units.c")
     folder_of_pictures = "impl/out" if sentence else "out"
     write_whole(source, '#include "driver/implementation_note.h"\n\n'
                 f'const char rk_implementation_note[] = "{literal}";\n'
-                f'const char rk_pictures_folder[] = "{folder_of_pictures}";\n')
+                f'const char rk_pictures_folder[] = "{folder_of_pictures}";\n'
+                f'const char rk_unsolved_features[] = "{starters}";\n')
     output = os.path.join(folder, "units.o")
     subprocess.run([*toolchain.compiler, *toolchain.flags, "-c", source, "-o", output], check=True)
     return output
@@ -119,7 +127,7 @@ def link_drivers(toolchain, impl, only=None):
         driver = os.path.join(toolchain.build, driver_of(feature))
         os.makedirs(os.path.dirname(driver), exist_ok=True)
         units = list({**beside, feature.stem: own.get(feature.stem, beside[feature.stem])}.values())
-        says = _object_that_says(toolchain, _sentence(units, impl), parts)
+        says = _object_that_says(toolchain, _sentence(units, impl), units, parts)
         keys = [(unit.feature.stem, unit.is_reference) for unit in units]
         reason = next((unmade[key] for key in keys if key in unmade), None)
         for path in (driver, driver + ".unmade"):

@@ -10,6 +10,7 @@ made beside its destination and moved there when it is complete and found free o
 import errno
 import hashlib
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -21,49 +22,6 @@ from handout_text import as_packed, handout_of
 from grading.leak_check import prove
 from grading.starters import RegionError, handed_out_of, left_open_of, starter_of
 from grading.results import write_whole
-
-HANDOUT = """\
-# What is handed out here
-
-This is raykit, a teaching kit for ray tracing in C, with a part left open for you to write.
-
-{assignments}
-
-## Begin
-
-    ./bootstrap
-    make check-{first}
-
-The first line installs what is missing and configures. The second builds what it needs, tests your
-file and says what to work on first; now all that gives points fails. Then read, solve the first step,
-and check again. `make` alone builds the rest: the drivers in `assignments/`, which draw pictures by
-your code; `--help` lists their options.
-
-{reading}
-
-## Go on
-
-    {one}  one test alone, by its name
-    {watch}  the check again whenever you save; Ctrl-C ends it
-    {debug}  the first failing test in gdb, stopped in your code
-    {diff}  what you have changed since the starter
-    {progress}  the points that you have
-    {report}  pictures and measurements by your code: reports/out/report.html
-    {check}  all suites; those that use your code fail until it is solved
-
-`watch` and `debug` take `TEST=name`, too. A test that takes longer than 10 seconds is stopped and has
-failed; `RAYKIT_TEST_SECONDS=60 make check-{first}` gives each a minute.
-
-`IMPL=folder` with any of these means the files of another folder, a copy of an older state, say. What
-stands in `src/features` for these assignments is the starter once more, for comparison; nothing uses
-it.
-
-## Hand in
-
-{files}
-
-Hand in nothing else, unless your instructor asks for more.
-"""
 
 
 # --- The place ------------------------------------------------------------------------------------
@@ -112,11 +70,15 @@ def _hand_out(pack, features, later):
         else:
             write_whole(os.path.join(pack, new), starter_of(feature.reference))
             write_whole(os.path.join(pack, old), handed_out_of(feature.reference, new))
+    names = [f"workbook/{feature.stem}.c" for feature in features]
+    sums = subprocess.run(["cksum", *names], cwd=pack, check=True, stdout=subprocess.PIPE, text=True).stdout
+    write_whole(os.path.join(pack, "assignments", "starters.txt"), sums)
 
 
 def _adapt_texts(source, pack, features, chosen):
     """Adapts chapters and handouts to the workbook; removes assignments that are not handed out."""
-    os.unlink(os.path.join(pack, "assignments", "handout_common.md"))
+    for name in ("handout_common.md", "handout_page.md"):
+        os.unlink(os.path.join(pack, "assignments", name))
     for feature in features:
         if feature not in chosen:
             os.unlink(os.path.join(pack, "assignments", feature.folder, "handout.md"))
@@ -174,18 +136,30 @@ def _weave_book(pack, features):
         write_whole(name, drawn_by)
 
 
-def _title(pack, feature):
+def _title_and_time(pack, feature):
+    """The first line of the task, and the time that it takes."""
     with open(os.path.join(pack, "assignments", feature.folder, "handout.md"), encoding="utf-8") as file:
-        return file.readline().lstrip("# ").rstrip()
+        text = file.read()
+    time = re.search(r"^\*\*Time:\*\* about (.*)\.$", text, re.MULTILINE)
+    if not time:
+        raise ToolError(f"assignments/{feature.folder}/handout.md says nowhere \"**Time:** about ... hours.\"")
+    return text.splitlines()[0].lstrip("# "), time[1]
 
 
-def _write_handout(pack, features, has_book):
-    """Writes HANDOUT.md, the student's first page."""
-    rows = ["| task | your file | points | chapter |", "|---|---|---|---|"]
+def _cover_command(source):
+    """README.md's command that draws the picture at its top."""
+    with open(os.path.join(source, "README.md"), encoding="utf-8") as file:
+        return re.search(r"^    assignments/\S+ --scene cover --env(.*\\\n)*.*", file.read(), re.MULTILINE)[0]
+
+
+def _write_handout(source, pack, features, has_book):
+    """Writes HANDOUT.md, the student's first page, by assignments/handout_page.md."""
+    rows = ["| task | your file | points | time | chapter |", "|---|---|---|---|---|"]
     for feature in features:
         task, file = f"assignments/{feature.folder}/handout.md", f"workbook/{feature.stem}.c"
         points = sum(test.points for test in read_points(feature))
-        rows.append(f"| [{_title(pack, feature)}]({task}) | [{file}]({file}) | {points} "
+        title, time = _title_and_time(pack, feature)
+        rows.append(f"| [{title}]({task}) | [{file}]({file}) | {points} | {time} "
                     f"| [{feature.chapter}]({feature.chapter}) |")
     first = features[0].stem
     reading = ("Open `docs/handout/book.html` in a browser: the chapters, with figures as they should become.\n"
@@ -194,11 +168,14 @@ def _write_handout(pack, features, has_book):
                "book. Until then,\n`make book` makes `docs/out/book.html`, with figures by your code, which are wrong until it is solved.")
     one = f"make check-{first} TEST=name"
     width = len(one)
-    commands = {"one": one} | {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "diff")}
+    commands = {"one": one} | {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "draw", "diff")}
     commands |= {word: f"make {word}".ljust(width) for word in ("progress", "report", "check")}
     files = "\n".join(f"- `workbook/{feature.stem}.c`" for feature in features)
-    write_whole(os.path.join(pack, "HANDOUT.md"), HANDOUT.format(
-        assignments="\n".join(rows), first=first, reading=reading, files=files, **commands))
+    with open(os.path.join(source, "assignments", "handout_page.md"), encoding="utf-8") as file:
+        page = file.read()
+    write_whole(os.path.join(pack, "HANDOUT.md"), page.format(
+        cover=_cover_command(source), assignments="\n".join(rows), first=first, reading=reading, files=files,
+        **commands))
 
 
 # --- The command ----------------------------------------------------------------------------------
@@ -245,7 +222,7 @@ def make_handout(source, stems, out="", folder="", book=True, later=""):
         _adapt_texts(source, pack, features.values(), chosen)
         if book:
             _weave_book(pack, features.values())
-        _write_handout(pack, chosen, book)
+        _write_handout(source, pack, chosen, book)
         proof = prove(source, pack, features, [*chosen, *left_open])
         if not folder:
             with tarfile.open(pack + ".tar.gz", "w:gz") as archive:

@@ -2,17 +2,17 @@
 
 A line of a handout that begins with a link to a section of assignments/handout_common.md stands for
 that section, with {stem}, {folder} and {number} filled in. In the table of steps {tests} stands for the
-tests that points.tsv gives to a row's step. What is true in one place only stands
-between `<!-- kit -->` and `<!-- pack`, and its counterpart from there to `end -->`.
+tests that points.tsv gives to a row's step, and {look} for what look.tsv shows after it. What
+is true in one place only stands between `<!-- kit -->` and `<!-- pack`, and its counterpart from there to `end -->`.
 """
 
 import os
 import re
 
-from grading.assignments import ToolError, read_points
+from grading.assignments import ToolError, read_looks, read_points
 
 _LINK = re.compile(r"^\[[^]]*\]\(\.\./(handout_common\.md)#([\w-]+)\).*$", re.MULTILINE)
-_STEP = re.compile(r"^(\| (\d+) \|.*)\{tests\}", re.MULTILINE)
+_STEP = re.compile(r"^\| (\d+) \|.*\|$", re.MULTILINE)
 _KIT_OR_PACK = re.compile(r"^<!-- kit -->\n(.*?)^<!-- pack\n(.*?)^end -->\n", re.MULTILINE | re.DOTALL)
 _OF_THE_KIT = re.compile(r"\b(IMPL|DIR)=mine\b|(?<![\w/])mine/|`mine`|<!-- (kit|pack)\b")
 
@@ -36,10 +36,22 @@ def _named(test):
     return f"`{test.name}`{kept}"
 
 
+def _shown(feature, look):
+    picture = f"![{look.caption}](look/{look.step}.png)<br>" if os.path.exists(look.picture) else ""
+    return f"{picture}{look.caption}<br>`make draw-{feature.stem} IMPL=mine STEP={look.step}`"
+
+
 def handout_of(source, feature):
-    """Returns a feature's handout with the shared sections and the tests of its steps in their places."""
-    own, tests = _read(source, "assignments", feature.folder, "handout.md"), read_points(feature)
-    own = _STEP.sub(lambda row: row[1] + "<br>".join(_named(test) for test in tests if test.step == int(row[2])), own)
+    """Returns a feature's handout with the shared sections, and the tests and looks of its steps, in their places."""
+    own = _read(source, "assignments", feature.folder, "handout.md")
+    tests, looks = read_points(feature), read_looks(feature)
+
+    def step(row):
+        named = "<br>".join(_named(test) for test in tests if test.step == int(row[1]))
+        shown = "".join(_shown(feature, look) for look in looks if look.step == int(row[1]))
+        return row[0].replace("{tests}", named).replace("{look}", shown)
+
+    own = _STEP.sub(step, own)
     filled = {"stem": feature.stem, "folder": feature.folder, "number": str(int(feature.folder.split("_")[0]))}
 
     def section(link):
@@ -73,5 +85,5 @@ def as_in_workbook(text, source, feature, folder):
     kit = os.path.relpath(source, folder)
     text = _KIT_OR_PACK.sub(r"\1", text)
     text = re.sub(r"(?<==)mine\b|(?<![\w/])mine(?=/)|(?<=`)mine(?=`)", lambda _: folder.rstrip("/") or "/", text)
-    text = text.replace("](points.tsv)", f"](../../assignments/{feature.folder}/points.tsv)")
+    text = re.sub(r"\]\((points\.tsv|look/)", rf"](../../assignments/{feature.folder}/\1", text)
     return text.replace("](../../", f"]({kit}/")

@@ -25,7 +25,7 @@ static void find_node(const rk_bvh_node *node, uint32_t level, void *context)
 /* Lists the candidates of the node, as the builder saw them. */
 static bool list_splits(splits *c, const rk_driver *driver, rk_error *error)
 {
-    const rk_bvh *bvh = &driver->accel.bvh;
+    const rk_bvh *bvh = rk_driver_tree(driver);
     rk_bvh_visit(bvh, find_node, c);
     if (!c->found)
         return rk_fail(error, "--node %u: this tree's nodes are 0 to %u; choose one of them",

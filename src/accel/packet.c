@@ -1,7 +1,7 @@
 #include "accel/packet.h"
 
 #include "accel/simd4.h"
-#include "features/bvh_median.h"
+#include "accel/stand_in_tree.h"
 
 /* --- Rays ------------------------------------------------------------------------------------- */
 
@@ -197,7 +197,7 @@ void rk_packet_closest(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, rk
     if (together)
         traverse(&p, CLOSEST, bvh, counters);
     for (uint32_t i = 0; i < count; i++)
-        hits[i] = together ? p.hits[i] : rk_bvh_closest(bvh, &rays[i], counters);
+        hits[i] = together ? p.hits[i] : rk_tree_closest(bvh, &rays[i], counters);
 }
 
 void rk_packet_occluded(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, bool *occluded,
@@ -209,5 +209,5 @@ void rk_packet_occluded(const rk_bvh *bvh, const rk_ray *rays, uint32_t count, b
         traverse(&p, OCCLUSION, bvh, counters);
     for (uint32_t i = 0; i < count; i++)
         occluded[i] =
-            together ? p.hits[i].triangle != RK_MISS : rk_bvh_occluded(bvh, &rays[i], counters);
+            together ? p.hits[i].triangle != RK_MISS : rk_tree_occluded(bvh, &rays[i], counters);
 }

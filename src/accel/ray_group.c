@@ -1,7 +1,7 @@
 #include "accel/ray_group.h"
 
+#include "accel/stand_in_tree.h"
 #include "base/dvec3.h"
-#include "features/bvh_median.h"
 
 /* A group with more candidate triangles is wide for its scene, so its rays are traced one by one;
  * with fewer rays, finding candidates costs more than it saves. */
@@ -176,7 +176,7 @@ void rk_ray_group_closest(const rk_bvh *bvh, const rk_ray_batch *rays, rk_hit_ba
         for (uint32_t i = first; i < end; i++) {
             rk_ray ray = rk_batch_ray(rays, i);
             rk_hit hit =
-                together ? closest_in(&list, &ray, counters) : rk_bvh_closest(bvh, &ray, counters);
+                together ? closest_in(&list, &ray, counters) : rk_tree_closest(bvh, &ray, counters);
             rk_batch_put_hit(hits, i, &hit);
         }
     }

@@ -1,7 +1,7 @@
 #include "accel/trace.h"
 
 #include "accel/ray_group.h"
-#include "features/bvh_median.h"
+#include "accel/stand_in_tree.h"
 
 /* --- Static surfaces -------------------------------------------------------------------------- */
 
@@ -34,7 +34,7 @@ void rk_accel_closest_static(const rk_accel *accel, const rk_ray_batch *rays, rk
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
-        rk_hit hit = rk_bvh_closest(&accel->bvh, &ray, counters);
+        rk_hit hit = rk_tree_closest(&accel->bvh, &ray, counters);
         rk_batch_put_hit(hits, i, &hit);
     }
     intersect_spheres(accel->scene, rays, hits, counters);
@@ -52,7 +52,7 @@ void rk_accel_occluded_static(const rk_accel *accel, const rk_ray_batch *rays,
 {
     for (uint32_t i = 0; i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
-        answers->occluded[i] = rk_bvh_occluded(&accel->bvh, &ray, counters) ||
+        answers->occluded[i] = rk_tree_occluded(&accel->bvh, &ray, counters) ||
                                is_occluded_by_sphere(accel->scene, &ray, counters);
     }
 }
@@ -63,7 +63,7 @@ void rk_accel_occluded_static(const rk_accel *accel, const rk_ray_batch *rays,
 static void intersect_object(const rk_bvh *bvh, rk_ray ray, rk_hit *hit, rk_counters *counters)
 {
     ray.t_max = hit->t;
-    rk_hit closest = rk_bvh_closest(bvh, &ray, counters);
+    rk_hit closest = rk_tree_closest(bvh, &ray, counters);
     if (closest.t < hit->t || closest.triangle < hit->triangle)
         *hit = closest;
 }
@@ -87,7 +87,7 @@ void rk_accel_occluded_at_rest(const rk_accel *accel, const rk_ray_batch *rays,
     for (uint32_t i = 0; objects && i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
         for (uint32_t k = 0; k < objects && !answers->occluded[i]; k++)
-            answers->occluded[i] = rk_bvh_occluded(&accel->moving[k], &ray, counters);
+            answers->occluded[i] = rk_tree_occluded(&accel->moving[k], &ray, counters);
     }
 }
 

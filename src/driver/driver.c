@@ -1,8 +1,26 @@
 #include "driver/driver.h"
 
+#include "accel/stand_in_tree.h"
 #include "driver/explain_pixel.h"
+#include "driver/unsolved.h"
 
 #include <string.h>
+
+static bool stand_in(rk_driver *driver, rk_error *error)
+{
+    driver->unfinished = driver->accel;
+    if (!driver->quiet)
+        fprintf(
+            stderr,
+            "%s: the tree finds no triangles yet, so the picture is traced through a stand-in\n",
+            driver->feature);
+    return rk_accel_build_stand_in(&driver->accel, &driver->scene, error);
+}
+
+const rk_bvh *rk_driver_tree(const rk_driver *driver)
+{
+    return driver->unfinished.scene ? &driver->unfinished.bvh : &driver->accel.bvh;
+}
 
 bool rk_driver_build(rk_driver *driver, rk_error *error)
 {
@@ -20,7 +38,7 @@ bool rk_driver_build(rk_driver *driver, rk_error *error)
     rk_progress_end(&progress);
     if (ok)
         driver->build_ms = rk_timing_of(milliseconds, driver->runs);
-    return ok;
+    return ok && (rk_accel_finds_triangles(&driver->accel) || stand_in(driver, error));
 }
 
 static bool time_renders(rk_driver *driver, double *milliseconds, rk_error *error)
@@ -67,9 +85,12 @@ void rk_driver_draw_pixel(rk_driver *driver)
 
 int rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error)
 {
+    if (ok)
+        rk_driver_note_unsolved(driver);
     rk_pool_stop(driver->pool);
     rk_image_free(&driver->image);
     rk_accel_free(&driver->accel);
+    rk_accel_free(&driver->unfinished);
     rk_scene_free(&driver->scene);
     if (ok && fflush(stdout) == 0)
         return 0;

@@ -23,7 +23,8 @@ typedef struct rk_driver {
     const char *mesh_path;   /* NULL: the built-in scene */
     const char *environment; /* NULL: none; "sky", or files as in io/environment_file.h */
     const char *out;
-    const char *debug; /* NULL, or the name of a view */
+    const char *debug;    /* NULL, or the name of a view */
+    const char *compared; /* NULL, or a picture to compare with */
     rk_pixel pixel;
     uint32_t drawn_x, drawn_y; /* per cent of the picture: the default pixel of --debug rays */
     bool quiet;
@@ -39,6 +40,7 @@ typedef struct rk_driver {
     /* from rk_driver_start on */
     rk_scene scene;
     rk_accel accel;
+    rk_accel unfinished; /* its trees find nothing: `accel` has stand-ins (accel/stand_in_tree.h) */
     rk_pool *pool;
     rk_image image;
     rk_counters counters;
@@ -54,8 +56,13 @@ bool rk_driver_start(rk_driver *driver, rk_error *error);
 /* Tries to begin a file in the output folder, so that an error comes before the rendering. */
 bool rk_driver_try_folder(const rk_driver *driver, rk_error *error);
 
-/* Builds the acceleration structure, `runs` times. */
+/* Builds the acceleration structure, `runs` times. If it finds no triangles, because a student has
+ * not solved it yet, stand-in trees are traced, and a note says so. */
 bool rk_driver_build(rk_driver *driver, rk_error *error);
+
+/* The tree over static triangles for debug views: the one that was built, whether it finds
+ * triangles or not. */
+const rk_bvh *rk_driver_tree(const rk_driver *driver);
 
 /* Explains --pixel, and renders into driver->image, `runs` times. */
 bool rk_driver_render(rk_driver *driver, rk_error *error);
@@ -68,7 +75,7 @@ bool rk_driver_debug(const rk_driver *driver, const char *view);
 void rk_driver_draw_pixel(rk_driver *driver);
 
 /* Writes the picture to OUT/figures/FEATURE_SCENE[_LABEL].png, with the debug view and its number
- * as label, or NULL, and prints its caption. */
+ * as label, or NULL, and prints its caption. Compares it with the picture of --compare. */
 bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error);
 
 /* Makes OUT/tables if it is missing, and fills in the path of NAME.csv there. */

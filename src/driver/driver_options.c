@@ -50,6 +50,8 @@ static const rk_option common_rows[] = {
     {"pixel", RK_FIELD(rk_driver, pixel), "X,Y", NULL},
     {"out", RK_FIELD(rk_driver, out), "DIR", "pictures go to DIR/figures, tables to DIR/tables",
      .initial_text = rk_pictures_folder},
+    {"compare", RK_FIELD(rk_driver, compared), "FILE",
+     "say in how many pixels the picture differs from this one, and draw where"},
     {"quiet", RK_FIELD(rk_driver, quiet), NULL, "no progress bar, no summary"},
     {"move", RK_FIELD(rk_driver, move), NULL,
      "move the whole mesh (with --time-samples), if the scene has no moving object"},

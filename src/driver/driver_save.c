@@ -2,6 +2,8 @@
 #include "base/file.h"
 #include "driver/driver.h"
 #include "driver/implementation_note.h"
+#include "driver/picture_difference.h"
+#include "io/image_file.h"
 #include "io/png.h"
 
 #include <ctype.h>
@@ -112,6 +114,44 @@ static void print_caption(const rk_driver *driver, const char *path)
            PACKAGE_VERSION);
 }
 
+/* What is known of the difference, and the picture of it beside the one at `path`. */
+static bool print_difference(const rk_driver *driver, const char *path, const rk_image *wanted,
+                             rk_error *error)
+{
+    rk_image shown;
+    if (!rk_image_init(&shown, wanted->width, wanted->height, error))
+        return false;
+    const rk_picture_difference d = rk_picture_difference_of(&driver->image, wanted, &shown);
+    char place[4096];
+    snprintf(place, sizeof place, "%.*s_difference.png", (int)(strlen(path) - 4), path);
+    bool ok = d.pixels == 0 || rk_png_write(place, &shown, NULL, 0, error);
+    rk_image_free(&shown);
+    if (ok && d.pixels == 0)
+        printf("%s: the picture is the same\n", driver->compared);
+    else if (ok)
+        printf(
+            "%s: the picture differs in %.2g %% of the pixels, most at %zu,%zu; %s shows where\n",
+            driver->compared, 100 * (double)d.pixels / (double)(wanted->width * wanted->height),
+            d.x, d.y, place);
+    return ok;
+}
+
+static bool compare(const rk_driver *driver, const char *path, rk_error *error)
+{
+    rk_image wanted;
+    if (!rk_image_file_read(&wanted, driver->compared, error))
+        return false;
+    const rk_image *drawn = &driver->image;
+    bool same_size = wanted.width == drawn->width && wanted.height == drawn->height;
+    bool ok = same_size ? print_difference(driver, path, &wanted, error)
+                        : rk_fail(error,
+                                  "--compare %s: it has %zu x %zu pixels; draw as many by --width "
+                                  "and --height",
+                                  driver->compared, wanted.width, wanted.height);
+    rk_image_free(&wanted);
+    return ok;
+}
+
 bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)
 {
     char folder[3072], path[4096], seconds[32];
@@ -129,7 +169,7 @@ bool rk_driver_save(rk_driver *driver, const char *label, rk_error *error)
         return false;
     if (!driver->quiet)
         print_caption(driver, path);
-    return true;
+    return !driver->compared || compare(driver, path, error);
 }
 
 bool rk_driver_table(const rk_driver *driver, const char *name, char path[4096], rk_error *error)

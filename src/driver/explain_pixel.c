@@ -2,6 +2,7 @@
  * return: so the explanation cannot differ from the picture. */
 #include "driver/explain_pixel.h"
 
+#include "driver/unsolved.h"
 #include "render/feature_hooks.h"
 #include "render/feature_list.h"
 #include "render/stages/cubemap_stage.h"
@@ -62,6 +63,13 @@ static const char *const kinds[] = {
     [RK_LIGHT_PARALLELOGRAM] = "a parallelogram",
 };
 
+static void print_nothing(const explanation *e)
+{
+    const rk_unsolved unsolved = rk_unsolved_features_of(&e->r->plan);
+    fprintf(e->out, "    nothing is reflected to the viewer%s%s\n", *unsolved.text ? ": " : "",
+            unsolved.text);
+}
+
 /* The radiance that the light adds at the shading point. */
 static void print_light(const explanation *e, uint32_t index)
 {
@@ -84,7 +92,7 @@ static void print_light(const explanation *e, uint32_t index)
                                  &e->lights->answers, &e->lights->sums, e->film);
     rk_vec3 all = e->lights->sums.unshadowed[0];
     if (all.x == 0 && all.y == 0 && all.z == 0)
-        fprintf(e->out, "    nothing is reflected to the viewer\n");
+        print_nothing(e);
     print_shadows(e, light);
     print_vector(e->out, "    adds to the pixel", rk_sub(e->film->sum[0], before));
 }

@@ -2,3 +2,8 @@
 
 const char rk_implementation_note[] = "";
 const char rk_pictures_folder[] = "out";
+/* In a pack for students the build says which of its starters nobody has touched. */
+#ifndef RK_UNSOLVED_FEATURES
+#define RK_UNSOLVED_FEATURES " "
+#endif
+const char rk_unsolved_features[] = RK_UNSOLVED_FEATURES;

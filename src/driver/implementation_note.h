@@ -1,4 +1,4 @@
-/* The authors of the linked units, for captions. */
+/* The linked units: their authors, for captions, and which of them are still starters. */
 #ifndef RK_DRIVER_IMPLEMENTATION_NOTE_H
 #define RK_DRIVER_IMPLEMENTATION_NOTE_H
 
@@ -8,5 +8,8 @@ extern const char rk_implementation_note[];
 
 /* The default of --out, likewise: pictures by other units do not replace those by the kit's own. */
 extern const char rk_pictures_folder[];
+
+/* The features whose units are still the starters, each between blanks: " shading bloom ". */
+extern const char rk_unsolved_features[];
 
 #endif

@@ -26,7 +26,7 @@ static void draw_leaf(const rk_bvh_node *node, uint32_t level, void *context)
     const rk_mesh *mesh = &d->driver->scene.mesh;
     for (uint32_t i = 0; i < node->count; i++) {
         const uint32_t *corner =
-            mesh->triangles[d->driver->accel.bvh.triangles[node->first + i].index];
+            mesh->triangles[rk_driver_tree(d->driver)->triangles[node->first + i].index];
         rk_overlay_triangle(&d->overlay, mesh->positions[corner[0]], mesh->positions[corner[1]],
                             mesh->positions[corner[2]], rk_overlay_colour(i), 1);
     }
@@ -41,7 +41,7 @@ void rk_tree_view_dim(const rk_image *image)
 
 bool rk_tree_view_choose(rk_tree_view *view, const rk_driver *driver, rk_error *error)
 {
-    rk_bvh_measures tree = rk_bvh_measure(&driver->accel.bvh);
+    rk_bvh_measures tree = rk_bvh_measure(rk_driver_tree(driver));
     if ((view->level != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "level")) ||
         (view->leaf != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "leaf")))
         return rk_fail(error, "--level goes with --debug level, --leaf with --debug leaf");
@@ -74,7 +74,7 @@ bool rk_tree_view_draw(const rk_tree_view *view, rk_driver *driver, rk_error *er
         return false;
     if (!is_level)
         rk_tree_view_dim(&driver->image);
-    rk_bvh_visit(&driver->accel.bvh, is_level ? draw_level : draw_leaf, &d);
+    rk_bvh_visit(rk_driver_tree(driver), is_level ? draw_level : draw_leaf, &d);
     rk_overlay_free(&d.overlay);
     return true;
 }
@@ -93,7 +93,7 @@ bool rk_tree_view_rows(rk_driver *driver, rk_error *error)
 {
     if (driver->render.shadows)
         return rk_driver_row(driver, "render_with_shadows", "ms", driver->render_ms, error);
-    rk_bvh_measures tree = rk_bvh_measure(&driver->accel.bvh);
+    rk_bvh_measures tree = rk_bvh_measure(rk_driver_tree(driver));
     double rays = (double)driver->counters.primary_rays;
     rk_timing boxes = rk_timing_once((double)driver->counters.box_tests / rays);
     rk_timing triangles = rk_timing_once((double)driver->counters.triangle_tests / rays);

@@ -39,8 +39,9 @@ rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, r
     rk_vec3 towards = rk_madd(through, offset, -1 / focus_along(lens, through));
     return (rk_ray){rk_add(view->position, offset), rk_normalize(towards), INFINITY};
     /* starter
-    // First step: start at a point of the lens, and go through the focus.
-    return (rk_ray){rk_vec(0, 0, 0), rk_vec(0, 0, 0), 0};
+    // First step: start at a point of the lens, and go through the focus. For now all rays go
+    // through a pinhole.
+    return (rk_ray){view->position, rk_view_through(view, x, y), INFINITY};
     end */
 }
 

@@ -60,7 +60,7 @@ static rk_vec3 position_at(const rk_light *light, rk_vec2 at)
     return position;
     /* starter
     // First step: a segment has only the first edge, a point none.
-    return rk_scale(light->position, NAN);
+    return light->position;
     end */
 }
 
@@ -74,7 +74,7 @@ static rk_vec3 colour_at(const rk_light *light, rk_vec2 at)
     return light->kind == RK_LIGHT_SEGMENT ? low : rk_mix(low, rk_mix(c[2], c[3], at.x), at.y);
     /* starter
     // First step: linear in x between corners 0 and 1, and between 2 and 3; then linear in y.
-    return rk_vec(0, 0, 0);
+    return light->colours[0];
     end */
 }
 

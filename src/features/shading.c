@@ -67,8 +67,9 @@ rk_vec3 rk_shade(const rk_shading *shading, rk_vec3 kd, rk_vec3 ks, float shinin
     return rk_mul(light_colour, rk_madd(rk_scale(kd, diffuse), ks, highlight));
     /* starter
     // First step: off, and Lambert. Second step: Phong. Third step: Blinn-Phong. Fifth step:
-    // normalized. Sixth step: the gradient. Until then surfaces are green.
-    return rk_mul(light_colour, rk_vec(0, 1, 0));
+    // normalized. Sixth step: the gradient. Until then surfaces are grey by their angle to the
+    // light, on both sides.
+    return rk_scale(light_colour, fabsf(rk_dot(n, l)));
     end */
 }
 

@@ -48,6 +48,10 @@ void rk_transparency_insert(rk_crossing_list *list, const rk_crossing *crossing)
     list->count++;
     /* starter
     // First step: keep the nearest `limit` crossings, in order, and none behind an opaque one.
+    // Until then only the nearest is kept, and is drawn as if it were opaque.
+    if (list->count == 0 || crossing->t < list->crossings[0].t)
+        list->crossings[0] = *crossing;
+    list->count = 1;
     end */
 }
 
@@ -79,7 +83,7 @@ void rk_transparency_weights(const rk_crossing *crossings, uint32_t count, float
     /* starter
     // Second step: a surface counts by its alpha, all behind it by 1 - alpha.
     for (uint32_t k = 0; k < count; k++)
-        weights[k] = 0;
+        weights[k] = 1;
     *transmittance = 0;
     end */
 }

@@ -10,6 +10,7 @@
 #include "features/depth_of_field.h"
 #include "features/glossy_reflection.h"
 #include "features/motion_blur.h"
+#include "features/normals.h"
 #include "features/parallelogram_light.h"
 #include "features/shading.h"
 #include "features/transparency.h"
@@ -66,6 +67,7 @@ typedef struct rk_render_options {
     rk_motion_options motion;
     rk_glossy_options glossy;
     rk_ambient_occlusion_options ambient_occlusion;
+    rk_normals_shown normals;
 } rk_render_options;
 
 enum { RK_MAX_DEPTH = 16 };

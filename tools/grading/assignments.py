@@ -115,6 +115,28 @@ def read_points(feature):
     return tests
 
 
+class Look:
+    """A row of look.tsv: what can be seen after a step, by the driver with these options."""
+
+    def __init__(self, feature, step, options, caption):
+        self.step, self.options, self.caption = step, options, caption
+        self.picture = os.path.join(os.path.dirname(feature.points_table), "look", f"{step}.png")
+
+
+def read_looks(feature):
+    """Returns the steps of an assignment after which there is something to see; the last of them is the last
+    step."""
+    path = os.path.join(os.path.dirname(feature.points_table), "look.tsv")
+    looks = []
+    for number, row in enumerate(_read_table(path, ["step", "options", "caption"]), 2):
+        if not row[0].isdigit() or any(int(row[0]) <= look.step for look in looks):
+            raise ToolError(f"{path}:{number}: each step has one row, and they are in order")
+        looks.append(Look(feature, int(row[0]), *row[1:]))
+    if not looks:
+        raise ToolError(f"{path} lists no step; one at least can be seen")
+    return looks
+
+
 class Unit:
     """The C file that solves a feature; `path` is None where there is none."""
 

@@ -4,11 +4,13 @@ Gradescope (results.json). Files are written whole or not at all."""
 import json
 import os
 import re
+import shlex
 import sys
 import tempfile
 import textwrap
 
 from grading.assignments import ToolError, cannot_write
+from grading.starters import is_handed_out
 
 _DETAILS_MAX = 10000  # characters of a program's output that go into a report
 
@@ -87,7 +89,13 @@ def _whose(suite):
     return "this is the reference, which earns no points" if suite.unit.is_reference else ""
 
 
-def text(suites, _impl, colours=False):
+def _command_to_draw(suite, impl):
+    """What is left to do at 100 points; in a pack for students the workbook is meant without a word."""
+    own = os.path.basename(os.path.normpath(impl)) == "workbook" and is_handed_out(suite.feature.reference)
+    return f"make draw-{suite.feature.stem}" + ("" if own else f" IMPL={shlex.quote(impl)}")
+
+
+def text(suites, impl, colours=False):
     """In the format of `make check`: one line per suite, and the next step."""
     lines = []
     for suite in suites:
@@ -99,6 +107,8 @@ def text(suites, _impl, colours=False):
         whose = f"  ({_whose(suite)})" if _whose(suite) else ""
         lines.append(f"{word}{suite.feature.stem:<24}{_counts(suite)}{whose}")
         lines += _text_of_failures(suite)
+        if len(suites) == 1 and suite.points() == 100 and suite.passed():
+            lines.append(f"      draw it: {_command_to_draw(suite, impl)}")
     if len(suites) > 1:
         lines.append(f"in all {total(suites)} points")
     return "\n".join(lines) + "\n"

@@ -1,0 +1,18 @@
+/* Which features of a picture are still to be written, for notes. */
+#ifndef RK_DRIVER_UNSOLVED_H
+#define RK_DRIVER_UNSOLVED_H
+
+#include "driver/driver.h"
+
+/* "shading and bloom are still the starters"; empty if this picture uses no starter. */
+typedef struct rk_unsolved {
+    char text[512];
+} rk_unsolved;
+
+/* `plan`: of the picture. */
+rk_unsolved rk_unsolved_features_of(const rk_plan *plan);
+
+/* Prints it for the driver's picture, unless --quiet. */
+void rk_driver_note_unsolved(const rk_driver *driver);
+
+#endif

@@ -1,0 +1,180 @@
+#!/usr/bin/env python3
+"""What students see: pictures of the starters, and of each step. Speaks TAP, for make check-pictures; runs in a
+build folder."""
+
+import os
+import re
+import shlex
+import shutil
+import struct
+import sys
+import tempfile
+import zlib
+
+SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(SOURCE, "tools"))
+
+import draw  # noqa: E402
+from drivers import driver_of, link_drivers  # noqa: E402
+from grading.assignments import ToolError, read_features, read_looks  # noqa: E402
+from grading.build import Toolchain  # noqa: E402
+from tap import check, finish, run  # noqa: E402
+from workbook import make_workbook  # noqa: E402
+
+BUILD = os.getcwd()
+FEATURES = read_features(SOURCE)
+TOOLCHAIN = Toolchain(BUILD)
+FEWEST_GREYS = 20  # a silhouette has two
+SIZE = ["--width", "96", "--height", "96"]
+
+
+def greys(path):
+    """Returns the brightness, 0 to 255, of each pixel of a PNG file as the drivers write it: 8 bits, RGB."""
+    with open(path, "rb") as file:
+        data = file.read()
+    at, pixels = 8, b""
+    while at < len(data):
+        length, kind = struct.unpack(">I4s", data[at : at + 8])
+        if kind == b"IHDR":
+            width, height = struct.unpack(">II", data[at + 8 : at + 16])
+        if kind == b"IDAT":
+            pixels += data[at + 8 : at + 8 + length]
+        at += 12 + length
+    lines, before, found = zlib.decompress(pixels), bytes(3 * width), []
+    for y in range(height):
+        line = _unfiltered(lines[y * (3 * width + 1) :][: 3 * width + 1], before)
+        found += [sum(line[x : x + 3]) // 3 for x in range(0, len(line), 3)]
+        before = line
+    return found
+
+
+def _paeth(a, b, c):
+    p = a + b - c
+    return min((abs(p - a), 0, a), (abs(p - b), 1, b), (abs(p - c), 2, c))[2]
+
+
+def _unfiltered(line, above):
+    kind, out = line[0], bytearray(line[1:])
+    for i, value in enumerate(out):
+        a, b, c = (out[i - 3] if i > 2 else 0), above[i], (above[i - 3] if i > 2 else 0)
+        out[i] = (value + (0, a, b, (a + b) // 2, _paeth(a, b, c))[kind]) & 255
+    return out
+
+
+def _draw(driver, folder, *options):
+    """Runs a driver; returns its output, and the picture that it wrote, or None."""
+    shutil.rmtree(folder, ignore_errors=True)
+    status, said = run(BUILD, driver, *options, "--out", folder)
+    figures = os.path.join(folder, "figures")
+    pictures = [os.path.join(figures, name) for name in sorted(os.listdir(figures))] if status == 0 else []
+    return said, pictures[0] if pictures else None
+
+
+# --- Starters ---------------------------------------------------------------------------------------
+
+
+def starters_draw(folder):
+    """With every unit a starter, as on the first day of a course."""
+    mine = os.path.join(folder, "mine")
+    make_workbook(SOURCE, mine)
+    toolchain = Toolchain(BUILD)
+    toolchain.handed_out = list(FEATURES)
+    link_drivers(toolchain, mine)
+    for stem, feature in FEATURES.items():
+        said, picture = _draw(driver_of(feature), os.path.join(folder, "out"), *SIZE)
+        found = greys(picture) if picture else [0]
+        lit, kinds = sum(grey > 0 for grey in found) / len(found), len(set(found))
+        check(lit > 0.02 and kinds >= FEWEST_GREYS, f"{stem}: with nothing solved its picture shows form",
+              f"{lit:.0%} of the pixels are not black, in {kinds} greys\n{said}")
+        check(re.search(rf"\b{stem}\b.* still the starter", said),
+              f"{stem}: the driver says that it is still the starter", said)
+    said, _ = _draw(driver_of(FEATURES["bvh_median"]), os.path.join(folder, "out"), *SIZE)
+    check("stand-in" in said, "the driver says that rays go through a stand-in tree", said)
+
+
+# --- Looks ------------------------------------------------------------------------------------------
+
+
+def wanted_pictures_are_what_the_kit_draws(folder):
+    for stem, feature in FEATURES.items():
+        driver, wrong = os.path.join("assignments", feature.folder, stem), []
+        for look in read_looks(feature):
+            said, _ = _draw(driver, folder, *draw.small(look.options), "--compare", look.picture)
+            if f"{look.picture}: the picture is the same" not in said:
+                wrong.append(f"step {look.step}: {said}")
+        check(not wrong, f"{stem}: each step's wanted picture is what the kit draws (make look draws them anew)",
+              "\n".join(wrong))
+
+
+def pictures_of_another_size_are_refused(folder):
+    feature = FEATURES["normals"]
+    driver, picture = os.path.join("assignments", feature.folder, "normals"), read_looks(feature)[0].picture
+    status, said = run(BUILD, driver, *SIZE, "--out", folder, "--compare", picture)
+    check(status == 1 and "128 x 128" in said and "--width" in said,
+          "a picture of another size is not compared; the message says which size it has", said)
+    status, said = run(BUILD, driver, *SIZE, "--out", folder, "--compare", "no.png")
+    check(status == 1 and "no.png" in said, "a picture that is not there is named", said)
+
+
+def sizes_are_small():
+    for options, want in (("", ("128", "128")), ("--width 1000 --height 250 --fov 4", ("256", "64"))):
+        words = draw.small(options)
+        got = tuple(words[words.index(name) + 1] for name in ("--width", "--height"))
+        check(got == want and words.count("--width") == 1,
+              f"the small picture of \"{options}\" has {want[0]} x {want[1]} pixels",
+              shlex.join(words))
+
+
+def a_students_picture_is_compared(folder):
+    """A right unit, and one with z for x."""
+    feature = FEATURES["normals"]
+    with open(feature.reference, encoding="utf-8") as file:
+        right = file.read()
+    wrong = right.replace("0.5f * n.x", "0.5f * n.z")
+    for name, text in (("right", right + "/* mine */\n"), ("wrong", wrong)):
+        os.mkdir(os.path.join(folder, name))
+        with open(os.path.join(folder, name, "normals.c"), "w", encoding="utf-8") as file:
+            file.write(text)
+    make = os.environ["MAKE"]
+    status, said = run(BUILD, make, "-s", "draw-normals", "STEP=1", f"IMPL={folder}/right")
+    check(status == 0 and "look/1.png: the picture is the same" in said, "a right picture is the wanted one", said)
+    status, said = run(BUILD, make, "-s", "draw-normals", "STEP=1", f"IMPL={folder}/wrong")
+    told = re.search(r"differs in \d+ % of the pixels, most at \d+,\d+; (\S+) shows where", said)
+    check(status == 0 and told and os.path.exists(os.path.join(BUILD, told[1])),
+          "of another one it is said how much differs and where, and a picture shows it", said)
+    status, said = run(BUILD, make, "-s", "check-normals", f"IMPL={folder}/right")
+    check(status == 0 and f"draw it: make draw-normals IMPL={folder}/right" in said,
+          "at 100 points the check prints the command that draws", said)
+    status, said = run(BUILD, make, "-s", "draw-normals", "STEP=7")
+    check(status != 0 and "STEP=7" in said and "1, 2" in said,
+          "a step that shows nothing is refused, with those that do", said)
+
+
+def a_wrong_table_is_refused(folder):
+    feature = FEATURES["normals"]
+    feature.points_table = os.path.join(folder, "points.tsv")
+    for rows, part in (("step\tcaption\n", ":1:"), ("step\toptions\tcaption\n2\t\ta\n1\t\tb\n", ":3:"),
+                       ("step\toptions\tcaption\n", "no step")):
+        with open(os.path.join(folder, "look.tsv"), "w", encoding="utf-8") as file:
+            file.write(rows)
+        try:
+            read_looks(feature)
+            check(False, f"look.tsv: {rows!r} is refused")
+        except ToolError as error:
+            check(part in str(error), f"look.tsv: {rows!r} is refused, with its line", error)
+
+
+def main():
+    with tempfile.TemporaryDirectory() as folder:
+        starters_draw(folder)
+        wanted_pictures_are_what_the_kit_draws(os.path.join(folder, "out"))
+        pictures_of_another_size_are_refused(os.path.join(folder, "out"))
+        sizes_are_small()
+        a_students_picture_is_compared(folder)
+        a_wrong_table_is_refused(folder)
+    return finish()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,144 @@
+#!/usr/bin/env python3
+"""Draws what a step of an assignment should look like, with the student's unit, and compares it with the
+wanted picture; or, with --wanted, draws these pictures by the kit's own units.
+
+assignments/FOLDER/look.tsv has a row for each step that can be seen: the step, the driver's options, and a
+caption; look/STEP.png beside it is that picture, small.
+"""
+
+import math
+import os
+import shlex
+import subprocess
+import sys
+import tempfile
+import zlib
+
+from drivers import link_drivers, driver_of
+from grading import build
+from grading.assignments import Parser, ToolError, choose, read_features, read_looks
+
+_SIDE = 128  # of a square picture; others are as large
+_MOST_BYTES = 15 << 10  # a pack holds some forty of them
+
+
+def small(options):
+    """Returns the options for a small picture of the same shape."""
+    words, size = shlex.split(options), {"--width": 800, "--height": 800}
+    for name in size:
+        if name in words:
+            at = words.index(name)
+            size[name] = int(words[at + 1])
+            del words[at : at + 2]
+    scale = _SIDE / math.sqrt(size["--width"] * size["--height"])
+    for name in size:
+        words += [name, str(round(scale * size[name]))]
+    return words
+
+
+def _run(command):
+    """Runs a driver; it has said why if it fails."""
+    if subprocess.run(command, check=False).returncode:
+        raise ToolError(f"{os.path.relpath(command[0])} could not draw it; its reason is above")
+
+
+# --- The student's picture ------------------------------------------------------------------------
+
+
+def choose_look(feature, step):
+    """Returns the row of a step, the last one for none."""
+    looks = read_looks(feature)
+    steps = [str(look.step) for look in looks]
+    if step and step not in steps:
+        raise ToolError(f"STEP={step}: {feature.stem} shows something after the steps {', '.join(steps)}")
+    return looks[steps.index(step)] if step else looks[-1]
+
+
+def draw(toolchain, impl, stem, step):
+    """Draws a step's picture twice: large, to look at, and small, to compare."""
+    features = read_features(toolchain.source)
+    feature = choose(features, [stem])[0]
+    look = choose_look(feature, step)
+    path = os.path.join("assignments", feature.folder, stem)
+    if impl:
+        print(link_drivers(toolchain, impl, stem) or f"{impl} has no {stem}.c: drawn by the kit's own units")
+        path = driver_of(feature)
+    driver = os.path.join(toolchain.build, path)
+    if os.path.exists(driver + ".unmade"):
+        raise ToolError(f"there is no driver: {open(driver + '.unmade', encoding='utf-8').read().strip()}")
+    print(f"step {look.step}: {look.caption}\n{path} {look.options}", flush=True)
+    _run([driver, *shlex.split(look.options)])
+    wanted = os.path.relpath(look.picture)
+    if not os.path.exists(wanted):
+        raise ToolError(f"{wanted} is missing, the picture to compare with")
+    _run([driver, *small(look.options), "--quiet", "--out", os.path.join("out", "compared"), "--compare", wanted])
+
+
+# --- The wanted pictures --------------------------------------------------------------------------
+
+
+def _packed(png):
+    """Returns a PNG file compressed as far as zlib can, and without texts, such as the time that drawing took:
+    drawn again, it is the same."""
+    kept, pixels, at = png[:8], b"", 8
+    while at < len(png):
+        end = at + 12 + int.from_bytes(png[at : at + 4], "big")
+        kind = png[at + 4 : at + 8]
+        if kind == b"IDAT":
+            pixels += png[at + 8 : end - 4]
+        elif kind == b"IEND":
+            data = b"IDAT" + zlib.compress(zlib.decompress(pixels), 9)
+            kept += (len(data) - 4).to_bytes(4, "big") + data + zlib.crc32(data).to_bytes(4, "big") + png[at:end]
+        elif kind not in (b"tEXt", b"iTXt", b"zTXt"):
+            kept += png[at:end]
+        at = end
+    return kept
+
+
+def draw_wanted(toolchain, stems):
+    """Draws the wanted pictures of these features, of all for none, where they have changed."""
+    for feature in choose(read_features(toolchain.source), stems):
+        driver = toolchain.built(os.path.join("assignments", feature.folder, feature.stem))
+        for look in read_looks(feature):
+            with tempfile.TemporaryDirectory() as folder:
+                _run([driver, *small(look.options), "--quiet", "--out", folder])
+                figures = os.path.join(folder, "figures")
+                with open(os.path.join(figures, *os.listdir(figures)), "rb") as file:
+                    picture = _packed(file.read())
+            if len(picture) > _MOST_BYTES:
+                raise ToolError(f"{feature.stem}, step {look.step}: the picture has {len(picture)} bytes, more than "
+                                f"{_MOST_BYTES}; choose one with less noise")
+            os.makedirs(os.path.dirname(look.picture), exist_ok=True)
+            with open(look.picture, "wb") as file:
+                file.write(picture)
+            print(f"{os.path.relpath(look.picture)}: {look.caption}", flush=True)
+
+
+# --- The command ----------------------------------------------------------------------------------
+
+
+def main():
+    parser = Parser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("stems", nargs="*", metavar="STEM")
+    parser.add_argument("--build", default=".", metavar="DIR")
+    parser.add_argument("--impl", default="", metavar="FILE_OR_DIR", help="none: the kit's own units")
+    parser.add_argument("--step", default="", metavar="N", help="of the handout; the last one for none")
+    parser.add_argument("--wanted", action="store_true", help="draw the wanted pictures")
+    arguments = parser.parse_args()
+    try:
+        toolchain = build.Toolchain(arguments.build)
+        if arguments.wanted:
+            draw_wanted(toolchain, arguments.stems)
+        else:
+            draw(toolchain, arguments.impl, arguments.stems[0], arguments.step)
+    except ToolError as error:
+        print(f"draw: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print("draw: stopped", file=sys.stderr)
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
