@@ -27,7 +27,7 @@
 -- RAYKIT_KATEX (its folder) for formulas; without them they stay pandoc's affair.
 
 local tools = os.getenv("RAYKIT_SOURCE") .. "/tools/weave/"
-package.path = tools .. "?.lua;" .. package.path
+table.insert(package.searchers, 2, function(name) return loadfile(tools .. name .. ".lua") end)
 local code = require("code")
 local drive = require("drive")
 local weave = require("weave")

@@ -78,7 +78,7 @@ static run run_program(const char *path, const test_folder *folder, const char *
 static run run_feature(const char *name, const test_folder *folder, const char *arguments)
 {
     char path[4096];
-    snprintf(path, sizeof path, RK_BUILD_FOLDER "/assignments/%s", name);
+    snprintf(path, sizeof path, "%s/assignments/%s", RK_BUILD_FOLDER, name);
     return run_program(path, folder, arguments);
 }
 
@@ -163,7 +163,7 @@ static void every_help_is_wrapped_as_if_by_hand(void **state)
 {
     glob_t folders;
     rk_check(glob(RK_BUILD_FOLDER "/assignments/[0-9][0-9]_*", 0, NULL, &folders) == 0,
-             "no drivers below " RK_BUILD_FOLDER);
+             "no drivers below %s", RK_BUILD_FOLDER);
     for (size_t i = 0; i < folders.gl_pathc; i++) {
         const char *folder = strrchr(folders.gl_pathv[i], '/') + 1;
         char name[512];

@@ -269,6 +269,8 @@ def a_workbook_is_the_students(folder):
         file.write("stem\tfolder\tneeds\tabout\tpicture\nbvh_median\t01_bvh_median\t\t\t\n")
     with open(os.path.join(source, "assignments/01_bvh_median/handout.md"), "w", encoding="utf-8") as file:
         file.write("# Trees\n\n[How to start](../handout_common.md#how-to-start)\n\n[points](points.tsv)\n")
+    with open(os.path.join(source, "assignments/01_bvh_median/points.tsv"), "w", encoding="utf-8") as file:
+        file.write("test\tpoints\tstep\tsection\nit_holds\t100\t1\t#\n")
     with open(os.path.join(source, "assignments/handout_common.md"), "w", encoding="utf-8") as file:
         file.write("# All\n\n## How to start\n\n<!-- kit -->\ncheck-{stem} IMPL=mine\n<!-- pack\ncheck\nend -->\n\n## More\n")
     reference = os.path.join(source, "src/features/bvh_median.c")
@@ -443,7 +445,8 @@ def the_editors_files_name_what_there_is(folder):
     def read_settings(name):
         with open(os.path.join(SOURCE, ".vscode", name), encoding="utf-8") as settings:
             text = "".join(line for line in settings if not line.lstrip().startswith("//"))
-        for variable, value in {"workspaceFolder": ".", "fileBasenameNoExtension": "bvh_median", "file": file}.items():
+        for variable, value in {"workspaceFolder": ".", "fileBasenameNoExtension": "bvh_median",
+                                "relativeFileDirname": os.path.relpath(os.path.dirname(file))}.items():
             text = text.replace("${%s}" % variable, value)
         return json.loads(text)
 

@@ -44,8 +44,26 @@ def tests_of(toolchain, stem):
 
 
 def _functions_in(toolchain, path):
-    answer = subprocess.run([toolchain.tools["nm"], path], capture_output=True, text=True, check=True)
-    return [line.split()[-1] for line in answer.stdout.splitlines() if re.search(" [Tt] ", line)]
+    """Returns a dictionary from an object's functions to their addresses, in the order of these."""
+    answer = subprocess.run([toolchain.tools["nm"], "-n", path], capture_output=True, text=True, check=True)
+    return {line.split()[-1]: int(line.split()[0], 16) for line in answer.stdout.splitlines() if re.search(" [Tt] ", line)}
+
+
+def first_lines(toolchain, path, name):
+    """Returns a dictionary from an object's functions to the first line of their bodies, where arguments have
+    their values: the sanitizer moves them after the place where gdb stops by itself. `name` is the source's."""
+    command = [toolchain.tools["objdump"], "--dwarf=decodedline", path]
+    answer = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
+    rows = sorted((int(address, 16), int(line)) for line, address in
+                  re.findall(rf"^(?:\S*/)?{re.escape(name)} +(\d+) +(0x[0-9a-f]+|0) ", answer.stdout, re.MULTILINE))
+    functions = _functions_in(toolchain, path)
+    starts, found = [*functions.values(), float("inf")], {}
+    for (function, start), end in zip(functions.items(), starts[1:]):
+        lines = [line for address, line in rows if start <= address < end]
+        body = [line for line in lines if line > lines[0]]
+        if body:
+            found[function] = body[0]
+    return found
 
 
 def build_for_debugging(toolchain, feature, features, impl):
@@ -69,15 +87,16 @@ def build_for_debugging(toolchain, feature, features, impl):
     script = os.path.join(folder, feature.stem + ".gdb")
     with open(script, "w", encoding="utf-8") as file:
         file.write(f"source {toolchain.source}/tools/gdb_raykit.py\n")
-        file.write("set breakpoint pending on\nset print pretty on\n")
+        file.write("set breakpoint pending on\nset confirm off\nset print pretty on\n")
         file.write(f"set environment ASAN_OPTIONS {_ASAN_OPTIONS}\n")
         file.write(f"set environment UBSAN_OPTIONS {_UBSAN_OPTIONS}\n")
         name = os.path.basename(unit.path)
         file.write(f"python stop_in({name!r})\n")
-        present = _functions_in(toolchain, path)
+        present, lines = _functions_in(toolchain, path), first_lines(toolchain, path, name)
         yours = [function for function in functions_to_write(feature.reference) if function in present]
         for function in yours or build.global_symbols(toolchain, path):
-            file.write(f"tbreak '{name}':{function}\n")
+            place = f"tbreak '{name}':{lines.get(function, function)}"
+            file.write(f"python gdb.execute({place!r}, to_string=True)\n")
     return program, script, unit
 
 

@@ -4,16 +4,15 @@ then corresponds to assignments/ with the reference's units.
 
 All other units are the reference's, so that an unsolved assignment does not spoil the pictures of
 the solved ones; in a pack, they are the workbook's where it has them. Pictures and impl/units name the
-units' authors. If a unit cannot be built, a script that
-reports it replaces the driver, and STEM.unmade beside it has the reason."""
+units' authors. If a unit cannot be built, a script that reports it replaces the driver of its own feature,
+and STEM.unmade beside it has the reason."""
 
 import os
-import shutil
 import subprocess
 import sys
 
 from grading import build
-from grading.assignments import Parser, ToolError, check_impl, find_unit, read_features, unit_beside
+from grading.assignments import Parser, ToolError, check_impl, find_unit, read_features, reference_unit, unit_beside
 from grading.results import write_whole
 from grading.starters import is_left_open, starter_of
 
@@ -38,15 +37,6 @@ def _objects_of_driver(toolchain, feature):
     """Returns the objects of the files in the driver's folder."""
     place = f"assignments/{feature.folder}/"
     return [toolchain.built(path) for path in toolchain.drivers if path.startswith(place)]
-
-
-def _renderer_without_features(toolchain, features, folder):
-    """Returns a copy of librkrender.a that holds no feature, so that none is picked up unasked."""
-    archive = os.path.join(folder, "librkrender.a")
-    shutil.copyfile(toolchain.built("librkrender.a"), archive)
-    members = [stem + ".o" for stem in features]
-    subprocess.run([toolchain.tools["ar"], "d", archive, *members], check=True)
-    return archive
 
 
 def _sentence(units, impl):
@@ -85,9 +75,10 @@ def _object_that_says(toolchain, sentence, units, folder):
     return output
 
 
-def _told(error):
+def _told(error, in_full=True):
     """Shows why a driver cannot be made, and returns it for the page."""
-    print(f"{error.details}\ndrivers: {error.reason}".strip(), file=sys.stderr)
+    details = error.details if in_full else ""
+    print(f"{details}\ndrivers: {error.reason}".strip(), file=sys.stderr)
     return error.reason
 
 
@@ -113,7 +104,6 @@ def link_drivers(toolchain, impl, only=None):
     folder = os.path.join(toolchain.build, "impl")
     parts = os.path.join(folder, "drivers")
     os.makedirs(parts, exist_ok=True)
-    archive = _renderer_without_features(toolchain, features, parts)
     objects, unmade = {}, {}
     for unit in [*own.values(), *beside.values()]:
         key = unit.feature.stem, unit.is_reference
@@ -122,7 +112,12 @@ def link_drivers(toolchain, impl, only=None):
         try:
             objects[key] = _object(toolchain, unit, parts)
         except build.BuildError as error:
-            unmade[key] = _told(error)
+            unmade[key] = _told(error, only in (None, unit.feature.stem))
+    # A unit that cannot be built costs its own driver only.
+    for stem, unit in beside.items():
+        if (stem, False) in unmade and not unit.is_reference:
+            beside[stem] = reference_unit(features[stem])
+            objects[stem, True] = _object(toolchain, beside[stem], parts)
     for feature in [features[only]] if only else features.values():
         driver = os.path.join(toolchain.build, driver_of(feature))
         os.makedirs(os.path.dirname(driver), exist_ok=True)
@@ -137,7 +132,7 @@ def link_drivers(toolchain, impl, only=None):
             if not reason:
                 build.link(toolchain, driver, [
                     *_objects_of_driver(toolchain, feature), says, *(objects[key] for key in keys),
-                    archive, toolchain.built("librkbase.a"), *toolchain.libraries], parts)
+                    toolchain.built("librkstages.a"), toolchain.built("librkbase.a"), *toolchain.libraries], parts)
         except build.BuildError as error:
             reason = _told(error)
         if reason:

@@ -10,6 +10,7 @@ import concurrent.futures
 import difflib
 import os
 import re
+import shlex
 import shutil
 import signal
 import subprocess
@@ -23,8 +24,8 @@ from grading import sandbox
 from grading import integrity
 from grading import results
 from grading.assignments import (
-    Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format, find_unit, read_features, read_points,
-    reference_unit, submitted_unit, unit_beside,
+    Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format, read_features, read_points,
+    submitted_unit, unit_beside,
 )
 from grading.starters import is_handed_out, starter_of
 from grading.verdicts import Verdict, judge
@@ -35,11 +36,10 @@ TIMEOUTS = 2  # so many tests of a suite may take all their time; the others the
 
 class Suite:
     """The result of one feature: its unit, its scored tests and a verdict for each. `problem` is the
-    reason why nothing ran, `fallback` says that the reference was used instead, `beside` what is to be
-    known of a student's units that it needs."""
+    reason why nothing ran, `beside` what is to be known of a student's units that it needs."""
 
-    def __init__(self, feature, unit, tests, fallback=False):
-        self.feature, self.unit, self.tests, self.fallback = feature, unit, tests, fallback
+    def __init__(self, feature, unit, tests):
+        self.feature, self.unit, self.tests = feature, unit, tests
         self.verdicts, self.warnings, self.problem, self.beside = {}, "", "", ""
         self.program, self.folder, self.source = None, None, ""
 
@@ -225,12 +225,12 @@ def _arguments():
     add("--format", metavar="FORMAT", default="text", help=f"of the report: {', '.join(sorted(results.FORMATS))}")
     add("--out", metavar="FILE", help="write the report there instead of standard output")
     add("--test", metavar="NAME", help="only this test")
-    add("--fallback", action="store_true", help="a student's own check: for units that are not there run the "
-        "reference, without points, and name files as IMPL does")
+    add("--own", action="store_true", help="a student's own check: brief, and files are named as IMPL does")
+    add("--all", action="store_true", help="with --own: not brief")
     return parser.parse_args()
 
 
-def _prepare_suite(feature, impl, fallback, only):
+def _prepare_suite(feature, impl, own, only):
     """Returns the suite of one feature; one that has given up where there is nothing to judge."""
     listed = read_points(feature)
     tests = [test for test in listed if only in (None, test.name)]
@@ -240,10 +240,8 @@ def _prepare_suite(feature, impl, fallback, only):
         hint = "do you mean " + " or ".join(near[:3]) + "?" if near else f"they stand in {feature.points_table}"
         raise ToolError(f"{feature.stem} has no test {only}; {hint}")
     try:
-        if fallback and find_unit(feature, impl).path is None and not is_handed_out(feature.reference):
-            return Suite(feature, reference_unit(feature), tests, True)
         unit = submitted_unit(feature, impl)
-        if not fallback and not unit.is_reference:
+        if not own and not unit.is_reference:
             unit.shown = os.path.basename(unit.path)
         return Suite(feature, unit, tests)
     except UnitError as error:
@@ -252,17 +250,17 @@ def _prepare_suite(feature, impl, fallback, only):
         return suite
 
 
-def prepare_suites(features, chosen, impl, fallback, only=None):
+def prepare_suites(features, chosen, impl, own, only=None):
     """Returns the suites to grade."""
-    check_impl(features, impl, [feature.stem for feature in chosen], may_be_empty=not fallback)
-    return [_prepare_suite(feature, impl, fallback, only) for feature in chosen]
+    check_impl(features, impl, [feature.stem for feature in chosen], may_be_empty=not own)
+    return [_prepare_suite(feature, impl, own, only) for feature in chosen]
 
 
-def grade_impl(build_folder, stems, impl, fallback=False, only=None, progress=None):
+def grade_impl(build_folder, stems, impl, own=False, only=None, progress=None):
     """Grades and returns (toolchain, suites); raises ToolError."""
     toolchain = build.Toolchain(build_folder)
     features = read_features(toolchain.source)
-    suites = prepare_suites(features, choose(features, stems), impl, fallback, only)
+    suites = prepare_suites(features, choose(features, stems), impl, own, only)
     units = {stem: unit_beside(feature, impl, toolchain.handed_out) for stem, feature in features.items()}
     seconds = seconds_per_test()
     sandbox.prepare()
@@ -276,6 +274,23 @@ def grade_impl(build_folder, stems, impl, fallback=False, only=None, progress=No
         sandbox.end_strays()
         shutil.rmtree(work, ignore_errors=True)
     return toolchain, suites
+
+
+def _require_units(build_folder, stems, impl):
+    """Raises ToolError if a unit is missing, with the file that was probably meant."""
+    features = read_features(build.Toolchain(build_folder).source)
+    check_impl(features, impl, stems)
+    for feature in choose(features, stems):
+        name = feature.stem + ".c"
+        try:
+            submitted_unit(feature, impl)
+        except UnitError as error:
+            near = [other for other in (os.listdir(impl) if os.path.isdir(impl) else []) if other != name
+                    and other.lower() in (name, name.replace("_", "-"), name.replace("_", ""))]
+            if os.path.lexists(os.path.join(impl, name)) or not os.path.isdir(impl):
+                raise
+            remedy = f"rename {near[0]} to {name}" if near else f"make workbook DIR={shlex.quote(impl)} puts the starter there"
+            raise ToolError(f"there is no {os.path.join(impl, name)}; {remedy}") from error
 
 
 def _grade_apart(build_folder, stems, impl, only, progress):
@@ -328,13 +343,15 @@ def main():
     try:
         choose_format(arguments.format, results.FORMATS)
         results.check_place(arguments.out)
-        if arguments.fallback:
+        if arguments.own:
+            _require_units(arguments.build, arguments.stems, arguments.impl)
             _, suites = grade_impl(arguments.build, arguments.stems, arguments.impl, True, arguments.test, progress)
         else:
             suites = grade_submission(arguments.build, arguments.stems, arguments.impl, arguments.test, progress)
-        results.write(suites, arguments.format, arguments.impl, arguments.out)
+        results.write(suites, arguments.format, arguments.impl, arguments.out,
+                      arguments.own and not arguments.all)
     except ToolError as error:
-        print(f"grade: {error}", file=sys.stderr)
+        print(f"{'check' if arguments.own else 'grade'}: {error}", file=sys.stderr)
         return 2
     except OSError as error:
         print(f"grade: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)

@@ -20,8 +20,10 @@ import tempfile
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
 from handout_text import as_packed, handout_of
 from grading.leak_check import prove
+from grading.originals import keep_originals
 from grading.starters import RegionError, handed_out_of, left_open_of, starter_of
 from grading.results import write_whole
+from grading.workbook_files import workbook_files
 
 
 # --- The place ------------------------------------------------------------------------------------
@@ -48,12 +50,18 @@ def place_of(out, folder):
 def _release(pack):
     """The files that make dist would pack, without those that ./bootstrap makes and those that only
     instructors use."""
-    command = [os.environ.get("MAKE", "make"), "-s", "distdir", f"distdir={pack}"]
+    # Gathered here first, because distdir's rules take no path with spaces.
+    gathered = os.path.basename(tempfile.mkdtemp(prefix=".gathered-", dir="."))
+    command = [os.environ.get("MAKE", "make"), "-s", "distdir", f"distdir={gathered}"]
     environment = {name: value for name, value in os.environ.items() if name != "MAKEFLAGS"}
-    answer = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                            errors="replace", check=False)
-    if answer.returncode:
-        raise ToolError(f"the kit's files could not be gathered:\n{answer.stdout.strip()}")
+    try:
+        answer = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                                errors="replace", check=False)
+        if answer.returncode:
+            raise ToolError(f"the kit's files could not be gathered:\n{answer.stdout.strip()}")
+        shutil.move(gathered, pack)
+    finally:
+        shutil.rmtree(gathered, ignore_errors=True)
     made = ["configure", "Makefile.in", "aclocal.m4", "features.am", "build-aux"]
     for name in [*made, *os.environ["RAYKIT_INSTRUCTORS"].split()]:
         path = os.path.join(pack, name)
@@ -62,7 +70,10 @@ def _release(pack):
 
 def _hand_out(pack, features, later):
     """Replaces solutions by starters, whose notes tell the build which sources to take from workbook/."""
-    os.mkdir(os.path.join(pack, "workbook"))
+    workbook = os.path.join(pack, "workbook")
+    os.mkdir(workbook)
+    for name, text in workbook_files(pack, workbook, pack).items():
+        write_whole(os.path.join(workbook, name), text)
     for feature in [*features, *later]:
         old, new = f"src/features/{feature.stem}.c", f"workbook/{feature.stem}.c"
         if feature in later:
@@ -224,6 +235,7 @@ def make_handout(source, stems, out="", folder="", book=True, later=""):
             _weave_book(pack, features.values())
         _write_handout(source, pack, chosen, book)
         proof = prove(source, pack, features, [*chosen, *left_open])
+        keep_originals(pack)
         if not folder:
             with tarfile.open(pack + ".tar.gz", "w:gz") as archive:
                 archive.add(pack, name, filter=_anonymous)

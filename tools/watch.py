@@ -6,6 +6,7 @@ because its result would be about an old file."""
 
 import os
 import re
+import shutil
 import signal
 import subprocess
 import sys
@@ -40,7 +41,8 @@ class Check:
 
     def __init__(self, command):
         self._said = tempfile.TemporaryFile()
-        self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self._said,
+        environment = dict(os.environ, COLUMNS=str(shutil.get_terminal_size((100, 24)).columns))
+        self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self._said, env=environment,
                                          stderr=subprocess.STDOUT, start_new_session=True)
 
     def is_over(self):
@@ -119,7 +121,7 @@ def main():
     cache = f"pycache_prefix={os.path.join(arguments.build, 'impl', 'python')}"
     grader = os.path.join(os.path.dirname(__file__), "grade.py")
     command = [sys.executable, "-X", cache, grader, arguments.stem, "--build", arguments.build,
-               "--impl", arguments.impl, "--fallback"]
+               "--impl", arguments.impl, "--own"]
     command += ["--test", arguments.test] if arguments.test else []
     try:
         features = read_features(Toolchain(arguments.build).source)

@@ -7,12 +7,14 @@ that an unchanged starter is renewed with the kit.
 
 import hashlib
 import os
+import shlex
 import sys
 
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features
 from handout_text import as_in_workbook, handout_of
 from grading.starters import RegionError, starter_of
 from grading.results import write_whole
+from grading.workbook_files import workbook_files
 
 MANIFEST = ".workbook"
 
@@ -95,8 +97,9 @@ def make_workbook(source, folder, stems=()):
     first = features[0]
     files["README.txt"] = README.format(
         assignments="\n".join(f"    {f.stem + '.c':<24}chapter {f.chapter}" for f in features),
-        first=first.stem, chapter=first.chapter, folder=folder.rstrip("/") or "/",
+        first=first.stem, chapter=first.chapter, folder=shlex.quote(folder.rstrip("/") or "/"),
     )
+    files |= workbook_files(source, folder, os.getcwd(), folder)
     try:
         os.makedirs(folder, exist_ok=True)
     except OSError as error:
@@ -106,7 +109,7 @@ def make_workbook(source, folder, stems=()):
     for name, text in files.items():
         _put(os.path.join(folder, name), text, generated, said)
     write_whole(manifest, "".join(f"{digest}  {name}\n" for name, digest in sorted(generated.items())))
-    return said + [f"next: make check-{first.stem} IMPL={folder}"]
+    return said + [f"next: make check-{first.stem} IMPL={shlex.quote(folder)}"]
 
 
 def main():

@@ -39,7 +39,7 @@ class Toolchain:
         self.build, self.source = os.path.abspath(build), values["source"]
         self.handed_out = values["handed_out"].split()  # features without a reference, in a pack
         self.compiler = shlex.split(values["cc"])
-        self.flags = shlex.split(values["flags"]) + ["-Wno-error"]
+        self.flags = ["-I" + os.path.join(self.source, "src"), *shlex.split(values["flags"]), "-Wno-error"]
         self.base_sanitize = shlex.split(values["base_sanitize"])
         self.sanitize = shlex.split(values["sanitize"])
         self.link_flags = shlex.split(values["link_flags"])
@@ -118,7 +118,7 @@ def _check_included(toolchain, unit, listing):
     """A solution may include the kit's headers, the system's, and headers beside it."""
     with open(listing, encoding="utf-8", errors="replace") as file:
         # In make's syntax: blanks in names are escaped, quotes are ordinary characters.
-        words = [re.sub(r"\\([ #])", r"\1", word).replace("$$", "$")
+        words = [re.sub(r"\\([ \t#])", r"\1", word).replace("$$", "$")
                  for word in re.findall(r"(?:\\.|\S)+", file.read().replace("\\\n", " "))]
     own, source = os.path.dirname(os.path.abspath(unit.path)), os.path.join(toolchain.source, "src")
     for word in words[1:]:

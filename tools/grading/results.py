@@ -5,12 +5,14 @@ import json
 import os
 import re
 import shlex
+import shutil
 import sys
 import tempfile
 import textwrap
 
 from grading.assignments import ToolError, cannot_write
 from grading.starters import is_handed_out
+from grading.verdicts import printed_lines
 
 _DETAILS_MAX = 10000  # characters of a program's output that go into a report
 
@@ -29,16 +31,15 @@ def _details(verdict):
 
 def _counts(suite):
     passed = sum(suite.verdicts[test.name].passed for test in suite.tests)
-    return f"{passed} of {len(suite.tests)} claims, {suite.points()} of {suite.points_max()} points"
+    claims = f"{passed} of {len(suite.tests)} claims"
+    if not suite.passed() and suite.points() == suite.points_max() > 0:
+        return f"{claims}; {suite.points()} points, but a claim that held is broken"
+    return f"{claims}, {suite.points()} of {suite.points_max()} points"
 
 
 def name_of(impl):
     """The name of the work, without the path to it, which is the grader's."""
     return _printable(os.path.basename(os.path.normpath(impl))).replace("\n", "?")
-
-
-def _worth(test):
-    return f"{test.points} points" if test.points else "no points: it held with the starter, and must continue to hold"
 
 
 def _explained(suite, test):
@@ -53,39 +54,74 @@ def _explained(suite, test):
 
 # --- Text ---------------------------------------------------------------------------------------
 
+_SCREEN = 22  # lines of a small terminal, without make's last line and the prompt
+_NEXT = 3  # claims that a student's own check names beside the first
+
+
+def _width():
+    return max(40, min(shutil.get_terminal_size((100, 24)).columns, 120))
+
 
 def _wrapped(text, indent):
-    return textwrap.wrap(text, 100, initial_indent=indent, subsequent_indent=indent, break_long_words=False,
+    return textwrap.wrap(text, _width(), initial_indent=indent, subsequent_indent=indent, break_long_words=False,
                          break_on_hyphens=False)
 
 
-def _text_of_failures(suite):
+def _some(lines, most, more):
+    """Returns the first lines, and a last one with how many were left out."""
+    return lines if len(lines) <= most else [*lines[:most - 1], more.format(len(lines) - most + 1)]
+
+
+def _all_others(suite, failed, first):
+    """All claims that failed beside the first, those with the same reason together."""
+    lines, groups = ["      then:"], {}
+    for test in failed:
+        groups.setdefault(_printable(suite.verdicts[test.name].reason).split("\n")[0], []).append(test)
+    for reason, tests in groups.items():
+        lines += [f"          {test.name} ({test.points or 'it held before'})" for test in tests]
+        same = reason == _printable(suite.verdicts[first.name].reason).split("\n")[0]
+        lines += _wrapped("for the same reason as the first" if same else reason, " " * 14)
+    return lines
+
+
+def _next_ones(suite, failed):
+    named = [f"{test.name} ({test.points or 'it held before'})" for test in failed]
+    named = _some(named, _NEXT + 1, f"and {{}} more: make check-{suite.feature.stem} ALL=1")
+    return [("      then: " if not number else " " * 12) + name for number, name in enumerate(named)]
+
+
+def _text_of_failures(suite, brief):
+    """The claim to work on first stands last, where a terminal shows it."""
     failed = [test for test in suite.tests if not suite.verdicts[test.name].passed]
     if not failed:
         return []
     first = failed[0]
     if suite.problem:
-        details = _details(suite.verdicts[first.name]).strip().split("\n")
-        said = [f"          {line}" for line in details[:20] if line]
-        return [f"      {_printable(suite.problem)}", *said]
-    lines = [f"      work on this one first: {first.name} ({_worth(first)})"]
-    lines += [f"          {line}" for line in _explained(suite, first)]
-    if len(failed) > 1:
-        lines.append("      after that:")
-    groups = {}  # by reason, in the order of the tests
-    for test in failed[1:]:
-        reason = _printable(suite.verdicts[test.name].reason).split("\n")[0]
-        groups.setdefault(reason, []).append(test)
-    for reason, tests in groups.items():
-        lines += [f"          {test.name} ({test.points or 'it held before'})" for test in tests]
-        same = reason == _printable(suite.verdicts[first.name].reason).split("\n")[0]
-        lines += _wrapped("as the first" if same else reason, " " * 14)
+        details = [line for line in _details(suite.verdicts[first.name]).strip().split("\n") if line]
+        said = [f"          {line}" for line in _some(details, 15 if brief else 20, "and {} more lines")]
+        return [*said, *_wrapped(_printable(suite.problem), " " * 6)]
+    lines = (_next_ones(suite, failed[1:]) if brief else _all_others(suite, failed[1:], first)) if failed[1:] else []
+    worth = f" ({first.points} points)" if first.points else ""
+    lines.append(f"      work on this one first: {first.name}{worth}")
+    explained = _explained(suite, first)
+    if not first.points:
+        explained.insert(0, "it held with the starter, and must continue to hold")
+    if brief and first.step:
+        explained[-1] += f"; a hint: make hint-{suite.feature.stem} STEP={first.step}"
+    for line in explained:
+        lines += _wrapped(line, " " * 10)
     return lines
 
 
+def _text_of_prints(suite):
+    """What the code printed, where one test is run alone."""
+    if len(suite.tests) > 1:
+        return []
+    printed = [_printable(line)[:200] for line in printed_lines(suite.verdicts[suite.tests[0].name].details)]
+    return ["      your code printed:", *(f"          {line}" for line in _some(printed, 40, "and {} more lines"))] if printed else []
+
+
 def _whose(suite):
-    if suite.fallback:
-        return "not there; this is the reference, which earns no points"
     return "this is the reference, which earns no points" if suite.unit.is_reference else ""
 
 
@@ -95,18 +131,20 @@ def _command_to_draw(suite, impl):
     return f"make draw-{suite.feature.stem}" + ("" if own else f" IMPL={shlex.quote(impl)}")
 
 
-def text(suites, impl, colours=False):
-    """In the format of `make check`: one line per suite, and the next step."""
+def text(suites, impl, colours=False, brief=False):
+    """In the format of `make check`: one line per suite, and the next step. What is brief fits on a
+    small terminal."""
     lines = []
     for suite in suites:
-        if suite.warnings:
-            lines += _printable(suite.warnings).split("\n")[:60]
         word = "ok    " if suite.passed() else "FAIL  "
         if colours:
             word = f"\033[{32 if suite.passed() else 31}m{word}\033[m"
         whose = f"  ({_whose(suite)})" if _whose(suite) else ""
-        lines.append(f"{word}{suite.feature.stem:<24}{_counts(suite)}{whose}")
-        lines += _text_of_failures(suite)
+        said = _text_of_prints(suite) if brief else []
+        said += [f"{word}{suite.feature.stem:<24}{_counts(suite)}{whose}", *_text_of_failures(suite, brief)]
+        warnings = _printable(suite.warnings).split("\n") if suite.warnings else []
+        room = max(4, _SCREEN - len(said)) if brief else 60
+        lines += [*_some(warnings, room, f"and {{}} more lines of warnings: make check-{suite.feature.stem} ALL=1"), *said]
         if len(suites) == 1 and suite.points() == 100 and suite.passed():
             lines.append(f"      draw it: {_command_to_draw(suite, impl)}")
     if len(suites) > 1:
@@ -253,10 +291,10 @@ def check_place(path):
         raise ToolError(f"OUT: {path} is a folder; name a file")
 
 
-def write(suites, format_name, impl, path=None):
+def write(suites, format_name, impl, path=None, brief=False):
     """Writes the report in this format to a file, or to standard output."""
     if format_name == "text" and not path:
-        report = text(suites, impl, sys.stdout.isatty())
+        report = text(suites, impl, sys.stdout.isatty(), brief)
     else:
         report = FORMATS[format_name](suites, impl)
     if path:

@@ -17,6 +17,8 @@ class Verdict:
         self.details, self.seconds, self.timed_out = details, seconds, False
 
 
+PRINTED = "\nyour code printed: "
+
 # The sanitizers' terms, and explanations.
 _CRASHES = [
     ("stack-overflow", "ran out of stack: endless recursion, or a very large local array?"),
@@ -81,6 +83,13 @@ def _crash(text, unit):
     )
 
 
+def printed_lines(output):
+    """Returns the lines that the unit printed: those that are neither the suite's nor a sanitizer's."""
+    before_reports = re.split(r"^=+\n==\d+==ERROR", output, maxsplit=1, flags=re.MULTILINE)[0]
+    return [line for line in before_reports.split("\n")
+            if line.strip() and not re.match(r"1\.\.\d+$|ok \d+ - |not ok|# ", line)]
+
+
 def _failed_claim(outcome, name, suite_source):
     """Returns (message, place) of a claim that failed, or None. If a helper of the suite detected it,
     the place is the beginning of the claim."""
@@ -88,12 +97,10 @@ def _failed_claim(outcome, name, suite_source):
     if not told:
         return None
     file, line, message = told.groups()
-    before_leaks = re.split(r"^=+\n==\d+==ERROR", outcome.output, maxsplit=1, flags=re.MULTILINE)[0]
-    printed = [text for text in before_leaks.split("\n")
-               if text.strip() and text not in message and not re.match(r"1\.\.1$|not ok|# ", text)]
+    printed = [text for text in printed_lines(outcome.output) if text not in message]
     if printed:
         more = f" (and {len(printed) - 3} more lines)" if len(printed) > 3 else ""
-        message += "\nyour code printed: " + " | ".join(text[:100] for text in printed[:3]) + more
+        message += PRINTED + " | ".join(text[:100] for text in printed[:3]) + more
     if not file:
         return message, ""
     first, last = _lines_of(name, suite_source)

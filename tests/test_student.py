@@ -1,0 +1,351 @@
+#!/usr/bin/env python3
+"""A student's commands, in a pack whose folder has a difficult name, and in a workbook of the whole kit. Speaks TAP, for make check-student; runs in a build folder."""
+
+import io
+import json
+import os
+import re
+import shutil
+import subprocess
+import sys
+import tempfile
+from contextlib import redirect_stdout
+
+SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(SOURCE, "tools"))
+
+import handout  # noqa: E402
+import hint  # noqa: E402
+from grading import results, verdicts  # noqa: E402
+from grading.assignments import ScoredTest, ToolError, Unit, read_features, read_points  # noqa: E402
+from grading.build import Toolchain  # noqa: E402
+from grading.starters import starter_of  # noqa: E402
+from handout_text import handout_of  # noqa: E402
+from tap import check, finish, run  # noqa: E402
+
+MAKE = os.environ.get("MAKE", "make")
+STEM, OTHER = "bvh_median", "bloom"
+FEATURES = read_features(SOURCE)
+FEATURE = FEATURES[STEM]
+STARTER = starter_of(FEATURE.reference)
+TESTS = read_points(FEATURE)
+SCREEN = 24
+NAME = "Übung\t1; (50 %) | ~*"  # a folder's
+
+
+def read(*path):
+    with open(os.path.join(*path), encoding="utf-8") as file:
+        return file.read()
+
+
+def write(text, *path):
+    os.makedirs(os.path.dirname(os.path.join(*path)), exist_ok=True)
+    with open(os.path.join(*path), "w", encoding="utf-8") as file:
+        file.write(text)
+
+
+def make(folder, *arguments):
+    return run(folder, MAKE, "-s", "-j2", *arguments)
+
+
+# --- What is said ---------------------------------------------------------------------------------
+
+
+class Suite:
+    """A suite with these verdicts, as the grader's."""
+
+    def __init__(self, feature, tests, failing, warnings="", problem="", reason="got 1, want 2", printed=""):
+        self.feature, self.tests, self.warnings, self.problem = feature, tests, warnings, problem
+        self.unit = Unit(feature, "mine/x.c", "mine/x.c", False)
+        self.verdicts = {test.name: verdicts.Verdict(test.name not in failing, reason if test.name in failing else "",
+                                                     "tests/x.c:1", printed) for test in tests}
+        self.__dict__.update(beside="", remarks=[])
+
+    def passed(self):
+        return all(verdict.passed for verdict in self.verdicts.values())
+
+    def points(self):
+        return sum(test.points for test in self.tests if self.verdicts[test.name].passed)
+
+    def points_max(self):
+        return sum(test.points for test in self.tests)
+
+
+def a_verdict_fits_on_a_screen():
+    everything = [test.name for test in TESTS]
+    told = results.text([Suite(FEATURE, TESTS, everything, "\n".join(f"x.c:{k}: warning: odd" for k in range(90)),
+                               reason="a long reason " * 20)], "mine", brief=True)
+    lines = told.splitlines()
+    check(len(lines) < SCREEN, "with every claim failing and 90 warnings the verdict fits on 24 lines", told)
+    first = next((k for k, line in enumerate(lines) if f"work on this one first: {TESTS[0].name}" in line), 0)
+    check(first > next(k for k, line in enumerate(lines) if TESTS[1].name in line) and lines[-1].lstrip().startswith(("read", "make")),
+          "the claim to work on stands last", told)
+    check("ALL=1" in told and TESTS[-1].name not in told, "the others are counted, with the way to see them", told)
+    check(f"STEP={TESTS[0].step}" in told, "the step's hints are named", told)
+    told = results.text([Suite(FEATURE, TESTS, everything)], "mine")
+    check(all(test.name in told for test in TESTS), "in a report all are named", told)
+    told = results.text([Suite(FEATURE, TESTS, everything, problem="does not compile: x.c:1: error: odd")], "mine", brief=True)
+    check(told.splitlines()[-1].strip() == "does not compile: x.c:1: error: odd", "why nothing ran stands last", told)
+    os.environ["COLUMNS"] = "60"
+    told = results.text([Suite(FEATURE, TESTS, everything, reason="a long reason " * 20)], "mine", brief=True)
+    del os.environ["COLUMNS"]
+    long = [line for line in told.splitlines() if len(line) > 60 and len(line.split()) > 2 and "reason" in line]
+    check(not long, "reasons are as wide as the terminal", long)
+    kept = [ScoredTest("it_held", 0, "#"), ScoredTest("it_counts", 100, "#")]
+    told = results.text([Suite(FEATURE, kept, ["it_held"])], "mine")
+    check("100 of 100" not in told and "a claim that held is broken" in told, "no failure stands beside full points", told)
+
+
+def what_is_printed_is_shown():
+    one = TESTS[:1]
+    told = results.text([Suite(FEATURE, one, [], printed="1..1\nhello\nthere\nok 1 - x\n")], "mine", brief=True)
+    check("hello\n" in told and "there\n" in told and "1..1" not in told, "a claim run alone shows what the code printed", told)
+
+
+def hints_come_one_at_a_time():
+    hints = hint.hints_of(handout_of(SOURCE, FEATURE))
+    check(len(hints) >= 4 and "2" in hints, "a handout's hints are found by their steps", list(hints))
+    (first, text), (second, more) = hints["2"][:2]
+    told = hint.said(STEM, hints, "2", "1")
+    check("nudge" in first and text.split("\n")[0] in told and more.split("\n")[0] not in told and "HINT=2" in told,
+          "a step's first hint is the nudge, alone", told)
+    told = hint.said(STEM, hints, "2", "2")
+    check(more.split("\n")[0] in told and second in told and text.split("\n")[0] not in told, "HINT=2 is the next", told)
+    told = hint.said(STEM, hints, "", "1")
+    check(text.split("\n")[0] not in told and first in told, "without a step the hints are only listed", told)
+    for step, number in (("99", "1"), ("2", "9"), ("2", "x")):
+        try:
+            hint.said(STEM, hints, step, number)
+            check(False, f"STEP={step} HINT={number} is refused")
+        except ToolError as error:
+            check("\n" not in str(error), f"STEP={step} HINT={number} is refused in one sentence", error)
+    for feature in FEATURES.values():
+        text = handout_of(SOURCE, feature)
+        rows = set(re.findall(r"^\| (\d+) \|", text, re.MULTILINE))
+        check(set(hint.hints_of(text)) <= rows, f"the hints of {feature.stem} are for its steps", set(hint.hints_of(text)) - rows)
+
+
+# --- A pack ---------------------------------------------------------------------------------------
+
+
+def before_bootstrap(pack):
+    for command in ((), (f"check-{STEM}",), ("report",)):
+        status, said = run(pack, MAKE, *command)
+        check(status != 0 and "run ./bootstrap first" in said and len(said.splitlines()) <= 2,
+              f"make {' '.join(command)} before bootstrap says so", said)
+    status, said = run(os.path.join(pack, "workbook"), MAKE, f"check-{STEM}")
+    check(status != 0 and "run ./bootstrap first" in said, "so it does in the workbook", said)
+    for name in ("it's", 'a "b"', "a$b", "a#b", "a&b", "a\nb"):
+        folder = os.path.join(os.path.dirname(pack), name)
+        os.mkdir(folder)
+        shutil.copy(os.path.join(pack, "bootstrap"), folder)
+        status, said = run(folder, "./bootstrap", "--no-install")
+        check(status != 0 and "character that build tools cannot take" in said and os.listdir(folder) == ["bootstrap"],
+              f"bootstrap refuses a folder called {name!r} at once", said)
+
+
+def the_pack_builds(pack):
+    compiler = " ".join(Toolchain(".").compiler)
+    status, said = run(pack, "./bootstrap", "--no-install", f"CC={compiler}")
+    check(status == 0 and said.rstrip().splitlines()[-1].startswith(f"Now: make check-{STEM}"),
+          "bootstrap ends with the first command of the pack", said)
+    status, said = run(pack, "./bootstrap", "--no-install", f"CC={compiler}")
+    check(status == 0 and f"make check-{STEM}" in said, "so does a second one", said)
+    status, said = make(pack, f"check-{STEM}")
+    check(status != 0 and f"first: {TESTS[0].name}" in said and "edited" not in said, "the starter is checked", said)
+    again = make(pack, f"check-{STEM}")[1]
+    check(len(again.splitlines()) < SCREEN, "its verdict fits on 24 lines", again)
+    status, said = run(os.path.join(pack, "workbook"), MAKE, "-s", f"check-{STEM}", f"TEST={TESTS[0].name}")
+    check(status != 0 and f"first: {TESTS[0].name}" in said and TESTS[1].name not in said, "the same in the workbook's own folder", said)
+    check(re.search(r"^Error|No rule", said) is None, "without a word about rules", said)
+
+
+def warnings_tell_of_mistakes_alone(pack):
+    unit = read(pack, "workbook", OTHER + ".c")
+    write(unit + "int odd(unsigned a, int b);\nint odd(unsigned a, int b)\n{\n    int c = a + (b != 0);\n    { int b = c; (void)b; }\n"
+          "    return 0;\n}\nstatic void later(int unused)\n{\n}\n", pack, "workbook", OTHER + ".c")
+    _, said = make(pack, f"check-{OTHER}")
+    check("warning" not in said and "first:" in said, "signs, shadows and what later steps use are no warnings", said)
+    write(unit + "int odd(void);\nint odd(void)\n{\n    int c;\n    return c;\n}\n", pack, "workbook", OTHER + ".c")
+    _, said = make(pack, f"check-{OTHER}")
+    check("uninitialized" in said and said.index("uninitialized") < said.index("first:"),
+          "what is probably a mistake is one, before the verdict", said)
+    write(unit, pack, "workbook", OTHER + ".c")
+
+
+def progress_tests_what_changed(pack):
+    def told():
+        status, said = make(pack, "progress")
+        return status, said, {name: os.stat(os.path.join(kept, name)).st_mtime_ns for name in sorted(os.listdir(kept))}
+
+    kept = os.path.join(pack, "impl", "progress")
+    status, said, before = told()
+    check(status == 0 and TESTS[0].name in said and list(before) == sorted([STEM + ".json", OTHER + ".json"]),
+          "progress shows points, and keeps verdicts", said)
+    status, again, after = told()
+    check(again == said and after == before, "what has not changed is not tested again", again)
+    unit = read(pack, "workbook", OTHER + ".c")
+    write(unit + "\nint broken = ;\n", pack, "workbook", OTHER + ".c")
+    status, said, _ = told()
+    check("does not compile" in said and TESTS[0].name in said, "what has changed is", said)
+    write(unit + "\n", pack, "workbook", OTHER + ".c")
+    status, said, after = told()
+    check(after[STEM + ".json"] == before[STEM + ".json"] and after[OTHER + ".json"] > before[OTHER + ".json"],
+          "and nothing else is", said)
+    write("#define odd\n", pack, "workbook", "mine.h")
+    check(told()[2][STEM + ".json"] > before[STEM + ".json"], "a header of the student's changes all")
+    os.unlink(os.path.join(pack, "workbook", "mine.h"))
+
+
+def drivers_are_built_alone(pack):
+    write("int broken = ;\n", pack, "workbook", OTHER + ".c")
+    status, said = make(pack, f"driver-{STEM}")
+    driver = os.path.join(pack, "impl", "assignments", FEATURE.folder, STEM)
+    check(status == 0 and os.access(driver, os.X_OK), "a unit that does not compile spoils no other driver", said)
+    others = [feature.folder for feature in FEATURES.values() if feature.stem != STEM]
+    built = [folder for folder in others for name in os.listdir(os.path.join(pack, "assignments", folder)) if name.endswith(".o")]
+    check(not built, "only one driver is built", built)
+    status, said = run(pack, driver, "--scene", "cornell", "--width", "16", "--height", "16")
+    check(status == 0, "it draws", said)
+    status, said = make(pack, f"driver-{OTHER}")
+    check(status != 0 and "does not compile" in said, "the one that it belongs to says why there is none", said)
+    shutil.copyfile(os.path.join(pack, "src", "features", OTHER + ".c"), os.path.join(pack, "workbook", OTHER + ".c"))
+
+
+def the_debugger_stops_where_arguments_are(pack):
+    if not shutil.which("gdb"):
+        check(True, "the first stop shows arguments # SKIP no gdb")
+        return
+    write("#include \"features/bloom.h\"\n\n" + "float rk_bloom_luminance(rk_vec3 colour)\n{\n    return colour.x + colour.y;\n}\n"
+          + starter_of(FEATURES[OTHER].reference).split("#include \"features/bloom.h\"")[1].replace(
+              "rk_bloom_luminance(rk_vec3 colour)\n{", "rk_bloom_other(rk_vec3 colour);\nfloat rk_bloom_other(rk_vec3 colour)\n{", 1),
+          pack, "workbook", OTHER + ".c")
+    test = "luminance_weighs_green_most"
+    answer = subprocess.run([MAKE, "-s", f"debug-{OTHER}", f"TEST={test}"], cwd=pack, text=True, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, input="print colour\ndelete\ninfo breakpoints\nquit\n", check=False,
+                            env={name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MAKELEVEL")})
+    check("rk_bloom_luminance (colour=(1, 0, 0))" in answer.stdout, "the first stop shows true arguments", answer.stdout)
+    check("$1 = (1, 0, 0)" in answer.stdout, "values are printed as vectors", answer.stdout)
+    check("No breakpoints" in answer.stdout and "y or n" not in answer.stdout, "gdb does not ask before it deletes or quits", answer.stdout)
+
+
+def kit_files_are_put_back(pack):
+    place = os.path.join(pack, "src", "base", "box.h")
+    original = read(place)
+    write(original + "/* mine */\n", place)
+    os.unlink(os.path.join(pack, "src", "base", "sphere.h"))
+    _, said = make(pack, f"check-{STEM}", f"TEST={TESTS[0].name}")
+    check("edited outside of the workbook: src/base/box.h" in said and "make pristine" in said,
+          "the check says that a file of the kit was edited", said)
+    status, said = run(pack, MAKE, "-s", f"driver-{STEM}")
+    check("src/base/box.h" in said and "does not" not in said, "so does the driver, though it cannot be built", said)
+    status, said = make(pack, "pristine")
+    check(status == 0 and read(place) == original and read(place + ".edited").endswith("mine */\n")
+          and os.path.exists(os.path.join(pack, "src", "base", "sphere.h")) and "box.h" in said,
+          "make pristine puts it back, and what was removed, and keeps the edited text", said)
+    status, said = make(pack, "pristine")
+    check(status == 0 and "nothing" in said, "a second one has nothing to do", said)
+    os.unlink(place + ".edited")
+
+
+def editors_find_headers(pack):
+    compiler = Toolchain(".").compiler
+    for folder in ("", "workbook"):
+        flags = read(pack, folder, "compile_flags.txt").split("\n")[:-1]
+        status, said = run(os.path.join(pack, folder), *compiler, *flags, "-fsyntax-only",
+                           os.path.join(pack, "workbook", STEM + ".c"))
+        check(status == 0, f"compile_flags.txt in the {folder or 'top'} folder leads to the headers", said)
+    settings = json.loads(read(pack, ".vscode", "settings.json"))
+    check(settings["C_Cpp.default.includePath"] == ["${workspaceFolder}/src"], "VS Code finds them, too", settings)
+
+
+def git_keeps_sources(pack):
+    git = shutil.which("git")
+    workbook = os.path.join(pack, "workbook")
+    write("", workbook, "bloom.o")
+    if git:
+        run(workbook, git, "init", "-q")
+        run(workbook, git, "add", "-A")
+        _, said = run(workbook, git, "ls-files")
+        check(not [name for name in said.split() if name.endswith((".o", ".Po")) or ".deps" in name] and STEM + ".c" in said,
+              "git add in the workbook takes sources alone", said)
+        shutil.rmtree(os.path.join(workbook, ".git"))
+    os.unlink(os.path.join(workbook, "bloom.o"))
+
+
+def a_renamed_file_stops_the_check(pack):
+    os.rename(os.path.join(pack, "workbook", STEM + ".c"), os.path.join(pack, "workbook", "Bvh_Median.c"))
+    status, said = make(pack, f"check-{STEM}")
+    check(status != 0 and f"rename Bvh_Median.c to {STEM}.c" in said and len(said.splitlines()) <= 2,
+          "a file with another name stops the check in one line", said)
+    os.rename(os.path.join(pack, "workbook", "Bvh_Median.c"), os.path.join(pack, "workbook", "gone"))
+    status, said = make(pack, f"check-{STEM}")
+    check(status != 0 and "make workbook DIR=workbook" in said and len(said.splitlines()) <= 2,
+          "one that is missing says how to get it back", said)
+    status, said = make(pack, "workbook", "DIR=workbook")
+    check(status == 0 and read(pack, "workbook", STEM + ".c") == STARTER, "which it does", said)
+    os.rename(os.path.join(pack, "workbook", "gone"), os.path.join(pack, "workbook", STEM + ".c"))
+
+
+def the_pack_is_solved(pack):
+    shutil.copyfile(FEATURE.reference, os.path.join(pack, "workbook", STEM + ".c"))
+    status, said = make(pack, f"check-{STEM}")
+    check(status == 0 and "100 of 100 points" in said, "the solution has all points", said)
+    process = subprocess.Popen([MAKE, "-s", f"watch-{STEM}"], cwd=pack, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    try:
+        said = ""
+        for line in process.stdout:
+            said += line
+            if "waiting for you to save" in line:
+                break
+    finally:
+        process.terminate()
+        process.wait()
+    check("100 of 100 points" in said, "watch shows the same", said)
+    status, said = make(pack, "report", f"ONLY={STEM}", "QUICK=1")
+    page = os.path.join(pack, "reports", "out.some", "report.html")
+    if Toolchain(".").source and shutil.which("pandoc"):
+        check(status == 0 and os.path.exists(page), "make report ONLY=... draws its section", said)
+
+
+# --- A workbook of the whole kit ------------------------------------------------------------------
+
+
+def a_workbook_is_at_home_anywhere(folder):
+    mine = os.path.join(folder, "Übung $1 it's")
+    status, said = make(".", "workbook", f"DIR={mine}")
+    check(status == 0, "a workbook's name may hold anything", said)
+    status, said = run(mine, MAKE, "-s", f"diff-{STEM}")
+    check(status == 0 and "unchanged" in said, "make works in it", said)
+    flags = read(mine, "compile_flags.txt").split("\n")[:-1]
+    status, said = run(mine, *Toolchain(".").compiler, *flags, "-fsyntax-only", STEM + ".c")
+    check(status == 0, "an editor finds the headers from there", said)
+    status, said = make(".", "pristine")
+    check(status != 0 and "git" in said, "the whole kit has no copies of its files", said)
+
+
+def main():
+    if "--list" in sys.argv:  # the driver asks for names of tests, which it can do without
+        return 0
+    folder = tempfile.mkdtemp(prefix="raykit-test-student-")
+    try:
+        a_verdict_fits_on_a_screen()
+        what_is_printed_is_shown()
+        hints_come_one_at_a_time()
+        a_workbook_is_at_home_anywhere(folder)
+        os.mkdir(os.path.join(folder, NAME))
+        pack = os.path.join(folder, NAME, "raykit")
+        with redirect_stdout(io.StringIO()):
+            handout.make_handout(SOURCE, [STEM, OTHER], folder=pack, book=False)
+        for part in (before_bootstrap, the_pack_builds, warnings_tell_of_mistakes_alone, progress_tests_what_changed, drivers_are_built_alone,
+                     the_debugger_stops_where_arguments_are, editors_find_headers, git_keeps_sources,
+                     a_renamed_file_stops_the_check, the_pack_is_solved, kit_files_are_put_back):
+            part(pack)
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return finish()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

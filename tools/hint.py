@@ -1,0 +1,63 @@
+#!/usr/bin/env python3
+"""Prints a handout's hints one at a time, the nudge first: with --step its first hint, with --hint a
+later one; without them what there is."""
+
+import re
+import sys
+import textwrap
+
+from grading.assignments import Parser, ToolError, choose, read_features
+from handout_text import handout_of
+
+_HINT = re.compile(r"^<details><summary>(.*?)</summary>\n(.*?)^</details>", re.MULTILINE | re.DOTALL)
+
+
+def hints_of(text):
+    """Returns a dictionary from a step's name ("2", or another word) to its hints: (title, text)."""
+    hints = {}
+    for title, body in _HINT.findall(text):
+        step = re.match(r"Steps? (\d+)(?:[^\d,]+\d+)?,? *", title)
+        name = title[step.end():] if step else title
+        hints.setdefault(step[1] if step else "0", []).append((name or "a hint", body.strip("\n")))
+    return hints
+
+
+def said(stem, hints, step, number):
+    """Returns what is printed for these options."""
+    if not step:
+        lines = [f"hints for {stem}: make hint-{stem} STEP=... prints the first of a step"]
+        for name, of_step in hints.items():
+            lines.append(f"    STEP={name}  " + "; ".join(title for title, _ in of_step))
+        return "\n".join(lines)
+    if step not in hints:
+        raise ToolError(f"STEP={step}: {stem} has hints for the steps {', '.join(hints)}")
+    count = len(hints[step])
+    if not number.isdigit() or not 1 <= int(number) <= count:
+        raise ToolError(f"HINT={number}: step {step} of {stem} has {count} hint{'s' * (count > 1)}")
+    title, body = hints[step][int(number) - 1]
+    rest, command = count - int(number), f"make hint-{stem} STEP={step} HINT={int(number) + 1}"
+    further = [f"({rest} more; the next: {command})"] if rest else []
+    return "\n".join([f"step {step}, {title}:", "", textwrap.indent(body, "    "), "", *further]).rstrip()
+
+
+def main():
+    parser = Parser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
+    parser.add_argument("stem", metavar="STEM")
+    parser.add_argument("--step", default="", metavar="N")
+    parser.add_argument("--hint", default="", metavar="N")
+    arguments = parser.parse_args()
+    try:
+        feature = choose(read_features(arguments.source), [arguments.stem])[0]
+        hints = hints_of(handout_of(arguments.source, feature))
+        if not hints:
+            raise ToolError(f"the task of {feature.stem} has no hints")
+        print(said(feature.stem, hints, arguments.step, arguments.hint or "1"))
+    except ToolError as error:
+        print(f"hint: {error}", file=sys.stderr)
+        return 1
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,125 @@
+#!/usr/bin/env python3
+"""Shows which assignments pass, with points. Verdicts are kept in impl/progress of the build folder, so that only
+what has changed since is tested again.
+
+This is for a student's own eyes: grading never reads what is kept."""
+
+import hashlib
+import json
+import os
+import sys
+
+import grade
+from grading import results
+from grading.assignments import (
+    Parser, ToolError, UnitError, choose, find_unit, read_features, read_points, submitted_unit, unit_beside,
+)
+from grading.build import Toolchain
+from grading.verdicts import Verdict
+
+
+def _content(path):
+    with open(path, "rb") as file:
+        return hashlib.sha256(file.read()).hexdigest()
+
+
+def _kit_state(toolchain):
+    """What all verdicts depend on."""
+    tools = os.path.dirname(os.path.abspath(__file__))
+    names = [os.path.join(where, name) for where, _, files in os.walk(tools) for name in sorted(files) if name.endswith(".py")]
+    names += [toolchain.built(name) for name in ("impl/toolchain", "librkbase.a", "librktest.a")]
+    return [_content(name) for name in names] + [str(grade.seconds_per_test())]
+
+
+def _headers(impl):
+    """The student's own headers, which any unit may include."""
+    folder = impl if os.path.isdir(impl) else os.path.dirname(impl) or "."
+    return [name for where, folders, files in os.walk(folder) for name in
+            sorted(os.path.join(where, file) for file in files if file.endswith(".h"))]
+
+
+def key_of(toolchain, features, feature, impl, common):
+    """Returns a hash of everything that decides about a feature's verdicts, or None without a unit."""
+    try:
+        submitted_unit(feature, impl)
+    except UnitError:
+        return None
+    units = [find_unit(feature, impl)] + [unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs]
+    names = [unit.path for unit in units] + [feature.points_table, feature.header]
+    names += [toolchain.built(f"tests/test_{feature.stem}.o")] + [
+        toolchain.built(f"src/features/{unit.feature.stem}.o") for unit in units]
+    words = [*common, os.path.abspath(units[0].path), *map(_content, names)]
+    return hashlib.sha256("\n".join(words).encode("utf-8", "surrogateescape")).hexdigest()
+
+
+class Kept:
+    """The verdicts of one feature in impl/progress/STEM.json."""
+
+    def __init__(self, toolchain, stem, key):
+        self._path, self._key = os.path.join(toolchain.build, "impl", "progress", stem + ".json"), key
+
+    def read(self):
+        """Returns {test: Verdict}, or None if there are none for this state."""
+        try:
+            with open(self._path, encoding="utf-8") as file:
+                kept = json.load(file)
+            if self._key and kept["key"] == self._key:
+                return {name: Verdict(passed, reason) for name, (passed, reason) in kept["verdicts"].items()}
+        except (OSError, ValueError, KeyError, TypeError):
+            pass
+        return None
+
+    def write(self, suite):
+        """Keeps what would be the same next time: no verdict of a test that ran out of time."""
+        if not self._key or suite.problem or any(verdict.timed_out for verdict in suite.verdicts.values()):
+            return
+        os.makedirs(os.path.dirname(self._path), exist_ok=True)
+        verdicts = {name: (verdict.passed, verdict.reason) for name, verdict in suite.verdicts.items()}
+        results.write_whole(self._path, json.dumps({"key": self._key, "verdicts": verdicts}) + "\n")
+
+
+def progress_of(build, stems, impl, show=None):
+    """Returns a Suite for each feature, and the stems that were tested again."""
+    toolchain = Toolchain(build)
+    features = read_features(toolchain.source)
+    suites = grade.prepare_suites(features, choose(features, stems), impl, True)
+    common = _kit_state(toolchain) + [_content(name) for name in _headers(impl)]
+    kept = {suite.feature.stem: Kept(toolchain, suite.feature.stem,
+                                     key_of(toolchain, features, suite.feature, impl, common)) for suite in suites}
+    for suite in suites:
+        if not suite.problem:
+            suite.verdicts = kept[suite.feature.stem].read() or {}
+    due = [suite.feature.stem for suite in suites if not suite.verdicts]
+    if due:
+        tested = {suite.feature.stem: suite for suite in grade.grade_impl(build, due, impl, True, progress=show)[1]}
+        for stem, suite in tested.items():
+            kept[stem].write(suite)
+        suites = [tested.get(suite.feature.stem, suite) for suite in suites]
+    return suites, due
+
+
+def main():
+    parser = Parser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
+    parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
+    parser.add_argument("--build", default=".", metavar="DIR")
+    arguments = parser.parse_args()
+    grade.stop_on_signals()
+    try:
+        show = grade.show_progress if sys.stderr.isatty() else None
+        suites, _ = progress_of(arguments.build, arguments.stems, arguments.impl, show)
+        results.write(suites, "table", arguments.impl)
+    except ToolError as error:
+        print(f"progress: {error}", file=sys.stderr)
+        return 2
+    except OSError as error:
+        print(f"progress: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("progress: stopped", file=sys.stderr)
+        return 130
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
