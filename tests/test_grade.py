@@ -14,6 +14,7 @@ import sys
 import tempfile
 import time
 import xml.etree.ElementTree as ElementTree
+from unittest import mock
 
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
@@ -27,6 +28,8 @@ from grading import verdicts  # noqa: E402
 from grading.assignments import ScoredTest, ToolError, Unit, check_impl, read_features, read_points  # noqa: E402
 from grading.starters import is_handed_out, starter_of  # noqa: E402
 from workbook import make_workbook  # noqa: E402
+from by_address import by_address  # noqa: E402
+from tap import check, finish  # noqa: E402
 
 FEATURES = read_features(SOURCE)
 FEATURE = FEATURES["bvh_median"]
@@ -158,17 +161,6 @@ bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
     ),
 }
 
-checks = []
-
-
-def check(condition, name, said=""):
-    """Notes a claim's verdict."""
-    checks.append(bool(condition))
-    for line in [] if condition else str(said).splitlines()[-25:]:
-        print(f"# {line}")
-    print(f"{'ok' if condition else 'not ok'} {len(checks)} - {name}", flush=True)
-
-
 def make_suite(folder, number, text, tests):
     """A suite over a unit with this text, in a folder of its own."""
     place = os.path.join(folder, str(number))
@@ -267,6 +259,7 @@ def a_workbook_is_the_students(folder):
         os.makedirs(os.path.join(source, part))
     with open(os.path.join(source, "assignments/features.tsv"), "w", encoding="utf-8") as file:
         file.write("stem\tfolder\tneeds\tabout\tpicture\nbvh_median\t01_bvh_median\t\t\t\n")
+    shutil.copy(FEATURE.points_table, os.path.join(source, "assignments/01_bvh_median"))
     with open(os.path.join(source, "assignments/01_bvh_median/handout.md"), "w", encoding="utf-8") as file:
         file.write("# Trees\n\n[How to start](../handout_common.md#how-to-start)\n\n[points](points.tsv)\n")
     with open(os.path.join(source, "assignments/01_bvh_median/points.tsv"), "w", encoding="utf-8") as file:
@@ -500,21 +493,25 @@ def hanging_does_not_last(toolchain, folder):
     check(text.count("short limit") == 1 and "..." not in text, "what fails for the same reason is told together", text)
 
 
+def grade_class(place, out, *more):
+    """Returns the exit status, what was said, and the rows of class.csv by name."""
+    status, said = run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median", *more,
+                       "--submissions", place, "--out", out)
+    with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
+        return status, said, {row[0]: row for row in csv.reader(file)}
+
+
 def who_ends_the_grader_is_named(folder):
     place, out, work = (os.path.join(folder, name) for name in ("ending", "ended", "temporary"))
     os.makedirs(work)
-    signals = "#include <signal.h>"
+    signals = "#include <signal.h>\n" + by_address("kill", "getppid")
     put(unit("kill(getppid(), SIGKILL);", signals), place, "ann", "bvh_median.c")
     put(unit("kill(getppid(), SIGSTOP);", signals), place, "bob", "bvh_median.c")
     put(unit("kill(getppid(), SIGKILL);", signals), place, "dan", "bvh_median.c")
     put("", place, "dan", "bloom.c")
     put(unit(""), place, "eve", "bvh_median.c")
-    os.environ["TMPDIR"] = work
-    status, said = run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median", "bloom",
-                       "--submissions", place, "--out", out)
-    del os.environ["TMPDIR"]
-    with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
-        rows = {row[0]: row for row in csv.reader(file)}
+    with mock.patch.dict(os.environ, TMPDIR=work, RAYKIT_SANDBOX="no"):
+        status, said, rows = grade_class(place, out, "bloom")
     check(status == 0 and list(rows) == ["name", "ann", "bob", "dan", "eve"], "a class outlives who kills its grader", said)
     for name, number in {"ann": "SIGKILL", "bob": "SIGSTOP", "dan": "SIGKILL"}.items():
         check(rows[name][1] == "0" and f"ended its grader, by {number}" in rows[name][5],
@@ -532,17 +529,20 @@ def a_class_is_graded(folder):
     put(unit("cuont++;"), place, "bert.c")
     put("", place, "carl", "else.c")
     put("me too", place, "notes.txt")
-    grader = [sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
-              "--submissions", place, "--out", out]
-    status, said = run(*grader)
-    with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
-        rows = {row[0]: row for row in csv.reader(file)}
-    check(status == 1 and said.count(" of 4 ") == 5 and len(rows) == 5, "a class gets a line for each", said)
+    os.symlink("Ann, \"A\"", os.path.join(place, "twin"))
+    status, said, rows = grade_class(place, out)
+    check(status == 1 and said.count(" of 5 ") == 6 and len(rows) == 6, "a class gets a line for each", said)
     check(rows['Ann, "A"'][1].isdigit() and rows['Ann, "A"'][3] == f"bvh_median: {ONE}",
           "class.csv has points and the first failing claim", rows)
-    check("cuont" in rows["bert"][4] and "found: else.c" in rows["carl"][4] and "neither" in rows["notes.txt"][5],
-          "class.csv has the reasons", rows)
-    check(sorted(os.listdir(out)) == ["Ann, \"A\".json", "bert.json", "carl.json", "class.csv"], "each has a report")
+    reasons = {"bert": "cuont", "carl": "found: else.c", "notes.txt": "neither", "twin": "is a link"}
+    check(all(part in rows[name][4] and rows[name][1:4] == ["0", "0", ""] for name, part in reasons.items()),
+          "class.csv has the reason where nothing ran, and no claim", rows)
+    check(sorted(os.listdir(out)) == ["Ann, \"A\".json", "bert.json", "carl.json", "class.csv", "notes.txt.json",
+                                      "twin.json"], "each has a report", os.listdir(out))
+    report = json.loads(read(out, "twin.json"))
+    check(report["score"] == 0 and "is a link" in report["tests"][0]["output"], "also who could not be graded", report)
+    grader = [sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
+              "--submissions", place, "--out", out]
     for other in (place, os.path.join(place, "out")):
         status, said = run(*grader[:-1], other)
         check(status == 2 and "lies among the submissions" in said and not os.path.exists(os.path.join(other, "class.csv")),
@@ -554,48 +554,75 @@ def a_class_is_graded(folder):
           "one student's folder is no class", said)
 
 
-def planting(path):
-    return unit(f'FILE *file = fopen("{path}", "w");\n    if (file)\n        fclose(file);')
+def a_class_is_graded_again(folder):
+    place, out = os.path.join(folder, "again"), os.path.join(folder, "again-results")
+    for name in ("ann", "bob"):
+        put("int early;\n", place, name, "bvh_median.c")
+    _, _, first = grade_class(place, out)
+    shutil.rmtree(os.path.join(place, "ann"))
+    put(unit(""), place, "bob", "bvh_median.c")
+    _, said, rows = grade_class(place, out, "--format", "text")
+    check(rows["ann"] == first["ann"] and "is not sound" in rows["bob"][4] and list(rows) == list(first),
+          "a class that is graded again keeps the rows of who is not in it, with their time", rows)
+    check(rows["bob"][6] >= first["bob"][6] > "2", "each row says when it was made", rows)
+    check(sorted(os.listdir(out)) == ["ann.json", "bob.txt", "class.csv"], "no older report stands beside a newer one",
+          os.listdir(out))
+    put("name,marks\nann,3\n", out, "class.csv")
+    status, said, rows = grade_class(place, out)
+    check(status == 2 and "other columns" in said and rows == {"name": ["name", "marks"], "ann": ["ann", "3"]},
+          "a table of something else is left alone", said)
 
 
-def who_changes_the_kit_is_named(folder):
+def names_are_any_bytes(folder):
+    place, out = (os.fsencode(os.path.join(folder, name)) for name in ("bytes", "bytes-results"))
+    names = [b"M\xfcller", b"M\\xfcller", b"a\nb\rc\td\\ e", b"=1+2", b"-rf", b"flat\xfc.c"]
+    for name in names:
+        path = os.path.join(place, name)
+        if not name.endswith(b".c"):
+            os.makedirs(path)
+            path = os.path.join(path, b"bvh_median.c")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(unit("") if not SOLVED else REFERENCE)
+    status, said, rows = grade_class(os.fsdecode(place), os.fsdecode(out))
+    check(status == 0 and len(rows) == 1 + len(names) and "M\\xfcller" in rows and "'=1+2" in rows, "a folder's name can be any bytes; class.csv tells them apart, and holds no formulas", said)
+    check(all(row[1] == ("100" if SOLVED else "0") for name, row in rows.items() if name != "name"),
+          "right code gets all points, whatever its folder is called", rows)
+    status, said = graded("--impl", os.fsdecode(os.path.join(place, names[0])), "--own", "--test", EMPTY)
+    check(status == 0, "so does a student's own check", said)
+
+
+def opening(path):
+    return unit(f'FILE *file = fopen("{path}", "w");\n    if (file)\n        fclose(file);',
+                by_address("fopen", "fclose"))
+
+
+def what_changes_without_a_sandbox_is_told(folder):
+    """Not who did it: it may have been the instructor."""
     place, out = os.path.join(folder, "changing"), os.path.join(folder, "changed")
     planted = os.path.abspath(os.path.join("tests", "planted.o"))
-    put(planting(planted), place, "ann", "bvh_median.c")
+    put(opening(planted), place, "ann", "bvh_median.c")
     put(unit(""), place, "bob", "bvh_median.c")
+    with mock.patch.dict(os.environ, RAYKIT_SANDBOX="no"):
+        status, said, rows = grade_class(place, out)
+        remarks = [rows[name][5] for name in ("ann", "bob")]
+        check(status == 1 and all(planted in remark and "may be wrong" in remark for remark in remarks)
+              and "is not sound" in rows["bob"][4], "a change to the kit is told from then on, and the class goes on",
+              rows)
+        os.unlink(planted)
+        status, said = graded("--impl", os.path.join(place, "ann"))
+        check(status == 2 and planted in said, "a single verdict is then not believed", said)
+        os.unlink(planted)
+    put(opening(f"{place}/bob/bvh_median.c"), place, "ann", "bvh_median.c")
+    with mock.patch.dict(os.environ, RAYKIT_SANDBOX="no"):
+        status, said, rows = grade_class(place, out)
+    check(status == 1 and "bob/bvh_median.c changed" in rows["bob"][5], "so is a change to another's submission", rows)
 
-    def grade_all():
-        status, said = run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
-                           "--submissions", place, "--out", out)
-        with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
-            return status, said, list(csv.reader(file))
 
-    status, said, rows = grade_all()
-    taken = said.partition("is now in ")[2].partition(",")[0]
-    check(status == 1 and rows[1][:2] == ["ann", ""] and planted in rows[1][5] and not os.path.exists(os.path.join(out, "ann.json")),
-          "who adds a file to the kit is named, and has no verdict", said)
-    check(not os.path.exists(planted) and os.listdir(taken) == ["1-planted.o"] and "is not sound" in rows[2][4],
-          "the file is taken out, and the class goes on", said)
-    shutil.rmtree(taken)
-    put(planting(f"{place}/bob/bvh_median.c"), place, "ann", "bvh_median.c")
-    status, said, rows = grade_all()
-    check(status == 2 and rows[-1][:2] == ["ann", ""] and "bob/bvh_median.c changed" in said and len(rows) == 2,
-          "who changes what was there ends the class, and is named", said)
-    status, said = graded("--impl", os.path.join(place, "bob"))
-    check(status == 2 and "is still as" in said and "ann left it" in said, "nothing is graded while it is still so", said)
-    status, said, _ = grade_all()
-    check(status == 2 and "is still as" in said, "no class, either", said)
-    put(unit(""), place, "bob", "bvh_median.c")
-    put(unit(""), place, "ann", "bvh_median.c")
-    status, said, _ = grade_all()
-    check(status == 0 and not os.path.exists("grading-stopped.json"), "when it is put right, grading goes on", said)
-    put(planting(f"{place}/new.c"), place, "ann", "bvh_median.c")
-    status, said, _ = grade_all()
-    check(status == 2 and f"remove {place}/new.c" in said and os.path.exists(f"{place}/new.c"),
-          "what is new among the submissions is named, and stays: it may be somebody's", said)
-    os.unlink(f"{place}/new.c")
-    status, said = graded("--impl", os.path.join(place, "bob"), "--test", ONE)
-    check(status == 1, "when it is removed, grading goes on", said)
+def a_copied_build_is_told(folder):
+    put(read("impl", "toolchain").replace("source=", f"source={folder}/"), folder, "moved", "impl", "toolchain")
+    status, said = graded("--impl", folder, "--build", os.path.join(folder, "moved"))
+    check(status == 2 and "but this one stands in" in said and "run ./bootstrap" in said,
+          "a build that was copied elsewhere does not grade with the old place", said)
 
 
 def main():
@@ -621,12 +648,14 @@ def main():
         the_editors_files_name_what_there_is(folder)
         who_ends_the_grader_is_named(folder)
         a_class_is_graded(folder)
-        who_changes_the_kit_is_named(folder)
+        a_class_is_graded_again(folder)
+        names_are_any_bytes(folder)
+        what_changes_without_a_sandbox_is_told(folder)
+        a_copied_build_is_told(folder)
         an_interrupt_ends_everything(folder)
     finally:
         shutil.rmtree(folder, ignore_errors=True)
-    print(f"1..{len(checks)}")
-    return 0
+    return finish()
 
 
 if __name__ == "__main__":

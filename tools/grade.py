@@ -18,11 +18,13 @@ import sys
 import tempfile
 import threading
 
-from grading import isolate
+from grading import bubblewrap
 from grading import build
-from grading import sandbox
 from grading import integrity
+from grading import isolate
+from grading import private_copy
 from grading import results
+from grading import sandbox
 from grading.assignments import (
     Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format, read_features, read_points,
     submitted_unit, unit_beside,
@@ -31,6 +33,7 @@ from grading.starters import is_handed_out, starter_of
 from grading.verdicts import Verdict, judge
 
 MEGABYTES = 2048  # the suites stay below 300 with the sanitizers
+REASON_MAX = 500  # characters; a unit can write a reason of its own
 TIMEOUTS = 2  # so many tests of a suite may take all their time; the others then get a part of it
 
 
@@ -60,6 +63,21 @@ class Suite:
         self.problem = reason
         for test in self.tests:
             self.verdicts[test.name] = Verdict(False, reason, "", details)
+
+    def judged(self):
+        """Returns what grading found out, as JSON can hold it."""
+        verdicts = {name: [verdict.passed, verdict.reason, verdict.place, verdict.details, verdict.seconds,
+                           verdict.timed_out] for name, verdict in self.verdicts.items()}
+        return {"problem": self.problem, "warnings": self.warnings, "verdicts": verdicts}
+
+    def take(self, judged):
+        """Takes over what judged() returned in another process."""
+        self.problem, self.warnings = str(judged["problem"]), str(judged["warnings"])
+        for test in self.tests:
+            passed, reason, place, details, seconds, timed_out = judged["verdicts"][test.name]
+            verdict = Verdict(passed is True, str(reason), str(place), str(details), float(seconds))
+            verdict.timed_out = timed_out is True
+            self.verdicts[test.name] = verdict
 
     def limit_of_next_test(self, seconds):
         """Returns the limit for the next test, and a phrase for it: short after two that took all of
@@ -102,6 +120,7 @@ def build_suite(toolchain, suite, needed_units):
     """Builds the suite's program around the unit, or gives up with the reason."""
     try:
         objects = []
+        suite.unit, *needed_units = [private_copy.copy_unit(unit, suite.folder) for unit in (suite.unit, *needed_units)]
         for unit in [suite.unit, *needed_units]:
             path, warnings = _object_of(toolchain, unit, suite.folder)
             objects.append(path)
@@ -112,36 +131,37 @@ def build_suite(toolchain, suite, needed_units):
         ))
     except build.BuildError as error:
         suite.give_up(error.reason, error.details)
+    except UnitError as error:
+        suite.give_up(str(error))
 
 
 # --- Running ------------------------------------------------------------------------------------
 
 
 def _environment(folder, look_for_leaks):
-    """The program's environment: of the caller's only the paths of libraries, and nothing that leads
-    to the kit."""
-    kept = ("LD_LIBRARY_PATH", "RAYKIT_ISA")
-    environment = {name: os.environ[name] for name in kept if name in os.environ}
-    environment.update(
-        HOME=folder, TMPDIR=folder, LC_ALL="C", CMOCKA_MESSAGE_OUTPUT="TAP", UBSAN_OPTIONS="print_stacktrace=1",
+    """The program's environment, with nothing that leads to the kit."""
+    return dict(
+        sandbox.bare_environment(folder), CMOCKA_MESSAGE_OUTPUT="TAP", UBSAN_OPTIONS="print_stacktrace=1",
         # 2: the suite's own signal handlers are disabled. The slow unwinder sees through code
         # without frame pointers, so that a leak's trace reaches the unit.
         ASAN_OPTIONS="handle_segv=2:handle_sigbus=2:handle_sigfpe=2:handle_sigill=2:handle_abort=1:"
         "allocator_may_return_null=1:fast_unwind_on_malloc=0:"
         f"detect_leaks={1 if look_for_leaks else 0}",
     )
-    return environment
 
 
-def _with_lines(program, text):
+def _with_lines(toolchain, program, text):
     """Adds functions and lines to traces whose program is not found because it is in memory only."""
     unnamed = r"(#\d+ 0x[0-9a-f]+) +\(/memfd:\S+ \(deleted\)\+(0x[0-9a-f]+)\).*"
     addresses = list(dict.fromkeys(address for _, address in re.findall(unnamed, text)))
     finder = shutil.which("addr2line")
     if not addresses or not finder or program.descriptor is None:
         return text
-    answer = subprocess.run([finder, "-f", "-e", program.path, *addresses], pass_fds=(program.descriptor,),
-                            capture_output=True, text=True, errors="replace", check=False).stdout.splitlines()
+    command = [finder, "-f", "-e", program.path, *addresses]
+    if toolchain.sandbox:
+        command = toolchain.sandbox.around(command)
+    answer = subprocess.run(command, pass_fds=(program.descriptor,), capture_output=True, text=True, errors="replace",
+                            check=False).stdout.splitlines()
     names = {address: f"{function} {place}" for address, function, place in zip(addresses, answer[::2], answer[1::2])}
     return re.sub(unnamed, lambda match: f"{match[1]} in {names.get(match[2], '?')}", text)
 
@@ -153,13 +173,17 @@ def run_test(toolchain, suite, test, seconds, megabytes):
         folder = tempfile.mkdtemp(dir=suite.folder)
         outcome = sandbox.run(
             ["test_" + suite.feature.stem, "--only", test.name], seconds=limit, megabytes=megabytes,
-            folder=folder, environment=_environment(folder, look_for_leaks), witnessed=suite.program,
+            folder=folder, environment=_environment("/tmp" if toolchain.sandbox else folder, look_for_leaks),
+            witnessed=suite.program, enclose=toolchain.sandbox and toolchain.sandbox.around,
         )
         # Where processes may not be traced, the leak sanitizer itself fails.
         if "LeakSanitizer has encountered a fatal error" not in outcome.output:
             break
-    outcome.output = build.plain(toolchain, suite.unit, _with_lines(suite.program, outcome.output))
-    return judge(outcome, suite, test.name, phrase, megabytes)
+    outcome.output = build.plain(toolchain, suite.unit, _with_lines(toolchain, suite.program, outcome.output))
+    verdict = judge(outcome, suite, test.name, phrase, megabytes)
+    if len(verdict.reason) > REASON_MAX:
+        verdict.reason = verdict.reason[:REASON_MAX] + " ..."
+    return verdict
 
 
 def _about_needs(suite, units):
@@ -242,7 +266,7 @@ def _prepare_suite(feature, impl, own, only):
     try:
         unit = submitted_unit(feature, impl)
         if not own and not unit.is_reference:
-            unit.shown = os.path.basename(unit.path)
+            unit.shown = results.name_of(unit.path)
         return Suite(feature, unit, tests)
     except UnitError as error:
         suite = Suite(feature, Unit(feature, None, feature.stem + ".c", False), tests)
@@ -256,23 +280,30 @@ def prepare_suites(features, chosen, impl, own, only=None):
     return [_prepare_suite(feature, impl, own, only) for feature in chosen]
 
 
-def grade_impl(build_folder, stems, impl, own=False, only=None, progress=None):
-    """Grades and returns (toolchain, suites); raises ToolError."""
-    toolchain = build.Toolchain(build_folder)
-    features = read_features(toolchain.source)
-    suites = prepare_suites(features, choose(features, stems), impl, own, only)
+def _grade_here(toolchain, features, suites, impl, progress=None):
+    """Grades suites on copies of the kit and the units."""
     units = {stem: unit_beside(feature, impl, toolchain.handed_out) for stem, feature in features.items()}
     seconds = seconds_per_test()
     sandbox.prepare()
-    work = tempfile.mkdtemp(prefix="raykit-grade-")
+    work = private_copy.make_folder()
     try:
+        copied = private_copy.copy_kit(toolchain, features, [suite.feature.stem for suite in suites], work)
         for suite in suites:
             suite.folder = os.path.join(work, suite.feature.stem)
             os.mkdir(suite.folder)
-        grade(toolchain, suites, units, seconds, progress=progress)
+        grade(copied, suites, units, seconds, progress=progress)
     finally:
         sandbox.end_strays()
         shutil.rmtree(work, ignore_errors=True)
+    return [suite.judged() for suite in suites]
+
+
+def grade_impl(build_folder, stems, impl, own=False, only=None, progress=None):
+    """Grades one's own work; returns (toolchain, suites), or raises ToolError."""
+    toolchain = build.Toolchain(build_folder)
+    features = read_features(toolchain.source)
+    suites = prepare_suites(features, choose(features, stems), impl, own, only)
+    _grade_here(toolchain, features, suites, impl, progress)
     return toolchain, suites
 
 
@@ -293,29 +324,28 @@ def _require_units(build_folder, stems, impl):
             raise ToolError(f"there is no {os.path.join(impl, name)}; {remedy}") from error
 
 
-def _grade_apart(build_folder, stems, impl, only, progress):
+def _grade_apart(toolchain, features, suites, impl, progress):
     """Grades in a separate process. If a unit ends it, each feature gets one of its own, and a unit
     that ends it again gets no verdicts."""
     try:
-        return isolate.call(grade_impl, build_folder, stems, impl, False, only, progress)[1]
+        judged = isolate.call(_grade_here, toolchain, features, suites, impl, progress)
+        for suite, found in zip(suites, judged, strict=True):
+            suite.take(found)
     except isolate.Ended as ended:
-        if len(stems) > 1:
-            return [suite for stem in stems for suite in _grade_apart(build_folder, [stem], impl, only, progress)]
-        features = read_features(build.Toolchain(build_folder).source)
-        [suite] = prepare_suites(features, choose(features, stems), impl, False, only)
-        suite.give_up(f"ended its grader, by {ended}, so no claim has a verdict: does the code send signals?")
-        return [suite]
+        if len(suites) > 1:
+            for suite in suites:
+                _grade_apart(toolchain, features, [suite], impl, progress)
+        else:
+            suites[0].give_up(f"ended its grader, by {ended}, so no claim has a verdict: does the code send signals?")
+    except (ValueError, TypeError, KeyError) as error:
+        raise ToolError("the grader's answer is damaged, so no verdict on this submission is believed") from error
 
 
-def grade_submission(build_folder, stems, impl, only=None, progress=None, places=()):
-    """Returns the suites of somebody else's work, which must have changed neither the kit nor these
-    folders."""
-    toolchain = build.Toolchain(build_folder)
-    stems = stems or list(read_features(toolchain.source))
-    integrity.check_restored(toolchain)
-    before = integrity.state(toolchain, *places)
-    suites = _grade_apart(build_folder, stems, impl, only, progress)
-    integrity.check_unchanged(toolchain, before, impl, *places)
+def grade_submission(toolchain, stems, impl, only=None, progress=None):
+    """Returns the suites of somebody else's work, which runs in the toolchain's sandbox."""
+    features = read_features(toolchain.source)
+    suites = prepare_suites(features, choose(features, stems), impl, False, only)
+    _grade_apart(toolchain, features, suites, impl, progress)
     return suites
 
 
@@ -338,6 +368,7 @@ def show_progress(done, total):
 
 def main():
     arguments = _arguments()
+    sys.stdout.reconfigure(errors="backslashreplace")  # names of files can be any bytes
     stop_on_signals()
     progress = show_progress if sys.stderr.isatty() else None
     try:
@@ -347,7 +378,17 @@ def main():
             _require_units(arguments.build, arguments.stems, arguments.impl)
             _, suites = grade_impl(arguments.build, arguments.stems, arguments.impl, True, arguments.test, progress)
         else:
-            suites = grade_submission(arguments.build, arguments.stems, arguments.impl, arguments.test, progress)
+            sandbox.prepare()
+            toolchain = build.Toolchain(arguments.build)
+            toolchain.sandbox, remark = bubblewrap.find(toolchain)
+            watch = None if toolchain.sandbox else integrity.Watch(toolchain)
+            suites = grade_submission(toolchain, arguments.stems, arguments.impl, arguments.test, progress)
+            changed = watch.changed() if watch else ""
+            if changed:
+                raise ToolError(f"meanwhile, {changed} changed, so no verdict is believed; bring it back, and grade "
+                                "again")
+            if remark:
+                print(f"grade: {remark}", file=sys.stderr)
         results.write(suites, arguments.format, arguments.impl, arguments.out,
                       arguments.own and not arguments.all)
     except ToolError as error:

@@ -2,21 +2,25 @@
 """Grades a class: each folder or C file in SUBMISSIONS, one after the other. Writes a report for each
 and class.csv, which is rewritten after each, so that an interruption loses no results.
 
-A submission that cannot be graded gets a remark and no points; so does one that adds files to the kit,
-which are removed again. One that changes the kit, another's submission or the results stops the
-grading, because no later verdict would be reliable.
+A submission that cannot be graded gets 0 points and the reason. Rows of class.csv and reports of
+submissions that are not graded this time stay as they are; each row says when it was made.
 """
 
 import csv
 import io
 import os
 import sys
+import time
 
+from grading import bubblewrap
 from grading import build
 from grading import integrity
 from grading import results
-from grading.assignments import Parser, ToolError, cannot_write, choose, choose_format, read_features, read_points
-from grade import grade_submission, stop_on_signals
+from grading import sandbox
+from grading.assignments import (
+    Parser, ToolError, Unit, cannot_write, choose, choose_format, read_features, read_points,
+)
+from grade import Suite, grade_submission, stop_on_signals
 
 _ENDINGS = {"text": ".txt", "table": ".txt", "tap": ".tap", "junit": ".xml", "gradescope": ".json"}
 
@@ -58,20 +62,66 @@ def _remarks(suites):
     return "; ".join(remark.replace("\n", " ") for remark in remarks)
 
 
+def _cell(text):
+    """A spreadsheet would take a text that begins so for a formula."""
+    return "'" + text if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text
+
+
 class Table:
-    """class.csv, a row for each submission."""
+    """class.csv, a row for each submission. Begins with the rows of earlier runs."""
 
     def __init__(self, path, stems):
-        self.path = path
-        self.rows = [["name", *stems, "total", "first failing claim", "reason", "remarks"]]
+        self.path, self._rows = path, {}
+        self._heading = ["name", *stems, "total", "first failing claim", "reason", "remarks", "graded"]
+        try:
+            with open(path, encoding="utf-8", newline="") as file:
+                rows = list(csv.reader(file))
+        except FileNotFoundError:
+            return
+        except (OSError, ValueError, csv.Error) as error:
+            raise ToolError(f"{path} cannot be read ({error}); choose another folder for OUT") from error
+        if rows and rows[0] != self._heading:
+            raise ToolError(f"{path} has other columns ({', '.join(rows[0])}); choose another folder for OUT")
+        self._rows = {row[0]: row for row in rows[1:] if row}
 
-    def add(self, name, points, first=("", ""), remarks=""):
-        """Adds a row, with empty cells if there are no points, and rewrites the file."""
-        cells = [*points, sum(points)] if points else [""] * (len(self.rows[0]) - 4)
-        self.rows.append([results.name_of(name), *cells, *first, remarks])
+    def put(self, name, points, first, remarks):
+        """Adds or replaces a row, and rewrites the file."""
+        texts = [_cell(text) for text in (*first, remarks)]
+        name = _cell(results.name_of(name))
+        self._rows[name] = [name, *points, sum(points), *texts, time.strftime("%Y-%m-%d %H:%M:%S")]
         text = io.StringIO()
-        csv.writer(text, lineterminator="\n").writerows(self.rows)
+        csv.writer(text, lineterminator="\n").writerows([self._heading, *self._rows.values()])
         results.write_whole(self.path, text.getvalue())
+
+
+def _check_submission(path, submissions):
+    """Raises ToolError unless the path itself holds a student's work."""
+    if os.path.realpath(path) != os.path.join(os.path.realpath(submissions), os.path.basename(path)):
+        raise ToolError("it is a link; a submission is a folder or C file of its own")
+    if os.path.isfile(path) and not path.endswith(".c"):
+        raise ToolError("it is neither a folder nor a C file")
+
+
+def _suites_of(toolchain, features, path, submissions):
+    """Returns the graded suites of one submission, and whether they could be graded."""
+    try:
+        _check_submission(path, submissions)
+        return grade_submission(toolchain, [feature.stem for feature in features], path), True
+    except Exception as error:  # whatever one submission brings about, the others are graded
+        suites = [Suite(feature, Unit(feature, None, feature.stem + ".c", False), read_points(feature))
+                  for feature in features]
+        for suite in suites:
+            suite.give_up(f"not graded: {error}")
+        return suites, False
+
+
+def _write_report(suites, name, out, format_name):
+    """Writes a submission's report in place of those that earlier runs made, in any format."""
+    for ending in set(_ENDINGS.values()):
+        old = os.path.join(out, name + ending)
+        if os.path.lexists(old):
+            os.unlink(old)
+    results.write_whole(os.path.join(out, name + _ENDINGS[format_name]), results.FORMATS[format_name](suites, name))
 
 
 def grade_class(build_folder, stems, submissions, out, format_name):
@@ -84,31 +134,37 @@ def grade_class(build_folder, stems, submissions, out, format_name):
         raise ToolError("say where the results go: OUT=results, a folder")
     if os.path.join(os.path.realpath(out), "").startswith(os.path.join(os.path.realpath(submissions), "")):
         raise ToolError(f"OUT: {out} lies among the submissions; choose another place")
-    integrity.check_restored(toolchain)
     try:
         os.makedirs(out, exist_ok=True)
     except OSError as error:
         raise cannot_write(out, error) from error
-    most = sum(test.points for feature in features for test in read_points(feature))
     table = Table(os.path.join(out, "class.csv"), [feature.stem for feature in features])
+    sandbox.prepare()
+    toolchain.sandbox, remark = bubblewrap.find(toolchain)
+    watch = None if toolchain.sandbox else integrity.Watch(toolchain, submissions, out)
     ungraded = 0
     for number, (name, path) in enumerate(found.items(), 1):
-        said = f"{number:>{len(str(len(found)))}} of {len(found)}  {results.name_of(name):<24}"
+        # Said before: who ends this process is then the last one named.
+        print(f"{number:>{len(str(len(found)))}} of {len(found)}  {results.name_of(name):<24}", end="", flush=True)
+        suites, was_graded = _suites_of(toolchain, features, path, submissions)
+        doubts = []
+        changed = watch and watch.changed()
+        if changed:
+            doubts.append(f"{changed} changed since grading began, so these points may be wrong")
         try:
-            if os.path.isfile(path) and not path.endswith(".c"):
-                raise ToolError("neither a folder nor a C file")
-            suites = grade_submission(build_folder, [feature.stem for feature in features], path, places=(submissions, out))
-            results.write_whole(os.path.join(out, name + _ENDINGS[format_name]),
-                                results.FORMATS[format_name](suites, name))
-            table.add(name, [suite.points() for suite in suites], results.first_failed(suites), _remarks(suites))
-            print(f"{said}{results.total(suites):>12} points", flush=True)
-        except integrity.KitChanged:
-            table.add(name, [], remarks="changed the kit, a submission or the results; the class stopped here")
-            raise
-        except Exception as error:  # whatever one submission brings about, the others are graded
-            ungraded += 1
-            table.add(name, [], remarks=f"not graded: {error}".replace("\n", " "))
-            print(f"{said}   not graded: {error}", flush=True)
+            _write_report(suites, name, out, format_name)
+        except (OSError, ToolError) as error:
+            doubts.append(f"no report: {error}")
+        table.put(name, [suite.points() for suite in suites], results.first_failed(suites),
+                  "; ".join(filter(None, [*doubts, _remarks(suites)])))
+        if watch:
+            watch.accept(out, [name + ending for ending in _ENDINGS.values()] + ["class.csv"])
+        ungraded += not was_graded or bool(doubts)
+        said = f"{results.total(suites):>12} points" if was_graded else "   " + suites[0].problem
+        print("; ".join([said, *doubts]), flush=True)
+    if remark:
+        print(f"grade-class: {remark}")
+    most = sum(test.points for feature in features for test in read_points(feature))
     print(f"grade-class: {len(found) - ungraded} of {len(found)} graded, of {most} points each; wrote {table.path}")
     return ungraded
 
@@ -116,7 +172,8 @@ def grade_class(build_folder, stems, submissions, out, format_name):
 def main():
     parser = Parser(
         description=__doc__.split("\n\n")[0],
-        epilog="Exit status: 0 all were graded; 1 some could not be; 2 it could not begin, or had to stop.",
+        epilog="Exit status: 0 all were graded; 1 some could not be, or their points may be wrong; 2 it could not "
+        "begin.",
     )
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     parser.add_argument("--submissions", required=True, metavar="DIR", help="a folder or C file for each student")
@@ -125,6 +182,7 @@ def main():
     parser.add_argument("--format", metavar="FORMAT", default="gradescope",
                         help=f"of the reports: {', '.join(sorted(_ENDINGS))}")
     arguments = parser.parse_args()
+    sys.stdout.reconfigure(errors="backslashreplace")  # names of files can be any bytes
     stop_on_signals()
     try:
         choose_format(arguments.format, _ENDINGS)

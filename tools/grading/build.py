@@ -4,6 +4,7 @@ missing function is missing, and never silently taken from the reference.
 The build's compiler and flags are in DIR/impl/toolchain, which the Makefile writes.
 """
 
+import functools
 import os
 import re
 import shlex
@@ -46,6 +47,12 @@ class Toolchain:
         self.drivers = values["drivers"].split()  # the objects of all, from the build folder
         self.libraries = shlex.split(values["libraries"])
         self.tools = {name: values[name] for name in ("ar", "nm", "objcopy", "objdump")}
+        self.kit = self.source  # where it stands; in a private copy, `source` is the copy
+        self.sandbox = None  # or a Bubblewrap
+        tools = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
+        if os.path.realpath(self.source) != tools:
+            raise ToolError(f"{path} was made for the kit in {self.source}, but this one stands in {tools}: "
+                            "run ./bootstrap there, or configure in the build folder, again")
 
     def built(self, path):
         """Returns the absolute path of a file in the build folder, which must exist."""
@@ -55,12 +62,16 @@ class Toolchain:
         return path
 
 
-def _run_tool(command, folder):
-    environment = dict(os.environ, LC_ALL="C", TMPDIR=folder)
+def _run_tool(toolchain, command, folder):
+    environment, enclose = dict(os.environ, LC_ALL="C", TMPDIR=folder), None
+    if toolchain.sandbox:  # assembler can include /proc/self/environ
+        environment = dict(sandbox.bare_environment(folder), CCACHE_DISABLE="1",
+                           PATH=os.environ.get("PATH", os.defpath))
+        enclose = functools.partial(toolchain.sandbox.around_compiler, folder=folder, kit=toolchain.source)
     try:
         return sandbox.run(
             command, seconds=_SECONDS, megabytes=_MEGABYTES, folder=os.getcwd(),
-            environment=environment, output_bytes=4 << 20,
+            environment=environment, output_bytes=4 << 20, enclose=enclose,
         )
     except OSError as error:
         raise ToolError(f"{command[0]} cannot be run: {error.strerror}") from error
@@ -84,13 +95,16 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
     listing = os.path.join(folder, unit.feature.stem + ".included")
     command = [*toolchain.compiler, *toolchain.flags, *extra_flags, "-MD", "-MF", listing,
                "-c", unit.path, "-o", output]
-    outcome = _run_tool(command, folder)
+    outcome = _run_tool(toolchain, command, folder)
     if outcome.limit:
         raise BuildError(
             f"{unit.shown} could not be compiled: the compiler took more than its {outcome.limit}"
         )
     if outcome.status != 0:
         said = plain(toolchain, unit, outcome.output)
+        absent = re.search(r"fatal error: (.+): No such file", said)
+        if absent:
+            raise BuildError(_not_to_include(unit, absent.group(1)), said)
         first = next((line for line in said.splitlines() if "error:" in line), None)
         reason = f"does not compile: {first}" if first else f"{unit.shown} does not compile"
         raise BuildError(reason, said)
@@ -101,9 +115,10 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
 
 def plain(toolchain, unit, text):
     """Shortens paths in the tools' output: the unit's to unit.shown, the kit's to begin at its top."""
+    text = text.replace(unit.path, unit.shown)
     own, shown = os.path.dirname(unit.path), os.path.dirname(unit.shown)
     shorter = {os.path.realpath(own): shown, os.path.abspath(own): shown, own: shown}
-    shorter |= {os.path.realpath(toolchain.source): "", toolchain.source: ""}
+    shorter |= {path: "" for kit in (toolchain.source, toolchain.kit) for path in (os.path.realpath(kit), kit)}
     for path, short in shorter.items():
         if path.strip("/"):
             text = re.sub(rf"(?<![\w./-]){re.escape(path)}/+", lambda _, s=short: s and s + "/", text)
@@ -127,10 +142,12 @@ def _check_included(toolchain, unit, listing):
         is_systems = path.startswith(("/usr/", "/opt/", "/nix/", "/Library/")) and not path.endswith(".c")
         is_suites = _is_below(path, os.path.join(toolchain.source, "tests"))
         if path != os.path.realpath(unit.path) and (is_suites or not (is_header or is_systems)):
-            raise BuildError(
-                f"{unit.shown} includes {plain(toolchain, unit, word)}: a unit may include the kit's headers, "
-                "the system's, and headers (.h) beside it"
-            )
+            raise BuildError(_not_to_include(unit, plain(toolchain, unit, word)))
+
+
+def _not_to_include(unit, name):
+    return (f"{unit.shown} includes {name}: a unit may include the kit's headers, the system's, and headers (.h) "
+            "beside it")
 
 
 def check_no_early_code(toolchain, unit, path):
@@ -178,7 +195,7 @@ def keep_interface(toolchain, feature, path):
 def link(toolchain, output, parts, folder):
     """Links a program with the build's own flags, or raises BuildError."""
     command = [*toolchain.compiler, *toolchain.base_sanitize, *toolchain.link_flags, *parts, "-o", output]
-    outcome = _run_tool(command, folder)
+    outcome = _run_tool(toolchain, command, folder)
     if outcome.status != 0 or outcome.limit:
         raise BuildError(f"{os.path.basename(output)} could not be linked", outcome.output)
 
@@ -193,7 +210,7 @@ def link_suite(toolchain, units, objects, folder, sanitize):
     command = [*toolchain.compiler, *sanitize, *toolchain.flags, *toolchain.link_flags,
                toolchain.built(f"tests/test_{stem}.o"), *objects, counter, toolchain.built("librktest.a"),
                toolchain.built("librkbase.a"), *toolchain.libraries, "-o", output]
-    outcome = _run_tool(command, folder)
+    outcome = _run_tool(toolchain, command, folder)
     if outcome.status != 0 or outcome.limit:
         raise BuildError(_why_not_linked(toolchain, outcome.output, units), outcome.output)
     return output

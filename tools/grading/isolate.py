@@ -1,8 +1,9 @@
 """Calls a function in a separate process, which the caller outlives: a unit that sends signals to
-its parent ends that process, but no other grading."""
+its parent ends that process, but no other grading. The answer is JSON, so whatever a unit might
+write into its place, it is data."""
 
+import json
 import os
-import pickle
 import select
 import shutil
 import signal
@@ -11,8 +12,12 @@ import tempfile
 import time
 
 from grading import sandbox
+from grading.assignments import ToolError
+from grading.private_copy import make_folder
 
 _PATIENCE = 5  # seconds to clean up after an interrupt
+_LOOKS = 20  # so many times, 0.1 s apart, a process may be found stopped, as it is between Ctrl-Z and fg
+_ANSWER_BYTES_MAX = 1 << 28
 
 
 class Ended(Exception):
@@ -20,9 +25,9 @@ class Ended(Exception):
 
 
 def call(function, *arguments):
-    """Returns or raises what the function does, or raises Ended. Its temporary files and
-    child processes are removed with it."""
-    folder = tempfile.mkdtemp(prefix="raykit-grade-")
+    """Returns what the function does, as JSON; raises ToolError if it raised an error, or Ended. Its
+    temporary files and child processes are removed with it."""
+    folder = make_folder()
     sys.stdout.flush()
     reading, writing = os.pipe()
     process = os.fork()
@@ -38,14 +43,19 @@ def call(function, *arguments):
         os.close(reading)
         if status is None:
             _end(process)
+        sandbox.end_strays()
         sandbox.end_those_in(folder)
         shutil.rmtree(folder, ignore_errors=True)
     if status != 0:
         number = signal.SIGSTOP if was_stopped else os.WIFSIGNALED(status) and os.WTERMSIG(status)
         raise Ended(signal.Signals(number).name if number else "an interrupt")
-    result, error = pickle.loads(answer)
+    try:
+        answer = json.loads(answer)
+        result, error = answer["result"], answer["error"]
+    except (ValueError, TypeError, KeyError) as damage:
+        raise Ended("a damaged answer") from damage
     if error:
-        raise error
+        raise ToolError(str(error))
     return result
 
 
@@ -55,11 +65,11 @@ def _answer(writing, function, arguments):
     try:
         sandbox.end_with_parent(signal.SIGTERM)
         try:
-            answer = function(*arguments), None
+            answer = {"result": function(*arguments), "error": None}
         except Exception as error:  # the caller knows what to do with it
-            answer = None, error
-        with os.fdopen(writing, "wb") as pipe:
-            pickle.dump(answer, pipe)
+            answer = {"result": None, "error": str(error) or type(error).__name__}
+        with os.fdopen(writing, "w", encoding="utf-8") as pipe:
+            json.dump(answer, pipe)
         status = 0
     finally:
         sys.stdout.flush()
@@ -68,8 +78,8 @@ def _answer(writing, function, arguments):
 
 def _listen(reading, process):
     """Returns the whole answer, and whether the process was stopped: nobody would wake it up, so it
-    is killed. Ctrl-Z is another signal, and stops the caller, too."""
-    answer, was_stopped = b"", False
+    is killed."""
+    answer, looks, was_stopped = b"", 0, False
     while True:
         if select.select([reading], [], [], 0.1)[0]:
             data = os.read(reading, 1 << 20)
@@ -77,8 +87,9 @@ def _listen(reading, process):
                 return answer, was_stopped
             answer += data
         news = os.waitid(os.P_PID, process, os.WSTOPPED | os.WEXITED | os.WNOHANG | os.WNOWAIT)
-        if news and news.si_code == os.CLD_STOPPED and news.si_status == signal.SIGSTOP:
-            was_stopped = True
+        looks = looks + 1 if news and news.si_code == os.CLD_STOPPED else 0
+        was_stopped = was_stopped or looks > _LOOKS
+        if was_stopped or len(answer) > _ANSWER_BYTES_MAX:
             os.kill(process, signal.SIGKILL)
 
 

@@ -38,8 +38,11 @@ def _counts(suite):
 
 
 def name_of(impl):
-    """The name of the work, without the path to it, which is the grader's."""
-    return _printable(os.path.basename(os.path.normpath(impl))).replace("\n", "?")
+    """The name of the work, without the path to it, which is the grader's. Different names stay different:
+    bytes that cannot be shown become \\xfc."""
+    name = os.path.basename(os.path.normpath(impl)).replace("\\", "\\\\")
+    return re.sub(r"[^\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]",
+                  lambda found: "".join(f"\\x{byte:02x}" for byte in os.fsencode(found[0])), name)
 
 
 def _explained(suite, test):
@@ -164,7 +167,8 @@ def first_failed(suites):
             verdict = suite.verdicts[test.name]
             if not verdict.passed:
                 reason = _printable(verdict.reason).split("\n")[0]
-                return f"{suite.feature.stem}: {test.name}", reason
+                return ("", f"{suite.feature.stem}: {reason}") if suite.problem else (
+                    f"{suite.feature.stem}: {test.name}", reason)
     return "", ""
 
 

@@ -1,5 +1,5 @@
 """Runs an untrusted program: it ends in time, within its memory, with bounded output, and all of its
-child processes end with it.
+child processes end with it. What it can see of this machine is up to bubblewrap.py.
 
 The program has no input, leads a session of its own, and leaves no core file. Its memory and its
 children's is read from Linux's /proc; on other systems there is no such limit.
@@ -18,6 +18,8 @@ import subprocess
 import threading
 import time
 
+from grading.assignments import ToolError
+
 stop = threading.Event()  # set: every run ends at once
 
 _prctl = getattr(ctypes.CDLL(None), "prctl", lambda *_: None)  # Linux has it
@@ -27,6 +29,7 @@ _PROCESSES_MAX = 64
 _FILE_BYTES_MAX = 256 << 20
 _PATIENCE = 4  # so many times its seconds may pass for a program that did not work all of the time
 _KEPT = 64 << 10  # bytes of the output's beginning, and as many of its end
+_ENDED_BY_SIGNAL = 128  # bubblewrap's exit status is then this and the signal's number
 
 
 class Outcome:
@@ -59,6 +62,13 @@ class Program:
         if self.descriptor is not None:
             os.close(self.descriptor)
             self.descriptor = None
+
+
+def bare_environment(folder):
+    """Of the caller's environment only the paths of libraries, and this folder to write to."""
+    kept = ("LD_LIBRARY_PATH", "RAYKIT_ISA")
+    environment = {name: os.environ[name] for name in kept if name in os.environ}
+    return dict(environment, HOME=folder, TMPDIR=folder, LC_ALL="C")
 
 
 def prepare():
@@ -194,21 +204,21 @@ class _Tail:
         return (self.head + middle + self.tail).decode("utf-8", "replace")
 
 
-def _limit_process(pid, seconds):
-    """In case this script is killed: a program that loops then ends, too."""
-    if hasattr(resource, "prlimit"):
-        cpu = int(seconds) * 8 + 60
+def _limit_process(seconds):
+    """The new process's own limits. In case this script is killed, a program that loops ends, too."""
+    end_with_parent()
+    cpu = int(seconds) * 8 + 60
+    for limit, value in ((resource.RLIMIT_CPU, cpu), (resource.RLIMIT_FSIZE, _FILE_BYTES_MAX)):
         try:
-            resource.prlimit(pid, resource.RLIMIT_CPU, (cpu, cpu))
-            resource.prlimit(pid, resource.RLIMIT_FSIZE, (_FILE_BYTES_MAX, _FILE_BYTES_MAX))
+            resource.setrlimit(limit, (value, value))
         except (OSError, ValueError):
             pass
 
 
-def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, witnessed=None):
+def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, witnessed=None, enclose=None):
     """Runs the command in `folder` and returns its Outcome. A Program as `witnessed` is
     run instead; in RAYKIT_ATTEST it gets a descriptor from which it reads a fresh secret, and
-    outcome.attested tells whether exactly that came back."""
+    outcome.attested tells whether exactly that came back. `enclose` puts a command into bubblewrap."""
     outcome, kept, secret = Outcome(), _Tail(), secrets.token_hex(24).encode()
     descriptors, options = (), {}
     if witnessed:
@@ -216,20 +226,22 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
         ours.send(secret)
         environment = dict(environment, RAYKIT_ATTEST=str(theirs.fileno()))
         descriptors = tuple(d for d in (theirs.fileno(), witnessed.descriptor) if d is not None)
-        options = {"executable": witnessed.path}
+        if enclose:
+            command = [witnessed.path, *command[1:]]
+        else:
+            options = {"executable": witnessed.path}
     began = time.monotonic()
     try:
         process = subprocess.Popen(
-            command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-            stderr=subprocess.STDOUT, start_new_session=True, pass_fds=descriptors,
-            preexec_fn=end_with_parent, **options,
+            enclose(command) if enclose else command, cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+            stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, pass_fds=descriptors,
+            preexec_fn=lambda: _limit_process(seconds), **options,
         )
     finally:
         if witnessed:
             theirs.close()
     try:
-        _limit_process(process.pid, seconds)
-        _watch(process, outcome, kept, began, seconds, megabytes << 20, output_bytes)
+        _watch(process, outcome, kept, began, seconds, megabytes << 20, output_bytes, bool(enclose))
     finally:
         _kill(process.pid)
         outcome.status = process.wait()
@@ -246,6 +258,10 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
         outcome.testimony = "" if outcome.attested else answer.decode("utf-8", "replace")
     outcome.seconds = time.monotonic() - began
     outcome.output = kept.text()
+    if enclose and outcome.status > _ENDED_BY_SIGNAL:
+        outcome.status = _ENDED_BY_SIGNAL - outcome.status
+    if enclose and outcome.status == 1 and not outcome.attested and outcome.output.startswith("bwrap: "):
+        raise ToolError(f"the sandbox cannot be made: {outcome.output.strip()}")
     return outcome
 
 
@@ -262,7 +278,7 @@ def _drain(pipe, kept):
         pass
 
 
-def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes):
+def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes, is_enclosed):
     """Reads until the program ends or is ended, with the reason in outcome.limit."""
     next_look = 0.0
     with selectors.DefaultSelector() as selector:
@@ -290,15 +306,24 @@ def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes):
                 outcome.limit = "processes"
             elif now - began > seconds and (now - began > _PATIENCE * seconds or _worked(process.pid) > seconds):
                 outcome.limit = "seconds"
-                _ask_where(process, kept)
+                _ask_where(process, kept, is_enclosed)
             if outcome.limit:
                 return
 
 
-def _ask_where(process, kept):
-    """On SIGABRT the address sanitizer prints the program's current position."""
-    process.send_signal(signal.SIGABRT)
-    patience = time.monotonic() + 1
+def _ask_where(process, kept, is_enclosed):
+    """On SIGABRT the address sanitizer prints the program's current position. In the sandbox, the program
+    is the child of its first process."""
+    program = process.pid
+    for _ in range(2 if is_enclosed else 0):
+        program = next(iter(_children(program)), program)
+    try:
+        os.kill(program, signal.SIGABRT)
+    except ProcessLookupError:
+        pass
+    worked, patience = _worked(process.pid), time.monotonic() + 4
     while not _has_ended(process) and time.monotonic() < patience and not stop.is_set():
+        if _worked(process.pid) > worked + 1:
+            break
         _drain(process.stdout, kept)
         time.sleep(0.01)

@@ -1,0 +1,424 @@
+#!/usr/bin/env python3
+"""Graded code tries to read, change, stop and outlive what is not its own. Speaks TAP, for make
+check-grade; runs in a build folder. Where bubblewrap makes no sandbox, most claims are skipped."""
+
+import contextlib
+import csv
+import json
+import os
+import pathlib
+import shutil
+import signal
+import socket
+import subprocess
+import sys
+import tempfile
+import time
+from unittest import mock
+
+import test_grade
+from by_address import by_address
+from tap import check, finish
+from test_grade import EMPTY, FEATURE, FEATURES, ONE, SOURCE, put, run, unit
+
+from grading import bubblewrap
+from grading import build
+from grading import isolate
+from grading import private_copy
+from grading import sandbox
+from grading.assignments import ScoredTest, ToolError, read_points
+import grade
+
+HEADERS = """
+#include <arpa/inet.h>
+#include <dirent.h>
+#include <fcntl.h>
+#include <signal.h>
+#include <stdint.h>
+#include <sys/stat.h>
+""" + by_address("_exit", "atoi", "close", "connect", "fclose", "fopen", "fork", "fread", "getppid", "kill", "open",
+                 "opendir", "pause", "raise", "rename", "setsid", "socket", "usleep", "write")
+
+
+
+def verdicts_on(toolchain, folder, units, **limits):
+    """Builds and runs these units, a dictionary from name to text, as a submission would be: on copies.
+    Returns their suites by name."""
+    place = tempfile.mkdtemp(dir=folder)
+    copied = private_copy.copy_kit(toolchain, FEATURES, [FEATURE.stem], place)
+    suites = {name: test_grade.make_suite(place, number, text, [ScoredTest(EMPTY, 1, "#")])
+              for number, (name, text) in enumerate(units.items())}
+    grade.grade(copied, list(suites.values()), {}, **{"seconds": 60, **limits})
+    sandbox.end_strays()
+    return suites
+
+
+def said_of(suite):
+    verdict = suite.verdicts[EMPTY]
+    return f"{verdict.reason}\n{verdict.place}\n{verdict.details}"
+
+
+# --- What a run can reach -------------------------------------------------------------------------
+
+
+def opens(paths, flags):
+    """A unit that aborts if it can open one of these files."""
+    tries = "\n    ".join(f'if (open("{path}", {flags}) >= 0) abort();' for path in paths)
+    return unit(tries, HEADERS)
+
+
+def reaches(folder, port):
+    """Units that abort where they reach what is not theirs; without the sandbox, each does."""
+    outside = os.path.join(folder, "outside")
+    pathlib.Path(outside).write_text("a friend's program", encoding="utf-8")
+    git = subprocess.run(["git", "-C", SOURCE, "rev-parse", "--absolute-git-dir"], capture_output=True, text=True,
+                         check=False).stdout.strip()
+    kits = [os.path.abspath(path) for path in (f"tests/test_{FEATURE.stem}.o", "librktest.a", "config.status",
+                                               "Makefile", FEATURE.points_table, FEATURE.reference)]
+    return {
+        "reads the reference": opens([FEATURE.reference], "O_RDONLY"),
+        "reads its object": opens([os.path.abspath(f"src/features/{FEATURE.stem}.o")], "O_RDONLY"),
+        "reads a program beside its source": opens([outside], "O_RDONLY"),
+        "writes to the kit": opens([*kits, *([os.path.join(git, "HEAD")] if git else [])], "O_WRONLY"),
+        "writes to a file of the user's": opens([outside], "O_WRONLY"),
+        "reads the home of the user": unit(
+            f'DIR *home = opendir("{os.path.expanduser("~")}");\n    if (home) abort();', HEADERS),
+        "makes a file elsewhere": opens([outside + "-new"], "O_WRONLY | O_CREAT, 0600"),
+        "sends a signal to its grader": unit(f"if (kill({os.getpid()}, 0) == 0) abort();", HEADERS),
+        "finds the memory, the pipes and the environment of its grader": opens(
+            [f"/proc/{os.getpid()}/{name}" for name in ("environ", "mem", "fd/1")], "O_RDONLY"),
+        "connects to a program of this machine": unit(f"""
+    struct sockaddr_in there = {{.sin_family = AF_INET, .sin_port = {socket.htons(port)},
+                                .sin_addr.s_addr = {socket.htonl(0x7f000001)}}};
+    if (connect(socket(AF_INET, SOCK_STREAM, 0), (struct sockaddr *)&there, sizeof there) == 0) abort();""", HEADERS),
+    }
+
+
+def nothing_is_reached(toolchain, folder):
+    with socket.create_server(("127.0.0.1", 0)) as server:
+        units = reaches(folder, server.getsockname()[1])
+        inside = verdicts_on(toolchain, folder, units)
+        toolchain.sandbox, kept = None, toolchain.sandbox
+        outside = verdicts_on(toolchain, folder, units)
+        toolchain.sandbox = kept
+    for name in units:
+        check(inside[name].passed(), f"in the sandbox, no unit {name}", said_of(inside[name]))
+        if name.startswith("finds the memory") and os.geteuid() != 0:
+            check(outside[name].passed(), f"without it, none {name} either", said_of(outside[name]))
+        else:
+            check("crashed" in said_of(outside[name]), f"without it, one {name}", said_of(outside[name]))
+
+
+def little_is_written(toolchain, folder):
+    """Files in memory are limited, and go with the run."""
+    fill = """
+    static char block[1 << 20];
+    memset(block, 1, sizeof block);
+    size_t written = 0;
+    for (int k = 0; k < 3; k++)
+    {{
+        char name[] = "{place}/0";
+        name[sizeof name - 2] = (char)('0' + k);
+        int file = open(name, O_WRONLY | O_CREAT, 0600);
+        for (int m = 0; m < 140 && file >= 0 && write(file, block, sizeof block) == sizeof block; m++)
+            written++;
+    }}
+    if (written > 256) abort();"""
+    before = sorted(os.listdir("/dev/shm"))
+    cases = {place: unit(fill.format(place=place), HEADERS) for place in ("/dev/shm", "/tmp", ".")}
+    for place, suite in verdicts_on(toolchain, folder, cases).items():
+        check(suite.passed(), f"no unit writes more than 256 MB to {place}", said_of(suite))
+    check(sorted(os.listdir("/dev/shm")) == before, "what a unit wrote is gone")
+    cases = {place: opens([f"{place}/new"], "O_WRONLY | O_CREAT, 0600")
+             for place in ("", "/dev", "/usr", "/proc", "/var/tmp")}
+    for place, suite in verdicts_on(toolchain, folder, cases).items():
+        check(suite.passed(), f"no unit makes a file in {place}/", said_of(suite))
+
+
+def the_compiler_sees_headers_only(toolchain, folder):
+    """As assembly, which can include any bytes."""
+    data, place = os.path.join(folder, "data.bin"), os.path.join(folder, "unit")
+    pathlib.Path(data).write_text("a friend's program", encoding="utf-8")
+    os.mkdir(place)
+    copied = private_copy.copy_kit(toolchain, FEATURES, [FEATURE.stem], folder)
+
+    def compiles(line, name="x.s"):
+        put(line + "\n", place, name)
+        return build._run_tool(copied, [*copied.compiler, *copied.flags, "-c", os.path.join(place, name), "-o",
+                                        os.path.join(place, "x.o")], place)
+
+    cases = {"the reference": FEATURE.reference, "its object": f"src/features/{FEATURE.stem}.o", "a program": data}
+    for name, path in cases.items():
+        outcome = compiles(f'.incbin "{os.path.abspath(path)}"')
+        check(outcome.status != 0 and "file not found" in outcome.output, f"no unit includes {name} as bytes",
+              outcome.output)
+    check(compiles(f'.incbin "{place}/x.s"').status == 0, "but a file beside it", "")
+    for name in (os.path.abspath(FEATURE.reference), f"features/{FEATURE.stem}.c"):
+        outcome = compiles(f'#include "{name}"', "x.c")
+        check(outcome.status != 0 and "No such file" in outcome.output,
+              f"no unit includes the reference as \"{'/'.join(name.split('/')[-3:])}\"", outcome.output)
+    os.environ["SECRET_OF_THE_INSTRUCTOR"] = "xyzzy"
+    outcome = compiles('.incbin "/proc/self/environ"')
+    del os.environ["SECRET_OF_THE_INSTRUCTOR"]
+    check(outcome.status == 0 and b"xyzzy" not in pathlib.Path(place, "x.o").read_bytes(),
+          "no unit includes the environment of its grader", outcome.output)
+
+
+def a_kit_among_the_systems_files_is_hidden(folder):
+    kit = mock.Mock(source="/usr/include", build="/usr/share/doc")
+    box = bubblewrap.Bubblewrap(kit, shutil.which("bwrap"))
+    outcome = sandbox.run(["/usr/bin/ls", "/usr/include", "/usr/share/doc"], seconds=10, megabytes=100, folder=folder,
+                          environment={}, enclose=box.around)
+    check(outcome.output.split() == ["/usr/include:", "/usr/share/doc:"], "a kit in /usr is hidden", outcome.output)
+
+
+def own_headers_are_there(toolchain, folder):
+    """Those that are text, beside the unit or below it."""
+    put('#pragma once\n#include "sub/two.h"\n', folder, "0", "one.h")
+    put("#define ANSWER 42\n", folder, "0", "sub", "two.h")
+    put("a\0b", folder, "0", "binary.h")
+    put('#include "one.h"\n#include "binary.h"\n#include "../secret.h"\n', folder, "0", "x.c")
+    put("", folder, "secret.h")
+    original = grade.Unit(FEATURE, os.path.join(folder, "0", "x.c"), "x.c", False)
+    copied = private_copy.copy_unit(original, os.path.join(folder, "copy"))
+    found = sorted(os.path.relpath(path, folder) for path in pathlib.Path(folder, "copy").rglob("*") if path.is_file())
+    check(found == [f"copy/own/{FEATURE.stem}/{name}" for name in (f"{FEATURE.stem}.c", "one.h", "sub/two.h")],
+          "a unit is copied with the headers of its own that it includes, and with nothing else", found)
+    check(copied.shown == "x.c", "and is called as before")
+
+
+# --- How runs end ---------------------------------------------------------------------------------
+
+
+def ends_are_told(toolchain, folder):
+    cases = {
+        "that hangs": (unit("for (volatile int k = 0; k < 2; k = 0) { }"), "was at mine/bvh_median.c:"),
+        "that hangs in a child": (unit("if (fork() == 0) for (;;) pause();\n    for (;;) pause();", HEADERS),
+                                  "did not end"),
+        "that kills itself": (unit("raise(SIGKILL);", HEADERS), "crashed: Killed"),
+        "that exits with 137": (unit("_exit(137);", HEADERS), "Killed"),
+        "that exits with 3": (unit("_exit(3);", HEADERS), "exit status 3"),
+        "that pretends that there is no sandbox": (
+            unit('puts("bwrap: no");\n    fflush(stdout);\n    _exit(2);', HEADERS), "exit status 2"),
+        "that makes up a long reason": (unit(
+            'printf("x.c:1:1: runtime error: ");\n    for (int k = 0; k < 5000; k++) putchar(\'x\');\n'
+            "    putchar('\\n');\n    fflush(stdout);\n    _exit(1);", HEADERS), "undefined behaviour: xxx"),
+    }
+    suites = verdicts_on(toolchain, folder, {name: text for name, (text, _) in cases.items()}, seconds=3)
+    for name, suite in suites.items():
+        check(not suite.passed() and cases[name][1] in said_of(suite), f"a unit {name} is told as such", said_of(suite))
+    longest = max(len(suite.verdicts[EMPTY].reason) for suite in suites.values())
+    check(longest <= grade.REASON_MAX + 4, "no reason is longer than a claim's", longest)
+    try:
+        sandbox.run(["true"], seconds=10, megabytes=100, folder=folder, environment=dict(os.environ),
+                    enclose=lambda command: ["sh", "-c", "echo bwrap: no more namespaces; exit 1"])
+        check(False, "a sandbox that cannot be made is nobody's mistake")
+    except ToolError as error:
+        check("no more namespaces" in str(error), "a sandbox that cannot be made is nobody's mistake", error)
+
+
+def only_data_is_believed():
+    def garble():
+        for name in os.listdir("/proc/self/fd"):
+            with contextlib.suppress(OSError):
+                os.write(int(name), b"\x80\x04cos\nsystem\n(S'touch hacked'\ntR.") if int(name) > 2 else None
+
+    for name, function in {"garbage": garble, "a process that stops": lambda: os.kill(os.getpid(), signal.SIGSTOP),
+                           "a process that is stopped as by Ctrl-Z": lambda: os.kill(os.getpid(), signal.SIGTSTP),
+                           "a process that is killed": lambda: os.kill(os.getpid(), signal.SIGKILL)}.items():
+        try:
+            said = isolate.call(function)
+        except isolate.Ended as ended:
+            said = ended
+        check(isinstance(said, isolate.Ended) and not os.path.exists("hacked"), f"{name} is no answer", said)
+    suite = test_grade.grade.Suite(FEATURE, None, [ScoredTest(EMPTY, 1, "#")])
+    suite.take({"problem": "", "warnings": "", "verdicts": {EMPTY: ["yes", "", "", "", 0, "no"]}})
+    check(not suite.verdicts[EMPTY].passed and not suite.verdicts[EMPTY].timed_out,
+          "a verdict that is no boolean is none")
+
+
+def what_was_left_is_removed(folder):
+    process = subprocess.Popen(["true"])
+    process.wait()
+    old, alive, young = (os.path.join(folder, f"raykit-grade-{owner}-{k}") for k, owner in
+                         enumerate((process.pid, os.getpid(), process.pid)))
+    for path in (old, alive, young):
+        os.mkdir(path)
+    for path in (old, alive):
+        os.utime(path, (0, 0))
+    tempfile.tempdir, kept = folder, tempfile.tempdir
+    made = private_copy.make_folder()
+    tempfile.tempdir = kept
+    check(not os.path.exists(old) and os.path.exists(alive) and os.path.exists(young) and os.path.isdir(made),
+          "folders of graders that were killed are removed by the next one", os.listdir(folder))
+
+
+# --- A class --------------------------------------------------------------------------------------
+
+
+def start_class(place, out):
+    return test_grade.start(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), FEATURE.stem,
+                            "--submissions", place, "--out", out)
+
+
+def grade_class(place, out, **environment):
+    os.environ.update(environment)
+    process = start_class(place, out)
+    for name in environment:
+        del os.environ[name]
+    said = process.communicate()[0]
+    return process.returncode, said
+
+
+def rows_of(out):
+    with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
+        return {row[0]: row for row in csv.reader(file)}
+
+
+def destroyer(number, files, folder):
+    """A unit that sends a signal to its grader and to the class's; and whose daemon does so until later,
+    and spoils these files and moves this folder."""
+    tries = "\n".join(f'        if ((file = open("{path}", O_WRONLY | O_TRUNC)) >= 0) close(file);' for path in files)
+    return unit("if (count == 0) attack();", HEADERS + f"""
+static int parent_of(int process)
+{{
+    char name[64], text[512] = "";
+    snprintf(name, sizeof name, "/proc/%d/stat", process);
+    FILE *file = fopen(name, "r");
+    if (!file)
+        return 0;
+    size_t size = fread(text, 1, sizeof text - 1, file);
+    fclose(file);
+    return size ? atoi(strrchr(text, ')') + 3) : 0;
+}}
+
+static void attack(void)
+{{
+    int parent = getppid(), grandparent = parent_of(parent), file;
+    if (fork() == 0 && setsid() > 0 && fork() == 0)
+    {{
+        for (int k = 0; k < 30; k++)
+        {{
+{tries}
+            rename("{folder}", "{folder}-moved");
+            usleep(100000);
+        }}
+        _exit(0);
+    }}
+    if (grandparent > 1)
+        kill(grandparent, {number});
+    if (parent > 1)
+        kill(parent, {number});
+}}
+""")
+
+
+def a_class_outlives_everybody(folder):
+    place, out = os.path.join(folder, "class"), os.path.join(folder, "results")
+    put(unit(""), place, "ann", "bvh_median.c")
+    put(unit(""), place, "zoe", "bvh_median.c")
+    put("int early;\n", place, "early", "bvh_median.c")
+    grade_class(place, out)  # the first results are there to be spoiled
+    targets = [f"{place}/ann/bvh_median.c", f"{place}/zoe/bvh_median.c", f"{out}/class.csv", f"{out}/ann.json"]
+    report = targets[-1]
+    for number, name in ((signal.SIGKILL, "kills"), (signal.SIGSTOP, "stops")):
+        put(destroyer(int(number), targets, out), place, name, "bvh_median.c")
+    tests = json.loads(test_grade.read(report))["tests"]
+    expected = rows_of(out)["ann"][1:-1]
+    status, said = grade_class(place, out)
+    time.sleep(3.5)  # longer than the daemons work
+    rows = rows_of(out)
+    check(status == 0 and list(rows) == ["name", "ann", "early", "zoe", "kills", "stops"],
+          "a class outlives signals to its graders", said)
+    check(rows["ann"][1:-1] == expected == rows["zoe"][1:-1] and json.loads(test_grade.read(report))["tests"] == tests
+          and all(test_grade.read(path) == unit("") for path in targets[:2]),
+        "nobody changes another's work, report or points", rows)
+    check("ended its grader" not in rows["kills"][4], "signals out of the sandbox arrive nowhere", rows["kills"])
+
+
+def who_works_meanwhile_is_not_blamed(folder):
+    """With an editor open in the kit, all the same."""
+    place, out = os.path.join(folder, "calm"), os.path.join(folder, "calm-results")
+    put(unit(""), place, "ann", "bvh_median.c")
+    swap = os.path.join(SOURCE, "tests", ".test_bvh_median.c.swp")
+    put(unit("usleep(20000);", HEADERS), place, "bob", "bvh_median.c")
+    for mode in ("", "no"):
+        os.environ["RAYKIT_SANDBOX"] = mode
+        process = start_class(place, out)
+        del os.environ["RAYKIT_SANDBOX"]
+        process.stdout.readline()  # one is graded, the other is not
+        pathlib.Path(swap).touch()
+        said = process.communicate()[0]
+        os.unlink(swap)
+        check(process.returncode == 0 and rows_of(out)["bob"][5] == "",
+              f"an editor's swap file blames nobody (SANDBOX={mode})", said)
+
+
+def without_a_sandbox_this_is_said(folder):
+    place, out, tools = (os.path.join(folder, name) for name in ("plain", "plain-results", "tools"))
+    put(unit(""), place, "ann", "bvh_median.c")
+    put(unit(""), place, "bob", "bvh_median.c")
+    os.mkdir(tools)
+    put("#!/bin/sh\necho 'bwrap: No permissions to create new namespace' >&2\nexit 1\n", tools, "bwrap")
+    os.chmod(os.path.join(tools, "bwrap"), 0o755)
+    path = f"{tools}:{os.environ['PATH']}"
+    kept = os.environ["PATH"]
+    try:
+        os.environ["PATH"] = path
+        status, said = grade_class(place, out)
+        check(status == 0 and said.count("No permissions to create new namespace") == 1
+              and "is not sound" in rows_of(out)["bob"][4], "where there is no sandbox, a class is graded, and told once",
+              said)
+        shutil.rmtree(os.path.join(place, "bob"))
+        status, said = test_grade.graded("--impl", os.path.join(place, "ann"), "--test", ONE)
+        check(status == 1 and said.count("there was no sandbox") == 1, "so is a submission", said)
+        status, said = grade_class(place, out, RAYKIT_SANDBOX="no")
+        check(status == 0 and "sandbox" not in said, "who wants none hears nothing of it", said)
+        status, said = grade_class(place, out, RAYKIT_SANDBOX="yes")
+        check(status == 2 and "No permissions" in said, "who insists on one gets no grades without", said)
+    finally:
+        os.environ["PATH"] = kept
+    status, said = grade_class(place, out, RAYKIT_SANDBOX="maybe")
+    check(status == 2 and "say yes or no" in said, "SANDBOX is yes or no", said)
+    status, said = run(os.environ.get("MAKE", "make"), "-s", "grade", "ASSIGNMENTS=" + FEATURE.stem, "SANDBOX=maybe",
+                       "IMPL=" + os.path.join(place, "ann"))
+    check(status != 0 and "say yes or no" in said, "make passes it on", said)
+
+
+def main():
+    if "--list" in sys.argv:  # the driver asks for names of tests, which it can do without
+        return 0
+    sandbox.prepare()
+    toolchain = build.Toolchain(".")
+    toolchain.sandbox, remark = bubblewrap.find(toolchain)
+    folder = tempfile.mkdtemp(prefix="raykit-test-sandbox-")
+    places = iter(range(100))
+
+    def place():
+        path = os.path.join(folder, str(next(places)))
+        os.mkdir(path)
+        return path
+
+    try:
+        if toolchain.sandbox:
+            test_grade.units_are_judged(toolchain, place())
+            nothing_is_reached(toolchain, place())
+            little_is_written(toolchain, place())
+            the_compiler_sees_headers_only(toolchain, place())
+            a_kit_among_the_systems_files_is_hidden(place())
+            ends_are_told(toolchain, place())
+            a_class_outlives_everybody(place())
+        else:
+            check(True, f"what graded code can reach # SKIP {remark}")
+        own_headers_are_there(toolchain, place())
+        only_data_is_believed()
+        what_was_left_is_removed(place())
+        who_works_meanwhile_is_not_blamed(place())
+        without_a_sandbox_this_is_said(place())
+    finally:
+        shutil.rmtree(folder, ignore_errors=True)
+    return finish()
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,77 @@
+"""A sandbox for untrusted programs, made by bubblewrap from Linux namespaces. Inside are the system's
+programs and libraries to read, a /proc, /dev and /tmp of its own, and no network; nothing else of this
+machine, unless a command is given it.
+
+The environment's RAYKIT_SANDBOX (make's SANDBOX) says "no" to do without, "yes" to insist.
+"""
+
+import glob
+import os
+import re
+import shutil
+import subprocess
+
+from grading.assignments import ToolError
+
+_SYSTEM = ("/usr", "/bin", "/sbin", "/lib", "/lib32", "/lib64", "/libx32", "/nix/store",
+           "/etc/alternatives", "/etc/ld.so.cache")
+_BYTES_MAX = 256 << 20  # of all files in /tmp, and in /dev/shm
+
+
+class Bubblewrap:
+    """The sandbox for a build of the kit."""
+
+    def __init__(self, toolchain, program):
+        known = subprocess.run([program, "--help"], capture_output=True, text=True, check=False).stdout
+        limited = ["--size", str(_BYTES_MAX)] if "--size" in known else []
+        self._begin = [program, "--unshare-all", "--die-with-parent", "--cap-drop", "ALL"]
+        for path in _SYSTEM:
+            if os.path.islink(path):
+                self._begin += ["--symlink", os.readlink(path), path]
+            else:
+                self._begin += ["--ro-bind-try", path, path]
+        self._begin += ["--proc", "/proc", "--dev", "/dev", *limited, "--tmpfs", "/dev/shm", "--remount-ro", "/dev",
+                        *limited, "--tmpfs", "/tmp"]
+        for path in os.environ.get("LD_LIBRARY_PATH", "").split(":"):
+            self._begin += ["--ro-bind-try", path, path] if os.path.isabs(path) else []
+        # A kit that lies or is installed among the system's files is hidden.
+        for path in (toolchain.source, toolchain.build):
+            if os.path.realpath(path).startswith(tuple(top + "/" for top in _SYSTEM)):
+                self._begin += ["--tmpfs", os.path.realpath(path)]
+        for pattern in ("/usr/lib*/libraykit.a", "/usr/lib/*/libraykit.a", "/usr/local/lib*/libraykit.a"):
+            for path in glob.glob(pattern):
+                self._begin += ["--ro-bind", "/dev/null", path]
+
+    def around(self, command, binds=(), folder="/tmp"):
+        """Returns the command that runs this one inside, in a folder; `binds` are bubblewrap's
+        options for what it needs beside the system."""
+        return [*self._begin, *binds, "--remount-ro", "/", "--chdir", folder, "--", *command]
+
+    def around_compiler(self, command, folder, kit):
+        """The same for a compiler, which can write to the folder, and read the copied kit and the
+        files that its command names."""
+        named = [re.sub("^-(I|L|isystem|include)", "", word) for word in command]
+        readable = [kit, *[path for path in named if os.path.isabs(path)]]
+        binds = [option for path in readable for option in ("--ro-bind-try", path, path)]
+        return self.around(command, [*binds, "--bind", folder, folder], folder)
+
+
+def find(toolchain):
+    """Returns the sandbox, or None and a remark that says why there is none."""
+    wish = os.environ.get("RAYKIT_SANDBOX", "")
+    if wish not in ("", "yes", "no"):
+        raise ToolError(f"SANDBOX={wish}: say yes or no")
+    if wish == "no":
+        return None, ""
+    program, reason = shutil.which("bwrap"), "bubblewrap is not installed"
+    if program:
+        sandbox = Bubblewrap(toolchain, program)
+        tried = subprocess.run(sandbox.around([*toolchain.compiler, "--version"]), stdin=subprocess.DEVNULL,
+                               capture_output=True, text=True, errors="replace", check=False)
+        if tried.returncode == 0:
+            return sandbox, ""
+        reason = (tried.stderr.strip().splitlines() or ["bwrap fails"])[-1]
+    if wish == "yes":
+        raise ToolError(f"SANDBOX=yes, but there is no sandbox: {reason}")
+    return None, (f"there was no sandbox ({reason}): graded code ran with your rights. Grade strangers' code only in "
+                  "a container or as a separate user; SANDBOX=no says that this is so")

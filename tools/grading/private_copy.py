@@ -1,0 +1,97 @@
+"""Grading works on copies: of what it needs from the kit, so that nobody changes it meanwhile, and of
+the unit, under a plain name, so that no character in a student's folder name matters."""
+
+import copy
+import glob
+import os
+import re
+import shutil
+import tempfile
+import time
+
+from grading.assignments import Unit, UnitError
+
+_UNIT_BYTES_MAX = 256 << 20
+_HEADER_BYTES_MAX = 1 << 20
+_STALE = 3600  # seconds
+
+
+def make_folder():
+    """Makes a temporary folder for this process, and removes those of processes that were killed."""
+    for path in glob.glob(os.path.join(glob.escape(tempfile.gettempdir()), "raykit-grade-*")):
+        owner = re.match(r"raykit-grade-(\d+)-", os.path.basename(path))
+        # Young ones may belong to a process that another container has.
+        if owner and time.time() - os.lstat(path).st_mtime > _STALE and not _is_running(int(owner[1])):
+            shutil.rmtree(path, ignore_errors=True)
+    return tempfile.mkdtemp(prefix=f"raykit-grade-{os.getpid()}-")
+
+
+def _is_running(process):
+    try:
+        os.kill(process, 0)
+    except ProcessLookupError:
+        return False
+    except OSError:
+        pass
+    return True
+
+
+def copy_kit(toolchain, features, stems, folder):
+    """Copies what the suites of these features need, and returns the toolchain of the copy. The
+    references' objects lie apart from the headers, which are all that a compiler sees of the kit."""
+    kit, objects = os.path.join(folder, "kit"), os.path.join(folder, "objects")
+    for room in ("src", "tests"):
+        for where, _, names in os.walk(os.path.join(toolchain.source, room)):
+            place = os.path.join(kit, os.path.relpath(where, toolchain.source))
+            for name in names:
+                if name.endswith(".h") or room == "tests" and name.endswith(".c"):
+                    os.makedirs(place, exist_ok=True)
+                    shutil.copyfile(os.path.join(where, name), os.path.join(place, name))
+    needed = ["librktest.a", "librkbase.a", *[f"tests/test_{stem}.o" for stem in stems],
+              *[f"src/features/{stem}.o" for stem in features]]
+    for path in needed:
+        os.makedirs(os.path.join(objects, os.path.dirname(path)), exist_ok=True)
+        shutil.copyfile(toolchain.built(path), os.path.join(objects, path))
+    copied = copy.copy(toolchain)
+    copied.source, copied.build = kit, objects
+    copied.flags = [word.replace(toolchain.source, kit) for word in toolchain.flags]
+    return copied
+
+
+def copy_unit(unit, folder):
+    """Returns the unit as a copy in this folder, with the headers beside it that it includes."""
+    if unit.is_reference:
+        return unit
+    own = os.path.join(folder, "own", unit.feature.stem)
+    os.makedirs(own, exist_ok=True)
+    path = os.path.join(own, unit.feature.stem + ".c")
+    with open(unit.path, "rb") as file:
+        text = file.read(_UNIT_BYTES_MAX + 1)
+    if len(text) > _UNIT_BYTES_MAX:
+        raise UnitError(f"{unit.shown} is larger than {_UNIT_BYTES_MAX >> 20} MB")
+    with open(path, "wb") as file:
+        file.write(text)
+    _copy_headers(os.path.realpath(os.path.dirname(unit.path)), "", text, own)
+    return Unit(unit.feature, path, unit.shown, False)
+
+
+def _copy_headers(source, place, text, own):
+    """Copies headers that a text in the subfolder `place` includes, and those that they include."""
+    for name in re.findall(rb'^\s*#\s*include\s*"([^"\n]+\.h)"', text, re.MULTILINE):
+        relative = os.path.normpath(os.path.join(place, os.fsdecode(name)))
+        path = os.path.join(source, relative)
+        copied = os.path.join(own, relative)
+        if os.path.lexists(copied) or not os.path.isfile(path) or not _is_below(path, source):
+            continue
+        with open(path, "rb") as file:
+            header = file.read(_HEADER_BYTES_MAX)
+        if b"\0" in header or not _is_below(copied, own):
+            continue
+        os.makedirs(os.path.dirname(copied), exist_ok=True)
+        with open(copied, "wb") as file:
+            file.write(header)
+        _copy_headers(source, os.path.dirname(relative), header, own)
+
+
+def _is_below(path, folder):
+    return os.path.realpath(path).startswith(os.path.realpath(folder) + os.sep)
