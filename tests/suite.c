@@ -15,8 +15,12 @@ static const struct CMUnitTest *only;
 static attestation witness = {.file = -1};
 static bool a_claim_was_told;
 
+/* Of the leak sanitizer, where the program is linked with it: whether memory is lost. */
+int __lsan_do_recoverable_leak_check(void) __attribute__((weak));
+
 /* RAYKIT_ATTEST names a descriptor: a secret of up to 64 characters is read from it, once, and
- * either the secret or the failed claim is written back. */
+ * either the secret, followed by "leaks" if memory was lost, or the failed claim is written back.
+ */
 static void take_attestation(void)
 {
     char *value = getenv("RAYKIT_ATTEST");
@@ -30,11 +34,22 @@ static void take_attestation(void)
     unsetenv("RAYKIT_ATTEST");
 }
 
+/* A secret whose first digit is odd asks for a decoy: a claim of the grader's own that never holds.
+ * Code that sends the secret in place of the suite knows this no better than the suite's reader. */
+static bool is_decoy(void)
+{
+    return witness.file >= 0 && witness.nonce[0] % 2 != 0;
+}
+
 /* A failing test does not return from its function. */
 static void run_and_attest(void **state)
 {
     only->test_func(state);
-    if (witness.file >= 0 && write(witness.file, witness.nonce, strlen(witness.nonce)) < 0)
+    rk_check(!is_decoy(), "a claim that never holds");
+    if (witness.file < 0)
+        return;
+    bool leaks = __lsan_do_recoverable_leak_check && __lsan_do_recoverable_leak_check() != 0;
+    if (dprintf(witness.file, "%s%s", witness.nonce, leaks ? "leaks" : "") < 0)
         fail_msg("the verdict could not be attested");
 }
 
@@ -59,11 +74,13 @@ static int list_tests(const struct CMUnitTest *tests, size_t count)
     return 0;
 }
 
-static int run_only(const rk_suite *suite, const char *name)
+/* The name is blanked, so that the tested code does not read in its command which test it is. */
+static int run_only(const rk_suite *suite, char *name)
 {
     for (size_t i = 0; i < suite->count; i++)
         if (strcmp(suite->tests[i].name, name) == 0) {
             only = &suite->tests[i];
+            memset(name, 'x', strlen(name));
             struct CMUnitTest one = *only;
             one.test_func = run_and_attest;
             int failures =

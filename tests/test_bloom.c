@@ -531,9 +531,22 @@ static double left_out(const float *weights, uint32_t reach, uint32_t radius)
     return sum;
 }
 
+static void check_reach(const float *weights, uint32_t radius, uint32_t want, const char *hint)
+{
+    float *own = exact_copy(weights, (radius + 1) * sizeof *weights);
+    uint32_t reach = rk_bloom_reach(radius, own);
+    free(own);
+    rk_check(reach == want, "radius %u, weights of no binomial: got a reach of %u, want %u: %s",
+             radius, reach, want, hint);
+}
+
 static void the_reach_is_the_shortest_within_half_an_ulp(void **state)
 {
     (void)state;
+    check_reach((const float[]){1, 0x1p-27f, 0x1p-27f}, 2, 0, "four times 2^-27 are 2^-25");
+    check_reach((const float[]){1, 0x1.000002p-27f, 0x1p-27f}, 2, 1,
+                "four times 2^-27 and a little more than 2^-25, which a float's sum would lose");
+    check_reach((const float[]){1, 0, 0, 0}, 3, 0, "weights of 0 can all be left out");
     static float all[RK_BLOOM_RADIUS_MAX + 1];
     for (uint32_t radius = 0; radius <= RK_BLOOM_RADIUS_MAX;
          radius += radius < 64 ? 1 : radius / 8) {
@@ -599,11 +612,12 @@ static double plain_sum(const line_sum *s, size_t i)
 }
 
 /* Lines, some of them missing, against the sum in double. Returns the number of allocations. */
-static size_t check_sum(uint32_t reach, uint32_t present, const char *hint)
+static size_t check_sum_of(uint32_t reach, uint32_t present, size_t count, const char *hint)
 {
-    line_sum s = make_lines(reach, present, RK_BLOOM_BLOCK * (1 + (reach + 2) % 3));
+    line_sum s = make_lines(reach, present, count);
     const rk_bloom_filter filter = filter_of(s.weights, reach, RK_BLOOM_ZERO);
-    float room[3 * RK_BLOOM_BLOCK + 2 * fence], *sum = fenced(room, s.count);
+    float *fenced_sum = exactly((count + 2 * fence) * sizeof *fenced_sum);
+    float *sum = fenced(fenced_sum, count);
     size_t before = rk_allocations;
     uint32_t taps = rk_bloom_blur_lines(&filter, (const float *const *)s.lines, s.count, sum);
     size_t allocated = rk_allocations - before;
@@ -621,7 +635,13 @@ static size_t check_sum(uint32_t reach, uint32_t present, const char *hint)
     rk_check(taps == s.taps, "%s, reach %u: returned %u, want %u: the lines that are not NULL",
              hint, reach, taps, s.taps);
     free_lines(&s);
+    free(fenced_sum);
     return allocated;
+}
+
+static size_t check_sum(uint32_t reach, uint32_t present, const char *hint)
+{
+    return check_sum_of(reach, present, RK_BLOOM_BLOCK * (1 + (reach + 2) % 3), hint);
 }
 
 static void a_single_line_is_weighted_by_its_distance(void **state)
@@ -641,6 +661,8 @@ static void all_lines_are_summed(void **state)
     for (uint32_t reach = 0; reach <= 15; reach++)
         check_sum(reach, UINT32_MAX, "no line is NULL");
     check_sum(RK_BLOOM_RADIUS_MAX, UINT32_MAX, "the longest filter, no line is NULL");
+    check_sum_of(2, UINT32_MAX, 0, "lines of no floats");
+    check_sum_of(1, UINT32_MAX, 1366 * RK_BLOOM_BLOCK, "lines of more than 65536 floats");
 }
 
 static void lines_that_are_null_are_zeros(void **state)
@@ -708,22 +730,26 @@ static void blurring_allocates_no_memory(void **state)
 static void the_blurred_mask_is_added_times_the_gain(void **state)
 {
     (void)state;
-    for (size_t count = 0; count <= 100; count++) {
-        float room[100 + 2 * fence], *pixels = fenced(room, count);
+    /* Up to 100 floats, and then one line of more than 65536. */
+    for (size_t i = 0; i <= 101; i++) {
+        size_t count = i <= 100 ? i : 65537;
+        float *fenced_pixels = exactly((count + 2 * fence) * sizeof *fenced_pixels);
+        float *pixels = fenced(fenced_pixels, count);
         float *blurred = exactly(count * sizeof *blurred), gain = (float)(count % 7 + 1) / 8;
-        for (size_t i = 0; i < count; i++) {
-            pixels[i] = (float)i;
-            blurred[i] = (float)(count - i) / 4;
+        for (size_t k = 0; k < count; k++) {
+            pixels[k] = (float)k;
+            blurred[k] = (float)(count - k) / 4;
         }
         rk_bloom_composite(pixels, blurred, count, gain);
-        for (size_t i = 0; i < count; i++) {
-            float want = (float)i + gain * blurred[i];
-            rk_check(pixels[i] == want,
-                     "float %zu of %zu: got %g, want %g: %zu plus the gain %g times the mask %g", i,
-                     count, (double)pixels[i], (double)want, i, (double)gain, (double)blurred[i]);
+        for (size_t k = 0; k < count; k++) {
+            float want = (float)k + gain * ((float)(count - k) / 4);
+            rk_check(pixels[k] == want,
+                     "float %zu of %zu: got %g, want %g: %zu plus the gain %g times the mask %g", k,
+                     count, (double)pixels[k], (double)want, k, (double)gain, (double)blurred[k]);
         }
         check_fences(pixels, count, "the pixels");
         free(blurred);
+        free(fenced_pixels);
     }
 }
 

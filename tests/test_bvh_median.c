@@ -2,6 +2,7 @@
  * the same hits in it as by brute force, with no more work than it takes. */
 #define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
 #include "guarded_tree.h"
+#include "little_stack.h"
 #include "short_memory.h"
 #include "test.h"
 #include "test_soup.h"
@@ -29,7 +30,9 @@ static rk_bvh build(const rk_mesh *mesh)
 {
     rk_bvh bvh;
     rk_error error;
+    uint32_t checksum = mesh_checksum(mesh);
     rk_check_ok(rk_bvh_build_median(&bvh, mesh, &error), error);
+    check_mesh_unchanged(mesh, checksum);
     rk_check(rk_bvh_validate(&bvh, mesh, &error), "the tree over %u triangle%s is not sound: %s",
              mesh->triangle_count, mesh->triangle_count == 1 ? "" : "s", error.text);
     return bvh;
@@ -91,6 +94,7 @@ static void check_against_brute_force(const rk_mesh *mesh, uint32_t rays, uint32
     rk_counters counters = {0};
     for (uint32_t i = 0; i < rays; i++) {
         rk_ray ray = make_ray(i, seed, bounds);
+        const rk_ray same = ray;
         rk_hit want = closest_by_brute_force(mesh, &ray);
         char name[64];
         snprintf(name, sizeof name, "%u triangles, ray %u", mesh->triangle_count, i);
@@ -98,6 +102,10 @@ static void check_against_brute_force(const rk_mesh *mesh, uint32_t rays, uint32
             check_hit(rk_bvh_closest(&bvh, &ray, &counters), want, name);
         if (queries & OCCLUSION)
             check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), want.triangle != RK_MISS, name);
+        rk_check(memcmp(&ray, &same, sizeof ray) == 0,
+                 "%s: the caller's ray was changed, its t_max from %g to %g: it is constant; the "
+                 "distance of the nearest hit is in the hit",
+                 name, (double)same.t_max, (double)ray.t_max);
     }
     rk_bvh_free(&bvh);
 }
@@ -248,6 +256,28 @@ static void every_node_is_split_at_the_median_of_its_longest_axis(void **state)
         rk_bvh_free(&bvh);
         rk_mesh_free(&mesh);
     }
+}
+
+static void centroids_are_ordered_though_one_is_far_from_the_others(void **state)
+{
+    (void)state;
+    /* Tiny triangles at the origin and one 4 away. Seen from there, or from the middle, all tiny
+     * ones are at the same distance, because a float has 24 bits. */
+    for (int axis = 0; axis < 3; axis++)
+        for (int side = -1; side <= 1; side += 2) {
+            rk_mesh mesh = make_soup(33, 0.1f, 40);
+            for (uint32_t i = 0; i < mesh.vertex_count; i++)
+                mesh.positions[i] = rk_scale(mesh.positions[i], 0x1p-30f);
+            float far = 4 * (float)side;
+            for (uint32_t k = 0; k < 3; k++)
+                mesh.positions[k] =
+                    rk_add(mesh.positions[k],
+                           rk_vec(axis == 0 ? far : 0, axis == 1 ? far : 0, axis == 2 ? far : 0));
+            rk_bvh bvh = build(&mesh);
+            check_median(&bvh, &mesh, 0);
+            rk_bvh_free(&bvh);
+            rk_mesh_free(&mesh);
+        }
 }
 
 static void equal_extents_are_split_on_x_before_y_before_z(void **state)
@@ -449,6 +479,12 @@ static void identical_triangles_build_a_tree_and_the_first_is_hit(void **state)
     rk_bvh bvh = build(&mesh);
     rk_check_equal(rk_bvh_measure(&bvh).levels, 9,
                    "where all centroids coincide, halve by the triangles' indices");
+    rk_bvh_range left = rk_bvh_range_of(&bvh, bvh.nodes[0].first);
+    for (uint32_t i = left.begin; i < left.begin + left.count; i++)
+        rk_check(bvh.triangles[i].index < 500,
+                 "triangle %u of 1,000 equal ones went left: of equal centroids the smaller "
+                 "indices go left, so that every machine builds the same tree",
+                 bvh.triangles[i].index);
     rk_ray ray = {rk_vec(0.25f, 0.25f, -1), rk_vec(0, 0, 1), INFINITY};
     rk_counters counters = {0};
     check_hit(rk_bvh_closest(&bvh, &ray, &counters), closest_by_brute_force(&mesh, &ray),
@@ -473,6 +509,15 @@ static void flat_long_and_huge_meshes_equal_brute_force(void **state)
         check_against_brute_force(&mesh, 1000, s, CLOSEST | OCCLUSION);
         rk_mesh_free(&mesh);
     }
+}
+
+static void building_a_large_tree_takes_no_more_stack(void **state)
+{
+    (void)state;
+    rk_mesh small = make_soup(100, 0.1f, 41), large = make_soup(25000, 0.1f, 41);
+    check_stack_does_not_grow(&small, &large, rk_bvh_build_median);
+    rk_mesh_free(&small);
+    rk_mesh_free(&large);
 }
 
 static void coordinates_near_the_largest_float_build_a_sound_tree(void **state)
@@ -633,6 +678,36 @@ static void a_box_that_begins_at_the_nearest_hit_is_visited(void **state)
     check_hit(rk_bvh_closest(&bvh, &ray, &counters), want, "a ray through triangles in one plane");
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
+}
+
+static void boxes_that_begin_at_t_max_are_visited(void **state)
+{
+    (void)state;
+    /* As above, but the triangles of one leaf, or of both, have their tips down, and the ray at
+     * (2, 3) misses those with their tips up. It ends on the plane of all of them. */
+    for (int hits = 1; hits <= 3; hits++) {
+        rk_mesh mesh = make_mesh(8);
+        for (uint32_t i = 0; i < 8; i++) {
+            float x = i < 4 ? 1 : 0, tip = (hits >> (i < 4) & 1) ? -4 : 4;
+            mesh.positions[3 * i] = rk_vec(x - 4, -tip, 0);
+            mesh.positions[3 * i + 1] = rk_vec(x + 4, -tip, 0);
+            mesh.positions[3 * i + 2] = rk_vec(x, tip, 0);
+        }
+        rk_bvh bvh = build(&mesh);
+        rk_counters counters = {0};
+        rk_ray ray = {rk_vec(2, 3, -0x1p-26f), rk_vec(0, 0, 0x1p120f), 0x1p-146f};
+        rk_hit want = closest_by_brute_force(&mesh, &ray);
+        rk_check(want.t == ray.t_max && want.triangle == (hits == 1 ? 4u : 0u),
+                 "brute force got triangle %u at t = %g: this test cannot tell", want.triangle,
+                 (double)want.t);
+        const char *name = hits == 1   ? "a ray that ends on triangles of the left leaf"
+                           : hits == 2 ? "a ray that ends on triangles of the right leaf"
+                                       : "a ray that ends on triangles of both leaves";
+        check_hit(rk_bvh_closest(&bvh, &ray, &counters), want, name);
+        check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), true, name);
+        rk_bvh_free(&bvh);
+        rk_mesh_free(&mesh);
+    }
 }
 
 static void hits_count_up_to_t_max_and_not_behind_the_origin(void **state)
@@ -836,6 +911,46 @@ static void nodes_behind_the_nearest_hit_are_skipped_from_either_side(void **sta
     rk_mesh_free(&mesh);
 }
 
+static void place_flat(rk_mesh *mesh, uint32_t triangle, rk_vec3 centre, float size)
+{
+    mesh->positions[3 * triangle] = rk_add(centre, rk_vec(-size, -size, 0));
+    mesh->positions[3 * triangle + 1] = rk_add(centre, rk_vec(size, -size, 0));
+    mesh->positions[3 * triangle + 2] = rk_add(centre, rk_vec(0, size, 0));
+}
+
+static void children_behind_the_nearest_hit_are_not_visited(void **state)
+{
+    (void)state;
+    /* A ray along z at x = y = 0. The right leaf is entered first, at t = 5, and hit at 10. The
+     * left node is entered at 7, in a corner without triangles: of its leaves the lower one is
+     * beside the ray, the upper one begins at 15. */
+    const struct {
+        rk_vec3 centre;
+        float size;
+    } flat[] = {{{-1, -40, -3}, 1}, {{-1, -30, -3}, 1}, {{-1, -20, -3}, 1},
+                {{-0.5f, 0, 5}, 2}, {{-0.5f, 0, 7}, 2}, {{0.5f, 0, 0}, 2},
+                {{50, 0, -5}, 1},   {{60, 0, -5}, 1},   {{100, 0, -5}, 1}};
+    rk_mesh mesh = make_mesh(9);
+    for (uint32_t i = 0; i < 9; i++)
+        place_flat(&mesh, i, flat[i].centre, flat[i].size);
+    rk_bvh bvh = build(&mesh);
+    guarded_tree guarded = guard_tree(&bvh);
+    rk_ray ray = {rk_vec(0, 0, -10), rk_vec(0, 0, 1), INFINITY};
+    rk_hit want = closest_by_brute_force(&mesh, &ray);
+    rk_counters counters = {0};
+    check_hit(rk_bvh_closest(&bvh, &ray, &counters), want, "a ray past a node's empty corner");
+    check_counts(counters, (rk_counters){.box_tests = 5, .triangle_tests = 4},
+                 "a ray past a node's empty corner",
+                 "the root's box, its children's, those of the left node, and the triangles of the "
+                 "leaf that is hit: a child counts as missed if the ray enters it behind the "
+                 "nearest hit so far, not behind ray->t_max");
+    guarded_open_for(&guarded, &ray, want.t);
+    check_hit(rk_bvh_closest(&guarded.copy, &ray, &counters), want, "the same ray again");
+    guarded_free(&guarded);
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
 static void occlusion_tests_stop_at_the_first_hit(void **state)
 {
     (void)state;
@@ -889,6 +1004,34 @@ static void counts_of_several_rays_add_up(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void large_counts_do_not_wrap_around(void **state)
+{
+    (void)state;
+    /* The ray enters the box that all triangles share, and passes beside them. */
+    rk_mesh mesh = make_mesh(140000);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++)
+        mesh.positions[i] = rk_vec(i % 3 == 1, i % 3 == 2, 0);
+    rk_bvh bvh = build(&mesh);
+    rk_check(bvh.node_count > 1 << 16, "only %u nodes: this test cannot tell", bvh.node_count);
+    rk_ray ray = {rk_vec(0.75f, 0.75f, -1), rk_vec(0, 0, 1), INFINITY};
+    for (int occlusion = 0; occlusion < 2; occlusion++) {
+        const uint64_t before = UINT32_MAX;
+        rk_counters counters = {.box_tests = before, .triangle_tests = before};
+        if (occlusion)
+            rk_bvh_occluded(&bvh, &ray, &counters);
+        else
+            rk_bvh_closest(&bvh, &ray, &counters);
+        check_counts(counters,
+                     (rk_counters){.box_tests = before + bvh.node_count - 1,
+                                   .triangle_tests = before + mesh.triangle_count},
+                     occlusion ? "an occlusion test that looks at everything, after others"
+                               : "a ray that looks at everything, after others",
+                     "counters have 64 bits; 16 or 32 are too few, for one ray or for many");
+    }
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
 static void most_boxes_of_a_large_mesh_are_never_tested(void **state)
 {
     (void)state;
@@ -931,10 +1074,12 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(levels_and_leaves_follow_from_halving),
     cmocka_unit_test(each_split_is_told_how_many_levels_may_follow),
     cmocka_unit_test(every_node_is_split_at_the_median_of_its_longest_axis),
+    cmocka_unit_test(centroids_are_ordered_though_one_is_far_from_the_others),
     cmocka_unit_test(equal_extents_are_split_on_x_before_y_before_z),
     cmocka_unit_test(the_order_of_the_mesh_does_not_change_the_boxes),
     cmocka_unit_test(a_node_is_32_bytes_and_a_pair_of_children_one_cache_line),
     cmocka_unit_test(identical_triangles_build_a_tree_and_the_first_is_hit),
+    cmocka_unit_test(building_a_large_tree_takes_no_more_stack),
     cmocka_unit_test(coordinates_near_the_largest_float_build_a_sound_tree),
     cmocka_unit_test(no_order_of_the_mesh_makes_building_slow),
     cmocka_unit_test(rays_find_the_same_hits_as_brute_force),
@@ -944,6 +1089,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_deepest_tree_occludes_as_brute_force),
     cmocka_unit_test(flat_long_and_huge_meshes_equal_brute_force),
     cmocka_unit_test(a_box_that_begins_at_the_nearest_hit_is_visited),
+    cmocka_unit_test(boxes_that_begin_at_t_max_are_visited),
     cmocka_unit_test(hits_count_up_to_t_max_and_not_behind_the_origin),
     cmocka_unit_test(a_ray_of_nan_misses),
     cmocka_unit_test(a_ray_allocates_no_memory),
@@ -951,8 +1097,10 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_ray_without_a_hit_tests_only_boxes_before_t_max),
     cmocka_unit_test(an_occlusion_test_looks_no_farther_than_t_max),
     cmocka_unit_test(nodes_behind_the_nearest_hit_are_skipped_from_either_side),
+    cmocka_unit_test(children_behind_the_nearest_hit_are_not_visited),
     cmocka_unit_test(occlusion_tests_stop_at_the_first_hit),
     cmocka_unit_test(counts_of_several_rays_add_up),
+    cmocka_unit_test(large_counts_do_not_wrap_around),
     cmocka_unit_test(most_boxes_of_a_large_mesh_are_never_tested),
 };
 

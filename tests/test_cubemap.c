@@ -305,11 +305,11 @@ static void invalid_directions_stay_on_the_cube(void **state)
 static void nearest_is_the_texel_that_the_direction_hits(void **state)
 {
     (void)state;
-    const uint32_t sides[] = {1, 2, 5, 16};
+    const uint32_t sides[] = {1, 2, 5, 16, 300};
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
         uint32_t side = sides[k];
         rk_cubemap map = paint_map(side, texel_name);
-        for (uint32_t i = 0; i < RK_FACES * side * side * 9; i++) {
+        for (uint32_t i = 0; i<RK_FACES * side * side * 9; i += side> 16 ? 97 : 1) {
             /* Nine points in each texel, near its corners too. */
             uint32_t column = i / 9 % side, row = i / 9 / side % side, face = i / 9 / side / side;
             double x = column + 0.5 + 0.49 * (i % 3 - 1.0),
@@ -605,6 +605,44 @@ static void a_corner_is_the_mean_of_the_three_texels_around_it(void **state)
     }
 }
 
+/* The neighbour's texel beyond the edge, from the mean of both. */
+static vec texel_across(const rk_cubemap *map, vec own, vec edge)
+{
+    return combine(widen(mean_of_nearest(map, edge, 2)), 2, own, -1);
+}
+
+static void seamless_is_linear_from_the_outer_centres_to_the_edges(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {1, 2, 5};
+    const double fractions[] = {0, 0.125, 0.25, 0.4}; /* of the texels beyond: 1/2 is the edge */
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        rk_cubemap map = paint_map(sides[k], noise);
+        double texel = 2.0 / sides[k], centre = 1 - texel / 2;
+        for (int n = 0; n < RK_FACES * 4 * 16; n++) {
+            /* The corner texel, and those beyond its two edges. */
+            int face = n / 64;
+            double a = n & 1 ? 1 : -1, b = n & 2 ? 1 : -1;
+            double s = fractions[n / 4 % 4], t = fractions[n / 16 % 4];
+            vec own = widen(rk_cubemap_at(&map, narrow(towards(face, a * centre, b * centre)),
+                                          RK_CUBEMAP_NEAREST));
+            vec across = texel_across(&map, own, towards(face, a, b * centre));
+            vec along = texel_across(&map, own, towards(face, a * centre, b));
+            vec mean = combine(combine(own, 1.0 / 3, across, 1.0 / 3), 1, along, 1.0 / 3);
+            vec want =
+                combine(combine(own, 1 - s, across, s), 1 - t, combine(along, 1 - s, mean, s), t);
+            vec d = towards(face, a * (centre + s * texel), b * (centre + t * texel));
+            check_colour(rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_SEAMLESS), narrow(want),
+                         2 * (sides[k] + 1) * few_roundings,
+                         "side %u, face %s, %g texels from the corner texel's centre to the %s "
+                         "edge and %g to the %s one: a mix of four, as within a face",
+                         sides[k], cross[face].name, s, a < 0 ? "left" : "right", t,
+                         b < 0 ? "lower" : "upper");
+        }
+        rk_cubemap_free(&map);
+    }
+}
+
 static void one_colour_stays_one_colour(void **state)
 {
     (void)state;
@@ -867,6 +905,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(within_a_face_seamless_is_bilinear),
     cmocka_unit_test(an_edge_is_the_mean_of_the_two_texels_beside_it),
     cmocka_unit_test(a_corner_is_the_mean_of_the_three_texels_around_it),
+    cmocka_unit_test(seamless_is_linear_from_the_outer_centres_to_the_edges),
     cmocka_unit_test(one_colour_stays_one_colour),
     cmocka_unit_test(colours_are_continuous_at_edges_and_corners),
     cmocka_unit_test(colours_are_continuous_around_a_corner),

@@ -306,6 +306,12 @@ static void the_radius_is_half_over_the_shininess(void **state)
     rk_check_close(rk_glossy_radius(8), 0.0625, 0, "0.5 / s");
     rk_check_close(rk_glossy_radius(1000), 0.0005, 1e-10, "a shiny surface has a small disk");
     rk_check_close(rk_glossy_radius(INFINITY), 0, 0, "a perfect mirror");
+    for (int i = 1; i <= 400; i++) { /* from 1/2, where the radius is 1, to 2^49 */
+        float shininess = exp2f((float)i / 8 - 1);
+        double want = 0.5 / (double)shininess;
+        rk_check_near(rk_glossy_radius(shininess), want, 2 * 0x1p-24 * want,
+                      "shininess %g, above 0.5: 0.5 / s", (double)shininess);
+    }
 }
 
 static void a_dull_surface_has_the_widest_disk(void **state)
@@ -561,6 +567,8 @@ static void the_fraction_above_equals_quadrature(void **state)
     const double radii[] = {0.02, 0.3, 1, 5};
     for (uint32_t i = 0; i < 200; i++) {
         double radius = radii[i % 4], degrees = atan(radius) * 180 / pi * (i % 50 + 0.5) / 50;
+        if (i % 5 == 0) /* hardly cut */
+            degrees = atan(radius * (1 - 0.0005 * (i % 8 + 1))) * 180 / pi;
         setting s = setting_at(degrees, i);
         rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, (float)radius, s.face_normal);
         /* Roundings of 2^-24, which are divided by the radius near the surface; and the kink where
@@ -583,9 +591,19 @@ typedef struct part {
     double fraction;
 } part;
 
-static double segment_area(double d)
+/* The fraction of the unit disk farther up than `height`: chords are 2 cos(phi) long at the height
+ * sin(phi). By Gauss's rule with five points in each of eight intervals, exact to 13 digits. */
+static double area_beyond(double height)
 {
-    return (acos(d) - d * sqrt(1 - d * d)) / pi;
+    static const double at[] = {0, 0.5384693101056831, 0.9061798459386640};
+    static const double weights[] = {0.5688888888888889, 0.4786286704993665, 0.2369268850561891};
+    double from = asin(height), half = (pi / 2 - from) / 16, sum = 0;
+    for (int i = 0; i < 8; i++)
+        for (int k = -2; k <= 2; k++) {
+            double c = cos(from + half * (2 * i + 1 + (k < 0 ? -at[-k] : at[k])));
+            sum += weights[abs(k)] * c * c;
+        }
+    return 2 / pi * half * sum;
 }
 
 static part part_of(const setting *s, float radius)
@@ -597,7 +615,7 @@ static part part_of(const setting *s, float radius)
            reach = (double)radius * rk_dlength(up);
     p.up = rk_dscale(up, 1 / rk_dlength(up));
     p.line = height < reach ? -height / reach : -1;
-    p.fraction = segment_area(p.line);
+    p.fraction = area_beyond(p.line);
     return p;
 }
 
@@ -619,17 +637,6 @@ static rk_vec2 point_upright(const part *p, double up, double across)
                      (float)(up * p->up.y + across * p->up.x)};
 }
 
-/* By bisection, because the segment's area decreases along `up`. */
-static double height_with_area_beyond(double area)
-{
-    double low = -1, high = 1;
-    for (int i = 0; i < 60; i++) {
-        double middle = (low + high) / 2;
-        *(segment_area(middle) > area ? &low : &high) = middle;
-    }
-    return (low + high) / 2;
-}
-
 static void check_moved(const part *p, rk_vec2 from, double up, double across, double tolerance,
                         const char *hint)
 {
@@ -643,8 +650,9 @@ static void check_moved(const part *p, rk_vec2 from, double up, double across, d
 static void a_halved_disk_moves_its_points_up(void **state)
 {
     (void)state;
-    /* Beyond this height lies a quarter of the disk: half as much as beyond its middle. */
-    double quarter = height_with_area_beyond(0.25), end = sqrt(1 - quarter * quarter);
+    /* Beyond this height lies a quarter of the disk, half as much as beyond its middle. */
+    const double quarter = 0.4039727533, end = sqrt(1 - quarter * quarter);
+    rk_check_near(area_beyond(quarter), 0.25, 1e-9, "the area beyond that height");
     for (uint32_t i = 0; i < 100; i++) {
         setting s = setting_at(0, i);
         part p = part_of(&s, 0.5f);
@@ -668,19 +676,52 @@ static void points_move_until_the_area_beyond_them_fits(void **state)
         setting s = setting_at(90 * pow((double)noise(41, i, 0), 3), i);
         part p = part_of(&s, 2 * noise(41, i, 1));
         rk_vec2 from = rk_disk_at(RK_DISK_POLAR, noise2(42, i));
-        rk_dvec3 at = seen_upright(&p, from);
+        rk_dvec3 at = seen_upright(&p, from), to = seen_upright(&p, moved(&p, from));
         double room = 1 - at.x * at.x;
-        if (p.line > -1 && room > 1e-4) {
-            cut++;
-            double up = height_with_area_beyond(p.fraction * segment_area(at.x));
-            double across = at.y / sqrt(room) * sqrt(1 - up * up);
-            /* A rounding of the height changes the rim's distance by 1 / room times as much. */
-            check_moved(&p, from, up, across, 4 * 0x1p-24 / room + 2 * 0x1p-24,
-                        "the area beyond it shrinks by the fraction above, its place on the chord "
-                        "stays");
-        }
+        if (!(p.line > -1 && room > 1e-4))
+            continue;
+        cut++;
+        rk_check_near(
+            area_beyond(fmin(fmax(to.x, -1), 1)), p.fraction * area_beyond(at.x), 8 * 0x1p-24,
+            "fraction above %.4f: the area beyond the point %.6f up, which came from %.6f up",
+            p.fraction, to.x, at.x);
+        /* A rounding of the height changes the distance to the rim by 1 / room times as much. */
+        double across = at.y / sqrt(room) * sqrt(fmax(1 - to.x * to.x, 0));
+        rk_check_near(
+            to.y, across, 4 * 0x1p-24 / room + 2 * 0x1p-24,
+            "fraction above %.4f: the point %.6f across, %.6f of its chord's half, came to "
+            "%.6f up, and this far across",
+            p.fraction, at.y, at.y / sqrt(room), to.x);
     }
     rk_check(cut > 5000, "only %u of 20000 disks are cut by the face", cut);
+}
+
+/* Where little area is left, few roundings are a large part of it. */
+static void points_near_the_top_keep_their_digits(void **state)
+{
+    (void)state;
+    uint32_t cut = 0;
+    for (uint32_t i = 0; i < 5000; i++) {
+        setting s = setting_at(20 * (double)noise(51, i, 0), i);
+        part p = part_of(&s, 0.5f + noise(51, i, 1));
+        if (!(p.line > -1))
+            continue;
+        cut++;
+        double up = 1 - 0.1 * pow(10, -3 * (double)noise(51, i, 2)); /* to 1e-4 below the top */
+        double across = 0.9 * (2 * (double)noise(51, i, 3) - 1) * sqrt(1 - up * up);
+        rk_vec2 from = point_upright(&p, up, across);
+        rk_dvec3 at = seen_upright(&p, from), to = seen_upright(&p, moved(&p, from));
+        double below = 1 - at.x, come = fmax(1 - to.x, 0x1p-24);
+        /* The area grows with the height below the top to the power 3/2. Heights are off by a
+         * rounding, and by that of the direction up times the distance across. */
+        double of_heights = 0x1p-24 / come + 16 * 0x1p-24 * (sqrt(2 / below) + sqrt(2 / come));
+        double want = p.fraction * area_beyond(at.x);
+        rk_check_near(area_beyond(fmin(to.x, 1)), want, 2 * 1.5 * of_heights * want,
+                      "fraction above %.4f: the area beyond the point %.6f up, which came from "
+                      "%.6f up; in floats acos(d) - d sqrt(1 - d^2) has no digits left there",
+                      p.fraction, to.x, at.x);
+    }
+    rk_check(cut > 2000, "only %u of 5000 disks are cut by the face", cut);
 }
 
 static void moved_points_are_in_the_disk_and_above_the_surface(void **state)
@@ -732,7 +773,7 @@ static void a_disk_above_the_surface_keeps_its_points(void **state)
 static void moved_points_fill_the_part_above_evenly(void **state)
 {
     (void)state;
-    enum { side = 16, cells = side * side, points = 256 * 1000 };
+    enum { side = 16, cells = side * side, points = 256 * 300 };
     const double degrees[] = {0.5, 10, 20};
     for (uint32_t k = 0; k < 3; k++) {
         static uint32_t counts[cells];
@@ -742,7 +783,7 @@ static void moved_points_fill_the_part_above_evenly(void **state)
         for (uint32_t i = 0; i < points; i++) {
             rk_dvec3 to = seen_upright(&p, moved(&p, rk_disk_at(maps[k % 2], noise2(48 + k, i))));
             double up = fmin(fmax(to.x, p.line), 1);
-            double strip = segment_area(up) / p.fraction * side;
+            double strip = area_beyond(up) / p.fraction * side;
             double place = (to.y / sqrt(1 - up * up) + 1) / 2 * side;
             counts[(int)fmin(strip, side - 1) * side + (int)fmin(fmax(place, 0), side - 1)]++;
         }
@@ -773,7 +814,7 @@ typedef struct estimates {
 static estimates estimate(const part *p, rk_glossy_weights weights, rk_sampler_kind kind,
                           rk_disk_map map, uint32_t samples)
 {
-    const uint32_t pixels = 100000 / samples;
+    const uint32_t pixels = 20000 / samples;
     const rk_sampler sampler = {kind, 5, samples};
     double sum = 0, squares = 0;
     for (uint32_t pixel = 0; pixel < pixels; pixel++) {
@@ -852,6 +893,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_disk_above_the_surface_keeps_its_points),
     cmocka_unit_test(a_halved_disk_moves_its_points_up),
     cmocka_unit_test(points_move_until_the_area_beyond_them_fits),
+    cmocka_unit_test(points_near_the_top_keep_their_digits),
     cmocka_unit_test(moved_points_are_in_the_disk_and_above_the_surface),
     cmocka_unit_test(moved_points_fill_the_part_above_evenly),
     cmocka_unit_test(moved_points_estimate_the_mean_over_the_part_above),

@@ -52,6 +52,11 @@ def unit(build, before="", any_name="rk_bvh_occluded"):
 #include <unistd.h>
 
 {before}
+void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split split, void *builder)
+{{
+    (void)bvh, (void)split, (void)builder;
+}}
+
 bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
 {{
     uint32_t count = mesh->triangle_count;
@@ -104,9 +109,9 @@ BAD = {
         unit("", any_name="another"), ONE, "your file does not define rk_bvh_occluded, which the suite calls"
     ),
     "a unit that does not compile shows the first error": (unit("cuont++;"), ONE, "cuont"),
-    "exit in the middle of a test is no pass": (unit("exit(0);"), ONE, "ended in the middle of the test"),
+    "exit in the middle of a test is no pass": (unit("exit(0);", by_address("exit")), ONE, "ended in the middle of the test"),
     "_Exit after printing ok is no pass": (
-        unit(f'printf("1..1\\nok 1 - {ONE}\\n");\n    fflush(stdout);\n    _Exit(0);'),
+        unit(f'printf("1..1\\nok 1 - {ONE}\\n");\n    fflush(stdout);\n    _Exit(0);', by_address("_Exit")),
         ONE, "its printed output does not count",
     ),
     "exit before main is refused": (
@@ -114,12 +119,12 @@ BAD = {
     ),
     "a section that runs before main is refused": (
         unit("", "static void early(void)\n{\n    exit(0);\n}\n"
-             '__attribute__((section(".preinit_array"), used)) static void (*entry)(void) = early;'), ONE, "constructor"
+             '__attribute__((section(".preinit_array"), used)) static void (*entry)(void) = early;'), ONE, "uses the attribute section"
     ),
     "a function chosen while loading is refused": (
         unit("", "static int plain(void)\n{\n    return 1;\n}\n"
              "static int (*choose(void))(void)\n{\n    return plain;\n}\n"
-             'int chosen(void) __attribute__((ifunc("choose"), used));'), ONE, "constructor"
+             'int chosen(void) __attribute__((ifunc("choose"), used));'), ONE, "attribute ifunc"
     ),
     "a unit may not include the reference": ('#include "features/bvh_median.c"\n', ONE, "includes"),
     "a print does not hide what the claim says": (
@@ -129,11 +134,14 @@ BAD = {
         unit('puts("I was here");\n    fputs("and here\\n", stderr);'), ONE, "\nyour code printed: and here | I was here"
     ),
     "a child that stays behind does not hold up the verdict": (
-        unit("if (fork() == 0)\n    {\n        setsid();\n        for (;;)\n            pause();\n    }\n    _Exit(0);"),
+        unit("if (fork() == 0)\n    {\n        setsid();\n        for (;;)\n            pause();\n    }\n    _Exit(0);",
+             by_address("fork", "setsid", "pause", "_Exit")),
         ONE, "ended in the middle",
     ),
     "a passed test that ends with a failure is no pass": (
-        unit("atexit(late);", "static void late(void)\n{\n    _exit(3);\n}"), EMPTY, "exit status 3"
+        unit("on_exit(late, NULL);", "int on_exit(void (*function)(int, void *), void *argument);\n"
+             + by_address("on_exit", "_exit") + "static void late(int status, void *argument)\n{\n"
+             "    (void)status, (void)argument;\n    _exit(3);\n}"), EMPTY, "exit status 3"
     ),
 }
 
@@ -157,7 +165,7 @@ bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
     "a warning is no error": unit("int unused;"),
     "a unit is told no way to the kit, and cannot write its program": unit(
         'if (getenv("PATH") || getenv("RAYKIT_HELPERS") || getenv("RAYKIT_ATTEST") || fopen("/proc/self/exe", "r+")\n'
-        '        || access("../test_bvh_median", F_OK) == 0)\n        abort();'
+        '        || access("../test_bvh_median", F_OK) == 0)\n        abort();', by_address("getenv", "fopen", "access")
     ),
 }
 
@@ -259,11 +267,11 @@ def a_workbook_is_the_students(folder):
         os.makedirs(os.path.join(source, part))
     with open(os.path.join(source, "assignments/features.tsv"), "w", encoding="utf-8") as file:
         file.write("stem\tfolder\tneeds\tabout\tpicture\nbvh_median\t01_bvh_median\t\t\t\n")
-    shutil.copy(FEATURE.points_table, os.path.join(source, "assignments/01_bvh_median"))
     with open(os.path.join(source, "assignments/01_bvh_median/handout.md"), "w", encoding="utf-8") as file:
         file.write("# Trees\n\n[How to start](../handout_common.md#how-to-start)\n\n[points](points.tsv)\n")
-    with open(os.path.join(source, "assignments/01_bvh_median/points.tsv"), "w", encoding="utf-8") as file:
-        file.write("test\tpoints\tstep\tsection\nit_holds\t100\t1\t#\n")
+    for name, text in (("points", "test\tpoints\tstep\tsection\na\t100\t1\t#a\n"), ("look", "step\toptions\tcaption\n1\t\ta\n")):
+        with open(os.path.join(source, f"assignments/01_bvh_median/{name}.tsv"), "w", encoding="utf-8") as file:
+            file.write(text)
     with open(os.path.join(source, "assignments/handout_common.md"), "w", encoding="utf-8") as file:
         file.write("# All\n\n## How to start\n\n<!-- kit -->\ncheck-{stem} IMPL=mine\n<!-- pack\ncheck\nend -->\n\n## More\n")
     reference = os.path.join(source, "src/features/bvh_median.c")
@@ -314,7 +322,7 @@ def an_interrupt_ends_everything(folder):
     mark = os.path.join(place, "started")
     line = f'FILE *mark = fopen("{mark}", "w");\n    for (volatile int k = mark != NULL; k < 2; k = 0) {{ }}'
     with open(os.path.join(place, "bvh_median.c"), "w", encoding="utf-8") as file:
-        file.write(unit(line))
+        file.write(unit(line, by_address("fopen")))
     grader = subprocess.Popen(
         [sys.executable, "-B", os.path.join(SOURCE, "tools", "grade.py"), "bvh_median", "--impl", place, "--test", ONE],
         env=dict(os.environ, TMPDIR=place), stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
@@ -455,7 +463,7 @@ def the_editors_files_name_what_there_is(folder):
 
 
 def what_held_is_watched(toolchain, folder):
-    """A claim without points passes with the starter; who breaks it hears of it."""
+    """A claim without points passes with the starter; who breaks it hears of it, and loses some."""
     kept = [test for test in read_points(FEATURE) if test.points == 0]
     suite = make_suite(folder, "kept", unit("if (count == 0) return false;"), kept)
     grade.grade(toolchain, [suite], {}, seconds=60)

@@ -60,7 +60,7 @@ grep -q 'teapot.jpg.*\.png or \.exr' "$folder/said" || fail "examples/render.c d
 # C++ compilers that are here; configure names g++ even where there is none.
 compilers=
 for compiler in "$CXX" clang++; do
-    command -v "${compiler%% *}" >/dev/null && compilers="$compilers|$compiler"
+    if command -v "${compiler%% *}" >/dev/null; then compilers="$compilers|$compiler"; fi
 done
 cat >"$folder/user.cpp" <<'END'
 #include <base/image.h>

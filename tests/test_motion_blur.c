@@ -431,6 +431,30 @@ static void turning_points_keep_their_digits_when_one_is_far_away(void **state)
     }
 }
 
+static void steep_and_flat_paths_turn_like_others(void **state)
+{
+    (void)state;
+    /* Squares of floats may be too large or too small for floats, but not for doubles. */
+    const double third = 2 / (3 * sqrt(3)), turn = 1 / sqrt(3);
+    for (int e = -100; e <= 100; e += 20) {
+        float size = ldexpf(1, e);
+        const rk_motion motions[] = {{0, -size, size}, {size, 0, -size}, {-size, 0, size}};
+        const double lowest[] = {0, -third, 0}, highest[] = {0.25, 0, third};
+        const rk_shutter shutter = {0, 1};
+        for (int i = 0; i < 3; i++) {
+            rk_box swept = rk_motion_sweep(&motions[i], &shutter, &(rk_box){0});
+            double tolerance = (double)size * slack(0, 0.5);
+            check_swept(motions[i], shutter, "lowest y", swept.corner[0].y,
+                        (double)size * lowest[i], tolerance,
+                        i ? "it may turn at 1 / sqrt(3)" : "at both ends");
+            check_swept(motions[i], shutter, "highest y", swept.corner[1].y,
+                        (double)size * highest[i], tolerance,
+                        i ? "it may turn at 1 / sqrt(3)" : "it turns at 1/2");
+        }
+    }
+    rk_check_near(turn * turn * turn - turn, -third, 1e-15, "x^3 - x at 1 / sqrt(3)");
+}
+
 /* A random path; most turn somewhere near the shutter. */
 static rk_motion random_path(uint32_t i)
 {
@@ -578,6 +602,8 @@ static void a_ray_may_hit_a_box_that_it_enters_before_t_max(void **state)
     check_may_intersect(away, INFINITY, false, "the box is behind it");
     check_may_intersect(beside, INFINITY, false, "it passes the box");
     check_may_intersect(within, INFINITY, true, "it starts inside, at z = 4.5");
+    check_may_intersect(within, 0, true, "it starts inside, at z = 4.5, and t = 0 counts");
+    check_may_intersect(towards, 4, true, "it ends on the box, and t = t_max counts");
 }
 
 /* A ray from near or far that grazes an edge along z of the box, moved to `offset`: it passes
@@ -701,6 +727,85 @@ static void a_ray_between_the_leaves_hits_none(void **state)
     check_leaf(-1.5f, 1, INFINITY, true, "the left one moves there");
     check_leaf(1.5f, 1, INFINITY, false, "the right one moves away");
     check_leaf(0, 3, INFINITY, true, "the left one moves to 1");
+}
+
+/* A tree of three levels; the far leaf is the last, or the first. */
+static rk_bvh three_leaves(rk_box beside, rk_box too, rk_box far, bool first)
+{
+    rk_bvh bvh = empty_tree(6);
+    uint32_t inner = make_inner(&bvh, 0, rk_box_merge(beside, rk_box_merge(too, far))) + !first;
+    uint32_t left = make_inner(&bvh, inner, rk_box_merge(too, far));
+    make_leaf(&bvh, 2 + first, beside);
+    make_leaf(&bvh, left + first, too);
+    make_leaf(&bvh, left + !first, far);
+    return bvh;
+}
+
+static void check_reach(const rk_bvh *bvh, bool first, float t_max, bool want, const char *hint)
+{
+    rk_check(may_intersect_leaf(bvh, 0, 0.5f, t_max) == want,
+             "a tree of three levels, %s child first, whose boxes above the leaves the ray enters: "
+             "two leaves beside the ray, and one on it; to t = %g it should %s a leaf: %s",
+             first ? "the inner" : "the leaf", (double)t_max, want ? "hit" : "not hit", hint);
+}
+
+static void leaves_behind_a_ray_or_beyond_its_end_do_not_count(void **state)
+{
+    (void)state;
+    /* Beside the ray before it and behind its origin, so that all boxes above are entered. */
+    const rk_box beside = {{{-4, -1, -9}, {-2, 1, 5}}}, too = {{{2, -1, -8}, {4, 1, 6}}};
+    const rk_box far = {{{-1, -1, 9}, {1, 1, 10}}}, behind = {{{-1, -1, -8}, {1, 1, -1}}};
+    for (int first = 0; first < 2; first++) {
+        rk_bvh bvh = three_leaves(beside, too, far, first);
+        check_reach(&bvh, first, 7, false, "the one on it is at z = 9 to 10, beyond t_max");
+        check_reach(&bvh, first, 9.5f, true, "the one on it is at z = 9 to 10");
+        rk_bvh_free(&bvh);
+        bvh = three_leaves(beside, too, behind, first);
+        check_reach(&bvh, first, INFINITY, false, "the one on its line is behind its origin");
+        rk_bvh_free(&bvh);
+    }
+}
+
+static void a_ray_between_leaves_that_rise_hits_none(void **state)
+{
+    (void)state;
+    const rk_motion rising = {0, 0, 1};
+    const rk_shutter shutter = {0, 1};
+    const rk_box low = {{{-1, -4, 4}, {1, -2, 5}}}, high = {{{-1, 2, 4}, {1, 4, 5}}};
+    rk_bvh bvh = two_leaves(low, high);
+    const rk_box swept = rk_motion_sweep(&rising, &shutter, &bvh.nodes[0].box);
+    const float heights[] = {-1.5f, -0.5f, 1.5f, 4.5f};
+    const bool wanted[] = {true, false, false, true};
+    for (int i = 0; i < 4; i++) {
+        const rk_ray ray = {{0, heights[i], 0}, {0, 0, 1}, INFINITY};
+        const rk_slabs slabs = rk_slabs_of(&ray);
+        rk_check(
+            rk_motion_may_intersect_leaf(&bvh, &swept, &slabs, INFINITY) == wanted[i],
+            "two leaves, y in [-4, -2] and [2, 4], which move to y + 1: a ray at y = %g should "
+            "%s a leaf: boxes grow at the end to which they move",
+            (double)heights[i], wanted[i] ? "hit" : "not hit");
+    }
+    rk_bvh_free(&bvh);
+}
+
+static void subtrees_that_the_ray_misses_are_not_visited(void **state)
+{
+    (void)state;
+    const rk_box left = {{{-4, -1, 4}, {-2, 1, 5}}}, right = {{{2, -1, 4}, {4, 1, 5}}};
+    for (int side = 0; side < 2; side++) {
+        rk_bvh bvh = empty_tree(6);
+        uint32_t child = make_inner(&bvh, 0, rk_box_merge(left, right));
+        make_leaf(&bvh, child + (uint32_t)side, side ? right : left);
+        uint32_t below = make_inner(&bvh, child + !side, side ? left : right);
+        /* Wrong boxes, which tell whether they were tested. */
+        make_leaf(&bvh, below, (rk_box){{{-1, -1, 4}, {1, 1, 5}}});
+        make_leaf(&bvh, below + 1, (rk_box){{{-1, -1, 4}, {1, 1, 5}}});
+        rk_check(!may_intersect_leaf(&bvh, 0, 0.5f, INFINITY),
+                 "the leaves below the root's %s child, which the ray misses, were visited: "
+                 "without it the test costs as much as all leaves",
+                 side ? "left" : "right");
+        rk_bvh_free(&bvh);
+    }
 }
 
 static void a_tree_may_be_a_single_leaf(void **state)
@@ -923,12 +1028,16 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_cubic_turns_twice),
     cmocka_unit_test(a_level_point_is_no_turning_point),
     cmocka_unit_test(turning_points_keep_their_digits_when_one_is_far_away),
+    cmocka_unit_test(steep_and_flat_paths_turn_like_others),
     cmocka_unit_test(a_swept_box_holds_the_box_at_every_time),
     cmocka_unit_test(a_swept_box_holds_paths_whose_terms_cancel),
     cmocka_unit_test(a_swept_box_is_no_larger_than_the_path),
     cmocka_unit_test(a_ray_may_hit_a_box_that_it_enters_before_t_max),
     cmocka_unit_test(a_ray_that_misses_the_swept_box_never_hits_the_object),
     cmocka_unit_test(a_ray_between_the_leaves_hits_none),
+    cmocka_unit_test(a_ray_between_leaves_that_rise_hits_none),
+    cmocka_unit_test(leaves_behind_a_ray_or_beyond_its_end_do_not_count),
+    cmocka_unit_test(subtrees_that_the_ray_misses_are_not_visited),
     cmocka_unit_test(a_tree_may_be_a_single_leaf),
     cmocka_unit_test(traversal_reaches_the_leaves_of_deep_trees),
     cmocka_unit_test(a_ray_that_misses_all_swept_leaves_never_hits_a_leaf),

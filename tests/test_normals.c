@@ -32,6 +32,8 @@ static void each_axis_has_a_colour_of_its_own(void **state)
                "the colour of the normal (0, 1, 0): y is green");
     check_vec3(rk_normals_colour(rk_vec(0, 0, 1)), rk_vec(0.5f, 0.5f, 1), 0,
                "the colour of the normal (0, 0, 1): z is blue");
+    check_vec3(rk_normals_colour(rk_vec(-1, 0, 0)), rk_vec(0, 0.5f, 0.5f), 0,
+               "the colour of the normal (-1, 0, 0): -1 becomes 0");
 }
 
 static void from_minus_1_to_1_becomes_from_0_to_1(void **state)
@@ -75,17 +77,35 @@ static void a_moved_triangle_has_the_same_normal(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
-        /* Whole numbers up to 2^6 and steps of 2^10 move without rounding. */
+        /* Whole numbers up to 2^6 and steps of up to 2^22 move without rounding, and so do the
+         * differences of the corners. Products of the corners are rounded by 2^20. */
         rk_vec3 corner[3];
         for (uint32_t k = 0; k < 3; k++) {
             rk_vec3 p = rk_scale(random_point(i, 2 + k), 64);
             corner[k] = rk_vec(rintf(p.x), rintf(p.y), rintf(p.z));
         }
-        const rk_vec3 by = {1024, -2048, 4096};
+        const rk_vec3 by = {0x1p20f, -0x1p21f, 0x1p22f};
         rk_vec3 there = rk_normals_of_triangle(rk_add(corner[0], by), rk_add(corner[1], by),
                                                rk_add(corner[2], by));
         check_vec3(there, rk_normals_of_triangle(corner[0], corner[1], corner[2]), 0,
                    "a triangle and the same one elsewhere: are edges differences of corners?");
+    }
+}
+
+static void a_scaled_triangle_has_the_same_normal(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_vec3 a = {0, 0, 0}, b = random_point(i, 9), c = random_point(i, 10);
+        rk_vec3 want = rk_normals_of_triangle(a, b, c);
+        rk_check(rk_length(want) > 0, "the normal of a triangle with an area is (0, 0, 0)");
+        for (int exponent = -20; exponent <= 20; exponent += 5) {
+            /* Powers of two: nothing is rounded otherwise, but for the last bit of 1 / length. */
+            float by = ldexpf(1, exponent);
+            check_vec3(rk_normals_of_triangle(rk_scale(a, by), rk_scale(b, by), rk_scale(c, by)),
+                       want, 0x1p-22f,
+                       "a triangle and the same one larger or smaller: no area is too small but 0");
+        }
     }
 }
 
@@ -129,6 +149,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(opposite_normals_have_complementary_colours),
     cmocka_unit_test(a_triangle_along_two_axes_has_the_third_as_its_normal),
     cmocka_unit_test(a_moved_triangle_has_the_same_normal),
+    cmocka_unit_test(a_scaled_triangle_has_the_same_normal),
     cmocka_unit_test(a_normal_is_unit_and_at_right_angles_to_all_edges),
     cmocka_unit_test(two_swapped_corners_turn_the_normal_around),
     cmocka_unit_test(a_triangle_without_area_has_the_normal_0),

@@ -1,6 +1,8 @@
 /* The bounding volume hierarchy split by the surface area heuristic: that binning loses no
  * triangle, that each split is the one found by brute force, and that the tree is cheap and sound.
  * */
+#define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
+#include "little_stack.h"
 #include "short_memory.h"
 #include "test.h"
 #include "test_soup.h"
@@ -445,7 +447,9 @@ static rk_bvh build_with(const rk_mesh *mesh, uint32_t bins, bool all_axes)
     const rk_sah_options options = {bins, all_axes};
     rk_bvh bvh;
     rk_error error;
+    uint32_t checksum = mesh_checksum(mesh);
     rk_check_ok(rk_bvh_build_sah(&bvh, mesh, &options, &error), error);
+    check_mesh_unchanged(mesh, checksum);
     rk_check(rk_bvh_validate(&bvh, mesh, &error),
              "the tree over %u triangles, with %u nodes, is not sound: %s", mesh->triangle_count,
              bvh.node_count, error.text);
@@ -686,6 +690,16 @@ static void identical_triangles_become_leaves_of_64_at_most(void **state)
     rk_check_equal(rk_bvh_measure(&bvh).levels, 5, "1,000, 500, 250, 125, then 62 or 63");
     check_rays(&mesh, &bvh, 100, 50);
     rk_bvh_free(&bvh);
+    for (uint32_t n = RK_BVH_LEAF_MAX - 1; n <= RK_BVH_LEAF_MAX + 1; n++) {
+        mesh.triangle_count = n;
+        bvh = build(&mesh);
+        rk_check(rk_bvh_measure(&bvh).leaves == (n <= RK_BVH_LEAF_MAX ? 1 : 2),
+                 "%u equal triangles: got %u leaves, want %s: RK_BVH_LEAF_MAX, 64, still fit into "
+                 "one",
+                 n, rk_bvh_measure(&bvh).leaves, n <= RK_BVH_LEAF_MAX ? "one" : "two");
+        rk_bvh_free(&bvh);
+    }
+    mesh.triangle_count = 1000;
     rk_mesh_free(&mesh);
 }
 
@@ -806,6 +820,56 @@ static void coordinates_near_the_largest_float_build_as_good_a_tree(void **state
     rk_mesh_free(&mesh);
 }
 
+static void a_scaled_mesh_builds_the_same_tree(void **state)
+{
+    (void)state;
+    /* Scaling by a power of two changes no bit of a fraction, and no ratio of areas. At 2^-70 those
+     * areas are too small for a float, at 2^70 too large. */
+    const int powers[] = {-70, -40, -15, 40, 70};
+    rk_mesh mesh = make_soup(1000, 0.05f, 13), scaled = make_mesh(1000);
+    rk_bvh plain = build(&mesh);
+    for (size_t p = 0; p < sizeof powers / sizeof *powers; p++) {
+        float scale = ldexpf(1, powers[p]);
+        for (uint32_t i = 0; i < mesh.vertex_count; i++)
+            scaled.positions[i] = rk_scale(mesh.positions[i], scale);
+        rk_bvh bvh = build(&scaled);
+        rk_check(
+            bvh.node_count == plain.node_count,
+            "scaled by 2^%d: got %u nodes, want the %u of the mesh as it was: no area but 0 is "
+            "too small to divide by, in double",
+            powers[p], bvh.node_count, plain.node_count);
+        for (uint32_t i = 0; i < bvh.node_count; i += i ? 1 : 2) { /* node 1 is unused */
+            rk_bvh_node got = bvh.nodes[i], want = plain.nodes[i];
+            for (int k = 0; k < 2; k++)
+                want.box.corner[k] = rk_scale(want.box.corner[k], scale);
+            rk_check(memcmp(&got, &want, sizeof got) == 0,
+                     "scaled by 2^%d: node %u has another box or other triangles than in the mesh "
+                     "as it was: no number in a split depends on the scale",
+                     powers[p], i);
+        }
+        rk_bvh_free(&bvh);
+    }
+    rk_bvh_free(&plain);
+    rk_mesh_free(&mesh);
+    rk_mesh_free(&scaled);
+}
+
+static void more_than_65535_triangles_are_counted(void **state)
+{
+    (void)state;
+    /* One cube in three is far from the others. */
+    const uint32_t n = 210000;
+    rk_bvh_reference *row = calloc(n, sizeof *row);
+    rk_check(row != NULL, "no memory for %u references", n);
+    for (uint32_t i = 0; i < n; i++)
+        row[i] = cube_at(i % 3 ? 0 : 9, 0, 0);
+    rk_check_equal(list(row, n, 2, false), 1, "two bins have one boundary");
+    check_counts(&candidates[0], n / 3 * 2, n / 3, "a bin may have more than 65,535 triangles");
+    rk_check_close(candidates[0].cost, 1.5 + 6.0 * n / 42, 4 * cost_tolerance * n,
+                   "1.5 + (area_left N_left + area_right N_right) / area");
+    free(row);
+}
+
 static bool build_by_default(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
 {
     const rk_sah_options options = rk_sah_options_default();
@@ -818,6 +882,15 @@ static void where_memory_runs_out_nothing_is_kept(void **state)
     rk_mesh mesh = make_soup(50, 0.5f, 14);
     check_every_allocation_failing(&mesh, build_by_default);
     rk_mesh_free(&mesh);
+}
+
+static void building_a_large_tree_takes_no_more_stack(void **state)
+{
+    (void)state;
+    rk_mesh small = make_soup(100, 0.1f, 41), large = make_soup(25000, 0.1f, 41);
+    check_stack_does_not_grow(&small, &large, build_by_default);
+    rk_mesh_free(&small);
+    rk_mesh_free(&large);
 }
 
 static const struct CMUnitTest tests[] = {
@@ -848,6 +921,9 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_geometric_progression_is_not_too_deep),
     cmocka_unit_test(flat_long_and_huge_meshes_equal_brute_force),
     cmocka_unit_test(coordinates_near_the_largest_float_build_as_good_a_tree),
+    cmocka_unit_test(a_scaled_mesh_builds_the_same_tree),
+    cmocka_unit_test(more_than_65535_triangles_are_counted),
+    cmocka_unit_test(building_a_large_tree_takes_no_more_stack),
     cmocka_unit_test(trees_cost_less_than_the_median_except_glass_on_one_axis),
 };
 

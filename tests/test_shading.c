@@ -42,6 +42,14 @@ static rk_shading shading_of(rk_shading_model model, bool normalized)
     return (rk_shading){model, normalized, {1, {{0, {0.5f, 0.5f, 0.5f}}}}};
 }
 
+/* The same vector in other axes, to the bit: turned from x to y to z to x, or mirrored. */
+static rk_vec3 turned(rk_vec3 a, uint32_t turns)
+{
+    for (uint32_t k = turns % 3; k > 0; k--)
+        a = rk_vec(a.z, a.x, a.y);
+    return turns % 6 < 3 ? a : rk_negate(a);
+}
+
 /* The lobe alone: kd black, ks white, white light, `up` the normal. */
 static float highlight(rk_shading_model model, float shininess, rk_vec3 l, rk_vec3 v)
 {
@@ -351,8 +359,9 @@ static void stops_may_come_in_any_order(void **state)
         int place[4] = {order & 3, order >> 2 & 3, order >> 4 & 3, order >> 6};
         if ((1 << place[0] | 1 << place[1] | 1 << place[2] | 1 << place[3]) != 15)
             continue;
-        const rk_gradient gradient = {
+        rk_gradient gradient = {
             4, {sorted[place[0]], sorted[place[1]], sorted[place[2]], sorted[place[3]]}};
+        const rk_gradient same = gradient;
         for (float x = -1.125f; x <= 1.125f; x += 0.0625f) {
             rk_vec3 got = rk_gradient_at(&gradient, x), expected = rk_gradient_at(&want, x);
             rk_check(equal_bits(got, expected),
@@ -361,6 +370,11 @@ static void stops_may_come_in_any_order(void **state)
                      place[0], place[1], place[2], place[3], (double)x, (double)got.x,
                      (double)got.y, (double)got.z, (double)expected.x, (double)expected.y,
                      (double)expected.z);
+            rk_check(memcmp(&gradient, &same, sizeof gradient) == 0,
+                     "stops %d %d %d %d, x = %g: the caller's gradient was changed, its first stop "
+                     "from %g to %g: it is constant, and other threads read it",
+                     place[0], place[1], place[2], place[3], (double)x, (double)same.stops[0].at,
+                     (double)gradient.stops[0].at);
         }
     }
     check_colour(rk_gradient_at(&want, 0), rk_vec(0.5f, 0.5f, 0), 0, "halfway");
@@ -423,10 +437,12 @@ static void a_gradient_also_colours_surfaces_that_face_away(void **state)
         for (int degrees = 0; degrees <= 180; degrees += 15) {
             shading.normalized = normalized;
             float blend = (float)(0.5 + 0.5 * cos(degrees * pi / 180));
-            rk_vec3 got = rk_shade(&shading, black, white, 5, up, direction(degrees, 70), up,
-                                   rk_vec(0.5f, 1, 0.25f));
-            check_colour(got, rk_vec(0.5f * blend, 0, 0.25f * (1 - blend)), few_roundings,
-                         "I gradient(n.l), n.l in [-1, 1], whatever kd and ks are");
+            for (uint32_t turns = 0; turns < 6; turns++) {
+                rk_vec3 n = turned(up, turns), l = turned(direction(degrees, 70), turns);
+                rk_vec3 got = rk_shade(&shading, black, white, 5, n, l, n, rk_vec(0.5f, 1, 0.25f));
+                check_colour(got, rk_vec(0.5f * blend, 0, 0.25f * (1 - blend)), few_roundings,
+                             "I gradient(n.l), n.l in [-1, 1], whatever kd and ks are");
+            }
         }
 }
 
@@ -457,20 +473,23 @@ static void check_highlights(bool normalized, double s, double tolerance_of_one,
         rk_vec3 l = direction(theta, around);
         rk_vec3 v = direction(
             theta + spread * (2 * (double)rk_unit_float(rk_hash(seed, i, 2, 3)) - 1), around + 180);
+        rk_vec3 n = turned(up, i);
+        l = turned(l, i), v = turned(v, i);
         for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
             rk_shading shading = shading_of((rk_shading_model)model, normalized);
-            double want = exact_highlight((rk_shading_model)model, normalized, s, up, l, v);
+            double want = exact_highlight((rk_shading_model)model, normalized, s, n, l, v);
             double largest =
                 normalized ? exact_highlight((rk_shading_model)model, true, s, up, up, up) : 1;
             /* For nearly opposite directions, roundings are large compared with their sum. */
             float sum = model == RK_SHADING_PHONG ? 1 : rk_length(rk_add(l, v));
             double tolerance = tolerance_of_one * largest / (double)rk_min(sum, 1);
-            double got = (double)rk_shade(&shading, black, white, (float)s, up, l, v, white).x;
+            double got = (double)rk_shade(&shading, black, white, (float)s, n, l, v, white).x;
             rk_check(
                 fabs(got - want) <= tolerance,
-                "%s%s, shininess %g, light at %.3f degrees: got %.9g, want %.9g within %.3g: %s",
-                model_names[model], normalized ? ", normalized" : "", s, theta, got, want,
-                tolerance,
+                "%s%s, shininess %g, normal (%g, %g, %g), light at %.3f degrees from it: got %.9g, "
+                "want %.9g within %.3g: %s",
+                model_names[model], normalized ? ", normalized" : "", s, (double)n.x, (double)n.y,
+                (double)n.z, theta, got, want, tolerance,
                 !normalized ? "the lobe's power"
                             : "the lobe times n.l, and times its model's factor N");
         }
@@ -609,6 +628,10 @@ static void swapping_light_and_viewer_changes_only_the_cosine(void **state)
                      "%s, shininess %g: %.9g for (l, v), %.9g for (v, l): f(l, v) = f(v, l)",
                      model_names[model], (double)s, there, back);
         }
+    /* Equal numbers count only if they are a highlight's. */
+    rk_shading phong = shading_of(RK_SHADING_PHONG, true);
+    rk_check(rk_shade(&phong, black, white, 99, up, up, up, white).x > 10,
+             "got no normalized highlight of shininess 99 in the mirror direction");
 }
 
 /* --- Odd values ----------------------------------------------------------------------------- */
@@ -640,6 +663,32 @@ static void no_colour_is_nan(void **state)
     }
 }
 
+static void no_colour_is_nan_though_products_overflow(void **state)
+{
+    (void)state;
+    /* Of each three channels some are bright and some black; infinity times 0 would be NaN. */
+    const float bright[] = {1e20f, 1e38f};
+    const double angles[] = {0, 45, 89.99999, 90, 120};
+    for (int model = RK_SHADING_OFF; model <= RK_SHADING_GRADIENT; model++)
+        for (uint32_t i = 0; i < 5 * 5 * 2 * 2 * 8; i++) {
+            float large = bright[i & 1];
+            rk_vec3 ks = rk_vec(large, i & 4 ? large : 0, 0);
+            rk_vec3 kd = rk_vec(i & 8 ? large : 0, 0, large);
+            rk_vec3 light = i & 16 ? rk_vec(large, large, 0) : rk_vec(0, large, large);
+            rk_vec3 l = direction(angles[i / 32 % 5], 0), v = direction(angles[i / 160], 180);
+            rk_shading shading = shading_of((rk_shading_model)model, false);
+            rk_vec3 got = rk_shade(&shading, kd, ks, i & 2 ? 10 : 1e5f, up, l, v, light);
+            rk_check(
+                got.x >= 0 && got.y >= 0 && got.z >= 0,
+                "%s, kd (%g, %g, %g), ks (%g, %g, %g), light (%g, %g, %g) at %g degrees, viewer "
+                "at %g: got (%g, %g, %g), want no NaN: multiply ks by the lobe, which may be 0, "
+                "before the light",
+                model_names[model], (double)kd.x, (double)kd.y, (double)kd.z, (double)ks.x,
+                (double)ks.y, (double)ks.z, (double)light.x, (double)light.y, (double)light.z,
+                angles[i / 32 % 5], angles[i / 160], (double)got.x, (double)got.y, (double)got.z);
+        }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(off_is_the_light_times_the_diffuse_colour),
     cmocka_unit_test(lambert_falls_with_the_cosine),
@@ -669,6 +718,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(normalized_highlights_never_reflect_more_light_than_arrives),
     cmocka_unit_test(swapping_light_and_viewer_changes_only_the_cosine),
     cmocka_unit_test(no_colour_is_nan),
+    cmocka_unit_test(no_colour_is_nan_though_products_overflow),
 };
 
 RK_SUITE("shading", tests)

@@ -43,6 +43,27 @@ static inline rk_mesh make_soup(uint32_t triangles, float size, uint32_t seed)
     return mesh;
 }
 
+/* One number for all positions and triangles of a mesh: builders only read them. */
+static inline uint32_t mesh_checksum(const rk_mesh *mesh)
+{
+    uint32_t sum = 0;
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        for (uint32_t k = 0; k < 3; k++) {
+            uint32_t corner = mesh->triangles[i][k], bits[3];
+            memcpy(bits, &mesh->positions[corner], sizeof bits);
+            sum = (sum ^ corner ^ bits[0] ^ bits[1] << 8 ^ bits[2] << 16) * 0x9e3779b1u + k;
+        }
+    return sum;
+}
+
+static inline void check_mesh_unchanged(const rk_mesh *mesh, uint32_t checksum)
+{
+    rk_check(mesh_checksum(mesh) == checksum,
+             "building changed the caller's mesh of %u triangles, which is constant: order "
+             "references to its triangles instead",
+             mesh->triangle_count);
+}
+
 static inline rk_hit closest_by_brute_force(const rk_mesh *mesh, const rk_ray *ray)
 {
     rk_hit hit = {ray->t_max, 0, 0, RK_MISS};

@@ -50,7 +50,7 @@ says 'ended by signal 15'
 verdict a_suite_that_is_ended_by_others_was_not_stopped
 
 # Longer than the limit for the whole suite, but not for any of its tests.
-drive 2 'for i in 1 2 3; do sleep 0.8; echo ok $i - name; done'
+drive 3 'for i in 1 2 3; do sleep 1.2; echo ok $i - name; done'
 says '3 passed' && ! says failed
 verdict a_slow_suite_may_go_on
 

@@ -180,6 +180,24 @@ static bool is_before(const rk_crossing *a, const rk_crossing *b)
     return a->t < b->t || (a->t == b->t && a->primitive < b->primitive);
 }
 
+static bool is_same_colour(rk_vec3 a, rk_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool is_same(const rk_crossing *a, const rk_crossing *b)
+{
+    return a->t == b->t && a->u == b->u && a->v == b->v && a->primitive == b->primitive &&
+           a->medium == b->medium && a->entering == b->entering && a->alpha == b->alpha &&
+           is_same_colour(a->kd, b->kd) && is_same_colour(a->absorption, b->absorption);
+}
+
+static rk_vec3 random_colour(uint32_t a, uint32_t b, uint32_t c)
+{
+    return rk_vec(rk_unit_float(rk_hash(a, b, c, 0)), rk_unit_float(rk_hash(a, b, c + 1, 0)),
+                  rk_unit_float(rk_hash(a, b, c + 2, 0)));
+}
+
 static void the_list_does_not_depend_on_the_order_of_insertion(void **state)
 {
     (void)state;
@@ -192,9 +210,17 @@ static void the_list_does_not_depend_on_the_order_of_insertion(void **state)
         rk_transparency_start(&list, limit);
         for (uint32_t i = 0; i < count; i++) {
             all[i] = (rk_crossing){.t = (float)(1 + rk_hash(trial, i, 3, 0) % 8),
+                                   .u = rk_unit_float(rk_hash(trial, i, 11, 0)),
+                                   .v = rk_unit_float(rk_hash(trial, i, 12, 0)),
                                    .primitive = (5 * i + 7) % 12, /* comes in any order */
-                                   .alpha = rk_hash(trial, i, 4, 0) % 6 == 0 ? 1 : 0.5f};
-            rk_transparency_insert(&list, &all[i]);
+                                   .medium = rk_hash(trial, i, 13, 0),
+                                   .entering = rk_hash(trial, i, 14, 0) % 2,
+                                   .alpha = rk_hash(trial, i, 4, 0) % 6 == 0 ? 1 : 0.5f,
+                                   .kd = random_colour(trial, i, 15),
+                                   .absorption = random_colour(trial, i, 18)};
+            rk_crossing inserted_one = all[i];
+            rk_transparency_insert(&list, &inserted_one);
+            rk_check(is_same(&inserted_one, &all[i]), "the crossing that is inserted was changed");
             said += (size_t)snprintf(inserted + said, sizeof inserted - said, "%s%g %u %g",
                                      i ? ", " : "", (double)all[i].t, all[i].primitive,
                                      (double)all[i].alpha);
@@ -215,6 +241,11 @@ static void the_list_does_not_depend_on_the_order_of_insertion(void **state)
             "limit %u, inserted (t primitive alpha): %s; the nearest, none behind an opaque one",
             limit, inserted);
         check_list(&list, want, wanted, hint);
+        for (uint32_t i = 0; i < wanted; i++)
+            rk_check(is_same(&list.crossings[i], &all[i]),
+                     "entry %u is the crossing of primitive %u, but not all of its members are "
+                     "those that were inserted",
+                     i, all[i].primitive);
     }
 }
 
@@ -372,6 +403,10 @@ static void multiplicative_is_the_product_of_colours_and_one_minus_alpha(void **
                  rk_vec(0.5f, 0.25f, 0.125f), 0, "kd (1 - alpha)");
     check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, crossings, 2, 1),
                  rk_vec(0.0625f, 0.0625f, 0.015625f), 0, "the product over both panes");
+    const rk_crossing clear = pane(0.5f, 0, rk_vec(1, 0.5f, 0.25f));
+    check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, &clear, 1, 1),
+                 rk_vec(1, 0.5f, 0.25f), 0,
+                 "a pane of alpha 0 colours the light by kd all the same");
 }
 
 static void a_black_channel_leaves_the_others(void **state)
@@ -571,6 +606,89 @@ static void clear_glass_absorbs_nothing_and_dense_glass_all(void **state)
                  "0 where all is absorbed, 1 where nothing is; kd and alpha do not matter");
 }
 
+/* Numbers of media and what they absorb: any uint32_t is a medium. */
+static const uint32_t some_media[] = {0, 1, 255, 256, 300, 4000000000u, UINT32_MAX};
+enum { media_count = sizeof some_media / sizeof *some_media };
+
+static rk_vec3 sigma_of(uint32_t medium)
+{
+    return random_colour(medium, 0, 21);
+}
+
+/* The ray in cells of equal length, with faces only between them: in each cell a medium is either
+ * everywhere or nowhere. The optical depth of a ray of length 1. */
+enum { ray_cells = 16 };
+
+static void optical_depth(const rk_crossing *crossings, uint32_t count, double *depth)
+{
+    depth[0] = depth[1] = depth[2] = 0;
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t medium = crossings[k].medium, earlier = 0;
+        int blocks[ray_cells] = {0}, fewest = 0, inside = 0;
+        for (uint32_t j = 0; j < k; j++)
+            earlier += crossings[j].medium == medium;
+        if (earlier > 0)
+            continue;
+        for (uint32_t j = 0; j < count; j++)
+            for (int cell = 0; cell < ray_cells; cell++)
+                if (crossings[j].medium == medium && (float)cell / ray_cells >= crossings[j].t)
+                    blocks[cell] += crossings[j].entering ? 1 : -1;
+        for (int cell = 0; cell < ray_cells; cell++)
+            fewest = blocks[cell] < fewest ? blocks[cell] : fewest;
+        for (int cell = 0; cell < ray_cells; cell++)
+            inside += blocks[cell] > fewest;
+        for (int axis = 0; axis < 3; axis++)
+            depth[axis] += (double)rk_axis(sigma_of(medium), axis) * inside / ray_cells;
+    }
+}
+
+/* Faces at random places, many at the same, of few media or of one for each. */
+static void each_part_of_a_ray_absorbs_by_the_media_around_it(void **state)
+{
+    (void)state;
+    for (uint32_t trial = 0; trial < 1000; trial++) {
+        bool is_long = trial % 100 == 0;
+        uint32_t count = is_long ? RK_CROSSINGS_MAX : 1 + rk_hash(trial, 0, 24, 0) % 12;
+        rk_crossing *crossings = malloc(count * sizeof *crossings), before[RK_CROSSINGS_MAX];
+        rk_check(crossings != NULL, "no memory for %u crossings", count);
+        memset(before, 0, sizeof before);
+        for (uint32_t k = 0; k < count; k++) {
+            uint32_t cell = is_long ? 1 + k * (ray_cells - 1) / count
+                                    : 1 + rk_hash(trial, k, 25, 0) % (ray_cells - 1);
+            uint32_t medium =
+                is_long ? 7 * k : some_media[rk_hash(trial, k, 26, 0) % (1 + trial % media_count)];
+            before[k] = face((float)cell / ray_cells, medium, rk_hash(trial, k, 27, 0) % 2,
+                             sigma_of(medium));
+            before[k].kd = random_colour(trial, k, 28);
+            before[k].alpha = rk_unit_float(rk_hash(trial, k, 31, 0));
+            before[k].primitive = k;
+            for (uint32_t j = k; j > 0 && before[j].t < before[j - 1].t; j--) {
+                rk_crossing swapped = before[j];
+                before[j] = before[j - 1];
+                before[j - 1] = swapped;
+            }
+        }
+        memcpy(crossings, before, count * sizeof *crossings);
+        const float length = is_long ? 0x1p-5f : 2;
+        rk_vec3 got = rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, crossings, count, length);
+        double depth[3];
+        optical_depth(before, count, depth);
+        /* Roundings of an optical depth d: one per crossing, each at most 2^-24 of d; they change
+         * exp(-d) by d exp(-d) < 0.37 times as much. expf is off by two units in the last place. */
+        double tolerance = (0.37 * (count + 4) + 4) * 0x1p-24;
+        for (int axis = 0; axis < 3; axis++)
+            rk_check_near(rk_axis(got, axis), exp(-depth[axis] * (double)length), tolerance,
+                          "trial %u, %u faces, %s, many at one t: colour %d, exp of minus the sum "
+                          "of sigma times thickness, each medium by its own faces",
+                          trial, count,
+                          is_long ? "each of a medium of its own" : "of media from 0 to 4294967295",
+                          axis);
+        for (uint32_t k = 0; k < count; k++)
+            rk_check(is_same(&crossings[k], &before[k]), "crossing %u was changed", k);
+        free(crossings);
+    }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(crossings_inserted_in_any_order_are_sorted_by_t),
     cmocka_unit_test(crossings_at_equal_t_are_sorted_by_primitive),
@@ -599,6 +717,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_start_inside_a_block_counts_from_the_start),
     cmocka_unit_test(a_light_inside_a_block_counts_up_to_the_light),
     cmocka_unit_test(different_media_absorb_where_they_overlap),
+    cmocka_unit_test(each_part_of_a_ray_absorbs_by_the_media_around_it),
     cmocka_unit_test(a_medium_absorbs_once_where_its_blocks_overlap),
     cmocka_unit_test(touching_blocks_are_one_piece),
     cmocka_unit_test(a_grazed_edge_absorbs_nothing),

@@ -9,6 +9,7 @@ For each feature of assignments/features.tsv:
   that held no longer does;
 - points.tsv lists the tests that carry points in the order of the steps of the assignment's handout.md;
 - the unit reads as its chapter (tools/grading/reading_order.py);
+- reference and starter keep the rules for units (tools/grading/unit_rules.py);
 - each mutant, a known mistake in tests/mutants/STEM.mutants, fails the tests that it names.
   tools/grading/mutants.py says how mutants are written.
 
@@ -36,6 +37,7 @@ sys.path.insert(0, str(pathlib.Path(__file__).resolve().parent))
 from grading import assignments
 from grading import reading_order
 from grading import starters
+from grading import unit_rules
 from grading.mutants import MutantError, mutate, read_mutants
 
 FEWEST_MUTANTS = 8
@@ -161,6 +163,7 @@ class Feature:
         self.common = self.compile_common("", [])
         self.reference = self.program(self.source, "reference", f"{self.stem}'s reference",
                                       ["-w"])
+        self.check_rules("reference")
         self.tests = list_tests(self.reference)
 
     def compile_common(self, suffix, flags):
@@ -233,10 +236,23 @@ class Feature:
         if status != 0:
             raise Fault(f"the reference fails {test}; one of them is wrong:\n{said}")
 
+    def check_rules(self, whose):
+        """The rules for students' units hold for the reference and the starter, too."""
+        def look_at(name):
+            return unit_rules.Object(os.environ["RAYKIT_OBJDUMP"], self.builder.folder / f"{self.stem}-{name}.o")
+
+        obj, kit = look_at(whose), set(unit_rules.pure_names(os.environ["RAYKIT_NM"], "librkbase.a"))
+        for stem in self.needs:
+            kit |= {name for *_, name in look_at(stem).symbols}
+        faults = [unit_rules.fault_in_object(obj, False), unit_rules.fault_in_names(obj, kit)]
+        faults += [f"keeps `{name}` from call to call; make it local, or const" for name in unit_rules.kept_data(obj)]
+        self.faults += [f"the {whose} {fault}" for fault in faults if fault]
+
     def check_starter(self):
         text = self.builder.folder / f"{self.stem}-starter.c"
         text.write_text(starters.starter_of(self.source), encoding="utf-8")
         plain = self.program(text, "starter", "the starter", ["-Werror"])
+        self.check_rules("starter")
         status = {test: run_test(plain, test)[0] for test in self.tests}
         scored = self.scored(status)
         lucky = [test for test in scored if status[test] == 0]

@@ -9,6 +9,7 @@ crashes, endless loops, leaks and programs that end early are failed tests with 
 import concurrent.futures
 import difflib
 import os
+import random
 import re
 import shlex
 import shutil
@@ -25,16 +26,18 @@ from grading import isolate
 from grading import private_copy
 from grading import results
 from grading import sandbox
+from grading import unit_rules
 from grading.assignments import (
-    Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format, read_features, read_points,
-    submitted_unit, unit_beside,
+    DEDUCTION, FREES_ALL, KEEPS_NOTHING, Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format,
+    read_features, read_points, submitted_unit, unit_beside,
 )
-from grading.starters import is_handed_out, starter_of
-from grading.verdicts import Verdict, judge
+from grading.starters import starter_of
+from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_secret
 
 MEGABYTES = 2048  # the suites stay below 300 with the sanitizers
 REASON_MAX = 500  # characters; a unit can write a reason of its own
 TIMEOUTS = 2  # so many tests of a suite may take all their time; the others then get a part of it
+DECOYS = 3  # so many passed claims of a suite run again with an end that cannot hold
 
 
 class Suite:
@@ -45,15 +48,31 @@ class Suite:
         self.feature, self.unit, self.tests = feature, unit, tests
         self.verdicts, self.warnings, self.problem, self.beside = {}, "", "", ""
         self.program, self.folder, self.source = None, None, ""
+        self.finds_leaks = False
 
     def passed(self):
         return all(self.verdicts[test.name].passed for test in self.tests)
 
-    def points(self):
-        """The points earned; the reference's work earns none."""
+    def scores(self):
+        """Returns the points of each test by its name: negative for one without points that failed, as
+        far as there are points to lose; the reference's work earns none."""
         if self.unit.is_reference:
-            return 0
-        return sum(test.points for test in self.tests if self.verdicts[test.name].passed)
+            return {test.name: 0 for test in self.tests}
+        scores = {test.name: test.points if self.verdicts[test.name].passed else 0 for test in self.tests}
+        left = sum(scores.values())
+        for test in self.tests:
+            if test.points == 0 and not self.verdicts[test.name].passed:
+                scores[test.name] = -min(DEDUCTION, left)
+                left += scores[test.name]
+        return scores
+
+    def points(self):
+        """The points earned."""
+        return sum(self.scores().values())
+
+    def claims(self):
+        """The tests that a program runs; the others are the grader's own."""
+        return [test for test in self.tests if test.name not in (KEEPS_NOTHING.name, FREES_ALL.name)]
 
     def points_max(self):
         return sum(test.points for test in self.tests)
@@ -68,11 +87,11 @@ class Suite:
         """Returns what grading found out, as JSON can hold it."""
         verdicts = {name: [verdict.passed, verdict.reason, verdict.place, verdict.details, verdict.seconds,
                            verdict.timed_out] for name, verdict in self.verdicts.items()}
-        return {"problem": self.problem, "warnings": self.warnings, "verdicts": verdicts}
+        return {"problem": self.problem, "warnings": self.warnings, "beside": self.beside, "verdicts": verdicts}
 
     def take(self, judged):
         """Takes over what judged() returned in another process."""
-        self.problem, self.warnings = str(judged["problem"]), str(judged["warnings"])
+        self.problem, self.warnings, self.beside = (str(judged[key]) for key in ("problem", "warnings", "beside"))
         for test in self.tests:
             passed, reason, place, details, seconds, timed_out = judged["verdicts"][test.name]
             verdict = Verdict(passed is True, str(reason), str(place), str(details), float(seconds))
@@ -106,29 +125,34 @@ def seconds_per_test():
 
 
 def _object_of(toolchain, unit, folder):
-    """Returns a unit's object, as the suite links it, and the compiler's warnings."""
+    """Returns a unit's object, as the suite links it, the compiler's warnings, and what is in it."""
     if unit.is_reference:
-        return toolchain.built(f"src/features/{unit.feature.stem}.o"), ""
+        return toolchain.built(f"src/features/{unit.feature.stem}.o"), "", None
     flags = [*toolchain.sanitize, "-g1", "-O1"]
     path, warnings = build.compile_unit(toolchain, unit, folder, flags)
-    build.check_no_early_code(toolchain, unit, path)
+    found = build.check_object(toolchain, unit, path)
     build.keep_interface(toolchain, unit.feature, path)
-    return path, warnings
+    return path, warnings, found
 
 
 def build_suite(toolchain, suite, needed_units):
     """Builds the suite's program around the unit, or gives up with the reason."""
+    units, objects = [suite.unit, *needed_units], []
     try:
-        objects = []
         suite.unit, *needed_units = [private_copy.copy_unit(unit, suite.folder) for unit in (suite.unit, *needed_units)]
-        for unit in [suite.unit, *needed_units]:
-            path, warnings = _object_of(toolchain, unit, suite.folder)
-            objects.append(path)
+        units = [suite.unit, *needed_units]
+        for unit in units:
+            path, warnings, found = _object_of(toolchain, unit, suite.folder)
+            objects.append((path, found))
             suite.warnings += warnings if unit is suite.unit else ""
         suite.source = os.path.join(toolchain.source, "tests", f"test_{suite.feature.stem}.c")
-        suite.program = sandbox.Program(build.link_suite(
-            toolchain, [suite.unit, *needed_units], objects, suite.folder, toolchain.sanitize
-        ))
+        program = build.link_suite(toolchain, units, [path for path, _ in objects], suite.folder, toolchain.sanitize)
+        for unit, (_, found) in zip(units, objects):
+            if found:
+                build.check_names(toolchain, unit, found)
+        kept = unit_rules.kept_data(objects[0][1]) if objects[0][1] else []
+        suite.verdicts[KEEPS_NOTHING.name] = judge_kept_data(kept)
+        suite.program = sandbox.Program(program)
     except build.BuildError as error:
         suite.give_up(error.reason, error.details)
     except UnitError as error:
@@ -138,7 +162,7 @@ def build_suite(toolchain, suite, needed_units):
 # --- Running ------------------------------------------------------------------------------------
 
 
-def _environment(folder, look_for_leaks):
+def _environment(folder, finds_leaks):
     """The program's environment, with nothing that leads to the kit."""
     return dict(
         sandbox.bare_environment(folder), CMOCKA_MESSAGE_OUTPUT="TAP", UBSAN_OPTIONS="print_stacktrace=1",
@@ -146,7 +170,8 @@ def _environment(folder, look_for_leaks):
         # without frame pointers, so that a leak's trace reaches the unit.
         ASAN_OPTIONS="handle_segv=2:handle_sigbus=2:handle_sigfpe=2:handle_sigill=2:handle_abort=1:"
         "allocator_may_return_null=1:fast_unwind_on_malloc=0:"
-        f"detect_leaks={1 if look_for_leaks else 0}",
+        # The suite asks for leaks; a unit that ends the program does not come around that.
+        f"detect_leaks={1 if finds_leaks else 0}:leak_check_at_exit=0",
     )
 
 
@@ -166,19 +191,22 @@ def _with_lines(toolchain, program, text):
     return re.sub(unnamed, lambda match: f"{match[1]} in {names.get(match[2], '?')}", text)
 
 
+def _run(toolchain, suite, arguments, limit, megabytes, decoy=False, options=""):
+    """Runs the suite's program, with these options for the address sanitizer beside the usual ones."""
+    folder = tempfile.mkdtemp(dir=suite.folder)
+    environment = _environment("/tmp" if toolchain.sandbox else folder, suite.finds_leaks)
+    environment["ASAN_OPTIONS"] += options
+    return sandbox.run(
+        ["test_" + suite.feature.stem, *arguments], seconds=limit, megabytes=megabytes, folder=folder,
+        environment=environment, witnessed=suite.program, secret=make_secret(decoy),
+        enclose=toolchain.sandbox and toolchain.sandbox.around,
+    )
+
+
 def run_test(toolchain, suite, test, seconds, megabytes):
     """Runs one scored test and returns its Verdict."""
     limit, phrase = suite.limit_of_next_test(seconds)
-    for look_for_leaks in (True, False):
-        folder = tempfile.mkdtemp(dir=suite.folder)
-        outcome = sandbox.run(
-            ["test_" + suite.feature.stem, "--only", test.name], seconds=limit, megabytes=megabytes,
-            folder=folder, environment=_environment("/tmp" if toolchain.sandbox else folder, look_for_leaks),
-            witnessed=suite.program, enclose=toolchain.sandbox and toolchain.sandbox.around,
-        )
-        # Where processes may not be traced, the leak sanitizer itself fails.
-        if "LeakSanitizer has encountered a fatal error" not in outcome.output:
-            break
+    outcome = _run(toolchain, suite, ["--only", test.name], limit, megabytes)
     outcome.output = build.plain(toolchain, suite.unit, _with_lines(toolchain, suite.program, outcome.output))
     verdict = judge(outcome, suite, test.name, phrase, megabytes)
     if len(verdict.reason) > REASON_MAX:
@@ -199,7 +227,40 @@ def _about_needs(suite, units):
     return ""
 
 
-def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None):
+def _can_find_leaks(toolchain, suites, seconds, megabytes):
+    """Whether the leak sanitizer works here: it fails where processes may not be traced. Asked of a run
+    that calls no unit's code."""
+    suite = next((suite for suite in suites if suite.program), None)
+    if not suite or not toolchain.finds_leaks():
+        return False
+    return _run(toolchain, suite, ["--list"], seconds, megabytes,
+                options=":detect_leaks=1:leak_check_at_exit=1").status == 0
+
+
+def _judge_leaks(suite):
+    """A failed test leaves its memory behind, so leaks count in passed ones. Together they are a claim; if
+    one test was asked for, it is that test's fault."""
+    leaks = [(test.name, suite.verdicts[test.name]) for test in suite.claims() if suite.verdicts[test.name].leak]
+    suite.verdicts[FREES_ALL.name] = judge_leaks(leaks)
+    if FREES_ALL.name not in [test.name for test in suite.tests]:
+        suite.verdicts.update((name, judge_leaks([(name, verdict)])) for name, verdict in leaks)
+    elif not suite.finds_leaks:
+        suite.warnings = "\n".join(filter(None, [suite.warnings, f"{FREES_ALL.name} is not judged: the leak sanitizer "
+                                                 "does not work here"]))
+
+
+def _run_decoys(toolchain, suite, count, seconds, megabytes):
+    """Runs some of the passed claims again, as decoys: after the claim the suite fails, whatever the unit
+    did. A unit that sends the secret in place of the suite passes these, too, and loses everything."""
+    passed = [test for test in suite.claims() if suite.verdicts[test.name].passed]
+    for test in random.SystemRandom().sample(passed, min(count, len(passed))):
+        if _run(toolchain, suite, ["--only", test.name], seconds, megabytes, decoy=True).attested:
+            suite.give_up("attests a claim that cannot hold, so none of its verdicts counts: the code sends them in "
+                          "place of the suite")
+            return
+
+
+def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None, decoys=DECOYS):
     """Builds all suites, then runs them, on all processors, with `units` for what they need beside
     their own; fills in their verdicts. All are built before any unit runs, and so could meddle.
     `progress` is called with the numbers of tests that ran and will run."""
@@ -218,10 +279,17 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None)
         try:
             finish([pool.submit(build_suite, toolchain, suite, [units[stem] for stem in suite.feature.needs])
                     for suite in suites if not suite.problem])
-            runs = [(suite, test) for suite in suites if suite.program for test in suite.tests]
+            built = [suite for suite in suites if suite.program]
+            finds_leaks = _can_find_leaks(toolchain, built, seconds, megabytes)
+            for suite in built:
+                suite.finds_leaks = finds_leaks
+            runs = [(suite, test) for suite in built for test in suite.claims()]
             if progress:
                 progress(0, len(runs))
             finish([pool.submit(run_into, suite, test) for suite, test in runs], progress)
+            for suite in built:
+                _judge_leaks(suite)
+            finish([pool.submit(_run_decoys, toolchain, suite, decoys, seconds, megabytes) for suite in built])
             for suite in suites:
                 suite.beside = _about_needs(suite, units)
         except BaseException:
@@ -256,8 +324,9 @@ def _arguments():
 
 def _prepare_suite(feature, impl, own, only):
     """Returns the suite of one feature; one that has given up where there is nothing to judge."""
-    listed = read_points(feature)
-    tests = [test for test in listed if only in (None, test.name)]
+    listed = [KEEPS_NOTHING, *read_points(feature), FREES_ALL]
+    # Whether all memory is freed shows in all tests.
+    tests = [test for test in listed if only in (None, test.name, FREES_ALL.name)]
     if not tests:
         names = [test.name for test in listed]
         near = [name for name in names if only in name] or difflib.get_close_matches(only, names, 3, 0.3)
@@ -280,7 +349,7 @@ def prepare_suites(features, chosen, impl, own, only=None):
     return [_prepare_suite(feature, impl, own, only) for feature in chosen]
 
 
-def _grade_here(toolchain, features, suites, impl, progress=None):
+def _grade_here(toolchain, features, suites, impl, decoys=DECOYS, progress=None):
     """Grades suites on copies of the kit and the units."""
     units = {stem: unit_beside(feature, impl, toolchain.handed_out) for stem, feature in features.items()}
     seconds = seconds_per_test()
@@ -291,7 +360,7 @@ def _grade_here(toolchain, features, suites, impl, progress=None):
         for suite in suites:
             suite.folder = os.path.join(work, suite.feature.stem)
             os.mkdir(suite.folder)
-        grade(copied, suites, units, seconds, progress=progress)
+        grade(copied, suites, units, seconds, progress=progress, decoys=decoys)
     finally:
         sandbox.end_strays()
         shutil.rmtree(work, ignore_errors=True)
@@ -299,11 +368,11 @@ def _grade_here(toolchain, features, suites, impl, progress=None):
 
 
 def grade_impl(build_folder, stems, impl, own=False, only=None, progress=None):
-    """Grades one's own work; returns (toolchain, suites), or raises ToolError."""
+    """Grades one's own work; returns (toolchain, suites), or raises ToolError. At home nobody needs decoys."""
     toolchain = build.Toolchain(build_folder)
     features = read_features(toolchain.source)
     suites = prepare_suites(features, choose(features, stems), impl, own, only)
-    _grade_here(toolchain, features, suites, impl, progress)
+    _grade_here(toolchain, features, suites, impl, 0 if own or only else DECOYS, progress)
     return toolchain, suites
 
 
@@ -324,17 +393,17 @@ def _require_units(build_folder, stems, impl):
             raise ToolError(f"there is no {os.path.join(impl, name)}; {remedy}") from error
 
 
-def _grade_apart(toolchain, features, suites, impl, progress):
+def _grade_apart(toolchain, features, suites, impl, decoys, progress):
     """Grades in a separate process. If a unit ends it, each feature gets one of its own, and a unit
     that ends it again gets no verdicts."""
     try:
-        judged = isolate.call(_grade_here, toolchain, features, suites, impl, progress)
+        judged = isolate.call(_grade_here, toolchain, features, suites, impl, decoys, progress)
         for suite, found in zip(suites, judged, strict=True):
             suite.take(found)
     except isolate.Ended as ended:
         if len(suites) > 1:
             for suite in suites:
-                _grade_apart(toolchain, features, [suite], impl, progress)
+                _grade_apart(toolchain, features, [suite], impl, decoys, progress)
         else:
             suites[0].give_up(f"ended its grader, by {ended}, so no claim has a verdict: does the code send signals?")
     except (ValueError, TypeError, KeyError) as error:
@@ -345,7 +414,7 @@ def grade_submission(toolchain, stems, impl, only=None, progress=None):
     """Returns the suites of somebody else's work, which runs in the toolchain's sandbox."""
     features = read_features(toolchain.source)
     suites = prepare_suites(features, choose(features, stems), impl, False, only)
-    _grade_apart(toolchain, features, suites, impl, progress)
+    _grade_apart(toolchain, features, suites, impl, 0 if only else DECOYS, progress)
     return suites
 
 

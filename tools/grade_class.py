@@ -20,6 +20,8 @@ from grading import sandbox
 from grading.assignments import (
     Parser, ToolError, Unit, cannot_write, choose, choose_format, read_features, read_points,
 )
+from grading.c_source import tokens_of
+from grading.starters import is_handed_out
 from grade import Suite, grade_submission, stop_on_signals
 
 _ENDINGS = {"text": ".txt", "table": ".txt", "tap": ".tap", "junit": ".xml", "gradescope": ".json"}
@@ -49,6 +51,18 @@ def _check_is_a_class(folder, found, features):
                         f"folder that it is in, or grade it by make grade IMPL={folder}")
 
 
+def _is_reference_text(suite):
+    """Whether the unit's code is the reference's, whatever its comments and layout."""
+    reference, path = suite.feature.reference, suite.unit.path
+    if not path or not os.path.exists(reference) or is_handed_out(reference):
+        return False
+    texts = []
+    for name in (path, reference):
+        with open(name, encoding="utf-8", errors="replace") as file:
+            texts.append([token.text for token in tokens_of(file.read(1 << 20))])
+    return texts[0] == texts[1]
+
+
 def _remarks(suites):
     """Remarks for the instructor beside the points."""
     told = next((suite for suite in suites if not suite.passed()), None)  # stands in a column of its own
@@ -59,12 +73,9 @@ def _remarks(suites):
         remarks += [f"{suite.feature.stem}: {hung} claims timed out"] if hung else []
         if suite.unit.is_reference:
             remarks.append(f"{suite.feature.stem}: this is the reference")
+        elif _is_reference_text(suite):
+            remarks.append(f"{suite.feature.stem}: the same text as the reference")
     return "; ".join(remark.replace("\n", " ") for remark in remarks)
-
-
-def _cell(text):
-    """A spreadsheet would take a text that begins so for a formula."""
-    return "'" + text if text.startswith(("=", "+", "-", "@", "\t", "\r")) else text
 
 
 class Table:
@@ -86,8 +97,8 @@ class Table:
 
     def put(self, name, points, first, remarks):
         """Adds or replaces a row, and rewrites the file."""
-        texts = [_cell(text) for text in (*first, remarks)]
-        name = _cell(results.name_of(name))
+        texts = [results.csv_cell(text) for text in (*first, remarks)]
+        name = results.csv_cell(results.name_of(name))
         self._rows[name] = [name, *points, sum(points), *texts, time.strftime("%Y-%m-%d %H:%M:%S")]
         text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows([self._heading, *self._rows.values()])

@@ -175,12 +175,14 @@ def _write_handout(source, pack, features, has_book):
     first = features[0].stem
     reading = ("Open `docs/handout/book.html` in a browser: the chapters, with figures as they should become.\n"
                "`make book` makes `docs/out/book.html`, with your own functions in it."
-               if has_book else "**The book is missing from this pack**, which was made for a trial; ask for one with the "
-               "book. Until then,\n`make book` makes `docs/out/book.html`, with figures by your code, which are wrong until it is solved.")
+               if has_book else "**The book is missing from this pack**, which was made for a trial; ask for one with "
+               "the book. Until then,\n`make book` makes `docs/out/book.html`, with figures by your code, which are "
+               "wrong until it is solved.")
     one = f"make check-{first} TEST=name"
     width = len(one)
-    commands = {"one": one} | {word: f"make {word}-{first}".ljust(width) for word in ("watch", "debug", "draw", "diff")}
-    commands |= {word: f"make {word}".ljust(width) for word in ("progress", "report", "check")}
+    commands = {"one": one} | {word: f"make {word}-{first}".ljust(width)
+                               for word in ("watch", "debug", "draw", "driver", "hint", "diff")}
+    commands |= {word: f"make {word}".ljust(width) for word in ("progress", "report", "pristine", "check")}
     files = "\n".join(f"- `workbook/{feature.stem}.c`" for feature in features)
     with open(os.path.join(source, "assignments", "handout_page.md"), encoding="utf-8") as file:
         page = file.read()

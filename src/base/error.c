@@ -23,7 +23,8 @@ bool rk_fail(rk_error *error, const char *format, ...)
 }
 
 /* Weak, so that a suite can let memory run out (tests/short_memory.h). */
-__attribute__((weak)) void *rk_allocate_unset(size_t count, size_t size, const char *what, rk_error *error)
+__attribute__((weak)) void *rk_allocate_unset(size_t count, size_t size, const char *what,
+                                              rk_error *error)
 {
     if (size && count > (SIZE_MAX - cache_line) / size) {
         rk_fail(error, "%s: %zu elements of %zu bytes are more than this machine can address", what,

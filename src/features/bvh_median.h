@@ -18,16 +18,19 @@ typedef uint32_t (*rk_bvh_split)(void *builder, uint32_t begin, uint32_t count, 
 void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split split, void *builder);
 
 /* Builds the tree over a valid mesh (rk_mesh_validate): each node is split on the longest axis of
- * its box, the ceil(N / 2) triangles with the lowest centroids to the left, until
- * RK_BVH_LEAF_TARGET or fewer remain. O(N log N) time, at most 31 levels. A mesh without triangles
- * gives a tree without nodes. False if memory runs out. Release with rk_bvh_free. */
+ * its box, the ceil(N / 2) triangles with the lowest centroids to the left (of equal ones those
+ * with the smaller indices), until RK_BVH_LEAF_TARGET or fewer remain. O(N log N) time, at most 31
+ * levels; the stack that it takes does not grow with the mesh. A mesh without triangles gives a
+ * tree without nodes. False if memory runs out. Release with rk_bvh_free. */
 bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error);
 
 /* Returns the closest hit at 0 < t <= ray->t_max; at equal t the smallest triangle index. On a miss
- * hit.triangle is RK_MISS. Counts box and triangle tests. */
+ * hit.triangle is RK_MISS. Visits the nearer child first, and no box that begins behind the nearest
+ * hit so far. Adds the box and triangle tests to the counters. */
 rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters);
 
-/* Does the ray hit anything at 0 < t <= ray->t_max? Stops at the first hit found. */
+/* Does the ray hit anything at 0 < t <= ray->t_max? Stops at the first hit found. Counts
+ * likewise. */
 bool rk_bvh_occluded(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters);
 
 #endif

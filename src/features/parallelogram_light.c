@@ -173,10 +173,12 @@ static double solid_angle(rk_dvec3 a, rk_dvec3 ab, rk_dvec3 ac)
     double la = rk_dlength(a), lb = rk_dlength(b), lc = rk_dlength(c);
     /* The volume from the edges: from the corners themselves it would cancel far away. */
     double volume = fabs(rk_ddot(a, rk_dcross(ab, ac)));
+    if (volume == 0)
+        return 0;
     return 2 * atan2(volume,
                      la * lb * lc + rk_ddot(a, b) * lc + rk_ddot(b, c) * la + rk_ddot(c, a) * lb);
     /* starter
-    // Fourth step: the formula of Van Oosterom and Strackee.
+    // Fourth step: the formula of Van Oosterom and Strackee. In the light's plane it is 0.
     return 0;
     end */
 }

@@ -22,7 +22,7 @@ typedef enum rk_light_falloff { RK_FALLOFF_NONE, RK_FALLOFF_PHYSICAL } rk_light_
 typedef enum rk_light_domain { RK_LIGHT_DOMAIN_AREA, RK_LIGHT_DOMAIN_SOLID_ANGLE } rk_light_domain;
 
 typedef struct rk_light_sample {
-    rk_vec3 position; /* a point of the scene, not a direction */
+    rk_vec3 position; /* a point of the light, in the scene; not a direction */
     rk_vec3 colour;   /* weighted */
 } rk_light_sample;
 
@@ -39,7 +39,9 @@ typedef struct rk_light_sample {
 rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff falloff,
                                    rk_light_domain domain, rk_vec3 point, rk_vec2 xi);
 
-/* Returns the solid angle, 0 to 2 pi, that a parallelogram subtends at the point. */
+/* Returns the solid angle, 0 to 2 pi, that a parallelogram subtends at the point; unless it is seen
+ * nearly edge-on, to a few roundings of a double, however small. 0 in the parallelogram's plane, on
+ * the light itself, too. */
 double rk_light_solid_angle(const rk_light *light, rk_vec3 point);
 
 /* Returns the irradiance at the point, on a surface of unit normal `normal`, of the unshadowed

@@ -28,8 +28,8 @@ typedef struct rk_sah_split {
     uint32_t boundary; /* bins below it go left */
     uint32_t count[2]; /* triangles to the left and to the right, neither 0 */
     rk_box box[2];
-    double cost; /* 1.5 + (area_left count_left + area_right count_right) / area of the node; without
-                    area, 1.5 + count_left + count_right */
+    double cost; /* 1.5 + (area_left count_left + area_right count_right) / area of the node;
+                    without area, 1.5 + count_left + count_right */
 } rk_sah_split;
 
 /* Lists the possible splits of a node over these triangles, by axis, then boundary, and returns
@@ -43,8 +43,9 @@ const rk_sah_split *rk_sah_cheapest(const rk_sah_split *candidates, uint32_t cou
 
 /* Builds the tree over a valid mesh (rk_mesh_validate): a node becomes a leaf where its cheapest
  * split costs no less than testing all of its triangles. Two limits take precedence: a leaf has at
- * most RK_BVH_LEAF_MAX triangles, and the tree at most RK_BVH_LEVELS_MAX levels. A mesh without
- * triangles gives a tree without nodes. False if memory runs out. Release with rk_bvh_free. */
+ * most RK_BVH_LEAF_MAX triangles, and the tree at most RK_BVH_LEVELS_MAX levels. The stack that it
+ * takes does not grow with the mesh. A mesh without triangles gives a tree without nodes. False if
+ * memory runs out. Release with rk_bvh_free. */
 bool rk_bvh_build_sah(rk_bvh *bvh, const rk_mesh *mesh, const rk_sah_options *options,
                       rk_error *error);
 

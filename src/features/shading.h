@@ -55,13 +55,14 @@ typedef struct rk_shading {
 } rk_shading;
 
 /* Returns the reflected colour of light of the colour I. n, l, v: unit; shininess: finite, >= 0,
- * not read where ks is black. Never NaN for finite colours. */
+ * not read where ks is black. Never NaN for finite colours, even where the light times a colour
+ * overflows, as long as kd + N ks does not (N = 1 if not normalized). */
 rk_vec3 rk_shade(const rk_shading *shading, rk_vec3 kd, rk_vec3 ks, float shininess, rk_vec3 n,
                  rk_vec3 l, rk_vec3 v, rk_vec3 light_colour);
 
-/* Returns the colour at x: linear between neighbouring stops, constant beyond the first and the
- * last, black without stops. Stops at the same place make a step: the first in the list counts
- * below it, the last from there on. */
+/* Returns the colour at x, and only reads the gradient: linear between neighbouring stops, constant
+ * beyond the first and the last, black without stops. Stops at the same place make a step: the
+ * first in the list counts below it, the last from there on. */
 rk_vec3 rk_gradient_at(const rk_gradient *gradient, float x);
 
 /* From blue, where n.l = -1, to orange, where it is 1: the cool and warm tones of technical

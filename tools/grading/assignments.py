@@ -60,6 +60,13 @@ class ScoredTest:
         self.step, self.green_since = step, green_since
 
 
+# Points that a claim without points costs if it fails: it held with the starter, and must continue to hold.
+DEDUCTION = 5
+# Claims that the grader judges itself, for every assignment.
+KEEPS_NOTHING = ScoredTest("no_data_is_kept_between_calls", 0, "")
+FREES_ALL = ScoredTest("all_memory_is_freed", 0, "")
+
+
 def _read_table(path, columns):
     try:
         with open(path, encoding="utf-8", newline="") as file:

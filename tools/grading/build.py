@@ -11,6 +11,7 @@ import shlex
 import subprocess
 
 from grading import sandbox
+from grading import unit_rules
 from grading.assignments import ToolError
 
 _SECONDS = 60
@@ -54,6 +55,10 @@ class Toolchain:
             raise ToolError(f"{path} was made for the kit in {self.source}, but this one stands in {tools}: "
                             "run ./bootstrap there, or configure in the build folder, again")
 
+    def finds_leaks(self):
+        """Whether units are built with the address sanitizer, and so with the leak sanitizer."""
+        return any("address" in flag for flag in self.sanitize)
+
     def built(self, path):
         """Returns the absolute path of a file in the build folder, which must exist."""
         path = os.path.join(self.build, path)
@@ -90,27 +95,82 @@ def global_symbols(toolchain, path):
 
 
 def compile_unit(toolchain, unit, folder, extra_flags=()):
-    """Compiles the unit to an object in `folder`. Returns its path and the compiler's warnings."""
-    output = os.path.join(folder, unit.feature.stem + ".o")
-    listing = os.path.join(folder, unit.feature.stem + ".included")
-    command = [*toolchain.compiler, *toolchain.flags, *extra_flags, "-MD", "-MF", listing,
-               "-c", unit.path, "-o", output]
-    outcome = _run_tool(toolchain, command, folder)
+    """Compiles the unit to an object in `folder`, by way of its preprocessed text and its assembly, which
+    must keep the rules for units. Returns the object's path and the compiler's warnings."""
+    base = os.path.join(folder, unit.feature.stem)
+    # An object for link-time optimization would not tell what it uses.
+    flags = [*toolchain.flags, *extra_flags, "-fno-lto", "-Werror=implicit-function-declaration"]
+    if not unit.is_reference:
+        _check_encoding(unit)
+        _check_no_header_hides(toolchain, unit)
+        listing = base + ".included"
+        _compile(toolchain, unit, folder, [*flags, "-E", "-P", "-MD", "-MF", listing, unit.path, "-o", base + ".i"])
+        _check_included(toolchain, unit, listing)
+        _refuse(unit, unit_rules.fault_in_source(_read(base + ".i")))
+    warnings = _compile(toolchain, unit, folder, [*flags, "-S", unit.path, "-o", base + ".s"])
+    if not unit.is_reference:
+        _refuse(unit, unit_rules.fault_in_assembly(_read(base + ".s")))
+    _compile(toolchain, unit, folder, [*flags, "-c", base + ".s", "-o", base + ".o"])
+    return base + ".o", warnings
+
+
+def _read(path):
+    with open(path, encoding="utf-8", errors="replace") as file:
+        return file.read()
+
+
+def _refuse(unit, fault):
+    if fault:
+        raise BuildError(f"{unit.shown} {fault}")
+
+
+def _check_encoding(unit):
+    with open(unit.path, "rb") as file:
+        begin = file.read(4)
+    if begin[:2] in (b"\xff\xfe", b"\xfe\xff") or (len(begin) == 4 and 0 in (begin[0], begin[1])):
+        raise BuildError(f"{unit.shown} is text in UTF-16; save it in UTF-8")
+
+
+def _compile(toolchain, unit, folder, arguments):
+    """Returns the compiler's warnings, or raises BuildError."""
+    outcome = _run_tool(toolchain, [*toolchain.compiler, *arguments], folder)
     if outcome.limit:
         raise BuildError(
             f"{unit.shown} could not be compiled: the compiler took more than its {outcome.limit}"
         )
+    said = plain(toolchain, unit, outcome.output)
     if outcome.status != 0:
-        said = plain(toolchain, unit, outcome.output)
         absent = re.search(r"fatal error: (.+): No such file", said)
         if absent:
             raise BuildError(_not_to_include(unit, absent.group(1)), said)
         first = next((line for line in said.splitlines() if "error:" in line), None)
-        reason = f"does not compile: {first}" if first else f"{unit.shown} does not compile"
+        reason = f"does not compile: {first}{_header_to_include(toolchain, first)}" if first else (
+            f"{unit.shown} does not compile")
         raise BuildError(reason, said)
-    if not unit.is_reference:
-        _check_included(toolchain, unit, listing)
-    return output, plain(toolchain, unit, outcome.output).strip()
+    return said.strip()
+
+
+def _header_to_include(toolchain, error):
+    """Names the kit's header that declares a function which is called without a declaration."""
+    called = re.search(r"implicit declaration of function '(rk_\w+)'|undeclared function '(rk_\w+)'", error)
+    for header in _headers(toolchain) if called else []:
+        if re.search(rf"\b{called[1] or called[2]}\(", _read(os.path.join(toolchain.source, "src", header))):
+            return f"; #include \"{header}\" declares it"
+    return ""
+
+
+def _headers(toolchain):
+    """Returns the kit's headers as units include them."""
+    top = os.path.join(toolchain.source, "src")
+    return [os.path.relpath(os.path.join(folder, name), top)
+            for folder, _, names in os.walk(top) for name in names if name.endswith(".h")]
+
+
+def _check_no_header_hides(toolchain, unit):
+    """Headers beside a unit are found before the kit's."""
+    for header in _headers(toolchain):
+        if os.path.exists(os.path.join(os.path.dirname(unit.path), header)):
+            raise BuildError(f"the folder of {unit.shown} has a {header} of its own, which hides the kit's; remove it")
 
 
 def plain(toolchain, unit, text):
@@ -150,33 +210,21 @@ def _not_to_include(unit, name):
             "beside it")
 
 
-def check_no_early_code(toolchain, unit, path):
-    """Code that runs before or after main could fake the tests' output; only the sanitizer's own is
-    allowed."""
-    command = [toolchain.tools["objdump"], "-h", "-r", "-t", path]
-    answer = subprocess.run(command, capture_output=True, text=True, check=False)
-    if answer.returncode:
-        raise ToolError(f"{command[0]} could not read {path}: {answer.stderr.strip()}")
-    counts, section = {}, ""
-    for line in answer.stdout.splitlines():
-        # Sections that are executed directly, and functions chosen when the program is loaded.
-        if re.match(r" *\d+ \.(init|fini) ", line) or re.match(r"[0-9a-f]{8,} .{4}i", line):
-            counts["preloaded"] = 1
-        heading = re.match(r"RELOCATION RECORDS FOR \[(.*)\]:", line)
-        if heading:
-            section = heading.group(1)
-        elif re.match(r"[0-9a-f]+ R_", line):
-            kind = re.match(r"\.(preinit_array|init_array|fini_array|ctors|dtors)", section)
-            if kind:
-                counts[kind.group(1)] = counts.get(kind.group(1), 0) + 1
-    sanitized = 1 if any("address" in flag for flag in toolchain.sanitize) else 0
-    for kind, count in counts.items():
-        if kind.startswith("pre") or count > sanitized:
-            raise BuildError(
-                f"{unit.shown} has code that runs before or after the tests (a constructor or "
-                "destructor); a unit contains only functions to be called"
-            )
+def check_object(toolchain, unit, path):
+    """Raises BuildError if the unit's object has more than functions and data. Returns what it has, a
+    unit_rules.Object."""
+    found = unit_rules.Object(toolchain.tools["objdump"], path)
+    _refuse(unit, unit_rules.fault_in_object(found, toolchain.finds_leaks()))
+    return found
 
+
+def check_names(toolchain, unit, found):
+    """Raises BuildError if the unit uses what a unit may not. Asked after linking, which finds names that
+    nothing defines."""
+    kit = set(unit_rules.pure_names(toolchain.tools["nm"], toolchain.built("librkbase.a")))
+    for stem in unit.feature.needs:
+        kit.update(global_symbols(toolchain, toolchain.built(f"src/features/{stem}.o")))
+    _refuse(unit, unit_rules.fault_in_names(found, kit))
 
 def keep_interface(toolchain, feature, path):
     """Makes all names of an object local except the feature's interface: a helper without `static`,

@@ -19,21 +19,23 @@ _STALE = 3600  # seconds
 def make_folder():
     """Makes a temporary folder for this process, and removes those of processes that were killed."""
     for path in glob.glob(os.path.join(glob.escape(tempfile.gettempdir()), "raykit-grade-*")):
-        owner = re.match(r"raykit-grade-(\d+)-", os.path.basename(path))
-        # Young ones may belong to a process that another container has.
-        if owner and time.time() - os.lstat(path).st_mtime > _STALE and not _is_running(int(owner[1])):
+        if _is_stale(path):
             shutil.rmtree(path, ignore_errors=True)
     return tempfile.mkdtemp(prefix=f"raykit-grade-{os.getpid()}-")
 
 
-def _is_running(process):
+def _is_stale(path):
+    owner = re.match(r"raykit-grade-(\d+)-", os.path.basename(path))
     try:
-        os.kill(process, 0)
+        # Young ones may belong to a process that another container has.
+        if not owner or time.time() - os.lstat(path).st_mtime < _STALE:
+            return False
+        os.kill(int(owner[1]), 0)
     except ProcessLookupError:
-        return False
-    except OSError:
+        return True
+    except OSError:  # removed meanwhile, or somebody else's process
         pass
-    return True
+    return False
 
 
 def copy_kit(toolchain, features, stems, folder):

@@ -10,7 +10,7 @@ import sys
 import tempfile
 import textwrap
 
-from grading.assignments import ToolError, cannot_write
+from grading.assignments import DEDUCTION, ToolError, cannot_write
 from grading.starters import is_handed_out
 from grading.verdicts import printed_lines
 
@@ -45,6 +45,10 @@ def name_of(impl):
                   lambda found: "".join(f"\\x{byte:02x}" for byte in os.fsencode(found[0])), name)
 
 
+def _worth(test):
+    return f"{test.points} points" if test.points else f"costs {DEDUCTION} points: it held with the starter"
+
+
 def _explained(suite, test):
     """The reason, the place and the section to read, one line each. The whole unit's reason appears once."""
     verdict = suite.verdicts[test.name]
@@ -52,7 +56,8 @@ def _explained(suite, test):
         return [_printable(suite.problem)] if test is suite.tests[0] else ["not run, for the reason above"]
     lines = _printable(verdict.reason).split("\n") + ([verdict.place] if verdict.place else [])
     beside = [suite.beside] if suite.beside else []
-    return [*lines, *beside, f"read {suite.feature.chapter}{test.section}"]
+    section = [f"read {suite.feature.chapter}{test.section}"] if test.section else []
+    return [*lines, *beside, *section]
 
 
 # --- Text ---------------------------------------------------------------------------------------
@@ -81,7 +86,7 @@ def _all_others(suite, failed, first):
     for test in failed:
         groups.setdefault(_printable(suite.verdicts[test.name].reason).split("\n")[0], []).append(test)
     for reason, tests in groups.items():
-        lines += [f"          {test.name} ({test.points or 'it held before'})" for test in tests]
+        lines += [f"          {test.name} ({test.points or f'costs {DEDUCTION}'})" for test in tests]
         same = reason == _printable(suite.verdicts[first.name].reason).split("\n")[0]
         lines += _wrapped("for the same reason as the first" if same else reason, " " * 14)
     return lines
@@ -104,11 +109,8 @@ def _text_of_failures(suite, brief):
         said = [f"          {line}" for line in _some(details, 15 if brief else 20, "and {} more lines")]
         return [*said, *_wrapped(_printable(suite.problem), " " * 6)]
     lines = (_next_ones(suite, failed[1:]) if brief else _all_others(suite, failed[1:], first)) if failed[1:] else []
-    worth = f" ({first.points} points)" if first.points else ""
-    lines.append(f"      work on this one first: {first.name}{worth}")
+    lines.append(f"      work on this one first: {first.name} ({_worth(first)})")
     explained = _explained(suite, first)
-    if not first.points:
-        explained.insert(0, "it held with the starter, and must continue to hold")
     if brief and first.step:
         explained[-1] += f"; a hint: make hint-{suite.feature.stem} STEP={first.step}"
     for line in explained:
@@ -118,9 +120,9 @@ def _text_of_failures(suite, brief):
 
 def _text_of_prints(suite):
     """What the code printed, where one test is run alone."""
-    if len(suite.tests) > 1:
+    if len(suite.claims()) != 1:
         return []
-    printed = [_printable(line)[:200] for line in printed_lines(suite.verdicts[suite.tests[0].name].details)]
+    printed = [_printable(line)[:200] for line in printed_lines(suite.verdicts[suite.claims()[0].name].details)]
     return ["      your code printed:", *(f"          {line}" for line in _some(printed, 40, "and {} more lines"))] if printed else []
 
 
@@ -210,14 +212,14 @@ def junit(suites, impl):
     """JUnit XML, a test case for each claim."""
     import xml.etree.ElementTree as ElementTree  # takes 20 ms, which only this report should pay
 
-    root = ElementTree.Element("testsuites", name=name_of(impl))
+    def totals(suites):
+        verdicts = [suite.verdicts[test.name] for suite in suites for test in suite.tests]
+        return {"tests": str(len(verdicts)), "failures": str(sum(not verdict.passed for verdict in verdicts)),
+                "errors": "0", "time": f"{sum(verdict.seconds for verdict in verdicts):.3f}"}
+
+    root = ElementTree.Element("testsuites", name=name_of(impl), **totals(suites))
     for suite in suites:
-        failures = sum(not suite.verdicts[test.name].passed for test in suite.tests)
-        seconds = sum(verdict.seconds for verdict in suite.verdicts.values())
-        element = ElementTree.SubElement(
-            root, "testsuite", name=suite.feature.stem, tests=str(len(suite.tests)),
-            failures=str(failures), errors="0", skipped="0", time=f"{seconds:.3f}",
-        )
+        element = ElementTree.SubElement(root, "testsuite", name=suite.feature.stem, skipped="0", **totals([suite]))
         properties = ElementTree.SubElement(element, "properties")
         ElementTree.SubElement(properties, "property", name="points", value=str(suite.points()))
         ElementTree.SubElement(properties, "property", name="points_max", value=str(suite.points_max()))
@@ -241,12 +243,15 @@ def junit(suites, impl):
 def gradescope(suites, impl):
     """Gradescope's results.json (its manual, "Autograder Specifications")."""
     tests = []
-    for suite in suites:
-        for test in suite.tests:
+    for first, suite in enumerate(suites, 1):
+        scores = suite.scores()
+        for second, test in enumerate(suite.tests, 1):
             verdict = suite.verdicts[test.name]
             tests.append({
                 "name": f"{suite.feature.stem}: {test.name}",
-                "score": test.points if verdict.passed and not suite.unit.is_reference else 0,
+                "number": f"{first}.{second}",
+                "tags": [suite.feature.stem],
+                "score": scores[test.name],
                 "max_score": test.points,
                 "status": "passed" if verdict.passed else "failed",
                 "output": _whose(suite) if verdict.passed else "\n".join(_explained(suite, test)),
@@ -255,11 +260,18 @@ def gradescope(suites, impl):
         "score": sum(suite.points() for suite in suites),
         "execution_time": round(sum(v.seconds for suite in suites for v in suite.verdicts.values())),
         "output": text(suites, impl),
+        # Its default is read as HTML, which swallows indentation and <angle brackets>.
+        "output_format": "text",
         # The harness's output is for instructors; students read the tests' outputs.
         "stdout_visibility": "hidden",
         "tests": tests,
     }
     return json.dumps(report, indent=1) + "\n"
+
+
+def csv_cell(value):
+    """Returns a value as spreadsheets show it: they take text that begins so for a formula, and run it."""
+    return "'" + value if isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r")) else value
 
 
 FORMATS = {"text": text, "table": table, "tap": tap, "junit": junit, "gradescope": gradescope}

@@ -9,7 +9,6 @@ import ctypes
 import fcntl
 import os
 import resource
-import secrets
 import selectors
 import shutil
 import signal
@@ -35,7 +34,7 @@ _ENDED_BY_SIGNAL = 128  # bubblewrap's exit status is then this and the signal's
 class Outcome:
     """How a run went. `status` is the exit status, negative for a signal; `limit` is None or the
     limit that ended the run: "seconds", "memory", "output", "processes" or "stopped". `testimony` is
-    the witness's answer instead of the secret: the claim that failed."""
+    the witness's answer beside the secret: the claim that failed, or that memory leaks."""
 
     def __init__(self):
         self.status, self.limit, self.output, self.seconds = None, None, "", 0.0
@@ -215,11 +214,13 @@ def _limit_process(seconds):
             pass
 
 
-def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, witnessed=None, enclose=None):
+def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, witnessed=None, secret=b"",
+        enclose=None):
     """Runs the command in `folder` and returns its Outcome. A Program as `witnessed` is
     run instead; in RAYKIT_ATTEST it gets a descriptor from which it reads a fresh secret, and
-    outcome.attested tells whether exactly that came back. `enclose` puts a command into bubblewrap."""
-    outcome, kept, secret = Outcome(), _Tail(), secrets.token_hex(24).encode()
+    outcome.attested tells whether that came back; outcome.testimony is what else came. `enclose` puts
+    a command into bubblewrap."""
+    outcome, kept = Outcome(), _Tail()
     descriptors, options = (), {}
     if witnessed:
         ours, theirs = socket.socketpair()
@@ -254,8 +255,8 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
                 answer = ours.recv(4096)
             except (BlockingIOError, ConnectionResetError):
                 answer = b""
-        outcome.attested = answer == secret
-        outcome.testimony = "" if outcome.attested else answer.decode("utf-8", "replace")
+        outcome.attested = bool(secret) and answer.startswith(secret)
+        outcome.testimony = answer.removeprefix(secret).decode("utf-8", "replace")
     outcome.seconds = time.monotonic() - began
     outcome.output = kept.text()
     if enclose and outcome.status > _ENDED_BY_SIGNAL:

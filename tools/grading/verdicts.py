@@ -6,14 +6,23 @@ suite does after the test's function has returned. A program's printed output pr
 
 import os
 import re
+import secrets
 import signal
+
+_MESSAGE_MAX = 500  # characters of a failed claim's message; a unit could write its own
+
+
+def make_secret(decoy):
+    """Returns the secret for one run. An odd first digit asks the suite for a decoy, see tests/suite.c."""
+    return (secrets.choice("13579" if decoy else "02468") + secrets.token_hex(24)[1:]).encode()
 
 
 class Verdict:
-    """`reason` is one or two lines, `place` a file and line or "", `details` the whole output."""
+    """`reason` is one or two lines, `place` a file and line or "", `details` the whole output. `leak` is
+    (reason, place) of memory that a passed test leaked, or None."""
 
     def __init__(self, passed, reason="", place="", details="", seconds=0.0):
-        self.passed, self.reason, self.place = passed, reason, place
+        self.passed, self.reason, self.place, self.leak = passed, reason, place, None
         self.details, self.seconds, self.timed_out = details, seconds, False
 
 
@@ -97,6 +106,8 @@ def _failed_claim(outcome, name, suite_source):
     if not told:
         return None
     file, line, message = told.groups()
+    if len(message) > _MESSAGE_MAX:
+        message = message[:_MESSAGE_MAX] + " ..."
     printed = [text for text in printed_lines(outcome.output) if text not in message]
     if printed:
         more = f" (and {len(printed) - 3} more lines)" if len(printed) > 3 else ""
@@ -104,8 +115,11 @@ def _failed_claim(outcome, name, suite_source):
     if not file:
         return message, ""
     first, last = _lines_of(name, suite_source)
-    place = f"tests/{os.path.basename(file)}"
-    return message, f"{place}:{line if first <= int(line) <= last else first}" if last else place
+    if not last:
+        return message, f"tests/{os.path.basename(file)}"
+    suite = os.path.basename(suite_source)
+    is_in_claim = os.path.basename(file) == suite and first <= int(line) <= last
+    return message, f"tests/{suite}:{line if is_in_claim else first}"
 
 
 def _lines_of(name, suite_source):
@@ -145,21 +159,14 @@ def judge(outcome, suite, name, limit, megabytes):
     if outcome.limit:
         return fail(_LIMITS[outcome.limit].format(megabytes=megabytes))
     if outcome.status == 0 and outcome.attested:
-        return Verdict(True, details=text, seconds=outcome.seconds)
+        verdict = Verdict(True, details=text, seconds=outcome.seconds)
+        verdict.leak = _leak(text, unit) if outcome.testimony == "leaks" else None
+        return verdict
     crash, claim = _crash(text, unit), _failed_claim(outcome, name, suite.source)
-    if crash and "LeakSanitizer" not in crash[0]:
+    if crash:
         return fail(*crash)
     if claim and outcome.status and not outcome.attested:
-        verdict = fail(*claim)
-        # A test that fails does not free its memory; that is not a leak of the unit.
-        verdict.details = re.split(r"\n=+\n==\d+==ERROR: LeakSanitizer", text)[0]
-        return verdict
-    leak = re.search(r"SUMMARY: \w+Sanitizer: (\d+) byte\(s\) leaked in (\d+) alloc", text)
-    if leak and outcome.attested:
-        place = _place_in_unit(text, unit)
-        return fail(f"leaks memory: {leak.group(1)} bytes in {leak.group(2)} allocations were never freed", (
-            place and f"allocated at {place}"
-        ))
+        return fail(*claim)
     if outcome.status < 0:
         return fail(f"crashed: {signal.strsignal(-outcome.status) or -outcome.status}")
     if outcome.attested:
@@ -169,3 +176,30 @@ def judge(outcome, suite, name, limit, megabytes):
         f"the program ended in the middle of the test, with exit status {outcome.status}: does your "
         f"code call exit?{pretends}"
     )
+
+
+def _leak(text, unit):
+    size = re.search(r"SUMMARY: \w+Sanitizer: (\d+) byte\(s\) leaked in (\d+) alloc", text)
+    what = f"{size[1]} bytes in {size[2]} allocations were never freed" if size else "not all of it was freed"
+    place = _place_in_unit(text, unit)
+    return f"leaks memory: {what}", place and f"allocated at {place}"
+
+
+def judge_leaks(leaks):
+    """Returns the Verdict on the memory of a suite's passed tests from the leaks, as (test's name, Verdict)."""
+    if not leaks:
+        return Verdict(True)
+    name, verdict = leaks[0]
+    reason, place = verdict.leak
+    more = f" and in {len(leaks) - 1} more claims" if len(leaks) > 1 else ""
+    return Verdict(False, f"{reason}, in {name}{more}", place, verdict.details)
+
+
+def judge_kept_data(names):
+    """Returns the Verdict on variables that last from call to call."""
+    if not names:
+        return Verdict(True)
+    shown = " and ".join(f"`{name}`" for name in names[:3])
+    them = "it" if len(names) == 1 else "them"
+    return Verdict(False, f"keeps {shown} from call to call; several threads share {them}: make {them} local, or const "
+                   f"if nothing changes {them}")

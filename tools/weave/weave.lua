@@ -50,9 +50,10 @@
 --
 -- Environment: RAYKIT_WEAVES (report or book), RAYKIT_SOURCE, RAYKIT_SOURCE_LINK (the
 -- path from the page to it), RAYKIT_DRIVERS (the folder over assignments/ with the drivers),
--- RAYKIT_ALONE (the features that are woven alone, empty for all), RAYKIT_UNITS (the name of their units' author, empty for the kit's own), RAYKIT_OUT, RAYKIT_SCRAPS (for
--- temporary files), MESHES, RAYKIT_RUNS, RAYKIT_SIZE (pixels per side, empty for the drivers'
--- own), RAYKIT_GNUPLOT (empty: no plots).
+-- RAYKIT_BUILD, RAYKIT_RECORD (the folder of an earlier page's record, or empty), RAYKIT_ALONE (the
+-- features that are woven alone, empty for all), RAYKIT_UNITS (the name of their units' author, empty for
+-- the kit's own), RAYKIT_OUT, RAYKIT_SCRAPS (for temporary files), MESHES, RAYKIT_RUNS, RAYKIT_SIZE
+-- (pixels per side, empty for the drivers' own), RAYKIT_GNUPLOT (empty: no plots).
 
 local drive = require("drive")
 local tables = require("tables")

@@ -123,9 +123,10 @@ weave() {
 print_pdf() {
     sandbox=
     [ "$(id -u)" != 0 ] || sandbox=--no-sandbox # chromium refuses root otherwise
-    "$CHROMIUM" --headless $sandbox --disable-gpu --no-pdf-header-footer \
+    # From its own folder: in a URL, some characters of a folder's name would not stand for themselves.
+    (cd "$RAYKIT_OUT" && exec "$CHROMIUM" --headless $sandbox --disable-gpu --no-pdf-header-footer \
         --user-data-dir="$RAYKIT_SCRAPS/chromium" --print-to-pdf="$RAYKIT_OUT/$RAYKIT_WEAVES.pdf" \
-        "file://$RAYKIT_OUT/$RAYKIT_WEAVES.html" >"$RAYKIT_SCRAPS/log" 2>&1 &&
+        "$RAYKIT_WEAVES.html") >"$RAYKIT_SCRAPS/log" 2>&1 &&
         [ -s "$RAYKIT_OUT/$RAYKIT_WEAVES.pdf" ] && return
     tail -n 3 "$RAYKIT_SCRAPS/log" >&2
     give_up "chromium could not print the PDF (its last message is above)"
