@@ -30,12 +30,17 @@
 void rk_claim_failed(const char *file, int line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* The same for a value that is not within the tolerance of the wanted one. `what` describes it, and
+ * is left out where it is only "got"; so is a tolerance of 0. The hint may be NULL. */
+void rk_claim_of_value_failed(const char *file, int line, const char *what, double got, double want,
+                              double tolerance, const char *hint);
+
 /* |got - want| <= tolerance; NaN fails. */
 #define rk_check_close(got, want, tolerance, hint)                                                 \
     do {                                                                                           \
         double got_ = (double)(got), want_ = (double)(want), tolerance_ = (double)(tolerance);     \
-        rk_check(fabs(got_ - want_) <= tolerance_, "%s: got %.9g, want %.9g within %.3g: %s",      \
-                 #got, got_, want_, tolerance_, hint);                                             \
+        if (!(fabs(got_ - want_) <= tolerance_))                                                   \
+            rk_claim_of_value_failed(__FILE__, __LINE__, #got, got_, want_, tolerance_, hint);     \
     } while (0)
 
 /* The same for loops and helpers, where the expression says little: a printf format and its
@@ -46,8 +51,7 @@ void rk_claim_failed(const char *file, int line, const char *format, ...)
         if (!(fabs(got_ - want_) <= tolerance_)) {                                                 \
             char where_[1000];                                                                     \
             snprintf(where_, sizeof where_, __VA_ARGS__);                                          \
-            rk_claim_failed(__FILE__, __LINE__, "%s: got %.9g, want %.9g within %.3g", where_,     \
-                            got_, want_, tolerance_);                                              \
+            rk_claim_of_value_failed(__FILE__, __LINE__, where_, got_, want_, tolerance_, NULL);   \
         }                                                                                          \
     } while (0)
 

@@ -332,6 +332,9 @@ static void occluded_directions_count_among_the_samples(void **state)
     rk_check_close(got.x, 3.0 / 16, 1e-7, "3 of 16 directions are unoccluded");
     got = rk_ambient_radiance(rk_vec(1, 1, 1), 1, rk_vec(50000, 50000, 50000), 100000);
     rk_check_close(got.x, 0.5, 1e-7, "50000 of 100000 directions are unoccluded");
+    got = rk_ambient_radiance(rk_vec(1, 1, 1), 1, rk_vec(1.5e9f, 1.5e9f, 1.5e9f), 3000000000u);
+    rk_check_close(got.x, 0.5, 1e-7,
+                   "half of 3000000000 directions are unoccluded: an int has no room for so many");
     got = rk_ambient_radiance(rk_vec(1, 1, 1), 1, rk_vec(0, 0, 0), 16);
     rk_check(got.x == 0 && got.y == 0 && got.z == 0, "none is unoccluded: black, got %.9g",
              (double)got.x);

@@ -119,7 +119,12 @@ def texts_speak_of_the_pack(pack):
         missing = [picture for picture in pictures
                    if not os.path.exists(os.path.join(pack, os.path.dirname(name), picture))]
         check(pictures and not missing, f"the pictures that {name} shows are in the pack", missing)
-    check("--scene cover" in read(pack, "HANDOUT.md"), "HANDOUT.md has the command that draws its picture")
+    check("    make driver-motion_blur\n    impl/assignments/10_motion_blur/motion_blur --scene cover" in read(pack, "HANDOUT.md"),
+          "HANDOUT.md has the commands that draw its picture")
+    names = [feature.chapter for feature in FEATURES.values()] + ["HANDOUT.md", f"assignments/{FEATURE.folder}/handout.md"]
+    unmade = [name for name in names if re.search(r"^ *assignments/\S+ --", read(pack, name), re.MULTILINE)]
+    check(not unmade and f"make driver-{STEM}\nimpl/assignments/{FEATURE.folder}/{STEM} --" in chapter,
+          "a command that runs a driver stands below the one that makes it", unmade)
     check(f"make debug-{STEM} TEST=" in chapter, "the chapter's commands are those of the pack")
     check(f"workbook/{STEM}.c" in task and f"(file:workbook/{STEM}.c)" in chapter, "texts name the file to edit")
     check("The book is missing" in read(pack, "HANDOUT.md"), "HANDOUT.md says that the book is missing")

@@ -515,6 +515,7 @@ static pid_t start_writing(test_path input, test_path output)
     snprintf(program.text, sizeof program.text, "%s/raykit-image", RK_BUILD_FOLDER);
     pid_t child = fork();
     if (child == 0) {
+        signal(SIGINT, SIG_DFL); /* ignored in a script's background */
         if (freopen(input.text, "rb", stdin))
             execl(program.text, program.text, "write", output.text, (char *)NULL);
         _exit(127);

@@ -112,11 +112,13 @@ static rk_light light_of(const configuration *c)
 
 static void check_vec3(rk_vec3 got, rk_vec3 want, float tolerance, const char *hint)
 {
+    char within[40] = "";
+    if (tolerance != 0)
+        snprintf(within, sizeof within, " within %.3g", (double)tolerance);
     rk_check(fabsf(got.x - want.x) <= tolerance && fabsf(got.y - want.y) <= tolerance &&
                  fabsf(got.z - want.z) <= tolerance,
-             "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g) within %.3g: %s", (double)got.x,
-             (double)got.y, (double)got.z, (double)want.x, (double)want.y, (double)want.z,
-             (double)tolerance, hint);
+             "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g)%s: %s", (double)got.x, (double)got.y,
+             (double)got.z, (double)want.x, (double)want.y, (double)want.z, within, hint);
 }
 
 static rk_light_sample plain_sample(const rk_light *light, float x, float y)
@@ -143,7 +145,11 @@ static void a_segment_runs_from_corner_0_to_corner_1(void **state)
     rk_light light = make_coloured(RK_LIGHT_SEGMENT);
     light.edge02 = light.colours[2] = light.colours[3] = rk_vec(NAN, NAN, NAN);
     rk_light_sample sample = plain_sample(&light, 0.75f, 0.5f);
+    rk_check(!isnan(rk_dot(sample.position, rk_vec(1, 1, 1))),
+             "got a position of NaN: a segment's edge02 is not read");
     check_vec3(sample.position, rk_vec(2.5f, 2, 3), 0, "position + x edge01; a segment has no y");
+    rk_check(!isnan(rk_dot(sample.colour, rk_vec(1, 1, 1))),
+             "got a colour of NaN: a segment's colours 2 and 3 are not read");
     check_vec3(sample.colour, rk_vec(0.75f, 0, 0), 0, "linear from corner 0's to corner 1's");
 }
 
@@ -377,8 +383,12 @@ static void each_sample_is_the_integrand_at_its_place(void **state)
              * turns the direction from the point by so much over the distance. */
             double r = rk_dlength(rk_dmadd(rk_widen(sample.position), rk_widen(c->point), -1));
             double turned = 0x1p-22 * (double)rk_length(sample.position) / r;
+            /* A tolerance is positive, whatever the sign of a wrong weight. */
+            float weight = fabsf(sample.colour.x);
+            rk_check(isfinite(weight), "%s, x = %g, y = %g: got the weight %g, want a finite one",
+                     c->name, (double)xi.x, (double)xi.y, (double)sample.colour.x);
             rk_check_near(
-                got, want, (double)sample.colour.x * (0x1p-22 + turned),
+                got, want, (double)weight * (0x1p-22 + turned),
                 "%s, x = %g, y = %g: the sample's weight times the cosine at the surface, against "
                 "area cos cos' / r^2 (of a segment: length cos sin' / r^2)",
                 c->name, (double)xi.x, (double)xi.y);
@@ -389,7 +399,7 @@ static void each_sample_is_the_integrand_at_its_place(void **state)
                 rk_light_sample_at(&coloured, RK_FALLOFF_PHYSICAL, RK_LIGHT_DOMAIN_AREA, c->point,
                                    xi)
                     .colour,
-                rk_scale(own, sample.colour.x), 0x1p-22f * sample.colour.x,
+                rk_scale(own, sample.colour.x), 0x1p-22f * weight,
                 "the light's colour at the sample's place, each channel times the same weight");
         }
     rk_check(lit > 2000, "only %d samples are lit, want more than 2000", lit);
@@ -859,17 +869,22 @@ static void no_light_and_no_point_give_nan(void **state)
             rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, (rk_light_domain)(i / 3 % 2), v[3], xi);
         float irradiance = rk_light_irradiance(&light, v[3], rk_vec(0, 0.6f, 0.8f));
         lit += light.kind == RK_LIGHT_PARALLELOGRAM && sample.colour.x > 0 && irradiance > 0;
+        rk_check(!(sample.colour.x < 0),
+                 "light %u, coordinates of about %g: got a sample of weight %g: weights are finite "
+                 "and not negative",
+                 i, (double)scale, (double)sample.colour.x);
         rk_check(
             isfinite(sample.position.x + sample.position.y + sample.position.z) &&
-                isfinite(sample.colour.x) && sample.colour.x >= 0,
+                isfinite(sample.colour.x),
             "light %u, coordinates of about %g: got a sample at (%g, %g, %g) of weight %g, want "
             "finite numbers: no direction may be divided by a length of 0, and r^3 leaves the "
-            "range "
-            "of a float, but not that of a double",
+            "range of a float, but not that of a double",
             i, (double)scale, (double)sample.position.x, (double)sample.position.y,
             (double)sample.position.z, (double)sample.colour.x);
+        rk_check(!(irradiance < 0), "light %u: got an irradiance of %g: it is never negative", i,
+                 (double)irradiance);
         rk_check(
-            isfinite(irradiance) && irradiance >= 0,
+            isfinite(irradiance),
             "light %u: got an irradiance of %g, want a finite one: skip edges without an angle", i,
             (double)irradiance);
     }

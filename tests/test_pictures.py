@@ -87,10 +87,24 @@ def starters_draw(folder):
         lit, kinds = sum(grey > 0 for grey in found) / len(found), len(set(found))
         check(lit > 0.02 and kinds >= FEWEST_GREYS, f"{stem}: with nothing solved its picture shows form",
               f"{lit:.0%} of the pixels are not black, in {kinds} greys\n{said}")
-        check(re.search(rf"\b{stem}\b.* still the starter", said),
+        check(re.search(rf"\b{stem}\b.* (still the starter|find no triangles yet|finds no triangles yet)", said),
               f"{stem}: the driver says that it is still the starter", said)
     said, _ = _draw(driver_of(FEATURES["bvh_median"]), os.path.join(folder, "out"), *SIZE)
     check("stand-in" in said, "the driver says that rays go through a stand-in tree", said)
+    check("the picture shows it" not in said or "bvh_median" not in said.split("; the picture shows it")[0].splitlines()[-1].split(": ", 1)[-1],
+          "it does not say that a tree is seen in the picture, which a stand-in draws, too", said)
+    said, _ = _draw(driver_of(FEATURES["bvh_median"]), os.path.join(folder, "out"), *SIZE, "--debug", "level", "--level", "0")
+    check("bvh_median" in said and re.search(r"\bbvh_median\b[^:]* still the starter", said), "a view of the tree shows it", said)
+    look = read_looks(FEATURES["bvh_median"])[-1]
+    said, _ = _draw(driver_of(FEATURES["bvh_median"]), os.path.join(folder, "out"), *draw.small(look.options),
+                    "--compare", look.picture)
+    check(re.search(r"shows where; shading [^;]*still the starter here, and solved in the wanted picture", said),
+          "where a picture differs that uses starters, they are named", said)
+    shutil.copyfile(FEATURES["bvh_median"].reference, os.path.join(mine, "bvh_median.c"))
+    link_drivers(toolchain, mine, "normals")
+    said, _ = _draw(driver_of(FEATURES["normals"]), os.path.join(folder, "out"), *SIZE)
+    check("sah_binning finds no triangles yet" in said and "--split median" in said and "stand-in" not in said,
+          "where bvh_median is solved, and sah_binning is not, rays go through the tree of bvh_median", said)
 
 
 # --- Looks ------------------------------------------------------------------------------------------
@@ -140,8 +154,8 @@ def a_students_picture_is_compared(folder):
     status, said = run(BUILD, make, "-s", "draw-normals", "STEP=1", f"IMPL={folder}/right")
     check(status == 0 and "look/1.png: the picture is the same" in said, "a right picture is the wanted one", said)
     status, said = run(BUILD, make, "-s", "draw-normals", "STEP=1", f"IMPL={folder}/wrong")
-    told = re.search(r"differs in \d+ % of the pixels, most at \d+,\d+; (\S+) shows where", said)
-    check(status == 0 and told and os.path.exists(os.path.join(BUILD, told[1])),
+    told = re.search(r"differs in \d+ % of the 128 x 128 pixels, most at \d+,\d+; (\S+) shows where\n", said)
+    check(status == 0 and "starter" not in said and told and os.path.exists(os.path.join(BUILD, told[1])),
           "of another one it is said how much differs and where, and a picture shows it", said)
     status, said = run(BUILD, make, "-s", "check-normals", f"IMPL={folder}/right")
     check(status == 0 and f"draw it: make draw-normals IMPL={folder}/right" in said,

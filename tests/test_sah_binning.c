@@ -426,6 +426,22 @@ static void the_first_of_equally_cheap_splits_is_taken(void **state)
              "got the cheapest on axis %c at boundary %u, want x and 1: among equal costs the "
              "first wins",
              best ? "xyz"[best->axis] : '-', best ? best->boundary : 0);
+    /* Splits of a node of billions of triangles, all of which are tested. */
+    const double costs[] = {4e9, 3e9, 2e9, 2e9};
+    rk_sah_split dear[4];
+    for (uint32_t k = 0; k < 4; k++) {
+        dear[k] = candidates[k];
+        dear[k].cost = costs[k];
+    }
+    for (uint32_t count = 1; count <= 4; count++) {
+        best = rk_sah_cheapest(dear, count);
+        uint32_t want = count < 3 ? count - 1 : 2;
+        rk_check(
+            best == &dear[want],
+            "the first %u of candidates that cost 4e9, 3e9, 2e9, 2e9: got %s, want that of %g: no "
+            "cost is too high to be the lowest",
+            count, best ? "another" : "none", costs[want]);
+    }
 }
 
 static void candidates_equal_brute_force(void **state)

@@ -416,16 +416,35 @@ static void stops_at_one_place_make_a_step(void **state)
                  "below all: the first of the lowest");
     check_colour(rk_gradient_at(&ends, 2), rk_vec(1, 1, 1), 0,
                  "above all: the last of the highest");
+    /* Red before green at one place; a stop below and one above it anywhere in the list. */
+    for (uint32_t low = 0; low < 4; low++)
+        for (uint32_t high = 0; high < 4; high++) {
+            if (low == high)
+                continue;
+            rk_gradient step = {.count = 4};
+            rk_gradient_stop pair[] = {{0.5f, {1, 0, 0}}, {0.5f, {0, 1, 0}}}, *next = pair;
+            for (uint32_t i = 0; i < 4; i++)
+                step.stops[i] = i == low    ? (rk_gradient_stop){0, {0, 0, 0}}
+                                : i == high ? (rk_gradient_stop){1, {1, 1, 1}}
+                                            : *next++;
+            check_colour(rk_gradient_at(&step, 0.25f), rk_vec(0.5f, 0, 0), 0,
+                         "below the step the first of them in the list counts, wherever in the "
+                         "list lower and higher stops are");
+            check_colour(rk_gradient_at(&step, 0.5f), rk_vec(0, 1, 0), 0,
+                         "at the step the last of them in the list counts, wherever in the list "
+                         "lower and higher stops are");
+        }
 }
 
 static void one_stop_is_one_colour_and_none_is_black(void **state)
 {
     (void)state;
-    const rk_gradient one = {1, {{0.25f, {0.5f, 0.25f, 1}}}}, none = {0};
+    const rk_gradient one = {1, {{0.25f, {0.5f, 0.25f, 1}}}}, none = {0, {{0, {0, 1, 0}}}};
     for (float x = -1; x <= 1; x += 0.25f) {
         check_colour(rk_gradient_at(&one, x), rk_vec(0.5f, 0.25f, 1), 0,
                      "there is only one colour");
-        check_colour(rk_gradient_at(&none, x), black, 0, "no stops, no light");
+        check_colour(rk_gradient_at(&none, x), black, 0,
+                     "no stops, no light: with a count of 0, stops[0] is not read");
     }
 }
 
@@ -496,12 +515,34 @@ static void check_highlights(bool normalized, double s, double tolerance_of_one,
     }
 }
 
+/* Cosines whose power of 50 is e^-2 to e^-80; the smallest float with all of its digits is e^-87.
+ */
+static void check_faint_highlights(void)
+{
+    const double s = 50;
+    for (int faint = 2; faint <= 80; faint += 2)
+        for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
+            /* The viewer is where the light is: h = l, and r is twice as far from v as `up` is. */
+            double angle = acos(exp(-faint / s)) * 180 / pi;
+            rk_vec3 l = direction(model == RK_SHADING_PHONG ? angle / 2 : angle, 20);
+            double got = (double)highlight((rk_shading_model)model, (float)s, l, l);
+            double want = exact_highlight((rk_shading_model)model, false, s, up, l, l);
+            /* A cosine of 0.2 or more is off by some roundings of order one, its power relatively
+             * by 50 times as much. */
+            rk_check(fabs(got - want) <= s / 0.2 * few_roundings * want,
+                     "%s, shininess %g: got %.9g, want %.9g: however faint, a strong light makes "
+                     "the lobe visible",
+                     model_names[model], s, got, want);
+        }
+}
+
 static void highlights_agree_with_double_precision(void **state)
 {
     (void)state;
     const double shininess[] = {0, 1, 1.5, 2, 7, 10, 50};
     for (uint32_t i = 0; i < sizeof shininess / sizeof shininess[0]; i++)
         check_highlights(false, shininess[i], power_tolerance(shininess[i]), i);
+    check_faint_highlights();
 }
 
 static void normalized_highlights_agree_with_double_precision(void **state)

@@ -200,9 +200,15 @@ def progress_tests_what_changed(pack):
 
 def drivers_are_built_alone(pack):
     write("int broken = ;\n", pack, "workbook", OTHER + ".c")
+    status, said = make(pack, f"draw-{STEM}")
+    check(status == 0 and "of the 128 x 128 pixels" in said, "a picture is drawn before any driver is built", said)
     status, said = make(pack, f"driver-{STEM}")
-    driver = os.path.join(pack, "impl", "assignments", FEATURE.folder, STEM)
+    path = f"impl/assignments/{FEATURE.folder}/{STEM}"
+    driver = os.path.join(pack, path)
     check(status == 0 and os.access(driver, os.X_OK), "a unit that does not compile spoils no other driver", said)
+    told = said.rstrip().splitlines()[-1]
+    check(told.startswith(f"run {path} (--help lists its options); units: workbook") and OTHER not in told,
+          "the driver's command is told, without a list of units that are all in one folder", said)
     others = [feature.folder for feature in FEATURES.values() if feature.stem != STEM]
     built = [folder for folder in others for name in os.listdir(os.path.join(pack, "assignments", folder)) if name.endswith(".o")]
     check(not built, "only one driver is built", built)
@@ -279,7 +285,11 @@ def a_renamed_file_stops_the_check(pack):
     status, said = make(pack, f"check-{STEM}")
     check(status != 0 and f"rename Bvh_Median.c to {STEM}.c" in said and len(said.splitlines()) <= 2,
           "a file with another name stops the check in one line", said)
-    os.rename(os.path.join(pack, "workbook", "Bvh_Median.c"), os.path.join(pack, "workbook", "gone"))
+    os.rename(os.path.join(pack, "workbook", "Bvh_Median.c"), os.path.join(pack, "workbook", f"my_{STEM}.c"))
+    for command in ("draw", "driver"):
+        status, said = make(pack, f"{command}-{STEM}")
+        check(status != 0 and f"rename my_{STEM}.c to {STEM}.c" in said and "No rule" not in said, f"so it does {command}", said)
+    os.rename(os.path.join(pack, "workbook", f"my_{STEM}.c"), os.path.join(pack, "workbook", "gone"))
     status, said = make(pack, f"check-{STEM}")
     check(status != 0 and "make workbook DIR=workbook" in said and len(said.splitlines()) <= 2,
           "one that is missing says how to get it back", said)

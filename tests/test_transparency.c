@@ -528,6 +528,14 @@ static void a_start_inside_a_block_counts_from_the_start(void **state)
                                      face(0.75f, 1, false, sigma)};
     check_thickness(crossings, 1, 1, 0.25, "left without having been entered: the start is inside");
     check_thickness(crossings, 3, 1, 0.5, "from the start to 0.25, from 0.5 to 0.75");
+    for (int e = 2; e <= 24; e++) { /* down to the next float */
+        float gap = ldexpf(1, -e);
+        const rk_crossing blocks[] = {face(0.5f, 1, false, sigma),
+                                      face(0.5f + gap, 1, true, sigma)};
+        check_thickness(blocks, 2, 1, 1 - (double)gap,
+                        "however narrow the gap between two blocks, a ray that leaves before it "
+                        "enters starts inside: only crossings at one t count together");
+    }
 }
 
 static void a_light_inside_a_block_counts_up_to_the_light(void **state)

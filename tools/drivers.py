@@ -8,6 +8,7 @@ units' authors. If a unit cannot be built, a script that reports it replaces the
 and STEM.unmade beside it has the reason."""
 
 import os
+import re
 import subprocess
 import sys
 
@@ -52,6 +53,11 @@ def _sentence(units, impl):
     names = [f"{author} ({', '.join(stems)})" for author, stems in own.items()]
     rest = [f"others: {' or '.join(sorted(others, reverse=True))}"] if others else []
     return "units: " + ", ".join(names + rest) if own else ""
+
+
+def _authors(sentence):
+    """The sentence without the list of units, if one author has written them all."""
+    return re.sub(r" \([^)]*\)(?=$|, others)", "", sentence) if sentence.count("(") == 1 else sentence
 
 
 def _is_starter(unit):
@@ -159,7 +165,8 @@ def main():
         path = driver_of(read_features(toolchain.source)[arguments.only])
         if os.path.exists(os.path.join(toolchain.build, path + ".unmade")):
             return 1
-        print(f"{path} draws with {sentence.removeprefix('units: ') or 'the reference'}; try {path} --help")
+        units = f"; {_authors(sentence)}" if sentence else ""
+        print(f"run {path} (--help lists its options){units}")
     except ToolError as error:
         print(f"drivers: {error}", file=sys.stderr)
         return 1

@@ -59,7 +59,8 @@ function build_one(stem, folder, needs, note, unit, driver, name) {
     print "\nunit_" stem " = " unit
     print name "_SOURCES =" only(seen, "^assignments/" folder "/")
     print name "_LDADD = $(driver_libs)"
-    print "driver-" stem ": $(" name "_OBJECTS)"
+    print "driver-" stem " draw-" stem ": $(" name "_OBJECTS)"
+    print "draw-" stem ": $(if $(impl),," driver "$(EXEEXT))"
     print "tests_test_" stem "_SOURCES = tests/test_" stem ".c $(unit_" stem ")" units_of(needs)
     drivers = drivers " " driver
     headers = headers " src/features/" stem ".h"

@@ -11,7 +11,6 @@ import difflib
 import os
 import random
 import re
-import shlex
 import shutil
 import signal
 import subprocess
@@ -29,7 +28,7 @@ from grading import sandbox
 from grading import unit_rules
 from grading.assignments import (
     DEDUCTION, FREES_ALL, KEEPS_NOTHING, Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format,
-    read_features, read_points, submitted_unit, unit_beside,
+    read_features, read_points, remedy, submitted_unit, unit_beside,
 )
 from grading.starters import starter_of
 from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_secret
@@ -223,7 +222,7 @@ def _about_needs(suite, units):
         with open(unit.path, encoding="utf-8", errors="replace") as file:
             if file.read() == starter_of(unit.feature.reference):
                 return f"it needs {stem}, which is still the starter: solve that first"
-        return f"it needs your {stem}, too: does make check-{stem} give it all points?"
+        return f"it uses your {stem}, too: the fault is there if make check-{stem} does not give it all points, else here"
     return ""
 
 
@@ -385,12 +384,9 @@ def _require_units(build_folder, stems, impl):
         try:
             submitted_unit(feature, impl)
         except UnitError as error:
-            near = [other for other in (os.listdir(impl) if os.path.isdir(impl) else []) if other != name
-                    and other.lower() in (name, name.replace("_", "-"), name.replace("_", ""))]
             if os.path.lexists(os.path.join(impl, name)) or not os.path.isdir(impl):
                 raise
-            remedy = f"rename {near[0]} to {name}" if near else f"make workbook DIR={shlex.quote(impl)} puts the starter there"
-            raise ToolError(f"there is no {os.path.join(impl, name)}; {remedy}") from error
+            raise ToolError(f"there is no {os.path.join(impl, name)}; {remedy(feature, impl, impl)}") from error
 
 
 def _grade_apart(toolchain, features, suites, impl, decoys, progress):

@@ -18,7 +18,7 @@ import tarfile
 import tempfile
 
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
-from handout_text import as_packed, handout_of
+from handout_text import as_packed, handout_of, with_built_drivers
 from grading.leak_check import prove
 from grading.originals import keep_originals
 from grading.starters import RegionError, handed_out_of, left_open_of, starter_of
@@ -99,6 +99,8 @@ def _adapt_texts(source, pack, features, chosen):
             texts[name] = file.read()
     texts["docs/book.md"] = texts["docs/book.md"].replace("bvh_median", chosen[0].stem)
     for name, text in texts.items():
+        if name != "README.md":  # it builds all drivers first
+            text = with_built_drivers(text)
         write_whole(os.path.join(pack, name), as_packed(text, name, [feature.stem for feature in chosen]))
 
 
@@ -160,7 +162,8 @@ def _title_and_time(pack, feature):
 def _cover_command(source):
     """README.md's command that draws the picture at its top."""
     with open(os.path.join(source, "README.md"), encoding="utf-8") as file:
-        return re.search(r"^    assignments/\S+ --scene cover --env(.*\\\n)*.*", file.read(), re.MULTILINE)[0]
+        command = re.search(r"^    assignments/\S+ --scene cover --env(.*\\\n)*.*", file.read(), re.MULTILINE)[0]
+    return with_built_drivers(command)
 
 
 def _write_handout(source, pack, features, has_book):

@@ -14,6 +14,7 @@ from grading.assignments import ToolError, read_looks, read_points
 _LINK = re.compile(r"^\[[^]]*\]\(\.\./(handout_common\.md)#([\w-]+)\).*$", re.MULTILINE)
 _STEP = re.compile(r"^\| (\d+) \|.*\|$", re.MULTILINE)
 _KIT_OR_PACK = re.compile(r"^<!-- kit -->\n(.*?)^<!-- pack\n(.*?)^end -->\n", re.MULTILINE | re.DOTALL)
+_RUN = re.compile(r"( *)assignments/(\d+_(\w+))/\3 --")
 _OF_THE_KIT = re.compile(r"\b(IMPL|DIR)=mine\b|(?<![\w/])mine/|`mine`|<!-- (kit|pack)\b")
 
 
@@ -63,6 +64,23 @@ def handout_of(source, feature):
         return re.sub(r"\{(stem|folder|number)\}", lambda word: filled[word[1]], shared[anchor])
 
     return _LINK.sub(section, own)
+
+
+def with_built_drivers(text):
+    """Puts the command that makes a driver of a pack before the lines that run it."""
+    made = None
+
+    def command(line):
+        nonlocal made
+        found = _RUN.match(line)
+        if not found:
+            made = made if line.strip() else None
+            return line
+        make = "" if made == found[3] else f"{found[1]}make driver-{found[3]}\n"
+        made = found[3]
+        return f"{make}{found[1]}impl/{line[len(found[1]):]}"
+
+    return "\n".join(command(line) for line in text.split("\n"))
 
 
 def as_packed(text, name, stems):

@@ -6,14 +6,26 @@
 
 #include <string.h>
 
+/* Traces another tree than the one that was built: that of --split median if it finds triangles. */
 static bool stand_in(rk_driver *driver, rk_error *error)
 {
+    bool is_median = driver->split == RK_ACCEL_MEDIAN;
     driver->unfinished = driver->accel;
+    driver->accel = (rk_accel){0};
+    if (!is_median && !rk_accel_build(&driver->accel, RK_ACCEL_MEDIAN, &driver->scene, error))
+        return false;
+    bool uses_median = !is_median && rk_accel_finds_triangles(&driver->accel);
+    /* Rays traverse every tree by bvh_median's functions. */
+    const char *whose = uses_median ? "the tree of sah_binning finds"
+                        : !is_median && rk_is_starter("sah_binning")
+                            ? "the trees of bvh_median and sah_binning find"
+                            : "the tree of bvh_median finds";
     if (!driver->quiet)
-        fprintf(
-            stderr,
-            "%s: the tree finds no triangles yet, so the picture is traced through a stand-in\n",
-            driver->feature);
+        fprintf(stderr, "%s: %s no triangles yet, so the picture is traced through %s\n",
+                driver->feature, whose, uses_median ? "that of --split median" : "a stand-in");
+    if (uses_median)
+        return true;
+    rk_accel_free(&driver->accel);
     return rk_accel_build_stand_in(&driver->accel, &driver->scene, error);
 }
 

@@ -3,6 +3,7 @@
 #include "driver/driver.h"
 #include "driver/implementation_note.h"
 #include "driver/picture_difference.h"
+#include "driver/unsolved.h"
 #include "io/image_file.h"
 #include "io/png.h"
 
@@ -114,6 +115,20 @@ static void print_caption(const rk_driver *driver, const char *path)
            PACKAGE_VERSION);
 }
 
+static void print_place(const rk_driver *driver, const rk_picture_difference *d,
+                        const rk_image *wanted, const char *shown)
+{
+    const rk_unsolved unsolved = rk_driver_unsolved(driver);
+    printf("%s: the picture differs in %.2g %% of the %zu x %zu pixels, most at %zu,%zu; %s shows "
+           "where",
+           driver->compared, 100 * (double)d->pixels / (double)(wanted->width * wanted->height),
+           wanted->width, wanted->height, d->x, d->y, shown);
+    if (*unsolved.text)
+        printf("; %s here, and solved in the wanted picture, so it cannot be the same yet",
+               unsolved.text);
+    printf("\n");
+}
+
 /* What is known of the difference, and the picture of it beside the one at `path`. */
 static bool print_difference(const rk_driver *driver, const char *path, const rk_image *wanted,
                              rk_error *error)
@@ -129,10 +144,7 @@ static bool print_difference(const rk_driver *driver, const char *path, const rk
     if (ok && d.pixels == 0)
         printf("%s: the picture is the same\n", driver->compared);
     else if (ok)
-        printf(
-            "%s: the picture differs in %.2g %% of the pixels, most at %zu,%zu; %s shows where\n",
-            driver->compared, 100 * (double)d.pixels / (double)(wanted->width * wanted->height),
-            d.x, d.y, place);
+        print_place(driver, &d, wanted, place);
     return ok;
 }
 

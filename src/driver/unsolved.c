@@ -6,23 +6,37 @@
 #include <stdio.h>
 #include <string.h>
 
-/* A feature that is never `wanted` is always there: trees and shading. */
-static bool is_unsolved(const rk_plan *plan, uint32_t feature)
+bool rk_is_starter(const char *stem)
 {
     char name[64];
-    snprintf(name, sizeof name, " %s ", rk_features[feature]->stem);
-    return (!rk_features[feature]->wanted || rk_plan_has(plan, feature)) &&
-           strstr(rk_unsolved_features, name);
+    snprintf(name, sizeof name, " %s ", stem);
+    return strstr(rk_unsolved_features, name) != NULL;
 }
 
-rk_unsolved rk_unsolved_features_of(const rk_plan *plan)
+/* Rays find the same hits in every tree: only a view of the tree itself shows how it was built. */
+static bool shows_tree_of(const rk_driver *driver, uint32_t feature)
+{
+    bool is_view = driver->debug && (strcmp(driver->feature, "bvh_median") == 0 ||
+                                     strcmp(driver->feature, "sah_binning") == 0);
+    return is_view && (feature == RK_FEATURE_bvh_median ||
+                       (feature == RK_FEATURE_sah_binning && driver->split != RK_ACCEL_MEDIAN));
+}
+
+/* `driver`: NULL if the picture is no view of a tree. */
+static bool is_unsolved(const rk_plan *plan, const rk_driver *driver, uint32_t feature)
+{
+    return rk_is_starter(rk_features[feature]->stem) &&
+           (rk_plan_has(plan, feature) || (driver && shows_tree_of(driver, feature)));
+}
+
+static rk_unsolved unsolved_of(const rk_plan *plan, const rk_driver *driver)
 {
     rk_unsolved unsolved = {""};
     uint32_t all = 0, named = 0;
     for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
-        all += is_unsolved(plan, i);
+        all += is_unsolved(plan, driver, i);
     for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++) {
-        if (!is_unsolved(plan, i))
+        if (!is_unsolved(plan, driver, i))
             continue;
         named++;
         strcat(unsolved.text, named == 1 ? "" : named == all ? " and " : ", ");
@@ -33,12 +47,22 @@ rk_unsolved rk_unsolved_features_of(const rk_plan *plan)
     return unsolved;
 }
 
+rk_unsolved rk_unsolved_features_of(const rk_plan *plan)
+{
+    return unsolved_of(plan, NULL);
+}
+
+rk_unsolved rk_driver_unsolved(const rk_driver *driver)
+{
+    const rk_plan plan = rk_plan_of(&driver->scene, &driver->render);
+    return unsolved_of(&plan, driver);
+}
+
 void rk_driver_note_unsolved(const rk_driver *driver)
 {
     if (driver->quiet || driver->image.pixels == NULL)
         return;
-    const rk_plan plan = rk_plan_of(&driver->scene, &driver->render);
-    const rk_unsolved unsolved = rk_unsolved_features_of(&plan);
+    const rk_unsolved unsolved = rk_driver_unsolved(driver);
     if (*unsolved.text)
         fprintf(stderr, "%s: %s; the picture shows it\n", driver->feature, unsolved.text);
 }

@@ -4,6 +4,9 @@
 
 #include "driver/driver.h"
 
+/* Is the feature's unit still the starter? */
+bool rk_is_starter(const char *stem);
+
 /* "shading and bloom are still the starters"; empty if this picture uses no starter. */
 typedef struct rk_unsolved {
     char text[512];
@@ -11,6 +14,9 @@ typedef struct rk_unsolved {
 
 /* `plan`: of the picture. */
 rk_unsolved rk_unsolved_features_of(const rk_plan *plan);
+
+/* The same of the driver's picture, and of the tree that it is a view of. */
+rk_unsolved rk_driver_unsolved(const rk_driver *driver);
 
 /* Prints it for the driver's picture, unless --quiet. */
 void rk_driver_note_unsolved(const rk_driver *driver);

@@ -9,7 +9,7 @@
 typedef struct rk_shading_point {
     rk_surface surface;
     rk_vec3 kd;
-    rk_vec3 to_viewer; /* unit, back along the ray; to the last bit with plan.viewer */
+    rk_vec3 to_viewer; /* unit, back along the ray; 0 unless plan.viewer */
     rk_path path;      /* from this point on */
     uint16_t pixel;
 } rk_shading_point;

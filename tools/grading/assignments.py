@@ -10,6 +10,7 @@ import argparse
 import csv
 import os
 import re
+import shlex
 
 
 class ToolError(Exception):
@@ -205,6 +206,15 @@ def _what_is_in(folder):
     return ", ".join(names) or "nothing"
 
 
+def remedy(feature, folder, shown):
+    """Says how a folder gets the unit that is missing there: by another name for the file that was probably meant."""
+    name, plain = feature.stem + ".c", feature.stem.replace("_", "")
+    near = [other for other in sorted(os.listdir(folder) if os.path.isdir(folder) else []) if other != name
+            and other.endswith((".c", ".C"))
+            and plain in other.lower().replace("_", "").replace("-", "")]
+    return f"rename {near[0]} to {name}" if near else f"make workbook DIR={shlex.quote(shown)} puts the starter there"
+
+
 def unit_beside(feature, impl, handed_out):
     """Returns the unit with which another feature's work is built: the reference, so that each
     assignment is graded separately. If the feature is handed out, too, and so has no reference, it is
@@ -219,7 +229,7 @@ def unit_beside(feature, impl, handed_out):
         except UnitError:
             pass
     if not os.path.isfile(feature.workbook):
-        raise ToolError(f"workbook/{feature.stem}.c is missing; make workbook DIR=workbook puts the starter there")
+        raise ToolError(f"workbook/{feature.stem}.c is missing; {remedy(feature, os.path.dirname(feature.workbook), 'workbook')}")
     return Unit(feature, feature.workbook, f"workbook/{feature.stem}.c", False)
 
 

@@ -23,9 +23,9 @@ shading_point_at(rk_shading_point *point, const rk_rendering *r, const rk_path_b
     point->kd = point->surface.material->kd;
     if (r->plan.textures)
         point->kd = rk_surface_kd(&point->surface, &r->scene->mesh);
-    point->to_viewer = rk_negate(ray.direction); /* unit, apart from many bounces' roundings */
+    point->to_viewer = rk_vec(0, 0, 0);
     if (r->plan.viewer)
-        point->to_viewer = rk_normalize(point->to_viewer);
+        point->to_viewer = rk_negate(rk_normalize(ray.direction));
     point->path = paths->path[i];
     point->pixel = paths->pixel[i];
 }
