@@ -229,7 +229,8 @@ def unit_beside(feature, impl, handed_out):
         except UnitError:
             pass
     if not os.path.isfile(feature.workbook):
-        raise ToolError(f"workbook/{feature.stem}.c is missing; {remedy(feature, os.path.dirname(feature.workbook), 'workbook')}")
+        how = remedy(feature, os.path.dirname(feature.workbook), "workbook")
+        raise ToolError(f"workbook/{feature.stem}.c is missing; {how}")
     return Unit(feature, feature.workbook, f"workbook/{feature.stem}.c", False)
 
 
