@@ -1,5 +1,5 @@
 """Calls of the C library that units may not name, as a determined attacker makes them: by the distance
-from one that they may. So tests can try what lies behind the rules for units."""
+from one that they may. So tests can try the defences behind the rules for units."""
 
 import ctypes
 

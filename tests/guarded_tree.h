@@ -101,8 +101,8 @@ static inline void guarded_free(guarded_tree *tree)
     munmap(tree->copy.triangles, tree->triangle_bytes);
 }
 
-/* Opens what lies in boxes that the ray enters at t or before, and their children's boxes; returns
- * the tests that looking at all of it takes, without the root's box. */
+/* Opens the contents of boxes that the ray enters at t or before, and their children's boxes;
+ * returns the tests that looking at all of it takes, without the root's box. */
 static inline rk_counters guarded_open_below(guarded_tree *tree, uint32_t node,
                                              const rk_slabs *slabs, float t)
 {

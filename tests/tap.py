@@ -1,4 +1,4 @@
-"""TAP for suites in Python: claims with their verdicts, and commands as at a prompt."""
+"""TAP for suites in Python: claims with their verdicts, commands as at a prompt, and files."""
 
 import os
 import subprocess
@@ -28,3 +28,14 @@ def run(folder, *command):
     answer = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace", check=False)
     return answer.returncode, answer.stdout
+
+
+def read(*path):
+    with open(os.path.join(*path), encoding="utf-8") as file:
+        return file.read()
+
+
+def write(text, *path):
+    os.makedirs(os.path.dirname(os.path.join(*path)), exist_ok=True)
+    with open(os.path.join(*path), "w", encoding="utf-8") as file:
+        file.write(text)

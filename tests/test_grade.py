@@ -30,7 +30,7 @@ from grading.assignments import ScoredTest, ToolError, Unit, check_impl, read_fe
 from grading.starters import is_handed_out, starter_of  # noqa: E402
 from workbook import make_workbook  # noqa: E402
 from by_address import by_address  # noqa: E402
-from tap import check, finish  # noqa: E402
+from tap import check, finish, read  # noqa: E402
 
 FEATURES = read_features(SOURCE)
 FEATURE = FEATURES["bvh_median"]
@@ -254,11 +254,6 @@ def a_report_is_written_whole(suites, folder):
     with open(path, encoding="utf-8") as file:
         check("score" in json.load(file) and not [name for name in os.listdir(folder) if name.startswith(".part")],
               "a report that cannot be written leaves the old one, and nothing else")
-
-
-def read(*path):
-    with open(os.path.join(*path), encoding="utf-8") as file:
-        return file.read()
 
 
 def a_workbook_is_the_students(folder):

@@ -21,7 +21,7 @@ from grading.assignments import ToolError, read_features, read_points  # noqa: E
 from grading.build import Toolchain  # noqa: E402
 from grading.mutants import mutate, read_mutants  # noqa: E402
 from grading.starters import is_handed_out, is_left_open, solution_lines, starter_of  # noqa: E402
-from tap import check, finish, run  # noqa: E402
+from tap import check, finish, read, run, write  # noqa: E402
 
 STEM, NEXT = "bvh_median", "sah_binning"  # the second builds its trees by the first
 FEATURES = read_features(SOURCE)
@@ -31,17 +31,6 @@ TESTS = read_points(FEATURE)
 TOTAL = sum(test.points for test in TESTS)
 SECRET = max(sorted(solution_lines(FEATURE.reference)), key=len)
 COMMON = "for (uint32_t i = 0; i < count; i++)"
-
-
-def read(*path):
-    with open(os.path.join(*path), encoding="utf-8") as file:
-        return file.read()
-
-
-def write(text, *path):
-    os.makedirs(os.path.dirname(os.path.join(*path)), exist_ok=True)
-    with open(os.path.join(*path), "w", encoding="utf-8") as file:
-        file.write(text)
 
 
 # --- The instructor packs -------------------------------------------------------------------------

@@ -53,7 +53,7 @@ static void check_counts(const rk_sah_split *split, uint32_t left, uint32_t righ
 
 /* --- The same by brute force, in double ------------------------------------------------------ */
 
-/* One bin boundary, with which every centroid is compared: what lies on either side. */
+/* One bin boundary, with which every centroid is compared: the boxes on either side. */
 typedef struct trial {
     int axis;
     uint32_t boundary, triangles[2];
@@ -428,16 +428,16 @@ static void the_first_of_equally_cheap_splits_is_taken(void **state)
              best ? "xyz"[best->axis] : '-', best ? best->boundary : 0);
     /* Splits of a node of billions of triangles, all of which are tested. */
     const double costs[] = {4e9, 3e9, 2e9, 2e9};
-    rk_sah_split dear[4];
+    rk_sah_split costly[4];
     for (uint32_t k = 0; k < 4; k++) {
-        dear[k] = candidates[k];
-        dear[k].cost = costs[k];
+        costly[k] = candidates[k];
+        costly[k].cost = costs[k];
     }
     for (uint32_t count = 1; count <= 4; count++) {
-        best = rk_sah_cheapest(dear, count);
+        best = rk_sah_cheapest(costly, count);
         uint32_t want = count < 3 ? count - 1 : 2;
         rk_check(
-            best == &dear[want],
+            best == &costly[want],
             "the first %u of candidates that cost 4e9, 3e9, 2e9, 2e9: got %s, want that of %g: no "
             "cost is too high to be the lowest",
             count, best ? "another" : "none", costs[want]);

@@ -15,14 +15,15 @@ SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
+import grade  # noqa: E402
 import handout  # noqa: E402
 import hint  # noqa: E402
 from grading import results, verdicts  # noqa: E402
-from grading.assignments import ScoredTest, ToolError, Unit, read_features, read_points  # noqa: E402
+from grading.assignments import DEDUCTION, ScoredTest, ToolError, Unit, read_features, read_points  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
 from grading.starters import starter_of  # noqa: E402
 from handout_text import handout_of  # noqa: E402
-from tap import check, finish, run  # noqa: E402
+from tap import check, finish, read, run, write  # noqa: E402
 
 MAKE = os.environ.get("MAKE", "make")
 STEM, OTHER = "bvh_median", "bloom"
@@ -34,17 +35,6 @@ SCREEN = 24
 NAME = "Übung\t1; (50 %) | ~*"  # a folder's
 
 
-def read(*path):
-    with open(os.path.join(*path), encoding="utf-8") as file:
-        return file.read()
-
-
-def write(text, *path):
-    os.makedirs(os.path.dirname(os.path.join(*path)), exist_ok=True)
-    with open(os.path.join(*path), "w", encoding="utf-8") as file:
-        file.write(text)
-
-
 def make(folder, *arguments):
     return run(folder, MAKE, "-s", "-j2", *arguments)
 
@@ -52,27 +42,14 @@ def make(folder, *arguments):
 # --- What is said ---------------------------------------------------------------------------------
 
 
-class Suite:
-    """A suite with these verdicts, as the grader's."""
+class Suite(grade.Suite):
+    """A suite with these verdicts."""
 
     def __init__(self, feature, tests, failing, warnings="", problem="", reason="got 1, want 2", printed=""):
-        self.feature, self.tests, self.warnings, self.problem = feature, tests, warnings, problem
-        self.unit = Unit(feature, "mine/x.c", "mine/x.c", False)
+        super().__init__(feature, Unit(feature, "mine/x.c", "mine/x.c", False), tests)
+        self.warnings, self.problem = warnings, problem
         self.verdicts = {test.name: verdicts.Verdict(test.name not in failing, reason if test.name in failing else "",
                                                      "tests/x.c:1", printed) for test in tests}
-        self.__dict__.update(beside="", remarks=[])
-
-    def passed(self):
-        return all(verdict.passed for verdict in self.verdicts.values())
-
-    def points(self):
-        return sum(test.points for test in self.tests if self.verdicts[test.name].passed)
-
-    def claims(self):
-        return self.tests
-
-    def points_max(self):
-        return sum(test.points for test in self.tests)
 
 
 def a_verdict_fits_on_a_screen():
@@ -97,7 +74,7 @@ def a_verdict_fits_on_a_screen():
     check(not long, "reasons are as wide as the terminal", long)
     kept = [ScoredTest("it_held", 0, "#"), ScoredTest("it_counts", 100, "#")]
     told = results.text([Suite(FEATURE, kept, ["it_held"])], "mine")
-    check("100 of 100" not in told and "a claim that held is broken" in told, "no failure stands beside full points", told)
+    check(f"{100 - DEDUCTION} of 100 points" in told and f"costs {DEDUCTION}" in told, "no failure stands beside full points", told)
 
 
 def what_is_printed_is_shown():

@@ -15,7 +15,7 @@ import sys
 from grading import build
 from grading.assignments import Parser, ToolError, check_impl, find_unit, read_features, reference_unit, unit_beside
 from grading.results import write_whole
-from grading.starters import is_left_open, starter_of
+from grading.starters import is_left_open, is_starter
 
 
 def _object(toolchain, unit, folder):
@@ -60,15 +60,9 @@ def _authors(sentence):
     return re.sub(r" \([^)]*\)(?=$|, others)", "", sentence) if sentence.count("(") == 1 else sentence
 
 
-def _is_starter(unit):
-    """Whether a unit's code is still the starter's, apart from blanks."""
-    with open(unit.path, encoding="utf-8", errors="replace") as file:
-        return not unit.is_reference and file.read().split() == starter_of(unit.feature.reference).split()
-
-
 def _object_that_says(toolchain, sentence, units, folder):
     """Returns the object that brings the sentence into a driver, and the names of the starters."""
-    starters = " ".join(["", *(unit.feature.stem for unit in units if _is_starter(unit)), ""])
+    starters = " ".join(["", *(unit.feature.stem for unit in units if is_starter(unit)), ""])
     literal = sentence.replace("\\", "\\\\").replace('"', '\\"')
     source = os.path.join(folder, "units.c")
     folder_of_pictures = "impl/out" if sentence else "out"

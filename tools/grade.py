@@ -30,7 +30,7 @@ from grading.assignments import (
     DEDUCTION, FREES_ALL, KEEPS_NOTHING, Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format,
     read_features, read_points, remedy, submitted_unit, unit_beside,
 )
-from grading.starters import starter_of
+from grading.starters import is_starter
 from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_secret
 
 MEGABYTES = 2048  # the suites stay below 300 with the sanitizers
@@ -219,9 +219,8 @@ def _about_needs(suite, units):
         stem = unit.feature.stem
         if unit.is_reference or suite.passed():
             continue
-        with open(unit.path, encoding="utf-8", errors="replace") as file:
-            if file.read() == starter_of(unit.feature.reference):
-                return f"it needs {stem}, which is still the starter: solve that first"
+        if is_starter(unit):
+            return f"it needs {stem}, which is still the starter: solve that first"
         return f"it uses your {stem}, too: the fault is there if make check-{stem} does not give it all points, else here"
     return ""
 

@@ -15,7 +15,6 @@ from grading.assignments import (
     Parser, ToolError, UnitError, choose, find_unit, read_features, read_points, submitted_unit, unit_beside,
 )
 from grading.build import Toolchain
-from grading.verdicts import Verdict
 
 
 def _content(path):
@@ -58,24 +57,22 @@ class Kept:
     def __init__(self, toolchain, stem, key):
         self._path, self._key = os.path.join(toolchain.build, "impl", "progress", stem + ".json"), key
 
-    def read(self):
-        """Returns {test: Verdict}, or None if there are none for this state."""
+    def read_into(self, suite):
+        """Gives the suite its verdicts; none if there are none for this state."""
         try:
             with open(self._path, encoding="utf-8") as file:
                 kept = json.load(file)
             if self._key and kept["key"] == self._key:
-                return {name: Verdict(passed, reason) for name, (passed, reason) in kept["verdicts"].items()}
+                suite.take(kept["judged"])
         except (OSError, ValueError, KeyError, TypeError):
-            pass
-        return None
+            suite.verdicts = {}
 
     def write(self, suite):
         """Keeps what would be the same next time: no verdict of a test that ran out of time."""
         if not self._key or suite.problem or any(verdict.timed_out for verdict in suite.verdicts.values()):
             return
         os.makedirs(os.path.dirname(self._path), exist_ok=True)
-        verdicts = {name: (verdict.passed, verdict.reason) for name, verdict in suite.verdicts.items()}
-        results.write_whole(self._path, json.dumps({"key": self._key, "verdicts": verdicts}) + "\n")
+        results.write_whole(self._path, json.dumps({"key": self._key, "judged": suite.judged()}) + "\n")
 
 
 def progress_of(build, stems, impl, show=None):
@@ -88,7 +85,7 @@ def progress_of(build, stems, impl, show=None):
                                      key_of(toolchain, features, suite.feature, impl, common)) for suite in suites}
     for suite in suites:
         if not suite.problem:
-            suite.verdicts = kept[suite.feature.stem].read() or {}
+            kept[suite.feature.stem].read_into(suite)
     due = [suite.feature.stem for suite in suites if not suite.verdicts]
     if due:
         tested = {suite.feature.stem: suite for suite in grade.grade_impl(build, due, impl, True, progress=show)[1]}

@@ -2,7 +2,7 @@
 
 #include "scene/bvh_build.h"
 
-/* --- Does a tree find anything? ----------------------------------------------------------------
+/* --- Does a tree find anything? ------------------------------------------------------------------
  */
 
 /* Rays that are tried; a tree that finds any triangle usually finds the first. */
@@ -39,7 +39,7 @@ bool rk_accel_finds_triangles(const rk_accel *accel)
     return finds;
 }
 
-/* --- The tree ----------------------------------------------------------------------------------
+/* --- The tree ------------------------------------------------------------------------------------
  */
 
 static rk_box box_of_leaf(const rk_mesh *mesh, uint32_t first, uint32_t count)

@@ -100,6 +100,12 @@ def is_left_open(path):
     return _begins_with(path, _LEFT_OPEN)
 
 
+def is_starter(unit):
+    """Whether a unit's code is still the starter's, apart from blanks."""
+    with open(unit.path, encoding="utf-8", errors="replace") as file:
+        return not unit.is_reference and file.read().split() == starter_of(unit.feature.reference).split()
+
+
 def _begins_with(path, note):
     with open(path, encoding="utf-8") as file:
         return file.readline().startswith(note)

@@ -9,7 +9,6 @@ import re
 import secrets
 import signal
 
-_MESSAGE_MAX = 500  # characters of a failed claim's message; a unit could write its own
 
 
 def make_secret(decoy):
@@ -106,8 +105,6 @@ def _failed_claim(outcome, name, suite_source):
     if not told:
         return None
     file, line, message = told.groups()
-    if len(message) > _MESSAGE_MAX:
-        message = message[:_MESSAGE_MAX] + " ..."
     printed = [text for text in printed_lines(outcome.output) if text not in message]
     if printed:
         more = f" (and {len(printed) - 3} more lines)" if len(printed) > 3 else ""
