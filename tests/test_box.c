@@ -51,6 +51,13 @@ static void the_longest_axis_prefers_x_then_y_among_equals(void **state)
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++)
         rk_check_equal(rk_box_longest_axis(box_of(rk_vec(0, 0, 0), cases[i].extent)), cases[i].axis,
                        "x before y before z");
+    /* Differences that overflow a float, all to the same infinity. */
+    for (int axis = 0; axis < 3; axis++) {
+        rk_vec3 half =
+            rk_vec(axis == 0 ? 3e38f : 2e38f, axis == 1 ? 3e38f : 2e38f, axis == 2 ? 3e38f : 2e38f);
+        rk_check_equal(rk_box_longest_axis(box_of(rk_negate(half), half)), axis,
+                       "extents too large for a float still differ");
+    }
 }
 
 /* --- the slab test by hand ------------------------------------------------------------------- */

@@ -45,12 +45,15 @@ static inline double rk_box_area(rk_box box)
     return x >= 0 ? 2 * (x * y + y * z + z * x) : 0;
 }
 
-/* The axis of the largest extent; of equal ones, x before y before z. */
+/* The axis of the largest extent; of equal ones, x before y before z. In double, because several
+ * extents may overflow a float, and would all be infinite. */
 static inline int rk_box_longest_axis(rk_box box)
 {
-    rk_vec3 d = rk_box_extent(box);
-    int axis = d.y > d.x ? 1 : 0;
-    return d.z > rk_axis(d, axis) ? 2 : axis;
+    double x = (double)box.corner[1].x - (double)box.corner[0].x;
+    double y = (double)box.corner[1].y - (double)box.corner[0].y;
+    double z = (double)box.corner[1].z - (double)box.corner[0].z;
+    int axis = y > x ? 1 : 0;
+    return z > (axis ? y : x) ? 2 : axis;
 }
 
 /* A ray prepared for the slab test, once for all boxes. The reciprocals are pushed apart by 2

@@ -27,7 +27,7 @@ static rk_vec3 uniform(rk_vec2 xi)
     float radius = sqrtf(xi.x * (1 + z)), phi = 2 * RK_PI * xi.y;
     return rk_vec(radius * cosf(phi), radius * sinf(phi), z);
     /* starter
-    // First step: a uniform height z, a uniform angle, and the radius for a unit vector.
+    // First step: the height z from xi.x, the angle from xi.y, and the radius for a unit vector.
     return rk_vec(0, 0, 0);
     end */
 }
@@ -118,7 +118,8 @@ float rk_ambient_below_sphere(float radius, float distance, float cosine)
 float rk_ambient_beside_wall(float height, float distance)
 {
     /* solution */
-    return (1 + distance / hypotf(distance, height)) / 2;
+    float tangent = height / distance; /* of the angle to the edge, above the floor */
+    return (1 + 1 / sqrtf(1 + tangent * tangent)) / 2;
     /* starter
     // Fifth step: half of the hemisphere, and the part of the other half above the wall.
     return -1;

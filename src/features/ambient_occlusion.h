@@ -22,8 +22,8 @@
 
 /* Maps the sample xi to a direction. */
 typedef enum rk_ambient_map {
-    RK_AMBIENT_UNIFORM, /* uniform in solid angle */
-    RK_AMBIENT_COSINE,  /* cosine-distributed: uniform on the disk below the hemisphere */
+    RK_AMBIENT_UNIFORM, /* uniform in solid angle: z = 1 - xi.x, at the angle 2 pi xi.y around it */
+    RK_AMBIENT_COSINE,  /* cosine-distributed: above rk_disk_at(RK_DISK_CONCENTRIC, xi) */
 } rk_ambient_map;
 
 typedef struct rk_ambient_occlusion_options {
@@ -49,12 +49,14 @@ typedef struct rk_ambient_frame {
 
 rk_ambient_frame rk_ambient_frame_of(rk_vec3 normal, rk_vec3 face_normal);
 
-/* Rotates a direction from the z axis to the normal. False if it points below the face or along
- * it, where the surface itself occludes it; `direction` is filled in all the same. */
+/* Rotates a direction, `local` with z at least 0, from the axes x, y, z to the frame's u, v,
+ * normal. False if it points below the face or along it, where the surface itself occludes it;
+ * `direction` is filled in all the same. */
 bool rk_ambient_direction(const rk_ambient_frame *frame, rk_vec3 local, rk_vec3 *direction);
 
 /* Returns L. `sum`: of weight times V over the directions, V a colour behind glass; `samples`:
- * the number of all directions, occluded ones and those into the surface included; at least 1. */
+ * the number of all directions, occluded ones and those into the surface included; at least 1.
+ * For intensities of at most 2^40 (1e12). */
 rk_vec3 rk_ambient_radiance(rk_vec3 kd, float intensity, rk_vec3 sum, uint32_t samples);
 
 /* A in closed form, with a single occluder. Lengths are in any unit: only their ratio counts. */

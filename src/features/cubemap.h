@@ -7,6 +7,9 @@
  *   bilinear   a mix of four texels of the same face           at the cube's edges
  *   seamless   the same across edges; at a corner of three     nowhere
  *              texels their mean replaces the fourth
+ *
+ * A place on the border of two texels is in the one to its right, or above it; at the face's right
+ * and upper edges in the last one.
  */
 #ifndef RK_FEATURES_CUBEMAP_H
 #define RK_FEATURES_CUBEMAP_H

@@ -15,7 +15,8 @@ typedef enum rk_focal_surface { RK_FOCAL_PLANE, RK_FOCAL_SPHERE } rk_focal_surfa
 
 typedef struct rk_lens {
     float focal_distance; /* of the focal surface, world units, above 0; may be infinite */
-    float aperture;       /* the lens's diameter, thousandths of a world unit; 0 is a pinhole */
+    float aperture;       /* the lens's diameter, thousandths of a world unit; 0 is a pinhole; at
+                             most a million focal distances */
     rk_focal_surface focal;
 } rk_lens;
 
@@ -30,8 +31,9 @@ rk_ray rk_lens_ray(const rk_lens *lens, const rk_view *view, float x, float y, r
  * rk_view_ray's: A |d - f| / (d f) over the side of a pixel at distance 1, where A is the aperture,
  * f the focal distance and d the point's depth. On a focal sphere d is the point's distance from
  * the camera, and the circle grows by 1 / cos of the ray's angle to the view; this is to first
- * order in A / d. t may be infinite, and so may f: then the circle is A / d, and 0 infinitely far
- * away. */
+ * order in A / d. t is above 0 and may be infinite, and so may f: then the circle is A / d, and 0
+ * infinitely far away. The unit of length does not matter: where all lengths are 1e-30 or 1e30
+ * times as large, the circle is the same, though a product of two of them is 0 or infinite. */
 float rk_lens_coc_diameter(const rk_lens *lens, const rk_view *view, const rk_ray *ray, float t);
 
 /* Circles of confusion of a smaller diameter, in pixels, count as points. */

@@ -162,8 +162,10 @@ rk_vec2 rk_glossy_point_above(const rk_glossy_disk *disk, float fraction_above, 
     double up = fmin(fmax((double)at.x * x + (double)at.y * y, -1), 1);
     double chord = sqrt(1 - up * up), along = (double)at.y * x - (double)at.x * y;
     double to = segment_at((double)fraction_above * segment_beyond(up));
-    double shrunk = chord > 0 ? along / chord * sqrt(1 - to * to) : 0;
-    return (rk_vec2){(float)(to * x - shrunk * y), (float)(to * y + shrunk * x)};
+    /* A rounding may take a point of the rim out of the disk, beyond the ends of its chord. */
+    double place = chord > 0 ? fmin(fmax(along / chord, -1), 1) : 0;
+    double across = place * sqrt(1 - to * to);
+    return (rk_vec2){(float)(to * x - across * y), (float)(to * y + across * x)};
     /* starter
     // Fifth step: find the direction in the disk that leads up, and split the point into a part
     // along it and a part across.

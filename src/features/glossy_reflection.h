@@ -32,7 +32,7 @@ float rk_glossy_radius(float shininess);
 typedef struct rk_glossy_disk {
     rk_vec3 w;           /* unit: the reflected direction */
     rk_vec3 u, v;        /* unit: the disk's own axes */
-    float radius;        /* >= 0; the disk is at distance 1 */
+    float radius;        /* 0 to 1000; the disk is at distance 1 */
     rk_vec3 face_normal; /* unit: of the surface, on the side of w, so w . face_normal is never
                             below 0, apart from rounding */
 } rk_glossy_disk;
@@ -53,7 +53,8 @@ float rk_glossy_fraction_above(const rk_glossy_disk *disk);
  * area: until the fraction of the disk that is farther up has shrunk by `fraction_above`, and to
  * the same place between the two points of the rim at its height. So uniform points become uniform
  * points of that part, and neighbours stay neighbours. With a fraction of 1 points stay where they
- * are. */
+ * are. A point of the rim, even a rounding outside of it, stays in the disk, apart from rounding.
+ */
 rk_vec2 rk_glossy_point_above(const rk_glossy_disk *disk, float fraction_above, rk_vec2 at);
 
 /* How the part of the disk below the surface counts. The weight of each sample is 1 / samples. */

@@ -38,15 +38,16 @@ typedef enum rk_time_sampling {
 } rk_time_sampling;
 
 /* Returns the time of `sample`, 0 to samples - 1, of a pixel; within the shutter. Equidistant times
- * need no random number. The others use rk_sample_1d of the seed, pixel, sample and
+ * are the same for all seeds and pixels. The others use rk_sample_1d of the seed, pixel, sample and
  * RK_DIMENSION_TIME: for a low-discrepancy time it is the fraction of the shutter, for a stratified
  * one, of any kind, the fraction of its part. */
 float rk_shutter_time(const rk_shutter *shutter, rk_time_sampling sampling, uint32_t seed,
                       uint32_t pixel, uint32_t sample, uint32_t samples);
 
 /* Returns the swept box of `rest`, a box at rest: it bounds that box at all times while the shutter
- * is open, by the exact extremes of the path. It is larger by 2^-19 of its terms, which
- * rk_motion_may_intersect needs. */
+ * is open, by the exact extremes of the path. On each axis, z too, it is larger at both ends by
+ * 2^-19 of the sum of the largest |corner| and the largest |offset|, which rk_motion_may_intersect
+ * needs. */
 rk_box rk_motion_sweep(const rk_motion *motion, const rk_shutter *shutter, const rk_box *rest);
 
 /* May the ray enter the moving box of a swept box, at 0 <= t <= t_max? False is certain: at no time

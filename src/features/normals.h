@@ -22,7 +22,8 @@ typedef enum rk_normals_shown {
 rk_vec3 rk_normals_colour(rk_vec3 n);
 
 /* Returns the unit normal of the triangle with the corners a, b, c, on the side from which they run
- * counterclockwise; (0, 0, 0) if the triangle has no area. */
+ * counterclockwise; (0, 0, 0) if the triangle has no area. For areas between 2^-60 and 2^60 (1e-18
+ * and 1e18): the squares of smaller and larger ones are beyond a float. */
 rk_vec3 rk_normals_of_triangle(rk_vec3 a, rk_vec3 b, rk_vec3 c);
 
 #endif

@@ -39,9 +39,10 @@ typedef struct rk_light_sample {
 rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff falloff,
                                    rk_light_domain domain, rk_vec3 point, rk_vec2 xi);
 
-/* Returns the solid angle, 0 to 2 pi, that a parallelogram subtends at the point; unless it is seen
- * nearly edge-on, to a few roundings of a double, however small. 0 in the parallelogram's plane, on
- * the light itself, too. */
+/* Returns the solid angle, 0 to 2 pi, that a parallelogram subtends at the point, in double
+ * precision however small it is: the relative error is about 2^-50 times the distance to the
+ * farthest corner over that to the parallelogram's plane. 0 in this plane, on the light itself,
+ * too. */
 double rk_light_solid_angle(const rk_light *light, rk_vec3 point);
 
 /* Returns the irradiance at the point, on a surface of unit normal `normal`, of the unshadowed

@@ -45,7 +45,7 @@ const rk_sah_split *rk_sah_cheapest(const rk_sah_split *candidates, uint32_t cou
  * split costs no less than testing all of its triangles. Two limits take precedence: a leaf has at
  * most RK_BVH_LEAF_MAX triangles, and the tree at most RK_BVH_LEVELS_MAX levels. The stack that it
  * takes does not grow with the mesh. A mesh without triangles gives a tree without nodes. False if
- * memory runs out. Release with rk_bvh_free. */
+ * memory runs out; the tree is then empty. Release with rk_bvh_free. */
 bool rk_bvh_build_sah(rk_bvh *bvh, const rk_mesh *mesh, const rk_sah_options *options,
                       rk_error *error);
 

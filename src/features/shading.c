@@ -128,7 +128,9 @@ rk_vec3 rk_gradient_at(const rk_gradient *gradient, float x)
     }
     if (!below || !above)
         return below ? below->colour : above ? above->colour : rk_vec(0, 0, 0);
-    return rk_mix(below->colour, above->colour, (x - below->at) / (above->at - below->at));
+    double start = (double)below->at; /* the distance of two floats may exceed the largest float */
+    double fraction = ((double)x - start) / ((double)above->at - start);
+    return rk_mix(below->colour, above->colour, (float)fraction);
     /* starter
     // Sixth step: the highest stop at or below x, the lowest above it, and the mix of the two.
     return rk_vec(1, 0, 1);

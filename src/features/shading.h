@@ -54,10 +54,10 @@ typedef struct rk_shading {
     rk_gradient gradient; /* read by RK_SHADING_GRADIENT alone */
 } rk_shading;
 
-/* Returns the reflected colour of light of the colour I. n, l, v: unit, but v may be 0 where
- * no highlight is wanted: only Phong and Blinn-Phong read it; shininess: finite, >= 0, not read
- * where ks is black. Never NaN for finite colours, even where the light times a colour
- * overflows, as long as kd + N ks does not (N = 1 if not normalized). */
+/* Returns the reflected colour of light of the colour I. n, l, v: unit; shininess:
+ * finite, >= 0. Only Phong and Blinn-Phong with a ks that is not black read v and the shininess,
+ * which may be anything elsewhere. Never NaN for finite colours, even where the light times a
+ * colour overflows, as long as kd + N ks does not (N = 1 if not normalized). */
 rk_vec3 rk_shade(const rk_shading *shading, rk_vec3 kd, rk_vec3 ks, float shininess, rk_vec3 n,
                  rk_vec3 l, rk_vec3 v, rk_vec3 light_colour);
 

@@ -68,9 +68,9 @@ typedef enum rk_glass_model {
     RK_GLASS_BEER_LAMBERT,   /* exp(-sigma thickness) for each medium */
 } rk_glass_model;
 
-/* Shadow rays: returns the transmittance, each component in [0, 1], of crossings at 0 < t < 1 in
- * ascending order, with the light at t = 1. `length`: world units from the point to the light. An
- * opaque crossing makes it 0 in every model.
+/* Shadow rays: returns the transmittance, each component in [0, 1] up to rounding, of crossings at
+ * 0 < t < 1 in ascending order, with the light at t = 1. `length`: world units from the point to
+ * the light, >= 0 and finite. An opaque crossing makes it 0 in every model.
  *
  * Beer-Lambert pairs the crossings of a medium, entering with leaving: if more blocks are left than
  * entered, the point is inside, if fewer, the light is. Where blocks of one medium overlap it
