@@ -52,14 +52,14 @@ static inline size_t stack_to_build(const rk_mesh *mesh, tree_builder *build)
     return bytes - untouched;
 }
 
-/* The larger mesh would take a megabyte for a copy of its references, or 200 kB for one of keys; a
- * few levels more take a few kB at most. */
+/* For each triangle of the larger mesh, of 25,000 or more, a copy of its reference takes 40 bytes,
+ * a key 8, a flag 1; a few levels more take a few kB in all. */
 static inline void check_stack_does_not_grow(const rk_mesh *small, const rk_mesh *large,
                                              tree_builder *build)
 {
     size_t few = stack_to_build(small, build), many = stack_to_build(large, build);
-    rk_check(many <= few + 100000,
-             "%u triangles took %zu bytes of stack, and %u took %zu: want at most 100,000 more. An "
+    rk_check(many <= few + 20000,
+             "%u triangles took %zu bytes of stack, and %u took %zu: want at most 20,000 more. An "
              "array for all triangles of a node overflows the stack where the mesh is large: move "
              "them in place",
              small->triangle_count, few, large->triangle_count, many);

@@ -74,6 +74,17 @@ void rk_claim_of_value_failed(const char *file, int line, const char *what, doub
 extern size_t rk_allocations, rk_allocations_kept;
 extern const bool rk_allocations_are_counted;
 
+/* The allocations that still succeed, SIZE_MAX for all; after them either all fail, or one. */
+extern size_t rk_allocations_left;
+extern bool rk_one_allocation_fails;
+
+/* malloc and related functions that fail as told, for programs whose own ones may not be wrapped.
+ */
+void *rk_scarce_malloc(size_t size);
+void *rk_scarce_calloc(size_t count, size_t size);
+void *rk_scarce_realloc(void *old, size_t size);
+void *rk_scarce_aligned_alloc(size_t alignment, size_t size);
+
 typedef struct rk_suite {
     const char *name;
     const struct CMUnitTest *tests;

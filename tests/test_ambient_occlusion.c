@@ -106,6 +106,38 @@ static void check_cells(rk_ambient_map map, bool squared, const char *hint)
              (int)(worst % side * 360.0 / side) - 180, counts[worst], want, hint);
 }
 
+/* A number uniform in [0, 1] is below 2^-k, or above 1 - 2^-k, with the probability 2^-k; a cell
+ * would hide that it is not. */
+enum { first_end = 5, last_end = 12 };
+
+static void count_ends(uint32_t ends[2][last_end + 1], double number)
+{
+    double near = fmin(number, 1 - number);
+    for (int k = first_end; k <= last_end && near < ldexp(1, -k); k++)
+        ends[number > 0.5][k]++;
+}
+
+static void check_ends(rk_ambient_map map, bool squared)
+{
+    static const char *const names[] = {"the horizon", "the normal", "a full turn, beyond",
+                                        "a full turn, before"};
+    uint32_t ends[4][last_end + 1] = {{0}}; /* of the height, or its square, and of the angle */
+    for (uint32_t i = 0; i < points; i++) {
+        rk_vec3 d = rk_ambient_hemisphere(map, noise2(2 + (uint32_t)map, i));
+        double z = (double)d.z, around = atan2((double)d.y, (double)d.x) / (2 * pi);
+        count_ends(ends, squared ? z * z : z);
+        count_ends(ends + 2, around < 0 ? around + 1 : around);
+    }
+    for (int end = 0; end < 4; end++)
+        for (int k = first_end; k <= last_end; k++) {
+            double want = ldexp(points, -k);
+            /* Binomial: five standard deviations. */
+            rk_check_near(ends[end][k], want, 5 * sqrt(want),
+                          "%s map: of %d directions those nearest to %s, a part of 2^-%d",
+                          map_names[map], points, names[end], k);
+        }
+}
+
 static void uniform_directions_are_unit_and_above_the_horizon(void **state)
 {
     (void)state;
@@ -116,6 +148,35 @@ static void the_uniform_map_is_uniform_in_solid_angle(void **state)
 {
     (void)state;
     check_cells(RK_AMBIENT_UNIFORM, false, "zones of equal height have equal areas");
+    check_ends(RK_AMBIENT_UNIFORM, false);
+}
+
+static void check_height_and_angle(rk_vec2 xi)
+{
+    rk_vec3 d = rk_ambient_hemisphere(RK_AMBIENT_UNIFORM, xi);
+    double z = 1 - (double)xi.x, r = sqrt(1 - z * z), phi = 2 * pi * (double)xi.y;
+    /* A float's angle is off by a few roundings of 2 pi, and so is a radius of 1 / 5 or more that
+     * is computed from the height, by 1 - z^2; the smallest is 0. */
+    double off = fmax(fabs((double)d.x - r * cos(phi)), fabs((double)d.y - r * sin(phi)));
+    rk_check(fabs((double)d.z - z) <= length_rounding && off <= 1e-6,
+             "xi (%.9g, %.9g): got (%.9g, %.9g, %.9g), want the height 1 - xi.x and the angle "
+             "2 pi xi.y, (%.9g, %.9g, %.9g)",
+             (double)xi.x, (double)xi.y, (double)d.x, (double)d.y, (double)d.z, r * cos(phi),
+             r * sin(phi), z);
+}
+
+static void a_uniform_direction_has_its_height_and_its_angle(void **state)
+{
+    (void)state;
+    enum { steps = 32 };
+    for (int i = 0; i < steps * steps; i++)
+        check_height_and_angle((rk_vec2){(float)(i % steps) / steps, (float)(i / steps) / steps});
+    for (int e = 1; e <= 24; e++)
+        for (int turn = 0; turn < 2; turn++) {
+            float near = ldexpf(1, -e), y = turn ? 1 - near : near;
+            check_height_and_angle((rk_vec2){0.5f, y});
+            check_height_and_angle((rk_vec2){1 - near, y});
+        }
 }
 
 static void cosine_directions_are_unit_and_never_below_the_horizon(void **state)
@@ -129,21 +190,35 @@ static void cosine_directions_are_cosine_distributed(void **state)
     (void)state;
     check_cells(RK_AMBIENT_COSINE, true,
                 "the fraction above a height z is the integral of 2 z dz, 1 - z^2");
+    check_ends(RK_AMBIENT_COSINE, true);
 }
 
+static void check_projected(rk_vec2 xi)
+{
+    rk_vec2 disk = rk_disk_at(RK_DISK_CONCENTRIC, xi);
+    rk_vec3 d = rk_ambient_hemisphere(RK_AMBIENT_COSINE, xi);
+    double off = hypot((double)(d.x - disk.x), (double)(d.y - disk.y));
+    /* A normalization's roundings. */
+    rk_check(off <= 8 * 0x1p-24 && d.z >= 0,
+             "xi (%.9g, %.9g): got (%.9g, %.9g, %.9g) above the point (%.9g, %.9g) of "
+             "rk_disk_at by the concentric map, which keeps neighbours together",
+             (double)xi.x, (double)xi.y, (double)d.x, (double)d.y, (double)d.z, (double)disk.x,
+             (double)disk.y);
+    double z_squared = 1 - (double)disk.x * (double)disk.x - (double)disk.y * (double)disk.y;
+    rk_check_near((double)d.z * (double)d.z, z_squared, 2 * length_rounding,
+                  "xi (%.9g, %.9g): the squared height above the point (%.9g, %.9g)", (double)xi.x,
+                  (double)xi.y, (double)disk.x, (double)disk.y);
+}
+
+/* Anywhere, and near the centre, where xi is 1/2. */
 static void a_cosine_direction_projects_onto_its_point_of_the_disk(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 10000; i++) {
-        rk_vec2 xi = noise2(4, i), disk = rk_disk_at(RK_DISK_CONCENTRIC, xi);
-        rk_vec3 d = rk_ambient_hemisphere(RK_AMBIENT_COSINE, xi);
-        double off = hypot((double)(d.x - disk.x), (double)(d.y - disk.y));
-        /* A normalization's roundings. */
-        rk_check(off <= 8 * 0x1p-24 && d.z >= 0 && (d.x != 0 || d.z > 0.9f),
-                 "xi (%.9g, %.9g): got (%.9g, %.9g, %.9g) above the point (%.9g, %.9g) of "
-                 "rk_disk_at by the concentric map, which keeps neighbours together",
-                 (double)xi.x, (double)xi.y, (double)d.x, (double)d.y, (double)d.z, (double)disk.x,
-                 (double)disk.y);
+        rk_vec2 xi = noise2(4, i);
+        float near = ldexpf(1, -(int)(i % 20));
+        check_projected(xi);
+        check_projected((rk_vec2){0.5f + (xi.x - 0.5f) * near, 0.5f + (xi.y - 0.5f) * near});
     }
 }
 
@@ -261,17 +336,60 @@ static void the_frame_is_a_rotation(void **state)
                       "the cosine between two directions");
         rk_check_near(rk_dot(rk_cross(a, b), c), rk_dot(rk_cross(p, q), r), 8 * rotation_rounding,
                       "the volume of three directions: a rotation does not reflect");
+        rk_vec3 face = noise_direction(17, i), axis[] = {frame.u, frame.v, frame.normal};
+        face = rk_dot(normal, face) < 0 ? rk_negate(face) : face;
+        frame = rk_ambient_frame_of(normal, face);
+        rk_check(memcmp(&frame.normal, &normal, sizeof normal) == 0 &&
+                     memcmp(&frame.face_normal, &face, sizeof face) == 0,
+                 "the frame has another normal, or face normal, than it was made of");
+        static const char *const names[] = {"x and u", "y and v", "z and normal"};
+        rk_ambient_frame turned = {frame.v, rk_negate(frame.u), normal, face};
+        for (int k = 0; k < 3; k++) {
+            rk_ambient_direction(&frame, rk_vec(k == 0, k == 1, k == 2), &a);
+            rk_ambient_direction(&turned, rk_vec(k == 0, k == 1, k == 2), &b);
+            rk_check_near(rk_length(rk_sub(a, axis[k])), 0, rotation_rounding,
+                          "the distance between the direction of the local axis and the frame's: "
+                          "%s",
+                          names[k]);
+            rk_check_near(rk_length(rk_sub(b, k == 0   ? turned.u
+                                              : k == 1 ? turned.v
+                                                       : normal)),
+                          0, rotation_rounding,
+                          "the same in a frame with the axes v, -u, normal of this one: %s",
+                          names[k]);
+        }
+        for (int k = 0; k < 9; k++)
+            rk_check_near(rk_dot(axis[k / 3], axis[k % 3]), k / 3 == k % 3, rotation_rounding,
+                          "the dot product of the frame's axes %d and %d", k / 3, k % 3);
+        rk_check_near(rk_dot(rk_cross(frame.u, frame.v), normal), 1, rotation_rounding,
+                      "the volume of u, v and normal: the frame is right-handed");
     }
+}
+
+static void check_writes_one_direction(uint32_t i)
+{
+    const rk_vec3 guard = rk_vec(7, 8, 9);
+    rk_vec3 got[] = {guard, guard, guard}, normal = noise_direction(18, i);
+    rk_ambient_frame frame = rk_ambient_frame_of(normal, normal), same = frame;
+    rk_ambient_direction(&frame, noise_local(19, i), &got[1]);
+    rk_check(memcmp(&got[0], &guard, sizeof guard) == 0 &&
+                 memcmp(&got[2], &guard, sizeof guard) == 0,
+             "the direction is an element of an array: its neighbours are written, too");
+    rk_check(memcmp(&frame, &same, sizeof frame) == 0, "the frame, which is const, is changed");
 }
 
 static void directions_into_the_surface_are_reported_and_filled_in(void **state)
 {
     (void)state;
+    for (uint32_t i = 0; i < 100; i++)
+        check_writes_one_direction(i);
     uint32_t above = 0, below = 0;
     for (uint32_t i = 0; i < 100000; i++) {
         rk_vec3 normal = noise_direction(13, i), face = noise_direction(14, i),
                 got = {NAN, NAN, NAN};
         rk_vec3 local = noise_local(15, i);
+        if (i % 4 == 0) /* along the horizon of the shading normal */
+            local = rk_normalize(rk_vec(local.x, local.y, 0));
         if (rk_dot(normal, face) < 0)
             face = rk_negate(face);
         rk_ambient_frame frame = rk_ambient_frame_of(normal, face);
@@ -308,6 +426,32 @@ static void directions_barely_above_the_face_are_not_into_it(void **state)
                      (double)local.y, (double)local.z);
         }
     }
+    int tried = 0;
+    for (uint32_t i = 0; i < 10000; i++) {
+        /* A direction at a height above the face of twice what a rotation is rounded by. */
+        rk_vec3 normal = noise_direction(18, i), face = noise_direction(19, i), axes_of[3], got;
+        face = rk_dot(normal, face) < 0 ? rk_negate(face) : face;
+        rk_ambient_frame frame = rk_ambient_frame_of(normal, face);
+        rk_vec3 along = rk_normalize(rk_cross(face, normal)),
+                up = rk_madd(rk_cross(along, face), face, 2 * (float)rotation_rounding);
+        up = rk_dot(up, normal) < 0 ? rk_madd(up, rk_cross(along, face), -2) : up;
+        for (int k = 0; k < 3; k++) { /* where it turns the axes to */
+            rk_vec3 axis = rk_vec(k == 0, k == 1, k == 2);
+            rk_ambient_direction(&frame, axis, &axes_of[k]);
+        }
+        rk_vec3 local =
+            rk_vec(rk_dot(up, axes_of[0]), rk_dot(up, axes_of[1]), rk_dot(up, axes_of[2]));
+        if (local.z < 0)
+            continue;
+        tried++;
+        rk_check(rk_ambient_direction(&frame, local, &got),
+                 "the local direction (%.9g, %.9g, %.9g) around the normal (%.9g, %.9g, %.9g) is "
+                 "%.3g above the face with the normal (%.9g, %.9g, %.9g)",
+                 (double)local.x, (double)local.y, (double)local.z, (double)normal.x,
+                 (double)normal.y, (double)normal.z, 2 * rotation_rounding, (double)face.x,
+                 (double)face.y, (double)face.z);
+    }
+    rk_check(tried > 5000, "only %d directions were tried, want more than 5000", tried);
 }
 
 /* --- Radiance --------------------------------------------------------------------------------- */
@@ -335,9 +479,29 @@ static void occluded_directions_count_among_the_samples(void **state)
     got = rk_ambient_radiance(rk_vec(1, 1, 1), 1, rk_vec(1.5e9f, 1.5e9f, 1.5e9f), 3000000000u);
     rk_check_close(got.x, 0.5, 1e-7,
                    "half of 3000000000 directions are unoccluded: an int has no room for so many");
+    for (int e = 0; e < 32; e++) {
+        uint32_t samples = (2u << e) - 1; /* the last one is the largest number */
+        float half = (float)samples / 2;
+        got = rk_ambient_radiance(rk_vec(1, 1, 1), 1, rk_vec(half, 1, 0), samples);
+        rk_check_near(got.x, 0.5, 1e-7, "half of %u directions are unoccluded", (unsigned)samples);
+        rk_check_near((double)got.y * samples, 1, 1e-6, "one of %u directions is unoccluded",
+                      (unsigned)samples);
+    }
     got = rk_ambient_radiance(rk_vec(1, 1, 1), 1, rk_vec(0, 0, 0), 16);
     rk_check(got.x == 0 && got.y == 0 && got.z == 0, "none is unoccluded: black, got %.9g",
              (double)got.x);
+}
+
+/* ka kd A = 2^e (1 / 4, 1 / 16, 3 / 4), each channel. */
+static void check_scaled(rk_vec3 got, int e, const char *what)
+{
+    const double want[] = {0.25, 0.0625, 0.75};
+    for (int axis = 0; axis < 3; axis++) {
+        char text[100];
+        snprintf(text, sizeof text, what, e);
+        rk_check_near(ldexp((double)rk_axis(got, axis), -e), want[axis], 1e-6,
+                      "%s: channel %d times 2^%d", text, axis, -e);
+    }
 }
 
 static void colour_intensity_and_visibility_multiply_per_channel(void **state)
@@ -349,6 +513,28 @@ static void colour_intensity_and_visibility_multiply_per_channel(void **state)
     rk_check_close(got.z, 0.5625, 1e-6, "blue: 3 x 0.75 x 1 / 4");
     got = rk_ambient_radiance(rk_vec(0.5f, 0.5f, 0.5f), 64, rk_vec(1, 1, 1), 1);
     rk_check_close(got.x, 32, 1e-5, "bright light, of intensity 64");
+    for (int e = -100; e <= 40; e++) {
+        got = rk_ambient_radiance(rk_vec(0.5f, 0.25f, 0.75f), ldexpf(1, e), rk_vec(2, 1, 4), 4);
+        check_scaled(got, e, "light of the intensity 2^%d on a surface of (0.5, 0.25, 0.75)");
+        got = rk_ambient_radiance(rk_scale(rk_vec(0.5f, 0.25f, 0.75f), ldexpf(1, e)), 1,
+                                  rk_vec(2, 1, 4), 4);
+        check_scaled(got, e, "light on a surface of 2^%d (0.5, 0.25, 0.75)");
+        got = rk_ambient_radiance(rk_vec(0.5f, 0.25f, 0.75f), 1,
+                                  rk_scale(rk_vec(2, 1, 4), ldexpf(1, e)), 4);
+        check_scaled(got, e, "a sum of 2^%d (2, 1, 4) over 4 samples");
+    }
+    got = rk_ambient_radiance(rk_vec(1, 1, 1), 0, rk_vec(1, 1, 1), 1);
+    rk_check(got.x == 0 && got.y == 0 && got.z == 0, "an intensity of 0 is no light, got %.9g",
+             (double)got.x);
+    /* The most light: the uniform map's weights are at most 2. */
+    for (int e = 0; e <= 32; e++) {
+        uint32_t samples = e == 32 ? UINT32_MAX : 1u << e;
+        float most = 2 * (float)samples;
+        got = rk_ambient_radiance(rk_vec(1, 1, 1), 0x1p40f, rk_vec(most, most, most), samples);
+        rk_check_near(ldexp((double)got.y, -41), 1, 1e-6,
+                      "an intensity of 2^40, %u samples: half of the light times 2^-40",
+                      (unsigned)samples);
+    }
     for (int black = 0; black < 3; black++) { /* red, green, blue */
         rk_vec3 colour = rk_vec(black != 0, black != 1, black != 2), white = rk_vec(1, 1, 1);
         rk_vec3 surface = rk_ambient_radiance(colour, 1, white, 1);
@@ -435,6 +621,13 @@ static void a_disk_occludes_the_squared_sine_of_its_rim_angle(void **state)
     rk_check_close(rk_ambient_below_disk(300, 100), 0.1, 1e-7, "the same, larger");
     rk_check_close(rk_ambient_below_disk(1e6f, 1) * 1e12, 1, 1e-3,
                    "a disk over nearly everything: h^2 / (R^2 + h^2) does not cancel");
+    for (int h = 1; h <= 8; h++)
+        rk_check_near(rk_ambient_below_disk(1, (float)h), h * h / (1.0 + h * h), 1e-6,
+                      "a disk of radius 1, %d above", h);
+    for (int e = -60; e <= 60; e++)
+        rk_check_near((double)rk_ambient_below_disk(ldexpf(1, e), 1) * (1 + ldexp(1, 2 * e)), 1,
+                      8 * 0x1p-24, "a disk whose radius is 2^%d of its height: A (1 + (R / h)^2)",
+                      e);
 }
 
 static void estimates_agree_with_the_disk(void **state)
@@ -454,6 +647,17 @@ static void a_sphere_occludes_its_squared_sine_times_the_cosine(void **state)
     rk_check_close(rk_ambient_below_sphere(3, 3, 1), 0, 1e-7, "it touches the point");
     rk_check_close(rk_ambient_below_sphere(0, 3, 1), 1, 0, "no sphere");
     rk_check_close(rk_ambient_below_sphere(1, 8, 0.25f), 1 - 0.25 / 64, 1e-7, "near the horizon");
+    for (int i = 0; i <= 64; i++)
+        for (int k = 0; k <= i; k++)
+            rk_check_near(rk_ambient_below_sphere((float)k, 64, (float)i / 64),
+                          1 - i / 64.0 * k * k / 4096, 2e-7,
+                          "radius %d, distance 64, cosine %d / 64: 1 - cosine (r / d)^2", k, i);
+    for (int d = 1; d <= 8; d++)
+        rk_check_near(rk_ambient_below_sphere(1, (float)d, 1), 1 - 1.0 / (d * d), 2e-7,
+                      "a sphere of radius 1 straight above, at the distance %d", d);
+    for (int e = 0; e <= 24; e++)
+        rk_check_near(rk_ambient_below_sphere(ldexpf(1, -e), 1, 1), 1 - ldexp(1, -2 * e), 2e-7,
+                      "a sphere straight above, whose radius is 2^-%d of its distance", e);
 }
 
 static void estimates_agree_with_the_sphere(void **state)
@@ -472,6 +676,9 @@ static void a_wall_occludes_half_at_its_foot_and_less_farther_away(void **state)
     rk_check_close(rk_ambient_beside_wall(1, 1e-8f), 0.5, 1e-6, "at the foot");
     rk_check_close(rk_ambient_beside_wall(3, 4), 0.9, 1e-7, "(1 + 4 / 5) / 2");
     rk_check_close(rk_ambient_beside_wall(1e-8f, 1), 1, 1e-7, "no wall");
+    for (int e = -60; e <= 60; e++)
+        rk_check_near(rk_ambient_beside_wall(ldexpf(1, e), 1), 0.5 + 0.5 / hypot(1, ldexp(1, e)),
+                      2e-7, "a wall 2^%d times as high as far away", e);
 }
 
 static void estimates_agree_with_the_wall(void **state)
@@ -486,7 +693,7 @@ static void estimates_agree_with_the_wall(void **state)
 static void closed_forms_do_not_depend_on_the_unit_of_length(void **state)
 {
     (void)state;
-    for (int e = -120; e <= 120; e += 10) {
+    for (int e = -124; e <= 125; e += 3) {
         float unit = ldexpf(1, e);
         rk_check_near(rk_ambient_below_disk(3 * unit, 4 * unit), 0.64, 1e-6,
                       "a disk of radius 3 x 2^%d, 4 x 2^%d above", e, e);
@@ -495,11 +702,23 @@ static void closed_forms_do_not_depend_on_the_unit_of_length(void **state)
         rk_check_near(rk_ambient_beside_wall(3 * unit, 4 * unit), 0.9, 1e-6,
                       "a wall 3 x 2^%d high, 4 x 2^%d away", e, e);
     }
+    const float largest = 0x1.fffffep127f, smallest = 0x1p-126f;
+    rk_check_close(rk_ambient_below_disk(largest, largest), 0.5, 1e-6,
+                   "lengths as large as can be");
+    rk_check_close(rk_ambient_below_sphere(largest / 2, largest, 1), 0.75, 1e-6,
+                   "lengths as large as can be");
+    rk_check_close(rk_ambient_beside_wall(largest, largest), 0.5 + sqrt(0.125), 1e-6,
+                   "lengths as large as can be, and a diagonal that is larger");
+    rk_check_close(rk_ambient_below_disk(largest, smallest), 0, 1e-30, "a disk over everything");
+    rk_check_close(rk_ambient_below_disk(smallest, largest), 1, 0, "a disk that is not seen");
+    rk_check_close(rk_ambient_beside_wall(largest, smallest), 0.5, 1e-7, "at the wall's foot");
+    rk_check_close(rk_ambient_beside_wall(smallest, largest), 1, 1e-7, "a wall that is not seen");
 }
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(uniform_directions_are_unit_and_above_the_horizon),
     cmocka_unit_test(the_uniform_map_is_uniform_in_solid_angle),
+    cmocka_unit_test(a_uniform_direction_has_its_height_and_its_angle),
     cmocka_unit_test(cosine_directions_are_unit_and_never_below_the_horizon),
     cmocka_unit_test(cosine_directions_are_cosine_distributed),
     cmocka_unit_test(a_cosine_direction_projects_onto_its_point_of_the_disk),

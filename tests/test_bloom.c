@@ -77,23 +77,35 @@ static rk_bloom_filter filter_of(const float *weights, uint32_t reach, rk_bloom_
 
 /* --- Luminance and threshold ------------------------------------------------------------------ */
 
+static void check_luminance(rk_vec3 colour, const char *name)
+{
+    double want = 0.2126 * (double)colour.x + 0.7152 * (double)colour.y + 0.0722 * (double)colour.z;
+    double got = (double)rk_bloom_luminance(colour);
+    rk_vec3 size = rk_abs3(colour);
+    double tolerance = few_roundings * (double)rk_max(size.x, rk_max(size.y, size.z));
+    rk_check(fabs(got - want) <= tolerance,
+             "the luminance of %s, (%g, %g, %g): got %.9g, want %.9g within %.3g: the weights of "
+             "BT.709",
+             name, (double)colour.x, (double)colour.y, (double)colour.z, got, want, tolerance);
+}
+
 static void luminance_weighs_green_most(void **state)
 {
     (void)state;
-    const struct {
-        rk_vec3 colour;
-        double want;
-        const char *name;
-    } cases[] = {
-        {{1, 0, 0}, 0.2126, "red"},
-        {{0, 1, 0}, 0.7152, "green"},
-        {{0, 0, 1}, 0.0722, "blue"},
-        {{3, 2, 1}, 3 * 0.2126 + 2 * 0.7152 + 0.0722, "three red, two green and one blue"}};
-    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        double got = (double)rk_bloom_luminance(cases[i].colour), tolerance = 3 * few_roundings;
-        rk_check(fabs(got - cases[i].want) <= tolerance,
-                 "the luminance of %s: got %.9g, want %.9g within %.3g: the weights of BT.709",
-                 cases[i].name, got, cases[i].want, tolerance);
+    check_luminance(rk_vec(1, 0, 0), "red");
+    check_luminance(rk_vec(0, 1, 0), "green");
+    check_luminance(rk_vec(0, 0, 1), "blue");
+    check_luminance(rk_vec(3, 2, 1), "three red, two green and one blue");
+    check_luminance(rk_vec(-1, 0.5f, 0), "minus red and half green, as filters give it");
+    check_luminance(rk_vec(-1, -2, -3), "a colour below 0");
+    check_luminance(rk_vec(0x1p120f, 0x1p119f, 0), "a very bright colour");
+    check_luminance(rk_vec(0x1p-80f, 0, 0x1p-79f), "a very dark colour");
+    for (uint32_t i = 0; i < 100; i++) {
+        rk_vec3 a = random_colour(i), b = random_colour(i + 1);
+        check_luminance(a, "a random colour");
+        check_luminance(rk_vec(b.x, a.y, a.z), "the same with another red");
+        check_luminance(rk_vec(b.x, b.y, a.z), "the same with another green");
+        check_luminance(b, "the same with another blue");
     }
 }
 
@@ -102,6 +114,8 @@ static void the_luminance_of_a_grey_is_the_grey(void **state)
     (void)state;
     for (uint32_t i = 0; i < 10000; i++) {
         float grey = i == 0 ? 1 : 2 * rk_unit_float(rk_hash(i, 0, 0, 2));
+        if (i > 5000) /* of any size, and below 0 */
+            grey = ldexpf(grey - 1, (int)(i % 250) - 125);
         float got = rk_bloom_luminance(rk_vec(grey, grey, grey));
         rk_check(got == grey,
                  "the luminance of grey %.9g: got %.9g, want %.9g: rounding must not push it below "
@@ -133,6 +147,11 @@ static void a_pixel_at_the_threshold_is_bright(void **state)
     check_bright(rk_vec(1, 0, 1), 0.5f, false, "magenta has a luminance of .285");
     check_bright(rk_vec(0, 0, 0), 0, true, "black is at a threshold of 0");
     check_bright(rk_vec(-1, -1, -1), 0.5f, false, "a luminance of -1 is below");
+    check_bright(rk_vec(-1, 2, 0), 1, true, "its luminance is 1.218, though its red is below 0");
+    check_bright(rk_vec(-1, -1, -1), -0.5f, false, "a luminance of -1 is below");
+    check_bright(rk_vec(-1, -1, -1), -1, true, "a luminance of -1 is at a threshold of -1");
+    check_bright(white, INFINITY, false, "nothing finite reaches it");
+    check_bright(white, NAN, false, "no luminance is at or above NaN");
 }
 
 static void only_finite_pixels_are_bright(void **state)
@@ -164,6 +183,18 @@ static void sums_of_two_bright_pixels_are_finite(void **state)
                 rk_vec(colour[0], colour[1], colour[2]), -INFINITY, false,
                 "twice as much as a colour beyond RK_BLOOM_BRIGHTEST, 2^126, may be infinite");
         }
+    for (int signs = 0; signs < 8; signs++)
+        check_bright(
+            rk_vec(signs & 1 ? -most : most, signs & 2 ? -most : most, signs & 4 ? -most : most),
+            -INFINITY, true, "each colour for itself is not beyond RK_BLOOM_BRIGHTEST");
+}
+
+static void check_row_unchanged(const rk_vec3 *own, const rk_vec3 *row, size_t width)
+{
+    rk_check(
+        memcmp(own, row, width * sizeof *row) == 0,
+        "the row of %zu pixels was changed: it is constant, and the mask has memory of its own",
+        width);
 }
 
 static void check_bright_span(const rk_vec3 *row, size_t width, size_t first, size_t end,
@@ -171,6 +202,7 @@ static void check_bright_span(const rk_vec3 *row, size_t width, size_t first, si
 {
     rk_vec3 *own = exact_copy(row, width * sizeof *row);
     rk_bloom_span bright = rk_bloom_bright_span(own, width, 1); /* the luminance of white */
+    check_row_unchanged(own, row, width);
     if (first == end)
         rk_check(bright.first == bright.end, "%s: got from %zu to before %zu, want an empty span",
                  hint, bright.first, bright.end);
@@ -197,10 +229,18 @@ static void the_bright_span_is_from_the_first_to_the_last_bright_pixel(void **st
     check_bright_span(row, 9, 0, 9, "both ends of a row of nine are bright");
     check_bright_span(row + 8, 1, 0, 1, "a row of one bright pixel");
     check_bright_span(row, 0, 0, 0, "a row of no pixels");
+    for (size_t first = 0; first < 9; first++)
+        for (size_t last = first; last < 9; last++) {
+            memset(row, 0, sizeof row);
+            row[first] = row[last] = white;
+            char name[64];
+            snprintf(name, sizeof name, "pixels %zu and %zu of nine are bright", first, last);
+            check_bright_span(row, 9, first, last + 1, name);
+        }
 }
 
 /* A row of black pixels in pages of its own, not one of which has been read or written. */
-enum { row_pages = 64 };
+enum { row_pages = 256 }; /* more than 65536 pixels */
 
 static rk_vec3 *untouched_row(size_t *width)
 {
@@ -254,6 +294,7 @@ static void mask_of(const rk_bloom_filter *filter, const rk_vec3 *row, size_t wi
     size_t total = count + 2 * filter->reach;
     rk_vec3 *own = exact_copy(row, width * sizeof *row);
     rk_bloom_bright_pass(filter, own, width, threshold, bright, from, count, (rk_vec3 *)masked);
+    check_row_unchanged(own, row, width);
     free(own);
     check_fences(masked, 3 * total, "the mask, three floats per pixel");
 }
@@ -293,6 +334,8 @@ static void the_mask_keeps_bright_pixels_and_nothing_else(void **state)
         row[x] = random_colour(x);
     row[20] = rk_vec(INFINITY, 1, 1);
     row[30] = rk_vec(1, NAN, 1);
+    row[40] = rk_vec(-2, 3, -1); /* bright, though two of its colours are below 0 */
+    row[45] = rk_vec(0x1p100f, 0x1p120f, 1);
     /* By the formula, so that this claim does not depend on rk_bloom_bright_span. */
     rk_bloom_span bright = {0, width};
     while (plain_mask(row[bright.first], 0.5).y == 0)
@@ -317,22 +360,25 @@ static void the_mask_reads_no_pixel_outside_of_the_bright_span(void **state)
 {
     (void)state;
     const rk_bloom_filter alone = filter_of((const float[]){1}, 0, RK_BLOOM_ZERO);
-    size_t width;
+    size_t width, page = (size_t)sysconf(_SC_PAGESIZE);
     rk_vec3 *row = untouched_row(&width), *masked = malloc(width * sizeof *masked);
     rk_check(masked != NULL, "no memory for %zu pixels", width);
-    row[width / 2] = white;
-    rk_bloom_bright_pass(&alone, row, width, 1, (rk_bloom_span){width / 2, width / 2 + 1}, 0, width,
-                         masked);
-    int before = touched_pages(row, 0, row_pages / 2 - 1);
-    int after = touched_pages(row, row_pages / 2 + 1, row_pages);
-    bool kept = masked[width / 2].x == 1;
-    munmap(row, row_pages * (size_t)sysconf(_SC_PAGESIZE));
+    /* Three pages of pixels, so that the pixels beside them are on other pages. */
+    enum { first_page = row_pages / 2 / 3 * 3, end_page = first_page + 3 };
+    const rk_bloom_span bright = {first_page * page / sizeof *row, end_page * page / sizeof *row};
+    row[bright.first] = row[bright.end - 1] = white;
+    rk_bloom_bright_pass(&alone, row, width, 1, bright, 0, width, masked);
+    int before = touched_pages(row, 0, first_page);
+    int after = touched_pages(row, end_page, row_pages);
+    bool kept = masked[bright.first].x == 1 && masked[bright.end - 1].x == 1;
+    munmap(row, row_pages * page);
     free(masked);
-    rk_check(kept, "pixel %zu of %zu is white, and not in the mask", width / 2, width);
+    rk_check(kept, "the pixels %zu and %zu of %zu are white, and not in the mask", bright.first,
+             bright.end - 1, width);
     rk_check(before == 0 && after == 0,
-             "only pixel %zu of %zu is bright: read %d pages of memory before it and %d after it, "
-             "want 0: pixels outside of the bright span are dark",
-             width / 2, width, before, after);
+             "only pixels from %zu to before %zu of %zu are bright: read %d pages of memory before "
+             "them and %d after them, want 0: pixels outside of the bright span are dark",
+             bright.first, bright.end, width, before, after);
 }
 
 /* Ten greys, 1 to 10 or 10 to 1; from 7 on they are bright. */
@@ -341,51 +387,94 @@ static rk_vec3 grey_at(size_t x, bool rising)
     return rk_scale(white, rising ? (float)x + 1 : 10 - (float)x);
 }
 
-/* A part of the row of greys, for a filter that reaches 4 pixels. */
-static void check_mask(rk_bloom_border border, bool rising, size_t from, size_t count)
+/* A part of the row of greys. */
+static void check_mask(uint32_t reach, rk_bloom_border border, bool rising, size_t from,
+                       size_t count)
 {
-    float *weights = exact_copy((const float[]){1, 0, 0, 0, 0}, 5 * sizeof *weights);
-    const rk_bloom_filter filter = filter_of(weights, 4, border);
+    size_t total = count + 2 * reach;
+    float *weights = exactly((reach + 1) * sizeof *weights);
+    const rk_bloom_filter filter = filter_of(weights, reach, border);
     const rk_bloom_span bright = rising ? (rk_bloom_span){6, 10} : (rk_bloom_span){0, 4};
-    float room[3 * (10 + 8) + 2 * fence], *masked = fenced(room, 3 * (count + 8));
+    float *room = exactly((3 * total + 2 * fence) * sizeof *room),
+          *masked = fenced(room, 3 * total);
     rk_vec3 row[10];
     for (size_t x = 0; x < 10; x++)
         row[x] = grey_at(x, rising);
     mask_of(&filter, row, 10, 7, bright, from, count, masked);
-    for (size_t i = 0; i < count + 8; i++) {
-        size_t away = from + i, x = away < 4 ? 0 : away - 4 < 10 ? away - 4 : 9;
-        bool beyond = x + 4 != away, dark = beyond && border != RK_BLOOM_CLAMP;
+    for (size_t i = 0; i < total; i++) {
+        size_t away = from + i, x = away < reach ? 0 : away - reach < 10 ? away - reach : 9;
+        bool beyond = x + reach != away, dark = beyond && border != RK_BLOOM_CLAMP;
         float grey = grey_at(x, rising).x, want = grey < 7 || dark ? 0 : grey;
         for (int axis = 0; axis < 3; axis++)
             rk_check(masked[3 * i + (size_t)axis] == want,
-                     "border %s, greys %s, threshold 7, from %zu, %zu pixels, reach 4: entry %zu, "
+                     "border %s, greys %s, threshold 7, from %zu, %zu pixels, reach %u: entry %zu, "
                      "colour %d: got %g, want %g: it stands for %s pixel %zu, of grey %g",
-                     border_names[border], rising ? "1 to 10" : "10 to 1", from, count, i, axis,
-                     (double)masked[3 * i + (size_t)axis], (double)want,
+                     border_names[border], rising ? "1 to 10" : "10 to 1", from, count, reach, i,
+                     axis, (double)masked[3 * i + (size_t)axis], (double)want,
                      beyond ? "the outside beside" : "the row's", x, (double)grey);
     }
+    free(room);
     free(weights);
+}
+
+/* All parts of the row for a short filter, a few for others. */
+static void check_masks(rk_bloom_border border)
+{
+    const uint32_t reaches[] = {0, 1, 9, 10, 11, 300, RK_BLOOM_RADIUS_MAX};
+    for (int rising = 1; rising >= 0; rising--) {
+        for (size_t from = 0; from <= 10; from++)
+            for (size_t count = 10 - from + 1; count-- > 0;)
+                check_mask(4, border, rising, from, count);
+        for (size_t i = 0; i < sizeof reaches / sizeof *reaches; i++) {
+            check_mask(reaches[i], border, rising, 0, 10);
+            check_mask(reaches[i], border, rising, 3, 4);
+        }
+    }
+}
+
+/* A row in which all pixels but one are as bright as can be; the unit is told that only those from
+ * `first` to before `end` are. */
+static void check_span_of_mask(rk_bloom_border border, size_t first, size_t end)
+{
+    enum { width = 6, reach = 2, total = width + 2 * reach };
+    const float weights[] = {1, 0, 0};
+    const rk_bloom_filter filter = filter_of(weights, reach, border);
+    float room[3 * total + 2 * fence], *masked = fenced(room, 3 * total);
+    rk_vec3 row[width];
+    for (size_t x = 0; x < width; x++)
+        row[x] = x == 2 ? rk_vec(1, NAN, 1) : grey_at(x, true);
+    mask_of(&filter, row, width, 0.5f, (rk_bloom_span){first, end}, 0, width, masked);
+    for (size_t i = 0; i < total; i++) {
+        size_t x = i < reach ? 0 : i - reach < width ? i - reach : width - 1;
+        bool is_bright = x >= first && x < end && x != 2;
+        bool dark = !is_bright || (x + reach != i && border != RK_BLOOM_CLAMP);
+        float want = dark ? 0 : row[x].x, got = masked[3 * i];
+        rk_check(got == want,
+                 "border %s, a row of six, of which those from %zu to before %zu are bright: entry "
+                 "%zu, of pixel %zu: got %g, want %g: pixels outside of the span are dark",
+                 border_names[border], first, end, i, x, (double)got, (double)want);
+    }
 }
 
 static void the_mask_is_zero_beyond_the_border(void **state)
 {
     (void)state;
-    for (int rising = 1; rising >= 0; rising--) {
-        check_mask(RK_BLOOM_ZERO, rising, 0, 10);
-        check_mask(RK_BLOOM_RENORMALIZE, rising, 0, 10);
-        for (size_t from = 0; from < 10; from++)
-            for (size_t count = 1; from + count <= 10; count++)
-                check_mask(RK_BLOOM_ZERO, rising, from, count);
+    const rk_bloom_border borders[] = {RK_BLOOM_ZERO, RK_BLOOM_RENORMALIZE};
+    for (int i = 0; i < 2; i++) {
+        check_masks(borders[i]);
+        for (size_t first = 0; first <= 6; first++)
+            for (size_t end = first; end <= 6; end++)
+                check_span_of_mask(borders[i], first, end);
     }
 }
 
 static void clamping_repeats_the_borders_own_pixel(void **state)
 {
     (void)state;
-    for (int rising = 1; rising >= 0; rising--)
-        for (size_t from = 0; from < 10; from++)
-            for (size_t count = 10 - from; count > 0; count--)
-                check_mask(RK_BLOOM_CLAMP, rising, from, count);
+    check_masks(RK_BLOOM_CLAMP);
+    for (size_t first = 0; first <= 6; first++)
+        for (size_t end = first; end <= 6; end++)
+            check_span_of_mask(RK_BLOOM_CLAMP, first, end);
     const float weights[5] = {1, 0, 0, 0, 0};
     const rk_bloom_filter filter = filter_of(weights, 4, RK_BLOOM_CLAMP);
     float room[3 * 9 + 2 * fence], *masked = fenced(room, 3 * 9);
@@ -406,8 +495,9 @@ static void small_filters_are_rows_of_pascals_triangle(void **state)
                               {2 / 4.0f, 1 / 4.0f},
                               {6 / 16.0f, 4 / 16.0f, 1 / 16.0f},
                               {20 / 64.0f, 15 / 64.0f, 6 / 64.0f, 1 / 64.0f}};
-    for (uint32_t radius = 0; radius < 4; radius++) {
-        float room[4 + 2 * fence], *weights = fenced(room, radius + 1);
+    for (uint32_t i = 0; i < 2 * 4; i++) { /* each radius twice in a row, in other memory */
+        uint32_t radius = i / 2;
+        float rooms[2][4 + 2 * fence], *weights = fenced(rooms[i % 2], radius + 1);
         rk_bloom_weights(radius, weights);
         for (uint32_t k = 0; k <= radius; k++)
             rk_check(weights[k] == want[radius][k],
@@ -418,20 +508,36 @@ static void small_filters_are_rows_of_pascals_triangle(void **state)
     }
 }
 
-enum { big_words = 64 }; /* of 32 bits: C(2000, 1000) has 1995 bits */
-
+/* An integer of any size up to C(2 r, r), for the largest radius. */
 typedef struct big {
-    uint32_t words[big_words]; /* the lowest first */
+    uint32_t words[2 * RK_BLOOM_RADIUS_MAX / 32 + 1]; /* of 32 bits, the lowest first */
+    int count;                                        /* of words; the highest is not 0 */
 } big;
 
-static void add_to(big *sum, const big *part, int words)
+static void multiply(big *b, uint32_t factor)
 {
     uint64_t carry = 0;
-    for (int i = 0; i < words; i++) {
-        carry += (uint64_t)sum->words[i] + part->words[i];
-        sum->words[i] = (uint32_t)carry;
+    for (int i = 0; i < b->count; i++) {
+        carry += (uint64_t)b->words[i] * factor;
+        b->words[i] = (uint32_t)carry;
         carry >>= 32;
     }
+    if (carry)
+        b->words[b->count++] = (uint32_t)carry;
+}
+
+/* Without a remainder. */
+static void divide(big *b, uint32_t divisor)
+{
+    uint64_t rest = 0;
+    for (int i = b->count; i-- > 0;) {
+        rest = rest << 32 | b->words[i];
+        b->words[i] = (uint32_t)(rest / divisor);
+        rest %= divisor;
+    }
+    rk_check(rest == 0, "a binomial is not an integer: this test is wrong");
+    if (b->words[b->count - 1] == 0)
+        b->count--;
 }
 
 static int bit_of(const big *b, int i)
@@ -442,7 +548,7 @@ static int bit_of(const big *b, int i)
 /* The float nearest to b / 4^radius, ties to the even one. */
 static float nearest_float(const big *b, int radius)
 {
-    int top = 32 * big_words - 1;
+    int top = 32 * b->count - 1;
     while (!bit_of(b, top))
         top--;
     /* The unit in the last place is 2^exponent, or 2^lowest bits of b. */
@@ -452,36 +558,33 @@ static float nearest_float(const big *b, int radius)
     for (int i = top; i >= lowest; i--)
         digits = 2 * digits + (uint32_t)bit_of(b, i);
     bool more_than_half = false;
-    for (int i = lowest - 2; i >= 0; i--)
-        more_than_half |= bit_of(b, i);
+    for (int i = lowest - 2; i >= 0 && !more_than_half; i--)
+        more_than_half = bit_of(b, i);
     if (lowest - 1 <= top && bit_of(b, lowest - 1) && (more_than_half || digits % 2))
         digits++;
     return ldexpf((float)digits, exponent);
 }
 
-/* Goes down Pascal's triangle, in place, and compares rows 2 r. Half of each row is enough. */
 static void weights_are_pascals_rows_to_the_last_bit(void **state)
 {
     (void)state;
-    static big row[1001]; /* C(n, 0) .. C(n, n / 2) */
-    memset(row, 0, sizeof row);
-    row[0].words[0] = 1;
-    float weights[1001];
-    for (uint32_t n = 1; n <= 2000; n++) {
-        if (n % 2 == 0) /* the middle has grown on both sides alike */
-            row[n / 2] = row[n / 2 - 1];
-        for (uint32_t k = n / 2; k > 0; k--)
-            add_to(&row[k], &row[k - 1], (int)(n / 32) + 1);
-        uint32_t radius = n / 2;
-        if (n % 2 || (radius > 60 && radius != 100 && radius != 250 && radius != 1000))
-            continue;
+    const uint32_t large[] = {100, 250, 513, 538, 1000, 2000, RK_BLOOM_RADIUS_MAX};
+    float *room = exactly((RK_BLOOM_RADIUS_MAX + 1 + 2 * fence) * sizeof *room);
+    for (uint32_t i = 0; i < 61 + sizeof large / sizeof *large; i++) {
+        uint32_t radius = i < 61 ? i : large[i - 61];
+        float *weights = fenced(room, radius + 1);
         rk_bloom_weights(radius, weights);
+        check_fences(weights, radius + 1, "the weights");
+        big binomial = {{1}, 1}; /* C(2 r, k), from its left neighbour */
         for (uint32_t k = 0; k <= radius; k++) {
-            float want = nearest_float(&row[radius - k], (int)radius);
-            rk_check(weights[k] == want, "radius %u, weight %u: got %a, want C(%u, %u) / 4^%u = %a",
-                     radius, k, (double)weights[k], n, radius - k, radius, (double)want);
+            float want = nearest_float(&binomial, (int)radius), got = weights[radius - k];
+            rk_check(got == want, "radius %u, weight %u: got %a, want C(%u, %u) / 4^%u = %a",
+                     radius, radius - k, (double)got, 2 * radius, k, radius, (double)want);
+            multiply(&binomial, 2 * radius - k);
+            divide(&binomial, k + 1);
         }
     }
+    free(room);
 }
 
 static void the_weights_of_any_radius_sum_to_one(void **state)
@@ -547,6 +650,11 @@ static void the_reach_is_the_shortest_within_half_an_ulp(void **state)
     check_reach((const float[]){1, 0x1.000002p-27f, 0x1p-27f}, 2, 1,
                 "four times 2^-27 and a little more than 2^-25, which a float's sum would lose");
     check_reach((const float[]){1, 0, 0, 0}, 3, 0, "weights of 0 can all be left out");
+    check_reach((const float[]){1, 0, 0, 0x1p-20f}, 3, 3, "the last weight is too large");
+    check_reach((const float[]){1, 0, 0x1p-20f, 0}, 3, 2, "only the last weight is 0");
+    check_reach((const float[]){0x1p-30f, 0x1p-30f, 0x1p-30f}, 2, 0,
+                "four times 2^-30 are less than 2^-25, however small the others are");
+    check_reach((const float[]){0x1p-30f}, 0, 0, "the middle is always within reach");
     static float all[RK_BLOOM_RADIUS_MAX + 1];
     for (uint32_t radius = 0; radius <= RK_BLOOM_RADIUS_MAX;
          radius += radius < 64 ? 1 : radius / 8) {
@@ -582,13 +690,13 @@ static line_sum make_lines(uint32_t reach, uint32_t present, size_t count)
     line_sum s = {reach, 0, count, exactly((reach + 1) * sizeof *s.weights),
                   exactly((2 * reach + 1) * sizeof *s.lines)};
     for (uint32_t k = 0; k <= reach; k++)
-        s.weights[k] = 1 + rk_unit_float(rk_hash(k, reach, 0, 3));
+        s.weights[k] = 1 + rk_unit_float(rk_hash(k, reach, present, 3));
     for (uint32_t k = 0; k <= 2 * reach; k++) {
         bool there = present >> k % 32 & 1;
         s.lines[k] = there ? exactly(count * sizeof *s.lines[k]) : NULL;
         s.taps += there;
         for (uint32_t i = 0; there && i < count; i++)
-            s.lines[k][i] = rk_unit_float(rk_hash(k, reach, i, 3));
+            s.lines[k][i] = 2 * rk_unit_float(rk_hash(k, reach ^ present, i, 4)) - 1;
     }
     return s;
 }
@@ -618,19 +726,26 @@ static size_t check_sum_of(uint32_t reach, uint32_t present, size_t count, const
     const rk_bloom_filter filter = filter_of(s.weights, reach, RK_BLOOM_ZERO);
     float *fenced_sum = exactly((count + 2 * fence) * sizeof *fenced_sum);
     float *sum = fenced(fenced_sum, count);
+    double *wanted = exactly(count * sizeof *wanted);
+    for (size_t i = 0; i < count; i++)
+        wanted[i] = plain_sum(&s, i);
     size_t before = rk_allocations;
     uint32_t taps = rk_bloom_blur_lines(&filter, (const float *const *)s.lines, s.count, sum);
     size_t allocated = rk_allocations - before;
     /* Each term, of 2 at most, is rounded three times, and the sum once per term. */
     double tolerance = (2 * reach + 4) * 0x1p-24 * 2 * (2 * reach + 1);
     for (size_t i = 0; i < s.count; i++) {
-        double want = plain_sum(&s, i), got = (double)sum[i];
+        double want = wanted[i], got = (double)sum[i];
         rk_check(fabs(got - want) <= tolerance,
                  "%s, reach %u, float %zu of %zu: got %.9g, want %.9g within %.3g: %s", hint, reach,
                  i, s.count, got, want, tolerance,
                  isnan(got) ? "the memory for the sum holds NaN at first"
                             : "entry reach + k of the lines has the weight |k|");
+        rk_check(plain_sum(&s, i) == want,
+                 "%s, reach %u: a line or a weight was changed, and they are constant", hint,
+                 reach);
     }
+    free(wanted);
     check_fences(sum, s.count, "the sum");
     rk_check(taps == s.taps, "%s, reach %u: returned %u, want %u: the lines that are not NULL",
              hint, reach, taps, s.taps);
@@ -653,6 +768,12 @@ static void a_single_line_is_weighted_by_its_distance(void **state)
         check_sum(4, 1u << k, hint);
     }
     check_sum(0, 1, "a filter that reaches only the pixel itself");
+    float line[RK_BLOOM_BLOCK] = {0x1p20f}, sum[RK_BLOOM_BLOCK];
+    const rk_bloom_filter tiny = filter_of((const float[]){0x1p-100f}, 0, RK_BLOOM_ZERO);
+    rk_bloom_blur_lines(&tiny, (const float *const[]){line}, RK_BLOOM_BLOCK, sum);
+    rk_check(sum[0] == 0x1p-80f,
+             "a line of 2^20, weight 2^-100: got %g, want 2^-80 = %g: no weight is too small",
+             (double)sum[0], 0x1p-80);
 }
 
 static void all_lines_are_summed(void **state)
@@ -675,6 +796,14 @@ static void lines_that_are_null_are_zeros(void **state)
         check_sum(i % 16, present, hint);
     }
     check_sum(7, 0, "all lines are NULL");
+    check_sum(RK_BLOOM_RADIUS_MAX, 4,
+              "of each 32 lines of the longest filter all but one are NULL");
+    for (uint32_t reach = 0; reach <= 2; reach++)
+        for (uint32_t present = 0; present < 1u << (2 * reach + 1); present++) {
+            char hint[64];
+            snprintf(hint, sizeof hint, "line k is NULL unless bit k of 0x%x is set", present);
+            check_sum(reach, present, hint);
+        }
 }
 
 /* Seconds of processor time for a sum of lines, all of them the same; the fastest of five. */
@@ -730,22 +859,34 @@ static void blurring_allocates_no_memory(void **state)
 static void the_blurred_mask_is_added_times_the_gain(void **state)
 {
     (void)state;
+    float dark[20] = {0}, faint[20];
+    for (int k = 0; k < 20; k++)
+        faint[k] = 0x1p-60f;
+    rk_bloom_composite(dark, faint, 20, 0.5f);
+    for (int k = 0; k < 20; k++)
+        rk_check(dark[k] == 0x1p-61f, "black plus 1/2 times 2^-60, float %d: got %g, want 2^-61", k,
+                 (double)dark[k]);
+    const float gains[] = {0.125f, 0.5f, 0.875f, 1, 2.5f, 16, 0};
     /* Up to 100 floats, and then one line of more than 65536. */
     for (size_t i = 0; i <= 101; i++) {
         size_t count = i <= 100 ? i : 65537;
         float *fenced_pixels = exactly((count + 2 * fence) * sizeof *fenced_pixels);
-        float *pixels = fenced(fenced_pixels, count);
-        float *blurred = exactly(count * sizeof *blurred), gain = (float)(count % 7 + 1) / 8;
+        float *pixels = fenced(fenced_pixels, count), gain = gains[i % 7];
+        float *blurred = exactly(count * sizeof *blurred);
         for (size_t k = 0; k < count; k++) {
-            pixels[k] = (float)k;
-            blurred[k] = (float)(count - k) / 4;
+            pixels[k] = (float)k - 20;
+            blurred[k] = (float)(count - k) / 4 - 5;
         }
         rk_bloom_composite(pixels, blurred, count, gain);
         for (size_t k = 0; k < count; k++) {
-            float want = (float)k + gain * ((float)(count - k) / 4);
-            rk_check(pixels[k] == want,
-                     "float %zu of %zu: got %g, want %g: %zu plus the gain %g times the mask %g", k,
-                     count, (double)pixels[k], (double)want, k, (double)gain, (double)blurred[k]);
+            float before = (float)k - 20, mask = (float)(count - k) / 4 - 5;
+            rk_check(pixels[k] == before + gain * mask,
+                     "float %zu of %zu: got %g, want %g: %g plus the gain %g times the mask %g", k,
+                     count, (double)pixels[k], (double)(before + gain * mask), (double)before,
+                     (double)gain, (double)mask);
+            rk_check(blurred[k] == mask,
+                     "float %zu of %zu of the blurred mask, which is constant, was changed", k,
+                     count);
         }
         check_fences(pixels, count, "the pixels");
         free(blurred);
@@ -981,6 +1122,43 @@ static void check_weight_inside(size_t place, size_t length, double want, const 
              length, got, want, hint);
 }
 
+/* All places in short lines, with weights that are multiples of 1/64 and sum exactly. The border
+ * and the weights change from call to call. */
+static void check_weights_inside(uint32_t reach, size_t place, size_t length)
+{
+    float *weights = exactly((reach + 1) * sizeof *weights);
+    for (uint32_t call = 0; call < 6; call++) {
+        double want = 0;
+        for (uint32_t k = 0; k <= reach; k++)
+            weights[k] = (float)(1 + rk_hash(k, reach, call % 2, 7) % 64) / 64;
+        for (size_t i = 0; i < length; i++) {
+            size_t away = i < place ? place - i : i - place;
+            want += away <= reach ? (double)weights[away] : 0;
+        }
+        const rk_bloom_filter filter = filter_of(weights, reach, (rk_bloom_border)(call / 2));
+        double got = (double)rk_bloom_weight_inside(&filter, place, length);
+        rk_check(
+            got == want,
+            "pixel %zu of %zu, reach %u, border %s: got %.9g inside, want %.9g: the weights of "
+            "the line's pixels, whatever the border",
+            place, length, reach, border_names[call / 2], got, want);
+    }
+    free(weights);
+}
+
+/* 2^-13 each, so that sums are exact. */
+static void check_equal_weights_inside(size_t place, size_t length, double want)
+{
+    enum { reach = RK_BLOOM_RADIUS_MAX };
+    static float weights[reach + 1];
+    for (size_t k = 0; k <= reach; k++)
+        weights[k] = 0x1p-13f;
+    const rk_bloom_filter filter = filter_of(weights, reach, RK_BLOOM_RENORMALIZE);
+    double got = (double)rk_bloom_weight_inside(&filter, place, length) * 0x1p13;
+    rk_check(got == want, "pixel %zu of %zu, reach %d: got the weights of %.9g pixels, want %.9g",
+             place, length, reach, got, want);
+}
+
 static void the_weight_inside_sums_the_taps_in_the_picture(void **state)
 {
     (void)state;
@@ -990,6 +1168,15 @@ static void the_weight_inside_sums_the_taps_in_the_picture(void **state)
     check_weight_inside(2, 5, 1, "all are just inside");
     check_weight_inside(0, 1, 0.375, "only the middle is inside");
     check_weight_inside(1, 3, 0.875, "the last ones of both sides are beyond the border");
+    for (uint32_t reach = 0; reach <= 5; reach++)
+        for (size_t length = 1; length <= 12; length++)
+            for (size_t place = 0; place < length; place++)
+                check_weights_inside(reach, place, length);
+    check_equal_weights_inside(0, 1, 1);
+    check_equal_weights_inside(100, 300, 300);
+    check_equal_weights_inside(5000, 10000, 2 * 4096 + 1);
+    check_equal_weights_inside(65536 + 4095, 65536 + 4096, 4096 + 1);
+    check_equal_weights_inside(65536 + 100, 200000, 2 * 4096 + 1);
 }
 
 static void nothing_above_the_threshold_changes_nothing(void **state)

@@ -38,6 +38,25 @@ static rk_bvh build(const rk_mesh *mesh)
     return bvh;
 }
 
+static uint32_t add_words(uint32_t sum, const void *words, size_t size)
+{
+    for (size_t i = 0; i < size; i += sizeof sum) {
+        uint32_t word;
+        memcpy(&word, (const char *)words + i, sizeof word);
+        sum = (sum ^ word) * 0x9e3779b1u + 1;
+    }
+    return sum;
+}
+
+/* One number for all of a tree: rays only read it. */
+static uint32_t tree_checksum(const rk_bvh *bvh)
+{
+    uint32_t sum = bvh->node_count;
+    for (uint32_t i = 0; i < bvh->node_count; i += i ? 1 : 2) /* node 1 is unused */
+        sum = add_words(sum, &bvh->nodes[i], sizeof *bvh->nodes);
+    return add_words(sum, bvh->triangles, bvh->triangle_count * sizeof *bvh->triangles);
+}
+
 static const char *triangle_name(uint32_t triangle)
 {
     static char names[2][24]; /* a message holds two */
@@ -74,6 +93,11 @@ static void check_hit(rk_hit got, rk_hit want, const char *ray)
              "%s: got %s at t = %.9g, want %s at t = %.9g: %s", ray, triangle_name(got.triangle),
              (double)got.t, triangle_name(want.triangle), (double)want.t,
              likely_mistake(got, want));
+    rk_check(want.triangle == RK_MISS || (got.u == want.u && got.v == want.v),
+             "%s: %s at t = %.9g: got u = %.9g and v = %.9g, want %.9g and %.9g: they are part of "
+             "the hit, from which colours and normals between the corners are interpolated",
+             ray, triangle_name(want.triangle), (double)want.t, (double)got.u, (double)got.v,
+             (double)want.u, (double)want.v);
 }
 
 static void check_occluded(bool got, bool want, const char *ray)
@@ -86,16 +110,41 @@ static void check_occluded(bool got, bool want, const char *ray)
 
 enum { CLOSEST = 1, OCCLUSION = 2 };
 
-static void check_against_brute_force(const rk_mesh *mesh, uint32_t rays, uint32_t seed,
-                                      int queries)
+/* Some directions are so short that distances are beyond 10^30, or so long that they are below
+ * 10^-30: powers of two, which change no digit. */
+static rk_ray make_ray_of_any_length(uint32_t i, uint32_t seed, rk_box bounds)
+{
+    rk_ray ray = make_ray(i, seed, bounds);
+    int exponent = i % 7 == 2 ? -110 : i % 7 == 5 ? 100 : 0;
+    ray.direction = rk_scale(ray.direction, ldexpf(1, exponent));
+    ray.t_max = ldexpf(ray.t_max, -exponent);
+    return ray;
+}
+
+/* A mesh's box; where it is flat, as deep as it is wide, so that rays cross it. */
+static rk_box deep_bounds(const rk_mesh *mesh)
+{
+    rk_box bounds = rk_mesh_bounds(mesh);
+    rk_vec3 extent = rk_box_extent(bounds);
+    float widest = rk_axis(extent, rk_box_longest_axis(bounds));
+    rk_vec3 more =
+        rk_vec(extent.x > 0 ? 0 : widest, extent.y > 0 ? 0 : widest, extent.z > 0 ? 0 : widest);
+    return rk_box_add(bounds, rk_add(bounds.corner[0], more));
+}
+
+/* Returns the number of rays that hit something. */
+static uint32_t check_against_brute_force(const rk_mesh *mesh, uint32_t rays, uint32_t seed,
+                                          int queries)
 {
     rk_bvh bvh = build(mesh);
-    rk_box bounds = rk_mesh_bounds(mesh);
+    rk_box bounds = deep_bounds(mesh);
     rk_counters counters = {0};
+    uint32_t before = tree_checksum(&bvh), hits = 0;
     for (uint32_t i = 0; i < rays; i++) {
-        rk_ray ray = make_ray(i, seed, bounds);
+        rk_ray ray = make_ray_of_any_length(i, seed, bounds);
         const rk_ray same = ray;
         rk_hit want = closest_by_brute_force(mesh, &ray);
+        hits += want.triangle != RK_MISS;
         char name[64];
         snprintf(name, sizeof name, "%u triangles, ray %u", mesh->triangle_count, i);
         if (queries & CLOSEST)
@@ -107,7 +156,11 @@ static void check_against_brute_force(const rk_mesh *mesh, uint32_t rays, uint32
                  "distance of the nearest hit is in the hit",
                  name, (double)same.t_max, (double)ray.t_max);
     }
+    rk_check(tree_checksum(&bvh) == before,
+             "rays changed the tree over %u triangles, which is constant: threads share it",
+             mesh->triangle_count);
     rk_bvh_free(&bvh);
+    return hits;
 }
 
 /* --- The tree -------------------------------------------------------------------------------- */
@@ -123,6 +176,10 @@ static void no_triangles_give_a_tree_without_nodes(void **state)
     check_hit(rk_bvh_closest(&bvh, &ray, &counters), (rk_hit){INFINITY, 0, 0, RK_MISS},
               "a tree without nodes");
     check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), false, "a tree without nodes");
+    rk_check(counters.box_tests == 0 && counters.triangle_tests == 0,
+             "a tree without nodes: got %llu box tests and %llu triangle tests, want 0: it has "
+             "neither",
+             (unsigned long long)counters.box_tests, (unsigned long long)counters.triangle_tests);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
@@ -175,29 +232,40 @@ static void levels_and_leaves_follow_from_halving(void **state)
     }
 }
 
-/* The triangles below a node, summed up. */
-typedef struct below {
-    uint32_t count;
-    rk_box box;
-    float lowest[3], highest[3]; /* of the centroids, for each axis */
-} below;
+/* Where a triangle stands in the order on an axis. */
+typedef struct spot {
+    float centroid;
+    uint32_t triangle;
+} spot;
 
-static float centroid(const rk_mesh *mesh, uint32_t triangle, int axis)
+static spot spot_of(const rk_mesh *mesh, uint32_t triangle, int axis)
 {
     float sum = 0;
     for (int k = 0; k < 3; k++)
         sum += rk_axis(mesh->positions[mesh->triangles[triangle][k]], axis) * 0x1.555554p-2f;
-    return sum;
+    return (spot){sum, triangle};
 }
 
-static void add_triangle(below *b, const rk_mesh *mesh, uint32_t triangle)
+static bool comes_before(spot a, spot b)
 {
-    b->count++;
+    return a.centroid < b.centroid || (a.centroid == b.centroid && a.triangle < b.triangle);
+}
+
+/* The triangles below a node, summed up. */
+typedef struct below {
+    uint32_t count;
+    rk_box box;
+    spot first[3], last[3]; /* on each axis */
+} below;
+
+static below below_triangle(const rk_mesh *mesh, uint32_t triangle)
+{
+    below b = {1, rk_box_empty(), {{0, 0}}, {{0, 0}}};
     for (int k = 0; k < 3; k++) {
-        b->box = rk_box_add(b->box, mesh->positions[mesh->triangles[triangle][k]]);
-        b->lowest[k] = rk_min(b->lowest[k], centroid(mesh, triangle, k));
-        b->highest[k] = rk_max(b->highest[k], centroid(mesh, triangle, k));
+        b.box = rk_box_add(b.box, mesh->positions[mesh->triangles[triangle][k]]);
+        b.first[k] = b.last[k] = spot_of(mesh, triangle, k);
     }
+    return b;
 }
 
 static below merge(below a, const below *b)
@@ -205,8 +273,8 @@ static below merge(below a, const below *b)
     a.count += b->count;
     a.box = rk_box_merge(a.box, b->box);
     for (int k = 0; k < 3; k++) {
-        a.lowest[k] = rk_min(a.lowest[k], b->lowest[k]);
-        a.highest[k] = rk_max(a.highest[k], b->highest[k]);
+        a.first[k] = comes_before(b->first[k], a.first[k]) ? b->first[k] : a.first[k];
+        a.last[k] = comes_before(a.last[k], b->last[k]) ? b->last[k] : a.last[k];
     }
     return a;
 }
@@ -215,11 +283,17 @@ static below merge(below a, const below *b)
 static below check_median(const rk_bvh *bvh, const rk_mesh *mesh, uint32_t index)
 {
     const rk_bvh_node *node = &bvh->nodes[index];
-    below all = {
-        0, rk_box_empty(), {INFINITY, INFINITY, INFINITY}, {-INFINITY, -INFINITY, -INFINITY}};
+    below all;
     if (node->count) {
-        for (uint32_t i = 0; i < node->count; i++)
-            add_triangle(&all, mesh, bvh->triangles[node->first + i].index);
+        rk_check(node->count <= RK_BVH_LEAF_TARGET,
+                 "node %u is a leaf of %u triangles, want a split of more than RK_BVH_LEAF_TARGET, "
+                 "wherever they are",
+                 index, node->count);
+        all = below_triangle(mesh, bvh->triangles[node->first].index);
+        for (uint32_t i = 1; i < node->count; i++) {
+            below one = below_triangle(mesh, bvh->triangles[node->first + i].index);
+            all = merge(all, &one);
+        }
     } else {
         below left = check_median(bvh, mesh, node->first);
         below right = check_median(bvh, mesh, node->first + 1);
@@ -227,16 +301,22 @@ static below check_median(const rk_bvh *bvh, const rk_mesh *mesh, uint32_t index
         rk_check_equal(left.count, all.count - all.count / 2,
                        "the left child holds ceil(N / 2) of the node's N triangles");
         int axis = rk_box_longest_axis(all.box);
-        rk_check(left.highest[axis] <= right.lowest[axis],
+        spot low = left.last[axis], high = right.first[axis];
+        rk_check(low.centroid <= high.centroid,
                  "node %u, %u triangles: on its box's longest axis, %c, want no centroid of the "
                  "left half above one of the right, got %.9g above %.9g: is it the box's longest "
                  "axis, are centroids compared, and negative ones correctly?",
-                 index, all.count, "xyz"[axis], (double)left.highest[axis],
-                 (double)right.lowest[axis]);
+                 index, all.count, "xyz"[axis], (double)low.centroid, (double)high.centroid);
+        rk_check(comes_before(low, high),
+                 "node %u, %u triangles: the centroids of the triangles %u and %u are equal on "
+                 "axis %c, %g and %g: got %u in the left half and %u in the right one, want the "
+                 "smaller index left",
+                 index, all.count, low.triangle, high.triangle, "xyz"[axis], (double)low.centroid,
+                 (double)high.centroid, low.triangle, high.triangle);
     }
     for (int i = 0; i < 2; i++) {
         rk_vec3 got = node->box.corner[i], want = all.box.corner[i];
-        rk_check(memcmp(&got, &want, sizeof got) == 0,
+        rk_check(got.x == want.x && got.y == want.y && got.z == want.z,
                  "node %u: the %s corner of its box: got (%.9g, %.9g, %.9g), want (%.9g, %.9g, "
                  "%.9g): the smallest box around all its triangles grows from rk_box_empty()",
                  index, i ? "highest" : "lowest", (double)got.x, (double)got.y, (double)got.z,
@@ -248,9 +328,18 @@ static below check_median(const rk_bvh *bvh, const rk_mesh *mesh, uint32_t index
 static void every_node_is_split_at_the_median_of_its_longest_axis(void **state)
 {
     (void)state;
-    const uint32_t counts[] = {5, 6, 7, 33, 100, 1000, 20011};
-    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++) {
-        rk_mesh mesh = make_soup(counts[i], 0.05f, 3);
+    /* At 2^20 a float's steps are 1/8, so many centroids are equal. */
+    const struct {
+        uint32_t count;
+        float scale, offset;
+    } soups[] = {{5, 1, 0},          {6, 1, 0},         {7, 1, 0},         {33, 1, 0},
+                 {100, 1, 0},        {1000, 1, 0},      {20011, 1, 0},     {300, 0x1p-125f, 0},
+                 {300, 0x1p120f, 0}, {300, 1, 0x1p20f}, {300, 1, -0x1p20f}};
+    for (size_t i = 0; i < sizeof soups / sizeof *soups; i++) {
+        rk_mesh mesh = make_soup(soups[i].count, 0.05f, 3);
+        for (uint32_t k = 0; k < mesh.vertex_count; k++)
+            mesh.positions[k] = rk_madd(rk_vec(0, soups[i].offset, soups[i].offset),
+                                        mesh.positions[k], soups[i].scale);
         rk_bvh bvh = build(&mesh);
         check_median(&bvh, &mesh, 0);
         rk_bvh_free(&bvh);
@@ -422,6 +511,57 @@ static void each_split_is_told_how_many_levels_may_follow(void **state)
     }
 }
 
+/* Halves each node down to leaves of this many triangles at most, in the order of the mesh. */
+typedef struct other_builder {
+    const rk_mesh *mesh;
+    uint32_t leaf;
+} other_builder;
+
+static uint32_t split_down_to_leaf(void *context, uint32_t begin, uint32_t count,
+                                   uint32_t depth_left, rk_box *box)
+{
+    const other_builder *other = context;
+    (void)depth_left;
+    *box = rk_box_empty();
+    for (uint32_t i = 3 * begin; i < 3 * (begin + count); i++)
+        *box = rk_box_add(*box, other->mesh->positions[i]);
+    return count > other->leaf ? count / 2 : 0;
+}
+
+static void a_node_is_a_leaf_only_where_split_returns_0(void **state)
+{
+    (void)state;
+    /* Down to single triangles, or not at all; behind the nodes of as many leaves are two that are
+     * not the tree's. */
+    const uint32_t counts[] = {1, 2, 3, 4, 5, 8, RK_BVH_LEAF_MAX};
+    for (size_t i = 0; i < sizeof counts / sizeof *counts; i++)
+        for (int single = 0; single < 2; single++) {
+            uint32_t n = counts[i], leaves = single ? n : 1;
+            rk_mesh mesh = make_soup(n, 0.1f, 19);
+            rk_bvh bvh;
+            rk_error error;
+            rk_check_ok(rk_bvh_init(&bvh, n, leaves + 1, &error), error);
+            const rk_bvh_node other = {rk_box_empty(), 12345, 6789};
+            bvh.nodes[2 * leaves] = bvh.nodes[2 * leaves + 1] = other;
+            for (uint32_t k = 0; k < n; k++)
+                bvh.triangles[k] = rk_bvh_triangle_of(&mesh, k);
+            rk_bvh_build_nodes(&bvh, split_down_to_leaf,
+                               &(other_builder){&mesh, single ? 1 : RK_BVH_LEAF_MAX});
+            rk_check(bvh.node_count == 2 * leaves && rk_bvh_measure(&bvh).leaves == leaves,
+                     "%u triangles, and a `split` that returns 0 for %s: got %u nodes, want %u: "
+                     "only `split` decides whether a node is a leaf, for other builders too",
+                     n, single ? "single triangles" : "all of them", bvh.node_count, 2 * leaves);
+            for (uint32_t k = 2 * leaves; k < 2 * leaves + 2; k++)
+                rk_check(memcmp(&bvh.nodes[k], &other, sizeof other) == 0,
+                         "%u leaves: node %u was changed, which is behind the last: %u leaves have "
+                         "memory for %u nodes",
+                         leaves, k, leaves, 2 * leaves);
+            rk_check_ok(rk_bvh_validate(&bvh, &mesh, &error), error);
+            rk_bvh_free(&bvh);
+            rk_mesh_free(&mesh);
+        }
+}
+
 /* A ray from the origin that hits the odd one only, and one from beyond all of them. */
 static void check_deepest(int queries)
 {
@@ -500,13 +640,18 @@ static void flat_long_and_huge_meshes_equal_brute_force(void **state)
                               {0, 1, 0},
                               {0, 0, 0},
                               {1e6f, 1, 1e-6f},
-                              {1e15f, 1e15f, 1e15f},
-                              {1e-6f, 1e-6f, 1e-6f}};
+                              {1e11f, 1e11f, 1e11f},
+                              {1e-11f, 1e-11f, 1e-11f}};
     for (uint32_t s = 0; s < sizeof scales / sizeof *scales; s++) {
         rk_mesh mesh = make_soup(200, 0.3f, 6 + s);
         for (uint32_t i = 0; i < mesh.vertex_count; i++)
-            mesh.positions[i] = rk_mul(mesh.positions[i], scales[s]);
-        check_against_brute_force(&mesh, 1000, s, CLOSEST | OCCLUSION);
+            mesh.positions[i] = rk_add(rk_mul(mesh.positions[i], scales[s]), rk_vec(0, 0, 0));
+        uint32_t hits = check_against_brute_force(&mesh, 1000, s, CLOSEST | OCCLUSION);
+        rk_bvh bvh = build(&mesh);
+        check_median(&bvh, &mesh, 0);
+        rk_bvh_free(&bvh);
+        bool has_area = scales[s].x != 0;
+        rk_check(hits > 0 || !has_area, "no ray hits mesh %u: this test cannot tell", s);
         rk_mesh_free(&mesh);
     }
 }
@@ -530,6 +675,7 @@ static void coordinates_near_the_largest_float_build_a_sound_tree(void **state)
     rk_check_equal(
         rk_bvh_measure(&bvh).leaves, 128,
         "halving depends on the number of triangles, not on extents, which may overflow");
+    check_median(&bvh, &mesh, 0);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
@@ -710,6 +856,37 @@ static void boxes_that_begin_at_t_max_are_visited(void **state)
     }
 }
 
+static void place_flat(rk_mesh *mesh, uint32_t triangle, rk_vec3 centre, float size)
+{
+    mesh->positions[3 * triangle] = rk_add(centre, rk_vec(-size, -size, 0));
+    mesh->positions[3 * triangle + 1] = rk_add(centre, rk_vec(size, -size, 0));
+    mesh->positions[3 * triangle + 2] = rk_add(centre, rk_vec(0, size, 0));
+}
+
+/* Large triangles across the z axis, and rays along it that are so slow that t is 2^127 and more:
+ * only an infinite t is a miss. */
+static void check_hits_near_the_largest_float(void)
+{
+    rk_mesh mesh = make_mesh(8);
+    for (uint32_t i = 0; i < 8; i++)
+        place_flat(&mesh, i, rk_vec(0, 0, 1 + (float)i / 16), 0x1p20f);
+    rk_bvh bvh = build(&mesh);
+    rk_counters counters = {0};
+    for (int side = 0; side < 2; side++) {
+        rk_ray ray = {rk_vec(0, 0, side ? 2.5f : 0), rk_vec(0, 0, side ? -0x1p-127f : 0x1p-127f),
+                      INFINITY};
+        rk_hit want = closest_by_brute_force(&mesh, &ray);
+        rk_check(want.triangle == (side ? 7 : 0) && want.t >= 0x1p127f,
+                 "brute force got %s at t = %g: this test cannot tell",
+                 triangle_name(want.triangle), (double)want.t);
+        check_hit(rk_bvh_closest(&bvh, &ray, &counters), want, "a ray that hits at t >= 2^127");
+        check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), true,
+                       "a ray that hits at t >= 2^127");
+    }
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
 static void hits_count_up_to_t_max_and_not_behind_the_origin(void **state)
 {
     (void)state;
@@ -719,19 +896,26 @@ static void hits_count_up_to_t_max_and_not_behind_the_origin(void **state)
     rk_counters counters = {0};
     /* At (1/32, 1/32) the triangles lie 1/32 above their places. */
     const struct {
-        float t_max;
+        float from, t_max;
         uint32_t want;
-    } cases[] = {{2, RK_MISS}, {2.03125f, 1}, {3, 1}, {INFINITY, 1}};
+        float t;
+    } cases[] = {{0, 2, RK_MISS, 2},         {0, 2.03125f, 1, 2.03125f}, {0, 3, 1, 2.03125f},
+                 {0, INFINITY, 1, 2.03125f}, {0, FLT_MAX, 1, 2.03125f},  {0, 0, RK_MISS, 0},
+                 {0, -1, RK_MISS, -1},       {2.03125f, INFINITY, 2, 2}, {2.03125f, 1, RK_MISS, 1},
+                 {2.03125f, 0, RK_MISS, 0}};
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
-        rk_ray ray = {rk_vec(0.03125f, 0.03125f, 0), rk_vec(0, 0, 1), cases[i].t_max};
-        float t = cases[i].want == RK_MISS ? cases[i].t_max : 2.03125f;
-        char name[64];
-        snprintf(name, sizeof name, "a triangle at 2.03125, t_max = %g", (double)cases[i].t_max);
-        check_hit(rk_bvh_closest(&bvh, &ray, &counters), (rk_hit){t, 0, 0, cases[i].want}, name);
-        check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), cases[i].want != RK_MISS, name);
+        rk_ray ray = {rk_vec(0.03125f, 0.03125f, cases[i].from), rk_vec(0, 0, 1), cases[i].t_max};
+        char name[100];
+        snprintf(name, sizeof name,
+                 "triangles at z = 2.03125, 4.03125 ..., from z = %g, t_max = %g",
+                 (double)cases[i].from, (double)cases[i].t_max);
+        rk_hit want = {cases[i].t, 0.25f, 0.25f, cases[i].want};
+        check_hit(rk_bvh_closest(&bvh, &ray, &counters), want, name);
+        check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), want.triangle != RK_MISS, name);
     }
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
+    check_hits_near_the_largest_float();
 }
 
 static void a_ray_of_nan_misses(void **state)
@@ -740,10 +924,21 @@ static void a_ray_of_nan_misses(void **state)
     rk_mesh mesh = make_soup(100, 0.5f, 8);
     rk_bvh bvh = build(&mesh);
     rk_counters counters = {0};
-    rk_ray ray = {rk_vec(0, 0, 0), rk_vec(NAN, NAN, NAN), INFINITY};
-    check_hit(rk_bvh_closest(&bvh, &ray, &counters), (rk_hit){INFINITY, 0, 0, RK_MISS},
-              "a direction of NaN");
-    check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), false, "a direction of NaN");
+    const struct {
+        rk_ray ray;
+        const char *name;
+    } odd[] = {{{{0, 0, 0}, {NAN, NAN, NAN}, INFINITY}, "a direction of NaN"},
+               {{{0, 0, 0}, {NAN, 0, 1}, INFINITY}, "a direction with one NaN"},
+               {{{0, 0, 0}, {0, 1, NAN}, 10}, "a direction with one NaN, t_max = 10"},
+               {{{NAN, NAN, NAN}, {0, 0, 1}, INFINITY}, "an origin of NaN"},
+               {{{0, NAN, 0}, {1, 0, 0}, INFINITY}, "an origin with one NaN"},
+               {{{0, 0, 0}, {0, 0, 0}, INFINITY}, "a direction of 0"}};
+    for (size_t i = 0; i < sizeof odd / sizeof *odd; i++) {
+        const rk_ray *ray = &odd[i].ray;
+        check_hit(rk_bvh_closest(&bvh, ray, &counters), (rk_hit){ray->t_max, 0, 0, RK_MISS},
+                  odd[i].name);
+        check_occluded(rk_bvh_occluded(&bvh, ray, &counters), false, odd[i].name);
+    }
     /* A miss counts only if other rays hit. */
     check_against_brute_force(&mesh, 100, 8, CLOSEST | OCCLUSION);
     rk_bvh_free(&bvh);
@@ -782,10 +977,22 @@ static void a_ray_allocates_no_memory(void **state)
  * once in a copy of the tree in which all that needs no look is closed (guarded_tree.h). */
 static void check_counts(rk_counters got, rk_counters want, const char *ray, const char *hint)
 {
+    rk_counters others = got;
+    others.box_tests = want.box_tests, others.triangle_tests = want.triangle_tests;
+    rk_check(memcmp(&others, &want, sizeof want) == 0,
+             "%s: another counter than box_tests and triangle_tests was changed", ray);
     rk_check(got.box_tests == want.box_tests && got.triangle_tests == want.triangle_tests,
              "%s: got %llu box tests and %llu triangle tests, want %llu and %llu: %s", ray,
              (unsigned long long)got.box_tests, (unsigned long long)got.triangle_tests,
              (unsigned long long)want.box_tests, (unsigned long long)want.triangle_tests, hint);
+}
+
+static void ask(int query, const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)
+{
+    if (query == CLOSEST)
+        rk_bvh_closest(bvh, ray, counters);
+    else
+        rk_bvh_occluded(bvh, ray, counters);
 }
 
 /* `count` large squares, one behind the other along z, as pairs of triangles. */
@@ -801,24 +1008,42 @@ static rk_mesh make_curtains(uint32_t count)
     return mesh;
 }
 
+static void check_rays_that_miss_the_root(int query)
+{
+    const struct {
+        rk_ray ray;
+        const char *name;
+    } rays[] = {{{{5, 5, 5}, {1, 0, 0}, INFINITY}, "a ray beside the mesh"},
+                {{{0, 0, 5}, {0, 0, 1}, INFINITY}, "a ray away from the mesh"},
+                {{{0, 0, -5}, {0, 0, 1}, 1}, "a ray that ends before the mesh"}};
+    const uint32_t counts[] = {1000, 5, 4, 1}; /* up to 4, the root is a leaf */
+    for (int k = 0; k < 4 * 3; k++) {
+        const rk_ray *ray = &rays[k % 3].ray;
+        rk_mesh mesh = make_soup(counts[k / 3], 0.1f, 9);
+        rk_bvh bvh = build(&mesh);
+        guarded_tree guarded = guard_tree(&bvh);
+        rk_counters counters = {0};
+        char name[64];
+        snprintf(name, sizeof name, "%s of %u triangle%s", rays[k % 3].name, mesh.triangle_count,
+                 mesh.triangle_count == 1 ? "" : "s");
+        ask(query, &bvh, ray, &counters);
+        check_counts(
+            counters, (rk_counters){.box_tests = 1}, name,
+            "the root's box is the only test, also of a root that is a leaf, and is counted. If it "
+            "was entered: rk_box_enter returns INFINITY for a miss, which is not greater than an "
+            "infinite t_max");
+        guarded_open_for(&guarded, ray, ray->t_max);
+        ask(query, &guarded.copy, ray, &counters);
+        guarded_free(&guarded);
+        rk_bvh_free(&bvh);
+        rk_mesh_free(&mesh);
+    }
+}
+
 static void a_ray_that_misses_the_root_tests_one_box(void **state)
 {
     (void)state;
-    rk_mesh mesh = make_soup(1000, 0.1f, 9);
-    rk_bvh bvh = build(&mesh);
-    rk_ray ray = {rk_vec(5, 5, 5), rk_vec(1, 0, 0), INFINITY};
-    rk_counters counters = {0};
-    rk_bvh_closest(&bvh, &ray, &counters);
-    check_counts(
-        counters, (rk_counters){.box_tests = 1}, "a ray beside the mesh",
-        "the root's box is the only test, and is counted. If it was entered: rk_box_enter returns "
-        "INFINITY for a miss, which is not greater than an infinite t_max");
-    guarded_tree guarded = guard_tree(&bvh);
-    guarded_open_for(&guarded, &ray, INFINITY);
-    rk_bvh_closest(&guarded.copy, &ray, &counters);
-    guarded_free(&guarded);
-    rk_bvh_free(&bvh);
-    rk_mesh_free(&mesh);
+    check_rays_that_miss_the_root(CLOSEST);
 }
 
 /* Rays in a soup, some of them to a point within it. */
@@ -829,10 +1054,11 @@ static rk_ray make_short_ray(uint32_t i, const rk_mesh *mesh)
     return ray;
 }
 
-/* A ray that hits nothing tests all boxes whose parents it enters before t_max, in any order. */
-static void check_rays_without_a_hit(int queries)
+/* A ray that hits nothing tests all boxes whose parents it enters before t_max, in any order.
+ * Returns the number of such rays. */
+static uint32_t check_rays_without_a_hit_of(uint32_t triangles, float size, int query)
 {
-    rk_mesh mesh = make_soup(3000, 0.01f, 15);
+    rk_mesh mesh = make_soup(triangles, size, 15);
     rk_bvh bvh = build(&mesh);
     guarded_tree guarded = guard_tree(&bvh);
     uint32_t tried = 0;
@@ -842,27 +1068,28 @@ static void check_rays_without_a_hit(int queries)
             continue;
         rk_counters want = guarded_open_for(&guarded, &ray, ray.t_max), got = {0};
         char name[80];
-        snprintf(name, sizeof name, "ray %u, which hits none of 3,000 triangles before t_max = %g",
-                 i, (double)ray.t_max);
-        const char *hint = "the root's box, and both boxes below each node whose box the ray "
-                           "enters before t_max; of the "
-                           "triangles those in such leaves. A miss is INFINITY, no greater than a "
-                           "t_max of INFINITY";
-        if (queries == CLOSEST)
-            rk_bvh_closest(&bvh, &ray, &got);
-        else
-            rk_bvh_occluded(&bvh, &ray, &got);
-        check_counts(got, want, name, hint);
-        if (queries == CLOSEST)
-            rk_bvh_closest(&guarded.copy, &ray, &got);
-        else
-            rk_bvh_occluded(&guarded.copy, &ray, &got);
+        snprintf(name, sizeof name, "ray %u, which hits none of %u triangles before t_max = %g", i,
+                 triangles, (double)ray.t_max);
+        ask(query, &bvh, &ray, &got);
+        check_counts(got, want, name,
+                     "the root's box, and both boxes below each node whose box the ray enters "
+                     "before t_max; of the triangles those in such leaves. A miss is INFINITY, no "
+                     "greater than a t_max of INFINITY");
+        ask(query, &guarded.copy, &ray, &got);
         tried++;
     }
-    rk_check(tried >= 20, "only %u of 60 rays hit nothing: too few for this test", tried);
     guarded_free(&guarded);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
+    return tried;
+}
+
+static void check_rays_without_a_hit(int query)
+{
+    uint32_t tried = check_rays_without_a_hit_of(3000, 0.01f, query);
+    rk_check(tried >= 20, "only %u of 60 rays hit nothing: too few for this test", tried);
+    for (uint32_t triangles = 1; triangles <= 10; triangles++)
+        check_rays_without_a_hit_of(triangles, 0.5f, query);
 }
 
 static void a_ray_without_a_hit_tests_only_boxes_before_t_max(void **state)
@@ -874,6 +1101,7 @@ static void a_ray_without_a_hit_tests_only_boxes_before_t_max(void **state)
 static void an_occlusion_test_looks_no_farther_than_t_max(void **state)
 {
     (void)state;
+    check_rays_that_miss_the_root(OCCLUSION);
     check_rays_without_a_hit(OCCLUSION);
 }
 
@@ -881,6 +1109,65 @@ static void an_occlusion_test_looks_no_farther_than_t_max(void **state)
 static rk_ray ray_at_curtains(int side)
 {
     return (rk_ray){rk_vec(0.25f, 0.5f, side ? 6000 : -10), rk_vec(0, 0, side ? -1 : 1), INFINITY};
+}
+
+/* What the search for the closest hit looks at, by the definition. `tie` becomes true where a ray
+ * enters two siblings at the same t, and either may be the first. */
+typedef struct search {
+    const rk_bvh *bvh;
+    const rk_ray *ray;
+    rk_slabs slabs;
+    rk_hit hit;
+    rk_counters tests;
+    bool tie;
+} search;
+
+static void search_below(search *s, const rk_bvh_node *node)
+{
+    for (uint32_t i = 0; i < node->count; i++)
+        rk_triangle_closest(&s->bvh->triangles[node->first + i], s->ray, &s->hit);
+    s->tests.triangle_tests += node->count;
+    if (node->count)
+        return;
+    const rk_bvh_node *child = &s->bvh->nodes[node->first];
+    float enter[] = {rk_box_enter(&child[0].box, &s->slabs, s->hit.t),
+                     rk_box_enter(&child[1].box, &s->slabs, s->hit.t)};
+    int nearer = enter[1] < enter[0];
+    s->tests.box_tests += 2;
+    s->tie |= enter[0] == enter[1] && enter[0] < INFINITY;
+    for (int k = 0; k < 2; k++) {
+        int at = k ? 1 - nearer : nearer;
+        if (enter[at] < INFINITY && enter[at] <= s->hit.t)
+            search_below(s, &child[at]);
+    }
+}
+
+/* Rays from outside of a soup, whose hits are among many boxes. */
+static void check_counts_of_rays_with_a_hit(void)
+{
+    rk_mesh mesh = make_soup(2000, 0.15f, 17);
+    rk_bvh bvh = build(&mesh);
+    uint32_t tried = 0;
+    for (uint32_t i = 0; i < 1000; i++) {
+        rk_ray ray = make_ray(i, 18, rk_mesh_bounds(&mesh));
+        search s = {&bvh, &ray, rk_slabs_of(&ray), {ray.t_max, 0, 0, RK_MISS}, {0}, false};
+        s.tests.box_tests = 1;
+        if (rk_box_enter(&bvh.nodes[0].box, &s.slabs, ray.t_max) < INFINITY)
+            search_below(&s, &bvh.nodes[0]);
+        if (s.tie || s.hit.triangle == RK_MISS)
+            continue;
+        rk_counters counters = {0};
+        char name[64];
+        snprintf(name, sizeof name, "ray %u, which hits triangle %u of 2,000", i, s.hit.triangle);
+        check_hit(rk_bvh_closest(&bvh, &ray, &counters), s.hit, name);
+        check_counts(counters, s.tests, name,
+                     "where the ray enters both children, the one that it enters first comes "
+                     "first, and the other one only if no hit so far is nearer than its box");
+        tried++;
+    }
+    rk_check(tried >= 200, "only %u of 1,000 rays hit: too few for this test", tried);
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
 }
 
 static void nodes_behind_the_nearest_hit_are_skipped_from_either_side(void **state)
@@ -909,13 +1196,7 @@ static void nodes_behind_the_nearest_hit_are_skipped_from_either_side(void **sta
     guarded_free(&guarded);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
-}
-
-static void place_flat(rk_mesh *mesh, uint32_t triangle, rk_vec3 centre, float size)
-{
-    mesh->positions[3 * triangle] = rk_add(centre, rk_vec(-size, -size, 0));
-    mesh->positions[3 * triangle + 1] = rk_add(centre, rk_vec(size, -size, 0));
-    mesh->positions[3 * triangle + 2] = rk_add(centre, rk_vec(0, size, 0));
+    check_counts_of_rays_with_a_hit();
 }
 
 static void children_behind_the_nearest_hit_are_not_visited(void **state)
@@ -951,6 +1232,25 @@ static void children_behind_the_nearest_hit_are_not_visited(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* A ray through all triangles of a tree that is one leaf. */
+static void check_occlusion_in_one_leaf(void)
+{
+    for (uint32_t count = 1; count <= RK_BVH_LEAF_TARGET; count++) {
+        rk_mesh mesh = make_mesh(count);
+        for (uint32_t i = 0; i < count; i++)
+            place_flat(&mesh, i, rk_vec(0, 0, (float)i), 1);
+        rk_bvh bvh = build(&mesh);
+        rk_ray ray = {rk_vec(0, 0, -1), rk_vec(0, 0, 1), INFINITY};
+        rk_counters counters = {0};
+        check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), true, "a ray through all triangles");
+        check_counts(counters, (rk_counters){.box_tests = 1, .triangle_tests = 1},
+                     "an occlusion test through all triangles of a single leaf",
+                     "the root's box, and the first triangle, which is hit");
+        rk_bvh_free(&bvh);
+        rk_mesh_free(&mesh);
+    }
+}
+
 static void occlusion_tests_stop_at_the_first_hit(void **state)
 {
     (void)state;
@@ -982,6 +1282,7 @@ static void occlusion_tests_stop_at_the_first_hit(void **state)
     guarded_free(&guarded);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
+    check_occlusion_in_one_leaf();
 }
 
 static void counts_of_several_rays_add_up(void **state)
@@ -1072,6 +1373,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(up_to_four_triangles_are_one_leaf),
     cmocka_unit_test(five_triangles_split_three_to_two),
     cmocka_unit_test(levels_and_leaves_follow_from_halving),
+    cmocka_unit_test(a_node_is_a_leaf_only_where_split_returns_0),
     cmocka_unit_test(each_split_is_told_how_many_levels_may_follow),
     cmocka_unit_test(every_node_is_split_at_the_median_of_its_longest_axis),
     cmocka_unit_test(centroids_are_ordered_though_one_is_far_from_the_others),

@@ -189,6 +189,10 @@ static void on_edges_x_comes_before_y_before_z(void **state)
         check_face(rk_vec(0.3f, y, z), on_y, "y before z");
         check_face(rk_vec(x, y * (1 + 0x1p-23f), z), on_y,
                    "y is larger by one unit in the last place");
+        check_face(rk_vec(x, 0.3f, z * (1 + 0x1p-23f)), z < 0 ? RK_FACE_MINUS_Z : RK_FACE_Z,
+                   "z is larger than x by one unit in the last place");
+        check_face(rk_vec(0.3f, y, z * (1 + 0x1p-23f)), z < 0 ? RK_FACE_MINUS_Z : RK_FACE_Z,
+                   "z is larger than y by one unit in the last place");
     }
 }
 
@@ -218,9 +222,12 @@ static void the_length_of_a_direction_does_not_matter(void **state)
         vec back = unit(widen(rk_cube_direction(want.face, want.u, want.v)));
         check_colour(narrow(back), narrow(unit(widen(direction))), few_roundings,
                      "direction %u, round trip: wrong even for length 1", n);
-        for (int power = -100; power <= 120; power += 20) {
-            /* Powers of two are exact, down to the smallest floats. */
-            rk_vec3 scaled = rk_scale(direction, ldexpf(1, power));
+        for (int power = -120; power <= 128; power += 8) {
+            /* Powers of two are exact, down to the smallest floats and up to the largest. */
+            rk_vec3 scaled = rk_scale(direction, ldexpf(1, power / 2));
+            scaled = rk_scale(scaled, ldexpf(1, power - power / 2));
+            if (!(rk_max(fabsf(scaled.x), rk_max(fabsf(scaled.y), fabsf(scaled.z))) < INFINITY))
+                continue;
             if (rk_min(fabsf(scaled.x), rk_min(fabsf(scaled.y), fabsf(scaled.z))) < 0x1p-126f)
                 continue;
             rk_cube_place got = rk_cubemap_place(scaled);
@@ -323,6 +330,30 @@ static void nearest_is_the_texel_that_the_direction_hits(void **state)
         }
         rk_cubemap_free(&map);
     }
+    /* On the borders of texels, whose places are exact. */
+    rk_cubemap map = paint_map(4, texel_name);
+    for (int face = 0; face < RK_FACES; face++)
+        for (int i = 1; i < 4; i++) {
+            check_colour(
+                rk_cubemap_at(&map, narrow(towards(face, i / 2.0 - 1, 0.25)), RK_CUBEMAP_NEAREST),
+                rk_vec((float)face, (float)i, 1), 0,
+                "side 4, face %s, u = %d / 4 is in the texel to its right, as (face, "
+                "column, row)",
+                cross[face].name, i);
+            check_colour(rk_cubemap_at(&map, narrow(towards(face, i / 2.0 - 1 - 0x1p-20, 0.25)),
+                                       RK_CUBEMAP_NEAREST),
+                         rk_vec((float)face, (float)(i - 1), 1), 0,
+                         "side 4, face %s, u = %d / 4 - 2^-21 is left of that border, as (face, "
+                         "column, row)",
+                         cross[face].name, i);
+            check_colour(
+                rk_cubemap_at(&map, narrow(towards(face, 0.25, i / 2.0 - 1)), RK_CUBEMAP_NEAREST),
+                rk_vec((float)face, 2, 3 - (float)i), 0,
+                "side 4, face %s, v = %d / 4 is in the texel above it, as (face, column, "
+                "row)",
+                cross[face].name, i);
+        }
+    rk_cubemap_free(&map);
 }
 
 static void the_last_texels_reach_to_the_edge(void **state)
@@ -357,12 +388,14 @@ static void filters_return_the_texel_at_its_centre(void **state)
             int face = (int)(i / side / side);
             rk_vec3 d = rk_cubemap_texel_direction(side, (rk_cube_face)face, column, row);
             /* The error of u, times `side`, is the error in texels. */
+            rk_vec3 scaled = rk_scale(d, ldexpf(1, 60 * (int)(i % 5) - 120));
             check_colour(
-                rk_cubemap_at(&map, d, (rk_cubemap_filter)filter), noise(side, face, column, row),
-                side * few_roundings,
+                rk_cubemap_at(&map, scaled, (rk_cubemap_filter)filter),
+                noise(side, face, column, row), side * few_roundings,
                 "%s, side %u, face %s, at the centre of texel (%u, %u), where each neighbour's "
-                "weight is 0",
-                filter_names[filter], side, cross[face].name, column, row);
+                "weight is 0, by a direction of the length %g",
+                filter_names[filter], side, cross[face].name, column, row,
+                sqrt(dot(widen(scaled), widen(scaled))));
         }
     rk_cubemap_free(&map);
 }
@@ -377,23 +410,26 @@ static rk_vec3 slope(uint32_t side, int face, uint32_t column, uint32_t row)
 static void filters_are_linear_between_centres(void **state)
 {
     (void)state;
-    const uint32_t side = 8;
-    rk_cubemap map = paint_map(side, slope);
-    for (int filter = RK_CUBEMAP_BILINEAR; filter <= RK_CUBEMAP_SEAMLESS; filter++)
-        for (int i = 0; i < RK_FACES * 400; i++) {
-            /* Between the first and the last centre. */
-            double u = (0.5 + 7 * (i % 20) / 19.0) / side,
-                   v = (0.5 + 7 * (i / 20 % 20) / 19.0) / side;
-            int face = i / 400;
-            rk_vec3 want = narrow((vec){u, v, face + 2 * u - 3 * v});
-            /* Blue reaches 7: that many times the roundings. */
-            check_colour(rk_cubemap_at(&map, narrow(towards(face, 2 * u - 1, 2 * v - 1)),
-                                       (rk_cubemap_filter)filter),
-                         want, 7 * few_roundings,
-                         "%s, side %u, face %s, (u, v) = (%g, %g): a blend of four texels",
-                         filter_names[filter], side, cross[face].name, u, v);
-        }
-    rk_cubemap_free(&map);
+    const uint32_t sides[] = {8, 129, 300};
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        uint32_t side = sides[k];
+        rk_cubemap map = paint_map(side, slope);
+        for (int filter = RK_CUBEMAP_BILINEAR; filter <= RK_CUBEMAP_SEAMLESS; filter++)
+            for (int i = 0; i < RK_FACES * 400; i++) {
+                /* Between the first and the last centre. */
+                double x = 0.001 + 0.998 * (i % 20) / 19, y = 0.001 + 0.998 * (i / 20 % 20) / 19;
+                double u = (0.5 + (side - 1) * x) / side, v = (0.5 + (side - 1) * y) / side;
+                int face = i / 400;
+                rk_vec3 want = narrow((vec){u, v, face + 2 * u - 3 * v});
+                /* Blue reaches 7: that many times the roundings. */
+                check_colour(rk_cubemap_at(&map, narrow(towards(face, 2 * u - 1, 2 * v - 1)),
+                                           (rk_cubemap_filter)filter),
+                             want, 7 * few_roundings,
+                             "%s, side %u, face %s, (u, v) = (%g, %g): a blend of four texels",
+                             filter_names[filter], side, cross[face].name, u, v);
+            }
+        rk_cubemap_free(&map);
+    }
 }
 
 /* A map with one valid face; the others, and a face before the first and behind the last, are NaN,
@@ -421,8 +457,10 @@ static void bilinear_stays_within_its_face(void **state)
             rk_vec3 *block;
             rk_cubemap map = lone_face(sides[k], face, colour, &block);
             for (int n = 0; n < 41 * 41; n++) {
-                /* Up to a thousandth from the edges. */
-                double a = 0.999 * (n % 41 - 20) / 20, b = 0.999 * (n / 41 - 20) / 20;
+                /* Up to the edges, where they belong to this face. */
+                double a = (n % 41 - 20) / 20.0, b = (n / 41 - 20) / 20.0;
+                if ((int)rk_cubemap_place(narrow(towards(face, a, b))).face != face)
+                    a *= 0.999, b *= 0.999;
                 check_colour(
                     rk_cubemap_at(&map, narrow(towards(face, a, b)), RK_CUBEMAP_BILINEAR), colour,
                     3 * few_roundings,
@@ -646,15 +684,24 @@ static void seamless_is_linear_from_the_outer_centres_to_the_edges(void **state)
 static void one_colour_stays_one_colour(void **state)
 {
     (void)state;
+    /* Light may be much brighter than white, and colours outside of a screen's are negative. */
+    const rk_vec3 colours[] = {{0.25f, 0.5f, 4}, {1e30f, 1e-30f, -2}};
     rk_cubemap map = make_map(3);
-    for (int i = 0; i < RK_FACES * 9; i++)
-        map.faces[0][i] = rk_vec(0.25f, 0.5f, 4);
-    for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
-        for (uint32_t n = 0; n < 20000; n++)
-            check_colour(rk_cubemap_at(&map, random_direction(n), (rk_cubemap_filter)filter),
-                         rk_vec(0.25f, 0.5f, 4), 4 * few_roundings,
-                         "side 3, all texels alike, %s, direction %u: weights sum to one",
-                         filter_names[filter], n);
+    for (int k = 0; k < 2; k++) {
+        for (int i = 0; i < RK_FACES * 9; i++)
+            map.faces[0][i] = colours[k];
+        for (int filter = 0; filter <= RK_CUBEMAP_SEAMLESS; filter++)
+            for (uint32_t n = 0; n < 10000; n++) {
+                rk_vec3 got = rk_cubemap_at(&map, random_direction(n), (rk_cubemap_filter)filter);
+                for (int axis = 0; axis < 3; axis++) {
+                    double want = (double)rk_axis(colours[k], axis);
+                    rk_check_near(rk_axis(got, axis), want, few_roundings * fabs(want),
+                                  "side 3, all texels alike, %s, direction %u, colour %d: weights "
+                                  "sum to one",
+                                  filter_names[filter], n, axis);
+                }
+            }
+    }
     rk_cubemap_free(&map);
 }
 
@@ -689,7 +736,7 @@ static step largest_step(const rk_cubemap *map, rk_cubemap_filter filter)
 static void colours_are_continuous_at_edges_and_corners(void **state)
 {
     (void)state;
-    const uint32_t sides[] = {1, 2, 3, 16};
+    const uint32_t sides[] = {1, 2, 3, 16, 257};
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
         uint32_t side = sides[k];
         rk_cubemap map = paint_map(side, noise);
@@ -746,7 +793,7 @@ static void colours_are_continuous_around_a_corner(void **state)
 static void a_smooth_function_comes_back_everywhere(void **state)
 {
     (void)state;
-    const uint32_t sides[] = {4, 16, 64};
+    const uint32_t sides[] = {4, 16, 200};
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
         uint32_t side = sides[k];
         rk_cubemap map = paint_map(side, smooth_texel);
@@ -772,6 +819,64 @@ static void a_smooth_function_comes_back_everywhere(void **state)
         }
         rk_cubemap_free(&map);
     }
+}
+
+static rk_vec3 other_noise(uint32_t side, int face, uint32_t column, uint32_t row)
+{
+    return noise(side + 5, face, column, row);
+}
+
+/* The face's own texels and, by `seamless`, their neighbours on the edge between the faces of x and
+ * z: side 4, at a quarter of the way from the centre at y to the next one. */
+static rk_vec3 on_an_edge(const rk_cubemap *map, rk_vec3 d, rk_cubemap_filter filter)
+{
+    int count = filter == RK_CUBEMAP_SEAMLESS ? 2 : 1;
+    double aside = filter == RK_CUBEMAP_SEAMLESS ? 1 : 1.001, y = (double)d.y - 0.125;
+    vec at = {(double)d.x * aside, y, (double)d.z}, above = {at.x, y + 0.5, at.z};
+    vec nearer = widen(mean_of_nearest(map, at, count));
+    vec farther = widen(mean_of_nearest(map, above, count));
+    return narrow(filter == RK_CUBEMAP_NEAREST ? nearer : combine(nearer, 0.75, farther, 0.25));
+}
+
+static void each_input_counts_at_each_lookup(void **state)
+{
+    (void)state;
+    const uint32_t side = 4;
+    /* Each differs from the one before in one component. */
+    const rk_vec3 directions[] = {{1, -0.125f, 1},  {-1, -0.125f, 1}, {-1, 0.375f, 1},
+                                  {-1, 0.375f, -1}, {1, 0.375f, -1},  {1, -0.125f, -1}};
+    rk_cubemap maps[] = {paint_map(side, noise), paint_map(side, other_noise)};
+    size_t bytes = RK_FACES * side * side * sizeof(rk_vec3);
+    rk_vec3 *before = malloc(bytes);
+    rk_check(before != NULL, "there is memory");
+    for (int repainted = 0; repainted < 2; repainted++) {
+        if (repainted) /* in the same memory */
+            for (uint32_t i = 0; i < RK_FACES * side * side; i++)
+                maps[0].faces[0][i] = rk_scale(maps[0].faces[0][i], 0.5f);
+        memcpy(before, maps[0].faces[0], bytes);
+        /* The map, the filter or the direction changes from each lookup to the next. */
+        for (int fastest = 0; fastest < 3; fastest++)
+            for (int n = 0; n < 2 * 3 * 6; n++) {
+                int m = fastest == 0 ? n % 2 : n / 18;
+                int filter = fastest == 1 ? n % 3 : fastest == 0 ? n / 2 % 3 : n / 6 % 3;
+                int k = fastest == 2 ? n % 6 : fastest == 0 ? n / 6 : n / 3 % 6;
+                rk_vec3 d = directions[k];
+                check_colour(rk_cubemap_at(&maps[m], d, (rk_cubemap_filter)filter),
+                             on_an_edge(&maps[m], d, (rk_cubemap_filter)filter),
+                             side * few_roundings,
+                             "side 4, (%g, %g, %g), %s, map %d%s, after a lookup in another %s",
+                             (double)d.x, (double)d.y, (double)d.z, filter_names[filter], m,
+                             repainted ? " repainted" : "",
+                             fastest == 0   ? "map"
+                             : fastest == 1 ? "filter"
+                                            : "direction");
+            }
+        rk_check(memcmp(before, maps[0].faces[0], bytes) == 0,
+                 "a lookup changed the map, which is constant, and read by other threads");
+    }
+    free(before);
+    rk_cubemap_free(&maps[0]);
+    rk_cubemap_free(&maps[1]);
 }
 
 static void invalid_directions_have_a_colour(void **state)
@@ -867,6 +972,14 @@ static void a_texels_solid_angle_is_its_integral(void **state)
     double smallest = integral(RK_CUBEMAP_SIDE_MAX, 0, corner, 1);
     rk_check_near(rk_cubemap_solid_angle(RK_CUBEMAP_SIDE_MAX, 0, corner), smallest, 1e-6 * smallest,
                   "side %d, texel (0, %u), the smallest of all", RK_CUBEMAP_SIDE_MAX, corner);
+    /* Not a power of two, so that coordinates are rounded. */
+    const uint32_t side = 8191, places[] = {0, 1, 1000, 4095, 8190};
+    for (uint32_t i = 0; i < 25; i++) {
+        uint32_t column = places[i % 5], row = places[i / 5];
+        double want = integral(side, column, row, 1);
+        rk_check_near(rk_cubemap_solid_angle(side, column, row), want, 1e-6 * want,
+                      "side %u, texel (%u, %u), against the midpoint rule", side, column, row);
+    }
 }
 
 static void solid_angles_weight_integrals_over_the_sphere(void **state)
@@ -904,6 +1017,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(bilinear_mixes_the_faces_own_texels_up_to_its_edges),
     cmocka_unit_test(within_a_face_seamless_is_bilinear),
     cmocka_unit_test(an_edge_is_the_mean_of_the_two_texels_beside_it),
+    cmocka_unit_test(each_input_counts_at_each_lookup),
     cmocka_unit_test(a_corner_is_the_mean_of_the_three_texels_around_it),
     cmocka_unit_test(seamless_is_linear_from_the_outer_centres_to_the_edges),
     cmocka_unit_test(one_colour_stays_one_colour),

@@ -262,6 +262,8 @@ static void check_pinhole_ray(const rk_lens *lens, const rk_view *view, rk_vec2 
              (double)got.direction.y, (double)got.direction.z, (double)want.direction.x,
              (double)want.direction.y, (double)want.direction.z,
              (double)rk_length(rk_sub(got.origin, want.origin)));
+    rk_check(isinf(got.t_max) && got.t_max > 0, "point (%g, %g), %s: t_max is %g, want inf",
+             (double)place.x, (double)place.y, hint, (double)got.t_max);
 }
 
 static void a_ray_from_the_lens_centre_is_the_pinhole_ray_to_the_bit(void **state)
@@ -333,21 +335,123 @@ static void rays_do_not_depend_on_the_cameras_place(void **state)
     }
 }
 
+/* The ray against origin and focus in double. */
+static void check_lens_ray(const rk_lens *lens, const rk_view *view, rk_vec2 place, rk_vec2 xi)
+{
+    rk_lens lens_before = *lens;
+    rk_view view_before = *view;
+    rk_ray ray = rk_lens_ray(lens, view, place.x, place.y, xi);
+    rk_check(memcmp(lens, &lens_before, sizeof *lens) == 0 &&
+                 memcmp(view, &view_before, sizeof *view) == 0,
+             "rk_lens_ray changed the lens or the view, which are the caller's");
+    rk_vec2 disk = lens_disk(xi);
+    double radius = 0.0005 * (double)lens->aperture;
+    rk_dvec3 offset = rk_dscale(rk_widen(view->right), radius * (double)disk.x);
+    offset = rk_dmadd(offset, rk_widen(view->up), radius * (double)disk.y);
+    rk_dvec3 origin = rk_dmadd(rk_widen(view->position), offset, 1);
+    double off = rk_dlength(from_to(origin, rk_widen(ray.origin)));
+    /* Roundings of the offset, and one of each coordinate of the sum. */
+    double tolerance = epsilon * (8 * radius + 2 * rk_dlength(origin));
+    rk_check(off <= tolerance,
+             "camera at (%g, %g, %g), aperture %g, point (%g, %g) of the disk: the ray starts %.3g "
+             "from its lens point, want %.3g at most",
+             (double)view->position.x, (double)view->position.y, (double)view->position.z,
+             (double)lens->aperture, (double)disk.x, (double)disk.y, off, tolerance);
+    rk_view at_0 = *view;
+    at_0.position = rk_vec(0, 0, 0);
+    rk_dvec3 to = from_to(offset, focus_of(lens, &at_0, place));
+    rk_dvec3 want = rk_dscale(to, 1 / rk_dlength(to));
+    off = rk_dlength(from_to(want, rk_widen(ray.direction)));
+    /* A dozen roundings of the sides of a triangle, over its third side. */
+    tolerance = epsilon * 12 * (rk_dlength(offset) + rk_dlength(focus_of(lens, &at_0, place))) /
+                rk_dlength(to);
+    rk_check(off <= tolerance,
+             "focal distance %g, aperture %g, picture point (%g, %g), xi (%g, %g): got the "
+             "direction (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g) within %.3g",
+             (double)lens->focal_distance, (double)lens->aperture, (double)place.x, (double)place.y,
+             (double)xi.x, (double)xi.y, (double)ray.direction.x, (double)ray.direction.y,
+             (double)ray.direction.z, want.x, want.y, want.z, tolerance);
+    rk_check(isinf(ray.t_max) && ray.t_max > 0, "t_max is %g, want inf", (double)ray.t_max);
+}
+
+static void a_ray_depends_on_lens_view_picture_point_and_xi(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 500; i++) {
+        rk_view view = turned_view(i), other = turned_view(i + 1);
+        rk_lens lens = lens_of(1 + unit_float(i, 7), 300, i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        rk_vec2 place = random_place(i), xi = random_xi(i);
+        check_lens_ray(&lens, &view, place, xi);
+        /* Each call differs from the one before in one thing. */
+        lens.focal_distance *= 1.5f;
+        check_lens_ray(&lens, &view, place, xi);
+        lens.aperture *= 2;
+        check_lens_ray(&lens, &view, place, xi);
+        lens.focal = lens.focal == RK_FOCAL_PLANE ? RK_FOCAL_SPHERE : RK_FOCAL_PLANE;
+        check_lens_ray(&lens, &view, place, xi);
+        place.x = 400 - place.x;
+        check_lens_ray(&lens, &view, place, xi);
+        place.y = 300 - place.y;
+        check_lens_ray(&lens, &view, place, xi);
+        xi.x = 1 - xi.x;
+        check_lens_ray(&lens, &view, place, xi);
+        xi.y = 1 - xi.y;
+        check_lens_ray(&lens, &view, place, xi);
+        view.position = rk_vec(1e4f, -3e4f, 2e4f);
+        check_lens_ray(&lens, &view, place, xi);
+        view.right = other.right;
+        view.up = other.up;
+        view.forward = other.forward;
+        check_lens_ray(&lens, &view, place, xi);
+        view.pixel *= 2;
+        check_lens_ray(&lens, &view, place, xi);
+        view.width += 200;
+        view.height += 100;
+        check_lens_ray(&lens, &view, place, xi);
+    }
+}
+
+/* A scene, its camera and its lens in other units of length. */
+static void rays_do_not_depend_on_the_unit_of_length(void **state)
+{
+    (void)state;
+    const float lenses[][2] = {{1e-3f, 1e6f}, {1e-3f, 1e-3f}, {1e6f, 1e6f}, {1e6f, 1e-3f}};
+    for (uint32_t i = 0; i < 400; i++) {
+        rk_view view = turned_view(i);
+        rk_lens lens =
+            lens_of(lenses[i % 4][0], lenses[i % 4][1], i & 8 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        check_lens_ray(&lens, &view, random_place(i), random_xi(i));
+    }
+    for (uint32_t i = 0; i < 500; i++) {
+        rk_view view = turned_view(i);
+        int exponent = (int)(i % 201) - 100;
+        view.position = rk_vec(0, 0, 0);
+        rk_lens lens = lens_of(ldexpf(1 + unit_float(i, 7), exponent), ldexpf(400, exponent),
+                               i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        check_lens_ray(&lens, &view, random_place(i), random_xi(i));
+    }
+}
+
 static void a_lens_focused_at_infinity_sends_parallel_rays(void **state)
 {
     (void)state;
+    const float far[] = {INFINITY, 1e20f, 1e30f, 3e38f};
     for (uint32_t i = 0; i < 1000; i++) {
         rk_view view = turned_view(i);
-        rk_lens lens = lens_of(INFINITY, 300, i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        rk_lens lens = lens_of(far[i / 2 % 4], 300, i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
         rk_vec2 place = random_place(i);
-        rk_vec3 got = rk_lens_ray(&lens, &view, place.x, place.y, random_xi(i)).direction;
+        rk_ray ray = rk_lens_ray(&lens, &view, place.x, place.y, random_xi(i));
+        rk_vec3 got = ray.direction;
         rk_vec3 want = rk_view_ray(&view, place.x, place.y).direction;
-        rk_check(
-            got.x == want.x && got.y == want.y && got.z == want.z,
-            "focused infinitely far: got the direction (%.9g, %.9g, %.9g), want the pinhole's, "
-            "(%.9g, %.9g, %.9g), from every point of the lens",
-            (double)got.x, (double)got.y, (double)got.z, (double)want.x, (double)want.y,
-            (double)want.z);
+        rk_check(/* roundings of a unit vector */
+                 rk_length(rk_sub(got, want)) <= 4 * (float)epsilon,
+                 "focused %g away: got the direction (%.9g, %.9g, %.9g), want the pinhole's, "
+                 "(%.9g, %.9g, %.9g), from every point of the lens",
+                 (double)lens.focal_distance, (double)got.x, (double)got.y, (double)got.z,
+                 (double)want.x, (double)want.y, (double)want.z);
+        rk_check(rk_length(rk_sub(ray.origin, view.position)) > 0,
+                 "focused %g away: the ray starts at the lens's centre, want it at its lens point",
+                 (double)lens.focal_distance);
     }
 }
 
@@ -382,6 +486,23 @@ static void a_point_in_focus_has_no_circle_of_confusion(void **state)
     }
 }
 
+static void a_pinhole_has_no_circles_of_confusion(void **state)
+{
+    (void)state;
+    const float distances[] = {1e-6f, 1e-3f, 0.5f, 2, 1e6f, 1e30f, INFINITY};
+    for (uint32_t i = 0; i < 49; i++)
+        for (int focal = RK_FOCAL_PLANE; focal <= RK_FOCAL_SPHERE; focal++) {
+            rk_view view = turned_view(i);
+            rk_vec2 place = random_place(i);
+            rk_ray ray = rk_view_ray(&view, place.x, place.y);
+            float t = distances[i % 7];
+            rk_lens lens = lens_of(distances[i / 7], 0, (rk_focal_surface)focal);
+            rk_check_near(rk_lens_coc_diameter(&lens, &view, &ray, t), 0, 0,
+                          "aperture 0, focal %s at %g: circle of a point %g away",
+                          focal_names[focal], (double)lens.focal_distance, (double)t);
+        }
+}
+
 /* |d - f| / d x aperture, over the side of a pixel on the focal surface. */
 static void the_circle_of_confusion_equals_the_closed_form(void **state)
 {
@@ -390,8 +511,9 @@ static void the_circle_of_confusion_equals_the_closed_form(void **state)
     rk_view view = rk_view_of(&camera, 800, 800);
     rk_ray ahead = rk_view_ray(&view, 400, 400);
     double pixel = 2 * tan(25 * 3.14159265358979323846 / 180) / 800;
-    const float distances[] = {0.01f, 0.5f, 1, 1.5f, 2, 4, 100, 1e6f};
-    for (int i = 0; i < 8; i++)
+    const float distances[] = {1e-30f, 1e-15f, 1e-6f, 0.01f, 0.5f,  1,     1.5f, 2,
+                               4,      100,    1e6f,  1e15f, 1e20f, 1e30f, 3e38f};
+    for (int i = 0; i < 15; i++)
         for (int focal = RK_FOCAL_PLANE; focal <= RK_FOCAL_SPHERE; focal++) {
             rk_lens lens = lens_of(1.8f, 50, (rk_focal_surface)focal);
             double d = (double)distances[i], f = (double)lens.focal_distance;
@@ -404,28 +526,89 @@ static void the_circle_of_confusion_equals_the_closed_form(void **state)
         }
 }
 
+/* The circle of a point at `t`, neither much nearer than the focus nor much farther. */
+static void check_circle(const rk_lens *lens, const rk_view *view, const rk_ray *ray, float t)
+{
+    rk_lens lens_before = *lens;
+    rk_view view_before = *view;
+    rk_ray ray_before = *ray;
+    double got = (double)rk_lens_coc_diameter(lens, view, ray, t);
+    rk_check(memcmp(lens, &lens_before, sizeof *lens) == 0 &&
+                 memcmp(view, &view_before, sizeof *view) == 0 &&
+                 memcmp(ray, &ray_before, sizeof *ray) == 0,
+             "rk_lens_coc_diameter changed the lens, the view or the ray, which are the caller's");
+    bool plane = lens->focal == RK_FOCAL_PLANE;
+    double cosine = cosine_of(view, ray), f = (double)lens->focal_distance, d = (double)t;
+    double largest = 0.001 * (double)lens->aperture / (f * (double)view->pixel);
+    if (plane)
+        d *= cosine;
+    else
+        largest /= cosine;
+    /* A few roundings of f / d, or of 1. */
+    rk_check_near(
+        got, largest * fabs(1 - f / d), largest * (1 + f / d) * 0x1p-20,
+        "aperture %g, focal %s at %g, pixel %g: circle of a point %g away, in a direction "
+        "whose cosine is %g: d is %g, its %s",
+        (double)lens->aperture, focal_names[lens->focal], f, (double)view->pixel, (double)t, cosine,
+        d, plane ? "depth" : "distance");
+}
+
 static void a_focal_plane_uses_depth_and_a_sphere_distance(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
         rk_view view = turned_view(i);
+        if (i % 2) /* a wide angle, far from the origin */
+            view.pixel *= 3, view.position = rk_vec(1e4f, -3e4f, 2e4f);
         rk_vec2 place = random_place(i);
         rk_ray ray = rk_view_ray(&view, place.x, place.y);
-        double cosine = cosine_of(&view, &ray), t = 0.5 + 4 * (double)unit_float(i, 7);
-        double largest = 0.05 / (1.8 * (double)view.pixel);
+        float t = 0.5f + 4 * unit_float(i, 7);
         rk_lens plane = lens_of(1.8f, 50, RK_FOCAL_PLANE);
         rk_lens sphere = lens_of(1.8f, 50, RK_FOCAL_SPHERE);
-        /* Errors of a few roundings, multiplied where f / d is large: below 2 here, so 2^-20. */
-        rk_check_near(rk_lens_coc_diameter(&plane, &view, &ray, (float)t),
-                      largest * fabs(1 - 1.8 / (t * cosine)), largest * 0x1p-20,
-                      "point (%g, %g), focal plane at 1.8, t = %g: d is the depth %g",
-                      (double)place.x, (double)place.y, t, t * cosine);
-        rk_check_near(
-            rk_lens_coc_diameter(&sphere, &view, &ray, (float)t),
-            largest * fabs(1 - 1.8 / t) / cosine, largest * 0x1p-20,
-            "point (%g, %g), focal sphere at 1.8, t = %g: d is t, and a pixel is seen at an "
-            "angle whose cosine is %g",
-            (double)place.x, (double)place.y, t, cosine);
+        check_circle(&plane, &view, &ray, t);
+        check_circle(&sphere, &view, &ray, t);
+    }
+}
+
+static void a_circle_depends_on_lens_view_ray_and_distance(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 500; i++) {
+        rk_view view = turned_view(i);
+        rk_vec2 place = random_place(i);
+        rk_ray ray = rk_view_ray(&view, place.x, place.y);
+        rk_lens lens = lens_of(1 + unit_float(i, 7), 50, i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        float t = 1 + 4 * unit_float(i, 8);
+        check_circle(&lens, &view, &ray, t);
+        /* Each call differs from the one before in one thing. */
+        t *= 1.25f;
+        check_circle(&lens, &view, &ray, t);
+        lens.focal_distance *= 1.5f;
+        check_circle(&lens, &view, &ray, t);
+        lens.aperture *= 2;
+        check_circle(&lens, &view, &ray, t);
+        lens.focal = lens.focal == RK_FOCAL_PLANE ? RK_FOCAL_SPHERE : RK_FOCAL_PLANE;
+        check_circle(&lens, &view, &ray, t);
+        view.pixel *= 2;
+        check_circle(&lens, &view, &ray, t);
+        ray.direction = view.forward;
+        check_circle(&lens, &view, &ray, t);
+    }
+}
+
+/* A scene, its camera and its lens in other units of length. */
+static void circles_do_not_depend_on_the_unit_of_length(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 500; i++) {
+        rk_view view = turned_view(i);
+        view.position = rk_vec(0, 0, 0);
+        rk_vec2 place = random_place(i);
+        rk_ray ray = rk_view_ray(&view, place.x, place.y);
+        int exponent = (int)(i % 201) - 100;
+        rk_lens lens = lens_of(ldexpf(1 + unit_float(i, 7), exponent), ldexpf(400, exponent),
+                               i & 1 ? RK_FOCAL_PLANE : RK_FOCAL_SPHERE);
+        check_circle(&lens, &view, &ray, ldexpf(0.5f + 4 * unit_float(i, 8), exponent));
     }
 }
 
@@ -440,10 +623,13 @@ static void the_circle_of_an_infinitely_far_point_is_finite(void **state)
             rk_lens lens = lens_of(2, 50, (rk_focal_surface)focal);
             double cosine = focal == RK_FOCAL_SPHERE ? cosine_of(&view, &ray) : 1;
             double want = 0.025 / (double)view.pixel / cosine;
-            rk_check_near(rk_lens_coc_diameter(&lens, &view, &ray, INFINITY), want, 1e-5 * want,
-                          "point (%g, %g), aperture 50, focal %s at 2: circle of an infinitely far "
-                          "point, where |d - f| / d is 1; on a sphere also divided by the cosine",
-                          (double)place.x, (double)place.y, focal_names[focal]);
+            const float far[] = {INFINITY, 1e10f, 1e20f, 1e30f, 3e38f};
+            for (int k = 0; k < 5; k++)
+                rk_check_near(rk_lens_coc_diameter(&lens, &view, &ray, far[k]), want, 1e-5 * want,
+                              "point (%g, %g), aperture 50, focal %s at 2: circle of a point %g "
+                              "away, where |d - f| / d is 1; on a sphere also divided by the "
+                              "cosine",
+                              (double)place.x, (double)place.y, focal_names[focal], (double)far[k]);
         }
     }
 }
@@ -457,15 +643,23 @@ static void a_lens_focused_at_infinity_blurs_what_is_near(void **state)
         rk_ray ray = rk_view_ray(&view, place.x, place.y);
         double cosine = cosine_of(&view, &ray), pixel = (double)view.pixel;
         for (int focal = RK_FOCAL_PLANE; focal <= RK_FOCAL_SPHERE; focal++) {
-            rk_lens lens = lens_of(INFINITY, 50, (rk_focal_surface)focal);
-            rk_check_near(rk_lens_coc_diameter(&lens, &view, &ray, INFINITY), 0, 0,
-                          "focal %s infinitely far: circle of an infinitely far point",
-                          focal_names[focal]);
-            /* A / d on the plane, at the depth d = 2 cosine; on the sphere d = 2. */
-            rk_check_near(rk_lens_coc_diameter(&lens, &view, &ray, 2), 0.025 / (pixel * cosine),
-                          1e-5 / pixel,
-                          "aperture 50, focal %s infinitely far: circle of a point 2 away",
-                          focal_names[focal]);
+            const float far[] = {INFINITY, 1e10f, 1e20f, 1e30f, 3e38f};
+            rk_lens lens = lens_of(far[i % 5], 50, (rk_focal_surface)focal);
+            double behind = 0.05 / ((double)far[i % 5] * pixel);
+            if (focal == RK_FOCAL_SPHERE)
+                behind /= cosine;
+            rk_check_near(rk_lens_coc_diameter(&lens, &view, &ray, INFINITY), behind, 1e-5 * behind,
+                          "focal %s at %g: circle of an infinitely far point", focal_names[focal],
+                          (double)lens.focal_distance);
+            /* A / d on the plane, at the depth d = t cosine; on the sphere d = t. */
+            const float near[] = {2, 1000, 1e-6f, 1e-20f};
+            /* f / d may be computed, which is too large for a float where both are extreme. */
+            for (int k = 0; k < (isinf(far[i % 5]) ? 4 : 2); k++) {
+                double want = 0.05 / ((double)near[k] * pixel * cosine);
+                rk_check_near(rk_lens_coc_diameter(&lens, &view, &ray, near[k]), want, 1e-5 * want,
+                              "aperture 50, focal %s at %g: circle of a point %g away",
+                              focal_names[focal], (double)lens.focal_distance, (double)near[k]);
+            }
         }
     }
 }
@@ -633,8 +827,10 @@ static void circles_below_half_a_pixel_are_points(void **state)
 static void a_circle_reaches_every_pixel_that_it_may_touch(void **state)
 {
     (void)state;
-    const float diameters[] = {0.5f, 1, 2, 2.1f, 4, 5, 7.9f, 12};
-    for (int i = 0; i < 8; i++) {
+    /* Also the floats beside whole radii, where one pixel more is reached. */
+    const float diameters[] = {0.5f,         1, 2 - 0x1p-23f, 2,  2 + 0x1p-22f, 2.1f, 4,
+                               4 + 0x1p-21f, 5, 7.9f,         12, 16 + 0x1p-19f};
+    for (int i = 0; i < 12; i++) {
         picture p = sharp_picture(37, 23);
         p.blur[11 * 37 + 18] = diameters[i];
         check_counts(&p);
@@ -644,10 +840,10 @@ static void a_circle_reaches_every_pixel_that_it_may_touch(void **state)
 static void circles_end_at_the_border_of_the_picture(void **state)
 {
     (void)state;
-    const float diameters[] = {0.5f, 3, 60, 1e9f, INFINITY};
+    const float diameters[] = {0.5f, 3, 60, 1e9f, 8589934080, 3e38f, INFINITY};
     const uint32_t sizes[][2] = {{1, 1}, {1, 7}, {7, 1}, {37, 23}};
     for (int k = 0; k < 4; k++)
-        for (int i = 0; i < 5; i++) {
+        for (int i = 0; i < 7; i++) {
             uint32_t width = sizes[k][0], height = sizes[k][1], last = width * height - 1;
             const uint32_t corners[] = {0, width - 1, last - (width - 1), last};
             for (int c = 0; c < 4; c++) {
@@ -662,7 +858,7 @@ static void every_pixel_counts_the_circles_that_reach_it(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 30; i++) {
-        picture p = sharp_picture(37, 23);
+        picture p = i % 2 ? sharp_picture(37, 23) : sharp_picture(23, 37);
         for (uint32_t k = 0; k < 37 * 23; k++)
             if (rk_hash(i, k, 0, 1) % 64 <= i)
                 p.blur[k] = exp2f(8 * unit_float(k, i) - 3);
@@ -670,27 +866,35 @@ static void every_pixel_counts_the_circles_that_reach_it(void **state)
     }
 }
 
+/* Circles in the first of two rows, and in the first of two columns; they reach the second, too. */
 static void pictures_may_be_wider_or_higher_than_65536_pixels(void **state)
 {
     (void)state;
     enum { length = 70001, at = 66000, reach = 2, large = 66100 };
-    float *blur = calloc(length, sizeof *blur);
-    int32_t *counts = malloc((size_t)2 * (length + 1) * sizeof *counts);
-    rk_check(blur && counts, "there is memory");
-    blur[at] = 2 * reach;
-    blur[0] = 2 * large;
+    int32_t *counts = malloc((size_t)3 * (length + 1) * sizeof *counts);
     for (int upright = 0; upright < 2; upright++) {
-        rk_lens_coc(blur, upright ? 1 : length, upright ? length : 1, counts);
+        float *blur = calloc((size_t)2 * length, sizeof *blur);
+        rk_check(blur && counts, "there is memory");
+        size_t step = upright ? 2 : 1, stride = upright ? 3 : 1, beside = upright ? 1 : length + 1;
+        blur[step * at] = 2 * reach;
+        blur[0] = 2 * large;
+        blur[step * 300] = 4294967040; /* as far as 32 bits go, with a sign and without */
+        blur[step * large] = 8589934080;
+        rk_lens_coc(blur, upright ? 2 : length, upright ? length : 2, counts);
         for (int i = 0; i < length; i++) {
-            int got = counts[upright ? 2 * i : i], want = (abs(i - at) <= reach) + (i <= large);
-            rk_check(got == want,
-                     "a %s of %d pixels, circles of diameter %d around pixel %d and of diameter %d "
-                     "around pixel 0: pixel %d got %d circles, want %d",
-                     upright ? "column" : "row", length, 2 * reach, at, 2 * large, i, got, want);
+            int got = counts[stride * (size_t)i], other = counts[stride * (size_t)i + beside];
+            int want = (abs(i - at) <= reach) + (i <= large) + 2;
+            rk_check(
+                got == want && other == want,
+                "two %s of %d pixels, in the first circles of diameter %d around pixel %d and of "
+                "diameter %d around pixel 0, and two of 4294967040 and 8589934080 around pixels "
+                "300 and %d: pixel %d got %d circles, the one beside it %d, want %d",
+                upright ? "columns" : "rows", length, 2 * reach, at, 2 * large, large, i, got,
+                other, want);
         }
+        free(blur);
     }
     free(counts);
-    free(blur);
 }
 
 /* Processor time of the fastest of several runs, in seconds, with a circle around each pixel; of
@@ -739,6 +943,22 @@ static void large_circles_cost_no_more_than_small_ones(void **state)
     }
 }
 
+/* Two additions per pixel, whatever the picture's shape. */
+static void long_pictures_cost_no_more_than_square_ones(void **state)
+{
+    (void)state;
+    /* With sums that begin anew for each pixel, long ones would take 64 times as much. */
+    const uint32_t sizes[][2] = {{4, 16384}, {16384, 4}};
+    double square = seconds_of(256, 256, 1, 0), most = 10 * square + 0.02;
+    for (int i = 0; i < 2; i++) {
+        double seconds = seconds_of(sizes[i][0], sizes[i][1], 1, most);
+        rk_check(seconds <= most,
+                 "%u x %u pixels take %.6f s, 256 x 256 as many, %.6f s; want about the same: a "
+                 "sum continues the one before it",
+                 sizes[i][0], sizes[i][1], seconds, square);
+    }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(known_points_of_the_square_have_known_points_on_the_disk),
     cmocka_unit_test(squares_become_circles),
@@ -753,9 +973,14 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(rays_of_a_picture_point_converge_on_the_focal_plane),
     cmocka_unit_test(rays_of_a_picture_point_converge_on_the_focal_sphere),
     cmocka_unit_test(a_lens_focused_at_infinity_sends_parallel_rays),
+    cmocka_unit_test(a_ray_depends_on_lens_view_picture_point_and_xi),
+    cmocka_unit_test(rays_do_not_depend_on_the_unit_of_length),
+    cmocka_unit_test(a_pinhole_has_no_circles_of_confusion),
     cmocka_unit_test(a_point_in_focus_has_no_circle_of_confusion),
     cmocka_unit_test(the_circle_of_confusion_equals_the_closed_form),
     cmocka_unit_test(a_focal_plane_uses_depth_and_a_sphere_distance),
+    cmocka_unit_test(a_circle_depends_on_lens_view_ray_and_distance),
+    cmocka_unit_test(circles_do_not_depend_on_the_unit_of_length),
     cmocka_unit_test(the_circle_of_an_infinitely_far_point_is_finite),
     cmocka_unit_test(a_lens_focused_at_infinity_blurs_what_is_near),
     cmocka_unit_test(the_rim_of_the_lens_draws_the_rim_of_the_circle),
@@ -765,6 +990,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(every_pixel_counts_the_circles_that_reach_it),
     cmocka_unit_test(pictures_may_be_wider_or_higher_than_65536_pixels),
     cmocka_unit_test(large_circles_cost_no_more_than_small_ones),
+    cmocka_unit_test(long_pictures_cost_no_more_than_square_ones),
 };
 
 RK_SUITE("depth_of_field", tests)

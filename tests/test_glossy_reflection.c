@@ -36,12 +36,23 @@ typedef struct basis_error {
     const char *of;
 } basis_error;
 
+static const rk_vec3 guard = {7, 8, 9};
+
+/* Places for results stand in arrays between elements that must stay as they are. */
+static void check_guard(const rk_vec3 *element, const char *function)
+{
+    rk_check(memcmp(element, &guard, sizeof guard) == 0,
+             "%s writes more than a vector: its neighbour in an array has changed", function);
+}
+
 /* The largest error of the two squared lengths, the three products, and u x v = w. */
 static basis_error basis_error_of(rk_vec3 direction)
 {
-    rk_vec3 u_float, v_float;
-    rk_basis_of(direction, &u_float, &v_float);
-    rk_dvec3 w = rk_widen(direction), u = rk_widen(u_float), v = rk_widen(v_float);
+    rk_vec3 axes[] = {guard, guard, guard, guard, guard};
+    rk_basis_of(direction, &axes[1], &axes[3]);
+    for (int i = 0; i < 5; i += 2)
+        check_guard(&axes[i], "rk_basis_of");
+    rk_dvec3 w = rk_widen(direction), u = rk_widen(axes[1]), v = rk_widen(axes[3]);
     rk_dvec3 off = rk_dmadd(rk_dcross(u, v), w, -1);
     const basis_error errors[] = {
         {rk_ddot(u, u) - 1, "u's length squared"},
@@ -89,8 +100,14 @@ static void a_basis_around_an_axis_is_exact(void **state)
 static void a_basis_is_orthonormal_for_a_million_directions(void **state)
 {
     (void)state;
-    for (uint32_t i = 0; i < 1000000; i++)
-        check_basis(noise_direction(1, i), basis_bound);
+    /* Each differs from the one before in one sign: no basis belongs to another direction. */
+    for (uint32_t i = 0; i < 250000; i++) {
+        rk_vec3 w = noise_direction(1, i);
+        check_basis(w, basis_bound);
+        check_basis(rk_vec(-w.x, w.y, w.z), basis_bound);
+        check_basis(rk_vec(-w.x, -w.y, w.z), basis_bound);
+        check_basis(rk_vec(-w.x, -w.y, -w.z), basis_bound);
+    }
 }
 
 /* The worst of all, so that the message shows how far off a basis can be. */
@@ -133,20 +150,28 @@ static const char *const map_names[] = {
 /* A few roundings of numbers up to 1, and of an angle up to 2 pi. */
 static const double disk_rounding = 0x1p-20;
 
+/* Near the middle points are as exact as at the rim, in proportion. */
 static void check_point(rk_disk_map map, rk_vec2 xi, double x, double y, const char *hint)
 {
+    double tolerance = disk_rounding * hypot(x, y);
+    (void)rk_disk_at(map == RK_DISK_POLAR ? RK_DISK_CONCENTRIC : RK_DISK_POLAR, xi);
     rk_vec2 got = rk_disk_at(map, xi);
-    rk_check(fabs((double)got.x - x) <= disk_rounding && fabs((double)got.y - y) <= disk_rounding,
-             "%s map of xi (%.9g, %.9g): got (%.9g, %.9g), want (%.9g, %.9g) within %.3g: %s",
+    rk_check(fabs((double)got.x - x) <= tolerance && fabs((double)got.y - y) <= tolerance,
+             "%s map of xi (%.9g, %.9g), after a call for the other map: got (%.9g, %.9g), want "
+             "(%.9g, %.9g) within %.3g: %s",
              map_names[map], (double)xi.x, (double)xi.y, (double)got.x, (double)got.y, x, y,
-             disk_rounding, hint);
+             tolerance, hint);
 }
 
 static void the_polar_map_takes_a_root_and_an_angle(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
-        rk_vec2 xi = noise2(4, i);
+        rk_vec2 xi = noise2(4, i / 2);
+        if (i % 4 == 1) /* near the middle, at the same angle */
+            xi.x = ldexpf(1, -(int)(i % 100));
+        if (i % 4 == 3) /* near the rim */
+            xi.x = 1 - ldexpf(1, -(int)(i % 24) - 1);
         double r = sqrt((double)xi.x), theta = 2 * pi * (double)xi.y;
         check_point(RK_DISK_POLAR, xi, r * cos(theta), r * sin(theta),
                     "r = sqrt(xi.x), theta = 2 pi xi.y");
@@ -157,8 +182,15 @@ static void the_concentric_map_keeps_the_middle_and_the_axes(void **state)
 {
     (void)state;
     check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f}, 0, 0, "the middle");
-    check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f - 0x1p-18f}, 0, -0x1p-17,
-                "near the middle, but not the middle");
+    for (int e = 2; e <= 24; e++)
+        for (int sign = -1; sign <= 1; sign += 2) {
+            float at = 0.5f + ldexpf((float)sign, -e);
+            double r = sign * ldexp(1, 1 - e);
+            check_point(RK_DISK_CONCENTRIC, (rk_vec2){at, 0.5f}, r, 0,
+                        "near the middle, but not the middle");
+            check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, at}, 0, r,
+                        "near the middle, but not the middle");
+        }
     for (float r = -1; r < 1; r += 0.125f) {
         float at = (1 + r) / 2;
         check_point(RK_DISK_CONCENTRIC, (rk_vec2){at, 0.5f}, (double)r, 0,
@@ -175,11 +207,15 @@ static void the_concentric_map_makes_squares_into_circles(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 10000; i++) {
-        rk_vec2 xi = noise2(5, i), got = rk_disk_at(RK_DISK_CONCENTRIC, xi);
-        double r = fmax(fabs(2 * (double)xi.x - 1), fabs(2 * (double)xi.y - 1));
-        rk_check_near(hypot((double)got.x, (double)got.y), r, disk_rounding,
-                      "xi (%.9g, %.9g): the larger of |2 xi - 1| is the distance from the middle",
-                      (double)xi.x, (double)xi.y);
+        rk_vec2 xi = noise2(5, i / 2);
+        if (i % 2) /* in the same column of the square */
+            xi.y = noise(5, i / 2, 2);
+        double x = 2 * (double)xi.x - 1, y = 2 * (double)xi.y - 1;
+        double r = fabs(x) > fabs(y) ? x : y;
+        double theta = pi / 4 * (fabs(x) > fabs(y) ? y / x : 2 - x / y);
+        check_point(RK_DISK_CONCENTRIC, xi, r * cos(theta), r * sin(theta),
+                    "the larger of |2 xi - 1| is the distance from the middle, and the place along "
+                    "the square's side that along an eighth of the circle");
     }
 }
 
@@ -320,7 +356,11 @@ static void a_dull_surface_has_the_widest_disk(void **state)
     rk_check_close(rk_glossy_radius(0), 1, 0, "shininess 0: radius 1, not infinity");
     rk_check_close(rk_glossy_radius(-0.f), 1, 0,
                    "shininess -0, as a file may have it: radius 1, too");
-    rk_check_close(rk_glossy_radius(0.25f), 1, 0, "0.5 / 0.25 would be wider than 1");
+    const float below_half[] = {1e-45f, 1e-38f, 1e-30f, 1e-6f, 0.01f, 0.1f, 0.25f, 0.5f - 0x1p-25f};
+    for (int i = 0; i < 8; i++)
+        rk_check_near(rk_glossy_radius(below_half[i]), 1, 0,
+                      "shininess %g, below 0.5: the radius, which 0.5 / s would make wider than 1",
+                      (double)below_half[i]);
     rk_check_close(rk_glossy_radius(0.5f), 1, 0, "where 0.5 / s reaches 1");
 }
 
@@ -374,31 +414,70 @@ static void radius_0_and_the_middle_give_the_reflected_direction_exactly(void **
     }
 }
 
+static void check_unchanged(const rk_glossy_disk *disk, const rk_glossy_disk *before,
+                            const char *function)
+{
+    rk_check(memcmp(disk, before, sizeof *disk) == 0, "%s changed the disk, which is the caller's",
+             function);
+}
+
+/* Returns whether the direction is kept. */
+static bool check_direction(setting s, float radius, rk_vec2 at)
+{
+    rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, radius, s.face_normal), before = disk;
+    rk_vec3 row[] = {guard, {NAN, NAN, NAN}, guard}, u, v;
+    bool above = rk_glossy_direction(&disk, at, &row[1]);
+    check_unchanged(&disk, &before, "rk_glossy_direction");
+    check_guard(&row[0], "rk_glossy_direction");
+    check_guard(&row[2], "rk_glossy_direction");
+    rk_vec3 got = row[1];
+    rk_basis_of(s.reflected, &u, &v);
+    rk_dvec3 w = rk_widen(s.reflected);
+    rk_dvec3 to = rk_dmadd(rk_dmadd(w, rk_widen(u), (double)radius * (double)at.x), rk_widen(v),
+                           (double)radius * (double)at.y);
+    rk_dvec3 want = rk_dscale(to, 1 / rk_dlength(to));
+    rk_dvec3 off = rk_dmadd(rk_widen(got), want, -1);
+    /* The basis' own error, and a handful of roundings. */
+    rk_check(rk_dlength(off) <= basis_bound + 8 * 0x1p-24,
+             "w (%g, %g, %g), radius %g, point (%g, %g): got (%g, %g, %g), want (%g, %g, %g), the "
+             "unit vector of w + x u + y v, even if it is discarded: off by %.3g",
+             w.x, w.y, w.z, (double)radius, (double)at.x, (double)at.y, (double)got.x,
+             (double)got.y, (double)got.z, want.x, want.y, want.z, rk_dlength(off));
+    double height = rk_ddot(want, rk_widen(s.face_normal));
+    /* The direction's error, and roundings of the product. */
+    rk_check(above ? height > -(basis_bound + 12 * 0x1p-24) : height < basis_bound + 12 * 0x1p-24,
+             "w (%g, %g, %g), radius %g, point (%g, %g), face normal (%g, %g, %g): %s a direction "
+             "whose height above the face is %.9g",
+             w.x, w.y, w.z, (double)radius, (double)at.x, (double)at.y, (double)s.face_normal.x,
+             (double)s.face_normal.y, (double)s.face_normal.z, above ? "kept" : "discarded",
+             height);
+    return above;
+}
+
+static rk_vec3 on_the_side_of(rk_vec3 v, rk_vec3 of)
+{
+    return rk_dot(v, of) < 0 ? rk_negate(v) : v;
+}
+
 static void directions_are_unit_and_go_through_their_point_of_the_disk(void **state)
 {
     (void)state;
-    const float radii[] = {1e-4f, 0.1f, 1, 30};
+    const float radii[] = {1e-4f, 0.1f, 1, 30, 1000};
     uint32_t kept = 0;
-    for (uint32_t i = 0; i < 20000; i++) {
-        setting s = random_setting(i);
-        float radius = radii[i % 4];
-        rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, radius, s.face_normal);
+    for (uint32_t i = 0; i < 10000; i++) {
+        setting s = random_setting(i), other = random_setting(i + 1);
         rk_vec2 at = rk_disk_at(maps[i / 4 % 2], noise2(25, i));
-        rk_vec3 got = {NAN, NAN, NAN};
-        kept += rk_glossy_direction(&disk, at, &got);
-        rk_dvec3 to =
-            rk_dmadd(rk_dmadd(rk_widen(disk.w), rk_widen(disk.u), (double)(radius * at.x)),
-                     rk_widen(disk.v), (double)(radius * at.y));
-        rk_dvec3 want = rk_dscale(to, 1 / rk_dlength(to));
-        rk_dvec3 off = rk_dmadd(rk_widen(got), want, -1);
-        /* The basis' own error, and a handful of roundings. */
-        rk_check(
-            rk_dlength(off) <= basis_bound + 8 * 0x1p-24,
-            "w (%g, %g, %g), radius %g, point (%g, %g): got (%g, %g, %g), want (%g, %g, %g), the "
-            "unit vector of w + x u + y v, even if it is discarded: off by %.3g",
-            (double)disk.w.x, (double)disk.w.y, (double)disk.w.z, (double)radius, (double)at.x,
-            (double)at.y, (double)got.x, (double)got.y, (double)got.z, want.x, want.y, want.z,
-            rk_dlength(off));
+        kept += check_direction(s, radii[i % 5], at);
+        /* Each differs from the one before in one thing. */
+        check_direction(s, radii[(i + 1) % 5], at);
+        at.x = -at.x;
+        check_direction(s, radii[(i + 1) % 5], at);
+        at.y = -at.y;
+        kept += check_direction(s, radii[(i + 1) % 5], at);
+        s.face_normal = on_the_side_of(other.face_normal, s.reflected);
+        check_direction(s, radii[(i + 1) % 5], at);
+        s.reflected = on_the_side_of(other.reflected, s.face_normal);
+        check_direction(s, radii[(i + 1) % 5], at);
     }
     rk_check(kept > 10000, "only %u of 20000 are above the surface", kept);
 }
@@ -447,11 +526,34 @@ static void a_direction_along_the_surface_is_discarded(void **state)
     rk_check(rk_glossy_direction(&disk, halfway_along(&disk, up), &direction),
              "w (1, 0, 0), face normal (0, 0, 1): discarded (1, 0, 0.25), which leads above it");
     /* However small the angle: there is no epsilon. */
-    for (int e = 2; e <= 100; e++) {
+    for (int e = 2; e <= 140; e++) {
         disk.radius = ldexpf(1, -e);
         rk_check(rk_glossy_direction(&disk, halfway_along(&disk, up), &direction),
                  "w (1, 0, 0), face normal (0, 0, 1): discarded (1, 0, %g), which leads above it",
                  ldexp(0.5, -e));
+        rk_check(!rk_glossy_direction(&disk, halfway_along(&disk, rk_negate(up)), &direction),
+                 "w (1, 0, 0), face normal (0, 0, 1): kept (1, 0, %g), which leads below it",
+                 -ldexp(0.5, -e));
+    }
+    /* The reflected direction itself, along the face or a rounding below it. */
+    for (int i = 0; i < 6; i++) {
+        rk_vec3 w = rk_vec(1, 0, i < 2 ? 0 : -ldexpf(1, -4 - 10 * i));
+        disk = rk_glossy_disk_of(w, i % 2 ? 0.5f : 0, up);
+        rk_check(disk.radius == 0 ||
+                     rk_glossy_direction(&disk, halfway_along(&disk, up), &direction),
+                 "w (1, 0, %g), face normal (0, 0, 1), radius %g: discarded the direction halfway "
+                 "up, which leads above the face, although w does not",
+                 (double)w.z, (double)disk.radius);
+        direction = rk_vec(NAN, NAN, NAN);
+        rk_check(!rk_glossy_direction(&disk, (rk_vec2){0, 0}, &direction),
+                 "w (1, 0, %g), face normal (0, 0, 1), radius %g: kept w, which runs along the "
+                 "face or below it",
+                 (double)w.z, (double)disk.radius);
+        rk_check(direction.x == w.x && direction.y == w.y && direction.z == w.z,
+                 "w (1, 0, %g), radius %g: got (%g, %g, %g), want w, filled in although it is "
+                 "discarded",
+                 (double)w.z, (double)disk.radius, (double)direction.x, (double)direction.y,
+                 (double)direction.z);
     }
 }
 
@@ -534,6 +636,18 @@ static void a_disk_halved_by_the_surface_has_a_fraction_above_of_one_half(void *
     }
 }
 
+/* The face's normal is an axis, so that every computation of w's height above the face is exact. */
+static setting leaning_on(int axis, double height)
+{
+    double along = sqrt(1 - height * height);
+    float of[3] = {0}, normal[3] = {0};
+    of[axis] = (float)height;
+    of[(axis + 1) % 3] = (float)(0.6 * along);
+    of[(axis + 2) % 3] = (float)(-0.8 * along);
+    normal[axis] = 1;
+    return (setting){rk_vec(of[0], of[1], of[2]), rk_vec(normal[0], normal[1], normal[2])};
+}
+
 static void check_one_half_at_least(rk_vec3 w, rk_vec3 n, float radius)
 {
     rk_glossy_disk disk = rk_glossy_disk_of(w, radius, n);
@@ -559,29 +673,19 @@ static void rounding_never_takes_more_than_half_of_the_disk_below(void **state)
         }
     }
     rk_check(below > 1000, "only %u of 30000 directions were rounded to below the face", below);
+    /* Below the face by any computation: the centre counts as on the line. */
+    const float heights[] = {0, -0.f, -1e-30f, -1e-10f, -3e-8f, -0x1p-24f, -0x1p-22f};
+    for (int r = 1; r < 6; r++)
+        for (int h = 0; h < 7; h++)
+            for (int axis = 0; axis < 3; axis++) {
+                setting s = leaning_on(axis, (double)heights[h]);
+                rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, radii[r], s.face_normal);
+                rk_check_near(rk_glossy_fraction_above(&disk), 0.5, 0x1p-22,
+                              "radius %.3g, the centre %.3g above the face, as rounding may take "
+                              "it: fraction above of a disk whose centre is on the line",
+                              (double)radii[r], (double)heights[h]);
+            }
 }
-
-static void the_fraction_above_equals_quadrature(void **state)
-{
-    (void)state;
-    const double radii[] = {0.02, 0.3, 1, 5};
-    for (uint32_t i = 0; i < 200; i++) {
-        double radius = radii[i % 4], degrees = atan(radius) * 180 / pi * (i % 50 + 0.5) / 50;
-        if (i % 5 == 0) /* hardly cut */
-            degrees = atan(radius * (1 - 0.0005 * (i % 8 + 1))) * 180 / pi;
-        setting s = setting_at(degrees, i);
-        rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, (float)radius, s.face_normal);
-        /* Roundings of 2^-24, which are divided by the radius near the surface; and the kink where
-         * the plane cuts the rim, between two of 16384 angles. */
-        rk_check_near(rk_glossy_fraction_above(&disk), integrate(&s, radius).fraction,
-                      8 * 0x1p-24 / radius + 2e-6,
-                      "fraction above, for a disk of radius %g, %.3g degrees above the surface: "
-                      "the disk without its segment",
-                      radius, degrees);
-    }
-}
-
-/* --- Points above the surface ----------------------------------------------------------------- */
 
 /* A disk, and the part of it above the surface, in double. */
 typedef struct part {
@@ -619,9 +723,90 @@ static part part_of(const setting *s, float radius)
     return p;
 }
 
+static void the_fraction_above_equals_quadrature(void **state)
+{
+    (void)state;
+    const double radii[] = {0.02, 0.3, 1, 5};
+    for (uint32_t i = 0; i < 100; i++) {
+        double radius = radii[i % 4], degrees = atan(radius) * 180 / pi * (i % 50 + 0.5) / 50;
+        if (i % 5 == 0) /* hardly cut */
+            degrees = atan(radius * (1 - 0.0005 * (i % 8 + 1))) * 180 / pi;
+        setting s = setting_at(degrees, i);
+        rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, (float)radius, s.face_normal),
+                       before = disk;
+        /* Roundings of 2^-24, which are divided by the radius near the surface; and the kink where
+         * the plane cuts the rim, between two of 16384 angles. */
+        rk_check_near(rk_glossy_fraction_above(&disk), integrate(&s, radius).fraction,
+                      8 * 0x1p-24 / radius + 2e-6,
+                      "fraction above, for a disk of radius %g, %.3g degrees above the surface: "
+                      "the disk without its segment",
+                      radius, degrees);
+        check_unchanged(&disk, &before, "rk_glossy_fraction_above");
+    }
+}
+
+static float fraction_of(setting s, float radius)
+{
+    rk_glossy_disk disk = rk_glossy_disk_of(s.reflected, radius, s.face_normal);
+    return rk_glossy_fraction_above(&disk);
+}
+
+/* With the same line a disk of any size has the same fraction above. */
+static void a_small_disk_is_cut_like_a_large_one(void **state)
+{
+    (void)state;
+    const float radii[] = {1, 0.5f, 0.1f, 1e-3f, 1e-6f, 1e-7f, 1e-10f, 1e-15f, 1e-20f, 1e-30f};
+    const double lines[] = {0, 0.1, 0.5, 0.9, 0.999, 1, 1.001, 1.5, 20};
+    for (int r = 0; r < 10; r++)
+        for (int i = 0; i < 9; i++)
+            for (int axis = 0; axis < 3; axis++) {
+                double slope = lines[i] * (double)radii[r];
+                setting s = leaning_on(axis, slope / sqrt(1 + slope * slope));
+                /* Few roundings, also in floats. */
+                rk_check_near(fraction_of(s, radii[r]), area_beyond(-fmin(lines[i], 1)), 1e-6,
+                              "radius %g, the face's plane %g radii from the centre: the fraction "
+                              "above",
+                              (double)radii[r], lines[i]);
+            }
+}
+
+static void check_fraction(setting s, float radius)
+{
+    part p = part_of(&s, radius);
+    /* Roundings of the height are divided by the radius. */
+    rk_check_near(fraction_of(s, radius), p.fraction, 8 * 0x1p-24 / (double)radius + 1e-6,
+                  "radius %g, w (%g, %g, %g), face normal (%g, %g, %g): the fraction above, which "
+                  "depends on each of them",
+                  (double)radius, (double)s.reflected.x, (double)s.reflected.y,
+                  (double)s.reflected.z, (double)s.face_normal.x, (double)s.face_normal.y,
+                  (double)s.face_normal.z);
+}
+
+static void the_fraction_above_depends_on_direction_radius_and_face(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 2000; i++) {
+        setting s = setting_at(20 * (double)noise(30, i, 0), i), other = random_setting(i);
+        float radius = 0.4f + noise(30, i, 1);
+        /* Each differs from the one before in one thing. */
+        check_fraction(s, radius);
+        check_fraction(s, radius / 4);
+        check_fraction(s, 2 * radius);
+        s.face_normal = on_the_side_of(other.face_normal, s.reflected);
+        check_fraction(s, 2 * radius);
+        s.reflected = on_the_side_of(other.reflected, s.face_normal);
+        check_fraction(s, 2 * radius);
+    }
+}
+
+/* --- Points above the surface ----------------------------------------------------------------- */
+
 static rk_vec2 moved(const part *p, rk_vec2 at)
 {
-    return rk_glossy_point_above(&p->disk, (float)p->fraction, at);
+    rk_glossy_disk disk = p->disk;
+    rk_vec2 to = rk_glossy_point_above(&disk, (float)p->fraction, at);
+    check_unchanged(&disk, &p->disk, "rk_glossy_point_above");
+    return to;
 }
 
 /* A point's coordinates along `up`, and from there to the right. */
@@ -664,36 +849,64 @@ static void a_halved_disk_moves_its_points_up(void **state)
         check_moved(&p, point_upright(&p, 0, -0.999999), quarter, -0.999999 * end, disk_rounding,
                     "a point at the rim comes to the rim");
         /* A point this near the top has an area of 5e-5 beyond it. */
-        check_moved(&p, point_upright(&p, 0.999, 0), 0.99937, 0, 1e-5, "the top stays the top");
+        check_moved(&p, point_upright(&p, 0.999, 0), 0.99937, 0, 1e-5, "almost the top");
+        check_moved(&p, point_upright(&p, 1, 0), 1, 0, disk_rounding, "the top stays the top");
     }
+}
+
+/* Returns false, without a check, where the face does not cut the disk, and at the rim. */
+static bool check_area_fits(const part *p, rk_vec2 from)
+{
+    rk_dvec3 at = seen_upright(p, from), to = seen_upright(p, moved(p, from));
+    double room = 1 - at.x * at.x;
+    if (!(p->line > -1 && room > 2e-6))
+        return false;
+    rk_check_near(area_beyond(fmin(fmax(to.x, -1), 1)), p->fraction * area_beyond(at.x),
+                  8 * 0x1p-24,
+                  "fraction above %.4f: the area beyond the point %.6f up, which came from %.6f up",
+                  p->fraction, to.x, at.x);
+    /* A rounding of the height changes the distance to the rim by 1 / room times as much. */
+    double across = at.y / sqrt(room) * sqrt(fmax(1 - to.x * to.x, 0));
+    rk_check_near(to.y, across, 4 * 0x1p-24 / room + 2 * 0x1p-24,
+                  "fraction above %.4f: the point %.6f across, %.6f of its chord's half, came to "
+                  "%.6f up, and this far across",
+                  p->fraction, at.y, at.y / sqrt(room), to.x);
+    return true;
 }
 
 static void points_move_until_the_area_beyond_them_fits(void **state)
 {
     (void)state;
     uint32_t cut = 0;
-    for (uint32_t i = 0; i < 20000; i++) {
-        setting s = setting_at(90 * pow((double)noise(41, i, 0), 3), i);
-        part p = part_of(&s, 2 * noise(41, i, 1));
+    for (uint32_t i = 0; i < 5000; i++) {
+        float radius = 2 * noise(41, i, 1);
+        double degrees = i % 5 == 0 /* hardly cut */
+                             ? atan((double)radius * (1 - 0.0001 * (i % 16 + 1))) * 180 / pi
+                             : 90 * pow((double)noise(41, i, 0), 3);
+        setting s = setting_at(degrees, i);
+        part p = part_of(&s, radius);
         rk_vec2 from = rk_disk_at(RK_DISK_POLAR, noise2(42, i));
-        rk_dvec3 at = seen_upright(&p, from), to = seen_upright(&p, moved(&p, from));
-        double room = 1 - at.x * at.x;
-        if (!(p.line > -1 && room > 1e-4))
-            continue;
-        cut++;
-        rk_check_near(
-            area_beyond(fmin(fmax(to.x, -1), 1)), p.fraction * area_beyond(at.x), 8 * 0x1p-24,
-            "fraction above %.4f: the area beyond the point %.6f up, which came from %.6f up",
-            p.fraction, to.x, at.x);
-        /* A rounding of the height changes the distance to the rim by 1 / room times as much. */
-        double across = at.y / sqrt(room) * sqrt(fmax(1 - to.x * to.x, 0));
-        rk_check_near(
-            to.y, across, 4 * 0x1p-24 / room + 2 * 0x1p-24,
-            "fraction above %.4f: the point %.6f across, %.6f of its chord's half, came to "
-            "%.6f up, and this far across",
-            p.fraction, at.y, at.y / sqrt(room), to.x);
+        cut += check_area_fits(&p, from);
+        /* Each differs from the one before in one thing. */
+        from.x = -from.x;
+        cut += check_area_fits(&p, from);
+        from.y = -from.y;
+        cut += check_area_fits(&p, from);
+        part wider = part_of(&s, 1.5f * radius);
+        cut += check_area_fits(&wider, from);
+        /* Turned half around w, so that the fraction stays the same. */
+        setting turned = {
+            s.reflected,
+            rk_sub(rk_scale(s.reflected, 2 * rk_dot(s.reflected, s.face_normal)), s.face_normal)};
+        part across = part_of(&turned, 1.5f * radius);
+        across.fraction = wider.fraction;
+        cut += check_area_fits(&across, from);
+        /* Near the top or the bottom, where chords are short. */
+        double up = 1 - 0.1 * pow(10, -5 * (double)noise(41, i, 2)), end = sqrt(1 - up * up);
+        cut += check_area_fits(
+            &p, point_upright(&p, i % 2 ? up : -up, 0.9 * end * (2 * (double)noise(41, i, 3) - 1)));
     }
-    rk_check(cut > 5000, "only %u of 20000 disks are cut by the face", cut);
+    rk_check(cut > 5000, "only %u of 30000 points are in disks cut by the face", cut);
 }
 
 /* Where little area is left, few roundings are a large part of it. */
@@ -732,14 +945,21 @@ static void moved_points_are_in_the_disk_and_above_the_surface(void **state)
         setting s = setting_at(90 * pow((double)noise(43, i, 0), 3), i);
         part p = part_of(&s, noise(43, i, 1));
         rk_vec2 from = rk_disk_at(maps[i % 2], noise2(44, i));
-        if (i % 4 == 0) /* at the rim, or a rounding outside of it */
-            from = point_upright(&p, i % 8 ? 1 + 0x1p-23 : -1 - 0x1p-23, 0);
+        if (i % 4 == 0) { /* at the rim's top or bottom, or near it, a rounding outside of it */
+            double aside = i % 16 < 8 ? 0 : pow(10, -1 - 6 * (double)noise(43, i, 2));
+            double rim = i % 3 ? 1 + 0x1p-23 : 1, up = (i % 8 ? rim : -rim) * cos(aside);
+            from = point_upright(&p, up, (i % 5 ? rim : -rim) * sin(aside));
+        }
         rk_vec2 to = moved(&p, from);
         rk_vec3 direction;
         bool above = rk_glossy_direction(&p.disk, to, &direction);
         double length = hypot((double)to.x, (double)to.y);
-        rk_check(length <= 1 + 0x1p-22,
-                 "a point was moved to %.9g from the middle, outside the disk", length);
+        rk_check(
+            length <= 1 + 0x1p-22,
+            "fraction above %.4f: (%.9g, %.9g), %.9g from the middle and %.9g up, was moved to "
+            "(%.9g, %.9g), %.9g from the middle, outside the disk",
+            p.fraction, (double)from.x, (double)from.y, hypot((double)from.x, (double)from.y),
+            seen_upright(&p, from).x, (double)to.x, (double)to.y, length);
         /* The fraction is rounded to a float, which moves the line by that over its length. */
         double rounding = 0x1p-22 + pi * 0x1p-25 / sqrt(fmax(1 - p.line * p.line, 1e-30));
         rk_check(
@@ -890,6 +1110,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_disk_halved_by_the_surface_has_a_fraction_above_of_one_half),
     cmocka_unit_test(rounding_never_takes_more_than_half_of_the_disk_below),
     cmocka_unit_test(the_fraction_above_equals_quadrature),
+    cmocka_unit_test(a_small_disk_is_cut_like_a_large_one),
+    cmocka_unit_test(the_fraction_above_depends_on_direction_radius_and_face),
     cmocka_unit_test(a_disk_above_the_surface_keeps_its_points),
     cmocka_unit_test(a_halved_disk_moves_its_points_up),
     cmocka_unit_test(points_move_until_the_area_beyond_them_fits),

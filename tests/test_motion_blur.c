@@ -133,6 +133,7 @@ static void equidistant_times_are_the_middles_of_equal_parts(void **state)
         check_equidistant((float)k, 4, 2 * (double)k - 2,
                           "four parts of length 2 have their middles at 0, 2, 4, 6");
     check_equidistant(1, 1, 3, "the middle of the shutter");
+    check_equidistant(2e9f, 4000000000u, 3, "half of so many parts have passed");
 }
 
 static void times_before_and_after_the_shutter_continue_the_sequence(void **state)
@@ -228,32 +229,35 @@ static void random_times_are_drawn_from_the_dimension_of_time(void **state)
 {
     (void)state;
     const rk_shutter shutter = {0, 1};
-    const uint32_t seed = 3, samples = 16;
-    for (uint32_t pixel = 0; pixel < 20; pixel++)
-        for (uint32_t i = 0; i < samples; i++) {
-            double low =
-                (double)rk_shutter_time(&shutter, RK_TIME_LOW_DISCREPANCY, seed, pixel, i, samples);
-            double want = number_of(RK_SAMPLER_LOW_DISCREPANCY, seed, pixel, i, samples);
-            rk_check(fabs(low - want) <= 0x1p-24,
-                     "shutter [0, 1], seed 3, pixel %u, sample %u of 16: got the low-discrepancy "
-                     "time %.7f, want %.7f: rk_sample_1d's number of that kind, seed, pixel, "
-                     "sample and RK_DIMENSION_TIME",
-                     pixel, i, low, want);
-            double x =
-                (double)rk_shutter_time(&shutter, RK_TIME_STRATIFIED, seed, pixel, i, samples);
-            /* Any kind of sampler will do for the position in the part. */
-            double off = INFINITY;
-            for (int kind = RK_SAMPLER_UNIFORM; kind <= RK_SAMPLER_LOW_DISCREPANCY; kind++)
-                off = fmin(off, fabs(x * samples - i -
-                                     number_of((rk_sampler_kind)kind, seed, pixel, i, samples)));
-            want = (i + number_of(RK_SAMPLER_UNIFORM, seed, pixel, i, samples)) / samples;
-            rk_check(off <= samples * 0x1p-24,
-                     "shutter [0, 1], seed 3, pixel %u, sample %u of 16: got the stratified time "
-                     "%.7f, want %.7f: its position in its part is rk_sample_1d's number of that "
-                     "seed, pixel, sample and RK_DIMENSION_TIME (here the uniform one; other "
-                     "kinds pass)",
-                     pixel, i, x, want);
-        }
+    const uint32_t numbers[] = {16, 1000, 1, 2, 33};
+    for (uint32_t n = 0; n < 2000; n++) {
+        /* Every seventh time with numbers of more than 16 bits. */
+        bool large = n % 7 == 6;
+        uint32_t samples = numbers[n % 5];
+        uint32_t seed = large ? 0xabcd0003 + n : 3, pixel = large ? 0x80010000 + n : n / 16;
+        uint32_t i = n * 7 % samples;
+        double low =
+            (double)rk_shutter_time(&shutter, RK_TIME_LOW_DISCREPANCY, seed, pixel, i, samples);
+        double want = number_of(RK_SAMPLER_LOW_DISCREPANCY, seed, pixel, i, samples);
+        rk_check(fabs(low - want) <= 0x1p-24,
+                 "shutter [0, 1], seed %u, pixel %u, sample %u of %u: got the low-discrepancy "
+                 "time %.7f, want %.7f: rk_sample_1d's number of that kind, seed, pixel, "
+                 "sample and RK_DIMENSION_TIME",
+                 seed, pixel, i, samples, low, want);
+        double x = (double)rk_shutter_time(&shutter, RK_TIME_STRATIFIED, seed, pixel, i, samples);
+        /* Any kind of sampler will do for the position in the part. */
+        double off = INFINITY;
+        for (int kind = RK_SAMPLER_UNIFORM; kind <= RK_SAMPLER_LOW_DISCREPANCY; kind++)
+            off = fmin(off, fabs(x * samples - i -
+                                 number_of((rk_sampler_kind)kind, seed, pixel, i, samples)));
+        want = (i + number_of(RK_SAMPLER_UNIFORM, seed, pixel, i, samples)) / samples;
+        rk_check(off <= samples * 0x1p-24,
+                 "shutter [0, 1], seed %u, pixel %u, sample %u of %u: got the stratified time "
+                 "%.7f, want %.7f: its position in its part is rk_sample_1d's number of that "
+                 "seed, pixel, sample and RK_DIMENSION_TIME (here the uniform one; other "
+                 "kinds pass)",
+                 seed, pixel, i, samples, x, want);
+    }
 }
 
 static void pixels_and_seeds_have_random_times_of_their_own(void **state)
@@ -278,8 +282,9 @@ static void pixels_and_seeds_have_random_times_of_their_own(void **state)
 static void times_fill_the_shutter_and_never_leave_it(void **state)
 {
     (void)state;
-    const rk_shutter shutters[] = {{0, 0.05f}, {-3, 11}, {0.1f, 0.1000001f}, {7, 7}};
-    for (int s = 0; s < 4; s++)
+    const rk_shutter shutters[] = {{0, 0.05f},      {-3, 11},       {0.1f, 0.1000001f}, {7, 7},
+                                   {-3e38f, 3e38f}, {1e20f, 3e38f}, {-1e-30f, 1e-30f},  {-5, -4}};
+    for (size_t s = 0; s < sizeof shutters / sizeof *shutters; s++)
         for (int sampling = RK_TIME_EQUIDISTANT; sampling <= RK_TIME_LOW_DISCREPANCY; sampling++) {
             double open = (double)shutters[s].open, close = (double)shutters[s].close, sum = 0;
             for (uint32_t i = 0; i < 64; i++) {
@@ -293,7 +298,7 @@ static void times_fill_the_shutter_and_never_leave_it(void **state)
             }
             /* Each is at most a 64th of the shutter away from the middle of its part, apart from
              * rounding. */
-            double tolerance = (close - open) / 64 + 0x1p-24 * fabs(close);
+            double tolerance = (close - open) / 64 + 0x1p-24 * fmax(fabs(open), fabs(close));
             rk_check(
                 fabs(sum / 64 - (open + close) / 2) <= tolerance,
                 "%s, pixel 5, seed 9: got %.9g for the mean of 64 times, want %.9g within %.3g: "
@@ -331,6 +336,19 @@ static void the_last_of_the_most_samples_is_within_the_shutter(void **state)
 
 /* --- Swept boxes ------------------------------------------------------------------------------ */
 
+static rk_box sweep(const rk_motion *motion, const rk_shutter *shutter, const rk_box *rest)
+{
+    rk_motion path = *motion;
+    rk_shutter interval = *shutter;
+    rk_box box = *rest;
+    rk_box swept = rk_motion_sweep(&path, &interval, &box);
+    rk_check(
+        memcmp(&path, motion, sizeof path) == 0 &&
+            memcmp(&interval, shutter, sizeof interval) == 0 && memcmp(&box, rest, sizeof box) == 0,
+        "rk_motion_sweep changed the caller's path, shutter or box at rest, which are constant");
+    return swept;
+}
+
 /* The header allows 2^-19 of corner and offset; and floats are rounded. */
 static double slack(double corner, double offset)
 {
@@ -348,23 +366,44 @@ static void check_swept(rk_motion motion, rk_shutter shutter, const char *side, 
         (double)shutter.close, (double)got, side, want, tolerance, hint);
 }
 
+/* One axis of a swept box, where the offset goes from `low` to `high`. */
+static void check_swept_axis(rk_motion motion, rk_shutter shutter, int axis, const rk_box *rest,
+                             const rk_box *swept, double low, double high, const char *hint)
+{
+    double at_rest[] = {(double)rk_axis(rest->corner[0], axis),
+                        (double)rk_axis(rest->corner[1], axis)};
+    const double offset[] = {low, high};
+    double size = fmax(fabs(at_rest[0]), fabs(at_rest[1])) + fmax(fabs(offset[0]), fabs(offset[1]));
+    for (int end = 0; end < 2; end++) {
+        double got = (double)rk_axis(swept->corner[end], axis);
+        double margin = (end ? 1 : -1) * 0x1p-19 * size;
+        /* The result is rounded to a float, so to a sixteenth of the margin. */
+        rk_check_near(
+            got, at_rest[end] + offset[end] + margin, 2 * 0x1p-24 * size,
+            "the path (a, b, c) = (%g, %g, %g), shutter [%g, %g]: the swept box's %s %c, %.9g at "
+            "rest, with offsets from %.9g to %.9g (%s), and a margin of 2^-19 of its terms, %.3g",
+            (double)motion.a, (double)motion.b, (double)motion.c, (double)shutter.open,
+            (double)shutter.close, end ? "highest" : "lowest", "xyz"[axis], at_rest[end], low, high,
+            hint, margin);
+    }
+}
+
 static void check_heights(rk_motion motion, rk_shutter shutter, double low, double high,
                           const char *hint)
 {
-    const rk_box rest = {{{-1, -0.5f, 2}, {3, 0.5f, 4}}};
-    const rk_box swept = rk_motion_sweep(&motion, &shutter, &rest);
-    const rk_vec3 *corner = swept.corner;
-    double open = (double)shutter.open, close = (double)shutter.close;
-    double slack_x = slack(3, fmax(fabs(open), fabs(close)));
-    double slack_y = slack(0.5, fmax(fabs(low), fabs(high))), slack_z = slack(4, 0);
-    check_swept(motion, shutter, "lowest x", corner[0].x, -1 + open, slack_x,
-                "-1 at rest, plus x where the shutter opens");
-    check_swept(motion, shutter, "highest x", corner[1].x, 3 + close, slack_x,
-                "3 at rest, plus x where the shutter closes");
-    check_swept(motion, shutter, "lowest y", corner[0].y, low - 0.5, slack_y, hint);
-    check_swept(motion, shutter, "highest y", corner[1].y, high + 0.5, slack_y, hint);
-    check_swept(motion, shutter, "lowest z", corner[0].z, 2, slack_z, "nothing moves along z");
-    check_swept(motion, shutter, "highest z", corner[1].z, 4, slack_z, "nothing moves along z");
+    const rk_box rests[] = {{{{-1, -0.5f, 2}, {3, 0.5f, 4}}},
+                            {{{-4, -3, -9}, {-2, -2.5f, -8}}},
+                            {{{0, 0, 0}, {0, 0, 0}}},
+                            {{{3, -2, 5}, {3, -2, 5}}},
+                            {{{2, 1, -0x1p-60f}, {2, 3, 0x1p-60f}}},
+                            {{{-1e30f, 1e20f, -1e37f}, {-1e25f, 1e30f, -1e36f}}}};
+    for (size_t i = 0; i < sizeof rests / sizeof *rests; i++) {
+        const rk_box swept = sweep(&motion, &shutter, &rests[i]);
+        check_swept_axis(motion, shutter, 0, &rests[i], &swept, (double)shutter.open,
+                         (double)shutter.close, "x where the shutter opens and closes");
+        check_swept_axis(motion, shutter, 1, &rests[i], &swept, low, high, hint);
+        check_swept_axis(motion, shutter, 2, &rests[i], &swept, 0, 0, "nothing moves along z");
+    }
 }
 
 static void a_straight_path_sweeps_from_its_beginning_to_its_end(void **state)
@@ -424,7 +463,7 @@ static void turning_points_keep_their_digits_when_one_is_far_away(void **state)
         /* 4 x - 4 x^2 turns at 1/2; a x^3 adds a / 8 there, plus terms of second order. */
         double y = 1 + (double)motion.a / 8;
         const rk_shutter shutter = {0.25f, 0.75f};
-        rk_box swept = rk_motion_sweep(&motion, &shutter, &(rk_box){{{0, 0, 0}, {0, 0, 0}}});
+        rk_box swept = sweep(&motion, &shutter, &(rk_box){{{0, 0, 0}, {0, 0, 0}}});
         double tolerance = slack(0, y) + (double)motion.a * (double)motion.a;
         check_swept(motion, shutter, "highest y", swept.corner[1].y, y, tolerance,
                     "is a root computed as the difference of two nearly equal numbers?");
@@ -442,7 +481,7 @@ static void steep_and_flat_paths_turn_like_others(void **state)
         const double lowest[] = {0, -third, 0}, highest[] = {0.25, 0, third};
         const rk_shutter shutter = {0, 1};
         for (int i = 0; i < 3; i++) {
-            rk_box swept = rk_motion_sweep(&motions[i], &shutter, &(rk_box){0});
+            rk_box swept = sweep(&motions[i], &shutter, &(rk_box){0});
             double tolerance = (double)size * slack(0, 0.5);
             check_swept(motions[i], shutter, "lowest y", swept.corner[0].y,
                         (double)size * lowest[i], tolerance,
@@ -453,6 +492,23 @@ static void steep_and_flat_paths_turn_like_others(void **state)
         }
     }
     rk_check_near(turn * turn * turn - turn, -third, 1e-15, "x^3 - x at 1 / sqrt(3)");
+    /* u^3 - 1.5 u^2 turns at u = 0 and 1. With x = u s the cubic term may seem negligible, but in a
+     * shutter of 2 s it is not; and turning points may be very close to each other. */
+    for (int e = -40; e <= 40; e += 5) {
+        float s = ldexpf(1, e);
+        const rk_motion motion = {1 / s / s / s, -1.5f / s / s, 0};
+        const float open[] = {-1, -1, 0.5f, -0.5f}, close[] = {2, 0.5f, 1.5f, 0};
+        const double lowest[] = {-2.5, -2.5, -0.5, -0.5}, highest[] = {2, 0, 0, 0};
+        for (int i = 0; i < 4; i++) {
+            const rk_shutter shutter = {open[i] * s, close[i] * s};
+            rk_box swept = sweep(&motion, &shutter, &(rk_box){0});
+            const char *hint = "u^3 - 1.5 u^2 with u = x / s turns at u = 0 and 1";
+            check_swept(motion, shutter, "lowest y", swept.corner[0].y, lowest[i], slack(0, 2.5),
+                        hint);
+            check_swept(motion, shutter, "highest y", swept.corner[1].y, highest[i], slack(0, 2.5),
+                        hint);
+        }
+    }
 }
 
 /* A random path; most turn somewhere near the shutter. */
@@ -483,6 +539,27 @@ static rk_box random_box(uint32_t i)
     return (rk_box){{corner, rk_add(corner, size)}};
 }
 
+/* The same scene in another unit of length, a power of two: x is a length, too. */
+static float unit_of(uint32_t i)
+{
+    return ldexpf(1, (int)(i / 8 % 3) * 40 - 40);
+}
+
+static rk_motion path_in(float unit, rk_motion path)
+{
+    return (rk_motion){path.a / unit / unit, path.b / unit, path.c};
+}
+
+static rk_shutter shutter_in(float unit, rk_shutter shutter)
+{
+    return (rk_shutter){shutter.open * unit, shutter.close * unit};
+}
+
+static rk_box box_in(float unit, rk_box box)
+{
+    return (rk_box){{rk_scale(box.corner[0], unit), rk_scale(box.corner[1], unit)}};
+}
+
 /* The path, without the unit. */
 static rk_vec3 true_offset(const rk_motion *motion, float x)
 {
@@ -502,7 +579,7 @@ static void a_swept_box_holds_the_box_at_every_time(void **state)
     for (uint32_t i = 0; i < 2000; i++) {
         const rk_motion motion = random_path(i);
         const rk_shutter shutter = random_shutter(i);
-        const rk_box rest = random_box(i), swept = rk_motion_sweep(&motion, &shutter, &rest);
+        const rk_box rest = random_box(i), swept = sweep(&motion, &shutter, &rest);
         for (uint32_t k = 0; k <= 1000; k++) {
             rk_vec3 offset = true_offset(&motion, time_in(&shutter, k, 1000));
             rk_vec3 low = rk_add(rest.corner[0], offset), high = rk_add(rest.corner[1], offset);
@@ -521,20 +598,25 @@ static void a_swept_box_holds_the_box_at_every_time(void **state)
     }
 }
 
-static void check_holds_every_float(rk_motion motion, float root)
+static void check_holds_every_float(rk_motion path, float root, float unit)
 {
-    const rk_shutter shutter = {root - 1e-6f, root + 1e-6f};
-    const rk_box rest = {{{-1e-6f, -1e-6f, -1e-6f}, {1e-6f, 1e-6f, 1e-6f}}};
-    const rk_box swept = rk_motion_sweep(&motion, &shutter, &rest);
+    const rk_motion motion = path_in(unit, path);
+    const rk_shutter shutter = shutter_in(unit, (rk_shutter){root - 1e-6f, root + 1e-6f});
+    const float half = 1e-6f * unit;
+    const rk_box rest = {{{-half, -half, -half}, {half, half, half}}};
+    const rk_box swept = sweep(&motion, &shutter, &rest);
     for (float x = shutter.open; x <= shutter.close; x = nextafterf(x, INFINITY)) {
         double y = (double)rk_motion_offset(&motion, x).y;
         rk_check(
-            (double)swept.corner[0].y <= y - 1e-6 && (double)swept.corner[1].y >= y + 1e-6,
+            (double)swept.corner[0].y <= y - (double)half &&
+                (double)swept.corner[1].y >= y + (double)half &&
+                (double)swept.corner[0].x <= (double)x - (double)half &&
+                (double)swept.corner[1].x >= (double)x + (double)half,
             "the path (a, b, c) = (%.9g, %.9g, %.9g), shutter [%.9g, %.9g]: at x = %.9g the unit "
-            "moves the box, +- 1e-6, to y = %.9g, and the swept box goes from %.9g to %.9g: its "
-            "terms cancel, so the roundings of a double count",
+            "moves the box, +- %.3g, to y = %.9g, and the swept box goes from %.9g to %.9g on y: "
+            "its terms cancel, so the roundings of a double count",
             (double)motion.a, (double)motion.b, (double)motion.c, (double)shutter.open,
-            (double)shutter.close, (double)x, y, (double)swept.corner[0].y,
+            (double)shutter.close, (double)x, (double)half, y, (double)swept.corner[0].y,
             (double)swept.corner[1].y);
     }
 }
@@ -542,11 +624,12 @@ static void check_holds_every_float(rk_motion motion, float root)
 static void a_swept_box_holds_paths_whose_terms_cancel(void **state)
 {
     (void)state;
-    check_holds_every_float((rk_motion){1e12f, -1.16777026e12f, 3.40921844e11f}, 0.583885133f);
+    check_holds_every_float((rk_motion){1e12f, -1.16777026e12f, 3.40921844e11f}, 0.583885133f, 1);
     for (uint32_t i = 0; i < 3000; i++) {
         /* a x (x - root)^2, so that the path is nearly level where it is nearly 0. */
         float root = random_float(i, 60, 0.25f, 2), a = exp2f(random_float(i, 61, 20, 45));
-        check_holds_every_float((rk_motion){a, -2 * a * root, a * root * root}, root);
+        check_holds_every_float((rk_motion){a, -2 * a * root, a * root * root}, root,
+                                unit_of(i * 8));
     }
 }
 
@@ -557,7 +640,7 @@ static void a_swept_box_is_no_larger_than_the_path(void **state)
         const rk_motion motion = random_path(i);
         const rk_shutter shutter = random_shutter(i);
         const rk_box point = {{{0, 0, 0}, {0, 0, 0}}};
-        const rk_box swept = rk_motion_sweep(&motion, &shutter, &point);
+        const rk_box swept = sweep(&motion, &shutter, &point);
         double low = INFINITY, high = -INFINITY;
         for (uint32_t k = 0; k <= 1000; k++) {
             double y = (double)true_offset(&motion, time_in(&shutter, k, 1000)).y;
@@ -584,7 +667,7 @@ static void check_may_intersect(rk_ray ray, float t_max, bool want, const char *
     const rk_box swept = {{{-1, -1, 4}, {1, 1, 5}}};
     const rk_slabs slabs = rk_slabs_of(&ray);
     rk_check(rk_motion_may_intersect(&swept, &slabs, t_max) == want,
-             "a ray from (%g, 0, 0) along (0, 0, %g) to t = %g, the box (-1, -1, 4) .. (1, 1, 5): "
+             "a ray from x = %g along (0, 0, %g) to t = %g, the box (-1, -1, 4) .. (1, 1, 5): "
              "got %s, want %s: %s",
              (double)ray.origin.x, (double)ray.direction.z, (double)t_max, want ? "false" : "true",
              want ? "true" : "false", hint);
@@ -603,32 +686,37 @@ static void a_ray_may_hit_a_box_that_it_enters_before_t_max(void **state)
     check_may_intersect(beside, INFINITY, false, "it passes the box");
     check_may_intersect(within, INFINITY, true, "it starts inside, at z = 4.5");
     check_may_intersect(within, 0, true, "it starts inside, at z = 4.5, and t = 0 counts");
+    const rk_ray along = {{1, 1, 0}, {0, -0.0f, 1}, INFINITY};
+    check_may_intersect(along, INFINITY, true, "it runs along an edge, x = y = 1");
     check_may_intersect(towards, 4, true, "it ends on the box, and t = t_max counts");
 }
 
 /* A ray from near or far that grazes an edge along z of the box, moved to `offset`: it passes
  * within some dozens of roundings, on either side. */
-static rk_ray grazing_ray(uint32_t i, const rk_box *rest, rk_vec3 offset)
+static rk_ray grazing_ray(uint32_t i, float unit, const rk_box *rest, rk_vec3 offset)
 {
     bool right = i & 1, top = i & 2;
-    float far = exp2f(random_float(i, 50, 0, 12)), aside = far * 0x1p-24f;
+    float far = unit * exp2f(random_float(i, 50, 0, 12)), aside = far * 0x1p-24f;
     rk_vec3 at = rk_vec(rest->corner[right].x + random_float(i, 51, -64, 64) * aside,
                         rest->corner[top].y + random_float(i, 52, -64, 64) * aside,
                         random_float(i, 53, rest->corner[0].z, rest->corner[1].z));
     float x = random_float(i, 54, 0, 1), y = random_float(i, 55, 0, right == top ? -1 : 1);
     rk_vec3 direction = rk_vec(x, y, random_float(i, 56, -1, 1));
-    return (rk_ray){rk_madd(rk_add(at, offset), direction, -far), direction, INFINITY};
+    /* In large units a short direction makes t as large as 2^112. */
+    float speed = i / 24 % 2 ? 0x1p-60f : 1;
+    return (rk_ray){rk_madd(rk_add(at, offset), direction, -far), rk_scale(direction, speed),
+                    INFINITY};
 }
 
-static void fail_lost_ray(uint32_t i, const rk_ray *ray, rk_vec3 offset)
+static void fail_lost_ray(uint32_t i, const rk_ray *ray, float t_max, rk_vec3 offset)
 {
     rk_check(false,
-             "ray %u, from (%.9g, %.9g, %.9g) along (%.9g, %.9g, %.9g): got false, want true: at "
-             "the offset (%.9g, %.9g, 0) the moved ray enters the box at rest; is the tested box "
-             "enlarged by rounding_margin(ray)?",
+             "ray %u, from (%.9g, %.9g, %.9g) along (%.9g, %.9g, %.9g) to t = %.9g: got false, "
+             "want true: at the offset (%.9g, %.9g, 0) the moved ray enters the box at rest; is "
+             "the tested box enlarged by rounding_margin(ray)?",
              i, (double)ray->origin.x, (double)ray->origin.y, (double)ray->origin.z,
              (double)ray->direction.x, (double)ray->direction.y, (double)ray->direction.z,
-             (double)offset.x, (double)offset.y);
+             (double)t_max, (double)offset.x, (double)offset.y);
 }
 
 static void a_ray_that_misses_the_swept_box_never_hits_the_object(void **state)
@@ -636,17 +724,22 @@ static void a_ray_that_misses_the_swept_box_never_hits_the_object(void **state)
     (void)state;
     uint32_t hits = 0, missed = 0;
     for (uint32_t i = 0; i < 200000; i++) {
-        const rk_motion motion = random_path(i);
-        const rk_shutter shutter = random_shutter(i / 2);
-        const rk_box rest = random_box(i / 2);
+        /* In smaller and larger units, too. */
+        float unit = unit_of(i);
+        const rk_motion motion = path_in(unit, random_path(i));
+        const rk_shutter shutter = shutter_in(unit, random_shutter(i / 2));
+        const rk_box rest = box_in(unit, random_box(i / 2));
         /* Grazing at one end of the path, where the swept box is no wider than the object. */
         rk_vec3 offset = rk_motion_offset(&motion, i & 4 ? shutter.open : shutter.close);
-        const rk_ray ray = grazing_ray(i, &rest, offset), moved = rk_motion_ray(offset, &ray);
+        const rk_ray ray = grazing_ray(i, unit, &rest, offset), moved = rk_motion_ray(offset, &ray);
         const rk_slabs slabs = rk_slabs_of(&ray), moved_slabs = rk_slabs_of(&moved);
-        const rk_box swept = rk_motion_sweep(&motion, &shutter, &rest);
-        bool hit = rk_box_enter(&rest, &moved_slabs, INFINITY) < INFINITY;
-        if (hit && !rk_motion_may_intersect(&swept, &slabs, INFINITY))
-            fail_lost_ray(i, &ray, offset);
+        const rk_box swept = sweep(&motion, &shutter, &rest);
+        float enter = rk_box_enter(&rest, &moved_slabs, INFINITY);
+        bool hit = enter < INFINITY;
+        const float ends[] = {INFINITY, enter};
+        for (int end = 0; end < 2 && hit; end++)
+            if (!rk_motion_may_intersect(&swept, &slabs, ends[end]))
+                fail_lost_ray(i, &ray, ends[end], offset);
         hits += hit;
         missed += !rk_motion_may_intersect(&swept, &slabs, INFINITY);
     }
@@ -696,14 +789,21 @@ static bool may_intersect_leaf(const rk_bvh *bvh, float x, float close, float t_
 {
     const rk_motion level = {0, 0, 0};
     const rk_shutter shutter = {0, close};
-    const rk_box swept = rk_motion_sweep(&level, &shutter, &bvh->nodes[0].box);
+    const rk_box swept = sweep(&level, &shutter, &bvh->nodes[0].box);
     const rk_ray ray = {{x, 0, 0}, {0, 0, 1}, INFINITY};
     const rk_slabs slabs = rk_slabs_of(&ray);
     rk_check(rk_motion_may_intersect(&swept, &slabs, INFINITY),
              "rk_motion_may_intersect is false for a ray at x = %g and the root's swept box, from "
              "%g to %g on x: step 7 comes first",
              (double)x, (double)swept.corner[0].x, (double)swept.corner[1].x);
-    return rk_motion_may_intersect_leaf(bvh, &swept, &slabs, t_max);
+    rk_bvh_node *nodes = malloc(bvh->node_count * sizeof *nodes);
+    rk_check(nodes, "no memory for %u nodes", bvh->node_count);
+    memcpy(nodes, bvh->nodes, bvh->node_count * sizeof *nodes);
+    bool may = rk_motion_may_intersect_leaf(bvh, &swept, &slabs, t_max);
+    rk_check(memcmp(nodes, bvh->nodes, bvh->node_count * sizeof *nodes) == 0,
+             "the search changed a node of the caller's tree, which is constant");
+    free(nodes);
+    return may;
 }
 
 static void check_leaf(float x, float close, float t_max, bool want, const char *hint)
@@ -754,7 +854,8 @@ static void leaves_behind_a_ray_or_beyond_its_end_do_not_count(void **state)
     (void)state;
     /* Beside the ray before it and behind its origin, so that all boxes above are entered. */
     const rk_box beside = {{{-4, -1, -9}, {-2, 1, 5}}}, too = {{{2, -1, -8}, {4, 1, 6}}};
-    const rk_box far = {{{-1, -1, 9}, {1, 1, 10}}}, behind = {{{-1, -1, -8}, {1, 1, -1}}};
+    const rk_box far = {{{-1, -1, 9}, {1, 1, 10}}}, behind = {{{-1, -1, -8}, {1, 1, -1}}},
+                 around = {{{-1, -1, -1}, {1, 1, 1}}};
     for (int first = 0; first < 2; first++) {
         rk_bvh bvh = three_leaves(beside, too, far, first);
         check_reach(&bvh, first, 7, false, "the one on it is at z = 9 to 10, beyond t_max");
@@ -762,6 +863,9 @@ static void leaves_behind_a_ray_or_beyond_its_end_do_not_count(void **state)
         rk_bvh_free(&bvh);
         bvh = three_leaves(beside, too, behind, first);
         check_reach(&bvh, first, INFINITY, false, "the one on its line is behind its origin");
+        rk_bvh_free(&bvh);
+        bvh = three_leaves(beside, too, around, first);
+        check_reach(&bvh, first, 0, true, "it starts in the one on it, and t = 0 counts");
         rk_bvh_free(&bvh);
     }
 }
@@ -773,7 +877,7 @@ static void a_ray_between_leaves_that_rise_hits_none(void **state)
     const rk_shutter shutter = {0, 1};
     const rk_box low = {{{-1, -4, 4}, {1, -2, 5}}}, high = {{{-1, 2, 4}, {1, 4, 5}}};
     rk_bvh bvh = two_leaves(low, high);
-    const rk_box swept = rk_motion_sweep(&rising, &shutter, &bvh.nodes[0].box);
+    const rk_box swept = sweep(&rising, &shutter, &bvh.nodes[0].box);
     const float heights[] = {-1.5f, -0.5f, 1.5f, 4.5f};
     const bool wanted[] = {true, false, false, true};
     for (int i = 0; i < 4; i++) {
@@ -784,6 +888,22 @@ static void a_ray_between_leaves_that_rise_hits_none(void **state)
             "two leaves, y in [-4, -2] and [2, 4], which move to y + 1: a ray at y = %g should "
             "%s a leaf: boxes grow at the end to which they move",
             (double)heights[i], wanted[i] ? "hit" : "not hit");
+    }
+    /* From 2 to 3 later they are far from where they rest: y in [-2, 1] and [4, 7], or mirrored. */
+    const rk_shutter late = {2, 3};
+    const float later[] = {-1, 2.5f, 5};
+    for (int sign = -1; sign <= 1; sign += 2) {
+        const rk_motion path = {0, 0, (float)sign};
+        const rk_box far = sweep(&path, &late, &bvh.nodes[0].box);
+        for (int i = 0; i < 3; i++) {
+            float y = later[i] * (float)sign;
+            const rk_ray ray = {{2.5f, y, 0}, {0, 0, 1}, INFINITY};
+            const rk_slabs slabs = rk_slabs_of(&ray);
+            rk_check(rk_motion_may_intersect_leaf(&bvh, &far, &slabs, INFINITY) == (i != 1),
+                     "two leaves, y in [-4, -2] and [2, 4], which move by %d to %d: a ray at y = "
+                     "%g should %s a leaf: a swept box need not contain the box at rest",
+                     2 * sign, 3 * sign, (double)y, i == 1 ? "not hit" : "hit");
+        }
     }
     rk_bvh_free(&bvh);
 }
@@ -887,23 +1007,53 @@ static void traversal_reaches_the_leaves_of_deep_trees(void **state)
         }
 }
 
+/* All inner boxes are entered, and no leaf, or the last one alone. */
+static void traversal_reaches_the_last_of_many_nodes(void **state)
+{
+    (void)state;
+    const uint32_t nodes = 1 << 17, leaves = nodes / 2;
+    const rk_box near = {{{-1, -1, 4}, {-0.5f, 1, 5}}};
+    for (int hit = 0; hit < 2; hit++) {
+        rk_bvh bvh = empty_tree(nodes);
+        /* Level by level: the children of node k are 2k and 2k + 1. */
+        make_inner(&bvh, 0, rk_box_merge(left_box, right_box));
+        for (uint32_t k = 2; k < leaves; k++)
+            make_inner(&bvh, k, rk_box_merge(left_box, right_box));
+        for (uint32_t k = leaves; k < nodes; k++)
+            make_leaf(&bvh, k, k % 2 ? right_box : left_box);
+        if (hit)
+            bvh.nodes[nodes - 1].box = near;
+        rk_check_equal(bvh.node_count, nodes, "nodes of the test's own tree");
+        rk_check(may_intersect_leaf(&bvh, 0, 1, INFINITY) == hit,
+                 "a tree of %u nodes: got %s, want %s, because %s: a node's index takes 32 bits",
+                 nodes, hit ? "false" : "true", hit ? "true" : "false",
+                 hit ? "the last leaf moves onto the ray" : "the ray passes between all leaves");
+        rk_bvh_free(&bvh);
+    }
+}
+
 static void a_ray_that_misses_all_swept_leaves_never_hits_a_leaf(void **state)
 {
     (void)state;
     uint32_t hits = 0, missed = 0;
     for (uint32_t i = 0; i < 200000; i++) {
-        const rk_motion motion = random_path(i);
-        const rk_shutter shutter = random_shutter(i / 2);
-        rk_bvh bvh = two_leaves(random_box(i / 2), random_box(i / 2 + 200000));
+        float unit = unit_of(i);
+        const rk_motion motion = path_in(unit, random_path(i));
+        const rk_shutter shutter = shutter_in(unit, random_shutter(i / 2));
+        rk_bvh bvh =
+            two_leaves(box_in(unit, random_box(i / 2)), box_in(unit, random_box(i / 2 + 200000)));
         const rk_box *leaf = &bvh.nodes[2 + i % 2].box;
         rk_vec3 offset = rk_motion_offset(&motion, i & 4 ? shutter.open : shutter.close);
-        const rk_ray ray = grazing_ray(i, leaf, offset), moved = rk_motion_ray(offset, &ray);
+        const rk_ray ray = grazing_ray(i, unit, leaf, offset), moved = rk_motion_ray(offset, &ray);
         const rk_slabs slabs = rk_slabs_of(&ray), moved_slabs = rk_slabs_of(&moved);
-        const rk_box swept = rk_motion_sweep(&motion, &shutter, &bvh.nodes[0].box);
-        bool hit = rk_box_enter(leaf, &moved_slabs, INFINITY) < INFINITY;
+        const rk_box swept = sweep(&motion, &shutter, &bvh.nodes[0].box);
+        float enter = rk_box_enter(leaf, &moved_slabs, INFINITY);
+        bool hit = enter < INFINITY;
         bool may_hit = rk_motion_may_intersect_leaf(&bvh, &swept, &slabs, INFINITY);
         if (hit && !may_hit)
-            fail_lost_ray(i, &ray, offset);
+            fail_lost_ray(i, &ray, INFINITY, offset);
+        if (hit && !rk_motion_may_intersect_leaf(&bvh, &swept, &slabs, enter))
+            fail_lost_ray(i, &ray, enter, offset);
         hits += hit;
         missed += !may_hit;
         rk_bvh_free(&bvh);
@@ -1040,6 +1190,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(subtrees_that_the_ray_misses_are_not_visited),
     cmocka_unit_test(a_tree_may_be_a_single_leaf),
     cmocka_unit_test(traversal_reaches_the_leaves_of_deep_trees),
+    cmocka_unit_test(traversal_reaches_the_last_of_many_nodes),
     cmocka_unit_test(a_ray_that_misses_all_swept_leaves_never_hits_a_leaf),
     cmocka_unit_test(a_moving_edge_covers_a_point_for_the_expected_time),
     cmocka_unit_test(a_moving_disk_covers_a_point_along_a_chord_of_its_path),

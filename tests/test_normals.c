@@ -8,8 +8,8 @@ static void check_vec3(rk_vec3 got, rk_vec3 want, float tolerance, const char *h
 {
     rk_vec3 off = rk_abs3(rk_sub(got, want));
     rk_check(off.x <= tolerance && off.y <= tolerance && off.z <= tolerance,
-             "got (%g, %g, %g), want (%g, %g, %g): %s", (double)got.x, (double)got.y, (double)got.z,
-             (double)want.x, (double)want.y, (double)want.z, hint);
+             "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g): %s", (double)got.x, (double)got.y,
+             (double)got.z, (double)want.x, (double)want.y, (double)want.z, hint);
 }
 
 /* Coordinates from -1 to 1. */
@@ -20,20 +20,32 @@ static rk_vec3 random_point(uint32_t i, uint32_t k)
                   2 * rk_unit_float(rk_hash(i, k, 2, 0)) - 1);
 }
 
+/* Whole numbers up to 64. */
+static rk_vec3 random_whole(uint32_t i, uint32_t k)
+{
+    rk_vec3 p = rk_scale(random_point(i, k), 64);
+    return rk_vec(rintf(p.x), rintf(p.y), rintf(p.z));
+}
+
 /* --- Colours ---------------------------------------------------------------------------------- */
 
 static void each_axis_has_a_colour_of_its_own(void **state)
 {
     (void)state;
     /* Halves and sums of 0 and 1 are exact. */
-    check_vec3(rk_normals_colour(rk_vec(1, 0, 0)), rk_vec(1, 0.5f, 0.5f), 0,
-               "the colour of the normal (1, 0, 0): x is red, and 0 is half of the way");
-    check_vec3(rk_normals_colour(rk_vec(0, 1, 0)), rk_vec(0.5f, 1, 0.5f), 0,
-               "the colour of the normal (0, 1, 0): y is green");
-    check_vec3(rk_normals_colour(rk_vec(0, 0, 1)), rk_vec(0.5f, 0.5f, 1), 0,
-               "the colour of the normal (0, 0, 1): z is blue");
-    check_vec3(rk_normals_colour(rk_vec(-1, 0, 0)), rk_vec(0, 0.5f, 0.5f), 0,
-               "the colour of the normal (-1, 0, 0): -1 becomes 0");
+    const struct {
+        rk_vec3 normal, colour;
+        const char *hint;
+    } axes[] = {
+        {{1, 0, 0}, {1, 0.5f, 0.5f}, "of the normal (1, 0, 0): x is red, 0 is half of the way"},
+        {{-1, 0, 0}, {0, 0.5f, 0.5f}, "of the normal (-1, 0, 0): -1 becomes 0"},
+        {{0, 1, 0}, {0.5f, 1, 0.5f}, "of the normal (0, 1, 0): y is green"},
+        {{0, -1, 0}, {0.5f, 0, 0.5f}, "of the normal (0, -1, 0)"},
+        {{0, 0, 1}, {0.5f, 0.5f, 1}, "of the normal (0, 0, 1): z is blue"},
+        {{0, 0, -1}, {0.5f, 0.5f, 0}, "of the normal (0, 0, -1)"},
+    };
+    for (size_t i = 0; i < sizeof axes / sizeof *axes; i++)
+        check_vec3(rk_normals_colour(axes[i].normal), axes[i].colour, 0, axes[i].hint);
 }
 
 static void from_minus_1_to_1_becomes_from_0_to_1(void **state)
@@ -45,6 +57,16 @@ static void from_minus_1_to_1_becomes_from_0_to_1(void **state)
         /* Two orders of computing it differ by a rounding of a number up to 1. */
         check_vec3(rk_normals_colour(n), want, 0x1p-23f,
                    "-1 becomes 0, 0 becomes 1/2 and 1 becomes 1, in each channel");
+    }
+    for (int e = 1; e <= 21; e++) {
+        float s = ldexpf(1, -e), c = sqrtf(1 - 2 * s * s), half = 0.5f;
+        const char *hint = "a coordinate near 0 is not quite 1/2";
+        check_vec3(rk_normals_colour(rk_vec(s, c, -s)),
+                   rk_vec(half + s / 2, half + c / 2, half - s / 2), 0x1p-23f, hint);
+        check_vec3(rk_normals_colour(rk_vec(-s, -s, c)),
+                   rk_vec(half - s / 2, half - s / 2, half + c / 2), 0x1p-23f, hint);
+        check_vec3(rk_normals_colour(rk_vec(-c, s, s)),
+                   rk_vec(half - c / 2, half + s / 2, half + s / 2), 0x1p-23f, hint);
     }
 }
 
@@ -71,6 +93,12 @@ static void a_triangle_along_two_axes_has_the_third_as_its_normal(void **state)
                "the triangle (0, 0, 0), (0, 3, 0), (0, 0, 4)");
     check_vec3(rk_normals_of_triangle(o, z, x), rk_vec(0, 1, 0), 0,
                "the triangle (0, 0, 0), (0, 0, 4), (2, 0, 0)");
+    check_vec3(rk_normals_of_triangle(o, z, y), rk_vec(-1, 0, 0), 0,
+               "the triangle (0, 0, 0), (0, 0, 4), (0, 3, 0)");
+    check_vec3(rk_normals_of_triangle(o, x, y), rk_vec(0, 0, 1), 0,
+               "the triangle (0, 0, 0), (2, 0, 0), (0, 3, 0) once more");
+    check_vec3(rk_normals_of_triangle(rk_vec(2, 3, 0), x, y), rk_vec(0, 0, -1), 0,
+               "the triangle (2, 3, 0), (2, 0, 0), (0, 3, 0)");
 }
 
 static void a_moved_triangle_has_the_same_normal(void **state)
@@ -80,10 +108,8 @@ static void a_moved_triangle_has_the_same_normal(void **state)
         /* Whole numbers up to 2^6 and steps of up to 2^22 move without rounding, and so do the
          * differences of the corners. Products of the corners are rounded by 2^20. */
         rk_vec3 corner[3];
-        for (uint32_t k = 0; k < 3; k++) {
-            rk_vec3 p = rk_scale(random_point(i, 2 + k), 64);
-            corner[k] = rk_vec(rintf(p.x), rintf(p.y), rintf(p.z));
-        }
+        for (uint32_t k = 0; k < 3; k++)
+            corner[k] = random_whole(i, 2 + k);
         const rk_vec3 by = {0x1p20f, -0x1p21f, 0x1p22f};
         rk_vec3 there = rk_normals_of_triangle(rk_add(corner[0], by), rk_add(corner[1], by),
                                                rk_add(corner[2], by));
@@ -99,19 +125,41 @@ static void a_scaled_triangle_has_the_same_normal(void **state)
         rk_vec3 a = {0, 0, 0}, b = random_point(i, 9), c = random_point(i, 10);
         rk_vec3 want = rk_normals_of_triangle(a, b, c);
         rk_check(rk_length(want) > 0, "the normal of a triangle with an area is (0, 0, 0)");
-        for (int exponent = -20; exponent <= 20; exponent += 5) {
+        for (int exponent = -24; exponent <= 28; exponent += 4) {
             /* Powers of two: nothing is rounded otherwise, but for the last bit of 1 / length. */
             float by = ldexpf(1, exponent);
             check_vec3(rk_normals_of_triangle(rk_scale(a, by), rk_scale(b, by), rk_scale(c, by)),
                        want, 0x1p-22f,
-                       "a triangle and the same one larger or smaller: no area is too small but 0");
+                       "a triangle and the same one larger or smaller: areas from 2^-60 to 2^60 "
+                       "are neither too small nor too large");
         }
     }
+    for (int e = -60; e <= 60; e++) {
+        float x = ldexpf(1, e / 2), y = ldexpf(1, e - e / 2 + 1);
+        check_vec3(rk_normals_of_triangle(rk_vec(0, 0, 0), rk_vec(x, 0, 0), rk_vec(0, y, 0)),
+                   rk_vec(0, 0, 1), 0x1p-22f, "a triangle with an area from 2^-60 to 2^60");
+    }
+}
+
+/* Triangles with small angles, and with edges of very different lengths. */
+static void check_thin_triangles(void)
+{
+    const rk_vec3 o = {0, 0, 0}, z = {0, 0, 1};
+    for (int k = 2; k <= 4096; k++) {
+        float m = (float)k; /* m (m - 2) - (m - 1)^2 = -1, of products that floats can hold */
+        check_vec3(rk_normals_of_triangle(o, rk_vec(m - 1, m - 2, 0), rk_vec(m, m - 1, 0)), z,
+                   0x1p-22f, "a triangle with a small angle: its area is 1/2");
+    }
+    for (int e = -40; e <= 40; e++)
+        check_vec3(
+            rk_normals_of_triangle(o, rk_vec(ldexpf(1, e), 0, 0), rk_vec(0, ldexpf(1, -e), 0)), z,
+            0x1p-22f, "one edge is much shorter than the other, and the area is 1/2");
 }
 
 static void a_normal_is_unit_and_at_right_angles_to_all_edges(void **state)
 {
     (void)state;
+    check_thin_triangles();
     for (uint32_t i = 0; i < 1000; i++) {
         rk_vec3 a = random_point(i, 5), b = random_point(i, 6), c = random_point(i, 7);
         rk_vec3 n = rk_normals_of_triangle(a, b, c);
@@ -122,6 +170,10 @@ static void a_normal_is_unit_and_at_right_angles_to_all_edges(void **state)
         rk_check_near(rk_length(n), 1, 0x1p-21, "triangle %u: the normal's length", i);
         rk_check_near(rk_dot(n, rk_sub(b, a)), 0, tolerance, "triangle %u: n.(b - a)", i);
         rk_check_near(rk_dot(n, rk_sub(c, a)), 0, tolerance, "triangle %u: n.(c - a)", i);
+        rk_check(area < 0.01 || rk_dot(n, rk_cross(rk_sub(b, a), rk_sub(c, a))) > 0,
+                 "triangle %u: got a normal (%g, %g, %g) on the side from which a, b, c run "
+                 "clockwise, want the other side",
+                 i, (double)n.x, (double)n.y, (double)n.z);
     }
 }
 
@@ -141,6 +193,19 @@ static void a_triangle_without_area_has_the_normal_0(void **state)
     const rk_vec3 a = {1, 2, 3}, b = {2, 4, 6}, c = {3, 6, 9};
     check_vec3(rk_normals_of_triangle(a, a, a), rk_vec(0, 0, 0), 0, "all corners in one point");
     check_vec3(rk_normals_of_triangle(a, b, c), rk_vec(0, 0, 0), 0, "all corners on one line");
+    check_vec3(rk_normals_of_triangle(b, a, c), rk_vec(0, 0, 0), 0, "a between b and c on a line");
+    check_vec3(rk_normals_of_triangle(a, a, c), rk_vec(0, 0, 0), 0, "a and b in one point");
+    check_vec3(rk_normals_of_triangle(a, c, a), rk_vec(0, 0, 0), 0, "a and c in one point");
+    check_vec3(rk_normals_of_triangle(a, c, c), rk_vec(0, 0, 0), 0, "b and c in one point");
+    for (uint32_t i = 0; i < 10000; i++) { /* whole numbers, whose products floats can hold */
+        rk_vec3 from = random_whole(i, 11), along = random_whole(i, 12);
+        along = rk_scale(along, ldexpf(1, (int)(i % 3) * 20 - 20));
+        from = rk_scale(from, ldexpf(1, (int)(i % 3) * 20 - 20));
+        float s = (float)(rk_hash(i, 13, 0, 0) % 31) - 15,
+              t = (float)(rk_hash(i, 13, 1, 0) % 31) - 15;
+        check_vec3(rk_normals_of_triangle(from, rk_madd(from, along, s), rk_madd(from, along, t)),
+                   rk_vec(0, 0, 0), 0, "all corners on one line through a");
+    }
 }
 
 static const struct CMUnitTest tests[] = {

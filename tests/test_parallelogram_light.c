@@ -165,6 +165,15 @@ static void corners_have_their_own_colours(void **state)
         check_vec3(sample.colour, light.colours[i], 0,
                    "colour 1 is at the end of edge01, 2 at the end of edge02, 3 opposite to 0");
     }
+    for (int e = -60; e <= 60; e += 20)
+        for (int kind = 0; kind < 3; kind++) {
+            light = make_coloured((rk_light_kind)kind);
+            float whole = ldexpf(1, e);
+            for (int i = 0; i < 4; i++)
+                light.colours[i] = rk_vec(whole, 3 * whole, 0.5f * whole);
+            check_vec3(plain_sample(&light, 0.5f, 0.25f).colour, light.colours[0], 0,
+                       "a colour is any positive number, far above 1, too, and far below");
+        }
 }
 
 static void colours_are_bilinear_between_the_corners(void **state)
@@ -207,8 +216,12 @@ static void a_sample_is_a_position_and_not_a_direction(void **state)
                                    rk_vec(1e8f, -3e8f, 2e8f), (rk_vec2){0.25f, 0.75f});
             /* The light is a dot from there, so xi is the place on it. */
             check_vec3(far.position, rk_vec(1.5f, 5, 3), 0x1p-20f,
-                       "from a far point, too, samples lie on the light: point + difference "
-                       "rounds to the point's digits");
+                       domain == RK_LIGHT_DOMAIN_SOLID_ANGLE
+                           ? "from a far point, too, samples lie on the light: is a light below "
+                             "smallest_solid_angle sampled over its area? Or is a position "
+                             "point + difference, which rounds to the point's digits?"
+                           : "from a far point, too, samples lie on the light: point + difference "
+                             "rounds to the point's digits");
         }
 }
 
@@ -224,6 +237,11 @@ static void without_falloff_neither_distance_nor_domain_matters(void **state)
         check_vec3(got.position, want.position, 0, "uniformly over the area, from every point");
         check_vec3(got.colour, want.colour, 0, "the light's own colour, at every distance");
         rk_check(got.colour.x > 0, "got a light without red");
+        got = rk_light_sample_at(&light, RK_FALLOFF_NONE, (rk_light_domain)(i % 2), want.position,
+                                 xi);
+        check_vec3(got.position, want.position, 0, "from the light itself, too");
+        check_vec3(got.colour, want.colour, 0,
+                   "without falloff the light itself is lit as all else is");
     }
 }
 
@@ -235,32 +253,56 @@ static float weight_at(const rk_light *light, rk_light_domain domain, rk_vec3 po
     return rk_light_sample_at(light, RK_FALLOFF_PHYSICAL, domain, point, (rk_vec2){x, y}).colour.x;
 }
 
+/* Members that a light's kind does not have: not a number, or a number that must not count. */
+static const float unread[] = {NAN, 5, 0};
+enum { UNREAD = sizeof unread / sizeof *unread };
+
 static void a_point_light_falls_off_with_the_square_of_the_distance(void **state)
 {
     (void)state;
     rk_light light = rk_light_point(rk_vec(1, 2, 2), rk_vec(4.5f, 0, 0));
-    for (int domain = 0; domain < 2; domain++) {
-        rk_check_close(weight_at(&light, (rk_light_domain)domain, rk_vec(0, 0, 0), 0.5f, 0.5f), 0.5,
-                       1e-7, "intensity over r^2: 4.5 / 9");
-        rk_check_close(weight_at(&light, (rk_light_domain)domain, rk_vec(-1, -2, -2), 0.5f, 0.5f),
-                       0.125, 1e-7, "twice as far, a quarter");
+    for (int i = 0; i < 2 * UNREAD; i++) {
+        rk_light_domain domain = (rk_light_domain)(i % 2);
+        light.edge01 = rk_vec(unread[i / 2], 0, 0);
+        light.edge02 = light.colours[1] = light.colours[2] = light.colours[3] =
+            rk_vec(0, unread[i / 2], 0);
+        rk_check_close(weight_at(&light, domain, rk_vec(0, 0, 0), 0.5f, 0.5f), 0.5, 1e-7,
+                       "intensity over r^2: 4.5 / 9; a point light has no edges, don't read them");
+        rk_check_close(weight_at(&light, domain, rk_vec(-1, -2, -2), 0.5f, 0.5f), 0.125, 1e-7,
+                       "twice as far, a quarter");
+        rk_light_sample sample = rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, domain,
+                                                    rk_vec(0, 0, 0), (rk_vec2){0.75f, 0.25f});
+        check_vec3(sample.position, light.position, 0, "a point light has one position");
+    }
+    for (int e = -50; e <= 50; e++) { /* 1e-15 to 1e15 */
+        light.position = rk_scale(rk_vec(1, 2, 2), ldexpf(1, e));
+        double got = (double)weight_at(&light, RK_LIGHT_DOMAIN_AREA, rk_vec(0, 0, 0), 0.5f, 0.5f);
+        rk_check_near(ldexp(got, 2 * e), 0.5, 1e-7,
+                      "at the distance 3 x 2^%d: the weight times 2^%d; no distance is too small",
+                      e, 2 * e);
     }
 }
 
 static void a_segment_is_foreshortened(void **state)
 {
     (void)state;
-    rk_light light =
-        make_light(RK_LIGHT_SEGMENT, rk_vec(0, 0, 0), rk_vec(2, 0, 0), rk_vec(NAN, NAN, NAN));
-    for (int domain = 0; domain < 2; domain++) {
-        rk_check_close(weight_at(&light, (rk_light_domain)domain, rk_vec(1, 0, 2), 0.5f, 0), 0.5,
-                       1e-7, "perpendicular: length / r^2 = 2 / 4");
+    for (int i = 0; i < 2 * UNREAD; i++) {
+        rk_light_domain domain = (rk_light_domain)(i % 2);
+        rk_light light = make_light(RK_LIGHT_SEGMENT, rk_vec(0, 0, 0), rk_vec(2, 0, 0),
+                                    rk_vec(0, unread[i / 2], 1));
+        light.colours[2] = light.colours[3] = rk_vec(unread[i / 2], 0, 0);
+        rk_check_close(weight_at(&light, domain, rk_vec(1, 0, 2), 0.5f, 0), 0.5, 1e-7,
+                       "perpendicular: length / r^2 = 2 / 4");
         /* 3 before the end and 4 aside: r = 5, sin' = 4 / 5. */
-        rk_check_close(weight_at(&light, (rk_light_domain)domain, rk_vec(-3, 4, 0), 0, 0),
-                       2 * 0.8 / 25, 1e-8,
-                       "length x sin' / r^2, sin' of the angle between segment and direction");
-        rk_check_close(weight_at(&light, (rk_light_domain)domain, rk_vec(-3, 0, 0), 0.5f, 0), 0, 0,
+        rk_check_close(weight_at(&light, domain, rk_vec(-3, 4, 0), 0, 0.5f), 2 * 0.8 / 25, 1e-8,
+                       "length x sin' / r^2, sin' of the angle between segment and direction; a "
+                       "segment has no edge02");
+        rk_check_close(weight_at(&light, domain, rk_vec(-3, 0, 0), 0.5f, 0), 0, 0,
                        "in line with the point it looks like a dot, and gives nothing");
+        rk_light_sample sample = rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, domain,
+                                                    rk_vec(1, 0, 2), (rk_vec2){0.75f, 0.25f});
+        check_vec3(sample.position, rk_vec(1.5f, 0, 0), 0,
+                   "samples of a segment are uniform over its length, in either domain");
     }
 }
 
@@ -273,6 +315,16 @@ static void a_parallelogram_is_foreshortened_and_two_sided(void **state)
                        6.0 / 4, 1e-6, "facing it: area / r^2 = 6 / 4, on both sides");
         rk_check_close(weight_at(&light, RK_LIGHT_DOMAIN_AREA, rk_vec(4, 0, 3 * side), 0, 0),
                        6 * 0.6 / 25, 1e-7, "area x cos' / r^2, with |cos'|: it has two sides");
+        for (int e = 1; e <= 100; e++) { /* from beside the corner, nearer and nearer its plane */
+            double h = ldexp(1, -e), r2 = 16 + h * h;
+            rk_check_near(
+                weight_at(&light, RK_LIGHT_DOMAIN_AREA, rk_vec(4, 0, (float)h * side), 0, 0) /
+                    (6 * h / (r2 * sqrt(r2))),
+                1, 0x1p-22,
+                "4 beside a corner and 2^-%d above the light's plane: your weight over area cos' / "
+                "r^2; a small cosine is not 0",
+                -e);
+        }
     }
 }
 
@@ -286,11 +338,16 @@ static void points_on_the_light_get_nothing_and_no_nan(void **state)
                 light.colours[i] = rk_vec(1, 1, 1);
             float got = weight_at(&light, (rk_light_domain)domain, light.position, 0, 0);
             rk_check_close(got, 0, 0, "at r = 0 there is no direction: weight 0");
+            rk_vec3 middle = plain_sample(&light, 0.5f, 0.5f).position;
+            got = weight_at(&light, (rk_light_domain)domain, middle, 0.5f, 0.5f);
+            rk_check_close(got, 0, 0, "at r = 0, in the light's middle, too");
             if (kind == RK_LIGHT_PARALLELOGRAM) {
-                for (uint32_t i = 0; i < 100; i++) { /* in its plane, on the light or beside it */
+                for (uint32_t i = 0; i < 125; i++) { /* in its plane, on the light or beside it */
                     rk_vec2 at = {4 * noise(23, i, 0) - 1, 0.5f};
                     if (i % 2) /* on the diagonal, where both halves meet */
                         at.y = 1 - at.x;
+                    if (i >= 100) /* corners, edges, and beyond them */
+                        at = (rk_vec2){(float)(i % 5) / 2 - 0.5f, (float)(i / 5 % 5) / 2 - 0.5f};
                     rk_vec3 on = rk_vec(1 + 2 * at.x, 2 + 4 * at.y, 3);
                     rk_vec2 xi = noise2(24, i);
                     got = weight_at(&light, (rk_light_domain)domain, on, xi.x, xi.y);
@@ -347,8 +404,42 @@ static void a_light_all_around_gives_pi_and_half_of_it_half(void **state)
                    "for a wall, the half below its horizon is cut off");
     rk_check_close(rk_light_irradiance(&sky, rk_vec(0, 0, 0), rk_vec(0, 0, -1)), 0, 0,
                    "behind the surface there is no light");
-    rk_check_close(rk_light_irradiance(&sky, rk_vec(0, 0, 1), rk_vec(0, 0, 1)), 0, 0,
-                   "on the light itself, too, there is none: r = 0, or cos' = 0");
+    for (int i = 0; i < 25; i++) { /* on corners, edges, inside and outside */
+        rk_vec3 on = rk_vec(1e6f * (float)(i % 5 - 2), 1e6f * (float)(i / 5 - 2), 1);
+        for (int k = 0; k < 3; k++)
+            rk_check_close(
+                rk_light_irradiance(&sky, on,
+                                    rk_vec(k == 1, k == 2 ? 0.6f : 0, k == 2 ? 0.8f : !k)),
+                0, 0, "on the light itself, and in its plane, there is none: r = 0, or cos' = 0");
+    }
+}
+
+/* The cosine over the squared distance, of a light that has a single point. */
+static void the_closed_form_of_a_point_is_the_cosine_over_the_squared_distance(void **state)
+{
+    (void)state;
+    for (int i = 0; i < UNREAD; i++) {
+        rk_light light = rk_light_point(rk_vec(1, 2, 2), rk_vec(unread[i], unread[i], 0));
+        light.edge01 = rk_vec(unread[i], 0, 0);
+        light.edge02 = rk_vec(0, unread[i], 0);
+        rk_check_close(rk_light_irradiance(&light, rk_vec(0, 0, 0), rk_vec(0, 0, 1)), 2 / 27.0,
+                       1e-8, "cos / r^2 = (2 / 3) / 9, for a colour of 1 and without edges");
+        rk_check_close(rk_light_irradiance(&light, rk_vec(0, 0, 0), rk_vec(0, 0.6f, -0.8f)), 0, 0,
+                       "below the horizon it gives nothing");
+        rk_check_close(rk_light_irradiance(&light, rk_vec(0, 2, 2), rk_vec(0, 0, 1)), 0, 0,
+                       "on the horizon it gives nothing");
+        rk_check_close(rk_light_irradiance(&light, rk_vec(1, 2, 2), rk_vec(0, 0, 1)), 0, 0,
+                       "on the light itself, r = 0, it is 0");
+        for (int e = -50; e <= 50; e++) { /* 1e-15 to 1e15 */
+            light.position = rk_scale(rk_vec(1, 2, 2), ldexpf(1, e));
+            double got = (double)rk_light_irradiance(&light, rk_vec(0, 0, 0), rk_vec(0, 0, 1));
+            rk_check_near(ldexp(got, 2 * e), 2 / 27.0, 1e-8,
+                          "a point light at the distance 3 x 2^%d: your rk_light_irradiance times "
+                          "2^%d; r^3 leaves the range of a float",
+                          e, 2 * e);
+        }
+        light.position = rk_vec(1, 2, 2);
+    }
 }
 
 /* The integrand at x and y of the light. */
@@ -361,6 +452,23 @@ static double irradiance_from(const configuration *c, double x, double y)
     double seen = c->kind == RK_LIGHT_PARALLELOGRAM ? fabs(rk_ddot(d, rk_dcross(edge01, edge02)))
                                                     : rk_dlength(rk_dcross(d, edge01));
     return seen * cos_r / (r * r * r * r);
+}
+
+/* The light, with all lengths times 2^e. */
+static rk_light scaled_light(const configuration *c, int e)
+{
+    float unit = ldexpf(1, e);
+    return make_light(c->kind, rk_scale(c->position, unit), rk_scale(c->edge01, unit),
+                      rk_scale(c->edge02, unit));
+}
+
+/* A sample for the point, with all lengths times 2^e. */
+static rk_light_sample sample_of_scaled(const configuration *c, rk_light_domain domain, int e,
+                                        rk_vec2 xi)
+{
+    rk_light light = scaled_light(c, e);
+    return rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, domain, rk_scale(c->point, ldexpf(1, e)),
+                              xi);
 }
 
 static void each_sample_is_the_integrand_at_its_place(void **state)
@@ -392,6 +500,13 @@ static void each_sample_is_the_integrand_at_its_place(void **state)
                 "%s, x = %g, y = %g: the sample's weight times the cosine at the surface, against "
                 "area cos cos' / r^2 (of a segment: length cos sin' / r^2)",
                 c->name, (double)xi.x, (double)xi.y);
+            int e = i % 2 ? -50 : 50; /* 1e-15 and 1e15; a length, and an area, have a unit */
+            rk_light_sample scaled = sample_of_scaled(c, RK_LIGHT_DOMAIN_AREA, e, xi);
+            int power = c->kind == RK_LIGHT_PARALLELOGRAM ? 0 : e;
+            rk_check_near(ldexp((double)scaled.colour.x, power), weight, 0x1p-22f * weight,
+                          "%s, x = %g, y = %g, with all lengths times 2^%d: the sample's weight, "
+                          "times 2^%d; no constant has the unit of a length",
+                          c->name, (double)xi.x, (double)xi.y, e, power);
             rk_light coloured = light;
             memcpy(coloured.colours, make_coloured(c->kind).colours, sizeof coloured.colours);
             rk_vec3 own = plain_sample(&coloured, xi.x, xi.y).colour;
@@ -410,7 +525,7 @@ static void near_and_far_lights_have_the_textbook_form_factor_too(void **state)
     (void)state;
     /* A rectangle with the point below its interior is four with a common corner. */
     const double x[] = {0.25, 0.75}, y[] = {0.5, 0.125};
-    for (float c = 1e-10f; c < 1e7f; c *= 10) {
+    for (float c = 1e-30f; c < 1e7f; c *= 10) {
         double want = 0;
         for (int i = 0; i < 4; i++) {
             double a = x[i % 2] / (double)c, b = y[i / 2] / (double)c;
@@ -450,37 +565,71 @@ static void near_and_far_lights_have_the_textbook_form_factor_too(void **state)
  * over its four quarters, until they agree. */
 typedef struct cell {
     double x, y, side;
+    double f[3][3]; /* the integrand at its corners and between them; rows have the same y */
 } cell;
 
-static cell quarter(cell whole, int i)
+/* The whole light. */
+static cell whole_cell(const configuration *c)
 {
-    double half = whole.side / 2;
-    return (cell){whole.x + half * (i % 2), whole.y + half * (i / 2), half};
+    cell whole = {0, 0, 1, {{0}}};
+    for (int i = 0; i < 9; i++)
+        whole.f[i / 3][i % 3] = irradiance_from(c, i % 3 / 2.0, i / 3 / 2.0);
+    return whole;
 }
 
-static double simpson(const configuration *c, cell at)
+/* Divides a cell into quarters, at 16 new points. */
+static void divide(const configuration *c, const cell *whole, cell quarters[4])
+{
+    double f[5][5], half = whole->side / 2;
+    for (int i = 0; i < 25; i++) {
+        int x = i % 5, y = i / 5;
+        if (x % 2 == 0 && y % 2 == 0)
+            f[y][x] = whole->f[y / 2][x / 2];
+        else if (c->kind == RK_LIGHT_SEGMENT && y > 0) /* does not depend on y */
+            f[y][x] = f[0][x];
+        else
+            f[y][x] = irradiance_from(c, whole->x + half * x / 2, whole->y + half * y / 2);
+    }
+    for (int i = 0; i < 4; i++) {
+        quarters[i] = (cell){whole->x + half * (i % 2), whole->y + half * (i / 2), half, {{0}}};
+        for (int k = 0; k < 9; k++)
+            quarters[i].f[k / 3][k % 3] = f[i / 2 * 2 + k / 3][i % 2 * 2 + k % 3];
+    }
+}
+
+static double simpson(const cell *at)
 {
     double sum = 0;
     for (int i = 0; i < 9; i++)
-        sum += (i % 3 == 1 ? 4 : 1) * (i / 3 == 1 ? 4 : 1) *
-               irradiance_from(c, at.x + at.side * (i % 3) / 2, at.y + at.side * (i / 3) / 2);
-    return sum * at.side * at.side / 36;
+        sum += (i % 3 == 1 ? 4 : 1) * (i / 3 == 1 ? 4 : 1) * at->f[i / 3][i % 3];
+    return sum * at->side * at->side / 36;
 }
 
 /* A segment does not depend on y, so of its quarters two are like the other two. The first levels
  * are always divided, because nine points may miss a peak between them. */
-static double integral(const configuration *c, cell at, double tolerance, int depth)
+static double integral(const configuration *c, const cell *at, double tolerance, int depth)
 {
     int different = c->kind == RK_LIGHT_SEGMENT ? 2 : 4;
-    double whole = simpson(c, at), sum = 0;
+    double sum = 0;
+    cell quarters[4];
+    divide(c, at, quarters);
     for (int i = 0; i < different; i++)
-        sum += simpson(c, quarter(at, i)) * (4 / different);
-    if (depth > 24 || (depth > 2 && fabs(sum - whole) <= tolerance))
-        return sum;
+        sum += simpson(&quarters[i]) * (4 / different);
+    /* Where the integrand is smooth, the error of the quarters' sum is a fifteenth of the change.
+     */
+    double change = sum - simpson(at);
+    if (depth > 24 || (depth > 2 && fabs(change) <= 8 * tolerance))
+        return sum + change / 15;
     sum = 0;
     for (int i = 0; i < different; i++)
-        sum += integral(c, quarter(at, i), tolerance / 2, depth + 1) * (4 / different);
+        sum += integral(c, &quarters[i], tolerance / 2, depth + 1) * (4 / different);
     return sum;
+}
+
+static double whole_integral(const configuration *c, double tolerance)
+{
+    cell whole = whole_cell(c);
+    return integral(c, &whole, tolerance, 0);
 }
 
 static configuration random_configuration(uint32_t i, rk_light_kind kind)
@@ -504,13 +653,15 @@ static void the_closed_form_equals_quadrature(void **state)
         rk_light light = light_of(&c);
         for (int k = 0; k < 4; k++) /* for colours of 1, whatever the light's are */
             light.colours[k] = rk_vec(NAN, NAN, NAN);
+        if (c.kind == RK_LIGHT_SEGMENT)
+            light.edge02 = rk_vec(NAN, NAN, NAN);
         rk_dvec3 n = rk_widen(c.normal);
         rk_dvec3 corner = rk_dmadd(rk_widen(c.position), rk_widen(c.point), -1);
         double above = rk_ddot(n, corner),
                far = rk_ddot(n, rk_dmadd(corner, rk_widen(c.edge01), 1));
         clipped += (above > 0) != (far > 0);
         double got = (double)rk_light_irradiance(&light, c.point, c.normal);
-        double want = integral(&c, (cell){0, 0, 1}, 1e-7, 0);
+        double want = whole_integral(&c, 1e-7);
         char hint[160];
         snprintf(hint, sizeof hint,
                  "random light %u, a %s%s: integrate over the edges of the part above the horizon",
@@ -535,12 +686,21 @@ static void the_closed_form_equals_quadrature_at_the_limits(void **state)
         lit++;
         /* The closed form is rounded to float, to 6e-8 of itself; measured, the integral is right
          * to 2e-8 of itself. */
-        double want = integral(c, (cell){0, 0, 1}, 1e-7 * got, 0);
+        double want = whole_integral(c, 1e-7 * got);
         rk_check_near(
             got, want, 3e-7 * want,
             "%s: your rk_light_irradiance against its integral: positions relative to the "
             "point in double",
             c->name);
+        for (int e = -50; e <= 50; e += 100) {
+            rk_light scaled = scaled_light(c, e);
+            float there = rk_light_irradiance(&scaled, rk_scale(c->point, ldexpf(1, e)), c->normal);
+            int power = c->kind == RK_LIGHT_PARALLELOGRAM ? 0 : e;
+            rk_check_near(ldexp((double)there, power), got, 0x1p-22 * got,
+                          "%s, with all lengths times 2^%d: your rk_light_irradiance times 2^%d; "
+                          "no constant has the unit of a length",
+                          c->name, e, power);
+        }
     }
     rk_check(lit > 20, "only %d configurations are lit, want more than 20", lit);
 }
@@ -582,6 +742,20 @@ static void the_side_of_a_cube_fills_a_sixth_of_the_sphere(void **state)
                    "wherever they touch: a triangle of more than pi needs atan2");
     rk_check_close(rk_light_solid_angle(&side, rk_vec(5, 0, 1e-6f)), 0, 1e-12,
                    "edge-on it fills nothing");
+    for (int e = 0; e <= 44; e++)
+        for (int facing = -1; facing <= 1; facing += 2) {
+            side.position.z = (float)facing * ldexpf(1, -e);
+            /* Four rectangles with a common corner opposite to the point. */
+            double h = ldexp(1, -e), want = 0;
+            for (int i = 0; i < 4; i++) {
+                double a = i % 2 ? 0.5 : 1.5, b = i / 2 ? 0.75 : 1.25;
+                want += atan2(a * b, h * sqrt(a * a + b * b + h * h));
+            }
+            rk_check_near(rk_light_solid_angle(&side, rk_vec(0.5f, -0.25f, 0)), want,
+                          1e-12 + 0x1p-50 * 2 / h * want,
+                          "a square of side 2, aside of its middle at the distance 2^-%d, %s it", e,
+                          facing < 0 ? "above" : "below");
+        }
 }
 
 static void small_solid_angles_are_accurate_too(void **state)
@@ -608,6 +782,21 @@ static void small_solid_angles_are_accurate_too(void **state)
                           "not",
                           i, (double)r);
         }
+    for (size_t k = 0; k < CONFIGURATIONS; k++) {
+        const configuration *c = &configurations[k];
+        rk_light light = light_of(c);
+        if (c->kind != RK_LIGHT_PARALLELOGRAM)
+            continue;
+        double want = rk_light_solid_angle(&light, c->point);
+        for (int e = -100; e <= 100; e += 10) {
+            rk_light scaled = scaled_light(c, e);
+            rk_check_near(rk_light_solid_angle(&scaled, rk_scale(c->point, ldexpf(1, e))), want,
+                          1e-12 * want,
+                          "%s, with all lengths times 2^%d: the solid angle has no unit, so "
+                          "nothing is small by itself",
+                          c->name, e);
+        }
+    }
 }
 
 static void solid_angle_samples_all_weigh_the_same(void **state)
@@ -619,6 +808,38 @@ static void solid_angle_samples_all_weigh_the_same(void **state)
         rk_check_close(weight_at(&light, RK_LIGHT_DOMAIN_SOLID_ANGLE, rk_vec(0, 0, 0), xi.x, xi.y),
                        4 * pi / 6, 1e-6,
                        "cos' / r^2 is in their density, so the weight is the solid angle");
+    }
+    int tried = 0;
+    for (size_t k = 0; k < CONFIGURATIONS; k++) {
+        const configuration *c = &configurations[k];
+        rk_light whole = light_of(c);
+        double want = rk_light_solid_angle(&whole, c->point);
+        if (c->kind != RK_LIGHT_PARALLELOGRAM || want < 1e-7)
+            continue; /* so small a light is sampled over its area, which is the same */
+        tried++;
+        for (uint32_t i = 0; i < 64; i++) {
+            int e = (int)(i % 3) * 50 - 50;
+            rk_light_sample sample =
+                sample_of_scaled(c, RK_LIGHT_DOMAIN_SOLID_ANGLE, e, noise2(25, i));
+            rk_check_near(sample.colour.x, want, 0x1p-22 * want,
+                          "%s, with all lengths times 2^%d: the weight of a sample over the solid "
+                          "angle, which is that angle",
+                          c->name, e);
+        }
+    }
+    rk_check(tried >= 15, "only %d lights were tried, want 15: is the solid angle right?", tried);
+    for (int r = 1; r <= 4096; r *= 2) { /* down to 3e-7 */
+        light.position = rk_vec((float)r / 2, 0, (float)r / 2);
+        for (uint32_t i = 0; i < 16; i++) {
+            rk_vec2 xi = noise2(26, i);
+            double want = rk_light_solid_angle(&light, rk_vec(0, 0, 0));
+            rk_check_near(
+                weight_at(&light, RK_LIGHT_DOMAIN_SOLID_ANGLE, rk_vec(0, 0, 0), xi.x, xi.y), want,
+                0x1p-22 * want,
+                "a square of side 2 at the distance %d: the weight of a sample over the solid "
+                "angle, which is that angle",
+                r);
+        }
     }
 }
 
@@ -644,8 +865,13 @@ static void solid_angle_samples_lie_on_the_light_and_have_its_colour(void **stat
             c.point = rk_scale(c.normal, 1e4f * (1 + 9 * noise(22, i, 0)));
         light.colours[0] = light.colours[3] = rk_vec(1, 0, 0);
         light.colours[1] = rk_vec(1, 1, 0), light.colours[2] = rk_vec(1, 0, 1);
-        rk_light_sample sample = rk_light_sample_at(
-            &light, RK_FALLOFF_PHYSICAL, RK_LIGHT_DOMAIN_SOLID_ANGLE, c.point, noise2(21, i));
+        rk_vec2 xi = noise2(21, i);
+        if (i % 100 < 50) { /* to the ends of the unit square */
+            xi.x = i % 3 == 0 ? 0 : i % 3 == 1 ? 0x0.ffffffp0f : xi.x;
+            xi.y = i % 7 == 0 ? 0 : i % 7 == 1 ? 0x0.ffffffp0f : xi.y;
+        }
+        rk_light_sample sample = rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL,
+                                                    RK_LIGHT_DOMAIN_SOLID_ANGLE, c.point, xi);
         rk_vec2 at = find_on(&light, sample.position);
         /* Random edges may be nearly parallel, which magnifies the rounding of positions. */
         rk_check(at.x > -1e-4f && at.x < 1.0001f && at.y > -1e-4f && at.y < 1.0001f,
@@ -713,20 +939,18 @@ static void solid_angle_samples_are_uniform_over_directions(void **state)
 /* --- The mean of the samples is the irradiance ----------------------------------------------- */
 
 /* Sets of samples, each of which is drawn on its own: the means of the sets tell the standard error
- * of all, whatever the sampler. In strata it falls faster than with 1 / sqrt(samples), so there
- * fewer sets test more than many independent samples would. */
-enum { SET = 1024, SETS = 64, SETS_UNIFORM = 128 };
+ * of all, whatever the sampler. In a low-discrepancy set it is a tenth of a stratified set's, and a
+ * hundredth of that of independent samples, so these sets find what the others find, and more. */
+enum { SET = 1024, SETS = 64 };
 
 /* Drawn once for all configurations: this does not test the sampler. */
-static rk_vec2 drawn[SETS_UNIFORM * SET];
+static rk_vec2 drawn[SETS * SET];
 
-static uint32_t draw_sets(rk_sampler_kind kind)
+static void draw(rk_sampler_kind kind, uint32_t sets, uint32_t samples)
 {
-    const rk_sampler sampler = {kind, 4, SET};
-    uint32_t sets = kind == RK_SAMPLER_UNIFORM ? SETS_UNIFORM : SETS;
-    for (uint32_t i = 0; i < sets * SET; i++)
-        drawn[i] = rk_sample_2d(&sampler, i / SET, i % SET, 2);
-    return sets;
+    const rk_sampler sampler = {kind, 4, samples};
+    for (uint32_t set = 0; set < sets; set++)
+        rk_sample_2d_run(&sampler, set, 0, samples, 2, &drawn[set * samples]);
 }
 
 /* At a small distance h right above the light, nearly all irradiance E comes from about pi h^2 of
@@ -770,10 +994,11 @@ static estimate estimate_irradiance(const configuration *c, rk_light_domain doma
 
 /* For each configuration from `first` to before `end` the mean of many samples; where the closed
  * form is 0, a set, which must all be 0. */
-static void check_unbiased(rk_light_domain domain, rk_sampler_kind kind, size_t first, size_t end)
+static void check_unbiased(rk_light_domain domain, rk_sampler_kind kind, uint32_t sets,
+                           size_t first, size_t end)
 {
     size_t lit = 0;
-    uint32_t sets = draw_sets(kind);
+    draw(kind, sets, SET);
     for (size_t k = first; k < end; k++) {
         const configuration *c = &configurations[k];
         rk_light light = light_of(c);
@@ -783,7 +1008,7 @@ static void check_unbiased(rk_light_domain domain, rk_sampler_kind kind, size_t 
         double bound = 0;
         if (domain == RK_LIGHT_DOMAIN_AREA)
             bound = variance_bound(c, want, sets * SET);
-        /* 64 sets tell the error to 10 %: the mean is off by five of them once in 200,000 times.
+        /* 32 sets tell the error to 13 %: the mean is off by five of them once in 45,000 times.
          * Weight and closed form are rounded to float, 2^-24 each; so is the position. */
         double error = fmax(got.error, sqrt(bound / (sets * SET))),
                tolerance = 5 * error + 1e-6 * want;
@@ -792,8 +1017,8 @@ static void check_unbiased(rk_light_domain domain, rk_sampler_kind kind, size_t 
                  "rk_light_irradiance says %.9g; want the same within %.3g%s",
                  c->name, got.mean, want, tolerance,
                  want > 0 ? "" : ": a light that cannot be seen has samples of weight 0");
-        rk_check(5 * error <= 0.2 * want || c->kind == RK_LIGHT_SEGMENT || bound > 0,
-                 "%s: a standard error of %g tests nothing; want at most 4 %% of %g", c->name,
+        rk_check(5 * error <= 0.4 * want || c->kind == RK_LIGHT_SEGMENT || bound > 0,
+                 "%s: a standard error of %g tests nothing; want at most 8 %% of %g", c->name,
                  error, want);
     }
     rk_check(2 * lit > end - first, "got irradiance in %zu of %zu configurations, want most", lit,
@@ -803,32 +1028,33 @@ static void check_unbiased(rk_light_domain domain, rk_sampler_kind kind, size_t 
 static void uniform_samples_are_unbiased(void **state)
 {
     (void)state;
-    check_unbiased(RK_LIGHT_DOMAIN_AREA, RK_SAMPLER_UNIFORM, 0, CONFIGURATIONS);
+    check_unbiased(RK_LIGHT_DOMAIN_AREA, RK_SAMPLER_UNIFORM, SETS / 2, 0, CONFIGURATIONS);
 }
 
 static void stratified_samples_are_unbiased(void **state)
 {
     (void)state;
-    check_unbiased(RK_LIGHT_DOMAIN_AREA, RK_SAMPLER_STRATIFIED, 0, CONFIGURATIONS);
+    check_unbiased(RK_LIGHT_DOMAIN_AREA, RK_SAMPLER_STRATIFIED, SETS / 2, 0, CONFIGURATIONS);
 }
 
 static void low_discrepancy_samples_are_unbiased(void **state)
 {
     (void)state;
-    check_unbiased(RK_LIGHT_DOMAIN_AREA, RK_SAMPLER_LOW_DISCREPANCY, 0, CONFIGURATIONS);
+    check_unbiased(RK_LIGHT_DOMAIN_AREA, RK_SAMPLER_LOW_DISCREPANCY, SETS, 0, CONFIGURATIONS);
 }
 
 static void solid_angle_samples_are_unbiased(void **state)
 {
     (void)state;
-    check_unbiased(RK_LIGHT_DOMAIN_SOLID_ANGLE, RK_SAMPLER_STRATIFIED, 0, CONFIGURATIONS / 3);
+    check_unbiased(RK_LIGHT_DOMAIN_SOLID_ANGLE, RK_SAMPLER_LOW_DISCREPANCY, SETS / 2, 0,
+                   CONFIGURATIONS / 3);
 }
 
 static void solid_angle_samples_are_unbiased_at_the_limits(void **state)
 {
     (void)state;
-    check_unbiased(RK_LIGHT_DOMAIN_SOLID_ANGLE, RK_SAMPLER_STRATIFIED, CONFIGURATIONS / 3,
-                   CONFIGURATIONS);
+    check_unbiased(RK_LIGHT_DOMAIN_SOLID_ANGLE, RK_SAMPLER_LOW_DISCREPANCY, SETS / 2,
+                   CONFIGURATIONS / 3, CONFIGURATIONS);
 }
 
 static void without_falloff_a_light_without_area_is_a_segment(void **state)
@@ -846,6 +1072,23 @@ static void without_falloff_a_light_without_area_is_a_segment(void **state)
         check_vec3(got.colour, want.colour, 0x1p-23f, "nor does y change equal colours");
         check_vec3(got.position, rk_madd(flat.position, flat.edge01, xi.x), 0x1p-20f,
                    "along edge01");
+        rk_light other = flat; /* the first edge is 0, both are parallel, both are 0 */
+        other.edge01 = rk_vec(0, 0, 0), other.edge02 = rk_vec(0, 4, 0);
+        check_vec3(plain_sample(&other, xi.x, xi.y).position,
+                   rk_madd(other.position, other.edge02, xi.y), 0x1p-20f, "along edge02");
+        other.edge01 = rk_vec(0, -1, 0);
+        check_vec3(plain_sample(&other, xi.x, xi.y).position,
+                   rk_madd(other.position, other.edge02, xi.y - xi.x / 4), 0x1p-20f,
+                   "along both of two parallel edges");
+        other.edge01 = other.edge02 = rk_vec(0, 0, 0);
+        check_vec3(plain_sample(&other, xi.x, xi.y).position, other.position, 0,
+                   "without edges it is a point");
+        for (int domain = 0; domain < 2; domain++)
+            check_vec3(rk_light_sample_at(&other, RK_FALLOFF_NONE, (rk_light_domain)domain,
+                                          other.position, xi)
+                           .colour,
+                       plain_sample(&other, xi.x, xi.y).colour, 0,
+                       "a light without area has its colour, from everywhere");
     }
 }
 
@@ -904,9 +1147,9 @@ static void the_ratio_is_exact_where_nothing_or_everything_is_occluded(void **st
     check_vec3(rk_light_ratio(unshadowed, rk_scale(all, 0.25f), all), rk_scale(unshadowed, 0.25f),
                0, "a quarter");
     for (uint32_t i = 0; i < 1000; i++) {
-        /* From 1e-30 to 1e30, where a product of two leaves the range of a float. */
-        float e = powf(10, 30 * (2 * noise(75, i, 0) - 1)),
-              sum = powf(10, 30 * (2 * noise(75, i, 1) - 1));
+        /* From 1e-37 to 1e37, where a product of two leaves the range of a float. */
+        float e = powf(10, 37 * (2 * noise(75, i, 0) - 1)),
+              sum = powf(10, 37 * (2 * noise(75, i, 1) - 1));
         float got = rk_light_ratio(rk_vec(0, e, 0), rk_vec(0, sum, 0), rk_vec(0, sum, 0)).y;
         rk_check(got == e,
                  "unshadowed %.9g, visible and all %.9g: got %.9g, want exactly what is "
@@ -921,6 +1164,13 @@ static void a_channel_without_light_has_the_ratio_0(void **state)
     (void)state;
     check_vec3(rk_light_ratio(rk_vec(1, 0, 1), rk_vec(2, 0, 0), rk_vec(4, 0, 0)),
                rk_vec(0.5f, 0, 0), 0, "each channel is divided separately, and 0 / 0 is 0");
+    for (int i = 0; i < 8; i++) { /* red, green and blue are there or not */
+        rk_vec3 some = rk_vec((float)(i & 1), (float)(i / 2 & 1), (float)(i / 4));
+        check_vec3(rk_light_ratio(rk_vec(3, 5, 7), rk_mul(some, rk_vec(1, 1, 6)),
+                                  rk_mul(some, rk_vec(2, 4, 8))),
+                   rk_mul(some, rk_vec(1.5f, 1.25f, 5.25f)), 0,
+                   "a channel has its own ratio, and a black one leaves the others alone");
+    }
 }
 
 /* The part of the light with x < 0.375 is visible; it has a closed form, too. */
@@ -928,7 +1178,7 @@ static void the_ratio_converges_to_the_visible_fraction(void **state)
 {
     (void)state;
     enum { RATIO_SET = 256 };
-    const rk_sampler sampler = {RK_SAMPLER_STRATIFIED, 7, RATIO_SET};
+    draw(RK_SAMPLER_STRATIFIED, SETS, RATIO_SET);
     int tried = 0;
     for (size_t k = 0; k < CONFIGURATIONS; k++) {
         const configuration *c = &configurations[k];
@@ -942,7 +1192,7 @@ static void the_ratio_converges_to_the_visible_fraction(void **state)
             for (uint32_t i = 0; i < RATIO_SET; i++) {
                 rk_light_sample sample =
                     rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, RK_LIGHT_DOMAIN_SOLID_ANGLE,
-                                       c->point, rk_sample_2d(&sampler, set, i, 2));
+                                       c->point, drawn[set * RATIO_SET + i]);
                 double f = (double)sample.colour.x * cos_to(c, sample.position);
                 all[set] += f;
                 visible[set] += find_on(&light, sample.position).x < 0.375f ? f : 0;
@@ -959,8 +1209,13 @@ static void the_ratio_converges_to_the_visible_fraction(void **state)
             squares += pow(visible[set] - fraction * all[set], 2);
         /* A position is rounded to 2^-24 of its coordinates, which moves it on the light. */
         double moved = 0x1p-22 * (double)(rk_length(light.position) / rk_length(light.edge01));
-        rk_check_close(got.x, want, 5 * sqrt(squares) / (SETS * RATIO_SET) + (1e-5 + moved) * whole,
-                       c->name);
+        double error = sqrt(squares) / (SETS * RATIO_SET) * 5 + (1e-5 + moved) * whole;
+        /* Of samples so rare that there may be none, the sums don't tell the error. */
+        double hidden = (1 - want / whole) * SETS * RATIO_SET,
+               few = fmax(fmin(hidden, SETS * RATIO_SET - hidden), 0);
+        if (few < 20)
+            error += (5 * sqrt(few) + 2) * whole / (SETS * RATIO_SET);
+        rk_check_close(got.x, want, error, c->name);
     }
     rk_check(tried >= 20, "%d configurations were tried, want 20: is the solid angle right?",
              tried);
@@ -974,6 +1229,12 @@ static void shadow_rays_that_agree_stop_early(void **state)
     rk_check(rk_light_early_out(16, 0), "0 of 16 unoccluded: umbra, stop");
     rk_check(rk_light_early_out(16, 16), "16 of 16 unoccluded: lit, stop");
     rk_check(rk_light_early_out(1, 1) && rk_light_early_out(1, 0), "a single ray always agrees");
+    for (uint64_t round = 1; round < 1ull << 32; round += 1 + round / 3)
+        rk_check(rk_light_early_out((uint32_t)round, 0) &&
+                     rk_light_early_out((uint32_t)round, (uint32_t)round),
+                 "all of %u occluded, or unoccluded: stop, however long the round",
+                 (unsigned)round);
+    rk_check(rk_light_early_out(UINT32_MAX, UINT32_MAX), "all of 2^32 - 1 unoccluded: stop");
 }
 
 static void shadow_rays_that_disagree_continue(void **state)
@@ -987,6 +1248,13 @@ static void shadow_rays_that_disagree_continue(void **state)
     for (uint32_t visible = 1; visible < 16; visible++)
         rk_check(!rk_light_early_out(16, visible), "%u of 16 unoccluded: penumbra, continue",
                  visible);
+    for (int e = 8; e < 32; e++) { /* where smaller integers, and floats, have no room */
+        uint32_t all = 1u << e, rounds[] = {all + 1, UINT32_MAX, all + 1, UINT32_MAX, all};
+        uint32_t seen[] = {all, all, 1, UINT32_MAX - 1, all - 1};
+        for (int i = 0; i < 5; i++)
+            rk_check(!rk_light_early_out(rounds[i], seen[i]),
+                     "%u of %u unoccluded: penumbra, continue", seen[i], rounds[i]);
+    }
     rk_check(!rk_light_early_out(0, 0), "a round of no rays: nothing is known");
     rk_check(rk_light_early_out(16, 0),
              "got no early out at all, so that none at the wrong place says nothing");
@@ -1031,6 +1299,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(points_on_the_light_get_nothing_and_no_nan),
     cmocka_unit_test(a_square_above_the_point_has_the_textbook_form_factor),
     cmocka_unit_test(a_light_all_around_gives_pi_and_half_of_it_half),
+    cmocka_unit_test(the_closed_form_of_a_point_is_the_cosine_over_the_squared_distance),
     cmocka_unit_test(near_and_far_lights_have_the_textbook_form_factor_too),
     cmocka_unit_test(the_closed_form_equals_quadrature),
     cmocka_unit_test(two_parts_of_a_light_add_up_to_the_whole),

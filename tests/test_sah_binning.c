@@ -115,10 +115,20 @@ static trial try_boundary(const rk_bvh_reference *references, uint32_t count, in
 
 static int longest_axis_of_centroids(const rk_bvh_reference *references, uint32_t count)
 {
-    rk_box box = rk_box_empty();
-    for (uint32_t i = 0; i < count; i++)
-        box = rk_box_add(box, references[i].centroid);
-    return rk_box_longest_axis(box);
+    int longest = 0;
+    double extent = -INFINITY;
+    for (int axis = 0; axis < 3; axis++) {
+        double low = INFINITY, high = -INFINITY;
+        for (uint32_t i = 0; i < count; i++) {
+            low = fmin(low, (double)rk_axis(references[i].centroid, axis));
+            high = fmax(high, (double)rk_axis(references[i].centroid, axis));
+        }
+        if (high - low > extent) {
+            extent = high - low;
+            longest = axis;
+        }
+    }
+    return longest;
 }
 
 /* All boundaries that divide the triangles differently, by axis; returns their number. */
@@ -213,6 +223,12 @@ static void without_area_a_split_costs_all_its_triangles(void **state)
     rk_check_close(
         candidates[0].cost, 1.5 + 7, 0,
         "areas of 0 cannot be divided: both sides count as if they were as large as the node");
+    /* Two upright lines, with a node of area 4 around them. */
+    const rk_bvh_reference lines[] = {box_at(rk_vec(0, 0, 0), rk_vec(0, 1, 0)),
+                                      box_at(rk_vec(2, 0, 0), rk_vec(0, 1, 0))};
+    rk_check_equal(list(lines, 2, 2, false), 1, "two bins have one boundary");
+    rk_check_close(candidates[0].cost, 1.5, 0,
+                   "where the node has an area, a side without one costs nothing");
 }
 
 static void coinciding_centroids_have_no_candidate(void **state)
@@ -225,6 +241,7 @@ static void coinciding_centroids_have_no_candidate(void **state)
     rk_check_equal(list(same, 20, 2, false), 0, "an extent of 0 has no bins: do not divide by it");
     rk_check_equal(list(same, 20, 50, true), 0, "nor on any other axis, with any number of bins");
     rk_check(rk_sah_cheapest(candidates, 0) == NULL, "without candidates there is no cheapest");
+    rk_check_equal(list(same, 1, 2, true), 0, "a single triangle cannot be split");
     /* Finding none counts only if candidates are found elsewhere. */
     same[7].centroid.x = 3;
     rk_check_equal(list(same, 20, 2, false), 1, "one centroid apart from the others: one split");
@@ -276,30 +293,65 @@ static void no_node_has_more_bins_than_triangles(void **state)
 static void tiny_and_huge_extents_are_binned_correctly(void **state)
 {
     (void)state;
-    /* The smallest floats, and the largest, whose difference overflows a float. */
-    const float units[] = {0x1p-149f, 0x1p-140f, 0x1p-126f, 1, 0x1p125f};
-    for (uint32_t u = 0; u < sizeof units / sizeof *units; u++) {
-        rk_bvh_reference row[9];
-        for (uint32_t i = 0; i < 9; i++) {
-            rk_vec3 place = rk_vec(((float)i - 4) * units[u], 0, 0);
-            row[i] = (rk_bvh_reference){{{place, place}}, place, i};
+    /* The smallest floats, far from 0 as well, and the largest, whose difference overflows a float.
+     * With 2^23 added, places are as close to each other as floats can be. */
+    const float units[] = {0x1p-149f, 0x1p-140f, 0x1p-126f, 1, 0x1p100f, FLT_MAX / 8};
+    for (uint32_t u = 0; u < sizeof units / sizeof *units; u++)
+        for (int far = 0; far <= (units[u] <= 0x1p100f); far++) {
+            /* The ends, and the middles of eight bins of two units each. */
+            rk_bvh_reference row[10];
+            for (uint32_t i = 0; i < 10; i++) {
+                float at = i == 0 ? -8 : i == 9 ? 8 : 2 * (float)i - 9;
+                rk_vec3 place = rk_vec((at + (far ? 0x1p23f + 8 : 0)) * units[u], 0, 0);
+                row[i] = (rk_bvh_reference){{{place, place}}, place, i};
+            }
+            uint32_t found = list(row, 10, 8, false);
+            rk_check(found == 7,
+                     "ten centroids, from %g to %g: got %u candidates, want 7: eight bins over the "
+                     "whole extent, none of them empty",
+                     (double)row[0].centroid.x, (double)row[9].centroid.x, found);
+            for (uint32_t k = 0; k < 7; k++) {
+                rk_check_equal(candidates[k].axis, 0, "along x");
+                check_counts(&candidates[k], k + 2, 8 - k,
+                             "one per bin, two in the first and in the last; an extent may be too "
+                             "small to divide by, and it, or a part of it, too large for a float: "
+                             "compute the bin in double");
+            }
         }
-        rk_check_equal(list(row, 9, 8, false), 7, "eight bins over the whole range");
-        for (uint32_t k = 0; k < 7; k++) {
-            rk_check_equal(candidates[k].axis, 0, "along x");
-            check_counts(&candidates[k], k + 1, 8 - k,
-                         "one per bin, two in the last; an extent may be too small to divide by or "
-                         "too large for a float: compute the bin in double");
-        }
+    /* Neighbouring floats still differ. */
+    const float places[] = {0, 1, 0x1.fffffep0f, -1, 1e-20f, 1e30f, -3e38f, -0x1p-149f};
+    for (uint32_t i = 0; i < sizeof places / sizeof *places; i++) {
+        rk_vec3 at = rk_vec(places[i], 0, 0), next = rk_vec(nextafterf(at.x, INFINITY), 0, 0);
+        const rk_bvh_reference pair[] = {{{{at, at}}, at, 0}, {{{next, next}}, next, 1}};
+        uint32_t found = list(pair, 2, 2, false);
+        rk_check(found == 1,
+                 "two centroids, at %.9g and the next float: got %u candidates, want 1: no extent "
+                 "but 0 is too small, not even for its place",
+                 (double)at.x, found);
     }
+}
+
+static void check_same_options(const rk_sah_options *got, const rk_sah_options *given)
+{
+    rk_check(got->bins == given->bins && got->all_axes == given->all_axes,
+             "the caller's options, which are constant, were changed from %u bins to %u, all axes "
+             "from %d to %d",
+             given->bins, got->bins, given->all_axes, got->all_axes);
 }
 
 static void check_candidates(const rk_mesh *mesh, rk_sah_options options)
 {
     static trial want[RK_SAH_CANDIDATES_MAX];
     uint32_t count = mesh->triangle_count;
-    rk_bvh_reference *references = references_of(mesh);
+    rk_bvh_reference *references = references_of(mesh), *before = references_of(mesh);
+    const rk_sah_options given = options;
     uint32_t found = rk_sah_candidates(references, count, &options, candidates);
+    rk_check(memcmp(references, before, count * sizeof *references) == 0,
+             "listing the candidates changed the caller's %u references, which are constant: only "
+             "splitting moves them",
+             count);
+    check_same_options(&options, &given);
+    free(before);
     uint32_t wanted = try_boundaries(references, count, &options, want);
     rk_check(found == wanted,
              "%u triangles, %u bins%s: got %u candidates, want %u: every boundary that divides the "
@@ -388,6 +440,14 @@ static void candidates_are_on_the_longest_axis_of_the_centroids(void **state)
         const rk_bvh_reference pair[] = {cube_at(0, 0, 0), cube_at(axis == 0, axis <= 1, 1)};
         rk_check_equal(list(pair, 2, 2, false), 1, "two cubes");
         rk_check_equal(candidates[0].axis, axis, "among equal extents x before y before z");
+        /* All three extents overflow a float. */
+        const float half[] = {axis == 0 ? 3e38f : 2e38f, axis == 1 ? 3e38f : 2e38f,
+                              axis == 2 ? 3e38f : 2e38f};
+        rk_vec3 high = rk_vec(half[0], half[1], half[2]), low = rk_negate(high);
+        const rk_bvh_reference far[] = {{{{low, low}}, low, 0}, {{{high, high}}, high, 1}};
+        rk_check_equal(list(far, 2, 2, false), 1, "two points");
+        rk_check_equal(candidates[0].axis, axis,
+                       "-3e38 to 3e38 on one axis, -2e38 to 2e38 on the others");
     }
 }
 
@@ -408,6 +468,25 @@ static void all_axes_are_tried_on_request(void **state)
                        "eight bins, none of them empty, have seven boundaries per axis");
     free(references);
     rk_mesh_free(&mesh);
+    /* Where all centroids coincide on two of the axes, only the third has candidates. */
+    for (int axis = 0; axis < 3; axis++) {
+        rk_bvh_reference row[4];
+        for (uint32_t i = 0; i < 4; i++) {
+            float along = (float)(i * 3 % 4);
+            row[i] = cube_at(axis == 0 ? along : 5, axis == 1 ? along : 5, axis == 2 ? along : 5);
+        }
+        found = list(row, 4, 4, true);
+        rk_check(found == 3, "a row of four cubes along %c, on all axes: got %u candidates, want 3",
+                 "xyz"[axis], found);
+        for (uint32_t k = 0; k < found; k++)
+            rk_check_equal(candidates[k].axis, axis, "the axis of the row");
+    }
+    /* As many candidates as there may be: one cube in each bin of each axis. */
+    rk_bvh_reference diagonal[RK_SAH_BINS_MAX];
+    for (uint32_t i = 0; i < RK_SAH_BINS_MAX; i++)
+        diagonal[i] = cube_at((float)i, (float)i, (float)i);
+    rk_check_equal(list(diagonal, RK_SAH_BINS_MAX, RK_SAH_BINS_MAX, true), RK_SAH_CANDIDATES_MAX,
+                   "256 bins, none of them empty, have 255 boundaries on each of three axes");
 }
 
 static void the_first_of_equally_cheap_splits_is_taken(void **state)
@@ -427,7 +506,7 @@ static void the_first_of_equally_cheap_splits_is_taken(void **state)
              "first wins",
              best ? "xyz"[best->axis] : '-', best ? best->boundary : 0);
     /* Splits of a node of billions of triangles, all of which are tested. */
-    const double costs[] = {4e9, 3e9, 2e9, 2e9};
+    const double costs[] = {4e9, 3e9, 3e9 - 1, 3e9 - 1};
     rk_sah_split costly[4];
     for (uint32_t k = 0; k < 4; k++) {
         costly[k] = candidates[k];
@@ -438,8 +517,8 @@ static void the_first_of_equally_cheap_splits_is_taken(void **state)
         uint32_t want = count < 3 ? count - 1 : 2;
         rk_check(
             best == &costly[want],
-            "the first %u of candidates that cost 4e9, 3e9, 2e9, 2e9: got %s, want that of %g: no "
-            "cost is too high to be the lowest",
+            "the first %u of candidates that cost 4e9, 3e9, 3e9 - 1, 3e9 - 1: got %s, want that of "
+            "%.10g: no cost is too high to be the lowest, and costs are compared in double",
             count, best ? "another" : "none", costs[want]);
     }
 }
@@ -460,12 +539,14 @@ static void candidates_equal_brute_force(void **state)
 
 static rk_bvh build_with(const rk_mesh *mesh, uint32_t bins, bool all_axes)
 {
-    const rk_sah_options options = {bins, all_axes};
+    rk_sah_options options = {bins, all_axes};
+    const rk_sah_options given = options;
     rk_bvh bvh;
     rk_error error;
     uint32_t checksum = mesh_checksum(mesh);
     rk_check_ok(rk_bvh_build_sah(&bvh, mesh, &options, &error), error);
     check_mesh_unchanged(mesh, checksum);
+    check_same_options(&options, &given);
     rk_check(rk_bvh_validate(&bvh, mesh, &error),
              "the tree over %u triangles, with %u nodes, is not sound: %s", mesh->triangle_count,
              bvh.node_count, error.text);
@@ -534,6 +615,11 @@ static void a_node_is_a_leaf_where_no_split_pays(void **state)
     bvh = build(&mesh);
     rk_check_equal(bvh.nodes[0].count, 3, "3 is no less than 3: a leaf, too");
     rk_bvh_free(&bvh);
+    /* The one becomes smaller by a rounding of its height. */
+    mesh.positions[2].y = 1 - 0x1p-24f;
+    bvh = build(&mesh);
+    rk_check_equal(bvh.nodes[0].count, 0, "3 - 2^-25 is less than 3: compare the costs in double");
+    rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
 }
 
@@ -550,33 +636,100 @@ static void two_distant_triangles_are_split(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* What becomes of a node. */
+typedef enum node_case {
+    CHEAPEST,
+    LEAF,
+    LEAF_THOUGH_A_SPLIT_PAYS, /* which does not fit the depth */
+    BALANCED,
+    BALANCED_THOUGH_A_SPLIT_PAYS,
+    HALVED,
+    CASES,
+} node_case;
+
 /* A tree and the data to check its nodes against. */
 typedef struct comparison {
     const rk_bvh *bvh;
     const rk_bvh_reference *references; /* of the mesh */
     rk_bvh_reference *some;             /* room for one node's references */
     rk_sah_options options;
+    uint32_t cases[CASES]; /* the nodes of each case */
 } comparison;
+
+/* May a split leave this many triangles on one side of a node of this level? */
+static bool fits_below(uint32_t level, uint32_t triangles)
+{
+    uint64_t most = RK_BVH_LEAF_MAX;
+    for (uint32_t below = level + 2; below < RK_BVH_LEVELS_MAX && most < triangles; below++)
+        most *= 2;
+    return level + 1 < RK_BVH_LEVELS_MAX && triangles <= most;
+}
+
+static node_case case_of(uint32_t level, uint32_t count, const trial *cheapest, uint32_t smaller)
+{
+    bool pays = cheapest->cost < count;
+    const uint32_t *sides = cheapest->triangles;
+    if (pays && fits_below(level, sides[0] > sides[1] ? sides[0] : sides[1]))
+        return CHEAPEST;
+    if (count <= RK_BVH_LEAF_MAX)
+        return pays ? LEAF_THOUGH_A_SPLIT_PAYS : LEAF;
+    if (smaller && fits_below(level, count - smaller))
+        return pays ? BALANCED_THOUGH_A_SPLIT_PAYS : BALANCED;
+    return HALVED;
+}
+
+static void check_larger_than_a_leaf(const rk_bvh *bvh, const rk_bvh_node *node, uint32_t level,
+                                     uint32_t count, uint32_t smaller)
+{
+    uint32_t left = node->count ? 0 : rk_bvh_range_of(bvh, node->first).count;
+    uint32_t got = left < count - left ? left : count - left;
+    rk_check(got == smaller,
+             "a node of %u triangles, depth_left = %u: got %u of them in the smaller child, want "
+             "%u: where no split pays, or the cheapest does not fit the depth, such a node takes "
+             "the most balanced split; where not even that one fits, half of its triangles",
+             count, RK_BVH_LEVELS_MAX - 1 - level, got, smaller);
+}
 
 static void compare_with_brute_force(const rk_bvh_node *node, uint32_t level, void *context)
 {
-    (void)level;
     comparison *c = context;
     static trial all[RK_SAH_CANDIDATES_MAX];
     rk_bvh_range range = rk_bvh_range_of(c->bvh, (uint32_t)(node - c->bvh->nodes));
-    for (uint32_t i = 0; i < range.count; i++)
+    rk_box box = rk_box_empty();
+    for (uint32_t i = 0; i < range.count; i++) {
         c->some[i] = c->references[c->bvh->triangles[range.begin + i].index];
+        box = rk_box_merge(box, c->some[i].box);
+    }
+    for (int k = 0; k < 6; k++)
+        rk_check(rk_axis(node->box.corner[k / 3], k % 3) == rk_axis(box.corner[k / 3], k % 3),
+                 "a node of %u triangles: got %.9g for the %s %c of its box, want %.9g: the "
+                 "smallest box around its triangles",
+                 range.count, (double)rk_axis(node->box.corner[k / 3], k % 3),
+                 k / 3 ? "highest" : "lowest", "xyz"[k % 3],
+                 (double)rk_axis(box.corner[k / 3], k % 3));
     uint32_t found = try_boundaries(c->some, range.count, &c->options, all);
     trial best = {.cost = INFINITY};
-    for (uint32_t k = 0; k < found; k++)
+    uint32_t smaller = 0; /* of the two sides of the most balanced split */
+    for (uint32_t k = 0; k < found; k++) {
+        const uint32_t *sides = all[k].triangles;
+        uint32_t smaller_side = sides[0] < sides[1] ? sides[0] : sides[1];
+        smaller = smaller_side > smaller ? smaller_side : smaller;
         if (all[k].cost < best.cost)
             best = all[k];
-    bool pays = best.cost < range.count;
-    rk_check(pays == (node->count == 0),
-             "a node of %u triangles, whose cheapest split costs %.9g: got %s, want %s",
-             range.count, best.cost, node->count ? "a leaf" : "an inner node",
-             pays ? "an inner node" : "a leaf");
-    if (!pays)
+    }
+    node_case is = case_of(level, range.count, &best, smaller);
+    c->cases[is]++;
+    if (is >= BALANCED) {
+        check_larger_than_a_leaf(c->bvh, node, level, range.count,
+                                 is == HALVED ? range.count / 2 : smaller);
+        return;
+    }
+    rk_check((is == CHEAPEST) == (node->count == 0),
+             "a node of %u triangles, depth_left = %u, whose cheapest split costs %.9g: got %s, "
+             "want %s",
+             range.count, RK_BVH_LEVELS_MAX - 1 - level, best.cost,
+             node->count ? "a leaf" : "an inner node", is == CHEAPEST ? "an inner node" : "a leaf");
+    if (is != CHEAPEST)
         return;
     for (int side = 0; side < 2; side++) {
         uint32_t child = node->first + (uint32_t)side;
@@ -591,16 +744,29 @@ static void compare_with_brute_force(const rk_bvh_node *node, uint32_t level, vo
     }
 }
 
-static void check_tree(const rk_mesh *mesh, rk_sah_options options)
+/* Adds the nodes of each case to `cases`. */
+static void check_nodes(const rk_mesh *mesh, rk_sah_options options, bool only_the_root,
+                        uint32_t *cases)
 {
     rk_bvh bvh = build_with(mesh, options.bins, options.all_axes);
     rk_bvh_reference *references = references_of(mesh);
-    comparison c = {&bvh, references, calloc(mesh->triangle_count, sizeof *references), options};
+    comparison c = {
+        &bvh, references, calloc(mesh->triangle_count, sizeof *references), options, {0}};
     rk_check(c.some != NULL, "no memory for %u references", mesh->triangle_count);
-    rk_bvh_visit(&bvh, compare_with_brute_force, &c);
+    if (only_the_root)
+        compare_with_brute_force(&bvh.nodes[0], 0, &c);
+    else
+        rk_bvh_visit(&bvh, compare_with_brute_force, &c);
+    for (int k = 0; k < CASES; k++)
+        cases[k] += c.cases[k];
     free(c.some);
     free(references);
     rk_bvh_free(&bvh);
+}
+
+static void check_tree(const rk_mesh *mesh, rk_sah_options options)
+{
+    check_nodes(mesh, options, false, (uint32_t[CASES]){0});
 }
 
 static void every_node_is_split_where_brute_force_would(void **state)
@@ -616,6 +782,15 @@ static void every_node_is_split_where_brute_force_would(void **state)
             check_tree(&mesh, (rk_sah_options){RK_SAH_BINS_MAX, true});
         rk_mesh_free(&mesh);
     }
+    /* The root of a large mesh, ever less dense along x: the cheapest split is not the most
+     * balanced. */
+    rk_mesh mesh = make_soup(110000, 0.01f, 28);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++) {
+        float x = mesh.positions[i].x + 1;
+        mesh.positions[i].x = 2 * x * x;
+    }
+    check_nodes(&mesh, (rk_sah_options){8, false}, true, (uint32_t[CASES]){0});
+    rk_mesh_free(&mesh);
 }
 
 static void rows_of_whole_numbers_are_split_as_counted(void **state)
@@ -715,6 +890,18 @@ static void identical_triangles_become_leaves_of_64_at_most(void **state)
                  n, rk_bvh_measure(&bvh).leaves, n <= RK_BVH_LEAF_MAX ? "one" : "two");
         rk_bvh_free(&bvh);
     }
+    /* The same where centroids differ, but no split pays. */
+    for (uint32_t n = RK_BVH_LEAF_MAX - 1; n <= RK_BVH_LEAF_MAX + 1; n++) {
+        mesh.triangle_count = n;
+        for (uint32_t i = 0; i < n; i++)
+            place_across(&mesh, i, (float)i / (float)(n - 1));
+        bvh = build(&mesh);
+        rk_check(rk_bvh_measure(&bvh).leaves == (n <= RK_BVH_LEAF_MAX ? 1 : 2),
+                 "%u triangles with the same box: got %u leaves, want %s: no split pays, and "
+                 "RK_BVH_LEAF_MAX, 64, still fit into one",
+                 n, rk_bvh_measure(&bvh).leaves, n <= RK_BVH_LEAF_MAX ? "one" : "two");
+        rk_bvh_free(&bvh);
+    }
     mesh.triangle_count = 1000;
     rk_mesh_free(&mesh);
 }
@@ -747,6 +934,16 @@ static void large_nodes_are_split_even_where_no_split_pays(void **state)
              (unsigned long long)tests);
     check_rays(&mesh, &bvh, 50, 8);
     rk_bvh_free(&bvh);
+    check_tree(&mesh, rk_sah_options_default());
+    rk_mesh_free(&mesh);
+    /* All boxes are the same. On x, the longest axis, most centroids are in the first bin; on y
+     * they are evenly spaced. */
+    mesh = make_mesh(200);
+    for (uint32_t i = 0; i < 200; i++) {
+        place_across(&mesh, i, powf((float)i / 199, 8));
+        mesh.positions[3 * i + 2].y = (float)(i * 7 % 200) / 398;
+    }
+    check_tree(&mesh, (rk_sah_options){16, true});
     rk_mesh_free(&mesh);
 }
 
@@ -769,33 +966,78 @@ static uint32_t largest_leaf_of(const rk_mesh *mesh, uint32_t bins)
     return largest;
 }
 
+/* Each triangle half as large and half as far from 0 as the one before: with two bins, each split
+ * takes one octave away, and there are twice as many octaves as levels. Eight triangles an octave
+ * are too many for one last leaf. */
+static rk_mesh make_progression(float side, int axis)
+{
+    const uint32_t octaves = 2 * RK_BVH_LEVELS_MAX;
+    rk_mesh mesh = make_soup(8 * octaves, 0.05f, 9);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++) {
+        rk_vec3 p = rk_add(mesh.positions[i], rk_vec(6 * side, 0, 0));
+        p = axis == 0 ? p : axis == 1 ? rk_vec(p.z, p.x, p.y) : rk_vec(p.y, p.z, p.x);
+        mesh.positions[i] = rk_scale(p, ldexpf(1, 40 - (int)(i / 24)));
+    }
+    return mesh;
+}
+
+/* Triangles each a quarter as large and as far from 0 as the one before, of which each split takes
+ * one away, until one more level may follow; then a crowd in three places, 9 to 7 to 4. Where they
+ * are narrow the cheapest split takes the 4 away, otherwise none pays. */
+static rk_mesh make_progression_to_a_crowd(uint32_t crowd, bool narrow, float side)
+{
+    const uint32_t alone = RK_BVH_LEVELS_MAX - 2;
+    const float places[2][3][3] = {
+        {{0, 1, 0}, {0, 1, 0.5f}, {0, 1, 1}},
+        {{0, 0.625f, 0.25f}, {0.25f, 0.6875f, 0.6875f}, {0.9375f, 1, 1}}};
+    rk_mesh mesh = make_mesh(alone + crowd);
+    for (uint32_t i = 0; i < mesh.triangle_count; i++) {
+        uint32_t in_turn = i * 7 % 20, place = in_turn < 9 ? 0 : in_turn < 16 ? 1 : 2;
+        const float *x = i < alone ? (const float[]){1, 2, 1} : places[narrow][place];
+        float scale = ldexpf(1, 60 - 2 * (int)(i < alone ? i : alone));
+        const rk_vec3 corner[] = {{x[0], 1, 0}, {x[1], 0, 1}, {x[2], 0.5f, 0.5f}};
+        for (uint32_t k = 0; k < 3; k++)
+            mesh.positions[3 * i + k] = rk_scale(rk_mul(corner[k], rk_vec(side, 1, 1)), scale);
+    }
+    return mesh;
+}
+
+static void check_progression(const rk_mesh *mesh, uint32_t bins, uint32_t *cases)
+{
+    uint32_t largest = largest_leaf_of(mesh, bins);
+    rk_check(largest <= RK_BVH_LEAF_MAX,
+             "got a leaf of %u triangles, want %d at most: where depth_left is 0 no node can be "
+             "split, so before that a split may leave no side more than RK_BVH_LEAF_MAX, doubled "
+             "for each level that may follow",
+             largest, RK_BVH_LEAF_MAX);
+    rk_bvh bvh = build_with(mesh, bins, false);
+    uint32_t levels = rk_bvh_measure(&bvh).levels;
+    rk_check(bins > 2 || levels > 40,
+             "got %u levels with two bins, want over 40: this test needs a deep tree", levels);
+    check_rays(mesh, &bvh, 50, 11);
+    rk_bvh_free(&bvh);
+    check_nodes(mesh, (rk_sah_options){bins, false}, false, cases);
+}
+
 static void a_geometric_progression_is_not_too_deep(void **state)
 {
     (void)state;
-    /* Each triangle half as large and half as far from 0 as the one before: with two bins, each
-     * split takes one octave away, and there are twice as many octaves as levels. Eight triangles
-     * an octave are too many for one last leaf. */
-    const uint32_t octaves = 2 * RK_BVH_LEVELS_MAX;
-    rk_mesh mesh = make_soup(8 * octaves, 0.05f, 9);
-    for (uint32_t i = 0; i < mesh.vertex_count; i++)
-        mesh.positions[i] =
-            rk_scale(rk_add(mesh.positions[i], rk_vec(6, 0, 0)), ldexpf(1, 40 - (int)(i / 24)));
-    for (uint32_t bins = 2; bins <= 50; bins += 48) {
-        uint32_t largest = largest_leaf_of(&mesh, bins);
-        rk_check(
-            largest <= RK_BVH_LEAF_MAX,
-            "got a leaf of %u triangles, want %d at most: where depth_left is 0 no node can be "
-            "split, so before that a split may leave no side more than RK_BVH_LEAF_MAX, doubled "
-            "for each level that may follow",
-            largest, RK_BVH_LEAF_MAX);
-        rk_bvh bvh = build_with(&mesh, bins, false);
-        uint32_t levels = rk_bvh_measure(&bvh).levels;
-        rk_check(bins > 2 || levels > 40,
-                 "got %u levels with two bins, want over 40: this test needs a deep tree", levels);
-        check_rays(&mesh, &bvh, 200, 11);
-        rk_bvh_free(&bvh);
+    uint32_t cases[CASES] = {0};
+    for (int k = 0; k < 6; k++) {
+        rk_mesh mesh = make_progression(k % 2 ? -1 : 1, k / 2);
+        const uint32_t bins[] = {2, 3, 50};
+        for (int b = 0; b < 3; b++)
+            check_progression(&mesh, bins[b], cases);
+        rk_mesh_free(&mesh);
     }
-    rk_mesh_free(&mesh);
+    for (uint32_t crowd = RK_BVH_LEAF_MAX; crowd <= 2 * RK_BVH_LEAF_MAX; crowd += 3)
+        for (int k = 0; k < 4; k++) {
+            rk_mesh mesh = make_progression_to_a_crowd(crowd, k % 2, k / 2 ? -1 : 1);
+            check_progression(&mesh, 3, cases);
+            rk_mesh_free(&mesh);
+        }
+    for (int k = 0; k < CASES; k++)
+        rk_check(cases[k] > 0, "no node of case %d: this test cannot tell", k);
 }
 
 static void flat_long_and_huge_meshes_equal_brute_force(void **state)
@@ -826,11 +1068,12 @@ static void coordinates_near_the_largest_float_build_as_good_a_tree(void **state
     for (uint32_t i = 0; i < mesh.vertex_count; i++)
         mesh.positions[i] = rk_scale(mesh.positions[i], 0x1p127f);
     rk_bvh huge = build(&mesh);
+    /* Scaling by a power of two changes no ratio of areas, so the sums are equal but for their
+     * roundings: one for each of up to 4,000 nodes. */
     double got = rk_bvh_measure(&huge).sah_cost, want = rk_bvh_measure(&plain).sah_cost;
-    /* Of several extents that overflow, x is taken for the longest: a few splits differ. */
-    rk_check_close(
-        got, want, 0.01 * want,
-        "areas overflow a float, and so may a part of an extent: compute them in double");
+    rk_check_close(got, want, 4000 * 0x1p-53 * want,
+                   "areas overflow a float, and so may an extent, or a part of it: compute them in "
+                   "double");
     rk_bvh_free(&plain);
     rk_bvh_free(&huge);
     rk_mesh_free(&mesh);
@@ -840,8 +1083,8 @@ static void a_scaled_mesh_builds_the_same_tree(void **state)
 {
     (void)state;
     /* Scaling by a power of two changes no bit of a fraction, and no ratio of areas. At 2^-70 those
-     * areas are too small for a float, at 2^70 too large. */
-    const int powers[] = {-70, -40, -15, 40, 70};
+     * areas are too small for a float, at 2^70 too large; at 2^127 extents are, too. */
+    const int powers[] = {-100, -70, -40, -15, 40, 70, 127};
     rk_mesh mesh = make_soup(1000, 0.05f, 13), scaled = make_mesh(1000);
     rk_bvh plain = build(&mesh);
     for (size_t p = 0; p < sizeof powers / sizeof *powers; p++) {
@@ -889,13 +1132,17 @@ static void more_than_65535_triangles_are_counted(void **state)
 static bool build_by_default(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
 {
     const rk_sah_options options = rk_sah_options_default();
-    return rk_bvh_build_sah(bvh, mesh, &options, error);
+    bool built = rk_bvh_build_sah(bvh, mesh, &options, error);
+    rk_check(built || (!bvh->nodes && !bvh->triangles && bvh->node_count == 0),
+             "got false, but not the empty tree that rk_bvh_free leaves: whoever releases it once "
+             "more releases memory twice");
+    return built;
 }
 
 static void where_memory_runs_out_nothing_is_kept(void **state)
 {
     (void)state;
-    rk_mesh mesh = make_soup(50, 0.5f, 14);
+    rk_mesh mesh = make_soup(50, 0.05f, 14);
     check_every_allocation_failing(&mesh, build_by_default);
     rk_mesh_free(&mesh);
 }
@@ -903,7 +1150,7 @@ static void where_memory_runs_out_nothing_is_kept(void **state)
 static void building_a_large_tree_takes_no_more_stack(void **state)
 {
     (void)state;
-    rk_mesh small = make_soup(100, 0.1f, 41), large = make_soup(25000, 0.1f, 41);
+    rk_mesh small = make_soup(100, 0.1f, 41), large = make_soup(50000, 0.1f, 41);
     check_stack_does_not_grow(&small, &large, build_by_default);
     rk_mesh_free(&small);
     rk_mesh_free(&large);

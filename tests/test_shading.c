@@ -64,6 +64,24 @@ static void check_colour(rk_vec3 got, rk_vec3 want, double tolerance, const char
     rk_check_close(got.z, want.z, tolerance, hint);
 }
 
+/* Roundings of products alone, which are relative. */
+static void check_relative(rk_vec3 got, rk_vec3 want, const char *hint)
+{
+    for (int k = 0; k < 3; k++)
+        rk_check_close(rk_axis(got, k), rk_axis(want, k),
+                       few_roundings * (double)rk_axis(want, k) + 0x1p-149, hint);
+}
+
+/* Cosines of light that grazes the surface: a float along an axis has them to the last digit. */
+static const float grazing[] = {0.01f, 1e-3f, 1e-6f, 1e-10f, 1e-17f};
+enum { grazing_count = sizeof grazing / sizeof *grazing };
+
+/* The unit vector with the cosine z to `up`, in the plane of x and z; side is 1 or -1. */
+static rk_vec3 at_cosine(float z, float side)
+{
+    return rk_vec(side * (float)sqrt(1 - (double)z * (double)z), 0, z);
+}
+
 static bool equal_bits(rk_vec3 a, rk_vec3 b)
 {
     return memcmp(&a, &b, sizeof a) == 0;
@@ -122,6 +140,10 @@ static void off_is_the_light_times_the_diffuse_colour(void **state)
         rk_vec3 got = rk_shade(&shading, rk_vec(0.5f, 0.25f, 0), white, 10, up, rk_vec(0, 0, -1),
                                up, rk_vec(2, 1, 4));
         check_colour(got, rk_vec(1, 0.25f, 0), 0, "I kd, wherever the light is");
+        for (int k = 0; k < 4; k++) /* light along the surface, too, and a mirror or none */
+            check_colour(rk_shade(&shading, rk_vec(0.5f, 2, 1), k & 1 ? black : white, 10, up,
+                                  k & 2 ? rk_vec(1, 0, 0) : up, black, rk_vec(8, 1e20f, 1e-20f)),
+                         rk_vec(4, 2e20f, 1e-20f), 0, "I kd, whatever ks is, however bright");
     }
 }
 
@@ -137,6 +159,19 @@ static void lambert_falls_with_the_cosine(void **state)
         check_colour(got, rk_scale(white, cosine), few_roundings,
                      "I kd n.l, without ks: all three products of I and kd are one here");
     }
+    for (uint32_t i = 0; i < 6 * grazing_count; i++) {
+        float cosine = grazing[i / 6];
+        check_relative(rk_shade(&shading, kd, white, 10, turned(up, i),
+                                turned(at_cosine(cosine, 1), i), black, light),
+                       rk_scale(white, cosine), "I kd n.l, however small n.l is");
+    }
+    check_relative(rk_shade(&shading, rk_vec(1e-30f, 0, 1e-10f), white, 10, up, at_cosine(0.5f, 1),
+                            black, rk_vec(1e20f, 1, 1e-5f)),
+                   rk_vec(0.5e-10f, 0, 0.5e-15f), "I kd n.l, however small kd is");
+    /* Strong light at a grazing angle is as bright as faint light from above. */
+    check_relative(rk_shade(&shading, white, white, 10, up, at_cosine(1e-17f, -1), black,
+                            rk_vec(1e17f, 1e30f, 1e-10f)),
+                   rk_vec(1, 1e13f, 1e-27f), "I kd n.l, however strong the light is");
 }
 
 static void light_from_behind_or_along_the_surface_gives_nothing(void **state)
@@ -168,6 +203,10 @@ static void phong_is_the_cosine_from_the_mirror_direction_to_a_power(void **stat
     rk_check_close(highlight(RK_SHADING_PHONG, 2, l, direction(90, 0)), 0.25, few_roundings, hint);
     rk_check_close(highlight(RK_SHADING_PHONG, 2, l, direction(-30, 0)), 0.25, few_roundings, hint);
     rk_check_close(highlight(RK_SHADING_PHONG, 4, l, direction(75, 0)), 0.25, few_roundings, hint);
+    /* Roots, where the shininess is below 1. */
+    for (float s = 1; s > 1e-6f; s *= 0.5f)
+        rk_check_close(highlight(RK_SHADING_PHONG, s, l, direction(90, 0)), pow(0.5, (double)s),
+                       few_roundings, hint);
 }
 
 static void blinn_phong_is_the_cosine_from_the_normal_to_the_half_vector_to_a_power(void **state)
@@ -178,6 +217,9 @@ static void blinn_phong_is_the_cosine_from_the_normal_to_the_half_vector_to_a_po
     const char *hint = "(n.h)^s with h = (l + v) / |l + v|, and not times n.l";
     rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, l, v), 0.75, few_roundings, hint);
     rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 4, l, v), 0.5625, few_roundings, hint);
+    for (float s = 1; s > 1e-6f; s *= 0.5f)
+        rk_check_close(highlight(RK_SHADING_BLINN_PHONG, s, l, v), pow(0.75, (double)s / 2),
+                       few_roundings, hint);
     /* Out of the plane: h = (1, 1, 1) / sqrt 3 between the middles of two sides of a cube. */
     rk_vec3 a = rk_vec(0.8944272f, 0, 0.4472136f), b = rk_vec(0, 0.8944272f, 0.4472136f);
     rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, a, b), 1.0 / 3, few_roundings, hint);
@@ -198,6 +240,13 @@ static void in_the_mirror_direction_both_highlights_are_one(void **state)
                  * */
                 rk_check_close(got, 1, few_roundings, "the cosine is one, and so is its power");
             }
+    for (int i = 0; i < grazing_count; i++)
+        for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++)
+            rk_check_close(highlight((rk_shading_model)model, 3, at_cosine(grazing[i], 1),
+                                     at_cosine(grazing[i], -1)),
+                           1, few_roundings,
+                           "however nearly light and viewer are opposite, there is a half vector, "
+                           "and a highlight in the mirror direction");
 }
 
 static void a_highlight_ends_at_a_right_angle(void **state)
@@ -212,6 +261,13 @@ static void a_highlight_ends_at_a_right_angle(void **state)
     v = direction(-30, 0);
     rk_check_close(highlight(RK_SHADING_PHONG, 2, l, v), 0, 0, "max(0, r.v), before the power");
     rk_check_close(highlight(RK_SHADING_PHONG, 0, l, v), 0, 0, "this holds for s = 0 too");
+    const float shininess[] = {0, 0x1p-149f, 1e-6f, 1, 2, 3, 1e5f};
+    for (int i = 0; i < 7; i++) {
+        rk_check_close(highlight(RK_SHADING_PHONG, shininess[i], up, rk_vec(1, 0, 0)), 0, 0,
+                       "r.v is exactly 0 at a right angle, and no power of it is a highlight");
+        rk_check_close(highlight(RK_SHADING_PHONG, shininess[i], up, rk_vec(0, 0, -1)), 0, 0,
+                       "r.v = -1, from below the surface: no highlight");
+    }
 }
 
 static void blinn_phong_highlights_end_at_a_right_angle_too(void **state)
@@ -230,6 +286,12 @@ static void blinn_phong_highlights_end_at_a_right_angle_too(void **state)
     v = rk_negate(l);
     rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, l, v), 0, 0,
                    "l + v is zero: there is no half vector");
+    /* l + v = (1, 0, 0) exactly. */
+    l = rk_vec(0.5f, 0, 0.8660254f), v = rk_vec(0.5f, 0, -0.8660254f);
+    const float shininess[] = {0, 0x1p-149f, 1e-6f, 1, 2, 3, 1e5f};
+    for (int i = 0; i < 7; i++)
+        rk_check_close(highlight(RK_SHADING_BLINN_PHONG, shininess[i], l, v), 0, 0,
+                       "n.h is exactly 0 at a right angle, and no power of it is a highlight");
 }
 
 static void without_shininess_the_highlight_is_constant(void **state)
@@ -291,14 +353,18 @@ static void without_specular_colour_every_model_is_lambert(void **state)
         rk_vec3 kd = random_colour(i, 0), light = random_colour(i, 1);
         rk_shading lambert = shading_of(RK_SHADING_LAMBERT, i & 1);
         rk_vec3 want = rk_shade(&lambert, kd, white, 3, n, l, v, light);
+        rk_check(equal_bits(want, rk_shade(&lambert, kd, white, NAN, n, l, black, light)),
+                 "lambert without shininess and viewer is not the same: it reads neither");
         check_colour(want,
                      rk_scale(rk_mul(kd, light), rk_max(0, rk_dot(n, l)) / (i & 1 ? (float)pi : 1)),
                      few_roundings, "Lambert: I kd n.l, divided by pi if normalized");
         for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
             rk_shading shading = shading_of((rk_shading_model)model, i & 1);
-            rk_vec3 got = rk_shade(&shading, kd, black, NAN, n, l, v, light);
+            rk_vec3 none = i & 2 ? rk_vec(NAN, NAN, NAN) : black;
+            rk_vec3 got = rk_shade(&shading, kd, black, NAN, n, l, i & 4 ? v : none, light);
             rk_check(equal_bits(got, want),
-                     "%s with ks = 0 and a shininess that is not a number: got %.9g, Lambert has "
+                     "%s with ks = 0, and a shininess and perhaps a viewer that are no numbers: "
+                     "got %.9g, Lambert has "
                      "%.9g: without ks, compute no highlight",
                      model_names[model], (double)got.x, (double)want.x);
         }
@@ -308,16 +374,26 @@ static void without_specular_colour_every_model_is_lambert(void **state)
 static void twice_the_light_is_twice_the_colour(void **state)
 {
     (void)state;
+    /* Multiplying by these is exact. */
+    const float powers[] = {0, 0x1p-60f, 0.5f, 2, 0x1p60f};
     for (uint32_t i = 0; i < 1000; i++)
         for (int model = RK_SHADING_OFF; model <= RK_SHADING_GRADIENT; model++) {
             rk_vec3 l = random_direction(i, 3), v = random_direction(i, 4);
             rk_vec3 kd = random_colour(i, 2), ks = random_colour(i, 3), light = random_colour(i, 4);
+            rk_vec3 more = {powers[i % 5], powers[i / 5 % 5], powers[i / 25 % 5]};
             rk_shading shading = shading_of((rk_shading_model)model, i & 1);
-            rk_vec3 once = rk_shade(&shading, kd, ks, 9, up, l, v, light);
-            rk_vec3 twice = rk_shade(&shading, kd, ks, 9, up, l, v, rk_scale(light, 2));
-            rk_check(equal_bits(twice, rk_scale(once, 2)),
-                     "%s: got %.9g for the light and %.9g for twice the light: doubling is exact",
-                     model_names[model], (double)once.x, (double)twice.x);
+            if (model != RK_SHADING_GRADIENT)
+                shading.gradient.count = UINT32_MAX; /* only the gradient reads its stops */
+            rk_vec3 once = rk_shade(&shading, kd, ks, 2, up, l, v, light);
+            rk_vec3 scaled = rk_shade(&shading, kd, ks, 2, up, l, v, rk_mul(light, more));
+            rk_vec3 want = rk_mul(once, more);
+            rk_check(scaled.x == want.x && scaled.y == want.y && scaled.z == want.z,
+                     "%s: got (%.9g, %.9g, %.9g) for the light and (%.9g, %.9g, %.9g) for (%g, %g, "
+                     "%g) times the light: each channel grows with the light's, exactly for powers "
+                     "of two, and with no other",
+                     model_names[model], (double)once.x, (double)once.y, (double)once.z,
+                     (double)scaled.x, (double)scaled.y, (double)scaled.z, (double)more.x,
+                     (double)more.y, (double)more.z);
         }
 }
 
@@ -333,6 +409,72 @@ static void a_gradient_is_linear_between_its_stops(void **state)
     check_colour(rk_gradient_at(&gradient, 0), rk_vec(1, 0, 0), 0, hint);
     check_colour(rk_gradient_at(&gradient, 0.125f), rk_vec(0.75f, 0.25f, 0), 0, hint);
     check_colour(rk_gradient_at(&gradient, 0.5f), rk_vec(0, 1, 0), 0, hint);
+    for (int e = -120; e <= 127; e++) {
+        float end = ldexpf(1, e);
+        const rk_gradient wide = {2, {{-end, {0, 0, 1}}, {end, {1, 0, 0}}}};
+        check_colour(rk_gradient_at(&wide, 0), rk_vec(0.5f, 0, 0.5f), few_roundings,
+                     "linear however close or far apart the stops are, 2^-119 to 2^128: halfway");
+        check_colour(rk_gradient_at(&wide, end / 2), rk_vec(0.75f, 0, 0.25f), few_roundings,
+                     "linear however close or far apart the stops are, 2^-119 to 2^128: at 3/4");
+    }
+    const rk_gradient bright = {2, {{0, {0, 8, 1e20f}}, {1, {16, 0, 3e20f}}}};
+    check_relative(rk_gradient_at(&bright, 0.5f), rk_vec(8, 4, 2e20f),
+                   "linear between colours brighter than white, too");
+    /* Four floats apart. */
+    const rk_gradient narrow = {2, {{0.5f, {0, 0, 1}}, {0.5f + 0x1p-22f, {1, 0, 0}}}};
+    check_colour(rk_gradient_at(&narrow, 0.5f + 0x1p-23f), rk_vec(0.5f, 0, 0.5f), 0, hint);
+}
+
+static void a_gradient_is_read_at_each_call(void **state)
+{
+    (void)state;
+    rk_gradient gradient = {2, {{-1, {0, 0, 1}}, {1, {1, 0, 0}}, {0, {0, 1, 0}}}};
+    const char *hint = "the same gradient in memory, changed between two calls";
+    check_colour(rk_gradient_at(&gradient, 0), rk_vec(0.5f, 0, 0.5f), 0, hint);
+    gradient.stops[1].colour = rk_vec(0, 1, 0);
+    check_colour(rk_gradient_at(&gradient, 0), rk_vec(0, 0.5f, 0.5f), 0, hint);
+    gradient.stops[1].at = 3;
+    check_colour(rk_gradient_at(&gradient, 0), rk_vec(0, 0.25f, 0.75f), 0, hint);
+    gradient.count = 3;
+    check_colour(rk_gradient_at(&gradient, 0), rk_vec(0, 1, 0), 0, hint);
+    gradient.stops[2].at = 5;
+    check_colour(rk_gradient_at(&gradient, 0), rk_vec(0, 0.25f, 0.75f), 0, hint);
+    gradient.stops[0].colour = rk_vec(1, 0, 1);
+    check_colour(rk_gradient_at(&gradient, 0), rk_vec(0.75f, 0.25f, 0.75f), 0, hint);
+    check_colour(rk_gradient_at(&gradient, 1), rk_vec(0.5f, 0.5f, 0.5f), 0,
+                 "the same gradient, at another place");
+    const rk_gradient other = {2, {{-1, {1, 1, 1}}, {1, {0, 0, 0}}}};
+    check_colour(rk_gradient_at(&other, 1), black, 0, "another gradient, at the same place");
+    check_colour(rk_gradient_at(&gradient, 1), rk_vec(0.5f, 0.5f, 0.5f), 0,
+                 "and the first one again");
+}
+
+static void the_default_gradient_runs_from_blue_to_orange(void **state)
+{
+    (void)state;
+    const rk_gradient gradient = rk_gradient_cool_to_warm();
+    rk_vec3 blue = rk_gradient_at(&gradient, -1), orange = rk_gradient_at(&gradient, 1);
+    rk_check(blue.z > blue.x && blue.z > blue.y, "at -1: got (%g, %g, %g), want blue",
+             (double)blue.x, (double)blue.y, (double)blue.z);
+    rk_check(orange.x > orange.y && orange.y > orange.z, "at 1: got (%g, %g, %g), want orange",
+             (double)orange.x, (double)orange.y, (double)orange.z);
+    rk_vec3 before = blue;
+    for (int i = -7; i <= 8; i++) {
+        rk_vec3 here = rk_gradient_at(&gradient, (float)i / 8);
+        rk_check(here.x > before.x && here.z < before.z,
+                 "from %g to %g: red from %g to %g, blue from %g to %g: want the one to rise and "
+                 "the other to fall all the way from -1 to 1",
+                 (i - 1) / 8.0, i / 8.0, (double)before.x, (double)here.x, (double)before.z,
+                 (double)here.z);
+        rk_check(here.x >= 0 && here.x <= 1 && here.y >= 0 && here.y <= 1 && here.z >= 0,
+                 "at %g: got (%g, %g, %g), want colours in [0, 1]", i / 8.0, (double)here.x,
+                 (double)here.y, (double)here.z);
+        before = here;
+    }
+    check_colour(rk_gradient_at(&gradient, -2), blue, few_roundings,
+                 "the first stop is at n.l = -1, and below it the colour stays");
+    check_colour(rk_gradient_at(&gradient, 2), orange, few_roundings,
+                 "the last stop is at n.l = 1, and above it the colour stays");
 }
 
 static void beyond_its_end_stops_a_gradient_is_constant(void **state)
@@ -410,6 +552,9 @@ static void stops_at_one_place_make_a_step(void **state)
     check_colour(rk_gradient_at(&gradient, 0), rk_vec(0, 1, 0), 0, "at the step: the last of them");
     check_colour(rk_gradient_at(&gradient, 0.5f), rk_vec(0.5f, 1, 0.5f), 0,
                  "above the step: linear from the last of them on");
+    const rk_gradient zeros = {2, {{0, {1, 0, 0}}, {-0.0f, {0, 1, 0}}}};
+    check_colour(rk_gradient_at(&zeros, 0), rk_vec(0, 1, 0), 0, "0 and -0 are one place");
+    check_colour(rk_gradient_at(&zeros, -0.0f), rk_vec(0, 1, 0), 0, "0 and -0 are one place");
     const rk_gradient ends = {4,
                               {{-1, {1, 0, 0}}, {-1, {0, 1, 0}}, {1, {0, 0, 1}}, {1, {1, 1, 1}}}};
     check_colour(rk_gradient_at(&ends, -2), rk_vec(1, 0, 0), 0,
@@ -445,22 +590,27 @@ static void one_stop_is_one_colour_and_none_is_black(void **state)
                      "there is only one colour");
         check_colour(rk_gradient_at(&none, x), black, 0,
                      "no stops, no light: with a count of 0, stops[0] is not read");
+        rk_shading shading = {RK_SHADING_GRADIENT, false, none};
+        check_colour(rk_shade(&shading, white, white, 5, up, at_cosine(x, 1), up, white), black, 0,
+                     "no stops, no light, by rk_shade, too");
     }
 }
 
 static void a_gradient_also_colours_surfaces_that_face_away(void **state)
 {
     (void)state;
-    rk_shading shading = {RK_SHADING_GRADIENT, false, {2, {{-1, {0, 0, 1}}, {1, {1, 0, 0}}}}};
+    rk_shading shading = {RK_SHADING_GRADIENT, false, {2, {{-1, {0, 0.5f, 1}}, {1, {1, 0.5f, 0}}}}};
     for (int normalized = 0; normalized < 2; normalized++)
         for (int degrees = 0; degrees <= 180; degrees += 15) {
             shading.normalized = normalized;
             float blend = (float)(0.5 + 0.5 * cos(degrees * pi / 180));
             for (uint32_t turns = 0; turns < 6; turns++) {
                 rk_vec3 n = turned(up, turns), l = turned(direction(degrees, 70), turns);
-                rk_vec3 got = rk_shade(&shading, black, white, 5, n, l, n, rk_vec(0.5f, 1, 0.25f));
-                check_colour(got, rk_vec(0.5f * blend, 0, 0.25f * (1 - blend)), few_roundings,
-                             "I gradient(n.l), n.l in [-1, 1], whatever kd and ks are");
+                rk_vec3 v = turns & 1 ? n : black, light = {0.5f, 1, 0.25f};
+                rk_vec3 kd = turns & 2 ? white : black, ks = turns & 4 ? black : white;
+                rk_vec3 got = rk_shade(&shading, kd, ks, 5, n, l, v, light);
+                check_colour(got, rk_vec(0.5f * blend, 0.5f, 0.25f * (1 - blend)), few_roundings,
+                             "I gradient(n.l), n.l in [-1, 1], whatever kd, ks and v are");
             }
         }
 }
@@ -517,7 +667,7 @@ static void check_highlights(bool normalized, double s, double tolerance_of_one,
 
 /* Cosines whose power of 50 is e^-2 to e^-80; the smallest float with all of its digits is e^-87.
  */
-static void check_faint_highlights(void)
+static void check_faint_highlights(bool normalized)
 {
     const double s = 50;
     for (int faint = 2; faint <= 80; faint += 2)
@@ -525,8 +675,9 @@ static void check_faint_highlights(void)
             /* The viewer is where the light is: h = l, and r is twice as far from v as `up` is. */
             double angle = acos(exp(-faint / s)) * 180 / pi;
             rk_vec3 l = direction(model == RK_SHADING_PHONG ? angle / 2 : angle, 20);
-            double got = (double)highlight((rk_shading_model)model, (float)s, l, l);
-            double want = exact_highlight((rk_shading_model)model, false, s, up, l, l);
+            rk_shading shading = shading_of((rk_shading_model)model, normalized);
+            double got = (double)rk_shade(&shading, black, white, (float)s, up, l, l, white).x;
+            double want = exact_highlight((rk_shading_model)model, normalized, s, up, l, l);
             /* A cosine of 0.2 or more is off by some roundings of order one, its power relatively
              * by 50 times as much. */
             rk_check(fabs(got - want) <= s / 0.2 * few_roundings * want,
@@ -542,7 +693,7 @@ static void highlights_agree_with_double_precision(void **state)
     const double shininess[] = {0, 1, 1.5, 2, 7, 10, 50};
     for (uint32_t i = 0; i < sizeof shininess / sizeof shininess[0]; i++)
         check_highlights(false, shininess[i], power_tolerance(shininess[i]), i);
-    check_faint_highlights();
+    check_faint_highlights(false);
 }
 
 static void normalized_highlights_agree_with_double_precision(void **state)
@@ -551,16 +702,90 @@ static void normalized_highlights_agree_with_double_precision(void **state)
     const double shininess[] = {0, 1, 1.5, 2, 7, 10, 50};
     for (uint32_t i = 0; i < sizeof shininess / sizeof shininess[0]; i++)
         check_highlights(true, shininess[i], power_tolerance(shininess[i]), i);
+    check_faint_highlights(true);
+    for (int i = 0; i < grazing_count; i++)
+        for (int model = RK_SHADING_LAMBERT; model <= RK_SHADING_BLINN_PHONG; model++) {
+            rk_shading shading = shading_of((rk_shading_model)model, true);
+            rk_vec3 l = at_cosine(grazing[i], 1), v = at_cosine(grazing[i], -1);
+            double lobe = model == RK_SHADING_LAMBERT
+                              ? 0
+                              : exact_highlight((rk_shading_model)model, true, 1, up, up, up);
+            float want = (float)((1 / pi + lobe) * (double)grazing[i]);
+            check_relative(rk_shade(&shading, white, white, 1, up, l, v, white),
+                           rk_scale(white, want),
+                           "normalized, in the mirror direction: I (kd / pi + ks N) n.l, however "
+                           "small n.l is");
+        }
+}
+
+/* --- Nothing is remembered ------------------------------------------------------------------ */
+
+typedef struct inputs {
+    rk_shading shading;
+    rk_vec3 kd, ks, n, l, v, light;
+    float s;
+} inputs;
+
+/* One number: of the first channel. */
+static double exact_red(const inputs *in)
+{
+    double light = (double)in->light.x, kd = (double)in->kd.x, ks = (double)in->ks.x;
+    double cos_i = dot(exact(in->n), exact(in->l));
+    bool normalized = in->shading.normalized;
+    if (in->shading.model == RK_SHADING_OFF)
+        return light * kd;
+    if (in->shading.model == RK_SHADING_GRADIENT) /* of one stop */
+        return light * (double)in->shading.gradient.stops[0].colour.x;
+    double diffuse = kd * cos_i / (normalized ? pi : 1);
+    return light * (in->shading.model == RK_SHADING_LAMBERT
+                        ? diffuse
+                        : diffuse + ks * exact_highlight(in->shading.model, normalized,
+                                                         (double)in->s, in->n, in->l, in->v));
+}
+
+static void each_input_counts_at_each_call(void **state)
+{
+    (void)state;
+    const char *const changed[] = {"nothing", "normalized", "the gradient", "kd",    "ks", "n",
+                                   "l",       "v",          "the light",    "model", "s"};
+    for (int model = RK_SHADING_OFF; model <= RK_SHADING_GRADIENT; model++)
+        for (int k = 0; k < 2 * 11; k++) {
+            inputs in = {shading_of((rk_shading_model)model, false),
+                         {0.5f, 0.5f, 0.5f},
+                         {0.25f, 0.25f, 0.25f},
+                         up,
+                         direction(50, 0),
+                         direction(40, 180),
+                         white,
+                         4};
+            int change = k % 2 ? k / 2 : 0; /* and back */
+            in.shading.normalized = change == 1;
+            in.shading.gradient.stops[0].colour.x = change == 2 ? 0.75f : 0.5f;
+            in.kd.x = change == 3 ? 0.75f : 0.5f;
+            in.ks.x = change == 4 ? 0.75f : 0.25f;
+            in.n = change == 5 ? direction(10, 30) : in.n;
+            in.l = change == 6 ? direction(30, 0) : in.l;
+            in.v = change == 7 ? direction(20, 180) : in.v;
+            in.light.x = change == 8 ? 0.5f : 1;
+            if (change == 9)
+                in.shading.model = (rk_shading_model)((model + 1) % 5);
+            in.s = change == 10 ? 8 : 4;
+            double got =
+                (double)rk_shade(&in.shading, in.kd, in.ks, in.s, in.n, in.l, in.v, in.light).x;
+            rk_check_near(got, exact_red(&in), 4 * power_tolerance(8),
+                          "%s, different from the call before: %s", model_names[in.shading.model],
+                          changed[k / 2]);
+        }
 }
 
 /* Here a power of a float dot product is off by 1e-2. */
 static void the_sharpest_highlights_keep_three_digits(void **state)
 {
     (void)state;
-    const double shininess[] = {1e3, 1e4, 1e5};
+    const double shininess[] = {1e3, 1e4, 1e5, 1e6};
     for (uint32_t i = 0; i < sizeof shininess / sizeof shininess[0]; i++)
         check_highlights(false, shininess[i], highlight_tolerance(shininess[i]), 100 + i);
-    rk_check(highlight_tolerance(1e5) < 1e-3, "the tolerance is too large for three digits");
+    rk_check(highlight_tolerance(1e6) < 1e-3, "the tolerance is too large for three digits");
 }
 
 /* --- Energy --------------------------------------------------------------------------------- */
@@ -614,6 +839,18 @@ static void normalized_highlights_reflect_all_light_along_the_normal(void **stat
                      "%s, shininess %g: the lobe integrates to %.6f, want 1: multiply by n.l and "
                      "by this model's factor",
                      model_names[model], s, got);
+        }
+    const double any[] = {0, 1e-30, 1e-6, 0.5, 60, 250, 300, 1e6, 1e7, 1e10, 1e19, 1e30, 3.4e38};
+    for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++)
+        for (size_t i = 0; i < sizeof any / sizeof *any; i++) {
+            rk_shading shading = shading_of((rk_shading_model)model, true);
+            double want = exact_highlight((rk_shading_model)model, true, any[i], up, up, up);
+            double got =
+                (double)rk_shade(&shading, black, white, (float)any[i], up, up, up, white).x;
+            rk_check(fabs(got - want) <= 2 * few_roundings * want,
+                     "%s, normalized, shininess %g, light and viewer along the normal: got %.9g, "
+                     "want N = %.9g: any shininess from 0 up has its factor",
+                     model_names[model], any[i], got, want);
         }
 }
 
@@ -711,14 +948,17 @@ static void no_colour_is_nan_though_products_overflow(void **state)
     const float bright[] = {1e20f, 1e38f};
     const double angles[] = {0, 45, 89.99999, 90, 120};
     for (int model = RK_SHADING_OFF; model <= RK_SHADING_GRADIENT; model++)
-        for (uint32_t i = 0; i < 5 * 5 * 2 * 2 * 8; i++) {
+        for (uint32_t i = 0; i < 5 * 5 * 2 * 2 * 8 * 2; i++) {
+            bool normalized = i >= 5 * 5 * 2 * 2 * 8;
             float large = bright[i & 1];
             rk_vec3 ks = rk_vec(large, i & 4 ? large : 0, 0);
             rk_vec3 kd = rk_vec(i & 8 ? large : 0, 0, large);
             rk_vec3 light = i & 16 ? rk_vec(large, large, 0) : rk_vec(0, large, large);
-            rk_vec3 l = direction(angles[i / 32 % 5], 0), v = direction(angles[i / 160], 180);
-            rk_shading shading = shading_of((rk_shading_model)model, false);
-            rk_vec3 got = rk_shade(&shading, kd, ks, i & 2 ? 10 : 1e5f, up, l, v, light);
+            rk_vec3 l = direction(angles[i / 32 % 5], 0), v = direction(angles[i / 160 % 5], 180);
+            rk_shading shading = shading_of((rk_shading_model)model, normalized);
+            /* N is below 2 for the one, and 16,000 for the other, too much for the brightest. */
+            float s = i & 2 || (normalized && large > 1e30f) ? 10 : 1e5f;
+            rk_vec3 got = rk_shade(&shading, kd, ks, s, up, l, v, light);
             rk_check(
                 got.x >= 0 && got.y >= 0 && got.z >= 0,
                 "%s, kd (%g, %g, %g), ks (%g, %g, %g), light (%g, %g, %g) at %g degrees, viewer "
@@ -726,7 +966,8 @@ static void no_colour_is_nan_though_products_overflow(void **state)
                 "before the light",
                 model_names[model], (double)kd.x, (double)kd.y, (double)kd.z, (double)ks.x,
                 (double)ks.y, (double)ks.z, (double)light.x, (double)light.y, (double)light.z,
-                angles[i / 32 % 5], angles[i / 160], (double)got.x, (double)got.y, (double)got.z);
+                angles[i / 32 % 5], angles[i / 160 % 5], (double)got.x, (double)got.y,
+                (double)got.z);
         }
 }
 
@@ -746,6 +987,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(without_specular_colour_every_model_is_lambert),
     cmocka_unit_test(twice_the_light_is_twice_the_colour),
     cmocka_unit_test(a_gradient_is_linear_between_its_stops),
+    cmocka_unit_test(a_gradient_is_read_at_each_call),
+    cmocka_unit_test(the_default_gradient_runs_from_blue_to_orange),
     cmocka_unit_test(beyond_its_end_stops_a_gradient_is_constant),
     cmocka_unit_test(stops_may_come_in_any_order),
     cmocka_unit_test(stops_at_one_place_make_a_step),
@@ -753,6 +996,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_gradient_also_colours_surfaces_that_face_away),
     cmocka_unit_test(highlights_agree_with_double_precision),
     cmocka_unit_test(normalized_highlights_agree_with_double_precision),
+    cmocka_unit_test(each_input_counts_at_each_call),
     cmocka_unit_test(the_sharpest_highlights_keep_three_digits),
     cmocka_unit_test(normalized_diffuse_light_reflects_the_fraction_kd),
     cmocka_unit_test(normalized_highlights_reflect_all_light_along_the_normal),

@@ -30,6 +30,77 @@ static void check_colour(rk_vec3 got, rk_vec3 want, float tolerance, const char 
     rk_check_close(got.z, want.z, tolerance, hint);
 }
 
+/* The largest float below 1. */
+static const float nearly_opaque = 1 - 0x1p-24f;
+
+static bool is_before(const rk_crossing *a, const rk_crossing *b)
+{
+    return a->t < b->t || (a->t == b->t && a->primitive < b->primitive);
+}
+
+static bool is_same_colour(rk_vec3 a, rk_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static bool is_same(const rk_crossing *a, const rk_crossing *b)
+{
+    return a->t == b->t && a->u == b->u && a->v == b->v && a->primitive == b->primitive &&
+           a->medium == b->medium && a->entering == b->entering && a->alpha == b->alpha &&
+           is_same_colour(a->kd, b->kd) && is_same_colour(a->absorption, b->absorption);
+}
+
+static rk_vec3 random_colour(uint32_t a, uint32_t b, uint32_t c)
+{
+    return rk_vec(rk_unit_float(rk_hash(a, b, c, 0)), rk_unit_float(rk_hash(a, b, c + 1, 0)),
+                  rk_unit_float(rk_hash(a, b, c + 2, 0)));
+}
+
+/* Any alpha below 1, most of them small enough for some light to pass many surfaces. */
+static float random_alpha(uint32_t a, uint32_t b)
+{
+    const float special[] = {0, 1e-30f, 1e-8f, 0.5f, nearly_opaque};
+    uint32_t kind = rk_hash(a, b, 41, 0) % 40;
+    float any = rk_unit_float(rk_hash(a, b, 42, 0));
+    return kind < 5 ? special[kind] : any * any;
+}
+
+/* All members are random, and t ascends in k: what a result should not depend on varies, too. */
+static rk_crossing random_crossing(uint32_t trial, uint32_t k, uint32_t count)
+{
+    return (rk_crossing){.t = (float)(k / 2 + 1) / (float)(count + 1),
+                         .u = rk_unit_float(rk_hash(trial, k, 11, 0)),
+                         .v = rk_unit_float(rk_hash(trial, k, 12, 0)),
+                         .primitive = k,
+                         .medium = rk_hash(trial, k, 13, 0) % 3,
+                         .entering = rk_hash(trial, k, 14, 0) % 2,
+                         .alpha = random_alpha(trial, k),
+                         .kd = random_colour(trial, k, 15),
+                         .absorption = random_colour(trial, k, 18)};
+}
+
+/* Mostly few crossings, now and then as many as a list may have, so clear that the last counts. */
+static uint32_t random_crossings(uint32_t trial, rk_crossing *crossings)
+{
+    uint32_t count =
+        trial % 50 == 49 ? RK_CROSSINGS_MAX - trial / 50 % 2 : rk_hash(trial, 0, 43, 0) % 16;
+    for (uint32_t k = 0; k < count; k++) {
+        crossings[k] = random_crossing(trial, k, count);
+        if (count > 16) {
+            crossings[k].alpha /= 64;
+            crossings[k].kd = rk_madd(white, crossings[k].kd, -1.0f / 64);
+        }
+    }
+    return count;
+}
+
+static void check_unchanged(const rk_crossing *crossings, const rk_crossing *before, uint32_t count)
+{
+    for (uint32_t k = 0; k < count; k++)
+        rk_check(is_same(&crossings[k], &before[k]),
+                 "crossing %u of %u was changed: they are the caller's, and constant", k, count);
+}
+
 /* --- The list --------------------------------------------------------------------------------- */
 
 static void insert(rk_crossing_list *list, float t, uint32_t primitive, float alpha)
@@ -69,6 +140,11 @@ static void crossings_at_equal_t_are_sorted_by_primitive(void **state)
         insert(&list, 0.5f, primitives[i], 0.5f);
     check_list(&list, (const uint32_t[]){2, 4, 7, 9}, 4,
                "coinciding crossings are all kept, the smaller primitive first");
+    /* A ray that touches a sphere enters and leaves it at one t. */
+    insert(&list, 0.5f, 4, 0.5f);
+    insert(&list, 0.5f, 2, 0.5f);
+    check_list(&list, (const uint32_t[]){2, 2, 4, 4, 7, 9}, 6,
+               "two crossings of one primitive at one t are two crossings");
 }
 
 static void crossings_at_neighbouring_t_are_all_kept(void **state)
@@ -89,9 +165,6 @@ static void crossings_at_neighbouring_t_are_all_kept(void **state)
                    "four t, each the next float after the one before, are four crossings");
     }
 }
-
-/* The largest float below 1. */
-static const float nearly_opaque = 1 - 0x1p-24f;
 
 static void the_largest_alpha_below_1_is_not_opaque(void **state)
 {
@@ -167,57 +240,47 @@ static void the_end_is_where_no_crossing_can_be_added(void **state)
     rk_transparency_start(&list, 2);
     rk_check_close(rk_transparency_end(&list, 9), 9, 0,
                    "an empty list takes crossings up to t_max");
+    rk_check(rk_transparency_end(&list, INFINITY) == INFINITY,
+             "an empty list takes crossings up to t_max, which may be infinite");
     insert(&list, 5, 5, 0.5f);
     rk_check_close(rk_transparency_end(&list, 9), 9, 0, "there is room for another crossing");
     insert(&list, 7, 7, 0.5f);
     rk_check_close(rk_transparency_end(&list, 9), 7, 0, "a full list ends with its last entry");
     insert(&list, 3, 3, 1);
     rk_check_close(rk_transparency_end(&list, 9), 3, 0, "an opaque crossing ends it in any case");
-}
-
-static bool is_before(const rk_crossing *a, const rk_crossing *b)
-{
-    return a->t < b->t || (a->t == b->t && a->primitive < b->primitive);
-}
-
-static bool is_same_colour(rk_vec3 a, rk_vec3 b)
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
-
-static bool is_same(const rk_crossing *a, const rk_crossing *b)
-{
-    return a->t == b->t && a->u == b->u && a->v == b->v && a->primitive == b->primitive &&
-           a->medium == b->medium && a->entering == b->entering && a->alpha == b->alpha &&
-           is_same_colour(a->kd, b->kd) && is_same_colour(a->absorption, b->absorption);
-}
-
-static rk_vec3 random_colour(uint32_t a, uint32_t b, uint32_t c)
-{
-    return rk_vec(rk_unit_float(rk_hash(a, b, c, 0)), rk_unit_float(rk_hash(a, b, c + 1, 0)),
-                  rk_unit_float(rk_hash(a, b, c + 2, 0)));
+    const float places[] = {0x1p-149f, 1e-30f, 1e-6f, 1e30f, 3e38f};
+    for (int i = 0; i < 5; i++)
+        for (int opaque = 0; opaque < 2; opaque++) {
+            rk_transparency_start(&list, opaque ? 2 : 1);
+            insert(&list, places[i], 1, opaque ? 1 : 0.5f);
+            rk_check(rk_transparency_end(&list, INFINITY) == places[i],
+                     "a list that ends with a crossing at %g: got an end of %g", (double)places[i],
+                     (double)rk_transparency_end(&list, INFINITY));
+        }
 }
 
 static void the_list_does_not_depend_on_the_order_of_insertion(void **state)
 {
     (void)state;
+    const float units[] = {1, 0x1p-140f, 1e-20f, 1e20f, 4e37f};
+    const uint32_t primitives[12] = {
+        0,         1,        255,       256, 65535, 65536, 65537, 1u << 24, (1u << 24) + 1,
+        INT32_MAX, 1u << 31, UINT32_MAX};
     for (uint32_t trial = 0; trial < 2000; trial++) {
+        float unit = units[trial % 5];
         uint32_t count = rk_hash(trial, 0, 1, 0) % 12, limit = 1 + rk_hash(trial, 0, 2, 0) % 8;
         rk_crossing all[12];
-        char inserted[512] = "", hint[640];
+        char inserted[640] = "", hint[768];
         size_t said = 0;
         rk_crossing_list list;
         rk_transparency_start(&list, limit);
         for (uint32_t i = 0; i < count; i++) {
-            all[i] = (rk_crossing){.t = (float)(1 + rk_hash(trial, i, 3, 0) % 8),
-                                   .u = rk_unit_float(rk_hash(trial, i, 11, 0)),
-                                   .v = rk_unit_float(rk_hash(trial, i, 12, 0)),
-                                   .primitive = (5 * i + 7) % 12, /* comes in any order */
-                                   .medium = rk_hash(trial, i, 13, 0),
-                                   .entering = rk_hash(trial, i, 14, 0) % 2,
-                                   .alpha = rk_hash(trial, i, 4, 0) % 6 == 0 ? 1 : 0.5f,
-                                   .kd = random_colour(trial, i, 15),
-                                   .absorption = random_colour(trial, i, 18)};
+            all[i] = random_crossing(trial, i, count);
+            all[i].t = unit * (float)(1 + rk_hash(trial, i, 3, 0) % 8);
+            all[i].primitive = primitives[(5 * i + 7) % 12]; /* comes in any order */
+            all[i].medium = rk_hash(trial, i, 13, 0);
+            if (rk_hash(trial, i, 4, 0) % 6 == 0)
+                all[i].alpha = 1;
             rk_crossing inserted_one = all[i];
             rk_transparency_insert(&list, &inserted_one);
             rk_check(is_same(&inserted_one, &all[i]), "the crossing that is inserted was changed");
@@ -273,6 +336,31 @@ static void weights_are_alpha_times_the_transmittance_before(void **state)
         rk_check(weights[k] == want[k], "pane %d: got %g, want %g: alpha_k prod (1 - alpha_j)", k,
                  (double)weights[k], (double)want[k]);
     rk_check_close(transmittance, 0.09375, 0, "the product of all 1 - alpha");
+    for (uint32_t trial = 0; trial < 500; trial++) {
+        rk_crossing many[RK_CROSSINGS_MAX], before[RK_CROSSINGS_MAX];
+        float fractions[RK_CROSSINGS_MAX];
+        uint32_t count = random_crossings(trial, many);
+        double behind = 1;
+        memcpy(before, many, sizeof before);
+        for (uint32_t k = 0; k < RK_CROSSINGS_MAX; k++)
+            fractions[k] = NAN;
+        rk_transparency_weights(many, count, fractions, &transmittance);
+        for (uint32_t k = count; k < RK_CROSSINGS_MAX; k++)
+            rk_check(isnan(fractions[k]), "%u surfaces: weight %u, beyond the last, was written",
+                     count, k);
+        for (uint32_t k = 0; k < count; k++) {
+            /* Two roundings per surface, or what the smallest floats lose. */
+            double expected = (double)before[k].alpha * behind;
+            rk_check_near(fractions[k], expected, 2 * (k + 1) * (expected * 0x1p-24 + 0x1p-149),
+                          "weight of surface %u of %u, of alpha %g, behind surfaces that transmit "
+                          "%g: alpha_k prod (1 - alpha_j), however small, whatever else it is",
+                          k, count, (double)before[k].alpha, behind);
+            behind *= 1 - (double)before[k].alpha;
+        }
+        rk_check_near(transmittance, behind, 2 * (count + 1) * (behind * 0x1p-24 + 0x1p-149),
+                      "transmittance of %u surfaces: the product of all 1 - alpha", count);
+        check_unchanged(many, before, count);
+    }
 }
 
 static void nothing_is_seen_behind_an_opaque_surface(void **state)
@@ -291,6 +379,10 @@ static void without_crossings_the_transmittance_is_1(void **state)
     float transmittance = 0;
     rk_transparency_weights(NULL, 0, NULL, &transmittance);
     rk_check_close(transmittance, 1, 0, "a ray that crosses nothing shows the background alone");
+    const rk_crossing crossing = pane(1, 0, red);
+    float weight;
+    rk_transparency_weights(&crossing, 1, &weight, &transmittance);
+    rk_check_close(transmittance, 1, 0, "behind a pane of alpha 0 the transmittance is 1, too");
 }
 
 static void weights_and_transmittance_sum_to_one(void **state)
@@ -364,12 +456,35 @@ static const rk_glass_model models[] = {RK_GLASS_MULTIPLICATIVE, RK_GLASS_ORDERE
                                         RK_GLASS_BEER_LAMBERT};
 enum { model_count = sizeof models / sizeof models[0] };
 
+/* A pane that takes about half of the green light or more by each model, and not all. */
+static rk_crossing tinted_pane(float t)
+{
+    rk_crossing crossing = pane(t, 0.5f, red);
+    crossing.kd.y = 0x1p-10f;
+    crossing.absorption = rk_vec(0, 2, 0);
+    return crossing;
+}
+
+static void check_some_light(rk_glass_model model, const rk_crossing *crossings, uint32_t count)
+{
+    rk_vec3 got = rk_transparency_transmit(model, crossings, count, 1);
+    rk_check(got.y > 0 && got.y < 0.75f,
+             "%u red panes: got %g of the green light by %s, want some, and not all", count,
+             (double)got.y,
+             model == RK_GLASS_MULTIPLICATIVE ? "the product"
+             : model == RK_GLASS_ORDERED      ? "blending"
+                                              : "Beer-Lambert");
+}
+
 static void without_crossings_all_light_arrives(void **state)
 {
     (void)state;
-    for (int m = 0; m < model_count; m++)
+    for (int m = 0; m < model_count; m++) {
         check_colour(rk_transparency_transmit(models[m], NULL, 0, 2), white, 0,
                      "no pane, no shadow, for every model");
+        const rk_crossing crossing = tinted_pane(0.5f);
+        check_some_light(models[m], &crossing, 1);
+    }
 }
 
 static void opaque_surfaces_transmit_no_light(void **state)
@@ -390,6 +505,23 @@ static void opaque_surfaces_transmit_no_light(void **state)
             rk_check(without.x > 0, "got no light through %u panes of alpha 0.5, want some",
                      2 - opaque);
         }
+    for (int m = 0; m < model_count; m++) {
+        const rk_crossing tinted[] = {tinted_pane(0.25f), tinted_pane(0.5f)};
+        check_some_light(models[m], tinted, 2);
+    }
+    rk_crossing many[RK_CROSSINGS_MAX];
+    for (uint32_t k = 0; k < RK_CROSSINGS_MAX; k++)
+        many[k] = pane((float)(k + 1) / (RK_CROSSINGS_MAX + 1), 0, white);
+    for (int m = 0; m < model_count; m++)
+        for (uint32_t opaque = 0; opaque < RK_CROSSINGS_MAX; opaque++) {
+            rk_check(rk_transparency_transmit(models[m], many, RK_CROSSINGS_MAX, 1).x > 0.99f,
+                     "got no light through %d clear panes", RK_CROSSINGS_MAX);
+            many[opaque].alpha = 1;
+            many[opaque].entering = opaque % 2;
+            check_colour(rk_transparency_transmit(models[m], many, RK_CROSSINGS_MAX, 1),
+                         rk_vec(0, 0, 0), 0, "one opaque surface of many, any of them, is enough");
+            many[opaque].alpha = 0;
+        }
 }
 
 /* --- Multiplicative --------------------------------------------------------------------------- */
@@ -407,6 +539,28 @@ static void multiplicative_is_the_product_of_colours_and_one_minus_alpha(void **
     check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, &clear, 1, 1),
                  rk_vec(1, 0.5f, 0.25f), 0,
                  "a pane of alpha 0 colours the light by kd all the same");
+    rk_crossing block[] = {face(0.25f, 1, true, red), face(0.75f, 1, false, red)};
+    block[0].alpha = block[1].alpha = 0.5f;
+    check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, block, 2, 1),
+                 rk_vec(0.25f, 0.25f, 0.25f), 0,
+                 "a block is crossed twice, where it is entered and where it is left");
+    for (uint32_t trial = 0; trial < 500; trial++) {
+        rk_crossing many[RK_CROSSINGS_MAX], before[RK_CROSSINGS_MAX];
+        uint32_t count = random_crossings(trial, many);
+        memcpy(before, many, sizeof before);
+        rk_vec3 got = rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, many, count, 3);
+        for (int axis = 0; axis < 3; axis++) {
+            double want = 1;
+            for (uint32_t k = 0; k < count; k++)
+                want *= (double)rk_axis(before[k].kd, axis) * (1 - (double)before[k].alpha);
+            /* Three roundings per surface, or what the smallest floats lose. */
+            rk_check_near(rk_axis(got, axis), want, 3 * (count + 1) * (want * 0x1p-24 + 0x1p-149),
+                          "%u surfaces, colour %d: each crossing counts, whether it enters or "
+                          "leaves, and whatever its medium",
+                          count, axis);
+        }
+        check_unchanged(many, before, count);
+    }
 }
 
 static void a_black_channel_leaves_the_others(void **state)
@@ -460,28 +614,31 @@ static void ordered_equals_a_view_ray_towards_a_white_light(void **state)
 {
     (void)state;
     for (uint32_t trial = 0; trial < 1000; trial++) {
-        rk_crossing crossings[8];
-        for (uint32_t k = 0; k < 8; k++)
-            crossings[k] = pane((float)(k + 1) / 9, rk_unit_float(rk_hash(trial, k, 6, 0)),
-                                rk_vec(rk_unit_float(rk_hash(trial, k, 7, 0)),
-                                       rk_unit_float(rk_hash(trial, k, 8, 0)),
-                                       rk_unit_float(rk_hash(trial, k, 9, 0))));
+        rk_crossing crossings[RK_CROSSINGS_MAX], before[RK_CROSSINGS_MAX];
+        uint32_t count = random_crossings(trial, crossings);
+        memcpy(before, crossings, sizeof before);
         /* alpha kd + (1 - alpha) behind, from the light to the point. */
         rk_vec3 want = white;
-        for (uint32_t k = 8; k-- > 0;)
-            want = rk_mix(want, crossings[k].kd, crossings[k].alpha);
-        char hint[128];
         float densest = 0;
-        for (uint32_t k = 0; k < 8; k++)
+        for (uint32_t k = count; k-- > 0;) {
+            want = rk_mix(want, crossings[k].kd, crossings[k].alpha);
             densest = rk_max(densest, crossings[k].alpha);
-        snprintf(
-            hint, sizeof hint,
-            "each of 8 panes over those behind it, a white light last; the largest alpha is %.9g",
-            (double)densest);
-        /* Four roundings per pane on either side, each at most 2^-24 of a number below 1. */
-        check_colour(rk_transparency_transmit(RK_GLASS_ORDERED, crossings, 8, 1), want,
-                     64 * 0x1p-24f, hint);
+        }
+        char hint[160];
+        snprintf(hint, sizeof hint,
+                 "each of %u surfaces over those behind it, whether it is entered or left, a white "
+                 "light last; the largest alpha is %.9g",
+                 count, (double)densest);
+        /* Four roundings per surface on either side, each at most 2^-24 of a number below 1. */
+        check_colour(rk_transparency_transmit(RK_GLASS_ORDERED, crossings, count, 3), want,
+                     8 * (float)(count + 1) * 0x1p-24f, hint);
+        check_unchanged(crossings, before, count);
     }
+    rk_crossing black[40];
+    for (uint32_t k = 0; k < 40; k++)
+        black[k] = pane((float)(k + 1) / 41, 0.5f, rk_vec(0, 0, 0));
+    rk_vec3 faint = rk_transparency_transmit(RK_GLASS_ORDERED, black, 40, 1);
+    rk_check_close(faint.x, 0x1p-40, 0, "behind 40 black panes of alpha 0.5: 2^-40 of the light");
 }
 
 /* --- Beer-Lambert ----------------------------------------------------------------------------- */
@@ -511,6 +668,31 @@ static void a_block_absorbs_by_its_thickness(void **state)
     rk_vec3 a = rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, thin, 2, 1);
     rk_vec3 b = rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, thick, 2, 1);
     check_colour(a, b, 0, "the multiplicative model does not depend on thickness");
+    /* Between a float and the next, on so long a ray that the block is one unit thick. */
+    const float places[] = {0x1p-100f, 0.25f, 0.5f, 0.75f};
+    for (int i = 0; i < 4; i++) {
+        float next = nextafterf(places[i], 1), length = 1 / (next - places[i]);
+        const rk_crossing block[] = {face(places[i], 1, true, sigma), face(next, 1, false, sigma)};
+        check_thickness(block, 2, length, 1,
+                        "however close in t a block's two faces are, it absorbs by its thickness");
+    }
+    for (int e = -120; e <= 120; e += 20) {
+        rk_vec3 scaled = rk_scale(sigma, ldexpf(1, -e));
+        const rk_crossing block[] = {face(0.25f, 1, true, scaled), face(0.75f, 1, false, scaled)};
+        check_colour(rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, block, 2, ldexpf(1, e)),
+                     rk_vec(expf(-0.5f), expf(-0.25f), 1), 4 * 0x1p-23f,
+                     "thickness 2^e / 2 of glass that absorbs 2^-e per unit, e from -120 to 120");
+    }
+    for (float depth = 10; depth <= 80; depth += 10) {
+        const rk_vec3 dark = {2 * depth, depth, 0};
+        const rk_crossing block[] = {face(0.25f, 1, true, dark), face(0.75f, 1, false, dark)};
+        double want = exp(-(double)depth);
+        rk_vec3 got = rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, block, 2, 1);
+        /* A rounding of the exponent, and two units in the last place of expf. */
+        rk_check_near(got.x, want, want * ((double)depth * 0x1p-23 + 4 * 0x1p-24),
+                      "exp(-%g): dark glass lets little light through, and not none",
+                      (double)depth);
+    }
 }
 
 static void several_blocks_of_a_medium_add_up(void **state)
@@ -528,6 +710,8 @@ static void a_start_inside_a_block_counts_from_the_start(void **state)
                                      face(0.75f, 1, false, sigma)};
     check_thickness(crossings, 1, 1, 0.25, "left without having been entered: the start is inside");
     check_thickness(crossings, 3, 1, 0.5, "from the start to 0.25, from 0.5 to 0.75");
+    const rk_crossing near = face(0x1p-100f, 1, false, sigma);
+    check_thickness(&near, 1, 0x1p100f, 1, "from the start to t = 2^-100 on a ray of 2^100 units");
     for (int e = 2; e <= 24; e++) { /* down to the next float */
         float gap = ldexpf(1, -e);
         const rk_crossing blocks[] = {face(0.5f, 1, false, sigma),
@@ -546,6 +730,8 @@ static void a_light_inside_a_block_counts_up_to_the_light(void **state)
     check_thickness(crossings, 1, 1, 0.75, "entered and never left: the light is inside");
     check_thickness(crossings, 3, 1, 0.5, "from 0.25 to 0.5, from 0.75 to the light");
     check_thickness(crossings + 1, 2, 1, 0.75, "start and light in different blocks");
+    const rk_crossing near = face(1 - 0x1p-24f, 1, true, sigma);
+    check_thickness(&near, 1, 0x1p24f, 1, "from t = 1 - 2^-24 to the light on a ray of 2^24 units");
 }
 
 static void different_media_absorb_where_they_overlap(void **state)
@@ -558,6 +744,10 @@ static void different_media_absorb_where_they_overlap(void **state)
     check_colour(rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, crossings, 4, 1),
                  rk_vec(expf(-0.75f), expf(-0.375f - 0.5f), expf(-1.0f)), 4 * 0x1p-23f,
                  "each medium by its own pairs of crossings");
+    /* Two media may absorb alike: their numbers tell them apart. */
+    const rk_crossing alike[] = {face(0.125f, 1, true, sigma), face(0.25f, 2, true, sigma),
+                                 face(0.5f, 2, false, sigma), face(0.875f, 1, false, sigma)};
+    check_thickness(alike, 4, 1, 0.75 + 0.25, "two media with the same sigma each absorb");
 }
 
 static void a_medium_absorbs_once_where_its_blocks_overlap(void **state)
@@ -567,6 +757,22 @@ static void a_medium_absorbs_once_where_its_blocks_overlap(void **state)
                                        face(0.5f, 1, false, sigma), face(0.75f, 1, false, sigma)};
     check_thickness(overlapping, 4, 1, 0.625, "glass in the same glass is one piece");
     check_thickness(overlapping + 2, 2, 1, 0.75, "the start is in both blocks");
+    enum { half = RK_CROSSINGS_MAX / 2 };
+    rk_crossing nested[RK_CROSSINGS_MAX];
+    for (uint32_t k = 0; k < RK_CROSSINGS_MAX; k++)
+        nested[k] = face(0.25f + (float)k / (2 * RK_CROSSINGS_MAX), 1, k < half, sigma);
+    check_thickness(nested, RK_CROSSINGS_MAX, 1, (double)(RK_CROSSINGS_MAX - 1) / 512,
+                    "128 blocks, each in the one before, are one piece");
+    check_thickness(nested + half, half, 1, (double)(RK_CROSSINGS_MAX - 1) / 512 + 0.25,
+                    "the start is in 128 blocks");
+    check_thickness(nested, half, 1, 0.75, "the light is in 128 blocks");
+    for (uint32_t k = 0; k < RK_CROSSINGS_MAX; k++)
+        nested[k].entering = true;
+    check_thickness(nested, RK_CROSSINGS_MAX, 1, 0.75, "the light is in 256 blocks");
+    for (uint32_t k = 0; k < RK_CROSSINGS_MAX; k++)
+        nested[k].entering = false;
+    check_thickness(nested, RK_CROSSINGS_MAX, 1, (double)(RK_CROSSINGS_MAX - 1) / 512 + 0.25,
+                    "the start is in 256 blocks");
 }
 
 static void touching_blocks_are_one_piece(void **state)
@@ -591,6 +797,17 @@ static void a_grazed_edge_absorbs_nothing(void **state)
     check_thickness(entered_first, 2, 1, 0, "no distance inside");
     check_thickness(left_first, 2, 1, 0,
                     "rounding may swap the faces at an edge: this does not put the start inside");
+    const rk_vec3 dense = {3e38f, 1e30f, 1e20f};
+    const float lengths[] = {0, 1e-30f, 1, 1e10f, 3e38f};
+    for (int i = 0; i < 5; i++)
+        for (int order = 0; order < 2; order++) {
+            const rk_crossing grazed[] = {face(0.5f, 1, order, dense),
+                                          face(0.5f, 1, !order, dense)};
+            check_colour(rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, grazed, 2, lengths[i]),
+                         white, 0,
+                         "a grazed block absorbs nothing, however dense it is and however long the "
+                         "ray: no infinity times 0");
+        }
     const rk_crossing block[] = {face(0.25f, 1, true, sigma), face(0.75f, 1, false, sigma)};
     check_thickness(block, 2, 1, 0.5, "a block that is crossed does absorb");
 }
@@ -612,10 +829,15 @@ static void clear_glass_absorbs_nothing_and_dense_glass_all(void **state)
     block[0].alpha = block[1].alpha = 0.5f;
     check_colour(rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, block, 2, 1), rk_vec(0, 0, 1), 0,
                  "0 where all is absorbed, 1 where nothing is; kd and alpha do not matter");
+    check_colour(rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, block, 2, 3e38f), rk_vec(0, 0, 1),
+                 0, "the same on the longest ray: sigma times thickness may overflow");
+    check_colour(rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, block, 2, 0), white, 0,
+                 "without a distance to the light there is nothing to absorb it");
 }
 
 /* Numbers of media and what they absorb: any uint32_t is a medium. */
-static const uint32_t some_media[] = {0, 1, 255, 256, 300, 4000000000u, UINT32_MAX};
+static const uint32_t some_media[] = {
+    0, 1, 256, 65536, 65537, UINT32_MAX, 65535, 1u << 24, (1u << 24) + 1, 1u << 31, 4000000000u};
 enum { media_count = sizeof some_media / sizeof *some_media };
 
 static rk_vec3 sigma_of(uint32_t medium)
@@ -664,7 +886,8 @@ static void each_part_of_a_ray_absorbs_by_the_media_around_it(void **state)
             uint32_t cell = is_long ? 1 + k * (ray_cells - 1) / count
                                     : 1 + rk_hash(trial, k, 25, 0) % (ray_cells - 1);
             uint32_t medium =
-                is_long ? 7 * k : some_media[rk_hash(trial, k, 26, 0) % (1 + trial % media_count)];
+                is_long ? 7 * (k % 200)
+                        : some_media[rk_hash(trial, k, 26, 0) % (1 + trial % media_count)];
             before[k] = face((float)cell / ray_cells, medium, rk_hash(trial, k, 27, 0) % 2,
                              sigma_of(medium));
             before[k].kd = random_colour(trial, k, 28);
@@ -688,8 +911,7 @@ static void each_part_of_a_ray_absorbs_by_the_media_around_it(void **state)
             rk_check_near(rk_axis(got, axis), exp(-depth[axis] * (double)length), tolerance,
                           "trial %u, %u faces, %s, many at one t: colour %d, exp of minus the sum "
                           "of sigma times thickness, each medium by its own faces",
-                          trial, count,
-                          is_long ? "each of a medium of its own" : "of media from 0 to 4294967295",
+                          trial, count, is_long ? "of 200 media" : "of media from 0 to 4294967295",
                           axis);
         for (uint32_t k = 0; k < count; k++)
             rk_check(is_same(&crossings[k], &before[k]), "crossing %u was changed", k);

@@ -7,7 +7,8 @@ For each feature of assignments/features.tsv:
   leak sanitizers, fails every test that carries points, and passes every other one;
 - points.tsv lists every test, those that carry no points with 0, so that students hear when one
   that held no longer does;
-- points.tsv lists the tests that carry points in the order of the steps of the assignment's handout.md;
+- points.tsv lists the tests that carry points in the order of the steps of the assignment's handout.md,
+  and names for each a section that the handout names for its step or an earlier one;
 - the unit reads as its chapter (tools/grading/reading_order.py);
 - reference and starter keep the rules for units (tools/grading/unit_rules.py);
 - each mutant, a known mistake in tests/mutants/STEM.mutants, fails the tests that it names.
@@ -219,6 +220,10 @@ class Feature:
                    if step not in steps]
         faults += [f"{points}: {test.name} is green since step {test.green_since}, which is not before step "
                    f"{test.step}" for test in tests if test.green_since >= test.step]
+        named = {int(number): {section.strip() for section in cells.split("|")[1].split(",")} for number, cells in rows}
+        faults += [f"{points}: {test.name} of step {test.step} names the section {test.section}, which {handout} names "
+                   f"for no step up to that one" for test in tests
+                   if test.section[1:] not in set().union(*(named[step] for step in named if step <= test.step))]
         faults += [f"{handout}: step {number} has no {{look}}" for number, cells in rows if "{look}" not in cells]
         if looks[-1:] != numbers[-1:]:
             faults.append(f"{handout}: look.tsv beside it ends with step {looks[-1]}; the last thing to do in an "

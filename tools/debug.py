@@ -14,7 +14,8 @@ import sys
 
 from grading import build
 from grading.assignments import (
-    Parser, ToolError, check_impl, choose, find_unit, read_features, read_points, reference_unit, unit_beside,
+    Parser, ToolError, check_impl, choose, find_unit, missing_unit, read_features, read_points, reference_unit,
+    unit_beside,
 )
 from grade import grade_impl, stop_on_signals
 from grading.starters import read_regions
@@ -70,14 +71,14 @@ def build_for_debugging(toolchain, feature, features, impl):
     """Builds impl/debug/test_STEM and STEM.gdb; returns their absolute paths and the unit."""
     unit = find_unit(feature, impl) if impl else reference_unit(feature)
     if unit.path is None:
-        raise ToolError(f"there is no {unit.shown}; make workbook DIR={impl} puts the starter there")
+        raise missing_unit(feature, impl)
     folder = os.path.join(toolchain.build, "impl", "debug")
     os.makedirs(folder, exist_ok=True)
     flags = [*toolchain.sanitize, "-O0", "-g3"]
     path, warnings = build.compile_unit(toolchain, unit, folder, flags)
     if warnings:
         print(warnings, file=sys.stderr)
-    build.keep_interface(toolchain, feature, path)
+    build.keep_interface(toolchain, feature, path, for_suite=True)
     needed = [unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs]
     objects = [path]
     for other in needed:

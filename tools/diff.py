@@ -4,7 +4,7 @@
 import difflib
 import sys
 
-from grading.assignments import Parser, ToolError, check_impl, choose, find_unit, read_features
+from grading.assignments import Parser, ToolError, check_impl, choose, find_unit, missing_unit, read_features
 from grading.starters import RegionError, starter_of
 
 
@@ -15,7 +15,7 @@ def difference(source, stem, impl):
     check_impl(features, impl, [stem])
     unit = find_unit(feature, impl)
     if unit.path is None:
-        raise ToolError(f"there is no {unit.shown}; make workbook DIR={impl} puts the starter there")
+        raise missing_unit(feature, impl)
     with open(unit.path, encoding="utf-8", errors="replace") as file:
         own = file.read().splitlines()
     starter = starter_of(feature.reference).splitlines()

@@ -28,7 +28,7 @@ from grading import sandbox
 from grading import unit_rules
 from grading.assignments import (
     DEDUCTION, FREES_ALL, KEEPS_NOTHING, Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format,
-    read_features, read_points, remedy, submitted_unit, unit_beside,
+    missing_unit, read_features, read_points, submitted_unit, unit_beside,
 )
 from grading.starters import is_starter
 from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_secret
@@ -130,7 +130,7 @@ def _object_of(toolchain, unit, folder):
     flags = [*toolchain.sanitize, "-g1", "-O1"]
     path, warnings = build.compile_unit(toolchain, unit, folder, flags)
     found = build.check_object(toolchain, unit, path)
-    build.keep_interface(toolchain, unit.feature, path)
+    build.keep_interface(toolchain, unit.feature, path, for_suite=True)
     return path, warnings, found
 
 
@@ -217,11 +217,11 @@ def _about_needs(suite, units):
     """Says what may fail a suite beside its own unit: in a pack, needed units are the student's, too."""
     for unit in (units[stem] for stem in suite.feature.needs):
         stem = unit.feature.stem
-        if unit.is_reference or suite.passed():
+        if unit.is_reference or suite.passed() or suite.problem or is_starter(suite.unit):
             continue
         if is_starter(unit):
             return f"it needs {stem}, which is still the starter: solve that first"
-        return f"it uses your {stem}, too: the fault is there if make check-{stem} does not give it all points, else here"
+        return f"it uses your {stem}, too: run make check-{stem} first"
     return ""
 
 
@@ -374,7 +374,7 @@ def grade_impl(build_folder, stems, impl, own=False, only=None, progress=None):
     return toolchain, suites
 
 
-def _require_units(build_folder, stems, impl):
+def require_units(build_folder, stems, impl):
     """Raises ToolError if a unit is missing, with the file that was probably meant."""
     features = read_features(build.Toolchain(build_folder).source)
     check_impl(features, impl, stems)
@@ -385,7 +385,7 @@ def _require_units(build_folder, stems, impl):
         except UnitError as error:
             if os.path.lexists(os.path.join(impl, name)) or not os.path.isdir(impl):
                 raise
-            raise ToolError(f"there is no {os.path.join(impl, name)}; {remedy(feature, impl, impl)}") from error
+            raise missing_unit(feature, impl) from error
 
 
 def _grade_apart(toolchain, features, suites, impl, decoys, progress):
@@ -439,7 +439,7 @@ def main():
         choose_format(arguments.format, results.FORMATS)
         results.check_place(arguments.out)
         if arguments.own:
-            _require_units(arguments.build, arguments.stems, arguments.impl)
+            require_units(arguments.build, arguments.stems, arguments.impl)
             _, suites = grade_impl(arguments.build, arguments.stems, arguments.impl, True, arguments.test, progress)
         else:
             sandbox.prepare()

@@ -215,6 +215,11 @@ def remedy(feature, folder, shown):
     return f"rename {near[0]} to {name}" if near else f"make workbook DIR={shlex.quote(shown)} puts the starter there"
 
 
+def missing_unit(feature, impl):
+    """Returns the ToolError for a folder IMPL that has no unit for a feature."""
+    return ToolError(f"there is no {os.path.join(impl, feature.stem + '.c')}; {remedy(feature, impl, impl)}")
+
+
 def unit_beside(feature, impl, handed_out):
     """Returns the unit with which another feature's work is built: the reference, so that each
     assignment is graded separately. If the feature is handed out, too, and so has no reference, it is
@@ -241,6 +246,8 @@ def check_impl(features, impl, stems, may_be_empty=False):
         raise ToolError("name the work: IMPL=mine (a folder) or IMPL=my_file.c")
     if os.path.isdir(impl):
         if not may_be_empty and not any(os.path.lexists(os.path.join(impl, stem + ".c")) for stem in features):
+            if len(stems) == 1 and remedy(features[stems[0]], impl, impl).startswith("rename"):
+                raise missing_unit(features[stems[0]], impl)
             names = ", ".join(stem + ".c" for stem in features)
             raise ToolError(
                 f"IMPL: the folder {impl} holds no unit ({names}); "

@@ -226,12 +226,14 @@ def check_names(toolchain, unit, found):
         kit.update(global_symbols(toolchain, toolchain.built(f"src/features/{stem}.o")))
     _refuse(unit, unit_rules.fault_in_names(found, kit))
 
-def keep_interface(toolchain, feature, path):
+def keep_interface(toolchain, feature, path, for_suite=False):
     """Makes all names of an object local except the feature's interface: a helper without `static`,
-    a `main` for trying things, or a function called `malloc` then changes nothing elsewhere."""
+    a `main` for trying things, or a function called `malloc` then changes nothing elsewhere. In a suite the
+    unit's calls of malloc and related functions become those of tests/count_allocations.c, which can fail."""
     names = global_symbols(toolchain, toolchain.built(f"src/features/{feature.stem}.o"))
     keep = [f"--keep-global-symbol={name}" for name in names]
-    command = [toolchain.tools["objcopy"], *keep, path]
+    scarce = [f"--redefine-sym={name}=rk_scarce_{name}" for name in ("malloc", "calloc", "realloc", "aligned_alloc")]
+    command = [toolchain.tools["objcopy"], *keep, *(scarce if for_suite else []), path]
     answer = subprocess.run(command, capture_output=True, text=True, check=False)
     if answer.returncode:
         raise ToolError(f"{command[0]} failed on {path}: {answer.stderr.strip()}")
