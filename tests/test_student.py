@@ -18,7 +18,8 @@ sys.path.insert(0, os.path.join(SOURCE, "tools"))
 import grade  # noqa: E402
 import handout  # noqa: E402
 import hint  # noqa: E402
-from grading import results, verdicts  # noqa: E402
+import pristine  # noqa: E402
+from grading import originals, results, verdicts  # noqa: E402
 from grading.assignments import DEDUCTION, ScoredTest, ToolError, Unit, read_features, read_points  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
 from grading.starters import starter_of  # noqa: E402
@@ -83,6 +84,83 @@ def what_is_printed_is_shown():
     check("hello\n" in told and "there\n" in told and "1..1" not in told, "a claim run alone shows what the code printed", told)
 
 
+def progress_names_the_next_claim():
+    needed, using = FEATURES["bvh_median"], FEATURES["sah_binning"]
+
+    def row(beside, failing=()):
+        suites = [Suite(needed, read_points(needed), failing), Suite(using, read_points(using), [test.name for test in read_points(using)])]
+        suites[1].beside = beside
+        return results.table(suites, "workbook").splitlines()[2]
+
+    first = read_points(using)[0].name
+    told = row("it uses your bvh_median, too: run make check-bvh_median first")
+    check(told.endswith(f"  {first}"), "progress names the claim, and no needed unit that has all points", told)
+    beside = "it needs bvh_median, which is still the starter: solve that first"
+    told = row(beside, [test.name for test in read_points(needed)])
+    check(told.endswith(f"  {first}; {beside}"), "of a needed unit that is not solved it says all that the check says", told)
+
+
+def a_starter_blames_no_needed_unit(folder):
+    features = {stem: FEATURES[stem] for stem in ("bvh_median", "sah_binning")}
+    using, units = features["sah_binning"], {}
+    for stem, text in (("bvh_median", read(features["bvh_median"].reference)), ("sah_binning", starter_of(using.reference))):
+        path = os.path.join(folder, stem + ".c")
+        write(text, path)
+        units[stem] = Unit(features[stem], path, path, False)
+    suite = Suite(using, read_points(using), [test.name for test in read_points(using)])
+    suite.unit = units["sah_binning"]
+    check(grade._about_needs(suite, units) == "", "a unit that is still the starter has no fault elsewhere")
+    write(read(suite.unit.path) + "int mine;\n", suite.unit.path)
+    check("uses your bvh_median" in grade._about_needs(suite, units), "one that was begun may have it in a needed unit")
+
+
+def added_files_are_named(folder):
+    pack = os.path.join(folder, "pack's")
+    for name in ("src/scene/light.c", "tests/test_light.c", "tools/hint.py", "assignments/features.tsv"):
+        write("", pack, name)
+    originals.keep_originals(pack)
+    check(originals.added_files(pack) == [], "a pack as it was packed has no added files", originals.added_files(pack))
+    for name in ("src/features/list.h", "src/scene/light.o", "src/scene/light.c.edited", "src/scene/.mine.c.swp",
+                 "assignments/notes.txt", "workbook/mine.c"):
+        write("", pack, name)
+    check(originals.added_files(pack) == [], "what is built, saved, or a note is none", originals.added_files(pack))
+    added = ["src/scene/it's mine.c", "tests/mine.h", "tools/mine.py", "assignments/mine.c"]
+    for name in added:
+        write("", pack, name)
+    check(originals.added_files(pack) == added, "code that was added is named", originals.added_files(pack))
+    told = pristine.how_to_move(added)
+    for command in told[1:]:
+        run(pack, "sh", "-c", command)
+    check(originals.added_files(pack) == [] and len(os.listdir(os.path.join(pack, "moved"))) == len(added),
+          "the commands of make pristine move it away", told)
+
+
+def nothing_waits_for_a_test_that_is_not_there(folder):
+    for unit, test, wanted in ((STEM, "no_such_test", "has no test no_such_test"), (f"My_{STEM}", TESTS[0].name, f"rename My_{STEM}.c to {STEM}.c")):
+        mine = os.path.join(folder, unit)
+        write(STARTER, mine, unit + ".c")
+        write("", mine, OTHER + ".c")
+        status, said = run(".", "timeout", "20", sys.executable, "-B", os.path.join(SOURCE, "tools", "watch.py"), STEM,
+                           "--impl", mine, "--test", test)
+        check(status == 1 and wanted in said and len(said.splitlines()) == 1, f"watch ends at once: {wanted}", said)
+    status, said = make(".", f"diff-{STEM}", f"IMPL={mine}")
+    check(status != 0 and f"rename My_{STEM}.c to {STEM}.c" in said, "diff says which file to rename", said)
+    os.unlink(os.path.join(mine, OTHER + ".c"))
+    status, said = make(".", f"diff-{STEM}", f"IMPL={mine}")
+    check(status != 0 and f"rename My_{STEM}.c to {STEM}.c" in said, "so it does where that is the only file", said)
+
+
+def commands_without_a_name(folder):
+    for command in ("hint", "draw", "driver", "watch", "debug", "diff", "check-", "hint-"):
+        _, said = make(folder, command)
+        word = command.rstrip("-")
+        more = " STEP=1" if word == "hint" else ""
+        check(f"make {word}-STEM{more}, with STEM one of: " in said and STEM in said, f"make {command} says which names there are", said)
+    status, said = make(folder, "help")
+    check(status == 0 and len(said.splitlines()) <= 10 and "make hint-STEM" in said and STEM in said.splitlines()[-1],
+          "make help is a short list", said)
+
+
 def hints_come_one_at_a_time():
     hints = hint.hints_of(handout_of(SOURCE, FEATURE))
     check(len(hints) >= 4 and "2" in hints, "a handout's hints are found by their steps", list(hints))
@@ -139,6 +217,15 @@ def the_pack_builds(pack):
     status, said = run(os.path.join(pack, "workbook"), MAKE, "-s", f"check-{STEM}", f"TEST={TESTS[0].name}")
     check(status != 0 and f"first: {TESTS[0].name}" in said and TESTS[1].name not in said, "the same in the workbook's own folder", said)
     check(re.search(r"^Error|No rule", said) is None, "without a word about rules", said)
+    check("your code printed" not in said, "and nothing that the suite says as if the unit had printed it", said)
+
+
+def names_that_are_nearly_right(pack):
+    for command in ("check-median", "check-1", "draw-bvh"):
+        status, said = make(pack, command)
+        check(status != 0 and f"did you mean: {STEM}?" in said, f"{command} is understood as a slip", said)
+    status, said = make(pack, f"check-{STEM}", f"test={TESTS[0].name}")
+    check(status != 0 and "write it in capitals: TEST=" in said, "and test= as one for TEST=", said)
 
 
 def warnings_tell_of_mistakes_alone(pack):
@@ -232,6 +319,13 @@ def kit_files_are_put_back(pack):
           "make pristine puts it back, and what was removed, and keeps the edited text", said)
     status, said = make(pack, "pristine")
     check(status == 0 and "nothing" in said, "a second one has nothing to do", said)
+    write("int broken = ;\n", pack, "src", "scene", "mine.c")
+    status, said = make(pack, f"check-{STEM}")
+    check(status != 0 and "added outside of the workbook: src/scene/mine.c; make pristine" in said, "the check names an added file", said)
+    status, said = make(pack, "pristine")
+    check(status == 0 and "mv -i src/scene/mine.c moved" in said and "nothing" not in said, "make pristine says how to move it", said)
+    os.unlink(os.path.join(pack, "src", "scene", "mine.c"))
+    make(pack, f"check-{STEM}")
     os.unlink(place + ".edited")
 
 
@@ -273,8 +367,14 @@ def a_renamed_file_stops_the_check(pack):
     status, said = make(pack, f"check-{STEM}")
     check(status != 0 and "make workbook DIR=workbook" in said and len(said.splitlines()) <= 2,
           "one that is missing says how to get it back", said)
+    before = sorted(os.listdir(os.path.join(pack, "workbook")))
     status, said = make(pack, "workbook", "DIR=workbook")
     check(status == 0 and read(pack, "workbook", STEM + ".c") == STARTER, "which it does", said)
+    after = sorted(os.listdir(os.path.join(pack, "workbook")))
+    check(after == sorted([*before, STEM + ".c"]) and "kept" not in said and "IMPL=" not in said,
+          "it adds nothing else, and the next command needs no IMPL", [said, *after])
+    said = make(pack, "workbook", "DIR=workbook")[1]
+    check("no starter is missing" in said, "a second time there is nothing to do", said)
     os.rename(os.path.join(pack, "workbook", "gone"), os.path.join(pack, "workbook", STEM + ".c"))
 
 
@@ -322,13 +422,18 @@ def main():
     try:
         a_verdict_fits_on_a_screen()
         what_is_printed_is_shown()
+        progress_names_the_next_claim()
+        a_starter_blames_no_needed_unit(folder)
         hints_come_one_at_a_time()
+        added_files_are_named(folder)
+        nothing_waits_for_a_test_that_is_not_there(folder)
+        commands_without_a_name(".")
         a_workbook_is_at_home_anywhere(folder)
         os.mkdir(os.path.join(folder, NAME))
         pack = os.path.join(folder, NAME, "raykit")
         with redirect_stdout(io.StringIO()):
             handout.make_handout(SOURCE, [STEM, OTHER], folder=pack, book=False)
-        for part in (before_bootstrap, the_pack_builds, warnings_tell_of_mistakes_alone, progress_tests_what_changed, drivers_are_built_alone,
+        for part in (before_bootstrap, the_pack_builds, names_that_are_nearly_right, warnings_tell_of_mistakes_alone, progress_tests_what_changed, drivers_are_built_alone,
                      the_debugger_stops_where_arguments_are, editors_find_headers, git_keeps_sources,
                      a_renamed_file_stops_the_check, the_pack_is_solved, kit_files_are_put_back):
             part(pack)

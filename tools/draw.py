@@ -19,6 +19,7 @@ from grading import build
 from grading.assignments import Parser, ToolError, choose, read_features, read_looks
 
 _SIDE = 128  # of a square picture; others are as large
+SECONDS = 300  # ten times as long as the slowest picture takes on an old laptop
 _MOST_BYTES = 15 << 10  # a pack holds some forty of them
 
 
@@ -38,7 +39,12 @@ def small(options):
 
 def _run(command):
     """Runs a driver; it has said why if it fails."""
-    if subprocess.run(command, check=False).returncode:
+    try:
+        status = subprocess.run(command, timeout=SECONDS, check=False).returncode
+    except subprocess.TimeoutExpired as error:
+        raise ToolError(f"{os.path.relpath(command[0])} has drawn for {SECONDS} s and was stopped; does a loop in "
+                        "your unit never end? make check-... says which test hangs") from error
+    if status:
         raise ToolError(f"{os.path.relpath(command[0])} could not draw it; its reason is above")
 
 

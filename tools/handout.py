@@ -181,17 +181,15 @@ def _write_handout(source, pack, features, has_book):
                if has_book else "**The book is missing from this pack**, which was made for a trial; ask for one with "
                "the book. Until then,\n`make book` makes `docs/out/book.html`, with figures by your code, which are "
                "wrong until it is solved.")
-    one = f"make check-{first} TEST=name"
-    width = len(one)
-    commands = {"one": one} | {word: f"make {word}-{first}".ljust(width)
-                               for word in ("watch", "debug", "draw", "driver", "hint", "diff")}
-    commands |= {word: f"make {word}".ljust(width) for word in ("progress", "report", "pristine", "check")}
+    with open(os.path.join(source, "assignments", "commands.txt"), encoding="utf-8") as file:
+        commands = [re.split("  +", line.replace("STEM", first)) for line in file.read().splitlines()]
+    width = max(len(command) for command, _ in commands)
     files = "\n".join(f"- `workbook/{feature.stem}.c`" for feature in features)
     with open(os.path.join(source, "assignments", "handout_page.md"), encoding="utf-8") as file:
         page = file.read()
     write_whole(os.path.join(pack, "HANDOUT.md"), page.format(
         cover=_cover_command(source), assignments="\n".join(rows), first=first, reading=reading, files=files,
-        **commands))
+        commands="\n".join(f"    {command:<{width}}  {does}" for command, does in commands)))
 
 
 # --- The command ----------------------------------------------------------------------------------

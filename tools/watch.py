@@ -13,9 +13,9 @@ import sys
 import tempfile
 import time
 
-from grading.assignments import Parser, ToolError, check_impl, read_features
+from grading.assignments import Parser, ToolError, choose, read_features
 from grading.build import Toolchain
-from grade import stop_on_signals
+from grade import prepare_suites, require_units, stop_on_signals
 
 _LOOK_SECONDS = 0.15  # between looks at the files: soon enough, and no load
 _GOODBYE_SECONDS = 5  # for a check to end what it started; it takes a fraction of one
@@ -125,7 +125,8 @@ def main():
     command += ["--test", arguments.test] if arguments.test else []
     try:
         features = read_features(Toolchain(arguments.build).source)
-        check_impl(features, arguments.impl, [arguments.stem])
+        require_units(arguments.build, [arguments.stem], arguments.impl)
+        prepare_suites(features, choose(features, [arguments.stem]), arguments.impl, True, arguments.test)
         watch(command, arguments.impl)
     except ToolError as error:
         print(f"watch: {error}", file=sys.stderr)

@@ -12,6 +12,7 @@ import sys
 
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features
 from handout_text import as_in_workbook, handout_of
+from grading.originals import has_originals
 from grading.starters import RegionError, starter_of
 from grading.results import write_whole
 from grading.workbook_files import workbook_files
@@ -78,6 +79,18 @@ def _put(path, text, generated, said):
     generated[name] = _digest(text)
 
 
+def _put_starters_back(features):
+    """Writes those starters of a pack whose files are missing."""
+    said = []
+    for feature in features:
+        if not os.path.lexists(feature.workbook):
+            os.makedirs(os.path.dirname(feature.workbook), exist_ok=True)
+            write_whole(feature.workbook, starter_of(feature.reference))
+            said.append(f"wrote    {feature.stem}.c, the starter")
+    return [*(said or ["no starter is missing; nothing was changed"]),
+            f"next: make check-{features[0].stem}, which needs no IMPL for this folder"]
+
+
 def make_workbook(source, folder, stems=()):
     """Puts starters of these features, or of all, and a README.txt into the folder. Returns a line
     for each file."""
@@ -91,6 +104,8 @@ def make_workbook(source, folder, stems=()):
     if os.path.lexists(folder) and not os.path.isdir(folder):
         raise ToolError(f"DIR: {folder} is a file; choose another name")
     features = choose(read_features(source), stems)
+    if has_originals(source) and real == os.path.realpath(os.path.dirname(features[0].workbook)):
+        return _put_starters_back(features)
     files = {feature.stem + ".c": starter_of(feature.reference) for feature in features}
     for feature in features:
         files[feature.stem + ".md"] = as_in_workbook(handout_of(source, feature), source, feature, folder)

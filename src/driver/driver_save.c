@@ -8,6 +8,7 @@
 #include "io/png.h"
 
 #include <ctype.h>
+#include <stdio.h>
 #include <string.h>
 
 /* OUT/folder, made if it is missing. */
@@ -139,6 +140,8 @@ static bool print_difference(const rk_driver *driver, const char *path, const rk
     const rk_picture_difference d = rk_picture_difference_of(&driver->image, wanted, &shown);
     char place[4096];
     snprintf(place, sizeof place, "%.*s_difference.png", (int)(strlen(path) - 4), path);
+    if (d.pixels == 0)
+        remove(place);
     bool ok = d.pixels == 0 || rk_png_write(place, &shown, NULL, 0, error);
     rk_image_free(&shown);
     if (ok && d.pixels == 0)

@@ -7,6 +7,8 @@ import zlib
 
 _ARCHIVE = os.path.join("tools", "originals.zip")
 _NOT_KEPT = (".md", ".png", ".svg", ".html", ".zip")
+_CODE_FOLDERS = ("src", "tests", "tools", "assignments")
+_MADE = ("src/features/list.h", "src/features/all.h")  # by tools/features.sh
 
 
 def keep_originals(pack):
@@ -41,6 +43,23 @@ def edited_files(source):
             if not same:
                 names.append(entry.filename)
     return names
+
+
+def added_files(source):
+    """Returns the names of files beside the pack's code that are not the pack's, but of such a kind that the build
+    may take them for its own; none in the whole kit."""
+    if not has_originals(source):
+        return []
+    with zipfile.ZipFile(os.path.join(source, _ARCHIVE)) as archive:
+        known = {*archive.namelist(), *_MADE}
+    kinds = {os.path.splitext(name)[1] for name in known if name.startswith(tuple(f"{top}/" for top in _CODE_FOLDERS))} - {"", ".txt"}
+    names = []
+    for top in _CODE_FOLDERS:
+        for where, folders, files in os.walk(os.path.join(source, top)):
+            folders[:] = sorted(name for name in folders if not name.startswith((".", "__pycache__")))
+            names += [os.path.relpath(os.path.join(where, name), source) for name in sorted(files)
+                      if not name.startswith(".") and os.path.splitext(name)[1] in kinds]
+    return [name for name in names if name not in known]
 
 
 def put_back(source, names):

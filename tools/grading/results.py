@@ -119,7 +119,8 @@ def _text_of_prints(suite):
     """What the code printed, where one test is run alone."""
     if len(suite.claims()) != 1:
         return []
-    printed = [_printable(line)[:200] for line in printed_lines(suite.verdicts[suite.claims()[0].name].details)]
+    verdict = suite.verdicts[suite.claims()[0].name]
+    printed = [_printable(line)[:200] for line in printed_lines(verdict.details) if line not in verdict.reason]
     return ["      your code printed:", *(f"          {line}" for line in _some(printed, 40, "and {} more lines"))] if printed else []
 
 
@@ -171,18 +172,24 @@ def first_failed(suites):
     return "", ""
 
 
+def _next(suite, suites):
+    """The claim to work on, and what is known of the units that the suite needs, unless these have all points."""
+    failed = [test.name for test in suite.tests if not suite.verdicts[test.name].passed]
+    if suite.problem or not failed:
+        return textwrap.shorten(_printable(suite.problem), 80, placeholder=" ...") or _whose(suite) or "done"
+    solved = {other.feature.stem for other in suites if other.passed()}
+    return failed[0] if not suite.beside or solved.issuperset(suite.feature.needs) else f"{failed[0]}; {suite.beside}"
+
+
 def table(suites, impl):
     """One line for each assignment: the student's progress."""
     name = "total, " + name_of(impl)
     width = 2 + max(len(name), *(len(suite.feature.folder) for suite in suites))
     lines = [f"{'assignment':<{width}}{'claims':>10}{'points':>14}  next"]
     for suite in suites:
-        failed = [test for test in suite.tests if not suite.verdicts[test.name].passed]
-        passed = f"{len(suite.tests) - len(failed)} of {len(suite.tests)}"
+        passed = f"{sum(suite.verdicts[test.name].passed for test in suite.tests)} of {len(suite.tests)}"
         points = f"{suite.points()} of {suite.points_max()}"
-        following = suite.problem or suite.beside or failed[0].name if failed else _whose(suite) or "done"
-        following = textwrap.shorten(_printable(following), 80, placeholder=" ...")
-        lines.append(f"{suite.feature.folder:<{width}}{passed:>10}{points:>14}  {following}")
+        lines.append(f"{suite.feature.folder:<{width}}{passed:>10}{points:>14}  {_next(suite, suites)}")
     lines.append(f"{name:<{width}}{'':>10}{total(suites):>14}")
     return "\n".join(lines) + "\n"
 

@@ -97,7 +97,7 @@ export RAYKIT_WEAVES RAYKIT_SOURCE RAYKIT_SOURCE_LINK RAYKIT_DRIVERS RAYKIT_UNIT
 weave_features() {
     for feature in $FEATURES; do
         for text in "$RAYKIT_SOURCE/$texts"/[0-9][0-9]_"$feature".md; do
-            [ -e "$text" ] || give_up "FEATURES: there is no feature $feature"
+            [ -e "$text" ] || give_up "there is no feature $feature (named by FEATURES or ONLY)"
             set -- "$@" "$text"
         done
     done
