@@ -19,7 +19,7 @@ import draw  # noqa: E402
 from drivers import driver_of, link_drivers  # noqa: E402
 from grading.assignments import ToolError, read_features, read_looks  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
-from tap import check, finish, run  # noqa: E402
+from tap import check, finish, read, run, write  # noqa: E402
 from workbook import make_workbook  # noqa: E402
 
 BUILD = os.getcwd()
@@ -89,6 +89,7 @@ def starters_draw(folder):
               f"{lit:.0%} of the pixels are not black, in {kinds} greys\n{said}")
         check(re.search(rf"\b{stem}\b.* (still the starter|find no triangles yet|finds no triangles yet)", said),
               f"{stem}: the driver says that it is still the starter", said)
+    starters_of_glass_let_light_pass(folder)
     said, _ = _draw(driver_of(FEATURES["bvh_median"]), os.path.join(folder, "out"), *SIZE)
     check("stand-in" in said, "the driver says that rays go through a stand-in tree", said)
     named = re.findall(r"^bvh_median: (.*); the picture shows it", said, re.MULTILINE)
@@ -107,6 +108,28 @@ def starters_draw(folder):
     said, _ = _draw(driver_of(FEATURES["normals"]), os.path.join(folder, "out"), *SIZE)
     check("sah_binning finds no triangles yet" in said and "--split median" in said and "stand-in" not in said,
           "where bvh_median is solved, and sah_binning is not, rays go through the tree of bvh_median", said)
+
+
+def starters_of_glass_let_light_pass(folder):
+    out = os.path.join(folder, "out")
+    cases = [("transparency", f"--scene cornell-glass --transparency --shadows --glass {model}")
+             for model in ("multiplicative", "ordered", "beer-lambert")]
+    cases.append(("motion_blur", "--scene cover --environment sky --shadows --shading blinn-phong --reflections "
+                  "--transparency --glass beer-lambert --time-samples 1"))  # the goal in HANDOUT.md, with fewer samples
+    for stem, options in cases:
+        said, picture = _draw(driver_of(FEATURES[stem]), out, *SIZE, *options.split())
+        found = greys(picture) if picture else [0]
+        lit, kinds = sum(grey > 0 for grey in found) / len(found), len(set(found))
+        check(lit > 0.3 and kinds >= FEWEST_GREYS, f"{stem} {options}: lit with nothing solved",
+              f"{lit:.0%} of the pixels are not black, in {kinds} greys\n{said}")
+    means = []
+    for options in ([], ["--transparency"]):
+        said, picture = _draw(driver_of(FEATURES["transparency"]), out, *SIZE, "--scene", "cover", "--environment",
+                              "sky", *options)
+        found = greys(picture) if picture else [0]
+        means.append(sum(found) / len(found))
+    check(abs(means[1] - means[0]) < 0.05 * means[0], "with nothing solved the sky is seen beside glass",
+          f"the mean grey is {means[1]:.1f} with --transparency, and {means[0]:.1f} without\n{said}")
 
 
 # --- Looks ------------------------------------------------------------------------------------------
@@ -159,12 +182,27 @@ def a_students_picture_is_compared(folder):
     told = re.search(r"differs in \d+ % of the 128 x 128 pixels, most at \d+,\d+; (\S+) shows where\n", said)
     check(status == 0 and "starter" not in said and told and os.path.exists(os.path.join(BUILD, told[1])),
           "of another one it is said how much differs and where, and a picture shows it", said)
+    status, said = run(BUILD, make, "-s", "draw-normals", "STEP=1", f"IMPL={folder}/right")
+    check(status == 0 and told and not os.path.exists(os.path.join(BUILD, told[1])),
+          "once it is right, no picture of a difference is left", said)
     status, said = run(BUILD, make, "-s", "check-normals", f"IMPL={folder}/right")
     check(status == 0 and f"draw it: make draw-normals IMPL={folder}/right" in said,
           "at 100 points the check prints the command that draws", said)
     status, said = run(BUILD, make, "-s", "draw-normals", "STEP=7")
     check(status != 0 and "STEP=7" in said and "1, 2" in said,
           "a step that shows nothing is refused, with those that do", said)
+
+
+def a_unit_that_never_ends_is_stopped(folder):
+    os.mkdir(os.path.join(folder, "endless"))
+    write(read(FEATURES["normals"].reference).replace("return rk_normalize", "for (;;)\n        ;\n    return rk_normalize"),
+          folder, "endless", "normals.c")
+    draw.SECONDS = 1
+    try:
+        draw.draw(TOOLCHAIN, os.path.join(folder, "endless"), "normals", "")
+        check(False, "a unit that never ends is stopped")
+    except ToolError as error:
+        check("was stopped; does a loop" in str(error), "a unit that never ends is stopped", error)
 
 
 def a_wrong_table_is_refused(folder):
@@ -188,6 +226,7 @@ def main():
         pictures_of_another_size_are_refused(os.path.join(folder, "out"))
         sizes_are_small()
         a_students_picture_is_compared(folder)
+        a_unit_that_never_ends_is_stopped(folder)
         a_wrong_table_is_refused(folder)
     return finish()
 

@@ -82,9 +82,10 @@ void rk_transparency_weights(const rk_crossing *crossings, uint32_t count, float
     *transmittance = transmitted;
     /* starter
     // Second step: a surface counts by its alpha, all behind it by 1 - alpha.
+    // Until then each surface counts in full, and the background is seen only beside them.
     for (uint32_t k = 0; k < count; k++)
         weights[k] = 1;
-    *transmittance = 0;
+    *transmittance = count == 0;
     end */
 }
 
@@ -116,7 +117,8 @@ static rk_vec3 multiplicative(const rk_crossing *crossings, uint32_t count)
     return transmittance;
     /* starter
     // Third step: prod kd (1 - alpha).
-    return rk_vec(0, 0, 0);
+    // Until then all light passes, as if glass were clear.
+    return rk_vec(1, 1, 1);
     end */
 }
 
@@ -133,7 +135,8 @@ static rk_vec3 ordered(const rk_crossing *crossings, uint32_t count)
     return rk_madd(colour, rk_vec(1, 1, 1), transmitted);
     /* starter
     // Fourth step: blend the surfaces, the nearest to the point in front, over white.
-    return rk_vec(0, 0, 0);
+    // Until then all light passes, as if glass were clear.
+    return rk_vec(1, 1, 1);
     end */
 }
 
@@ -149,7 +152,8 @@ static rk_vec3 beer_lambert(const rk_crossing *crossings, uint32_t count, float 
     return rk_vec(expf(-depth.x), expf(-depth.y), expf(-depth.z));
     /* starter
     // Fifth step: exp(-sigma thickness), each medium once.
-    return rk_vec(0, 0, 0);
+    // Until then all light passes, as if glass were clear.
+    return rk_vec(1, 1, 1);
     end */
 }
 
