@@ -372,8 +372,8 @@ static void points_on_the_light_get_nothing_and_no_nan(void **state)
 static double cos_to(const configuration *c, rk_vec3 position)
 {
     rk_dvec3 l = rk_dmadd(rk_widen(position), rk_widen(c->point), -1);
-    double r = rk_dlength(l);
-    return r > 0 ? fmax(rk_ddot(rk_widen(c->normal), l) / r, 0) : 0;
+    double along = rk_ddot(rk_widen(c->normal), l);
+    return along > 0 ? along / rk_dlength(l) : 0;
 }
 
 /* --- The closed form ------------------------------------------------------------------------- */
@@ -448,10 +448,12 @@ static double irradiance_from(const configuration *c, double x, double y)
     rk_dvec3 edge01 = rk_widen(c->edge01), edge02 = rk_widen(c->edge02);
     rk_dvec3 d = rk_dmadd(rk_dmadd(rk_widen(c->position), rk_widen(c->point), -1), edge01, x);
     d = c->kind == RK_LIGHT_PARALLELOGRAM ? rk_dmadd(d, edge02, y) : d;
-    double r = rk_dlength(d), cos_r = fmax(rk_ddot(rk_widen(c->normal), d), 0);
+    double square = rk_ddot(d, d), cos_r = rk_ddot(rk_widen(c->normal), d);
+    if (!(cos_r > 0))
+        return 0;
     double seen = c->kind == RK_LIGHT_PARALLELOGRAM ? fabs(rk_ddot(d, rk_dcross(edge01, edge02)))
                                                     : rk_dlength(rk_dcross(d, edge01));
-    return seen * cos_r / (r * r * r * r);
+    return seen * cos_r / (square * square);
 }
 
 /* The light, with all lengths times 2^e. */
@@ -599,10 +601,10 @@ static void divide(const configuration *c, const cell *whole, cell quarters[4])
 
 static double simpson(const cell *at)
 {
-    double sum = 0;
-    for (int i = 0; i < 9; i++)
-        sum += (i % 3 == 1 ? 4 : 1) * (i / 3 == 1 ? 4 : 1) * at->f[i / 3][i % 3];
-    return sum * at->side * at->side / 36;
+    const double(*f)[3] = at->f;
+    double corners = f[0][0] + f[0][2] + f[2][0] + f[2][2],
+           between = f[0][1] + f[1][0] + f[1][2] + f[2][1];
+    return (corners + 4 * between + 16 * f[1][1]) * at->side * at->side / 36;
 }
 
 /* A segment does not depend on y, so of its quarters two are like the other two. The first levels
@@ -974,17 +976,34 @@ typedef struct estimate {
     double mean, error; /* the mean's standard error */
 } estimate;
 
+/* Over one set. The cosines are cos_to's, in a loop of their own so that compilers vectorize it. */
+static double sum_of_weights_times_cosines(const configuration *c, const rk_light *light,
+                                           rk_light_domain domain, const rk_vec2 *xi)
+{
+    double weights[SET], along[SET], squares[SET], sum = 0;
+    const rk_dvec3 point = rk_widen(c->point), normal = rk_widen(c->normal);
+    for (int i = 0; i < SET; i++) {
+        rk_light_sample sample =
+            rk_light_sample_at(light, RK_FALLOFF_PHYSICAL, domain, c->point, xi[i]);
+        rk_dvec3 l = rk_dmadd(rk_widen(sample.position), point, -1);
+        weights[i] = (double)sample.colour.x;
+        along[i] = rk_ddot(normal, l), squares[i] = rk_ddot(l, l);
+    }
+    for (int i = 0; i < SET; i++) {
+        double cosine = along[i] / sqrt(squares[i]);
+        weights[i] *= along[i] > 0 ? cosine : 0;
+    }
+    for (int i = 0; i < SET; i++)
+        sum += weights[i];
+    return sum;
+}
+
 static estimate estimate_irradiance(const configuration *c, rk_light_domain domain, uint32_t sets)
 {
     rk_light light = light_of(c);
     double sum = 0, squares = 0;
     for (uint32_t set = 0; set < sets; set++) {
-        double part = 0;
-        for (uint32_t i = 0; i < SET; i++) {
-            rk_light_sample sample = rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, domain,
-                                                        c->point, drawn[set * SET + i]);
-            part += (double)sample.colour.x * cos_to(c, sample.position);
-        }
+        double part = sum_of_weights_times_cosines(c, &light, domain, &drawn[(size_t)set * SET]);
         sum += part / SET;
         squares += (part / SET) * (part / SET);
     }

@@ -248,6 +248,7 @@ LEAK = "void *volatile lost = malloc(100);\n    lost = NULL;\n    "
 # What used to hide a leak.
 HIDING = {
     "a leak": ("", ""),
+    "a leak beside memory that is freed": ("void *volatile freed = malloc(100);\n    free(freed);", ""),
     "a leak behind the leak sanitizer's own words": (
         'fputs("LeakSanitizer has encountered a fatal error\\n", stderr);', ""
     ),

@@ -246,7 +246,7 @@ class Feature:
         def look_at(name):
             return unit_rules.Object(os.environ["RAYKIT_OBJDUMP"], self.builder.folder / f"{self.stem}-{name}.o")
 
-        obj, kit = look_at(whose), set(unit_rules.pure_names(os.environ["RAYKIT_NM"], "librkbase.a"))
+        obj, kit = look_at(whose), set(unit_rules.pure_names(os.environ["RAYKIT_OBJDUMP"], "librkbase.a"))
         for stem in self.needs:
             kit |= {name for *_, name in look_at(stem).symbols}
         faults = [unit_rules.fault_in_object(obj, False), unit_rules.fault_in_names(obj, kit)]

@@ -263,13 +263,14 @@ rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff fallo
     /* solution */
     if (falloff == RK_FALLOFF_PHYSICAL) {
         relative_light rel = relative_to_point(light, point);
-        halves h = {0};
-        if (domain == RK_LIGHT_DOMAIN_SOLID_ANGLE)
-            h = halves_of(&rel);
-        weight = h.angle0 + h.angle3;
-        if (weight > smallest_solid_angle)
-            at = by_solid_angle(&rel, &h, xi);
-        else
+        weight = 0;
+        if (domain == RK_LIGHT_DOMAIN_SOLID_ANGLE) {
+            halves h = halves_of(&rel);
+            weight = h.angle0 + h.angle3;
+            if (weight > smallest_solid_angle)
+                at = by_solid_angle(&rel, &h, xi);
+        }
+        if (!(weight > smallest_solid_angle))
             weight =
                 falloff_at(light->kind, &rel, relative_point(&rel, (double)at.x, (double)at.y));
     }

@@ -44,6 +44,7 @@ class Toolchain:
         self.flags = ["-I" + os.path.join(self.source, "src"), *shlex.split(values["flags"]), "-Wno-error"]
         self.base_sanitize = shlex.split(values["base_sanitize"])
         self.sanitize = shlex.split(values["sanitize"])
+        self.grade_link = shlex.split(values["grade_link"])
         self.link_flags = shlex.split(values["link_flags"])
         self.drivers = values["drivers"].split()  # the objects of all, from the build folder
         self.libraries = shlex.split(values["libraries"])
@@ -84,11 +85,7 @@ def _run_tool(toolchain, command, folder):
 
 def global_symbols(toolchain, path):
     """Returns the global names that an object defines."""
-    command = [toolchain.tools["nm"], "-g", "--defined-only", path]
-    answer = subprocess.run(command, capture_output=True, text=True, check=False)
-    if answer.returncode:
-        raise ToolError(f"{command[0]} could not read {path}: {answer.stderr.strip()}")
-    return [line.split()[-1] for line in answer.stdout.splitlines() if line.split()]
+    return unit_rules.global_names(toolchain.tools["objdump"], path)
 
 
 # --- Compiling ----------------------------------------------------------------------------------
@@ -221,7 +218,7 @@ def check_object(toolchain, unit, path):
 def check_names(toolchain, unit, found):
     """Raises BuildError if the unit uses what a unit may not. Asked after linking, which finds names that
     nothing defines."""
-    kit = set(unit_rules.pure_names(toolchain.tools["nm"], toolchain.built("librkbase.a")))
+    kit = set(unit_rules.pure_names(toolchain.tools["objdump"], toolchain.built("librkbase.a")))
     for stem in unit.feature.needs:
         kit.update(global_symbols(toolchain, toolchain.built(f"src/features/{stem}.o")))
     _refuse(unit, unit_rules.fault_in_names(found, kit))
@@ -256,8 +253,8 @@ def link_suite(toolchain, units, objects, folder, sanitize):
     stem = units[0].feature.stem
     output = os.path.join(folder, "test_" + stem)
     # The allocation counter must be built like the program, so the archive's copy will not do.
-    counter = os.path.join(toolchain.source, "tests", "count_allocations.c")
-    command = [*toolchain.compiler, *sanitize, *toolchain.flags, *toolchain.link_flags,
+    counter = toolchain.built("impl/count_allocations.o")
+    command = [*toolchain.compiler, *sanitize, *toolchain.grade_link, *toolchain.flags, *toolchain.link_flags,
                toolchain.built(f"tests/test_{stem}.o"), *objects, counter, toolchain.built("librktest.a"),
                toolchain.built("librkbase.a"), *toolchain.libraries, "-o", output]
     outcome = _run_tool(toolchain, command, folder)

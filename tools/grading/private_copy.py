@@ -49,7 +49,7 @@ def copy_kit(toolchain, features, stems, folder):
                 if name.endswith(".h") or room == "tests" and name.endswith(".c"):
                     os.makedirs(place, exist_ok=True)
                     shutil.copyfile(os.path.join(where, name), os.path.join(place, name))
-    needed = ["librktest.a", "librkbase.a", *[f"tests/test_{stem}.o" for stem in stems],
+    needed = ["librktest.a", "librkbase.a", "impl/count_allocations.o", *[f"tests/test_{stem}.o" for stem in stems],
               *[f"src/features/{stem}.o" for stem in features]]
     for path in needed:
         os.makedirs(os.path.join(objects, os.path.dirname(path)), exist_ok=True)

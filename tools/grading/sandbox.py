@@ -26,6 +26,7 @@ _prctl = getattr(ctypes.CDLL(None), "prctl", lambda *_: None)  # Linux has it
 _PAGE = os.sysconf("SC_PAGE_SIZE")
 _PROCESSES_MAX = 64
 _FILE_BYTES_MAX = 256 << 20
+_LOOK = 0.02  # seconds from one look at a program's memory to the next
 _PATIENCE = 4  # so many times its seconds may pass for a program that did not work all of the time
 _KEPT = 64 << 10  # bytes of the output's beginning, and as many of its end
 _ENDED_BY_SIGNAL = 128  # bubblewrap's exit status is then this and the signal's number
@@ -285,7 +286,7 @@ def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes, i
     with selectors.DefaultSelector() as selector:
         selector.register(process.stdout, selectors.EVENT_READ)
         while not _has_ended(process):
-            if selector.select(0.005):
+            if selector.select(_LOOK):  # returns at once when the program ends and so closes its output
                 data = os.read(process.stdout.fileno(), 1 << 16)
                 kept.add(data)
                 if not data:
@@ -296,7 +297,7 @@ def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes, i
             occupied, processes = 0, 1
             if now >= next_look:
                 occupied, processes = _occupied(process.pid)
-                next_look = now + 0.02
+                next_look = now + _LOOK
             if stop.is_set():
                 outcome.limit = "stopped"
             elif kept.total > output_bytes:

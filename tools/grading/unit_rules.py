@@ -48,6 +48,24 @@ def fault_in_assembly(text):
 # --- The object ---------------------------------------------------------------------------------
 
 
+# A line of objdump -t: value, flags, section, size, name.
+_SYMBOL = re.compile(r"([0-9a-f]{8,}) (.{7}) (.+?)\t([0-9a-f]+) (?:\.\w+ )?(.*)")
+
+
+def _symbols_of(objdump, path):
+    # nm starts all plugins for link-time optimization that the machine has, which takes ten times as long.
+    answer = subprocess.run([objdump, "-t", path], capture_output=True, text=True, errors="replace", check=False)
+    if answer.returncode:
+        raise ToolError(f"{objdump} could not read {path}: {answer.stderr.strip()}")
+    return answer.stdout
+
+
+def global_names(objdump, path):
+    """Returns the global names that an object defines."""
+    symbols = (_SYMBOL.match(line) for line in _symbols_of(objdump, path).splitlines())
+    return [symbol[5] for symbol in symbols if symbol and symbol[2][0] != "l" and symbol[3] != "*UND*"]
+
+
 class Object:
     """What objdump tells of an object: `sections` from name to flags, `symbols` as (flags, section,
     size, name) by (section, value), `undefined` names, and `entries`, which are (section, target) of
@@ -63,7 +81,7 @@ class Object:
             found = re.match(r" *\d+ (.+?) +[0-9a-f]{8,} +[0-9a-f]+ +[0-9a-f]+ +[0-9a-f]+ +2\*\*\d+ *(.*)", line)
             if found:
                 self.sections[found[1]] = found[2].split(", ")
-            found = re.match(r"([0-9a-f]{8,}) (.{7}) (.+?)\t([0-9a-f]+) (?:\.\w+ )?(.*)", line)
+            found = _SYMBOL.match(line)
             if found and found[3] == "*UND*":
                 self.undefined.append(found[5])
             elif found:
@@ -156,15 +174,17 @@ def _is_c(name):
 
 
 @functools.lru_cache
-def pure_names(nm, archive):
+def pure_names(objdump, archive):
     """Returns the archive's functions that use nothing but C's and each other: no files, no threads."""
-    answer = subprocess.run([nm, "-A", "-g", "-p", os.path.basename(archive)], cwd=os.path.dirname(archive) or ".",
-                            capture_output=True, text=True, check=False)
-    if answer.returncode:
-        raise ToolError(f"{nm} could not read {archive}: {answer.stderr.strip()}")
-    defined, used = {}, {}
-    for _, module, kind, name in re.findall(r"^([^:\n]*):([^:\n]*):.* (\w) (\S+)$", answer.stdout, re.MULTILINE):
-        (used if kind in "Uwv" else defined).setdefault(module, set()).add(name)
+    defined, used, module = {}, {}, ""
+    for line in _symbols_of(objdump, archive).splitlines():
+        begins, symbol = re.match(r"(\S+): +file format ", line), _SYMBOL.match(line)
+        if begins:
+            module = begins[1]
+        elif symbol and symbol[3] == "*UND*":
+            used.setdefault(module, set()).add(symbol[5])
+        elif symbol and symbol[2][0] != "l":
+            defined.setdefault(module, set()).add(symbol[5])
     pure = set(defined)
     while True:
         names = {name for module in pure for name in defined[module]}
