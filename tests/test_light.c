@@ -58,12 +58,86 @@ static void a_segment_in_line_or_without_length_gives_nothing(void **state)
     rk_check_close(got, 0, 0, "it has no length");
 }
 
+static const rk_light slanted = {.kind = RK_LIGHT_PARALLELOGRAM,
+                                 .position = {1, 2, 3},
+                                 .edge01 = {2, 0.5f, -1},
+                                 .edge02 = {-1, 3, 0.25f}};
+
+static rk_vec3 point_of(const rk_light *light, float x, float y)
+{
+    return rk_madd(rk_madd(light->position, light->edge01, x), light->edge02, y);
+}
+
+static void a_ray_hits_the_place_of_the_light_to_which_it_points(void **state)
+{
+    (void)state;
+    const rk_vec3 from = {-3, 1, 7};
+    rk_vec2 at;
+    for (float x = -0.45f; x < 1.5f; x += 0.1f)
+        for (float y = -0.45f; y < 1.5f; y += 0.1f) {
+            bool inside = x > 0 && x < 1 && y > 0 && y < 1;
+            rk_vec3 to = rk_sub(point_of(&slanted, x, y), from);
+            for (int k = 0; k < 3; k++) {
+                rk_vec3 direction = rk_scale(to, k == 0 ? 1 : k == 1 ? 1e-3f : -1);
+                rk_check_equal(rk_light_hit(&slanted, from, direction, &at), inside && k < 2,
+                               "only within both edges, for any length, and not backwards");
+                if (k == 2)
+                    continue;
+                /* Coordinates below 8 are rounded by 2^-22, and seen at a slope of up to 3. */
+                rk_check_close(at.x, (double)x, 2e-6, "x along the first edge");
+                rk_check_close(at.y, (double)y, 2e-6, "y along the second edge");
+            }
+        }
+}
+
+static void rays_in_the_plane_of_a_light_do_not_hit_it(void **state)
+{
+    (void)state;
+    const rk_light flat = {
+        .kind = RK_LIGHT_PARALLELOGRAM, .edge01 = {1, 0, 0}, .edge02 = {0, 1, 0}};
+    const rk_light no_area = {
+        .kind = RK_LIGHT_PARALLELOGRAM, .edge01 = {1, 0, 0}, .edge02 = {1, 0, 0}};
+    const rk_vec3 beside = {-1, 0.5f, 0}, above = {0.5f, 0.5f, 1}, down = {0, 0, -1};
+    rk_vec2 at;
+    rk_check(!rk_light_hit(&flat, beside, rk_vec(1, 0, 0), &at), "edge-on");
+    rk_check(!rk_light_hit(&flat, above, rk_vec(1, 0, 0), &at), "parallel");
+    rk_check(!rk_light_hit(&no_area, above, down, &at), "no area");
+    rk_check(rk_light_hit(&flat, above, down, &at), "straight down");
+    rk_check(isinf(rk_light_area_density(&flat, beside, rk_vec(0.5f, 0.5f, 0))),
+             "its samples are all in one direction");
+}
+
+/* With samples uniform over the area the mean of 1 / density is the solid angle: over a rectangle's
+ * corner, at the height h, atan(a b / (h sqrt(a^2 + b^2 + h^2))). */
+static void the_density_of_area_samples_is_per_solid_angle(void **state)
+{
+    (void)state;
+    const rk_light flat = {
+        .kind = RK_LIGHT_PARALLELOGRAM, .edge01 = {2, 0, 0}, .edge02 = {0, 3, 0}};
+    enum { side = 256 };
+    for (float h = 0.5f; h < 100; h *= 4) {
+        double sum = 0;
+        for (int j = 0; j < side; j++)
+            for (int i = 0; i < side; i++) {
+                rk_vec3 place = point_of(&flat, ((float)i + 0.5f) / side, ((float)j + 0.5f) / side);
+                sum += 1 / rk_light_area_density(&flat, rk_vec(0, 0, -h), place);
+            }
+        double height = (double)h, want = atan(6 / (height * sqrt(13 + height * height)));
+        /* The midpoint rule errs by less than the square of a step, 3 / 256, over the height. */
+        rk_check_close(sum / side / side, want, pow(3.0 / 256 / height, 2) * want + 1e-6 * want,
+                       "the light's solid angle");
+    }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_point_light_has_one_colour),
     cmocka_unit_test(each_corner_that_a_light_has_can_change_its_colour),
     cmocka_unit_test(a_segment_gives_the_value_of_its_integral),
     cmocka_unit_test(a_segment_below_the_horizon_gives_nothing),
     cmocka_unit_test(a_segment_in_line_or_without_length_gives_nothing),
+    cmocka_unit_test(a_ray_hits_the_place_of_the_light_to_which_it_points),
+    cmocka_unit_test(rays_in_the_plane_of_a_light_do_not_hit_it),
+    cmocka_unit_test(the_density_of_area_samples_is_per_solid_angle),
 };
 
 RK_SUITE("light", tests)

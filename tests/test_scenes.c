@@ -2,6 +2,7 @@
  * well lit. */
 #include "test.h"
 
+#include "base/reflect.h"
 #include "scenes/builtin.h"
 #include "scenes/makers.h"
 
@@ -154,7 +155,7 @@ static uint32_t *weld(const rk_mesh *mesh)
 static const char *const names[] = {"triangle",      "cube",          "cube-textured", "cornell",
                                     "cornell-glass", "cornell-light", "panes",         "panes:1",
                                     "glass",         "sphere",        "teapot",        "teapot:3",
-                                    "statue",        "statue:967",    "moving"};
+                                    "statue",        "statue:967",    "moving",        "plates"};
 
 enum { name_count = sizeof names / sizeof names[0] };
 
@@ -162,7 +163,7 @@ enum { name_count = sizeof names / sizeof names[0] };
 static bool is_arranged(const char *name)
 {
     return strncmp(name, "cornell", 7) == 0 || strncmp(name, "panes", 5) == 0 ||
-           strcmp(name, "glass") == 0 || strcmp(name, "moving") == 0;
+           strcmp(name, "glass") == 0 || strcmp(name, "plates") == 0 || strcmp(name, "moving") == 0;
 }
 
 static void every_scene_is_valid_and_has_its_count(void **state)
@@ -177,6 +178,7 @@ static void every_scene_is_valid_and_has_its_count(void **state)
     check_count("panes", 8);
     check_count("panes:1", 8);
     check_count("glass", 26);
+    check_count("plates", 8);
     check_count("sphere", 1280);
     check_count("moving", 2 + 4032 + 320); /* 32 x 8 x 8 squares of 2, less 8 x 8 at the poles */
     check_count("cover:967", 12 + 12 + 967 + 5120); /* floor, block, statue, ball */
@@ -315,10 +317,9 @@ static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
         rk_error error = {""};
         rk_check(!rk_builtin_scene(&scene, wrong[i], &error), "\"%s\" was accepted", wrong[i]);
         rk_check_error_names(error, wrong[i]);
-        rk_check_error_names(
-            error,
-            "triangle, cube, cube-textured, cornell, cornell-glass, "
-            "cornell-light, panes:N, glass, sphere:N, spheres:N, shininess, teapot:N, statue:N");
+        rk_check_error_names(error, "triangle, cube, cube-textured, cornell, cornell-glass, "
+                                    "cornell-light, panes:N, glass, sphere:N, spheres:N, "
+                                    "shininess, plates, teapot:N, statue:N");
         rk_scene_free(&scene); /* a refused scene is a zeroed one */
     }
 }
@@ -329,9 +330,9 @@ static void the_help_names_every_scene(void **state)
     char help[2000];
     rk_builtin_help(help, sizeof help);
     const char *const wanted[] = {
-        "triangle  ", "cube  ",     "cube-textured  ", "cornell  ",      "panes:N  ",
-        "glass  ",    "shininess ", "cornell-glass  ", "cornell-light ", "sphere:N  ",
-        "spheres:N ", "teapot:N  ", "statue:N  ",      "moving:N  ",     "cover:N  "};
+        "triangle  ", "cube  ",     "cube-textured  ", "cornell  ",      "panes:N  ",  "glass  ",
+        "shininess ", "plates  ",   "cornell-glass  ", "cornell-light ", "sphere:N  ", "spheres:N ",
+        "teapot:N  ", "statue:N  ", "moving:N  ",      "cover:N  "};
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
         char line[40];
         snprintf(line, sizeof line, "  %s", wanted[i]);
@@ -1053,6 +1054,35 @@ static void the_shininess_scene_is_five_spheres_in_a_row_from_dull_to_sharp(void
     rk_scene_free(&scene);
 }
 
+/* The middle of each plate shows the middle of the row of lamps. */
+static void each_plate_reflects_the_lamps_to_the_camera(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scene("plates");
+    rk_vec3 eye = rk_view_of(&scene.camera, 4, 3).position;
+    for (uint32_t i = 0; i < 4; i++) {
+        const rk_vec3 *corner = &scene.mesh.positions[4 * i];
+        rk_vec3 middle = rk_scale(rk_add(corner[0], corner[2]), 0.5f);
+        rk_vec3 normal =
+            rk_normalize(rk_cross(rk_sub(corner[1], corner[0]), rk_sub(corner[3], corner[0])));
+        rk_vec3 from_eye = rk_sub(middle, eye);
+        rk_check(rk_dot(from_eye, normal) < 0, "plate %u shows its back", i);
+        rk_vec3 mirrored = rk_reflect(from_eye, normal);
+        for (uint32_t k = 0; k < scene.light_count; k++) {
+            const rk_light *light = &scene.lights[k];
+            rk_vec3 to_light =
+                rk_sub(rk_madd(rk_madd(light->position, light->edge01, 0.5f), light->edge02, 0.5f),
+                       middle);
+            rk_check_close(mirrored.y / mirrored.z, (double)(to_light.y / to_light.z), 1e-5,
+                           "the lamps are beside each other in the mirror direction");
+        }
+        rk_check(i == 0 ||
+                     scene.mesh.materials[i].shininess < scene.mesh.materials[i - 1].shininess,
+                 "plate %u is as sharp as the one below", i);
+    }
+    rk_scene_free(&scene);
+}
+
 static uint64_t fingerprint(const rk_mesh *mesh)
 {
     uint64_t hash = 0xcbf29ce484222325u; /* FNV-1a over the words */
@@ -1092,6 +1122,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_letter_differs_from_its_turned_and_mirrored_selves),
     cmocka_unit_test(the_sphere_is_the_smallest_with_enough_triangles),
     cmocka_unit_test(sphere_triangles_are_the_icosahedrons_own),
+    cmocka_unit_test(each_plate_reflects_the_lamps_to_the_camera),
     cmocka_unit_test(the_shininess_scene_is_five_spheres_in_a_row_from_dull_to_sharp),
     cmocka_unit_test(every_corner_of_an_arranged_scene_is_in_its_picture),
     cmocka_unit_test(the_red_wall_is_left_and_the_green_one_right),

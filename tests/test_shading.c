@@ -270,6 +270,29 @@ static void a_highlight_ends_at_a_right_angle(void **state)
     }
 }
 
+/* Just before a right angle the power is small, and its logarithm steep: what stays exact is the
+ * cosine, up to a few roundings of r, of v and of their lengths. Relative to a small cosine they
+ * are large, for any formula: the last digits of n, l and v already change it by as much. */
+static void close_to_a_right_angle_the_cosine_keeps_its_digits(void **state)
+{
+    (void)state;
+    const double shininess[] = {0.25, 0.5, 1, 2};
+    for (int i = 0; i < 4 * 400; i++) {
+        double s = shininess[i % 4], short_of_right = pow(10, -1 - 5 * (i / 4) / 400.0);
+        /* r is to the other side of `up` than l, v nearly a right angle back. */
+        double incidence = 20 + i % 50;
+        rk_vec3 l = direction(incidence, i);
+        rk_vec3 v = direction(incidence - 90 + short_of_right * 180 / pi, i + 180.0);
+        double want = exact_highlight(RK_SHADING_PHONG, false, 1, up, l, v);
+        double got = pow((double)highlight(RK_SHADING_PHONG, (float)s, l, v), 1 / s);
+        rk_check(
+            fabs(got - want) <= 2 * few_roundings,
+            "shininess %g, %g before a right angle: got the power of %.7g, want of %.7g within "
+            "%.2g: no epsilon ends the highlight earlier",
+            s, short_of_right, got, want, 2 * few_roundings);
+    }
+}
+
 static void blinn_phong_highlights_end_at_a_right_angle_too(void **state)
 {
     (void)state;
@@ -982,6 +1005,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(blinn_phong_is_the_cosine_from_the_normal_to_the_half_vector_to_a_power),
     cmocka_unit_test(in_the_mirror_direction_both_highlights_are_one),
     cmocka_unit_test(a_highlight_ends_at_a_right_angle),
+    cmocka_unit_test(close_to_a_right_angle_the_cosine_keeps_its_digits),
     cmocka_unit_test(without_shininess_the_highlight_is_constant),
     cmocka_unit_test(diffuse_part_and_highlight_add_up),
     cmocka_unit_test(without_specular_colour_every_model_is_lambert),

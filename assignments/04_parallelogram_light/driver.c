@@ -11,7 +11,9 @@ static const char summary[] =
     "--debug samples draws the samples on the light in their colours.\n"
     "--convergence puts each method's error and time into the table "
     "parallelogram_light_convergence, with --falloff physical into "
-    "parallelogram_light_convergence_physical.";
+    "parallelogram_light_convergence_physical.\n"
+    "--sharpness puts the error of highlights by their shininess, with and without directions of "
+    "the lobe, into the table parallelogram_light_sharpness.";
 
 RK_NAMES(light_names, choice of light, 1 + RK_LIGHT_PARALLELOGRAM, "own", "point", "segment",
          "parallelogram");
@@ -24,10 +26,12 @@ static const rk_option options[] = {
     {"brightness", RK_FIELD(choices, brightness), "F", "multiplies the lights' colours", 0, 1e6, 1},
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "put the error and time of each method and number of samples into a table"},
+    {"sharpness", RK_FIELD(choices, sharpness), NULL,
+     "put the error of highlights by shininess into a table; kd is black"},
     {"most", RK_FIELD(choices, most), "N", "largest number of samples in --convergence", 1, 4096,
      64},
     {"reference", RK_FIELD(choices, reference), "N",
-     "samples of the reference picture of --convergence", 1, 16384, 2048},
+     "samples of the reference picture of --convergence and --sharpness", 1, 16384, 2048},
     {0},
 };
 
@@ -66,16 +70,16 @@ static bool save(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     const rk_light_options *light = &driver->render.light;
-    char label[128], pixel[32] = "";
+    char label[160], pixel[32] = "";
     if (driver->debug)
         snprintf(pixel, sizeof pixel, "_%u_%u", driver->pixel.x, driver->pixel.y);
-    snprintf(label, sizeof label, "%s%s%s%s%s%u_%s%s%s%s%s", driver->debug ? driver->debug : "",
+    snprintf(label, sizeof label, "%s%s%s%s%s%u_%s%s%s%s%s%s", driver->debug ? driver->debug : "",
              driver->debug ? "_" : "", c->light ? light_names.items[c->light] : "",
              c->light ? "_" : "", c->coloured ? "coloured_" : "", light->samples,
              rk_sampler_name(light->sampling),
              light->domain == RK_LIGHT_DOMAIN_SOLID_ANGLE ? "_solid-angle" : "",
              light->falloff == RK_FALLOFF_PHYSICAL ? "_physical" : "", light->ratio ? "_ratio" : "",
-             pixel);
+             light->highlights == RK_HIGHLIGHT_LIGHT ? "_by-light" : "", pixel);
     return rk_driver_save(driver, label, error);
 }
 
@@ -113,7 +117,9 @@ int main(int argc, char **argv)
         .choices = &c,
         .set_defaults = set_defaults,
         .views = (rk_driver_view[]){{"rays", draw_view, false}, {"samples", draw_view, false}, {0}},
-        .studies = (rk_driver_study[]){{&c.convergence, put_study, false}, {0}},
+        .studies = (rk_driver_study[]){{&c.convergence, put_study, false},
+                                       {&c.sharpness, put_sharpness, false},
+                                       {0}},
         .prepare = set_lights,
         .put_rows = put_rows,
         .save = save,

@@ -6,7 +6,7 @@
 
 typedef struct choices {
     uint32_t light; /* 0: as the scene has it; or 1 + rk_light_kind */
-    bool coloured, convergence;
+    bool coloured, convergence, sharpness;
     float brightness;
     uint32_t most, reference; /* samples */
 } choices;
@@ -16,5 +16,8 @@ bool draw_view(rk_driver *driver, rk_error *error);
 
 /* Puts the table of --convergence. */
 bool put_study(rk_driver *driver, rk_error *error);
+
+/* Puts the table of --sharpness. */
+bool put_sharpness(rk_driver *driver, rk_error *error);
 
 #endif

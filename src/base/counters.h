@@ -10,6 +10,7 @@ typedef struct rk_counters {
     uint64_t reflected_rays;
     uint64_t glossy_samples; /* directions drawn around reflected ones, including discarded ones */
     uint64_t light_samples;  /* random points drawn on lights with an extent */
+    uint64_t lobe_samples;   /* directions drawn in highlights, towards such lights or past them */
     uint64_t box_tests;
     uint64_t triangle_tests;
     uint64_t sphere_tests;
@@ -28,6 +29,7 @@ static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
     sum->reflected_rays += part->reflected_rays;
     sum->glossy_samples += part->glossy_samples;
     sum->light_samples += part->light_samples;
+    sum->lobe_samples += part->lobe_samples;
     sum->box_tests += part->box_tests;
     sum->triangle_tests += part->triangle_tests;
     sum->sphere_tests += part->sphere_tests;

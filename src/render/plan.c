@@ -1,6 +1,7 @@
 #include "render/plan.h"
 
 #include "render/feature_list.h"
+#include "render/stages/highlight_stage.h"
 
 static bool reflects(const rk_material *material)
 {
@@ -82,6 +83,7 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
     plan.textures = rk_plan_any_material(scene, is_textured);
     plan.reflections = plan.rays && rk_plan_reflects(scene, options);
     plan.viewer = plan.reflections || has_highlights(scene, options);
+    plan.sharp_highlights = plan.parallelogram_light && rk_highlights_may_be_sharp(scene, options);
     plan.time_samples = plan.motion_blur && times_differ(&options->motion);
     return plan;
 }

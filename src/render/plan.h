@@ -16,12 +16,19 @@
 #include "features/transparency.h"
 #include "scene/scene.h"
 
+/* How highlights of lights with an extent are sampled. */
+typedef enum rk_highlight_sampling {
+    RK_HIGHLIGHT_LIGHT,   /* by the light's samples alone */
+    RK_HIGHLIGHT_BALANCE, /* sharp ones by directions of their lobe, too: render/lobe.h */
+} rk_highlight_sampling;
+
 /* Sampling of lights with an extent. */
 typedef struct rk_light_options {
     uint32_t samples; /* per light and shading point */
     rk_sampler_kind sampling;
     rk_light_domain domain;
     rk_light_falloff falloff;
+    rk_highlight_sampling highlights;
     bool ratio; /* ratio estimator: unshadowed light in closed form, times a sampled ratio */
     uint32_t early_out; /* stop after this many shadow rays that agree; 0: trace all */
 } rk_light_options;
@@ -80,10 +87,11 @@ typedef struct rk_plan {
     bool pixel_samples; /* at random positions within pixels */
     bool lights;        /* some light is not black */
     bool shadow_rays;
-    bool textures;     /* some material has one */
-    bool viewer;       /* shading depends on the direction to the viewer: highlights, mirrors */
-    bool reflections;  /* some surface is specular, and rays may be reflected */
-    bool time_samples; /* each sample has a time of its own */
+    bool textures;         /* some material has one */
+    bool viewer;           /* shading depends on the direction to the viewer: highlights, mirrors */
+    bool sharp_highlights; /* some highlight of a parallelogram may need directions of its lobe */
+    bool reflections;      /* some surface is specular, and rays may be reflected */
+    bool time_samples;     /* each sample has a time of its own */
 
     /* One for each feature: is it wanted? */
 #define RK_FEATURE(stem) bool stem;

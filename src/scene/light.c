@@ -26,6 +26,30 @@ bool rk_light_has_one_colour(const rk_light *light)
     return true;
 }
 
+/* With c from the point to corner 0, t direction = c + x edge01 + y edge02; crossed with an edge
+ * and multiplied by the plane's normal, one unknown is left. */
+bool rk_light_hit(const rk_light *light, rk_vec3 point, rk_vec3 direction, rk_vec2 *at)
+{
+    rk_dvec3 c = rk_dmadd(rk_widen(light->position), rk_widen(point), -1), d = rk_widen(direction);
+    rk_dvec3 edge01 = rk_widen(light->edge01), edge02 = rk_widen(light->edge02);
+    rk_dvec3 normal = rk_dcross(edge01, edge02);
+    double t = rk_ddot(c, normal) / rk_ddot(d, normal), area2 = rk_ddot(normal, normal);
+    rk_dvec3 from_corner = rk_dmadd(rk_dscale(c, -1), d, t);
+    double x = rk_ddot(rk_dcross(from_corner, edge02), normal) / area2;
+    double y = rk_ddot(rk_dcross(edge01, from_corner), normal) / area2;
+    *at = (rk_vec2){(float)x, (float)y};
+    return t > 0 && x >= 0 && x <= 1 && y >= 0 && y <= 1; /* NaN and infinity are no hit */
+}
+
+double rk_light_area_density(const rk_light *light, rk_vec3 point, rk_vec3 position)
+{
+    rk_dvec3 d = rk_dmadd(rk_widen(position), rk_widen(point), -1);
+    double square = rk_ddot(d, d);
+    rk_dvec3 normal = rk_dcross(rk_widen(light->edge01), rk_widen(light->edge02));
+    double volume = fabs(rk_ddot(d, normal));
+    return volume > 0 ? square * sqrt(square) / volume : (double)INFINITY;
+}
+
 /* Seen from the point, the segment is p + t |p| tan phi, where p is the foot of the perpendicular,
  * t the unit edge, and phi runs from phi0 to phi1. There r = |p| / cos phi and sin' = cos phi, so
  * the integrand becomes (n.p / |p| cos^2 phi + n.t sin phi cos phi) / |p|. */

@@ -33,6 +33,14 @@ bool rk_light_emits(const rk_light *light);
 /* Do all of its corners have the same colour? */
 bool rk_light_has_one_colour(const rk_light *light);
 
+/* Does the ray from `point` along `direction` (any length) hit the parallelogram? Fills in `at`,
+ * the x and y of the place. In the light's plane there is no hit. */
+bool rk_light_hit(const rk_light *light, rk_vec3 point, rk_vec3 direction, rk_vec2 *at);
+
+/* Returns the density per solid angle, at the point, of samples uniform over the parallelogram's
+ * area: r^2 / (A cos'), for the sample at `position`; infinite in the light's plane. */
+double rk_light_area_density(const rk_light *light, rk_vec3 point, rk_vec3 position);
+
 /* Returns the integral of cos sin' / r^2 dl over the part above the horizon of the segment from
  * `from` to `from` + `edge`, both relative to the surface point whose unit normal is `normal`; sin'
  * belongs to the angle between segment and direction. 0 for a segment of no length or in line with

@@ -12,9 +12,7 @@ rk_material rk_builtin_glass(rk_vec3 colour, float alpha, float thickness)
                                     -logf(colour.z) / thickness)};
 }
 
-/* Appends the parallelogram from `corner` along `a` and `b`, counter-clockwise as seen against a
- * cross b. */
-static void put_quad(rk_mesh *mesh, rk_vec3 corner, rk_vec3 a, rk_vec3 b, uint16_t material)
+void rk_builtin_put_quad(rk_mesh *mesh, rk_vec3 corner, rk_vec3 a, rk_vec3 b, uint16_t material)
 {
     const rk_vec3 corners[4] = {corner, rk_add(corner, a), rk_add(rk_add(corner, a), b),
                                 rk_add(corner, b)};
@@ -30,8 +28,7 @@ static void put_quad(rk_mesh *mesh, rk_vec3 corner, rk_vec3 a, rk_vec3 b, uint16
     mesh->vertex_count += 4;
 }
 
-/* Makes an empty mesh with memory for `quads` parallelograms. */
-static bool init_quads(rk_mesh *mesh, uint32_t quads, uint32_t materials, rk_error *error)
+bool rk_builtin_init_quads(rk_mesh *mesh, uint32_t quads, uint32_t materials, rk_error *error)
 {
     if (!rk_mesh_init(mesh, 4 * quads, 2 * quads, materials, 0, error))
         return false;
@@ -47,16 +44,19 @@ enum { plaster, red, yellow, pane_materials };
 static void put_pane(rk_mesh *mesh, bool left, bool in_front, uint16_t material)
 {
     const float x = left ? -0.15f : -0.35f, z = in_front ? -0.15f : 0;
-    put_quad(mesh, rk_vec(x, -0.45f, z), rk_vec(0, 0.65f, 0), rk_vec(0.5f, 0, 0), material);
+    rk_builtin_put_quad(mesh, rk_vec(x, -0.45f, z), rk_vec(0, 0.65f, 0), rk_vec(0.5f, 0, 0),
+                        material);
 }
 
 /* Red is on the left and yellow on the right, whichever is in front. */
 bool rk_builtin_make_panes(rk_mesh *mesh, uint32_t yellow_first, rk_error *error)
 {
-    if (!init_quads(mesh, 4, pane_materials, error))
+    if (!rk_builtin_init_quads(mesh, 4, pane_materials, error))
         return false;
-    put_quad(mesh, rk_vec(-0.7f, -0.5f, -0.5f), rk_vec(0, 0, 1), rk_vec(1.4f, 0, 0), plaster);
-    put_quad(mesh, rk_vec(-0.7f, -0.5f, 0.5f), rk_vec(0, 1, 0), rk_vec(1.4f, 0, 0), plaster);
+    rk_builtin_put_quad(mesh, rk_vec(-0.7f, -0.5f, -0.5f), rk_vec(0, 0, 1), rk_vec(1.4f, 0, 0),
+                        plaster);
+    rk_builtin_put_quad(mesh, rk_vec(-0.7f, -0.5f, 0.5f), rk_vec(0, 1, 0), rk_vec(1.4f, 0, 0),
+                        plaster);
     put_pane(mesh, true, !yellow_first, red);
     put_pane(mesh, false, yellow_first, yellow);
     mesh->materials[red].kd = rk_vec(0.9f, 0.1f, 0.1f);
@@ -81,12 +81,12 @@ enum { stone, glass, block_materials };
 static void put_block(rk_mesh *mesh, rk_vec3 low, rk_vec3 size)
 {
     const rk_vec3 x = {size.x, 0, 0}, y = {0, size.y, 0}, z = {0, 0, size.z};
-    put_quad(mesh, low, y, x, glass);
-    put_quad(mesh, low, z, y, glass);
-    put_quad(mesh, low, x, z, glass);
-    put_quad(mesh, rk_add(low, z), x, y, glass);
-    put_quad(mesh, rk_add(low, x), y, z, glass);
-    put_quad(mesh, rk_add(low, y), z, x, glass);
+    rk_builtin_put_quad(mesh, low, y, x, glass);
+    rk_builtin_put_quad(mesh, low, z, y, glass);
+    rk_builtin_put_quad(mesh, low, x, z, glass);
+    rk_builtin_put_quad(mesh, rk_add(low, z), x, y, glass);
+    rk_builtin_put_quad(mesh, rk_add(low, x), y, z, glass);
+    rk_builtin_put_quad(mesh, rk_add(low, y), z, x, glass);
 }
 
 /* The blocks end a thousandth above the floor, so that a ray hits the two at different
@@ -94,9 +94,10 @@ static void put_block(rk_mesh *mesh, rk_vec3 low, rk_vec3 size)
 bool rk_builtin_make_glass(rk_mesh *mesh, uint32_t number, rk_error *error)
 {
     (void)number;
-    if (!init_quads(mesh, 13, block_materials, error))
+    if (!rk_builtin_init_quads(mesh, 13, block_materials, error))
         return false;
-    put_quad(mesh, rk_vec(-0.7f, -0.35f, -0.6f), rk_vec(0, 0, 1.2f), rk_vec(1.4f, 0, 0), stone);
+    rk_builtin_put_quad(mesh, rk_vec(-0.7f, -0.35f, -0.6f), rk_vec(0, 0, 1.2f), rk_vec(1.4f, 0, 0),
+                        stone);
     put_block(mesh, rk_vec(0.1f, -0.349f, 0.02f), rk_vec(0.4f, 0.35f, 0.06f));
     put_block(mesh, rk_vec(-0.5f, -0.349f, -0.15f), rk_vec(0.4f, 0.35f, 0.4f));
     mesh->materials[glass] = rk_builtin_glass(rk_vec(0.35f, 0.75f, 0.55f), 0.3f, 0.4f);

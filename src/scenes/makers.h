@@ -23,6 +23,17 @@ bool rk_builtin_make_statue(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_builtin_make_cover(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_builtin_make_moving(rk_mesh *mesh, uint32_t number, rk_error *error);
 
+/* Four plates of different shininess under four lamps. */
+bool rk_builtin_make_plates(rk_mesh *mesh, uint32_t number, rk_error *error);
+void rk_builtin_arrange_plates(rk_scene *scene);
+
+/* Makes an empty mesh with memory for `quads` parallelograms. */
+bool rk_builtin_init_quads(rk_mesh *mesh, uint32_t quads, uint32_t materials, rk_error *error);
+
+/* Appends the parallelogram from `corner` along `a` and `b`, counter-clockwise as seen against a
+ * cross b. */
+void rk_builtin_put_quad(rk_mesh *mesh, rk_vec3 corner, rk_vec3 a, rk_vec3 b, uint16_t material);
+
 /* No triangles, for scenes that consist of exact spheres. */
 bool rk_builtin_make_nothing(rk_mesh *mesh, uint32_t number, rk_error *error);
 

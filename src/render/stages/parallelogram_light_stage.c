@@ -1,5 +1,7 @@
 #include "render/stages/parallelogram_light_stage.h"
 
+#include "render/stages/highlight_stage.h"
+
 static uint32_t samples_of(const rk_rendering *r, const rk_light *light)
 {
     return light->kind == RK_LIGHT_POINT ? 1 : r->options->light.samples;
@@ -14,23 +16,19 @@ static void start(const rk_shading_points *points, rk_light_sums *sums)
     }
 }
 
-/* The random number for one of a shading point's samples. */
-static rk_vec2 place_on_light(const rk_rendering *r, const rk_sample_pass *pass,
-                              const rk_shading_point *point, uint32_t light, uint32_t sample)
+/* Each bounce and light has dimensions of its own; all paths of a pixel are one set of samples. */
+rk_vec2 rk_light_random(const rk_rendering *r, const rk_sample_pass *pass,
+                        const rk_shading_point *point, uint32_t light, uint32_t dimension,
+                        uint32_t samples, uint32_t sample)
 {
-    /* Each bounce and light has dimensions of its own; all paths of a pixel are one set of samples.
-     */
-    const rk_light_options *options = &r->options->light;
     const rk_path *path = &point->path;
     const rk_sample_index index = rk_sample_index_of(pass, point->pixel);
     uint32_t bounce = r->options->max_depth - path->bounces_left;
     uint32_t paths = index.samples * (path->split ? r->options->glossy.samples : 1);
     uint32_t pixel = rk_picture_pixel(pass, r->options->width, point->pixel);
-    uint32_t first = index.dimension + RK_DIMENSION_LIGHT;
-    const rk_sampler sampler = {options->sampling, r->options->seed, paths * options->samples};
-    pass->counters->light_samples++;
-    return rk_sample_2d(&sampler, pixel, path->sample * options->samples + sample,
-                        first + 2 * (bounce * RK_LIGHTS_MAX + light));
+    const rk_sampler sampler = {r->options->light.sampling, r->options->seed, paths * samples};
+    return rk_sample_2d(&sampler, pixel, path->sample * samples + sample,
+                        index.dimension + dimension + 2 * (bounce * RK_LIGHTS_MAX + light));
 }
 
 static rk_light_sample light_sample(const rk_rendering *r, const rk_sample_pass *pass,
@@ -39,8 +37,10 @@ static rk_light_sample light_sample(const rk_rendering *r, const rk_sample_pass 
     const rk_light *light = &r->scene->lights[index];
     const rk_light_options *options = &r->options->light;
     rk_vec2 xi = {0, 0};
-    if (light->kind != RK_LIGHT_POINT)
-        xi = place_on_light(r, pass, point, index, sample);
+    if (light->kind != RK_LIGHT_POINT) {
+        xi = rk_light_random(r, pass, point, index, RK_DIMENSION_LIGHT, options->samples, sample);
+        pass->counters->light_samples++;
+    }
     return rk_light_sample_at(light, options->falloff, options->domain, point->surface.point, xi);
 }
 
@@ -57,7 +57,10 @@ static void queue_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
         rk_light_sample light = light_sample(r, pass, point, index, sample);
         rk_vec3 to_light = rk_sub(light.position, point->surface.point);
         rk_vec3 contribution =
-            rk_reflected_radiance(&r->options->shading, point, to_light, light.colour);
+            r->plan.sharp_highlights && sums->solid_angle[i] > 0
+                ? rk_highlight_of_light_sample(r, point, &r->scene->lights[index],
+                                               sums->solid_angle[i], &light)
+                : rk_reflected_radiance(&r->options->shading, point, to_light, light.colour);
         if (rk_is_black(contribution))
             continue;
         sums->unshadowed[i] = rk_add(sums->unshadowed[i], contribution);
@@ -74,9 +77,12 @@ static bool is_attenuated(const rk_rendering *r, const rk_shadow_answers *answer
     return r->plan.transparency && (t->x < 1 || t->y < 1 || t->z < 1);
 }
 
-static void add_unoccluded(const rk_rendering *r, const rk_shadow_queue *queue,
-                           const rk_shadow_answers *answers, rk_light_sums *sums)
+static void trace(const rk_rendering *r, rk_sample_pass *pass, const rk_shadow_queue *queue,
+                  rk_shadow_answers *answers, rk_light_sums *sums)
 {
+    if (queue->rays.count == 0)
+        return;
+    rk_shadow_stage(r, pass, queue, answers);
     for (uint32_t k = 0; k < queue->rays.count; k++) {
         uint32_t i = queue->point[k];
         sums->traced[i]++;
@@ -136,15 +142,19 @@ void rk_parallelogram_light_stage(const rk_rendering *r, rk_sample_pass *pass,
 {
     const rk_light *light = &r->scene->lights[index];
     uint32_t samples = samples_of(r, light);
+    uint32_t directions = 0;
     start(points, sums);
+    if (r->plan.sharp_highlights)
+        directions = rk_highlight_start(r, points, light, sums);
     for (uint32_t sample = 0; sample < samples; sample++) {
         if (sample > 0 && sample == r->options->light.early_out)
             early_out(points, sums);
         queue_shadow_rays(r, pass, points, index, sample, sums, queue);
-        if (queue->rays.count == 0)
-            continue;
-        rk_shadow_stage(r, pass, queue, answers);
-        add_unoccluded(r, queue, answers, sums);
+        trace(r, pass, queue, answers, sums);
+    }
+    for (uint32_t sample = 0; sample < directions; sample++) {
+        rk_highlight_stage(r, pass, points, index, sample, sums, queue);
+        trace(r, pass, queue, answers, sums);
     }
     add_means(r, points, light, sums, film);
 }
@@ -155,6 +165,8 @@ RK_NAMES(rk_light_domain_names, rk_light_domain, RK_LIGHT_DOMAIN_SOLID_ANGLE, "a
          "solid-angle");
 RK_NAMES(rk_light_falloff_names, rk_light_falloff, RK_FALLOFF_PHYSICAL, "none", "physical");
 
+RK_NAMES(rk_highlight_names, rk_highlight_sampling, RK_HIGHLIGHT_BALANCE, "light", "balance");
+
 static const rk_option rows[] = {
     {"light-samples", RK_FIELD(rk_render_options, light.samples), "N",
      "samples per light with an extent and shading point", 1, RK_SAMPLES_MAX, 16},
@@ -162,6 +174,9 @@ static const rk_option rows[] = {
      "distribution of the samples over the light", .initial = RK_SAMPLER_LOW_DISCREPANCY},
     {"light-domain", RK_CHOICE(rk_render_options, light.domain, rk_light_domain_names),
      "samples are uniform over the light's area, or over its solid angle", .alias = "light-map"},
+    {"highlights", RK_CHOICE(rk_render_options, light.highlights, rk_highlight_names),
+     "sample sharp highlights by the light alone, or by directions of their lobe, too",
+     .initial = RK_HIGHLIGHT_BALANCE},
     {"falloff", RK_CHOICE(rk_render_options, light.falloff, rk_light_falloff_names),
      "does light decrease with distance and slant?"},
     {"ratio", RK_FIELD(rk_render_options, light.ratio), NULL,

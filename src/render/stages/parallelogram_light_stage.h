@@ -24,6 +24,8 @@ typedef struct rk_light_sums {
     uint32_t traced[RK_BATCH_MAX];    /* shadow rays */
     uint32_t unoccluded[RK_BATCH_MAX];
     rk_light_visibility visibility[RK_BATCH_MAX];
+    double solid_angle[RK_BATCH_MAX]; /* see rk_highlight_start; set only with
+                                         plan.sharp_highlights */
 } rk_light_sums;
 
 /* Adds the light of the scene with this index; `queue`, `answers` and `sums` are scratch memory. */
@@ -32,6 +34,17 @@ void rk_parallelogram_light_stage(const rk_rendering *r, rk_sample_pass *pass,
                                   rk_shadow_queue *queue, rk_shadow_answers *answers,
                                   rk_light_sums *sums, rk_film *film);
 
-extern const rk_names rk_light_domain_names, rk_light_falloff_names;
+/* Returns the random number, from this and the next of the dimensions, for one of `samples` samples
+ * of the light at a shading point. */
+rk_vec2 rk_light_random(const rk_rendering *r, const rk_sample_pass *pass,
+                        const rk_shading_point *point, uint32_t light, uint32_t dimension,
+                        uint32_t samples, uint32_t sample);
+
+/* Of the directions in lobes: beyond those of all lights' samples at all bounces. */
+enum { RK_DIMENSION_LOBE = RK_DIMENSION_LIGHT + (1 << 15) };
+_Static_assert(2 * (RK_MAX_DEPTH + 1) * RK_LIGHTS_MAX <= 1 << 15,
+               "a pair for each light and bounce");
+
+extern const rk_names rk_light_domain_names, rk_light_falloff_names, rk_highlight_names;
 
 #endif
