@@ -380,6 +380,28 @@ static void the_margin_is_no_wider_than_the_largest_circle(void **state)
     rk_scene_free(&scene);
 }
 
+/* Half of its length as a margin would be a picture of its length squared. */
+static void a_long_picture_has_a_margin_in_proportion_to_its_pixels(void **state)
+{
+    (void)state;
+    rk_scene scene = make_card(0, 3);
+    for (int way = 0; way < 2; way++) {
+        rk_render_options options = with_lens(3, 1e6f, 1);
+        options.width = way ? 600 : 1, options.height = way ? 1 : 600;
+        options.lens_samples = 2;
+        uint64_t pixels = 600;
+        test_picture picture = test_render(&scene, options, 2);
+        uint64_t blurred = picture.counters.lens_samples / 2, sharp = pixels - blurred;
+        uint64_t centres = picture.counters.primary_rays - 2 * blurred - sharp;
+        rk_check(
+            centres > pixels && centres <= 16 * pixels,
+            "%u x %u: %llu centre rays, want 16 per pixel at most, and some beside the picture",
+            options.width, options.height, (unsigned long long)centres);
+        rk_image_free(&picture.image);
+    }
+    rk_scene_free(&scene);
+}
+
 static void a_plane_is_flat_and_a_sphere_is_round(void **state)
 {
     (void)state;
@@ -527,6 +549,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(only_pixels_within_reach_of_a_blurred_half_take_lens_samples),
     cmocka_unit_test(a_near_thing_beside_the_picture_is_blurred_into_it),
     cmocka_unit_test(the_margin_is_no_wider_than_the_largest_circle),
+    cmocka_unit_test(a_long_picture_has_a_margin_in_proportion_to_its_pixels),
     cmocka_unit_test(a_plane_is_flat_and_a_sphere_is_round),
     cmocka_unit_test(transparent_surfaces_in_focus_take_samples_for_surfaces_behind_them),
     cmocka_unit_test(the_picture_is_the_same_for_any_number_of_threads),

@@ -129,6 +129,39 @@ static void the_density_of_area_samples_is_per_solid_angle(void **state)
     }
 }
 
+/* From afar a segment is a point: its length, times both cosines, over the squared distance. It
+ * subtends 1e-10, and less seen nearly from its end; a difference of two angles knows 1e-16. */
+static void a_small_distant_segment_is_as_bright_as_a_point(void **state)
+{
+    (void)state;
+    const rk_dvec3 up = {0, 0, 1}, edge = {1e-4, 0, 0};
+    double got = rk_light_segment_irradiance((rk_dvec3){0, 0, 1e6}, edge, up);
+    rk_check_close(got / (1e-4 / 1e12), 1, 1e-9, "facing the surface");
+    got = rk_light_segment_irradiance((rk_dvec3){1e6, 0, 1e3}, edge, up);
+    double square = 1e12 + 1e6, cosine = 1e3 / sqrt(square);
+    rk_check_close(got / (1e-4 * cosine * cosine / square), 1, 1e-6,
+                   "nearly in line: both cosines are 1e-3, of which 1e-6 is left of 1e-16");
+}
+
+/* Just above the horizon, or past the point, the two terms of the closed form nearly cancel. */
+static void no_rounding_makes_a_segment_darker_than_dark(void **state)
+{
+    (void)state;
+    const rk_dvec3 up = {0, 0, 1}, tilted = {1e-15, 1, 3e-16};
+    const struct {
+        rk_dvec3 from, edge, normal;
+    } cases[] = {
+        {{1e6, -0.2, 0}, {-0.4, 1e-6, 1e-6}, up},
+        {{1e-6, 1e-15, 1e-15}, {1e15, 0.5, -0.7}, up},
+        {{0, 1e-15, 1}, {0, 1e-15, -0.3}, tilted},
+        {{1e-15, 0, -1}, {-0.96, 0.015, 1e15}, {-0.653, -0.312, 0.69}},
+    };
+    for (int i = 0; i < 4; i++) {
+        double got = rk_light_segment_irradiance(cases[i].from, cases[i].edge, cases[i].normal);
+        rk_check(got >= 0, "case %d: got %g", i, got);
+    }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_point_light_has_one_colour),
     cmocka_unit_test(each_corner_that_a_light_has_can_change_its_colour),
@@ -138,6 +171,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_ray_hits_the_place_of_the_light_to_which_it_points),
     cmocka_unit_test(rays_in_the_plane_of_a_light_do_not_hit_it),
     cmocka_unit_test(the_density_of_area_samples_is_per_solid_angle),
+    cmocka_unit_test(a_small_distant_segment_is_as_bright_as_a_point),
+    cmocka_unit_test(no_rounding_makes_a_segment_darker_than_dark),
 };
 
 RK_SUITE("light", tests)

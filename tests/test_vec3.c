@@ -77,6 +77,20 @@ static void the_zero_vector_normalizes_to_itself(void **state)
     check_vector(rk_normalize(rk_vec(0, 0, 0)), 0, 0, 0, "it has no direction, and gives no NaN");
 }
 
+/* Neither infinite nor NaN, and never a direction of any other length. */
+static void lengths_whose_square_is_no_float_give_zero_or_themselves(void **state)
+{
+    (void)state;
+    for (int exponent = 65; exponent < 128; exponent++) {
+        float size = ldexpf(1, exponent);
+        check_vector(rk_normalize(rk_vec(size, -size, 0)), 0, 0, 0, "too long");
+    }
+    for (int exponent = -149; exponent < -76; exponent++) {
+        float size = ldexpf(1, exponent);
+        check_vector(rk_normalize(rk_vec(size, -size, 0)), size, -size, 0, "too short");
+    }
+}
+
 static void min_and_max_ignore_nan_in_their_first_argument(void **state)
 {
     (void)state;
@@ -94,6 +108,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(mixing_is_exact_at_both_ends),
     cmocka_unit_test(a_normalized_vector_has_length_one),
     cmocka_unit_test(the_zero_vector_normalizes_to_itself),
+    cmocka_unit_test(lengths_whose_square_is_no_float_give_zero_or_themselves),
     cmocka_unit_test(min_and_max_ignore_nan_in_their_first_argument),
 };
 

@@ -120,6 +120,8 @@ function build_rooms() {
 
 function build_all() {
     build_rooms()
+    print "\n# What tests/stress/stress_accuracy.c searches."
+    room("stress", "tests/stress/measure*.[ch] tests/stress/search.c")
     print "\nfeatures =" stems
     print "feature_drivers =" drivers
     print "feature_suites =" suites

@@ -68,7 +68,9 @@ static inline float rk_length(rk_vec3 a)
     return sqrtf(rk_dot(a, a));
 }
 
-/* Returns a / |a|; the zero vector, which has no direction, is returned unchanged. */
+/* Returns a / |a|; the zero vector, which has no direction, is returned unchanged. For lengths from
+ * 2^-60 to 2^60 (1e-18 and 1e18): the squares of shorter and longer ones lose digits or are beyond
+ * a float. From 2^65 on the result is 0, below 2^-76 it is a. */
 static inline rk_vec3 rk_normalize(rk_vec3 a)
 {
     float length = rk_length(a);

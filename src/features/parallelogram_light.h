@@ -41,15 +41,17 @@ rk_light_sample rk_light_sample_at(const rk_light *light, rk_light_falloff fallo
 
 /* Returns the solid angle, 0 to 2 pi, that a parallelogram subtends at the point, in double
  * precision however small it is: the relative error is about 2^-50 times the distance to the
- * farthest corner over that to the parallelogram's plane. 0 in this plane, on the light itself,
- * too. */
+ * farthest corner over that to the parallelogram's plane. Between the ends of a needle, which is
+ * narrower than its distance from the point, it is up to the square of that. 0 in this plane, on
+ * the light itself, too. */
 double rk_light_solid_angle(const rk_light *light, rk_vec3 point);
 
 /* Returns the irradiance at the point, on a surface of unit normal `normal`, of the unshadowed
  * light if all of its colours are 1 and falloff is physical. Parts of the light below the surface's
- * horizon do not count. Closed form; the error is about 2^-50 of the angle that the light subtends.
- * Lambert, "Photometria", 1760; clipped as in Baum, Rushmeier, Winget, "Improving radiosity
- * solutions through the use of analytically determined form-factors", 1989. */
+ * horizon do not count. Closed form; the error is about 2^-50 of the angle that the light subtends,
+ * times the farthest corner's distance over that of the nearest side. Lambert, "Photometria", 1760;
+ * clipped as in Baum, Rushmeier, Winget, "Improving radiosity solutions through the use of
+ * analytically determined form-factors", 1989. */
 float rk_light_irradiance(const rk_light *light, rk_vec3 point, rk_vec3 normal);
 
 /* The ratio estimator: returns `unshadowed`, from the closed form (irradiance x the light's one

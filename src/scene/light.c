@@ -64,9 +64,12 @@ double rk_light_segment_irradiance(rk_dvec3 from, rk_dvec3 edge, rk_dvec3 normal
         return 0;
     /* Clipped at the horizon. */
     double low = begin < 0 ? begin / (begin - end) : 0, high = end < 0 ? begin / (begin - end) : 1;
-    double phi0 = atan2(at + low * whole, distance), phi1 = atan2(at + high * whole, distance);
-    /* Differences of squared sines and cosines as products, which do not cancel. */
-    double turn = phi1 - phi0, sum = phi0 + phi1;
+    double begins = at + low * whole, ends = at + high * whole;
+    /* phi1 - phi0, and their sum. Differences would cancel far away; here and below, for squared
+     * sines and cosines, products stand in their place. */
+    double turn = atan2(distance * (high - low) * whole, distance * distance + begins * ends);
+    double sum = 2 * atan2(begins, distance) + turn;
     double across = (turn + sin(turn) * cos(sum)) * rk_ddot(normal, p) / distance;
-    return (across + sin(turn) * sin(sum) * rk_ddot(normal, t)) / (2 * distance);
+    double along = sin(turn) * sin(sum) * rk_ddot(normal, t);
+    return fmax(across + along, 0) / (2 * distance); /* the two nearly cancel at the horizon */
 }

@@ -43,8 +43,8 @@ double rk_light_area_density(const rk_light *light, rk_vec3 point, rk_vec3 posit
 
 /* Returns the integral of cos sin' / r^2 dl over the part above the horizon of the segment from
  * `from` to `from` + `edge`, both relative to the surface point whose unit normal is `normal`; sin'
- * belongs to the angle between segment and direction. 0 for a segment of no length or in line with
- * the point. */
+ * belongs to the angle between segment and direction. Never below 0; 0 for a segment of no length
+ * or in line with the point. */
 double rk_light_segment_irradiance(rk_dvec3 from, rk_dvec3 edge, rk_dvec3 normal);
 
 #endif

@@ -60,12 +60,22 @@ static float largest_coc(const rk_rendering *r, float depth, uint32_t margin)
     return rk_lens_coc_diameter(&r->options->lens, view, plane ? &ahead : &corner, depth);
 }
 
+/* Half a picture, and of a long one at most 16 centre rays per pixel, where half of its length
+ * would take as many as the square of its length: the m with (width + 2m) (height + 2m) = 16 width
+ * height. */
+static uint32_t largest_margin(uint32_t width, uint32_t height)
+{
+    uint32_t half = (width > height ? width : height) / 2;
+    double sides = (double)width + (double)height, area = (double)width * (double)height;
+    double margin = (sqrt(sides * sides + 60 * area) - sides) / 4;
+    return margin < half ? (uint32_t)margin : half;
+}
+
 /* What is just outside of the picture may be blurred into it. So centre rays look there, too, as
- * far as the largest circle reaches; of what is right before the lens, half a picture far. */
+ * far as the largest circle reaches; of what is right before the lens, as far as they may. */
 static uint32_t margin_of(const rk_rendering *r)
 {
-    uint32_t width = r->options->width, height = r->options->height;
-    uint32_t most = (width > height ? width : height) / 2;
+    uint32_t most = largest_margin(r->options->width, r->options->height);
     depth_range range = depths_of(r);
     if (!(range.nearest > 0))
         return range.farthest > 0 ? most : 0;
