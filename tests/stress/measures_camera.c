@@ -169,7 +169,7 @@ static double error_of_sphere_circle(const float *in)
 #define LENS_INPUTS                                                                                \
     PICTURE_INPUTS, {BETWEEN, 2, 0, 1}, {POSITIVE, 2, -20, 10},                                    \
     {                                                                                              \
-        FRACTION, 2                                                                                \
+        FRACTION, 2, 0, 1                                                                          \
     }
 
 static const measure list[] = {

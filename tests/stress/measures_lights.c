@@ -203,35 +203,57 @@ static wide integrate(wide from, wide turn, wide cosine_part, wide sine_part)
     return sum * turn;
 }
 
-static double error_of_segment(const float *in)
+/* False for inputs that the measures are not about. `unit` receives the angle that the segment
+ * subtends, over its line's distance, times the farther end's over that distance, by which
+ * roundings of the ends grow. */
+static bool segment_irradiance(const rk_light *light, rk_vec3 point, rk_vec3 normal, wide *want,
+                               wide *unit)
 {
-    rk_light light = light_of(in, RK_LIGHT_SEGMENT);
-    rk_vec3 point = vector_of(in + 9), normal = direction_of(in + 12);
-    if (normal.x != normal.x)
-        return (double)NAN;
-    real3 n = real_of(normal), a = seen_from(&light, point).corner[0];
-    real3 edge = real_of(light.edge01), b = madd(a, edge, 1);
+    real3 n = real_of(normal), a = seen_from(light, point).corner[0];
+    real3 edge = real_of(light->edge01), b = madd(a, edge, 1);
     real whole = size(edge), begin = dot(n, a), end = dot(n, b);
-    if (!(whole > 0) || !(size(cross(a, edge)) > 0))
-        return (double)NAN;
+    if (normal.x != normal.x || !(whole > 0) || !(size(cross(a, edge)) > 0))
+        return false;
+    real farther = size(a) > size(b) ? size(a) : size(b);
     if (begin < 0 && end > 0)
         a = madd(a, edge, begin / (begin - end));
     if (end < 0 && begin > 0)
         b = madd(b, edge, -end / (end - begin));
-    wide want = 0, turn = 0;
+    *want = *unit = 0;
     real distance = size(cross(a, edge)) / whole;
     real3 foot = madd(a, edge, -dot(a, edge) / (whole * whole));
     if (begin > 0 || end > 0) {
-        turn = atan2l((wide)size(cross(a, madd(b, a, -1))), (wide)dot(a, b));
+        wide turn = atan2l((wide)size(cross(a, madd(b, a, -1))), (wide)dot(a, b));
         wide from = atan2l((wide)(dot(a, edge) / whole), (wide)distance);
-        want =
-            integrate(from, turn, (wide)(dot(n, foot) / distance), (wide)(dot(n, edge) / whole)) /
-            (wide)distance;
+        wide along = (wide)(dot(n, foot) / distance), across = (wide)(dot(n, edge) / whole);
+        *want = integrate(from, turn, along, across) / (wide)distance;
+        *unit = turn / (wide)distance * (wide)(farther / distance);
     }
-    if (!(want < 0x1p100L && (wide)distance > 0x1p-40L))
+    return *want < 0x1p100L && (wide)distance > 0x1p-40L;
+}
+
+static double error_of_segment(const float *in)
+{
+    rk_light light = light_of(in, RK_LIGHT_SEGMENT);
+    rk_vec3 point = vector_of(in + 9), normal = direction_of(in + 12);
+    wide want, unit;
+    if (!segment_irradiance(&light, point, normal, &want, &unit))
         return (double)NAN;
     return error_in((wide)rk_light_irradiance(&light, point, normal), want,
-                    eps * want + 0x1p-50L * turn / (wide)distance);
+                    eps * want + 0x1p-50L * unit);
+}
+
+/* Before it is rounded to a float, which would hide small errors from the search. */
+static double error_of_segment_in_double(const float *in)
+{
+    rk_light light = light_of(in, RK_LIGHT_SEGMENT);
+    rk_vec3 point = vector_of(in + 9), normal = direction_of(in + 12);
+    wide want, unit;
+    if (!segment_irradiance(&light, point, normal, &want, &unit) || !(unit > 0))
+        return (double)NAN;
+    rk_dvec3 from = rk_dmadd(rk_widen(light.position), rk_widen(point), -1);
+    double got = rk_light_segment_irradiance(from, rk_widen(light.edge01), rk_widen(normal));
+    return got == got ? (double)(fabsl((wide)got - want) / (0x1p-53L * unit)) : (double)INFINITY;
 }
 
 /* --- Samples ---------------------------------------------------------------------------------- */
@@ -321,17 +343,28 @@ static const measure list[] = {
      .reference = "binary128",
      .cost = 8},
     {.routine = "rk_light_irradiance: segment",
-     .what = "error, eps of the value and 2^-50 of the angle over the distance",
+     .what = "error, eps of the value and 2^-50 of the angle over the distance, times the farther "
+             "end's over that",
      .error = error_of_segment,
      .domains = {LIGHT_INPUTS, {SIGNED, 3, -20, 1}},
      .bound = 2,
      .because = "a rounding to float; those to double are 8",
      .reference = "binary128, quadrature over the angle",
      .cost = 8},
+    {.routine = "rk_light_segment_irradiance",
+     .what = "error, 2^-53 of the angle over the distance, times the farther end's over that",
+     .error = error_of_segment_in_double,
+     .domains = {LIGHT_INPUTS, {SIGNED, 3, -20, 1}},
+     .bound = 24,
+     .because =
+         "the line's distance: 3, in the angle, its foot and the quotient; both ends' angles: 3 "
+         "each; products and sums: 9",
+     .reference = "binary128, quadrature over the angle",
+     .cost = 8},
     {.routine = "rk_light_sample_at",
      .what = "error of the position, eps times the sum of its terms",
      .error = error_of_position,
-     .domains = {LIGHT_INPUTS, {FRACTION, 2}},
+     .domains = {LIGHT_INPUTS, {FRACTION, 2, 0, 1}},
      .bound = 3,
      .because = "a product and two sums",
      .reference = "long double"},
@@ -339,7 +372,7 @@ static const measure list[] = {
      .what =
          "error of the weight, eps of it and 2^-53 of the weight of a light that faces the point",
      .error = error_of_weight,
-     .domains = {LIGHT_INPUTS, {FRACTION, 2}},
+     .domains = {LIGHT_INPUTS, {FRACTION, 2, 0, 1}},
      .bound = 6,
      .because = "the weight: 1, four equal colours mixed: 3, their product; twelve of 2^-53",
      .reference = "binary128",
@@ -347,7 +380,7 @@ static const measure list[] = {
     {.routine = "rk_light_sample_at: by solid angle",
      .what = "distance of a position outside of the light, eps times size, edges over height",
      .error = outside_of_light,
-     .domains = {LIGHT_INPUTS, {FRACTION, 2}},
+     .domains = {LIGHT_INPUTS, {FRACTION, 2, 0, 1}},
      .bound = 8,
      .because = "a product and two sums, of the place on each edge, which is itself rounded",
      .reference = "binary128",

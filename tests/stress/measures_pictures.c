@@ -241,7 +241,7 @@ static const measure list[] = {
     {.routine = "rk_bloom_weight_inside",
      .what = "relative error, eps",
      .error = error_of_weight_inside,
-     .domains = {{BETWEEN, 1, 0, 500}, {BETWEEN, 1, 1, 2000}, {FRACTION, 1}},
+     .domains = {{BETWEEN, 1, 0, 500}, {BETWEEN, 1, 1, 2000}, {FRACTION, 1, 0, 1}},
      .bound = 1.0001,
      .because = "rounded once, from a sum in double",
      .reference = "long double",
@@ -285,7 +285,7 @@ static const measure list[] = {
     {.routine = "rk_cubemap_solid_angle",
      .what = "error, 2^-53 sr",
      .error = error_of_texel_angle,
-     .domains = {{BETWEEN, 1, 1, 8192}, {FRACTION, 2}},
+     .domains = {{BETWEEN, 1, 1, 8192}, {FRACTION, 2, 0, 1}},
      .bound = 12,
      .because =
          "each of four angles of 0.53 at most: places 1, product, root and atan2 1; the sums: 2",

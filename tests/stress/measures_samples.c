@@ -172,35 +172,35 @@ static double below_face(const float *in)
 #define GLOSSY_INPUTS                                                                              \
     {SIGNED, 6, -24, 1}, {POSITIVE, 1, -20, 9.9657f},                                              \
     {                                                                                              \
-        FRACTION, 2                                                                                \
+        FRACTION, 2, 0, 1                                                                          \
     }
 
 static const measure list[] = {
     {.routine = "rk_disk_at: concentric",
      .what = "error of a coordinate, eps",
      .error = error_of_concentric,
-     .domains = {{FRACTION, 2}},
+     .domains = {{FRACTION, 2, 0, 1}},
      .bound = 4,
      .because = "an angle of pi / 4 at most: 2, the cosine: 1, a product: 0.5; pi / 4: 0.5",
      .reference = "long double"},
     {.routine = "rk_disk_at: polar",
      .what = "error of a coordinate, eps",
      .error = error_of_polar,
-     .domains = {{FRACTION, 2}},
+     .domains = {{FRACTION, 2, 0, 1}},
      .bound = 12,
      .because = "an angle of 2 pi at most: 9.2, the root: 1, the cosine: 1, a product: 0.5",
      .reference = "long double"},
     {.routine = "rk_ambient_hemisphere: uniform",
      .what = "error of a component, eps",
      .error = error_of_uniform_direction,
-     .domains = {{FRACTION, 2}},
+     .domains = {{FRACTION, 2, 0, 1}},
      .bound = 13,
      .because = "an angle of 2 pi at most: 9.2, the radius: 2, the cosine: 1, a product: 0.5",
      .reference = "long double"},
     {.routine = "rk_ambient_hemisphere: cosine",
      .what = "length, above or below 1, eps",
      .error = length_of_cosine_direction,
-     .domains = {{FRACTION, 2}},
+     .domains = {{FRACTION, 2, 0, 1}},
      .bound = 4,
      .because = "the disk's point, in so far as it leaves it: 2; squares and differences: 1.5, "
                 "halved; the root",
@@ -216,7 +216,7 @@ static const measure list[] = {
     {.routine = "rk_ambient_direction",
      .what = "length, above or below 1, eps",
      .error = length_of_ambient_direction,
-     .domains = {{SIGNED, 3, -24, 1}, {FRACTION, 2}},
+     .domains = {{SIGNED, 3, -24, 1}, {FRACTION, 2, 0, 1}},
      .bound = 12,
      .because = "the basis: 6, the direction: 3, three roundings of each component",
      .reference = "long double"},

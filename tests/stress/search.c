@@ -29,6 +29,14 @@ static float fraction(dice *d)
     return rk_unit_float(bits(d));
 }
 
+/* A number in [-1/2, 1/2), of any size down to 2^-24. Drawn one after the other: the order in which
+ * a call's arguments are evaluated is the compiler's. */
+static float step(dice *d)
+{
+    float part = fraction(d) - 0.5f;
+    return ldexpf(part, -(int)below(d, 24));
+}
+
 unsigned measure_input_count(const measure *m)
 {
     unsigned count = 0;
@@ -75,7 +83,7 @@ static float anything(const domain *at, dice *d)
     if (at->kind == BETWEEN)
         return into(at, at->low + (at->high - at->low) * fraction(d));
     if (at->kind == FRACTION) /* small ones are as likely as others of their exponent */
-        return into(at, below(d, 4) ? fraction(d) : ldexpf(fraction(d), -(int)below(d, 24)));
+        return into(at, below(d, 4) ? fraction(d) : 2 * fabsf(step(d)));
     /* Half of them near 1, where sizes are comparable. */
     float low = at->low, high = at->high;
     if (below(d, 2) && low < -1 && high > 1)
@@ -104,11 +112,10 @@ static void change(const measure *m, unsigned count, float *in, dice *d)
         break;
     case 1:
     case 2: /* by a step of any size, relative to the number */
-        x *= 1 + ldexpf(fraction(d) - 0.5f, -(int)below(d, 24));
+        x *= 1 + step(d);
         break;
     case 3: /* or to its domain */
-        x += ldexpf(fraction(d) - 0.5f, -(int)below(d, 24)) *
-             (at->kind == BETWEEN ? at->high - at->low : 1);
+        x += step(d) * (at->kind == BETWEEN ? at->high - at->low : 1);
         break;
     case 4:
         x = up ? 2 * x : x / 2;
