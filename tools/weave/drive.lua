@@ -99,8 +99,22 @@ local function driver_path(element)
     drive.fail_at(element, "there is no driver called %s", name)
 end
 
--- The reason why a student's unit could not be built into this driver, or nil.
+-- The program of make bench is used like a driver.
+local function is_bench(element) return element.attributes.driver == "bench" end
+local python = os.getenv("RAYKIT_PYTHON") or ""
+
+local function command_of(element)
+  if not is_bench(element) then return drive.quote(driver_path(element)) end
+  return drive.quote(python) .. " -B " .. drive.quote(drive.source .. "/tools/bench.py") ..
+    " --build " .. drive.quote(drivers)
+end
+
+-- The reason why there is no such driver, or nil: a student's unit could not be built into it.
 function drive.unmade(element)
+  if is_bench(element) then
+    return python == "" and "this build found no Python 3." or
+      drive.units ~= "" and "make bench measures the kit's own units." or nil
+  end
   local file = io.open(driver_path(element) .. ".unmade")
   return file and file:read("a"):gsub("%s+$", "") or nil
 end
@@ -133,7 +147,11 @@ end
 
 -- Runs a driver and returns its output.
 local function run_driver(element, args, folder)
-  local command = drive.quote(driver_path(element)) .. " " .. args .. " --out " .. drive.quote(folder)
+  if is_bench(element) and drive.unmade(element) then
+    drive.say("%s: left out: %s", drive.place(element), drive.unmade(element))
+    error({by_driver = true})
+  end
+  local command = command_of(element) .. " " .. args .. " --out " .. drive.quote(folder)
   if drive.units ~= "" then command = "timeout --foreground -k 5 " .. patience .. " " .. command end
   drive.say("%s %s", element.attributes.driver, args)
   local answer, status = answer_of(command)
@@ -148,9 +166,8 @@ end
 -- Returns the output of an element's driver, run now or for the record. Its files go into the common
 -- folder, in trials at the trial's size unless the text gives one; or into `folder`, unchanged.
 function drive.run(element, args, folder)
-  local sized = args:find("--width", 1, true) or args:find("--height", 1, true) or
-    driver_path(element):find("/tests/stress/", 1, true) or -- draws nothing
-    element.attributes.driver == "compare" -- its pictures are those of make compare
+  local sized = args:find("--width", 1, true) or args:find("--height", 1, true) or is_bench(element) or
+    element.attributes.driver == "compare" or driver_path(element):find("/tests/stress/", 1, true)
   if size ~= "" and not folder and not sized then args = args .. " --width " .. size .. " --height " .. size end
   folder = folder or drive.out
   local key = drive.need(element, "driver") .. " " .. args

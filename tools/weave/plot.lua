@@ -21,8 +21,8 @@ local function coordinate(div, row, column)
 end
 
 -- Groups the rows into lines, one per value of the column `by`, in the order of the rows. Also returns
--- the number of rows that cannot be plotted.
-local function lines_of(div, rows, x, y, by)
+-- the number of rows that cannot be plotted. With `band`, points have the values of its columns, too.
+local function lines_of(div, rows, x, y, by, band)
   local lines, by_title, left_out = {}, {}, 0
   for _, row in ipairs(rows) do
     local title = by == "metric" and tables.label(row.metric) or by and tables.cell(row, by) or
@@ -34,6 +34,7 @@ local function lines_of(div, rows, x, y, by)
       lines[#lines + 1] = line
     end
     local point = {coordinate(div, row, x), coordinate(div, row, y)}
+    if band then point.low, point.high = coordinate(div, row, band .. "_low"), coordinate(div, row, band .. "_high") end
     if point[1] and point[2] then line.points[#line.points + 1] = point else left_out = left_out + 1 end
   end
   for n = #lines, 1, -1 do
@@ -66,10 +67,48 @@ end
 -- The legend is placed where falling or rising lines leave room; for many lines, beside the plot.
 local many = 5
 
-local function legend(lines)
+local function legend(lines, steep)
   local points = lines[1].points
   if #lines > many then return "outside right top" end
+  if steep then return "bottom left Left reverse" end
   return #points > 1 and points[#points][2] < points[1][2] and "top right" or "top left"
+end
+
+-- Where guides begin and end: at the smallest x and the largest y of all points.
+local function corner(lines)
+  local left, right, top = math.huge, 0, 0
+  for _, line in ipairs(lines) do
+    for _, point in ipairs(line.points) do
+      left, right, top = math.min(left, point[1]), math.max(right, point[1]), math.max(top, point[2])
+    end
+  end
+  return left, right, top
+end
+
+-- Grey lines of these slopes, as parts of a plot, with the slopes at their ends.
+local function guides(div, script, lines)
+  local parts, left, right, top = {}, corner(lines)
+  for i, word in ipairs(words(div.attributes.guides)) do
+    local slope = tonumber(word) or fail_at(div, "guides: %s is not a slope", word)
+    parts[i] = string.format("[x=%.9g:%.9g] %.9g * (x / %.9g) ** (%.9g) with lines lc rgb '#999999' dt %d lw 1.5 notitle",
+      left, right, top, left, slope, i + 1)
+    script[#script + 1] = string.format("set label %s at %.9g, %.9g left offset 0.5, 0 tc rgb '#777777' font ',12'",
+      quote(word:gsub("^-", "−")), right, top * (right / left) ^ slope)
+  end
+  return parts
+end
+
+-- A line's band, as a part of a plot; points without a lower limit above 0 have none.
+local function band_of(script, line, i)
+  local points = {}
+  for _, point in ipairs(line.points) do
+    if point.low and point.high then
+      points[#points + 1] = string.format("%.9g %.9g %.9g", point[1], point.low, point.high)
+    end
+  end
+  if #points < 2 then return nil end
+  script[#script + 1] = "$band" .. i .. " << EOD\n" .. table.concat(points, "\n") .. "\nEOD"
+  return string.format("$band%d using 1:2:3 with filledcurves lc rgb '%s' fs transparent solid 0.25 notitle", i, styles[i][1])
 end
 
 local drawn = {} -- pictures
@@ -77,13 +116,14 @@ local drawn = {} -- pictures
 local function draw(div, name, xlabel, ylabel, lines, left_out)
   drawn[name] = (drawn[name] or 0) + 1
   local path = "figures/" .. name .. (drawn[name] > 1 and "_" .. drawn[name] or "") .. ".svg"
-  local parts, script = {}, {
+  local script = {
     "set terminal svg size " .. (#lines > many and 820 or 600) .. ",380 font 'Helvetica,15' background 'white'",
     "set output " .. quote(drive.out .. "/" .. path),
     "set logscale xy", tics(lines, "x", 1), tics(lines, "y", 2), "set grid",
-    "set key " .. legend(lines),
+    "set key " .. legend(lines, div.attributes.band),
     "set xlabel " .. quote(xlabel), "set ylabel " .. quote(ylabel),
   }
+  local parts = guides(div, script, lines)
   for i, line in ipairs(lines) do
     script[#script + 1] = string.format("set style line %d lc rgb '%s' pt %d lw 2", i, table.unpack(styles[i]))
     script[#script + 1] = "$data" .. i .. " << EOD"
@@ -91,10 +131,11 @@ local function draw(div, name, xlabel, ylabel, lines, left_out)
       script[#script + 1] = string.format("%.9g %.9g", point[1], point[2])
     end
     script[#script + 1] = "EOD"
-    parts[i] = string.format("$data%d using 1:2 with linespoints linestyle %d title %s noenhanced", i, i,
+    parts[#parts + 1] = band_of(script, line, i)
+    parts[#parts + 1] = string.format("$data%d using 1:2 with linespoints linestyle %d title %s noenhanced", i, i,
       quote(line.title))
   end
-  script[#script + 1] = "plot " .. table.concat(parts, ", ") .. "\n"
+  script[#script + 1] = (div.attributes.guides and "plot sample " or "plot ") .. table.concat(parts, ", ") .. "\n"
   local pipe = io.popen(drive.quote(gnuplot), "w")
   pipe:write(table.concat(script, "\n"))
   if not pipe:close() then fail_at(div, "gnuplot failed (its reason is above)") end
@@ -131,6 +172,8 @@ return function(div)
   if given.driver then drive.measure(div, "--quiet") end
   local rows, columns = tables.read(div)
   for _, column in ipairs({x, y, given.by}) do tables.check_column(div, columns, column) end
-  return draw(div, tables.name(div) .. "_" .. y .. "_over_" .. x, given.xlabel or tables.label(x),
-    given.ylabel or tables.label(y), lines_of(div, rows, x, y, given.by))
+  local band = given.band and y
+  for _, side in ipairs(band and {"_low", "_high"} or {}) do tables.check_column(div, columns, band .. side) end
+  return draw(div, given.name or tables.name(div) .. "_" .. y .. "_over_" .. x, given.xlabel or tables.label(x),
+    given.ylabel or tables.label(y), lines_of(div, rows, x, y, given.by, band))
 end

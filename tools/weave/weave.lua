@@ -31,7 +31,11 @@
 --   ::: {.plot driver=shadows args="--convergence" x=samples y=rmse by=method}
 -- plots a column over another, both with logarithmic axes, a line for each value of a third; from
 -- the same table. xlabel="..." and ylabel="..." name the axes, with their units, if the columns'
--- names do not suffice.
+-- names do not suffice. band=yes adds a band from the column y_low to y_high (rmse_low, rmse_high),
+-- guides="-0.5 -1" grey lines of these slopes, and name=... names the picture's file.
+--
+-- driver=bench stands for tools/bench.py, whose tables are those of make bench: the full measurement if
+-- this build has one, else the quick one.
 --
 --   ::: {.plot driver=bvh_median scenes="statue:1000 statue:10000" metrics="build render" ylabel="median time"}
 -- times as .timings does and plots the metrics over the number of triangles, or over x=...
@@ -39,7 +43,8 @@
 -- where="threads=1 method=grid" keeps .timings, .table and .plot to rows with these values.
 --
 --   [boxes]{.measured driver=bvh_median scene=statue:87130 metric=build}
--- becomes that one number.
+-- becomes that one number; so does [gain]{.measured driver=bench table=accuracy where="case=lens" column=time_ratio},
+-- from any table of a driver.
 --
 --   [the suite](file:tests/test_bvh_median.c), [the section](report:bvh_median), [the chapter](book:boxes)
 -- link to a file of the source tree and to a heading of the report or the book; [here](#boxes) to

@@ -1,0 +1,126 @@
+#!/usr/bin/env python3
+"""Measures the error and the time of all methods: make bench. The cases are in tests/bench/cases.tsv, their methods in
+methods.tsv beside it. Measurements are kept in bench/measurements.csv of the build folder, and only what is missing is
+measured; tables are written to bench/tables.
+
+With --out, as the report calls it: tables into that folder, from the full measurement if it is there, else from the
+quick one."""
+
+import os
+import shutil
+import sys
+
+sys.dont_write_bytecode = True  # the source folder may be read-only, and stays clean
+
+from benchmark import compare, exact, measurements, plan, schedule, summary
+from grading.assignments import Parser, ToolError
+
+
+def open_schedule(options, settings, names=()):
+    folder = os.path.join(options.build, "bench")
+    program = os.path.join(options.build, "tests", "bench", "bench")
+    kept = measurements.Measurements(folder, schedule.digest(program), options.reset)
+    options.reset = False  # once is enough
+    tables = os.path.join(options.source, "tests", "bench")
+    cases = plan.read_cases(tables, settings, schedule.kinds_of(os.path.abspath(program), folder), names)
+    return schedule.Schedule(cases, settings, kept, os.path.abspath(program), folder)
+
+
+def is_complete(work):
+    """Is everything measured, so that running is a matter of references alone?"""
+    return all(work.row(method, n, seed) for case in work.cases for method in case.methods
+               for n in work.settings.counts() if work.wanted(method, n)
+               for seed in range(1, work.settings.seeds + 1))
+
+
+def print_summary(rows):
+    cells = [("feature", "best method", "time ratio", "goal", "slope", "goal", "bias")]
+    for row in rows:
+        ratio = "" if row["time_ratio"] is None else \
+            f"{row['time_ratio']:.1f} ({row['time_ratio_low']:.1f} to {row['time_ratio_high']:.1f})"
+        cells.append((row["feature"], row["best"], ratio, "" if row["goal"] is None else f"{row['goal']:g}",
+                      "" if row["slope"] is None else f"{row['slope']:.2f}",
+                      "" if row["slope_goal"] is None else f"{row['slope_goal']:g}",
+                      f"{100 * row['bias']:+.3f} %"))
+    widths = [max(map(len, column)) for column in zip(*cells)]
+    for line in cells:
+        print("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip())
+
+
+def print_changes(old, rows):
+    """Returns whether something got worse."""
+    found = compare.changes(measurements.read(old), rows)
+    if not found:
+        raise ToolError(f"{old}: it has no method, size and seeds in common with this measurement")
+    beyond = [change for change in found if change.beyond_noise]
+    for change in sorted(beyond, key=lambda change: -change.factor):
+        print(change.text())
+    print(f"compared with {old}: {len(found) // 2} methods, {len(beyond)} changes beyond noise")
+    return any(change.factor > 1 for change in beyond)
+
+
+def check_references(work):
+    for row in summary.reference_rows(work):
+        if row["agree"] == "no":
+            raise ToolError(f"{row['feature']}: its two references differ by {row['difference']:.1f} standard errors, so one "
+                            "method is biased: compare their options in tests/bench/cases.tsv")
+
+
+def write_tables(work, options):
+    """Returns the summary. Trees and numbers belong to no case."""
+    tables = os.path.join(options.build, "bench", "tables")
+    if not options.cases:
+        exact.measure(work.program, schedule.digest(work.program), work.folder, tables, work.settings.runs)
+    return summary.write(work, tables)
+
+
+def measure(options):
+    work = open_schedule(options, plan.QUICK if options.quick else plan.FULL, options.cases.split())
+    if options.compare:
+        measurements.read(options.compare)  # a mistake is told before the work
+    work.run()
+    rows = write_tables(work, options)
+    check_references(work)
+    print_summary(rows)
+    print(f"bench: wrote {os.path.join(options.build, 'bench', 'tables')}/accuracy*.csv and {work.kept.path}")
+    return int(bool(options.compare) and print_changes(options.compare, list(work.kept.rows.values())))
+
+
+def for_report(options):
+    work = open_schedule(options, plan.FULL)
+    if not is_complete(work):
+        print("bench: there is no full measurement by this build (make bench), so this is the quick one", file=sys.stderr)
+        work = open_schedule(options, plan.QUICK)
+    work.run()
+    write_tables(work, options)
+    check_references(work)
+    try:
+        shutil.copytree(os.path.join(options.build, "bench", "tables"), os.path.join(options.out, "tables"), dirs_exist_ok=True)
+    except OSError as error:
+        raise ToolError(f"{options.out}: cannot be written: {error}") from None
+    return 0
+
+
+def main():
+    parser = Parser(description=__doc__)
+    parser.add_argument("--build", default=".", help="the build folder")
+    parser.add_argument("--source", default=os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
+    parser.add_argument("--quick", action="store_true", help="small pictures and few samples: less than a minute")
+    parser.add_argument("--reset", action="store_true", help="forget what was measured")
+    parser.add_argument("--cases", default="", help="measure only these")
+    parser.add_argument("--compare", default="", help="an older measurements.csv")
+    parser.add_argument("--out", help="write tables for the report into this folder")
+    parser.add_argument("--quiet", action="store_true", help="as drivers have it")
+    options = parser.parse_args()
+    try:
+        return for_report(options) if options.out else measure(options)
+    except ToolError as error:
+        print(f"bench: {str(error).removeprefix('bench: ')}", file=sys.stderr)
+        return 2
+    except KeyboardInterrupt:
+        print("bench: interrupted; what was measured is kept, and make bench goes on there", file=sys.stderr)
+        return 130
+
+
+if __name__ == "__main__":
+    sys.exit(main())
