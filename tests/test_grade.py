@@ -3,6 +3,7 @@
 for make check; runs in a build folder."""
 
 import contextlib
+import copy
 import csv
 import io
 import json
@@ -262,7 +263,7 @@ def a_workbook_is_the_students(folder):
     for part in ("assignments/01_bvh_median", "src/features"):
         os.makedirs(os.path.join(source, part))
     with open(os.path.join(source, "assignments/features.tsv"), "w", encoding="utf-8") as file:
-        file.write("stem\tfolder\tneeds\tabout\tpicture\nbvh_median\t01_bvh_median\t\t\t\n")
+        file.write("stem\tfolder\tneeds\tuses\tabout\tpicture\nbvh_median\t01_bvh_median\t\t\t\t\n")
     with open(os.path.join(source, "assignments/01_bvh_median/handout.md"), "w", encoding="utf-8") as file:
         file.write("# Trees\n\n[How to start](../handout_common.md#how-to-start)\n\n[points](points.tsv)\n")
     for name, text in (("points", "test\tpoints\tstep\tsection\na\t100\t1\t#a\n"), ("look", "step\toptions\tcaption\n1\t\ta\n")):
@@ -631,6 +632,29 @@ def a_copied_build_is_told(folder):
           "a build that was copied elsewhere does not grade with the old place", said)
 
 
+def a_used_unit_is_the_kits(toolchain, folder):
+    """In a pack, the student's unfinished bvh_median does not stop a suite that merely uses the kit's."""
+    features = read_features(SOURCE)
+    using, place = features["sah_binning"], os.path.join(folder, "using")
+    put(read(using.reference), place, "sah_binning.c")
+    put("not yet C\n", place, "bvh_median.c")
+    in_pack = copy.copy(toolchain)
+    in_pack.handed_out = ["bvh_median"]
+    first = read_points(using)[0].name
+
+    def graded_with(needs, uses):
+        using.needs, using.uses = needs, uses
+        [suite] = grade.prepare_suites(features, [using], place, True, first)
+        grade._grade_here(in_pack, features, [suite], place, decoys=0)
+        return suite
+
+    suite = graded_with(["bvh_median"], [])
+    check("does not compile" in suite.problem, "a needed unit is the student's own", suite.problem)
+    suite = graded_with([], ["bvh_median"])
+    check(suite.passed() and not suite.beside, "a used one is the kit's, and nothing is said of it",
+          [suite.problem, suite.beside, *(verdict.reason for verdict in suite.verdicts.values())])
+
+
 def main():
     if "--list" in sys.argv:  # the driver asks for names of tests, which it can do without
         return 0
@@ -658,6 +682,7 @@ def main():
         names_are_any_bytes(folder)
         what_changes_without_a_sandbox_is_told(folder)
         a_copied_build_is_told(folder)
+        a_used_unit_is_the_kits(toolchain, folder)
         an_interrupt_ends_everything(folder)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

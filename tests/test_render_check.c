@@ -130,21 +130,21 @@ static const struct {
     size_t offset;
     uint32_t last;
 } fields[] = {
-    FIELD(sampling, RK_SAMPLER_LOW_DISCREPANCY),
+    FIELD(sampling, RK_SAMPLER_SOBOL),
     FIELD(shading.model, RK_SHADING_GRADIENT),
     FIELD(glass, RK_GLASS_BEER_LAMBERT),
-    FIELD(light.sampling, RK_SAMPLER_LOW_DISCREPANCY),
+    FIELD(light.sampling, RK_SAMPLER_SOBOL),
     FIELD(light.domain, RK_LIGHT_DOMAIN_SOLID_ANGLE),
     FIELD(light.falloff, RK_FALLOFF_PHYSICAL),
     FIELD(bloom.border, RK_BLOOM_RENORMALIZE),
     FIELD(bloom.method, RK_BLOOM_PYRAMID),
     FIELD(environment_filter, RK_CUBEMAP_SEAMLESS),
     FIELD(lens.focal, RK_FOCAL_SPHERE),
-    FIELD(lens_sampling, RK_SAMPLER_LOW_DISCREPANCY),
-    FIELD(motion.sampling, RK_TIME_LOW_DISCREPANCY),
+    FIELD(lens_sampling, RK_SAMPLER_SOBOL),
+    FIELD(motion.sampling, RK_TIME_SOBOL),
     FIELD(glossy.weights, RK_GLOSSY_RENORMALIZED),
     FIELD(glossy.map, RK_DISK_CONCENTRIC),
-    FIELD(glossy.sampling, RK_SAMPLER_LOW_DISCREPANCY),
+    FIELD(glossy.sampling, RK_SAMPLER_SOBOL),
 };
 
 static void a_value_beyond_its_enumeration_is_refused_by_its_name(void **state)

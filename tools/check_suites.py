@@ -156,7 +156,7 @@ class Feature:
         self.source = root / "src" / "features" / f"{self.stem}.c"
         self.points = root / "assignments" / row["folder"] / "points.tsv"
         self.mutants_file = root / "tests" / "mutants" / f"{self.stem}.mutants"
-        self.needs = (row["needs"] or "").split()
+        self.needs = f"{row['needs']} {row['uses']}".split()  # here all are the kit's
         self.faults, self.notes = [], []
 
     def prepare(self):

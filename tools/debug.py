@@ -15,7 +15,7 @@ import sys
 from grading import build
 from grading.assignments import (
     Parser, ToolError, check_impl, choose, find_unit, missing_unit, read_features, read_points, reference_unit,
-    unit_beside,
+    unit_beside, units_of_suite,
 )
 from grade import grade_impl, stop_on_signals
 from grading.starters import read_regions
@@ -79,7 +79,8 @@ def build_for_debugging(toolchain, feature, features, impl):
     if warnings:
         print(warnings, file=sys.stderr)
     build.keep_interface(toolchain, feature, path, for_suite=True)
-    needed = [unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs]
+    beside = {stem: unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs}
+    needed = units_of_suite(features, feature, beside)
     objects = [path]
     for other in needed:
         objects.append(toolchain.built(f"src/features/{other.feature.stem}.o") if other.is_reference

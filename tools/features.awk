@@ -1,5 +1,6 @@
-# Prints one of the parts that tools/features.sh writes. A row of the table: stem, folder, needs, and
-# README's words: about, picture. Plain awk, so that a build needs no Python.
+# Prints one of the parts that tools/features.sh writes. A row of the table: stem, folder, needs, uses, and
+# README's words: about, picture. A suite links its own unit, the units that its feature needs, which may be
+# the student's, and the kit's objects of those that it uses. Plain awk, so that a build needs no Python.
 
 function fail(message) {
     print "features: " FILENAME message | "cat >&2"
@@ -50,8 +51,14 @@ function units_of(needs, list, i, found) {
     return found
 }
 
+function objects_of(uses, list, i, found) {
+    split(uses, list, " ")
+    for (i = 1; i in list; i++) found = found " src/features/" list[i] ".$(OBJEXT)"
+    return found
+}
+
 # A feature's own lines; what it adds to the lists of all.
-function build_one(stem, folder, needs, note, unit, driver, name) {
+function build_one(stem, folder, needs, uses, note, unit, driver, name) {
     note = note_of(stem)
     unit = (note == "handed out" ? "workbook/" : "src/features/") stem ".c"
     driver = name = "assignments/" folder "/" stem
@@ -62,6 +69,8 @@ function build_one(stem, folder, needs, note, unit, driver, name) {
     print "driver-" stem " draw-" stem ": $(" name "_OBJECTS)"
     print "draw-" stem ": $(if $(impl),," driver "$(EXEEXT))"
     print "tests_test_" stem "_SOURCES = tests/test_" stem ".c $(unit_" stem ")" units_of(needs)
+    print "uses_" stem " =" objects_of(uses)
+    if (uses) print "tests_test_" stem "_LDADD = $(uses_" stem ") $(LDADD)"
     drivers = drivers " " driver
     headers = headers " src/features/" stem ".h"
     units = units " $(unit_" stem ")"
@@ -161,16 +170,16 @@ BEGIN {
     seen = files(patterns)
 }
 
-FNR == 1 && $0 != "stem\tfolder\tneeds\tabout\tpicture" {
-    fail(":1: the header should be stem, folder, needs, about, picture, separated by tabs")
+FNR == 1 && $0 != "stem\tfolder\tneeds\tuses\tabout\tpicture" {
+    fail(":1: the header should be stem, folder, needs, uses, about, picture, separated by tabs")
 }
 
 FNR > 1 {
-    if (NF != 5) fail(":" FNR ": five columns are wanted, separated by tabs; here are " NF)
+    if (NF != 6) fail(":" FNR ": six columns are wanted, separated by tabs; here are " NF)
     need_rooms($1, $2)
     stems = stems " " $1
-    rows = rows readme_row($1, $4, $5)
-    if (part == "build") build_one($1, $2, $3)
+    rows = rows readme_row($1, $5, $6)
+    if (part == "build") build_one($1, $2, $3, $4)
     if (part == "list") list = list "RK_FEATURE(" $1 ")\n"
     if (part == "headers") print "#include \"features/" $1 ".h\""
 }

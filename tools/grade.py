@@ -28,7 +28,7 @@ from grading import sandbox
 from grading import unit_rules
 from grading.assignments import (
     DEDUCTION, FREES_ALL, KEEPS_NOTHING, Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format,
-    missing_unit, read_features, read_points, submitted_unit, unit_beside,
+    missing_unit, read_features, read_points, submitted_unit, unit_beside, units_of_suite,
 )
 from grading.starters import is_starter
 from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_secret
@@ -275,7 +275,8 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
 
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:
         try:
-            finish([pool.submit(build_suite, toolchain, suite, [units[stem] for stem in suite.feature.needs])
+            features = {stem: unit.feature for stem, unit in units.items()}
+            finish([pool.submit(build_suite, toolchain, suite, units_of_suite(features, suite.feature, units))
                     for suite in suites if not suite.problem])
             built = [suite for suite in suites if suite.program]
             finds_leaks = _can_find_leaks(toolchain, built, seconds, megabytes)

@@ -74,7 +74,7 @@ def new_files(source, stem, folder):
 def edited_files(source, stem, folder):
     """Returns the same for files that gain a line."""
     table = "assignments/features.tsv"
-    row = "\t".join([stem, folder, "", "say in a few words what it is", ""])
+    row = "\t".join([stem, folder, "", "", "say in a few words what it is", ""])
     options = "src/render/plan.h"
     text, end = _read(os.path.join(source, options)), "} rk_render_options;\n"
     includes = re.search(r'(#include "features/.*\n)+', text).group().splitlines(keepends=True)

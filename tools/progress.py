@@ -13,6 +13,7 @@ import grade
 from grading import results
 from grading.assignments import (
     Parser, ToolError, UnitError, choose, find_unit, read_features, read_points, submitted_unit, unit_beside,
+    units_of_suite,
 )
 from grading.build import Toolchain
 
@@ -43,7 +44,8 @@ def key_of(toolchain, features, feature, impl, common):
         submitted_unit(feature, impl)
     except UnitError:
         return None
-    units = [find_unit(feature, impl)] + [unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs]
+    beside = {stem: unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs}
+    units = [find_unit(feature, impl), *units_of_suite(features, feature, beside)]
     names = [unit.path for unit in units] + [feature.points_table, feature.header]
     names += [toolchain.built(f"tests/test_{feature.stem}.o")] + [
         toolchain.built(f"src/features/{unit.feature.stem}.o") for unit in units]

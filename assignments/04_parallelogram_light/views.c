@@ -55,7 +55,7 @@ static void draw_light(drawing *d, uint32_t index)
     const rk_sampler sampler = {options->light.sampling, options->seed, options->samples * count};
     draw_outline(d, light);
     for (uint32_t i = 0; i < count; i++) {
-        rk_vec2 xi = rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_LIGHT + 2 * index);
+        rk_vec2 xi = rk_joint_2d(&sampler, pixel, i, RK_DIMENSION_LIGHT + 2 * index);
         rk_light_sample sample = rk_light_sample_at(light, options->light.falloff,
                                                     options->light.domain, d->surface.point, xi);
         if (rk_driver_debug(driver, "rays"))

@@ -32,7 +32,7 @@ static rk_vec2 point_of(const rk_driver *driver, const rk_glossy_disk *disk, uin
                                 options->samples * options->glossy.samples};
     uint32_t pixel = driver->pixel.y * options->width + driver->pixel.x;
     rk_vec2 at =
-        rk_disk_at(options->glossy.map, rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_GLOSSY));
+        rk_disk_at(options->glossy.map, rk_joint_2d(&sampler, pixel, i, RK_DIMENSION_GLOSSY));
     if (options->glossy.weights == RK_GLOSSY_CLASSIC)
         return at;
     return rk_glossy_point_above(disk, rk_glossy_fraction_above(disk), at);

@@ -78,7 +78,7 @@ bool put_study(rk_driver *driver, rk_error *error)
     /* The aperture for a circle of confusion of that diameter, by the closed form. */
     const double diameter = 32, d = 3, f = (double)o->lens.focal_distance;
     o->lens.aperture = (float)(1e3 * diameter * (double)view_of(driver).pixel * d * f / (d - f));
-    for (int kind = RK_SAMPLER_UNIFORM; kind <= RK_SAMPLER_LOW_DISCREPANCY; kind++)
+    for (int kind = RK_SAMPLER_UNIFORM; kind <= RK_SAMPLER_SOBOL; kind++)
         for (uint32_t samples = 1; samples <= 1024; samples *= 2) {
             o->lens_samples = samples;
             o->lens_sampling = (rk_sampler_kind)kind;

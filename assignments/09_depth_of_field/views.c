@@ -74,7 +74,7 @@ static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_vie
     float far = 2 * rk_length(rk_sub(focus, view->position));
     for (uint32_t i = 0; i < options->lens_samples; i++) {
         rk_ray ray = rk_lens_ray(&options->lens, view, x, y,
-                                 rk_sample_2d(&sampler, pixel, i, RK_DIMENSION_LENS));
+                                 rk_joint_2d(&sampler, pixel, i, RK_DIMENSION_LENS));
         rk_hit hit = rk_trace_one(&driver->accel, &ray);
         bool is_hit = hit.triangle != RK_MISS;
         rk_vec3 end = rk_madd(ray.origin, ray.direction, is_hit ? hit.t : far);

@@ -2,10 +2,12 @@
  * Rendering", chapter 8 of the fourth edition), each computed from its arguments alone. */
 #include "base/sampler.h"
 
+#include "base/scramble.h"
+
 #include <assert.h>
 
-RK_NAMES(rk_sampler_names, rk_sampler_kind, RK_SAMPLER_LOW_DISCREPANCY, "uniform", "stratified",
-         "low-discrepancy");
+RK_NAMES(rk_sampler_names, rk_sampler_kind, RK_SAMPLER_SOBOL, "uniform", "stratified",
+         "low-discrepancy", "sobol");
 
 const char *rk_sampler_name(rk_sampler_kind kind)
 {
@@ -108,44 +110,18 @@ static rk_vec2 stratified_2d(const rk_sampler *sampler, place at, uint32_t sampl
 
 /* --- low discrepancy ------------------------------------------------------------------------- */
 
-static uint32_t reverse_bits(uint32_t x)
-{
-    x = (x >> 1 & 0x55555555u) | (x & 0x55555555u) << 1;
-    x = (x >> 2 & 0x33333333u) | (x & 0x33333333u) << 2;
-    x = (x >> 4 & 0x0f0f0f0fu) | (x & 0x0f0f0f0fu) << 4;
-    x = (x >> 8 & 0x00ff00ffu) | (x & 0x00ff00ffu) << 8;
-    return x >> 16 | x << 16;
-}
-
-/* Flips each bit or not, depending only on the key and the lower bits: Owen scrambling of a number
- * whose bits are reversed (Laine and Karras, "Stratified sampling for stochastic transparency",
- * EGSR 2011; Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020). Operations that obey
- * this rule are sums, odd factors, and xor with an even multiple. These are the last ones of N.
- * Vegdahl, "Building a better LK hash" (psychopath.io, 2021, as corrected in May): with the
- * constants of Laine and Karras, which Burley uses, the flips of neighbouring intervals are not
- * independent. */
-static uint32_t scramble_reversed(uint32_t x, uint32_t key)
-{
-    x ^= x * 0x3d20adeau;
-    x += key;
-    x *= key >> 16 | 1;
-    x ^= x * 0x05526c56u;
-    x ^= x * 0x53a22864u;
-    return x;
-}
-
 /* Every pixel and dimension reads the sequence in an order of its own: scrambling the sample
  * numbers keeps blocks of 2^k together, and each such block is distributed as well as the first. */
 static uint32_t shuffled_index(uint32_t sample, uint32_t key)
 {
-    return reverse_bits(scramble_reversed(reverse_bits(sample), key));
+    return rk_reverse_bits(rk_scramble_reversed(rk_reverse_bits(sample), key));
 }
 
 /* The digits of i, reversed behind the binary point: van der Corput's sequence, Sobol's first
  * dimension. */
 static float van_der_corput(uint32_t i, uint32_t key)
 {
-    return rk_unit_float(reverse_bits(scramble_reversed(i, key)));
+    return rk_unit_float(rk_reverse_bits(rk_scramble_reversed(i, key)));
 }
 
 /* Sobol's second dimension: its generator matrix, which maps the digits of i to the reversed digits
@@ -190,6 +166,7 @@ float rk_sample_1d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, u
     case RK_SAMPLER_STRATIFIED:
         return stratified_1d(sampler, at, sample);
     case RK_SAMPLER_LOW_DISCREPANCY:
+    case RK_SAMPLER_SOBOL:
         return low_discrepancy_1d(at, sample);
     case RK_SAMPLER_UNIFORM:
         break;
@@ -207,6 +184,7 @@ void rk_sample_2d_run(const rk_sampler *sampler, uint32_t pixel, uint32_t first,
             pairs[i] = stratified_2d(sampler, at, first + i);
         return;
     case RK_SAMPLER_LOW_DISCREPANCY:
+    case RK_SAMPLER_SOBOL:
         low_discrepancy_2d(at, first, count, pairs);
         return;
     case RK_SAMPLER_UNIFORM:

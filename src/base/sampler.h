@@ -14,6 +14,8 @@ typedef enum rk_sampler_kind {
     RK_SAMPLER_STRATIFIED,      /* one in each of as many equal cells as there are samples */
     RK_SAMPLER_LOW_DISCREPANCY, /* a scrambled (0,2)-sequence: the first 2^k, for every k, have one
                                    in each cell of 2^-a x 2^-b, for every a + b = k */
+    RK_SAMPLER_SOBOL, /* the same, but dimensions of one pixel are joint: by rk_joint_2d of
+                         features/sampling.h; the functions below know no joint dimensions */
 } rk_sampler_kind;
 
 /* Dimensions taken so far; each is the first of a pair. Lights take a pair for each light and

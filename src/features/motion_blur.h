@@ -32,9 +32,10 @@ typedef struct rk_shutter {
 float rk_shutter_equidistant(const rk_shutter *shutter, float k, uint32_t samples);
 
 typedef enum rk_time_sampling {
-    RK_TIME_EQUIDISTANT,    /* the same times for all pixels: copies of the object */
-    RK_TIME_STRATIFIED,     /* sample i in part i of as many equal parts as there are samples */
-    RK_TIME_LOW_DISCREPANCY /* unordered; for each k the first 2^k lie one in each of 2^k parts */
+    RK_TIME_EQUIDISTANT,     /* the same times for all pixels: copies of the object */
+    RK_TIME_STRATIFIED,      /* sample i in part i of as many equal parts as there are samples */
+    RK_TIME_LOW_DISCREPANCY, /* unordered; for each k the first 2^k lie one in each of 2^k parts */
+    RK_TIME_SOBOL /* the same, but joint with other dimensions: the stage draws it (sampling.h) */
 } rk_time_sampling;
 
 /* Returns the time of `sample`, 0 to samples - 1, of a pixel; within the shutter. Equidistant times

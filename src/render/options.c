@@ -8,7 +8,7 @@ static const rk_option rows[] = {
     {"samples", RK_FIELD(rk_render_options, samples), "N", "rays per pixel; 1: through its centre",
      1, RK_SAMPLES_MAX, 1},
     {"sampling", RK_CHOICE(rk_render_options, sampling, rk_sampler_names),
-     "distribution of the samples over the pixel", .initial = RK_SAMPLER_LOW_DISCREPANCY},
+     "distribution of the samples over the pixel", .initial = RK_SAMPLER_SOBOL},
     {"seed", RK_FIELD(rk_render_options, seed), "N",
      "seed of the random samples: another seed gives other noise", 0, UINT32_MAX, 0},
     {"shadows", RK_FIELD(rk_render_options, shadows), NULL, "test whether lights are occluded"},

@@ -3,7 +3,6 @@
 #ifndef RK_RENDER_PLAN_H
 #define RK_RENDER_PLAN_H
 
-#include "base/sampler.h"
 #include "features/ambient_occlusion.h"
 #include "features/bloom.h"
 #include "features/cubemap.h"
@@ -12,6 +11,7 @@
 #include "features/motion_blur.h"
 #include "features/normals.h"
 #include "features/parallelogram_light.h"
+#include "features/sampling.h"
 #include "features/shading.h"
 #include "features/transparency.h"
 #include "scene/scene.h"

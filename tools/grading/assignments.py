@@ -1,6 +1,6 @@
 """The tables of assignments, and the units that solve them.
 
-assignments/features.tsv lists the features (stem, folder, needs, and README's words), from which
+assignments/features.tsv lists the features (stem, folder, needs, uses, and README's words), from which
 tools/features.sh makes the build's lists; assignments/FOLDER/points.tsv lists the scored tests of one
 (test, points, step, section of the chapter to read), simplest first. Every tool for students and instructors
 reads both, so a new feature needs two tables and no code.
@@ -41,10 +41,10 @@ def choose_format(name, formats):
 
 
 class Feature:
-    """A row of features.tsv."""
+    """A row of features.tsv. What it needs may be the student's, too; what it uses is always the kit's."""
 
-    def __init__(self, source, stem, folder, needs):
-        self.stem, self.folder, self.needs = stem, folder, needs.split()
+    def __init__(self, source, stem, folder, needs, uses=""):
+        self.stem, self.folder, self.needs, self.uses = stem, folder, needs.split(), uses.split()
         self.reference = os.path.join(source, "src", "features", stem + ".c")
         self.header = os.path.join(source, "src", "features", stem + ".h")
         self.workbook = os.path.join(source, "workbook", stem + ".c")  # the unit of a feature handed out in a pack
@@ -85,12 +85,15 @@ def _read_table(path, columns):
 def read_features(source):
     """Returns a dictionary from stem to Feature, in the table's order."""
     path = os.path.join(source, "assignments", "features.tsv")
-    rows = _read_table(path, ["stem", "folder", "needs", "about", "picture"])
-    features = {row[0]: Feature(source, *row[:3]) for row in rows}
+    rows = _read_table(path, ["stem", "folder", "needs", "uses", "about", "picture"])
+    features = {row[0]: Feature(source, *row[:4]) for row in rows}
     for feature in features.values():
         for need in feature.needs:
             if need not in features:
                 raise ToolError(f"{path}: {feature.stem} needs {need}, which the table does not list")
+        for used in feature.uses:
+            if used not in features or used in feature.needs or used == feature.stem:
+                raise ToolError(f"{path}: {feature.stem} uses {used}, which the table does not list, or lists as needed")
     return features
 
 
@@ -237,6 +240,12 @@ def unit_beside(feature, impl, handed_out):
         how = remedy(feature, os.path.dirname(feature.workbook), "workbook")
         raise ToolError(f"workbook/{feature.stem}.c is missing; {how}")
     return Unit(feature, feature.workbook, f"workbook/{feature.stem}.c", False)
+
+
+def units_of_suite(features, feature, units):
+    """Returns the units with which a feature's suite is built beside its own: of `units`, by stem, those that it
+    needs; and the kit's of those that it uses, in a pack their starters."""
+    return [units[stem] for stem in feature.needs] + [reference_unit(features[stem]) for stem in feature.uses]
 
 
 def check_impl(features, impl, stems, may_be_empty=False):

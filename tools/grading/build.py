@@ -219,9 +219,10 @@ def check_names(toolchain, unit, found):
     """Raises BuildError if the unit uses what a unit may not. Asked after linking, which finds names that
     nothing defines."""
     kit = set(unit_rules.pure_names(toolchain.tools["objdump"], toolchain.built("librkbase.a")))
-    for stem in unit.feature.needs:
+    for stem in unit.feature.needs + unit.feature.uses:
         kit.update(global_symbols(toolchain, toolchain.built(f"src/features/{stem}.o")))
     _refuse(unit, unit_rules.fault_in_names(found, kit))
+
 
 def keep_interface(toolchain, feature, path, for_suite=False):
     """Makes all names of an object local except the feature's interface: a helper without `static`,

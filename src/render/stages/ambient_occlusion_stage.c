@@ -30,8 +30,8 @@ rk_ambient_samples rk_ambient_samples_at(const rk_rendering *r, const rk_sample_
 static void draw(rk_ambient_samples *s, uint32_t from)
 {
     uint32_t left = s->count - from;
-    rk_sample_2d_run(&s->sampler, s->pixel, s->first + from,
-                     left < RK_AMBIENT_DRAWN ? left : RK_AMBIENT_DRAWN, s->dimension, s->drawn);
+    rk_joint_2d_run(&s->sampler, s->pixel, s->first + from,
+                    left < RK_AMBIENT_DRAWN ? left : RK_AMBIENT_DRAWN, s->dimension, s->drawn);
 }
 
 bool rk_ambient_ray(rk_ambient_samples *s, const rk_surface *surface, uint32_t i, rk_ray *ray,

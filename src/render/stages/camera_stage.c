@@ -23,10 +23,10 @@ static rk_ray sampled_ray(const rk_rendering *r, const rk_sample_pass *pass, uin
     const rk_sampler sampler = {pass->out_of_focus ? options->lens_sampling : options->sampling,
                                 options->seed, pass->samples};
     uint32_t pixel = y * options->width + x;
-    rk_vec2 within = rk_sample_2d(&sampler, pixel, pass->sample, RK_DIMENSION_PIXEL);
+    rk_vec2 within = rk_joint_2d(&sampler, pixel, pass->sample, RK_DIMENSION_PIXEL);
     if (!pass->out_of_focus)
         return rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
-    rk_vec2 xi = rk_sample_2d(&sampler, pixel, pass->sample, RK_DIMENSION_LENS);
+    rk_vec2 xi = rk_joint_2d(&sampler, pixel, pass->sample, RK_DIMENSION_LENS);
     return rk_lens_ray(&options->lens, &r->view, (float)x + within.x, (float)y + within.y, xi);
 }
 

@@ -239,8 +239,7 @@ static const rk_option rows[] = {
     {"lens-samples", RK_FIELD(rk_render_options, lens_samples), "N",
      "rays through the lens per pixel out of focus; 0: a pinhole", 0, RK_SAMPLES_MAX, 0},
     {"lens-sampling", RK_CHOICE(rk_render_options, lens_sampling, rk_sampler_names),
-     "distribution of the samples over the lens and the pixel",
-     .initial = RK_SAMPLER_LOW_DISCREPANCY},
+     "distribution of the samples over the lens and the pixel", .initial = RK_SAMPLER_SOBOL},
     {0},
 };
 

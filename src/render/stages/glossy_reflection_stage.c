@@ -44,8 +44,8 @@ static rk_glossy_samples samples_of(const rk_rendering *r, const rk_sample_pass 
 static void draw(rk_glossy_samples *s, uint32_t from)
 {
     uint32_t left = s->count - from;
-    rk_sample_2d_run(&s->sampler, s->pixel, s->first + from,
-                     left < RK_GLOSSY_DRAWN ? left : RK_GLOSSY_DRAWN, s->dimension, s->drawn);
+    rk_joint_2d_run(&s->sampler, s->pixel, s->first + from,
+                    left < RK_GLOSSY_DRAWN ? left : RK_GLOSSY_DRAWN, s->dimension, s->drawn);
 }
 
 /* Called with i = 0, 1, 2 ...: samples are drawn in runs. */
@@ -134,7 +134,7 @@ static const rk_option rows[] = {
     {"glossy-map", RK_CHOICE(rk_render_options, glossy.map, rk_disk_map_names),
      "map of the unit square to the disk", .initial = RK_DISK_CONCENTRIC},
     {"glossy-sampling", RK_CHOICE(rk_render_options, glossy.sampling, rk_sampler_names),
-     "distribution of the directions over the disk", .initial = RK_SAMPLER_LOW_DISCREPANCY},
+     "distribution of the directions over the disk", .initial = RK_SAMPLER_SOBOL},
     {0},
 };
 

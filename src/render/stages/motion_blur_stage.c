@@ -33,16 +33,28 @@ static uint16_t reachable_objects(const rk_rendering *r, rk_sample_pass *pass, u
     return objects;
 }
 
+/* The time of one of a pixel's samples. */
+static float draw_time(const rk_render_options *options, uint32_t pixel, uint32_t sample,
+                       uint32_t samples)
+{
+    const rk_motion_options *motion = &options->motion;
+    if (motion->sampling != RK_TIME_SOBOL)
+        return rk_shutter_time(&motion->shutter, motion->sampling, options->seed, pixel, sample,
+                               samples);
+    const rk_sampler sampler = {RK_SAMPLER_SOBOL, options->seed, samples};
+    float xi = rk_joint_1d(&sampler, pixel, sample, RK_DIMENSION_TIME);
+    return rk_shutter_equidistant(&motion->shutter, xi + 0.5f, 1);
+}
+
 /* Of the pixel's sample, drawn if this is the first ray that needs it. */
 static float time_of(const rk_rendering *r, rk_sample_pass *pass, uint32_t pixel)
 {
-    const rk_motion_options *motion = &r->options->motion;
     if (!pass->has_time[pixel]) {
         uint32_t key = rk_picture_pixel(pass, r->options->width, pixel);
         pass->has_time[pixel] = true;
-        pass->time[pixel] = rk_shutter_time(&motion->shutter, motion->sampling, r->options->seed,
-                                            key, pass->time_pass * pass->samples + pass->sample,
-                                            pass->time_passes * pass->samples);
+        pass->time[pixel] =
+            draw_time(r->options, key, pass->time_pass * pass->samples + pass->sample,
+                      pass->time_passes * pass->samples);
         pass->counters->time_samples++;
     }
     return pass->time[pixel];
@@ -75,8 +87,8 @@ void rk_motion_blur_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_
 
 /* --- The feature ----------------------------------------------------------------------------- */
 
-RK_NAMES(rk_time_sampling_names, rk_time_sampling, RK_TIME_LOW_DISCREPANCY, "equidistant",
-         "stratified", "low-discrepancy");
+RK_NAMES(rk_time_sampling_names, rk_time_sampling, RK_TIME_SOBOL, "equidistant", "stratified",
+         "low-discrepancy", "sobol");
 
 static const rk_option rows[] = {
     {"shutter-open", RK_FIELD(rk_render_options, motion.shutter.open), "X",

@@ -27,8 +27,8 @@ rk_vec2 rk_light_random(const rk_rendering *r, const rk_sample_pass *pass,
     uint32_t paths = index.samples * (path->split ? r->options->glossy.samples : 1);
     uint32_t pixel = rk_picture_pixel(pass, r->options->width, point->pixel);
     const rk_sampler sampler = {r->options->light.sampling, r->options->seed, paths * samples};
-    return rk_sample_2d(&sampler, pixel, path->sample * samples + sample,
-                        index.dimension + dimension + 2 * (bounce * RK_LIGHTS_MAX + light));
+    return rk_joint_2d(&sampler, pixel, path->sample * samples + sample,
+                       index.dimension + dimension + 2 * (bounce * RK_LIGHTS_MAX + light));
 }
 
 static rk_light_sample light_sample(const rk_rendering *r, const rk_sample_pass *pass,
@@ -171,7 +171,7 @@ static const rk_option rows[] = {
     {"light-samples", RK_FIELD(rk_render_options, light.samples), "N",
      "samples per light with an extent and shading point", 1, RK_SAMPLES_MAX, 16},
     {"light-sampling", RK_CHOICE(rk_render_options, light.sampling, rk_sampler_names),
-     "distribution of the samples over the light", .initial = RK_SAMPLER_LOW_DISCREPANCY},
+     "distribution of the samples over the light", .initial = RK_SAMPLER_SOBOL},
     {"light-domain", RK_CHOICE(rk_render_options, light.domain, rk_light_domain_names),
      "samples are uniform over the light's area, or over its solid angle", .alias = "light-map"},
     {"highlights", RK_CHOICE(rk_render_options, light.highlights, rk_highlight_names),

@@ -1,0 +1,108 @@
+/* Draws the figures and measures the tables of sampling: points in two of their dimensions, errors
+ * of a picture, and how fast they fall with each kind of samples. */
+#include "driver.h"
+
+#include <stdio.h>
+
+static const char summary[] =
+    "Renders a scene with the same kind of samples for all effects (--kind).\n"
+    "--debug points draws points in two of their dimensions.\n"
+    "--debug error shows the error of a picture with --samples N, eight times as large: grey is "
+    "0.\n"
+    "--convergence writes tables: the error of each kind of samples, and how fast it falls.";
+
+RK_NAMES(effect_names, effect, EFFECT_MIRROR, "pixel", "lens", "light", "mirror");
+RK_NAMES(point_kind_names, point_kind, POINTS_SAMPLES, "sequence", "directions", "owen", "samples");
+
+static const rk_option options[] = {
+    {"kind", RK_CHOICE(choices, kind, rk_sampler_names), "distribution of all samples",
+     .initial = RK_SAMPLER_SOBOL},
+    {"effect", RK_CHOICE(choices, effect, effect_names),
+     "what is sampled together with the position in the pixel"},
+    {"points-of", RK_CHOICE(choices, of, point_kind_names),
+     "which points --debug points draws: of the sequence by the table or by rk_sobol_directions, "
+     "scrambled by rk_owen_scramble, or the samples of --pixel",
+     .initial = POINTS_SAMPLES},
+    {"points", RK_FIELD(choices, points), "N", "number of points", 1, 65536, 64},
+    {"x", RK_FIELD(choices, x), "D", "the joint dimension along x", 0, RK_SOBOL_DIMENSIONS - 1, 0},
+    {"y", RK_FIELD(choices, y), "D", "and along y", 0, RK_SOBOL_DIMENSIONS - 1, 1},
+    {"convergence", RK_FIELD(choices, convergence), NULL,
+     "write tables: error of each kind and number of samples, and slopes"},
+    {"most", RK_FIELD(choices, most), "N", "largest number of samples for --convergence", 8, 4096,
+     128},
+    {"reference", RK_FIELD(choices, reference), "N",
+     "samples of the reference picture for --convergence and --debug error", 1, 65536, 2048},
+    {0},
+};
+
+void set_samples(rk_driver *driver, rk_sampler_kind kind, uint32_t samples)
+{
+    const choices *c = driver->choices;
+    rk_render_options *o = &driver->render;
+    o->sampling = o->lens_sampling = o->light.sampling = o->glossy.sampling = kind;
+    o->samples = samples;
+    o->lens_samples = c->effect == EFFECT_LENS ? samples : 0;
+    o->light.samples = 1;
+    o->glossy.samples = c->effect == EFFECT_MIRROR;
+    o->reflections = c->effect == EFFECT_MIRROR;
+    o->shadows = c->effect != EFFECT_PIXEL;
+}
+
+static bool prepare(rk_driver *driver, rk_error *error)
+{
+    (void)error;
+    const choices *c = driver->choices;
+    set_samples(driver, c->kind, driver->render.samples);
+    return true;
+}
+
+static bool save(rk_driver *driver, rk_error *error)
+{
+    const choices *c = driver->choices;
+    char label[160];
+    if (rk_driver_debug(driver, "points"))
+        snprintf(label, sizeof label, "points_%s%s_%u_of_%u_and_%u",
+                 c->of == POINTS_SAMPLES ? rk_sampler_name(c->kind) : "",
+                 point_kind_names.items[c->of], c->points, c->x, c->y);
+    else
+        snprintf(label, sizeof label, "%s%s_%s_%u", driver->debug ? "error_" : "",
+                 effect_names.items[c->effect], rk_sampler_name(c->kind), driver->render.samples);
+    return rk_driver_save(driver, label, error);
+}
+
+static bool put_rows(rk_driver *driver, rk_error *error)
+{
+    char metric[64];
+    const choices *c = driver->choices;
+    snprintf(metric, sizeof metric, "render_%s", rk_sampler_name(c->kind));
+    return rk_driver_row(driver, metric, "ms", driver->render_ms, error);
+}
+
+static void set_defaults(rk_driver *driver)
+{
+    driver->scene_name = "cornell-light";
+    driver->render.samples = 16;
+    driver->render.lens.focal_distance = 2.5f;
+    driver->render.lens.aperture = 150;
+    driver->render.glossy.radius = 0.1f;
+    driver->render.light.early_out = 0;
+}
+
+int main(int argc, char **argv)
+{
+    choices c;
+    const rk_driver_spec spec = {
+        .feature = "sampling",
+        .summary = summary,
+        .options = options,
+        .choices = &c,
+        .set_defaults = set_defaults,
+        .views =
+            (rk_driver_view[]){{"points", draw_points, true}, {"error", draw_error, false}, {0}},
+        .studies = (rk_driver_study[]){{&c.convergence, put_convergence, false}, {0}},
+        .prepare = prepare,
+        .put_rows = put_rows,
+        .save = save,
+    };
+    return rk_driver_main(&spec, argc, argv);
+}

@@ -1,0 +1,106 @@
+/* The debug views: points in the unit square, and the error of a picture. */
+#include "driver.h"
+
+#include "base/scramble.h"
+#include "driver/convergence.h"
+
+/* --- Points ----------------------------------------------------------------------------------- */
+
+/* The decision of the renderer that has this joint dimension; its coordinate. */
+static uint32_t decision_of(uint32_t joint, uint32_t *coordinate)
+{
+    static const uint32_t of_joint[RK_SOBOL_DIMENSIONS] = {
+        RK_DIMENSION_PIXEL, RK_DIMENSION_PIXEL,  RK_DIMENSION_LENS,
+        RK_DIMENSION_LENS,  RK_DIMENSION_TIME,   RK_DIMENSION_LIGHT,
+        RK_DIMENSION_LIGHT, RK_DIMENSION_GLOSSY, RK_DIMENSION_GLOSSY};
+    *coordinate = joint > 0 && of_joint[joint - 1] == of_joint[joint];
+    return of_joint[joint];
+}
+
+static float sample_of(const rk_driver *driver, uint32_t i, uint32_t joint)
+{
+    const choices *c = driver->choices;
+    const rk_sampler sampler = {c->kind, driver->render.seed, c->points};
+    uint32_t pixel = driver->pixel.y * driver->render.width + driver->pixel.x, coordinate;
+    uint32_t dimension = decision_of(joint, &coordinate);
+    if (dimension == RK_DIMENSION_TIME)
+        return rk_joint_1d(&sampler, pixel, i, dimension);
+    rk_vec2 pair = rk_joint_2d(&sampler, pixel, i, dimension);
+    return coordinate ? pair.y : pair.x;
+}
+
+static float point_of(const rk_driver *driver, uint32_t i, uint32_t joint)
+{
+    const choices *c = driver->choices;
+    uint32_t v[RK_SOBOL_DIGITS];
+    if (c->of == POINTS_SAMPLES)
+        return sample_of(driver, i, joint);
+    if (c->of == POINTS_DIRECTIONS)
+        rk_sobol_directions(joint, v);
+    for (uint32_t k = 0; c->of != POINTS_DIRECTIONS && k < RK_SOBOL_DIGITS; k++)
+        v[k] = rk_reverse_bits(rk_sobol_columns[joint][k]);
+    uint32_t bits = rk_sobol_bits(v, i);
+    if (c->of == POINTS_OWEN)
+        bits = rk_owen_scramble(bits, rk_hash(driver->render.seed, joint, 0, 0));
+    return rk_unit_float(bits);
+}
+
+/* Grey lines between cells: as many on each side as there are points, or about their root. */
+static rk_vec3 paper(size_t x, size_t y, size_t side, uint32_t cells)
+{
+    const rk_vec3 white = {1, 1, 1}, line = {0.75f, 0.75f, 0.75f};
+    bool on_line =
+        x * cells / side != (x + 1) * cells / side || y * cells / side != (y + 1) * cells / side;
+    return on_line ? line : white;
+}
+
+static void put_dot(const rk_image *image, float x, float y, float radius)
+{
+    for (size_t row = 0; row < image->height; row++)
+        for (size_t column = 0; column < image->width; column++) {
+            float r = hypotf((float)column + 0.5f - x, (float)row + 0.5f - y);
+            float cover = rk_min(rk_max(radius - r + 0.5f, 0), 1);
+            rk_vec3 *pixel = rk_image_at(image, column, row);
+            *pixel = rk_madd(*pixel, rk_sub(rk_vec(0.02f, 0.1f, 0.3f), *pixel), cover);
+        }
+}
+
+bool draw_points(rk_driver *driver, rk_error *error)
+{
+    (void)error;
+    const choices *c = driver->choices;
+    const rk_image *image = &driver->image;
+    size_t side = image->width < image->height ? image->width : image->height;
+    uint32_t cells = 1;
+    while (4 * cells * cells <= c->points)
+        cells *= 2;
+    for (size_t y = 0; y < image->height; y++)
+        for (size_t x = 0; x < image->width; x++)
+            *rk_image_at(image, x, y) = paper(x, y, side, cells);
+    float radius = rk_max(1, 0.12f * (float)side / sqrtf((float)c->points));
+    for (uint32_t i = 0; i < c->points; i++) /* y upwards */
+        put_dot(image, point_of(driver, i, c->x) * (float)side,
+                (1 - point_of(driver, i, c->y)) * (float)side, rk_min(radius, 6));
+    return true;
+}
+
+/* --- Errors ----------------------------------------------------------------------------------- */
+
+bool draw_error(rk_driver *driver, rk_error *error)
+{
+    const choices *c = driver->choices;
+    const uint32_t samples = driver->render.samples;
+    rk_image want;
+    set_samples(driver, RK_SAMPLER_SOBOL, c->reference);
+    if (!rk_convergence_reference(driver, &want, error))
+        return false;
+    set_samples(driver, c->kind, samples);
+    bool ok = rk_driver_render(driver, error);
+    for (size_t i = 0; ok && i < want.width * want.height; i++) {
+        rk_vec3 *pixel = &driver->image.pixels[i];
+        *pixel = rk_madd(rk_vec(0.2f, 0.2f, 0.2f), rk_sub(*pixel, want.pixels[i]), 4);
+        *pixel = rk_vec(rk_max(pixel->x, 0), rk_max(pixel->y, 0), rk_max(pixel->z, 0));
+    }
+    rk_image_free(&want);
+    return ok;
+}

@@ -1,0 +1,21 @@
+/* The descriptor alone (render/feature.h): each stage draws its samples by features/sampling.h, so
+ * the renderer has nothing to decide. */
+#include "render/feature.h"
+
+static bool is_joint(const rk_feature *feature, rk_sampler_kind kind, const rk_scene *scene,
+                     const rk_render_options *options)
+{
+    return kind == RK_SAMPLER_SOBOL && feature->wanted(scene, options);
+}
+
+/* Does the picture draw samples of joint dimensions? */
+static bool wanted(const rk_scene *scene, const rk_render_options *o)
+{
+    return (o->samples > 1 && o->sampling == RK_SAMPLER_SOBOL) ||
+           is_joint(&rk_depth_of_field_feature, o->lens_sampling, scene, o) ||
+           is_joint(&rk_parallelogram_light_feature, o->light.sampling, scene, o) ||
+           is_joint(&rk_glossy_reflection_feature, o->glossy.sampling, scene, o) ||
+           (o->motion.sampling == RK_TIME_SOBOL && rk_motion_blur_feature.wanted(scene, o));
+}
+
+const rk_feature rk_sampling_feature = {.stem = "sampling", .wanted = wanted};
