@@ -18,8 +18,11 @@ typedef struct rk_counters {
     uint64_t bloom_pixels_read; /* by the bright pass and the filter */
     uint64_t bloom_taps;        /* weights times pixels, along rows and columns */
     uint64_t environment_lookups;
-    uint64_t lens_samples; /* random points drawn on the lens */
-    uint64_t time_samples; /* times drawn, for samples that may see motion */
+    uint64_t lens_samples;  /* random points drawn on the lens */
+    uint64_t time_samples;  /* times drawn, for samples that may see motion */
+    uint64_t rounds;        /* of adaptive sampling */
+    uint64_t kept_samples;  /* of its last generation, which make the picture */
+    double estimated_error; /* of its picture, relative; 0 without it */
 } rk_counters;
 
 static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
@@ -39,6 +42,9 @@ static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
     sum->environment_lookups += part->environment_lookups;
     sum->lens_samples += part->lens_samples;
     sum->time_samples += part->time_samples;
+    sum->rounds += part->rounds;
+    sum->kept_samples += part->kept_samples;
+    sum->estimated_error += part->estimated_error; /* only one part has it */
 }
 
 #endif

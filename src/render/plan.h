@@ -3,6 +3,7 @@
 #ifndef RK_RENDER_PLAN_H
 #define RK_RENDER_PLAN_H
 
+#include "features/adaptive_sampling.h"
 #include "features/ambient_occlusion.h"
 #include "features/bloom.h"
 #include "features/cubemap.h"
@@ -75,6 +76,7 @@ typedef struct rk_render_options {
     rk_glossy_options glossy;
     rk_ambient_occlusion_options ambient_occlusion;
     rk_normals_shown normals;
+    rk_adaptive_sampling_options adaptive_sampling;
 } rk_render_options;
 
 enum { RK_MAX_DEPTH = 16 };

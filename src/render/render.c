@@ -1,13 +1,12 @@
 /* Each tile is rendered in passes, one per sample: first its pixels in focus, then the others. A
- * pass makes camera rays, traces the paths that start with them (paths.c), and adds their radiance
- * to the tile's film. Each tile has a film of its own, so threads share nothing but the next tile's
- * number. */
+ * pass (render_sample.c) makes camera rays, traces the paths that start with them (paths.c), and
+ * adds their radiance to the tile's film. Each tile has a film of its own, so threads share nothing
+ * but the next tile's number. */
 #include "render/render.h"
 
 #include "render/feature_hooks.h"
-#include "render/paths.h"
-#include "render/stages/camera_stage.h"
-#include "render/stages/depth_of_field_stage.h"
+#include "render/render_sample.h"
+#include "render/stages/adaptive_sampling_stage.h"
 #include "render/stages/film_stage.h"
 #include "render/tiles.h"
 #include "render/time_passes.h"
@@ -22,36 +21,6 @@ typedef struct render_job {
     rk_image *image;
     rk_progress *progress;
 } render_job;
-
-/* False if no pixel of the tile belongs to the pass. */
-static bool render_pass(const rk_rendering *r, rk_sample_pass *pass, rk_path_workspace *workspace,
-                        rk_film *film)
-{
-    rk_path_batch *camera = &rk_path_queue_push(&workspace->queue)->paths;
-    if (r->plan.motion_blur)
-        rk_time_pass_start(pass);
-    rk_camera_stage(r, pass, camera);
-    bool any = camera->rays.count > 0;
-    rk_trace_paths(r, pass, workspace, film);
-    return any;
-}
-
-/* The next sample of each of the pass's pixels. Further time passes stop when no pixel needs a
- * time. */
-static bool render_sample(const rk_rendering *r, rk_sample_pass *pass, rk_path_workspace *workspace,
-                          rk_film *film)
-{
-    rk_film before;
-    if (pass->time_passes > 1)
-        before = *film;
-    pass->time_pass = 0;
-    bool any = render_pass(r, pass, workspace, film), more = any;
-    for (pass->time_pass = 1; more && pass->time_pass < pass->time_passes; pass->time_pass++)
-        more = render_pass(r, pass, workspace, film);
-    if (pass->time_passes > 1)
-        rk_time_passes_average(pass, &before, film);
-    return any;
-}
 
 /* Of a tile, over its pixels in focus or over the others. */
 static void start_passes(const rk_rendering *r, bool out_of_focus, rk_sample_pass *pass)
@@ -77,7 +46,7 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
     for (int out_of_focus = 0; out_of_focus <= r->plan.depth_of_field; out_of_focus++) {
         start_passes(r, out_of_focus, &pass);
         for (pass.sample = 0; r->plan.rays && pass.sample < pass.samples; pass.sample++)
-            if (!render_sample(r, &pass, &job->workspaces[thread], &film))
+            if (!rk_render_sample(r, &pass, &job->workspaces[thread], &film))
                 break;
         rk_film_mean(r, &pass, &film);
     }
@@ -113,12 +82,18 @@ static bool prepare_job(render_job *job, rk_pool *pool, rk_error *error)
            rk_features_prepass(r, pool, job->counters, error);
 }
 
-static void render_picture(render_job *job, rk_pool *pool, rk_counters *counters)
+static bool render_picture(render_job *job, rk_pool *pool, rk_counters *counters, rk_error *error)
 {
+    bool ok = true;
     *counters = (rk_counters){0};
-    rk_pool_run(pool, rk_tile_count(job->rendering.options), render_tile, job);
+    if (job->rendering.plan.adaptive_sampling)
+        ok = rk_adaptive_sampling_stage(&job->rendering, job->workspaces, job->counters, job->image,
+                                        pool, error);
+    else
+        rk_pool_run(pool, rk_tile_count(job->rendering.options), render_tile, job);
     for (uint32_t i = 0; i < rk_pool_threads(pool); i++)
         rk_counters_add(counters, &job->counters[i]);
+    return ok;
 }
 
 uint32_t rk_render_tiles(const rk_render_options *options)
@@ -136,6 +111,8 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
                        options->width, options->height);
     if (!rk_render_check(scene, options, error))
         return false;
+    const rk_render_options adapted = rk_adaptive_sampling_options_of(options);
+    options = &adapted;
     render_job job = {
         .rendering = {.scene = scene,
                       .accel = accel,
@@ -146,8 +123,7 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
         .progress = progress,
     };
     bool ok = prepare_job(&job, pool, error);
-    if (ok)
-        render_picture(&job, pool, counters);
+    ok = ok && render_picture(&job, pool, counters, error);
     free_job(&job, rk_pool_threads(pool));
     return ok && rk_features_post(image, &job.rendering, pool, counters, error);
 }

@@ -1,6 +1,7 @@
 /* rk_render_check of render/plan.h: errors before the first ray, instead of a black or a lost
  * picture. */
 #include "render/options.h"
+#include "render/stages/adaptive_sampling_stage.h"
 #include "render/time_passes.h"
 
 /* --- The scene -------------------------------------------------------------------------------- */
@@ -89,8 +90,9 @@ static uint64_t most_samples(const rk_scene *scene, const rk_render_options *opt
 
 static bool check_samples(const rk_scene *scene, const rk_render_options *options, rk_error *error)
 {
-    const rk_plan plan = rk_plan_of(scene, options);
-    return most_samples(scene, options, &plan) <= RK_SAMPLES_MAX ||
+    const rk_render_options adapted = rk_adaptive_sampling_options_of(options);
+    const rk_plan plan = rk_plan_of(scene, &adapted);
+    return most_samples(scene, &adapted, &plan) <= RK_SAMPLES_MAX ||
            rk_fail(
                error,
                "a pixel takes at most %d samples, and here it would take more: the product of its "

@@ -23,7 +23,10 @@ typedef struct rk_sample_pass {
     bool camera_needs_time[RK_BATCH_MAX]; /* may its camera ray? */
     bool has_time[RK_BATCH_MAX];          /* is `time` drawn in this pass? */
     float time[RK_BATCH_MAX];             /* of all rays of the pixel's sample */
-    rk_counters *counters;                /* the thread's */
+    /* With plan.adaptive_sampling: */
+    uint32_t wanted_count;
+    uint16_t wanted[RK_BATCH_MAX]; /* the pixels that take the sample, in ascending order */
+    rk_counters *counters;         /* the thread's */
 } rk_sample_pass;
 
 /* The place of a sample in its set, which is distributed as a whole. */

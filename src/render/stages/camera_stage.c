@@ -32,20 +32,35 @@ static rk_ray sampled_ray(const rk_rendering *r, const rk_sample_pass *pass, uin
 
 /* Further time passes take only the samples that need a time, along the same camera ray: with
  * another ray, whether there are further passes would depend on the first one, a bias. */
+static void push_pixel(const rk_rendering *r, const rk_sample_pass *pass, uint32_t pixel,
+                       rk_path_batch *paths)
+{
+    const rk_tile *tile = &pass->tile;
+    const uint32_t x = tile->x + pixel % tile->width, y = tile->y + pixel / tile->width;
+    if (pass->time_pass > 0 && !pass->needs_time[pixel])
+        return;
+    rk_ray ray = r->plan.pixel_samples || pass->out_of_focus ? sampled_ray(r, pass, x, y)
+                                                             : centre_ray(&r->view, x, y);
+    if (pass->time_pass > 0)
+        paths->path[paths->rays.count] =
+            rk_path_start(rk_sample_index_of(pass, pixel).sample, r->options->max_depth);
+    rk_path_push_ray(paths, &ray, pixel);
+}
+
 static void push_sampled(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
 {
     const rk_tile *tile = &pass->tile;
-    bool at_random = r->plan.pixel_samples || pass->out_of_focus;
     uint32_t pixel = 0;
-    for (uint32_t y = tile->y; y < tile->y + tile->height; y++)
-        for (uint32_t x = tile->x; x < tile->x + tile->width; x++, pixel++)
-            if (rk_is_in_pass(r, pass, x, y) && (pass->time_pass == 0 || pass->needs_time[pixel])) {
-                rk_ray ray = at_random ? sampled_ray(r, pass, x, y) : centre_ray(&r->view, x, y);
-                if (pass->time_pass > 0)
-                    paths->path[paths->rays.count] = rk_path_start(
-                        rk_sample_index_of(pass, pixel).sample, r->options->max_depth);
-                rk_path_push_ray(paths, &ray, pixel);
-            }
+    if (r->plan.adaptive_sampling) {
+        for (uint32_t i = 0; i < pass->wanted_count; i++)
+            push_pixel(r, pass, pass->wanted[i], paths);
+    } else {
+        for (uint32_t y = tile->y; y < tile->y + tile->height; y++)
+            for (uint32_t x = tile->x; x < tile->x + tile->width; x++, pixel++)
+                if (rk_is_in_pass(r, pass, x, y))
+                    push_pixel(r, pass, pixel, paths);
+    }
+    bool at_random = r->plan.pixel_samples || pass->out_of_focus;
     pass->counters->pixel_samples += at_random ? paths->rays.count : 0;
     pass->counters->lens_samples += pass->out_of_focus ? paths->rays.count : 0;
 }

@@ -1,0 +1,478 @@
+/* Adaptive sampling: blocks of samples, the error that their differences tell, and the allocation
+ * of samples to pixels, by hand, by brute force, and by noise of known variance. */
+#include "test.h"
+
+#include "base/random.h"
+#include "features/adaptive_sampling.h"
+
+static rk_vec3 grey(float value)
+{
+    return rk_vec(value, value, value);
+}
+
+/* `count` samples with the values first, first + 1, ... */
+static rk_pixel_samples staircase(uint32_t count, float first)
+{
+    rk_pixel_samples pixel = {0};
+    rk_adaptive_extend(&pixel, count);
+    for (uint32_t i = 0; i < count; i++)
+        rk_adaptive_add(&pixel, i, grey(first + (float)i));
+    return pixel;
+}
+
+/* Uniform in [0, 1), with the variance 1/12; independent of all others. */
+static rk_pixel_samples noise(uint32_t pixel, uint32_t count)
+{
+    rk_pixel_samples samples = {0};
+    rk_adaptive_extend(&samples, count);
+    for (uint32_t i = 0; i < count; i++)
+        rk_adaptive_add(&samples, i,
+                        rk_vec(rk_unit_float(rk_hash(pixel, i, 0, 7)),
+                               rk_unit_float(rk_hash(pixel, i, 1, 7)),
+                               rk_unit_float(rk_hash(pixel, i, 2, 7))));
+    return samples;
+}
+
+/* --- A pixel ---------------------------------------------------------------------------------- */
+
+static void check_blocks(const rk_pixel_samples *pixel, const float want[4], const char *hint)
+{
+    for (int i = 0; i < 4; i++)
+        rk_check_near(pixel->block[i].x, want[i], 0, "block %d: %s", i, hint);
+}
+
+static void a_sample_is_added_to_the_block_of_its_quarter(void **state)
+{
+    (void)state;
+    rk_pixel_samples four = staircase(4, 1), eight = staircase(8, 1), many = staircase(64, 1);
+    check_blocks(&four, (float[]){1, 2, 3, 4}, "of 4 samples each block has one");
+    check_blocks(&eight, (float[]){3, 7, 11, 15}, "of 8 samples each block has two in a row");
+    check_blocks(&many, (float[]){136, 392, 648, 904}, "of 64 samples each block has 16 in a row");
+    rk_pixel_samples colour = {0};
+    rk_adaptive_extend(&colour, 4);
+    rk_adaptive_add(&colour, 2, rk_vec(1, 2, 3));
+    rk_check(colour.block[2].x == 1 && colour.block[2].y == 2 && colour.block[2].z == 3,
+             "a sample keeps its colour");
+}
+
+static void the_samples_so_far_become_the_first_half(void **state)
+{
+    (void)state;
+    rk_pixel_samples pixel = staircase(8, 1);
+    rk_adaptive_extend(&pixel, 8);
+    check_blocks(&pixel, (float[]){3, 7, 11, 15}, "8 samples, room for 8: nothing to do");
+    rk_adaptive_extend(&pixel, 16);
+    check_blocks(&pixel, (float[]){10, 26, 0, 0}, "8 samples, room for 16");
+    rk_check_equal(pixel.count, 16, "the number of samples that it will have");
+    pixel = staircase(8, 1);
+    rk_adaptive_extend(&pixel, 32);
+    check_blocks(&pixel, (float[]){36, 0, 0, 0}, "8 samples, room for 32");
+    rk_adaptive_extend(&pixel, 128);
+    check_blocks(&pixel, (float[]){36, 0, 0, 0}, "8 samples, room for 128");
+}
+
+static void samples_in_rounds_are_those_at_once(void **state)
+{
+    (void)state;
+    for (uint32_t first = 4; first <= 64; first *= 2) {
+        rk_pixel_samples rounds = staircase(first, 1), once = staircase(256, 1);
+        rk_adaptive_extend(&rounds, 128);
+        for (uint32_t i = first; i < 128; i++)
+            rk_adaptive_add(&rounds, i, grey(1 + (float)i));
+        rk_adaptive_extend(&rounds, 256);
+        for (uint32_t i = 128; i < 256; i++)
+            rk_adaptive_add(&rounds, i, grey(1 + (float)i));
+        check_blocks(&rounds,
+                     (float[]){once.block[0].x, once.block[1].x, once.block[2].x, once.block[3].x},
+                     "256 samples in three rounds, and at once");
+    }
+}
+
+static void the_mean_is_that_of_all_samples(void **state)
+{
+    (void)state;
+    const rk_pixel_samples none = {0};
+    rk_check_close(rk_adaptive_mean(&none).x, 0, 0, "no samples: black");
+    for (uint32_t count = 4; count <= 1024; count *= 2) {
+        const rk_pixel_samples pixel = staircase(count, 1);
+        rk_check_near(rk_adaptive_mean(&pixel).y, (count + 1) / 2.0, 0, "1, 2, ... %u", count);
+    }
+}
+
+/* --- Error ------------------------------------------------------------------------------------ */
+
+static void differences_are_those_of_means(void **state)
+{
+    (void)state;
+    /* Quarters have the means 1, 2, 4, 8, so halves 1.5 and 6. */
+    for (uint32_t count = 4; count <= 1u << 24; count *= 2) {
+        const float n = (float)(count / 4);
+        const rk_pixel_samples pixel = {{grey(n), grey(2 * n), grey(4 * n), grey(8 * n)}, count};
+        const rk_adaptive_differences d = rk_adaptive_differences_of(&pixel);
+        rk_check_near(d.quarters, (1.0 / 4 + 16.0 / 4) / 2, 1e-12,
+                      "%u samples, means 1, 2, 4, 8: |1 - 2|^2 / 4 and |4 - 8|^2 / 4", count);
+        rk_check_near(d.halves, 4.5 * 4.5 / 4, 1e-12, "%u samples, halves 1.5 and 6", count);
+    }
+}
+
+static void differences_are_means_over_the_channels(void **state)
+{
+    (void)state;
+    const rk_pixel_samples pixel = {{{2, 0, 0}, {0, 4, 0}, {0, 0, 6}, {0, 0, 0}}, 4};
+    const rk_adaptive_differences d = rk_adaptive_differences_of(&pixel);
+    rk_check_close(d.quarters, ((4.0 + 16) / 12 + 36.0 / 12) / 2, 1e-12, "quarters");
+    rk_check_close(d.halves, (1.0 + 4 + 9) / 12, 1e-12, "halves (1, 2, 0) and (0, 0, 3)");
+}
+
+static void equal_samples_and_no_samples_do_not_differ(void **state)
+{
+    (void)state;
+    const rk_pixel_samples none = {0}, equal = {{grey(6), grey(6), grey(6), grey(6)}, 16};
+    rk_check_close(rk_adaptive_differences_of(&none).halves, 0, 0, "no samples");
+    rk_check_close(rk_adaptive_differences_of(&none).quarters, 0, 0, "no samples");
+    rk_check_close(rk_adaptive_differences_of(&equal).halves, 0, 0, "equal samples");
+    rk_check_close(rk_adaptive_differences_of(&equal).quarters, 0, 0, "equal samples");
+}
+
+static void a_sample_that_is_no_number_counts_as_no_difference(void **state)
+{
+    (void)state;
+    const float bad[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 3; i++)
+        for (int block = 0; block < 4; block++) {
+            rk_pixel_samples pixel = staircase(4, 1);
+            pixel.block[block].y = bad[i];
+            const rk_adaptive_differences d = rk_adaptive_differences_of(&pixel);
+            rk_check_near(d.quarters, 0, 0, "%g in block %d", (double)bad[i], block);
+            rk_check_near(d.halves, 0, 0, "%g in block %d", (double)bad[i], block);
+        }
+}
+
+static void the_ratio_is_between_an_eighth_and_a_half(void **state)
+{
+    (void)state;
+    const double ratios[][2] = {{0.5, 0.5}, {0.25, 0.25}, {0.125, 0.125}, {0.7, 0.5},
+                                {3, 0.5},   {0.3, 0.3},   {0.01, 0.125},  {0, 0.125}};
+    for (size_t i = 0; i < sizeof ratios / sizeof *ratios; i++)
+        rk_check_near(rk_adaptive_ratio((rk_adaptive_differences){4, 4 * ratios[i][0]}),
+                      ratios[i][1], 1e-15, "quarters 4, halves %g", 4 * ratios[i][0]);
+    rk_check_close(rk_adaptive_ratio((rk_adaptive_differences){0, 0}), 0.5, 0, "no differences");
+}
+
+static void variance_is_the_sum_of_the_series(void **state)
+{
+    (void)state;
+    rk_check_close(rk_adaptive_variance((rk_adaptive_differences){6, 3}), 3, 1e-12,
+                   "independent samples: V(n/2) - V(n) = V(n)");
+    rk_check_close(rk_adaptive_variance((rk_adaptive_differences){8, 2}), 2 * 0.375 / 0.625, 1e-12,
+                   "halves 2, a quarter of quarters: with r = (1/4 + 1/2) / 2");
+    rk_check_close(rk_adaptive_variance((rk_adaptive_differences){80, 1}), 0.3125 / 0.6875, 1e-12,
+                   "halves far below quarters: with r = (1/8 + 1/2) / 2");
+    rk_check_close(rk_adaptive_variance((rk_adaptive_differences){0, 0}), 0, 0, "no differences");
+    rk_check_close(rk_adaptive_variance((rk_adaptive_differences){0, 2}), 2, 1e-12,
+                   "quarters that happen to be equal");
+}
+
+/* Variances of independent samples, over so many pixels that 5 standard errors are 3 %: a squared
+ * difference of three channels has a relative variance of 2/3. */
+static void noise_of_known_variance_is_measured(void **state)
+{
+    (void)state;
+    enum { pixels = 1 << 14 };
+    for (uint32_t count = 4; count <= 16; count *= 2) {
+        rk_adaptive_differences sum = {0, 0};
+        double own = 0;
+        for (uint32_t i = 0; i < pixels; i++) {
+            const rk_pixel_samples samples = noise(i, count);
+            const rk_adaptive_differences d = rk_adaptive_differences_of(&samples);
+            sum.quarters += d.quarters / pixels;
+            sum.halves += d.halves / pixels;
+            own += (double)rk_adaptive_own_variance(&samples) / pixels;
+        }
+        const double tolerance = 5 * sqrt(2.0 / 3 / pixels);
+        rk_check_near(12 * sum.halves * count, 1, tolerance, "halves of %u, by sigma^2 / n", count);
+        rk_check_near(12 * sum.quarters * count, 2, 2 * tolerance, "quarters of %u, by sigma^2 / n",
+                      count);
+        rk_check_near(12 * own, 1, tolerance, "sigma^2 from %u samples of each pixel", count);
+    }
+}
+
+static void error_is_relative_to_the_picture(void **state)
+{
+    (void)state;
+    rk_check_close(rk_adaptive_error(1, 101), 0.1, 1e-12, "V = 1, squares of means 100 + V");
+    rk_check_close(rk_adaptive_error(4e-8, 4e-8 + 1e-4), 0.02, 1e-9, "a dark picture");
+    rk_check_close(rk_adaptive_error(0, 5), 0, 0, "no variance");
+    rk_check_close(rk_adaptive_error(0, 0), 0, 0, "a black picture");
+    rk_check(isinf(rk_adaptive_error(2, 2)), "nothing but noise");
+    rk_check(isinf(rk_adaptive_error(2, 1)), "nothing but noise, less than its variance");
+}
+
+/* --- Variance --------------------------------------------------------------------------------- */
+
+static void own_variance_weights_both_differences(void **state)
+{
+    (void)state;
+    const rk_pixel_samples pixel = {{grey(1), grey(2), grey(4), grey(8)}, 4};
+    rk_check_close(rk_adaptive_own_variance(&pixel), 4 * (17.0 / 8 + 81.0 / 16) / 3, 1e-5,
+                   "the sample variance of 1, 2, 4, 8");
+    const rk_pixel_samples none = {0};
+    rk_check_close(rk_adaptive_own_variance(&none), 0, 0, "no samples");
+}
+
+static void pooling_keeps_a_constant(void **state)
+{
+    (void)state;
+    float variance[20];
+    for (int i = 0; i < 20; i++)
+        variance[i] = 3;
+    for (uint32_t y = 0; y < 4; y++)
+        for (uint32_t x = 0; x < 5; x++)
+            rk_check_near(rk_adaptive_pooled_variance(variance, 3, 8, 5, 4, x, y), 3, 1e-6,
+                          "pixel (%u, %u) of a picture with variance 3 everywhere", x, y);
+}
+
+static void pooled_variance_is_weighted_by_samples(void **state)
+{
+    (void)state;
+    const float variance[9] = {1, 2, 3, 4, 50, 6, 7, 8, 9};
+    for (uint32_t count = 4; count <= 1u << 20; count *= 4)
+        rk_check_near(rk_adaptive_pooled_variance(variance, 32, count, 3, 3, 1, 1),
+                      (count * 50.0 + 2 * 5 + 1) / (count + 2 + 1 / 32.0), 1e-5 * 50,
+                      "%u samples of variance 50, neighbours 5, picture 32", count);
+}
+
+static void neighbours_are_those_inside_the_picture(void **state)
+{
+    (void)state;
+    const float variance[9] = {1, 2, 3, 4, 50, 6, 7, 8, 9};
+    const struct {
+        uint32_t x, y;
+        double around;
+    } at[] = {{0, 0, 56.0 / 3}, {2, 0, 58.0 / 3}, {0, 2, 62.0 / 3},
+              {2, 2, 64.0 / 3}, {1, 0, 64.0 / 5}, {0, 1, 68.0 / 5}};
+    for (size_t i = 0; i < sizeof at / sizeof *at; i++)
+        rk_check_near(rk_adaptive_pooled_variance(variance, 0, 4, 3, 3, at[i].x, at[i].y),
+                      (4 * (double)variance[3 * at[i].y + at[i].x] + 2 * at[i].around) /
+                          (6 + 1 / 32.0),
+                      1e-4, "pixel (%u, %u)", at[i].x, at[i].y);
+    rk_check_close(rk_adaptive_pooled_variance(variance, 0, 4, 9, 1, 8, 0), (36 + 16) / 6.03125,
+                   1e-5, "the end of a picture of one row");
+    rk_check_close(rk_adaptive_pooled_variance(variance, 1, 8, 1, 1, 0, 0), 1, 1e-6, "one pixel");
+}
+
+static void no_pixel_is_trusted_to_be_without_noise(void **state)
+{
+    (void)state;
+    const float variance[9] = {0};
+    float before = 1;
+    for (uint32_t count = 4; count <= 1u << 24; count *= 2) {
+        float got = rk_adaptive_pooled_variance(variance, 1, count, 3, 3, 1, 1);
+        rk_check(got > 0 && got < before, "%u equal samples: %g, with fewer %g", count, (double)got,
+                 (double)before);
+        before = got;
+    }
+}
+
+/* --- Allocation ------------------------------------------------------------------------------- */
+
+static void the_count_is_the_ratio_of_deviations(void **state)
+{
+    (void)state;
+    const uint32_t most = 1u << 24;
+    for (int k = 2; k <= 24; k++)
+        for (int e = -60; e <= 60; e += 20)
+            rk_check_near(rk_adaptive_count(ldexpf(1, 2 * k + e), ldexpf(1, e), most), ldexp(1, k),
+                          0, "sigma 2^%d, lambda 2^%d: n = sigma / sqrt(lambda)", k, e);
+}
+
+static void the_count_is_the_next_power_of_two_by_logarithm(void **state)
+{
+    (void)state;
+    const float below = 1.9999f, above = 2.0001f; /* of the squared number */
+    for (int k = 2; k < 12; k++) {
+        rk_check_near(rk_adaptive_count(ldexpf(below, 2 * k), 1, 4096), ldexp(1, k), 0,
+                      "n = sqrt(%g) 2^%d", (double)below, k);
+        rk_check_near(rk_adaptive_count(ldexpf(above, 2 * k), 1, 4096), ldexp(1, k + 1), 0,
+                      "n = sqrt(%g) 2^%d", (double)above, k);
+    }
+}
+
+static void counts_have_limits(void **state)
+{
+    (void)state;
+    const struct {
+        float variance, lambda;
+        uint32_t most, want;
+    } at[] = {{0, 1, 64, 4},
+              {1e-30f, 1, 64, 4},
+              {1, INFINITY, 64, 4},
+              {NAN, 1, 64, 4},
+              {1e30f, 1, 64, 64},
+              {INFINITY, 1, 64, 64},
+              {1e-30f, 0x1p-149f, 64, 64},
+              {4097, 1, 64, 64},
+              {3e38f, 1e-38f, 1u << 24, 1u << 24},
+              {-1, 1, 64, 4}};
+    for (size_t i = 0; i < sizeof at / sizeof *at; i++)
+        rk_check_near(rk_adaptive_count(at[i].variance, at[i].lambda, at[i].most), at[i].want, 0,
+                      "variance %g, lambda %g, at most %u", (double)at[i].variance,
+                      (double)at[i].lambda, at[i].most);
+}
+
+static void noisier_pixels_never_take_fewer_samples(void **state)
+{
+    (void)state;
+    uint32_t by_variance = 0, by_lambda = 0;
+    for (int i = -200; i <= 200; i++) {
+        uint32_t more = rk_adaptive_count(exp2f((float)i / 8), 1, 4096);
+        uint32_t cheaper = rk_adaptive_count(1, exp2f(-(float)i / 8), 4096);
+        rk_check(more >= by_variance, "variance 2^(%d / 8): %u samples after %u", i, more,
+                 by_variance);
+        rk_check(cheaper >= by_lambda, "lambda 2^(%d / -8): %u samples after %u", i, cheaper,
+                 by_lambda);
+        by_variance = more;
+        by_lambda = cheaper;
+    }
+}
+
+/* Brute force: every allocation of powers of two to four pixels. */
+static void no_allocation_of_as_many_samples_is_better(void **state)
+{
+    (void)state;
+    const float variances[][4] = {
+        {1, 4, 16, 64}, {1, 1, 1, 256}, {3, 30, 300, 3000}, {0, 1, 2, 900}};
+    for (int s = 0; s < 4; s++)
+        for (int l = -14; l <= 2; l++) {
+            uint32_t n[4], total = 0;
+            double got = 0;
+            for (int i = 0; i < 4; i++) {
+                n[i] = rk_adaptive_count(variances[s][i], exp2f((float)l / 2), 512);
+                total += n[i];
+                got += (double)variances[s][i] / n[i];
+            }
+            for (int code = 0; code < 4096; code++) {
+                uint32_t samples = 0;
+                double variance = 0;
+                for (int i = 0; i < 4; i++) {
+                    uint32_t count = 4u << (code >> 3 * i & 7);
+                    samples += count;
+                    variance += (double)variances[s][i] / count;
+                }
+                /* With n rounded to powers of two, lambda is the same up to a factor of 2 either
+                 * way, and an allocation of as many samples may be 9/8 as good:
+                 * (sqrt(2) + 1 / sqrt(2))^2 / 4. */
+                rk_check(samples > total || variance * 9 / 8 >= got * (1 - 1e-6),
+                         "set %d, lambda 2^(%d / 2): %u, %u, %u and %u samples leave the variance "
+                         "%g, and as many leave %g",
+                         s, l, n[0], n[1], n[2], n[3], got, variance);
+            }
+        }
+}
+
+static void a_prediction_adds_up_pixels(void **state)
+{
+    (void)state;
+    const rk_adaptive_estimate estimates[] = {{64, 8}, {1024, 8}, {0, 4}, {4096, 64}};
+    const rk_adaptive_prediction p = rk_adaptive_predict(estimates, 4, 1, 32, 0.25);
+    rk_check_close(p.samples, 8 + 32 + 4 + 32, 0, "counts");
+    rk_check_close(p.variance, 64 / 8.0 + 1024 / 8.0 / 16 + 0 + 4096 / 64.0 * 4, 1e-9,
+                   "each doubling multiplies by 1/4, each halving by 4");
+    const rk_adaptive_prediction half = rk_adaptive_predict(estimates, 4, 1, 32, 0.5);
+    rk_check_close(half.variance, 8 + 32 + 0 + 128, 1e-9, "independent samples: sigma^2 / n");
+}
+
+static void a_prediction_is_exact_for_independent_samples(void **state)
+{
+    (void)state;
+    for (uint32_t from = 4; from <= 256; from *= 2)
+        for (int k = 2; k <= 12; k++) {
+            const rk_adaptive_estimate one = {ldexpf(1, 2 * k), from};
+            rk_check_near(rk_adaptive_predict(&one, 1, 1, 4096, 0.5).variance, ldexp(1, k), 1e-9,
+                          "sigma 2^%d, estimated from %u samples", k, from);
+        }
+}
+
+enum { many = 500 };
+
+static void make_estimates(rk_adaptive_estimate *estimates)
+{
+    for (uint32_t i = 0; i < many; i++)
+        estimates[i] = (rk_adaptive_estimate){exp2f(20 * rk_unit_float(rk_hash(i, 3, 0, 0)) - 20),
+                                              4u << i % 5};
+}
+
+static void lambda_reaches_the_variance_with_the_fewest_samples(void **state)
+{
+    (void)state;
+    rk_adaptive_estimate estimates[many];
+    make_estimates(estimates);
+    for (int i = 0; i < 8; i++) {
+        const double want = ldexp(1, -i);
+        float lambda = rk_adaptive_lambda(estimates, many, 1u << 20, 0.4, want, (double)INFINITY);
+        rk_check(rk_adaptive_predict(estimates, many, lambda, 1u << 20, 0.4).variance <= want,
+                 "variance 2^-%d is not reached by lambda %g", i, (double)lambda);
+        rk_check(rk_adaptive_predict(estimates, many, 1.002f * lambda, 1u << 20, 0.4).variance >
+                     want,
+                 "variance 2^-%d would be reached by a larger lambda than %g", i, (double)lambda);
+    }
+}
+
+static void lambda_takes_no_more_samples_than_allowed(void **state)
+{
+    (void)state;
+    rk_adaptive_estimate estimates[many];
+    make_estimates(estimates);
+    for (int i = 0; i < 8; i++) {
+        const double samples = 8.0 * many * (1 << i);
+        float lambda = rk_adaptive_lambda(estimates, many, 1u << 20, 0.4, 0, samples);
+        rk_check(rk_adaptive_predict(estimates, many, lambda, 1u << 20, 0.4).samples >= samples,
+                 "fewer than %g samples", samples);
+        rk_check(rk_adaptive_predict(estimates, many, 1.002f * lambda, 1u << 20, 0.4).samples <
+                     samples,
+                 "more than %g samples", samples);
+    }
+}
+
+static void lambda_is_the_smallest_if_nothing_suffices(void **state)
+{
+    (void)state;
+    const rk_adaptive_estimate one = {1, 8};
+    rk_check_close(rk_adaptive_lambda(&one, 1, 64, 0.5, 1e-9, (double)INFINITY), 0x1p-149, 0,
+                   "64 samples leave a variance of 1/64");
+    const rk_adaptive_estimate none = {0, 8};
+    rk_check(rk_adaptive_lambda(&none, 1, 64, 0.5, 0, (double)INFINITY) > 1e30f,
+             "without variance the least work suffices");
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(a_sample_is_added_to_the_block_of_its_quarter),
+    cmocka_unit_test(the_samples_so_far_become_the_first_half),
+    cmocka_unit_test(samples_in_rounds_are_those_at_once),
+    cmocka_unit_test(the_mean_is_that_of_all_samples),
+    cmocka_unit_test(differences_are_those_of_means),
+    cmocka_unit_test(differences_are_means_over_the_channels),
+    cmocka_unit_test(equal_samples_and_no_samples_do_not_differ),
+    cmocka_unit_test(a_sample_that_is_no_number_counts_as_no_difference),
+    cmocka_unit_test(the_ratio_is_between_an_eighth_and_a_half),
+    cmocka_unit_test(variance_is_the_sum_of_the_series),
+    cmocka_unit_test(error_is_relative_to_the_picture),
+    cmocka_unit_test(own_variance_weights_both_differences),
+    cmocka_unit_test(noise_of_known_variance_is_measured),
+    cmocka_unit_test(pooling_keeps_a_constant),
+    cmocka_unit_test(pooled_variance_is_weighted_by_samples),
+    cmocka_unit_test(neighbours_are_those_inside_the_picture),
+    cmocka_unit_test(no_pixel_is_trusted_to_be_without_noise),
+    cmocka_unit_test(the_count_is_the_ratio_of_deviations),
+    cmocka_unit_test(the_count_is_the_next_power_of_two_by_logarithm),
+    cmocka_unit_test(counts_have_limits),
+    cmocka_unit_test(noisier_pixels_never_take_fewer_samples),
+    cmocka_unit_test(no_allocation_of_as_many_samples_is_better),
+    cmocka_unit_test(a_prediction_adds_up_pixels),
+    cmocka_unit_test(a_prediction_is_exact_for_independent_samples),
+    cmocka_unit_test(lambda_reaches_the_variance_with_the_fewest_samples),
+    cmocka_unit_test(lambda_takes_no_more_samples_than_allowed),
+    cmocka_unit_test(lambda_is_the_smallest_if_nothing_suffices),
+};
+
+RK_SUITE("adaptive_sampling", tests)
