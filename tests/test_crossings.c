@@ -4,6 +4,8 @@
 
 #include "accel/crossings.h"
 #include "base/random.h"
+#include "features/watertight.h"
+#include "scene/bvh_build.h"
 
 /* --- Scenes and rays to try ------------------------------------------------------------------- */
 
@@ -118,12 +120,10 @@ static rk_crossing_list gather_by_brute_force(const rk_scene *scene, const rk_ra
     rk_transparency_start(&list, limit);
     const rk_mesh *mesh = &scene->mesh;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        rk_vec3 a = mesh->positions[mesh->triangles[i][0]];
-        rk_vec3 ab = rk_sub(mesh->positions[mesh->triangles[i][1]], a);
-        rk_vec3 ac = rk_sub(mesh->positions[mesh->triangles[i][2]], a);
-        rk_triangle triangle = {a, ab, ac, i};
-        rk_hit hit;
-        if (!rk_triangle_intersect(&triangle, ray, &hit) || !(hit.t < ray->t_max))
+        rk_triangle triangle = rk_bvh_triangle_of(mesh, i);
+        rk_vec3 ab = rk_sub(triangle.b, triangle.a), ac = rk_sub(triangle.c, triangle.a);
+        rk_hit hit = rk_watertight_intersect(&triangle, ray);
+        if (!(hit.t < ray->t_max))
             continue;
         const rk_material *material = &mesh->materials[mesh->triangle_materials[i]];
         rk_crossing crossing = {.t = hit.t,

@@ -3,6 +3,7 @@
 #include "test.h"
 
 #include "base/reflect.h"
+#include "features/watertight.h"
 #include "scenes/builtin.h"
 #include "scenes/makers.h"
 
@@ -698,13 +699,13 @@ static uint32_t crossed(const rk_scene *scene, rk_vec3 a, rk_vec3 b, uint32_t ma
     const rk_mesh *mesh = &scene->mesh;
     uint32_t count = 0;
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
-        rk_vec3 corner = mesh->positions[mesh->triangles[i][0]];
-        rk_triangle triangle = {corner, rk_sub(mesh->positions[mesh->triangles[i][1]], corner),
-                                rk_sub(mesh->positions[mesh->triangles[i][2]], corner), i};
+        const uint32_t *corner = mesh->triangles[i];
+        rk_triangle triangle = {mesh->positions[corner[0]], mesh->positions[corner[1]],
+                                mesh->positions[corner[2]], i};
         rk_ray ray = {a, rk_sub(b, a), 1};
-        rk_hit hit;
+        rk_hit hit = rk_watertight_intersect(&triangle, &ray);
         /* A hit within a thousandth of an end is the surface of that end. */
-        if (!rk_triangle_intersect(&triangle, &ray, &hit) || hit.t < 0.001f || hit.t > 0.999f)
+        if (hit.t < 0.001f || hit.t > 0.999f)
             continue;
         rk_check(count < 8, "more than 8 crossings");
         uint32_t k = count++;

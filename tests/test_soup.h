@@ -5,7 +5,7 @@
 #include "test.h"
 
 #include "base/random.h"
-#include "base/triangle.h"
+#include "features/watertight.h"
 #include "scene/mesh.h"
 
 /* Triangles with separate corners, not yet placed. */
@@ -69,9 +69,8 @@ static inline rk_hit closest_by_brute_force(const rk_mesh *mesh, const rk_ray *r
     rk_hit hit = {ray->t_max, 0, 0, RK_MISS};
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         const uint32_t *corner = mesh->triangles[i];
-        rk_vec3 a = mesh->positions[corner[0]];
-        rk_triangle triangle = {a, rk_sub(mesh->positions[corner[1]], a),
-                                rk_sub(mesh->positions[corner[2]], a), i};
+        rk_triangle triangle = {mesh->positions[corner[0]], mesh->positions[corner[1]],
+                                mesh->positions[corner[2]], i};
         rk_triangle_closest(&triangle, ray, &hit);
     }
     return hit;

@@ -3,13 +3,13 @@
 #include "test.h"
 
 #include "base/random.h"
-#include "base/triangle.h"
+#include "features/watertight.h"
 
 #include <float.h>
 
 static rk_triangle triangle_of(rk_vec3 a, rk_vec3 b, rk_vec3 c, uint32_t index)
 {
-    return (rk_triangle){a, rk_sub(b, a), rk_sub(c, a), index};
+    return (rk_triangle){a, b, c, index};
 }
 
 static rk_hit closest(const rk_triangle *triangle, const rk_ray *ray)
@@ -117,7 +117,7 @@ static void a_nearer_hit_replaces_and_a_farther_one_does_not(void **state)
 {
     (void)state;
     rk_triangle near = corner_triangle(), far = corner_triangle();
-    far.a.z = 1, far.index = 1;
+    far.a.z = far.b.z = far.c.z = 1, far.index = 1;
     rk_ray ray = ray_at(0.25f, 0.25f);
     rk_hit hit = closest(&far, &ray);
     rk_check(rk_triangle_closest(&near, &ray, &hit) && hit.triangle == 5, "t = 2 before t = 3");
@@ -146,6 +146,11 @@ typedef struct wide3 {
 static wide3 widen(rk_vec3 v)
 {
     return (wide3){(long double)v.x, (long double)v.y, (long double)v.z};
+}
+
+static wide3 minus(wide3 a, wide3 b)
+{
+    return (wide3){a.x - b.x, a.y - b.y, a.z - b.z};
 }
 
 static wide3 magnitude(wide3 v)
@@ -181,8 +186,8 @@ typedef struct oracle {
 
 static oracle solve(const rk_triangle *triangle, const rk_ray *ray)
 {
-    wide3 ab = widen(triangle->edge_ab), ac = widen(triangle->edge_ac), d = widen(ray->direction);
-    wide3 o = widen(ray->origin), a = widen(triangle->a), s = {o.x - a.x, o.y - a.y, o.z - a.z};
+    wide3 o = widen(ray->origin), d = widen(ray->direction), a = widen(triangle->a);
+    wide3 s = minus(o, a), ab = minus(widen(triangle->b), a), ac = minus(widen(triangle->c), a);
     oracle answer = {triple_bounded(ab, d, ac), triple_bounded(s, d, ac), triple_bounded(d, s, ab),
                      triple_bounded(ac, s, ab)};
     if (answer.det.value < 0) {
@@ -239,10 +244,10 @@ static void make_pair(uint32_t i, rk_triangle *triangle, rk_ray *ray)
     float u = 0.75f * noise(i, 13) + 0.5f, v = 0.75f * noise(i, 14) + 0.5f;
     if (i % 8 == 2)
         v = 1e-5f * noise(i, 15);
-    rk_vec3 target = rk_madd(rk_madd(a, triangle->edge_ab, u), triangle->edge_ac, v);
+    rk_vec3 ab = rk_sub(b, a), target = rk_madd(rk_madd(a, ab, u), rk_sub(c, a), v);
     rk_vec3 origin = rk_scale(noise3(i, 16), i % 3 == 1 ? 1000 : 3);
     if (i % 8 == 3) /* from within a thousandth of the triangle's plane */
-        origin = rk_madd(rk_madd(target, triangle->edge_ab, 3 * noise(i, 19)), origin, 1e-3f);
+        origin = rk_madd(rk_madd(target, ab, 3 * noise(i, 19)), origin, 1e-3f);
     float reach = 1.5f + noise(i, 20); /* t is around 1 / reach */
     *ray = (rk_ray){origin, rk_scale(rk_sub(target, origin), reach), INFINITY};
 }
@@ -304,11 +309,10 @@ static void barycentric_coordinates_give_the_point_back(void **state)
         if (hit.triangle == RK_MISS || !surely_positive(want.det))
             continue;
         for (int k = 0; k < 3; k++) {
-            double d = (double)rk_axis(ray.direction, k), ab = (double)rk_axis(triangle.edge_ab, k);
-            double ac = (double)rk_axis(triangle.edge_ac, k);
+            double d = (double)rk_axis(ray.direction, k), a = (double)rk_axis(triangle.a, k);
+            double ab = (double)rk_axis(triangle.b, k) - a, ac = (double)rk_axis(triangle.c, k) - a;
             double along = (double)rk_axis(ray.origin, k) + (double)hit.t * d;
-            double across =
-                (double)rk_axis(triangle.a, k) + (double)hit.u * ab + (double)hit.v * ac;
+            double across = a + (double)hit.u * ab + (double)hit.v * ac;
             double tolerance = (double)quotient_error(want.t_det, want.det) * fabs(d) +
                                (double)quotient_error(want.u_det, want.det) * fabs(ab) +
                                (double)quotient_error(want.v_det, want.det) * fabs(ac);
@@ -344,8 +348,8 @@ static void both_tests_agree_to_the_bit_at_every_t_max(void **state)
 static void scale_pair(rk_triangle *triangle, rk_ray *ray, float points, float direction)
 {
     triangle->a = rk_scale(triangle->a, points);
-    triangle->edge_ab = rk_scale(triangle->edge_ab, points);
-    triangle->edge_ac = rk_scale(triangle->edge_ac, points);
+    triangle->b = rk_scale(triangle->b, points);
+    triangle->c = rk_scale(triangle->c, points);
     ray->origin = rk_scale(ray->origin, points);
     ray->direction = rk_scale(ray->direction, direction);
 }
@@ -462,8 +466,8 @@ static void nan_and_infinity_in_any_input_miss(void **state)
                 triangle_of(rk_vec(-1, -1, 0.5f), rk_vec(2, -1, 0), rk_vec(-1, 3, 1), 0);
             rk_ray ray = {rk_vec(0.1f, 0.2f, -2), rk_vec(0.1f, 0.2f, 1), INFINITY};
             rk_check(hits(&triangle, &ray), "the valid pair hits");
-            float *places[] = {&triangle.a.x, &triangle.edge_ab.x, &triangle.edge_ac.x,
-                               &ray.origin.x, &ray.direction.x};
+            float *places[] = {&triangle.a.x, &triangle.b.x, &triangle.c.x, &ray.origin.x,
+                               &ray.direction.x};
             places[place / 3][place % 3] = broken[i];
             rk_check(!hits(&triangle, &ray) && !rk_triangle_occludes(&triangle, &ray),
                      "%g at place %d", (double)broken[i], place);

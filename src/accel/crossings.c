@@ -1,102 +1,9 @@
-/* A watertight triangle test: no ray slips between neighbours (after Woop, Benthin, Wald,
- * "Watertight ray/triangle intersection", JCGT 2013): each corner is projected along the ray
- * separately, so triangles with a common corner agree on its position, and the side of an edge on
- * which the ray passes is exact. A ray exactly through an edge is moved aside by an infinitesimal
- * (Edelsbrunner and Muecke, "Simulation of simplicity", ACM Transactions on Graphics 9(1), 1990).
- */
+/* Gathers a ray's crossings from spheres and trees; which triangles it crosses, once each, is
+ * decided in features/watertight.h. */
 #include "accel/crossings.h"
 
 #include "accel/trace_moving.h"
-
-/* --- Triangles, projected along the ray ------------------------------------------------------ */
-
-/* The ray's own axes: x and y across it, z the one on which its direction is longest. In double,
- * whose rounding errors are far below the margin of the box test, so no box is missed. */
-typedef struct projection {
-    int x, y, z;                         /* right-handed, z along the ray */
-    double origin_x, origin_y, origin_z; /* on these axes */
-    double shear_x, shear_y;             /* for each unit of z: the ray becomes the z axis */
-    double inverse_direction;            /* 1 / the direction's z */
-} projection;
-
-typedef struct projected {
-    double x, y, t;
-} projected;
-
-static projection projection_along(const rk_ray *ray)
-{
-    rk_vec3 size = rk_abs3(ray->direction);
-    int z = size.x > size.y ? 0 : 1;
-    z = size.z > rk_axis(size, z) ? 2 : z;
-    bool backward = rk_axis(ray->direction, z) < 0;
-    int x = (z + (backward ? 2 : 1)) % 3, y = (z + (backward ? 1 : 2)) % 3;
-    double along = (double)rk_axis(ray->direction, z);
-    return (projection){.x = x,
-                        .y = y,
-                        .z = z,
-                        .origin_x = (double)rk_axis(ray->origin, x),
-                        .origin_y = (double)rk_axis(ray->origin, y),
-                        .origin_z = (double)rk_axis(ray->origin, z),
-                        .shear_x = (double)rk_axis(ray->direction, x) / along,
-                        .shear_y = (double)rk_axis(ray->direction, y) / along,
-                        .inverse_direction = 1 / along};
-}
-
-static inline projected project(const projection *p, rk_vec3 point)
-{
-    const float on_axis[3] = {point.x, point.y, point.z};
-    double z = (double)on_axis[p->z] - p->origin_z;
-    return (projected){.x = (double)on_axis[p->x] - p->origin_x - p->shear_x * z,
-                       .y = (double)on_axis[p->y] - p->origin_y - p->shear_y * z,
-                       .t = z * p->inverse_direction};
-}
-
-static inline int sign_of_difference(double a, double b)
-{
-    return (a > b) - (a < b);
-}
-
-/* On which side of the edge from a to b the ray passes: 1 where it turns counter-clockwise about
- * the ray, or -1; 0 only for a = b. Exact: rounding keeps the order of two products, and where they
- * round alike their errors, which fma gives, decide. A ray through the edge is taken to pass at
- * (e, e^2) for an e above 0 and below any number, so e decides, then e^2. */
-static inline int side_of(projected a, projected b)
-{
-    double ab = a.x * b.y, ba = a.y * b.x;
-    int side = sign_of_difference(ab, ba);
-    if (side == 0)
-        side = sign_of_difference(fma(a.x, b.y, -ab), fma(a.y, b.x, -ba));
-    if (side == 0)
-        side = sign_of_difference(a.y, b.y);
-    return side != 0 ? side : sign_of_difference(b.x, a.x);
-}
-
-static double area_of(projected a, projected b)
-{
-    return fabs(a.x * b.y - a.y * b.x);
-}
-
-/* Fills in position and direction of the crossing. t is a mean of the corners' t, so that a
- * triangle nearly edge-on has one, too; that of a triangle that is a point is NaN. */
-static bool cross_triangle(const projection *p, const rk_mesh *mesh, uint32_t triangle,
-                           rk_crossing *crossing)
-{
-    const uint32_t *corner = mesh->triangles[triangle];
-    projected a = project(p, mesh->positions[corner[0]]);
-    projected b = project(p, mesh->positions[corner[1]]);
-    projected c = project(p, mesh->positions[corner[2]]);
-    int side = side_of(a, b);
-    if (side_of(b, c) != side || side_of(c, a) != side)
-        return false;
-    double of_a = area_of(b, c), of_b = area_of(c, a), of_c = area_of(a, b);
-    double sum = of_a + of_b + of_c;
-    *crossing = (rk_crossing){.t = (float)((of_a * a.t + of_b * b.t + of_c * c.t) / sum),
-                              .u = (float)(of_b / sum),
-                              .v = (float)(of_c / sum),
-                              .primitive = triangle,
-                              .entering = side < 0};
-    return true;
-}
+#include "features/watertight.h"
 
 /* --- Gathering -------------------------------------------------------------------------------- */
 
@@ -141,22 +48,21 @@ static void add_crossing(gathering *g, rk_crossing *crossing, uint32_t medium,
     g->end = rk_transparency_end(g->list, g->ray->t_max);
 }
 
-static void gather_triangle(gathering *g, const projection *p, uint32_t triangle)
-{
-    const rk_mesh *mesh = &g->scene->mesh;
-    rk_crossing crossing;
-    if (!cross_triangle(p, mesh, triangle, &crossing))
-        return;
-    uint32_t medium = mesh->triangle_materials[triangle];
-    add_crossing(g, &crossing, medium, &mesh->materials[medium]);
-}
-
-static void gather_leaf(gathering *g, const projection *p, const rk_triangle *triangles,
+static void gather_leaf(gathering *g, const rk_ray *ray, const rk_triangle *triangles,
                         uint32_t count, rk_counters *counters)
 {
+    const rk_mesh *mesh = &g->scene->mesh;
     counters->triangle_tests += count;
-    for (uint32_t i = 0; i < count; i++)
-        gather_triangle(g, p, triangles[i].index);
+    for (uint32_t i = 0; i < count; i++) {
+        rk_hit hit;
+        int side = rk_watertight_cross(&triangles[i], ray, &hit);
+        if (side == 0)
+            continue;
+        rk_crossing crossing = {
+            .t = hit.t, .u = hit.u, .v = hit.v, .primitive = hit.triangle, .entering = side > 0};
+        uint32_t medium = mesh->triangle_materials[hit.triangle];
+        add_crossing(g, &crossing, medium, &mesh->materials[medium]);
+    }
 }
 
 static void gather_spheres(gathering *g, rk_counters *counters)
@@ -187,7 +93,6 @@ static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
     if (bvh->node_count == 0 || is_done(g))
         return;
     const rk_slabs slabs = rk_slabs_of(ray);
-    const projection p = projection_along(ray);
     entered_part parts[RK_BVH_LEVELS_MAX + 1]; /* the last comes next */
     const float at_root = rk_box_enter(&bvh->nodes[0].box, &slabs, g->end);
     uint32_t left = at_root < INFINITY;
@@ -198,7 +103,7 @@ static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
         if (parts[left].at > g->end)
             continue;
         if (top->count > 0) {
-            gather_leaf(g, &p, &bvh->triangles[top->first], top->count, counters);
+            gather_leaf(g, ray, &bvh->triangles[top->first], top->count, counters);
             continue;
         }
         /* The nearer half comes next: its crossings may end the ray before the other. */

@@ -1,7 +1,7 @@
 #include "accel/packet.h"
 
-#include "accel/simd4.h"
 #include "accel/stand_in_tree.h"
+#include "base/simd4.h"
 
 /* --- Rays ------------------------------------------------------------------------------------- */
 
@@ -10,6 +10,8 @@ typedef struct packet {
     rk_simd4x3 inverse_near, inverse_far; /* see rk_slabs */
     int near_x, near_y, near_z;           /* the same for all rays */
     rk_simd4 t_max;                       /* of the nearest hits so far; negative: done */
+    rk_simd4 longest;                     /* of the direction's components */
+    rk_ray rays[RK_PACKET_MAX];
     rk_hit hits[RK_PACKET_MAX];
 } packet;
 
@@ -18,24 +20,25 @@ static void put_ray(packet *p, uint32_t lane, const rk_ray *ray, const rk_slabs 
 {
     rk_simd4x3_put(&p->origin, lane, ray->origin);
     rk_simd4x3_put(&p->direction, lane, ray->direction);
-    rk_simd4x3_put(&p->inverse_near, lane, slabs->inverse_near);
-    rk_simd4x3_put(&p->inverse_far, lane, slabs->inverse_far);
+    rk_simd4x3_put(&p->inverse_near, lane, rk_simd4_vec(slabs->inverse_near));
+    rk_simd4x3_put(&p->inverse_far, lane, rk_simd4_vec(slabs->inverse_far));
+    p->longest[lane] = rk_watertight_longest(ray);
     p->t_max[lane] = -1;
+    p->rays[lane] = *ray;
 }
 
 /* False if the rays' directions differ in a sign: then they enter boxes at different corners. */
 static bool fill(packet *p, const rk_ray *rays, uint32_t count)
 {
     const rk_slabs first = rk_slabs_of(&rays[0]);
-    p->near_x = first.near_x;
-    p->near_y = first.near_y;
-    p->near_z = first.near_z;
+    p->near_x = -first.is_backward[0];
+    p->near_y = -first.is_backward[1];
+    p->near_z = -first.is_backward[2];
     for (uint32_t i = 0; i < RK_PACKET_MAX; i++)
         put_ray(p, i, &rays[0], &first);
     for (uint32_t i = 0; i < count; i++) {
         const rk_slabs slabs = rk_slabs_of(&rays[i]);
-        if (slabs.near_x != first.near_x || slabs.near_y != first.near_y ||
-            slabs.near_z != first.near_z)
+        if (rk_simd4_movemask(slabs.is_backward ^ first.is_backward))
             return false;
         put_ray(p, i, &rays[i], &slabs);
         p->t_max[i] = rays[i].t_max;
@@ -65,60 +68,29 @@ static inline rk_simd4 enter_box(const packet *p, const rk_box *box)
     return rk_simd4_select(enter <= leave, enter, rk_simd4_all(INFINITY));
 }
 
-typedef struct crossing {
-    rk_simd4 t, u, v;
-} crossing;
-
-/* See rk_triangle_intersect. Sets a bit for each ray that crosses the triangle no farther than
- * t_max. */
-static inline uint32_t cross_triangle(const packet *p, const rk_triangle *triangle, crossing *cross)
+/* Sets a bit for each ray that may hit the triangle; see may_hit in features/watertight.c. */
+static inline uint32_t may_hit(const packet *p, const rk_triangle *triangle)
 {
-    const rk_simd4 zero = rk_simd4_all(0), one = rk_simd4_all(1);
-    rk_simd4x3 edge_ab = rk_simd4x3_all(triangle->edge_ab);
-    rk_simd4x3 edge_ac = rk_simd4x3_all(triangle->edge_ac);
-    rk_simd4x3 across = rk_simd4x3_cross(p->direction, edge_ac);
-    rk_simd4 det = rk_simd4x3_dot(edge_ab, across);
-    rk_simd4 sign = rk_simd4_select(det < zero, -one, one);
-    det *= sign;
-    rk_simd4x3 s = rk_simd4x3_scale(rk_simd4x3_sub(p->origin, rk_simd4x3_all(triangle->a)), sign);
-    rk_simd4 u_det = rk_simd4x3_dot(s, across);
-    rk_simd4_mask inside = (u_det >= zero) & (u_det <= det);
-    if (!rk_simd4_movemask(inside))
-        return 0;
-    rk_simd4x3 q = rk_simd4x3_cross(s, edge_ab);
-    rk_simd4 v_det = rk_simd4x3_dot(p->direction, q);
-    inside &= (v_det >= zero) & (u_det + v_det <= det);
-    if (!rk_simd4_movemask(inside))
-        return 0;
-    *cross = (crossing){rk_simd4x3_dot(edge_ac, q) / det, u_det / det, v_det / det};
-    return rk_simd4_movemask(inside & (cross->t > zero) & (cross->t < rk_simd4_all(INFINITY)) &
-                             (cross->t <= p->t_max));
+    rk_simd4x3 a = rk_simd4x3_all(triangle->a);
+    rk_simd4x3 ab = rk_simd4x3_sub(rk_simd4x3_all(triangle->b), a);
+    rk_simd4x3 ac = rk_simd4x3_sub(rk_simd4x3_all(triangle->c), a);
+    rk_simd4x3 s = rk_simd4x3_sub(p->origin, a);
+    return rk_watertight_may_hit(s, p->direction, p->longest, p->t_max, ab, ac);
 }
 
 /* --- Traversal -------------------------------------------------------------------------------- */
 
 typedef enum query_kind { CLOSEST, OCCLUSION } query_kind;
 
-/* At the same t the smaller index wins, as everywhere. */
-static inline void take(packet *p, query_kind kind, uint32_t lane, const rk_hit *hit)
-{
-    const rk_hit *best = &p->hits[lane];
-    if (hit->t < best->t || hit->triangle < best->triangle) {
-        p->hits[lane] = *hit;
-        p->t_max[lane] = kind == OCCLUSION ? -1 : hit->t;
-    }
-}
-
 static inline void intersect_leaf(packet *p, query_kind kind, const rk_triangle *triangles,
                                   uint32_t count)
 {
     for (uint32_t i = 0; i < count; i++) {
-        crossing cross;
-        uint32_t crossed = cross_triangle(p, &triangles[i], &cross);
-        for (uint32_t lane = 0; crossed; lane++, crossed >>= 1)
-            if (crossed & 1)
-                take(p, kind, lane,
-                     &(rk_hit){cross.t[lane], cross.u[lane], cross.v[lane], triangles[i].index});
+        uint32_t may = may_hit(p, &triangles[i]);
+        for (uint32_t lane = 0; may; lane++, may >>= 1)
+            if ((may & 1) && p->t_max[lane] >= 0 &&
+                rk_triangle_closest(&triangles[i], &p->rays[lane], &p->hits[lane]))
+                p->t_max[lane] = kind == OCCLUSION ? -1 : p->hits[lane].t;
     }
 }
 

@@ -72,8 +72,8 @@ static double enter_box(const group *g, const rk_box *box)
 
 static rk_box box_of(const rk_triangle *triangle)
 {
-    rk_vec3 b = rk_add(triangle->a, triangle->edge_ab), c = rk_add(triangle->a, triangle->edge_ac);
-    return rk_box_add(rk_box_add(rk_box_add(rk_box_empty(), triangle->a), b), c);
+    return rk_box_add(rk_box_add(rk_box_add(rk_box_empty(), triangle->a), triangle->b),
+                      triangle->c);
 }
 
 static rk_dvec3 from_origin(const group *g, rk_vec3 point)
@@ -92,9 +92,8 @@ static double largest_along(const group *g, rk_dvec3 n)
 /* False if all rays are outside the plane through the origin and one edge. */
 static bool may_intersect(const group *g, const rk_triangle *triangle)
 {
-    const rk_dvec3 corner[3] = {from_origin(g, triangle->a),
-                                from_origin(g, rk_add(triangle->a, triangle->edge_ab)),
-                                from_origin(g, rk_add(triangle->a, triangle->edge_ac))};
+    const rk_dvec3 corner[3] = {from_origin(g, triangle->a), from_origin(g, triangle->b),
+                                from_origin(g, triangle->c)};
     double volume = rk_ddot(corner[0], rk_dcross(corner[1], corner[2]));
     for (int i = 0; i < 3 && volume != 0; i++) {
         rk_dvec3 across = rk_dcross(corner[i], corner[(i + 1) % 3]);

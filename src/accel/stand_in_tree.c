@@ -17,7 +17,7 @@ static bool finds_triangles(const rk_bvh *bvh, const rk_mesh *mesh, uint32_t fir
     uint32_t step = bvh->triangle_count / TRIED + 1;
     for (uint32_t i = 0; i < bvh->triangle_count; i += step) {
         rk_triangle triangle = rk_bvh_triangle_of(mesh, first + i);
-        rk_vec3 normal = rk_cross(triangle.edge_ab, triangle.edge_ac);
+        rk_vec3 normal = rk_cross(rk_sub(triangle.b, triangle.a), rk_sub(triangle.c, triangle.a));
         float size = rk_length(normal);
         if (!(size > 0) || !(size < INFINITY))
             continue;

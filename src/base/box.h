@@ -4,6 +4,7 @@
 #define RK_BASE_BOX_H
 
 #include "base/ray.h"
+#include "base/simd4.h"
 #include "base/vec3.h"
 
 #include <float.h>
@@ -62,8 +63,9 @@ static inline int rk_box_longest_axis(rk_box box)
  * ones are denormal), and while the distances to the box and t itself do not overflow. */
 typedef struct rk_slabs {
     rk_vec3 origin;
-    rk_vec3 inverse_near, inverse_far; /* 1 / direction, a little smaller and a little larger */
-    int near_x, near_y, near_z;        /* the corner on the near side of each axis */
+    rk_simd4 origin4;                   /* x, y, z and, like the next ones, z again */
+    rk_simd4 inverse_near, inverse_far; /* 1 / direction, a little smaller and a little larger */
+    rk_simd4_mask is_backward;          /* on these axes the box's highest side is the near one */
 } rk_slabs;
 
 /* The near bound of 1 / d. Below 2^-128 the reciprocal of a denormal overflows, and infinity would
@@ -84,34 +86,40 @@ static inline rk_slabs rk_slabs_of(const rk_ray *ray)
     if (rk_min(size.x, rk_min(size.y, size.z)) < FLT_MIN)
         near = rk_vec(rk_slabs_inverse_near(d.x, near.x), rk_slabs_inverse_near(d.y, near.y),
                       rk_slabs_inverse_near(d.z, near.z));
-    return (rk_slabs){
-        .origin = ray->origin,
-        .inverse_near = near,
-        .inverse_far = rk_scale(inverse, 1 + 2 * gamma_3),
-        .near_x = signbit(d.x) ? 1 : 0,
-        .near_y = signbit(d.y) ? 1 : 0,
-        .near_z = signbit(d.z) ? 1 : 0,
-    };
+    return (rk_slabs){.origin = ray->origin,
+                      .origin4 = rk_simd4_of(ray->origin),
+                      .inverse_near = rk_simd4_of(near),
+                      .inverse_far = rk_simd4_of(rk_scale(inverse, 1 + 2 * gamma_3)),
+                      .is_backward = (rk_simd4_mask)rk_simd4_of(d) >> 31};
+}
+
+/* The corners on the near and on the far side of the box. */
+typedef struct rk_box_sides {
+    rk_simd4 near, far;
+} rk_box_sides;
+
+static inline rk_box_sides rk_box_sides_of(const rk_box *box, const rk_slabs *ray)
+{
+    rk_simd4 low = rk_simd4_first3(&box->corner[0].x), high = rk_simd4_last3(&box->corner[0].z);
+    rk_simd4_mask swap = ((rk_simd4_mask)low ^ (rk_simd4_mask)high) & ray->is_backward;
+    return (rk_box_sides){(rk_simd4)((rk_simd4_mask)low ^ swap),
+                          (rk_simd4)((rk_simd4_mask)high ^ swap)};
 }
 
 /* Returns the t at which a ray that enters the box leaves it, at most t_max. */
 static inline float rk_box_leave(const rk_box *box, const rk_slabs *ray, float t_max)
 {
-    float far_x = (box->corner[1 - ray->near_x].x - ray->origin.x) * ray->inverse_far.x;
-    float far_y = (box->corner[1 - ray->near_y].y - ray->origin.y) * ray->inverse_far.y;
-    float far_z = (box->corner[1 - ray->near_z].z - ray->origin.z) * ray->inverse_far.z;
-    return rk_min(far_x, rk_min(far_y, rk_min(far_z, t_max)));
+    rk_simd4 far = (rk_box_sides_of(box, ray).far - ray->origin4) * ray->inverse_far;
+    return rk_simd4_smallest(rk_simd4_min(far, rk_simd4_all(t_max)));
 }
 
 /* Returns the t at which the ray enters the box (0 if it starts inside), or infinity if it misses
  * the box or enters beyond t_max. A ray in the plane of a face gives 0 * infinity = NaN, which
- * rk_min and rk_max ignore: that face does not bound the ray. */
+ * minimum and maximum ignore: that face does not bound the ray. */
 static inline float rk_box_enter(const rk_box *box, const rk_slabs *ray, float t_max)
 {
-    float near_x = (box->corner[ray->near_x].x - ray->origin.x) * ray->inverse_near.x;
-    float near_y = (box->corner[ray->near_y].y - ray->origin.y) * ray->inverse_near.y;
-    float near_z = (box->corner[ray->near_z].z - ray->origin.z) * ray->inverse_near.z;
-    float enter = rk_max(near_x, rk_max(near_y, rk_max(near_z, 0)));
+    rk_simd4 near = (rk_box_sides_of(box, ray).near - ray->origin4) * ray->inverse_near;
+    float enter = rk_simd4_largest(rk_simd4_max(near, rk_simd4_all(0)));
     return enter <= rk_box_leave(box, ray, t_max) ? enter : INFINITY;
 }
 

@@ -4,7 +4,7 @@
 
 #include "accel/trace.h"
 #include "base/box.h"
-#include "base/triangle.h"
+#include "features/watertight.h"
 
 #include <stdlib.h>
 
@@ -239,7 +239,7 @@ void rk_overlay_triangle(rk_overlay *overlay, rk_vec3 a, rk_vec3 b, rk_vec3 c, r
 {
     const rk_vec3 corners[3] = {a, b, c};
     pixel_range range = range_of(overlay, corners, 3);
-    rk_triangle triangle = {a, rk_sub(b, a), rk_sub(c, a), 0};
+    const rk_triangle triangle = {a, b, c, 0};
     for (uint32_t y = range.y0; y < range.y1; y++)
         for (uint32_t x = range.x0; x < range.x1; x++) {
             rk_ray ray = pixel_ray(overlay, x, y);

@@ -275,16 +275,16 @@ rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counter
         if (node->count == 0) {
             next = push_far_return_near(&stack, &bvh->nodes[node->first], &slabs, hit.t);
             box_tests += 2;
+        } else {
+            rk_triangles_closest(&bvh->triangles[node->first], node->count, ray, &hit);
         }
-        for (uint32_t i = 0; i < node->count; i++)
-            rk_triangle_closest(&bvh->triangles[node->first + i], ray, &hit);
         triangle_tests += node->count;
         node = next ? next : pop_nearer(&stack, hit.t);
     }
     counters->box_tests += box_tests;
     counters->triangle_tests += triangle_tests;
     /* starter
-    // Fourth step: traverse from the root; leaves by rk_triangle_closest. Count the tests.
+    // Fourth step: traverse from the root; leaves by rk_triangles_closest. Count the tests.
     end */
     return hit;
 }
@@ -306,10 +306,11 @@ bool rk_bvh_occluded(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters
         if (node->count == 0) {
             next = push_far_return_near(&stack, &bvh->nodes[node->first], &slabs, ray->t_max);
             box_tests += 2;
-        }
-        for (uint32_t i = 0; i < node->count && !found; i++) {
-            found = rk_triangle_occludes(&bvh->triangles[node->first + i], ray);
-            triangle_tests++;
+        } else {
+            uint32_t first_hit =
+                rk_triangles_first_hit(&bvh->triangles[node->first], node->count, ray);
+            found = first_hit < node->count;
+            triangle_tests += first_hit + found;
         }
         node = next ? next : pop_nearer(&stack, ray->t_max);
     }
@@ -317,7 +318,7 @@ bool rk_bvh_occluded(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters
     counters->triangle_tests += triangle_tests;
     return found;
     /* starter
-    // Fifth step: as above, by rk_triangle_occludes. The first hit ends the search.
+    // Fifth step: as above, by rk_triangles_first_hit. The first hit ends the search.
     return false;
     end */
 }

@@ -4,6 +4,7 @@
 #define RK_FEATURES_BVH_MEDIAN_H
 
 #include "base/counters.h"
+#include "features/watertight.h"
 #include "scene/bvh.h"
 
 /* How a builder splits a node over the `count` triangles from `begin` on, in an order that the

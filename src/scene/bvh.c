@@ -119,10 +119,9 @@ static bool same_point(rk_vec3 a, rk_vec3 b)
 static bool is_copy(const rk_triangle *triangle, const rk_mesh *mesh)
 {
     const uint32_t *corner = mesh->triangles[triangle->index];
-    rk_vec3 a = mesh->positions[corner[0]];
-    return same_point(triangle->a, a) &&
-           same_point(triangle->edge_ab, rk_sub(mesh->positions[corner[1]], a)) &&
-           same_point(triangle->edge_ac, rk_sub(mesh->positions[corner[2]], a));
+    return same_point(triangle->a, mesh->positions[corner[0]]) &&
+           same_point(triangle->b, mesh->positions[corner[1]]) &&
+           same_point(triangle->c, mesh->positions[corner[2]]);
 }
 
 static void validate_leaf(validation *v, const rk_bvh_node *node)

@@ -32,10 +32,8 @@ static inline rk_bvh_reference rk_bvh_reference_of(const rk_mesh *mesh, uint32_t
 static inline rk_triangle rk_bvh_triangle_of(const rk_mesh *mesh, uint32_t triangle)
 {
     const uint32_t *corner = mesh->triangles[triangle];
-    rk_vec3 a = mesh->positions[corner[0]];
-    rk_vec3 edge_ab = rk_sub(mesh->positions[corner[1]], a);
-    rk_vec3 edge_ac = rk_sub(mesh->positions[corner[2]], a);
-    return (rk_triangle){a, edge_ab, edge_ac, triangle};
+    return (rk_triangle){mesh->positions[corner[0]], mesh->positions[corner[1]],
+                         mesh->positions[corner[2]], triangle};
 }
 
 #endif

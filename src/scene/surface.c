@@ -43,7 +43,7 @@ void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, 
     rk_vec3 b = mesh->positions[corner[1]];
     rk_vec3 c = mesh->positions[corner[2]];
     rk_vec3 weights = rk_vec(1 - hit->u - hit->v, hit->u, hit->v);
-    surface->triangle = (rk_triangle){a, rk_sub(b, a), rk_sub(c, a), hit->triangle};
+    surface->triangle = (rk_triangle){a, b, c, hit->triangle};
     surface->offset = rk_vec(0, 0, 0);
     surface->point = rk_vec(point_on_axis(a.x, b.x, c.x, hit), point_on_axis(a.y, b.y, c.y, hit),
                             point_on_axis(a.z, b.z, c.z, hit));
@@ -120,32 +120,35 @@ static rk_vec3 step_along(rk_vec3 point, rk_vec3 normal, float distance)
                   round_outward(start.z, step.z));
 }
 
-/* Does the triangle test find the plane ahead of the ray from `start`? Rays are moved back by the
- * offset of a moving object, with the same rounding; without an offset nothing is rounded. */
-static bool plane_is_ahead(const rk_surface *surface, rk_vec3 start, float heading)
+/* May the plane be ahead of the ray from `start`? Rays are moved back by the offset of a moving
+ * object, with the same rounding; without an offset nothing is rounded. */
+static bool plane_may_be_ahead(const rk_triangle_plane *plane, rk_vec3 point, double heading)
 {
-    float side = rk_triangle_side(&surface->triangle, rk_sub(start, surface->offset));
-    return (side > 0 && heading > 0) || (side < 0 && heading < 0);
+    double side = rk_triangle_plane_side(plane, point);
+    return (heading > 0 && side <= 0) || (heading < 0 && side >= 0);
 }
 
 rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction)
 {
     const rk_triangle *triangle = &surface->triangle;
     rk_vec3 normal = facing(surface->face_normal, direction);
-    /* For grazing directions the signs may differ from the triangle test's, which decides. */
-    float heading = rk_triangle_heading(triangle, direction);
-    float normal_heading = rk_triangle_heading(triangle, normal);
+    /* The normal is rounded; for grazing directions the corners decide. */
+    rk_triangle_plane plane = rk_triangle_plane_of(triangle);
+    double heading = rk_triangle_plane_heading(&plane, direction);
+    double normal_heading = rk_triangle_plane_heading(&plane, normal);
     if ((heading > 0 && normal_heading < 0) || (heading < 0 && normal_heading > 0))
         normal = rk_negate(normal);
-    /* Past the point's error, and past two roundings of the edges: the triangle test, also of
-     * neighbouring triangles, uses rounded edges and a rounded difference of points. */
-    rk_vec3 edges = rk_add(rk_abs3(triangle->edge_ab), rk_abs3(triangle->edge_ac));
+    /* Past the point's error, and past two roundings of the edges: u and v are rounded, so close to
+     * an edge the point may lie behind the neighbour's plane. */
+    rk_vec3 edges = rk_add(rk_abs3(rk_sub(triangle->b, triangle->a)),
+                           rk_abs3(rk_sub(triangle->c, triangle->a)));
     rk_vec3 error = rk_madd(surface->point_error, edges, gamma_bound(2));
     float distance = rk_dot(rk_abs3(normal), error);
     rk_vec3 start = step_along(surface->point, normal, distance);
-    /* In slivers the test's error grows with the ratio of length to width. A step of 2^-24 of the
+    /* In slivers the normal's error grows with the ratio of length to width. A step of 2^-24 of the
      * triangle's size reaches that size after 24 doublings. */
-    for (int i = 0; i < 24 && plane_is_ahead(surface, start, heading); i++) {
+    for (int i = 0; i < 24 && plane_may_be_ahead(&plane, rk_sub(start, surface->offset), heading);
+         i++) {
         distance *= 2;
         start = step_along(surface->point, normal, distance);
     }

@@ -17,7 +17,7 @@ typedef struct rk_surface {
                             side as face_normal */
     rk_vec3 barycentric; /* weights of the triangle's corners, sum 1 */
     const rk_material *material;
-    rk_triangle triangle; /* as the triangle test uses it; on a sphere its index is RK_MISS */
+    rk_triangle triangle; /* on a sphere its index is RK_MISS */
     rk_vec3 offset;       /* of a moving object from its position at rest; else 0 */
 } rk_surface;
 
@@ -42,17 +42,18 @@ static inline rk_vec3 rk_surface_kd(const rk_surface *surface, const rk_mesh *me
 }
 
 /* The origin of a ray spawned into `direction` (any length): moved along the face normal just past
- * the error bound, to the side of the direction, and farther where the triangle test itself is less
- * exact than that. No epsilon to tune: the step follows from the rounding errors, at any scale. The
- * ray never hits the triangle at which it starts. */
+ * the error bound, to the side of the direction, and farther where the plane would still be ahead.
+ * No epsilon to tune: the step follows from the rounding errors, at any scale. The ray never hits
+ * the triangle at which it starts. */
 rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction);
 
 /* Do rays into both directions start at the same point? That depends on the side of the plane to
- * which they point, both by the normal and by the triangle test. */
+ * which they point, both by the normal and by the corners. */
 static inline bool rk_surface_spawns_alike(const rk_surface *surface, rk_vec3 a, rk_vec3 b)
 {
-    float heading_a = rk_triangle_heading(&surface->triangle, a);
-    float heading_b = rk_triangle_heading(&surface->triangle, b);
+    rk_triangle_plane plane = rk_triangle_plane_of(&surface->triangle);
+    double heading_a = rk_triangle_plane_heading(&plane, a);
+    double heading_b = rk_triangle_plane_heading(&plane, b);
     return (rk_dot(surface->face_normal, a) < 0) == (rk_dot(surface->face_normal, b) < 0) &&
            (heading_a > 0) == (heading_b > 0) && (heading_a < 0) == (heading_b < 0);
 }

@@ -2,9 +2,9 @@
 
 #include "base/random.h"
 #include "base/reflect.h"
-#include "base/triangle.h"
 #include "features/parallelogram_light.h"
 #include "features/shading.h"
+#include "features/watertight.h"
 
 #include <stdio.h>
 
@@ -33,17 +33,19 @@ static const values none = {NAN, NAN, NAN};
 
 static values distance_to_triangle(uint32_t input)
 {
-    rk_vec3 a = point(input, 0), ab = rk_sub(point(input, 3), a), ac = rk_sub(point(input, 6), a);
+    rk_vec3 a = point(input, 0), b = point(input, 3), c = point(input, 6);
+    rk_vec3 ab = rk_sub(b, a), ac = rk_sub(c, a);
     rk_vec3 origin = rk_scale(point(input, 9), 4);
     float u = unit(input, 12), v = (1 - u) * unit(input, 13);
     rk_vec3 target = rk_madd(rk_madd(a, ab, u), ac, v);
-    const rk_triangle triangle = {a, ab, ac, 0};
+    const rk_triangle triangle = {a, b, c, 0};
     const rk_ray ray = {origin, rk_normalize(rk_sub(target, origin)), INFINITY};
-    rk_hit hit;
-    if (!rk_triangle_intersect(&triangle, &ray, &hit))
+    rk_hit hit = rk_watertight_intersect(&triangle, &ray);
+    if (hit.triangle == RK_MISS)
         return none;
-    rk_dvec3 d = rk_widen(ray.direction), e = rk_widen(ab), f = rk_widen(ac);
-    rk_dvec3 s = rk_dmadd(rk_widen(origin), rk_widen(a), -1), q = rk_dcross(s, e);
+    rk_dvec3 d = rk_widen(ray.direction), corner = rk_widen(a);
+    rk_dvec3 e = rk_dmadd(rk_widen(b), corner, -1), f = rk_dmadd(rk_widen(c), corner, -1);
+    rk_dvec3 s = rk_dmadd(rk_widen(origin), corner, -1), q = rk_dcross(s, e);
     double exact = rk_ddot(f, q) / rk_ddot(e, rk_dcross(d, f));
     /* The other common way: the plane's normal first. */
     rk_vec3 n = rk_cross(ab, ac);

@@ -1,6 +1,7 @@
 /* The point of a hit, its normal, and spawned rays. */
 #include "measure.h"
 
+#include "features/watertight.h"
 #include "scene/bvh_build.h"
 #include "scene/surface.h"
 

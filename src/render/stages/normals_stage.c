@@ -11,7 +11,7 @@ static rk_vec3 flat_normal(const rk_surface *surface)
     const rk_triangle *t = &surface->triangle;
     if (t->index == RK_MISS)
         return surface->face_normal;
-    rk_vec3 n = rk_normals_of_triangle(t->a, rk_add(t->a, t->edge_ab), rk_add(t->a, t->edge_ac));
+    rk_vec3 n = rk_normals_of_triangle(t->a, t->b, t->c);
     return rk_dot(n, surface->face_normal) < 0 ? rk_negate(n) : n;
 }
 

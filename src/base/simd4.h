@@ -1,12 +1,13 @@
 /* Four floats, one per lane, computed by one instruction. Each lane is rounded like a single float,
  * so results are the same to the bit. By the vector extensions of gcc and clang; by SSE, which
- * every x86-64 has, for operations that these lack; not installed. */
-#ifndef RK_ACCEL_SIMD4_H
-#define RK_ACCEL_SIMD4_H
+ * every x86-64 has, for operations that these lack. */
+#ifndef RK_BASE_SIMD4_H
+#define RK_BASE_SIMD4_H
 
 #include "base/vec3.h"
 
 #include <stdint.h>
+#include <string.h>
 
 #ifdef __SSE2__
 #include <emmintrin.h>
@@ -66,6 +67,61 @@ static inline uint32_t rk_simd4_movemask(rk_simd4_mask mask)
 
 #endif
 
+#if defined __clang__ || __GNUC__ >= 12
+#define RK_SIMD4_SHUFFLE(a, b, i, j, k, l) __builtin_shufflevector(a, b, i, j, k, l)
+#else
+#define RK_SIMD4_SHUFFLE(a, b, i, j, k, l) __builtin_shuffle(a, b, (rk_simd4_mask){i, j, k, l})
+#endif
+
+/* x, y, z, z */
+static inline rk_simd4 rk_simd4_of(rk_vec3 a)
+{
+    return (rk_simd4){a.x, a.y, a.z, a.z};
+}
+
+static inline rk_vec3 rk_simd4_vec(rk_simd4 a)
+{
+    return rk_vec(a[0], a[1], a[2]);
+}
+
+static inline rk_simd4 rk_simd4_load(const float *four)
+{
+    rk_simd4 x;
+    memcpy(&x, four, sizeof x);
+    return x;
+}
+
+/* Of four floats the first three or the last three, the third or the fourth twice. */
+static inline rk_simd4 rk_simd4_first3(const float *four)
+{
+    rk_simd4 x = rk_simd4_load(four);
+    return RK_SIMD4_SHUFFLE(x, x, 0, 1, 2, 2);
+}
+
+static inline rk_simd4 rk_simd4_last3(const float *four)
+{
+    rk_simd4 x = rk_simd4_load(four);
+    return RK_SIMD4_SHUFFLE(x, x, 1, 2, 3, 3);
+}
+
+static inline float rk_simd4_largest(rk_simd4 a)
+{
+    rk_simd4 b = rk_simd4_max(a, RK_SIMD4_SHUFFLE(a, a, 2, 3, 2, 3));
+    return rk_simd4_max(b, RK_SIMD4_SHUFFLE(b, b, 1, 1, 1, 1))[0];
+}
+
+static inline float rk_simd4_smallest(rk_simd4 a)
+{
+    rk_simd4 b = rk_simd4_min(a, RK_SIMD4_SHUFFLE(a, a, 2, 3, 2, 3));
+    return rk_simd4_min(b, RK_SIMD4_SHUFFLE(b, b, 1, 1, 1, 1))[0];
+}
+
+static inline rk_simd4 rk_simd4_abs(rk_simd4 a)
+{
+    const rk_simd4_mask sign = {INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
+    return (rk_simd4)((rk_simd4_mask)a & ~sign);
+}
+
 /* Four vectors. */
 typedef struct rk_simd4x3 {
     rk_simd4 x, y, z;
@@ -101,6 +157,26 @@ static inline rk_simd4 rk_simd4x3_dot(rk_simd4x3 a, rk_simd4x3 b)
 static inline rk_simd4x3 rk_simd4x3_cross(rk_simd4x3 a, rk_simd4x3 b)
 {
     return (rk_simd4x3){a.y * b.z - a.z * b.y, a.z * b.x - a.x * b.z, a.x * b.y - a.y * b.x};
+}
+
+/* The sum of the components' sizes. */
+static inline rk_simd4 rk_simd4x3_size(rk_simd4x3 a)
+{
+    return rk_simd4_abs(a.x) + rk_simd4_abs(a.y) + rk_simd4_abs(a.z);
+}
+
+/* Row i becomes column i. */
+static inline void rk_simd4_transpose(rk_simd4 rows[4])
+{
+    rk_simd4 low[2], high[2];
+    for (int i = 0; i < 2; i++) {
+        low[i] = RK_SIMD4_SHUFFLE(rows[2 * i], rows[2 * i + 1], 0, 4, 1, 5);
+        high[i] = RK_SIMD4_SHUFFLE(rows[2 * i], rows[2 * i + 1], 2, 6, 3, 7);
+    }
+    rows[0] = RK_SIMD4_SHUFFLE(low[0], low[1], 0, 1, 4, 5);
+    rows[1] = RK_SIMD4_SHUFFLE(low[0], low[1], 2, 3, 6, 7);
+    rows[2] = RK_SIMD4_SHUFFLE(high[0], high[1], 0, 1, 4, 5);
+    rows[3] = RK_SIMD4_SHUFFLE(high[0], high[1], 2, 3, 6, 7);
 }
 
 #endif

@@ -1,0 +1,402 @@
+/* No ray slips between triangles: decisions are compared with integers, which know exactly on which
+ * side of an edge a ray passes. */
+#include "test.h"
+
+#include "closed_mesh.h"
+
+#include <float.h>
+
+enum { cases = 20000 };
+
+/* Corners and origins up to 2^22: differences and their products fit the integers, and the floats.
+ */
+static const int64_t extent = 1 << 22;
+
+typedef struct pair_of {
+    whole3 corner[3], origin, direction;
+    whole_determinants want;
+} pair_of;
+
+static rk_ray ray_of(const pair_of *p, int exponent)
+{
+    return (rk_ray){float_of(p->origin, exponent), float_of(p->direction, 0), INFINITY};
+}
+
+/* A random triangle, and a ray to a point around it. */
+static pair_of random_pair(uint32_t key)
+{
+    pair_of p;
+    for (uint32_t k = 0; k < 3; k++)
+        p.corner[k] = random_point(key, 3 * k, extent);
+    p.origin = random_point(key, 9, extent);
+    whole3 to = whole_madd(whole_madd(p.corner[0], p.corner[1], 1), p.corner[2], 1);
+    to = whole_of(to.x / 3, to.y / 3, to.z / 3);
+    p.direction = whole_madd(whole_madd(to, p.origin, -1), random_point(key, 12, extent / 4), 1);
+    p.want = whole_determinants_of(p.corner, p.origin, p.direction);
+    return p;
+}
+
+/* A triangle whose edge ab has eight equal parts, and a ray through one of their ends. */
+static pair_of edge_pair(uint32_t key)
+{
+    pair_of p;
+    whole3 part = random_point(key, 0, extent / 16);
+    p.corner[0] = random_point(key, 3, extent / 2);
+    p.corner[1] = whole_madd(p.corner[0], part, 8);
+    p.corner[2] = random_point(key, 6, extent);
+    p.origin = random_point(key, 9, extent);
+    whole3 at = whole_madd(p.corner[0], part, 1 + (int64_t)(rk_hash(key, 1, 2, 3) % 7));
+    p.direction = whole_madd(at, p.origin, -1);
+    p.want = whole_determinants_of(p.corner, p.origin, p.direction);
+    return p;
+}
+
+static rk_hit intersect(const pair_of *p, int exponent)
+{
+    rk_triangle triangle = float_triangle(p->corner, exponent, 7);
+    rk_ray ray = ray_of(p, exponent);
+    return rk_watertight_intersect(&triangle, &ray);
+}
+
+static const char *hits_or_misses(bool hits)
+{
+    return hits ? "a hit" : "a miss";
+}
+
+static void check_decision(const pair_of *p, uint32_t i, const char *hint)
+{
+    bool want = whole_hits(&p->want), got = intersect(p, 0).triangle != RK_MISS;
+    rk_check(got == want, "ray %u: got %s, want %s: %s", i, hits_or_misses(got),
+             hits_or_misses(want), hint);
+}
+
+/* --- In double -------------------------------------------------------------------------------- */
+
+static void t_u_and_v_are_rounded_from_double(void **state)
+{
+    (void)state;
+    unsigned hits = 0;
+    for (uint32_t i = 0; i < cases; i++) {
+        pair_of p = random_pair(i);
+        rk_hit hit = intersect(&p, 0);
+        /* Determinants below 1e-4 of the largest lose digits in double, too. */
+        long double det = (long double)p.want.det;
+        if (!whole_hits(&p.want) || hit.triangle == RK_MISS || det < 1e-4L * 0x1p69L)
+            continue;
+        rk_check_near(hit.t, (double)((long double)p.want.t / det), (double)hit.t * 0x1p-23,
+                      "ray %u: t, rounded once to a float", i);
+        rk_check_near(hit.u, (double)((long double)p.want.u / det), 0x1p-24, "ray %u: u", i);
+        rk_check_near(hit.v, (double)((long double)p.want.v / det), 0x1p-24, "ray %u: v", i);
+        hits++;
+    }
+    rk_check(hits > cases / 20, "%u hits were compared: too few", hits);
+}
+
+static void rays_beside_the_edges_are_decided_as_by_integers(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < cases; i++) {
+        pair_of p = random_pair(i);
+        check_decision(&p, i, "the three determinants u, v and w decide, and t");
+    }
+}
+
+static void tiny_and_huge_scenes_have_the_same_hits(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < cases; i++) {
+        pair_of p = random_pair(i);
+        rk_hit want = intersect(&p, 0);
+        int exponent = (int)(rk_hash(i, 4, 4, 4) % 141) - 100;
+        rk_hit got = intersect(&p, exponent);
+        rk_check(got.triangle == want.triangle,
+                 "ray %u, everything times 2^%d: got %s, want %s: products of three floats fit a "
+                 "double at every scale",
+                 i, exponent, hits_or_misses(got.triangle != RK_MISS),
+                 hits_or_misses(want.triangle != RK_MISS));
+    }
+}
+
+/* --- Exactly ---------------------------------------------------------------------------------- */
+
+static void rays_through_an_edge_hit_the_triangle(void **state)
+{
+    (void)state;
+    unsigned hits = 0;
+    for (uint32_t i = 0; i < cases; i++) {
+        pair_of p = edge_pair(i);
+        check_decision(&p, i,
+                       "the ray passes exactly through an edge: v is 0, and what double "
+                       "makes of it is rounding");
+        hits += whole_hits(&p.want);
+    }
+    rk_check(hits > cases / 2, "%u hits: too few", hits);
+}
+
+static void the_neighbour_beyond_the_edge_is_hit_as_well(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < cases; i++) {
+        pair_of p = edge_pair(i);
+        whole3 a = p.corner[0];
+        p.corner[0] = p.corner[1], p.corner[1] = a;
+        p.corner[2] = random_point(i, 60, extent);
+        p.want = whole_determinants_of(p.corner, p.origin, p.direction);
+        check_decision(&p, i, "an edge belongs to both of its triangles");
+    }
+}
+
+static void a_direction_next_to_the_edge_is_on_its_side(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < cases; i++) {
+        pair_of p = edge_pair(i);
+        p.direction = whole_madd(p.direction, random_point(i, 80, 1), 1);
+        p.want = whole_determinants_of(p.corner, p.origin, p.direction);
+        check_decision(&p, i, "the direction is one unit beside the edge");
+    }
+}
+
+static void a_ray_that_starts_in_the_plane_misses(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < cases; i++) {
+        pair_of p = edge_pair(i);
+        whole3 ab = whole_madd(p.corner[1], p.corner[0], -1);
+        /* Inside: between a point of ab and c. Distances are halved so that whole numbers do. */
+        p.corner[2] = whole_madd(p.corner[0], random_point(i, 6, extent / 8), 2);
+        whole3 to_c = whole_madd(p.corner[2], p.corner[0], -1);
+        p.origin = whole_madd(p.corner[0], whole_of(ab.x / 8, ab.y / 8, ab.z / 8), 2);
+        p.origin = whole_madd(p.origin, whole_of(to_c.x / 2, to_c.y / 2, to_c.z / 2), 1);
+        p.direction = random_point(i, 30, extent);
+        p.want = whole_determinants_of(p.corner, p.origin, p.direction);
+        rk_check(p.want.t == 0, "the case is wrong: the origin is not in the plane");
+        check_decision(&p, i, "the ray starts in the triangle's plane: t is 0, which is no hit");
+    }
+}
+
+/* Coordinates from 2^-80 to 2^60. */
+static rk_vec3 wild_point(uint32_t key, uint32_t dimension)
+{
+    float c[3];
+    for (uint32_t k = 0; k < 3; k++) {
+        int exponent = (int)(rk_hash(key, dimension, k, 5) % 141) - 80;
+        c[k] = ldexpf(2 * rk_unit_float(rk_hash(key, dimension, k, 6)) - 1, exponent);
+    }
+    return rk_vec(c[0], c[1], c[2]);
+}
+
+static void the_order_of_the_corners_does_not_matter(void **state)
+{
+    (void)state;
+    unsigned hits = 0;
+    for (uint32_t i = 0; i < cases / 4; i++) {
+        rk_vec3 a = wild_point(i, 0), b = wild_point(i, 1), c = wild_point(i, 2);
+        rk_vec3 origin = wild_point(i, 3);
+        /* Towards a corner or the middle of an edge, rounded: close by, whatever the sizes. */
+        rk_vec3 to = i % 3 == 0 ? a : rk_scale(rk_add(a, b), 0.5f);
+        rk_ray ray = {origin, rk_sub(to, origin), INFINITY};
+        const rk_triangle orders[6] = {{a, b, c, 0}, {b, c, a, 0}, {c, a, b, 0},
+                                       {a, c, b, 0}, {c, b, a, 0}, {b, a, c, 0}};
+        bool first = rk_watertight_intersect(&orders[0], &ray).triangle != RK_MISS;
+        for (int k = 1; k < 6; k++)
+            rk_check((rk_watertight_intersect(&orders[k], &ray).triangle != RK_MISS) == first,
+                     "ray %u hits the triangle with its corners in one order, and misses it in "
+                     "another: differences of very different numbers are rounded, too",
+                     i);
+        hits += first;
+    }
+    rk_check(hits > cases / 100, "%u hits: too few", hits);
+}
+
+/* --- Closed meshes ---------------------------------------------------------------------------- */
+
+enum { rows = 6, triangles_max = 8 * rows * rows };
+
+static void check_ball(int exponent, whole3 centre, double radius, uint32_t key)
+{
+    static whole3 ball[triangles_max][3];
+    uint32_t count = make_ball(ball, rows, radius, centre);
+    for (uint32_t i = 0; i < 400; i++) {
+        uint32_t ray_key = key * 1000 + i;
+        whole3 origin = whole_madd(centre, random_point(ray_key, 30, (int64_t)(radius / 4)), 1);
+        whole3 direction = aimed(ray_key, ball[rk_hash(ray_key, 0, 0, 8) % count], origin);
+        rk_ray ray = {float_of(origin, exponent), float_of(direction, 0), INFINITY};
+        unsigned hits = 0;
+        for (uint32_t k = 0; k < count; k++) {
+            rk_triangle triangle = float_triangle(ball[k], exponent, k);
+            hits += rk_watertight_intersect(&triangle, &ray).triangle != RK_MISS;
+        }
+        rk_check(hits > 0,
+                 "ray %u leaves a closed ball of radius %g without a hit, at 2^%d times its size: "
+                 "it is aimed at an edge or a corner",
+                 i, radius, exponent);
+    }
+}
+
+static void no_ray_leaves_a_closed_ball(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 8; i++)
+        check_ball(0, whole_of(0, 0, 0), 3e6 + 1e4 * (double)i, i);
+}
+
+static void no_ray_leaves_it_at_any_scale_or_place(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 8; i++) {
+        int exponent = (int)i * 16 - 84;
+        check_ball(exponent, random_point(i, 0, 1 << 22), 3e4, 50 + i);
+    }
+}
+
+static void a_closed_surface_is_entered_as_often_as_left(void **state)
+{
+    (void)state;
+    static whole3 ball[triangles_max][3];
+    const double radius = 1e6;
+    uint32_t count = make_ball(ball, rows, radius, whole_of(0, 0, 0));
+    unsigned tested = 0;
+    for (uint32_t i = 0; i < 2000; i++) {
+        const whole3 *target = ball[rk_hash(i, 0, 0, 8) % count];
+        whole3 origin = random_point(i, 30, 1 << 21), direction = aimed(i, target, origin);
+        if (i % 4 == 0) { /* along an axis, through a corner */
+            direction = whole_of(i % 3 == 0, i % 3 == 1, i % 3 == 2);
+            origin = whole_madd(target[0], direction, -(1 << 20));
+        }
+        origin = whole_madd(origin, direction, i % 4 == 0 ? -(1 << 22) : -2);
+        double d[3] = {(double)direction.x, (double)direction.y, (double)direction.z};
+        double o[3] = {(double)origin.x, (double)origin.y, (double)origin.z}, od = 0, dd = 0,
+               oo = 0;
+        for (int k = 0; k < 3; k++)
+            od += o[k] * d[k], dd += d[k] * d[k], oo += o[k] * o[k];
+        if (oo < 1.1 * radius * radius || od > 0)
+            continue; /* the ball is not ahead */
+        tested++;
+        rk_ray ray = {float_of(origin, 0), float_of(direction, 0), INFINITY};
+        int entered = 0, left = 0;
+        for (uint32_t k = 0; k < count; k++) {
+            rk_triangle triangle = float_triangle(ball[k], 0, k);
+            rk_hit hit;
+            int side = rk_watertight_cross(&triangle, &ray, &hit);
+            entered += side > 0, left += side < 0;
+        }
+        /* If it passes outside by a hair it is neither entered nor left. */
+        rk_check(entered == left && entered <= 1,
+                 "ray %u enters a ball %d times and leaves it %d times: through an edge or a "
+                 "corner, one triangle counts",
+                 i, entered, left);
+        /* The faces of the ball are nearer than its corners, but by less than a tenth. */
+        bool deep = oo - od * od / dd < 0.8 * radius * radius;
+        rk_check(!deep || entered == 1, "ray %u passes through the ball, but enters it %d times", i,
+                 entered);
+    }
+    rk_check(tested > 1000, "%u rays: too few", tested);
+}
+
+/* --- Every input has an answer ---------------------------------------------------------------- */
+
+static void check_miss(rk_triangle triangle, rk_ray ray, const char *hint)
+{
+    rk_hit hit;
+    rk_check(rk_watertight_intersect(&triangle, &ray).triangle == RK_MISS, "%s: a miss", hint);
+    rk_check(rk_watertight_cross(&triangle, &ray, &hit) == 0, "%s: no crossing", hint);
+}
+
+static void triangles_without_area_and_rays_in_the_plane_miss(void **state)
+{
+    (void)state;
+    rk_vec3 a = rk_vec(0, 0, 1), b = rk_vec(3, 0, 1), c = rk_vec(0, 3, 1);
+    rk_ray ray = {rk_vec(1, 0, 0), rk_vec(0, 0, 1), INFINITY};
+    check_miss((rk_triangle){a, b, a, 0}, ray, "an edge");
+    check_miss((rk_triangle){a, a, a, 0}, ray, "a point");
+    check_miss((rk_triangle){a, b, rk_vec(1.5f, 0, 1), 0}, ray, "three points of a line");
+    ray = (rk_ray){rk_vec(-1, 1, 1), rk_vec(1, 0, 0), INFINITY};
+    check_miss((rk_triangle){a, b, c, 0}, ray, "a ray in the plane");
+    ray.direction = rk_vec(0, 0, 0);
+    check_miss((rk_triangle){a, b, c, 0}, ray, "a ray without direction");
+}
+
+static void nan_and_infinity_miss(void **state)
+{
+    (void)state;
+    const float broken[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 45; i++) {
+        float n[15] = {-1, -1, 1, 3, -1, 1, -1, 3, 1, 0, 0, 0, 0, 0, 1};
+        n[i / 3] = broken[i % 3];
+        rk_triangle triangle = {rk_vec(n[0], n[1], n[2]), rk_vec(n[3], n[4], n[5]),
+                                rk_vec(n[6], n[7], n[8]), 0};
+        rk_ray ray = {rk_vec(n[9], n[10], n[11]), rk_vec(n[12], n[13], n[14]), INFINITY};
+        check_miss(triangle, ray, "NaN or infinity");
+    }
+}
+
+static void a_t_out_of_range_is_defined(void **state)
+{
+    (void)state;
+    rk_triangle triangle = {{-1, -1, 1}, {3, -1, 1}, {-1, 3, 1}, 0};
+    rk_ray ray = {rk_vec(0, 0, 0), rk_vec(0, 0, FLT_TRUE_MIN), INFINITY};
+    check_miss(triangle, ray, "t would be above FLT_MAX");
+    triangle.a.z = triangle.b.z = triangle.c.z = FLT_TRUE_MIN;
+    ray.direction.z = FLT_MAX;
+    rk_check_close(rk_watertight_intersect(&triangle, &ray).t, FLT_TRUE_MIN, 0,
+                   "above 0, though below the smallest float");
+}
+
+/* --- Four at once ----------------------------------------------------------------------------- */
+
+static void check_leaf(uint32_t key, int exponent, int direction_exponent)
+{
+    rk_triangle leaf[9];
+    uint32_t count = 1 + key % 9;
+    pair_of p = key % 2 ? edge_pair(key) : random_pair(key);
+    for (uint32_t k = 0; k < count; k++) {
+        pair_of other = random_pair(key * 16 + k);
+        other.corner[0] = p.corner[0], other.corner[1] = p.corner[1];
+        leaf[k] = float_triangle(other.corner, exponent, 100 - k);
+    }
+    rk_ray ray = ray_of(&p, exponent);
+    ray.direction = float_of(p.direction, direction_exponent);
+    rk_hit want = {INFINITY, 0, 0, RK_MISS}, got = want;
+    uint32_t first = count;
+    for (uint32_t k = 0; k < count; k++) {
+        rk_triangle_closest(&leaf[k], &ray, &want);
+        if (first == count && rk_triangle_occludes(&leaf[k], &ray))
+            first = k;
+    }
+    rk_triangles_closest(leaf, count, &ray, &got);
+    rk_check(got.triangle == want.triangle && got.t == want.t && got.u == want.u && got.v == want.v,
+             "leaf %u, times 2^%d: got triangle %u, want %u as one by one", key, exponent,
+             got.triangle, want.triangle);
+    rk_check_equal(rk_triangles_first_hit(leaf, count, &ray), first, "the first one that occludes");
+}
+
+static void four_at_once_are_decided_as_one_by_one(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < cases; i++) {
+        check_leaf(i, 0, 0);
+        check_leaf(i, (int)(rk_hash(i, 1, 8, 8) % 227) - 140,
+                   (int)(rk_hash(i, 2, 8, 8) % 227) - 140);
+    }
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(t_u_and_v_are_rounded_from_double),
+    cmocka_unit_test(rays_beside_the_edges_are_decided_as_by_integers),
+    cmocka_unit_test(tiny_and_huge_scenes_have_the_same_hits),
+    cmocka_unit_test(rays_through_an_edge_hit_the_triangle),
+    cmocka_unit_test(the_neighbour_beyond_the_edge_is_hit_as_well),
+    cmocka_unit_test(a_direction_next_to_the_edge_is_on_its_side),
+    cmocka_unit_test(a_ray_that_starts_in_the_plane_misses),
+    cmocka_unit_test(the_order_of_the_corners_does_not_matter),
+    cmocka_unit_test(no_ray_leaves_a_closed_ball),
+    cmocka_unit_test(no_ray_leaves_it_at_any_scale_or_place),
+    cmocka_unit_test(a_closed_surface_is_entered_as_often_as_left),
+    cmocka_unit_test(triangles_without_area_and_rays_in_the_plane_miss),
+    cmocka_unit_test(nan_and_infinity_miss),
+    cmocka_unit_test(a_t_out_of_range_is_defined),
+    cmocka_unit_test(four_at_once_are_decided_as_one_by_one),
+};
+
+RK_SUITE("watertight", tests)
