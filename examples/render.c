@@ -26,7 +26,7 @@ static bool render(const rk_scene *scene, const char *path, rk_error *error)
     rk_counters counters;
     rk_pool *pool = rk_pool_start(0, error);
     bool ok = pool && rk_image_init(&image, options.width, options.height, error) &&
-              rk_accel_build(&accel, RK_ACCEL_MEDIAN, scene, error) &&
+              rk_accel_build(&accel, RK_ACCEL_WIDE, scene, error) &&
               rk_render(&image, scene, &accel, &options, pool, &counters, NULL, error) &&
               rk_image_file_write(path, &image, error);
     if (ok)

@@ -107,7 +107,7 @@ static void differences_are_those_of_means(void **state)
     /* Quarters have the means 1, 2, 4, 8, so halves 1.5 and 6. */
     for (uint32_t count = 4; count <= 1u << 24; count *= 2) {
         const float n = (float)(count / 4);
-        const rk_pixel_samples pixel = {{grey(n), grey(2 * n), grey(4 * n), grey(8 * n)}, count};
+        const rk_pixel_samples pixel = {{grey(n), grey(2 * n), grey(4 * n), grey(8 * n)}, 0, count};
         const rk_adaptive_differences d = rk_adaptive_differences_of(&pixel);
         rk_check_near(d.quarters, (1.0 / 4 + 16.0 / 4) / 2, 1e-12,
                       "%u samples, means 1, 2, 4, 8: |1 - 2|^2 / 4 and |4 - 8|^2 / 4", count);
@@ -118,7 +118,7 @@ static void differences_are_those_of_means(void **state)
 static void differences_are_means_over_the_channels(void **state)
 {
     (void)state;
-    const rk_pixel_samples pixel = {{{2, 0, 0}, {0, 4, 0}, {0, 0, 6}, {0, 0, 0}}, 4};
+    const rk_pixel_samples pixel = {{{2, 0, 0}, {0, 4, 0}, {0, 0, 6}, {0, 0, 0}}, 0, 4};
     const rk_adaptive_differences d = rk_adaptive_differences_of(&pixel);
     rk_check_close(d.quarters, ((4.0 + 16) / 12 + 36.0 / 12) / 2, 1e-12, "quarters");
     rk_check_close(d.halves, (1.0 + 4 + 9) / 12, 1e-12, "halves (1, 2, 0) and (0, 0, 3)");
@@ -127,7 +127,7 @@ static void differences_are_means_over_the_channels(void **state)
 static void equal_samples_and_no_samples_do_not_differ(void **state)
 {
     (void)state;
-    const rk_pixel_samples none = {0}, equal = {{grey(6), grey(6), grey(6), grey(6)}, 16};
+    const rk_pixel_samples none = {0}, equal = {{grey(6), grey(6), grey(6), grey(6)}, 0, 16};
     rk_check_close(rk_adaptive_differences_of(&none).halves, 0, 0, "no samples");
     rk_check_close(rk_adaptive_differences_of(&none).quarters, 0, 0, "no samples");
     rk_check_close(rk_adaptive_differences_of(&equal).halves, 0, 0, "equal samples");
@@ -159,15 +159,24 @@ static void the_ratio_is_between_an_eighth_and_a_half(void **state)
     rk_check_close(rk_adaptive_ratio((rk_adaptive_differences){0, 0}), 0.5, 0, "no differences");
 }
 
+static void later_doublings_are_nearer_to_a_half(void **state)
+{
+    (void)state;
+    const double ratios[][2] = {{0.5, 0.5}, {0.25, 1 / 3.0}, {0.3, 1.1 / 3}, {3, 0.5}, {0, 0.25}};
+    for (size_t i = 0; i < sizeof ratios / sizeof *ratios; i++)
+        rk_check_near(rk_adaptive_later_ratio((rk_adaptive_differences){4, 4 * ratios[i][0]}),
+                      ratios[i][1], 1e-15, "quarters 4, halves %g", 4 * ratios[i][0]);
+}
+
 static void variance_is_the_sum_of_the_series(void **state)
 {
     (void)state;
     rk_check_close(rk_adaptive_variance((rk_adaptive_differences){6, 3}), 3, 1e-12,
                    "independent samples: V(n/2) - V(n) = V(n)");
-    rk_check_close(rk_adaptive_variance((rk_adaptive_differences){8, 2}), 2 * 0.375 / 0.625, 1e-12,
-                   "halves 2, a quarter of quarters: with r = (1/4 + 1/2) / 2");
-    rk_check_close(rk_adaptive_variance((rk_adaptive_differences){80, 1}), 0.3125 / 0.6875, 1e-12,
-                   "halves far below quarters: with r = (1/8 + 1/2) / 2");
+    rk_check_close(rk_adaptive_variance((rk_adaptive_differences){8, 2}), 1, 1e-12,
+                   "halves 2, a quarter of quarters: with r = (2/4 + 1/2) / 3");
+    rk_check_close(rk_adaptive_variance((rk_adaptive_differences){80, 1}), 1 / 3.0, 1e-12,
+                   "halves far below quarters: with r = (2/8 + 1/2) / 3");
     rk_check_close(rk_adaptive_variance((rk_adaptive_differences){0, 0}), 0, 0, "no differences");
     rk_check_close(rk_adaptive_variance((rk_adaptive_differences){0, 2}), 2, 1e-12,
                    "quarters that happen to be equal");
@@ -210,14 +219,52 @@ static void error_is_relative_to_the_picture(void **state)
 
 /* --- Variance --------------------------------------------------------------------------------- */
 
-static void own_variance_weights_both_differences(void **state)
+static void a_sample_adds_its_deviation(void **state)
 {
     (void)state;
-    const rk_pixel_samples pixel = {{grey(1), grey(2), grey(4), grey(8)}, 4};
-    rk_check_close(rk_adaptive_own_variance(&pixel), 4 * (17.0 / 8 + 81.0 / 16) / 3, 1e-5,
-                   "the sample variance of 1, 2, 4, 8");
+    const rk_pixel_samples pixel = {{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {0, 0, 0}}, 0, 4};
+    rk_check_close(rk_adaptive_added_deviation(&pixel, 3, rk_vec(1, 2, 3)), 0, 1e-6,
+                   "the mean of the three before");
+    rk_check_close(rk_adaptive_added_deviation(&pixel, 3, rk_vec(3, 2, 3)), 0.75 * 4 / 3, 1e-6,
+                   "red 2 above their mean: 3/4 of 2^2, over three channels");
+    rk_check_close(rk_adaptive_added_deviation(&pixel, 3, rk_vec(3, 0, 4)), 0.75 * 9 / 3, 1e-6,
+                   "red 2 above, green 2 below, blue 1 above");
+    rk_check_close(rk_adaptive_added_deviation(&pixel, 0, rk_vec(3, 0, 4)), 0, 0, "the first one");
+}
+
+static void own_variance_is_that_of_the_samples(void **state)
+{
+    (void)state;
+    for (uint32_t n = 4; n <= 1024; n *= 2) { /* of 1, 2, ... n it is n (n + 1) / 12 */
+        const rk_pixel_samples once = staircase(n, 1);
+        rk_check_near(rk_adaptive_own_variance(&once) / ((double)n * (n + 1) / 12), 1, 1e-5,
+                      "1, 2, ... %u: the sample variance, with n - 1", n);
+        rk_pixel_samples rounds = staircase(n, 1);
+        rk_adaptive_extend(&rounds, 2 * n);
+        for (uint32_t i = n; i < 2 * n; i++)
+            rk_adaptive_add(&rounds, i, grey(1 + (float)i));
+        rk_check_near(rk_adaptive_own_variance(&rounds) / (2.0 * n * (2 * n + 1) / 12), 1, 1e-5,
+                      "1, 2, ... %u in two rounds", 2 * n);
+    }
+    /* Floats near 4096 are 2^-11 apart, so each of 64 means is off by as much at most. */
+    const rk_pixel_samples far = staircase(64, 4096);
+    rk_check_close(rk_adaptive_own_variance(&far) / (64 * 65 / 12.0), 1, 1e-4,
+                   "4096, 4097, ...: deviations from the mean, not a difference of large squares");
+}
+
+static void no_samples_and_bad_ones_have_no_variance(void **state)
+{
+    (void)state;
     const rk_pixel_samples none = {0};
     rk_check_close(rk_adaptive_own_variance(&none), 0, 0, "no samples");
+    const float bad[] = {NAN, INFINITY, -INFINITY};
+    for (int i = 0; i < 3; i++) {
+        rk_pixel_samples pixel = staircase(4, 1);
+        rk_adaptive_extend(&pixel, 8);
+        for (uint32_t k = 4; k < 8; k++)
+            rk_adaptive_add(&pixel, k, rk_vec(1, k == 5 ? bad[i] : 1, 1));
+        rk_check_near(rk_adaptive_own_variance(&pixel), 0, 0, "%g among them", (double)bad[i]);
+    }
 }
 
 static void pooling_keeps_a_constant(void **state)
@@ -238,8 +285,10 @@ static void pooled_variance_is_weighted_by_samples(void **state)
     const float variance[9] = {1, 2, 3, 4, 50, 6, 7, 8, 9};
     for (uint32_t count = 4; count <= 1u << 20; count *= 4)
         rk_check_near(rk_adaptive_pooled_variance(variance, 32, count, 3, 3, 1, 1),
-                      (count * 50.0 + 2 * 5 + 1) / (count + 2 + 1 / 32.0), 1e-5 * 50,
+                      (count * 50.0 + 4 * 5 + 4) / (count + 4 + 1 / 8.0), 1e-5 * 50,
                       "%u samples of variance 50, neighbours 5, picture 32", count);
+    rk_check_near(rk_adaptive_pooled_variance(variance, 32, 0, 3, 3, 1, 1), (4 * 5 + 4) / 4.125,
+                  1e-5, "no samples of its own");
 }
 
 static void neighbours_are_those_inside_the_picture(void **state)
@@ -253,11 +302,11 @@ static void neighbours_are_those_inside_the_picture(void **state)
               {2, 2, 64.0 / 3}, {1, 0, 64.0 / 5}, {0, 1, 68.0 / 5}};
     for (size_t i = 0; i < sizeof at / sizeof *at; i++)
         rk_check_near(rk_adaptive_pooled_variance(variance, 0, 4, 3, 3, at[i].x, at[i].y),
-                      (4 * (double)variance[3 * at[i].y + at[i].x] + 2 * at[i].around) /
-                          (6 + 1 / 32.0),
+                      (4 * (double)variance[3 * at[i].y + at[i].x] + 4 * at[i].around) /
+                          (8 + 1 / 8.0),
                       1e-4, "pixel (%u, %u)", at[i].x, at[i].y);
-    rk_check_close(rk_adaptive_pooled_variance(variance, 0, 4, 9, 1, 8, 0), (36 + 16) / 6.03125,
-                   1e-5, "the end of a picture of one row");
+    rk_check_close(rk_adaptive_pooled_variance(variance, 0, 4, 9, 1, 8, 0), (36 + 32) / 8.125, 1e-5,
+                   "the end of a picture of one row");
     rk_check_close(rk_adaptive_pooled_variance(variance, 1, 8, 1, 1, 0, 0), 1, 1e-6, "one pixel");
 }
 
@@ -373,13 +422,18 @@ static void no_allocation_of_as_many_samples_is_better(void **state)
 static void a_prediction_adds_up_pixels(void **state)
 {
     (void)state;
-    const rk_adaptive_estimate estimates[] = {{64, 8}, {1024, 8}, {0, 4}, {4096, 64}};
+    const rk_adaptive_estimate estimates[] = {{64, 8, 0}, {1024, 8, 0}, {0, 4, 0}, {4096, 64, 0}};
     const rk_adaptive_prediction p = rk_adaptive_predict(estimates, 4, 1, 32, 0.25);
     rk_check_close(p.samples, 8 + 32 + 4 + 32, 0, "counts");
     rk_check_close(p.variance, 64 / 8.0 + 1024 / 8.0 / 16 + 0 + 4096 / 64.0 * 4, 1e-9,
                    "each doubling multiplies by 1/4, each halving by 4");
     const rk_adaptive_prediction half = rk_adaptive_predict(estimates, 4, 1, 32, 0.5);
     rk_check_close(half.variance, 8 + 32 + 0 + 128, 1e-9, "independent samples: sigma^2 / n");
+    const rk_adaptive_estimate sums[] = {{1000, 20, 0}, {20, 20, 0}};
+    rk_check_close(rk_adaptive_predict(&sums[0], 1, 1, 32, 0.25).variance, 50 * 0.25, 1e-9,
+                   "from 20 to 32 samples: one doubling");
+    rk_check_close(rk_adaptive_predict(&sums[1], 1, 1, 32, 0.25).variance, 64, 1e-9,
+                   "from 20 to 4 samples: three halvings, to 10, 5 and below");
 }
 
 static void a_prediction_is_exact_for_independent_samples(void **state)
@@ -387,10 +441,20 @@ static void a_prediction_is_exact_for_independent_samples(void **state)
     (void)state;
     for (uint32_t from = 4; from <= 256; from *= 2)
         for (int k = 2; k <= 12; k++) {
-            const rk_adaptive_estimate one = {ldexpf(1, 2 * k), from};
+            const rk_adaptive_estimate one = {ldexpf(1, 2 * k), from, 0};
             rk_check_near(rk_adaptive_predict(&one, 1, 1, 4096, 0.5).variance, ldexp(1, k), 1e-9,
                           "sigma 2^%d, estimated from %u samples", k, from);
         }
+}
+
+static void pixels_keep_the_samples_that_they_have(void **state)
+{
+    (void)state;
+    const rk_adaptive_estimate estimates[] = {{64, 16, 16}, {1024, 16, 16}};
+    const rk_adaptive_prediction p = rk_adaptive_predict(estimates, 2, 1, 64, 0.5);
+    rk_check_close(p.samples, 16 + 32, 0, "8 would suffice for the first one, and it has 16");
+    rk_check_close(p.variance, 64 / 16.0 + 1024 / 32.0, 1e-9, "variances of 16 and 32 samples");
+    rk_check_close(rk_adaptive_predict(estimates, 2, INFINITY, 64, 0.5).samples, 32, 0, "no more");
 }
 
 enum { many = 500 };
@@ -399,7 +463,7 @@ static void make_estimates(rk_adaptive_estimate *estimates)
 {
     for (uint32_t i = 0; i < many; i++)
         estimates[i] = (rk_adaptive_estimate){exp2f(20 * rk_unit_float(rk_hash(i, 3, 0, 0)) - 20),
-                                              4u << i % 5};
+                                              4u << i % 5, 0};
 }
 
 static void lambda_reaches_the_variance_with_the_fewest_samples(void **state)
@@ -437,10 +501,10 @@ static void lambda_takes_no_more_samples_than_allowed(void **state)
 static void lambda_is_the_smallest_if_nothing_suffices(void **state)
 {
     (void)state;
-    const rk_adaptive_estimate one = {1, 8};
+    const rk_adaptive_estimate one = {1, 8, 0};
     rk_check_close(rk_adaptive_lambda(&one, 1, 64, 0.5, 1e-9, (double)INFINITY), 0x1p-149, 0,
                    "64 samples leave a variance of 1/64");
-    const rk_adaptive_estimate none = {0, 8};
+    const rk_adaptive_estimate none = {0, 8, 0};
     rk_check(rk_adaptive_lambda(&none, 1, 64, 0.5, 0, (double)INFINITY) > 1e30f,
              "without variance the least work suffices");
 }
@@ -455,9 +519,12 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(equal_samples_and_no_samples_do_not_differ),
     cmocka_unit_test(a_sample_that_is_no_number_counts_as_no_difference),
     cmocka_unit_test(the_ratio_is_between_an_eighth_and_a_half),
+    cmocka_unit_test(later_doublings_are_nearer_to_a_half),
     cmocka_unit_test(variance_is_the_sum_of_the_series),
     cmocka_unit_test(error_is_relative_to_the_picture),
-    cmocka_unit_test(own_variance_weights_both_differences),
+    cmocka_unit_test(a_sample_adds_its_deviation),
+    cmocka_unit_test(own_variance_is_that_of_the_samples),
+    cmocka_unit_test(no_samples_and_bad_ones_have_no_variance),
     cmocka_unit_test(noise_of_known_variance_is_measured),
     cmocka_unit_test(pooling_keeps_a_constant),
     cmocka_unit_test(pooled_variance_is_weighted_by_samples),
@@ -470,6 +537,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(no_allocation_of_as_many_samples_is_better),
     cmocka_unit_test(a_prediction_adds_up_pixels),
     cmocka_unit_test(a_prediction_is_exact_for_independent_samples),
+    cmocka_unit_test(pixels_keep_the_samples_that_they_have),
     cmocka_unit_test(lambda_reaches_the_variance_with_the_fewest_samples),
     cmocka_unit_test(lambda_takes_no_more_samples_than_allowed),
     cmocka_unit_test(lambda_is_the_smallest_if_nothing_suffices),

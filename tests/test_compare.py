@@ -15,7 +15,7 @@ from unittest.mock import MagicMock
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
 
-from tap import check, finish, read, run, write  # noqa: E402
+from tap import check, finish, read, run, start, write  # noqa: E402
 
 BUILD = os.getcwd()
 PROGRAM = os.path.join(BUILD, "tools", "compare", "compare")
@@ -246,8 +246,6 @@ def is_handed_out():
 
 
 def main():
-    if "--list" in sys.argv:
-        return 0
     if is_handed_out():
         print("1..0 # SKIP a pack for students does not compare renderers")
         return 0
@@ -266,4 +264,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    start(main)

@@ -22,6 +22,7 @@
 #endif
 
 static const char program[] = RK_BUILD_FOLDER "/assignments/01_bvh_median/bvh_median";
+static const char wide_program[] = "15_wide_bvh/wide_bvh";
 static const char sah_program[] = RK_BUILD_FOLDER "/assignments/02_sah_binning/sah_binning";
 
 typedef struct run {
@@ -239,7 +240,7 @@ static void every_bad_option_is_named_in_one_line(void **state)
         {"--scene cube --mesh a.obj", "--scene and --mesh", "choose one"},
         {"--timing --debug leaf", "--timing and --debug", "choose one"},
         {"--threads 1025", "--threads 1025", "0 to 1024"},
-        {"--split half", "--split half", "median|sah|sah3"},
+        {"--split half", "--split half", "median|sah|sah3|collapsed|morton|wide"},
         {"--light-map round", "--light-map round", "area|solid-angle"},
         {"--recursion 17", "--recursion 17", "0 to 16"},
         {"--bins 1", "--bins 1", "2 to 256"},
@@ -263,6 +264,13 @@ static void options_that_do_not_go_together_are_refused(void **state)
         {"10_motion_blur/motion_blur", "--debug path --still", "--debug path", "--still"},
         {"10_motion_blur/motion_blur", "--convergence --still", "--convergence", "--still"},
         {"10_motion_blur/motion_blur", "--move", "--move", "see --help"},
+        {"15_wide_bvh/wide_bvh", "--debug node --split sah3", "--debug", "--split collapsed"},
+        {"15_wide_bvh/wide_bvh", "--occupancy --split median", "--occupancy", "--split collapsed"},
+        {"15_wide_bvh/wide_bvh", "--debug node --node 9", "--node 9", "0 to 1"},
+        {"15_wide_bvh/wide_bvh", "--debug level --level 9", "--level 9", "0 to 2"},
+        {"15_wide_bvh/wide_bvh", "--debug blocks --level 3", "--level", "--debug level"},
+        {"15_wide_bvh/wide_bvh", "--debug node --move", "--debug", "--move"},
+        {"15_wide_bvh/wide_bvh", "--steps --scene moving", "--steps", "statue"},
     };
     for (size_t i = 0; i < sizeof bad / sizeof *bad; i++)
         check_feature_complaint(bad[i][0], *state, bad[i][1], bad[i][2], bad[i][3]);
@@ -459,6 +467,71 @@ static void the_splits_of_a_node_are_drawn_and_printed(void **state)
     run_free(&far);
 }
 
+static void wide_trees_are_drawn_and_printed(void **state)
+{
+    const test_folder *folder = *state;
+    const char *const views[][3] = {
+        {"node --node 1", "node1_collapsed50", "child 7: "},
+        {"level --level 2 --split wide", "level2_wide", "built in"},
+        {"blocks", "blocks_collapsed50", "built in"},
+        {"visits", "visits_collapsed50", "visits to nodes per camera ray: "},
+        {"visits --split sah3", "visits_sah50_3", "visits to nodes per camera ray: "},
+    };
+    for (size_t i = 0; i < sizeof views / sizeof *views; i++) {
+        char words[128], name[128];
+        snprintf(words, sizeof words, "--scene statue:500 --width 40 --height 40 --debug %s",
+                 views[i][0]);
+        snprintf(name, sizeof name, "out/figures/wide_bvh_statue-500_%s.png", views[i][1]);
+        run r = run_feature(wide_program, folder, words);
+        rk_check(r.status == 0 && !*r.err, "%s: exit status %d: %s", words, r.status, r.err);
+        check_contains(r.out, views[i][2]);
+        rk_check(is_there(folder, name), "%s is missing", name);
+        run_free(&r);
+    }
+}
+
+/* The sum of the last column in rows with this text. */
+static double sum_of_rows(const char *table, const char *text)
+{
+    double sum = 0;
+    for (const char *at = strstr(table, text); at; at = strstr(at + 1, text)) {
+        const char *end = strchr(at, '\n');
+        while (end[-1] != ',')
+            end--;
+        sum += atof(end);
+    }
+    return sum;
+}
+
+static void wide_trees_are_counted_and_timed(void **state)
+{
+    const test_folder *folder = *state;
+    run full = run_feature(wide_program, folder, "--scene statue:500 --occupancy --quiet");
+    run steps = run_feature(wide_program, folder,
+                            "--scene statue:500 --steps --quiet --width 20 --height 20");
+    rk_check(full.status == 0 && !*full.err && !*full.out, "--occupancy: %s%s", full.err, full.out);
+    rk_check(steps.status == 0 && !*steps.err && !*steps.out, "--steps: %s%s", steps.err,
+             steps.out);
+    size_t size;
+    char *shares = (char *)test_folder_read(
+        test_folder_path(folder, "out/tables/wide_bvh_occupancy.csv"), &size);
+    shares[size] = '\0';
+    rk_check_near(sum_of_rows(shares, ",nodes,"), 100, 0.04,
+                  "per cent of the nodes, eight numbers of four digits");
+    rk_check_near(sum_of_rows(shares, ",blocks,"), 100, 0.02,
+                  "per cent of the blocks, four numbers of four digits");
+    char *times =
+        (char *)test_folder_read(test_folder_path(folder, "out/tables/wide_bvh_steps.csv"), &size);
+    times[size] = '\0';
+    check_contains(times, ",1,1,1,"); /* the first step's gains over itself */
+    check_contains(times, "statue:500,eight children,");
+    check_contains(times, "statue:500,4 x 4 pixels: scalar,");
+    free(shares);
+    free(times);
+    run_free(&full);
+    run_free(&steps);
+}
+
 static void quiet_says_nothing(void **state)
 {
     run r = run_well(*state, "--scene cube --width 4 --height 4 --quiet");
@@ -510,6 +583,41 @@ static void debug_rays_draws_the_pixel_and_names_the_picture_by_it(void **state)
         run_free(&own);
         run_free(&given);
     }
+}
+
+/* The green of a pixel of the floor, which a coloured light's ends light differently. */
+static double explained_green(void **state, const char *options)
+{
+    char arguments[256];
+    snprintf(arguments, sizeof arguments,
+             "--width 40 --height 40 --pixel 20,38 --light-samples 1024 %s", options);
+    run r = run_feature("04_parallelogram_light/parallelogram_light", *state, arguments);
+    rk_check_equal(r.status, 0, r.err);
+    check_contains(r.out, "colour (linear)");
+    double green = 0;
+    const int found =
+        sscanf(strstr(r.out, "colour (linear)"), "colour (linear) ( %*f, %lf", &green);
+    rk_check(found == 1 && green > 0, "no green in:\n%s", r.out);
+    run_free(&r);
+    return green;
+}
+
+/* Samples differ; a share too many or too few is a factor of 4. */
+static void strips_give_the_light_of_the_whole(void **state)
+{
+    static const char *const options[] = {"", "--coloured", "--falloff physical",
+                                          "--falloff physical --light segment", "--light point"};
+    for (size_t i = 0; i < sizeof options / sizeof *options; i++) {
+        char cut[128];
+        snprintf(cut, sizeof cut, "%s --lights 4", options[i]);
+        const double want = explained_green(state, options[i]), got = explained_green(state, cut);
+        rk_check(fabs(got / want - 1) < 0.02, "%s: %g, want %g", cut, got, want);
+    }
+    run r = run_feature("04_parallelogram_light/parallelogram_light", *state,
+                        "--lights 4 --scene cornell");
+    rk_check_equal(r.status, 1, "a point cannot be cut");
+    check_contains(r.err, "such as cornell-light");
+    run_free(&r);
 }
 
 static void pictures_of_a_map_are_named_by_the_map(void **state)
@@ -650,9 +758,12 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(captions_name_the_present_spelling),
     test_in_folder(debug_views_have_pictures_of_their_own),
     test_in_folder(the_splits_of_a_node_are_drawn_and_printed),
+    test_in_folder(wide_trees_are_drawn_and_printed),
+    test_in_folder(wide_trees_are_counted_and_timed),
     test_in_folder(quiet_says_nothing),
     test_in_folder(a_pixel_is_explained),
     test_in_folder(debug_rays_draws_the_pixel_and_names_the_picture_by_it),
+    test_in_folder(strips_give_the_light_of_the_whole),
     test_in_folder(pictures_of_a_map_are_named_by_the_map),
     test_in_folder(timings_become_rows_and_the_next_run_replaces_them),
     test_in_folder(rows_name_how_the_tree_was_split),

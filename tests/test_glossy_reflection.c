@@ -1035,7 +1035,7 @@ static estimates estimate(const part *p, rk_glossy_weights weights, rk_sampler_k
                           rk_disk_map map, uint32_t samples)
 {
     const uint32_t pixels = 20000 / samples;
-    const rk_sampler sampler = {kind, 5, samples};
+    const rk_sampler sampler = {kind, 5, samples, 0};
     double sum = 0, squares = 0;
     for (uint32_t pixel = 0; pixel < pixels; pixel++) {
         double radiance = 0;

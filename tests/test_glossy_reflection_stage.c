@@ -303,23 +303,25 @@ static rk_ray_batch make_ray_groups(uint32_t key)
     return rays;
 }
 
-static void ray_groups_find_what_single_rays_find(void **state)
+static void rays_of_a_mirror_find_what_single_rays_find(void **state)
 {
     (void)state;
     const char *const names[] = {"cornell", "cornell-glass", "sphere:1280", "spheres",
                                  "statue:2000"};
     for (size_t n = 0; n < sizeof names / sizeof *names; n++) {
         rk_scene scene = test_scene_builtin(names[n]);
-        rk_accel accel;
+        rk_accel binary, accel;
         rk_error error;
-        rk_check_ok(rk_accel_build(&accel, RK_ACCEL_SAH_3, &scene, &error), error);
+        rk_check_ok(rk_accel_build(&binary, RK_ACCEL_SAH_3, &scene, &error) &&
+                        rk_accel_build(&accel, RK_ACCEL_WIDE, &scene, &error),
+                    error);
         uint32_t hit_count = 0;
-        rk_counters single = {0}, together = {0};
+        rk_counters unused = {0};
         for (uint32_t key = 0; key < 400; key++) {
             rk_ray_batch rays = make_ray_groups(key);
             rk_hit_batch want, got;
-            rk_accel_closest(&accel, &rays, &want, &single);
-            rk_accel_closest_static_grouped(&accel, &rays, &got, &together);
+            rk_accel_closest(&binary, &rays, &want, &unused);
+            rk_accel_closest(&accel, &rays, &got, &unused);
             for (uint32_t i = 0; i < rays.count; i++) {
                 hit_count += want.triangle[i] != RK_MISS;
                 rk_check(got.triangle[i] == want.triangle[i] && got.t[i] == want.t[i] &&
@@ -331,15 +333,58 @@ static void ray_groups_find_what_single_rays_find(void **state)
             }
         }
         rk_check(hit_count > 5000, "%s: only %u rays have a hit", names[n], hit_count);
-        if (n == 0)
-            rk_check(together.box_tests + together.triangle_tests <
-                         (single.box_tests + single.triangle_tests) / 2,
-                     "the box: %llu tests together, %llu by single rays: no work is saved",
-                     (unsigned long long)(together.box_tests + together.triangle_tests),
-                     (unsigned long long)(single.box_tests + single.triangle_tests));
+        rk_accel_free(&binary);
         rk_accel_free(&accel);
         rk_scene_free(&scene);
     }
+}
+
+static void trace_one_by_one(const rk_accel *accel, const rk_ray_batch *rays, rk_counters *counters)
+{
+    for (uint32_t i = 0; i < rays->count; i++) {
+        rk_ray ray = rk_batch_ray(rays, i);
+        rk_ray_batch alone;
+        rk_hit_batch hit;
+        alone.count = 0;
+        rk_batch_push(&alone, &ray);
+        rk_accel_closest(accel, &alone, &hit, counters);
+    }
+}
+
+/* Four points of a mirror, 64 reflections each, within a disk of radius 0.1. */
+static rk_ray_batch make_reflections(uint32_t key)
+{
+    rk_ray_batch rays = {.count = 0};
+    for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+        rk_vec3 origin = rk_scale(noise3(key, i / 64), 0.9f);
+        rk_vec3 w = rk_normalize(noise3(key, 100 + i / 64));
+        rk_vec3 aside = rk_scale(noise3(key + 1000, i), 0.1f);
+        rk_ray ray = {origin, rk_normalize(rk_add(w, aside)), INFINITY};
+        rk_batch_push(&rays, &ray);
+    }
+    return rays;
+}
+
+static void rays_of_a_mirror_share_their_work(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cornell");
+    rk_accel accel;
+    rk_error error;
+    rk_counters single = {0}, together = {0};
+    rk_check_ok(rk_accel_build(&accel, RK_ACCEL_WIDE, &scene, &error), error);
+    for (uint32_t key = 0; key < 400; key++) {
+        rk_ray_batch rays = make_reflections(key);
+        rk_hit_batch hits;
+        trace_one_by_one(&accel, &rays, &single);
+        rk_accel_closest(&accel, &rays, &hits, &together);
+    }
+    const uint64_t apart = single.box_tests + single.triangle_tests;
+    const uint64_t joint = together.box_tests + together.triangle_tests;
+    rk_check(joint < apart / 2, "%llu tests together, %llu by single rays: no work is saved",
+             (unsigned long long)joint, (unsigned long long)apart);
+    rk_accel_free(&accel);
+    rk_scene_free(&scene);
 }
 
 /* --- Without rough mirrors ---------------------------------------------------------------------
@@ -480,7 +525,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(renormalized_weights_keep_a_white_room_white),
     cmocka_unit_test(only_the_first_mirror_splits_a_path),
     cmocka_unit_test(a_mirror_behind_glass_splits_a_path_too),
-    cmocka_unit_test(ray_groups_find_what_single_rays_find),
+    cmocka_unit_test(rays_of_a_mirror_find_what_single_rays_find),
+    cmocka_unit_test(rays_of_a_mirror_share_their_work),
     cmocka_unit_test(radius_0_is_a_perfect_mirror),
     cmocka_unit_test(a_tiny_radius_is_nearly_a_perfect_mirror),
     cmocka_unit_test(without_rough_mirrors_no_sample_is_drawn),

@@ -7,8 +7,10 @@ import json
 import os
 import re
 import shutil
+import subprocess
 import sys
 import tempfile
+import time
 from unittest import mock
 
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
@@ -21,7 +23,7 @@ from grading.assignments import ToolError, read_features, read_points  # noqa: E
 from grading.build import Toolchain  # noqa: E402
 from grading.mutants import mutate, read_mutants  # noqa: E402
 from grading.starters import is_handed_out, is_left_open, solution_lines, starter_of  # noqa: E402
-from tap import check, finish, read, run, write  # noqa: E402
+from tap import check, finish, read, run, start, write  # noqa: E402
 
 STEM, NEXT = "bvh_median", "sah_binning"  # the second builds its trees by the first
 FEATURES = read_features(SOURCE)
@@ -56,6 +58,16 @@ def what_comes_later():
             check(word in str(error) and "\n" not in str(error), f"LATER={word} is refused for {stem}", error)
 
 
+def the_goal_is_one_of_the_course():
+    order = handout._order(SOURCE, ["watertight", "sampling"])
+    check("shading" not in order and "--scene" not in order and "table of steps" in order,
+          "a course that the picture at the top does not use has another goal", order)
+    order = handout._order(SOURCE, [STEM, "shading", "sampling"])
+    check("first steps of `shading` early" in order and f"uses `{STEM}` and `shading`:" in order and "--scene cover" in order,
+          "a course that it uses is told by which assignments, and to light pictures early", order)
+    check("table's order" not in handout._order(SOURCE, [STEM]), "a single assignment has no order")
+
+
 def mistakes_are_refused(folder):
     taken = os.path.join(folder, "taken.tar.gz")
     write("mine", taken)
@@ -80,6 +92,25 @@ def mistakes_are_refused(folder):
             check("pandoc" in str(error) and "BOOK=no" in str(error), "a pack without the book is made on request only", error)
     check(os.listdir(folder) == ["taken.tar.gz"] and read(taken) == "mine", "what is refused leaves nothing behind",
           os.listdir(folder))
+
+
+def what_is_stopped_leaves_nothing_behind(folder):
+    pid = os.path.join(folder, "pandoc.pid")
+    write(f"#!/bin/sh\necho $$ >'{pid}'\nexec sleep 600\n", folder, "pandoc")
+    os.chmod(os.path.join(folder, "pandoc"), 0o755)
+    place = os.path.join(folder, "packs")
+    os.mkdir(place)
+    process = subprocess.Popen([sys.executable, "-B", os.path.join(SOURCE, "tools", "handout.py"), "--source", SOURCE, STEM, "--dir",
+                                os.path.join(place, "pack")], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+                               env=dict(os.environ, PANDOC=os.path.join(folder, "pandoc"), QUICK="1"))
+    until = time.monotonic() + 300
+    while time.monotonic() < until and process.poll() is None and not (os.path.exists(pid) and read(pid)):
+        time.sleep(0.1)
+    process.terminate()
+    said, _ = process.communicate(timeout=60)
+    check(process.returncode == 130 and "nothing was written" in said, "packing can be stopped, and says so", said)
+    check(os.path.exists(pid) and not os.path.exists(f"/proc/{read(pid).strip()}"), "what it has started is stopped, too", said)
+    check(os.listdir(place) == [], "and nothing is left beside the pack's place", os.listdir(place))
 
 
 def the_pack_holds_no_solution(pack):
@@ -194,7 +225,7 @@ def what_the_kit_has_in_common_is_told(pack):
               f"a step of {stem} in other words is found in {name}", steps)
     lens, glossy = FEATURES["depth_of_field"], FEATURES["glossy_reflection"]
     said = "\n".join(leak_check.prove(SOURCE, pack, FEATURES, [FEATURE]))
-    check("src/accel/packet.c:" in said and "in other words" in said, "the packing says so", said)
+    check("src/accel/tree.c:" in said and "in other words" in said, "the packing says so", said)
     alike = ("depth_of_field", "a step", "src/features/glossy_reflection.c", "static rk_vec2 concentric(")
     with mock.patch.object(leak_check, "SAME_STEPS", [alike]):
         check(leak_check.steps_elsewhere(SOURCE, [lens]), "what another feature's solution tells is found")
@@ -365,19 +396,19 @@ def a_class_is_graded(folder):
 
 
 def main():
-    if "--list" in sys.argv:  # the driver asks for names of tests, which it can do without
-        return 0
     folder = tempfile.mkdtemp(prefix="raykit-test-handout-")
     try:
-        places = {name: os.path.join(folder, name) for name in ("refused", "shared", "packed", "class")}
+        places = {name: os.path.join(folder, name) for name in ("refused", "stopped", "shared", "packed", "class")}
         for place in places.values():
             os.mkdir(place)
         mistakes_are_refused(places["refused"])
         handouts_share_sections(places["shared"])
+        what_is_stopped_leaves_nothing_behind(places["stopped"])
         what_comes_later()
+        the_goal_is_one_of_the_course()
         pack = os.path.join(places["packed"], "pack")
         said = handout.make_handout(SOURCE, [STEM], folder=pack, book=False, later="no")
-        check(os.listdir(places["packed"]) == ["pack"] and any("none is where students write" in line for line in said),
+        check(os.listdir(places["packed"]) == ["pack"] and any("no solution is left" in line for line in said),
               "the pack is there with its proof, and nothing beside it", said)
         check(any(line.startswith("the solutions of normals, sah_binning, shading, ") and "are in this pack" in line for line in said)
               and any("THE BOOK IS MISSING" in line for line in said), "what is in it, and what is not, is said", said)
@@ -404,4 +435,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    start(main)

@@ -55,36 +55,22 @@ static const char *model_name(const rk_render_options *options)
 
 /* --- The integral over the lobe -------------------------------------------------------------- */
 
-typedef struct vec {
-    double x, y, z;
-} vec;
-
-static double dot(vec a, vec b)
+static rk_dvec3 unit(rk_dvec3 a)
 {
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-static vec combine(vec a, double s, vec b, double t)
-{
-    return (vec){a.x * s + b.x * t, a.y * s + b.y * t, a.z * s + b.z * t};
-}
-
-static vec unit(vec a)
-{
-    return combine(a, 1 / sqrt(dot(a, a)), a, 0);
+    return rk_dscale(a, 1 / rk_dlength(a));
 }
 
 /* The point of the wall that the middle of a pixel shows. */
-static vec seen(size_t x, size_t y)
+static rk_dvec3 seen(size_t x, size_t y)
 {
     double half = tan(12 * pi / 180) * 4;
     double across = 2 * ((double)x + 0.5) / width - 1, up = 1 - 2 * ((double)y + 0.5) / height;
-    return (vec){-across * half * width / height, up * half, 1};
+    return (rk_dvec3){-across * half * width / height, up * half, 1};
 }
 
 /* The light along l, unit, from p: 1 where it is visible, times the density of its points if
  * colours do not fall off; left: of the occluder, or below -9. */
-static double light_along(const rk_scene *scene, vec p, vec l, bool physical, double left)
+static double light_along(const rk_scene *scene, rk_dvec3 p, rk_dvec3 l, bool physical, double left)
 {
     const rk_light *light = &scene->lights[0];
     double t = -2 / l.z, x = p.x + t * l.x - (double)light->position.x;
@@ -97,30 +83,29 @@ static double light_along(const rk_scene *scene, vec p, vec l, bool physical, do
 
 /* The highlight at p, by the midpoint rule over u^(s + 1) and the angle around the lobe's axis, so
  * that the lobe itself is 1 in each cell. */
-static double highlight_at(const rk_scene *scene, const rk_render_options *options, vec p,
+static double highlight_at(const rk_scene *scene, const rk_render_options *options, rk_dvec3 p,
                            double left)
 {
     enum { rings = 400, sectors = 160 };
-    vec around[2 * sectors]; /* every second ring is turned by half a sector */
+    rk_dvec3 around[2 * sectors]; /* every second ring is turned by half a sector */
     const rk_material *material = &scene->mesh.materials[0];
     double s = (double)material->shininess, sum = 0;
     bool phong = options->shading.model == RK_SHADING_PHONG;
-    vec n = {0, 0, -1}, v = unit((vec){-p.x, -p.y, -3 - p.z});
-    vec axis = phong ? combine(n, 2 * dot(n, v), v, -1) : n;
-    vec side = unit((vec){axis.z, 0, -axis.x});
-    vec other = {axis.y * side.z - axis.z * side.y, axis.z * side.x - axis.x * side.z,
-                 axis.x * side.y - axis.y * side.x};
+    rk_dvec3 n = {0, 0, -1}, v = unit((rk_dvec3){-p.x, -p.y, -3 - p.z});
+    rk_dvec3 axis = phong ? rk_dmadd(rk_dscale(n, 2 * rk_ddot(n, v)), v, -1) : n;
+    rk_dvec3 side = unit((rk_dvec3){axis.z, 0, -axis.x});
+    rk_dvec3 other = rk_dcross(axis, side);
     for (int i = 0; i < 2 * sectors; i++)
-        around[i] = combine(side, cos(pi * i / sectors), other, sin(pi * i / sectors));
+        around[i] = rk_dmadd(rk_dscale(side, cos(pi * i / sectors)), other, sin(pi * i / sectors));
     for (int ring = 0; ring < rings; ring++) {
         double exponent = log((ring + 0.5) / rings) / (s + 1), cosine = exp(exponent);
         double sine = sqrt(-expm1(2 * exponent));
         for (int sector = 0; sector < sectors; sector++) {
-            vec l = combine(axis, cosine, around[2 * sector + ring % 2], sine);
+            rk_dvec3 l = rk_dmadd(rk_dscale(axis, cosine), around[2 * sector + ring % 2], sine);
             double jacobian = 1;
             if (!phong) {
-                jacobian = 4 * dot(v, l);
-                l = combine(l, 2 * dot(v, l), v, -1);
+                jacobian = 4 * rk_ddot(v, l);
+                l = rk_dmadd(rk_dscale(l, 2 * rk_ddot(v, l)), v, -1);
             }
             if (jacobian > 0)
                 sum += jacobian * light_along(scene, p, l,
@@ -135,7 +120,7 @@ static void integrate(const rk_scene *scene, const rk_render_options *options, d
                       double *want)
 {
     for (size_t i = 0; i < pixels; i++) {
-        vec p = seen(i % width, i / width);
+        rk_dvec3 p = seen(i % width, i / width);
         want[i] = p.x * 2.1 / 4 < left + 1e-3 ? 0 : highlight_at(scene, options, p, left);
     }
 }

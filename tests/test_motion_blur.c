@@ -221,7 +221,7 @@ static void low_discrepancy_times_are_stratified_for_each_power_of_two(void **st
 static double number_of(rk_sampler_kind kind, uint32_t seed, uint32_t pixel, uint32_t sample,
                         uint32_t samples)
 {
-    const rk_sampler sampler = {kind, seed, samples};
+    const rk_sampler sampler = {kind, seed, samples, 0};
     return (double)rk_sample_1d(&sampler, pixel, sample, RK_DIMENSION_TIME);
 }
 

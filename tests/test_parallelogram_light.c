@@ -950,7 +950,7 @@ static rk_vec2 drawn[SETS_UNIFORM * SET];
 
 static void draw(rk_sampler_kind kind, uint32_t sets, uint32_t samples)
 {
-    const rk_sampler sampler = {kind, 4, samples};
+    const rk_sampler sampler = {kind, 4, samples, 0};
     for (uint32_t set = 0; set < sets; set++)
         rk_sample_2d_run(&sampler, set, 0, samples, 2, &drawn[set * samples]);
 }

@@ -10,7 +10,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(os.path.abspath(os.environ.get("srcdir", ".")), "tools"))
 
 from grading.reading_order import find_faults  # noqa: E402
-from tap import check, finish  # noqa: E402
+from tap import check, finish, start  # noqa: E402
 
 UNIT = """#include <math.h>
 
@@ -98,8 +98,6 @@ def orders_are_held():
 
 
 def main():
-    if "--list" in sys.argv:  # the driver asks for names of tests, which it can do without
-        return 0
     check(not faults_of(), "one order has no faults", faults_of())
     contents_are_held()
     orders_are_held()
@@ -107,4 +105,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    start(main)

@@ -4,7 +4,9 @@
 
 #include "accel/trace_one.h"
 #include "render/rendering.h"
+#include "render/stages/camera_stage.h"
 #include "render/stages/shade_stage.h"
+#include "render/tiles.h"
 
 static rk_render_options size_of(uint32_t width, uint32_t height)
 {
@@ -93,6 +95,48 @@ static void a_facing_triangle_shines_by_lamberts_law(void **state)
     rk_check(lit > 100 && black > 100, "the triangle should cover a part: %zu lit, %zu not", lit,
              black);
     rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+}
+
+/* Directions to a light are found for several points at once; each as for one alone, wherever the
+ * last group of a tile ends. A light on the surface itself has no direction. */
+static void a_point_light_is_shaded_as_by_its_unit_directions_to_the_bit(void **state)
+{
+    (void)state;
+    rk_scene scene = make_facing_triangle();
+    rk_accel accel;
+    rk_error error;
+    rk_check_ok(rk_accel_build(&accel, RK_ACCEL_WIDE, &scene, &error), error);
+    rk_render_options options = size_of(67, 45);
+    const rk_view view = rk_view_of(&scene.camera, options.width, options.height);
+    rk_surface centre;
+    rk_ray ray = rk_view_ray(&view, 33.5f, 22.5f);
+    rk_check(rk_trace_one_surface(&centre, &accel, &ray), "the triangle is in the middle");
+    test_scene_light(&scene, rk_vec(0.7f, -0.3f, -1.5f), rk_vec(1, 0.5f, 2));
+    for (int i = 0; i < 2; i++) {
+        if (i == 1) { /* the gradient tells cosine 0 from no number */
+            scene.lights[0].position = centre.point;
+            options.shading = (rk_shading){RK_SHADING_GRADIENT, false, rk_gradient_cool_to_warm()};
+        }
+        test_picture picture = test_render(&scene, options, 1);
+        for (uint32_t y = 0; y < options.height; y++)
+            for (uint32_t x = 0; x < options.width; x++) {
+                rk_surface s;
+                rk_vec3 want = {0}, got = *rk_image_at(&picture.image, x, y);
+                ray = rk_view_ray(&view, (float)x + 0.5f, (float)y + 0.5f);
+                if (rk_trace_one_surface(&s, &accel, &ray))
+                    want = rk_shade(&options.shading, s.material->kd, s.material->ks,
+                                    s.material->shininess, s.normal,
+                                    rk_normalize(rk_sub(scene.lights[0].position, s.point)),
+                                    rk_vec(0, 0, 0), scene.lights[0].colours[0]);
+                rk_check(got.x == want.x && got.y == want.y && got.z == want.z,
+                         "pixel (%u, %u): got %.9g %.9g %.9g, want %.9g %.9g %.9g", x, y,
+                         (double)got.x, (double)got.y, (double)got.z, (double)want.x,
+                         (double)want.y, (double)want.z);
+            }
+        rk_image_free(&picture.image);
+    }
+    rk_accel_free(&accel);
     rk_scene_free(&scene);
 }
 
@@ -542,8 +586,53 @@ static void models_that_read_the_direction_to_the_viewer_are_told_it(void **stat
     rk_scene_free(&scene);
 }
 
+/* --- Camera rays ------------------------------------------------------------------------------ */
+
+static void check_rays_of_tile(const rk_rendering *r, uint32_t index)
+{
+    static rk_path_batch paths;
+    rk_counters counters = {0};
+    const rk_sample_pass pass = {
+        .tile = rk_tile_at(r->options, index), .samples = 1, .counters = &counters};
+    rk_camera_stage(r, &pass, &paths);
+    rk_check(paths.rays.count == pass.tile.width * pass.tile.height, "%u rays for %u x %u pixels",
+             paths.rays.count, pass.tile.width, pass.tile.height);
+    bool seen[RK_BATCH_MAX] = {false};
+    for (uint32_t i = 0; i < paths.rays.count; i++) {
+        const uint32_t pixel = paths.pixel[i];
+        rk_check(pixel < paths.rays.count && !seen[pixel], "pixel %u: not one ray", pixel);
+        seen[pixel] = true;
+        const uint32_t x = pass.tile.x + pixel % pass.tile.width;
+        const uint32_t y = pass.tile.y + pixel / pass.tile.width;
+        const rk_ray got = rk_batch_ray(&paths.rays, i);
+        const rk_ray want = rk_view_ray(&r->view, (float)x + 0.5f, (float)y + 0.5f);
+        rk_check(memcmp(&got, &want, sizeof got) == 0,
+                 "pixel (%u, %u), entry %u: the ray's direction is (%.9g, %.9g, %.9g), the view's "
+                 "(%.9g, %.9g, %.9g)",
+                 x, y, paths.pixel[i], (double)got.direction.x, (double)got.direction.y,
+                 (double)got.direction.z, (double)want.direction.x, (double)want.direction.y,
+                 (double)want.direction.z);
+    }
+}
+
+/* Sizes for which the last tiles' rows are no multiple of the lanes computed at once. */
+static void camera_rays_are_the_views_rays_through_the_centres(void **state)
+{
+    (void)state;
+    static const uint32_t sizes[][2] = {{1, 1}, {16, 16}, {17, 3}, {31, 33}, {50, 7}, {32768, 1}};
+    for (size_t i = 0; i < sizeof sizes / sizeof *sizes; i++) {
+        const rk_render_options options = size_of(sizes[i][0], sizes[i][1]);
+        const rk_camera camera = rk_camera_default();
+        const rk_rendering r = {.options = &options,
+                                .view = rk_view_of(&camera, sizes[i][0], sizes[i][1])};
+        for (uint32_t k = 0; k < rk_tile_count(&options); k++)
+            check_rays_of_tile(&r, k);
+    }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_facing_triangle_shines_by_lamberts_law),
+    cmocka_unit_test(a_point_light_is_shaded_as_by_its_unit_directions_to_the_bit),
     cmocka_unit_test(several_lights_add_up),
     cmocka_unit_test(a_surface_lit_from_behind_is_black),
     cmocka_unit_test(an_occluder_shadows_the_region_that_projects_onto_it),
@@ -561,6 +650,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(samples_converge_to_the_covered_part_of_the_pixel),
     cmocka_unit_test(each_pixel_has_samples_of_its_own),
     cmocka_unit_test(models_that_read_the_direction_to_the_viewer_are_told_it),
+    cmocka_unit_test(camera_rays_are_the_views_rays_through_the_centres),
 };
 
 RK_SUITE("render", tests)

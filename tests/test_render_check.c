@@ -130,21 +130,21 @@ static const struct {
     size_t offset;
     uint32_t last;
 } fields[] = {
-    FIELD(sampling, RK_SAMPLER_SOBOL),
+    FIELD(sampling, RK_SAMPLER_ZSOBOL),
     FIELD(shading.model, RK_SHADING_GRADIENT),
     FIELD(glass, RK_GLASS_BEER_LAMBERT),
-    FIELD(light.sampling, RK_SAMPLER_SOBOL),
+    FIELD(light.sampling, RK_SAMPLER_ZSOBOL),
     FIELD(light.domain, RK_LIGHT_DOMAIN_SOLID_ANGLE),
     FIELD(light.falloff, RK_FALLOFF_PHYSICAL),
     FIELD(bloom.border, RK_BLOOM_RENORMALIZE),
     FIELD(bloom.method, RK_BLOOM_PYRAMID),
     FIELD(environment_filter, RK_CUBEMAP_SEAMLESS),
     FIELD(lens.focal, RK_FOCAL_SPHERE),
-    FIELD(lens_sampling, RK_SAMPLER_SOBOL),
-    FIELD(motion.sampling, RK_TIME_SOBOL),
+    FIELD(lens_sampling, RK_SAMPLER_ZSOBOL),
+    FIELD(motion.sampling, RK_TIME_UNIFORM),
     FIELD(glossy.weights, RK_GLOSSY_RENORMALIZED),
     FIELD(glossy.map, RK_DISK_CONCENTRIC),
-    FIELD(glossy.sampling, RK_SAMPLER_SOBOL),
+    FIELD(glossy.sampling, RK_SAMPLER_ZSOBOL),
 };
 
 static void a_value_beyond_its_enumeration_is_refused_by_its_name(void **state)
@@ -413,16 +413,16 @@ static void a_tree_of_an_unknown_kind_or_without_usable_bins_is_refused(void **s
         uint32_t kind, bins;
         const char *part;
     } cases[] = {
-        {9, 50, "kind is 9"},           {RK_ACCEL_SAH_3 + 1, 50, "kind is 3"},
+        {9, 50, "kind is 9"},           {RK_ACCEL_WIDE + 1, 50, "kind is 6"},
         {RK_ACCEL_SAH, 0, "not 0"},     {RK_ACCEL_SAH_3, 1, "not 1"},
         {RK_ACCEL_SAH, 257, "not 257"}, {RK_ACCEL_SAH_3, 1000000, "not 1000000"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         rk_accel accel;
         rk_error error = {""};
-        rk_check(!rk_accel_build_binned(&accel, (rk_accel_kind)cases[i].kind, cases[i].bins,
-                                        &f->scene, &error),
-                 "kind %u, %u bins", cases[i].kind, cases[i].bins);
+        const rk_accel_options options = {(rk_accel_kind)cases[i].kind, cases[i].bins, NULL};
+        rk_check(!rk_accel_build_with(&accel, &options, &f->scene, &error), "kind %u, %u bins",
+                 cases[i].kind, cases[i].bins);
         rk_check_error_names(error, cases[i].part);
         rk_accel_free(&accel);
     }
@@ -433,7 +433,8 @@ static void a_tree_without_bins_ignores_their_number(void **state)
     fixture *f = *state;
     rk_accel accel;
     rk_error error;
-    rk_check_ok(rk_accel_build_binned(&accel, RK_ACCEL_MEDIAN, 0, &f->scene, &error), error);
+    const rk_accel_options options = {RK_ACCEL_MEDIAN, 0, NULL};
+    rk_check_ok(rk_accel_build_with(&accel, &options, &f->scene, &error), error);
     rk_accel_free(&accel);
 }
 

@@ -14,7 +14,7 @@ static const char *const kind_names[3] = {"uniform", "stratified", "low discrepa
 
 static rk_sampler sampler_of(rk_sampler_kind kind, uint32_t samples)
 {
-    return (rk_sampler){kind, 7, samples};
+    return (rk_sampler){kind, 7, samples, 0};
 }
 
 /* --- numbers --------------------------------------------------------------------------------- */

@@ -128,11 +128,138 @@ static void pixel_and_time_are_joint(void **state)
     rk_scene_free(&scene);
 }
 
+/* --- Pixels that share a sequence ------------------------------------------------------------- */
+
+static rk_render_options shared(rk_render_options o)
+{
+    set_kind(&o, RK_SAMPLER_ZSOBOL);
+    o.ambient_occlusion.sampling = RK_SAMPLER_ZSOBOL;
+    o.motion.sampling = RK_TIME_ZSOBOL;
+    return o;
+}
+
+/* All effects at once: lights, a lens, mirrors, motion and ambient light. */
+static rk_render_options with_all(uint32_t samples)
+{
+    rk_render_options o = with_lens(samples);
+    o.shadows = o.reflections = true;
+    o.light.samples = 2;
+    o.glossy.samples = 2;
+    o.glossy.radius = 0.1f;
+    o.ambient_occlusion.intensity = 0.5f;
+    o.ambient_occlusion.samples = 2;
+    o.motion.samples = 2 * samples;
+    return o;
+}
+
+static void shared_samples_are_planned_and_the_same_for_any_number_of_threads(void **state)
+{
+    (void)state;
+    rk_render_options o = shared(rk_render_options_default());
+    rk_check(is_planned("cornell-light", o), "an area light takes samples");
+    rk_scene scene = test_scene_builtin("moving");
+    for (uint32_t samples = 1; samples <= 3; samples++) {
+        test_picture want = test_render(&scene, shared(with_all(samples)), 1);
+        for (unsigned threads = 2; threads <= 4; threads++) {
+            test_picture got = test_render(&scene, shared(with_all(samples)), threads);
+            rk_check(memcmp(got.image.pixels, want.image.pixels,
+                            24 * 24 * sizeof *want.image.pixels) == 0,
+                     "%u samples: another picture with %u threads", samples, threads);
+            rk_image_free(&got.image);
+        }
+        rk_image_free(&want.image);
+    }
+    rk_scene_free(&scene);
+}
+
+/* Over seeds, because the errors of a picture's pixels are related. 5 standard errors: once in 1.7
+ * million times. */
+static void pictures_of_shared_samples_are_unbiased(void **state)
+{
+    (void)state;
+    enum { seeds = 100 };
+    const char *const scenes[] = {"cornell-light", "moving"};
+    for (int k = 0; k < 2; k++) {
+        rk_scene scene = test_scene_builtin(scenes[k]);
+        for (uint32_t samples = 2; samples <= 3; samples++) {
+            double sum = 0, squares = 0, want = 0;
+            rk_render_options many = with_all(256), few = shared(with_all(samples));
+            many.seed = 999;
+            test_picture truth = test_render(&scene, many, 2);
+            for (size_t i = 0; i < 24 * 24; i++)
+                want += (double)truth.image.pixels[i].y / (24 * 24);
+            for (few.seed = 0; few.seed < seeds; few.seed++) {
+                double mean = 0;
+                test_picture got = test_render(&scene, few, 2);
+                for (size_t i = 0; i < 24 * 24; i++)
+                    mean += (double)got.image.pixels[i].y / (24 * 24);
+                sum += mean;
+                squares += mean * mean;
+                rk_image_free(&got.image);
+            }
+            double mean = sum / seeds, variance = (squares / seeds - mean * mean) / (seeds - 1);
+            /* The truth's own error is far smaller: its samples are 100 times as many. */
+            rk_check_near(mean, want, 5 * sqrt(1.1 * variance) + 1e-4 * want,
+                          "%s, %u samples: the mean of the pictures", scenes[k], samples);
+            rk_image_free(&truth.image);
+        }
+        rk_scene_free(&scene);
+    }
+}
+
+/* The squared error of the means over squares of 4 x 4 pixels, by 8 seeds. */
+static double blurred_error(const rk_scene *scene, rk_render_options few, const rk_image *want)
+{
+    double total = 0;
+    for (few.seed = 0; few.seed < 8; few.seed++) {
+        test_picture got = test_render(scene, few, 2);
+        for (size_t y = 0; y + 4 <= want->height; y++)
+            for (size_t x = 0; x + 4 <= want->width; x++) {
+                double sum = 0;
+                for (size_t i = 0; i < 16; i++) {
+                    size_t at = (y + i / 4) * want->width + x + i % 4;
+                    sum += (double)got.image.pixels[at].y - (double)want->pixels[at].y;
+                }
+                total += sum * sum;
+            }
+        rk_image_free(&got.image);
+    }
+    return total;
+}
+
+/* 1.2: the standard error of a ratio of sums over 8 pictures of 36 squares is 8 %, and the gains
+ * are 1.5 and more. */
+static void few_shared_samples_have_less_error_after_a_blur(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cornell-light");
+    for (uint32_t samples = 1; samples <= 4; samples++) {
+        rk_render_options few = small(1), many = small(1);
+        few.shadows = many.shadows = true;
+        few.light.early_out = many.light.early_out = 0;
+        few.ambient_occlusion.intensity = many.ambient_occlusion.intensity = 2;
+        few.light.samples = few.ambient_occlusion.samples = samples;
+        many.light.samples = many.ambient_occlusion.samples = 4096;
+        test_picture want = test_render(&scene, many, 2);
+        double own = blurred_error(&scene, few, &want.image);
+        double got = blurred_error(&scene, shared(few), &want.image);
+        rk_check(got * 1.2 <= own,
+                 "%u samples of the light and of ambient light: after a blur the squared error is "
+                 "%.3g, want at most 1/1.2 of that of sobol, %.3g",
+                 samples, got, own);
+        rk_image_free(&want.image);
+    }
+    rk_scene_free(&scene);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(joint_samples_are_the_default_and_pairs_an_option),
     cmocka_unit_test(sampling_is_planned_where_joint_samples_are_drawn),
     cmocka_unit_test(pixel_and_lens_are_joint),
     cmocka_unit_test(pixel_and_time_are_joint),
+    cmocka_unit_test(shared_samples_are_planned_and_the_same_for_any_number_of_threads),
+    cmocka_unit_test(pictures_of_shared_samples_are_unbiased),
+    cmocka_unit_test(few_shared_samples_have_less_error_after_a_blur),
 };
 
 RK_SUITE("sampling_stage", tests)

@@ -18,7 +18,7 @@ from unittest import mock
 
 import test_grade
 from by_address import by_address
-from tap import check, finish
+from tap import check, finish, start
 from test_grade import EMPTY, FEATURE, FEATURES, ONE, SOURCE, put, run, unit
 
 from grading import bubblewrap
@@ -259,8 +259,8 @@ def what_was_left_is_removed(folder):
 
 
 def start_class(place, out):
-    return test_grade.start(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), FEATURE.stem,
-                            "--submissions", place, "--out", out)
+    return test_grade.launch(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), FEATURE.stem,
+                              "--submissions", place, "--out", out)
 
 
 def grade_class(place, out, **environment):
@@ -388,8 +388,6 @@ def without_a_sandbox_this_is_said(folder):
 
 
 def main():
-    if "--list" in sys.argv:  # the driver asks for names of tests, which it can do without
-        return 0
     sandbox.prepare()
     toolchain = build.Toolchain(".")
     toolchain.sandbox, remark = bubblewrap.find(toolchain)
@@ -423,4 +421,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    start(main)

@@ -2,6 +2,7 @@
  * models reflect, and that no result is NaN. */
 #include "test.h"
 
+#include "base/dvec3.h"
 #include "base/random.h"
 #include "features/shading.h"
 
@@ -89,42 +90,27 @@ static bool equal_bits(rk_vec3 a, rk_vec3 b)
 
 /* --- The models in double precision --------------------------------------------------------- */
 
-typedef struct vec {
-    double x, y, z;
-} vec;
-
-static double dot(vec a, vec b)
-{
-    return a.x * b.x + a.y * b.y + a.z * b.z;
-}
-
-/* a s + b t */
-static vec combine(vec a, double s, vec b, double t)
-{
-    return (vec){a.x * s + b.x * t, a.y * s + b.y * t, a.z * s + b.z * t};
-}
-
 /* The direction of a float vector, whose length is off by a rounding. */
-static vec exact(rk_vec3 a)
+static rk_dvec3 exact(rk_vec3 a)
 {
-    vec v = {(double)a.x, (double)a.y, (double)a.z};
-    return combine(v, 1 / sqrt(dot(v, v)), v, 0);
+    rk_dvec3 v = rk_widen(a);
+    return rk_dscale(v, 1 / rk_dlength(v));
 }
 
 /* A model's result for kd = 0, ks = 1 and white light. */
 static double exact_highlight(rk_shading_model model, bool normalized, double s, rk_vec3 n_,
                               rk_vec3 l_, rk_vec3 v_)
 {
-    vec n = exact(n_), l = exact(l_), v = exact(v_);
-    double cos_i = dot(n, l), cosine, normalizer;
+    rk_dvec3 n = exact(n_), l = exact(l_), v = exact(v_);
+    double cos_i = rk_ddot(n, l), cosine, normalizer;
     if (cos_i <= 0)
         return 0;
     if (model == RK_SHADING_PHONG) {
-        cosine = dot(combine(n, 2 * cos_i, l, -1), v);
+        cosine = rk_ddot(rk_dmadd(rk_dscale(n, 2 * cos_i), l, -1), v);
         normalizer = (s + 2) / (2 * pi);
     } else {
-        vec sum = combine(l, 1, v, 1);
-        cosine = dot(n, sum) / sqrt(dot(sum, sum));
+        rk_dvec3 sum = rk_dmadd(l, v, 1);
+        cosine = rk_ddot(n, sum) / rk_dlength(sum);
         normalizer = (s + 2) * (s + 4) / (8 * pi * (pow(2, -s / 2) + s));
     }
     return cosine > 0 ? pow(cosine, s) * (normalized ? normalizer * cos_i : 1) : 0;
@@ -753,7 +739,7 @@ typedef struct inputs {
 static double exact_red(const inputs *in)
 {
     double light = (double)in->light.x, kd = (double)in->kd.x, ks = (double)in->ks.x;
-    double cos_i = dot(exact(in->n), exact(in->l));
+    double cos_i = rk_ddot(exact(in->n), exact(in->l));
     bool normalized = in->shading.normalized;
     if (in->shading.model == RK_SHADING_OFF)
         return light * kd;
@@ -825,21 +811,21 @@ static double furnace(const rk_shading *shading, double s, double degrees)
 {
     const int rings = 96, sectors = 64;
     rk_vec3 v = direction(degrees, 0);
-    vec to_viewer = exact(v), axis = {-to_viewer.x, 0, to_viewer.z};
+    rk_dvec3 to_viewer = exact(v), axis = {-to_viewer.x, 0, to_viewer.z};
     if (shading->model != RK_SHADING_PHONG)
-        axis = (vec){0, 0, 1};
-    vec side = {axis.z, 0, -axis.x};
+        axis = (rk_dvec3){0, 0, 1};
+    rk_dvec3 side = {axis.z, 0, -axis.x};
     double sum = 0;
     for (int ring = 0; ring < rings; ring++) {
         double u = pow((ring + 0.5) / rings, 1 / (s + 1)), across = sqrt(1 - u * u);
         for (int sector = 0; sector < sectors; sector++) {
             double phi = 2 * pi * (sector + 0.5) / sectors, weight = pow(u, -s);
-            vec l = combine(axis, u, side, across * cos(phi));
+            rk_dvec3 l = rk_dmadd(rk_dscale(axis, u), side, across * cos(phi));
             l.y += across * sin(phi);
             if (shading->model != RK_SHADING_PHONG) {
-                double v_h = dot(to_viewer, l);
+                double v_h = rk_ddot(to_viewer, l);
                 weight *= v_h > 0 ? 4 * v_h : 0;
-                l = combine(l, 2 * v_h, to_viewer, -1);
+                l = rk_dmadd(rk_dscale(l, 2 * v_h), to_viewer, -1);
             }
             rk_vec3 to_light = rk_vec((float)l.x, (float)l.y, (float)l.z);
             rk_vec3 got = rk_shade(shading, black, white, (float)s, up, to_light, v, white);

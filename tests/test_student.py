@@ -20,11 +20,11 @@ import handout  # noqa: E402
 import hint  # noqa: E402
 import pristine  # noqa: E402
 from grading import originals, results, verdicts  # noqa: E402
-from grading.assignments import DEDUCTION, ScoredTest, ToolError, Unit, read_features, read_points  # noqa: E402
+from grading.assignments import DEDUCTION, ScoredTest, ToolError, Unit, read_features, read_looks, read_points  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
 from grading.starters import starter_of  # noqa: E402
 from handout_text import handout_of  # noqa: E402
-from tap import check, finish, read, run, write  # noqa: E402
+from tap import check, finish, read, run, start, write  # noqa: E402
 
 MAKE = os.environ.get("MAKE", "make")
 STEM, OTHER = "bvh_median", "bloom"
@@ -181,6 +181,8 @@ def hints_come_one_at_a_time():
     for feature in FEATURES.values():
         text = handout_of(SOURCE, feature)
         rows = set(re.findall(r"^\| (\d+) \|", text, re.MULTILINE))
+        seen, named = {str(look.step) for look in read_looks(feature)}, set(re.findall(r"draw-\w+ (?:IMPL=\w+ )?STEP=(\d+)", text))
+        check(named == seen, f"the steps of {feature.stem} that its task has drawn are those with something to see", named ^ seen)
         check(set(hint.hints_of(text)) <= rows, f"the hints of {feature.stem} are for its steps", set(hint.hints_of(text)) - rows)
 
 
@@ -221,9 +223,11 @@ def the_pack_builds(pack):
 
 
 def names_that_are_nearly_right(pack):
-    for command in ("check-median", "check-1", "draw-bvh"):
+    for command in ("check-median", "check-1", "draw-bvh_med"):
         status, said = make(pack, command)
         check(status != 0 and f"did you mean: {STEM}?" in said, f"{command} is understood as a slip", said)
+    said = make(pack, "draw-bvh")[1]
+    check(f"did you mean: {STEM} wide_bvh?" in said, "both names that draw-bvh may mean are told", said)
     status, said = make(pack, f"check-{STEM}", f"test={TESTS[0].name}")
     check(status != 0 and "write it in capitals: TEST=" in said, "and test= as one for TEST=", said)
 
@@ -267,6 +271,10 @@ def progress_tests_what_changed(pack):
 
 def drivers_are_built_alone(pack):
     write("int broken = ;\n", pack, "workbook", OTHER + ".c")
+    step = next(step for step in range(1, 99) if step not in [look.step for look in read_looks(FEATURE)])
+    status, said = run(pack, MAKE, "-s", f"draw-{STEM}", f"STEP={step}")
+    check(status != 0 and f"STEP={step}: {STEM} has something to see only after steps" in said and "CC" not in said,
+          "a step with nothing to see is refused before anything is compiled", said)
     status, said = make(pack, f"draw-{STEM}")
     check(status == 0 and ".png: the picture " in said, "a picture is drawn before any driver is built", said)
     status, said = make(pack, f"driver-{STEM}")
@@ -416,8 +424,6 @@ def a_workbook_is_at_home_anywhere(folder):
 
 
 def main():
-    if "--list" in sys.argv:  # the driver asks for names of tests, which it can do without
-        return 0
     folder = tempfile.mkdtemp(prefix="raykit-test-student-")
     try:
         a_verdict_fits_on_a_screen()
@@ -443,4 +449,4 @@ def main():
 
 
 if __name__ == "__main__":
-    sys.exit(main())
+    start(main)

@@ -2,6 +2,7 @@
  * rays that do not hit their triangle again, so that shadows have no specks. */
 #include "test.h"
 
+#include "base/interpolate.h"
 #include "base/random.h"
 #include "features/watertight.h"
 #include "scene/surface.h"
@@ -428,34 +429,42 @@ static void a_spawned_ray_never_hits_its_triangle_again(void **state)
         check_that_nothing_returns((uint32_t)(100 + f), families[f], 10000);
 }
 
-static void directions_that_spawn_alike_start_at_one_point(void **state)
+static void a_spawner_gives_the_same_origins(void **state)
 {
     (void)state;
     rk_mesh mesh = make_triangle(0);
     noise n = {27, 0};
-    int alike = 0, unlike = 0;
+    int same = 0, other = 0;
     for (size_t f = 0; f < sizeof families / sizeof *families; f++)
-        for (int i = 0; i < 3000; i++) {
+        for (int i = 0; i < 1000; i++) {
             rk_ray ray;
             rk_hit hit;
             rk_surface surface;
+            rk_spawner spawner;
+            rk_vec3 first = rk_vec(0, 0, 0);
             place_corners(&mesh, &n, families[f]);
             if (!aim(&mesh, &n, families[f], &ray, &hit))
                 continue;
             rk_surface_at(&surface, &mesh, &ray, &hit);
-            rk_vec3 a = way_out(&n, &surface, i % 8), b = way_out(&n, &surface, i / 8 % 8);
-            if (!rk_surface_spawns_alike(&surface, a, b)) {
-                unlike++;
-                continue;
+            rk_spawner_start(&spawner, &surface);
+            for (int k = 0; k < 24; k++) {
+                rk_vec3 direction = way_out(&n, &surface, k * 5 % 8);
+                rk_vec3 want = rk_surface_spawn(&surface, direction);
+                rk_vec3 got = rk_spawner_origin(&spawner, direction);
+                rk_check(memcmp(&got, &want, sizeof got) == 0,
+                         "direction %d: origin (%.9g, %.9g, %.9g) instead of (%.9g, %.9g, %.9g)", k,
+                         (double)got.x, (double)got.y, (double)got.z, (double)want.x,
+                         (double)want.y, (double)want.z);
+                if (k == 0)
+                    first = got;
+                else if (memcmp(&got, &first, sizeof got) == 0)
+                    same++;
+                else
+                    other++;
             }
-            alike++;
-            rk_vec3 from_a = rk_surface_spawn(&surface, a), from_b = rk_surface_spawn(&surface, b);
-            rk_check(memcmp(&from_a, &from_b, sizeof from_a) == 0,
-                     "alike, but from (%.9g, %.9g, %.9g) and (%.9g, %.9g, %.9g)", (double)from_a.x,
-                     (double)from_a.y, (double)from_a.z, (double)from_b.x, (double)from_b.y,
-                     (double)from_b.z);
         }
-    rk_check(alike > 1000 && unlike > 1000, "%d alike, %d not: both should happen", alike, unlike);
+    rk_check(same > 1000 && other > 1000, "%d the same, %d others: both should happen", same,
+             other);
     rk_mesh_free(&mesh);
 }
 
@@ -524,6 +533,170 @@ static void the_step_is_a_few_error_bounds(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* --- Vectors in registers ----------------------------------------------------------------------
+ */
+
+/* The same formulas as in surface.c, component by component: what vectors in registers must repeat
+ * to the bit, because pictures may not depend on how they are computed. */
+static float plain_coordinate(float a, float b, float c, const rk_hit *hit)
+{
+    double u = (double)hit->u, v = (double)hit->v;
+    return (float)((1 - u - v) * (double)a + u * (double)b + v * (double)c);
+}
+
+static rk_vec3 plain_point(const rk_triangle *t, const rk_hit *hit)
+{
+    return rk_vec(plain_coordinate(t->a.x, t->b.x, t->c.x, hit),
+                  plain_coordinate(t->a.y, t->b.y, t->c.y, hit),
+                  plain_coordinate(t->a.z, t->b.z, t->c.z, hit));
+}
+
+static rk_vec3 plain_facing(rk_vec3 normal, rk_vec3 side)
+{
+    return rk_dot(normal, side) < 0 ? rk_negate(normal) : normal;
+}
+
+static rk_vec3 plain_face_normal(const rk_triangle *t, const rk_ray *ray)
+{
+    rk_vec3 backward = rk_negate(ray->direction);
+    rk_dvec3 n = rk_triangle_plane_of(t).normal;
+    double length = rk_dlength(n), scale = length > 0 ? 1 / length : 0;
+    rk_vec3 unit = rk_vec((float)(n.x * scale), (float)(n.y * scale), (float)(n.z * scale));
+    unit = plain_facing(unit, backward);
+    return rk_dot(unit, unit) > 0 ? unit : rk_normalize(backward);
+}
+
+static rk_vec3 plain_normal(const rk_mesh *mesh, const rk_surface *surface)
+{
+    const rk_vec3 *n = mesh->normals;
+    rk_vec3 smooth = rk_normalize(rk_interpolate3(n[0], n[1], n[2], surface->barycentric));
+    return rk_dot(smooth, smooth) > 0 ? plain_facing(smooth, surface->face_normal)
+                                      : surface->face_normal;
+}
+
+static rk_vec3 plain_error(const rk_surface *surface)
+{
+    const float eps = 0x1p-24f;
+    const rk_triangle *t = &surface->triangle;
+    rk_vec3 sizes =
+        rk_interpolate3(rk_abs3(t->a), rk_abs3(t->b), rk_abs3(t->c), rk_abs3(surface->barycentric));
+    return rk_scale(rk_max3(rk_abs3(surface->point), sizes), 2 * eps / (1 - 2 * eps));
+}
+
+static void check_bits(const char *what, rk_vec3 got, rk_vec3 want)
+{
+    rk_check(memcmp(&got, &want, sizeof got) == 0,
+             "the %s is (%.9g, %.9g, %.9g), by plain arithmetic (%.9g, %.9g, %.9g)", what,
+             (double)got.x, (double)got.y, (double)got.z, (double)want.x, (double)want.y,
+             (double)want.z);
+}
+
+/* Every fourth triangle lies in a plane x = constant, or in x = 0; every fourth has no area. */
+static void flatten(rk_mesh *mesh, int i)
+{
+    if (i % 4 == 1)
+        for (int k = 0; k < 3; k++)
+            mesh->positions[k].x = i % 8 == 1 ? mesh->positions[0].x : 0;
+    if (i % 4 == 2)
+        mesh->positions[2] = mesh->positions[i % 8 == 2];
+}
+
+static void a_surface_is_as_by_plain_arithmetic_to_the_bit(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_triangle(RK_MESH_NORMALS);
+    noise n = {31, 0};
+    for (size_t f = 0; f < sizeof families / sizeof *families; f++)
+        for (int i = 0; i < 3000; i++) {
+            rk_surface surface;
+            place_corners(&mesh, &n, families[f]);
+            flatten(&mesh, i);
+            for (int k = 0; k < 3; k++)
+                mesh.normals[k] = rk_normalize(in_cube(&n));
+            rk_ray ray = {in_cube(&n), in_cube(&n), INFINITY};
+            rk_hit hit = {1, between(&n, 0, 1), between(&n, 0, 1), 0};
+            rk_surface_at(&surface, &mesh, &ray, &hit);
+            check_bits("point", surface.point, plain_point(&surface.triangle, &hit));
+            check_bits("point's error", surface.point_error, plain_error(&surface));
+            check_bits("face normal", surface.face_normal,
+                       plain_face_normal(&surface.triangle, &ray));
+            check_bits("normal", surface.normal, plain_normal(&mesh, &surface));
+        }
+    rk_mesh_free(&mesh);
+}
+
+static float plain_outward(float value, float step)
+{
+    return step > 0 ? nextafterf(value, INFINITY) : step < 0 ? nextafterf(value, -INFINITY) : value;
+}
+
+static rk_vec3 plain_step(rk_vec3 point, rk_vec3 normal, float distance)
+{
+    rk_vec3 step = rk_scale(normal, distance), start = rk_add(point, step);
+    return rk_vec(plain_outward(start.x, step.x), plain_outward(start.y, step.y),
+                  plain_outward(start.z, step.z));
+}
+
+static rk_vec3 plain_spawn(const rk_surface *surface, rk_vec3 direction)
+{
+    const float eps = 0x1p-24f;
+    const rk_triangle *t = &surface->triangle;
+    const rk_triangle_plane plane = rk_triangle_plane_of(t);
+    rk_vec3 normal = plain_facing(surface->face_normal, direction);
+    double heading = rk_triangle_plane_heading(&plane, direction);
+    if (heading * rk_triangle_plane_heading(&plane, normal) < 0)
+        normal = rk_negate(normal);
+    rk_vec3 edges = rk_add(rk_abs3(rk_sub(t->b, t->a)), rk_abs3(rk_sub(t->c, t->a)));
+    rk_vec3 error = rk_madd(surface->point_error, edges, 2 * eps / (1 - 2 * eps));
+    float distance = rk_dot(rk_abs3(normal), error);
+    rk_vec3 start = plain_step(surface->point, normal, distance);
+    for (int i = 0; i < 24;
+         i++, distance *= 2, start = plain_step(surface->point, normal, distance))
+        if (heading * rk_triangle_plane_side(&plane, start) > 0 || heading == 0)
+            break;
+    return start;
+}
+
+static void a_ray_starts_as_by_plain_arithmetic_to_the_bit(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_triangle(0);
+    noise n = {32, 0};
+    for (size_t f = 0; f < sizeof families / sizeof *families; f++)
+        for (int i = 0; i < 3000; i++) {
+            rk_surface surface;
+            place_corners(&mesh, &n, families[f]);
+            flatten(&mesh, i);
+            rk_ray ray = {in_cube(&n), in_cube(&n), INFINITY};
+            rk_hit hit = {1, between(&n, 0, 1), between(&n, 0, 1), 0};
+            rk_surface_at(&surface, &mesh, &ray, &hit);
+            for (int k = 0; k < 4; k++) {
+                rk_vec3 direction = way_out(&n, &surface, k);
+                check_bits("start", rk_surface_spawn(&surface, direction),
+                           plain_spawn(&surface, direction));
+            }
+        }
+    rk_mesh_free(&mesh);
+}
+
+/* On a sphere, which has no plane: the step is the point's error alone. It may end at 0, whose next
+ * floats have another sign or none, or beyond the largest float. */
+static void a_step_may_end_at_zero_or_infinity(void **state)
+{
+    (void)state;
+    static const float at[] = {0x1p-20f, -0x1p-20f, 0x1.fffffep127f, -0x1.fffffep127f, 0x1p-149f};
+    for (size_t i = 0; i < sizeof at / sizeof *at; i++)
+        for (int side = -1; side <= 1; side += 2) {
+            const rk_vec3 direction = rk_vec((float)side, 0, 0);
+            const rk_surface surface = {.point = rk_vec(at[i], at[i], 0),
+                                        .point_error = rk_vec(fabsf(at[i]), 0, 0),
+                                        .face_normal = direction,
+                                        .triangle = {.index = RK_MISS}};
+            check_bits("start", rk_surface_spawn(&surface, direction),
+                       plain_spawn(&surface, direction));
+        }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_surface_has_the_point_weights_and_material_of_its_hit),
     cmocka_unit_test(the_point_lies_within_its_error_bound),
@@ -538,9 +711,12 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_texture_multiplies_the_diffuse_colour),
     cmocka_unit_test(the_diffuse_colour_is_plain_where_there_is_no_texture),
     cmocka_unit_test(a_spawned_ray_never_hits_its_triangle_again),
-    cmocka_unit_test(directions_that_spawn_alike_start_at_one_point),
+    cmocka_unit_test(a_spawner_gives_the_same_origins),
     cmocka_unit_test(a_ray_is_spawned_on_the_side_of_its_direction),
     cmocka_unit_test(the_step_is_a_few_error_bounds),
+    cmocka_unit_test(a_surface_is_as_by_plain_arithmetic_to_the_bit),
+    cmocka_unit_test(a_ray_starts_as_by_plain_arithmetic_to_the_bit),
+    cmocka_unit_test(a_step_may_end_at_zero_or_infinity),
 };
 
 RK_SUITE("surface", tests)

@@ -22,11 +22,13 @@ static rk_scene scene_of(const char *name)
     return scene;
 }
 
-static rk_accel accel_of(const rk_scene *scene)
+enum { kind_count = RK_ACCEL_WIDE + 1 };
+
+static rk_accel accel_of(const rk_scene *scene, uint32_t kind)
 {
     rk_accel accel;
     rk_error error;
-    rk_check_ok(rk_accel_build(&accel, RK_ACCEL_SAH, scene, &error), error);
+    rk_check_ok(rk_accel_build(&accel, (rk_accel_kind)kind, scene, &error), error);
     return accel;
 }
 
@@ -85,9 +87,10 @@ static void trace_alone(const rk_accel *accel, const rk_ray_batch *rays, const r
 static void batches_at_ray_times_find_the_hits_of_single_rays(void **state)
 {
     (void)state;
-    for (uint32_t n = 0; n < name_count; n++) {
+    for (uint32_t c = 0; c < name_count * kind_count; c++) {
+        const uint32_t n = c / kind_count;
         rk_scene scene = scene_of(names[n]);
-        rk_accel accel = accel_of(&scene);
+        rk_accel accel = accel_of(&scene, c % kind_count);
         uint32_t moved = 0;
         for (uint32_t key = 0; key < 40; key++) {
             rk_ray_batch rays = make_rays(key);
@@ -117,9 +120,10 @@ static void batches_at_ray_times_find_the_hits_of_single_rays(void **state)
 static void at_time_0_objects_are_at_rest(void **state)
 {
     (void)state;
-    for (uint32_t n = 0; n < name_count; n++) {
+    for (uint32_t c = 0; c < name_count * kind_count; c++) {
+        const uint32_t n = c / kind_count;
         rk_scene scene = scene_of(names[n]);
-        rk_accel accel = accel_of(&scene);
+        rk_accel accel = accel_of(&scene, c % kind_count);
         rk_ray_times times = make_times(1, 0);
         for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
             times.time[i] = 0;
@@ -151,7 +155,7 @@ static void rays_at_rest_cost_nothing(void **state)
 {
     (void)state;
     rk_scene scene = scene_of("moving");
-    rk_accel accel = accel_of(&scene);
+    rk_accel accel = accel_of(&scene, RK_ACCEL_WIDE);
     rk_ray_batch rays = make_rays(1);
     rk_ray_times times;
     rk_hit_batch hits, before;

@@ -36,19 +36,25 @@ static pair_of random_pair(uint32_t key)
     return p;
 }
 
-/* A triangle whose edge ab has eight equal parts, and a ray through one of their ends. */
-static pair_of edge_pair(uint32_t key)
+/* A triangle whose edge ab has eight equal parts, and a ray through one of their ends; coordinates
+ * up to `below`. */
+static pair_of edge_pair_within(uint32_t key, int64_t below)
 {
     pair_of p;
-    whole3 part = random_point(key, 0, extent / 16);
-    p.corner[0] = random_point(key, 3, extent / 2);
+    whole3 part = random_point(key, 0, below / 16);
+    p.corner[0] = random_point(key, 3, below / 2);
     p.corner[1] = whole_madd(p.corner[0], part, 8);
-    p.corner[2] = random_point(key, 6, extent);
-    p.origin = random_point(key, 9, extent);
+    p.corner[2] = random_point(key, 6, below);
+    p.origin = random_point(key, 9, below);
     whole3 at = whole_madd(p.corner[0], part, 1 + (int64_t)(rk_hash(key, 1, 2, 3) % 7));
     p.direction = whole_madd(at, p.origin, -1);
     p.want = whole_determinants_of(p.corner, p.origin, p.direction);
     return p;
+}
+
+static pair_of edge_pair(uint32_t key)
+{
+    return edge_pair_within(key, extent);
 }
 
 static rk_hit intersect(const pair_of *p, int exponent)
@@ -63,14 +69,38 @@ static const char *hits_or_misses(bool hits)
     return hits ? "a hit" : "a miss";
 }
 
+/* Whose mistake it is. */
+static const char *decided_by(const rk_triangle *triangle, const rk_ray *ray)
+{
+    return rk_watertight_is_certain(triangle, ray)
+               ? "double decided, because is_certain returned true"
+               : "exact_determinants decided, because is_certain returned false";
+}
+
 static void check_decision(const pair_of *p, uint32_t i, const char *hint)
 {
     bool want = whole_hits(&p->want), got = intersect(p, 0).triangle != RK_MISS;
-    rk_check(got == want, "ray %u: got %s, want %s: %s", i, hits_or_misses(got),
-             hits_or_misses(want), hint);
+    rk_triangle triangle = float_triangle(p->corner, 0, 7);
+    rk_ray ray = ray_of(p, 0);
+    rk_check(got == want, "ray %u: got %s, want %s: %s; %s", i, hits_or_misses(got),
+             hits_or_misses(want), hint, decided_by(&triangle, &ray));
 }
 
 /* --- In double -------------------------------------------------------------------------------- */
+
+/* Far from the edges, where float is enough. */
+static void check_clear_hit(const pair_of *p, uint32_t i, bool got)
+{
+    const whole_determinants *m = &p->want;
+    long double det = (long double)m->det, least = det / 1000;
+    bool clear = det > 1e-4L * 0x1p69L && (long double)m->u > least && (long double)m->v > least &&
+                 (long double)m->w > least && m->t > 0;
+    rk_check(
+        !clear || got,
+        "ray %u: got a miss, want a hit at t = %.3Lg, u = %.3Lg, v = %.3Lg, far from the edges: "
+        "do u, v, w and t have the right signs?",
+        i, (long double)m->t / det, (long double)m->u / det, (long double)m->v / det);
+}
 
 static void t_u_and_v_are_rounded_from_double(void **state)
 {
@@ -81,6 +111,7 @@ static void t_u_and_v_are_rounded_from_double(void **state)
         rk_hit hit = intersect(&p, 0);
         /* Determinants below 1e-4 of the largest lose digits in double, too. */
         long double det = (long double)p.want.det;
+        check_clear_hit(&p, i, hit.triangle != RK_MISS);
         if (!whole_hits(&p.want) || hit.triangle == RK_MISS || det < 1e-4L * 0x1p69L)
             continue;
         rk_check_near(hit.t, (double)((long double)p.want.t / det), (double)hit.t * 0x1p-23,
@@ -106,6 +137,7 @@ static void tiny_and_huge_scenes_have_the_same_hits(void **state)
     (void)state;
     for (uint32_t i = 0; i < cases; i++) {
         pair_of p = random_pair(i);
+        check_decision(&p, i, "at its own size: do u, v, w and t have the right signs?");
         rk_hit want = intersect(&p, 0);
         int exponent = (int)(rk_hash(i, 4, 4, 4) % 141) - 100;
         rk_hit got = intersect(&p, exponent);
@@ -119,15 +151,92 @@ static void tiny_and_huge_scenes_have_the_same_hits(void **state)
 
 /* --- Exactly ---------------------------------------------------------------------------------- */
 
+/* Differences are below 2^11, so determinants are below 6 times 2^33: nothing is rounded. */
+static void small_whole_numbers_are_decided_by_their_determinants(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < cases; i++) {
+        pair_of p = edge_pair_within(i, 1 << 10);
+        for (uint32_t k = 0; k < i % 3; k++) { /* the edge is ab, then bc, then ca */
+            whole3 a = p.corner[0];
+            p.corner[0] = p.corner[1], p.corner[1] = p.corner[2], p.corner[2] = a;
+        }
+        if (i & 1) /* beside it */
+            p.direction = whole_madd(p.direction, random_point(i, 80, 1), 1);
+        p.want = whole_determinants_of(p.corner, p.origin, p.direction);
+        const whole3 *c = p.corner, o = p.origin, d = p.direction;
+        const whole_determinants *m = &p.want;
+        char text[400];
+        snprintf(text, sizeof text,
+                 "from (%d, %d, %d) along (%d, %d, %d), corners (%d, %d, %d), (%d, %d, %d), "
+                 "(%d, %d, %d): but for a common sign u, v, w and t are %lld, %lld, %lld and %lld. "
+                 "Whole numbers as small as these are not rounded, so a factor or a sign is wrong",
+                 (int)o.x, (int)o.y, (int)o.z, (int)d.x, (int)d.y, (int)d.z, (int)c[0].x,
+                 (int)c[0].y, (int)c[0].z, (int)c[1].x, (int)c[1].y, (int)c[1].z, (int)c[2].x,
+                 (int)c[2].y, (int)c[2].z, (long long)m->u, (long long)m->v, (long long)m->w,
+                 (long long)m->t);
+        check_decision(&p, i, text);
+    }
+}
+
+/* A ray along z through the edge bc, or beside it. Seen from c, the two products of
+ * its w are the same numbers, so they cancel even rounded; D - u - v leaves what rounding took. */
+static void the_edge_bc_is_seen_from_its_own_corner(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < cases; i++) {
+        pair_of p = {.direction = {0, 0, extent / 2 + random_whole(i, 20, extent / 4)}};
+        whole3 part = random_point(i, 0, extent / 16), c = random_point(i, 3, extent / 2);
+        p.corner[0] = random_point(i, 6, extent);
+        p.corner[1] = whole_madd(c, part, 8);
+        p.corner[2] = c;
+        p.origin = whole_madd(c, part, 1 + i % 7);
+        p.origin.x += random_whole(i, 21, 1), p.origin.z = -2 * extent;
+        p.want = whole_determinants_of(p.corner, p.origin, p.direction);
+        check_decision(
+            &p, i,
+            "the ray passes through the edge bc, or next to it: seen from c, with the "
+            "edge from c to b, w is right even while sums and products are rounded, so if "
+            "it was before, two_sum or add is wrong");
+    }
+}
+
+/* A ray beside the diagonal of a square, nearer than what its size leaves of a double. Every
+ * coordinate is a power of two, so no product is rounded, only sums are. */
+static void sums_keep_the_smallest_part(void **state)
+{
+    (void)state;
+    for (uint32_t i = 0; i < 1000; i++) {
+        float size = ldexpf(1, 20 + (int)(rk_hash(i, 0, 0, 9) % 30));
+        float near = ldexpf(1, -40 - (int)(rk_hash(i, 1, 0, 9) % 30));
+        int beside = (int)(i / 3 % 3) - 1; /* the triangle's side, the diagonal, the other one */
+        float across = ldexpf(near, beside);
+        rk_triangle triangle = {{-size, -size, 1}, {size, size, 1}, {size, -size, 1}, 0};
+        rk_ray ray = {{near, across, 0}, {0, 0, 1}, INFINITY};
+        rk_vec3 *points[] = {&triangle.a, &triangle.b, &triangle.c, &ray.origin, &ray.direction};
+        for (int k = 0; k < 5; k++) /* along z, x or y */
+            for (uint32_t turn = 0; turn < i % 3; turn++)
+                *points[k] = rk_vec(points[k]->z, points[k]->x, points[k]->y);
+        bool got = rk_watertight_intersect(&triangle, &ray).triangle != RK_MISS;
+        rk_check(
+            got == (beside <= 0),
+            "ray %u: got %s, want %s: all coordinates are powers of two, %g or %g, so products "
+            "are not rounded, but sums are, unless two_sum and add keep all; %s",
+            i, hits_or_misses(got), hits_or_misses(beside <= 0), (double)size, (double)near,
+            decided_by(&triangle, &ray));
+    }
+}
+
 static void rays_through_an_edge_hit_the_triangle(void **state)
 {
     (void)state;
     unsigned hits = 0;
     for (uint32_t i = 0; i < cases; i++) {
         pair_of p = edge_pair(i);
-        check_decision(&p, i,
-                       "the ray passes exactly through an edge: v is 0, and what double "
-                       "makes of it is rounding");
+        check_decision(
+            &p, i,
+            "the ray passes exactly through the edge ab, so v is 0; its products have up "
+            "to 69 digits and are not rounded if two_product keeps the rest");
         hits += whole_hits(&p.want);
     }
     rk_check(hits > cases / 2, "%u hits: too few", hits);
@@ -207,6 +316,24 @@ static void the_order_of_the_corners_does_not_matter(void **state)
         hits += first;
     }
     rk_check(hits > cases / 100, "%u hits: too few", hits);
+}
+
+/* Double is certain of all these rays even by a bound of 2^-24 in place of 2^-48; 1 % leaves room
+ * for wider ones. */
+static void double_decides_away_from_the_edges(void **state)
+{
+    (void)state;
+    unsigned exact = 0;
+    for (uint32_t i = 0; i < cases; i++) {
+        pair_of p = random_pair(i);
+        rk_triangle triangle = float_triangle(p.corner, 0, 7);
+        rk_ray ray = ray_of(&p, 0);
+        exact += !rk_watertight_is_certain(&triangle, &ray);
+    }
+    rk_check(exact < cases / 100,
+             "is_certain is false for %u of %u random rays: double is certain where all pass far "
+             "from the edges, and exact numbers take longer",
+             exact, (unsigned)cases);
 }
 
 /* --- Closed meshes ---------------------------------------------------------------------------- */
@@ -385,11 +512,15 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(t_u_and_v_are_rounded_from_double),
     cmocka_unit_test(rays_beside_the_edges_are_decided_as_by_integers),
     cmocka_unit_test(tiny_and_huge_scenes_have_the_same_hits),
+    cmocka_unit_test(small_whole_numbers_are_decided_by_their_determinants),
+    cmocka_unit_test(the_edge_bc_is_seen_from_its_own_corner),
+    cmocka_unit_test(sums_keep_the_smallest_part),
     cmocka_unit_test(rays_through_an_edge_hit_the_triangle),
     cmocka_unit_test(the_neighbour_beyond_the_edge_is_hit_as_well),
     cmocka_unit_test(a_direction_next_to_the_edge_is_on_its_side),
     cmocka_unit_test(a_ray_that_starts_in_the_plane_misses),
     cmocka_unit_test(the_order_of_the_corners_does_not_matter),
+    cmocka_unit_test(double_decides_away_from_the_edges),
     cmocka_unit_test(no_ray_leaves_a_closed_ball),
     cmocka_unit_test(no_ray_leaves_it_at_any_scale_or_place),
     cmocka_unit_test(a_closed_surface_is_entered_as_often_as_left),

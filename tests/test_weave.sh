@@ -66,4 +66,15 @@ verdict the_remains_of_a_killed_one_are_no_obstacle
 [ "$(ls "$folder/build/reports")" = out ] && [ ! -e "$folder/build/reports/out/process" ]
 verdict nothing_else_is_left
 
+# What is measured apart from the page, by make bench and by make bench-peers.
+measured="frames frames_goals growth growth_curves timings_machine"
+mkdir -p "$folder/build/bench/tables"
+for table in $measured; do echo "$table" >"$folder/build/bench/tables/$table.csv"; done
+echo peers >"$folder/build/reports/out/tables/peers.csv"
+are_there() {
+    for table; do grep -q "$table" "$folder/build/reports/out/tables/$table.csv" || return 1; done
+}
+report said1 && are_there $measured peers
+verdict tables_that_are_measured_apart_are_there
+
 echo "1..$count"

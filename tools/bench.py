@@ -1,10 +1,10 @@
 #!/usr/bin/env python3
 """Measures the error and the time of all methods: make bench. The cases are in tests/bench/cases.tsv, their methods in
-methods.tsv beside it. Measurements are kept in bench/measurements.csv of the build folder, and only what is missing is
-measured; tables are written to bench/tables.
+methods.tsv beside it. Then whole pictures by the drivers, from frames.tsv, and how times and memory grow. Measurements
+are kept in bench of the build folder, and only what is missing is measured; tables are written to bench/tables.
 
-With --out, as the report calls it: tables into that folder, from the full measurement if it is there, else from the
-quick one."""
+With --out, as the report calls it: tables of errors into that folder, from the full measurement if it is there, else
+from the quick one."""
 
 import os
 import shutil
@@ -12,8 +12,10 @@ import sys
 
 sys.dont_write_bytecode = True  # the source folder may be read-only, and stays clean
 
-from benchmark import compare, exact, measurements, plan, schedule, summary
+from benchmark import compare, exact, frames, growth, measurements, plan, schedule, summary, timings
 from grading.assignments import Parser, ToolError
+
+PARTS = dict(zip(plan.PARTS, (frames, growth)))
 
 
 def open_schedule(options, settings, names=()):
@@ -33,18 +35,25 @@ def is_complete(work):
                for seed in range(1, work.settings.seeds + 1))
 
 
-def print_summary(rows):
-    cells = [("feature", "best method", "time ratio", "goal", "slope", "goal", "bias")]
+def print_cells(lines):
+    widths = [max(map(len, column)) for column in zip(*lines)]
+    for line in lines:
+        print("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip())
+
+
+def print_summary(rows, quick):
+    cells = [("feature", "best method", "time ratio", "wanted", "slope", "wanted", "bias, %", "note")]
     for row in rows:
         ratio = "" if row["time_ratio"] is None else \
             f"{row['time_ratio']:.1f} ({row['time_ratio_low']:.1f} to {row['time_ratio_high']:.1f})"
         cells.append((row["feature"], row["best"], ratio, "" if row["goal"] is None else f"{row['goal']:g}",
                       "" if row["slope"] is None else f"{row['slope']:.2f}",
                       "" if row["slope_goal"] is None else f"{row['slope_goal']:g}",
-                      f"{100 * row['bias']:+.3f} %"))
-    widths = [max(map(len, column)) for column in zip(*cells)]
-    for line in cells:
-        print("  ".join(cell.ljust(width) for cell, width in zip(line, widths)).rstrip())
+                      f"{100 * row['bias']:+.3f} ({100 * row['bias_low']:+.3f} to {100 * row['bias_high']:+.3f})", row["note"]))
+    print_cells(cells)
+    print("In brackets: 95 % confidence intervals. Extrapolated: a time to an error of 1 % that lies beyond those measured.")
+    if quick:
+        print("Pictures are small and samples few: whether a goal is reached, the full measurement decides (make bench).")
 
 
 def print_changes(old, rows):
@@ -74,16 +83,64 @@ def write_tables(work, options):
     return summary.write(work, tables)
 
 
-def measure(options):
-    work = open_schedule(options, plan.QUICK if options.quick else plan.FULL, options.cases.split())
+def measure_accuracy(options, names):
+    """Returns whether something got worse."""
+    work = open_schedule(options, plan.QUICK if options.quick else plan.FULL, names)
     if options.compare:
         measurements.read(options.compare)  # a mistake is told before the work
     work.run()
     rows = write_tables(work, options)
     check_references(work)
-    print_summary(rows)
+    print_summary(rows, options.quick)
     print(f"bench: wrote {os.path.join(options.build, 'bench', 'tables')}/accuracy*.csv and {work.kept.path}")
-    return int(bool(options.compare) and print_changes(options.compare, list(work.kept.rows.values())))
+    return bool(options.compare) and print_changes(options.compare, list(work.kept.rows.values()))
+
+
+def write_times(tables, folder, kept, parts):
+    """Tables of frames and growth, and what they were measured on."""
+    if "frames" in parts:
+        rows = frames.rows(folder, kept)
+        timings.write(tables, "frames", rows)
+        timings.write(tables, "frames_goals", frames.goal_rows(rows))
+        print_cells([("frame", "threads", "ms", "goal", "classic")] + [
+            (row["title"], *(f"{row[name]:.4g}" if row[name] else "" for name in ("threads", "median_ms", "goal_ms", "classic_ms")))
+            for row in rows])
+    if "growth" in parts:
+        rows = growth.rows(folder, kept)
+        points, slopes = growth.curve_rows(rows)
+        timings.write(tables, "growth", rows)
+        timings.write(tables, "growth_curves", points)
+        timings.write(tables, "growth_slopes", slopes)
+        timings.write(tables, "growth_goals", growth.goal_rows(rows))
+        print_cells([("growth with", "of", "by", "slope")] + [
+            (row["what"], row["quantity"], row["line"], f"{row['slope']:.2f}") for row in slopes])
+    timings.write(tables, "timings_machine", timings.machine_rows(list(kept.rows.values())))
+
+
+def measure_times(options, parts):
+    folder = os.path.join(options.source, "tests", "bench")
+    calls = {part: PARTS[part].calls(folder, options.quick) for part in parts}  # a mistake is told before the work
+    kept = timings.Timings(options.build, options.reset)
+    for part in parts:
+        kept.measure(part, calls[part])
+    tables = os.path.join(options.build, "bench", "tables")
+    write_times(tables, folder, kept, parts)
+    print(f"bench: wrote {', '.join(f'{tables}/{part}*.csv' for part in parts)} and {kept.path}")
+
+
+def measure(options):
+    names = options.cases.split()
+    parts = [name for name in PARTS if name in names or not names]
+    cases = [name for name in names if name not in PARTS]
+    reset, worse = options.reset, False
+    if options.compare and names and not cases:
+        raise ToolError(f"COMPARE: {' and '.join(parts)} have no seeds to compare: name cases, too, or leave it out")
+    if cases or not names:
+        worse = measure_accuracy(options, cases)
+        options.reset = reset
+    if parts:
+        measure_times(options, parts)
+    return int(worse)
 
 
 def for_report(options):
@@ -107,7 +164,7 @@ def main():
     parser.add_argument("--source", default=os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
     parser.add_argument("--quick", action="store_true", help="small pictures and few samples: less than a minute")
     parser.add_argument("--reset", action="store_true", help="forget what was measured")
-    parser.add_argument("--cases", default="", help="measure only these")
+    parser.add_argument("--cases", default="", help="measure only these; also frames, growth")
     parser.add_argument("--compare", default="", help="an older measurements.csv")
     parser.add_argument("--out", help="write tables for the report into this folder")
     parser.add_argument("--quiet", action="store_true", help="as drivers have it")

@@ -56,7 +56,8 @@ def choose_look(feature, step):
     looks = read_looks(feature)
     steps = [str(look.step) for look in looks]
     if step and step not in steps:
-        raise ToolError(f"STEP={step}: {feature.stem} shows something after the steps {', '.join(steps)}")
+        where = f"steps {', '.join(steps[:-1])} and {steps[-1]}" if len(steps) > 1 else f"step {steps[0]}"
+        raise ToolError(f"STEP={step}: {feature.stem} has something to see only after {where}")
     return looks[steps.index(step)] if step else looks[-1]
 
 
@@ -129,9 +130,14 @@ def main():
     parser.add_argument("--build", default=".", metavar="DIR")
     parser.add_argument("--impl", default="", metavar="FILE_OR_DIR", help="none: the kit's own units")
     parser.add_argument("--step", default="", metavar="N", help="of the handout; the last one for none")
+    parser.add_argument("--source", default="", metavar="DIR", help="raykit's source folder: say whether the step has "
+                        "something to see, and draw nothing")
     parser.add_argument("--wanted", action="store_true", help="draw the wanted pictures")
     arguments = parser.parse_args()
     try:
+        if arguments.source:
+            choose_look(choose(read_features(arguments.source), arguments.stems)[0], arguments.step)
+            return 0
         toolchain = build.Toolchain(arguments.build)
         if arguments.wanted:
             draw_wanted(toolchain, arguments.stems)

@@ -131,6 +131,8 @@ function build_all() {
     build_rooms()
     print "\n# What tests/stress/stress_accuracy.c searches."
     room("stress", "tests/stress/measure*.[ch] tests/stress/search.c")
+    print "\n# What make bench-peers runs."
+    room("peers", "tests/peers/*.[ch]")
     print "\nfeatures =" stems
     print "feature_drivers =" drivers
     print "feature_suites =" suites

@@ -12,18 +12,23 @@ import hashlib
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tarfile
 import tempfile
 
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
+from grade import stop_on_signals
 from handout_text import as_packed, handout_of, with_built_drivers
 from grading.leak_check import prove
 from grading.originals import keep_originals
 from grading.starters import RegionError, handed_out_of, left_open_of, starter_of
 from grading.results import write_whole
 from grading.workbook_files import workbook_files
+
+
+_SECONDS_TO_CLEAN_UP = 10  # it removes a few folders
 
 
 # --- The place ------------------------------------------------------------------------------------
@@ -44,6 +49,22 @@ def place_of(out, folder):
     return place, os.path.basename(place).removesuffix("" if folder else ".tar.gz")
 
 
+def _run(command, environment, **pipes):
+    """Runs a command in a session of its own, which ends, with all that it started, when this script is stopped."""
+    process = subprocess.Popen(command, env=environment, start_new_session=True, text=True, errors="replace", **pipes)
+    try:
+        said, wrong = process.communicate()
+    except BaseException:
+        os.killpg(process.pid, signal.SIGTERM)
+        try:
+            process.wait(_SECONDS_TO_CLEAN_UP)
+        except subprocess.TimeoutExpired:
+            os.killpg(process.pid, signal.SIGKILL)
+            process.wait()
+        raise
+    return process.returncode, (said or wrong or "").strip()
+
+
 # --- The pack -------------------------------------------------------------------------------------
 
 
@@ -55,10 +76,9 @@ def _release(pack):
     command = [os.environ.get("MAKE", "make"), "-s", "distdir", f"distdir={gathered}"]
     environment = {name: value for name, value in os.environ.items() if name != "MAKEFLAGS"}
     try:
-        answer = subprocess.run(command, env=environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
-                                errors="replace", check=False)
-        if answer.returncode:
-            raise ToolError(f"the kit's files could not be gathered:\n{answer.stdout.strip()}")
+        status, said = _run(command, environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+        if status:
+            raise ToolError(f"the kit's files could not be gathered:\n{said}")
         shutil.move(gathered, pack)
     finally:
         shutil.rmtree(gathered, ignore_errors=True)
@@ -133,12 +153,12 @@ def _weave_book(pack, features):
     environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(), MESHES="",
                        CHROMIUM="", FEATURES="", SOLUTIONS="yes", RAYKIT_RECORD=kept if is_current else "")
     if not is_current:
-        print("handout: drawing the book's figures, which takes minutes; the next pack will find them in "
-              f"{record_folder()}", file=sys.stderr)
-    answer = subprocess.run(["sh", os.path.join(pack, "docs", "make_book")], env=environment,
-                            stderr=subprocess.PIPE if is_current else None, text=True, errors="replace", check=False)
-    if answer.returncode:
-        raise ToolError(f"the book could not be woven; BOOK=no leaves it out:\n{(answer.stderr or '').strip()}")
+        print("handout: drawing the book's figures, with repeated timings and, if make bench has not measured, its quick form: "
+              f"many minutes, far more on a busy machine; the next pack will find them in {record_folder()}", file=sys.stderr)
+    status, said = _run(["sh", os.path.join(pack, "docs", "make_book")], environment,
+                        stderr=subprocess.PIPE if is_current else None)
+    if status:
+        raise ToolError(f"the book could not be woven; BOOK=no leaves it out:\n{said}")
     made, handed = os.path.join(pack, "docs", "out"), os.path.join(pack, "docs", "handout")
     os.mkdir(handed)
     os.rename(os.path.join(made, "book.html"), os.path.join(handed, "book.html"))
@@ -159,11 +179,26 @@ def _title_and_time(pack, feature):
     return text.splitlines()[0].lstrip("# "), time[1]
 
 
-def _cover_command(source):
-    """README.md's command that draws the picture at its top."""
+def _goal(source, stems):
+    """The picture at the top of README.md, if it uses any of these features, with the command that draws it."""
     with open(os.path.join(source, "README.md"), encoding="utf-8") as file:
-        command = re.search(r"^    assignments/\S+ --scene cover --env(.*\\\n)*.*", file.read(), re.MULTILINE)[0]
-    return with_built_drivers(command)
+        text = file.read()
+    course = list(read_features(source))
+    first, last = re.search(r"picture at the top uses those from `(\w+)` to `(\w+)`", text).groups()
+    used = [stem for stem in course[course.index(first):course.index(last) + 1] if stem in stems]
+    command = re.search(r"^    assignments/\S+ --scene cover --env(.*\\\n)*.*", text, re.MULTILINE)[0]
+    picture = re.search(r"^!\[.*\]\(docs/pictures/cover\.png\)$", text, re.MULTILINE)[0]
+    return [] if not used else [f"The goal is this picture, which uses {_and([f'`{stem}`' for stem in used])}:", picture,
+                                with_built_drivers(command), "It takes a minute or two."]
+
+
+def _order(source, stems):
+    """In which order these assignments are written, and what for."""
+    early = [f"`{stem}`" for stem in ("shading", "parallelogram_light") if stem in stems]
+    but = f", with one exception: write the\nfirst steps of {_and(early)} early, because they light all pictures" if early else ""
+    table = f"The table's order is a good one{but}.\n" if len(stems) > 1 else ""
+    looks = "In each task the table of steps has pictures of what you should see after a step."
+    return "\n\n".join([table + looks, *_goal(source, stems)])
 
 
 def _write_handout(source, pack, features, has_book):
@@ -188,7 +223,7 @@ def _write_handout(source, pack, features, has_book):
     with open(os.path.join(source, "assignments", "handout_page.md"), encoding="utf-8") as file:
         page = file.read()
     write_whole(os.path.join(pack, "HANDOUT.md"), page.format(
-        cover=_cover_command(source), assignments="\n".join(rows), first=first, reading=reading, files=files,
+        order=_order(source, [feature.stem for feature in features]), assignments="\n".join(rows), first=first, reading=reading, files=files,
         commands="\n".join(f"    {command:<{width}}  {does}" for command, does in commands)))
 
 
@@ -275,6 +310,7 @@ def main():
                         "default: those that come later in the course")
     parser.add_argument("--book", default="", metavar="yes|no", help="no leaves the woven book out")
     arguments = parser.parse_args()
+    stop_on_signals()
     try:
         if arguments.book not in ("", "yes", "no"):
             raise ToolError(f"BOOK={arguments.book}: choose yes or no")
@@ -290,7 +326,7 @@ def main():
         print(f"handout: {why}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
-        print("handout: stopped", file=sys.stderr)
+        print("handout: stopped; nothing was written", file=sys.stderr)
         return 130
     return 0
 

@@ -1,7 +1,7 @@
 """The text of an assignment: its handout.md with the sections that all share, as it is true for whom.
 
 A line of a handout that begins with a link to a section of assignments/handout_common.md stands for
-that section, with {stem}, {folder} and {number} filled in. In the table of steps {tests} stands for the
+that section, with {stem}, {folder}, {number} and {shown}, the first step that can be seen, filled in. In the table of steps {tests} stands for the
 tests that points.tsv gives to a row's step, and {look} for what look.tsv shows after it. What
 is true in one place only stands between `<!-- kit -->` and `<!-- pack`, and its counterpart from there to `end -->`.
 """
@@ -53,7 +53,8 @@ def handout_of(source, feature):
         return row[0].replace("{tests}", named).replace("{look}", shown)
 
     own = _STEP.sub(step, own)
-    filled = {"stem": feature.stem, "folder": feature.folder, "number": str(int(feature.folder.split("_")[0]))}
+    filled = {"stem": feature.stem, "folder": feature.folder, "number": str(int(feature.folder.split("_")[0])),
+              "shown": str(looks[0].step)}
 
     def section(link):
         name, anchor = link.groups()
@@ -61,7 +62,7 @@ def handout_of(source, feature):
         if anchor not in shared:
             raise ToolError(f"assignments/{feature.folder}/handout.md: {name} has no section \"{anchor}\"; "
                             f"it has: {', '.join(shared)}")
-        return re.sub(r"\{(stem|folder|number)\}", lambda word: filled[word[1]], shared[anchor])
+        return re.sub(r"\{(stem|folder|number|shown)\}", lambda word: filled[word[1]], shared[anchor])
 
     return _LINK.sub(section, own)
 

@@ -43,6 +43,11 @@ static bool draw_tree(rk_driver *driver, rk_error *error)
     return rk_tree_view_draw(&c->tree, driver, error);
 }
 
+static void set_defaults(rk_driver *driver)
+{
+    driver->split = RK_ACCEL_SAH;
+}
+
 static bool save(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
@@ -64,6 +69,7 @@ int main(int argc, char **argv)
         .options = options,
         .choices = &c,
         .views = views,
+        .set_defaults = set_defaults,
         .prepare = prepare,
         .check_tree = check_tree,
         .put_rows = rk_tree_view_rows,

@@ -21,6 +21,10 @@ RK_NAMES(light_names, choice of light, 1 + RK_LIGHT_PARALLELOGRAM, "own", "point
 static const rk_option options[] = {
     {"light", RK_CHOICE(choices, light, light_names),
      "shrink the scene's parallelograms to their middle, or to a line through it"},
+    {"lights", RK_FIELD(choices, lights), "N",
+     "cut the scene's only light into N strips, each with its share of the light; 0: leave it "
+     "whole",
+     0, RK_LIGHTS_MAX, 0},
     {"coloured", RK_FIELD(choices, coloured), NULL,
      "gives the lights' corners the colours red, green, blue and yellow"},
     {"brightness", RK_FIELD(choices, brightness), "F", "multiplies the lights' colours", 0, 1e6, 1},
@@ -46,20 +50,58 @@ static void shrink(rk_light *light, rk_light_kind kind)
     light->kind = kind;
 }
 
+static void colour(rk_light *light, const choices *c)
+{
+    const rk_vec3 corners[4] = {{1, 0.1f, 0.1f}, {0.1f, 1, 0.1f}, {0.2f, 0.2f, 1}, {1, 0.9f, 0.1f}};
+    if (c->coloured)
+        memcpy(light->colours, corners, sizeof corners);
+    for (int k = 0; k < 4; k++)
+        light->colours[k] = rk_scale(light->colours[k], c->brightness);
+}
+
+/* From `begin` to `end` along the first edge, with `share` of the colours there. */
+static rk_light strip_of(const rk_light *whole, float begin, float end, float share)
+{
+    rk_light strip = *whole;
+    strip.position = rk_madd(whole->position, whole->edge01, begin);
+    strip.edge01 = rk_scale(whole->edge01, end - begin);
+    for (int k = 0; k < 4; k++) {
+        const rk_vec3 *side = &whole->colours[k & 2];
+        const rk_vec3 here = rk_mix(side[0], side[1], k & 1 ? end : begin);
+        strip.colours[k] = rk_scale(here, share);
+    }
+    return strip;
+}
+
+/* Physical lights with an extent emit by its size; others have the same colour at any size. */
+static bool cut(rk_driver *driver, const choices *c, rk_error *error)
+{
+    rk_scene *scene = &driver->scene;
+    const rk_light whole = scene->lights[0];
+    if (scene->light_count != 1 || whole.kind == RK_LIGHT_POINT)
+        return rk_fail(error, "--lights cuts a light with an extent, the only one of its scene: "
+                              "choose another scene, such as cornell-light");
+    const bool by_size =
+        driver->render.light.falloff == RK_FALLOFF_PHYSICAL && c->light != 1 + RK_LIGHT_POINT;
+    const float count = (float)c->lights;
+    for (uint32_t i = 0; i < c->lights; i++)
+        scene->lights[i] =
+            strip_of(&whole, (float)i / count, (float)(i + 1) / count, by_size ? 1 : 1 / count);
+    scene->light_count = c->lights;
+    return true;
+}
+
 static bool set_lights(rk_driver *driver, rk_error *error)
 {
-    (void)error;
     const choices *c = driver->choices;
-    const rk_vec3 corners[4] = {{1, 0.1f, 0.1f}, {0.1f, 1, 0.1f}, {0.2f, 0.2f, 1}, {1, 0.9f, 0.1f}};
-    for (uint32_t i = 0; i < driver->scene.light_count; i++) {
-        rk_light *light = &driver->scene.lights[i];
-        if (c->light && light->kind == RK_LIGHT_PARALLELOGRAM)
-            shrink(light, (rk_light_kind)(c->light - 1));
-        if (c->coloured)
-            memcpy(light->colours, corners, sizeof corners);
-        for (int k = 0; k < 4; k++)
-            light->colours[k] = rk_scale(light->colours[k], c->brightness);
-    }
+    rk_scene *scene = &driver->scene;
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        colour(&scene->lights[i], c);
+    if (c->lights && !cut(driver, c, error))
+        return false;
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        if (c->light && scene->lights[i].kind == RK_LIGHT_PARALLELOGRAM)
+            shrink(&scene->lights[i], (rk_light_kind)(c->light - 1));
     return true;
 }
 
@@ -70,12 +112,14 @@ static bool save(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     const rk_light_options *light = &driver->render.light;
-    char label[160], pixel[32] = "";
+    char label[160], pixel[32] = "", lights[32] = "";
+    if (c->lights)
+        snprintf(lights, sizeof lights, "lights%u_", c->lights);
     if (driver->debug)
         snprintf(pixel, sizeof pixel, "_%u_%u", driver->pixel.x, driver->pixel.y);
-    snprintf(label, sizeof label, "%s%s%s%s%s%u_%s%s%s%s%s%s", driver->debug ? driver->debug : "",
+    snprintf(label, sizeof label, "%s%s%s%s%s%s%u_%s%s%s%s%s%s", driver->debug ? driver->debug : "",
              driver->debug ? "_" : "", c->light ? light_names.items[c->light] : "",
-             c->light ? "_" : "", c->coloured ? "coloured_" : "", light->samples,
+             c->light ? "_" : "", lights, c->coloured ? "coloured_" : "", light->samples,
              rk_sampler_name(light->sampling),
              light->domain == RK_LIGHT_DOMAIN_SOLID_ANGLE ? "_solid-angle" : "",
              light->falloff == RK_FALLOFF_PHYSICAL ? "_physical" : "", light->ratio ? "_ratio" : "",

@@ -7,6 +7,7 @@
 typedef struct choices {
     uint32_t light; /* 0: as the scene has it; or 1 + rk_light_kind */
     bool coloured, convergence, sharpness;
+    uint32_t lights; /* strips of the scene's only light; 0: the scene's own lights */
     float brightness;
     uint32_t most, reference; /* samples */
 } choices;

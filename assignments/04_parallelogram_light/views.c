@@ -52,7 +52,8 @@ static void draw_light(drawing *d, uint32_t index)
     const rk_light *light = &driver->scene.lights[index];
     uint32_t pixel = driver->pixel.y * options->width + driver->pixel.x;
     uint32_t count = light->kind == RK_LIGHT_POINT ? 1 : options->light.samples;
-    const rk_sampler sampler = {options->light.sampling, options->seed, options->samples * count};
+    const rk_sampler sampler =
+        rk_render_sampler(options, options->light.sampling, options->samples * count);
     draw_outline(d, light);
     for (uint32_t i = 0; i < count; i++) {
         rk_vec2 xi = rk_joint_2d(&sampler, pixel, i, RK_DIMENSION_LIGHT + 2 * index);

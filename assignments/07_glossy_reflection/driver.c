@@ -63,7 +63,6 @@ static const rk_option options[] = {
 
 static void set_defaults(rk_driver *driver)
 {
-    driver->split = RK_ACCEL_SAH_3;
     driver->drawn_x = 36; /* the mirror of the Cornell box */
     driver->drawn_y = 56;
     driver->render.reflections = true;

@@ -65,7 +65,8 @@ static double estimate_of(const rk_driver *driver, const rk_glossy_disk *disk,
 {
     enum { pixels = 4096 };
     const rk_glossy_options *glossy = &driver->render.glossy;
-    const rk_sampler sampler = {glossy->sampling, driver->render.seed, glossy->samples};
+    const rk_sampler sampler =
+        rk_render_sampler(&driver->render, glossy->sampling, glossy->samples);
     float fraction = weights == RK_GLOSSY_CLASSIC ? 1 : rk_glossy_fraction_above(disk);
     double sum = 0;
     for (uint32_t pixel = 0; pixel < pixels; pixel++)

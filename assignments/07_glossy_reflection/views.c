@@ -28,8 +28,8 @@ static bool find_mirror(const rk_driver *driver, const rk_ray *ray, rk_shading_p
 static rk_vec2 point_of(const rk_driver *driver, const rk_glossy_disk *disk, uint32_t i)
 {
     const rk_render_options *options = &driver->render;
-    const rk_sampler sampler = {options->glossy.sampling, options->seed,
-                                options->samples * options->glossy.samples};
+    const rk_sampler sampler = rk_render_sampler(options, options->glossy.sampling,
+                                                 options->samples * options->glossy.samples);
     uint32_t pixel = driver->pixel.y * options->width + driver->pixel.x;
     rk_vec2 at =
         rk_disk_at(options->glossy.map, rk_joint_2d(&sampler, pixel, i, RK_DIMENSION_GLOSSY));

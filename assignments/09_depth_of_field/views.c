@@ -67,7 +67,8 @@ static void draw_lens(rk_overlay *overlay, const rk_lens *lens, const rk_view *v
 static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_view *view)
 {
     const rk_render_options *options = &driver->render;
-    const rk_sampler sampler = {options->lens_sampling, options->seed, options->lens_samples};
+    const rk_sampler sampler =
+        rk_render_sampler(options, options->lens_sampling, options->lens_samples);
     float x = (float)driver->pixel.x + 0.5f, y = (float)driver->pixel.y + 0.5f;
     uint32_t pixel = driver->pixel.y * options->width + driver->pixel.x;
     rk_vec3 focus = focus_of(&options->lens, view, x, y);

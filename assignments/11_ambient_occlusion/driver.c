@@ -69,7 +69,6 @@ static void set_defaults(rk_driver *driver)
     choices *c = driver->choices;
     c->viewer.yaw = 20; /* past the green wall */
     c->viewer.pitch = 25;
-    driver->split = RK_ACCEL_SAH_3;
     driver->drawn_x = 45; /* the floor of the Cornell box, in front of the blocks */
     driver->drawn_y = 86;
     driver->render.shadows = true;

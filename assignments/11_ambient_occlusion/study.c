@@ -133,7 +133,8 @@ static estimate estimate_of(const rk_driver *driver, const occluder *o, rk_ambie
 {
     enum { pixels = 4096 };
     const rk_ambient_occlusion_options *ambient = &driver->render.ambient_occlusion;
-    const rk_sampler sampler = {ambient->sampling, driver->render.seed, ambient->samples};
+    const rk_sampler sampler =
+        rk_render_sampler(&driver->render, ambient->sampling, ambient->samples);
     double sum = 0, squares = 0, want = (double)closed_form_of(o);
     for (uint32_t pixel = 0; pixel < pixels; pixel++) {
         double visibility = 0;

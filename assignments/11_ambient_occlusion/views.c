@@ -47,7 +47,7 @@ static bool trace_pixel(const rk_driver *driver, const rk_ray *ray, rk_shading_p
                        "--debug %s: there is no surface at pixel %u,%u; choose another one by "
                        "--pixel X,Y",
                        driver->debug, driver->pixel.x, driver->pixel.y);
-    *samples = rk_ambient_samples_at(&r, &pass, point);
+    rk_ambient_samples_start(samples, &r, &pass, point);
     return true;
 }
 
@@ -76,7 +76,7 @@ bool draw_rays(rk_driver *driver, rk_error *error)
     for (uint32_t i = 0; i < samples.count; i++) {
         rk_ray sample;
         float weight;
-        if (rk_ambient_ray(&samples, &point.surface, i, &sample, &weight))
+        if (rk_ambient_ray(&samples, i, &sample, &weight))
             draw_ray(driver, &overlay, &sample);
     }
     rk_vec3 tip = rk_madd(point.surface.point, point.surface.normal, 0.3f);

@@ -4,6 +4,8 @@
 
 #include "features/watertight.h"
 
+#include <stdio.h>
+
 static const char summary[] =
     "Renders a scene.\n"
     "--debug leaks draws a closed ball from inside, and a white dot where "
@@ -18,12 +20,16 @@ typedef struct ball {
 } ball;
 
 typedef struct choices {
-    float scale;
+    float scale, magnify;
 } choices;
 
 static const rk_option options[] = {
     {"ball-radius", RK_FIELD(choices, scale), "R",
      "of the ball of the debug views, from 1e-15 to 1e15", 1e-15, 1e15, 1},
+    {"magnify", RK_FIELD(choices, magnify), "N",
+     "the debug views N times as large, around the classic test's leak that is nearest to the "
+     "middle; above 1, smaller dots show the rays that do not leave",
+     1, 64, 1},
     {0},
 };
 
@@ -90,64 +96,90 @@ static rk_vec3 eye_of(const ball *b, float radius)
     return rk_madd(b->centre, rk_vec(0.13f, 0.21f, -0.34f), radius);
 }
 
-typedef struct leak_count {
-    uint32_t rays, leaks;
-} leak_count;
+/* --- Aiming ----------------------------------------------------------------------------------- */
 
-/* --- Drawing ---------------------------------------------------------------------------------- */
+typedef void ray_visitor(void *context, const rk_ray *ray, bool leaves);
 
-/* Half a picture is as wide as the distance to it. */
-static void draw_dot(rk_image *image, rk_vec3 direction)
+/* Aims at 64 points of each edge, its ends among them. */
+static void aim_at_edges(const ball *b, rk_vec3 eye, first_hit_test *test, ray_visitor *visit,
+                         void *context)
 {
-    if (!(direction.z > 0))
-        return;
-    float half = 0.5f * (float)image->width, x = half * (1 + direction.x / direction.z);
-    float y = 0.5f * (float)image->height - half * direction.y / direction.z;
-    for (int dy = -2; dy <= 2; dy++)
-        for (int dx = -2; dx <= 2; dx++) {
-            float px = floorf(x) + (float)dx, py = floorf(y) + (float)dy;
-            bool inside =
-                px >= 0 && py >= 0 && px < (float)image->width && py < (float)image->height;
-            if (inside && dx * dx + dy * dy <= 5)
-                *rk_image_at(image, (uint32_t)px, (uint32_t)py) = rk_vec(1, 1, 1);
-        }
-}
-
-/* Each triangle in a tone of its own. */
-static void draw_triangles(rk_image *image, const ball *b, rk_vec3 eye)
-{
-    float half = 0.5f * (float)image->width;
-    for (uint32_t y = 0; y < image->height; y++)
-        for (uint32_t x = 0; x < image->width; x++) {
-            rk_ray ray = {eye,
-                          rk_vec(((float)x + 0.5f - half) / half,
-                                 (0.5f * (float)image->height - (float)y - 0.5f) / half, 1),
-                          INFINITY};
-            uint32_t hit = watertight_hit(b, &ray);
-            float tone = hit < triangles ? 0.03f + 0.02f * (float)(hit * 7 % 5) : 1;
-            *rk_image_at(image, x, y) = rk_vec(tone, 1.3f * tone, 1.8f * tone);
-        }
-}
-
-/* Aims at 64 points of each edge, its ends among them. With an image, draws a dot where a ray
- * leaves. */
-static leak_count count_leaks(const ball *b, rk_vec3 eye, first_hit_test *test, rk_image *image)
-{
-    leak_count count = {0, 0};
     for (uint32_t i = 0; i < 3 * triangles; i++) {
         const rk_vec3 *corner = &b->triangles[i / 3].a;
         rk_vec3 from = corner[i % 3], to = corner[(i + 1) % 3];
         for (uint32_t k = 0; k < parts_of_edge; k++) {
             rk_vec3 at = rk_mix(from, to, (float)k / parts_of_edge);
             rk_ray ray = {eye, rk_sub(at, eye), INFINITY};
-            bool leaves = test(b, &ray) == triangles;
-            count.rays++;
-            count.leaks += leaves;
-            if (leaves && image)
-                draw_dot(image, ray.direction);
+            visit(context, &ray, test(b, &ray) == triangles);
         }
     }
-    return count;
+}
+
+/* --- Drawing ---------------------------------------------------------------------------------- */
+
+/* A part of the plane at distance 1, and the picture of it. */
+typedef struct view {
+    rk_image *image;
+    rk_vec2 middle;
+    float pixels;          /* per unit */
+    bool magnified, leaks; /* which rays are drawn: those that leave, or the others */
+} view;
+
+static rk_vec2 on_plane(rk_vec3 direction)
+{
+    return (rk_vec2){direction.x / direction.z, direction.y / direction.z};
+}
+
+static rk_vec3 direction_at(const view *v, uint32_t x, uint32_t y)
+{
+    float right = (float)x + 0.5f - 0.5f * (float)v->image->width;
+    float up = 0.5f * (float)v->image->height - (float)y - 0.5f;
+    return rk_vec(v->middle.x + right / v->pixels, v->middle.y + up / v->pixels, 1);
+}
+
+static void draw_dot(const view *v, rk_vec2 at, int radius, rk_vec3 colour)
+{
+    float x = floorf(0.5f * (float)v->image->width + v->pixels * (at.x - v->middle.x));
+    float y = floorf(0.5f * (float)v->image->height - v->pixels * (at.y - v->middle.y));
+    for (int dy = -radius; dy <= radius; dy++)
+        for (int dx = -radius; dx <= radius; dx++) {
+            float px = x + (float)dx, py = y + (float)dy;
+            bool inside =
+                px >= 0 && py >= 0 && px < (float)v->image->width && py < (float)v->image->height;
+            if (inside && dx * dx + dy * dy <= radius * radius + 1)
+                *rk_image_at(v->image, (uint32_t)px, (uint32_t)py) = colour;
+        }
+}
+
+static void draw_ray(void *context, const rk_ray *ray, bool leaves)
+{
+    const view *v = context;
+    if (leaves != v->leaks || !(ray->direction.z > 0))
+        return;
+    if (leaves)
+        draw_dot(v, on_plane(ray->direction), v->magnified ? 4 : 2, rk_vec(1, 1, 1));
+    else
+        draw_dot(v, on_plane(ray->direction), 1, rk_vec(0.02f, 0.02f, 0.03f));
+}
+
+/* Each triangle in a tone of its own. */
+static void draw_triangles(const view *v, const ball *b, rk_vec3 eye)
+{
+    for (uint32_t y = 0; y < v->image->height; y++)
+        for (uint32_t x = 0; x < v->image->width; x++) {
+            rk_ray ray = {eye, direction_at(v, x, y), INFINITY};
+            uint32_t hit = watertight_hit(b, &ray);
+            float tone = hit < triangles ? 0.03f + 0.02f * (float)(hit * 7 % 5) : 1;
+            *rk_image_at(v->image, x, y) = rk_vec(tone, 1.3f * tone, 1.8f * tone);
+        }
+}
+
+/* The leak nearest to the middle, for both tests: their pictures show the same place. */
+static void keep_nearest_leak(void *context, const rk_ray *ray, bool leaves)
+{
+    rk_vec2 *nearest = context, at = on_plane(ray->direction);
+    if (leaves && ray->direction.z > 0 && hypotf(at.x, at.y) < hypotf(nearest->x, nearest->y))
+        *nearest = at;
 }
 
 static bool draw_with(rk_driver *driver, first_hit_test *test)
@@ -155,8 +187,20 @@ static bool draw_with(rk_driver *driver, first_hit_test *test)
     const choices *c = driver->choices;
     static ball b;
     make_ball(&b, c->scale);
-    draw_triangles(&driver->image, &b, eye_of(&b, c->scale));
-    count_leaks(&b, eye_of(&b, c->scale), test, &driver->image);
+    rk_vec3 eye = eye_of(&b, c->scale);
+    view v = {.image = &driver->image,
+              /* Half a picture is as wide as the distance to it. */
+              .pixels = 0.5f * (float)driver->image.width * c->magnify,
+              .magnified = c->magnify > 1};
+    if (v.magnified) {
+        v.middle = (rk_vec2){1, 1};
+        aim_at_edges(&b, eye, classic_hit, keep_nearest_leak, &v.middle);
+    }
+    draw_triangles(&v, &b, eye);
+    if (v.magnified)
+        aim_at_edges(&b, eye, test, draw_ray, &v);
+    v.leaks = true;
+    aim_at_edges(&b, eye, test, draw_ray, &v);
     return true;
 }
 
@@ -174,13 +218,32 @@ static bool draw_classic(rk_driver *driver, rk_error *error)
 
 /* --- The table -------------------------------------------------------------------------------- */
 
+typedef struct leak_count {
+    uint32_t rays, leaks;
+} leak_count;
+
+static void count_ray(void *context, const rk_ray *ray, bool leaves)
+{
+    (void)ray;
+    leak_count *count = context;
+    count->rays++;
+    count->leaks += leaves;
+}
+
+static leak_count leaks_of(const ball *b, rk_vec3 eye, first_hit_test *test)
+{
+    leak_count count = {0, 0};
+    aim_at_edges(b, eye, test, count_ray, &count);
+    return count;
+}
+
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     static ball b;
     make_ball(&b, c->scale);
-    leak_count classic = count_leaks(&b, eye_of(&b, c->scale), classic_hit, NULL);
-    leak_count now = count_leaks(&b, eye_of(&b, c->scale), watertight_hit, NULL);
+    leak_count classic = leaks_of(&b, eye_of(&b, c->scale), classic_hit);
+    leak_count now = leaks_of(&b, eye_of(&b, c->scale), watertight_hit);
     return rk_driver_row(driver, "render", "ms", driver->render_ms, error) &&
            rk_driver_row(driver, "aimed", "rays", rk_timing_once(now.rays), error) &&
            rk_driver_row(driver, "leaks_classic", "rays", rk_timing_once(classic.leaks), error) &&
@@ -189,7 +252,12 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 
 static bool save(rk_driver *driver, rk_error *error)
 {
-    return rk_driver_save(driver, driver->debug, error);
+    const choices *c = driver->choices;
+    if (!driver->debug || c->magnify <= 1)
+        return rk_driver_save(driver, driver->debug, error);
+    char label[64];
+    snprintf(label, sizeof label, "%s_%g", driver->debug, (double)c->magnify);
+    return rk_driver_save(driver, label, error);
 }
 
 int main(int argc, char **argv)

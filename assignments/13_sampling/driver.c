@@ -6,19 +6,22 @@
 
 static const char summary[] =
     "Renders a scene with the same kind of samples for all effects (--kind).\n"
-    "--debug points draws points in two of their dimensions.\n"
-    "--debug error shows the error of a picture with --samples N, eight times as large: grey is "
-    "0.\n"
-    "--convergence writes tables: the error of each kind of samples, and how fast it falls.";
+    "--debug points draws points in two of their dimensions, --debug order pixels in Z order.\n"
+    "--debug error shows the error of a picture with --samples N, four times as large: grey is 0.\n"
+    "--convergence writes tables: the error of each kind of samples, and how fast it falls;\n"
+    "--blurred the error of few samples after a blur, --spectrum its power by frequency.";
 
-RK_NAMES(effect_names, effect, EFFECT_MIRROR, "pixel", "lens", "light", "mirror");
+RK_NAMES(effect_names, effect, EFFECT_AMBIENT, "pixel", "lens", "light", "mirror", "penumbra",
+         "ambient");
 RK_NAMES(point_kind_names, point_kind, POINTS_SAMPLES, "sequence", "directions", "owen", "samples");
 
 static const rk_option options[] = {
     {"kind", RK_CHOICE(choices, kind, rk_sampler_names), "distribution of all samples",
      .initial = RK_SAMPLER_SOBOL},
     {"effect", RK_CHOICE(choices, effect, effect_names),
-     "what is sampled together with the position in the pixel"},
+     "what is sampled together with the position in the pixel; penumbra and ambient: the light, "
+     "and "
+     "ambient light, from its centre"},
     {"points-of", RK_CHOICE(choices, of, point_kind_names),
      "which points --debug points draws: of the sequence by the table or by rk_sobol_directions, "
      "scrambled by rk_owen_scramble, or the samples of --pixel",
@@ -26,12 +29,21 @@ static const rk_option options[] = {
     {"points", RK_FIELD(choices, points), "N", "number of points", 1, 65536, 64},
     {"x", RK_FIELD(choices, x), "D", "the joint dimension along x", 0, RK_SOBOL_DIMENSIONS - 1, 0},
     {"y", RK_FIELD(choices, y), "D", "and along y", 0, RK_SOBOL_DIMENSIONS - 1, 1},
+    {"permuted", RK_FIELD(choices, permuted), NULL, "--debug order shows permuted digits"},
+    {"blur", RK_FIELD(choices, blur), "S",
+     "blur --debug error by a Gaussian filter of this standard deviation, pixels", 0, 16, 0},
+    {"gain", RK_FIELD(choices, gain), "G", "--debug error shows errors so many times as large", 0,
+     1000, 4},
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "write tables: error of each kind and number of samples, and slopes"},
+    {"blurred", RK_FIELD(choices, blurred), NULL,
+     "write a table: errors of few samples, in single pixels and after a blur"},
+    {"spectrum", RK_FIELD(choices, spectrum), NULL,
+     "write a table: the power of the error by frequency"},
     {"most", RK_FIELD(choices, most), "N", "largest number of samples for --convergence", 8, 4096,
      128},
     {"reference", RK_FIELD(choices, reference), "N",
-     "samples of the reference picture for --convergence and --debug error", 1, 65536, 2048},
+     "samples of the reference picture for the tables and --debug error", 1, 65536, 2048},
     {0},
 };
 
@@ -39,10 +51,13 @@ void set_samples(rk_driver *driver, rk_sampler_kind kind, uint32_t samples)
 {
     const choices *c = driver->choices;
     rk_render_options *o = &driver->render;
+    const bool from_centre = c->effect >= EFFECT_PENUMBRA;
     o->sampling = o->lens_sampling = o->light.sampling = o->glossy.sampling = kind;
-    o->samples = samples;
+    o->ambient_occlusion.sampling = kind;
+    o->ambient_occlusion.intensity = c->effect == EFFECT_AMBIENT ? 1 : 0;
+    o->samples = from_centre ? 1 : samples;
     o->lens_samples = c->effect == EFFECT_LENS ? samples : 0;
-    o->light.samples = 1;
+    o->light.samples = o->ambient_occlusion.samples = from_centre ? samples : 1;
     o->glossy.samples = c->effect == EFFECT_MIRROR;
     o->reflections = c->effect == EFFECT_MIRROR;
     o->shadows = c->effect != EFFECT_PIXEL;
@@ -51,22 +66,27 @@ void set_samples(rk_driver *driver, rk_sampler_kind kind, uint32_t samples)
 static bool prepare(rk_driver *driver, rk_error *error)
 {
     (void)error;
-    const choices *c = driver->choices;
-    set_samples(driver, c->kind, driver->render.samples);
+    choices *c = driver->choices;
+    c->samples = driver->render.samples;
+    set_samples(driver, c->kind, c->samples);
     return true;
 }
 
 static bool save(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
-    char label[160];
+    char label[160], blur[32] = "";
+    if (rk_driver_debug(driver, "error") && c->blur > 0)
+        snprintf(blur, sizeof blur, "_blurred_%g", (double)c->blur);
     if (rk_driver_debug(driver, "points"))
         snprintf(label, sizeof label, "points_%s%s_%u_of_%u_and_%u",
                  c->of == POINTS_SAMPLES ? rk_sampler_name(c->kind) : "",
                  point_kind_names.items[c->of], c->points, c->x, c->y);
+    else if (rk_driver_debug(driver, "order"))
+        snprintf(label, sizeof label, "order%s", c->permuted ? "_permuted" : "");
     else
-        snprintf(label, sizeof label, "%s%s_%s_%u", driver->debug ? "error_" : "",
-                 effect_names.items[c->effect], rk_sampler_name(c->kind), driver->render.samples);
+        snprintf(label, sizeof label, "%s%s_%s_%u%s", driver->debug ? "error_" : "",
+                 effect_names.items[c->effect], rk_sampler_name(c->kind), c->samples, blur);
     return rk_driver_save(driver, label, error);
 }
 
@@ -97,9 +117,14 @@ int main(int argc, char **argv)
         .options = options,
         .choices = &c,
         .set_defaults = set_defaults,
-        .views =
-            (rk_driver_view[]){{"points", draw_points, true}, {"error", draw_error, false}, {0}},
-        .studies = (rk_driver_study[]){{&c.convergence, put_convergence, false}, {0}},
+        .views = (rk_driver_view[]){{"points", draw_points, true},
+                                    {"order", draw_order, true},
+                                    {"error", draw_error, false},
+                                    {0}},
+        .studies = (rk_driver_study[]){{&c.convergence, put_convergence, false},
+                                       {&c.blurred, put_blurred, false},
+                                       {&c.spectrum, put_spectrum, false},
+                                       {0}},
         .prepare = prepare,
         .put_rows = put_rows,
         .save = save,

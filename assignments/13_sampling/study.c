@@ -30,16 +30,6 @@ static double samples_for(const fit *f, double error)
     return exp((log(error) - at_1) / slope);
 }
 
-static double rms_of(const rk_image *image)
-{
-    double squares = 0;
-    for (size_t i = 0; i < image->width * image->height; i++)
-        for (int axis = 0; axis < 3; axis++)
-            squares +=
-                (double)rk_axis(image->pixels[i], axis) * (double)rk_axis(image->pixels[i], axis);
-    return sqrt(squares / (3 * (double)(image->width * image->height)));
-}
-
 static bool put_slope(rk_driver *driver, const char *method, const fit *f, double rms,
                       rk_error *error)
 {
@@ -67,7 +57,7 @@ static bool put_kind(rk_driver *driver, rk_sampler_kind kind, const rk_image *wa
             return false;
         add_point(&f, samples, rk_picture_compare(&driver->image, want).rmse);
     }
-    return put_slope(driver, rk_sampler_name(kind), &f, rms_of(want), error);
+    return put_slope(driver, rk_sampler_name(kind), &f, sqrt(mean_square(want)), error);
 }
 
 bool put_convergence(rk_driver *driver, rk_error *error)

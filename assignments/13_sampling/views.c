@@ -3,6 +3,7 @@
 
 #include "base/scramble.h"
 #include "driver/convergence.h"
+#include "features/shading.h"
 
 /* --- Points ----------------------------------------------------------------------------------- */
 
@@ -20,7 +21,7 @@ static uint32_t decision_of(uint32_t joint, uint32_t *coordinate)
 static float sample_of(const rk_driver *driver, uint32_t i, uint32_t joint)
 {
     const choices *c = driver->choices;
-    const rk_sampler sampler = {c->kind, driver->render.seed, c->points};
+    const rk_sampler sampler = rk_render_sampler(&driver->render, c->kind, c->points);
     uint32_t pixel = driver->pixel.y * driver->render.width + driver->pixel.x, coordinate;
     uint32_t dimension = decision_of(joint, &coordinate);
     if (dimension == RK_DIMENSION_TIME)
@@ -84,21 +85,70 @@ bool draw_points(rk_driver *driver, rk_error *error)
     return true;
 }
 
+/* --- Z order ---------------------------------------------------------------------------------- */
+
+/* A line of this width, from the middle of one pixel of the drawing to that of another. */
+static void put_line(const rk_image *image, rk_vec2 from, rk_vec2 to, float width, rk_vec3 colour)
+{
+    const float dx = to.x - from.x, dy = to.y - from.y, squared = dx * dx + dy * dy;
+    for (size_t row = 0; row < image->height; row++)
+        for (size_t column = 0; column < image->width; column++) {
+            float x = (float)column + 0.5f - from.x, y = (float)row + 0.5f - from.y;
+            float t = rk_min(rk_max((x * dx + y * dy) / squared, 0), 1);
+            float cover = width / 2 - hypotf(x - t * dx, y - t * dy) + 0.5f;
+            rk_vec3 *pixel = rk_image_at(image, column, row);
+            *pixel = rk_madd(*pixel, rk_sub(colour, *pixel), rk_min(rk_max(cover, 0), 1));
+        }
+}
+
+/* 8 x 8 pixels, connected in their order, from blue to yellow. */
+bool draw_order(rk_driver *driver, rk_error *error)
+{
+    enum { pixels = 8 };
+    (void)error;
+    const choices *c = driver->choices;
+    const rk_image *image = &driver->image;
+    const rk_gradient gradient = rk_gradient_cool_to_warm();
+    size_t side = image->width < image->height ? image->width : image->height;
+    struct {
+        uint32_t place;
+        rk_vec2 at;
+    } path[pixels * pixels], moved;
+    for (size_t y = 0; y < image->height; y++)
+        for (size_t x = 0; x < image->width; x++)
+            *rk_image_at(image, x, y) = paper(x, y, side, pixels);
+    for (uint32_t i = 0; i < pixels * pixels; i++) {
+        uint32_t x = i % pixels, y = i / pixels, place = rk_morton_index(x, y);
+        path[i].place = c->permuted ? rk_permute_digits(place, driver->render.seed) : place;
+        path[i].at = (rk_vec2){((float)x + 0.5f) * (float)side / pixels,
+                               ((float)y + 0.5f) * (float)side / pixels};
+        for (uint32_t k = i; k > 0 && path[k].place < path[k - 1].place; k--)
+            moved = path[k], path[k] = path[k - 1], path[k - 1] = moved;
+    }
+    for (uint32_t i = 1; i < pixels * pixels; i++)
+        put_line(image, path[i - 1].at, path[i].at, rk_max((float)side / 200, 1),
+                 rk_gradient_at(&gradient, 2 * (float)i / (pixels * pixels) - 1));
+    return true;
+}
+
 /* --- Errors ----------------------------------------------------------------------------------- */
 
 bool draw_error(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
-    const uint32_t samples = driver->render.samples;
     rk_image want;
     set_samples(driver, RK_SAMPLER_SOBOL, c->reference);
     if (!rk_convergence_reference(driver, &want, error))
         return false;
-    set_samples(driver, c->kind, samples);
+    set_samples(driver, c->kind, c->samples);
     bool ok = rk_driver_render(driver, error);
+    for (size_t i = 0; ok && i < want.width * want.height; i++)
+        driver->image.pixels[i] = rk_sub(driver->image.pixels[i], want.pixels[i]);
+    if (c->blur > 0)
+        ok = ok && blur_image(&driver->image, c->blur, error);
     for (size_t i = 0; ok && i < want.width * want.height; i++) {
         rk_vec3 *pixel = &driver->image.pixels[i];
-        *pixel = rk_madd(rk_vec(0.2f, 0.2f, 0.2f), rk_sub(*pixel, want.pixels[i]), 4);
+        *pixel = rk_madd(rk_vec(0.2f, 0.2f, 0.2f), *pixel, c->gain);
         *pixel = rk_vec(rk_max(pixel->x, 0), rk_max(pixel->y, 0), rk_max(pixel->z, 0));
     }
     rk_image_free(&want);

@@ -36,7 +36,7 @@ static bool put_rows(rk_driver *driver, rk_error *error)
     snprintf(estimated, sizeof estimated, "estimated_error_%g", wanted);
     return rk_driver_row(driver, render, "ms", driver->render_ms, error) &&
            rk_driver_row(driver, samples, "1",
-                         rk_timing_once((double)counters->primary_rays / pixels), error) &&
+                         rk_timing_once((double)counters->taken_samples / pixels), error) &&
            rk_driver_row(driver, kept, "1", rk_timing_once((double)counters->kept_samples / pixels),
                          error) &&
            rk_driver_row(driver, estimated, "%", rk_timing_once(100 * counters->estimated_error),
@@ -45,7 +45,8 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 
 static const rk_option options[] = {
     {"efficiency", RK_FIELD(choices, efficiency), NULL,
-     "write a table: samples for the same error, evenly, adaptively, and by the best allocation"},
+     "write a table: samples for errors of 2 % and 1 %, evenly, adaptively, and by the best "
+     "allocation"},
     {"effect", RK_FIELD(choices, effect), "NAME", "name of the rows of --efficiency",
      .initial_text = "light"},
     {"seeds", RK_FIELD(choices, seeds), "N", "pictures for each number of samples of --efficiency",
@@ -57,7 +58,6 @@ static const rk_option options[] = {
 
 static void set_defaults(rk_driver *driver)
 {
-    driver->split = RK_ACCEL_SAH_3;
     driver->render.shadows = true;
     driver->render.light.samples = 1; /* per sample of the pixel */
     driver->render.adaptive_sampling.error = 0.01f;

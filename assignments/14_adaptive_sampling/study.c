@@ -1,7 +1,8 @@
 /* The table of --efficiency: samples per pixel for the same error. The best allocation follows from
  * the true variance of each pixel: the mean square error over many pictures, at each power of two.
  * It is found from one half of the pictures and measured with the other, or it would pick pixels
- * that were lucky. */
+ * that were lucky. In two ways, and the better one counts: by each level's own variances, and by a
+ * power of the number of samples that is fitted to all levels, which has less noise. */
 #include "driver.h"
 
 #include "driver/convergence.h"
@@ -14,6 +15,8 @@ enum {
     least_level = 2,
     levels_beyond = 5
 }; /* 4 to 128 samples, and more by the slope */
+
+static const double errors[] = {0.02, 0.01};
 
 typedef struct study {
     rk_driver *driver;
@@ -84,11 +87,32 @@ static double variance_at(const study *s, uint32_t level, int half, size_t pixel
     return (double)s->variances[last][half][pixel] * pow(slope, level - last);
 }
 
+/* Evenly distributed samples for this variance, interpolated between powers of two. */
+static double even_samples(const study *s, double variance)
+{
+    uint32_t i = 0;
+    while (i + 2 < levels && s->even[i + 1] > variance)
+        i++;
+    double doublings = log(s->even[i] / variance) / log(s->even[i] / s->even[i + 1]);
+    return exp2(least_level + i + doublings);
+}
+
+/* V = c n^-a, with the same a for all pixels; the mean of c over the levels. */
+static double fitted_variance(const study *s, uint32_t level, int half, size_t pixel, double slope)
+{
+    double sum = 0;
+    for (uint32_t i = 0; i < levels; i++)
+        sum += (double)s->variances[i][half][pixel] * pow(slope, (double)level - i);
+    return sum / levels;
+}
+
+typedef double variance_of(const study *s, uint32_t level, int half, size_t pixel, double slope);
+
 typedef struct allocation {
     double samples, variance;
 } allocation;
 
-static allocation allocate(const study *s, double lambda)
+static allocation allocate(const study *s, variance_of *expected, double lambda)
 {
     const double slope = slope_of(s);
     allocation sum = {0, 0};
@@ -98,7 +122,7 @@ static allocation allocate(const study *s, double lambda)
             double least = (double)INFINITY;
             for (uint32_t level = 0; level < levels + levels_beyond; level++) {
                 double cost =
-                    variance_at(s, level, half, i, slope) + lambda * (1u << (least_level + level));
+                    expected(s, level, half, i, slope) + lambda * (1u << (least_level + level));
                 if (cost < least) {
                     least = cost;
                     best = level;
@@ -113,40 +137,31 @@ static allocation allocate(const study *s, double lambda)
 /* The fewest samples with at most this variance. */
 static double bound_of(const study *s, double variance)
 {
-    double fewest = (double)INFINITY;
-    for (double power = -60; power < 0; power += 0.25) {
-        allocation a = allocate(s, exp2(power));
-        if (a.variance <= variance)
-            fewest = fmin(fewest, a.samples);
-    }
+    variance_of *const ways[] = {variance_at, fitted_variance};
+    double fewest = even_samples(s, variance) * (double)s->pixels;
+    for (int i = 0; i < 2; i++)
+        for (double power = -60; power < 0; power += 0.25) {
+            allocation a = allocate(s, ways[i], exp2(power));
+            if (a.variance <= variance)
+                fewest = fmin(fewest, a.samples);
+        }
     return fewest;
 }
 
 /* --- Rows ------------------------------------------------------------------------------------- */
 
-/* Evenly distributed samples for this variance, interpolated between powers of two. */
-static double even_samples(const study *s, double variance)
-{
-    uint32_t i = 0;
-    while (i + 2 < levels && s->even[i + 1] > variance)
-        i++;
-    double doublings = log(s->even[i] / variance) / log(s->even[i] / s->even[i + 1]);
-    return exp2(least_level + i + doublings);
-}
-
-static bool put_row(study *s, uint32_t level, rk_error *error)
+static bool put_row(study *s, double wanted, rk_error *error)
 {
     rk_driver *driver = s->driver;
     const uint32_t seeds = ((const choices *)driver->choices)->seeds;
     const rk_render_options usual = driver->render;
-    const double wanted = sqrt(s->even[level] / s->squares);
     double samples = 0, variance = 0;
     for (uint32_t seed = 0; seed < seeds; seed++) {
         driver->render.adaptive_sampling.error = (float)wanted;
         driver->render.seed = 100 + seed;
         if (!rk_driver_render(driver, error))
             return false;
-        samples += (double)driver->counters.primary_rays / (double)s->pixels / seeds;
+        samples += (double)driver->counters.taken_samples / (double)s->pixels / seeds;
         variance += add_errors(s, NULL, 1.0 / seeds);
     }
     driver->render = usual;
@@ -154,7 +169,7 @@ static bool put_row(study *s, uint32_t level, rk_error *error)
     const double bound = bound_of(s, variance) / (double)s->pixels;
     char path[4096], cells[8][64];
     snprintf(cells[0], 64, "%s", ((const choices *)driver->choices)->effect);
-    snprintf(cells[1], 64, "%.3g %%", 100 * wanted);
+    snprintf(cells[1], 64, "%.2g %%", 100 * wanted);
     snprintf(cells[2], 64, "%.3g %%", 100 * sqrt(variance / s->squares));
     snprintf(cells[3], 64, "%.1f", even);
     snprintf(cells[4], 64, "%.1f", samples);
@@ -191,8 +206,8 @@ bool put_efficiency(rk_driver *driver, rk_error *error)
         s.squares += square(s.reference.pixels[i]);
     }
     ok = ok && allocate_study(&s, error) && measure_pixels(&s, error);
-    for (uint32_t level = 3; ok && level < levels; level += 2)
-        ok = put_row(&s, level, error);
+    for (size_t i = 0; ok && i < sizeof errors / sizeof *errors; i++)
+        ok = put_row(&s, errors[i], error);
     for (int level = 0; level < levels; level++)
         for (int half = 0; half < 2; half++)
             free(s.variances[level][half]);

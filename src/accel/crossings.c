@@ -3,22 +3,31 @@
 #include "accel/crossings.h"
 
 #include "accel/trace_moving.h"
+#include "accel/tree.h"
 #include "features/watertight.h"
 
 /* --- Gathering -------------------------------------------------------------------------------- */
 
 typedef struct gathering {
+    rk_leaf_visitor visitor; /* crossings beyond its end do not count */
     const rk_scene *scene;
-    const rk_ray *ray;
+    const rk_ray *ray; /* the scene's */
+    rk_ray relative;   /* the same, relative to the object whose tree is visited */
     rk_crossing_list *list;
-    float end;         /* crossings beyond it do not count */
     bool until_opaque; /* stop at the first opaque crossing */
+    rk_counters *counters;
 } gathering;
 
 static bool is_done(const gathering *g)
 {
     const rk_crossing_list *list = g->list;
     return g->until_opaque && list->count && list->crossings[list->count - 1].alpha >= 1;
+}
+
+/* No leaf is entered before 0. */
+static void set_end(gathering *g)
+{
+    g->visitor.end = is_done(g) ? -1 : rk_transparency_end(g->list, g->ray->t_max);
 }
 
 static rk_vec3 kd_at(const rk_scene *scene, const rk_crossing *crossing,
@@ -38,24 +47,24 @@ static rk_vec3 kd_at(const rk_scene *scene, const rk_crossing *crossing,
 static void add_crossing(gathering *g, rk_crossing *crossing, uint32_t medium,
                          const rk_material *material)
 {
-    if (!(crossing->t > 0 && crossing->t < g->ray->t_max && crossing->t <= g->end))
+    if (!(crossing->t > 0 && crossing->t < g->ray->t_max && crossing->t <= g->visitor.end))
         return;
     crossing->medium = medium;
     crossing->alpha = material->alpha;
     crossing->kd = material->kd_texture ? kd_at(g->scene, crossing, material) : material->kd;
     crossing->absorption = material->absorption;
     rk_transparency_insert(g->list, crossing);
-    g->end = rk_transparency_end(g->list, g->ray->t_max);
+    set_end(g);
 }
 
-static void gather_leaf(gathering *g, const rk_ray *ray, const rk_triangle *triangles,
-                        uint32_t count, rk_counters *counters)
+static void gather_leaf(rk_leaf_visitor *visitor, const rk_triangle *triangles, uint32_t count)
 {
+    gathering *g = (gathering *)visitor;
     const rk_mesh *mesh = &g->scene->mesh;
-    counters->triangle_tests += count;
+    g->counters->triangle_tests += count;
     for (uint32_t i = 0; i < count; i++) {
         rk_hit hit;
-        int side = rk_watertight_cross(&triangles[i], ray, &hit);
+        int side = rk_watertight_cross(&triangles[i], &g->relative, &hit);
         if (side == 0)
             continue;
         rk_crossing crossing = {
@@ -65,12 +74,12 @@ static void gather_leaf(gathering *g, const rk_ray *ray, const rk_triangle *tria
     }
 }
 
-static void gather_spheres(gathering *g, rk_counters *counters)
+static void gather_spheres(gathering *g)
 {
     const rk_scene *scene = g->scene;
     for (uint32_t k = 0; k < scene->sphere_count && !is_done(g); k++) {
         float t[2];
-        counters->sphere_tests++;
+        g->counters->sphere_tests++;
         if (!rk_sphere_span(&scene->spheres[k], g->ray, &t[0], &t[1]))
             continue;
         for (int i = 0; i < 2; i++) {
@@ -81,71 +90,43 @@ static void gather_spheres(gathering *g, rk_counters *counters)
     }
 }
 
-/* A part of the tree that the ray enters, and where. */
-typedef struct entered_part {
-    const rk_bvh_node *top;
-    float at;
-} entered_part;
-
-static void gather_triangles(gathering *g, const rk_bvh *bvh, const rk_ray *ray,
-                             rk_counters *counters)
+static void gather_triangles(gathering *g, rk_tree tree, const rk_ray *relative)
 {
-    if (bvh->node_count == 0 || is_done(g))
-        return;
-    const rk_slabs slabs = rk_slabs_of(ray);
-    entered_part parts[RK_BVH_LEVELS_MAX + 1]; /* the last comes next */
-    const float at_root = rk_box_enter(&bvh->nodes[0].box, &slabs, g->end);
-    uint32_t left = at_root < INFINITY;
-    parts[0] = (entered_part){bvh->nodes, at_root};
-    counters->box_tests++;
-    while (left > 0 && !is_done(g)) {
-        const rk_bvh_node *top = parts[--left].top;
-        if (parts[left].at > g->end)
-            continue;
-        if (top->count > 0) {
-            gather_leaf(g, ray, &bvh->triangles[top->first], top->count, counters);
-            continue;
-        }
-        /* The nearer half comes next: its crossings may end the ray before the other. */
-        const rk_bvh_node *half = &bvh->nodes[top->first];
-        const float at[2] = {rk_box_enter(&half[0].box, &slabs, g->end),
-                             rk_box_enter(&half[1].box, &slabs, g->end)};
-        const int nearer = at[1] < at[0];
-        parts[left] = (entered_part){&half[1 - nearer], at[1 - nearer]};
-        left += at[1 - nearer] < INFINITY;
-        parts[left] = (entered_part){&half[nearer], at[nearer]};
-        left += at[nearer] < INFINITY;
-        counters->box_tests += 2;
-    }
+    g->relative = *relative;
+    if (!is_done(g))
+        rk_tree_visit_leaves(&tree, relative, &g->visitor, g->counters);
 }
 
 /* A gathering that adds to the list. */
 static gathering gathering_into(rk_crossing_list *list, const rk_accel *accel, const rk_ray *ray,
-                                bool until_opaque)
+                                bool until_opaque, rk_counters *counters)
 {
-    return (gathering){.scene = accel->scene,
-                       .ray = ray,
-                       .list = list,
-                       .end = rk_transparency_end(list, ray->t_max),
-                       .until_opaque = until_opaque};
+    gathering g = {.visitor = {.visit = gather_leaf},
+                   .scene = accel->scene,
+                   .ray = ray,
+                   .list = list,
+                   .until_opaque = until_opaque,
+                   .counters = counters};
+    set_end(&g);
+    return g;
 }
 
 void rk_crossings_gather_static(const rk_accel *accel, const rk_ray *ray, bool until_opaque,
                                 rk_crossing_list *list, rk_counters *counters)
 {
-    gathering g = gathering_into(list, accel, ray, until_opaque);
-    gather_spheres(&g, counters);
-    gather_triangles(&g, &accel->bvh, ray, counters);
+    gathering g = gathering_into(list, accel, ray, until_opaque, counters);
+    gather_spheres(&g);
+    gather_triangles(&g, rk_accel_static_tree(accel), ray);
 }
 
 void rk_crossings_gather_moving(const rk_accel *accel, const rk_ray *ray, const rk_ray_time *when,
                                 bool until_opaque, rk_crossing_list *list, rk_counters *counters)
 {
-    gathering g = gathering_into(list, accel, ray, until_opaque);
+    gathering g = gathering_into(list, accel, ray, until_opaque, counters);
     for (uint32_t k = 0; k < accel->scene->moving_count; k++)
         if (when->objects >> k & 1) {
             rk_ray moved = rk_accel_ray_at(accel, k, when->time, ray);
-            gather_triangles(&g, &accel->moving[k], &moved, counters);
+            gather_triangles(&g, rk_accel_moving_tree(accel, k), &moved);
         }
 }
 
@@ -166,9 +147,9 @@ rk_vec3 rk_crossings_transmittance(const rk_crossing_list *list, const rk_ray *r
 void rk_crossings_gather_at_rest(const rk_accel *accel, const rk_ray *ray, bool until_opaque,
                                  rk_crossing_list *list, rk_counters *counters)
 {
-    gathering g = gathering_into(list, accel, ray, until_opaque);
+    gathering g = gathering_into(list, accel, ray, until_opaque, counters);
     for (uint32_t k = 0; k < accel->scene->moving_count; k++)
-        gather_triangles(&g, &accel->moving[k], ray, counters);
+        gather_triangles(&g, rk_accel_moving_tree(accel, k), ray);
 }
 
 void rk_crossings_gather(const rk_accel *accel, const rk_ray *ray, uint32_t limit,

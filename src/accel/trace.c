@@ -1,7 +1,8 @@
 #include "accel/trace.h"
 
-#include "accel/ray_group.h"
-#include "accel/stand_in_tree.h"
+#include "accel/tree.h"
+
+#include <string.h>
 
 /* --- Static surfaces -------------------------------------------------------------------------- */
 
@@ -32,62 +33,75 @@ static bool is_occluded_by_sphere(const rk_scene *scene, const rk_ray *ray, rk_c
 void rk_accel_closest_static(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                              rk_counters *counters)
 {
-    for (uint32_t i = 0; i < rays->count; i++) {
-        rk_ray ray = rk_batch_ray(rays, i);
-        rk_hit hit = rk_tree_closest(&accel->bvh, &ray, counters);
-        rk_batch_put_hit(hits, i, &hit);
-    }
-    intersect_spheres(accel->scene, rays, hits, counters);
-}
-
-void rk_accel_closest_static_grouped(const rk_accel *accel, const rk_ray_batch *rays,
-                                     rk_hit_batch *hits, rk_counters *counters)
-{
-    rk_ray_group_closest(&accel->bvh, rays, hits, counters);
+    const rk_tree tree = rk_accel_static_tree(accel);
+    rk_tree_closest(&tree, rays, hits, counters);
     intersect_spheres(accel->scene, rays, hits, counters);
 }
 
 void rk_accel_occluded_static(const rk_accel *accel, const rk_ray_batch *rays,
                               rk_occlusion_batch *answers, rk_counters *counters)
 {
-    for (uint32_t i = 0; i < rays->count; i++) {
+    const rk_tree tree = rk_accel_static_tree(accel);
+    rk_tree_occluded(&tree, rays, answers, counters);
+    for (uint32_t i = 0; accel->scene->sphere_count && i < rays->count; i++) {
         rk_ray ray = rk_batch_ray(rays, i);
-        answers->occluded[i] = rk_tree_occluded(&accel->bvh, &ray, counters) ||
-                               is_occluded_by_sphere(accel->scene, &ray, counters);
+        answers->occluded[i] =
+            answers->occluded[i] || is_occluded_by_sphere(accel->scene, &ray, counters);
     }
 }
 
 /* --- Moving objects, at rest -------------------------------------------------------------------
  */
 
-static void intersect_object(const rk_bvh *bvh, rk_ray ray, rk_hit *hit, rk_counters *counters)
+/* Adds the hits in one object to those of the rest. */
+static void closest_in_object(const rk_tree *tree, const rk_ray_batch *rays, rk_hit_batch *hits,
+                              rk_counters *counters)
 {
-    ray.t_max = hit->t;
-    rk_hit closest = rk_tree_closest(bvh, &ray, counters);
-    if (closest.t < hit->t || closest.triangle < hit->triangle)
-        *hit = closest;
+    rk_ray_batch shortened = *rays;
+    rk_hit_batch found;
+    memcpy(shortened.t_max, hits->t, rays->count * sizeof *hits->t);
+    rk_tree_closest(tree, &shortened, &found, counters);
+    for (uint32_t i = 0; i < rays->count; i++) {
+        rk_hit hit = rk_batch_hit(&found, i);
+        if (hit.t < hits->t[i] || hit.triangle < hits->triangle[i])
+            rk_batch_put_hit(hits, i, &hit);
+    }
+}
+
+/* Tests the rays that are not occluded yet. */
+static void occluded_by_object(const rk_tree *tree, const rk_ray_batch *rays,
+                               rk_occlusion_batch *answers, rk_counters *counters)
+{
+    rk_ray_batch open;
+    uint32_t index[RK_BATCH_MAX];
+    rk_occlusion_batch found;
+    open.count = 0;
+    for (uint32_t i = 0; i < rays->count; i++) {
+        rk_ray ray = rk_batch_ray(rays, i);
+        index[open.count] = i;
+        if (!answers->occluded[i])
+            rk_batch_push(&open, &ray);
+    }
+    rk_tree_occluded(tree, &open, &found, counters);
+    for (uint32_t i = 0; i < open.count; i++)
+        answers->occluded[index[i]] = found.occluded[i];
 }
 
 void rk_accel_closest_at_rest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,
                               rk_counters *counters)
 {
-    const uint32_t objects = accel->scene->moving_count;
-    for (uint32_t i = 0; objects && i < rays->count; i++) {
-        rk_hit hit = rk_batch_hit(hits, i);
-        for (uint32_t k = 0; k < objects; k++)
-            intersect_object(&accel->moving[k], rk_batch_ray(rays, i), &hit, counters);
-        rk_batch_put_hit(hits, i, &hit);
+    for (uint32_t k = 0; k < accel->scene->moving_count; k++) {
+        const rk_tree tree = rk_accel_moving_tree(accel, k);
+        closest_in_object(&tree, rays, hits, counters);
     }
 }
 
 void rk_accel_occluded_at_rest(const rk_accel *accel, const rk_ray_batch *rays,
                                rk_occlusion_batch *answers, rk_counters *counters)
 {
-    const uint32_t objects = accel->scene->moving_count;
-    for (uint32_t i = 0; objects && i < rays->count; i++) {
-        rk_ray ray = rk_batch_ray(rays, i);
-        for (uint32_t k = 0; k < objects && !answers->occluded[i]; k++)
-            answers->occluded[i] = rk_tree_occluded(&accel->moving[k], &ray, counters);
+    for (uint32_t k = 0; k < accel->scene->moving_count; k++) {
+        const rk_tree tree = rk_accel_moving_tree(accel, k);
+        occluded_by_object(&tree, rays, answers, counters);
     }
 }
 

@@ -17,9 +17,6 @@ void rk_accel_closest_static(const rk_accel *accel, const rk_ray_batch *rays, rk
                              rk_counters *counters);
 void rk_accel_occluded_static(const rk_accel *accel, const rk_ray_batch *rays,
                               rk_occlusion_batch *answers, rk_counters *counters);
-/* Faster if consecutive rays have the same origin: see accel/ray_group.h. */
-void rk_accel_closest_static_grouped(const rk_accel *accel, const rk_ray_batch *rays,
-                                     rk_hit_batch *hits, rk_counters *counters);
 /* Then moving objects at rest; or at the rays' times, by accel/trace_moving.h. `hits` and `answers`
  * hold the results of the first part. */
 void rk_accel_closest_at_rest(const rk_accel *accel, const rk_ray_batch *rays, rk_hit_batch *hits,

@@ -1,76 +1,69 @@
 #include "accel/trace_moving.h"
 
-#include "accel/packet.h"
+#include "accel/tree.h"
 
-/* Rays relative to one object. Neighbouring rays of a batch have nearly the same direction, so they
- * are traced as a packet. */
-typedef struct packet {
-    uint32_t count;
-    uint32_t index[RK_PACKET_MAX]; /* in the batch */
-    rk_ray rays[RK_PACKET_MAX];
-} packet;
+/* The rays of a batch that may hit one object, relative to it. */
+typedef struct moved_rays {
+    rk_ray_batch rays;
+    uint32_t index[RK_BATCH_MAX]; /* in the batch */
+} moved_rays;
 
-/* True if the packet is full now. */
-static bool add_ray(packet *p, const rk_accel *accel, uint32_t object, const rk_ray_batch *rays,
-                    const rk_ray_times *times, uint32_t i)
+static void add_moved(moved_rays *moved, const rk_accel *accel, uint32_t object,
+                      const rk_ray_batch *rays, const rk_ray_times *times, uint32_t i, float t_max)
 {
     rk_ray ray = rk_batch_ray(rays, i);
-    p->index[p->count] = i;
-    p->rays[p->count++] = rk_accel_ray_at(accel, object, times->time[i], &ray);
-    return p->count == RK_PACKET_MAX;
+    ray = rk_accel_ray_at(accel, object, times->time[i], &ray);
+    ray.t_max = t_max;
+    moved->index[moved->rays.count] = i;
+    rk_batch_push(&moved->rays, &ray);
 }
 
-static void closest_of_packet(packet *p, const rk_bvh *bvh, rk_hit_batch *hits,
-                              rk_counters *counters)
+static void closest_in_object(const rk_accel *accel, uint32_t object, const rk_ray_batch *rays,
+                              const rk_ray_times *times, rk_hit_batch *hits, rk_counters *counters)
 {
-    rk_hit closest[RK_PACKET_MAX];
-    for (uint32_t i = 0; i < p->count; i++)
-        p->rays[i].t_max = hits->t[p->index[i]];
-    rk_packet_closest(bvh, p->rays, p->count, closest, counters);
-    for (uint32_t i = 0; i < p->count; i++) {
-        uint32_t index = p->index[i];
-        if (closest[i].t < hits->t[index] || closest[i].triangle < hits->triangle[index])
-            rk_batch_put_hit(hits, index, &closest[i]);
+    const rk_tree tree = rk_accel_moving_tree(accel, object);
+    moved_rays moved;
+    rk_hit_batch found;
+    moved.rays.count = 0;
+    for (uint32_t i = 0; i < rays->count; i++)
+        if (times->objects[i] >> object & 1)
+            add_moved(&moved, accel, object, rays, times, i, hits->t[i]);
+    rk_tree_closest(&tree, &moved.rays, &found, counters);
+    for (uint32_t i = 0; i < moved.rays.count; i++) {
+        uint32_t index = moved.index[i];
+        rk_hit hit = rk_batch_hit(&found, i);
+        if (hit.t < hits->t[index] || hit.triangle < hits->triangle[index])
+            rk_batch_put_hit(hits, index, &hit);
     }
-    p->count = 0;
 }
 
-static void occlude_packet(packet *p, const rk_bvh *bvh, rk_occlusion_batch *answers,
-                           rk_counters *counters)
+static void occluded_by_object(const rk_accel *accel, uint32_t object, const rk_ray_batch *rays,
+                               const rk_ray_times *times, rk_occlusion_batch *answers,
+                               rk_counters *counters)
 {
-    bool occluded[RK_PACKET_MAX];
-    rk_packet_occluded(bvh, p->rays, p->count, occluded, counters);
-    for (uint32_t i = 0; i < p->count; i++)
-        answers->occluded[p->index[i]] = occluded[i];
-    p->count = 0;
+    const rk_tree tree = rk_accel_moving_tree(accel, object);
+    moved_rays moved;
+    rk_occlusion_batch found;
+    moved.rays.count = 0;
+    for (uint32_t i = 0; i < rays->count; i++)
+        if ((times->objects[i] >> object & 1) && !answers->occluded[i])
+            add_moved(&moved, accel, object, rays, times, i, rays->t_max[i]);
+    rk_tree_occluded(&tree, &moved.rays, &found, counters);
+    for (uint32_t i = 0; i < moved.rays.count; i++)
+        answers->occluded[moved.index[i]] = found.occluded[i];
 }
 
 void rk_accel_closest_moving(const rk_accel *accel, const rk_ray_batch *rays,
                              const rk_ray_times *times, rk_hit_batch *hits, rk_counters *counters)
 {
-    for (uint32_t k = 0; k < accel->scene->moving_count; k++) {
-        const rk_bvh *bvh = &accel->moving[k];
-        packet p = {.count = 0};
-        for (uint32_t i = 0; i < rays->count; i++)
-            if ((times->objects[i] >> k & 1) && add_ray(&p, accel, k, rays, times, i))
-                closest_of_packet(&p, bvh, hits, counters);
-        if (p.count)
-            closest_of_packet(&p, bvh, hits, counters);
-    }
+    for (uint32_t k = 0; k < accel->scene->moving_count; k++)
+        closest_in_object(accel, k, rays, times, hits, counters);
 }
 
 void rk_accel_occluded_moving(const rk_accel *accel, const rk_ray_batch *rays,
                               const rk_ray_times *times, rk_occlusion_batch *answers,
                               rk_counters *counters)
 {
-    for (uint32_t k = 0; k < accel->scene->moving_count; k++) {
-        const rk_bvh *bvh = &accel->moving[k];
-        packet p = {.count = 0};
-        for (uint32_t i = 0; i < rays->count; i++)
-            if ((times->objects[i] >> k & 1) && !answers->occluded[i] &&
-                add_ray(&p, accel, k, rays, times, i))
-                occlude_packet(&p, bvh, answers, counters);
-        if (p.count)
-            occlude_packet(&p, bvh, answers, counters);
-    }
+    for (uint32_t k = 0; k < accel->scene->moving_count; k++)
+        occluded_by_object(accel, k, rays, times, answers, counters);
 }

@@ -21,7 +21,9 @@ typedef struct rk_counters {
     uint64_t lens_samples;  /* random points drawn on the lens */
     uint64_t time_samples;  /* times drawn, for samples that may see motion */
     uint64_t rounds;        /* of adaptive sampling */
-    uint64_t kept_samples;  /* of its last generation, which make the picture */
+    uint64_t taken_samples; /* of all its generations */
+    uint64_t kept_samples;  /* those that make the picture */
+    uint64_t most_samples;  /* of these, in one pixel */
     double estimated_error; /* of its picture, relative; 0 without it */
 } rk_counters;
 
@@ -43,7 +45,9 @@ static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
     sum->lens_samples += part->lens_samples;
     sum->time_samples += part->time_samples;
     sum->rounds += part->rounds;
+    sum->taken_samples += part->taken_samples;
     sum->kept_samples += part->kept_samples;
+    sum->most_samples += part->most_samples;
     sum->estimated_error += part->estimated_error; /* only one part has it */
 }
 

@@ -1,3 +1,4 @@
+#define _DEFAULT_SOURCE /* madvise */
 #include "base/error.h"
 
 #include <stdarg.h>
@@ -5,8 +6,21 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <sys/mman.h>
 
-enum { cache_line = 64 };
+enum { cache_line = 64, huge_page = 2 << 20 };
+
+/* A tree of many megabytes is read all over: on pages of 4 KB each visit would wait for the
+ * address, too. */
+static void *allocate_pages(size_t bytes)
+{
+    void *memory = aligned_alloc(huge_page, (bytes + huge_page - 1) / huge_page * huge_page);
+#ifdef MADV_HUGEPAGE
+    if (memory)
+        madvise(memory, bytes / huge_page * huge_page, MADV_HUGEPAGE);
+#endif
+    return memory;
+}
 
 bool rk_fail(rk_error *error, const char *format, ...)
 {
@@ -34,7 +48,7 @@ __attribute__((weak)) void *rk_allocate_unset(size_t count, size_t size, const c
     size_t bytes = (count * size + cache_line - 1) / cache_line * cache_line;
     if (bytes == 0)
         bytes = cache_line;
-    void *memory = aligned_alloc(cache_line, bytes);
+    void *memory = bytes < 2 * huge_page ? aligned_alloc(cache_line, bytes) : allocate_pages(bytes);
     if (!memory) {
         rk_fail(error, "%s: no memory for %.1f MB: choose a smaller size, or close other programs",
                 what, (double)bytes / 1e6);

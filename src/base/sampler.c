@@ -6,8 +6,8 @@
 
 #include <assert.h>
 
-RK_NAMES(rk_sampler_names, rk_sampler_kind, RK_SAMPLER_SOBOL, "uniform", "stratified",
-         "low-discrepancy", "sobol");
+RK_NAMES(rk_sampler_names, rk_sampler_kind, RK_SAMPLER_ZSOBOL, "uniform", "stratified",
+         "low-discrepancy", "sobol", "zsobol");
 
 const char *rk_sampler_name(rk_sampler_kind kind)
 {
@@ -110,13 +110,6 @@ static rk_vec2 stratified_2d(const rk_sampler *sampler, place at, uint32_t sampl
 
 /* --- low discrepancy ------------------------------------------------------------------------- */
 
-/* Every pixel and dimension reads the sequence in an order of its own: scrambling the sample
- * numbers keeps blocks of 2^k together, and each such block is distributed as well as the first. */
-static uint32_t shuffled_index(uint32_t sample, uint32_t key)
-{
-    return rk_reverse_bits(rk_scramble_reversed(rk_reverse_bits(sample), key));
-}
-
 /* The digits of i, reversed behind the binary point: van der Corput's sequence, Sobol's first
  * dimension. */
 static float van_der_corput(uint32_t i, uint32_t key)
@@ -137,9 +130,10 @@ static float second_sobol(uint32_t i, uint32_t key)
     return van_der_corput(i, key);
 }
 
+/* Every pixel and dimension reads the sequence in an order of its own. */
 static float low_discrepancy_1d(place at, uint32_t sample)
 {
-    return van_der_corput(shuffled_index(sample, key_of(at, index_key)), key_of(at, first_key));
+    return van_der_corput(rk_shuffled_index(sample, key_of(at, index_key)), key_of(at, first_key));
 }
 
 static void low_discrepancy_2d(place at, uint32_t first, uint32_t count, rk_vec2 *pairs)
@@ -147,7 +141,7 @@ static void low_discrepancy_2d(place at, uint32_t first, uint32_t count, rk_vec2
     const uint32_t of_index = key_of(at, index_key), of_x = key_of(at, first_key);
     const uint32_t of_y = key_of(at, second_key);
     for (uint32_t i = 0; i < count; i++) {
-        uint32_t index = shuffled_index(first + i, of_index);
+        uint32_t index = rk_shuffled_index(first + i, of_index);
         pairs[i] = (rk_vec2){van_der_corput(index, of_x), second_sobol(index, of_y)};
     }
 }
@@ -167,6 +161,7 @@ float rk_sample_1d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, u
         return stratified_1d(sampler, at, sample);
     case RK_SAMPLER_LOW_DISCREPANCY:
     case RK_SAMPLER_SOBOL:
+    case RK_SAMPLER_ZSOBOL:
         return low_discrepancy_1d(at, sample);
     case RK_SAMPLER_UNIFORM:
         break;
@@ -185,6 +180,7 @@ void rk_sample_2d_run(const rk_sampler *sampler, uint32_t pixel, uint32_t first,
         return;
     case RK_SAMPLER_LOW_DISCREPANCY:
     case RK_SAMPLER_SOBOL:
+    case RK_SAMPLER_ZSOBOL:
         low_discrepancy_2d(at, first, count, pairs);
         return;
     case RK_SAMPLER_UNIFORM:

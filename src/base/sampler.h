@@ -14,8 +14,9 @@ typedef enum rk_sampler_kind {
     RK_SAMPLER_STRATIFIED,      /* one in each of as many equal cells as there are samples */
     RK_SAMPLER_LOW_DISCREPANCY, /* a scrambled (0,2)-sequence: the first 2^k, for every k, have one
                                    in each cell of 2^-a x 2^-b, for every a + b = k */
-    RK_SAMPLER_SOBOL, /* the same, but dimensions of one pixel are joint: by rk_joint_2d of
-                         features/sampling.h; the functions below know no joint dimensions */
+    RK_SAMPLER_SOBOL,  /* the same, but dimensions of one pixel are joint: by rk_joint_2d of
+                          features/sampling.h; the functions below know no joint dimensions */
+    RK_SAMPLER_ZSOBOL, /* and pixels share it, in Z order, too: rk_joint_2d again */
 } rk_sampler_kind;
 
 /* Dimensions taken so far; each is the first of a pair. Lights take a pair for each light and
@@ -40,8 +41,9 @@ const char *rk_sampler_name(rk_sampler_kind kind);
 typedef struct rk_sampler {
     rk_sampler_kind kind;
     uint32_t seed;
-    uint32_t samples; /* per pixel and dimension, 1 to RK_SAMPLES_MAX; only the stratified kind
-                         needs this number, and gives no more samples */
+    uint32_t samples; /* per pixel and dimension, 1 to RK_SAMPLES_MAX; the stratified kind and
+                         zsobol need this number, and give no more samples */
+    uint32_t width;   /* of the picture, whose pixels are numbered row by row; for zsobol */
 } rk_sampler;
 
 /* One number of `dimension`. A dimension is read either by rk_sample_1d or by rk_sample_2d: a pair

@@ -30,4 +30,21 @@ static inline uint32_t rk_scramble_reversed(uint32_t x, uint32_t key)
     return x;
 }
 
+/* Another order of the points of a sequence: blocks of 2^k aligned indices stay together, and each
+ * is distributed as well as the first. */
+static inline uint32_t rk_shuffled_index(uint32_t index, uint32_t key)
+{
+    return rk_reverse_bits(rk_scramble_reversed(rk_reverse_bits(index), key));
+}
+
+/* One of the 24 permutations of 0 to 3, chosen by the hash: d becomes the bits 2 d and 2 d + 1 of
+ * the result. */
+static inline uint32_t rk_permutation_of_4(uint32_t hash)
+{
+    static const uint8_t permutations[24] = {0xe4, 0xb4, 0xd8, 0x78, 0x9c, 0x6c, 0xe1, 0xb1,
+                                             0xc9, 0x39, 0x8d, 0x2d, 0xd2, 0x72, 0xc6, 0x36,
+                                             0x4e, 0x1e, 0x93, 0x63, 0x87, 0x27, 0x4b, 0x1b};
+    return permutations[(uint64_t)hash * 24 >> 32];
+}
+
 #endif

@@ -17,6 +17,7 @@ enum { RK_SIMD4_WIDTH = 4 };
 
 typedef float rk_simd4 __attribute__((vector_size(16)));
 typedef int32_t rk_simd4_mask __attribute__((vector_size(16))); /* all bits of a lane, or none */
+typedef double rk_simd4_pair __attribute__((vector_size(16)));  /* two doubles in their place */
 
 static inline rk_simd4 rk_simd4_all(float x)
 {
@@ -42,6 +43,11 @@ static inline rk_simd4 rk_simd4_max(rk_simd4 a, rk_simd4 b)
     return _mm_max_ps(a, b);
 }
 
+static inline rk_simd4 rk_simd4_sqrt(rk_simd4 a)
+{
+    return _mm_sqrt_ps(a);
+}
+
 /* Bit i of the result is set if lane i is. */
 static inline uint32_t rk_simd4_movemask(rk_simd4_mask mask)
 {
@@ -58,6 +64,11 @@ static inline rk_simd4 rk_simd4_min(rk_simd4 a, rk_simd4 b)
 static inline rk_simd4 rk_simd4_max(rk_simd4 a, rk_simd4 b)
 {
     return rk_simd4_select(a > b, a, b);
+}
+
+static inline rk_simd4 rk_simd4_sqrt(rk_simd4 a)
+{
+    return (rk_simd4){sqrtf(a[0]), sqrtf(a[1]), sqrtf(a[2]), sqrtf(a[3])};
 }
 
 static inline uint32_t rk_simd4_movemask(rk_simd4_mask mask)
@@ -84,11 +95,34 @@ static inline rk_vec3 rk_simd4_vec(rk_simd4 a)
     return rk_vec(a[0], a[1], a[2]);
 }
 
+/* x, y, z, 0: a vector from memory, and back, in few instructions. */
+static inline rk_simd4 rk_simd4_load3(const rk_vec3 *a)
+{
+    double xy; /* 8 bytes */
+    memcpy(&xy, a, sizeof xy);
+    const rk_simd4_pair low = {xy, 0};
+    const rk_simd4 z = {a->z, 0, 0, 0};
+    return RK_SIMD4_SHUFFLE((rk_simd4)low, z, 0, 1, 4, 5);
+}
+
+static inline void rk_simd4_store3(rk_vec3 *a, rk_simd4 value)
+{
+    const rk_simd4_pair low = (rk_simd4_pair)value;
+    const double xy = low[0];
+    memcpy(a, &xy, sizeof xy);
+    a->z = value[2];
+}
+
 static inline rk_simd4 rk_simd4_load(const float *four)
 {
     rk_simd4 x;
     memcpy(&x, four, sizeof x);
     return x;
+}
+
+static inline void rk_simd4_store(float *four, rk_simd4 x)
+{
+    memcpy(four, &x, sizeof x);
 }
 
 /* Of four floats the first three or the last three, the third or the fourth twice. */
@@ -177,6 +211,21 @@ static inline void rk_simd4_transpose(rk_simd4 rows[4])
     rows[1] = RK_SIMD4_SHUFFLE(low[0], low[1], 2, 3, 6, 7);
     rows[2] = RK_SIMD4_SHUFFLE(high[0], high[1], 0, 1, 4, 5);
     rows[3] = RK_SIMD4_SHUFFLE(high[0], high[1], 2, 3, 6, 7);
+}
+
+static inline rk_simd4x3 rk_simd4x3_load(const rk_vec3 *a, const rk_vec3 *b, const rk_vec3 *c,
+                                         const rk_vec3 *d)
+{
+    rk_simd4 at[4] = {rk_simd4_load3(a), rk_simd4_load3(b), rk_simd4_load3(c), rk_simd4_load3(d)};
+    rk_simd4_transpose(at);
+    return (rk_simd4x3){at[0], at[1], at[2]};
+}
+
+/* Each as by rk_normalize. */
+static inline rk_simd4x3 rk_simd4x3_normalize(rk_simd4x3 a)
+{
+    const rk_simd4 length = rk_simd4_sqrt(rk_simd4x3_dot(a, a)), one = rk_simd4_all(1);
+    return rk_simd4x3_scale(a, rk_simd4_select(length > rk_simd4_all(0), one / length, one));
 }
 
 #endif

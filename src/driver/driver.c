@@ -1,32 +1,35 @@
 #include "driver/driver.h"
 
-#include "accel/stand_in_tree.h"
+#include "accel/tree.h"
 #include "driver/explain_pixel.h"
 #include "driver/unsolved.h"
 
 #include <string.h>
 
-/* Traces another tree than the one that was built: that of --split median if it finds triangles. */
+/* Which features' work the missing tree is; rays traverse binary trees by bvh_median's functions.
+ */
+static const char *builders_of(rk_accel_kind split)
+{
+    if (split == RK_ACCEL_MEDIAN)
+        return "bvh_median";
+    if (split == RK_ACCEL_COLLAPSED)
+        return rk_is_starter("sah_binning") ? "sah_binning" : "wide_bvh";
+    return !rk_is_starter("bvh_median")    ? "sah_binning"
+           : !rk_is_starter("sah_binning") ? "bvh_median"
+                                           : "bvh_median and sah_binning";
+}
+
+/* Traces the renderer's own tree in place of the one that was built. */
 static bool stand_in(rk_driver *driver, rk_error *error)
 {
-    bool is_median = driver->split == RK_ACCEL_MEDIAN;
     driver->unfinished = driver->accel;
     driver->accel = (rk_accel){0};
-    if (!is_median && !rk_accel_build(&driver->accel, RK_ACCEL_MEDIAN, &driver->scene, error))
-        return false;
-    bool uses_median = !is_median && rk_accel_finds_triangles(&driver->accel);
-    /* Rays traverse every tree by bvh_median's functions. */
-    const char *whose = uses_median ? "the tree of sah_binning finds"
-                        : !is_median && rk_is_starter("sah_binning")
-                            ? "the trees of bvh_median and sah_binning find"
-                            : "the tree of bvh_median finds";
     if (!driver->quiet)
-        fprintf(stderr, "%s: %s no triangles yet, so the picture is traced through %s\n",
-                driver->feature, whose, uses_median ? "that of --split median" : "a stand-in");
-    if (uses_median)
-        return true;
-    rk_accel_free(&driver->accel);
-    return rk_accel_build_stand_in(&driver->accel, &driver->scene, error);
+        fprintf(stderr,
+                "%s: the tree of %s finds no triangles yet, so the picture is traced through that "
+                "of --split wide\n",
+                driver->feature, builders_of(driver->split));
+    return rk_accel_build(&driver->accel, RK_ACCEL_WIDE, &driver->scene, error);
 }
 
 const rk_bvh *rk_driver_tree(const rk_driver *driver)
@@ -38,13 +41,13 @@ bool rk_driver_build(rk_driver *driver, rk_error *error)
 {
     double milliseconds[RK_RUNS_MAX];
     rk_progress progress;
+    const rk_accel_options options = {driver->split, driver->bins, driver->pool};
     rk_progress_say(&progress, "building the tree", driver->quiet);
     bool ok = true;
     for (uint32_t run = 0; ok && run < driver->runs; run++) {
         rk_accel_free(&driver->accel);
         double start = rk_clock_wall();
-        ok = rk_accel_build_binned(&driver->accel, driver->split, driver->bins, &driver->scene,
-                                   error);
+        ok = rk_accel_build_with(&driver->accel, &options, &driver->scene, error);
         milliseconds[run] = 1e3 * (rk_clock_wall() - start);
     }
     rk_progress_end(&progress);
@@ -56,8 +59,11 @@ bool rk_driver_build(rk_driver *driver, rk_error *error)
 static bool time_renders(rk_driver *driver, double *milliseconds, rk_error *error)
 {
     rk_progress progress;
-    rk_progress_start(&progress, "rendering", driver->runs * rk_render_tiles(&driver->render),
-                      driver->quiet);
+    if (driver->render.adaptive_sampling.error > 0) /* in rounds, and nobody knows how many */
+        rk_progress_say(&progress, "rendering until the error is reached", driver->quiet);
+    else
+        rk_progress_start(&progress, "rendering", driver->runs * rk_render_tiles(&driver->render),
+                          driver->quiet);
     bool ok = true;
     for (uint32_t run = 0; ok && run < driver->runs; run++) {
         double start = rk_clock_wall();

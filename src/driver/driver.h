@@ -57,8 +57,7 @@ bool rk_driver_start(rk_driver *driver, rk_error *error);
 bool rk_driver_try_folder(const rk_driver *driver, rk_error *error);
 
 /* Builds the acceleration structure, `runs` times. If it finds no triangles, because a student has
- * not solved it yet, the trees of --split median are traced, or stand-ins (accel/stand_in_tree.h),
- * and a note says so. */
+ * not solved it yet, that of RK_ACCEL_WIDE is traced, and a note says so. */
 bool rk_driver_build(rk_driver *driver, rk_error *error);
 
 /* The tree over static triangles for debug views: the one that was built, whether it finds

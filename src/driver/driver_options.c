@@ -12,7 +12,8 @@
 
 /* --- Rows ------------------------------------------------------------------------------------ */
 
-RK_NAMES(split_names, rk_accel_kind, RK_ACCEL_SAH_3, "median", "sah", "sah3");
+RK_NAMES(split_names, rk_accel_kind, RK_ACCEL_WIDE, "median", "sah", "sah3", "collapsed", "morton",
+         "wide");
 
 /* The help of --scene, --debug and --pixel depends on the driver, and --move on its scene: see
  * make_common. */
@@ -40,10 +41,12 @@ static const rk_option common_rows[] = {
     {"runs", RK_FIELD(rk_driver, runs), "N", "number of builds and renderings; timings are medians",
      1, RK_RUNS_MAX, 1},
     {"split", RK_CHOICE(rk_driver, split, split_names),
-     "how nodes are split: at the median; by the surface area heuristic on the longest axis (sah) "
-     "or on all three (sah3)",
-     .initial = RK_ACCEL_SAH},
-    {"bins", RK_FIELD(rk_driver, bins), "N", "bins per axis of sah and sah3", 2, RK_SAH_BINS_MAX},
+     "the tree: binary, split at the median, or by the surface area heuristic on the longest axis "
+     "(sah) or on all three (sah3), whose nodes may get eight children (collapsed); or built with "
+     "eight, fast (morton) or fast to trace (wide)",
+     .initial = RK_ACCEL_WIDE},
+    {"bins", RK_FIELD(rk_driver, bins), "N", "bins per axis of sah, sah3 and collapsed", 2,
+     RK_SAH_BINS_MAX},
     {"timing", RK_FIELD(rk_driver, timing), NULL,
      "put timings into DIR/tables instead of drawing a picture"},
     {"debug", RK_FIELD(rk_driver, debug), "VIEW", NULL},

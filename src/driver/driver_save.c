@@ -86,17 +86,30 @@ static const char *plural(uint32_t count)
     return count == 1 ? "" : "s";
 }
 
+static void print_samples(const rk_driver *driver)
+{
+    const rk_counters *counters = &driver->counters;
+    const uint32_t samples = driver->render.samples;
+    const double pixels = (double)driver->render.width * driver->render.height;
+    if (counters->rounds == 0)
+        printf("%u sample%s per pixel", samples, plural(samples));
+    else
+        printf("%.1f samples per pixel on average and %llu at most, estimated error %.2g %%",
+               (double)counters->kept_samples / pixels, (unsigned long long)counters->most_samples,
+               100 * counters->estimated_error);
+}
+
 /* Lens and motion are mentioned if they took samples of their own. */
 static void print_rendering(const rk_driver *driver)
 {
     const rk_render_options *render = &driver->render;
     uint32_t threads = rk_pool_threads(driver->pool);
-    printf("%u triangle%s, %u x %u, %u sample%s per pixel", driver->scene.mesh.triangle_count,
-           plural(driver->scene.mesh.triangle_count), render->width, render->height,
-           render->samples, plural(render->samples));
+    printf("%u triangle%s, %u x %u, ", driver->scene.mesh.triangle_count,
+           plural(driver->scene.mesh.triangle_count), render->width, render->height);
+    print_samples(driver);
     if (driver->counters.lens_samples > 0 && render->lens_samples > render->samples)
         printf(", %u where the lens blurs", render->lens_samples);
-    if (driver->counters.time_samples > 0)
+    if (driver->counters.time_samples > 0 && driver->counters.rounds == 0)
         printf(", %u time%s where things move", render->motion.samples,
                plural(render->motion.samples));
     if (driver->build_ms.runs > 0)

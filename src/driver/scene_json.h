@@ -13,8 +13,8 @@
  *     lens       focal_distance of the plane in focus, diameter; or null: a pinhole
  *     shutter    open, close; or null: everything is at rest
  *     materials  a list: kd, the diffuse reflectance
- *     objects    a list: vertices, triangles with a material each; path [a, b, c] as in rk_motion,
- *                or null
+ *     objects    a list: vertices, three for each triangle; triangle_materials; path [a, b, c] as
+ *                in rk_motion, or null
  *     lights     a list: position, edge01, edge02; radiance, of both sides
  *
  * False with an error if the scene or the options need more than that: spheres, environments,

@@ -41,6 +41,9 @@ void rk_tree_view_dim(const rk_image *image)
 
 bool rk_tree_view_choose(rk_tree_view *view, const rk_driver *driver, rk_error *error)
 {
+    if (driver->split > RK_ACCEL_COLLAPSED)
+        return rk_fail(error,
+                       "--split: this driver shows binary trees; choose median, sah or sah3");
     rk_bvh_measures tree = rk_bvh_measure(rk_driver_tree(driver));
     if ((view->level != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "level")) ||
         (view->leaf != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "leaf")))

@@ -13,13 +13,22 @@ bool rk_is_starter(const char *stem)
     return strstr(rk_unsolved_features, name) != NULL;
 }
 
+static bool is_driver_of_trees(const char *stem)
+{
+    return strcmp(stem, "bvh_median") == 0 || strcmp(stem, "sah_binning") == 0 ||
+           strcmp(stem, "wide_bvh") == 0;
+}
+
 /* Rays find the same hits in every tree: only a view of the tree itself shows how it was built. */
 static bool shows_tree_of(const rk_driver *driver, uint32_t feature)
 {
-    bool is_view = driver->debug && (strcmp(driver->feature, "bvh_median") == 0 ||
-                                     strcmp(driver->feature, "sah_binning") == 0);
-    return is_view && (feature == RK_FEATURE_bvh_median ||
-                       (feature == RK_FEATURE_sah_binning && driver->split != RK_ACCEL_MEDIAN));
+    const rk_accel_kind split = driver->split;
+    if (!driver->debug || !is_driver_of_trees(driver->feature))
+        return false;
+    return (feature == RK_FEATURE_bvh_median && split <= RK_ACCEL_SAH_3) ||
+           (feature == RK_FEATURE_sah_binning && split >= RK_ACCEL_SAH &&
+            split <= RK_ACCEL_COLLAPSED) ||
+           (feature == RK_FEATURE_wide_bvh && split == RK_ACCEL_COLLAPSED);
 }
 
 /* `driver`: NULL if the picture is no view of a tree. */

@@ -1,10 +1,12 @@
 /* A picture is rendered in rounds. Each round estimates the variance of every pixel, and the next
- * one takes samples where it pays: n proportional to the standard deviation. The rounds that decide
+ * one takes samples where it pays: n proportional to the standard deviation. Samples that decide
  * are thrown away, or else pixels that happened to look smooth would keep their error: a bias.
  *
- * Variance is estimated from the differences between halves and quarters of a pixel's samples (the
- * method of batch means: Law and Kelton, "Simulation modeling and analysis", 1982), because
- * low-discrepancy samples have a smaller error than independent ones with the same variance. */
+ * The variance of means is estimated from the differences between halves and quarters of a pixel's
+ * samples (the method of batch means: Law and Kelton, "Simulation modeling and analysis", 1982),
+ * because low-discrepancy samples have a smaller error than independent ones with the same
+ * variance. That takes sums over many pixels; which pixel is noisier than another is told by the
+ * variance of its single samples. */
 #include "features/adaptive_sampling.h"
 
 #include <math.h>
@@ -29,19 +31,18 @@ void rk_adaptive_extend(rk_pixel_samples *pixel, uint32_t count)
         block[2] = block[3] = rk_vec(0, 0, 0);
         /* starter
         // First step: the samples so far become the first half.
-        (void)block;
         end */
     }
 }
 
 void rk_adaptive_add(rk_pixel_samples *pixel, uint32_t sample, rk_vec3 radiance)
 {
+    pixel->deviations += rk_adaptive_added_deviation(pixel, sample, radiance);
     /* solution */
     uint32_t i = sample / (pixel->count / RK_ADAPTIVE_BLOCKS);
     pixel->block[i] = rk_add(pixel->block[i], radiance);
     /* starter
     // First step: the block of the sample.
-    (void)sample;
     pixel->block[0] = rk_add(pixel->block[0], radiance);
     end */
 }
@@ -99,15 +100,25 @@ double rk_adaptive_ratio(rk_adaptive_differences differences)
     end */
 }
 
+double rk_adaptive_later_ratio(rk_adaptive_differences differences)
+{
+    /* solution */
+    return (2 * rk_adaptive_ratio(differences) + 0.5) / 3;
+    /* starter
+    // Third step: a third of the way from the ratio to 1/2.
+    return 0.5;
+    end */
+}
+
 /* V(n) - V(2n), V(2n) - V(4n) and so on add up to V(n): a geometric series, if each is r times the
- * one before. But smooth parts of a picture converge first, and r rises to 1/2 as n grows. */
+ * one before. */
 double rk_adaptive_variance(rk_adaptive_differences differences)
 {
     /* solution */
-    double ratio = (rk_adaptive_ratio(differences) + 0.5) / 2;
+    double ratio = rk_adaptive_later_ratio(differences);
     return differences.halves * ratio / (1 - ratio);
     /* starter
-    // Third step: d r / (1 - r), with the mean of the ratio and 1/2 as r.
+    // Third step: d r / (1 - r), with the later ratio as r.
     return 0;
     end */
 }
@@ -126,13 +137,30 @@ double rk_adaptive_error(double variance, double squares)
 
 /* --- Allocation ------------------------------------------------------------------------------- */
 
+float rk_adaptive_added_deviation(const rk_pixel_samples *pixel, uint32_t sample, rk_vec3 radiance)
+{
+    if (sample == 0)
+        return 0;
+    /* solution */
+    const float n = (float)sample;
+    const rk_vec3 *block = pixel->block;
+    rk_vec3 mean = rk_scale(rk_add(rk_add(block[0], block[1]), rk_add(block[2], block[3])), 1 / n);
+    rk_vec3 deviation = rk_sub(radiance, mean);
+    return n / (n + 1) * rk_dot(deviation, deviation) / 3;
+    /* starter
+    // Fourth step: Welford's update, from the mean of the samples so far.
+    return 0;
+    end */
+}
+
 float rk_adaptive_own_variance(const rk_pixel_samples *pixel)
 {
     /* solution */
-    rk_adaptive_differences d = rk_adaptive_differences_of(pixel);
-    return (float)(pixel->count * (d.quarters + d.halves) / 3);
+    if (pixel->count == 0 || !isfinite(pixel->deviations))
+        return 0;
+    return pixel->deviations / (float)(pixel->count - 1);
     /* starter
-    // Fourth step: for independent samples quarters are 2 sigma^2 / n, and halves sigma^2 / n.
+    // Fourth step: the deviations' mean, with n - 1 in place of n.
     return 0;
     end */
 }
@@ -185,7 +213,6 @@ uint32_t rk_adaptive_count(float variance, float lambda, uint32_t most)
     return power > 2 ? 1u << power : RK_ADAPTIVE_BLOCKS;
     /* starter
     // Fifth step: the root of variance / lambda, rounded to a power of two.
-    (void)variance, (void)lambda;
     return most < RK_ADAPTIVE_FIRST ? most : RK_ADAPTIVE_FIRST;
     end */
 }
@@ -197,6 +224,8 @@ rk_adaptive_prediction rk_adaptive_predict(const rk_adaptive_estimate *estimates
     rk_adaptive_prediction sum = {0, 0};
     for (size_t i = 0; i < pixels; i++) {
         uint32_t count = rk_adaptive_count(estimates[i].variance, lambda, most);
+        if (count < estimates[i].least)
+            count = estimates[i].least;
         double variance = (double)estimates[i].variance / estimates[i].count;
         for (uint32_t n = estimates[i].count; n < count; n *= 2)
             variance *= ratio;
@@ -208,7 +237,6 @@ rk_adaptive_prediction rk_adaptive_predict(const rk_adaptive_estimate *estimates
     return sum;
     /* starter
     // Fifth step: sums over the pixels.
-    (void)estimates, (void)lambda, (void)most, (void)ratio;
     return (rk_adaptive_prediction){(double)pixels, 0};
     end */
 }
@@ -235,7 +263,6 @@ float rk_adaptive_lambda(const rk_adaptive_estimate *estimates, size_t pixels, u
     return exp2f(low);
     /* starter
     // Sixth step: bisection.
-    (void)estimates, (void)pixels, (void)most, (void)ratio, (void)variance, (void)samples;
     return 1;
     end */
 }

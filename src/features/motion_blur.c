@@ -83,9 +83,10 @@ float rk_shutter_time(const rk_shutter *shutter, rk_time_sampling sampling, uint
     /* solution */
     if (sampling == RK_TIME_EQUIDISTANT)
         return rk_shutter_equidistant(shutter, (float)(sample + 1), samples);
-    const rk_sampler sampler = {sampling == RK_TIME_STRATIFIED ? RK_SAMPLER_UNIFORM
-                                                               : RK_SAMPLER_LOW_DISCREPANCY,
-                                seed, samples};
+    const rk_sampler sampler = {.kind = sampling == RK_TIME_STRATIFIED ? RK_SAMPLER_UNIFORM
+                                                                       : RK_SAMPLER_LOW_DISCREPANCY,
+                                .seed = seed,
+                                .samples = samples};
     double xi = (double)rk_sample_1d(&sampler, pixel, sample, RK_DIMENSION_TIME);
     return time_at(shutter, sampling == RK_TIME_STRATIFIED ? (sample + xi) / samples : xi);
     /* starter

@@ -35,7 +35,10 @@ typedef enum rk_time_sampling {
     RK_TIME_EQUIDISTANT,     /* the same times for all pixels: copies of the object */
     RK_TIME_STRATIFIED,      /* sample i in part i of as many equal parts as there are samples */
     RK_TIME_LOW_DISCREPANCY, /* unordered; for each k the first 2^k lie one in each of 2^k parts */
-    RK_TIME_SOBOL /* the same, but joint with other dimensions: the stage draws it (sampling.h) */
+    /* Drawn by the stage (features/sampling.h): */
+    RK_TIME_SOBOL,  /* the same, but joint with other dimensions */
+    RK_TIME_ZSOBOL, /* and with other pixels */
+    RK_TIME_UNIFORM /* independent */
 } rk_time_sampling;
 
 /* Returns the time of `sample`, 0 to samples - 1, of a pixel; within the shutter. Equidistant times

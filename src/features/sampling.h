@@ -6,7 +6,9 @@
  *
  * I. M. Sobol', "On the distribution of points in a cube and the approximate evaluation of
  * integrals", 1967; A. B. Owen, "Randomly permuted (t,m,s)-nets and (t,s)-sequences", 1995; B.
- * Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020. */
+ * Burley, "Practical hash-based Owen scrambling", JCGT 9(4), 2020; A. Ahmed, P. Wonka,
+ * "Screen-space blue-noise diffusion of Monte Carlo sampling error via hierarchical ordering of
+ * pixels", ACM Transactions on Graphics 39(6), 2020. */
 #ifndef RK_FEATURES_SAMPLING_H
 #define RK_FEATURES_SAMPLING_H
 
@@ -37,9 +39,26 @@ uint32_t rk_owen_scramble(uint32_t bits, uint32_t key);
  * of the first light, 5, and RK_DIMENSION_GLOSSY, of the first mirror, 7. -1 for all others. */
 int rk_joint_dimension(uint32_t dimension);
 
+enum { RK_MORTON_DIGITS = 6 };
+
+/* The place of pixel (x, y), both below 2^16, in Z order (G. M. Morton, 1966): the binary digits of
+ * x are those at even places, counted from the lowest, which is place 0, those of y at odd ones. So
+ * each square of 2^k x 2^k pixels, at multiples of 2^k, has 4^k consecutive indices. */
+uint32_t rk_morton_index(uint32_t x, uint32_t y);
+
+/* The index, below 4^RK_MORTON_DIGITS, with its digits in base 4 permuted: each by one of the 24
+ * permutations (rk_permutation_of_4), chosen by a hash of the key and the digits before it, as they
+ * were. Squares still have consecutive indices, but in random orders (A. Ahmed, P. Wonka, 2020). */
+uint32_t rk_permute_digits(uint32_t index, uint32_t key);
+
 /* Numbers of all kinds. RK_SAMPLER_SOBOL: for joint dimensions, sample i of each pixel is point i,
  * scrambled by a key of its own for each seed, pixel and dimension. Numbers of all other dimensions
- * and kinds are those of rk_sample_1d, rk_sample_2d and rk_sample_2d_run. */
+ * and kinds are those of rk_sample_1d, rk_sample_2d and rk_sample_2d_run.
+ *
+ * RK_SAMPLER_ZSOBOL: pixels share a sequence, and a key for each seed and dimension: of the pixel
+ * at place z in Z order, sample i of N is point z N + i. A square of 2^RK_MORTON_DIGITS pixels on a
+ * side has a sequence of its own; z is the permuted Morton index within it. Dimensions that are not
+ * joint take the first two of the same points, in an order and with a key of their own for each. */
 float rk_joint_1d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, uint32_t dimension);
 rk_vec2 rk_joint_2d(const rk_sampler *sampler, uint32_t pixel, uint32_t sample, uint32_t dimension);
 void rk_joint_2d_run(const rk_sampler *sampler, uint32_t pixel, uint32_t first, uint32_t count,

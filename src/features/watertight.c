@@ -126,9 +126,9 @@ static inline double longest_of(rk_dvec3 a)
     return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
 }
 
-/* Is it certain that the exact ray hits, or that it misses? A miss is if two determinants have
- * different signs beyond the bound of their errors; a hit if all three have the same, and t is not
- * 0 within its own bound. */
+/* Is it certain that the exact ray hits, or that it misses? It is a miss if two determinants have
+ * different signs beyond the bound of their errors; a hit or, behind the origin, a miss if all
+ * three have the same sign, and t is not 0 within its own bound. */
 static inline bool is_certain(const determinants *m, const vectors *x)
 {
     /* solution */
@@ -140,8 +140,9 @@ static inline bool is_certain(const determinants *m, const vectors *x)
     bool passes = lowest > bound || highest < -bound;
     return passes && fabs(m->t) > 0x1p-48 * edge * edge * reach;
     /* starter
-    // Second step. larger, smaller, size_of and longest_of are above.
-    return true;
+    // Second step, when the exact numbers are right: until then they decide every time, slowly.
+    // larger, smaller, size_of and longest_of are above.
+    return false;
     end */
 }
 
@@ -226,7 +227,7 @@ static double triple_product(pair3 a, pair3 b, pair3 c)
         total += sum.parts[i];
     return total;
     /* starter
-    // Second step: six products, by add_product.
+    // Second step: six products, by add_product, and the sum of the sum's parts.
     return 0;
     end */
 }
@@ -249,7 +250,7 @@ static determinants exact_determinants(const rk_triangle *triangle, const rk_ray
                           .t = triple_product(ac, s, ab)};
     /* starter
     // Second step, by triple_product. w is the determinant of the edge from c to b as u is that of
-    // the edge from a to c.
+    // the edge from a to c. For now those in double.
     const vectors x = vectors_of(triangle, ray);
     return determinants_of(&x);
     end */
@@ -264,6 +265,13 @@ rk_hit rk_watertight_intersect(const rk_triangle *triangle, const rk_ray *ray)
     if (!is_certain(&m, &x))
         m = exact_determinants(triangle, ray);
     return hit_of(&m, triangle->index);
+}
+
+bool rk_watertight_is_certain(const rk_triangle *triangle, const rk_ray *ray)
+{
+    const vectors x = vectors_of(triangle, ray);
+    const determinants m = determinants_of(&x);
+    return is_certain(&m, &x);
 }
 
 /* --- Crossings -------------------------------------------------------------------------------- */

@@ -23,7 +23,11 @@
  * once from double; a t below the smallest float is that one. */
 rk_hit rk_watertight_intersect(const rk_triangle *triangle, const rk_ray *ray);
 
-/* The same for a ray that is displaced infinitesimally, in the same way for all triangles: it
+/* Does double decide? False where rounding could change a sign, so that the test above computes
+ * exactly. For counting such rays. */
+bool rk_watertight_is_certain(const rk_triangle *triangle, const rk_ray *ray);
+
+/* The same test for a ray that is displaced infinitesimally, in the same way for all triangles: it
  * passes through no edge and no corner, so it crosses a closed surface into it as often as out of
  * it. For counting crossings (features/transparency.h). Returns 1 where the ray enters (a, b and c
  * are counter-clockwise seen from its origin), -1 where it leaves, 0 for a miss; fills in the hit

@@ -79,6 +79,13 @@ typedef struct rk_render_options {
     rk_adaptive_sampling_options adaptive_sampling;
 } rk_render_options;
 
+/* A sampler of the picture's pixels. */
+static inline rk_sampler rk_render_sampler(const rk_render_options *options, rk_sampler_kind kind,
+                                           uint32_t samples)
+{
+    return (rk_sampler){kind, options->seed, samples, options->width};
+}
+
 enum { RK_MAX_DEPTH = 16 };
 
 /* The defaults of the options' rows, as --help lists them. */

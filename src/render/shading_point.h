@@ -19,14 +19,22 @@ typedef struct rk_shading_points {
     rk_shading_point points[RK_BATCH_MAX];
 } rk_shading_points;
 
-/* Returns the radiance reflected to the viewer from a light in this direction (any length). */
+/* Returns the radiance reflected to the viewer from a light in this direction: unit. */
+static inline rk_vec3 rk_reflected_radiance_from(const rk_shading *shading,
+                                                 const rk_shading_point *point, rk_vec3 direction,
+                                                 rk_vec3 light)
+{
+    const rk_material *material = point->surface.material;
+    return rk_shade(shading, point->kd, material->ks, material->shininess, point->surface.normal,
+                    direction, point->to_viewer, light);
+}
+
+/* The same for a direction of any length. */
 static inline rk_vec3 rk_reflected_radiance(const rk_shading *shading,
                                             const rk_shading_point *point, rk_vec3 to_light,
                                             rk_vec3 light)
 {
-    const rk_material *material = point->surface.material;
-    return rk_shade(shading, point->kd, material->ks, material->shininess, point->surface.normal,
-                    rk_normalize(to_light), point->to_viewer, light);
+    return rk_reflected_radiance_from(shading, point, rk_normalize(to_light), light);
 }
 
 #endif

@@ -19,7 +19,6 @@ typedef struct rk_bvh {
     uint32_t triangle_count;
     rk_bvh_node *nodes; /* nodes[0] is the root; nodes[1] is unused: pairs start at even indices */
     rk_triangle *triangles; /* triangle_count, in the order of the leaves */
-    bool is_stand_in;       /* in place of an unsolved one: accel/stand_in_tree.h */
 } rk_bvh;
 
 enum {

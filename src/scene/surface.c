@@ -1,6 +1,7 @@
 #include "scene/surface.h"
 
 #include "base/interpolate.h"
+#include "base/simd4.h"
 
 /* gamma_n = n eps / (1 - n eps) bounds the relative error of n roundings (Higham, "Accuracy and
  * Stability of Numerical Algorithms", 2002, section 3.1). */
@@ -10,59 +11,149 @@ static float gamma_bound(int n)
     return (float)n * eps / (1 - (float)n * eps);
 }
 
-/* Summed in double and rounded once: in float, 1 - u - v loses its digits near the edge opposite a,
- * and a distant corner would then move the point off the plane. */
-static float point_on_axis(float a, float b, float c, const rk_hit *hit)
+/* --- Vectors in registers ----------------------------------------------------------------------
+ * A surface is computed per ray, and its vectors are what it costs. So the components of a vector
+ * share an instruction: three floats and a lane left over, or two doubles. Each lane is rounded as
+ * by itself, so the results are those of plain arithmetic to the bit (tests/test_surface.c has
+ * both). */
+
+typedef rk_simd4_pair pair;
+
+/* A vector of doubles: x and y; z twice. */
+typedef struct wide_vector {
+    pair xy, zz;
+} wide_vector;
+
+static inline pair both(double x)
 {
-    double u = (double)hit->u, v = (double)hit->v;
-    return (float)((1 - u - v) * (double)a + u * (double)b + v * (double)c);
+    return (pair){x, x};
 }
 
-static rk_vec3 facing(rk_vec3 normal, rk_vec3 side)
+static inline wide_vector widened(rk_simd4 a)
 {
-    return rk_dot(normal, side) < 0 ? rk_negate(normal) : normal;
+    return (wide_vector){{(double)a[0], (double)a[1]}, both((double)a[2])};
+}
+
+static inline rk_simd4 narrowed(wide_vector a)
+{
+    return (rk_simd4){(float)a.xy[0], (float)a.xy[1], (float)a.zz[0], (float)a.zz[0]};
+}
+
+static inline wide_vector apart(wide_vector a, wide_vector b)
+{
+    return (wide_vector){a.xy - b.xy, a.zz - b.zz};
+}
+
+static inline wide_vector scaled(wide_vector a, double s)
+{
+    return (wide_vector){a.xy * both(s), a.zz * both(s)};
+}
+
+static inline wide_vector sum(wide_vector a, wide_vector b)
+{
+    return (wide_vector){a.xy + b.xy, a.zz + b.zz};
+}
+
+static inline wide_vector crossed(wide_vector a, wide_vector b)
+{
+    const pair a_yz = {a.xy[1], a.zz[0]}, a_zx = {a.zz[0], a.xy[0]};
+    const pair b_yz = {b.xy[1], b.zz[0]}, b_zx = {b.zz[0], b.xy[0]};
+    return (wide_vector){a_yz * b_zx - a_zx * b_yz, both(a.xy[0] * b.xy[1] - a.xy[1] * b.xy[0])};
+}
+
+static inline float dot4(rk_simd4 a, rk_simd4 b)
+{
+    const rk_simd4 product = a * b;
+    return product[0] + product[1] + product[2];
+}
+
+static inline rk_simd4 facing4(rk_simd4 normal, rk_simd4 side)
+{
+    return dot4(normal, side) < 0 ? -normal : normal;
+}
+
+static inline rk_simd4 normalized4(rk_simd4 a)
+{
+    const float length = sqrtf(dot4(a, a));
+    return length > 0 ? a * rk_simd4_all(1 / length) : a;
+}
+
+static inline rk_simd4 interpolated4(const rk_simd4 corners[3], rk_simd4 weights)
+{
+    return corners[0] * RK_SIMD4_SHUFFLE(weights, weights, 0, 0, 0, 0) +
+           corners[1] * RK_SIMD4_SHUFFLE(weights, weights, 1, 1, 1, 1) +
+           corners[2] * RK_SIMD4_SHUFFLE(weights, weights, 2, 2, 2, 2);
+}
+
+/* --- The surface at a hit ----------------------------------------------------------------------
+ */
+
+/* Summed in double and rounded once: in float, 1 - u - v loses its digits near the edge opposite a,
+ * and a distant corner would then move the point off the plane. */
+static rk_simd4 point_at(wide_vector a, wide_vector b, wide_vector c, const rk_hit *hit)
+{
+    const double u = (double)hit->u, v = (double)hit->v;
+    return narrowed(sum(sum(scaled(a, 1 - u - v), scaled(b, u)), scaled(c, v)));
 }
 
 /* In double, where neither the differences of a sliver nor the squares of a tiny triangle vanish. A
  * triangle without area has no normal: the result is 0. */
-static rk_vec3 unit_normal(rk_vec3 a, rk_vec3 b, rk_vec3 c)
+static rk_simd4 unit_normal(wide_vector a, wide_vector b, wide_vector c)
 {
-    double bx = (double)b.x - (double)a.x, cx = (double)c.x - (double)a.x;
-    double by = (double)b.y - (double)a.y, cy = (double)c.y - (double)a.y;
-    double bz = (double)b.z - (double)a.z, cz = (double)c.z - (double)a.z;
-    double x = by * cz - bz * cy, y = bz * cx - bx * cz, z = bx * cy - by * cx;
-    double length = sqrt(x * x + y * y + z * z);
-    double scale = length > 0 ? 1 / length : 0;
-    return rk_vec((float)(x * scale), (float)(y * scale), (float)(z * scale));
+    const wide_vector n = crossed(apart(b, a), apart(c, a));
+    const pair squares = n.xy * n.xy;
+    const double length = sqrt(squares[0] + squares[1] + n.zz[0] * n.zz[0]);
+    return narrowed(scaled(n, length > 0 ? 1 / length : 0));
+}
+
+/* Of one value per corner, of which a hit has three. */
+static inline void load_corners(rk_simd4 loaded[3], const rk_vec3 *values, const uint32_t *corner)
+{
+    loaded[0] = rk_simd4_load3(&values[corner[0]]);
+    loaded[1] = rk_simd4_load3(&values[corner[1]]);
+    loaded[2] = rk_simd4_load3(&values[corner[2]]);
 }
 
 void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, const rk_hit *hit)
 {
     const uint32_t *corner = mesh->triangles[hit->triangle];
-    rk_vec3 a = mesh->positions[corner[0]];
-    rk_vec3 b = mesh->positions[corner[1]];
-    rk_vec3 c = mesh->positions[corner[2]];
-    rk_vec3 weights = rk_vec(1 - hit->u - hit->v, hit->u, hit->v);
-    surface->triangle = (rk_triangle){a, b, c, hit->triangle};
-    surface->offset = rk_vec(0, 0, 0);
-    surface->point = rk_vec(point_on_axis(a.x, b.x, c.x, hit), point_on_axis(a.y, b.y, c.y, hit),
-                            point_on_axis(a.z, b.z, c.z, hit));
-    surface->barycentric = weights;
-    surface->material = &mesh->materials[mesh->triangle_materials[hit->triangle]];
-    /* Two roundings: to float, and of this sum, which also covers the errors in double. */
-    rk_vec3 sizes = rk_max3(rk_abs3(surface->point),
-                            rk_interpolate3(rk_abs3(a), rk_abs3(b), rk_abs3(c), rk_abs3(weights)));
-    surface->point_error = rk_scale(sizes, gamma_bound(2));
-    surface->face_normal = facing(unit_normal(a, b, c), rk_negate(ray->direction));
-    if (!(rk_dot(surface->face_normal, surface->face_normal) > 0))
-        surface->face_normal = rk_normalize(rk_negate(ray->direction));
-    surface->normal = surface->face_normal;
+    rk_simd4 corners[3], sizes[3], normals[3];
+    load_corners(corners, mesh->positions, corner);
+    const wide_vector a = widened(corners[0]), b = widened(corners[1]), c = widened(corners[2]);
+    const rk_simd4 weights = {1 - hit->u - hit->v, hit->u, hit->v, 0};
+    const rk_simd4 backward = -rk_simd4_load3(&ray->direction);
+    const rk_simd4 point = point_at(a, b, c, hit);
+    rk_simd4 face_normal = facing4(unit_normal(a, b, c), backward);
+    if (!(dot4(face_normal, face_normal) > 0))
+        face_normal = normalized4(backward);
+    rk_simd4 normal = face_normal;
     if (mesh->normals) {
-        rk_vec3 smooth = rk_normalize(rk_interpolate3(
-            mesh->normals[corner[0]], mesh->normals[corner[1]], mesh->normals[corner[2]], weights));
-        if (rk_dot(smooth, smooth) > 0)
-            surface->normal = facing(smooth, surface->face_normal);
+        load_corners(normals, mesh->normals, corner);
+        const rk_simd4 smooth = normalized4(interpolated4(normals, weights));
+        if (dot4(smooth, smooth) > 0)
+            normal = facing4(smooth, face_normal);
     }
+    /* Two roundings: to float, and of this sum, which also covers the errors in double. */
+    for (int i = 0; i < 3; i++)
+        sizes[i] = rk_simd4_abs(corners[i]);
+    const rk_simd4 size =
+        rk_simd4_max(rk_simd4_abs(point), interpolated4(sizes, rk_simd4_abs(weights)));
+    rk_simd4_store3(&surface->point, point);
+    rk_simd4_store3(&surface->point_error, size * rk_simd4_all(gamma_bound(2)));
+    rk_simd4_store3(&surface->face_normal, face_normal);
+    rk_simd4_store3(&surface->normal, normal);
+    rk_simd4_store3(&surface->barycentric, weights);
+    rk_simd4_store3(&surface->triangle.a, corners[0]);
+    rk_simd4_store3(&surface->triangle.b, corners[1]);
+    rk_simd4_store3(&surface->triangle.c, corners[2]);
+    surface->triangle.index = hit->triangle;
+    surface->material = &mesh->materials[mesh->triangle_materials[hit->triangle]];
+    surface->offset = rk_vec(0, 0, 0);
+}
+
+static rk_vec3 facing(rk_vec3 normal, rk_vec3 side)
+{
+    return rk_dot(normal, side) < 0 ? rk_negate(normal) : normal;
 }
 
 void rk_surface_at_sphere(rk_surface *surface, const rk_sphere *sphere, const rk_material *material,
@@ -106,51 +197,81 @@ rk_vec3 rk_surface_textured_kd(const rk_surface *surface, const rk_mesh *mesh)
     return rk_mul(material->kd, rk_texture_at(material->kd_texture, uv));
 }
 
-/* The next float away from zero in the direction of `step`. */
-static float round_outward(float value, float step)
+/* --- Rays from a surface -----------------------------------------------------------------------
+ */
+
+/* The next float in the direction of `step`, by counting its bits up or down. Infinity stays. */
+static inline rk_simd4 round_outward(rk_simd4 value, rk_simd4 step)
 {
-    return step > 0 ? nextafterf(value, INFINITY) : step < 0 ? nextafterf(value, -INFINITY) : value;
+    const rk_simd4_mask sign = {INT32_MIN, INT32_MIN, INT32_MIN, INT32_MIN};
+    const rk_simd4_mask step_bits = (rk_simd4_mask)step, zero = value == rk_simd4_all(0);
+    const rk_simd4_mask bits = ((rk_simd4_mask)value & ~zero) | (step_bits & sign & zero);
+    const rk_simd4_mask by = ((bits ^ step_bits) >> 31) | 1; /* 1 away from zero, -1 towards it */
+    const rk_simd4_mask moves =
+        (rk_simd4_abs(step) > rk_simd4_all(0)) & (rk_simd4_abs(value) < rk_simd4_all(INFINITY));
+    return rk_simd4_select(moves, (rk_simd4)(bits + by), value);
 }
 
-static rk_vec3 step_along(rk_vec3 point, rk_vec3 normal, float distance)
+static inline rk_simd4 step_along(rk_simd4 point, rk_simd4 normal, float distance)
 {
-    rk_vec3 step = rk_scale(normal, distance);
-    rk_vec3 start = rk_add(point, step);
-    return rk_vec(round_outward(start.x, step.x), round_outward(start.y, step.y),
-                  round_outward(start.z, step.z));
+    const rk_simd4 step = normal * rk_simd4_all(distance);
+    return round_outward(point + step, step);
+}
+
+/* The plane of a triangle, in double, as rk_triangle_plane. */
+typedef struct plane {
+    wide_vector a, normal;
+    double edges;
+} plane;
+
+static inline double size_of(wide_vector a)
+{
+    return fabs(a.xy[0]) + fabs(a.xy[1]) + fabs(a.zz[0]);
+}
+
+/* As rk_triangle_plane_dot. */
+static inline double plane_dot(const plane *p, wide_vector v)
+{
+    const pair products = v.xy * p->normal.xy;
+    const double dot = products[0] + products[1] + v.zz[0] * p->normal.zz[0];
+    return fabs(dot) > 0x1p-48 * size_of(v) * p->edges ? dot : 0;
 }
 
 /* May the plane be ahead of the ray from `start`? Rays are moved back by the offset of a moving
  * object, with the same rounding; without an offset nothing is rounded. */
-static bool plane_may_be_ahead(const rk_triangle_plane *plane, rk_vec3 point, double heading)
+static inline bool plane_may_be_ahead(const plane *p, rk_simd4 point, double heading)
 {
-    double side = rk_triangle_plane_side(plane, point);
+    const double side = plane_dot(p, apart(widened(point), p->a));
     return (heading > 0 && side <= 0) || (heading < 0 && side >= 0);
 }
 
 rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction)
 {
-    const rk_triangle *triangle = &surface->triangle;
-    rk_vec3 normal = facing(surface->face_normal, direction);
+    const rk_simd4 a = rk_simd4_load3(&surface->triangle.a),
+                   b = rk_simd4_load3(&surface->triangle.b);
+    const rk_simd4 c = rk_simd4_load3(&surface->triangle.c),
+                   point = rk_simd4_load3(&surface->point);
+    const rk_simd4 offset = rk_simd4_load3(&surface->offset), d = rk_simd4_of(direction);
+    const wide_vector a2 = widened(a), ab = apart(widened(b), a2), ac = apart(widened(c), a2);
+    const plane p = {a2, crossed(ab, ac), size_of(ab) * size_of(ac)};
+    rk_simd4 normal = facing4(rk_simd4_load3(&surface->face_normal), d);
     /* The normal is rounded; for grazing directions the corners decide. */
-    rk_triangle_plane plane = rk_triangle_plane_of(triangle);
-    double heading = rk_triangle_plane_heading(&plane, direction);
-    double normal_heading = rk_triangle_plane_heading(&plane, normal);
+    const double heading = plane_dot(&p, widened(d));
+    const double normal_heading = plane_dot(&p, widened(normal));
     if ((heading > 0 && normal_heading < 0) || (heading < 0 && normal_heading > 0))
-        normal = rk_negate(normal);
+        normal = -normal;
     /* Past the point's error, and past two roundings of the edges: u and v are rounded, so close to
      * an edge the point may lie behind the neighbour's plane. */
-    rk_vec3 edges = rk_add(rk_abs3(rk_sub(triangle->b, triangle->a)),
-                           rk_abs3(rk_sub(triangle->c, triangle->a)));
-    rk_vec3 error = rk_madd(surface->point_error, edges, gamma_bound(2));
-    float distance = rk_dot(rk_abs3(normal), error);
-    rk_vec3 start = step_along(surface->point, normal, distance);
+    const rk_simd4 edges = rk_simd4_abs(b - a) + rk_simd4_abs(c - a);
+    const rk_simd4 error =
+        rk_simd4_load3(&surface->point_error) + edges * rk_simd4_all(gamma_bound(2));
+    float distance = dot4(rk_simd4_abs(normal), error);
+    rk_simd4 start = step_along(point, normal, distance);
     /* In slivers the normal's error grows with the ratio of length to width. A step of 2^-24 of the
      * triangle's size reaches that size after 24 doublings. */
-    for (int i = 0; i < 24 && plane_may_be_ahead(&plane, rk_sub(start, surface->offset), heading);
-         i++) {
+    for (int i = 0; i < 24 && plane_may_be_ahead(&p, start - offset, heading); i++) {
         distance *= 2;
-        start = step_along(surface->point, normal, distance);
+        start = step_along(point, normal, distance);
     }
-    return start;
+    return rk_simd4_vec(start);
 }

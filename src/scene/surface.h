@@ -47,15 +47,33 @@ static inline rk_vec3 rk_surface_kd(const rk_surface *surface, const rk_mesh *me
  * the triangle at which it starts. */
 rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction);
 
-/* Do rays into both directions start at the same point? That depends on the side of the plane to
- * which they point, both by the normal and by the corners. */
-static inline bool rk_surface_spawns_alike(const rk_surface *surface, rk_vec3 a, rk_vec3 b)
+/* The origins of many rays spawned from one surface, which must stay as long as this. */
+typedef struct rk_spawner {
+    const rk_surface *surface;
+    rk_triangle_plane plane;
+    uint32_t known; /* bits: which of the origins have been computed */
+    rk_vec3 origin[6];
+} rk_spawner;
+
+static inline void rk_spawner_start(rk_spawner *spawner, const rk_surface *surface)
 {
-    rk_triangle_plane plane = rk_triangle_plane_of(&surface->triangle);
-    double heading_a = rk_triangle_plane_heading(&plane, a);
-    double heading_b = rk_triangle_plane_heading(&plane, b);
-    return (rk_dot(surface->face_normal, a) < 0) == (rk_dot(surface->face_normal, b) < 0) &&
-           (heading_a > 0) == (heading_b > 0) && (heading_a < 0) == (heading_b < 0);
+    spawner->surface = surface;
+    spawner->plane = rk_triangle_plane_of(&surface->triangle);
+    spawner->known = 0;
+}
+
+/* As rk_surface_spawn, to the bit. The origin depends only on the side of the plane to which the
+ * direction points, both by the normal and by the corners. */
+static inline rk_vec3 rk_spawner_origin(rk_spawner *spawner, rk_vec3 direction)
+{
+    const double heading = rk_triangle_plane_heading(&spawner->plane, direction);
+    const uint32_t side = (heading > 0) + 2u * (heading < 0) +
+                          3u * (rk_dot(spawner->surface->face_normal, direction) < 0);
+    if (!(spawner->known >> side & 1)) {
+        spawner->known |= 1u << side;
+        spawner->origin[side] = rk_surface_spawn(spawner->surface, direction);
+    }
+    return spawner->origin[side];
 }
 
 #endif

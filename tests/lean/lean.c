@@ -24,6 +24,7 @@ typedef struct lean_tile {
     rk_counters counters;
     uint32_t x, y, width, height;
     rk_ray_batch camera;
+    uint16_t camera_pixel[RK_BATCH_MAX];
     rk_hit_batch hits;
     uint32_t point_count;
     lean_point points[RK_BATCH_MAX];
@@ -38,9 +39,13 @@ typedef struct lean_tile {
 static void trace_and_shade(lean_tile *t)
 {
     t->camera.count = t->point_count = 0;
-    for (uint32_t y = t->y; y < t->y + t->height; y++)
-        for (uint32_t x = t->x; x < t->x + t->width; x++) {
-            rk_ray ray = rk_view_ray(&t->view, (float)x + 0.5f, (float)y + 0.5f);
+    for (uint32_t square = 0; square < RK_BATCH_MAX; square += 16)
+        for (uint32_t k = 0; k < 16; k++) { /* 4 x 4 pixels follow each other, as in rk_render */
+            uint32_t x = square / 16 % 4 * 4 + k % 4, y = square / 64 * 4 + k / 4;
+            if (x >= t->width || y >= t->height)
+                continue;
+            rk_ray ray = rk_view_ray(&t->view, (float)(t->x + x) + 0.5f, (float)(t->y + y) + 0.5f);
+            t->camera_pixel[t->camera.count] = (uint16_t)(y * t->width + x);
             rk_batch_push(&t->camera, &ray);
         }
     t->counters.primary_rays += t->camera.count;
@@ -50,7 +55,7 @@ static void trace_and_shade(lean_tile *t)
             continue;
         rk_ray ray = rk_batch_ray(&t->camera, i);
         rk_hit hit = rk_batch_hit(&t->hits, i);
-        t->points[t->point_count].pixel = (uint16_t)i;
+        t->points[t->point_count].pixel = t->camera_pixel[i];
         rk_scene_surface(&t->points[t->point_count++].surface, t->scene, &ray, &hit);
     }
 }
@@ -127,7 +132,7 @@ static bool run(const char *name, bool shadows, rk_error *error)
     options.shadows = shadows;
     rk_pool *pool = rk_pool_start(1, error);
     if (!pool || !rk_builtin_scene(&scene, name, error) ||
-        !rk_accel_build(&accel, RK_ACCEL_MEDIAN, &scene, error) ||
+        !rk_accel_build(&accel, RK_ACCEL_WIDE, &scene, error) ||
         !rk_image_init(&lean, options.width, options.height, error) ||
         !rk_image_init(&whole, options.width, options.height, error) ||
         !rk_render(&whole, &scene, &accel, &options, pool, &counters, NULL, error))

@@ -216,7 +216,7 @@ static double error_of_srgb(const float *in)
     static rk_srgb8 table;
     if (table.step[256] == 0)
         rk_srgb8_init(&table);
-    /* The function's two parts meet where the inverse's do. */
+    /* From the line to the curve at the same value as rk_srgb_decode. */
     wide linear = fminl(fmaxl((wide)in[0], 0), 1);
     wide stored =
         linear <= 0.04045L / 12.92L ? 12.92L * linear : encoded(fmaxl(linear, 0.00313081L));

@@ -69,7 +69,7 @@ static float into(const domain *at, float x)
     return copysignf(rk_min(rk_max(fabsf(x), least), most), at->kind == SIGNED ? x : 1);
 }
 
-/* Round numbers are frequent in scenes, and are where cases meet. */
+/* Round numbers are frequent in scenes, and often the boundary between two cases. */
 static float round_number(dice *d)
 {
     const float numbers[] = {0, -0.0f, 1, -1, 0.5f, -0.5f, 2, 0.25f, 0.75f, 3};

@@ -3,9 +3,9 @@
 import csv
 import os
 
+from benchmark.measurements import write_table
 from benchmark.schedule import Program
 from benchmark.statistics import median
-from grading.assignments import cannot_write
 
 SCENE = "--scene statue --width 256 --height 256"
 AXES = {"sah": "the longest", "sah3": "all"}
@@ -45,16 +45,6 @@ def measure_numbers(program, folder):
         return [running.ask("numbers")] + [running.answer() for _ in range(2)]
 
 
-def _write(path, columns, rows):
-    try:
-        os.makedirs(os.path.dirname(path), exist_ok=True)
-        with open(path + ".part", "w", encoding="utf-8", newline="") as file:
-            csv.writer(file, lineterminator="\n").writerows([columns, *rows])
-        os.replace(path + ".part", path)
-    except OSError as error:
-        raise cannot_write(path, error) from None
-
-
 def _is_measured(path, program, runs):
     """Does the file hold the measurement of this program, with as many runs?"""
     if not os.path.exists(path):
@@ -69,5 +59,5 @@ def measure(program, checksum, folder, tables, runs):
     path = os.path.join(tables, "accuracy_trees.csv")
     if not _is_measured(path, checksum, runs):
         rows = measure_trees(program, folder, runs)
-        _write(path, TREE_COLUMNS, [[*row, runs, checksum] for row in rows])
-    _write(os.path.join(tables, "accuracy_numbers.csv"), NUMBER_COLUMNS, measure_numbers(program, folder))
+        write_table(path, TREE_COLUMNS, [[*row, runs, checksum] for row in rows])
+    write_table(os.path.join(tables, "accuracy_numbers.csv"), NUMBER_COLUMNS, measure_numbers(program, folder))

@@ -1,5 +1,5 @@
-"""The measurements that are kept: a CSV file with a row for each picture, written as they are made, so that an
-interruption costs one picture."""
+"""What is kept: CSV files with a row for each measurement, written as they are made, so that an interruption costs one
+of them. Pictures have theirs in measurements.csv, drivers' times in timings.csv (benchmark/timings.py)."""
 
 import csv
 import os
@@ -9,29 +9,23 @@ from grading.assignments import ToolError, cannot_write
 KEY = ("program", "case", "method", "size", "samples", "seed", "options")
 NUMBERS = ("seconds", "mse", "bias", "worst", "camera_rays", "shadow_rays", "reflected_rays")
 COLUMNS = KEY + NUMBERS
+KINDS = {**dict.fromkeys(NUMBERS, float), "samples": int, "seed": int}
 
 
-class Row(dict):
-    """A picture's measurement; numbers are floats."""
-
-    def key(self):
-        return tuple(self[name] for name in KEY)
-
-
-def _row_of(path, number, cells):
-    if len(cells) != len(COLUMNS):
-        raise ToolError(f"{path}:{number}: there are {len(cells)} cells in place of {len(COLUMNS)}; "
+def _row_of(path, number, cells, columns, kinds):
+    if len(cells) != len(columns):
+        raise ToolError(f"{path}:{number}: there are {len(cells)} cells in place of {len(columns)}; "
                         "remove the line, or measure all anew by make bench RESET=1")
-    row = Row(zip(COLUMNS, cells))
+    row = dict(zip(columns, cells))
     try:
-        row.update({name: float(row[name]) for name in NUMBERS}, samples=int(row["samples"]), seed=int(row["seed"]))
+        row.update({name: kind(row[name]) for name, kind in kinds.items()})
     except ValueError as error:
         raise ToolError(f"{path}:{number}: {error}; remove the line, or measure all anew by make bench RESET=1") from None
     return row
 
 
-def read(path):
-    """The rows of a file. A last line that was not finished is left out."""
+def read_rows(path, columns, kinds):
+    """The rows of a file; `kinds` converts the cells of some columns. A last line that was not finished is left out."""
     try:
         with open(path, encoding="utf-8", errors="replace", newline="") as file:
             text = file.read()
@@ -39,53 +33,76 @@ def read(path):
         raise ToolError(f"{path}: cannot be read: {error.strerror}") from None
     lines = text[:text.rfind("\n") + 1].split("\n")[:-1]
     header = lines[0].split(",") if lines else []
-    if header != list(COLUMNS):
-        missing = [name for name in COLUMNS if name not in header]
+    if header != list(columns):
+        missing = [name for name in columns if name not in header]
         raise ToolError(f"{path}:1: this is no table of make bench"
-                        f"{': the column ' + missing[0] + ' is missing' if missing else ''}; name its measurements.csv")
-    return [_row_of(path, number, cells) for number, cells in enumerate(csv.reader(lines[1:]), 2)]
+                        f"{': the column ' + missing[0] + ' is missing' if missing else ''}; "
+                        "name its measurements.csv, or remove the file")
+    return [_row_of(path, number, cells, columns, kinds) for number, cells in enumerate(csv.reader(lines[1:]), 2)]
 
 
-class Measurements:
-    """Those of one program in a folder. Rows of other programs move to previous.csv, to compare with."""
+def read(path):
+    """The pictures of a measurements.csv."""
+    return read_rows(path, COLUMNS, KINDS)
 
-    def __init__(self, folder, program, reset=False):
-        self.path, self._program = os.path.join(folder, "measurements.csv"), program
-        self._previous = os.path.join(folder, "previous.csv")
-        self.rows = {}
+
+def write_table(path, columns, rows):
+    """Replaces the file whole."""
+    try:
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        with open(path + ".part", "w", encoding="utf-8", newline="") as file:
+            csv.writer(file, lineterminator="\n").writerows([columns, *rows])
+        os.replace(path + ".part", path)
+    except OSError as error:
+        raise cannot_write(path, error) from None
+
+
+class Kept:
+    """Rows by the values of their first columns, in a file."""
+
+    def __init__(self, path, columns, key_columns, kinds, reset=False):
+        self.path, self.rows = path, {}
+        self._columns, self._key_columns = columns, key_columns
+        if os.path.exists(path) and not reset:
+            self.take_over(read_rows(path, columns, kinds))
+        self.rewrite()  # also without an unfinished line
+
+    def take_over(self, rows):
+        """Which rows of an older file count?"""
+        self.rows = {tuple(row[name] for name in self._key_columns): row for row in rows}
+
+    def rewrite(self):
+        write_table(self.path, self._columns, [[row[name] for name in self._columns] for row in self.rows.values()])
+
+    def add(self, row):
         try:
-            os.makedirs(folder, exist_ok=True)
-            if os.path.exists(self.path) and not reset:
-                self._take_over(read(self.path))
-            else:
-                self._rewrite()
+            with open(self.path, "a", encoding="utf-8", newline="") as file:
+                csv.writer(file, lineterminator="\n").writerow([row[name] for name in self._columns])
         except OSError as error:
             raise cannot_write(self.path, error) from None
+        self.rows[tuple(row[name] for name in self._key_columns)] = row
 
-    def _take_over(self, rows):
-        self.rows = {row.key(): row for row in rows if row["program"] == self._program}
-        if len(self.rows) < len(rows) and not self.rows:
-            os.replace(self.path, self._previous)
-        self._rewrite()  # also without an unfinished line
 
-    def _rewrite(self):
-        part = self.path + ".part"
-        with open(part, "w", encoding="utf-8", newline="") as file:
-            writer = csv.writer(file, lineterminator="\n")
-            writer.writerow(COLUMNS)
-            writer.writerows([row[name] for name in COLUMNS] for row in self.rows.values())
-        os.replace(part, self.path)
+class Measurements(Kept):
+    """Pictures by one program in a folder. Rows of other programs move to previous.csv, to compare with."""
+
+    def __init__(self, folder, program, reset=False):
+        self._program, self._previous = program, os.path.join(folder, "previous.csv")
+        super().__init__(os.path.join(folder, "measurements.csv"), COLUMNS, KEY, KINDS, reset)
+
+    def take_over(self, rows):
+        own = [row for row in rows if row["program"] == self._program]
+        if rows and not own:
+            try:
+                os.replace(self.path, self._previous)
+            except OSError as error:
+                raise cannot_write(self.path, error) from None
+        super().take_over(own)
 
     def key(self, method, size, samples, seed):
         case = method.case
         return (self._program, case.name, method.name, str(size), samples, seed,
                 f"{case.options} {method.options(samples, seed)} against {case.reference}")
 
-    def add(self, key, numbers):
-        row = Row(zip(COLUMNS, key + tuple(numbers)))
-        try:
-            with open(self.path, "a", encoding="utf-8", newline="") as file:
-                csv.writer(file, lineterminator="\n").writerow([row[name] for name in COLUMNS])
-        except OSError as error:
-            raise cannot_write(self.path, error) from None
-        self.rows[key] = row
+    def add_picture(self, key, numbers):
+        self.add(dict(zip(COLUMNS, key + tuple(numbers))))

@@ -6,10 +6,12 @@ its methods, the first of which is the classic one. {n} stands for the number of
 options is one for each kind of sampler; one that chooses the number of samples by itself has {error}, 1 / n. Options
 are the drivers' own: see any driver's --help."""
 
-import csv
 import os
 
-from grading.assignments import ToolError
+from grading.assignments import ToolError, read_table
+
+
+PARTS = ("frames", "growth")  # names beside those of cases, which the drivers measure
 
 
 class Settings:
@@ -56,25 +58,17 @@ class Method:
 
 
 def _rows(path, columns):
-    try:
-        with open(path, encoding="utf-8", newline="") as file:
-            rows = list(csv.DictReader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
-    except OSError as error:
-        raise ToolError(f"{path}: cannot be read: {error.strerror}") from None
-    for number, row in enumerate(rows, 2):
-        if any(row.get(column) is None for column in columns) or None in row:
-            raise ToolError(f"{path}:{number}: the columns should be {', '.join(columns)}, separated by tabs")
-    return rows
+    return [dict(zip(columns, row)) for row in read_table(path, columns)]
 
 
 def read_cases(folder, settings, kinds, names=()):
     """The cases with these names, or all, with their methods."""
     cases = {}
     for row in _rows(os.path.join(folder, "cases.tsv"),
-                     ("case", "title", "options", "first", "second", "goal", "slope")):
+                     ["case", "title", "options", "first", "second", "goal", "slope"]):
         cases[row["case"]] = Case(row, settings)
     methods = os.path.join(folder, "methods.tsv")
-    for row in _rows(methods, ("case", "method", "options")):
+    for row in _rows(methods, ["case", "method", "options"]):
         if row["case"] not in cases:
             raise ToolError(f"{methods}: there is no case {row['case']} in cases.tsv")
         case = cases[row["case"]]
@@ -83,5 +77,5 @@ def read_cases(folder, settings, kinds, names=()):
                                        row["options"].replace("{kind}", kind)))
     for name in names:
         if name not in cases:
-            raise ToolError(f"CASES: there is no case {name}; choose from {' '.join(cases)}")
+            raise ToolError(f"CASES: there is no case {name}; choose from {' '.join([*cases, *PARTS])}")
     return [case for case in cases.values() if not names or case.name in names]

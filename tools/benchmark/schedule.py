@@ -148,7 +148,7 @@ class Schedule:
         if len(numbers) != len(NUMBERS):
             raise ToolError(f"bench: {len(numbers)} numbers in place of {len(NUMBERS)}: run make bench to build it anew")
         with self._lock:
-            self.kept.add(self.kept.key(method, self.settings.side, samples, seed), numbers)
+            self.kept.add_picture(self.kept.key(method, self.settings.side, samples, seed), numbers)
             self._measured += numbers[0]
             self._waited += time.monotonic() - start
             self._say()

@@ -1,13 +1,12 @@
 """From measured pictures to tables: error and time of each method by number of samples, slopes, time to an error of
 1 %, and the best method of each case against the classic one. Errors are relative: see tests/bench/bench.c."""
 
-import csv
 import math
 import os
 import random
 
+from benchmark.measurements import write_table
 from benchmark.statistics import crossing, fit_line, mean, mean_interval, median, rmse_interval
-from grading.assignments import cannot_write
 
 ERROR_WANTED = 0.01
 FIT_FROM = 4  # samples: before, an error need not yet follow its power
@@ -170,14 +169,6 @@ def write(schedule, folder):
     for name, rows in (("accuracy", summary), ("accuracy_methods", list(method_rows(curves))),
                        ("accuracy_convergence", list(convergence_rows(schedule, curves))),
                        ("accuracy_references", list(reference_rows(schedule)))):
-        path = os.path.join(folder, name + ".csv")
-        try:
-            os.makedirs(folder, exist_ok=True)
-            with open(path + ".part", "w", encoding="utf-8", newline="") as file:
-                writer = csv.writer(file, lineterminator="\n")
-                writer.writerow(rows[0] if rows else [])
-                writer.writerows([_figure(cell) for cell in row.values()] for row in rows)
-            os.replace(path + ".part", path)
-        except OSError as error:
-            raise cannot_write(path, error) from None
+        write_table(os.path.join(folder, name + ".csv"), list(rows[0]) if rows else [],
+                    [[_figure(cell) for cell in row.values()] for row in rows])
     return summary

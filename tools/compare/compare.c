@@ -81,7 +81,7 @@ static bool render_pair(rk_compared_scene *c, rk_compared_kind kind, const char 
                         rk_pool *pool, rk_error *error)
 {
     rk_accel accel;
-    if (!rk_accel_build(&accel, RK_ACCEL_SAH, &c->scene, error))
+    if (!rk_accel_build(&accel, RK_ACCEL_WIDE, &c->scene, error))
         return false;
     c->options.seed = 1;
     bool ok = render(c, &accel, pool, path_of(folder, kind, "_raykit_1.exr").text, error);
@@ -129,7 +129,7 @@ static void release(pictures *p)
     rk_image_free(&p->theirs.second);
 }
 
-static bool have_one_size(const pictures *p)
+static bool are_squares_of_one_size(const pictures *p)
 {
     const rk_image *all[] = {&p->ours.first, &p->ours.second, &p->theirs.first, &p->theirs.second};
     for (int i = 0; i < 4; i++)
@@ -155,7 +155,7 @@ static bool read_pairs(pictures *p, const choices *chosen, rk_compared_kind kind
               read_one(&p->ours.second, chosen, kind, "_raykit_2.exr", error) &&
               read_one(&p->theirs.first, chosen, kind, "_cycles_1.exr", error) &&
               read_one(&p->theirs.second, chosen, kind, "_cycles_2.exr", error);
-    if (ok && !have_one_size(p))
+    if (ok && !are_squares_of_one_size(p))
         ok = rk_fail(error, "%s: its pictures of %s have different sizes; run make compare again",
                      chosen->pictures, rk_compared_names.items[kind]);
     if (!ok)

@@ -68,7 +68,8 @@ KEEPS_NOTHING = ScoredTest("no_data_is_kept_between_calls", 0, "")
 FREES_ALL = ScoredTest("all_memory_is_freed", 0, "")
 
 
-def _read_table(path, columns):
+def read_table(path, columns):
+    """The rows of a table whose columns are separated by tabs and named in its first line."""
     try:
         with open(path, encoding="utf-8", newline="") as file:
             rows = list(csv.reader(file, delimiter="\t", quoting=csv.QUOTE_NONE))
@@ -78,14 +79,14 @@ def _read_table(path, columns):
         raise ToolError(f"{path}:1: the header should be {', '.join(columns)}, separated by tabs")
     for number, row in enumerate(rows[1:], 2):
         if len(row) != len(columns):
-            raise ToolError(f"{path}:{number}: {len(columns)} columns are needed, this line has {len(row)}")
+            raise ToolError(f"{path}:{number}: {len(columns)} columns are needed, separated by tabs; this line has {len(row)}")
     return rows[1:]
 
 
 def read_features(source):
     """Returns a dictionary from stem to Feature, in the table's order."""
     path = os.path.join(source, "assignments", "features.tsv")
-    rows = _read_table(path, ["stem", "folder", "needs", "uses", "about", "picture"])
+    rows = read_table(path, ["stem", "folder", "needs", "uses", "about", "picture"])
     features = {row[0]: Feature(source, *row[:4]) for row in rows}
     for feature in features.values():
         for need in feature.needs:
@@ -110,7 +111,7 @@ def read_points(feature):
     points hold with the starter, and must continue to hold."""
     tests = []
     for number, row in enumerate(
-        _read_table(feature.points_table, ["test", "points", "step", "section"]), 2
+        read_table(feature.points_table, ["test", "points", "step", "section"]), 2
     ):
         if not row[1].isdigit():
             raise ToolError(f"{feature.points_table}:{number}: points are whole numbers, not {row[1]}")
@@ -139,7 +140,7 @@ def read_looks(feature):
     step."""
     path = os.path.join(os.path.dirname(feature.points_table), "look.tsv")
     looks = []
-    for number, row in enumerate(_read_table(path, ["step", "options", "caption"]), 2):
+    for number, row in enumerate(read_table(path, ["step", "options", "caption"]), 2):
         if not row[0].isdigit() or any(int(row[0]) <= look.step for look in looks):
             raise ToolError(f"{path}:{number}: each step has one row, and they are in order")
         looks.append(Look(feature, int(row[0]), *row[1:]))

@@ -16,12 +16,11 @@ from grading.starters import solution_lines, starter_of
 # The same steps in other words, which no comparison of lines finds. (feature, its step, file, the line
 # of that file where it begins)
 SAME_STEPS = [
-    ("bvh_median", "step 4, the traversal, for a packet of rays", "src/accel/packet.c",
-     "__attribute__((always_inline)) static inline void traverse("),
-    ("bvh_median", "step 4, the traversal, for all crossings", "src/accel/crossings.c",
-     "static void gather_triangles("),
-    ("motion_blur", "step 8, the traversal, for a group of rays", "src/accel/ray_group.c",
-     "static bool add_below("),
+    ("bvh_median", "step 4, the traversal, for all leaves on the way", "src/accel/tree.c",
+     "static void visit_binary_leaves("),
+    ("wide_bvh", "step 2, the blocks, straight from the mesh", "src/accel/wide_build.c", "static void fill_block("),
+    ("wide_bvh", "step 3, the order, by vectors", "src/accel/wide_boxes.h", "RK_INLINE uint32_t push_children("),
+    ("wide_bvh", "step 4, any hit, by vectors", "src/accel/wide_single.h", "RK_INLINE bool block_occludes("),
     ("shading", "steps 2, 3 and 5, in double, to compare with", "tests/test_shading.c",
      "static double exact_highlight("),
     ("parallelogram_light", "step 2, in double, to integrate", "tests/test_parallelogram_light.c",
@@ -147,18 +146,19 @@ def prove(source, pack, all_features, features):
         raise ToolError("\n".join(["these lines of the pack are solutions:", *found[:10], *more,
                                    "take them out; if another feature has them, name it in ASSIGNMENTS, too"]))
     lines, steps = lines_elsewhere(pack, features, secrets), steps_elsewhere(pack, features)
-    looked = f"Looked for {len(secrets)} solution lines in {len(_files(pack))} files: none "
+    looked = f"Searched {len(_files(pack))} files for {len(secrets)} lines of the solutions: "
     if not lines and not steps:
-        return [looked + "found."]
+        return [looked + "none found."]
     told = [f"  {name}:{number}: {what}, in other words" for name, number, what in steps]
     rare = [found for found in lines if found[3] <= _FEW]
     told += [f"  {name}:{number}: {line}" for name, number, line, _ in rare]
     if len(rare) < len(lines):
-        told.append(f"  and {len(lines) - len(rare)} lines that occur more often, such as {lines[-1][2]}")
+        more = len(lines) - len(rare)
+        told.append(f"  and {more} {'line that occurs' if more == 1 else 'lines that occur'} more often, such as {lines[-1][2]}")
     holders = {f"src/features/{stem}.c": stem for stem in all_features}
     others = sorted({holders[name] for name, *_ in [*rare, *steps] if name in holders})
     remedy = "Check whether they give a step away."
     if others:
         remedy = (f"To leave them out as well, add {' and '.join(others)} to ASSIGNMENTS; otherwise check "
                   "whether they give a step away.")
-    return [f"{looked}is where students write. These lines of the kit also occur in the solutions:", *told, remedy]
+    return [f"{looked}no solution is left.", "These lines of the kit also occur in the solutions:", *told, remedy]

@@ -152,7 +152,7 @@ _STANDARD = """memccpy memchr memcmp memcpy memmem memmove memset stpcpy stpncpy
     strdup strerror strlen strncat strncmp strncpy strndup strnlen strpbrk strrchr strspn strstr
     abort abs labs llabs div ldiv lldiv qsort qsort_r bsearch
     atof atoi atol strtod strtof strtol strtoll strtoul strtoull
-    aligned_alloc calloc free malloc posix_memalign realloc
+    aligned_alloc calloc free madvise malloc posix_memalign realloc
     fflush fprintf fputc fputs fwrite printf putc putchar puts snprintf sprintf stderr stdout vfprintf vprintf
     vsnprintf vsprintf __assert_fail __assert __errno_location ___errno_location"""
 _C = {name + suffix for name in _MATH.split() for suffix in ("", "f", "l")} | set(_STANDARD.split())

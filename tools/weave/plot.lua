@@ -1,4 +1,4 @@
--- Log-log plots by gnuplot from the CSV files that drivers write: .plot.
+-- Plots by gnuplot from the CSV files that drivers write: .plot. Axes are logarithmic, but for bars.
 
 local drive = require("drive")
 local tables = require("tables")
@@ -71,29 +71,31 @@ local function legend(lines, steep)
   local points = lines[1].points
   if #lines > many then return "outside right top" end
   if steep then return "bottom left Left reverse" end
-  return #points > 1 and points[#points][2] < points[1][2] and "top right" or "top left"
+  return #points > 1 and points[#points][2] < points[1][2] and "top right" or "top left Left reverse"
 end
 
--- Where guides begin and end: at the smallest x and the largest y of all points.
+-- Where guides begin and end: at the smallest x and the largest y of all points; rising ones at the smallest y.
 local function corner(lines)
-  local left, right, top = math.huge, 0, 0
+  local left, right, top, bottom = math.huge, 0, 0, math.huge
   for _, line in ipairs(lines) do
     for _, point in ipairs(line.points) do
-      left, right, top = math.min(left, point[1]), math.max(right, point[1]), math.max(top, point[2])
+      left, right = math.min(left, point[1]), math.max(right, point[1])
+      top, bottom = math.max(top, point[2]), math.min(bottom, point[2])
     end
   end
-  return left, right, top
+  return left, right, top, bottom
 end
 
 -- Grey lines of these slopes, as parts of a plot, with the slopes at their ends.
 local function guides(div, script, lines)
-  local parts, left, right, top = {}, corner(lines)
+  local parts, left, right, top, bottom = {}, corner(lines)
   for i, word in ipairs(words(div.attributes.guides)) do
     local slope = tonumber(word) or fail_at(div, "guides: %s is not a slope", word)
+    local start = slope > 0 and bottom or top
     parts[i] = string.format("[x=%.9g:%.9g] %.9g * (x / %.9g) ** (%.9g) with lines lc rgb '#999999' dt %d lw 1.5 notitle",
-      left, right, top, left, slope, i + 1)
+      left, right, start, left, slope, i + 1)
     script[#script + 1] = string.format("set label %s at %.9g, %.9g left offset 0.5, 0 tc rgb '#777777' font ',12'",
-      quote(word:gsub("^-", "−")), right, top * (right / left) ^ slope)
+      quote(word:gsub("^-", "−")), right, start * (right / left) ^ slope)
   end
   return parts
 end
@@ -145,6 +147,61 @@ local function draw(div, name, xlabel, ylabel, lines, left_out)
   }, {class = "picture plot"})
 end
 
+-- --- bars ------------------------------------------------------------------------------------
+
+-- The values of a column in the order of the rows, each once.
+local function distinct(rows, column)
+  local list, seen = {}, {}
+  for _, row in ipairs(rows) do
+    local cell = tables.cell(row, column)
+    if not seen[cell] then seen[cell], list[#list + 1] = true, cell end
+  end
+  return list
+end
+
+-- Each row's y, by the text of its x and then of its `by`.
+local function heights(div, rows, x, y, by)
+  local all = {}
+  for _, row in ipairs(rows) do
+    local at, group = tables.cell(row, x), tables.cell(row, by)
+    if not tonumber(row[y]) then drive.fail_by_driver(div, "%s is not a number: %s", y, row[y] or "") end
+    all[at] = all[at] or {}
+    if all[at][group] then
+      fail_at(div, "%s has several values at %s; distinguish the rows by where=...", group, at)
+    end
+    all[at][group] = row[y]
+  end
+  return all
+end
+
+local function draw_bars(div, name, xlabel, ylabel, rows, x, y, by)
+  local places, groups, height = distinct(rows, x), distinct(rows, by), heights(div, rows, x, y, by)
+  local path, parts = "figures/" .. name .. ".svg", {}
+  local script = {
+    "set terminal svg size " .. (#places > many and 820 or 600) .. ",320 font 'Helvetica,15' background 'white'",
+    "set output " .. quote(drive.out .. "/" .. path),
+    "set style data histogram", "set style histogram clustered gap 1", "set style fill solid", "set boxwidth 0.9",
+    "set yrange [0:*]", "set grid y", #groups > 1 and "set key top left Left reverse noenhanced" or "unset key",
+    "set xlabel " .. quote(xlabel), "set ylabel " .. quote(ylabel), "$data << EOD",
+  }
+  for _, at in ipairs(places) do
+    local line = {'"' .. at .. '"'}
+    for _, group in ipairs(groups) do line[#line + 1] = height[at][group] or "NaN" end
+    script[#script + 1] = table.concat(line, " ")
+  end
+  script[#script + 1] = "EOD"
+  for i, group in ipairs(groups) do
+    parts[i] = string.format("$data using %d:xtic(1) lc rgb '%s' title %s noenhanced", i + 1, styles[i][1], quote(group))
+  end
+  script[#script + 1] = "plot " .. table.concat(parts, ", ") .. "\n"
+  local pipe = io.popen(drive.quote(gnuplot), "w")
+  pipe:write(table.concat(script, "\n"))
+  if not pipe:close() then fail_at(div, "gnuplot failed (its reason is above)") end
+  return pandoc.Div({
+    pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}), drive.caption(div.content),
+  }, {class = "picture plot"})
+end
+
 local function unit_of(div, rows)
   local unit = rows[1].unit
   for _, row in ipairs(rows) do
@@ -172,6 +229,10 @@ return function(div)
   if given.driver then drive.measure(div, "--quiet") end
   local rows, columns = tables.read(div)
   for _, column in ipairs({x, y, given.by}) do tables.check_column(div, columns, column) end
+  if given.bars then
+    return draw_bars(div, given.name or tables.name(div) .. "_bars", given.xlabel or tables.label(x),
+      given.ylabel or tables.label(y), rows, x, y, need(div, "by"))
+  end
   local band = given.band and y
   for _, side in ipairs(band and {"_low", "_high"} or {}) do tables.check_column(div, columns, band .. side) end
   return draw(div, given.name or tables.name(div) .. "_" .. y .. "_over_" .. x, given.xlabel or tables.label(x),

@@ -32,7 +32,8 @@
 -- plots a column over another, both with logarithmic axes, a line for each value of a third; from
 -- the same table. xlabel="..." and ylabel="..." name the axes, with their units, if the columns'
 -- names do not suffice. band=yes adds a band from the column y_low to y_high (rmse_low, rmse_high),
--- guides="-0.5 -1" grey lines of these slopes, and name=... names the picture's file.
+-- guides="-0.5 -1" grey lines of these slopes (rising ones from the lowest point on), and name=... names the picture's file.
+-- bars=yes draws bars from 0 on instead, beside each other for the values of `by`; x may be any text.
 --
 -- driver=bench stands for tools/bench.py, whose tables are those of make bench: the full measurement if
 -- this build has one, else the quick one.
@@ -41,6 +42,11 @@
 -- times as .timings does and plots the metrics over the number of triangles, or over x=...
 --
 -- where="threads=1 method=grid" keeps .timings, .table and .plot to rows with these values.
+--
+--   :::: {.if_measured table=peers}
+--   ::: {.table table=peers ...}
+--   ::::
+-- stays only if tables/peers.csv was measured before the page is woven; .unless_measured is its counterpart.
 --
 --   [boxes]{.measured driver=bvh_median scene=statue:87130 metric=build}
 -- becomes that one number; so does [gain]{.measured driver=bench table=accuracy where="case=lens" column=time_ratio},
@@ -203,6 +209,14 @@ local function expand(directives)
   end
 end
 
+-- Where there is no table, directives that would read it must not be expanded.
+local function choose(element)
+  local wanted = element.classes[1] == "if_measured"
+  if not wanted and element.classes[1] ~= "unless_measured" then return nil end
+  local path = drive.out .. "/tables/" .. drive.need(element, "table") .. ".csv"
+  return exists(path) and wanted and element.content or not exists(path) and not wanted and element.content or {}
+end
+
 local function forget(element)
   while element.attributes["data-pos"] do element.attributes["data-pos"] = nil end -- lists have two
   return element
@@ -224,6 +238,7 @@ function weave.filters(own)
   local divs = {figure = figures, timings = tables.timings, table = tables.table, plot = plot}
   for class, directive in pairs(own.Div or {}) do divs[class] = directive end
   return {
+    {Div = choose},
     {Div = expand(divs), Span = expand({measured = tables.measured}), Code = own.Code,
       CodeBlock = own.CodeBlock, Link = weave.resolve},
     {Header = remember, Div = remember, Span = remember, CodeBlock = remember},

@@ -2,34 +2,18 @@
 
 #include "features/shading.h"
 #include "render/render_sample.h"
+#include "render/stages/adaptive_plan.h"
 #include "render/stages/depth_of_field_stage.h"
 #include "render/tiles.h"
 
-#include <stdlib.h>
 #include <string.h>
-
-/* A generation has at most this many times the samples of all before. */
-static const double most_growth = 4;
-
-/* After a round, of the pixels of one colour of a chessboard. */
-typedef struct half_picture {
-    double samples, variance, squares;   /* sums; see rk_adaptive_error */
-    rk_adaptive_differences differences; /* sums */
-} half_picture;
 
 typedef struct adaptive_job {
     rk_rendering rendering; /* with its own options: each generation has another seed */
     rk_render_options options;
     rk_path_workspace *workspaces; /* one per thread */
     rk_counters *counters;         /* one per thread */
-    size_t pixels;
-    rk_pixel_samples *samples;       /* of the present generation */
-    rk_adaptive_estimate *estimates; /* by the generation before */
-    float *own_variances;
-    float lambda[2]; /* of each half */
-    half_picture halves[2];
-    uint32_t generation;
-    double thrown_away; /* samples of earlier generations */
+    rk_adaptive_plan plan;
 } adaptive_job;
 
 /* --- A round ---------------------------------------------------------------------------------- */
@@ -37,11 +21,6 @@ typedef struct adaptive_job {
 typedef struct sample_range {
     uint32_t first, end;
 } sample_range;
-
-static int half_of(const adaptive_job *job, size_t pixel)
-{
-    return (int)((pixel % job->options.width + pixel / job->options.width) % 2);
-}
 
 static size_t picture_pixel(const adaptive_job *job, const rk_sample_pass *pass, uint32_t pixel)
 {
@@ -54,17 +33,13 @@ static sample_range extend_pixels(const adaptive_job *job, const rk_sample_pass 
 {
     sample_range all = {UINT32_MAX, 0};
     for (uint32_t i = 0; i < pass->tile.width * pass->tile.height; i++) {
-        size_t at = picture_pixel(job, pass, i);
-        uint32_t count =
-            rk_adaptive_count(job->estimates[at].variance, job->lambda[half_of(job, at)],
-                              job->options.adaptive_sampling.max_samples);
-        ranges[i].first = job->samples[at].count;
-        ranges[i].end = count;
-        rk_adaptive_extend(&job->samples[at], count);
+        const size_t at = picture_pixel(job, pass, i);
+        ranges[i] = (sample_range){job->plan.samples[at].count, job->plan.counts[at]};
+        rk_adaptive_extend(&job->plan.samples[at], ranges[i].end);
         if (all.first > ranges[i].first)
             all.first = ranges[i].first;
-        if (all.end < count)
-            all.end = count;
+        if (all.end < ranges[i].end)
+            all.end = ranges[i].end;
     }
     return all;
 }
@@ -83,7 +58,7 @@ static void add_sample(const adaptive_job *job, const rk_sample_pass *pass, rk_f
 {
     for (uint32_t i = 0; i < pass->wanted_count; i++) {
         rk_vec3 *radiance = &film->sum[pass->wanted[i]];
-        rk_adaptive_add(&job->samples[picture_pixel(job, pass, pass->wanted[i])], pass->sample,
+        rk_adaptive_add(&job->plan.samples[picture_pixel(job, pass, pass->wanted[i])], pass->sample,
                         *radiance);
         *radiance = rk_vec(0, 0, 0);
     }
@@ -113,163 +88,25 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
     }
 }
 
-/* Variance is summed for each number of samples alone, because the ratio differs. */
-static void measure_half(adaptive_job *job, int half)
-{
-    rk_adaptive_differences levels[32] = {{0, 0}};
-    half_picture sums = {0, 0, 0, {0, 0}};
-    for (size_t i = 0; i < job->pixels; i++) {
-        const rk_pixel_samples *pixel = &job->samples[i];
-        if (half_of(job, i) != half)
-            continue;
-        const rk_adaptive_differences d = rk_adaptive_differences_of(pixel);
-        const rk_vec3 mean = rk_adaptive_mean(pixel);
-        const double square = (double)rk_dot(mean, mean) / 3;
-        rk_adaptive_differences *level = &levels[ilogbf((float)pixel->count)];
-        level->quarters += d.quarters;
-        level->halves += d.halves;
-        sums.samples += pixel->count;
-        sums.squares += isfinite(square) ? square : 0;
-    }
-    for (int i = 0; i < 32; i++) {
-        sums.differences.quarters += levels[i].quarters;
-        sums.differences.halves += levels[i].halves;
-        sums.variance += rk_adaptive_variance(levels[i]);
-    }
-    job->halves[half] = sums;
-}
-
-static half_picture whole_picture(const adaptive_job *job)
-{
-    const half_picture *a = &job->halves[0], *b = &job->halves[1];
-    return (half_picture){a->samples + b->samples,
-                          a->variance + b->variance,
-                          a->squares + b->squares,
-                          {a->differences.quarters + b->differences.quarters,
-                           a->differences.halves + b->differences.halves}};
-}
-
 static void render_round(adaptive_job *job, rk_pool *pool)
 {
     rk_pool_run(pool, rk_tile_count(&job->options), render_tile, job);
-    measure_half(job, 0);
-    measure_half(job, 1);
+    rk_adaptive_plan_measure(&job->plan);
     job->counters[0].rounds++;
-}
-
-/* --- The next round --------------------------------------------------------------------------- */
-
-/* Its allocation is by the samples so far, which are thrown away. */
-static void start_generation(adaptive_job *job, double *predicted)
-{
-    const uint32_t width = job->options.width, height = job->options.height;
-    double mean = 0;
-    job->thrown_away += whole_picture(job).samples;
-    for (size_t i = 0; i < job->pixels; i++) {
-        const float before = (float)job->estimates[i].count, now = (float)job->samples[i].count;
-        job->own_variances[i] =
-            (before * job->own_variances[i] + now * rk_adaptive_own_variance(&job->samples[i])) /
-            (before + now);
-        job->estimates[i].count += job->samples[i].count;
-        mean += (double)job->own_variances[i] / (double)job->pixels;
-    }
-    for (size_t i = 0; i < job->pixels; i++)
-        job->estimates[i].variance = rk_adaptive_pooled_variance(
-            job->own_variances, (float)mean, job->estimates[i].count, width, height,
-            (uint32_t)(i % width), (uint32_t)(i / width));
-    for (size_t i = 0; i < job->pixels; i++)
-        *predicted += (double)job->estimates[i].variance / job->samples[i].count;
-    memset(job->samples, 0, job->pixels * sizeof *job->samples);
-    job->generation++;
-    job->options.seed = rk_hash(job->options.seed, job->generation, 0, 0);
-}
-
-/* The largest variance, of as many pixels. */
-static double wanted_variance(const adaptive_job *job, const half_picture *sums)
-{
-    const double error = (double)job->options.adaptive_sampling.error;
-    return error * error * (sums->squares - sums->variance);
-}
-
-static float lambda_of(const adaptive_job *job, double ratio, double variance, double samples)
-{
-    return rk_adaptive_lambda(job->estimates, job->pixels,
-                              job->options.adaptive_sampling.max_samples, ratio, variance, samples);
-}
-
-static rk_adaptive_prediction predict(const adaptive_job *job, double ratio, float lambda)
-{
-    return rk_adaptive_predict(job->estimates, job->pixels, lambda,
-                               job->options.adaptive_sampling.max_samples, ratio);
-}
-
-/* Pixels with the least number of samples would keep it when lambda falls, until it reaches their
- * variance, and so would the error of those whose variance is underestimated. So they begin to grow
- * at once, one after the other. */
-static void raise_estimates(adaptive_job *job, float lambda)
-{
-    const float least = RK_ADAPTIVE_BLOCKS * RK_ADAPTIVE_BLOCKS * lambda;
-    for (size_t i = 0; i < job->pixels; i++) {
-        float u = rk_unit_float(rk_hash(job->options.seed, (uint32_t)i, 0, 0));
-        float variance = least * exp2f(2 * u - 1);
-        if (!(job->estimates[i].variance > variance))
-            job->estimates[i].variance = variance;
-    }
-}
-
-/* Returns whether it is the last one: it then begins with half of the samples that are predicted to
- * suffice. */
-static bool plan_generation(adaptive_job *job)
-{
-    const half_picture now = whole_picture(job);
-    const double ratio = rk_adaptive_ratio(now.differences);
-    double predicted = 0; /* variance of the present round */
-    start_generation(job, &predicted);
-    double want = wanted_variance(job, &now) * (predicted > 0 ? predicted / now.variance : 1);
-    float enough = lambda_of(job, ratio, want, (double)INFINITY);
-    double need = predict(job, ratio, enough).samples, most = most_growth * job->thrown_away;
-    float lambda = lambda_of(job, ratio, 0, need <= most ? need / 2 : fmin(most, need / 4));
-    lambda = fminf(lambda, 4 * enough); /* n / 2, if no pixel has the least number */
-    job->lambda[0] = job->lambda[1] = lambda;
-    raise_estimates(job, lambda);
-    return need <= most || predict(job, ratio, lambda).samples <= now.samples;
-}
-
-/* How many more samples a half takes is decided by the other half, so that no sample decides on
- * itself. */
-static float lambda_by(const adaptive_job *job, const half_picture *other, float lambda)
-{
-    const double ratio = (rk_adaptive_ratio(other->differences) + 0.5) / 2; /* it rises */
-    const double want = wanted_variance(job, other);
-    if (other->variance <= want)
-        return lambda;
-    const rk_adaptive_prediction now = predict(job, ratio, lambda);
-    return fminf(lambda, lambda_of(job, ratio, now.variance * want / other->variance,
-                                   most_growth * now.samples));
-}
-
-static bool is_reached(const half_picture *sums, double error)
-{
-    return !(rk_adaptive_error(sums->variance, sums->squares) > error);
 }
 
 static void render_rounds(adaptive_job *job, rk_pool *pool)
 {
-    for (size_t i = 0; i < job->pixels; i++)
-        job->estimates[i] = (rk_adaptive_estimate){RK_ADAPTIVE_FIRST * RK_ADAPTIVE_FIRST, 0};
-    job->lambda[0] = job->lambda[1] = 1;
+    rk_adaptive_generation next = RK_ADAPTIVE_EARLIER_GENERATION;
     render_round(job, pool);
-    const half_picture first = whole_picture(job);
-    if (is_reached(&first, (double)job->options.adaptive_sampling.error))
-        return;
-    bool is_last = false;
-    while (!is_last) {
-        is_last = plan_generation(job);
+    for (uint32_t generation = 1; next != RK_ADAPTIVE_LAST_GENERATION; generation++) {
+        next = rk_adaptive_plan_generation(&job->plan);
+        if (next == RK_ADAPTIVE_NO_GENERATION)
+            return;
+        job->options.seed = rk_hash(job->options.seed, generation, 0, 0);
         render_round(job, pool);
     }
-    const float lambda = job->lambda[0];
-    job->lambda[0] = lambda_by(job, &job->halves[job->pixels > 1], lambda);
-    job->lambda[1] = lambda_by(job, &job->halves[0], lambda);
+    rk_adaptive_plan_second_round(&job->plan);
     render_round(job, pool);
 }
 
@@ -286,37 +123,33 @@ static rk_vec3 colour_of_count(const adaptive_job *job, uint32_t count)
 
 static void put_image(const adaptive_job *job, rk_image *image)
 {
-    for (size_t i = 0; i < job->pixels; i++)
+    for (size_t i = 0; i < job->plan.pixels; i++)
         image->pixels[i] = job->options.adaptive_sampling.shown == RK_ADAPTIVE_SAMPLES
-                               ? colour_of_count(job, job->samples[i].count)
-                               : rk_adaptive_mean(&job->samples[i]);
+                               ? colour_of_count(job, job->plan.samples[i].count)
+                               : rk_adaptive_mean(&job->plan.samples[i]);
 }
 
 bool rk_adaptive_sampling_stage(const rk_rendering *r, rk_path_workspace *workspaces,
                                 rk_counters *counters, rk_image *image, rk_pool *pool,
                                 rk_error *error)
 {
-    adaptive_job job = {.rendering = *r,
-                        .options = *r->options,
-                        .workspaces = workspaces,
-                        .counters = counters,
-                        .pixels = image->width * image->height};
+    adaptive_job job = {
+        .rendering = *r, .options = *r->options, .workspaces = workspaces, .counters = counters};
     job.rendering.options = &job.options;
-    job.samples = rk_allocate(job.pixels, sizeof *job.samples, "samples", error);
-    job.estimates = rk_allocate_unset(job.pixels, sizeof *job.estimates, "samples", error);
-    job.own_variances = rk_allocate(job.pixels, sizeof *job.own_variances, "samples", error);
-    bool ok = job.samples && job.estimates && job.own_variances;
-    if (ok) {
-        render_rounds(&job, pool);
-        const half_picture whole = whole_picture(&job);
-        counters[0].kept_samples = (uint64_t)whole.samples;
-        counters[0].estimated_error = rk_adaptive_error(whole.variance, whole.squares);
-        put_image(&job, image);
-    }
-    free(job.samples);
-    free(job.estimates);
-    free(job.own_variances);
-    return ok;
+    if (!rk_adaptive_plan_init(&job.plan, &job.options.adaptive_sampling, job.options.width,
+                               job.options.height, error))
+        return false;
+    render_rounds(&job, pool);
+    const rk_adaptive_sums sums = rk_adaptive_plan_sums(&job.plan);
+    counters[0].kept_samples = (uint64_t)sums.samples;
+    counters[0].taken_samples = (uint64_t)(sums.samples + job.plan.thrown_away);
+    counters[0].estimated_error = rk_adaptive_error(sums.variance, sums.squares);
+    for (size_t i = 0; i < job.plan.pixels; i++)
+        if (counters[0].most_samples < job.plan.samples[i].count)
+            counters[0].most_samples = job.plan.samples[i].count;
+    put_image(&job, image);
+    rk_adaptive_plan_free(&job.plan);
+    return true;
 }
 
 /* --- The feature ----------------------------------------------------------------------------- */
@@ -353,9 +186,16 @@ static bool wanted(const rk_scene *scene, const rk_render_options *options)
     return options->adaptive_sampling.error > 0;
 }
 
-static bool check(const rk_render_options *options, rk_error *error)
+/* Half of the pixels decide on the samples of the others, which must not be related to theirs. */
+static bool check(const rk_render_options *o, rk_error *error)
 {
-    uint32_t most = options->adaptive_sampling.max_samples;
+    const uint32_t most = o->adaptive_sampling.max_samples;
+    const rk_sampler_kind kinds[] = {o->sampling, o->lens_sampling, o->light.sampling,
+                                     o->glossy.sampling, o->ambient_occlusion.sampling};
+    for (size_t i = 0; o->adaptive_sampling.error > 0 && i < sizeof kinds / sizeof *kinds; i++)
+        if (kinds[i] == RK_SAMPLER_ZSOBOL)
+            return rk_fail(error, "an error is asked for, which takes samples that do not depend "
+                                  "on other pixels; take sobol in place of zsobol");
     return (most & (most - 1)) == 0 ||
            rk_fail(error, "max-samples is %u, but it takes a power of two", most);
 }

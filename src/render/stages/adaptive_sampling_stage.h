@@ -1,11 +1,5 @@
 /* Adaptive sampling in the renderer: rounds over all tiles, until the predicted error is the wanted
- * one; not installed.
- *
- * The first round takes the same number of samples in every pixel. Each generation then allocates
- * samples by the variance that those before estimated, and theirs are thrown away: no sample
- * decides on its own number, and the mean is unbiased. The last generation has two rounds. The
- * second one adds to the first, for each colour of a chessboard as many samples as the other one
- * asks for. */
+ * one; not installed. */
 #ifndef RK_RENDER_STAGES_ADAPTIVE_SAMPLING_STAGE_H
 #define RK_RENDER_STAGES_ADAPTIVE_SAMPLING_STAGE_H
 

@@ -4,8 +4,8 @@
 #include "render/film.h"
 #include "render/stages/shadow_stage.h"
 
-rk_ambient_samples rk_ambient_samples_at(const rk_rendering *r, const rk_sample_pass *pass,
-                                         const rk_shading_point *point)
+void rk_ambient_samples_start(rk_ambient_samples *s, const rk_rendering *r,
+                              const rk_sample_pass *pass, const rk_shading_point *point)
 {
     const rk_render_options *options = r->options;
     const rk_ambient_occlusion_options *ambient = &options->ambient_occlusion;
@@ -14,17 +14,16 @@ rk_ambient_samples rk_ambient_samples_at(const rk_rendering *r, const rk_sample_
     /* Dimensions differ by bounce; the rays of a pixel at one bounce have the same ones. */
     uint32_t bounce = options->max_depth - path->bounces_left;
     uint32_t paths = index.samples * (path->split ? options->glossy.samples : 1);
-    return (rk_ambient_samples){
-        .frame = rk_ambient_frame_of(point->surface.normal, point->surface.face_normal),
-        .map = ambient->map,
-        .distance = ambient->distance,
-        .sampler = {ambient->sampling, options->seed, paths * ambient->samples},
-        .pixel = rk_picture_pixel(pass, options->width, point->pixel),
-        .dimension =
-            index.dimension + rk_feature_dimension(RK_FEATURE_ambient_occlusion) + 2 * bounce,
-        .first = path->sample * ambient->samples,
-        .count = ambient->samples,
-    };
+    s->frame = rk_ambient_frame_of(point->surface.normal, point->surface.face_normal);
+    s->map = ambient->map;
+    s->distance = ambient->distance;
+    s->sampler = rk_render_sampler(options, ambient->sampling, paths * ambient->samples);
+    s->pixel = rk_picture_pixel(pass, options->width, point->pixel);
+    s->dimension =
+        index.dimension + rk_feature_dimension(RK_FEATURE_ambient_occlusion) + 2 * bounce;
+    s->first = path->sample * ambient->samples;
+    s->count = ambient->samples;
+    rk_spawner_start(&s->spawner, &point->surface);
 }
 
 static void draw(rk_ambient_samples *s, uint32_t from)
@@ -34,14 +33,13 @@ static void draw(rk_ambient_samples *s, uint32_t from)
                     left < RK_AMBIENT_DRAWN ? left : RK_AMBIENT_DRAWN, s->dimension, s->drawn);
 }
 
-bool rk_ambient_ray(rk_ambient_samples *s, const rk_surface *surface, uint32_t i, rk_ray *ray,
-                    float *weight)
+bool rk_ambient_ray(rk_ambient_samples *s, uint32_t i, rk_ray *ray, float *weight)
 {
     if (i % RK_AMBIENT_DRAWN == 0)
         draw(s, i);
     rk_vec3 local = rk_ambient_hemisphere(s->map, s->drawn[i % RK_AMBIENT_DRAWN]), direction;
     bool above = rk_ambient_direction(&s->frame, local, &direction);
-    *ray = (rk_ray){rk_surface_spawn(surface, direction), rk_scale(direction, s->distance), 1};
+    *ray = (rk_ray){rk_spawner_origin(&s->spawner, direction), rk_scale(direction, s->distance), 1};
     *weight = rk_ambient_weight(s->map, local.z);
     return above;
 }
@@ -70,11 +68,12 @@ static void trace(const rk_rendering *r, rk_sample_pass *pass, visibility *v)
 static void queue_rays(const rk_rendering *r, rk_sample_pass *pass, const rk_shading_point *point,
                        uint32_t i, visibility *v)
 {
-    rk_ambient_samples samples = rk_ambient_samples_at(r, pass, point);
+    rk_ambient_samples samples;
+    rk_ambient_samples_start(&samples, r, pass, point);
     for (uint32_t sample = 0; sample < samples.count; sample++) {
         rk_ray ray;
         float weight;
-        if (!rk_ambient_ray(&samples, &point->surface, sample, &ray, &weight))
+        if (!rk_ambient_ray(&samples, sample, &ray, &weight))
             continue;
         uint32_t k = v->queue.rays.count;
         v->queue.point[k] = (uint16_t)i;

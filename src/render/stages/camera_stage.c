@@ -1,5 +1,6 @@
 #include "render/stages/camera_stage.h"
 
+#include "base/simd4.h"
 #include "render/stages/depth_of_field_stage.h"
 
 #include <string.h>
@@ -20,8 +21,8 @@ static rk_ray centre_ray(const rk_view *view, uint32_t x, uint32_t y)
 static rk_ray sampled_ray(const rk_rendering *r, const rk_sample_pass *pass, uint32_t x, uint32_t y)
 {
     const rk_render_options *options = r->options;
-    const rk_sampler sampler = {pass->out_of_focus ? options->lens_sampling : options->sampling,
-                                options->seed, pass->samples};
+    const rk_sampler sampler = rk_render_sampler(
+        options, pass->out_of_focus ? options->lens_sampling : options->sampling, pass->samples);
     uint32_t pixel = y * options->width + x;
     rk_vec2 within = rk_joint_2d(&sampler, pixel, pass->sample, RK_DIMENSION_PIXEL);
     if (!pass->out_of_focus)
@@ -47,32 +48,98 @@ static void push_pixel(const rk_rendering *r, const rk_sample_pass *pass, uint32
     rk_path_push_ray(paths, &ray, pixel);
 }
 
+/* Squares of 4 x 4 pixels follow each other, because their rays are closer together than a row's:
+ * sixteen rays traverse the tree as a packet. */
+enum { SQUARE = 4 };
+
+static uint32_t at_most(uint32_t a, uint32_t b)
+{
+    return a < b ? a : b;
+}
+
+static void push_square(const rk_rendering *r, const rk_sample_pass *pass, uint32_t x0, uint32_t y0,
+                        rk_path_batch *paths)
+{
+    const rk_tile *tile = &pass->tile;
+    for (uint32_t y = y0; y < at_most(y0 + SQUARE, tile->height); y++)
+        for (uint32_t x = x0; x < at_most(x0 + SQUARE, tile->width); x++)
+            if (rk_is_in_pass(r, pass, tile->x + x, tile->y + y))
+                push_pixel(r, pass, y * tile->width + x, paths);
+}
+
 static void push_sampled(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
 {
     const rk_tile *tile = &pass->tile;
-    uint32_t pixel = 0;
     if (r->plan.adaptive_sampling) {
         for (uint32_t i = 0; i < pass->wanted_count; i++)
             push_pixel(r, pass, pass->wanted[i], paths);
     } else {
-        for (uint32_t y = tile->y; y < tile->y + tile->height; y++)
-            for (uint32_t x = tile->x; x < tile->x + tile->width; x++, pixel++)
-                if (rk_is_in_pass(r, pass, x, y))
-                    push_pixel(r, pass, pixel, paths);
+        for (uint32_t y = 0; y < tile->height; y += SQUARE)
+            for (uint32_t x = 0; x < tile->width; x += SQUARE)
+                push_square(r, pass, x, y, paths);
     }
     bool at_random = r->plan.pixel_samples || pass->out_of_focus;
     pass->counters->pixel_samples += at_random ? paths->rays.count : 0;
     pass->counters->lens_samples += pass->out_of_focus ? paths->rays.count : 0;
 }
 
-static void push_centres(rk_view view, rk_tile tile, rk_path_batch *paths)
+/* What all rays of a pinhole have in common. */
+static void fill_batch(rk_vec3 origin, rk_path_batch *paths)
 {
-    uint32_t pixel = 0;
-    for (uint32_t y = tile.y; y < tile.y + tile.height; y++)
-        for (uint32_t x = tile.x; x < tile.x + tile.width; x++, pixel++) {
-            rk_ray ray = centre_ray(&view, x, y);
-            rk_path_push_ray(paths, &ray, pixel);
-        }
+    rk_ray_batch *rays = &paths->rays;
+    for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+        rays->origin_x[i] = origin.x;
+        rays->origin_y[i] = origin.y;
+        rays->origin_z[i] = origin.z;
+        rays->t_max[i] = INFINITY;
+    }
+}
+
+/* How far a row of the tile lies above the picture's middle. */
+static rk_vec3 raised_row(const rk_view *view, uint32_t y)
+{
+    return rk_scale(view->up, (0.5f * view->height - ((float)y + 0.5f)) * view->pixel);
+}
+
+/* The directions of up to four pixels of a row, each as by rk_view_ray to the bit: the picture
+ * plane is at distance 1, so that no direction is too short to be normalized. Lanes beyond the last
+ * pixel are overwritten by the next ones, or lie beyond the batch's count. */
+static inline void push_four(const rk_view *view, const rk_tile *tile, uint32_t x, uint32_t y,
+                             rk_vec3 raised, rk_path_batch *paths)
+{
+    const rk_simd4 lanes = {0.5f, 1.5f, 2.5f, 3.5f}, one = rk_simd4_all(1);
+    const rk_simd4 column = rk_simd4_all((float)(tile->x + x)) + lanes;
+    const rk_simd4 across = (column - 0.5f * view->width) * view->pixel;
+    const rk_simd4x3 d = {view->forward.x + view->right.x * across + raised.x,
+                          view->forward.y + view->right.y * across + raised.y,
+                          view->forward.z + view->right.z * across + raised.z};
+    const rk_simd4x3 unit = rk_simd4x3_scale(d, one / rk_simd4_sqrt(rk_simd4x3_dot(d, d)));
+    rk_ray_batch *rays = &paths->rays;
+    const uint32_t first = rays->count, width = at_most(SQUARE, tile->width - x);
+    rk_simd4_store(&rays->direction_x[first], unit.x);
+    rk_simd4_store(&rays->direction_y[first], unit.y);
+    rk_simd4_store(&rays->direction_z[first], unit.z);
+    for (uint32_t i = 0; i < SQUARE; i++) /* beyond the width, likewise */
+        paths->pixel[first + i] = (uint16_t)(y * tile->width + x + i);
+    rays->count += width;
+}
+
+_Static_assert(SQUARE == (int)RK_SIMD4_WIDTH && (int)RK_TILE_SIDE % SQUARE == 0,
+               "a whole row leaves no lane over");
+
+static void push_centres(const rk_view *view, rk_tile tile, rk_path_batch *paths)
+{
+    const rk_view own = *view; /* which the batch's stores cannot change */
+    fill_batch(view->position, paths);
+    for (uint32_t y0 = 0; y0 < tile.height; y0 += SQUARE) {
+        const uint32_t rows = at_most(SQUARE, tile.height - y0);
+        rk_vec3 raised[SQUARE];
+        for (uint32_t k = 0; k < rows; k++)
+            raised[k] = raised_row(&own, tile.y + y0 + k);
+        for (uint32_t x = 0; x < tile.width; x += SQUARE)
+            for (uint32_t k = 0; k < rows; k++)
+                push_four(&own, &tile, x, y0 + k, raised[k], paths);
+    }
 }
 
 void rk_camera_stage(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
@@ -83,6 +150,6 @@ void rk_camera_stage(const rk_rendering *r, const rk_sample_pass *pass, rk_path_
     if (r->plan.pixel_samples || r->plan.depth_of_field || r->plan.motion_blur)
         push_sampled(r, pass, paths);
     else
-        push_centres(r->view, pass->tile, paths);
+        push_centres(&r->view, pass->tile, paths);
     pass->counters->primary_rays += paths->rays.count;
 }

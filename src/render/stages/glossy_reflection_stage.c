@@ -32,8 +32,8 @@ static rk_glossy_samples samples_of(const rk_rendering *r, const rk_sample_pass 
         .disk = disk,
         .fraction = discards ? 1 : rk_glossy_fraction_above(&disk),
         .map = options->glossy.map,
-        .sampler = {options->glossy.sampling, options->seed,
-                    index.samples * options->glossy.samples},
+        .sampler = rk_render_sampler(options, options->glossy.sampling,
+                                     index.samples * options->glossy.samples),
         .pixel = rk_picture_pixel(pass, options->width, point->pixel),
         .dimension = index.dimension + RK_DIMENSION_GLOSSY + 2 * bounce,
         .first = path->sample * count,
@@ -74,16 +74,15 @@ static bool spawn_samples(rk_specular_queue *queue, rk_path_batch *reflected)
 {
     const rk_shading_point *point = &queue->waiting.points[queue->next];
     rk_glossy_samples *s = &queue->samples;
-    rk_vec3 start = rk_surface_spawn(&point->surface, s->disk.w);
+    rk_spawner spawner;
+    rk_spawner_start(&spawner, &point->surface);
     for (; queue->sample < s->count; queue->sample++) {
         rk_vec3 direction;
         if (reflected->rays.count == RK_BATCH_MAX)
             return false;
         if (!direction_of(s, queue->sample, &direction))
             continue;
-        rk_ray ray = {start, direction, INFINITY};
-        if (!rk_surface_spawns_alike(&point->surface, s->disk.w, direction))
-            ray.origin = rk_surface_spawn(&point->surface, direction);
+        rk_ray ray = {rk_spawner_origin(&spawner, direction), direction, INFINITY};
         rk_path_push(reflected, &ray, point->pixel,
                      rk_path_of(queue->throughput, s->first + queue->sample, true,
                                 point->path.bounces_left - 1u));

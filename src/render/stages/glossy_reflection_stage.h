@@ -1,6 +1,6 @@
 /* Rough mirrors. The first one of a path splits it into many rays within a disk of directions, each
  * further one spawns a single ray. The rays of a point follow each other in the batch, so that they
- * can be traced as a group (accel/ray_group.h); not installed. */
+ * are traced together; not installed. */
 #ifndef RK_RENDER_STAGES_GLOSSY_REFLECTION_STAGE_H
 #define RK_RENDER_STAGES_GLOSSY_REFLECTION_STAGE_H
 

@@ -166,8 +166,8 @@ static bool hit_light(const rk_rendering *r, const rk_sample_pass *pass,
                       uint32_t sample, rk_light_sample *hit)
 {
     const rk_light *light = &r->scene->lights[index];
-    rk_vec2 at,
-        xi = rk_light_random(r, pass, point, index, RK_DIMENSION_LOBE, directions_of(r), sample);
+    rk_vec2 at, xi;
+    rk_light_random(r, pass, point, index, RK_DIMENSION_LOBE, directions_of(r), sample, 1, &xi);
     rk_vec3 direction, from = point->surface.point;
     pass->counters->lobe_samples++;
     if (!rk_lobe_direction(lobe, xi, &direction) || !rk_light_hit(light, from, direction, &at))
@@ -180,7 +180,6 @@ void rk_highlight_stage(const rk_rendering *r, const rk_sample_pass *pass,
                         const rk_shading_points *points, uint32_t index, uint32_t sample,
                         rk_light_sums *sums, rk_shadow_queue *queue)
 {
-    queue->rays.count = 0;
     for (uint32_t i = 0; i < points->count; i++) {
         if (!(sums->solid_angle[i] > 0))
             continue;
@@ -194,10 +193,12 @@ void rk_highlight_stage(const rk_rendering *r, const rk_sample_pass *pass,
         if (rk_is_black(contribution))
             continue;
         sums->unshadowed[i] = rk_add(sums->unshadowed[i], contribution);
-        if (r->plan.shadow_rays)
-            rk_queue_shadow_ray(queue, points, i, rk_sub(hit.position, point->surface.point),
-                                hit.position, contribution);
-        else
+        if (!r->plan.shadow_rays) {
             sums->shadowed[i] = rk_add(sums->shadowed[i], contribution);
+            continue;
+        }
+        rk_queue_contribution(queue, point, i, contribution);
+        rk_vec3 to_light = rk_sub(hit.position, point->surface.point);
+        rk_queue_shadow_ray(queue, rk_surface_spawn(&point->surface, to_light), hit.position);
     }
 }

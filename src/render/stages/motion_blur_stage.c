@@ -38,10 +38,15 @@ static float draw_time(const rk_render_options *options, uint32_t pixel, uint32_
                        uint32_t samples)
 {
     const rk_motion_options *motion = &options->motion;
-    if (motion->sampling != RK_TIME_SOBOL)
+    rk_sampler_kind kind = RK_SAMPLER_SOBOL;
+    if (motion->sampling == RK_TIME_ZSOBOL)
+        kind = RK_SAMPLER_ZSOBOL;
+    else if (motion->sampling == RK_TIME_UNIFORM)
+        kind = RK_SAMPLER_UNIFORM;
+    else if (motion->sampling != RK_TIME_SOBOL)
         return rk_shutter_time(&motion->shutter, motion->sampling, options->seed, pixel, sample,
                                samples);
-    const rk_sampler sampler = {RK_SAMPLER_SOBOL, options->seed, samples};
+    const rk_sampler sampler = rk_render_sampler(options, kind, samples);
     float xi = rk_joint_1d(&sampler, pixel, sample, RK_DIMENSION_TIME);
     return rk_shutter_equidistant(&motion->shutter, xi + 0.5f, 1);
 }
@@ -87,8 +92,8 @@ void rk_motion_blur_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_
 
 /* --- The feature ----------------------------------------------------------------------------- */
 
-RK_NAMES(rk_time_sampling_names, rk_time_sampling, RK_TIME_SOBOL, "equidistant", "stratified",
-         "low-discrepancy", "sobol");
+RK_NAMES(rk_time_sampling_names, rk_time_sampling, RK_TIME_UNIFORM, "equidistant", "stratified",
+         "low-discrepancy", "sobol", "zsobol", "uniform");
 
 static const rk_option rows[] = {
     {"shutter-open", RK_FIELD(rk_render_options, motion.shutter.open), "X",

@@ -1,6 +1,14 @@
 #include "render/stages/parallelogram_light_stage.h"
 
+#include "base/simd4.h"
 #include "render/stages/highlight_stage.h"
+
+/* After an early out, this many of the next rays are traced on average, per as many as the first.
+ */
+static const float early_out_checks = 2;
+
+/* Beside the light's and the lobes' dimensions. */
+enum { RK_DIMENSION_EARLY_OUT = RK_DIMENSION_LIGHT + 3 * (1 << 14) };
 
 static uint32_t samples_of(const rk_rendering *r, const rk_light *light)
 {
@@ -17,57 +25,142 @@ static void start(const rk_shading_points *points, rk_light_sums *sums)
 }
 
 /* Each bounce and light has dimensions of its own; all paths of a pixel are one set of samples. */
-rk_vec2 rk_light_random(const rk_rendering *r, const rk_sample_pass *pass,
-                        const rk_shading_point *point, uint32_t light, uint32_t dimension,
-                        uint32_t samples, uint32_t sample)
+void rk_light_random(const rk_rendering *r, const rk_sample_pass *pass,
+                     const rk_shading_point *point, uint32_t light, uint32_t dimension,
+                     uint32_t samples, uint32_t first, uint32_t count, rk_vec2 *numbers)
 {
     const rk_path *path = &point->path;
     const rk_sample_index index = rk_sample_index_of(pass, point->pixel);
     uint32_t bounce = r->options->max_depth - path->bounces_left;
     uint32_t paths = index.samples * (path->split ? r->options->glossy.samples : 1);
     uint32_t pixel = rk_picture_pixel(pass, r->options->width, point->pixel);
-    const rk_sampler sampler = {r->options->light.sampling, r->options->seed, paths * samples};
-    return rk_joint_2d(&sampler, pixel, path->sample * samples + sample,
-                       index.dimension + dimension + 2 * (bounce * RK_LIGHTS_MAX + light));
+    const rk_sampler sampler =
+        rk_render_sampler(r->options, r->options->light.sampling, paths * samples);
+    rk_joint_2d_run(&sampler, pixel, path->sample * samples + first, count,
+                    index.dimension + dimension + 2 * (bounce * RK_LIGHTS_MAX + light), numbers);
 }
 
-static rk_light_sample light_sample(const rk_rendering *r, const rk_sample_pass *pass,
-                                    const rk_shading_point *point, uint32_t index, uint32_t sample)
+static bool is_decided(const rk_light_sums *sums, uint32_t i)
 {
-    const rk_light *light = &r->scene->lights[index];
-    const rk_light_options *options = &r->options->light;
-    rk_vec2 xi = {0, 0};
-    if (light->kind != RK_LIGHT_POINT) {
-        xi = rk_light_random(r, pass, point, index, RK_DIMENSION_LIGHT, options->samples, sample);
-        pass->counters->light_samples++;
-    }
-    return rk_light_sample_at(light, options->falloff, options->domain, point->surface.point, xi);
+    return sums->visibility[i] == RK_LIGHT_UNOCCLUDED || sums->visibility[i] == RK_LIGHT_OCCLUDED;
 }
 
-/* Contributions of undecided points wait for their shadow rays; others count at once. */
+/* After an early out, a ray now and then is traced all the same, and stands for several, so that
+ * the mean is right however small the part of the light that the first rays missed. Returns for how
+ * many, or 0 if the sample's ray is not traced. */
+static float rays_stood_for(const rk_rendering *r, const rk_sample_pass *pass,
+                            const rk_shading_point *point, uint32_t light, uint32_t sample)
+{
+    const float rays = (float)r->options->light.early_out / early_out_checks;
+    const rk_path *path = &point->path;
+    const uint32_t bounce = r->options->max_depth - path->bounces_left;
+    const uint32_t random =
+        rk_hash(r->options->seed, rk_picture_pixel(pass, r->options->width, point->pixel),
+                path->sample * r->options->light.samples + sample,
+                rk_sample_index_of(pass, point->pixel).dimension + RK_DIMENSION_EARLY_OUT +
+                    bounce * RK_LIGHTS_MAX + light);
+    if (rays <= 1)
+        return 1;
+    return rk_unit_float(random) * rays < 1 ? rays : 0;
+}
+
+/* Consecutive samples of one light. */
+typedef struct sample_run {
+    uint32_t light, first, count;
+} sample_run;
+
+enum { run_max = 64 };
+
+static void draw(const rk_rendering *r, const rk_sample_pass *pass, const rk_shading_point *point,
+                 sample_run run, rk_vec2 numbers[run_max])
+{
+    if (r->scene->lights[run.light].kind == RK_LIGHT_POINT) {
+        numbers[0] = (rk_vec2){0, 0};
+        return;
+    }
+    rk_light_random(r, pass, point, run.light, RK_DIMENSION_LIGHT, r->options->light.samples,
+                    run.first, run.count, numbers);
+    pass->counters->light_samples += run.count;
+}
+
+/* Unit directions from the point to the samples, four at once. Lanes beyond the last sample hold
+ * anything. */
+static void find_directions(const rk_shading_point *point, const rk_light_sample *samples,
+                            uint32_t count, float to_light[3][run_max])
+{
+    const rk_simd4x3 from = rk_simd4x3_all(point->surface.point);
+    for (uint32_t k = 0; k < count; k += RK_SIMD4_WIDTH) {
+        const rk_simd4x3 to = rk_simd4x3_load(&samples[k].position, &samples[k + 1].position,
+                                              &samples[k + 2].position, &samples[k + 3].position);
+        const rk_simd4x3 d = rk_simd4x3_normalize(rk_simd4x3_sub(to, from));
+        rk_simd4_store(&to_light[0][k], d.x);
+        rk_simd4_store(&to_light[1][k], d.y);
+        rk_simd4_store(&to_light[2][k], d.z);
+    }
+}
+
+/* The contributions of a point's samples, unless occluded. `solid_angle`: see rk_highlight_start; 0
+ * without sharp highlights. */
+static void find_contributions(const rk_rendering *r, const rk_shading_point *point,
+                               const rk_light *light, double solid_angle, uint32_t count,
+                               const rk_light_sample *samples, rk_vec3 *contributions)
+{
+    float d[3][run_max];
+    if (solid_angle > 0) {
+        for (uint32_t k = 0; k < count; k++)
+            contributions[k] =
+                rk_highlight_of_light_sample(r, point, light, solid_angle, &samples[k]);
+        return;
+    }
+    find_directions(point, samples, count, d);
+    for (uint32_t k = 0; k < count; k++)
+        contributions[k] = rk_reflected_radiance_from(
+            &r->options->shading, point, rk_vec(d[0][k], d[1][k], d[2][k]), samples[k].colour);
+}
+
+/* The samples of one shading point. Contributions of an undecided point wait for their shadow rays;
+ * others count at once, and are corrected by rays that disagree. */
 static void queue_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
-                              const rk_shading_points *points, uint32_t index, uint32_t sample,
+                              const rk_shading_points *points, uint32_t i, sample_run run,
                               rk_light_sums *sums, rk_shadow_queue *queue)
 {
-    queue->rays.count = 0;
-    for (uint32_t i = 0; i < points->count; i++) {
-        if (sums->visibility[i] == RK_LIGHT_OCCLUDED)
+    const rk_light_options *options = &r->options->light;
+    const rk_light *light = &r->scene->lights[run.light];
+    const rk_shading_point *point = &points->points[i];
+    const rk_light_visibility visibility = sums->visibility[i];
+    const bool decided = is_decided(sums, i);
+    const double solid_angle = r->plan.sharp_highlights ? sums->solid_angle[i] : 0;
+    float rays[run_max];
+    rk_vec2 numbers[run_max];
+    rk_light_sample samples[run_max];
+    rk_vec3 contributions[run_max];
+    rk_spawner spawner;
+    bool counts = visibility != RK_LIGHT_OCCLUDED;
+    for (uint32_t k = 0; k < run.count; k++) {
+        rays[k] = decided ? rays_stood_for(r, pass, point, run.light, run.first + k) : 1;
+        counts |= rays[k] > 0;
+    }
+    if (!counts)
+        return;
+    draw(r, pass, point, run, numbers);
+    for (uint32_t k = 0; k < run.count; k++)
+        samples[k] = rk_light_sample_at(light, options->falloff, options->domain,
+                                        point->surface.point, numbers[k]);
+    find_contributions(r, point, light, solid_angle, run.count, samples, contributions);
+    rk_spawner_start(&spawner, &point->surface);
+    for (uint32_t k = 0; k < run.count; k++) {
+        const rk_vec3 contribution = contributions[k];
+        if (rk_is_black(contribution) || (rays[k] == 0 && visibility == RK_LIGHT_OCCLUDED))
             continue;
-        const rk_shading_point *point = &points->points[i];
-        rk_light_sample light = light_sample(r, pass, point, index, sample);
-        rk_vec3 to_light = rk_sub(light.position, point->surface.point);
-        rk_vec3 contribution =
-            r->plan.sharp_highlights && sums->solid_angle[i] > 0
-                ? rk_highlight_of_light_sample(r, point, &r->scene->lights[index],
-                                               sums->solid_angle[i], &light)
-                : rk_reflected_radiance(&r->options->shading, point, to_light, light.colour);
-        if (rk_is_black(contribution))
-            continue;
-        sums->unshadowed[i] = rk_add(sums->unshadowed[i], contribution);
-        if (!r->plan.shadow_rays || sums->visibility[i] == RK_LIGHT_UNOCCLUDED)
+        sums->unshadowed[i] = rk_madd(sums->unshadowed[i], contribution,
+                                      visibility == RK_LIGHT_OCCLUDED ? rays[k] : 1);
+        if (!r->plan.shadow_rays || visibility == RK_LIGHT_UNOCCLUDED)
             sums->shadowed[i] = rk_add(sums->shadowed[i], contribution);
-        else
-            rk_queue_shadow_ray(queue, points, i, to_light, light.position, contribution);
+        if (r->plan.shadow_rays && rays[k] > 0) {
+            rk_vec3 to_light = rk_sub(samples[k].position, point->surface.point);
+            rk_queue_contribution(queue, point, i, rk_scale(contribution, rays[k]));
+            rk_queue_shadow_ray(queue, rk_spawner_origin(&spawner, to_light), samples[k].position);
+        }
     }
 }
 
@@ -77,22 +170,29 @@ static bool is_attenuated(const rk_rendering *r, const rk_shadow_answers *answer
     return r->plan.transparency && (t->x < 1 || t->y < 1 || t->z < 1);
 }
 
-static void trace(const rk_rendering *r, rk_sample_pass *pass, const rk_shadow_queue *queue,
+/* A ray that disagrees with the decision reverses it. */
+static void trace(const rk_rendering *r, rk_sample_pass *pass, rk_shadow_queue *queue,
                   rk_shadow_answers *answers, rk_light_sums *sums)
 {
     if (queue->rays.count == 0)
         return;
     rk_shadow_stage(r, pass, queue, answers);
     for (uint32_t k = 0; k < queue->rays.count; k++) {
-        uint32_t i = queue->point[k];
+        const uint32_t i = queue->point[k];
+        const bool occluded = answers->occlusion.occluded[k];
+        const bool attenuated = !occluded && is_attenuated(r, answers, k);
+        rk_vec3 seen = occluded ? rk_vec(0, 0, 0) : rk_unoccluded(r, queue, answers, k);
         sums->traced[i]++;
-        if (answers->occlusion.occluded[k])
-            continue;
-        sums->unoccluded[i]++;
-        if (is_attenuated(r, answers, k))
+        sums->unoccluded[i] += !occluded;
+        if (sums->visibility[i] == RK_LIGHT_UNOCCLUDED)
+            seen = rk_sub(seen, queue->contribution[k]);
+        if (is_decided(sums, i) && occluded == (sums->visibility[i] == RK_LIGHT_UNOCCLUDED))
+            sums->visibility[i] = RK_LIGHT_UNDECIDED;
+        if (attenuated)
             sums->visibility[i] = RK_LIGHT_ATTENUATED;
-        sums->shadowed[i] = rk_add(sums->shadowed[i], rk_unoccluded(r, queue, answers, k));
+        sums->shadowed[i] = rk_add(sums->shadowed[i], seen);
     }
+    queue->rays.count = 0;
 }
 
 static void early_out(const rk_shading_points *points, rk_light_sums *sums)
@@ -135,22 +235,43 @@ static void add_means(const rk_rendering *r, const rk_shading_points *points, co
     }
 }
 
+/* A point's samples are queued `run` at a time, those of all points one after the other. */
+static void sample_light(const rk_rendering *r, rk_sample_pass *pass,
+                         const rk_shading_points *points, sample_run all, uint32_t run,
+                         rk_shadow_queue *queue, rk_shadow_answers *answers, rk_light_sums *sums)
+{
+    const uint32_t end = all.first + all.count;
+    for (sample_run now = all; now.first < end; now.first += now.count) {
+        now.count = end - now.first < run ? end - now.first : run;
+        for (uint32_t i = 0; i < points->count; i++) {
+            if (queue->rays.count + now.count > RK_BATCH_MAX)
+                trace(r, pass, queue, answers, sums);
+            queue_shadow_rays(r, pass, points, i, now, sums, queue);
+        }
+        trace(r, pass, queue, answers, sums);
+    }
+}
+
 void rk_parallelogram_light_stage(const rk_rendering *r, rk_sample_pass *pass,
                                   const rk_shading_points *points, uint32_t index,
                                   rk_shadow_queue *queue, rk_shadow_answers *answers,
                                   rk_light_sums *sums, rk_film *film)
 {
     const rk_light *light = &r->scene->lights[index];
-    uint32_t samples = samples_of(r, light);
+    const uint32_t samples = samples_of(r, light), early = r->options->light.early_out;
+    const uint32_t first_round = early > 0 && early < samples ? early : samples;
     uint32_t directions = 0;
     start(points, sums);
+    queue->rays.count = 0;
     if (r->plan.sharp_highlights)
         directions = rk_highlight_start(r, points, light, sums);
-    for (uint32_t sample = 0; sample < samples; sample++) {
-        if (sample > 0 && sample == r->options->light.early_out)
-            early_out(points, sums);
-        queue_shadow_rays(r, pass, points, index, sample, sums, queue);
-        trace(r, pass, queue, answers, sums);
+    sample_light(r, pass, points, (sample_run){index, 0, first_round}, run_max, queue, answers,
+                 sums);
+    if (first_round < samples) {
+        /* One sample at a time: a ray that disagrees decides how the next is treated. */
+        early_out(points, sums);
+        sample_light(r, pass, points, (sample_run){index, first_round, samples - first_round}, 1,
+                     queue, answers, sums);
     }
     for (uint32_t sample = 0; sample < directions; sample++) {
         rk_highlight_stage(r, pass, points, index, sample, sums, queue);
@@ -183,8 +304,8 @@ static const rk_option rows[] = {
      "ratio estimator: unshadowed light in closed form, times the sampled ratio; for a "
      "parallelogram of one colour with --falloff physical and Lambert's law"},
     {"early-out", RK_FIELD(rk_render_options, light.early_out), "N",
-     "stop after this many shadow rays if all or none of them are occluded; 0: trace all", 0,
-     RK_SAMPLES_MAX, RK_LIGHT_EARLY_OUT, .alias = "settle"},
+     "trace few more than this many shadow rays if all or none of them are occluded; 0: trace all",
+     0, RK_SAMPLES_MAX, 0, .alias = "settle"},
     {0},
 };
 

@@ -1,6 +1,7 @@
-/* Lights with an extent or a falloff: sample by sample, a shadow ray and its contribution for each
- * shading point of the batch. A point stops early if its first shadow rays agree, all or none of
- * them occluded; not installed. */
+/* Lights with an extent or a falloff: point by point, a shadow ray and its contribution for each
+ * sample of the light. A point's rays make a narrow bundle, from one origin to one light, so they
+ * are traced together. If its first shadow rays agree, all or none of them occluded, a point may
+ * trace only a few of the others (--early-out); not installed. */
 #ifndef RK_RENDER_STAGES_PARALLELOGRAM_LIGHT_STAGE_H
 #define RK_RENDER_STAGES_PARALLELOGRAM_LIGHT_STAGE_H
 
@@ -8,8 +9,8 @@
 #include "render/film.h"
 #include "render/stages/shadow_stage.h"
 
-/* The result of a point's first shadow rays. Attenuated ones differ in transmittance, so they never
- * agree. */
+/* The result of a point's first shadow rays, until one disagrees. Attenuated ones differ in
+ * transmittance, so they never agree. */
 typedef enum rk_light_visibility {
     RK_LIGHT_UNDECIDED,
     RK_LIGHT_ATTENUATED,
@@ -34,11 +35,11 @@ void rk_parallelogram_light_stage(const rk_rendering *r, rk_sample_pass *pass,
                                   rk_shadow_queue *queue, rk_shadow_answers *answers,
                                   rk_light_sums *sums, rk_film *film);
 
-/* Returns the random number, from this and the next of the dimensions, for one of `samples` samples
- * of the light at a shading point. */
-rk_vec2 rk_light_random(const rk_rendering *r, const rk_sample_pass *pass,
-                        const rk_shading_point *point, uint32_t light, uint32_t dimension,
-                        uint32_t samples, uint32_t sample);
+/* The random numbers, from this and the next of the dimensions, for `count` of `samples` samples of
+ * the light at a shading point, from sample `first` on. */
+void rk_light_random(const rk_rendering *r, const rk_sample_pass *pass,
+                     const rk_shading_point *point, uint32_t light, uint32_t dimension,
+                     uint32_t samples, uint32_t first, uint32_t count, rk_vec2 *numbers);
 
 /* Of the directions in lobes: beyond those of all lights' samples at all bounces. */
 enum { RK_DIMENSION_LOBE = RK_DIMENSION_LIGHT + (1 << 15) };

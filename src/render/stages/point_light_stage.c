@@ -1,5 +1,34 @@
 #include "render/stages/point_light_stage.h"
 
+#include "base/simd4.h"
+
+/* Unit directions from shading points to a light. */
+typedef struct light_directions {
+    float x[RK_BATCH_MAX], y[RK_BATCH_MAX], z[RK_BATCH_MAX];
+} light_directions;
+
+static inline rk_vec3 direction_at(const light_directions *directions, uint32_t i)
+{
+    return rk_vec(directions->x[i], directions->y[i], directions->z[i]);
+}
+
+/* Four points at once, each as by rk_normalize to the bit. Lanes beyond the last point hold
+ * anything. */
+static void find_directions(const rk_shading_points *points, rk_vec3 light,
+                            light_directions *directions)
+{
+    const rk_simd4x3 position = rk_simd4x3_all(light);
+    const rk_shading_point *four = points->points;
+    for (uint32_t i = 0; i < points->count; i += RK_SIMD4_WIDTH, four += RK_SIMD4_WIDTH) {
+        const rk_simd4x3 at = rk_simd4x3_load(&four[0].surface.point, &four[1].surface.point,
+                                              &four[2].surface.point, &four[3].surface.point);
+        const rk_simd4x3 d = rk_simd4x3_normalize(rk_simd4x3_sub(position, at));
+        rk_simd4_store(&directions->x[i], d.x);
+        rk_simd4_store(&directions->y[i], d.y);
+        rk_simd4_store(&directions->z[i], d.z);
+    }
+}
+
 static inline void add_unoccluded(const rk_shading_point *point, rk_vec3 contribution,
                                   rk_film *film)
 {
@@ -7,28 +36,30 @@ static inline void add_unoccluded(const rk_shading_point *point, rk_vec3 contrib
 }
 
 static void add_all(const rk_rendering *r, const rk_shading_points *points, rk_light_sample light,
-                    rk_film *film)
+                    const light_directions *directions, rk_film *film)
 {
-    const rk_shading *shading = &r->options->shading;
-    const rk_shading_point *end = points->points + points->count;
-    for (const rk_shading_point *point = points->points; point < end; point++) {
-        rk_vec3 to_light = rk_sub(light.position, point->surface.point);
-        rk_vec3 contribution = rk_reflected_radiance(shading, point, to_light, light.colour);
-        add_unoccluded(point, contribution, film);
-    }
+    const rk_shading_point *point = points->points;
+    for (uint32_t i = 0; i < points->count; i++, point++)
+        add_unoccluded(point,
+                       rk_reflected_radiance_from(&r->options->shading, point,
+                                                  direction_at(directions, i), light.colour),
+                       film);
 }
 
 static void queue_shadow_rays(const rk_rendering *r, const rk_shading_points *points,
-                              rk_light_sample light, rk_shadow_queue *queue)
+                              rk_light_sample light, const light_directions *directions,
+                              rk_shadow_queue *queue)
 {
+    const rk_shading_point *point = points->points;
     queue->rays.count = 0;
-    for (uint32_t i = 0; i < points->count; i++) {
-        const rk_shading_point *point = &points->points[i];
+    for (uint32_t i = 0; i < points->count; i++, point++) {
+        rk_vec3 contribution = rk_reflected_radiance_from(
+            &r->options->shading, point, direction_at(directions, i), light.colour);
+        if (rk_is_black(contribution))
+            continue;
+        rk_queue_contribution(queue, point, i, contribution);
         rk_vec3 to_light = rk_sub(light.position, point->surface.point);
-        rk_vec3 contribution =
-            rk_reflected_radiance(&r->options->shading, point, to_light, light.colour);
-        if (!rk_is_black(contribution))
-            rk_queue_shadow_ray(queue, points, i, to_light, light.position, contribution);
+        rk_queue_shadow_ray(queue, rk_surface_spawn(&point->surface, to_light), light.position);
     }
 }
 
@@ -39,11 +70,13 @@ void rk_point_light_stage(const rk_rendering *r, rk_sample_pass *pass,
     const rk_light_options *options = &r->options->light;
     const rk_light_sample everywhere = rk_light_sample_at(light, options->falloff, options->domain,
                                                           light->position, (rk_vec2){0, 0});
+    light_directions directions;
+    find_directions(points, light->position, &directions);
     if (!r->plan.shadow_rays) {
-        add_all(r, points, everywhere, film);
+        add_all(r, points, everywhere, &directions, film);
         return;
     }
-    queue_shadow_rays(r, points, everywhere, queue);
+    queue_shadow_rays(r, points, everywhere, &directions, queue);
     if (queue->rays.count == 0)
         return;
     rk_shadow_stage(r, pass, queue, answers);

@@ -21,16 +21,19 @@ typedef struct rk_shadow_answers {
     rk_vec3 transmittance[RK_BATCH_MAX]; /* set only with plan.transparency */
 } rk_shadow_answers;
 
-static inline void rk_queue_shadow_ray(rk_shadow_queue *queue, const rk_shading_points *points,
-                                       uint32_t i, rk_vec3 to_light, rk_vec3 light,
-                                       rk_vec3 contribution)
+/* The data of the next ray; rk_queue_shadow_ray follows. `i`: the point's index. */
+static inline void rk_queue_contribution(rk_shadow_queue *queue, const rk_shading_point *point,
+                                         uint32_t i, rk_vec3 contribution)
 {
-    const rk_shading_point *point = &points->points[i];
-    rk_vec3 start = rk_surface_spawn(&point->surface, to_light);
-    rk_ray ray = {start, rk_sub(light, start), 1};
     queue->point[queue->rays.count] = (uint16_t)i;
     queue->pixel[queue->rays.count] = point->pixel;
     queue->contribution[queue->rays.count] = contribution;
+}
+
+/* `start`: spawned from the point. */
+static inline void rk_queue_shadow_ray(rk_shadow_queue *queue, rk_vec3 start, rk_vec3 light)
+{
+    rk_ray ray = {start, rk_sub(light, start), 1};
     rk_batch_push(&queue->rays, &ray);
 }
 

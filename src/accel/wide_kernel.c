@@ -1,0 +1,66 @@
+#include "accel/wide_kernel.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct choice {
+    const char *isa;
+    const rk_wide_kernel *(*kernel)(void);
+    bool is_known; /* to the machine */
+} choice;
+
+enum { choices = 4 };
+
+/* The fastest first. */
+static const rk_wide_kernel *pick(const char *isa, bool *is_name)
+{
+    choice all[choices] = {{"avx512", rk_wide_kernel_avx512, false},
+                           {"avx2", rk_wide_kernel_avx2, false},
+                           {"sse2", rk_wide_kernel_sse2, true},
+                           {"scalar", rk_wide_kernel_scalar, true}};
+#if defined __x86_64__ || defined __i386__
+    __builtin_cpu_init();
+    all[1].is_known = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
+    all[0].is_known = all[1].is_known && __builtin_cpu_supports("avx512f") &&
+                      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
+                      __builtin_cpu_supports("avx512bw");
+#endif
+    *is_name = false;
+    for (int i = 0; i < choices; i++) {
+        if (isa && strcmp(isa, all[i].isa) != 0)
+            continue;
+        *is_name = true;
+        if (all[i].is_known && all[i].kernel())
+            return all[i].kernel();
+    }
+    return NULL;
+}
+
+const rk_wide_kernel *rk_wide_kernel_named(const char *isa, rk_error *error)
+{
+    bool is_name;
+    const rk_wide_kernel *kernel = pick(isa, &is_name);
+    if (!is_name)
+        rk_fail(error,
+                "RAYKIT_ISA=%s: choose scalar, sse2, avx2 or avx512, or leave it unset for "
+                "the fastest",
+                isa);
+    else if (!kernel)
+        rk_fail(error,
+                "RAYKIT_ISA=%s: this machine or this build does not have it; leave "
+                "RAYKIT_ISA unset for the fastest that it has",
+                isa);
+    return kernel;
+}
+
+const rk_wide_kernel *rk_wide_kernel_chosen(rk_error *error)
+{
+    const char *isa = getenv("RAYKIT_ISA");
+    return rk_wide_kernel_named(isa && *isa ? isa : NULL, error);
+}
+
+const rk_wide_kernel *rk_wide_kernel_best(void)
+{
+    const rk_wide_kernel *kernel = rk_wide_kernel_chosen(NULL);
+    return kernel ? kernel : rk_wide_kernel_named(NULL, NULL);
+}

@@ -1,0 +1,698 @@
+/* The wide tree: its shape and its cost, and that rays find the same hits in it as by brute force,
+ * with no more work than it takes. */
+#include "short_memory.h"
+#include "test.h"
+#include "test_soup.h"
+
+#include "features/bvh_median.h"
+#include "features/sah_binning.h"
+#include "features/wide_bvh.h"
+#include "scene/bvh_build.h"
+
+#include <float.h>
+
+/* --- Trees to try ------------------------------------------------------------------------------
+ */
+
+static rk_bvh build_binary(const rk_mesh *mesh)
+{
+    const rk_sah_options options = {16, true};
+    rk_bvh bvh;
+    rk_error error;
+    rk_check_ok(rk_bvh_build_sah(&bvh, mesh, &options, &error), error);
+    return bvh;
+}
+
+/* Nodes and leaves, whatever the blocks hold. */
+static rk_wide_bvh collapse(const rk_bvh *bvh)
+{
+    rk_wide_bvh wide;
+    rk_error error;
+    rk_check_ok(rk_wide_bvh_build(&wide, bvh, &error), error);
+    return wide;
+}
+
+static rk_wide_bvh widen(const rk_bvh *bvh, const rk_mesh *mesh)
+{
+    rk_wide_bvh wide = collapse(bvh);
+    rk_error error;
+    rk_check(rk_wide_bvh_validate(&wide, mesh, &error),
+             "the wide tree over %u triangle%s is not sound: %s", mesh->triangle_count,
+             mesh->triangle_count == 1 ? "" : "s", error.text);
+    return wide;
+}
+
+static rk_wide_bvh build(const rk_mesh *mesh)
+{
+    rk_bvh bvh = build_binary(mesh);
+    rk_wide_bvh wide = widen(&bvh, mesh);
+    rk_bvh_free(&bvh);
+    return wide;
+}
+
+/* The number of children of a node. */
+static uint32_t children_of(const rk_wide_node *node)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < RK_WIDE_CHILDREN; i++)
+        count += node->child[i] != rk_wide_leaf(0, 0);
+    return count;
+}
+
+/* Squares of 0.5 x 0.5 across the z axis at z = 0, 1, 2 ..., one in front of the other; each is two
+ * triangles. */
+static rk_mesh make_walls(uint32_t walls)
+{
+    rk_mesh mesh = make_mesh(2 * walls);
+    for (uint32_t i = 0; i < walls; i++)
+        for (uint32_t k = 0; k < 6; k++) {
+            uint32_t corner = k < 3 ? k : 6 - k; /* 0 1 2, 3 2 1 */
+            mesh.positions[6 * i + k] =
+                rk_vec(corner & 1 ? 0.25f : -0.25f, corner & 2 ? 0.25f : -0.25f, (float)i);
+        }
+    return mesh;
+}
+
+/* --- The tree ----------------------------------------------------------------------------------
+ */
+
+static void a_node_is_four_cache_lines_and_a_block_less_than_three(void **state)
+{
+    (void)state;
+    rk_check_equal(sizeof(rk_wide_node), 256, "eight boxes, eight children, eight orders");
+    rk_check_equal(sizeof(rk_wide_block), 176, "nine times four coordinates, four indices, edge");
+}
+
+static void no_triangles_give_a_tree_without_nodes(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_mesh(0);
+    rk_wide_bvh wide = build(&mesh);
+    rk_check(wide.node_count == 0 && wide.block_count == 0, "got %u nodes and %u blocks, want none",
+             wide.node_count, wide.block_count);
+    rk_ray ray = {rk_vec(0, 0, 0), rk_vec(0, 0, 1), 2};
+    rk_counters counters = {0};
+    rk_hit hit = rk_wide_bvh_closest(&wide, &ray, &counters);
+    rk_check(hit.triangle == RK_MISS && hit.t == 2, "a tree without nodes was hit at t = %g",
+             (double)hit.t);
+    rk_check(!rk_wide_bvh_occluded(&wide, &ray, &counters), "a tree without nodes occludes");
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
+static void up_to_four_triangles_are_one_block(void **state)
+{
+    (void)state;
+    for (uint32_t n = 1; n <= 4; n++) {
+        rk_mesh mesh = make_soup(n, 0.5f, 1);
+        rk_bvh bvh;
+        rk_error error;
+        rk_check_ok(rk_bvh_build_median(&bvh, &mesh, &error), error);
+        rk_wide_bvh wide = widen(&bvh, &mesh);
+        rk_check_equal(wide.node_count, 1, "the root, whose only child is the leaf");
+        rk_check_equal(wide.block_count, 1, "a block has room for four triangles");
+        rk_check_equal(children_of(&wide.nodes[0]), 1, "one leaf");
+        rk_wide_bvh_free(&wide);
+        rk_bvh_free(&bvh);
+        rk_mesh_free(&mesh);
+    }
+}
+
+/* Clusters of four triangles, far from each other. */
+static rk_mesh make_clusters(uint32_t clusters)
+{
+    rk_mesh mesh = make_soup(4 * clusters, 0.01f, 7);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++) {
+        uint32_t cluster = i / 12;
+        rk_vec3 at = rk_vec((float)(cluster % 2), (float)(cluster / 2 % 2), (float)(cluster / 4));
+        mesh.positions[i] = rk_madd(rk_scale(at, 10), mesh.positions[i], 0.1f);
+    }
+    return mesh;
+}
+
+static void eight_groups_of_four_triangles_are_one_node(void **state)
+{
+    (void)state;
+    for (uint32_t clusters = 2; clusters <= 8; clusters++) {
+        rk_mesh mesh = make_clusters(clusters);
+        rk_bvh bvh = build_binary(&mesh);
+        rk_wide_bvh wide = collapse(&bvh);
+        rk_check_equal(wide.node_count, 1, "up to eight leaves fit one node");
+        rk_check_equal(children_of(&wide.nodes[0]), clusters, "each group is a child of the root");
+        rk_check_equal(wide.block_count, clusters, "each group is one block");
+        rk_wide_bvh_free(&wide);
+        rk_bvh_free(&bvh);
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void check_leaves(rk_mesh mesh, bool by_median)
+{
+    uint32_t checksum = mesh_checksum(&mesh);
+    rk_bvh bvh;
+    rk_error error;
+    if (by_median)
+        rk_check_ok(rk_bvh_build_median(&bvh, &mesh, &error), error);
+    else
+        bvh = build_binary(&mesh);
+    rk_wide_bvh wide = widen(&bvh, &mesh);
+    check_mesh_unchanged(&mesh, checksum);
+    rk_check_equal(wide.triangle_count, mesh.triangle_count, "the tree's triangles");
+    rk_wide_bvh_free(&wide);
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
+static void every_triangle_is_in_exactly_one_leaf(void **state)
+{
+    (void)state;
+    for (uint32_t n = 1; n < 300; n++)
+        check_leaves(make_soup(n, 0.3f, n), false);
+    for (uint32_t n = 5; n <= 40; n += 5)
+        check_leaves(make_soup(n, n % 2 ? 3 : 0.2f, n), true);
+    for (uint32_t clusters = 2; clusters <= 8; clusters++)
+        check_leaves(make_clusters(clusters), false);
+    check_leaves(make_soup(20000, 0.02f, 5), false);
+}
+
+static void identical_triangles_share_leaves_of_many_blocks(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_mesh(1000);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++)
+        mesh.positions[i] = rk_vec(i % 3 == 1, i % 3 == 2, 0);
+    rk_wide_bvh wide = build(&mesh);
+    rk_ray ray = {rk_vec(0.25f, 0.25f, -1), rk_vec(0, 0, 1), INFINITY};
+    rk_counters counters = {0};
+    rk_check_equal(rk_wide_bvh_closest(&wide, &ray, &counters).triangle, 0,
+                   "of equal distances the smallest index wins");
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
+/* --- Its cost ----------------------------------------------------------------------------------
+ */
+
+/* The cost that features/wide_bvh.c defines: the area of each node, and of each leaf times its
+ * blocks. */
+static double cost_of(const rk_wide_bvh *wide)
+{
+    double cost = rk_box_area(wide->box);
+    for (uint32_t i = 0; i < wide->node_count; i++)
+        for (uint32_t k = 0; k < RK_WIDE_CHILDREN; k++) {
+            uint32_t child = wide->nodes[i].child[k];
+            double area = rk_box_area(rk_wide_box(&wide->nodes[i], k));
+            if (child != rk_wide_leaf(0, 0))
+                cost += child & RK_WIDE_LEAF ? area * rk_wide_leaf_count(child) : area;
+        }
+    return cost;
+}
+
+static double cheapest_children(const rk_bvh *bvh, uint32_t node, uint32_t children);
+
+/* By trying everything: a node as one child. */
+static double cheapest_child(const rk_bvh *bvh, uint32_t node)
+{
+    uint32_t count = rk_bvh_range_of(bvh, node).count;
+    double area = rk_box_area(bvh->nodes[node].box), leaf = area * ((count + 3) / 4);
+    if (count <= RK_WIDE_BLOCK || bvh->nodes[node].count)
+        return leaf;
+    double kept = area + cheapest_children(bvh, node, 8);
+    return kept < leaf ? kept : leaf;
+}
+
+/* The two halves of a node as exactly this many children, or fewer. */
+static double cheapest_children(const rk_bvh *bvh, uint32_t node, uint32_t children)
+{
+    double best = INFINITY;
+    uint32_t left = bvh->nodes[node].first;
+    for (uint32_t k = 1; k < children; k++) {
+        double cost = 0;
+        for (uint32_t half = 0; half < 2; half++) {
+            uint32_t share = half ? children - k : k, child = left + half;
+            double single = cheapest_child(bvh, child), split = INFINITY;
+            if (share > 1 && rk_bvh_range_of(bvh, child).count > RK_WIDE_BLOCK &&
+                bvh->nodes[child].count == 0)
+                split = cheapest_children(bvh, child, share);
+            cost += single < split ? single : split;
+        }
+        best = cost < best ? cost : best;
+    }
+    return best;
+}
+
+static void no_other_choice_of_nodes_is_cheaper(void **state)
+{
+    (void)state;
+    /* Among large triangles, whose boxes overlap, leaves of several blocks are cheaper than nodes.
+     */
+    for (uint32_t n = 5; n <= 40; n += 5) {
+        rk_mesh mesh = make_soup(n, n % 2 ? 3 : 0.2f, n);
+        rk_bvh bvh;
+        rk_error error;
+        rk_check_ok(rk_bvh_build_median(&bvh, &mesh, &error), error);
+        rk_wide_bvh wide = collapse(&bvh);
+        double want = cheapest_child(&bvh, 0), got = cost_of(&wide);
+        if (children_of(&wide.nodes[0]) == 1) /* a leaf as the root's child costs the root, too */
+            want += rk_box_area(bvh.nodes[0].box);
+        rk_check_near(got, want, 1e-12 * want,
+                      "%u triangles: the expected cost of a ray, by trying every choice", n);
+        rk_wide_bvh_free(&wide);
+        rk_bvh_free(&bvh);
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void nodes_and_blocks_are_nearly_full(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(20000, 0.02f, 5);
+    rk_bvh bvh = build_binary(&mesh);
+    rk_wide_bvh wide = collapse(&bvh);
+    double children = 0;
+    for (uint32_t i = 0; i < wide.node_count; i++)
+        children += children_of(&wide.nodes[i]);
+    rk_check(children / wide.node_count > 5,
+             "a node has %.2f children on average, want more than 5", children / wide.node_count);
+    rk_check(20000.0 / wide.block_count > 2.5,
+             "a block has %.2f triangles on average, want more than 2.5",
+             20000.0 / wide.block_count);
+    double bytes = (double)wide.node_count * sizeof *wide.nodes +
+                   (double)wide.block_count * sizeof *wide.blocks;
+    rk_check(bytes / 20000 <= 80, "%.1f bytes per triangle, want at most 80", bytes / 20000);
+    rk_bvh_free(&bvh);
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
+/* --- Rays --------------------------------------------------------------------------------------
+ */
+
+static void check_hit(rk_hit got, rk_hit want, const char *ray)
+{
+    rk_check(got.triangle == want.triangle && got.t == want.t,
+             "%s: got triangle %d at t = %.9g, want %d at t = %.9g", ray, (int)got.triangle,
+             (double)got.t, (int)want.triangle, (double)want.t);
+    rk_check(want.triangle == RK_MISS || (got.u == want.u && got.v == want.v),
+             "%s: got u = %.9g and v = %.9g, want %.9g and %.9g", ray, (double)got.u, (double)got.v,
+             (double)want.u, (double)want.v);
+}
+
+enum { CLOSEST = 1, OCCLUSION = 2 };
+
+/* Some directions are so short that distances are beyond 10^30, or so long that they are below
+ * 10^-30: powers of two, which change no digit. */
+static rk_ray make_ray_of_any_length(uint32_t i, uint32_t seed, rk_box bounds)
+{
+    rk_ray ray = make_ray(i, seed, bounds);
+    int exponent = i % 7 == 2 ? -110 : i % 7 == 5 ? 100 : 0;
+    ray.direction = rk_scale(ray.direction, ldexpf(1, exponent));
+    ray.t_max = ldexpf(ray.t_max, -exponent);
+    return ray;
+}
+
+static void check_rays_in(const rk_wide_bvh *wide, const rk_mesh *mesh, uint32_t rays, int queries)
+{
+    rk_box bounds = rk_mesh_bounds(mesh);
+    rk_counters counters = {0};
+    uint32_t hits = 0;
+    for (uint32_t i = 0; i < rays; i++) {
+        rk_ray ray = make_ray_of_any_length(i, mesh->triangle_count, bounds);
+        rk_hit want = closest_by_brute_force(mesh, &ray);
+        char name[64];
+        snprintf(name, sizeof name, "%u triangles, ray %u", mesh->triangle_count, i);
+        if (queries & CLOSEST)
+            check_hit(rk_wide_bvh_closest(wide, &ray, &counters), want, name);
+        if (queries & OCCLUSION)
+            rk_check(rk_wide_bvh_occluded(wide, &ray, &counters) == (want.triangle != RK_MISS),
+                     "%s: is it occluded? want %s", name, want.triangle != RK_MISS ? "yes" : "no");
+        hits += want.triangle != RK_MISS;
+    }
+    rk_check(hits > rays / 50, "only %u rays of %u hit: they show nothing", hits, rays);
+}
+
+static void check_rays(int queries)
+{
+    for (uint32_t n = 1; n <= 3000; n = 3 * n + 1) {
+        rk_mesh mesh = make_soup(n, 1.5f / cbrtf((float)n), n);
+        rk_wide_bvh wide = build(&mesh);
+        check_rays_in(&wide, &mesh, 1000, queries);
+        rk_wide_bvh_free(&wide);
+        rk_mesh_free(&mesh);
+    }
+    rk_mesh large = make_soup(60, 3, 1); /* leaves of several blocks */
+    rk_wide_bvh wide = build(&large);
+    check_rays_in(&wide, &large, 1000, queries);
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&large);
+}
+
+static void rays_find_the_same_hits_as_brute_force(void **state)
+{
+    (void)state;
+    check_rays(CLOSEST);
+}
+
+static void check_scaled_rays(int queries)
+{
+    const float scales[] = {0x1p-100f, 0x1p-40f, 0x1p40f, 0x1p100f};
+    for (size_t k = 0; k < sizeof scales / sizeof *scales; k++) {
+        rk_mesh mesh = make_soup(200, 0.3f, 9);
+        for (uint32_t i = 0; i < mesh.vertex_count; i++)
+            mesh.positions[i] = rk_scale(mesh.positions[i], scales[k]);
+        rk_wide_bvh wide = build(&mesh);
+        rk_counters counters = {0};
+        for (uint32_t i = 0; i < 1000; i++) {
+            rk_ray ray = make_ray(i, 4, rk_mesh_bounds(&mesh));
+            rk_hit want = closest_by_brute_force(&mesh, &ray);
+            if (queries & CLOSEST)
+                check_hit(rk_wide_bvh_closest(&wide, &ray, &counters), want, "a scaled mesh");
+            if (queries & OCCLUSION)
+                rk_check(rk_wide_bvh_occluded(&wide, &ray, &counters) == (want.triangle != RK_MISS),
+                         "a mesh times %g, ray %u: is it occluded?", (double)scales[k], i);
+        }
+        rk_wide_bvh_free(&wide);
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void tiny_and_huge_meshes_have_the_same_hits(void **state)
+{
+    (void)state;
+    check_scaled_rays(CLOSEST | OCCLUSION);
+}
+
+/* x, y and z exchanged in turn. */
+static rk_vec3 turned(rk_vec3 a, int turns)
+{
+    return turns == 0 ? a : turns == 1 ? rk_vec(a.z, a.x, a.y) : rk_vec(a.y, a.z, a.x);
+}
+
+/* Squares of a grid across an axis: rays in the planes of boxes' faces, and through corners. */
+static void check_grid(int turns, int queries)
+{
+    enum { side = 9, rays = 2 * side + 1 };
+    rk_mesh mesh = make_mesh(2 * side * side);
+    for (uint32_t i = 0; i < side * side; i++)
+        for (uint32_t k = 0; k < 6; k++) {
+            uint32_t corner = k < 3 ? k : 6 - k;
+            mesh.positions[6 * i + k] = turned(
+                rk_vec((float)(i % side + (corner & 1)), (float)(i / side + (corner >> 1)), 0),
+                turns);
+        }
+    rk_wide_bvh wide = build(&mesh);
+    rk_counters counters = {0};
+    for (uint32_t i = 0; i < 2 * rays * rays; i++) {
+        uint32_t place = i / 2;
+        rk_vec3 from = rk_vec((float)(place % rays) / 2, (float)(place / rays) / 2, 1);
+        rk_ray ray = {turned(from, turns), turned(rk_vec(0, i & 1 ? -0.0f : 0, -1), turns),
+                      INFINITY};
+        if (queries & CLOSEST)
+            check_hit(rk_wide_bvh_closest(&wide, &ray, &counters),
+                      closest_by_brute_force(&mesh, &ray), "a ray along an axis through a grid");
+        if (queries & OCCLUSION)
+            rk_check(rk_wide_bvh_occluded(&wide, &ray, &counters),
+                     "ray %u along an axis: the grid occludes", i);
+    }
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
+static void rays_along_a_grid_find_the_same_hits(void **state)
+{
+    (void)state;
+    for (int turns = 0; turns < 3; turns++)
+        check_grid(turns, CLOSEST);
+}
+
+static void rays_are_occluded_where_brute_force_hits(void **state)
+{
+    (void)state;
+    check_rays(OCCLUSION);
+    for (int turns = 0; turns < 3; turns++)
+        check_grid(turns, OCCLUSION);
+}
+
+static void hits_count_up_to_t_max_and_not_behind_the_origin(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_walls(20);
+    rk_wide_bvh wide = build(&mesh);
+    rk_counters counters = {0};
+    for (int from = -1; from <= 20; from++)
+        for (int reach = 0; reach < 3; reach++) {
+            rk_ray ray = {rk_vec(0.1f, 0.05f, (float)from + 0.5f), rk_vec(0, 0, 1),
+                          0.25f * (float)(reach + 1)};
+            rk_hit want = closest_by_brute_force(&mesh, &ray);
+            check_hit(rk_wide_bvh_closest(&wide, &ray, &counters), want, "a ray between walls");
+            rk_check(rk_wide_bvh_occluded(&wide, &ray, &counters) == (want.triangle != RK_MISS),
+                     "from z = %g to %g: is it occluded?", (double)ray.origin.z,
+                     (double)(ray.origin.z + ray.t_max));
+        }
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
+static void rays_of_nan_and_infinity_miss(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(100, 0.5f, 3);
+    rk_wide_bvh wide = build(&mesh);
+    rk_counters counters = {0};
+    const float odd[] = {NAN, INFINITY, -INFINITY};
+    for (int k = 0; k < 3; k++)
+        for (int i = 0; i < 7; i++) {
+            float values[7] = {0, 0, -2, 0.1f, 0.1f, 1, INFINITY};
+            values[i] = odd[k];
+            rk_ray ray = {rk_vec(values[0], values[1], values[2]),
+                          rk_vec(values[3], values[4], values[5]), values[6]};
+            rk_hit want = closest_by_brute_force(&mesh, &ray);
+            rk_hit got = rk_wide_bvh_closest(&wide, &ray, &counters);
+            rk_check(got.triangle == want.triangle, "value %d is %g: hit triangle %d, want %d", i,
+                     (double)odd[k], (int)got.triangle, (int)want.triangle);
+            rk_check(rk_wide_bvh_occluded(&wide, &ray, &counters) == (want.triangle != RK_MISS),
+                     "value %d is %g: is it occluded?", i, (double)odd[k]);
+        }
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
+/* --- No more work than needed ------------------------------------------------------------------
+ */
+
+static rk_counters work_of_closest(const rk_wide_bvh *wide, const rk_ray *ray)
+{
+    rk_counters counters = {0};
+    rk_wide_bvh_closest(wide, ray, &counters);
+    return counters;
+}
+
+static void walls_behind_the_nearest_hit_are_not_visited(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_walls(500);
+    rk_wide_bvh wide = build(&mesh);
+    for (int back = 0; back < 2; back++) {
+        rk_ray ray = {rk_vec(0.1f, 0.05f, back ? 600 : -100), rk_vec(0, 0, back ? -1.0f : 1),
+                      INFINITY};
+        rk_counters counters = work_of_closest(&wide, &ray);
+        rk_check(counters.triangle_tests > 0 && counters.triangle_tests <= 2 * RK_WIDE_BLOCK,
+                 "1,000 triangles one behind the other, from %s: %llu triangle tests, want at most "
+                 "%d: the nearest child first, and none behind a hit",
+                 back ? "behind" : "the front", (unsigned long long)counters.triangle_tests,
+                 2 * RK_WIDE_BLOCK);
+    }
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
+static void a_ray_that_misses_all_boxes_tests_eight(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(1000, 0.05f, 3);
+    rk_wide_bvh wide = build(&mesh);
+    rk_ray ray = {rk_vec(0, 5, -5), rk_vec(0, 0, 1), INFINITY};
+    for (int behind = 0; behind < 2; behind++) {
+        if (behind)
+            ray.origin = rk_vec(0, 0, 2);
+        rk_counters counters = work_of_closest(&wide, &ray);
+        rk_check(counters.box_tests == 8 && counters.triangle_tests == 0,
+                 "all boxes are %s: got %llu box and %llu triangle tests, want 8 and 0: only the "
+                 "root's children",
+                 behind ? "behind the ray" : "beside it", (unsigned long long)counters.box_tests,
+                 (unsigned long long)counters.triangle_tests);
+    }
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
+static void a_bounded_ray_visits_no_box_beyond_its_end(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_walls(500);
+    rk_wide_bvh wide = build(&mesh);
+    rk_ray ray = {rk_vec(0.1f, 0.05f, -1), rk_vec(0, 0, 1), 0.5f};
+    rk_counters closest = work_of_closest(&wide, &ray), occluded = {0};
+    rk_wide_bvh_occluded(&wide, &ray, &occluded);
+    rk_check(closest.box_tests == 8 && closest.triangle_tests == 0,
+             "closest hit: got %llu box and %llu triangle tests, want 8 and 0",
+             (unsigned long long)closest.box_tests, (unsigned long long)closest.triangle_tests);
+    rk_check(occluded.box_tests == 8 && occluded.triangle_tests == 0,
+             "occlusion: got %llu box and %llu triangle tests, want 8 and 0",
+             (unsigned long long)occluded.box_tests, (unsigned long long)occluded.triangle_tests);
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
+static void occlusion_stops_at_the_first_hit(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_walls(500);
+    rk_wide_bvh wide = build(&mesh);
+    rk_ray ray = {rk_vec(0.1f, 0.05f, -100), rk_vec(0, 0, 1), INFINITY};
+    rk_counters counters = {0};
+    rk_check(rk_wide_bvh_occluded(&wide, &ray, &counters), "500 walls do not occlude");
+    rk_check(counters.triangle_tests == RK_WIDE_BLOCK,
+             "got %llu triangle tests, want those of the first block, 4",
+             (unsigned long long)counters.triangle_tests);
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
+static void counts_of_several_rays_add_up(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(300, 0.2f, 3);
+    rk_wide_bvh wide = build(&mesh);
+    rk_counters sum = {0}, total = {.box_tests = 7, .triangle_tests = (uint64_t)1 << 40};
+    for (uint32_t i = 0; i < 20; i++) {
+        rk_ray ray = make_ray(i, 3, rk_mesh_bounds(&mesh));
+        rk_counters one = work_of_closest(&wide, &ray);
+        rk_check(one.box_tests >= 8 && one.box_tests % 8 == 0 && one.triangle_tests % 4 == 0,
+                 "ray %u: %llu box and %llu triangle tests: a node counts 8, a block 4", i,
+                 (unsigned long long)one.box_tests, (unsigned long long)one.triangle_tests);
+        rk_counters_add(&sum, &one);
+        rk_wide_bvh_closest(&wide, &ray, &total);
+        rk_counters occluded = {0};
+        rk_wide_bvh_occluded(&wide, &ray, &occluded);
+        rk_counters_add(&sum, &occluded);
+        rk_wide_bvh_occluded(&wide, &ray, &total);
+    }
+    rk_check(total.box_tests == sum.box_tests + 7, "box tests: got %llu, want %llu",
+             (unsigned long long)total.box_tests, (unsigned long long)sum.box_tests + 7);
+    rk_check(total.triangle_tests == sum.triangle_tests + ((uint64_t)1 << 40),
+             "triangle tests: got %llu, want %llu", (unsigned long long)total.triangle_tests,
+             (unsigned long long)sum.triangle_tests + ((uint64_t)1 << 40));
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
+static void eight_at_once_take_a_third_of_the_steps(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(20000, 0.03f, 8);
+    rk_bvh bvh = build_binary(&mesh);
+    rk_wide_bvh wide = widen(&bvh, &mesh);
+    rk_counters binary = {0}, eight = {0};
+    for (uint32_t i = 0; i < 500; i++) {
+        rk_ray ray = make_ray(i, 3, rk_mesh_bounds(&mesh));
+        rk_bvh_closest(&bvh, &ray, &binary);
+        rk_wide_bvh_closest(&wide, &ray, &eight);
+    }
+    double steps = (double)binary.box_tests / 2, fewer = (double)eight.box_tests / 8;
+    rk_check(fewer < steps / 2.5 && fewer > steps / 10,
+             "%.1f visits to nodes per ray, of %.1f in the binary tree: want less than 1 / 2.5",
+             fewer / 500, steps / 500);
+    rk_check(eight.box_tests < 2 * binary.box_tests,
+             "%.1f box tests per ray, %.1f in the binary tree: want less than twice as many: the "
+             "nearest child first",
+             (double)eight.box_tests / 500, (double)binary.box_tests / 500);
+    rk_wide_bvh_free(&wide);
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
+/* --- Limits ------------------------------------------------------------------------------------
+ */
+
+enum { DEEP = RK_BVH_LEVELS_MAX + 40 };
+
+/* One triangle is split off each node: as deep as a tree may be. */
+static uint32_t split_one_off(void *context, uint32_t begin, uint32_t count, uint32_t depth_left,
+                              rk_box *box)
+{
+    const rk_mesh *mesh = context;
+    (void)depth_left;
+    *box = rk_box_empty();
+    for (uint32_t i = 3 * begin; i < 3 * (begin + count); i++)
+        *box = rk_box_add(*box, mesh->positions[i]);
+    return count > 1 ? 1 : 0;
+}
+
+static void the_deepest_tree_has_all_hits(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(DEEP, 0.3f, 2);
+    rk_bvh bvh;
+    rk_error error;
+    rk_check_ok(rk_bvh_init(&bvh, DEEP, DEEP, &error), error);
+    for (uint32_t i = 0; i < DEEP; i++)
+        bvh.triangles[i] = rk_bvh_triangle_of(&mesh, i);
+    rk_bvh_build_nodes(&bvh, split_one_off, &mesh);
+    rk_wide_bvh wide = widen(&bvh, &mesh);
+    check_rays_in(&wide, &mesh, 2000, CLOSEST | OCCLUSION);
+    rk_wide_bvh_free(&wide);
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
+static void where_memory_runs_out_nothing_is_kept(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(500, 0.3f, 2);
+    rk_bvh bvh = build_binary(&mesh);
+    size_t before = rk_allocations_kept, granted = 0;
+    bool built = false;
+    for (; !built; granted++) {
+        rk_wide_bvh wide;
+        rk_error error = {""};
+        rk_allocations_left = granted;
+        built = rk_wide_bvh_build(&wide, &bvh, &error);
+        rk_allocations_left = SIZE_MAX;
+        rk_check(built || (error.text[0] && !wide.nodes && !wide.blocks && wide.node_count == 0),
+                 "allocation %zu failed: want an error and an empty tree", granted + 1);
+        rk_wide_bvh_free(&wide);
+        rk_check(rk_allocations_kept == before, "allocation %zu failed: memory is kept",
+                 granted + 1);
+    }
+    rk_check(granted > 1, "no allocation failed: this test cannot tell");
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(a_node_is_four_cache_lines_and_a_block_less_than_three),
+    cmocka_unit_test(no_triangles_give_a_tree_without_nodes),
+    cmocka_unit_test(where_memory_runs_out_nothing_is_kept),
+    cmocka_unit_test(eight_groups_of_four_triangles_are_one_node),
+    cmocka_unit_test(no_other_choice_of_nodes_is_cheaper),
+    cmocka_unit_test(nodes_and_blocks_are_nearly_full),
+    cmocka_unit_test(up_to_four_triangles_are_one_block),
+    cmocka_unit_test(every_triangle_is_in_exactly_one_leaf),
+    cmocka_unit_test(rays_find_the_same_hits_as_brute_force),
+    cmocka_unit_test(rays_along_a_grid_find_the_same_hits),
+    cmocka_unit_test(identical_triangles_share_leaves_of_many_blocks),
+    cmocka_unit_test(walls_behind_the_nearest_hit_are_not_visited),
+    cmocka_unit_test(a_ray_that_misses_all_boxes_tests_eight),
+    cmocka_unit_test(eight_at_once_take_a_third_of_the_steps),
+    cmocka_unit_test(rays_are_occluded_where_brute_force_hits),
+    cmocka_unit_test(hits_count_up_to_t_max_and_not_behind_the_origin),
+    cmocka_unit_test(tiny_and_huge_meshes_have_the_same_hits),
+    cmocka_unit_test(a_bounded_ray_visits_no_box_beyond_its_end),
+    cmocka_unit_test(occlusion_stops_at_the_first_hit),
+    cmocka_unit_test(counts_of_several_rays_add_up),
+    cmocka_unit_test(rays_of_nan_and_infinity_miss),
+    cmocka_unit_test(the_deepest_tree_has_all_hits),
+};
+
+RK_SUITE("wide_bvh", tests)

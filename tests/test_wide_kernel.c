@@ -1,0 +1,477 @@
+/* Batches through the wide tree by each instruction set that this machine has: the same hits as of
+ * single rays through the binary tree, to the bit. */
+#include "test_scene.h"
+#include "test_soup.h"
+
+#include "accel/wide_build.h"
+#include "accel/wide_kernel.h"
+#include "features/bvh_median.h"
+#include "features/sah_binning.h"
+
+static const char *const names[] = {"scalar", "sse2", "avx2", "avx512"};
+enum { name_count = sizeof names / sizeof *names };
+
+typedef struct trees {
+    rk_bvh bvh;
+    rk_wide_bvh wide;
+} trees;
+
+static trees build(const rk_mesh *mesh)
+{
+    const rk_sah_options options = {16, true};
+    trees t;
+    rk_error error;
+    rk_check_ok(rk_bvh_build_sah(&t.bvh, mesh, &options, &error), error);
+    rk_check_ok(
+        rk_wide_bvh_build_parts(&t.wide, mesh, 0, mesh->triangle_count, RK_BUILD_SAH, NULL, &error),
+        error);
+    return t;
+}
+
+static void free_trees(trees *t)
+{
+    rk_wide_bvh_free(&t->wide);
+    rk_bvh_free(&t->bvh);
+}
+
+/* Both queries by all instruction sets; returns the number of hits. */
+static uint32_t check_batch(const trees *t, const rk_ray_batch *rays, const char *what,
+                            uint32_t key)
+{
+    rk_counters counters = {0};
+    rk_hit_batch want;
+    uint32_t hit_count = 0;
+    for (uint32_t i = 0; i < rays->count; i++) {
+        rk_ray ray = rk_batch_ray(rays, i);
+        rk_hit hit = rk_bvh_closest(&t->bvh, &ray, &counters);
+        rk_batch_put_hit(&want, i, &hit);
+        hit_count += hit.triangle != RK_MISS;
+    }
+    for (int k = 0; k < name_count; k++) {
+        const rk_wide_kernel *kernel = rk_wide_kernel_named(names[k], NULL);
+        rk_hit_batch got;
+        rk_occlusion_batch answers;
+        if (!kernel)
+            continue;
+        kernel->closest(&t->wide, rays, &got, &counters);
+        kernel->occluded(&t->wide, rays, &answers, &counters);
+        for (uint32_t i = 0; i < rays->count; i++) {
+            bool same = memcmp(&got.t[i], &want.t[i], sizeof got.t[i]) == 0 || got.t[i] != got.t[i];
+            rk_check(same && got.triangle[i] == want.triangle[i],
+                     "%s, %s %u, ray %u: got triangle %d at t = %.9g, want %d at %.9g", names[k],
+                     what, key, i, (int)got.triangle[i], (double)got.t[i], (int)want.triangle[i],
+                     (double)want.t[i]);
+            rk_check(
+                want.triangle[i] == RK_MISS || (got.u[i] == want.u[i] && got.v[i] == want.v[i]),
+                "%s, %s %u, ray %u: got u, v = %.9g, %.9g, want %.9g, %.9g", names[k], what, key, i,
+                (double)got.u[i], (double)got.v[i], (double)want.u[i], (double)want.v[i]);
+            rk_check(answers.occluded[i] == (want.triangle[i] != RK_MISS),
+                     "%s, %s %u, ray %u: is it occluded?", names[k], what, key, i);
+        }
+    }
+    return hit_count;
+}
+
+/* --- Rays ---------------------------------------------------------------------------------------
+ */
+
+/* From around one point to around another; narrow batches are traced as packets. */
+static void fill(rk_ray_batch *rays, uint32_t key, float width)
+{
+    rk_vec3 from = rk_scale(noise3(key, 0), 2), to = rk_scale(noise3(key, 1), 0.7f);
+    rays->count = 0;
+    uint32_t count = 1 + rk_hash(key, 1, 2, 3) % RK_BATCH_MAX;
+    for (uint32_t i = 0; i < count; i++) {
+        rk_vec3 origin = rk_madd(from, noise3(key, 1000 + i), key % 2 ? width : 0);
+        rk_vec3 end = rk_madd(to, noise3(key, 2000 + i), width);
+        rk_ray ray = {origin, rk_sub(end, origin), INFINITY};
+        if (key % 5 == 0 && i % 3 == 0)
+            ray.direction = rk_vec(0, key % 2 ? -0.0f : 0, origin.z < 0 ? 1 : -1);
+        if (key % 3 == 0)
+            ray.t_max = 0.6f + 0.5f * noise(key, 20, i);
+        if (key % 7 == 0) { /* lengths that nearly overflow or vanish */
+            int exponent = key % 2 ? -110 : 100;
+            ray.direction = rk_scale(ray.direction, ldexpf(1, exponent));
+            ray.t_max = ldexpf(ray.t_max, -exponent);
+        }
+        rk_batch_push(rays, &ray);
+    }
+}
+
+static const float widths[] = {0, 0x1p-20f, 0.01f, 0.1f, 1};
+
+static void check_mesh(const rk_mesh *mesh, uint32_t batches, const char *what)
+{
+    trees t = build(mesh);
+    uint32_t hit_count = 0;
+    for (size_t w = 0; w < sizeof widths / sizeof *widths; w++)
+        for (uint32_t key = 0; key < batches; key++) {
+            rk_ray_batch rays;
+            fill(&rays, key, widths[w]);
+            hit_count += check_batch(&t, &rays, what, key);
+        }
+    rk_check(hit_count > batches, "%s: only %u rays have a hit", what, hit_count);
+    free_trees(&t);
+}
+
+static void every_instruction_set_finds_the_hits_of_single_rays(void **state)
+{
+    (void)state;
+    for (uint32_t triangles = 1; triangles <= 4096; triangles *= 8) {
+        rk_mesh mesh = make_soup(triangles, 1.5f / cbrtf((float)triangles), triangles);
+        check_mesh(&mesh, 24, "soup");
+        rk_mesh_free(&mesh);
+    }
+}
+
+/* Through edges and corners, where several triangles are hit at the same t, and float cannot tell
+ * the sides. */
+static void neighbours_that_share_an_edge_agree(void **state)
+{
+    (void)state;
+    enum { side = 16 };
+    rk_mesh mesh = make_mesh(2 * side * side);
+    for (uint32_t i = 0; i < side * side; i++)
+        for (uint32_t k = 0; k < 6; k++) {
+            uint32_t corner = k < 3 ? k : 6 - k;
+            mesh.positions[6 * i + k] =
+                rk_vec((float)(i % side + (corner & 1)), (float)(i / side + (corner >> 1)), 0);
+        }
+    trees t = build(&mesh);
+    for (uint32_t key = 0; key < 64; key++) {
+        rk_ray_batch rays = {.count = 0};
+        rk_vec3 eye = rk_vec((float)(key % 8) * 2, (float)(key / 8) * 2, key % 2 ? 1 : 20);
+        for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+            rk_vec3 to = rk_vec((float)(i % 16) * 0.5f + 4, (float)(i / 16) * 0.5f + 4, 0);
+            rk_ray ray = {eye, rk_sub(to, eye), key % 3 ? INFINITY : 1};
+            rk_batch_push(&rays, &ray);
+        }
+        rk_check(check_batch(&t, &rays, "grid", key) == RK_BATCH_MAX,
+                 "rays slip between triangles");
+    }
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
+static void special_values_are_decided_alike(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(60, 0.5f, 3);
+    trees t = build(&mesh);
+    const float odd[] = {NAN, INFINITY, -INFINITY, -0.0f, 0, FLT_MIN / 4, -1};
+    for (uint32_t k = 0; k < sizeof odd / sizeof *odd; k++)
+        for (uint32_t i = 0; i < 7; i++) {
+            rk_ray_batch rays = {.count = 0};
+            for (uint32_t lane = 0; lane < 32; lane++) {
+                float values[7] = {0, 0, -2, 0.1f, 0.1f, 1, INFINITY};
+                if (lane % 4 == 0)
+                    values[i] = odd[k];
+                rk_ray ray = {rk_vec(values[0], values[1], values[2]),
+                              rk_vec(values[3], values[4], values[5]), values[6]};
+                rk_batch_push(&rays, &ray);
+            }
+            check_batch(&t, &rays, "special value", 10 * k + i);
+        }
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
+/* Float cannot tell on which side of its own triangle such a ray starts. */
+static void rays_that_start_on_triangles_agree(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(400, 0.4f, 5);
+    trees t = build(&mesh);
+    for (uint32_t key = 0; key < 60; key++) {
+        rk_ray_batch rays = {.count = 0};
+        for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+            const uint32_t triangle = key % 2 ? i % 400 : key % 400;
+            const rk_vec3 *corner = &mesh.positions[3 * triangle];
+            float u = rk_unit_float(rk_hash(key, i, 1, 0)) * 0.5f;
+            float v = rk_unit_float(rk_hash(key, i, 2, 0)) * 0.5f;
+            rk_vec3 on = rk_madd(rk_madd(corner[0], rk_sub(corner[1], corner[0]), u),
+                                 rk_sub(corner[2], corner[0]), v);
+            rk_vec3 to =
+                rk_madd(rk_scale(noise3(key, 7), 3), noise3(key, 100 + i), key % 3 ? 0.05f : 2);
+            for (uint32_t step = key % 4; step > 0; step--)
+                on.x = nextafterf(on.x, to.x);
+            rk_ray ray = {on, rk_sub(to, on), key % 5 ? INFINITY : 1};
+            rk_batch_push(&rays, &ray);
+        }
+        check_batch(&t, &rays, "from a triangle", key);
+    }
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
+/* There float cannot tell on which side of the edge a ray passes. */
+static void rays_at_edges_agree(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(64, 0.6f, 11);
+    trees t = build(&mesh);
+    for (uint32_t key = 0; key < 90; key++) {
+        rk_ray_batch rays = {.count = 0};
+        const rk_vec3 eye = rk_scale(noise3(key, 1), 4);
+        for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+            const rk_vec3 *corner = &mesh.positions[3 * (key % 3 ? key % 64 : i % 64)];
+            rk_vec3 to =
+                rk_mix(corner[i % 3], corner[(i + 1) % 3], rk_unit_float(rk_hash(key, i, 3, 0)));
+            rk_vec3 from = key % 2 ? eye : rk_madd(eye, noise3(key, 20 + i), 0.1f);
+            rk_ray ray = {from, rk_sub(to, from), INFINITY};
+            rk_batch_push(&rays, &ray);
+        }
+        check_batch(&t, &rays, "at an edge", key);
+    }
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
+/* Layers that are so close that bounds of t in float overlap, and some twice. */
+static void the_closest_of_close_layers_is_found(void **state)
+{
+    (void)state;
+    enum { layers = 24 };
+    rk_mesh mesh = make_mesh(layers);
+    for (uint32_t i = 0; i < layers; i++) {
+        float z = 1 + (float)(rk_hash(i, 1, 0, 0) % 16) * 0x1p-23f;
+        mesh.positions[3 * i] = rk_vec(-2, -2, z);
+        mesh.positions[3 * i + 1] = rk_vec(4, -2, z + (float)(i % 3) * 0x1p-22f);
+        mesh.positions[3 * i + 2] = rk_vec(-2, 4, z);
+    }
+    trees t = build(&mesh);
+    uint32_t hit_count = 0;
+    for (uint32_t key = 0; key < 40; key++) {
+        rk_ray_batch rays = {.count = 0};
+        for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+            rk_vec3 from = rk_scale(noise3(key, key % 2 ? 3 : i), 0.5f);
+            rk_vec3 to = rk_add(rk_scale(noise3(key, 500 + i), 0.3f), rk_vec(0, 0, 2));
+            rk_ray ray = {from, rk_sub(to, from), INFINITY};
+            rk_batch_push(&rays, &ray);
+        }
+        hit_count += check_batch(&t, &rays, "layers", key);
+    }
+    rk_check(hit_count > 1000, "only %u rays have a hit", hit_count);
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
+/* The sides of a shaft along an axis stand still, and so do those in a plane. */
+static void rays_along_axes_agree(void **state)
+{
+    (void)state;
+    for (int axis = 0; axis < 3; axis++) {
+        rk_mesh mesh = make_soup(300, 0.5f, 8);
+        for (uint32_t i = 0; axis == 2 && i < mesh.vertex_count; i++)
+            mesh.positions[i].x = 0; /* flat, and so are boxes */
+        trees t = build(&mesh);
+        uint32_t hit_count = 0;
+        for (uint32_t key = 0; key < 32; key++) {
+            rk_ray_batch rays = {.count = 0};
+            for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+                float zero = i % 2 ? -0.0f : 0.0f, x = (float)(i % 16) / 8 - 1;
+                float y = (float)(i / 16) / 8 - 1;
+                float slope = key % 4 < 2 ? zero : 0.01f * x;
+                rk_vec3 from = axis == 0 ? rk_vec(x, y, -3) : rk_vec(-3, x, y);
+                rk_vec3 way = axis == 0 ? rk_vec(slope, zero, 1) : rk_vec(1, zero, slope);
+                if (key % 2 && axis < 2) {
+                    from = rk_scale(from, -1);
+                    way = rk_scale(way, -1);
+                }
+                rk_ray ray = {from, way, key % 8 ? INFINITY : 3.1f};
+                rk_batch_push(&rays, &ray);
+            }
+            hit_count += check_batch(&t, &rays, "along an axis", key);
+        }
+        rk_check(hit_count > 500, "only %u rays have a hit", hit_count);
+        free_trees(&t);
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void triangles_without_area_are_missed(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(200, 0.2f, 3);
+    for (uint32_t i = 0; i < 100; i++)
+        mesh.positions[6 * i + 2] = mesh.positions[6 * i + (i % 2)];
+    check_mesh(&mesh, 10, "flat triangles");
+    rk_mesh_free(&mesh);
+}
+
+static void tiny_and_huge_scenes_agree(void **state)
+{
+    (void)state;
+    const int exponents[] = {-90, -40, 40, 90};
+    for (size_t k = 0; k < sizeof exponents / sizeof *exponents; k++) {
+        rk_mesh mesh = make_soup(200, 0.3f, 9);
+        float scale = ldexpf(1, exponents[k]);
+        for (uint32_t i = 0; i < mesh.vertex_count; i++)
+            mesh.positions[i] = rk_scale(mesh.positions[i], scale);
+        trees t = build(&mesh);
+        for (uint32_t key = 0; key < 20; key++) {
+            rk_ray_batch rays;
+            fill(&rays, 7 * key + 1, widths[key % 5]);
+            for (uint32_t i = 0; i < rays.count; i++) {
+                rays.origin_x[i] *= scale;
+                rays.origin_y[i] *= scale;
+                rays.origin_z[i] *= scale;
+                rays.t_max[i] *= scale;
+            }
+            check_batch(&t, &rays, "scaled", key);
+        }
+        free_trees(&t);
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void a_tree_without_triangles_is_missed(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_mesh(0);
+    trees t = build(&mesh);
+    rk_ray_batch rays;
+    fill(&rays, 1, 0.1f);
+    rk_check_equal(check_batch(&t, &rays, "nothing", 0), 0, "there is nothing to hit");
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
+static void packets_share_the_work(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(4096, 0.1f, 2);
+    trees t = build(&mesh);
+    rk_counters single = {0};
+    rk_ray_batch rays = {.count = 0};
+    for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+        rk_vec3 to = rk_vec((float)(i % 16) * 0.002f + 0.3f, (float)(i / 16) * 0.002f + 0.2f, 0);
+        rk_ray ray = {rk_vec(0.1f, 0.1f, -3), rk_sub(to, rk_vec(0.1f, 0.1f, -3)), INFINITY};
+        rk_batch_push(&rays, &ray);
+        rk_ray_batch alone = {.count = 0};
+        rk_hit_batch hit;
+        rk_batch_push(&alone, &ray);
+        rk_wide_kernel_best()->closest(&t.wide, &alone, &hit, &single);
+    }
+    for (int k = 0; k < name_count; k++) {
+        const rk_wide_kernel *kernel = rk_wide_kernel_named(names[k], NULL);
+        rk_hit_batch hits;
+        rk_counters together = {0};
+        if (!kernel)
+            continue;
+        kernel->closest(&t.wide, &rays, &hits, &together);
+        rk_check(together.box_tests < single.box_tests / 8,
+                 "%s: %llu box tests for 256 nearly equal rays, %llu for each alone", names[k],
+                 (unsigned long long)together.box_tests, (unsigned long long)single.box_tests);
+    }
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
+/* Of sixteen rays that are traced together one is NaN somewhere. */
+static void a_nan_leaves_its_neighbours_alone(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_soup(4096, 0.1f, 2);
+    trees t = build(&mesh);
+    for (uint32_t key = 0; key < 7 * 16; key++) {
+        rk_ray_batch rays = {.count = 0};
+        for (uint32_t i = 0; i < 16; i++) {
+            rk_vec3 from = rk_vec(0.1f, 0.1f, -3);
+            rk_vec3 to = rk_vec((float)(i % 4) * 0.01f + 0.3f, (float)(i / 4) * 0.01f + 0.2f, 0);
+            rk_ray ray = {from, rk_sub(to, from), INFINITY};
+            rk_batch_push(&rays, &ray);
+        }
+        float *const numbers[7] = {rays.origin_x,    rays.origin_y,    rays.origin_z,   rays.t_max,
+                                   rays.direction_x, rays.direction_y, rays.direction_z};
+        numbers[key / 16][key % 16] = NAN;
+        check_batch(&t, &rays, "NaN", key);
+    }
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
+/* --- The choice ---------------------------------------------------------------------------------
+ */
+
+static void unknown_instruction_sets_are_refused(void **state)
+{
+    (void)state;
+    rk_error error;
+    rk_check(!rk_wide_kernel_named("avx1024", &error), "there is no AVX-1024");
+    rk_check_error_names(error, "RAYKIT_ISA=avx1024");
+    rk_check_error_names(error, "scalar, sse2, avx2 or avx512");
+    rk_check(rk_wide_kernel_named("scalar", &error) != NULL, "every machine has scalar");
+    rk_check(rk_wide_kernel_named(NULL, &error) != NULL, "every machine has one");
+}
+
+static void pictures_are_the_same_to_the_bit(void **state)
+{
+    (void)state;
+    rk_error error;
+    rk_image want = {0};
+    const char *chosen = getenv("RAYKIT_ISA");
+    char kept[16] = "";
+    if (chosen)
+        snprintf(kept, sizeof kept, "%s", chosen);
+    rk_scene scene = test_scene_builtin("moving");
+    for (int k = -1; k < name_count; k++) {
+        if (k >= 0 && !rk_wide_kernel_named(names[k], NULL))
+            continue;
+        if (k >= 0)
+            setenv("RAYKIT_ISA", names[k], 1);
+        rk_accel accel;
+        rk_image image;
+        rk_counters counters;
+        rk_render_options options = rk_render_options_default();
+        options.width = options.height = 48;
+        options.shadows = true;
+        options.motion.samples = 4;
+        rk_pool *pool = rk_pool_start(2, &error);
+        rk_check_ok(pool != NULL, error);
+        rk_check_ok(rk_accel_build(&accel, k < 0 ? RK_ACCEL_SAH_3 : RK_ACCEL_WIDE, &scene, &error),
+                    error);
+        rk_check(k < 0 || strcmp(rk_accel_isa(accel.kind), names[k]) == 0,
+                 "it traces by %s, not %s", rk_accel_isa(accel.kind), k < 0 ? "" : names[k]);
+        rk_check_ok(rk_image_init(&image, options.width, options.height, &error), error);
+        rk_check_ok(rk_render(&image, &scene, &accel, &options, pool, &counters, NULL, &error),
+                    error);
+        rk_check(k < 0 || test_same_pixels(&image, &want), "%s draws another picture than sah3",
+                 k < 0 ? "" : names[k]);
+        if (k < 0)
+            want = image;
+        else
+            rk_image_free(&image);
+        rk_accel_free(&accel);
+        rk_pool_stop(pool);
+    }
+    setenv("RAYKIT_ISA", "mmx", 1);
+    rk_accel accel;
+    rk_check(!rk_accel_build(&accel, RK_ACCEL_WIDE, &scene, &error), "RAYKIT_ISA=mmx is accepted");
+    rk_check_error_names(error, "RAYKIT_ISA=mmx");
+    if (kept[0])
+        setenv("RAYKIT_ISA", kept, 1);
+    else
+        unsetenv("RAYKIT_ISA");
+    rk_image_free(&want);
+    rk_scene_free(&scene);
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(unknown_instruction_sets_are_refused),
+    cmocka_unit_test(a_tree_without_triangles_is_missed),
+    cmocka_unit_test(every_instruction_set_finds_the_hits_of_single_rays),
+    cmocka_unit_test(neighbours_that_share_an_edge_agree),
+    cmocka_unit_test(special_values_are_decided_alike),
+    cmocka_unit_test(rays_that_start_on_triangles_agree),
+    cmocka_unit_test(rays_at_edges_agree),
+    cmocka_unit_test(the_closest_of_close_layers_is_found),
+    cmocka_unit_test(rays_along_axes_agree),
+    cmocka_unit_test(triangles_without_area_are_missed),
+    cmocka_unit_test(tiny_and_huge_scenes_agree),
+    cmocka_unit_test(packets_share_the_work),
+    cmocka_unit_test(a_nan_leaves_its_neighbours_alone),
+    cmocka_unit_test(pictures_are_the_same_to_the_bit),
+};
+
+RK_SUITE("wide_kernel", tests)
