@@ -3,9 +3,8 @@
 #include "base/simd4.h"
 #include "render/stages/highlight_stage.h"
 
-/* After an early out, this many of the next rays are traced on average, per as many as the first.
- */
-static const float early_out_checks = 2;
+/* After an early out, this many of the next rays are traced, per as many as the first. */
+enum { EARLY_OUT_CHECKS = 2 };
 
 /* Beside the light's and the lobes' dimensions. */
 enum { RK_DIMENSION_EARLY_OUT = RK_DIMENSION_LIGHT + 3 * (1 << 14) };
@@ -45,31 +44,35 @@ static bool is_decided(const rk_light_sums *sums, uint32_t i)
     return sums->visibility[i] == RK_LIGHT_UNOCCLUDED || sums->visibility[i] == RK_LIGHT_OCCLUDED;
 }
 
-/* After an early out, a ray now and then is traced all the same, and stands for several, so that
- * the mean is right however small the part of the light that the first rays missed. Returns for how
- * many, or 0 if the sample's ray is not traced. */
-static float rays_stood_for(const rk_rendering *r, const rk_sample_pass *pass,
-                            const rk_shading_point *point, uint32_t light, uint32_t sample)
-{
-    const float rays = (float)r->options->light.early_out / early_out_checks;
-    const rk_path *path = &point->path;
-    const uint32_t bounce = r->options->max_depth - path->bounces_left;
-    const uint32_t random =
-        rk_hash(r->options->seed, rk_picture_pixel(pass, r->options->width, point->pixel),
-                path->sample * r->options->light.samples + sample,
-                rk_sample_index_of(pass, point->pixel).dimension + RK_DIMENSION_EARLY_OUT +
-                    bounce * RK_LIGHTS_MAX + light);
-    if (rays <= 1)
-        return 1;
-    return rk_unit_float(random) * rays < 1 ? rays : 0;
-}
-
 /* Consecutive samples of one light. */
 typedef struct sample_run {
     uint32_t light, first, count;
 } sample_run;
 
 enum { run_max = 64 };
+
+/* After an early out, one ray of each run of this length is traced all the same, and stands for all
+ * of them, so that the mean is right however small the part of the light that the first rays
+ * missed. */
+static uint32_t checked_run(const rk_rendering *r)
+{
+    const uint32_t rays = r->options->light.early_out / EARLY_OUT_CHECKS;
+    return rays < 1 ? 1 : rays < run_max ? rays : run_max;
+}
+
+/* The sample of the run whose ray is traced, at random; of a run cut short, maybe none. */
+static uint32_t checked_sample(const rk_rendering *r, const rk_sample_pass *pass,
+                               const rk_shading_point *point, sample_run run)
+{
+    const rk_path *path = &point->path;
+    const uint32_t bounce = r->options->max_depth - path->bounces_left;
+    const uint32_t random =
+        rk_hash(r->options->seed, rk_picture_pixel(pass, r->options->width, point->pixel),
+                path->sample * r->options->light.samples + run.first,
+                rk_sample_index_of(pass, point->pixel).dimension + RK_DIMENSION_EARLY_OUT +
+                    bounce * RK_LIGHTS_MAX + run.light);
+    return (uint32_t)(rk_unit_float(random) * (float)checked_run(r));
+}
 
 static void draw(const rk_rendering *r, const rk_sample_pass *pass, const rk_shading_point *point,
                  sample_run run, rk_vec2 numbers[run_max])
@@ -119,7 +122,7 @@ static void find_contributions(const rk_rendering *r, const rk_shading_point *po
 }
 
 /* The samples of one shading point. Contributions of an undecided point wait for their shadow rays;
- * others count at once, and are corrected by rays that disagree. */
+ * others count at once, and are corrected by a ray that disagrees. */
 static void queue_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
                               const rk_shading_points *points, uint32_t i, sample_run run,
                               rk_light_sums *sums, rk_shadow_queue *queue)
@@ -130,18 +133,18 @@ static void queue_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
     const rk_light_visibility visibility = sums->visibility[i];
     const bool decided = is_decided(sums, i);
     const double solid_angle = r->plan.sharp_highlights ? sums->solid_angle[i] : 0;
-    float rays[run_max];
+    const float stands_for = decided ? (float)checked_run(r) : 1;
+    uint32_t checked = decided ? checked_sample(r, pass, point, run) : 0;
     rk_vec2 numbers[run_max];
     rk_light_sample samples[run_max];
     rk_vec3 contributions[run_max];
     rk_spawner spawner;
-    bool counts = visibility != RK_LIGHT_OCCLUDED;
-    for (uint32_t k = 0; k < run.count; k++) {
-        rays[k] = decided ? rays_stood_for(r, pass, point, run.light, run.first + k) : 1;
-        counts |= rays[k] > 0;
+    if (visibility == RK_LIGHT_OCCLUDED) {
+        if (checked >= run.count)
+            return;
+        run = (sample_run){run.light, run.first + checked, 1};
+        checked = 0;
     }
-    if (!counts)
-        return;
     draw(r, pass, point, run, numbers);
     for (uint32_t k = 0; k < run.count; k++)
         samples[k] = rk_light_sample_at(light, options->falloff, options->domain,
@@ -150,15 +153,15 @@ static void queue_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
     rk_spawner_start(&spawner, &point->surface);
     for (uint32_t k = 0; k < run.count; k++) {
         const rk_vec3 contribution = contributions[k];
-        if (rk_is_black(contribution) || (rays[k] == 0 && visibility == RK_LIGHT_OCCLUDED))
+        if (rk_is_black(contribution))
             continue;
         sums->unshadowed[i] = rk_madd(sums->unshadowed[i], contribution,
-                                      visibility == RK_LIGHT_OCCLUDED ? rays[k] : 1);
+                                      visibility == RK_LIGHT_OCCLUDED ? stands_for : 1);
         if (!r->plan.shadow_rays || visibility == RK_LIGHT_UNOCCLUDED)
             sums->shadowed[i] = rk_add(sums->shadowed[i], contribution);
-        if (r->plan.shadow_rays && rays[k] > 0) {
+        if (r->plan.shadow_rays && (!decided || k == checked)) {
             rk_vec3 to_light = rk_sub(samples[k].position, point->surface.point);
-            rk_queue_contribution(queue, point, i, rk_scale(contribution, rays[k]));
+            rk_queue_contribution(queue, point, i, rk_scale(contribution, stands_for));
             rk_queue_shadow_ray(queue, rk_spawner_origin(&spawner, to_light), samples[k].position);
         }
     }
@@ -268,10 +271,9 @@ void rk_parallelogram_light_stage(const rk_rendering *r, rk_sample_pass *pass,
     sample_light(r, pass, points, (sample_run){index, 0, first_round}, run_max, queue, answers,
                  sums);
     if (first_round < samples) {
-        /* One sample at a time: a ray that disagrees decides how the next is treated. */
         early_out(points, sums);
-        sample_light(r, pass, points, (sample_run){index, first_round, samples - first_round}, 1,
-                     queue, answers, sums);
+        sample_light(r, pass, points, (sample_run){index, first_round, samples - first_round},
+                     checked_run(r), queue, answers, sums);
     }
     for (uint32_t sample = 0; sample < directions; sample++) {
         rk_highlight_stage(r, pass, points, index, sample, sums, queue);
