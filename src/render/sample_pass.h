@@ -19,10 +19,10 @@ typedef struct rk_sample_pass {
     /* See render/time_passes.h. */
     uint32_t time_pass, time_passes;
     /* With plan.motion_blur: */
-    bool needs_time[RK_BATCH_MAX];        /* may a ray of the pixel's sample hit a moving object? */
-    bool camera_needs_time[RK_BATCH_MAX]; /* may its camera ray? */
-    bool has_time[RK_BATCH_MAX];          /* is `time` drawn in this pass? */
-    float time[RK_BATCH_MAX];             /* of all rays of the pixel's sample */
+    bool needs_time[RK_BATCH_MAX];         /* may a ray of the sample hit a moving object? */
+    uint16_t camera_objects[RK_BATCH_MAX]; /* those that its camera ray may hit, a bit each */
+    bool has_time[RK_BATCH_MAX];           /* is `time` drawn in this pass? */
+    float time[RK_BATCH_MAX];              /* of all rays of the pixel's sample */
     /* With plan.adaptive_sampling: */
     uint32_t wanted_count;
     uint16_t wanted[RK_BATCH_MAX]; /* the pixels that take the sample, in ascending order */
@@ -41,7 +41,7 @@ typedef struct rk_sample_index {
  * mean over passes would be biased. */
 static inline rk_sample_index rk_sample_index_of(const rk_sample_pass *pass, uint32_t pixel)
 {
-    if (pass->time_pass == 0 || !pass->camera_needs_time[pixel])
+    if (pass->time_pass == 0 || !pass->camera_objects[pixel])
         return (rk_sample_index){pass->sample, pass->samples, 0};
     return (rk_sample_index){(pass->time_pass - 1) * pass->samples + pass->sample,
                              (pass->time_passes - 1) * pass->samples, RK_DIMENSION_FURTHER};

@@ -14,7 +14,7 @@ void rk_time_pass_start(rk_sample_pass *pass)
     if (pass->time_pass > 0)
         return;
     memset(pass->needs_time, 0, sizeof pass->needs_time);
-    memset(pass->camera_needs_time, 0, sizeof pass->camera_needs_time);
+    memset(pass->camera_objects, 0, sizeof pass->camera_objects);
 }
 
 void rk_time_passes_average(const rk_sample_pass *pass, const rk_film *before, rk_film *film)

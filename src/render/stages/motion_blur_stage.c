@@ -68,10 +68,14 @@ static float time_of(const rk_rendering *r, rk_sample_pass *pass, uint32_t pixel
 rk_ray_time rk_motion_blur_ray_time(const rk_rendering *r, rk_sample_pass *pass, uint32_t pixel,
                                     bool from_camera, const rk_ray *ray, float t_max)
 {
-    rk_ray_time when = {NAN, reachable_objects(r, pass, pixel, ray, t_max)};
+    /* Further time passes take the same camera rays. */
+    const bool is_known = from_camera && pass->time_pass > 0;
+    rk_ray_time when = {NAN, is_known ? pass->camera_objects[pixel]
+                                      : reachable_objects(r, pass, pixel, ray, t_max)};
     if (when.objects == 0)
         return when;
-    pass->camera_needs_time[pixel] |= from_camera;
+    if (from_camera)
+        pass->camera_objects[pixel] = when.objects;
     when.time = r->plan.time_samples ? time_of(r, pass, pixel) : common_time(&r->options->motion);
     return when;
 }
