@@ -188,6 +188,7 @@ RK_INLINE void hit_lanes(packet *p, query kind, const rk_wide_bvh *wide, const p
 RK_INLINE void lanes_in_block(packet *p, query kind, const rk_wide_bvh *wide,
                               const rk_wide_block *block, uint32_t lanes)
 {
+    const rk_f16 zero = rk_f16_all(0);
     prepared t;
     prepare_block(&t, p, block);
     for (uint32_t i = 0; i < RK_WIDE_BLOCK; i++) {
@@ -195,11 +196,13 @@ RK_INLINE void lanes_in_block(packet *p, query kind, const rk_wide_bvh *wide,
         if (kind == CLOSEST && i > 0 && block->index[i] == block->index[i - 1])
             break;
         const rk_f16 bound = rk_f16_all(t.bound[i]), minus = rk_f16_all(-t.bound[i]);
-        rk_f16 u = rk_f16_sub(f16x3_dot(p->moment, f16x3_of(t.ac, i)),
-                              f16x3_dot(p->direction, f16x3_of(t.ac_a, i)));
-        rk_f16 v = rk_f16_sub(f16x3_dot(p->direction, f16x3_of(t.ab_a, i)),
-                              f16x3_dot(p->moment, f16x3_of(t.ab, i)));
-        rk_f16 det = rk_f16_sub(rk_f16_all(0), f16x3_dot(p->direction, f16x3_of(t.normal, i)));
+        rk_f16 u = rk_f16_sub(zero, f16x3_dot(p->direction, f16x3_of(t.ac_a, i)));
+        rk_f16 v = f16x3_dot(p->direction, f16x3_of(t.ab_a, i));
+        if (p->size > 0) { /* else all rays start at the centre, and their moments are 0 */
+            u = rk_f16_add(u, f16x3_dot(p->moment, f16x3_of(t.ac, i)));
+            v = rk_f16_sub(v, f16x3_dot(p->moment, f16x3_of(t.ab, i)));
+        }
+        rk_f16 det = rk_f16_sub(zero, f16x3_dot(p->direction, f16x3_of(t.normal, i)));
         rk_f16 w = rk_f16_sub(rk_f16_sub(det, u), v);
         rk_f16 lowest = rk_f16_min(u, rk_f16_min(v, w)), highest = rk_f16_max(u, rk_f16_max(v, w));
         uint32_t may = lanes & p->active & ~(rk_f16_lt(lowest, minus) & rk_f16_lt(bound, highest));
@@ -271,19 +274,25 @@ RK_INLINE bounds bounds_of_lanes(f16x3 a, rk_f16 fourth)
                     rk_simd4_max(rk_simd4_max(high[0], high[1]), rk_simd4_max(high[2], high[3]))};
 }
 
-/* No ray has a hit beyond t = end. Between the boxes of the rays at t = 0 and at t = end, at t,
- * each coordinate is from low + t (end_low - low) / end to high + t (end_high - high) / end. */
-RK_INLINE void set_shaft(shaft *s, const bounds *from, const bounds *to, float end, uint32_t signs)
+/* How far the rays go per t on each axis, at least and at most. No ray has a hit beyond t = end.
+ * Between the boxes of the rays at t = 0 and at t = end, at t, each coordinate is from
+ * low + t (end_low - low) / end to high + t (end_high - high) / end. */
+RK_INLINE bounds speeds_between(const bounds *from, const bounds *to, float end)
 {
-    const rk_simd4_mask bits = {1, 2, 4, 8};
-    const rk_simd4_mask minus = ((int32_t)signs & bits) != 0;
-    const rk_simd4 zero = rk_simd4_all(0), per_t = rk_simd4_all(1 / end);
+    const rk_simd4 per_t = rk_simd4_all(1 / end);
     /* More than the roundings of `to`, and of the differences. */
     rk_simd4 rounding = rk_simd4_max(rk_simd4_abs(from->low), rk_simd4_abs(from->high)) +
                         rk_simd4_max(rk_simd4_abs(to->low), rk_simd4_abs(to->high));
     rounding *= rk_simd4_all(0x1p-21f);
-    rk_simd4 low = (to->low - from->low - rounding) * per_t;
-    rk_simd4 high = (to->high - from->high + rounding) * per_t;
+    return (bounds){(to->low - from->low - rounding) * per_t,
+                    (to->high - from->high + rounding) * per_t};
+}
+
+RK_INLINE void set_shaft(shaft *s, const bounds *from, const bounds *speeds, uint32_t signs)
+{
+    const rk_simd4_mask bits = {1, 2, 4, 8};
+    const rk_simd4_mask minus = ((int32_t)signs & bits) != 0;
+    const rk_simd4 zero = rk_simd4_all(0), low = speeds->low, high = speeds->high;
     s->near_origin = rk_simd4_select(minus, from->low, from->high);
     s->far_origin = rk_simd4_select(minus, from->high, from->low);
     /* No ray goes back, so the slower side stays where it is if rounding makes it do so. */
@@ -314,6 +323,15 @@ RK_INLINE void copy_lanes(sixteen *lanes, uint32_t active)
     lanes->t_max = copied(lanes->t_max, active);
 }
 
+/* Do all rays have the same origin? */
+RK_INLINE bool start_together(f16x3 origin)
+{
+    const rk_f16 x = rk_f16_all(rk_f16_lane(origin.x, 0)), y = rk_f16_all(rk_f16_lane(origin.y, 0));
+    const rk_f16 z = rk_f16_all(rk_f16_lane(origin.z, 0));
+    return !(rk_f16_lt(x, origin.x) | rk_f16_lt(origin.x, x) | rk_f16_lt(y, origin.y) |
+             rk_f16_lt(origin.y, y) | rk_f16_lt(z, origin.z) | rk_f16_lt(origin.z, z));
+}
+
 /* False if floats might overflow. */
 RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, uint32_t signs,
                            uint32_t active)
@@ -327,7 +345,18 @@ RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, 
     if ((rk_f16_lt(x, least) & rk_f16_lt(zero, x)) | (rk_f16_lt(y, least) & rk_f16_lt(zero, y)) |
         (rk_f16_lt(z, least) & rk_f16_lt(zero, z)))
         return false;
-    const bounds from = bounds_of_lanes(o, longest);
+    /* Lowest and highest component of directions in the fourth lane. */
+    bounds from, speeds;
+    const bool is_point = start_together(o);
+    if (is_point) {
+        speeds = bounds_of_lanes(d, longest);
+        from.low = from.high =
+            rk_simd4_of(rk_vec(rk_f16_lane(o.x, 0), rk_f16_lane(o.y, 0), rk_f16_lane(o.z, 0)));
+        from.low[3] = speeds.low[3];
+        from.high[3] = speeds.high[3];
+    } else {
+        from = bounds_of_lanes(o, longest);
+    }
     rk_simd4 away = rk_simd4_max(from.high - extent->low, extent->high - from.low);
     rk_simd4 wide = from.high - from.low, center = rk_simd4_all(0.5f) * (from.low + from.high);
     const float reach = away[0] + away[1] + away[2];
@@ -336,17 +365,21 @@ RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, 
     p->center = rk_simd4_vec(center);
     if (!is_ordinary(reach + p->size, p->longest))
         return false;
-    /* On its longest axis each ray is out of the tree by then. */
-    const float out = rk_max(away[0], rk_max(away[1], away[2])) / from.low[3];
     p->farthest = rk_f16_largest(lanes.t_max);
-    const float end = (p->farthest < out ? p->farthest : out) * 1.0001f;
-    if (!(end > 0x1p-60f && end < 0x1p60f))
-        return false;
-    const rk_f16 at = rk_f16_all(end);
-    const bounds to = bounds_of_lanes(
-        (f16x3){rk_f16_madd(at, d.x, o.x), rk_f16_madd(at, d.y, o.y), rk_f16_madd(at, d.z, o.z)},
-        longest);
-    set_shaft(&p->shaft, &from, &to, end, signs);
+    if (!is_point) {
+        /* On its longest axis each ray is out of the tree by then. */
+        const float out = rk_max(away[0], rk_max(away[1], away[2])) / from.low[3];
+        const float end = (p->farthest < out ? p->farthest : out) * 1.0001f;
+        if (!(end > 0x1p-60f && end < 0x1p60f))
+            return false;
+        const rk_f16 at = rk_f16_all(end);
+        const bounds to =
+            bounds_of_lanes((f16x3){rk_f16_madd(at, d.x, o.x), rk_f16_madd(at, d.y, o.y),
+                                    rk_f16_madd(at, d.z, o.z)},
+                            longest);
+        speeds = speeds_between(&from, &to, end);
+    }
+    set_shaft(&p->shaft, &from, &speeds, signs);
     const rk_f16 one = rk_f16_all(1);
     p->start = o;
     p->inverse = (f16x3){rk_f16_div(one, d.x), rk_f16_div(one, d.y), rk_f16_div(one, d.z)};
