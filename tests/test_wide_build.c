@@ -30,8 +30,9 @@ static void check_sound(const rk_mesh *mesh, const char *name)
 
 static void trees_of_scenes_are_sound(void **state)
 {
-    static const char *const names[] = {"triangle", "cornell", "teapot", "statue:967",
-                                        "statue:20000"};
+    /* Of the fine teapot some subtrees outgrow their part of the memory, and all still fit. */
+    static const char *const names[] = {"triangle",   "cornell",      "teapot",
+                                        "statue:967", "statue:20000", "teapot:40"};
     (void)state;
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         rk_scene scene = test_scene_builtin(names[i]);

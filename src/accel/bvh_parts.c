@@ -6,7 +6,7 @@
 
 enum {
     bins_max = 16,
-    chunk_size = 1 << 14, /* references that one thread takes at a time */
+    chunk_size = 1 << 12, /* references that one thread takes at a time */
 };
 
 /* The box around a triangle. The fourth numbers are the lower and the upper half of its index:

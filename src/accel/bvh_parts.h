@@ -20,7 +20,7 @@ typedef enum rk_build_quality {
 enum {
     RK_PART_BLOCK = 4,       /* triangles that a leaf tests together */
     RK_PART_LEAF_MAX = 8,    /* a larger part is always split */
-    RK_PART_LARGE = 1 << 16, /* a part of so many is split by the pool */
+    RK_PART_LARGE = 1 << 13, /* a part of so many is split by the pool */
 };
 
 /* Neighbouring triangles of the order found so far. */

@@ -4,7 +4,7 @@
 
 enum {
     tasks_max = 1 << 14,    /* enough for 100 million triangles */
-    tasks_wanted = 64,      /* so many that threads end at nearly the same time */
+    tasks_wanted = 32,      /* so many that threads end at nearly the same time */
     smallest_task = 1 << 9, /* triangles; a mesh of less than eight such is built in one piece */
 };
 
@@ -14,8 +14,9 @@ typedef struct subtree {
     rk_wide_node *nodes;
     rk_wide_block *blocks;
     uint32_t node_count, node_room, block_count, block_room;
-    uint32_t parent, place; /* the child of the top that it is */
-    bool failed;            /* memory was short */
+    uint32_t parent, place;           /* the child of the top that it is */
+    bool shares_nodes, shares_blocks; /* in memory of all tasks, see share_memory */
+    bool failed;                      /* memory was short */
 } subtree;
 
 typedef struct wide_builder {
@@ -23,14 +24,29 @@ typedef struct wide_builder {
     const rk_bvh_parts *parts;
     uint32_t task_size; /* parts up to this size are tasks; 0: none is */
     uint32_t task_count;
+    rk_wide_node *nodes; /* that tasks share */
+    rk_wide_block *blocks;
     subtree tasks[tasks_max];
 } wide_builder;
 
 /* --- Memory ------------------------------------------------------------------------------------
  */
 
+/* Of scanned surfaces there are a seventeenth as many nodes as triangles, and a quarter as many
+ * blocks. */
+static uint32_t node_guess(const subtree *tree)
+{
+    return tree->part.count / 14 + 4;
+}
+
+static uint32_t block_guess(const subtree *tree)
+{
+    return tree->part.count / 7 * 2 + 4;
+}
+
 /* Makes room for one more element; it moves the others. The first room is a guess. */
-static void *grow(void *elements, uint32_t count, uint32_t *room, uint32_t guess, size_t size)
+static void *grow(void *elements, uint32_t count, uint32_t *room, uint32_t guess, size_t size,
+                  bool *is_shared)
 {
     if (count < *room)
         return elements;
@@ -41,16 +57,17 @@ static void *grow(void *elements, uint32_t count, uint32_t *room, uint32_t guess
         return NULL;
     if (count)
         memcpy(moved, elements, count * size);
-    free(elements);
+    if (!*is_shared)
+        free(elements);
+    *is_shared = false;
     *room = more;
     return moved;
 }
 
-/* Most nodes have four children or more, most blocks three triangles or more. */
 static bool reserve_node(subtree *tree)
 {
-    void *nodes = grow(tree->nodes, tree->node_count, &tree->node_room, tree->part.count / 12 + 8,
-                       sizeof *tree->nodes);
+    void *nodes = grow(tree->nodes, tree->node_count, &tree->node_room, node_guess(tree),
+                       sizeof *tree->nodes, &tree->shares_nodes);
     tree->failed = !nodes;
     tree->nodes = nodes ? nodes : tree->nodes;
     return nodes;
@@ -58,8 +75,8 @@ static bool reserve_node(subtree *tree)
 
 static bool reserve_block(subtree *tree)
 {
-    void *blocks = grow(tree->blocks, tree->block_count, &tree->block_room,
-                        tree->part.count / 3 + 8, sizeof *tree->blocks);
+    void *blocks = grow(tree->blocks, tree->block_count, &tree->block_room, block_guess(tree),
+                        sizeof *tree->blocks, &tree->shares_blocks);
     tree->failed = !blocks;
     tree->blocks = blocks ? blocks : tree->blocks;
     return blocks;
@@ -225,12 +242,40 @@ static void run_task(uint32_t index, uint32_t thread, void *context)
     build_root(&b->tasks[index + 1], b);
 }
 
+/* The tree's memory, of which each task gets a part: fresh pages cost more than what is written to
+ * them, so none is taken twice. Without it each task makes its own room. */
+static void share_memory(wide_builder *b)
+{
+    size_t nodes = b->tasks[0].node_count, blocks = b->tasks[0].block_count;
+    rk_error error = {{0}};
+    for (uint32_t i = 1; i < b->task_count; i++) {
+        nodes += node_guess(&b->tasks[i]);
+        blocks += block_guess(&b->tasks[i]);
+    }
+    b->nodes = rk_allocate_unset(nodes, sizeof *b->nodes, "tree", &error);
+    b->blocks = b->nodes ? rk_allocate_unset(blocks, sizeof *b->blocks, "tree", &error) : NULL;
+    nodes = b->tasks[0].node_count;
+    blocks = b->tasks[0].block_count;
+    for (uint32_t i = 1; b->blocks && i < b->task_count; i++) {
+        subtree *tree = &b->tasks[i];
+        tree->nodes = b->nodes + nodes;
+        tree->blocks = b->blocks + blocks;
+        nodes += tree->node_room = node_guess(tree);
+        blocks += tree->block_room = block_guess(tree);
+        tree->shares_nodes = tree->shares_blocks = true;
+    }
+}
+
 static void free_tasks(wide_builder *b)
 {
     for (uint32_t i = 0; i < b->task_count; i++) {
-        free(b->tasks[i].nodes);
-        free(b->tasks[i].blocks);
+        if (!b->tasks[i].shares_nodes)
+            free(b->tasks[i].nodes);
+        if (!b->tasks[i].shares_blocks)
+            free(b->tasks[i].blocks);
     }
+    free(b->nodes);
+    free(b->blocks);
 }
 
 /* A child of a subtree, counted from the first node and block of all. */
@@ -240,7 +285,7 @@ static uint32_t moved_child(uint32_t child, uint32_t nodes_before, uint32_t bloc
     return is_empty ? child : child + (child & RK_WIDE_LEAF ? blocks_before : nodes_before);
 }
 
-/* The top's nodes come first, then the subtrees', in order. */
+/* The top's nodes come first, then the subtrees', in order; in shared memory they move down. */
 static void append(rk_wide_bvh *wide, const subtree *tree)
 {
     const uint32_t nodes = wide->node_count, blocks = wide->block_count;
@@ -251,12 +296,29 @@ static void append(rk_wide_bvh *wide, const subtree *tree)
             node->child[k] = moved_child(node->child[k], nodes, blocks);
     }
     if (tree->block_count)
-        memcpy(&wide->blocks[blocks], tree->blocks, tree->block_count * sizeof *tree->blocks);
+        memmove(&wide->blocks[blocks], tree->blocks, tree->block_count * sizeof *tree->blocks);
     wide->node_count += tree->node_count;
     wide->block_count += tree->block_count;
 }
 
-static bool join(rk_wide_bvh *wide, const wide_builder *b, rk_error *error)
+/* Can subtrees move down one after the other, none of them to where the next ones still are? */
+static bool fits_shared_memory(const wide_builder *b)
+{
+    uint64_t nodes = b->tasks[0].node_count, blocks = b->tasks[0].block_count;
+    uint64_t node_room = nodes, block_room = blocks;
+    bool fits = b->blocks;
+    for (uint32_t i = 1; i < b->task_count; i++) {
+        nodes += b->tasks[i].node_count;
+        blocks += b->tasks[i].block_count;
+        node_room += node_guess(&b->tasks[i]);
+        block_room += block_guess(&b->tasks[i]);
+        fits &= nodes <= node_room && blocks <= block_room;
+    }
+    return fits;
+}
+
+static bool count_all(const wide_builder *b, uint32_t *node_count, uint32_t *block_count,
+                      rk_error *error)
 {
     uint64_t nodes = 0, blocks = 0;
     for (uint32_t i = 0; i < b->task_count; i++) {
@@ -268,13 +330,30 @@ static bool join(rk_wide_bvh *wide, const wide_builder *b, rk_error *error)
         nodes += b->tasks[i].node_count;
         blocks += b->tasks[i].block_count;
     }
-    if (blocks >> RK_WIDE_BLOCK_BITS)
-        return rk_fail(error,
-                       "tree: %llu blocks of triangles are more than %u: choose a mesh with "
-                       "fewer triangles",
-                       (unsigned long long)blocks, 1u << RK_WIDE_BLOCK_BITS);
-    if (!rk_wide_bvh_init(wide, b->tasks[0].part.count, (uint32_t)nodes, (uint32_t)blocks, error))
+    *node_count = (uint32_t)nodes;
+    *block_count = (uint32_t)blocks;
+    return blocks >> RK_WIDE_BLOCK_BITS == 0 ||
+           rk_fail(error,
+                   "tree: %llu blocks of triangles are more than %u: choose a mesh with "
+                   "fewer triangles",
+                   (unsigned long long)blocks, 1u << RK_WIDE_BLOCK_BITS);
+}
+
+static bool join(rk_wide_bvh *wide, wide_builder *b, rk_error *error)
+{
+    const bool in_place = fits_shared_memory(b);
+    uint32_t nodes = 0, blocks = 0;
+    if (!count_all(b, &nodes, &blocks, error))
         return false;
+    *wide = (rk_wide_bvh){.triangle_count = b->tasks[0].part.count};
+    if (in_place) {
+        wide->nodes = b->nodes;
+        wide->blocks = b->blocks;
+        b->nodes = NULL;
+        b->blocks = NULL;
+    } else if (!rk_wide_bvh_init(wide, b->tasks[0].part.count, nodes, blocks, error)) {
+        return false;
+    }
     wide->box = rk_bvh_part_box(&b->tasks[0].part);
     for (uint32_t i = 0; i < b->task_count; i++) {
         const subtree *tree = &b->tasks[i];
@@ -301,7 +380,11 @@ static void build_subtrees(wide_builder *b, const rk_bvh_part *root, rk_pool *po
     b->task_size = task_size(root->count);
     b->task_count = 1;
     b->tasks[0] = (subtree){.part = *root};
+    b->nodes = NULL;
+    b->blocks = NULL;
     build_root(&b->tasks[0], b);
+    if (b->task_count > 1)
+        share_memory(b);
     if (pool && b->task_count > 1)
         rk_pool_run(pool, b->task_count - 1, run_task, b);
     else
