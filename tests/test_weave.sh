@@ -1,6 +1,7 @@
 #!/bin/sh
 # Two who make the same page at the same time do not spoil each other's. A small script takes the place
-# of pandoc: it waits until the file "go" is there.
+# of pandoc: it waits until the file "go" is there. And names that two texts have, and equal pictures
+# in a row, are mistakes.
 set -u
 [ "${1-}" != --list ] || exit 0 # the driver asks for names of tests, which it can do without
 source=$(cd "${srcdir:-.}" && pwd)
@@ -29,10 +30,10 @@ echo "a page by $PPID" >"$page"
 END
 chmod +x "$folder/pandoc"
 
-# report SAID: makes the report, and writes what is said to the file
+# report SAID [SOURCE PANDOC]: makes the report, and writes what is said to the file
 report() {
-    RAYKIT_SOURCE=$source RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 \
-        RAYKIT_COMPILER=c RAYKIT_FLAGS=none PANDOC=$folder/pandoc GNUPLOT= CHROMIUM= QUICK= FEATURES= \
+    RAYKIT_SOURCE=${2-$source} RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 \
+        RAYKIT_COMPILER=c RAYKIT_FLAGS=none PANDOC=${3-$folder/pandoc} GNUPLOT= CHROMIUM= QUICK= FEATURES= \
         MESHES= sh "$source/reports/make_report" >"$folder/$1" 2>&1
 }
 
@@ -76,5 +77,51 @@ are_there() {
 }
 report said1 && are_there $measured peers
 verdict tables_that_are_measured_apart_are_there
+
+# With pandoc itself, and two texts.
+if pandoc=$(command -v pandoc); then
+    texts=$folder/texts/reports
+    mkdir -p "$texts"
+    ln -s "$source/tools" "$folder/texts/tools"
+    ln -s "$source/reports/weave.lua" "$source/reports/report.css" "$texts"
+    printf '# %s\n\n## Measured {#%s}\n' One one-measured >"$texts/01_one.md"
+    printf '# %s\n\n## Measured {#%s}\n' Two two-measured >"$texts/02_two.md"
+    report said1 "$folder/texts" "$pandoc"
+    verdict two_texts_with_names_of_their_own_are_a_page
+
+    printf '# %s\n\n## Measured {#%s}\n' Two one-measured >"$texts/02_two.md"
+    ! report said1 "$folder/texts" "$pandoc" &&
+        grep -q 'reports/02_two.md:3: #one-measured is in reports/01_one.md:3 already' "$folder/said1"
+    verdict a_name_in_two_texts_is_a_mistake
+
+    # A driver whose pictures are copies.
+    mkdir -p "$folder/assignments/01_copies"
+    cat >"$folder/assignments/01_copies/copies" <<'END'
+#!/bin/sh
+cp "$1" "$4/figures/$2.png" && echo "$4/figures/$2.png: 128 x 128"
+END
+    chmod +x "$folder/assignments/01_copies/copies"
+    row() { # row PICTURE PICTURE
+        printf '# One\n\n:::: {.row}\n'
+        for name in left right; do
+            printf '::: {.figure driver=copies args="%s %s"}\nOn the %s.\n:::\n' "$1" $name $name
+            shift
+        done
+        printf '::::\n'
+    }
+    rm "$texts/02_two.md"
+    look=$source/assignments/03_shading/look
+    row "$look/1.png" "$look/2.png" >"$texts/01_one.md"
+    report said1 "$folder/texts" "$pandoc"
+    verdict a_row_of_two_pictures_is_woven
+
+    row "$look/1.png" "$look/1.png" >"$texts/01_one.md"
+    ! report said1 "$folder/texts" "$pandoc" &&
+        grep -q '01_one.md:3: figures/left.png and figures/right.png are equal, pixel for pixel' "$folder/said1"
+    verdict equal_pictures_in_a_row_are_a_mistake
+else
+    count=$((count + 1))
+    echo "ok $count # SKIP a_name_in_two_texts_is_a_mistake: there is no pandoc"
+fi
 
 echo "1..$count"

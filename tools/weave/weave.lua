@@ -100,6 +100,32 @@ local function figure(div, args)
   }, {class = "picture"})
 end
 
+-- A PNG file without its texts, which tell of the run: equal for equal pictures.
+local function pixels_of(path)
+  local file = io.open(drive.out .. "/" .. path, "rb")
+  local png, parts, at = file:read("a"), {}, 9
+  file:close()
+  while at < #png do
+    local length, kind = string.unpack(">I4c4", png, at)
+    if kind == "IHDR" or kind == "IDAT" then parts[#parts + 1] = png:sub(at + 8, at + 7 + length) end
+    at = at + 12 + length
+  end
+  return table.concat(parts)
+end
+
+-- Pictures of a row are there to be compared. A student's unit may not make a difference yet.
+local function check_row(div)
+  local seen = {}
+  local function compare(image)
+    local pixels = image.src:find("^figures/.*%.png$") and pixels_of(image.src)
+    if pixels and seen[pixels] then
+      fail_at(div, "%s and %s are equal, pixel for pixel; show something in which they differ", seen[pixels], image.src)
+    end
+    if pixels then seen[pixels] = image.src end
+  end
+  if drive.units == "" then div:walk({Image = compare}) end
+end
+
 local function figures(div)
   local args = div.attributes.args or ""
   if div.attributes.each ~= "mesh" then return figure(div, args) end
@@ -172,6 +198,19 @@ function weave.anchor(name)
   return name
 end
 
+local named_at = {} -- places, by the names that texts give
+
+-- Before the drivers run, which takes minutes.
+local function check_unique(element)
+  local name = element.identifier
+  if name == "" then return end
+  if named_at[name] then
+    fail_at(element, "#%s is in %s already; a name must be unique in the %s, or links lead to the wrong place",
+      name, named_at[name], drive.page)
+  end
+  named_at[name] = drive.place(element)
+end
+
 local function remember(element)
   if element.identifier ~= "" then names[element.identifier] = true end
 end
@@ -203,6 +242,7 @@ end
 local function expand(directives)
   return function(element)
     local class = element.classes[1]
+    if class == "row" then check_row(element) end
     if not class or plain_classes[class] then return nil end
     if not directives[class] then fail_at(element, "there is no directive called .%s", class) end
     return drive.forgiving(directives[class], element) or missing(element)
@@ -239,6 +279,7 @@ function weave.filters(own)
   for class, directive in pairs(own.Div or {}) do divs[class] = directive end
   return {
     {Div = choose},
+    {Header = check_unique, Div = check_unique, Span = check_unique, CodeBlock = check_unique},
     {Div = expand(divs), Span = expand({measured = tables.measured}), Code = own.Code,
       CodeBlock = own.CodeBlock, Link = weave.resolve},
     {Header = remember, Div = remember, Span = remember, CodeBlock = remember},
