@@ -236,7 +236,8 @@ def finished_work_is_kept(folder):
 def begin(folder, pictures):
     """Starts make bench, and returns once so many pictures have been asked for."""
     process = subprocess.Popen([sys.executable, "-B", BENCH, "--build", folder, "--source", folder, "--quick"],
-                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True)
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))  # ignored in a script's background
     patience = time.monotonic() + 60
     while asked(folder, forget=False) < pictures and time.monotonic() < patience:
         time.sleep(0.05)
@@ -450,7 +451,8 @@ def times_are_kept(folder):
 def an_interruption_costs_one_call(folder):
     invent_drivers(folder, "[ $lights = 1 ] || exec sleep 100")
     process = subprocess.Popen([sys.executable, "-B", BENCH, "--build", folder, "--source", folder, "--quick", "--cases", "frames"],
-                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True)
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, start_new_session=True,
+                               preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))  # ignored in a script's background
     patience, path = time.monotonic() + 60, os.path.join(folder, "bench", "called")
     while time.monotonic() < patience and not (os.path.exists(path) and "parallelogram_light" in read(path)):
         time.sleep(0.05)
@@ -578,6 +580,39 @@ def the_program_measures(folder):
               f"{name} is refused", answer.stdout)
 
 
+# --- README's tables of speed --------------------------------------------------------------------
+
+README_SPEED = os.path.join(SOURCE, "tools", "readme_speed.py")
+BEFORE, AFTER = "# a kit\n<!-- speed: made -->\n", "<!-- speed end -->\nthe end\n"
+
+
+def readme_tables_are_made_anew(folder):
+    timings_folder, peers = os.path.join(folder, "bench", "tables"), os.path.join(folder, "reports", "out", "tables")
+
+    def make():
+        return run(folder, sys.executable, "-B", README_SPEED, "--build", ".", "README.md")
+
+    write(BEFORE + "an old table\n" + AFTER, folder, "README.md")
+    status, said = make()
+    check(status == 1 and said.count("\n") == 1 and "run make bench first" in said,
+          "README's tables: without measurements there is only a line that names the command", said)
+    write("item,value\nprocessor,an abacus\ninstruction set,beads\n", timings_folder, "timings_machine.csv")
+    write("title,threads,median_ms,goal_ms,classic_ms\na cat,1,1234.5,,\na cat,2,617.12,700,9000\n", timings_folder, "frames.csv")
+    status, said = make()
+    check(status == 1 and said.count("\n") == 1 and "run make bench-peers first" in said,
+          "README's tables: without Embree's measurements there is only a line that names the command", said)
+    write("scene,triangles,workload,threads,speed_ratio,robust_speed_ratio\ncat:7,7000,primary,1,0.876,1.25\n"
+          "cat:7,7000,primary,2,3,4\ncat:7,7000,build,1,2,3\n", peers, "peers_best.csv")
+    status, said = make()
+    wanted = ["| a cat | 1.23 s | 617 ms | 700 ms on 2 | 9 s |", "| cat, 7,000 triangles | 0.88 (1.25) |  |  |  | 2.00 (3.00) |", "an abacus"]
+    check(status == 0 and all(part in said for part in wanted) and "an old table" not in said,
+          "README's tables: a line for each picture and each scene, of one thread, in place of the old ones", said)
+    check(said.startswith(BEFORE) and said.endswith(AFTER), "README's tables: the text around them stays", said)
+    write("no place for tables\n", folder, "README.md")
+    status, said = make()
+    check(status != 0 and said.count("\n") == 1 and "has no lines" in said, "README's tables: a text without a place for them is an error", said)
+
+
 def read_bytes(*path):
     with open(os.path.join(*path), "rb") as file:
         return file.read()
@@ -604,6 +639,7 @@ def main():
         an_interruption_costs_one_call(driven)
         mistakes_of_frames_are_told(driven)
         drivers_take_the_options(tempfile.mkdtemp(dir=folder))
+        readme_tables_are_made_anew(tempfile.mkdtemp(dir=folder))
         the_program_measures(tempfile.mkdtemp(dir=folder))
     finally:
         shutil.rmtree(folder, ignore_errors=True)
