@@ -242,8 +242,8 @@ static void run_task(uint32_t index, uint32_t thread, void *context)
     build_root(&b->tasks[index + 1], b);
 }
 
-/* The tree's memory, of which each task gets a part: fresh pages cost more than what is written to
- * them, so none is taken twice. Without it each task makes its own room. */
+/* The tree's memory, of which each task gets a part, so that new pages, which take time, are not
+ * taken twice. Without it each task makes its own room. */
 static void share_memory(wide_builder *b)
 {
     size_t nodes = b->tasks[0].node_count, blocks = b->tasks[0].block_count;
