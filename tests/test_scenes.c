@@ -152,7 +152,7 @@ static uint32_t *weld(const rk_mesh *mesh)
 
 /* --- all scenes ------------------------------------------------------------------------------ */
 
-/* All but the cover, whose floor extends to the horizon. */
+/* All but the cover and the lanterns, whose floors extend to the horizon. */
 static const char *const names[] = {"triangle",      "cube",          "cube-textured", "cornell",
                                     "cornell-glass", "cornell-light", "panes",         "panes:1",
                                     "glass",         "sphere",        "teapot",        "teapot:3",
@@ -180,6 +180,7 @@ static void every_scene_is_valid_and_has_its_count(void **state)
     check_count("panes:1", 8);
     check_count("glass", 26);
     check_count("plates", 8);
+    check_count("lanterns", 2 + 6 * 8); /* water, posts */
     check_count("sphere", 1280);
     check_count("moving", 2 + 4032 + 320); /* 32 x 8 x 8 squares of 2, less 8 x 8 at the poles */
     check_count("cover:967", 12 + 12 + 967 + 5120); /* floor, block, statue, ball */
@@ -320,7 +321,7 @@ static void a_wrong_name_or_number_is_refused_with_the_list(void **state)
         rk_check_error_names(error, wrong[i]);
         rk_check_error_names(error, "triangle, cube, cube-textured, cornell, cornell-glass, "
                                     "cornell-light, panes:N, glass, sphere:N, spheres:N, "
-                                    "shininess, plates, teapot:N, statue:N");
+                                    "shininess, plates, lanterns, teapot:N, statue:N");
         rk_scene_free(&scene); /* a refused scene is a zeroed one */
     }
 }
@@ -333,7 +334,7 @@ static void the_help_names_every_scene(void **state)
     const char *const wanted[] = {
         "triangle  ", "cube  ",     "cube-textured  ", "cornell  ",      "panes:N  ",  "glass  ",
         "shininess ", "plates  ",   "cornell-glass  ", "cornell-light ", "sphere:N  ", "spheres:N ",
-        "teapot:N  ", "statue:N  ", "moving:N  ",      "cover:N  "};
+        "teapot:N  ", "statue:N  ", "moving:N  ",      "cover:N  ",      "lanterns  "};
     for (size_t i = 0; i < sizeof wanted / sizeof wanted[0]; i++) {
         char line[40];
         snprintf(line, sizeof line, "  %s", wanted[i]);
@@ -680,7 +681,7 @@ static void the_parallelogram_light_is_where_the_lamp_was(void **state)
             for (int c = 0; c < 4; c++) {
                 rk_vec3 q = rk_madd(light->position, light->edge01, (float)(c & 1));
                 q = rk_madd(q, light->edge02, (float)(c >> 1));
-                matches += rk_length(rk_sub(p, q)) < 4 * 0x1p-24f; /* edges are rounded */
+                matches += rk_length(rk_sub(p, q)) < 0.002f; /* the lamp is closer to the ceiling */
             }
         }
     rk_check_equal(matches, 6, "all corners of the lamp's two triangles are the light's");
@@ -1084,6 +1085,24 @@ static void each_plate_reflects_the_lamps_to_the_camera(void **state)
     rk_scene_free(&scene);
 }
 
+static double brightest(rk_vec3 colour)
+{
+    return fmax((double)colour.x, fmax((double)colour.y, (double)colour.z));
+}
+
+static void the_lanterns_are_brighter_than_white_and_all_else_is_dark(void **state)
+{
+    (void)state;
+    rk_scene scene = make_scene("lanterns");
+    double light = (double)scene.lights[0].colours[0].x;
+    for (uint32_t i = 0; i < scene.sphere_count; i++)
+        rk_check(light * brightest(scene.sphere_materials[i].kd) > 1,
+                 "lantern %u is darker than white", i);
+    for (uint32_t m = 0; m < scene.mesh.material_count; m++)
+        rk_check(light * brightest(scene.mesh.materials[m].kd) < 0.1, "material %u is not dark", m);
+    rk_scene_free(&scene);
+}
+
 static uint64_t fingerprint(const rk_mesh *mesh)
 {
     uint64_t hash = 0xcbf29ce484222325u; /* FNV-1a over the words */
@@ -1123,6 +1142,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_letter_differs_from_its_turned_and_mirrored_selves),
     cmocka_unit_test(the_sphere_is_the_smallest_with_enough_triangles),
     cmocka_unit_test(sphere_triangles_are_the_icosahedrons_own),
+    cmocka_unit_test(the_lanterns_are_brighter_than_white_and_all_else_is_dark),
     cmocka_unit_test(each_plate_reflects_the_lamps_to_the_camera),
     cmocka_unit_test(the_shininess_scene_is_five_spheres_in_a_row_from_dull_to_sharp),
     cmocka_unit_test(every_corner_of_an_arranged_scene_is_in_its_picture),

@@ -36,6 +36,8 @@ static const builtin builtins[] = {
      rk_builtin_arrange_shininess, 0, 0, 0},
     {"plates", "four plates, from dull to sharp, that reflect four lamps", rk_builtin_make_plates,
      rk_builtin_arrange_plates, 0, 0, 0},
+    {"lanterns", "lanterns over water at night, many times as bright as white",
+     rk_builtin_make_lanterns, rk_builtin_arrange_lanterns, 0, 0, 0},
     /* One square per patch would leave the spout's lip without area. */
     {"teapot", "the Utah teapot, each of its 32 patches as N x N squares", rk_builtin_make_teapot,
      NULL, 2, 16, 1000},

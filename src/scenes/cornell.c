@@ -1,8 +1,8 @@
 /* The Cornell box: with a mirror, 16 quadrilaterals as 32 triangles; with two blocks of glass; and
  * with a parallelogram light in place of the lamp. Source: "Cornell Box Data", Cornell University
  * Program of Computer Graphics, 1998: lengths in millimetres, x to the left of the picture, y up, z
- * away from the viewer. The lamp hangs .8 mm below the ceiling, so that a ray hits the two at
- * different distances. Declared in scenes/makers.h. */
+ * away from the viewer. The lamp hangs .02 mm below the ceiling, so that a ray hits the two at
+ * different distances and no shadow of the lamp shows beside it. Declared in scenes/makers.h. */
 #include "scenes/makers.h"
 
 enum { white, left_wall, right_wall, lamp, tall, low, material_count };
@@ -18,7 +18,7 @@ static const face room[] = {
     {{{549.6f, 0, 559.2f}, {0, 0, 559.2f}, {0, 548.8f, 559.2f}, {556, 548.8f, 559.2f}}, white},
     {{{552.8f, 0, 0}, {549.6f, 0, 559.2f}, {556, 548.8f, 559.2f}, {556, 548.8f, 0}}, left_wall},
     {{{0, 0, 559.2f}, {0, 0, 0}, {0, 548.8f, 0}, {0, 548.8f, 559.2f}}, right_wall},
-    {{{343, 548, 227}, {343, 548, 332}, {213, 548, 332}, {213, 548, 227}}, lamp},
+    {{{343, 548.78f, 227}, {343, 548.78f, 332}, {213, 548.78f, 332}, {213, 548.78f, 227}}, lamp},
 };
 
 /* A block stands on the floor: the (x, z) of its corners, clockwise as seen from above. */

@@ -27,6 +27,10 @@ bool rk_builtin_make_moving(rk_mesh *mesh, uint32_t number, rk_error *error);
 bool rk_builtin_make_plates(rk_mesh *mesh, uint32_t number, rk_error *error);
 void rk_builtin_arrange_plates(rk_scene *scene);
 
+/* Lanterns over water, brighter than white. */
+bool rk_builtin_make_lanterns(rk_mesh *mesh, uint32_t number, rk_error *error);
+void rk_builtin_arrange_lanterns(rk_scene *scene);
+
 /* Makes an empty mesh with memory for `quads` parallelograms. */
 bool rk_builtin_init_quads(rk_mesh *mesh, uint32_t quads, uint32_t materials, rk_error *error);
 
