@@ -467,6 +467,62 @@ static void the_splits_of_a_node_are_drawn_and_printed(void **state)
     run_free(&far);
 }
 
+/* The tables that live figures draw. */
+static void numbers_of_live_figures_are_put_into_tables(void **state)
+{
+    static const struct {
+        const char *program, *words, *table, *header;
+    } cases[] = {
+        {"02_sah_binning/sah_binning", "--scene statue:20 --bins 6 --splits", "sah_binning_splits",
+         "scene,node,candidate,axis,plane,left,right,cost,left_area,right_area,cheapest\n"},
+        {"03_shading/shading", "--shading phong --radiance", "shading_radiance",
+         "scene,incidence,angle,radiance,diffuse,highlight\n"},
+        {"04_parallelogram_light/parallelogram_light",
+         "--growth --most 2 --reference 4 --lamp-x 0.1 --lamp-z -0.1 --lamp-size 2",
+         "parallelogram_light_growth", "scene,samples,rmse,shadow_rays\n"},
+        {"06_bloom/bloom", "--histogram", "bloom_bright", "scene,threshold,bright,pixels,most\n"},
+        {"09_depth_of_field/depth_of_field", "--scene statue:20 --circles",
+         "depth_of_field_circles", "scene,distance,diameter\n"},
+        {"10_motion_blur/motion_blur", "--positions", "motion_blur_path",
+         "scene,object,time,x,y\n"},
+    };
+    const test_folder *folder = *state;
+    for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
+        char words[256], table[128];
+        snprintf(words, sizeof words, "%s --width 20 --height 20", cases[i].words);
+        snprintf(table, sizeof table, "out/tables/%s.csv", cases[i].table);
+        run r = run_feature(cases[i].program, folder, words);
+        rk_check(r.status == 0, "%s: exit status %d: %s", words, r.status, r.err);
+        rk_check(is_there(folder, table), "%s is missing", table);
+        char *text = read_text(test_folder_path(folder, table));
+        rk_check(strncmp(text, cases[i].header, strlen(cases[i].header)) == 0,
+                 "%s: %s has the columns %s", words, table, text);
+        free(text);
+        run_free(&r);
+    }
+}
+
+static void a_traversal_takes_the_unit_s_steps(void **state)
+{
+    const test_folder *folder = *state;
+    for (int pixel = 5; pixel < 40; pixel += 10) {
+        char words[160];
+        snprintf(words, sizeof words,
+                 "--scene statue:500 --debug traversal --steps 3 --width 40 --height 40 --pixel "
+                 "%d,20",
+                 pixel);
+        run r = run_feature("01_bvh_median/bvh_median", folder, words);
+        rk_check(r.status == 0, "%s: exit status %d: %s", words, r.status, r.err);
+        check_contains(r.out, "step 1: box of node 0, ");
+        check_contains(r.out, "rk_bvh_closest tests ");
+        rk_check(!strstr(r.out, "not those above"), "%s: %s", words, r.out);
+        run_free(&r);
+    }
+    rk_check(is_there(folder, "out/figures/bvh_median_statue-500_traversal3.png"), "a picture");
+    check_feature_complaint("01_bvh_median/bvh_median", folder, "--debug traversal --split wide",
+                            "--debug traversal", "--split median");
+}
+
 static void wide_trees_are_drawn_and_printed(void **state)
 {
     const test_folder *folder = *state;
@@ -758,6 +814,8 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(captions_name_the_present_spelling),
     test_in_folder(debug_views_have_pictures_of_their_own),
     test_in_folder(the_splits_of_a_node_are_drawn_and_printed),
+    test_in_folder(numbers_of_live_figures_are_put_into_tables),
+    test_in_folder(a_traversal_takes_the_unit_s_steps),
     test_in_folder(wide_trees_are_drawn_and_printed),
     test_in_folder(wide_trees_are_counted_and_timed),
     test_in_folder(quiet_says_nothing),

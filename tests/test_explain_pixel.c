@@ -3,10 +3,12 @@
 #include "test_scene.h"
 
 #include "driver/explain_pixel.h"
+#include "io/srgb8.h"
 #include "scenes/sky.h"
 
 /* A new string to free(). */
-static char *explain(const rk_scene *scene, rk_render_options options, uint32_t x, uint32_t y)
+static char *explain_with(const rk_scene *scene, rk_render_options options, uint32_t x, uint32_t y,
+                          bool with_code)
 {
     rk_accel accel;
     rk_error error;
@@ -14,10 +16,15 @@ static char *explain(const rk_scene *scene, rk_render_options options, uint32_t 
     size_t size = 0;
     FILE *out = open_memstream(&text, &size);
     rk_check_ok(rk_accel_build(&accel, RK_ACCEL_MEDIAN, scene, &error), error);
-    rk_explain_pixel(out, scene, &accel, &options, x, y);
+    rk_explain_pixel(out, scene, &accel, &options, x, y, with_code);
     rk_accel_free(&accel);
     fclose(out);
     return text;
+}
+
+static char *explain(const rk_scene *scene, rk_render_options options, uint32_t x, uint32_t y)
+{
+    return explain_with(scene, options, x, y, false);
 }
 
 static bool contains(const char *text, const char *part)
@@ -47,6 +54,15 @@ static void check_printed(const char *text, const char *label, rk_vec3 want)
              (double)want.y, (double)want.z, text);
 }
 
+static void check_stored(const char *text, rk_vec3 want)
+{
+    rk_srgb8 table;
+    rk_srgb8_init(&table);
+    rk_vec3 stored = rk_vec(rk_srgb8_encode(&table, want.x), rk_srgb8_encode(&table, want.y),
+                            rk_srgb8_encode(&table, want.z));
+    check_printed(text, "colour (sRGB, 8 bits)", stored);
+}
+
 static rk_render_options size_of(uint32_t width, uint32_t height, bool shadows)
 {
     rk_render_options options = rk_render_options_default();
@@ -54,6 +70,40 @@ static rk_render_options size_of(uint32_t width, uint32_t height, bool shadows)
     options.height = height;
     options.shadows = shadows;
     return options;
+}
+
+/* Without its lines that begin with #. */
+static void drop_code(char *text)
+{
+    char *to = text;
+    for (char *line = text; *line;) {
+        char *next = line + strcspn(line, "\n") + 1;
+        size_t size = (size_t)(next - line);
+        if (*line != '#') {
+            memmove(to, line, size);
+            to += size;
+        }
+        line = next;
+    }
+    *to = '\0';
+}
+
+static void the_code_of_each_step_is_named(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("cornell");
+    rk_render_options options = size_of(19, 13, true);
+    options.reflections = true;
+    char *plain = explain(&scene, options, 9, 7),
+         *named = explain_with(&scene, options, 9, 7, true);
+    rk_check(contains(named, "# src/scene/camera.h, rk_view_ray: "), "%s", named);
+    rk_check(contains(named, "# src/features/bvh_median.c, rk_bvh_closest: "), "%s", named);
+    rk_check(contains(named, "# src/features/shading.c, rk_shade: "), "%s", named);
+    drop_code(named);
+    rk_check(strcmp(named, plain) == 0, "the rest is as without it: %s", named);
+    free(plain);
+    free(named);
+    rk_scene_free(&scene);
 }
 
 static void the_printed_colour_is_the_rendered_one(void **state)
@@ -72,6 +122,7 @@ static void the_printed_colour_is_the_rendered_one(void **state)
                 for (uint32_t x = 0; x < options.width; x++) {
                     char *text = explain(&scene, options, x, y);
                     check_printed(text, "colour (linear)", *rk_image_at(&picture.image, x, y));
+                    check_stored(text, *rk_image_at(&picture.image, x, y));
                     free(text);
                 }
             rk_image_free(&picture.image);
@@ -224,6 +275,9 @@ static void reflections_and_transparent_surfaces_are_explained(void **state)
     options.max_depth = 3;
     text = explain(&scene, options, 5, 9);
     rk_check(contains(text, "reflected ray"), "a max depth of 3 permits a reflection:\n%s", text);
+    rk_check(contains(text, "\n    hit triangle") && contains(text, "\n        light 0") &&
+                 contains(text, "\n        reflected ray") && contains(text, "\n            hit"),
+             "hits stand below their ray; lights and reflected rays, below their hit:\n%s", text);
     free(text);
     rk_scene_free(&scene);
 }
@@ -233,9 +287,16 @@ static void shadow_rays_of_an_area_light_are_counted(void **state)
     (void)state;
     rk_scene scene = test_scene_builtin("cornell-light");
     rk_render_options options = size_of(40, 40, true);
+    options.light.visibility = RK_LIGHT_RAYS;
     char *text = explain(&scene, options, 20, 12);
     rk_check(contains(text, "a parallelogram") && contains(text, "16 shadow rays, 16 unoccluded"),
              "the whole light is visible from the back wall:\n%s", text);
+    free(text);
+    options.light.visibility = RK_LIGHT_PYRAMIDS;
+    text = explain(&scene, options, 20, 12);
+    rk_check(contains(text, "no shadow rays: there is no surface between point and light") &&
+                 contains(text, "    unoccluded\n") && !contains(text, "shadow rays, "),
+             "and the pyramid to the light is empty:\n%s", text);
     free(text);
     rk_scene_free(&scene);
 }
@@ -269,6 +330,7 @@ static void bloom_is_mentioned_where_it_is_on(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_printed_colour_is_the_rendered_one),
+    cmocka_unit_test(the_code_of_each_step_is_named),
     cmocka_unit_test(a_miss_is_explained),
     cmocka_unit_test(an_environment_is_explained),
     cmocka_unit_test(occluded_and_unoccluded_lights_are_explained),

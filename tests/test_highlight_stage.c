@@ -365,6 +365,7 @@ static void diffuse_light_takes_the_light_s_samples_alone(void **state)
 {
     (void)state;
     rk_render_options options = small(RK_SHADING_PHONG);
+    options.light.visibility = RK_LIGHT_RAYS; /* without highlights, others take no samples */
     rk_scene scene = make_wall(1e4f, 1.5f);
     test_picture highlight = test_render(&scene, options, 1);
     scene.mesh.materials[0].kd = rk_vec(0.5f, 0.5f, 0.5f);

@@ -10,6 +10,7 @@ static rk_render_options small(void)
     options.width = 14;
     options.height = 11;
     options.shadows = true;
+    options.light.visibility = RK_LIGHT_RAYS; /* pyramids: test_unoccluded_light_stage.c */
     return options;
 }
 

@@ -305,7 +305,8 @@ static void a_convergence_row_is_replaced_when_measured_again(void **state)
 {
     const test_folder *folder = *state;
     test_path path = test_folder_path(folder, "convergence.csv");
-    rk_convergence_row row = {"light", "cornell", "uniform", 16, 1.5, 0.25, 0.5, -0.125, "4096"};
+    rk_convergence_row row = {"light", "cornell", "uniform", 16,     1.5,    2, 0.25,
+                              0.125,   0.375,     0.5,       -0.125, "4096", 8};
     rk_error error;
     rk_check_ok(rk_table_put_convergence(path.text, &row, &error), error);
     row.seconds = 1e-6, row.rmse = 0.01, row.bias = 0, row.reference = "closed form, 1 sample";
@@ -314,11 +315,16 @@ static void a_convergence_row_is_replaced_when_measured_again(void **state)
     rk_check_ok(rk_table_put_convergence(path.text, &row, &error), error);
     row.method = "stratified";
     rk_check_ok(rk_table_put_convergence(path.text, &row, &error), error);
-    test_file_check(path.text,
-                    "feature,scene,method,samples,seconds,rmse,max_error,bias,reference\n"
-                    "light,cornell,uniform,16,1e-06,0.01,0.5,0,\"closed form, 1 sample\"\n"
-                    "light,cornell,uniform,64,1e-06,0.01,0.5,0,\"closed form, 1 sample\"\n"
-                    "light,cornell,stratified,64,1e-06,0.01,0.5,0,\"closed form, 1 sample\"\n");
+    test_file_check(
+        path.text,
+        "feature,scene,method,samples,seconds,rays,rmse,rmse_low,rmse_high,max_error,bias,"
+        "seeds,reference\n"
+        "light,cornell,uniform,16,1e-06,2,0.01,0.125,0.375,0.5,0,8,"
+        "\"closed form, 1 sample\"\n"
+        "light,cornell,uniform,64,1e-06,2,0.01,0.125,0.375,0.5,0,8,"
+        "\"closed form, 1 sample\"\n"
+        "light,cornell,stratified,64,1e-06,2,0.01,0.125,0.375,0.5,0,8,"
+        "\"closed form, 1 sample\"\n");
 }
 
 static void figures_have_a_decimal_point_in_every_locale(void **state)
@@ -328,11 +334,14 @@ static void figures_have_a_decimal_point_in_every_locale(void **state)
         skip();
     test_path path = test_folder_path(folder, "t.csv");
     rk_error error;
-    const rk_convergence_row row = {"f", "s", "m", 4, 1.5, 0.25, 0.5, -0.125, "closed form"};
+    const rk_convergence_row row = {"f",   "s",   "m", 4,      1.5,           1, 0.25,
+                                    0.125, 0.375, 0.5, -0.125, "closed form", 8};
     rk_check_ok(rk_table_put_convergence(path.text, &row, &error), error);
-    test_file_check(path.text,
-                    "feature,scene,method,samples,seconds,rmse,max_error,bias,reference\n"
-                    "f,s,m,4,1.5,0.25,0.5,-0.125,closed form\n");
+    test_file_check(
+        path.text,
+        "feature,scene,method,samples,seconds,rays,rmse,rmse_low,rmse_high,max_error,bias,"
+        "seeds,reference\n"
+        "f,s,m,4,1.5,1,0.25,0.125,0.375,0.5,-0.125,8,closed form\n");
 }
 
 static void the_clocks_run_in_seconds(void **state)

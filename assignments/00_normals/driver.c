@@ -19,7 +19,8 @@ static bool prepare(rk_driver *driver, rk_error *error)
 
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
-    return rk_driver_row(driver, "render", "ms", driver->render_ms, error);
+    return rk_driver_row(driver, "render", "ms", driver->render_ms, error) &&
+           rk_driver_count_rows(driver, error);
 }
 
 static bool save(rk_driver *driver, rk_error *error)

@@ -1,17 +1,20 @@
 /* Draws the figures and measures the table of bvh_median: a scene, the boxes of one level of its
- * tree, or one leaf with its triangles. */
-#include "driver/driver_main.h"
-#include "driver/tree_view.h"
+ * tree, one leaf with its triangles, or the boxes that a ray tests. */
+#include "driver.h"
 
 static const char summary[] =
     "Builds a bounding volume hierarchy by median splits and renders a scene with it.\n"
-    "--debug level draws the boxes of a level, --debug leaf the triangles of a leaf.";
+    "--debug level draws the boxes of a level, --debug leaf the triangles of a leaf.\n"
+    "--debug traversal draws the boxes that the ray of --pixel tests, one after the other.";
 
-typedef struct choices {
-    rk_tree_view tree;
-} choices;
-
-static const rk_option options[] = {RK_TREE_VIEW_OPTIONS(choices, tree), {0}};
+static const rk_option options[] = {
+    RK_TREE_VIEW_OPTIONS(choices, tree),
+    {"steps", RK_FIELD(choices, steps), "N",
+     "how many steps of --debug traversal are drawn: boxes tested and leaves visited; by default "
+     "all",
+     1, UINT32_MAX - 1, RK_TREE_VIEW_NOT_GIVEN},
+    {0},
+};
 
 static void set_defaults(rk_driver *driver)
 {
@@ -24,6 +27,13 @@ static bool check_tree(rk_driver *driver, rk_error *error)
     return rk_tree_view_choose(&c->tree, driver, error);
 }
 
+static bool prepare(rk_driver *driver, rk_error *error)
+{
+    if (rk_driver_debug(driver, "traversal") && driver->split >= RK_ACCEL_COLLAPSED)
+        return rk_fail(error, "--debug traversal goes with a binary tree: --split median or sah");
+    return true;
+}
+
 static bool draw_view(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
@@ -33,7 +43,8 @@ static bool draw_view(rk_driver *driver, rk_error *error)
 static bool save(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
-    return rk_tree_view_save(&c->tree, driver, error);
+    return rk_driver_debug(driver, "traversal") ? save_traversal(driver, error)
+                                                : rk_tree_view_save(&c->tree, driver, error);
 }
 
 int main(int argc, char **argv)
@@ -45,7 +56,11 @@ int main(int argc, char **argv)
         .options = options,
         .choices = &c,
         .set_defaults = set_defaults,
-        .views = (rk_driver_view[]){{"level", draw_view, false}, {"leaf", draw_view, false}, {0}},
+        .views = (rk_driver_view[]){{"level", draw_view, false},
+                                    {"leaf", draw_view, false},
+                                    {"traversal", draw_traversal, false},
+                                    {0}},
+        .prepare = prepare,
         .check_tree = check_tree,
         .put_rows = rk_tree_view_rows,
         .save = save,

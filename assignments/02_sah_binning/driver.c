@@ -7,7 +7,9 @@ static const char summary[] =
     "--debug level draws the boxes of a level, --debug leaf the triangles of a leaf.\n"
     "--debug split draws the cheapest split of a node, --debug bad-split another one.\n"
     "--debug candidates draws all possible splits of a node, from blue, cheap, to orange, "
-    "expensive; the cheapest is white.";
+    "expensive; the cheapest is white.\n"
+    "--splits puts the numbers of all splits of a node, and its triangles, into the tables "
+    "sah_binning_splits and sah_binning_triangles.";
 
 static const rk_option options[] = {
     RK_TREE_VIEW_OPTIONS(choices, tree),
@@ -18,6 +20,8 @@ static const rk_option options[] = {
      "split drawn by --debug bad-split, as --debug candidates numbers them; by default the most "
      "expensive",
      0, RK_SAH_CANDIDATES_MAX - 1, RK_TREE_VIEW_NOT_GIVEN},
+    {"splits", RK_FIELD(choices, splits), NULL,
+     "put the splits and the triangles of --node into tables instead of drawing a picture"},
     {0},
 };
 
@@ -26,6 +30,8 @@ static bool prepare(rk_driver *driver, rk_error *error)
     const choices *c = driver->choices;
     if (wants_splits(driver) && driver->split == RK_ACCEL_MEDIAN)
         return rk_fail(error, "--debug %s goes with --split sah or sah3", driver->debug);
+    if (c->splits && driver->split == RK_ACCEL_MEDIAN)
+        return rk_fail(error, "--splits goes with --split sah or sah3");
     if (c->candidate != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "bad-split"))
         return rk_fail(error, "--candidate goes with --debug bad-split");
     return true;
@@ -69,6 +75,7 @@ int main(int argc, char **argv)
         .options = options,
         .choices = &c,
         .views = views,
+        .studies = (rk_driver_study[]){{&c.splits, put_study, false}, {0}},
         .set_defaults = set_defaults,
         .prepare = prepare,
         .check_tree = check_tree,

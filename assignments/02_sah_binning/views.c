@@ -4,16 +4,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 
-/* A node, and the candidate splits of it. */
-typedef struct splits {
-    uint32_t node;      /* index of the node: parents first, left before right */
-    uint32_t candidate; /* index of a split, or RK_TREE_VIEW_NOT_GIVEN */
-    uint32_t visited;   /* nodes */
-    const rk_bvh_node *found;
-    uint32_t count;
-    rk_sah_split list[RK_SAH_CANDIDATES_MAX];
-} splits;
-
 static void find_node(const rk_bvh_node *node, uint32_t level, void *context)
 {
     splits *c = context;
@@ -22,25 +12,25 @@ static void find_node(const rk_bvh_node *node, uint32_t level, void *context)
         c->found = node;
 }
 
-/* Lists the candidates of the node, as the builder saw them. */
-static bool list_splits(splits *c, const rk_driver *driver, rk_error *error)
+bool list_splits(splits *c, const rk_driver *driver, rk_error *error)
 {
+    const choices *chosen = driver->choices;
     const rk_bvh *bvh = rk_driver_tree(driver);
+    *c = (splits){.node = chosen->node, .candidate = chosen->candidate};
     rk_bvh_visit(bvh, find_node, c);
     if (!c->found)
         return rk_fail(error, "--node %u: this tree's nodes are 0 to %u; choose one of them",
                        c->node, c->visited - 1);
     rk_bvh_range range = rk_bvh_range_of(bvh, (uint32_t)(c->found - bvh->nodes));
-    rk_bvh_reference *references =
-        rk_allocate(range.count, sizeof *references, "candidates", error);
-    if (!references)
+    c->triangles = range.count;
+    c->references = rk_allocate(range.count, sizeof *c->references, "candidates", error);
+    if (!c->references)
         return false;
     for (uint32_t i = 0; i < range.count; i++)
-        references[i] =
+        c->references[i] =
             rk_bvh_reference_of(&driver->scene.mesh, bvh->triangles[range.begin + i].index);
     const rk_sah_options options = {driver->bins, driver->split == RK_ACCEL_SAH_3};
-    c->count = rk_sah_candidates(references, range.count, &options, c->list);
-    free(references);
+    c->count = rk_sah_candidates(c->references, range.count, &options, c->list);
     if (c->count == 0)
         return rk_fail(error, "--node %u: this node cannot be split; choose another one", c->node);
     if (c->candidate != RK_TREE_VIEW_NOT_GIVEN && c->candidate >= c->count)
@@ -129,11 +119,12 @@ static const rk_sah_split *shown_of(const splits *c, const rk_driver *driver)
     return c->candidate == RK_TREE_VIEW_NOT_GIVEN ? most_expensive(c) : &c->list[c->candidate];
 }
 
+/* The views need the candidates alone. */
 static bool list_chosen(splits *c, const rk_driver *driver, rk_error *error)
 {
-    const choices *chosen = driver->choices;
-    *c = (splits){.node = chosen->node, .candidate = chosen->candidate};
-    return list_splits(c, driver, error);
+    bool ok = list_splits(c, driver, error);
+    free(c->references);
+    return ok;
 }
 
 bool wants_splits(const rk_driver *driver)

@@ -7,7 +7,10 @@
 static const char summary[] =
     "Renders a scene by one of the shading models (--shading).\n"
     "--debug lobe draws the lobes of highlights of shininess 1 to 100,000.\n"
-    "--lobes puts the values of normalized highlights into a table.";
+    "--lobes puts the values of normalized highlights into a table.\n"
+    "--radiance puts the light that a surface reflects in each direction, by --shading, "
+    "--shininess "
+    "and --ks, into the table shading_radiance.";
 
 /* The gradient in equal steps, by two stops at each boundary. */
 static rk_gradient in_bands(const rk_gradient *smooth, uint32_t bands)
@@ -58,7 +61,8 @@ static bool put_rows(rk_driver *driver, rk_error *error)
     char metric[32];
     snprintf(metric, sizeof metric, "render_%s",
              rk_shading_model_names.items[driver->render.shading.model]);
-    return rk_driver_row(driver, metric, "ms", driver->render_ms, error);
+    return rk_driver_row(driver, metric, "ms", driver->render_ms, error) &&
+           rk_driver_count_rows(driver, error);
 }
 
 static bool save(rk_driver *driver, rk_error *error)
@@ -88,9 +92,12 @@ static const rk_option options[] = {
     {"bands", RK_FIELD(choices, bands), "N", "the gradient in N equal steps; 0: smooth", 0,
      RK_GRADIENT_STOPS_MAX / 2, 0},
     {"incidence", RK_FIELD(choices, incidence), "DEG",
-     "angle of the light in --debug lobe, degrees from the normal", 0, 89, 45},
+     "angle of the light in --debug lobe and --radiance, degrees from the normal", 0, 89, 45},
     {"lobes", RK_FIELD(choices, lobes), NULL,
      "put values of the lobes into DIR/tables/shading_lobes.csv instead of drawing a picture"},
+    {"radiance", RK_FIELD(choices, radiance), NULL,
+     "put what a surface reflects by the viewer's angle into DIR/tables/shading_radiance.csv "
+     "instead of drawing a picture"},
     {0},
 };
 
@@ -104,7 +111,9 @@ int main(int argc, char **argv)
         .choices = &c,
         .set_defaults = set_defaults,
         .views = (rk_driver_view[]){{"lobe", draw_view, false}, {0}},
-        .studies = (rk_driver_study[]){{&c.lobes, put_study, true}, {0}},
+        .studies = (rk_driver_study[]){{&c.lobes, put_study, true},
+                                       {&c.radiance, put_radiance, true},
+                                       {0}},
         .prepare = prepare,
         .put_rows = put_rows,
         .save = save,

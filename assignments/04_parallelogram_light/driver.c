@@ -2,18 +2,24 @@
  * shadow rays of one pixel, the samples on the light, and how fast each method converges. */
 #include "driver.h"
 
+#include "driver/convergence.h"
+
 #include <stdio.h>
 #include <string.h>
 
 static const char summary[] =
     "Renders a scene with lights that have an extent.\n"
-    "--debug rays draws the shadow rays of --pixel: unoccluded green, occluded red.\n"
+    "--debug rays draws the shadow rays of --pixel: unoccluded blue, occluded orange.\n"
     "--debug samples draws the samples on the light in their colours.\n"
     "--convergence puts each method's error and time into the table "
     "parallelogram_light_convergence, with --falloff physical into "
     "parallelogram_light_convergence_physical.\n"
     "--sharpness puts the error of highlights by their shininess, with and without directions of "
-    "the lobe, into the table parallelogram_light_sharpness.";
+    "the lobe, into the table parallelogram_light_sharpness.\n"
+    "--early-outs puts the error and the shadow rays of several early outs into the table "
+    "parallelogram_light_early_outs.\n"
+    "--growth draws a picture with 1, 2, 4 samples and so on, up to --most, and puts their errors "
+    "into the table parallelogram_light_growth.";
 
 RK_NAMES(light_names, choice of light, 1 + RK_LIGHT_PARALLELOGRAM, "own", "point", "segment",
          "parallelogram");
@@ -28,14 +34,24 @@ static const rk_option options[] = {
     {"coloured", RK_FIELD(choices, coloured), NULL,
      "gives the lights' corners the colours red, green, blue and yellow"},
     {"brightness", RK_FIELD(choices, brightness), "F", "multiplies the lights' colours", 0, 1e6, 1},
+    {"lamp-x", RK_FIELD(choices, lamp_x), "X", "moves the scene's lights by X along the x axis",
+     -1e3, 1e3, 0},
+    {"lamp-z", RK_FIELD(choices, lamp_z), "Z", "and by Z along the z axis", -1e3, 1e3, 0},
+    {"lamp-size", RK_FIELD(choices, lamp_size), "F", "multiplies the sides of the scene's lights",
+     1e-3, 1e3, 1},
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "put the error and time of each method and number of samples into a table"},
     {"sharpness", RK_FIELD(choices, sharpness), NULL,
      "put the error of highlights by shininess into a table; kd is black"},
-    {"most", RK_FIELD(choices, most), "N", "largest number of samples in --convergence", 1, 4096,
-     64},
+    {"early-outs", RK_FIELD(choices, early_outs), NULL,
+     "put error and shadow rays of several early outs into a table"},
+    {"growth", RK_FIELD(choices, growth), NULL,
+     "draw a picture with each number of samples up to --most, and put their errors into a table"},
+    {"most", RK_FIELD(choices, most), "N",
+     "largest number of samples in --convergence and --growth", 1, 4096, 64},
     {"reference", RK_FIELD(choices, reference), "N",
-     "samples of the reference picture of --convergence and --sharpness", 1, 16384, 2048},
+     "samples of the reference picture of these tables", 1, 16384, 2048},
+    RK_CONVERGENCE_SEEDS(choices),
     {0},
 };
 
@@ -57,6 +73,17 @@ static void colour(rk_light *light, const choices *c)
         memcpy(light->colours, corners, sizeof corners);
     for (int k = 0; k < 4; k++)
         light->colours[k] = rk_scale(light->colours[k], c->brightness);
+}
+
+/* The middle moves; the sides grow or shrink about it. */
+static void place(rk_light *light, const choices *c)
+{
+    const rk_vec3 move = {c->lamp_x, 0, c->lamp_z};
+    const rk_vec3 across = rk_add(light->edge01, light->edge02);
+    const float inwards = light->kind == RK_LIGHT_POINT ? 0 : 0.5f * (1 - c->lamp_size);
+    light->position = rk_madd(rk_add(light->position, move), across, inwards);
+    light->edge01 = rk_scale(light->edge01, c->lamp_size);
+    light->edge02 = rk_scale(light->edge02, c->lamp_size);
 }
 
 /* From `begin` to `end` along the first edge, with `share` of the colours there. */
@@ -97,6 +124,8 @@ static bool set_lights(rk_driver *driver, rk_error *error)
     rk_scene *scene = &driver->scene;
     for (uint32_t i = 0; i < scene->light_count; i++)
         colour(&scene->lights[i], c);
+    for (uint32_t i = 0; i < scene->light_count; i++)
+        place(&scene->lights[i], c);
     if (c->lights && !cut(driver, c, error))
         return false;
     for (uint32_t i = 0; i < scene->light_count; i++)
@@ -117,28 +146,35 @@ static bool save(rk_driver *driver, rk_error *error)
         snprintf(lights, sizeof lights, "lights%u_", c->lights);
     if (driver->debug)
         snprintf(pixel, sizeof pixel, "_%u_%u", driver->pixel.x, driver->pixel.y);
-    snprintf(label, sizeof label, "%s%s%s%s%s%s%u_%s%s%s%s%s%s", driver->debug ? driver->debug : "",
-             driver->debug ? "_" : "", c->light ? light_names.items[c->light] : "",
-             c->light ? "_" : "", lights, c->coloured ? "coloured_" : "", light->samples,
-             rk_sampler_name(light->sampling),
+    snprintf(label, sizeof label, "%s%s%s%s%s%s%u_%s%s%s%s%s%s%s",
+             driver->debug ? driver->debug : "", driver->debug ? "_" : "",
+             c->light ? light_names.items[c->light] : "", c->light ? "_" : "", lights,
+             c->coloured ? "coloured_" : "", light->samples, rk_sampler_name(light->sampling),
              light->domain == RK_LIGHT_DOMAIN_SOLID_ANGLE ? "_solid-angle" : "",
              light->falloff == RK_FALLOFF_PHYSICAL ? "_physical" : "", light->ratio ? "_ratio" : "",
-             light->highlights == RK_HIGHLIGHT_LIGHT ? "_by-light" : "", pixel);
+             light->highlights == RK_HIGHLIGHT_LIGHT ? "_by-light" : "",
+             light->visibility == RK_LIGHT_RAYS ? "_rays" : "", pixel);
     return rk_driver_save(driver, label, error);
 }
 
-/* The render, with samples and shadow rays per pixel; under other names without early out. */
+/* The render, with samples and shadow rays per pixel; under names of its own for each way to decide
+ * which rays are traced. */
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
-    double pixels = (double)driver->counters.primary_rays;
-    rk_timing samples = rk_timing_once((double)driver->counters.light_samples / pixels);
-    rk_timing rays = rk_timing_once((double)driver->counters.shadow_rays / pixels);
-    if (driver->render.light.early_out == 0)
-        return rk_driver_row(driver, "render_all_traced", "ms", driver->render_ms, error) &&
-               rk_driver_row(driver, "shadow_rays_all_traced", "1", rays, error);
-    return rk_driver_row(driver, "render", "ms", driver->render_ms, error) &&
-           rk_driver_row(driver, "light_samples", "1", samples, error) &&
-           rk_driver_row(driver, "shadow_rays", "1", rays, error);
+    const rk_light_options *light = &driver->render.light;
+    const char *way = light->visibility == RK_LIGHT_PYRAMIDS ? "_pyramids"
+                      : light->early_out == 0                ? "_all_traced"
+                                                             : "_early_out";
+    const double pixels = (double)driver->counters.primary_rays;
+    char render[32], samples[32], rays[32];
+    snprintf(render, sizeof render, "render%s", way);
+    snprintf(samples, sizeof samples, "light_samples%s", way);
+    snprintf(rays, sizeof rays, "shadow_rays%s", way);
+    return rk_driver_row(driver, render, "ms", driver->render_ms, error) &&
+           rk_driver_row(driver, samples, "1",
+                         rk_timing_once((double)driver->counters.light_samples / pixels), error) &&
+           rk_driver_row(driver, rays, "1",
+                         rk_timing_once((double)driver->counters.shadow_rays / pixels), error);
 }
 
 /* --- Main ------------------------------------------------------------------------------------ */
@@ -163,6 +199,8 @@ int main(int argc, char **argv)
         .views = (rk_driver_view[]){{"rays", draw_view, false}, {"samples", draw_view, false}, {0}},
         .studies = (rk_driver_study[]){{&c.convergence, put_study, false},
                                        {&c.sharpness, put_sharpness, false},
+                                       {&c.early_outs, put_early_outs, false},
+                                       {&c.growth, put_growth, false},
                                        {0}},
         .prepare = set_lights,
         .put_rows = put_rows,

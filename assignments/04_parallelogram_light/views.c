@@ -32,7 +32,19 @@ static void draw_outline(drawing *d, const rk_light *light)
             rk_madd(corner[k], light->edge02, k > 1 && light->kind == RK_LIGHT_PARALLELOGRAM);
     }
     for (int k = 0; k < 4; k++)
-        rk_overlay_line(&d->overlay, corner[k], corner[(k + 1) % 4], white, 1.5f);
+        rk_overlay_line(&d->overlay, corner[k], corner[(k + 1) % 4], white, 2.5f);
+}
+
+/* Blue and orange can be told apart by all; the dashes, in print as well. */
+static void draw_ray(rk_overlay *overlay, rk_vec3 start, rk_vec3 end, bool occluded)
+{
+    enum { dashes = 24 };
+    const rk_vec3 blue = rk_vec(0.09f, 0.46f, 0.81f), orange = rk_vec(0.79f, 0.35f, 0);
+    if (!occluded)
+        rk_overlay_line(overlay, start, end, blue, 1.5f);
+    for (int k = 0; occluded && k < dashes; k++)
+        rk_overlay_line(overlay, rk_mix(start, end, (float)k / dashes),
+                        rk_mix(start, end, ((float)k + 0.6f) / dashes), orange, 1.5f);
 }
 
 static void draw_shadow_ray(drawing *d, rk_vec3 end)
@@ -40,8 +52,7 @@ static void draw_shadow_ray(drawing *d, rk_vec3 end)
     rk_vec3 start = rk_surface_spawn(&d->surface, rk_sub(end, d->surface.point));
     rk_ray ray = {start, rk_sub(end, start), 1};
     bool occluded = rk_trace_one(&d->driver->accel, &ray).triangle != RK_MISS;
-    rk_overlay_line(&d->overlay, start, end,
-                    occluded ? rk_vec(1, 0.05f, 0.05f) : rk_vec(0.05f, 0.8f, 0.1f), 1);
+    draw_ray(&d->overlay, start, end, occluded);
 }
 
 /* The samples that the renderer takes for the pixel's first ray. */

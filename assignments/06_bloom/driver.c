@@ -10,7 +10,9 @@
 static const char summary[] =
     "Renders a scene with bloom around bright pixels (--bloom-threshold and others).\n"
     "--debug threshold shows bright pixels in red, --debug mask the bloom alone.\n"
-    "--errors puts time and error of each --bloom-method into a table.";
+    "--errors puts time and error of each --bloom-method into a table.\n"
+    "--histogram puts how many pixels are how bright, and how many at or above the threshold, into "
+    "the tables bloom_histogram and bloom_bright.";
 
 /* The renderer adds no bloom where copies of its picture get it. */
 static bool prepare(rk_driver *driver, rk_error *error)
@@ -22,7 +24,8 @@ static bool prepare(rk_driver *driver, rk_error *error)
         for (int k = 0; k < 4; k++)
             scene->lights[i].colours[k] = rk_scale(scene->lights[i].colours[k], c->light);
     c->bloom = driver->render.bloom;
-    driver->render.bloom.on = c->bloom.on && !driver->debug && !driver->timing && !c->errors;
+    driver->render.bloom.on =
+        c->bloom.on && !driver->debug && !driver->timing && !c->errors && !c->histogram;
     return true;
 }
 
@@ -32,6 +35,7 @@ bool bloom_copy(rk_driver *driver, const rk_bloom_options *options, rk_image *co
     double milliseconds[RK_RUNS_MAX];
     bool ok = true;
     for (uint32_t run = 0; ok && run < driver->runs; run++) {
+        driver->counters.bloom_taps = 0;
         memcpy(copy->pixels, driver->image.pixels, pixels_of(copy) * sizeof *copy->pixels);
         double start = rk_clock_wall();
         ok = rk_bloom_stage(copy, options, driver->pool, &driver->counters, error);
@@ -54,14 +58,16 @@ static bool put_rows(rk_driver *driver, rk_error *error)
         return false;
     bool ok = rk_driver_row(driver, "render", "ms", driver->render_ms, error);
     for (int i = 0; ok && i < 3; i++) {
-        char metric[64];
+        char metric[64], taps[72];
         rk_timing ms;
         rk_bloom_options now = *options;
         now.threshold = thresholds[i];
         snprintf(metric, sizeof metric, "%s_r%u_%s", names[i], now.radius,
                  rk_bloom_method_names.items[now.method]);
+        snprintf(taps, sizeof taps, "%s_taps", metric);
         ok = bloom_copy(driver, &now, &copy, &ms, error) &&
-             rk_driver_row(driver, metric, "ms", ms, error);
+             rk_driver_row(driver, metric, "ms", ms, error) &&
+             rk_driver_row(driver, taps, "1", rk_timing_once(taps_of(driver)), error);
     }
     rk_image_free(&copy);
     return ok;
@@ -85,6 +91,8 @@ static const rk_option options[] = {
      1},
     {"errors", RK_FIELD(choices, errors), NULL,
      "put time and error of each method into DIR/tables/bloom_errors.csv instead of drawing"},
+    {"histogram", RK_FIELD(choices, histogram), NULL,
+     "put the numbers of pixels by luminance into tables instead of drawing"},
     {0},
 };
 
@@ -107,7 +115,9 @@ int main(int argc, char **argv)
         .set_defaults = set_defaults,
         .views =
             (rk_driver_view[]){{"threshold", draw_view, false}, {"mask", draw_view, false}, {0}},
-        .studies = (rk_driver_study[]){{&c.errors, put_study, false}, {0}},
+        .studies = (rk_driver_study[]){{&c.errors, put_study, false},
+                                       {&c.histogram, put_histogram, false},
+                                       {0}},
         .prepare = prepare,
         .put_rows = put_rows,
         .save = save,

@@ -24,18 +24,24 @@ static difference difference_of(const rk_image *a, const rk_image *b)
 static bool put_error(rk_driver *driver, const rk_bloom_options *options, double ms, difference d,
                       rk_error *error)
 {
-    static const char *const header[] = {"scene",     "radius", "method", "milliseconds",
-                                         "max_error", "rmse",   NULL};
-    char path[4096], cells[4][32];
+    static const char *const header[] = {"scene", "radius",    "method", "milliseconds",
+                                         "taps",  "max_error", "rmse",   NULL};
+    char path[4096], cells[5][32];
     if (!rk_driver_table(driver, "bloom_errors", path, error))
         return false;
     snprintf(cells[0], sizeof cells[0], "%u", options->radius);
     snprintf(cells[1], sizeof cells[1], "%.4g", ms);
     snprintf(cells[2], sizeof cells[2], "%.3g", d.largest);
     snprintf(cells[3], sizeof cells[3], "%.3g", d.rms);
-    const char *row[] = {driver->scene.name, cells[0], rk_bloom_method_names.items[options->method],
-                         cells[1],           cells[2], cells[3]};
-    return rk_table_put(path, header, row, 6, 3, error);
+    snprintf(cells[4], sizeof cells[4], "%.4g", taps_of(driver));
+    const char *row[] = {driver->scene.name,
+                         cells[0],
+                         rk_bloom_method_names.items[options->method],
+                         cells[1],
+                         cells[4],
+                         cells[2],
+                         cells[3]};
+    return rk_table_put(path, header, row, 7, 3, error);
 }
 
 /* Each method at several radii, against the exact filter. */

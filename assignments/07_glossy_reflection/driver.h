@@ -10,7 +10,8 @@ typedef struct choices {
     rk_side_view viewer;
     bool convergence, policies;
     uint32_t most, reference; /* samples */
-    bool of_pixel;            /* the picture shows one pixel's rays, and is named after it */
+    uint32_t seeds;
+    bool of_pixel; /* the picture shows one pixel's rays, and is named after it */
 } choices;
 
 /* Make the pictures of --debug rays and --debug dots. */

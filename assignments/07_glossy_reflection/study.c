@@ -18,15 +18,15 @@ bool put_convergence(rk_driver *driver, rk_error *error)
     glossy->samples = c->reference;
     if (!rk_convergence_reference(driver, &want, error))
         return false;
+    const rk_convergence study = {"glossy_reflection_convergence", &want, truth, c->seeds};
     bool ok = true;
-    for (uint32_t i = 0; ok && i < 6; i++) {
+    for (uint32_t i = 0; ok && i < 8; i++) { /* uniform to sobol */
         glossy->sampling = (rk_sampler_kind)(i / 2);
         glossy->map = (rk_disk_map)(i % 2);
         snprintf(method, sizeof method, "%s, %s", rk_sampler_name(glossy->sampling),
                  rk_disk_map_names.items[glossy->map]);
         for (glossy->samples = 1; ok && glossy->samples <= c->most; glossy->samples *= 4)
-            ok = rk_convergence_row_of(driver, "glossy_reflection_convergence", method,
-                                       glossy->samples, &want, truth, error);
+            ok = rk_convergence_row_of(driver, &study, method, glossy->samples, NULL, error);
     }
     rk_image_free(&want);
     return ok;

@@ -29,6 +29,23 @@ static rk_vec3 random_colour(uint32_t side, rk_cube_face face, uint32_t column, 
                   rk_unit_float(rk_hash(texel, 2, 0, 0)));
 }
 
+/* Is this place inked? `glyph` has rows of three cells; x and y count cells from its corner. */
+static bool is_ink(const char *const glyph[5], int x, int y)
+{
+    return x >= 0 && x < 3 && y >= 0 && y < 5 && glyph[y][x] == '#';
+}
+
+/* The name of the face, such as +X, below the letter. */
+static bool is_name(rk_cube_face face, int x, int y)
+{
+    static const char *const signs[2][5] = {{"...", ".#.", "###", ".#.", "..."},
+                                            {"...", "...", "###", "...", "..."}};
+    static const char *const axes[3][5] = {{"#.#", "#.#", ".#.", "#.#", "#.#"},
+                                           {"#.#", "#.#", ".#.", ".#.", ".#."},
+                                           {"###", "..#", ".#.", "#..", "###"}};
+    return is_ink(signs[face % 2], x, y) || is_ink(axes[face / 2], x - 4, y);
+}
+
 /* Each face in the colour of its axis, red, green or blue, or the complementary one for the
  * negative side; on it an F, which looks different in each of its eight orientations. */
 static rk_vec3 marked(uint32_t side, rk_cube_face face, uint32_t column, uint32_t row)
@@ -36,9 +53,9 @@ static rk_vec3 marked(uint32_t side, rk_cube_face face, uint32_t column, uint32_
     static const rk_vec3 colours[RK_FACES] = {{0.7f, 0.1f, 0.1f}, {0.1f, 0.6f, 0.6f},
                                               {0.1f, 0.6f, 0.1f}, {0.6f, 0.1f, 0.6f},
                                               {0.1f, 0.1f, 0.7f}, {0.7f, 0.6f, 0.1f}};
-    static const char letter[5][4] = {"###", "#..", "##.", "#..", "#.."};
-    uint32_t x = column * 11 / side, y = row * 11 / side;
-    bool ink = x >= 4 && x < 7 && y >= 3 && y < 8 && letter[y - 3][x - 4] == '#';
+    static const char *const letter[5] = {"###", "#..", "##.", "#..", "#.."};
+    int x = (int)(column * 33 / side), y = (int)(row * 33 / side);
+    bool ink = is_ink(letter, x / 3 - 4, y / 3 - 3) || is_name(face, x - 13, y - 26);
     bool border = column == 0 || row == 0 || column == side - 1 || row == side - 1;
     return ink ? rk_vec(1, 1, 1) : border ? rk_vec(0, 0, 0) : colours[face];
 }

@@ -2,6 +2,8 @@
  * surface and rays, seen from the side, and errors against the closed form. */
 #include "driver.h"
 
+#include "driver/convergence.h"
+
 #include <stdio.h>
 
 static const char summary[] =
@@ -9,7 +11,10 @@ static const char summary[] =
     "--debug focus shows the focal surface, --debug rays the lens rays of --pixel, both from the "
     "side.\n"
     "--debug blurred marks the pixels that take lens samples.\n"
-    "--convergence puts the errors of a blurred edge into a table.";
+    "--convergence puts the errors of a blurred edge into a table.\n"
+    "--circles puts the circles of confusion by distance, and those of the picture's middle "
+    "column, "
+    "into the tables depth_of_field_circles and depth_of_field_column.";
 
 static bool prepare(rk_driver *driver, rk_error *error)
 {
@@ -63,6 +68,9 @@ static const rk_option options[] = {
      "its distance, in multiples of the camera's own", 0.01, 100, 1.8},
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "put errors into DIR/tables/depth_of_field_convergence.csv instead of drawing a picture"},
+    {"circles", RK_FIELD(choices, circles), NULL,
+     "put circles of confusion by distance into tables instead of drawing a picture"},
+    RK_CONVERGENCE_SEEDS(choices),
     {0},
 };
 
@@ -88,7 +96,9 @@ int main(int argc, char **argv)
         .choices = &c,
         .set_defaults = set_defaults,
         .views = views,
-        .studies = (rk_driver_study[]){{&c.convergence, put_study, true}, {0}},
+        .studies = (rk_driver_study[]){{&c.convergence, put_study, true},
+                                       {&c.circles, put_circles, false},
+                                       {0}},
         .prepare = prepare,
         .put_rows = put_rows,
         .save = save,

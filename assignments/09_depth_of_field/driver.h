@@ -7,7 +7,8 @@
 
 typedef struct choices {
     float viewer_yaw, viewer_pitch, viewer_far; /* of the view from the side */
-    bool convergence;
+    bool convergence, circles;
+    uint32_t seeds;
 } choices;
 
 /* Returns the camera's view. */
@@ -24,5 +25,8 @@ bool draw_blurred(rk_driver *driver, rk_error *error);
 
 /* Puts the table of --convergence; it builds a scene of its own. */
 bool put_study(rk_driver *driver, rk_error *error);
+
+/* Puts the tables of --circles. */
+bool put_circles(rk_driver *driver, rk_error *error);
 
 #endif

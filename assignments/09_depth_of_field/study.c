@@ -1,6 +1,8 @@
 /* Errors against the closed form: a wall whose edge is out of focus, by all samplers. */
 #include "driver.h"
 
+#include "driver/convergence.h"
+
 #include <stdio.h>
 
 /* A wall that ends at x = 0, seen from 3 units away; without a lens, half of the picture. */
@@ -45,54 +47,44 @@ static double wall_fraction(double x, double diameter)
     return sum / strips;
 }
 
-static void measure(const rk_driver *driver, double diameter, rk_convergence_row *row)
+/* The closed form, in the pixels that the edge reaches. */
+static bool draw_closed_form(const rk_driver *driver, double diameter, rk_image *image,
+                             rk_error *error)
 {
-    const rk_image *image = &driver->image;
-    double squares = 0, sum = 0, counted = 0;
+    if (!rk_image_init(image, driver->image.width, driver->image.height, error))
+        return false;
     for (size_t x = 0; x < image->width; x++) {
         double right = (double)x + 0.5 - 0.5 * (double)image->width;
-        if (fabs(right) > 0.5 * diameter)
-            continue;
-        double want = wall_fraction(right, diameter);
-        for (size_t y = 0; y < image->height; y++, counted++) {
-            double error = (double)rk_image_at(image, x, y)->x - want;
-            squares += error * error;
-            sum += error;
-            row->max_error = fmax(row->max_error, fabs(error));
-        }
+        bool is_reached = fabs(right) <= 0.5 * diameter;
+        float fraction = is_reached ? (float)wall_fraction(right, diameter) : NAN;
+        for (size_t y = 0; y < image->height; y++)
+            *rk_image_at(image, x, y) = rk_vec(fraction, fraction, fraction);
     }
-    row->rmse = sqrt(squares / counted);
-    row->bias = sum / counted;
+    return true;
 }
 
 /* The edge of a wall behind the focus, by all samplers. */
 bool put_study(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     rk_render_options *o = &driver->render;
     o->shading.model = RK_SHADING_OFF;
     o->lens.focal_distance = 1.5f;
-    char path[4096];
-    if (!make_edge(driver, error) || !rk_driver_build(driver, error) ||
-        !rk_driver_table(driver, "depth_of_field_convergence", path, error))
+    if (!make_edge(driver, error) || !rk_driver_build(driver, error))
         return false;
     /* The aperture for a circle of confusion of that diameter, by the closed form. */
     const double diameter = 32, d = 3, f = (double)o->lens.focal_distance;
     o->lens.aperture = (float)(1e3 * diameter * (double)view_of(driver).pixel * d * f / (d - f));
+    rk_image want = {0};
+    const rk_convergence study = {"depth_of_field_convergence", &want, "closed form", c->seeds};
+    bool ok = draw_closed_form(driver, diameter, &want, error);
     for (int kind = RK_SAMPLER_UNIFORM; kind <= RK_SAMPLER_SOBOL; kind++)
-        for (uint32_t samples = 1; samples <= 1024; samples *= 2) {
+        for (uint32_t samples = 1; ok && samples <= 1024; samples *= 2) {
             o->lens_samples = samples;
             o->lens_sampling = (rk_sampler_kind)kind;
-            if (!rk_driver_render(driver, error))
-                return false;
-            rk_convergence_row row = {.feature = driver->feature,
-                                      .scene = driver->scene.name,
-                                      .method = rk_sampler_name(o->lens_sampling),
-                                      .samples = samples,
-                                      .seconds = driver->render_ms.median / 1e3,
-                                      .reference = "closed form"};
-            measure(driver, diameter, &row);
-            if (!rk_table_put_convergence(path, &row, error))
-                return false;
+            ok = rk_convergence_row_of(driver, &study, rk_sampler_name(o->lens_sampling), samples,
+                                       NULL, error);
         }
-    return true;
+    rk_image_free(&want);
+    return ok;
 }

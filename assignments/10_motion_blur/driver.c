@@ -2,13 +2,17 @@
  * path with the swept boxes, and the error by the number of samples. */
 #include "driver.h"
 
+#include "driver/convergence.h"
+
 #include <stdio.h>
 
 static const char summary[] =
     "Renders a moving scene with --time-samples rays per pixel; a mesh moves as a whole.\n"
     "--single-time K shows one of the times, also before the first or after the last.\n"
     "--debug path draws the path, each of the times on it, and the swept box.\n"
-    "--convergence puts errors against many more samples into a table.";
+    "--convergence puts errors against many more samples into a table.\n"
+    "--positions puts where each object is by time, and while the shutter is open, into the tables "
+    "motion_blur_path and motion_blur_shutter.";
 
 static bool prepare(rk_driver *driver, rk_error *error)
 {
@@ -17,6 +21,9 @@ static bool prepare(rk_driver *driver, rk_error *error)
         return rk_fail(error,
                        "--debug path draws paths, and with --still nothing moves: choose one "
                        "of them");
+    if (c->still && c->positions)
+        return rk_fail(error, "--positions lists paths, and with --still nothing moves: choose one "
+                              "of them");
     if (c->still && c->convergence)
         return rk_fail(error, "--convergence measures blur, and with --still there is none: choose "
                               "one of them");
@@ -28,14 +35,18 @@ static bool prepare(rk_driver *driver, rk_error *error)
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
     const rk_motion_options *motion = &driver->render.motion;
-    char metric[64], times[64];
+    char metric[64], times[64], rays[64];
     bool blurred = driver->scene.moving_count > 0 && motion->samples > 0;
     snprintf(metric, sizeof metric, blurred ? "render_%s_%u" : "render_still",
              rk_time_sampling_names.items[motion->sampling], motion->samples);
     snprintf(times, sizeof times, blurred ? "times_per_pixel_%u" : "times_per_pixel_still",
              motion->samples);
+    snprintf(rays, sizeof rays, blurred ? "rays_per_pixel_%u" : "rays_per_pixel_still",
+             motion->samples);
     double pixels = (double)driver->render.width * (double)driver->render.height;
+    double traced = (double)rk_counters_rays(&driver->counters);
     return rk_driver_row(driver, metric, "ms", driver->render_ms, error) &&
+           rk_driver_row(driver, rays, "1", rk_timing_once(traced / pixels), error) &&
            rk_driver_row(driver, times, "1",
                          rk_timing_once((double)driver->counters.time_samples / pixels), error);
 }
@@ -71,8 +82,11 @@ static const rk_option options[] = {
     {"still", RK_FIELD(choices, still), NULL, "keeps everything at rest, for comparison"},
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "put errors into DIR/tables/motion_blur_convergence.csv instead of drawing"},
+    {"positions", RK_FIELD(choices, positions), NULL,
+     "put the positions of moving objects by time into tables instead of drawing"},
     {"reference", RK_FIELD(choices, reference), "N",
      "samples of the reference picture of --convergence", 1, 65536, 2048},
+    RK_CONVERGENCE_SEEDS(choices),
     {0},
 };
 
@@ -94,7 +108,9 @@ int main(int argc, char **argv)
         .driver_options = driver_options,
         .set_defaults = set_defaults,
         .views = (rk_driver_view[]){{"path", draw_view, false}, {0}},
-        .studies = (rk_driver_study[]){{&c.convergence, put_study, false}, {0}},
+        .studies = (rk_driver_study[]){{&c.convergence, put_study, false},
+                                       {&c.positions, put_positions, true},
+                                       {0}},
         .prepare = prepare,
         .put_rows = put_rows,
         .save = save,

@@ -7,7 +7,8 @@
 
 typedef struct choices {
     uint32_t reference; /* samples of the picture that --convergence compares with */
-    bool convergence, still;
+    uint32_t seeds;
+    bool convergence, still, positions;
 } choices;
 
 /* Renders and draws driver->debug over the picture. */
@@ -15,5 +16,8 @@ bool draw_view(rk_driver *driver, rk_error *error);
 
 /* Puts the table of --convergence. */
 bool put_study(rk_driver *driver, rk_error *error);
+
+/* Puts the tables of --positions. */
+bool put_positions(rk_driver *driver, rk_error *error);
 
 #endif

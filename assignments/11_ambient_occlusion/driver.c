@@ -3,6 +3,8 @@
  * forms. */
 #include "driver.h"
 
+#include "driver/convergence.h"
+
 #include <stdio.h>
 
 static const char summary[] =
@@ -61,6 +63,7 @@ static const rk_option options[] = {
      256},
     {"reference", RK_FIELD(choices, reference), "N",
      "samples of the reference picture for --convergence", 1, 16384, 4096},
+    RK_CONVERGENCE_SEEDS(choices),
     {0},
 };
 

@@ -11,6 +11,7 @@ typedef struct choices {
     bool on_floor;
     bool convergence, closed_forms;
     uint32_t most, reference; /* samples */
+    uint32_t seeds;
 } choices;
 
 /* Ambient light alone, on white surfaces: a pixel's colour is A. */

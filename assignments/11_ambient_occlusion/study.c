@@ -80,6 +80,7 @@ bool put_convergence(rk_driver *driver, rk_error *error)
     if (!(c->on_floor ? draw_closed_form(driver, &want, error)
                       : rk_convergence_reference(driver, &want, error)))
         return false;
+    const rk_convergence study = {table, &want, reference, c->seeds};
     bool ok = true;
     for (uint32_t i = 0; ok && i < 6; i++) {
         ambient->sampling = (rk_sampler_kind)(i / 2);
@@ -87,8 +88,7 @@ bool put_convergence(rk_driver *driver, rk_error *error)
         snprintf(method, sizeof method, "%s, %s", rk_sampler_name(ambient->sampling),
                  rk_ambient_map_names.items[ambient->map]);
         for (ambient->samples = 1; ok && ambient->samples <= c->most; ambient->samples *= 4)
-            ok = rk_convergence_row_of(driver, table, method, ambient->samples, &want, reference,
-                                       error);
+            ok = rk_convergence_row_of(driver, &study, method, ambient->samples, NULL, error);
     }
     rk_image_free(&want);
     return ok;

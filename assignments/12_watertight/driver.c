@@ -245,6 +245,7 @@ static bool put_rows(rk_driver *driver, rk_error *error)
     leak_count classic = leaks_of(&b, eye_of(&b, c->scale), classic_hit);
     leak_count now = leaks_of(&b, eye_of(&b, c->scale), watertight_hit);
     return rk_driver_row(driver, "render", "ms", driver->render_ms, error) &&
+           rk_driver_count_rows(driver, error) &&
            rk_driver_row(driver, "aimed", "rays", rk_timing_once(now.rays), error) &&
            rk_driver_row(driver, "leaks_classic", "rays", rk_timing_once(classic.leaks), error) &&
            rk_driver_row(driver, "leaks_watertight", "rays", rk_timing_once(now.leaks), error);

@@ -2,6 +2,8 @@
  * of a picture, and how fast they fall with each kind of samples. */
 #include "driver.h"
 
+#include "driver/convergence.h"
+
 #include <stdio.h>
 
 static const char summary[] =
@@ -44,6 +46,7 @@ static const rk_option options[] = {
      128},
     {"reference", RK_FIELD(choices, reference), "N",
      "samples of the reference picture for the tables and --debug error", 1, 65536, 2048},
+    RK_CONVERGENCE_SEEDS(choices),
     {0},
 };
 
@@ -92,10 +95,15 @@ static bool save(rk_driver *driver, rk_error *error)
 
 static bool put_rows(rk_driver *driver, rk_error *error)
 {
-    char metric[64];
+    char render[64], rays[64];
     const choices *c = driver->choices;
-    snprintf(metric, sizeof metric, "render_%s", rk_sampler_name(c->kind));
-    return rk_driver_row(driver, metric, "ms", driver->render_ms, error);
+    const double pixels = (double)driver->render.width * driver->render.height;
+    snprintf(render, sizeof render, "render_%s", rk_sampler_name(c->kind));
+    snprintf(rays, sizeof rays, "rays_%s", rk_sampler_name(c->kind));
+    return rk_driver_row(driver, render, "ms", driver->render_ms, error) &&
+           rk_driver_row(driver, rays, "1",
+                         rk_timing_once((double)rk_counters_rays(&driver->counters) / pixels),
+                         error);
 }
 
 static void set_defaults(rk_driver *driver)
@@ -106,6 +114,7 @@ static void set_defaults(rk_driver *driver)
     driver->render.lens.aperture = 150;
     driver->render.glossy.radius = 0.1f;
     driver->render.light.early_out = 0;
+    driver->render.light.visibility = RK_LIGHT_RAYS; /* of all samples: they are compared */
 }
 
 int main(int argc, char **argv)

@@ -34,6 +34,7 @@ typedef struct choices {
     bool convergence, blurred, spectrum;
     uint32_t samples;         /* of the picture */
     uint32_t most, reference; /* samples */
+    uint32_t seeds;           /* of --convergence */
 } choices;
 
 /* Sets what the effect needs, with this number of samples per pixel of this kind. */

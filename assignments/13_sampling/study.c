@@ -5,7 +5,9 @@
 
 #include <stdio.h>
 
-/* The straight line through log(error) over log(samples), from 8 samples on. */
+enum { FIT_FROM = 4 }; /* samples: before, an error need not yet follow its power */
+
+/* The straight line through log(error) over log(samples). */
 typedef struct fit {
     double n, x, y, xx, xy;
 } fit;
@@ -13,7 +15,7 @@ typedef struct fit {
 static void add_point(fit *f, uint32_t samples, double error)
 {
     double x = log(samples), y = log(error);
-    if (samples < 8)
+    if (samples < FIT_FROM)
         return;
     f->n += 1, f->x += x, f->y += y, f->xx += x * x, f->xy += x * y;
 }
@@ -36,7 +38,7 @@ static bool put_slope(rk_driver *driver, const char *method, const fit *f, doubl
     static const char *const header[] = {"effect", "kind", "slope", "for_one_percent", NULL};
     const choices *c = driver->choices;
     char path[4096], slope[32], wanted[32];
-    snprintf(slope, sizeof slope, "%.2f", slope_of(f));
+    snprintf(slope, sizeof slope, "%.3f", slope_of(f));
     snprintf(wanted, sizeof wanted, "%.0f", samples_for(f, 0.01 * rms));
     const char *row[] = {effect_names.items[c->effect], method, slope, wanted};
     return rk_driver_table(driver, "sampling_slopes", path, error) &&
@@ -50,12 +52,13 @@ static bool put_kind(rk_driver *driver, rk_sampler_kind kind, const rk_image *wa
     fit f = {0};
     snprintf(table, sizeof table, "sampling_%s", effect_names.items[c->effect]);
     snprintf(reference, sizeof reference, "%u samples", c->reference);
+    const rk_convergence study = {table, want, reference, c->seeds};
     for (uint32_t samples = 2; samples <= c->most; samples *= 2) {
+        double rmse;
         set_samples(driver, kind, samples);
-        if (!rk_convergence_row_of(driver, table, rk_sampler_name(kind), samples, want, reference,
-                                   error))
+        if (!rk_convergence_row_of(driver, &study, rk_sampler_name(kind), samples, &rmse, error))
             return false;
-        add_point(&f, samples, rk_picture_compare(&driver->image, want).rmse);
+        add_point(&f, samples, rmse);
     }
     return put_slope(driver, rk_sampler_name(kind), &f, sqrt(mean_square(want)), error);
 }

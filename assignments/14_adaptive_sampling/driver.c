@@ -40,7 +40,8 @@ static bool put_rows(rk_driver *driver, rk_error *error)
            rk_driver_row(driver, kept, "1", rk_timing_once((double)counters->kept_samples / pixels),
                          error) &&
            rk_driver_row(driver, estimated, "%", rk_timing_once(100 * counters->estimated_error),
-                         error);
+                         error) &&
+           rk_driver_count_rows(driver, error);
 }
 
 static const rk_option options[] = {

@@ -27,6 +27,12 @@ typedef struct rk_counters {
     double estimated_error; /* of its picture, relative; 0 without it */
 } rk_counters;
 
+/* Rays of all kinds. */
+static inline uint64_t rk_counters_rays(const rk_counters *counters)
+{
+    return counters->primary_rays + counters->shadow_rays + counters->reflected_rays;
+}
+
 static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
 {
     sum->primary_rays += part->primary_rays;

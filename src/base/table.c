@@ -256,15 +256,22 @@ bool rk_table_put_timing(const char *path, const rk_timing_row *row, rk_error *e
 
 bool rk_table_put_convergence(const char *path, const rk_convergence_row *row, rk_error *error)
 {
-    static const char *const header[] = {"feature", "scene",     "method", "samples",  "seconds",
-                                         "rmse",    "max_error", "bias",   "reference"};
-    number samples = count_text(row->samples), seconds = figure_text(row->seconds);
-    number rmse = figure_text(row->rmse), max_error = figure_text(row->max_error);
-    number bias = figure_text(row->bias);
-    const char *const cells[] = {row->feature,   row->scene,   row->method,
-                                 samples.text,   seconds.text, rmse.text,
-                                 max_error.text, bias.text,    row->reference};
-    return rk_table_put(path, header, cells, sizeof header / sizeof *header, 4, error);
+    static const char *const header[] = {"feature", "scene", "method",   "samples",   "seconds",
+                                         "rays",    "rmse",  "rmse_low", "rmse_high", "max_error",
+                                         "bias",    "seeds", "reference"};
+    const double figures[] = {row->seconds,   row->rays,      row->rmse, row->rmse_low,
+                              row->rmse_high, row->max_error, row->bias};
+    enum { FIRST = 4, FIGURES = sizeof figures / sizeof *figures };
+    number samples = count_text(row->samples), seeds = count_text(row->seeds), texts[FIGURES];
+    const char *cells[sizeof header / sizeof *header] = {row->feature, row->scene, row->method,
+                                                         samples.text};
+    for (int i = 0; i < FIGURES; i++) {
+        texts[i] = figure_text(figures[i]);
+        cells[FIRST + i] = texts[i].text;
+    }
+    cells[FIRST + FIGURES] = seeds.text;
+    cells[FIRST + FIGURES + 1] = row->reference;
+    return rk_table_put(path, header, cells, sizeof header / sizeof *header, FIRST, error);
 }
 
 static double seconds_on(clockid_t clock)

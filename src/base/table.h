@@ -42,8 +42,11 @@ bool rk_table_put_timing(const char *path, const rk_timing_row *row, rk_error *e
 typedef struct rk_convergence_row {
     const char *feature, *scene, *method;
     unsigned long samples;
-    double seconds, rmse, max_error, bias; /* errors: in the unit of the measured quantity */
-    const char *reference;                 /* source of the true values, such as "closed form" */
+    double seconds, rays;             /* of one picture; rays per pixel */
+    double rmse, rmse_low, rmse_high; /* over all seeds, the least and the largest of one */
+    double max_error, bias;           /* errors: in the unit of the measured quantity */
+    const char *reference;            /* source of the true values, such as "closed form" */
+    unsigned long seeds;              /* pictures */
 } rk_convergence_row;
 
 bool rk_table_put_convergence(const char *path, const rk_convergence_row *row, rk_error *error);

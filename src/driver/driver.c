@@ -80,7 +80,7 @@ bool rk_driver_render(rk_driver *driver, rk_error *error)
     double milliseconds[RK_RUNS_MAX];
     if (driver->pixel.given)
         rk_explain_pixel(stdout, &driver->scene, &driver->accel, &driver->render, driver->pixel.x,
-                         driver->pixel.y);
+                         driver->pixel.y, driver->pixel_code);
     if (!time_renders(driver, milliseconds, error))
         return false;
     driver->render_ms = rk_timing_of(milliseconds, driver->runs);

@@ -26,6 +26,7 @@ typedef struct rk_driver {
     const char *debug;    /* NULL, or the name of a view */
     const char *compared; /* NULL, or a picture to compare with */
     rk_pixel pixel;
+    bool pixel_code;           /* name the C of each step that --pixel explains */
     uint32_t drawn_x, drawn_y; /* per cent of the picture: the default pixel of --debug rays */
     bool quiet;
     bool timing;            /* put rows into the table, draw no picture */
@@ -84,6 +85,10 @@ bool rk_driver_table(const rk_driver *driver, const char *name, char path[4096],
 /* Puts a row with this metric into OUT/tables/FEATURE.csv. */
 bool rk_driver_row(rk_driver *driver, const char *metric, const char *unit, rk_timing timing,
                    rk_error *error);
+
+/* Puts rows with what the last picture counted: rays, and tests of boxes and of triangles, all per
+ * pixel. Other than times, they are the same in every run. */
+bool rk_driver_count_rows(rk_driver *driver, rk_error *error);
 
 /* A number that was measured once, or counted. */
 rk_timing rk_timing_once(double figure);

@@ -51,6 +51,8 @@ static const rk_option common_rows[] = {
      "put timings into DIR/tables instead of drawing a picture"},
     {"debug", RK_FIELD(rk_driver, debug), "VIEW", NULL},
     {"pixel", RK_FIELD(rk_driver, pixel), "X,Y", NULL},
+    {"pixel-code", RK_FIELD(rk_driver, pixel_code), NULL,
+     "name the lines of C that do what --pixel explains"},
     {"out", RK_FIELD(rk_driver, out), "DIR", "pictures go to DIR/figures, tables to DIR/tables",
      .initial_text = rk_pictures_folder},
     {"compare", RK_FIELD(rk_driver, compared), "FILE",

@@ -3,6 +3,7 @@
 #include "driver/driver.h"
 #include "driver/implementation_note.h"
 #include "driver/picture_difference.h"
+#include "driver/picture_subject.h"
 #include "driver/unsolved.h"
 #include "io/image_file.h"
 #include "io/png.h"
@@ -48,7 +49,10 @@ static void append_name(char *path, size_t size, const char *name)
 static bool write_picture(const rk_driver *driver, const char *path, const char *seconds,
                           rk_error *error)
 {
-    char samples[16], triangles[16];
+    char samples[16], triangles[16], black[16], frame[16];
+    const rk_picture_subject subject = rk_picture_subject_of(&driver->image);
+    snprintf(black, sizeof black, "%.3f", subject.black);
+    snprintf(frame, sizeof frame, "%.3f", subject.frame);
     snprintf(samples, sizeof samples, "%u", driver->render.samples);
     snprintf(triangles, sizeof triangles, "%u", driver->scene.mesh.triangle_count);
     const rk_png_text texts[] = {
@@ -58,6 +62,8 @@ static bool write_picture(const rk_driver *driver, const char *path, const char 
         {"raykit:triangles", triangles},
         {"raykit:samples", samples},
         {"raykit:seconds", seconds},
+        {"raykit:black", black}, /* weaving refuses pictures of which little can be seen */
+        {"raykit:frame", frame},
         {"raykit:units", rk_implementation_note},
     };
     size_t count = sizeof texts / sizeof *texts - (*rk_implementation_note ? 0 : 1);
@@ -233,6 +239,25 @@ bool rk_driver_row(rk_driver *driver, const char *metric, const char *unit, rk_t
         printf("%s: %s, %s %.6g%s%s\n", path, row.scene, metric, timing.median,
                strcmp(unit, "1") == 0 ? "" : " ", strcmp(unit, "1") == 0 ? "" : unit);
     return true;
+}
+
+bool rk_driver_count_rows(rk_driver *driver, rk_error *error)
+{
+    const rk_counters *counters = &driver->counters;
+    const double pixels = (double)driver->render.width * driver->render.height;
+    const struct {
+        const char *metric;
+        uint64_t count;
+    } counts[] = {
+        {"rays_per_pixel", rk_counters_rays(counters)},
+        {"boxes_per_pixel", counters->box_tests},
+        {"triangles_per_pixel", counters->triangle_tests},
+    };
+    bool ok = true;
+    for (size_t i = 0; ok && i < sizeof counts / sizeof *counts; i++)
+        ok = rk_driver_row(driver, counts[i].metric, "1",
+                           rk_timing_once((double)counts[i].count / pixels), error);
+    return ok;
 }
 
 rk_timing rk_timing_once(double figure)

@@ -7,8 +7,9 @@
 
 #include <stdio.h>
 
-/* Prints how the renderer traces and shades the ray through the centre of pixel (x, y). */
+/* Prints how the renderer traces and shades the ray through the centre of pixel (x, y); with_code:
+ * with lines that name the C which does each step (driver/pixel_code.h). */
 void rk_explain_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
-                      const rk_render_options *options, uint32_t x, uint32_t y);
+                      const rk_render_options *options, uint32_t x, uint32_t y, bool with_code);
 
 #endif

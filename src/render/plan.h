@@ -23,12 +23,20 @@ typedef enum rk_highlight_sampling {
     RK_HIGHLIGHT_BALANCE, /* sharp ones by directions of their lobe, too: render/lobe.h */
 } rk_highlight_sampling;
 
+/* Which samples of a light with an extent have a shadow ray. */
+typedef enum rk_light_visibility_method {
+    RK_LIGHT_RAYS,     /* all of them */
+    RK_LIGHT_PYRAMIDS, /* not those of points between which and the light there is no surface:
+                          accel/pyramid.h */
+} rk_light_visibility_method;
+
 /* Sampling of lights with an extent. */
 typedef struct rk_light_options {
     uint32_t samples; /* per light and shading point */
     rk_sampler_kind sampling;
     rk_light_domain domain;
     rk_light_falloff falloff;
+    rk_light_visibility_method visibility;
     rk_highlight_sampling highlights;
     bool ratio; /* ratio estimator: unshadowed light in closed form, times a sampled ratio */
     uint32_t early_out; /* stop after this many shadow rays that agree; 0: trace all */

@@ -193,7 +193,7 @@ void rk_highlight_stage(const rk_rendering *r, const rk_sample_pass *pass,
         if (rk_is_black(contribution))
             continue;
         sums->unshadowed[i] = rk_add(sums->unshadowed[i], contribution);
-        if (!r->plan.shadow_rays) {
+        if (!r->plan.shadow_rays || sums->visibility[i] == RK_LIGHT_CLEAR) {
             sums->shadowed[i] = rk_add(sums->shadowed[i], contribution);
             continue;
         }

@@ -2,6 +2,7 @@
 
 #include "base/simd4.h"
 #include "render/stages/highlight_stage.h"
+#include "render/stages/unoccluded_light_stage.h"
 
 /* After an early out, this many of the next rays are traced, per as many as the first. */
 enum { EARLY_OUT_CHECKS = 2 };
@@ -49,15 +50,13 @@ typedef struct sample_run {
     uint32_t light, first, count;
 } sample_run;
 
-enum { run_max = 64 };
-
 /* After an early out, one ray of each run of this length is traced all the same, and stands for all
  * of them, so that the mean is right however small the part of the light that the first rays
  * missed. */
 static uint32_t checked_run(const rk_rendering *r)
 {
     const uint32_t rays = r->options->light.early_out / EARLY_OUT_CHECKS;
-    return rays < 1 ? 1 : rays < run_max ? rays : run_max;
+    return rays < 1 ? 1 : rays < RK_LIGHT_RUN_MAX ? rays : RK_LIGHT_RUN_MAX;
 }
 
 /* The sample of the run whose ray is traced, at random; of a run cut short, maybe none. */
@@ -75,7 +74,7 @@ static uint32_t checked_sample(const rk_rendering *r, const rk_sample_pass *pass
 }
 
 static void draw(const rk_rendering *r, const rk_sample_pass *pass, const rk_shading_point *point,
-                 sample_run run, rk_vec2 numbers[run_max])
+                 sample_run run, rk_vec2 numbers[RK_LIGHT_RUN_MAX])
 {
     if (r->scene->lights[run.light].kind == RK_LIGHT_POINT) {
         numbers[0] = (rk_vec2){0, 0};
@@ -89,7 +88,7 @@ static void draw(const rk_rendering *r, const rk_sample_pass *pass, const rk_sha
 /* Unit directions from the point to the samples, four at once. Lanes beyond the last sample hold
  * anything. */
 static void find_directions(const rk_shading_point *point, const rk_light_sample *samples,
-                            uint32_t count, float to_light[3][run_max])
+                            uint32_t count, float to_light[3][RK_LIGHT_RUN_MAX])
 {
     const rk_simd4x3 from = rk_simd4x3_all(point->surface.point);
     for (uint32_t k = 0; k < count; k += RK_SIMD4_WIDTH) {
@@ -102,13 +101,11 @@ static void find_directions(const rk_shading_point *point, const rk_light_sample
     }
 }
 
-/* The contributions of a point's samples, unless occluded. `solid_angle`: see rk_highlight_start; 0
- * without sharp highlights. */
-static void find_contributions(const rk_rendering *r, const rk_shading_point *point,
-                               const rk_light *light, double solid_angle, uint32_t count,
-                               const rk_light_sample *samples, rk_vec3 *contributions)
+void rk_light_contributions(const rk_rendering *r, const rk_shading_point *point,
+                            const rk_light *light, double solid_angle, uint32_t count,
+                            const rk_light_sample *samples, rk_vec3 *contributions)
 {
-    float d[3][run_max];
+    float d[3][RK_LIGHT_RUN_MAX];
     if (solid_angle > 0) {
         for (uint32_t k = 0; k < count; k++)
             contributions[k] =
@@ -132,13 +129,16 @@ static void queue_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
     const rk_shading_point *point = &points->points[i];
     const rk_light_visibility visibility = sums->visibility[i];
     const bool decided = is_decided(sums, i);
+    const bool all_count = !r->plan.shadow_rays || visibility == RK_LIGHT_CLEAR;
     const double solid_angle = r->plan.sharp_highlights ? sums->solid_angle[i] : 0;
     const float stands_for = decided ? (float)checked_run(r) : 1;
     uint32_t checked = decided ? checked_sample(r, pass, point, run) : 0;
-    rk_vec2 numbers[run_max];
-    rk_light_sample samples[run_max];
-    rk_vec3 contributions[run_max];
+    rk_vec2 numbers[RK_LIGHT_RUN_MAX];
+    rk_light_sample samples[RK_LIGHT_RUN_MAX];
+    rk_vec3 contributions[RK_LIGHT_RUN_MAX];
     rk_spawner spawner;
+    if (visibility == RK_LIGHT_SUMMED)
+        return;
     if (visibility == RK_LIGHT_OCCLUDED) {
         if (checked >= run.count)
             return;
@@ -149,7 +149,7 @@ static void queue_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
     for (uint32_t k = 0; k < run.count; k++)
         samples[k] = rk_light_sample_at(light, options->falloff, options->domain,
                                         point->surface.point, numbers[k]);
-    find_contributions(r, point, light, solid_angle, run.count, samples, contributions);
+    rk_light_contributions(r, point, light, solid_angle, run.count, samples, contributions);
     rk_spawner_start(&spawner, &point->surface);
     for (uint32_t k = 0; k < run.count; k++) {
         const rk_vec3 contribution = contributions[k];
@@ -157,9 +157,9 @@ static void queue_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
             continue;
         sums->unshadowed[i] = rk_madd(sums->unshadowed[i], contribution,
                                       visibility == RK_LIGHT_OCCLUDED ? stands_for : 1);
-        if (!r->plan.shadow_rays || visibility == RK_LIGHT_UNOCCLUDED)
+        if (all_count || visibility == RK_LIGHT_UNOCCLUDED)
             sums->shadowed[i] = rk_add(sums->shadowed[i], contribution);
-        if (r->plan.shadow_rays && (!decided || k == checked)) {
+        if (!all_count && (!decided || k == checked)) {
             rk_vec3 to_light = rk_sub(samples[k].position, point->surface.point);
             rk_queue_contribution(queue, point, i, rk_scale(contribution, stands_for));
             rk_queue_shadow_ray(queue, rk_spawner_origin(&spawner, to_light), samples[k].position);
@@ -266,10 +266,12 @@ void rk_parallelogram_light_stage(const rk_rendering *r, rk_sample_pass *pass,
     uint32_t directions = 0;
     start(points, sums);
     queue->rays.count = 0;
+    if (light->kind != RK_LIGHT_POINT)
+        rk_unoccluded_light_stage(r, pass, points, index, sums);
     if (r->plan.sharp_highlights)
         directions = rk_highlight_start(r, points, light, sums);
-    sample_light(r, pass, points, (sample_run){index, 0, first_round}, run_max, queue, answers,
-                 sums);
+    sample_light(r, pass, points, (sample_run){index, 0, first_round}, RK_LIGHT_RUN_MAX, queue,
+                 answers, sums);
     if (first_round < samples) {
         early_out(points, sums);
         sample_light(r, pass, points, (sample_run){index, first_round, samples - first_round},
@@ -288,6 +290,9 @@ RK_NAMES(rk_light_domain_names, rk_light_domain, RK_LIGHT_DOMAIN_SOLID_ANGLE, "a
          "solid-angle");
 RK_NAMES(rk_light_falloff_names, rk_light_falloff, RK_FALLOFF_PHYSICAL, "none", "physical");
 
+RK_NAMES(rk_light_visibility_names, rk_light_visibility_method, RK_LIGHT_PYRAMIDS, "rays",
+         "pyramids");
+
 RK_NAMES(rk_highlight_names, rk_highlight_sampling, RK_HIGHLIGHT_BALANCE, "light", "balance");
 
 static const rk_option rows[] = {
@@ -297,6 +302,9 @@ static const rk_option rows[] = {
      "distribution of the samples over the light", .initial = RK_SAMPLER_SOBOL},
     {"light-domain", RK_CHOICE(rk_render_options, light.domain, rk_light_domain_names),
      "samples are uniform over the light's area, or over its solid angle", .alias = "light-map"},
+    {"light-visibility", RK_CHOICE(rk_render_options, light.visibility, rk_light_visibility_names),
+     "shadow rays for all samples, or not where the pyramid from the point to the light is empty",
+     .initial = RK_LIGHT_PYRAMIDS},
     {"highlights", RK_CHOICE(rk_render_options, light.highlights, rk_highlight_names),
      "sample sharp highlights by the light alone, or by directions of their lobe, too",
      .initial = RK_HIGHLIGHT_BALANCE},

@@ -15,7 +15,9 @@ typedef enum rk_light_visibility {
     RK_LIGHT_UNDECIDED,
     RK_LIGHT_ATTENUATED,
     RK_LIGHT_UNOCCLUDED,
-    RK_LIGHT_OCCLUDED
+    RK_LIGHT_OCCLUDED,
+    RK_LIGHT_CLEAR,  /* certainly unoccluded, without any ray */
+    RK_LIGHT_SUMMED, /* and its sums are complete */
 } rk_light_visibility;
 
 /* One light at each shading point: sums over its samples. */
@@ -35,6 +37,13 @@ void rk_parallelogram_light_stage(const rk_rendering *r, rk_sample_pass *pass,
                                   rk_shadow_queue *queue, rk_shadow_answers *answers,
                                   rk_light_sums *sums, rk_film *film);
 
+/* The contributions of a point's samples, at most RK_LIGHT_RUN_MAX, if not occluded. `solid_angle`:
+ * see rk_highlight_start; 0 without sharp highlights. */
+enum { RK_LIGHT_RUN_MAX = 64 };
+void rk_light_contributions(const rk_rendering *r, const rk_shading_point *point,
+                            const rk_light *light, double solid_angle, uint32_t count,
+                            const rk_light_sample *samples, rk_vec3 *contributions);
+
 /* The random numbers, from this and the next of the dimensions, for `count` of `samples` samples of
  * the light at a shading point, from sample `first` on. */
 void rk_light_random(const rk_rendering *r, const rk_sample_pass *pass,
@@ -46,6 +55,7 @@ enum { RK_DIMENSION_LOBE = RK_DIMENSION_LIGHT + (1 << 15) };
 _Static_assert(2 * (RK_MAX_DEPTH + 1) * RK_LIGHTS_MAX <= 1 << 15,
                "a pair for each light and bounce");
 
-extern const rk_names rk_light_domain_names, rk_light_falloff_names, rk_highlight_names;
+extern const rk_names rk_light_domain_names, rk_light_falloff_names, rk_light_visibility_names,
+    rk_highlight_names;
 
 #endif

@@ -1,0 +1,43 @@
+/* The pyramid between a point and a parallelogram light: where no surface reaches into it, no
+ * shadow ray from the point to the light can be occluded (shaft culling: Haines and Wallace,
+ * "Shaft culling for efficient ray-cast radiosity", 1991). */
+#ifndef RK_ACCEL_PYRAMID_H
+#define RK_ACCEL_PYRAMID_H
+
+#include "accel/accel.h"
+#include "base/counters.h"
+#include "scene/light.h"
+
+enum { RK_PYRAMID_PLANES = 5 };
+
+/* Contains, exactly, every ray from the apex to a sample of the light as both are computed in
+ * float. */
+typedef struct rk_pyramid {
+    rk_vec3 apex;
+    rk_box box;          /* around it, with the slack */
+    rk_dvec3 corners[4]; /* of the light, in their order around it */
+    /* Its sides and its base: normal . (x - apex) <= limit within the pyramid. The sizes of
+     * a normal's components add up to 1; it is zero where the light is seen edge-on or has no
+     * area. */
+    rk_dvec3 normals[RK_PYRAMID_PLANES];
+    double limits[RK_PYRAMID_PLANES]; /* with the slack */
+    double slack; /* no ray passes the light's points in a greater distance, on any axis */
+} rk_pyramid;
+
+/* `apex`: where the shadow rays start. The light is a parallelogram or a segment. */
+rk_pyramid rk_pyramid_of(rk_vec3 apex, const rk_light *light);
+
+/* The surface that was last found in a pyramid: neighbouring ones often meet the same. */
+typedef struct rk_pyramid_obstacle {
+    bool known;
+    rk_triangle triangle;
+} rk_pyramid_obstacle;
+
+/* Is the pyramid certainly free of surfaces? True only if rk_accel_occluded is false for every ray
+ * from the apex to the light. May be false nonetheless: a triangle counts as inside unless an axis
+ * of space, a side or the base of the pyramid, or the triangle's own plane separates the two. The
+ * answer depends on the scene, not on the tree. Moving objects are at rest. */
+bool rk_pyramid_is_empty(const rk_pyramid *pyramid, const rk_accel *accel,
+                         rk_pyramid_obstacle *obstacle, rk_counters *counters);
+
+#endif

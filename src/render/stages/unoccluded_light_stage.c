@@ -1,0 +1,160 @@
+#include "render/stages/unoccluded_light_stage.h"
+
+#include "accel/pyramid.h"
+
+/* Fewer shadow rays cost less than a search for surfaces between point and light. As many as the
+ * quadrature's fewest nodes. */
+enum { LEAST_SAMPLES = 9 };
+
+/* Gauss and Legendre's quadrature on [0, 1] (Abramowitz and Stegun, "Handbook of Mathematical
+ * Functions", table 25.4). For an integrand that is analytic within distance d of an edge of length
+ * L, the error of n nodes falls as (y + sqrt(1 + y^2))^(-2 n), y = 2 d / L (Trefethen,
+ * "Approximation Theory and Approximation Practice", chapter 19); so few are enough from afar. */
+enum { NODES_MAX = 6 };
+typedef struct rule {
+    float least_distance; /* over the longest edge */
+    uint32_t nodes;
+    float at[NODES_MAX], weights[NODES_MAX];
+} rule;
+
+static const rule rules[] = {
+    {2, 3, {0.1127016654f, 0.5f, 0.8872983346f}, {0.2777777778f, 0.4444444444f, 0.2777777778f}},
+    {0.6f,
+     4,
+     {0.0694318442f, 0.3300094782f, 0.6699905218f, 0.9305681558f},
+     {0.1739274226f, 0.3260725774f, 0.3260725774f, 0.1739274226f}},
+    {0.25f,
+     6,
+     {0.0337652429f, 0.1693953068f, 0.3806904070f, 0.6193095930f, 0.8306046932f, 0.9662347571f},
+     {0.0856622462f, 0.1803807865f, 0.2339569673f, 0.2339569673f, 0.1803807865f, 0.0856622462f}},
+};
+enum { RULES = sizeof rules / sizeof *rules };
+
+/* The light, once for all points. */
+typedef struct extent {
+    rk_vec3 edge02, diagonal; /* no second edge: 0 */
+    float radius, longest;    /* of a ball around it; of its edges */
+} extent;
+
+static extent extent_of(const rk_light *light)
+{
+    const rk_vec3 zero = {0, 0, 0};
+    extent e = {.edge02 = light->kind == RK_LIGHT_PARALLELOGRAM ? light->edge02 : zero};
+    e.diagonal = rk_add(light->edge01, e.edge02);
+    e.radius = 0.5f * rk_max(rk_length(e.diagonal), rk_length(rk_sub(light->edge01, e.edge02)));
+    e.longest = rk_max(rk_length(light->edge01), rk_length(e.edge02));
+    return e;
+}
+
+/* The light as a point sees it. */
+typedef struct view {
+    float lowest, highest; /* corner . normal: beside or above the horizon? */
+    float distance;        /* to the light, at least */
+    bool on_one_side;      /* of the surface, so that all shadow rays start at `start` */
+    rk_vec3 start;
+} view;
+
+static bool are_equal(rk_vec3 a, rk_vec3 b)
+{
+    return a.x == b.x && a.y == b.y && a.z == b.z;
+}
+
+static view view_of(const rk_shading_point *point, const rk_light *light, const extent *e)
+{
+    const rk_surface *surface = &point->surface;
+    const rk_vec3 to_first = rk_sub(light->position, surface->point);
+    const rk_vec3 corners[4] = {to_first, rk_add(to_first, light->edge01),
+                                rk_add(to_first, e->edge02), rk_add(to_first, e->diagonal)};
+    view v = {.lowest = INFINITY, .highest = -INFINITY, .on_one_side = true};
+    rk_spawner spawner;
+    for (int i = 0; i < 4; i++) {
+        const float height = rk_dot(surface->normal, corners[i]);
+        v.lowest = rk_min(height, v.lowest);
+        v.highest = rk_max(height, v.highest);
+    }
+    v.distance = rk_length(rk_madd(to_first, e->diagonal, 0.5f)) - e->radius;
+    rk_spawner_start(&spawner, surface);
+    v.start = rk_spawner_origin(&spawner, corners[0]);
+    for (int i = 1; i < 4; i++)
+        v.on_one_side =
+            v.on_one_side && are_equal(rk_spawner_origin(&spawner, corners[i]), v.start);
+    return v;
+}
+
+/* The rule by which the reflected light, as a function of the light's points, is integrated with a
+ * relative error below 1e-4; NULL if there is none of at most so many nodes as there are samples:
+ * across the horizon, close to the light, or in a highlight. */
+static const rule *rule_for(const rk_rendering *r, const rk_shading_point *point, const view *v,
+                            const extent *e)
+{
+    const rk_shading_model model = r->options->shading.model;
+    const bool is_diffuse = model == RK_SHADING_LAMBERT || model == RK_SHADING_OFF ||
+                            rk_is_black(point->surface.material->ks);
+    for (int i = 0; i < RULES && is_diffuse && v->lowest > 0; i++)
+        if (v->distance > rules[i].least_distance * e->longest)
+            return rules[i].nodes * rules[i].nodes <= r->options->light.samples ? &rules[i] : NULL;
+    return NULL;
+}
+
+/* Does the surface face away from all of the light? Shading that knows no horizon never does. */
+static bool is_dark(const rk_rendering *r, const view *v)
+{
+    const rk_shading_model model = r->options->shading.model;
+    return v->highest <= 0 && model != RK_SHADING_OFF && model != RK_SHADING_GRADIENT;
+}
+
+/* Sums as if over samples. */
+static void integrate(const rk_rendering *r, const rk_shading_point *point, const rk_light *light,
+                      const rule *by, uint32_t i, rk_light_sums *sums)
+{
+    rk_light_sample samples[NODES_MAX * NODES_MAX];
+    rk_vec3 contributions[NODES_MAX * NODES_MAX], sum = {0, 0, 0};
+    const uint32_t count = by->nodes * by->nodes;
+    uint32_t k = 0;
+    do {
+        const rk_vec2 at = {by->at[k / by->nodes], by->at[k % by->nodes]};
+        samples[k] = rk_light_sample_at(light, r->options->light.falloff, RK_LIGHT_DOMAIN_AREA,
+                                        point->surface.point, at);
+    } while (++k < count);
+    rk_light_contributions(r, point, light, 0, count, samples, contributions);
+    for (k = 0; k < count; k++)
+        sum =
+            rk_madd(sum, contributions[k], by->weights[k / by->nodes] * by->weights[k % by->nodes]);
+    sums->shadowed[i] = sums->unshadowed[i] = rk_scale(sum, (float)r->options->light.samples);
+    sums->visibility[i] = RK_LIGHT_SUMMED;
+}
+
+static bool is_clear(const rk_rendering *r, rk_sample_pass *pass, const view *v,
+                     const rk_light *light, rk_pyramid_obstacle *obstacle)
+{
+    if (!r->plan.shadow_rays)
+        return true;
+    if (!v->on_one_side || (r->plan.motion_blur && r->scene->moving_count > 0))
+        return false;
+    const rk_pyramid pyramid = rk_pyramid_of(v->start, light);
+    return rk_pyramid_is_empty(&pyramid, r->accel, obstacle, pass->counters);
+}
+
+void rk_unoccluded_light_stage(const rk_rendering *r, rk_sample_pass *pass,
+                               const rk_shading_points *points, uint32_t index, rk_light_sums *sums)
+{
+    const rk_light *light = &r->scene->lights[index];
+    const extent e = extent_of(light);
+    rk_pyramid_obstacle obstacle = {.known = false};
+    if (r->options->light.visibility != RK_LIGHT_PYRAMIDS ||
+        r->options->light.samples < LEAST_SAMPLES)
+        return;
+    for (uint32_t i = 0; i < points->count; i++) {
+        const rk_shading_point *point = &points->points[i];
+        const view v = view_of(point, light, &e);
+        const rule *by = rule_for(r, point, &v, &e);
+        if (is_dark(r, &v))
+            sums->visibility[i] = RK_LIGHT_SUMMED; /* they are 0 */
+        else if (!is_clear(r, pass, &v, light, &obstacle))
+            continue;
+        else if (by)
+            integrate(r, point, light, by, i, sums);
+        else
+            sums->visibility[i] = RK_LIGHT_CLEAR;
+    }
+}
