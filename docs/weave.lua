@@ -21,15 +21,24 @@
 --   ::: {.output driver=bvh_median args="--scene cornell --pixel 400,300"}
 --   The caption.
 --   :::
--- shows what a driver prints.
+-- shows what a driver prints. prints="0.647837 ..." lists numbers that the text around it repeats: weaving ends if
+-- the kit's driver does not print one.
+--
+--   ::: {.index of=terms}
+-- lists where terms, functions or tests are explained (tools/weave/index.lua).
+--
+-- Answers to exercises, in the instructor's edition: see tools/weave/answers.lua.
 --
 -- Metadata: solutions=no shows starters in the places of solutions. Environment: RAYKIT_NODE and
 -- RAYKIT_KATEX (its folder) for formulas; without them they stay pandoc's affair.
 
 local tools = os.getenv("RAYKIT_SOURCE") .. "/tools/weave/"
 table.insert(package.searchers, 2, function(name) return loadfile(tools .. name .. ".lua") end)
+local answers = require("answers")
 local code = require("code")
 local drive = require("drive")
+local index = require("index")
+local listings = require("listings")
 local weave = require("weave")
 local anchor, fail, fail_at, need, place = weave.anchor, drive.fail, drive.fail_at, drive.need, drive.place
 
@@ -101,22 +110,26 @@ end
 
 local function listing(block)
   local file = need(block, "file")
-  local texts, said, first, from, anchors = {}, {}, nil, nil, pandoc.List()
+  local texts, numbers, said, first, from, anchors = {}, pandoc.List(), {}, nil, nil, {}
   for name in need(block, "name"):gmatch("%S+") do
     local found, place = definition(block, file, name)
     texts[#texts + 1] = found.text
+    if #numbers > 0 then numbers:insert(0) end
+    numbers:extend(found.numbers)
     first, from = first or found.line, from or place
     local note = whose(found)
     if note and not said[note] then said[note], said[#said + 1] = true, note end
     local id = anchor("code-" .. name)
-    if id ~= "" then anchors:insert(pandoc.Span({}, {id = id})) end
+    if id ~= "" then
+      anchors[#anchors + 1] = id .. ":" .. found.line
+      listings.define(name, place, found.signature)
+    end
   end
-  local top = pandoc.List(anchors)
-  top:insert(pandoc.Span({file_line(block, from, first)}, {class = "from"}))
+  local top = pandoc.List({pandoc.Span({file_line(block, from, first)}, {class = "from"})})
   top:extend(inlines_of(block))
   local content = {
     pandoc.Div({pandoc.Plain(top)}, {class = "caption"}),
-    pandoc.CodeBlock(table.concat(texts, "\n\n"), {class = "c"}),
+    listings.block(table.concat(texts, "\n\n"), from, numbers, block.attributes.name, table.concat(anchors, " ")),
   }
   if #said > 0 then
     content[3] = pandoc.Div({pandoc.Plain(table.concat(said, " "))}, {class = "yours"})
@@ -158,25 +171,28 @@ local function claims(div)
   local points, blocks = read_points(stem), pandoc.List()
   for _, test in ipairs(tests) do
     local found = definition(div, file, test)
+    local id = anchor("test-" .. test):gsub("^.+$", ' id="%0"') -- the first of this name
     local top = pandoc.List({breakable(test)})
     local bottom = pandoc.List({file_line(div, file, found.line)})
     if points[test] then
-      top:insert(pandoc.Span(points[test].points .. (points[test].points == "1" and " point" or " points"),
-        {class = "points"}))
+      local count = points[test].points
+      if count ~= "0" then top:insert(pandoc.Span(count .. (count == "1" and " point" or " points"), {class = "points"})) end
       bottom:extend({pandoc.Str("; explained in "), pandoc.Link("its section", "#" .. points[test].section,
         "", {["data-pos"] = div.attributes["data-pos"]})})
       points[test] = nil
     end
     blocks:extend({
-      pandoc.RawBlock("html", '<details class="claim" id="' .. anchor("test-" .. test) .. '"><summary>'),
+      pandoc.RawBlock("html", '<details class="claim"' .. id .. "><summary>"),
       pandoc.Plain(top), pandoc.RawBlock("html", "</summary>"),
-      pandoc.CodeBlock(found.text, {class = "c"}),
+      listings.block(found.text, file, found.numbers, test),
       pandoc.Div({pandoc.Plain(bottom)}, {class = "caption"}),
       pandoc.RawBlock("html", "</details>"),
     })
   end
   local left = next(points)
   if left then fail_at(div, "points.tsv names a test that %s does not have: %s", file, left) end
+  blocks:insert(1, pandoc.RawBlock("html", '<details class="list-of-claims"><summary>All ' .. #tests .. " claims, each with its test</summary>"))
+  blocks:insert(pandoc.RawBlock("html", "</details>"))
   return pandoc.Div(blocks, {class = "claims"})
 end
 
@@ -191,9 +207,20 @@ local function sketch(div)
   return pandoc.Div({pandoc.RawBlock("html", drawing), drive.caption(div.content)}, {class = "picture sketch"})
 end
 
+-- A student's units, and starters in a pack, may print other numbers.
+local function check_printed(div, text)
+  if drive.units ~= "" then return end
+  for _, number in ipairs(drive.words(div.attributes.prints)) do
+    if not text:find("%f[%w.-]" .. number:gsub("%p", "%%%0") .. "%f[^%w.]") then
+      fail_at(div, "the text repeats %s, but the driver does not print it; correct the text or prints=", number)
+    end
+  end
+end
+
 local function output(div)
   local args = need(div, "args")
   local text = drive.run(div, args .. " --quiet", drive.scraps)
+  check_printed(div, text)
   local command = "$ " .. div.attributes.driver .. " " .. args .. "\n"
   return pandoc.Div({
     pandoc.CodeBlock(command .. text:gsub("%s+$", ""), {class = "text"}), drive.caption(div.content),
@@ -203,22 +230,25 @@ end
 -- --- formulas --------------------------------------------------------------------------------
 
 local node, katex = os.getenv("RAYKIT_NODE") or "", os.getenv("RAYKIT_KATEX") or ""
-local formulas, places, rendered = pandoc.List(), {}, nil
+local formulas, places, rendered = pandoc.List(), {}, {}
 
 local function key_of(math)
   return (math.mathtype == "DisplayMath" and "D" or "I") .. math.text
 end
 
 local collect = {
-  Math = function(math) formulas:insert(key_of(math)) end,
+  Math = function(math)
+    if not rendered[key_of(math)] then formulas:insert(key_of(math)) end
+  end,
   Span = function(span)
     local first = span.content[1]
     if first and first.t == "Math" then places[key_of(first)] = place(span) end
   end,
 }
 
+-- Before the drivers run, which takes minutes: a formula may be wrong.
 local function render_all()
-  rendered = {}
+  if katex == "" or #formulas == 0 then return end
   local answers = pandoc.pipe(node, {tools .. "formulas.js", katex}, table.concat(formulas, "\30"))
   local i = 0
   for answer in (answers .. "\30"):gmatch("([^\30]*)\30") do
@@ -228,21 +258,23 @@ local function render_all()
     end
     rendered[formulas[i]] = answer:sub(2)
   end
+  formulas = pandoc.List()
 end
 
 local function render(math)
   if katex == "" then return nil end
-  if not rendered then render_all() end
   return pandoc.RawInline("html", rendered[key_of(math)])
 end
 
 return {
   {Meta = settings},
+  {Pandoc = answers.weave},
   collect,
-  {Math = render},
+  {Pandoc = render_all},
   table.unpack(weave.filters({
-    Div = {claims = claims, sketch = sketch, output = output},
+    Div = {claims = claims, index = index.directive, sketch = sketch, output = output},
     Code = code_inline,
     CodeBlock = code_block,
+    late = {collect, {Pandoc = render_all}, {Math = render}},
   })),
 }

@@ -261,7 +261,9 @@ def the_book_is_handed_out(pack):
     check("Not made:" not in text and "src/features/bvh_median.c" not in text, "all its figures are made, its texts are the pack's")
     check(os.path.exists(os.path.join(record, "figures", "bvh_median_statue-87130.png")), "its figures are there")
     answers = read(record, "record.lua")
-    check(not any(path in page for path in (SOURCE, ".handout-") for page in (text, answers)), "no path of this machine is in it")
+    path = re.search(rf".{{0,80}}({re.escape(SOURCE)}|\.handout-).{{0,80}}", text + answers)
+    check(not path, "no path of this machine is in it", path and path[0])
+    check(f'data-program="impl/assignments/{FEATURE.folder}/{STEM}"' in text, "its figures name the readers' own programs")
 
 
 def the_starters_are_failed(pack):

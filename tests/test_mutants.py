@@ -1,16 +1,21 @@
 #!/usr/bin/env python3
-"""Mutants, read and made, and what their authors hear of slips. Speaks TAP, for make check-suites."""
+"""Mutants, read and made, the tables of their pictures, and what their authors hear of slips. Speaks TAP, for make
+check-suites."""
 
 import os
+import re
 import sys
 import tempfile
 
+SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
-sys.path.insert(0, os.path.join(os.path.abspath(os.environ.get("srcdir", ".")), "tools"))
+sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
+from grading.assignments import Feature, ToolError, read_features  # noqa: E402
 from grading.c_source import functions_of, tokens_of  # noqa: E402
 from grading.mutants import MutantError, mutate, read_mutants  # noqa: E402
-from tap import check, finish, start  # noqa: E402
+from tap import check, finish, read as read_file, start, write  # noqa: E402
+from wrong import SEES, read_wrong  # noqa: E402
 
 UNIT = """#include "features/fog.h"
 
@@ -154,12 +159,53 @@ def functions_are_found():
     check(tokens[begin].text == "static" and tokens[end - 1].text == "}", "from the type to the last brace", tokens[begin:end])
 
 
+# --- Pictures -------------------------------------------------------------------------------------
+
+
+def table_is_refused(rows, line, part, name):
+    """A claim about assignments/01_fog/wrong.tsv with these rows."""
+    with tempfile.TemporaryDirectory() as source:
+        write("".join("\t".join(row) + "\n" for row in [("mutant", "sees", "options", "caption"), *rows]),
+              source, "assignments", "01_fog", "wrong.tsv")
+        write(HEAD + "in fog_at\n- depth <= thin\n+ 1\n", source, "tests", "mutants", "fog.mutants")
+        try:
+            check(False, name, read_wrong(source, Feature(source, "fog", "01_fog", "")))
+        except ToolError as error:
+            check(str(error).startswith(f"assignments/01_fog/wrong.tsv:{line}: ") and part in str(error), name, error)
+
+
+def slips_in_tables_of_pictures_are_told():
+    row = ("thick", "holes", "--scene cube", "It has holes.")
+    table_is_refused([("thin", *row[1:])], 2, "no mutant thin", "a picture of an unknown mutant is refused")
+    table_is_refused([row, row], 3, "a picture already", "a second picture of a mutant is refused")
+    table_is_refused([("thick", "gaps", *row[2:])], 2, "nobody sees \"gaps\"; choose one of: holes",
+                     "what nobody sees is refused")
+    table_is_refused([(*row[:3], "It has holes")], 2, "full stop", "a caption that is no sentence is refused")
+
+
+def pictures_are_shown():
+    seen = set()
+    for feature in read_features(SOURCE).values():
+        try:
+            rows = read_wrong(SOURCE, feature)
+            shown = f"::: {{.wrong stem={feature.stem}}}" in read_file(SOURCE, feature.chapter)
+            check(shown == bool(rows), f"{feature.chapter} shows the wrong pictures of {feature.stem}, if it has any", rows)
+            seen.update(row.sees for row in rows)
+        except ToolError as error:
+            check(False, f"the wrong pictures of {feature.stem} are described", error)
+    sections = re.findall(r"::: \{\.wrong sees=\"?([^\"}]*)", read_file(SOURCE, "docs", "92_wrong_pictures.md"))
+    check(sections == list(SEES), "all that can be seen has its section, in order", sections)
+    check(seen == set(SEES), "and a picture", sorted(seen ^ set(SEES)))
+
+
 def main():
     mutants_are_read()
     mistakes_are_made()
     slips_in_writing_are_told()
     slips_in_the_unit_are_told()
     functions_are_found()
+    slips_in_tables_of_pictures_are_told()
+    pictures_are_shown()
     return finish()
 
 

@@ -1,5 +1,5 @@
 #!/usr/bin/env python3
-"""What students see: pictures of the starters, and of each step. Speaks TAP, for make check-pictures; runs in a
+"""What students see: pictures of the starters, of each step, and of mistakes. Speaks TAP, for make check-pictures; runs in a
 build folder."""
 
 import os
@@ -16,6 +16,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 import draw  # noqa: E402
+import wrong  # noqa: E402
 from drivers import driver_of, link_drivers  # noqa: E402
 from grading.assignments import ToolError, read_features, read_looks  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
@@ -223,6 +224,33 @@ def a_wrong_table_is_refused(folder):
             check(part in str(error), f"look.tsv: {rows!r} is refused, with its line", error)
 
 
+# --- Mistakes ---------------------------------------------------------------------------------------
+
+
+def mistakes_are_drawn(folder):
+    """Of one feature; the book is woven with those of all."""
+    feature = read_features(SOURCE)["normals"]
+    rows = wrong.read_wrong(SOURCE, feature)
+    told = [line.split("\t") for line in wrong.draw_all(TOOLCHAIN, feature, folder)]
+    check([line[0] for line in told] == [row.mutant.name for row in rows], "each wrong picture is told, in order", told)
+    check(all(len(set(greys(line[5]))) >= FEWEST_GREYS for line in told), "and shows something")
+
+
+def mistakes_that_cannot_be_seen_are_refused(folder):
+    feature = read_features(SOURCE)["normals"]
+    feature.points_table = os.path.join(folder, "points.tsv")
+    cases = (("up_without_area", "--scene cube", 30, "draws the right picture", "a mistake that does not show is refused"),
+             ("not_moved", "--scene nowhere", 30, "drew nothing", "a driver that draws nothing is told"),
+             ("not_moved", "--samples 1000", 0.01, "was stopped after 0.01 s", "a driver that takes too long is stopped"))
+    for mutant, options, seconds, part, name in cases:
+        write(f"mutant\tsees\toptions\tcaption\n{mutant}\tholes\t{options}\tHoles.\n", folder, "wrong.tsv")
+        wrong.SECONDS = seconds
+        try:
+            check(False, name, wrong.draw_all(TOOLCHAIN, feature, os.path.join(folder, "out")))
+        except ToolError as error:
+            check(part in str(error) and "wrong.tsv" in str(error), name, error)
+
+
 def main():
     with tempfile.TemporaryDirectory() as folder:
         starters_draw(folder)
@@ -232,6 +260,8 @@ def main():
         a_students_picture_is_compared(folder)
         a_unit_that_never_ends_is_stopped(folder)
         a_wrong_table_is_refused(folder)
+        mistakes_are_drawn(os.path.join(folder, "drawn"))
+        mistakes_that_cannot_be_seen_are_refused(os.path.join(folder, "unseen"))
     return finish()
 
 

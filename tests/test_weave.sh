@@ -1,7 +1,8 @@
 #!/bin/sh
 # Two who make the same page at the same time do not spoil each other's. A small script takes the place
-# of pandoc: it waits until the file "go" is there. And names that two texts have, and equal pictures
-# in a row, are mistakes.
+# of pandoc: it waits until the file "go" is there. Names that two texts have, equal pictures in a row, and
+# sentences that the numbers do not bear out are mistakes. Figures and formulas have numbers, the book is also
+# a page per chapter, with answers for instructors, and wrong pictures are shown with the mistakes.
 set -u
 [ "${1-}" != --list ] || exit 0 # the driver asks for names of tests, which it can do without
 source=$(cd "${srcdir:-.}" && pwd)
@@ -33,8 +34,8 @@ chmod +x "$folder/pandoc"
 # report SAID [SOURCE PANDOC]: makes the report, and writes what is said to the file
 report() {
     RAYKIT_SOURCE=${2-$source} RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 \
-        RAYKIT_COMPILER=c RAYKIT_FLAGS=none PANDOC=${3-$folder/pandoc} GNUPLOT= CHROMIUM= QUICK= FEATURES= \
-        MESHES= sh "$source/reports/make_report" >"$folder/$1" 2>&1
+        RAYKIT_COMPILER=c RAYKIT_FLAGS=none PANDOC=${3-$folder/pandoc} GNUPLOT=${gnuplot-} CHROMIUM= QUICK=${quick-} FEATURES= \
+        MESHES= RAYKIT_WRONG="sh '$folder/wrong'" sh "$source/reports/make_report" >"$folder/$1" 2>&1
 }
 
 mkdir "$folder/build"
@@ -81,8 +82,9 @@ verdict tables_that_are_measured_apart_are_there
 # With pandoc itself, and two texts.
 if pandoc=$(command -v pandoc); then
     texts=$folder/texts/reports
-    mkdir -p "$texts"
+    mkdir -p "$texts" "$folder/texts/docs"
     ln -s "$source/tools" "$folder/texts/tools"
+    ln -s "$source/docs/pictures" "$folder/texts/docs"
     ln -s "$source/reports/weave.lua" "$source/reports/report.css" "$texts"
     printf '# %s\n\n## Measured {#%s}\n' One one-measured >"$texts/01_one.md"
     printf '# %s\n\n## Measured {#%s}\n' Two two-measured >"$texts/02_two.md"
@@ -98,7 +100,9 @@ if pandoc=$(command -v pandoc); then
     mkdir -p "$folder/assignments/01_copies"
     cat >"$folder/assignments/01_copies/copies" <<'END'
 #!/bin/sh
-cp "$1" "$4/figures/$2.png" && echo "$4/figures/$2.png: 128 x 128"
+folder=${*##*--out }
+mkdir -p "$folder/figures" "$folder/tables" && echo a >"$folder/tables/copies.csv" && echo 1 >>"$folder/tables/copies.csv" &&
+    cp "$1" "$folder/figures/$2.png" && echo "$folder/figures/$2.png: 128 x 128"
 END
     chmod +x "$folder/assignments/01_copies/copies"
     row() { # row PICTURE PICTURE
@@ -119,6 +123,341 @@ END
     ! report said1 "$folder/texts" "$pandoc" &&
         grep -q '01_one.md:3: figures/left.png and figures/right.png are equal, pixel for pixel' "$folder/said1"
     verdict equal_pictures_in_a_row_are_a_mistake
+
+    overdrawn() { # overdrawn ATTRIBUTES: a table whose run draws another picture of the same name
+        row "$look/1.png" "$look/2.png" >"$texts/01_one.md"
+        printf '\n::: {.table driver=copies args="%s left" columns=a table=copies %s}\nA table.\n:::\n' "$look/3.png" "$1" >>"$texts/01_one.md"
+        report said1 "$folder/texts" "$pandoc"
+    }
+    ! overdrawn "" && grep -q '01_one.md:4: a later run, for a table or a plot, has drawn over figures/left.png' "$folder/said1"
+    verdict a_picture_that_a_later_run_draws_over_is_a_mistake
+
+    echo "units: somebody's" >"$folder/units"
+    overdrawn ""
+    verdict but_not_with_units_of_a_student
+    rm "$folder/units"
+
+    overdrawn keep=copies_3
+    verdict unless_that_run_is_kept_apart
+
+    # A driver whose table is the same each time.
+    mkdir -p "$folder/assignments/02_counts"
+    cat >"$folder/assignments/02_counts/counts" <<'END'
+#!/bin/sh
+mkdir -p "${*##*--out }/tables"
+printf 'scene,metric,median,min,max,runs\nbox,render,%d,1,1,1\n' $# >"${*##*--out }/tables/speed.csv"
+printf 'kind,samples,error\nold one,1,8\nold one,4,4\nnew,1,3\nnew,4,1\nnew,16,0.25\n' >"${*##*--out }/tables/counts.csv"
+END
+    chmod +x "$folder/assignments/02_counts/counts"
+    sentence() { # sentence EXPRESSION [VALUES...]: a text with a sentence and its values
+        printf '# One\n\n[New is better]{.check that="%s"} by [9]{.value is="old / new"}.\n\n' "$1"
+        printf '``` {.values driver=counts args=""}\nold = error where kind=old_one samples=4\n'
+        printf 'new = error where kind=new samples=4\nfall = slope of error over samples where kind=new\n'
+        shift
+        printf '%s\n' "$@" '```'
+    } >"$texts/01_one.md"
+    is_woven() { report said1 "$folder/texts" "$pandoc"; }
+    is_refused() { ! is_woven && grep -qF "$1" "$folder/said1"; }
+    page=$folder/build/reports/out/report.html
+
+    sentence 'new < old and fall < -0.99'
+    is_woven && tr '\n' ' ' <"$page" | grep -q 'new = 1.*New is better</span> by 4\.'
+    verdict a_sentence_that_the_numbers_bear_out_is_woven
+
+    sentence 'new > old'
+    is_refused '01_one.md:3: the numbers say otherwise: "New is better" needs new > old, but new = 1, old = 4'
+    verdict a_sentence_that_they_do_not_bear_out_is_a_mistake
+
+    grep -q 'do not bear out 1 of its sentences' "$folder/said1" && grep -q 'not here: new = 1, old = 4' "$page"
+    verdict and_marked_in_the_page
+
+    RAYKIT_JUDGES=no is_woven && grep -q 'not here: new = 1' "$page"
+    verdict a_pack_is_made_all_the_same
+
+    quick=1 is_woven
+    verdict a_quick_trial_is_not_judged
+
+    sentence 'new < older'
+    is_refused '01_one.md:3: no value is called older'
+    verdict a_name_without_a_value_is_a_mistake
+
+    sentence 'new < old' 'old = error where kind=new samples=1'
+    is_refused 'the value old is named in reports/01_one.md:5 already'
+    verdict a_name_with_two_values_is_a_mistake
+
+    sentence 'new < old' 'both = error where kind=new'
+    is_refused 'error: 3 rows are selected in place of one'
+    verdict a_value_is_one_cell
+
+    sentence 'new < old' 'none = error where kind=other'
+    is_refused 'tables/counts.csv has no row where kind=other'
+    verdict and_not_none
+
+    # Two numbers from the same row of a table, which the second run replaces.
+    {
+        for words in a 'a b'; do
+            printf '[3]{.measured name=%s driver=counts table=speed scene=box metric=render args="%s"}\n' "${words#a }" "$words"
+        done
+        printf '\n[One more.]{.check that="b == a + 1"}\n'
+    } >"$texts/01_one.md"
+    is_woven && tr '\n' ' ' <"$page" | grep -q 'a = 9, b = 10'
+    verdict a_measured_number_has_a_name_and_is_kept
+
+    sentence 'old'
+    is_refused '01_one.md:3: old is neither true nor false'
+    verdict a_sentence_is_true_or_false
+
+    # A driver with errors of several seeds, and a program in the place of gnuplot that keeps its script.
+    mkdir -p "$folder/assignments/03_errors"
+    cat >"$folder/assignments/03_errors/errors" <<'END'
+#!/bin/sh
+folder=${*##*--out }/tables
+mkdir -p "$folder" && {
+    echo method,samples,seconds,rmse,rmse_low,rmse_high,seeds
+    printf 'uniform,%s,8\n' 1,1,8,7,9 4,2,1,0.75,1.5 16,4,0.5,0.25,0.75 64,8,0.25,0.125,0.5
+    printf 'grid,%s,8\n' 1,1,4,4,4 4,2,2,2,2
+    printf 'luck,%s,8\n' 4,2,4,4,4 16,4,4,1,5 64,8,4,2,4
+} >"$folder/errors.csv"
+END
+    cat >"$folder/gnuplot" <<'END'
+#!/bin/sh
+script=${0%/*}/script
+cat >"$script"
+echo '<svg xmlns="http://www.w3.org/2000/svg" width="8" height="8"/>' >"$(sed -n "s/^set output '\(.*\)'/\1/p" "$script")"
+END
+    chmod +x "$folder/assignments/03_errors/errors" "$folder/gnuplot"
+    curve() { # curve ATTRIBUTES
+        printf '# One\n\n::: {.plot driver=errors args="" y=rmse by=method %s}\nOne.\n:::\n' "$1" >"$texts/01_one.md"
+        gnuplot=$folder/gnuplot report said1 "$folder/texts" "$pandoc"
+    }
+    curve 'x=samples guides="-1/2 -1"' && grep -q '^4 0.75 1.5$' "$folder/script" && grep -q 'with filledcurves' "$folder/script" &&
+        tr '\n' ' ' <"$page" | grep -q 'RMS over 8 seeds, band: from the least to the largest of one; in brackets: slope over samples, from 4 on'
+    verdict errors_of_several_seeds_have_a_band
+
+    grep -qF "title 'uniform (−0.50)'" "$folder/script" && grep -qF "title 'grid' " "$folder/script"
+    verdict the_legend_has_slopes_of_three_points_or_more_from_four_samples_on
+
+    grep -qF "title 'luck' " "$folder/script"
+    verdict where_seeds_differ_much_there_is_no_slope
+
+    grep -qF '* (x / 1) ** (-0.5) with lines' "$folder/script" && grep -qF "set label '−1/2'" "$folder/script" && grep -qF "set label '−1'" "$folder/script"
+    verdict guides_have_their_slopes_at_their_ends
+
+    tr '\n' ' ' <"$page" | grep -q 'numbers: <a href="tables/errors.csv">tables/errors.csv</a>' &&
+        tr '\n' ' ' <"$folder/build/reports/out/report/index.html" | grep -q 'href="../tables/errors.csv"'
+    verdict a_plot_leads_to_its_numbers
+
+    curve x=seconds && grep -qF "title 'uniform (−0.50)'" "$folder/script"
+    verdict against_time_slopes_are_still_those_over_samples
+
+    ! curve 'x=samples guides=steep' && grep -q '01_one.md:3: guides: steep is not a slope' "$folder/said1"
+    verdict a_guide_is_a_number
+
+    figure() { # figure ATTRIBUTES
+        printf '# One\n\n::: {.figure driver=copies args="%s left" %s}\nOne.\n:::\n' "$look/1.png" "$1" >"$texts/01_one.md"
+        report said1 "$folder/texts" "$pandoc"
+    }
+    page=$folder/build/reports/out/report.html
+    figure 'crop="0.5 0.25 0.25 0.5"' && grep -q 'class="crop" style="aspect-ratio: 0.5"' "$page" &&
+        tr '\n' ' ' <"$page" | grep -q 'width: 400%; margin: -100% 0 0 -200%'
+    verdict a_part_of_a_picture_is_magnified
+
+    ! figure 'crop="0.8 0 0.25 0.5"' && grep -q '01_one.md:3: crop="0.8 0 0.25 0.5" is not a part of the picture' "$folder/said1"
+    verdict a_part_beyond_the_picture_is_a_mistake
+
+    figure 'label="0.5 0.5 0.8 0.2 red <pane>; 0.1 0.1 n"' && grep -q '>red &lt;pane\(>\|&gt;\)</text>.*>n</text>' "$page" &&
+        tr '\n' ' ' <"$page" | grep -q 'Labels: red &lt;pane&gt;, n[.]'
+    verdict labels_are_over_the_picture_and_in_its_text
+
+    ! figure 'label="0.5 red pane"' && grep -q '01_one.md:3: label: "0.5 red pane" is not a place and a text' "$folder/said1"
+    verdict a_label_without_a_place_is_a_mistake
+    # Figures, and what is said of them.
+    {
+        row "$look/1.png" "$look/6.png" | sed 's/{.row}/{.row .compare}/; s/{.figure \(.* left"\)/{.figure #first alt="A ball" \1/'
+        printf '\nSee [](#first), [](#sums) and [](#two).\n\n[$$x^2$$]{#sums}\n\n## Two {#two}\n'
+    } >"$texts/01_one.md"
+    page=$folder/build/reports/out/report.html
+    report said1 "$folder/texts" "$pandoc" && grep -q '<figure class="picture" id="first">' "$page" &&
+        grep -q '<a href="#first">Figure.0.1</a>, <a href="#sums">Equation.(0.1)</a>' "$page" && # chapters count from 0
+        grep -q '<a href="#two">Section.0.1</a>' "$page" && grep -q 'id="figure-0-2"' "$page"
+    verdict figures_formulas_and_sections_have_numbers_that_texts_can_use
+
+    tr '\n' ' ' <"$page" | grep -o '<img [^>]*>' >"$folder/pictures"
+    grep -q 'width="128" height="128" alt="A ball"' "$folder/pictures" && grep -q 'alt="On the right\."' "$folder/pictures"
+    verdict pictures_have_sizes_and_short_texts
+
+    tr '\n' ' ' <"$folder/build/reports/out/report/index.html" | grep -q 'src="../figures/left.png"'
+    verdict beside_the_report_its_pictures_are_files
+
+    printf '\n[](#nothing)\n' >>"$texts/01_one.md"
+    ! report said1 "$folder/texts" "$pandoc" && grep -q '01_one.md:[0-9]*: .*#nothing' "$folder/said1"
+    verdict an_empty_link_to_nothing_is_a_mistake
+
+    row "$look/1.png" "$look/2.png" | sed 's/{.row}/{.row .compare}/' >"$texts/01_one.md"
+    ! report said1 "$folder/texts" "$pandoc" &&
+        grep -q '01_one.md:3: .compare needs two pictures of equal size' "$folder/said1"
+    verdict pictures_of_different_sizes_cannot_be_compared
+
+    # A book: its chapters link to each other, code to its definition.
+    docs=$folder/texts/docs
+    mkdir -p "$docs" "$folder/texts/src"
+    ln -s "$source/docs/weave.lua" "$source/docs/book.css" "$docs"
+    printf '#include "x.h"\n\nstatic int half(int x)\n{\n    return x / 2;\n}\n\nint rk_quarter(int x)\n{\n    return half(half(x));\n}\n' \
+        >"$folder/texts/src/x.c"
+    printf '# Start {.unnumbered #start}\n\n[One](#one)\n' >"$docs/book.md"
+    printf '# Pixel {.unnumbered #pixel}\n\nOne.\n' >"$docs/one_pixel.md"
+    printf '# One {#one}\n\n``` {.code file=src/x.c name=half}\n```\n\n[code](file:src/x.c)\n' >"$docs/01_one.md"
+    printf '# Two {#two}\n\n## Disks {#disks}\n\nAll *unit disks*. One unit disk.\n\n``` {.code file=src/x.c name=rk_quarter}\n```\n' >"$docs/02_two.md"
+    printf '# Glossary {.unnumbered #glossary}\n\n| term | means |\n|---|---|\n| unit disk | a disk |\n' >"$docs/glossary.md"
+    printf '# Index {.unnumbered #book-index}\n\n::: {.index of=terms}\n:::\n\n::: {.index of=functions}\n:::\n' >"$docs/index_page.md"
+    RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc \
+        GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= sh "$source/docs/make_book" >"$folder/said1" 2>&1
+    pages=$folder/build/docs/out/book
+    [ "$(cd "$pages" && echo *.html)" = "book-index.html glossary.html index.html one.html pixel.html two.html" ]
+    verdict the_book_is_also_a_page_per_chapter
+
+    grep -q 'href="one.html#one">One<' "$pages/index.html" && grep -q 'rel="next" href="two.html"' "$pages/one.html" &&
+        grep -q 'rel="prev" href="pixel.html"' "$pages/one.html" && grep -q 'href="../[^"]*src/x.c"' "$pages/one.html" &&
+        [ "$(grep -o '<h1' "$pages/two.html" | wc -l)" = 1 ]
+    verdict pages_lead_to_the_next_and_into_each_other
+
+    grep -q '<span id="code-half" class="line" data-line="3">' "$pages/one.html" &&
+        grep -q '<span id="code-rk_quarter" class="line" data-line="8">' "$pages/two.html" &&
+        grep -q 'href="one.html#code-half" title="static int half(int x)">half</a>' "$pages/two.html" &&
+        ! grep -q 'href="#code-half"' "$pages/one.html"
+    verdict code_has_its_lines_numbers_and_links_to_the_lines_of_definitions
+
+    grep -q '\["unit disk","term","term-unit-disk","glossary.html"\]' "$pages/index.js" &&
+        grep -q '\["half","code","code-half","one.html"\]' "$pages/index.js"
+    verdict terms_and_functions_can_be_searched_for
+
+    grep -q 'glossary.html#term-unit-disk">unit disk</a>, <a href="two.html#disks">1.1</a>' "$pages/book-index.html" &&
+        grep -q 'href="one.html#code-half"><code>half</code></a>, <a href="one.html#one">0</a>' "$pages/book-index.html" &&
+        grep -q 'href="#code-half"><code>half</code></a>' "$folder/build/docs/out/book.html"
+    verdict the_index_leads_to_where_terms_and_functions_are_explained
+
+    [ "$(grep -c 'class="term"' "$pages/two.html")" = 1 ] && tr '\n' ' ' <"$pages/two.html" |
+        grep -q '<p>All <em><a href="glossary.html#term-unit-disk" class="term">unit disks</a></em>. One unit disk.</p>'
+    verdict a_chapter_links_a_term_where_it_uses_it_first
+
+    mkdir -p "$folder/assignments/01_lens"
+    printf '#!/bin/sh\necho "t = -2.468"\n' >"$folder/assignments/01_lens/lens"
+    chmod +x "$folder/assignments/01_lens/lens"
+    prints() { # prints NUMBERS: a book whose text repeats them
+        printf '# Pixel {.unnumbered #pixel}\n\n::: {.output driver=lens args=--pixel prints="%s"}\n:::\n' "$1" >"$docs/one_pixel.md"
+        RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc \
+            GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= sh "$source/docs/make_book" >"$folder/said1" 2>&1
+    }
+    prints -2.468 && grep -q 't = -2.468' "$pages/pixel.html"
+    verdict a_text_may_repeat_what_a_driver_prints
+
+    ! prints 2.468 && grep -q 'one_pixel.md:3: the text repeats 2.468, but the driver does not print it' "$folder/said1"
+    verdict what_a_driver_does_not_print_cannot_be_repeated
+    prints -2.468
+
+    # A driver that tells of its options.
+    default() { # default OPTION
+        printf '# Pixel {.unnumbered #pixel}\n\nIt is [grid]{.default driver=lens option=%s}.\n' "$1" >"$docs/one_pixel.md"
+        RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc \
+            GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= sh "$source/docs/make_book" >"$folder/said1" 2>&1
+    }
+    cat >"$folder/assignments/01_lens/lens" <<'END'
+#!/bin/sh
+[ "$1" = --help ] || exec echo "t = -2.468"
+echo '  --lens-sampling uniform|sobol
+                        kind of the samples (of the lens)
+                        (default sobol)
+  --lens-samples N      their number (1 to 64; default 16)
+  --quiet               no progress'
+END
+    default lens-sampling && grep -q 'It is sobol\.' "$pages/pixel.html" && default lens-samples && grep -q 'It is 16\.' "$pages/pixel.html"
+    verdict a_default_is_told_by_the_driver
+
+    ! default quiet && grep -q 'one_pixel.md:3: lens --help names no default of --quiet' "$folder/said1"
+    verdict an_option_without_a_default_is_a_mistake
+    prints -2.468
+
+    # The instructor's edition: answers below the exercises.
+    mkdir "$docs/answers"
+    cp "$source/docs/make_book" "$docs"
+    rm "$docs/02_two.md"
+    printf '# Course {.unnumbered #course}\n\n[One](#one)\n' >"$docs/answers/course.md"
+    exercises() { # exercises LEVEL...
+        printf '# One {#one}\n\n## Exercises {#one-exercises}\n\n' >"$docs/01_one.md"
+        for level; do printf '1. *(%s)* Why?\n' "$level" >>"$docs/01_one.md"; done
+        printf '\n## Sources {#one-sources}\n\nNone.\n' >>"$docs/01_one.md"
+    }
+    answered() { # answered TEXT [ANSWERS]: weaves the book with this text of answers
+        printf '# Answers {.answers}\n\n%b' "$1" >"$docs/answers/01_one.md"
+        RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc \
+            GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= ANSWERS=${2-yes} sh "$docs/make_book" >"$folder/said1" 2>&1
+    }
+    book=$folder/build/docs/out.answers/book.html
+    both='**Hint.** Look.\n\n**Answer.** Because\n\nof [one](#one).\n\n'
+    exercises easy research
+    answered "## 1\n\n$both" &&
+        tr '\n' ' ' <"$book" | grep -q 'Why? *<details class="told"><summary>Hint</summary> *<p>Look.</p> *</details> *<details class="told"><summary>Answer</summary> *<p>Because</p> *<p>of <a href="#one">one</a>' &&
+        grep -q 'id="course"' "$book" && ! grep -q '>Answers<' "$book"
+    verdict answers_unfold_below_their_exercises
+
+    answered "## 1\n\n$both" no && ! grep -q 'Because\|id="course"' "$folder/build/docs/out/book.html" && [ -e "$book" ]
+    verdict without_being_asked_for_there_are_none
+
+    ! answered "## 1\n\n**Hint.** Look.\n" && grep -q '01_one.md:3: exercise 1 is easy and has no answer' "$folder/said1"
+    verdict an_easy_exercise_without_an_answer_is_a_mistake
+
+    ! answered "## 1\n\n$both## 3\n\n$both" &&
+        grep -q 'answers/01_one.md:[0-9]*: there is no exercise 3: docs/01_one.md:3 has 2' "$folder/said1"
+    verdict an_answer_without_an_exercise_is_a_mistake
+
+    ! answered "## 1\n\nLook.\n" && grep -q 'answers/01_one.md:3: .*begins with \*\*Hint' "$folder/said1"
+    verdict an_answer_that_is_not_marked_as_one_is_a_mistake
+
+    exercises middle
+    ! answered "## 1\n\n$both" && grep -q '01_one.md:3: exercise 1 begins with (easy), (medium), (hard) or (research)' "$folder/said1"
+    verdict an_exercise_has_a_level
+
+    ! answered '' maybe && grep -q 'ANSWERS=maybe: it is yes or no' "$folder/said1"
+    verdict answers_are_asked_for_by_yes
+
+    rm -r "$docs/answers"
+    ! RAYKIT_SOURCE=$folder/texts ANSWERS=yes sh "$docs/make_book" >"$folder/said1" 2>&1 && grep -q 'has no answers' "$folder/said1"
+    verdict a_pack_has_none
+    # A program that draws one mistake, in the place of tools/wrong.py.
+    cat >"$folder/wrong" <<END
+[ "\$1" = fog ] || { echo "wrong: there is no feature \"\$1\"" >&2; exit 1; }
+cp "$look/1.png" "\$3/figures/right.png"
+cp "$look/2.png" "\$3/figures/wrong.png"
+printf 'thin\tholes\tIt has holes.\tThe fog is thin.\ta_claim\t%s\t%s\t--scene cube\n' "\$3/figures/wrong.png" "\$3/figures/right.png"
+END
+    wrong() { # wrong ATTRIBUTES
+        printf '# One {#test-a_claim}\n\n::: {.wrong %s}\n:::\n' "$1" >"$texts/01_one.md"
+        report said1 "$folder/texts" "$pandoc"
+    }
+    page=$folder/build/reports/out/report.html
+    wrong stem=fog && grep -q 'alt="It has holes."' "$page" && grep -q 'The fog is thin.' "$page" &&
+        grep -q 'href="#test-a_claim"' "$page" && grep -q 'scene cube' "$page"
+    verdict a_wrong_picture_stands_beside_the_right_one_with_its_mistake_and_claim
+
+    mkdir -p "$folder/texts/docs" "$folder/texts/assignments/01_fog"
+    printf 'test\tpoints\tstep\tsection\n' >"$folder/texts/assignments/01_fog/points.tsv"
+    printf '# Fog {#fog}\n\n## Common mistakes {#fog-mistakes}\n' >"$folder/texts/docs/01_fog.md"
+    wrong 'stem=fog}
+:::
+
+::: {.wrong sees=holes' && tr '\n' ' ' <"$page" |
+        grep -q '<div class="beside"> <div class="one"> *<img[^>]*><span class="said">wrong</span> </div> <div class="one"> *<img[^>]*alt="As it should be."[^>]*><span class="said">right</span>'
+    verdict all_wrong_pictures_have_the_right_ones_beside_them
+    rm -r "$folder/texts/assignments/01_fog" "$folder/texts/docs/01_fog.md"
+
+    ! wrong stem=haze && grep -q 'there is no feature "haze"' "$folder/said1" && grep -q '01_one.md:3: ' "$folder/said1"
+    verdict wrong_pictures_of_an_unknown_feature_are_a_mistake
+
+    ! wrong 'stem=fog sees=holes' && grep -q '01_one.md:3: .wrong needs stem=... or sees=...' "$folder/said1"
+    verdict wrong_pictures_are_those_of_a_feature_or_of_what_one_sees
+
+    ! wrong sees=gaps && grep -q '01_one.md:3: no wrong.tsv has a picture in which one sees gaps' "$folder/said1"
+    verdict wrong_pictures_that_nobody_sees_are_a_mistake
 else
     count=$((count + 1))
     echo "ok $count # SKIP a_name_in_two_texts_is_a_mistake: there is no pandoc"

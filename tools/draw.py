@@ -23,15 +23,15 @@ SECONDS = 300  # ten times as long as the slowest picture takes on an old laptop
 _MOST_BYTES = 15 << 10  # a pack holds some forty of them
 
 
-def small(options):
-    """Returns the options for a small picture of the same shape."""
+def small(options, side=_SIDE):
+    """Returns the options for a small picture of the same shape, as large as a square of this side."""
     words, size = shlex.split(options), {"--width": 800, "--height": 800}
     for name in size:
         if name in words:
             at = words.index(name)
             size[name] = int(words[at + 1])
             del words[at : at + 2]
-    scale = _SIDE / math.sqrt(size["--width"] * size["--height"])
+    scale = side / math.sqrt(size["--width"] * size["--height"])
     for name in size:
         words += [name, str(round(scale * size[name]))]
     return words
@@ -84,7 +84,7 @@ def draw(toolchain, impl, stem, step):
 # --- The wanted pictures --------------------------------------------------------------------------
 
 
-def _packed(png):
+def packed(png):
     """Returns a PNG file compressed as far as zlib can, and without texts, such as the time that drawing took:
     drawn again, it is the same."""
     kept, pixels, at = png[:8], b"", 8
@@ -111,7 +111,7 @@ def draw_wanted(toolchain, stems):
                 _run([driver, *small(look.options), "--quiet", "--out", folder])
                 figures = os.path.join(folder, "figures")
                 with open(os.path.join(figures, *os.listdir(figures)), "rb") as file:
-                    picture = _packed(file.read())
+                    picture = packed(file.read())
             if len(picture) > _MOST_BYTES:
                 raise ToolError(f"{feature.stem}, step {look.step}: the picture has {len(picture)} bytes, more than "
                                 f"{_MOST_BYTES}; choose one with less noise")

@@ -8,6 +8,7 @@ crashes, endless loops, leaks and programs that end early are failed tests with 
 
 import concurrent.futures
 import difflib
+import json
 import os
 import random
 import re
@@ -258,14 +259,16 @@ def _run_decoys(toolchain, suite, count, seconds, megabytes):
             return
 
 
-def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None, decoys=DECOYS):
+def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None, decoys=DECOYS, record=None):
     """Builds all suites, then runs them, on all processors, with `units` for what they need beside
     their own; fills in their verdicts. All are built before any unit runs, and so could meddle.
-    `progress` is called with the numbers of tests that ran and will run."""
+    `progress` is called with the numbers of tests that ran and will run. A Record chooses the order."""
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
     def run_into(suite, test):
         suite.verdicts[test.name] = run_test(toolchain, suite, test, seconds, megabytes)
+        if record:
+            record.add(test.name, suite.verdicts[test.name])
 
     def finish(futures, tell=None):
         for number, done in enumerate(concurrent.futures.as_completed(futures), 1):
@@ -283,6 +286,8 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
             for suite in built:
                 suite.finds_leaks = finds_leaks
             runs = [(suite, test) for suite in built for test in suite.claims()]
+            if record:
+                runs.sort(key=lambda run: record.urgency(run[1].name), reverse=True)
             if progress:
                 progress(0, len(runs))
             finish([pool.submit(run_into, suite, test) for suite, test in runs], progress)
@@ -317,6 +322,7 @@ def _arguments():
     add("--out", metavar="FILE", help="write the report there instead of standard output")
     add("--test", metavar="NAME", help="only this test")
     add("--own", action="store_true", help="a student's own check: brief, and files are named as IMPL does")
+    add("--kept", metavar="DIR", help="with --own: keep there what makes the next check faster, and a record of this one")
     add("--all", action="store_true", help="with --own: not brief")
     return parser.parse_args()
 
@@ -348,30 +354,56 @@ def prepare_suites(features, chosen, impl, own, only=None):
     return [_prepare_suite(feature, impl, own, only) for feature in chosen]
 
 
-def _grade_here(toolchain, features, suites, impl, decoys=DECOYS, progress=None):
-    """Grades suites on copies of the kit and the units."""
+class Record:
+    """The claims of one check, a line of JSON for each as it ends, in a file that the next check finds. What failed runs
+    first then, and what took long before the rest, so that all processors are done at about the same time."""
+
+    def __init__(self, folder):
+        self._path, self._before, self._lock = os.path.join(folder, "claims"), {}, threading.Lock()
+        try:
+            with open(self._path, encoding="utf-8") as file:
+                self._before = {claim["name"]: claim for claim in map(json.loads, file)}
+        except (OSError, ValueError, KeyError):
+            pass  # the first check, or one that was ended meanwhile
+        with open(self._path, "w", encoding="utf-8"):
+            pass
+
+    def add(self, name, verdict):
+        claim = {"name": name, "passed": verdict.passed, "seconds": verdict.seconds}
+        with self._lock, open(self._path, "a", encoding="utf-8") as file:
+            file.write(json.dumps(claim) + "\n")
+
+    def urgency(self, name):
+        before = self._before.get(name, {"passed": True, "seconds": 0})
+        return not before["passed"], before["seconds"]
+
+
+def _grade_here(toolchain, features, suites, impl, decoys=DECOYS, progress=None, kept=None):
+    """Grades suites on copies of the kit and the units; with `kept`, on the kit's copy in this folder."""
     units = {stem: unit_beside(feature, impl, toolchain.handed_out) for stem, feature in features.items()}
     seconds = seconds_per_test()
     sandbox.prepare()
     work = private_copy.make_folder()
     try:
-        copied = private_copy.copy_kit(toolchain, features, [suite.feature.stem for suite in suites], work)
+        copy_kit = private_copy.update_kit if kept else private_copy.copy_kit
+        copied = copy_kit(toolchain, features, [suite.feature.stem for suite in suites], kept or work)
         for suite in suites:
             suite.folder = os.path.join(work, suite.feature.stem)
             os.mkdir(suite.folder)
-        grade(copied, suites, units, seconds, progress=progress, decoys=decoys)
+        grade(copied, suites, units, seconds, progress=progress, decoys=decoys, record=Record(kept) if kept else None)
     finally:
         sandbox.end_strays()
         shutil.rmtree(work, ignore_errors=True)
     return [suite.judged() for suite in suites]
 
 
-def grade_impl(build_folder, stems, impl, own=False, only=None, progress=None):
-    """Grades one's own work; returns (toolchain, suites), or raises ToolError. At home nobody needs decoys."""
+def grade_impl(build_folder, stems, impl, own=False, only=None, progress=None, kept=None):
+    """Grades one's own work; returns (toolchain, suites), or raises ToolError. At home nobody needs decoys.
+    `kept` is a folder that makes the next check faster."""
     toolchain = build.Toolchain(build_folder)
     features = read_features(toolchain.source)
     suites = prepare_suites(features, choose(features, stems), impl, own, only)
-    _grade_here(toolchain, features, suites, impl, 0 if own or only else DECOYS, progress)
+    _grade_here(toolchain, features, suites, impl, 0 if own or only else DECOYS, progress, kept)
     return toolchain, suites
 
 
@@ -441,7 +473,8 @@ def main():
         results.check_place(arguments.out)
         if arguments.own:
             require_units(arguments.build, arguments.stems, arguments.impl)
-            _, suites = grade_impl(arguments.build, arguments.stems, arguments.impl, True, arguments.test, progress)
+            _, suites = grade_impl(arguments.build, arguments.stems, arguments.impl, True, arguments.test, progress,
+                                   arguments.kept)
         else:
             sandbox.prepare()
             toolchain = build.Toolchain(arguments.build)

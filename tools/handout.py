@@ -26,6 +26,7 @@ from grading.originals import keep_originals
 from grading.starters import RegionError, handed_out_of, left_open_of, starter_of
 from grading.results import write_whole
 from grading.workbook_files import workbook_files
+from wrong import mutants_of, wrong_table
 
 
 _SECONDS_TO_CLEAN_UP = 10  # it removes a few folders
@@ -114,7 +115,7 @@ def _adapt_texts(source, pack, features, chosen):
         if feature not in chosen:
             os.unlink(os.path.join(pack, "assignments", feature.folder, "handout.md"))
     texts = {f"assignments/{feature.folder}/handout.md": handout_of(source, feature) for feature in chosen}
-    for name in ("README.md", "docs/architecture.md", "docs/book.md", *(feature.chapter for feature in features)):
+    for name in ("README.md", "docs/architecture.md", "docs/book.md", "docs/one_pixel.md", "docs/92_wrong_pictures.md", *(feature.chapter for feature in features)):
         with open(os.path.join(pack, name), encoding="utf-8") as file:
             texts[name] = file.read()
     texts["docs/book.md"] = texts["docs/book.md"].replace("bvh_median", chosen[0].stem)
@@ -133,11 +134,12 @@ def record_folder():
 
 
 def _drawn_by(features):
-    """Returns a digest of all that draws and measures for the book: the programs of this build, and how
-    often they run."""
+    """Returns a digest of all that draws and measures for the book: the programs of this build, the mistakes
+    that it shows, and how often they run."""
     digest = hashlib.sha256(repr([os.environ.get(name, "") for name in ("QUICK", "GNUPLOT")]).encode())
     programs = [f"assignments/{feature.folder}/{feature.stem}" for feature in features]
-    for path in [*programs, "raykit-mesh", "raykit-image"]:
+    wrong = [path for feature in features for path in (wrong_table(feature), mutants_of(feature))]
+    for path in [*programs, *wrong, "raykit-mesh", "raykit-image"]:
         if os.path.exists(path):
             with open(path, "rb") as file:
                 digest.update(file.read())
@@ -151,7 +153,8 @@ def _weave_book(pack, features):
     name = os.path.join(kept, "drawn_by")
     is_current = os.path.exists(name) and open(name, encoding="utf-8").read() == drawn_by
     environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(), MESHES="",
-                       CHROMIUM="", FEATURES="", SOLUTIONS="yes", RAYKIT_RECORD=kept if is_current else "")
+                       CHROMIUM="", FEATURES="", SOLUTIONS="yes", ANSWERS="", RAYKIT_LIVE="", RAYKIT_JUDGES="no",
+                       RAYKIT_RECORD=kept if is_current else "")
     if not is_current:
         print("handout: drawing the book's figures, with repeated timings and, if make bench has not measured, its quick form: "
               f"many minutes, far more on a busy machine; the next pack will find them in {record_folder()}", file=sys.stderr)
@@ -162,6 +165,7 @@ def _weave_book(pack, features):
     made, handed = os.path.join(pack, "docs", "out"), os.path.join(pack, "docs", "handout")
     os.mkdir(handed)
     os.rename(os.path.join(made, "book.html"), os.path.join(handed, "book.html"))
+    shutil.rmtree(os.path.join(made, "book"))  # the same in pages
     os.rename(made, os.path.join(handed, "record"))
     if not is_current:
         shutil.rmtree(kept, ignore_errors=True)

@@ -15,6 +15,7 @@ import time
 
 from grading.assignments import Parser, ToolError, choose, read_features
 from grading.build import Toolchain
+from grading.private_copy import make_folder
 from grade import prepare_suites, require_units, stop_on_signals
 
 _LOOK_SECONDS = 0.15  # between looks at the files: soon enough, and no load
@@ -122,7 +123,8 @@ def main():
     grader = os.path.join(os.path.dirname(__file__), "grade.py")
     command = [sys.executable, "-X", cache, grader, arguments.stem, "--build", arguments.build,
                "--impl", arguments.impl, "--own"]
-    command += ["--test", arguments.test] if arguments.test else []
+    kept = make_folder()
+    command += ["--kept", kept, *(["--test", arguments.test] if arguments.test else [])]
     try:
         features = read_features(Toolchain(arguments.build).source)
         require_units(arguments.build, [arguments.stem], arguments.impl)
@@ -133,6 +135,8 @@ def main():
         return 1
     except KeyboardInterrupt:
         print()
+    finally:
+        shutil.rmtree(kept, ignore_errors=True)
     return 0
 
 

@@ -18,6 +18,8 @@ from grading.starters import solution_lines, starter_of
 SAME_STEPS = [
     ("bvh_median", "step 4, the traversal, for all leaves on the way", "src/accel/tree.c",
      "static void visit_binary_leaves("),
+    ("bvh_median", "step 4, the traversal, step by step to look at", "assignments/01_bvh_median/traversal.c",
+     "static void visit("),
     ("wide_bvh", "step 2, the blocks, straight from the mesh", "src/accel/wide_build.c", "static void fill_block("),
     ("wide_bvh", "step 3, the order, by vectors", "src/accel/wide_boxes.h", "RK_INLINE uint32_t push_children("),
     ("wide_bvh", "step 4, any hit, by vectors", "src/accel/wide_single.h", "RK_INLINE bool block_occludes("),

@@ -38,26 +38,51 @@ def _is_stale(path):
     return False
 
 
-def copy_kit(toolchain, features, stems, folder):
-    """Copies what the suites of these features need, and returns the toolchain of the copy. The
-    references' objects lie apart from the headers, which are all that a compiler sees of the kit."""
-    kit, objects = os.path.join(folder, "kit"), os.path.join(folder, "objects")
+def _files_of_kit(toolchain, features, stems):
+    """Yields what the suites of these features need, and where it stands in a copy. The references' objects
+    lie apart from the headers, which are all that a compiler sees of the kit."""
     for room in ("src", "tests"):
         for where, _, names in os.walk(os.path.join(toolchain.source, room)):
-            place = os.path.join(kit, os.path.relpath(where, toolchain.source))
             for name in names:
                 if name.endswith(".h") or room == "tests" and name.endswith(".c"):
-                    os.makedirs(place, exist_ok=True)
-                    shutil.copyfile(os.path.join(where, name), os.path.join(place, name))
+                    path = os.path.join(where, name)
+                    yield path, os.path.join("kit", os.path.relpath(path, toolchain.source))
     needed = ["librktest.a", "librkbase.a", "impl/count_allocations.o", *[f"tests/test_{stem}.o" for stem in stems],
               *[f"src/features/{stem}.o" for stem in features]]
     for path in needed:
-        os.makedirs(os.path.join(objects, os.path.dirname(path)), exist_ok=True)
-        shutil.copyfile(toolchain.built(path), os.path.join(objects, path))
+        yield toolchain.built(path), os.path.join("objects", path)
+
+
+def _copied(toolchain, folder):
+    """Returns the toolchain of the kit's copy in this folder."""
+    kit = os.path.join(folder, "kit")
     copied = copy.copy(toolchain)
-    copied.source, copied.build = kit, objects
+    copied.source, copied.build = kit, os.path.join(folder, "objects")
     copied.flags = [word.replace(toolchain.source, kit) for word in toolchain.flags]
     return copied
+
+
+def copy_kit(toolchain, features, stems, folder):
+    """Copies what the suites of these features need, and returns the toolchain of the copy."""
+    for path, place in _files_of_kit(toolchain, features, stems):
+        place = os.path.join(folder, place)
+        os.makedirs(os.path.dirname(place), exist_ok=True)
+        shutil.copyfile(path, place)
+    return _copied(toolchain, folder)
+
+
+def update_kit(toolchain, features, stems, folder):
+    """As copy_kit, but copies only where something has changed since the last call with this folder."""
+    state = repr([(path, os.stat(path).st_mtime_ns) for path, _ in _files_of_kit(toolchain, features, stems)])
+    record = os.path.join(folder, "state")
+    if not os.path.exists(record) or open(record, encoding="utf-8").read() != state:
+        for name in ("kit", "objects"):
+            shutil.rmtree(os.path.join(folder, name), ignore_errors=True)
+        copied = copy_kit(toolchain, features, stems, folder)
+        with open(record, "w", encoding="utf-8") as file:
+            file.write(state)
+        return copied
+    return _copied(toolchain, folder)
 
 
 def copy_unit(unit, folder):

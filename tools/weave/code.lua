@@ -83,9 +83,16 @@ local function defines(block, name)
     (head:find("^enum") and block:find("%f[%w_]" .. after))
 end
 
--- Returns {text, line, own, later} of a definition: its text, the number of the line where it begins
--- (not its comment), whether it shows a starter, the student's to solve, and whether that is not asked
--- for yet. Or nil and the reason.
+-- A definition's head in one line, without its body.
+local function signature(lines, first, last)
+  local text = text_of(lines, first, last)
+  if text:find("^#") then return text:match("^[^\n]*[^\n\\]") end
+  return (text:match("^[^{;=]*"):gsub("%s+", " "):gsub(" $", ""))
+end
+
+-- Returns {text, line, numbers, signature, own, later} of a definition: its text, the number of the line
+-- where it begins (not its comment), the numbers of all its lines, its head, whether it shows a starter,
+-- the student's to solve, and whether that is not asked for yet. Or nil and the reason.
 -- solutions: whether to show these, or the starters instead.
 function code.find(path, label, name, solutions)
   local all, wrong = read_regions(path, label)
@@ -121,9 +128,13 @@ function code.find(path, label, name, solutions)
     end
   end
   if not best then return nil, string.format("%s defines no %s", label, name) end
-  local own = false
-  for i = best.first, best.last do own = own or lines[i].kind == "starter" or lines[i].kind == "yours" end
-  return {text = text_of(lines, best.first, best.last), line = lines[best.begin].number, own = own,
+  local own, numbers = false, {}
+  for i = best.first, best.last do
+    own = own or lines[i].kind == "starter" or lines[i].kind == "yours"
+    numbers[#numbers + 1] = lines[i].number
+  end
+  return {text = text_of(lines, best.first, best.last), line = lines[best.begin].number, numbers = numbers,
+    signature = signature(lines, best.begin, best.last), own = own,
     later = all[1].text:find("^/%* Left open: ") ~= nil}
 end
 

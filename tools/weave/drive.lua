@@ -1,6 +1,9 @@
 -- The weaver's base: its parameters from the environment, errors that name the text's file and line
 -- (pandoc reads it with the extension sourcepos), and running drivers.
 
+local csv = require("csv")
+local rounds = require("rounds")
+
 local drive = {
   page = os.getenv("RAYKIT_WEAVES"),
   source = os.getenv("RAYKIT_SOURCE"),
@@ -99,11 +102,24 @@ local function driver_path(element)
     drive.fail_at(element, "there is no driver called %s", name)
 end
 
+-- Its place in the build folder, as a reader starts it. The figures of a pack are drawn by the kit's own drivers; its
+-- readers make theirs in impl.
+function drive.program(element)
+  local path, build = driver_path(element), os.getenv("RAYKIT_BUILD") .. "/"
+  return path:sub(1, #build) == build and path:sub(#build + 1) or "impl/" .. path:sub(#drivers + 2)
+end
+
+-- What it prints about its options.
+function drive.help(element) return answer_of(drive.quote(driver_path(element)) .. " --help") or "" end
+
 -- The program of make bench is used like a driver.
 local function is_bench(element) return element.attributes.driver == "bench" end
 local python = os.getenv("RAYKIT_PYTHON") or ""
 
+local draws_mistakes = os.getenv("RAYKIT_WRONG") or ""
+
 local function command_of(element)
+  if element.attributes.driver == "wrong" then return draws_mistakes end
   if not is_bench(element) then return drive.quote(driver_path(element)) end
   return drive.quote(python) .. " -B " .. drive.quote(drive.source .. "/tools/bench.py") ..
     " --build " .. drive.quote(drivers)
@@ -111,6 +127,10 @@ end
 
 -- The reason why there is no such driver, or nil: a student's unit could not be built into it.
 function drive.unmade(element)
+  if element.attributes.driver == "wrong" then
+    return draws_mistakes == "" and (python == "" and "this build found no Python 3." or
+      "this pack was made without its book, which would have them.") or nil
+  end
   if is_bench(element) then
     return python == "" and "this build found no Python 3." or
       drive.units ~= "" and "make bench measures the kit's own units." or nil
@@ -137,6 +157,16 @@ end
 
 local recorded = read_record(os.getenv("RAYKIT_RECORD") or "")
 
+-- A pack has no mistakes to draw; weave.sh has put its book's pictures of them into the page's folder.
+local handed_out = drive.source .. "/docs/handout/record"
+local handed_file = draws_mistakes == "" and io.open(handed_out .. "/record.lua")
+if handed_file then
+  handed_file:close()
+  for key, answer in pairs(read_record(handed_out)) do
+    if key:find("^wrong ") then recorded[key] = recorded[key] or answer end
+  end
+end
+
 -- Adds an answer to this page's own record; the folder's place in it stays open.
 local function write_record(key, answer, folder)
   local file = io.open(drive.out .. "/record.lua", "a")
@@ -145,9 +175,17 @@ local function write_record(key, answer, folder)
   file:close()
 end
 
+-- The answer to a question, from the record or asked now.
+function drive.once(key, ask)
+  local answer = printed[key] or recorded[key] or ask()
+  if not printed[key] then write_record(key, answer, drive.out) end
+  printed[key] = answer
+  return answer
+end
+
 -- Runs a driver and returns its output.
 local function run_driver(element, args, folder)
-  if is_bench(element) and drive.unmade(element) then
+  if (is_bench(element) or element.attributes.driver == "wrong") and drive.unmade(element) then
     drive.say("%s: left out: %s", drive.place(element), drive.unmade(element))
     error({by_driver = true})
   end
@@ -166,8 +204,9 @@ end
 -- Returns the output of an element's driver, run now or for the record. Its files go into the common
 -- folder, in trials at the trial's size unless the text gives one; or into `folder`, unchanged.
 function drive.run(element, args, folder)
+  local driver = element.attributes.driver
   local sized = args:find("--width", 1, true) or args:find("--height", 1, true) or is_bench(element) or
-    element.attributes.driver == "compare" or driver_path(element):find("/tests/stress/", 1, true)
+    driver == "compare" or driver == "wrong" or driver_path(element):find("/tests/stress/", 1, true)
   if size ~= "" and not folder and not sized then args = args .. " --width " .. size .. " --height " .. size end
   folder = folder or drive.out
   local key = drive.need(element, "driver") .. " " .. args
@@ -179,8 +218,26 @@ function drive.run(element, args, folder)
   return answer
 end
 
+-- Timings of configurations that were not measured before, by turns.
+local function measure_by_turns(element, configurations)
+  local left = {}
+  for _, args in ipairs(configurations) do
+    local key = drive.need(element, "driver") .. " " .. args
+    if printed[key] or recorded[key] then drive.run(element, args) else left[#left + 1] = args end
+  end
+  if #left == 0 then return end
+  local done, reason = rounds.measure(left, tonumber(drive.runs),
+    function(args, folder) run_driver(element, args, folder) end, drive.list, drive.scraps, drive.out)
+  if not done then drive.fail("%s", reason) end
+  for _, args in ipairs(left) do
+    local key = element.attributes.driver .. " " .. args
+    write_record(key, "", drive.out)
+    printed[key] = ""
+  end
+end
+
 -- Runs the driver on each of the element's scenes, and on each mesh if these count, too; once without
--- and once with each of the variants. Its measurements go to its CSV file.
+-- and once with each of the variants. Its measurements go to its CSV file. Returns what it printed last.
 function drive.measure(element, options, with_meshes)
   local attributes, targets, variants = element.attributes, {}, {""}
   for variant in (attributes.variants or ""):gmatch("[^,]+") do variants[#variants + 1] = variant end
@@ -189,16 +246,27 @@ function drive.measure(element, options, with_meshes)
     targets[#targets + 1] = "--mesh " .. drive.quote(mesh)
   end
   if #targets == 0 then targets[1] = "" end
+  local configurations, answer = {}, nil
   for _, target in ipairs(targets) do
     for _, variant in ipairs(variants) do
-      drive.run(element, target .. " " .. (attributes.args or "") .. " " .. variant .. " " .. options)
+      configurations[#configurations + 1] = target .. " " .. (attributes.args or "") .. " " .. variant .. " " .. options
     end
   end
+  if options == drive.timing and drive.runs ~= "1" then return measure_by_turns(element, configurations) end
+  local keep = attributes.keep
+  local folder = keep and drive.scraps .. "/" .. keep
+  for _, args in ipairs(configurations) do answer = drive.run(element, args, folder) end
+  if keep then
+    local header, rows = csv.read(folder .. "/tables/" .. drive.need(element, "table") .. ".csv")
+    if header then csv.write(drive.out .. "/tables/" .. keep .. ".csv", header, rows) end -- else it is on record
+  end
+  return answer
 end
 
-drive.timing = "--timing --quiet --runs " .. drive.runs
+-- In a round each configuration runs three times.
+drive.timing = "--timing --quiet --runs " .. (drive.runs == "1" and 1 or 3)
 
--- The caption of a picture or a table: a text, and in small print its parameters.
+-- The caption of a picture or a table: a text, and in small print its parameters, a text or inlines.
 function drive.caption(blocks, small)
   local caption = {pandoc.Plain(pandoc.utils.blocks_to_inlines(blocks))}
   if small then caption[2] = pandoc.Plain({pandoc.Span(small, {class = "parameters"})}) end

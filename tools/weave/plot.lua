@@ -1,15 +1,16 @@
--- Plots by gnuplot from the CSV files that drivers write: .plot. Axes are logarithmic, but for bars.
+-- Plots by gnuplot from the CSV files that drivers write: .plot. Axes are logarithmic, but for bars and with linear=yes.
 
 local drive = require("drive")
+local fit = require("fit")
 local tables = require("tables")
 local fail_at, need, words = drive.fail_at, drive.need, drive.words
 
 local gnuplot = os.getenv("RAYKIT_GNUPLOT") or ""
 
--- Colours that people with any colour vision can distinguish (M. Okabe and K. Ito, 2008), and points
--- of different shapes for print.
-local styles = {{"#0072b2", 7}, {"#d55e00", 5}, {"#009e73", 9}, {"#cc79a7", 13}, {"#56b4e9", 11},
-  {"#e69f00", 6}, {"#000000", 4}, {"#777777", 8}}
+-- Colours that people with any colour vision can distinguish (after M. Okabe and K. Ito, 2008, all with a contrast of 3 : 1
+-- to white and to the dark page, where plots are inverted), and points of different shapes for print.
+local styles = {{"#0072b2", 7}, {"#d55e00", 5}, {"#00875f", 9}, {"#b8578e", 13}, {"#2a8fc4", 11},
+  {"#a87400", 6}, {"#000000", 4}, {"#777777", 8}, {"#6a3d9a", 15}}
 
 local function quote(text) return "'" .. text:gsub("'", "''") .. "'" end
 
@@ -21,9 +22,9 @@ local function coordinate(div, row, column)
 end
 
 -- Groups the rows into lines, one per value of the column `by`, in the order of the rows. Also returns
--- the number of rows that cannot be plotted. With `band`, points have the values of its columns, too.
+-- the number of rows that cannot be plotted, and of points at which a curve runs back: more samples took less time. With `band`, points have the values of its columns, too.
 local function lines_of(div, rows, x, y, by, band)
-  local lines, by_title, left_out = {}, {}, 0
+  local lines, by_title, left_out, back = {}, {}, 0, 0
   for _, row in ipairs(rows) do
     local title = by == "metric" and tables.label(row.metric) or by and tables.cell(row, by) or
       tables.label(y)
@@ -33,45 +34,36 @@ local function lines_of(div, rows, x, y, by, band)
       by_title[title] = line
       lines[#lines + 1] = line
     end
-    local point = {coordinate(div, row, x), coordinate(div, row, y)}
+    local point = {coordinate(div, row, x), coordinate(div, row, y), samples = tonumber(row.samples), order = tonumber(x == "seconds" and row.samples or row[x])}
     if band then point.low, point.high = coordinate(div, row, band .. "_low"), coordinate(div, row, band .. "_high") end
     if point[1] and point[2] then line.points[#line.points + 1] = point else left_out = left_out + 1 end
   end
   for n = #lines, 1, -1 do
     local line = lines[n]
     if #line.points == 0 then table.remove(lines, n) end
-    table.sort(line.points, function(a, b) return a[1] < b[1] end)
-    for i = 2, #line.points do -- measured times may be equal by chance
-      if x ~= "seconds" and line.points[i][1] == line.points[i - 1][1] then
+    table.sort(line.points, function(a, b) return a.order < b.order end)
+    for i = 2, #line.points do
+      if line.points[i].order == line.points[i - 1].order then
         fail_at(div, "%s has several values at one %s; distinguish the rows by by=... or where=...",
-          line.title, x)
+          line.title, x == "seconds" and "number of samples" or x)
       end
+      back = back + (line.points[i][1] < line.points[i - 1][1] and 1 or 0)
     end
   end
   if #lines == 0 then drive.fail_by_driver(div, "tables/%s.csv has nothing to plot", tables.name(div)) end
   if #lines > #styles then fail_at(div, "%d lines are too many to distinguish", #lines) end
-  return lines, left_out
+  return lines, left_out, back
 end
 
 -- Powers of ten if the numbers span two of them or more, else the numbers themselves.
-local function tics(lines, axis, i)
+local function tics(lines, axis, i, linear)
   local least, most = math.huge, 0
   for _, line in ipairs(lines) do
     for _, point in ipairs(line.points) do
       least, most = math.min(least, point[i]), math.max(most, point[i])
     end
   end
-  return "set format " .. axis .. (most / least >= 100 and " '10^{%L}'" or " '%g'")
-end
-
--- The legend is placed where falling or rising lines leave room; for many lines, beside the plot.
-local many = 5
-
-local function legend(lines, steep)
-  local points = lines[1].points
-  if #lines > many then return "outside right top" end
-  if steep then return "bottom left Left reverse" end
-  return #points > 1 and points[#points][2] < points[1][2] and "top right" or "top left Left reverse"
+  return "set format " .. axis .. (not linear and most / least >= 100 and " '10^{%L}'" or " '%g'")
 end
 
 -- Where guides begin and end: at the smallest x and the largest y of all points; rising ones at the smallest y.
@@ -86,18 +78,92 @@ local function corner(lines)
   return left, right, top, bottom
 end
 
--- Grey lines of these slopes, as parts of a plot, with the slopes at their ends.
+-- The x axis ends at the data, not at a power of ten.
+local function x_range(lines, linear)
+  local left, right = corner(lines)
+  if linear then return string.format("set xrange [%.9g:%.9g]", left - 0.02 * (right - left), right + 0.02 * (right - left)) end
+  local beyond = math.max(1.02, (right / left) ^ 0.02)
+  return string.format("set xrange [%.9g:%.9g]", left / beyond, right * beyond)
+end
+
+-- A marker at every point of a curve of few points, at every eighth of a dense one.
+local function markers(line) return #line.points > 16 and "pointinterval 8" or "pointinterval 1" end
+
+-- Would a legend at the lower left cover a curve? Its size is about that of its letters, in a plot of 500 x 290;
+-- the y axis reaches to powers of ten.
+local function covers(lines)
+  local left, right, top, bottom = corner(lines)
+  bottom, top = math.floor(math.log(bottom, 10)), math.ceil(math.log(top, 10))
+  local longest = 0
+  for _, line in ipairs(lines) do longest = math.max(longest, utf8.len(line.title)) end
+  local width, height = (70 + 8 * longest) / 500, (10 + 20 * #lines) / 290
+  local function is_below(point, next_point)
+    for step = 0, 10 do
+      local x, y = point[1] * (next_point[1] / point[1]) ^ (step / 10), point[2] * (next_point[2] / point[2]) ^ (step / 10)
+      if math.log(x / left) < width * math.log(right / left) and math.log(y, 10) - bottom < height * (top - bottom) then return true end
+    end
+  end
+  for _, line in ipairs(lines) do
+    for i, point in ipairs(line.points) do
+      if is_below(point, line.points[i + 1] or point) then return true end
+    end
+  end
+  return false
+end
+
+-- The legend is placed where falling or rising lines leave room; for many lines, or where errors leave none, below the plot.
+local many = 5
+
+local function falls(lines)
+  local points = lines[1].points
+  return #points > 1 and points[#points][2] < points[1][2]
+end
+
+local function is_legend_below(lines, linear)
+  return #lines > many or not linear and lines[1].points[1].low and falls(lines) and covers(lines)
+end
+
+local function legend(lines, linear)
+  if is_legend_below(lines, linear) then
+    local longest = 0
+    for _, line in ipairs(lines) do longest = math.max(longest, utf8.len(line.title)) end
+    return "bmargin center horizontal Left reverse maxcols 2 samplen 2 height 0.6 font ',13' width " ..
+      (longest > 24 and -longest * 2 // 5 or longest > 20 and -3 or 0) -- gnuplot takes letters to be wider than they are
+  end
+  if lines[1].points[1].low and falls(lines) then return "bottom left Left reverse" end
+  return falls(lines) and "top right" or "top left Left reverse"
+end
+
+-- "-0.5" or "-1/2"
+local function slope_of(word)
+  local sign, over, under = word:match("^(-?)(%d+)/(%d+)$")
+  return over and (sign == "-" and -1 or 1) * over / under or tonumber(word)
+end
+
+-- Thin grey lines of these slopes, as parts of a plot, with the slopes at their ends.
 local function guides(div, script, lines)
   local parts, left, right, top, bottom = {}, corner(lines)
   for i, word in ipairs(words(div.attributes.guides)) do
-    local slope = tonumber(word) or fail_at(div, "guides: %s is not a slope", word)
+    local slope = slope_of(word) or fail_at(div, "guides: %s is not a slope", word)
     local start = slope > 0 and bottom or top
-    parts[i] = string.format("[x=%.9g:%.9g] %.9g * (x / %.9g) ** (%.9g) with lines lc rgb '#999999' dt %d lw 1.5 notitle",
+    parts[i] = string.format("[x=%.9g:%.9g] %.9g * (x / %.9g) ** (%.9g) with lines lc rgb '#999999' dt %d lw 1 notitle",
       left, right, start, left, slope, i + 1)
-    script[#script + 1] = string.format("set label %s at %.9g, %.9g left offset 0.5, 0 tc rgb '#777777' font ',12'",
+    script[#script + 1] = string.format("set label %s at %.9g, %.9g left offset 1, 0 tc rgb '#777777' font ',12'",
       quote(word:gsub("^-", "−")), right, start * (right / left) ^ slope)
   end
   return parts
+end
+
+-- Names the least value of each line at its place.
+local function mark_least(script, lines)
+  for i, line in ipairs(lines) do
+    local least = line.points[1]
+    for _, point in ipairs(line.points) do
+      if point[2] < least[2] then least = point end
+    end
+    script[#script + 1] = string.format("set label 'least: %.4g' at %.9g, %.9g center offset 0, 1.2 point pt 6 ps 2 lw 2 lc rgb '%s'",
+      least[2], least[1], least[2], styles[i][1])
+  end
 end
 
 -- A line's band, as a part of a plot; points without a lower limit above 0 have none.
@@ -113,21 +179,64 @@ local function band_of(script, line, i)
   return string.format("$band%d using 1:2:3 with filledcurves lc rgb '%s' fs transparent solid 0.25 notitle", i, styles[i][1])
 end
 
+-- Puts the slope of each curve of errors over the number of samples into the legend: that of a table with a row per
+-- method, if the directive names one (slopes=NAME), else a fit. Errors whose band reaches 0 are those of the reference; where
+-- seeds differ by more than `unsteady` times, the variance may be infinite, and a slope is luck.
+local unsteady = 4
+
+local function name_slopes(div, lines, feature)
+  local slopes, table_name = {}, div.attributes.slopes
+  if table_name then
+    local list = pandoc.Div({}, {["data-pos"] = div.attributes["data-pos"], table = table_name, where = "feature=" .. feature})
+    for _, row in ipairs((tables.read(list))) do slopes[tables.cell(row, "method")] = tonumber(row.slope) end
+  end
+  for _, line in ipairs(lines) do
+    local points, is_steady = {}, true
+    for _, point in ipairs(line.points) do
+      is_steady = is_steady and not (point.low and point.high > unsteady * point.low)
+      if point.samples >= fit.from and point.low then points[#points + 1] = {point.samples, point[2]} end
+    end
+    local slope = table_name and slopes[line.title] or not table_name and is_steady and #points > 2 and fit.slope(points)
+    if slope then line.title = line.title .. string.format(" (%.2f)", slope):gsub("-", "−") end
+  end
+end
+
+-- What band and legend show.
+local function explain(div, rows, has_slopes)
+  local seeds = rows[1] and rows[1].seeds
+  local band = div.attributes.driver ~= "bench" and seeds and "RMS over " .. seeds .. " seeds, band: from the least to the largest of one" or
+    div.attributes.driver == "bench" and "band: 95 % confidence interval" or nil
+  local slopes = has_slopes and "in brackets: slope over samples, from " .. fit.from .. " on" or nil
+  return band and slopes and band .. "; " .. slopes or band or slopes
+end
+
+local function shown(div, path, notes)
+  notes[#notes + 1] = "numbers: "
+  return pandoc.Div({
+    pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}),
+    drive.caption(div.content, {pandoc.Str(table.concat(notes, "; ")), tables.link(div)}),
+  }, {class = "picture plot"})
+end
+
 local drawn = {} -- pictures
 
-local function draw(div, name, xlabel, ylabel, lines, left_out)
+local function draw(div, name, xlabel, ylabel, lines, left_out, back, note)
+  local linear = div.attributes.linear
   drawn[name] = (drawn[name] or 0) + 1
   local path = "figures/" .. name .. (drawn[name] > 1 and "_" .. drawn[name] or "") .. ".svg"
   local script = {
-    "set terminal svg size " .. (#lines > many and 820 or 600) .. ",380 font 'Helvetica,15' background 'white'",
+    "set terminal svg size 600," .. (is_legend_below(lines, linear) and 440 or 380) .. " font 'Helvetica,15' background 'white'",
     "set output " .. quote(drive.out .. "/" .. path),
-    "set logscale xy", tics(lines, "x", 1), tics(lines, "y", 2), "set grid",
-    "set key " .. legend(lines, div.attributes.band),
+    linear and "unset logscale" or "set logscale xy", tics(lines, "x", 1, linear), tics(lines, "y", 2, linear), "set grid",
+    x_range(lines, linear),
+    div.attributes.guides and "set rmargin 7" or "set rmargin 2",
+    linear and #lines == 1 and "unset key" or "set key " .. legend(lines, linear),
     "set xlabel " .. quote(xlabel), "set ylabel " .. quote(ylabel),
   }
   local parts = guides(div, script, lines)
+  if div.attributes.mark == "least" then mark_least(script, lines) end
   for i, line in ipairs(lines) do
-    script[#script + 1] = string.format("set style line %d lc rgb '%s' pt %d lw 2", i, table.unpack(styles[i]))
+    script[#script + 1] = string.format("set style line %d lc rgb '%s' pt %d lw 2.5 %s", i, styles[i][1], styles[i][2], markers(line))
     script[#script + 1] = "$data" .. i .. " << EOD"
     for _, point in ipairs(line.points) do
       script[#script + 1] = string.format("%.9g %.9g", point[1], point[2])
@@ -141,10 +250,12 @@ local function draw(div, name, xlabel, ylabel, lines, left_out)
   local pipe = io.popen(drive.quote(gnuplot), "w")
   pipe:write(table.concat(script, "\n"))
   if not pipe:close() then fail_at(div, "gnuplot failed (its reason is above)") end
-  local note = left_out > 0 and "left out: values of 0 or less, which have no logarithm (" .. left_out .. ")"
-  return pandoc.Div({
-    pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}), drive.caption(div.content, note),
-  }, {class = "picture plot"})
+  local notes = {note}
+  if left_out > 0 then notes[#notes + 1] = "left out: values of 0 or less, which have no logarithm (" .. left_out .. ")" end
+  if back > 0 then
+    notes[#notes + 1] = "where a curve runs back, more samples took less time: the machine was busy (" .. back .. ")"
+  end
+  return shown(div, path, notes)
 end
 
 -- --- bars ------------------------------------------------------------------------------------
@@ -197,9 +308,7 @@ local function draw_bars(div, name, xlabel, ylabel, rows, x, y, by)
   local pipe = io.popen(drive.quote(gnuplot), "w")
   pipe:write(table.concat(script, "\n"))
   if not pipe:close() then fail_at(div, "gnuplot failed (its reason is above)") end
-  return pandoc.Div({
-    pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}), drive.caption(div.content),
-  }, {class = "picture plot"})
+  return shown(div, path, {})
 end
 
 local function unit_of(div, rows)
@@ -233,8 +342,10 @@ return function(div)
     return draw_bars(div, given.name or tables.name(div) .. "_bars", given.xlabel or tables.label(x),
       given.ylabel or tables.label(y), rows, x, y, need(div, "by"))
   end
-  local band = given.band and y
-  for _, side in ipairs(band and {"_low", "_high"} or {}) do tables.check_column(div, columns, band .. side) end
+  local band = columns[y .. "_low"] and columns[y .. "_high"] and y or nil
+  local has_slopes = band and columns.samples and (x == "samples" or x == "seconds")
+  local lines, left_out, back = lines_of(div, rows, x, y, given.by, band)
+  if has_slopes then name_slopes(div, lines, rows[1].feature) end
   return draw(div, given.name or tables.name(div) .. "_" .. y .. "_over_" .. x, given.xlabel or tables.label(x),
-    given.ylabel or tables.label(y), lines_of(div, rows, x, y, given.by, band))
+    given.ylabel or tables.label(y), lines, left_out, back, band and explain(div, rows, has_slopes))
 end

@@ -1,6 +1,8 @@
 -- Tables and single numbers from the CSV files that drivers write: .timings, .table, .measured.
 
+local csv = require("csv")
 local drive = require("drive")
+local rounds = require("rounds")
 local fail_at, need, words = drive.fail_at, drive.need, drive.words
 
 local tables = {
@@ -9,33 +11,15 @@ local tables = {
 
 -- --- reading ---------------------------------------------------------------------------------
 
--- The cells of a CSV line without line breaks in cells (the drivers write none).
-local function cells(line)
-  local list, at = {}, 1
-  while at <= #line + 1 do
-    local cell
-    if line:sub(at, at) == '"' then
-      local stop = at + 1
-      while line:sub(stop, stop) ~= '"' or line:sub(stop + 1, stop + 1) == '"' do
-        stop = stop + (line:sub(stop, stop) == '"' and 2 or 1)
-        if stop > #line then drive.fail("an unclosed quote in a table: %s", line) end
-      end
-      cell, at = line:sub(at + 1, stop - 1):gsub('""', '"'), stop + 2
-    else
-      local stop = line:find(",", at, true) or #line + 1
-      cell, at = line:sub(at, stop - 1), stop + 1
-    end
-    list[#list + 1] = cell
-  end
-  return list
+function tables.name(element)
+  return element.attributes.keep or element.attributes.table or need(element, "driver")
 end
 
-function tables.name(element) return element.attributes.table or need(element, "driver") end
-
--- The values that rows must have in some columns: where="method=grid threads=1".
-local function conditions(element)
+-- The values that rows must have in some columns: where="method=grid threads=1"; _ stands for a space, too, and
+-- a * at the end for anything.
+local function conditions(element, where)
   local wanted = {}
-  for _, word in ipairs(words(element.attributes.where)) do
+  for _, word in ipairs(words(where)) do
     local column, value = word:match("^([%w_]+)=(.+)$")
     if not column then fail_at(element, "where: %s is not column=value", word) end
     wanted[column] = value
@@ -43,22 +27,50 @@ local function conditions(element)
   return wanted
 end
 
--- The rows that an element selects, cells by column, and the set of columns.
-function tables.read(element)
-  local path = "tables/" .. tables.name(element) .. ".csv"
-  local file = io.open(drive.out .. "/" .. path)
-  if not file then drive.fail_by_driver(element, "%s is missing: no driver wrote it", path) end
-  local header, columns, rows = cells(file:read("l") or ""), {}, {}
+local function matches(cell, value)
+  local start = value:match("^(.*)%*$")
+  return cell == value or cell:gsub(" ", "_") == value or start and cell:sub(1, #start) == start
+end
+
+local was_read = {} -- elements with their rows
+
+local function text_of(row)
+  local cells = {}
+  for column, cell in pairs(row) do cells[#cells + 1] = column .. "=" .. cell end
+  table.sort(cells)
+  return table.concat(cells, ",")
+end
+
+-- What a page shows stands in its table: no later run may have replaced it.
+function tables.check_kept()
+  for _, read in ipairs(was_read) do
+    local element, there = read.element, {}
+    for _, row in ipairs((tables.read(element, element.attributes.where or ""))) do there[text_of(row)] = true end
+    for _, row in ipairs(read.rows) do
+      if not there[text_of(row)] then
+        fail_at(element, "a later run has replaced rows of tables/%s.csv that are shown here; keep=NAME keeps this " ..
+          "run's table under a name of its own", tables.name(element))
+      end
+    end
+  end
+end
+
+-- The rows that an element selects by `where` (its attribute), cells by column, and the set of columns.
+function tables.read(element, where)
+  local header, lines = csv.read(drive.out .. "/tables/" .. tables.name(element) .. ".csv")
+  if not header then drive.fail_by_driver(element, "%s", lines) end
+  local columns, rows, wanted = {}, {}, {}
   for _, column in ipairs(header) do columns[column] = true end
-  local wanted = conditions(element)
-  for column in pairs(wanted) do tables.check_column(element, columns, column) end
-  for line in file:lines() do
+  for column, value in pairs(conditions(element, where or element.attributes.where)) do
+    wanted[tables.column(element, columns, column)] = value
+  end
+  for _, line in ipairs(lines) do
     local row, fits = {}, true
-    for i, cell in ipairs(cells(line)) do row[header[i]] = cell end
-    for column, value in pairs(wanted) do fits = fits and row[column] == value end
+    for i, cell in ipairs(line) do row[header[i]] = cell end
+    for column, value in pairs(wanted) do fits = fits and matches(row[column], value) end
     if fits then rows[#rows + 1] = row end
   end
-  file:close()
+  if not where then was_read[#was_read + 1] = {element = element, rows = rows} end
   return rows, columns
 end
 
@@ -66,6 +78,14 @@ function tables.check_column(element, columns, column)
   if not columns[column] then
     fail_at(element, "tables/%s.csv has no column %s", tables.name(element), column)
   end
+end
+
+-- A column's name, in which _ may stand for a space.
+function tables.column(element, columns, name)
+  local spaced = name:gsub("_", " ")
+  if columns[spaced] then return spaced end
+  tables.check_column(element, columns, name)
+  return name
 end
 
 local function basename(path) return (path:gsub(".*/", "")) end
@@ -79,7 +99,7 @@ end
 
 -- The rows of these metrics on the element's scenes, in the order of the metrics; and the columns.
 function tables.read_metrics(element, metrics, with_meshes)
-  local rows, columns = tables.read(element)
+  local rows, columns = tables.read(element, element.attributes.where or "") -- timings: each run adds to them
   local list, wanted = {}, {}
   for _, scene in ipairs(tables.scenes(element, with_meshes)) do wanted[scene] = true end
   for _, metric in ipairs(metrics) do
@@ -109,49 +129,96 @@ function tables.cell(row, column)
   return column == "method" and text:gsub("_", " ") or text
 end
 
+-- A link to the element's table, a file beside the page.
+function tables.link(element)
+  local path = "tables/" .. tables.name(element) .. ".csv"
+  return pandoc.Link(path, path)
+end
+
 local function minus(digits) return (digits:gsub("^-", "−")) end
 
--- Three significant digits, or all of a larger number with thousands separated; inlines.
-local function show(text)
+-- Some significant digits (3), or all of a larger number with thousands separated; inlines.
+local function show(text, significant)
   local value = tonumber(text)
   if not value then return pandoc.List({pandoc.Str(text)}) end
-  local exponent = tonumber(string.format("%.2e", value):match("e(.*)$")) or 0
+  local places = (significant or 3) - 1
+  local exponent = tonumber(string.format("%." .. places .. "e", value):match("e(.*)$")) or 0
   if value ~= 0 and exponent < -3 then
-    local digits = string.format("%.2f", value / 10 ^ exponent)
+    local digits = string.format("%." .. places .. "f", value / 10 ^ exponent)
     return pandoc.List({pandoc.Str(minus(digits) .. "\u{a0}×\u{a0}10"),
       pandoc.Superscript({pandoc.Str("−" .. -exponent)})})
   end
-  local decimals = value == math.floor(value) and 0 or math.max(0, 2 - exponent)
+  local decimals = value == math.floor(value) and 0 or math.max(0, places - exponent)
   local digits, again = string.format("%." .. decimals .. "f", value), 1
   while again > 0 do digits, again = digits:gsub("^(-?%d+)(%d%d%d)", "%1,%2") end
   return pandoc.List({pandoc.Str(minus(digits))})
 end
+tables.show = show
 
--- A table with headings, rows of texts, numbers aligned right, and a caption.
+-- Whether the runs of a timing differ too much for three digits.
+local function is_unsteady(row)
+  return tonumber(row.max) - tonumber(row.min) > rounds.tolerated * tonumber(row.median)
+end
+
+-- A time that is known roughly: two digits, marked, with its range as a title.
+local function show_roughly(row)
+  local inlines = pandoc.List({pandoc.Str("≈\u{a0}")})
+  inlines:extend(show(row.median, 2))
+  return pandoc.List({pandoc.Span(inlines, {class = "rough", title = "from " .. row.min .. " to " .. row.max})})
+end
+
+-- Few long rows become columns, so that the table fits the page; the first titles are those of the rows.
+local function transposed(titles, rows)
+  if #titles < 4 + 2 * #rows or #rows > 2 then return titles, rows end
+  local head, body = {titles[1]}, {}
+  for r, row in ipairs(rows) do head[r + 1] = row[1] end
+  for i = 2, #titles do
+    body[i - 1] = {titles[i]}
+    for r, row in ipairs(rows) do body[i - 1][r + 1] = row[i] end
+  end
+  return head, body
+end
+
+-- A table with headings, rows of texts or timings, numbers aligned right, and a caption.
 local function lay_out(div, titles, rows, small)
+  titles, rows = transposed(titles, rows)
   local head, body, aligns, widths = {}, {}, {}, {}
   for i, title in ipairs(titles) do
     head[i], aligns[i], widths[i] = {pandoc.Plain({pandoc.Str(title)})}, pandoc.AlignRight, 0
   end
   for r, row in ipairs(rows) do
     body[r] = {}
-    for i, text in ipairs(row) do
-      body[r][i] = {pandoc.Plain(show(text))}
+    for i, cell in ipairs(row) do
+      local text = type(cell) == "table" and cell.median or cell
+      local is_rough = type(cell) == "table" and is_unsteady(cell)
+      body[r][i] = {pandoc.Plain(is_rough and show_roughly(cell) or show(text))}
       if text ~= "" and not tonumber(text) then aligns[i] = pandoc.AlignLeft end
     end
   end
   local simple = pandoc.SimpleTable({}, aligns, widths, head, body)
   return pandoc.Div({
     pandoc.Div({pandoc.utils.from_simple_table(simple)}, {class = "wide"}),
-    drive.caption(div.content, small .. "all of it: tables/" .. tables.name(div) .. ".csv"),
+    drive.caption(div.content, {pandoc.Str(small .. "all of it: "), tables.link(div)}),
   }, {class = "numbers"})
 end
 
 -- --- directives ------------------------------------------------------------------------------
 
--- Groups rows by the columns that distinguish them. Returns the groups, each with medians by metric,
+-- Titles for metrics, from labels="render_3_30: render, f = 3, A = 30; ...".
+local function own_titles(div, metrics)
+  local titles, wanted = {}, {}
+  for _, metric in ipairs(metrics) do wanted[metric] = true end
+  for part in (div.attributes.labels or ""):gmatch("[^;]+") do
+    local metric, title = part:match("^%s*([^:%s]+)%s*:%s*(.-)%s*$")
+    if not wanted[metric] then fail_at(div, "labels: %s is not one of the metrics", metric or part) end
+    titles[metric] = title
+  end
+  return titles
+end
+
+-- Groups rows by the columns that distinguish them. Returns the groups, each with rows by metric,
 -- and each metric's name.
-local function group(div, rows, apart)
+local function group(div, rows, apart, own)
   local groups, by_key, titles = {}, {}, {}
   for _, row in ipairs(rows) do
     local key = {}
@@ -159,16 +226,16 @@ local function group(div, rows, apart)
     local name = row.scene .. "\0" .. table.concat(key, "\0")
     local found = by_key[name]
     if not found then
-      found = {scene = row.scene, triangles = row.triangles, cells = key, medians = {}}
+      found = {scene = row.scene, triangles = row.triangles, cells = key, timings = {}}
       by_key[name] = found
       groups[#groups + 1] = found
     end
-    if found.medians[row.metric] then
+    if found.timings[row.metric] then
       fail_at(div, "%s of %s is measured twice; distinguish the rows by rows=... or where=...",
         row.metric, table.concat(key, ", "))
     end
-    found.medians[row.metric] = row.median
-    titles[row.metric] = tables.label(row.metric, row.unit)
+    found.timings[row.metric] = row
+    titles[row.metric] = tables.label(own[row.metric] or row.metric, row.unit)
   end
   return groups, titles
 end
@@ -182,7 +249,7 @@ function tables.timings(div)
     tables.check_column(div, columns, column)
     head[i] = tables.label(column)
   end
-  local groups, titles = group(div, rows, apart)
+  local groups, titles = group(div, rows, apart, own_titles(div, metrics))
   head[#head + 1] = "triangles"
   for _, metric in ipairs(metrics) do head[#head + 1] = titles[metric] end
   for _, scene in ipairs(scenes) do
@@ -191,15 +258,15 @@ function tables.timings(div)
       if found.scene == scene then
         local line = {table.unpack(found.cells)}
         line[#line + 1] = found.triangles
-        for _, metric in ipairs(metrics) do line[#line + 1] = found.medians[metric] or "" end
+        for _, metric in ipairs(metrics) do line[#line + 1] = found.timings[metric] or "" end
         body[#body + 1] = line
       end
     end
     if #body == before then drive.fail_by_driver(div, "%s has no row in the table", scene) end
   end
   local pixels = tables.picture_size[div.attributes.driver]
-  return lay_out(div, head, body, "medians of " .. drive.runs .. (drive.runs == "1" and " run" or " runs") ..
-    (pixels and ", " .. pixels .. " pixels; " or "; "))
+  return lay_out(div, head, body, (drive.runs == "1" and "single runs" or "medians of " .. drive.runs ..
+    " rounds by turns, or more; ≈: rounds differ by more than a fifth") .. (pixels and ", " .. pixels .. " pixels; " or "; "))
 end
 
 function tables.table(div)
@@ -231,16 +298,28 @@ local function one_cell(span)
   return show(rows[1][span.attributes.column])
 end
 
--- One number from the driver's table.
-function tables.measured(span)
-  if span.attributes.column then return one_cell(span) end
+local function measure_one(span)
   local scene, metric = need(span, "scene"), need(span, "metric")
   span.attributes.scenes = scene
   drive.measure(span, drive.timing)
-  for _, row in ipairs((tables.read(span))) do
-    if row.scene == scene and row.metric == metric then return show(row.median) end
+  for _, row in ipairs((tables.read(span, span.attributes.where or ""))) do
+    if row.scene == scene and row.metric == metric then return row.median end
   end
   drive.fail_by_driver(span, "the driver measured no %s of %s", metric, scene)
+end
+
+-- Set by values.lua: takes a span, its name and its number.
+tables.on_name = nil
+
+-- One number from the driver's table. It has a place in the record of its own, because a later run with other options may
+-- replace its row.
+function tables.measured(span)
+  if span.attributes.column then return one_cell(span) end
+  local a, parts = span.attributes, {}
+  for i, key in ipairs({"driver", "scene", "metric", "args", "variants", "where"}) do parts[i] = a[key] or "" end
+  local median = drive.once("measured " .. table.concat(parts, " "), function() return measure_one(span) end)
+  if a.name then tables.on_name(span, a.name, tonumber(median)) end
+  return show(median)
 end
 
 return tables

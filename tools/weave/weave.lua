@@ -1,38 +1,51 @@
 -- Common to the report's filter and the book's: directives, by which a text requests figures, tables
--- and plots, and links. Figures and links are here, tables in tables.lua, plots in plot.lua.
+-- and plots, and links. Figures and links are here, tables in tables.lua, plots in plot.lua, pictures
+-- of mistakes and steps in wrong.lua.
 --
 --   ::: {.figure driver=bvh_median args="--scene teapot --debug level --level 4"}
 --   The caption, in Markdown.
 --   :::
 -- runs the driver and becomes its picture, with the caption and the driver's line of parameters below.
+-- A picture that is mostly black, or small in its frame, is a mistake unless dark=yes.
 -- With each=mesh it is repeated for every file in MESHES (and left out if there is none).
+--
+-- crop="0.5 0.2 0.25 0.25" shows a part of the picture, magnified (crop.lua); label="0.6 0.3 0.8 0.2 red pane; ..."
+-- puts words over it (labels.lua).
 --
 --   :::: {.row}
 --   ::: {.figure ...}
 --   ::::
 -- puts figures and plots side by side, two or three if the page is wide enough; .pair puts two per
--- row. On a phone they are one below the other.
+-- row. On a phone they are one below the other. {.row .compare} makes one of two pictures of the same
+-- view and size, with a slider between them, their difference and an enlargement, where scripts run.
+--
+-- Figures, plots, tables and displayed formulas have numbers within their chapter. With a name,
+-- {.figure #halo ...} or [$$...$$]{#halo}, an empty link gives the number: [](#halo). alt="..." says
+-- what is seen to who does not see it, in the place of the caption's first sentence.
 --
 --   ::: {.timings driver=bvh_median scenes="cornell teapot" variants="--shadows" metrics="build render"}
 --   The caption.
 --   :::
 -- times the driver on each scene and each mesh, once without and once with each of the variants
 -- (separated by commas), and becomes a table with a column for each of the metrics, from the
--- driver's CSV file. rows="scene method" has a row for each scene and method; rows="scene" is
+-- driver's CSV file; labels="build: building; ..." names them otherwise. rows="scene method" has a row for each scene and method; rows="scene" is
 -- the default.
 --
 --   ::: {.table driver=shadows args="--convergence" columns="method, samples, rmse: error"}
 --   The caption.
 --   :::
 -- shows columns of tables/shadows.csv, each under a title of its own if one follows its colon.
--- table=NAME reads tables/NAME.csv instead. The driver runs first, on each of scenes="..." if given;
+-- table=NAME reads tables/NAME.csv instead; keep=NAME keeps this run's table under another name, where two
+-- runs with different options would write the same. The driver runs first, on each of scenes="..." if given;
 -- without driver=... the table is that of an earlier directive.
 --
 --   ::: {.plot driver=shadows args="--convergence" x=samples y=rmse by=method}
 -- plots a column over another, both with logarithmic axes, a line for each value of a third; from
 -- the same table. xlabel="..." and ylabel="..." name the axes, with their units, if the columns'
--- names do not suffice. band=yes adds a band from the column y_low to y_high (rmse_low, rmse_high),
--- guides="-0.5 -1" grey lines of these slopes (rising ones from the lowest point on), and name=... names the picture's file.
+-- names do not suffice. Where the table has columns y_low and y_high (rmse_low, rmse_high), they are a band, and if it has
+-- samples, too, the legend has each curve's slope over their number: fitted, or with slopes=NAME from tables/NAME.csv.
+-- guides="-1/2 -1" adds grey lines of these slopes (rising ones from the lowest point on), and name=... names the picture's file.
+-- linear=yes has linear axes; mark=least names the least value of each line.
 -- bars=yes draws bars from 0 on instead, beside each other for the values of `by`; x may be any text.
 --
 -- driver=bench stands for tools/bench.py, whose tables are those of make bench: the full measurement if
@@ -43,6 +56,15 @@
 --
 -- where="threads=1 method=grid" keeps .timings, .table and .plot to rows with these values.
 --
+--   ::: {.live driver=bloom args="..." options="..."}
+-- is a figure whose options the reader changes in the browser: tools/weave/live.lua.
+--   ::: {.wrong stem=bloom}
+-- shows the feature's wrong pictures (assignments/NN_bloom/wrong.tsv) beside the right ones, each with its
+-- mistake and the claim that finds it; .wrong sees=holes those of all features in which one sees this.
+--
+--   ::: {.steps stem=bloom}
+-- shows what can be seen after each step of the assignment (look.tsv), and the claims that then hold.
+--
 --   :::: {.if_measured table=peers}
 --   ::: {.table table=peers ...}
 --   ::::
@@ -51,6 +73,11 @@
 --   [boxes]{.measured driver=bvh_median scene=statue:87130 metric=build}
 -- becomes that one number; so does [gain]{.measured driver=bench table=accuracy where="case=lens" column=time_ratio},
 -- from any table of a driver.
+--
+--   [sobol]{.default driver=depth_of_field option=lens-sampling}
+-- becomes the default of the driver's option.
+--
+-- Sentences that the numbers must bear out, .check, and numbers computed from others, .value: see values.lua.
 --
 --   [the suite](file:tests/test_bvh_median.c), [the section](report:bvh_median), [the chapter](book:boxes)
 -- link to a file of the source tree and to a heading of the report or the book; [here](#boxes) to
@@ -61,14 +88,27 @@
 --
 -- Environment: RAYKIT_WEAVES (report or book), RAYKIT_SOURCE, RAYKIT_SOURCE_LINK (the
 -- path from the page to it), RAYKIT_DRIVERS (the folder over assignments/ with the drivers),
--- RAYKIT_BUILD, RAYKIT_RECORD (the folder of an earlier page's record, or empty), RAYKIT_ALONE (the
+-- RAYKIT_BUILD, RAYKIT_WRONG (the command that draws wrong pictures, empty in a pack), RAYKIT_RECORD (the folder of
+-- an earlier page's record, or empty), RAYKIT_ALONE (the
 -- features that are woven alone, empty for all), RAYKIT_UNITS (the name of their units' author, empty for
 -- the kit's own), RAYKIT_OUT, RAYKIT_SCRAPS (for temporary files), MESHES, RAYKIT_RUNS, RAYKIT_SIZE
 -- (pixels per side, empty for the drivers' own), RAYKIT_GNUPLOT (empty: no plots).
 
 local drive = require("drive")
+local glossary = require("glossary")
 local tables = require("tables")
 local plot = require("plot")
+local values = require("values")
+local crop = require("crop")
+local defaults = require("defaults")
+local labels = require("labels")
+local pictures = require("pictures")
+local listings = require("listings")
+local numbering = require("numbering")
+local paged = require("pages")
+local present = require("present")
+local live = require("live")
+local wrong = require("wrong")
 local fail_at = drive.fail_at
 
 local weave = {}
@@ -84,6 +124,12 @@ end
 
 local drawn_by = {} -- arguments, by picture
 
+-- The picture or a part of it, with its labels, as a block.
+local function shown(div, path)
+  local block, ratio = crop(div, pandoc.Image(pandoc.utils.stringify(div.content) .. labels.as_text(div), path))
+  return div.attributes.label and labels.over(div, block, ratio) or block
+end
+
 local function figure(div, args)
   local path, parameters = split_line(div, drive.run(div, args))
   if (drawn_by[path] or args) ~= args then
@@ -91,39 +137,13 @@ local function figure(div, args)
       path, drawn_by[path])
   end
   drawn_by[path] = args
+  pictures.check_subject(div, path)
   if not args:find("--width", 1, true) and not args:find("--height", 1, true) then
     tables.picture_size[div.attributes.driver] = parameters:match("%d+ x %d+")
   end
   return pandoc.Div({
-    pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}),
-    drive.caption(div.content, parameters),
+    shown(div, path), drive.caption(div.content, parameters),
   }, {class = "picture"})
-end
-
--- A PNG file without its texts, which tell of the run: equal for equal pictures.
-local function pixels_of(path)
-  local file = io.open(drive.out .. "/" .. path, "rb")
-  local png, parts, at = file:read("a"), {}, 9
-  file:close()
-  while at < #png do
-    local length, kind = string.unpack(">I4c4", png, at)
-    if kind == "IHDR" or kind == "IDAT" then parts[#parts + 1] = png:sub(at + 8, at + 7 + length) end
-    at = at + 12 + length
-  end
-  return table.concat(parts)
-end
-
--- Pictures of a row are there to be compared. A student's unit may not make a difference yet.
-local function check_row(div)
-  local seen = {}
-  local function compare(image)
-    local pixels = image.src:find("^figures/.*%.png$") and pixels_of(image.src)
-    if pixels and seen[pixels] then
-      fail_at(div, "%s and %s are equal, pixel for pixel; show something in which they differ", seen[pixels], image.src)
-    end
-    if pixels then seen[pixels] = image.src end
-  end
-  if drive.units == "" then div:walk({Image = compare}) end
 end
 
 local function figures(div)
@@ -239,13 +259,21 @@ local function missing(element)
     {class = "picture missing"})
 end
 
+-- A name and a text for who cannot see the picture, given to the directive, are its result's.
+local function inherit(result, element)
+  if result.t ~= "Div" then return result end
+  if result.identifier == "" then result.identifier = element.identifier end
+  result.attributes.alt = element.attributes.alt
+  return result
+end
+
 local function expand(directives)
   return function(element)
     local class = element.classes[1]
-    if class == "row" then check_row(element) end
-    if not class or plain_classes[class] then return nil end
+    if class == "row" then pictures.check_row(element) end
+    if not class or plain_classes[class] or values.spans[class] then return nil end
     if not directives[class] then fail_at(element, "there is no directive called .%s", class) end
-    return drive.forgiving(directives[class], element) or missing(element)
+    return inherit(drive.forgiving(directives[class], element) or missing(element), element)
   end
 end
 
@@ -275,18 +303,35 @@ end
 -- and positions, which are of no use to readers, are removed. `own` has the page's own directives, by
 -- element type and class.
 function weave.filters(own)
-  local divs = {figure = figures, timings = tables.timings, table = tables.table, plot = plot}
+  local divs = {figure = figures, timings = tables.timings, table = tables.table, plot = plot, live = live.figure,
+    wrong = wrong.wrong(weave.resolve), steps = wrong.steps}
   for class, directive in pairs(own.Div or {}) do divs[class] = directive end
-  return {
+  local function code_block(block)
+    return block.classes[1] ~= "values" and own.CodeBlock and own.CodeBlock(block) or nil
+  end
+  local stages = {
     {Div = choose},
     {Header = check_unique, Div = check_unique, Span = check_unique, CodeBlock = check_unique},
-    {Div = expand(divs), Span = expand({measured = tables.measured}), Code = own.Code,
-      CodeBlock = own.CodeBlock, Link = weave.resolve},
+    {Div = expand(divs), Span = expand({measured = tables.measured, default = defaults}), Code = own.Code,
+      CodeBlock = code_block, Link = weave.resolve},
+    values.filters[1], values.filters[2], {Pandoc = function() tables.check_kept() pictures.finish() end},
+    {Pandoc = numbering.assign},
     {Header = remember, Div = remember, Span = remember, CodeBlock = remember},
+    {Link = numbering.refer},
     {Link = check_link},
+    {Div = present.check_comparison},
+    {Div = present.describe},
+    {Span = present.formula},
+  }
+  for _, filter in ipairs(own.late or {}) do stages[#stages + 1] = filter end
+  for _, filter in ipairs({
     {Div = unwrap, Span = unwrap, Header = forget, Code = forget, Link = forget,
       CodeBlock = forget, Image = forget, Table = forget},
-  }
+    {Pandoc = glossary.link},
+    {Div = present.division, Table = present.table, Image = present.size, CodeBlock = listings.present},
+    {Pandoc = paged.write},
+  }) do stages[#stages + 1] = filter end
+  return stages
 end
 
 return weave

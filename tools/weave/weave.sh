@@ -6,7 +6,8 @@
 # The new page is made beside the old one and replaces it when it is complete. A page of some features
 # alone, for who writes about them, leaves the whole one as it is.
 RAYKIT_ALONE=${FEATURES-}
-final=$RAYKIT_BUILD/$texts/out${FEATURES:+.some}
+answers=${answers-} # the folder with answers to the exercises, or empty
+final=$RAYKIT_BUILD/$texts/out${FEATURES:+.some}${answers:+.answers}
 RAYKIT_OUT=$final.part
 RAYKIT_SCRAPS=$(mktemp -d) || exit 1 # it has said which folder, and why
 
@@ -37,7 +38,7 @@ trap interrupted HUP INT TERM
 RAYKIT_RECORD=${RAYKIT_RECORD-}
 [ -z "$RAYKIT_RECORD" ] || QUICK=$(sed -n 3p "$RAYKIT_RECORD/machine")
 
-RAYKIT_RUNS=5
+RAYKIT_RUNS=3 # rounds
 RAYKIT_SIZE=
 note=
 if [ -n "${QUICK-}" ]; then # a trial of the text itself, not of speed
@@ -81,6 +82,10 @@ fi
 started=yes
 echo $$ >"$RAYKIT_OUT/process" && mkdir "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables" || give_up "$unwritable"
 
+# A pack cannot draw mistakes, but its book has.
+[ -n "${RAYKIT_WRONG-}" ] ||
+    cp "$RAYKIT_SOURCE"/docs/handout/record/figures/wrong_*.png "$RAYKIT_OUT/figures" 2>/dev/null || :
+
 if [ -n "$RAYKIT_RECORD" ]; then
     cp -R "$RAYKIT_RECORD/figures" "$RAYKIT_RECORD/tables" "$RAYKIT_OUT" || give_up "$unwritable"
     machine=$(sed -n 1p "$RAYKIT_RECORD/machine") system=$(sed -n 2p "$RAYKIT_RECORD/machine")
@@ -93,26 +98,50 @@ RAYKIT_SOURCE_LINK=$(realpath --relative-to="$RAYKIT_OUT" "$RAYKIT_SOURCE" 2>/de
 export RAYKIT_WEAVES RAYKIT_SOURCE RAYKIT_SOURCE_LINK RAYKIT_DRIVERS RAYKIT_UNITS RAYKIT_OUT \
     RAYKIT_SCRAPS RAYKIT_RECORD RAYKIT_RUNS RAYKIT_SIZE RAYKIT_GNUPLOT MESHES RAYKIT_ALONE
 
+# has_answers TEXT: whether the text after it has answers to its exercises, in an edition with answers
+has_answers() {
+    [ -n "$answers" ] && grep -q '^## Exercises' "$1" || return 1
+    [ -e "$answers/${1##*/}" ] || give_up "ANSWERS=yes: $answers/${1##*/} is missing, with the answers to this chapter's exercises"
+}
+
 # weave_features OPTION...: the page, with the texts of FEATURES in the place of all
 weave_features() {
     for feature in $FEATURES; do
         for text in "$RAYKIT_SOURCE/$texts"/[0-9][0-9]_"$feature".md; do
+            [ -e "$text" ] || text=$RAYKIT_SOURCE/$texts/$feature.md
+            [ -e "$text" ] || text=$RAYKIT_SOURCE/docs/$feature.md # the summary, which both pages have
             [ -e "$text" ] || give_up "there is no feature $feature (named by FEATURES or ONLY)"
             set -- "$@" "$text"
+            if has_answers "$text"; then set -- "$@" "$answers/${text##*/}"; fi
         done
     done
     weave "$@"
 }
 
-# weave OPTION... TEXT...: the page
+# weave_whole OPTION... TEXT...: the page with its cover, which a part has not
+weave_whole() {
+    cover=$RAYKIT_SOURCE/docs/pictures/cover.png
+    if [ -e "$cover" ]; then # a copy, so that the page's folder can be moved
+        cp "$cover" "$RAYKIT_OUT/figures" || give_up "$unwritable"
+        set -- --variable=cover:figures/cover.png "$@"
+    fi
+    weave "$@"
+}
+
+# weave OPTION... TEXT...: the page, and beside it the folder with the same in pages, which share a
+# stylesheet (its last part is formulas_css, if there is one) and the scripts
 weave() {
+    mkdir "$RAYKIT_OUT/$RAYKIT_WEAVES" &&
+        cat "$RAYKIT_SOURCE/tools/weave/page.css" "$RAYKIT_SOURCE/$texts/$RAYKIT_WEAVES.css" \
+            ${formulas_css:+"$formulas_css"} >"$RAYKIT_OUT/$RAYKIT_WEAVES/style.css" &&
+        cp "$RAYKIT_SOURCE/tools/weave/page.js" "$RAYKIT_SOURCE/tools/weave/compare.js" "$RAYKIT_OUT/$RAYKIT_WEAVES" || give_up "$unwritable"
     [ -n "$RAYKIT_RECORD" ] || say "running the drivers; timings want a quiet machine"
     status=0
-    "$PANDOC" --standalone --self-contained --from=commonmark_x+sourcepos --to=html5 --toc --toc-depth=2 \
+    "$PANDOC" --standalone --self-contained --from=commonmark_x+sourcepos --to=html5 \
         --resource-path="$RAYKIT_OUT" --lua-filter="$RAYKIT_SOURCE/$texts/weave.lua" \
         --template="$RAYKIT_SOURCE/tools/weave/template.html" \
         --css="$RAYKIT_SOURCE/tools/weave/page.css" --css="$RAYKIT_SOURCE/$texts/$RAYKIT_WEAVES.css" \
-        --variable=page:"$RAYKIT_WEAVES" --variable=version:"$RAYKIT_VERSION" \
+        ${formulas_css:+--css="$formulas_css"} --variable=page:"$RAYKIT_WEAVES" --variable=version:"$RAYKIT_VERSION" \
         --variable=machine:"$machine" --variable=system:"$system" \
         ${RAYKIT_UNITS:+--variable=units:"${RAYKIT_UNITS#units: }"} \
         --output="$RAYKIT_OUT/$RAYKIT_WEAVES.html" "$@" || status=$?
@@ -132,6 +161,12 @@ print_pdf() {
     give_up "chromium could not print the PDF (its last message is above)"
 }
 
+give_up_after_all() {
+    say "the numbers of this machine do not bear out $(($(wc -l <"$RAYKIT_SCRAPS/wrong"))) of its sentences (above), which are marked:" \
+        "measure again on a quiet machine, or correct the text"
+    exit 1
+}
+
 # Prints the page if there is chromium, and replaces the old page.
 publish() {
     pdf="(no $RAYKIT_WEAVES.pdf: it needs chromium)"
@@ -139,10 +174,14 @@ publish() {
         print_pdf
         pdf="and $final/$RAYKIT_WEAVES.pdf"
     fi
+    parts="the same as a page per chapter: $final/$RAYKIT_WEAVES/index.html"
+    [ "$RAYKIT_WEAVES" = book ] || parts="with its pictures as files: $final/$RAYKIT_WEAVES/index.html"
     rm -rf "$final.old" "$RAYKIT_OUT/process" || give_up "$unwritable"
     trap '' HUP INT TERM # the two moves belong together
     [ ! -e "$final" ] || mv "$final" "$final.old" || give_up "$unwritable"
     mv "$RAYKIT_OUT" "$final" || give_up "$unwritable"
     rm -rf "$final.old"
-    say "wrote $final/$RAYKIT_WEAVES.html $pdf"
+    say "wrote $final/$RAYKIT_WEAVES.html, $parts $pdf"
+    # Who makes or has a pack did not write its sentences.
+    [ ! -e "$RAYKIT_SCRAPS/wrong" ] || [ -n "$RAYKIT_RECORD" ] || [ "${RAYKIT_JUDGES-yes}" = no ] || give_up_after_all
 }

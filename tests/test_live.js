@@ -1,0 +1,351 @@
+// Live figures: the drivers' WebAssembly module draws the same pictures as the drivers, and a woven page shows
+// them, turns what is typed and dragged into options, and explains pixels; make live-STEM shows each save. Speaks TAP, for make check-live; runs in a
+// build folder. Arguments: the source folder, pandoc and Chromium ("" if missing).
+"use strict";
+
+const {execFileSync, spawn} = require("child_process");
+const fs = require("fs");
+const http = require("http");
+const os = require("os");
+const path = require("path");
+const vm = require("vm");
+const zlib = require("zlib");
+
+if (process.argv.includes("--list")) process.exit(0); // the test driver asks for names of tests
+
+const [source, pandoc, chromium] = process.argv.slice(2);
+const build = process.cwd();
+const folder = fs.mkdtempSync(path.join(os.tmpdir(), "raykit-live-"));
+let count = 0, failed = 0;
+
+function check(good, what, why = "") {
+  if (!good && why !== "") String(why).split("\n").forEach((line) => console.log(`# ${line}`));
+  console.log(`${good ? "ok" : "not ok"} ${++count} - ${what}`);
+  failed += good ? 0 : 1;
+}
+
+// --- pictures ------------------------------------------------------------------------------------
+
+// The RGB bytes of a PNG of 8 bits per channel without interlacing, as the drivers write it.
+function decode(file) {
+  const png = fs.readFileSync(file), data = [];
+  let width = 0, height = 0;
+  for (let at = 8; at < png.length; at += 12 + png.readUInt32BE(at)) {
+    const kind = png.toString("latin1", at + 4, at + 8), size = png.readUInt32BE(at);
+    if (kind === "IHDR") [width, height] = [png.readUInt32BE(at + 8), png.readUInt32BE(at + 12)];
+    if (kind === "IDAT") data.push(png.subarray(at + 8, at + 8 + size));
+  }
+  const rows = zlib.inflateSync(Buffer.concat(data)), stride = 3 * width, out = Buffer.alloc(stride * height);
+  for (let y = 0; y < height; y++) {
+    const filter = rows[y * (stride + 1)];
+    for (let x = 0; x < stride; x++) {
+      const left = x >= 3 ? out[y * stride + x - 3] : 0, up = y ? out[(y - 1) * stride + x] : 0;
+      const corner = x >= 3 && y ? out[(y - 1) * stride + x - 3] : 0;
+      const guess = left + up - corner, near = [left, up, corner].map((value) => Math.abs(guess - value));
+      const paeth = near[0] <= near[1] && near[0] <= near[2] ? left : near[1] <= near[2] ? up : corner;
+      out[y * stride + x] = rows[y * (stride + 1) + 1 + x] + [0, left, up, (left + up) >> 1, paeth][filter];
+    }
+  }
+  return {width, height, rgb: out};
+}
+
+function native(driver, args, table = "") {
+  const program = fs.readdirSync("assignments").find((name) => name.replace(/^\d+_/, "") === driver);
+  const printed = execFileSync(path.join(build, "assignments", program, driver), [...args, "--out", folder],
+    {encoding: "utf8", stdio: ["ignore", "pipe", "inherit"]});
+  const picture = printed.match(/^(.*\.png): /m);
+  return {printed, picture: picture && decode(picture[1]), rows: table ? rows_of(table) : []};
+}
+
+// The rows of a table that the drivers put, as texts by column; their cells need no quotes.
+function rows_of(table) {
+  const [header, ...lines] = fs.readFileSync(path.join(folder, "tables", `${table}.csv`), "utf8").trim().split("\n").map((line) => line.split(","));
+  return lines.map((cells) => Object.fromEntries(header.map((name, i) => [name, cells[i]])));
+}
+
+// "" if two pictures are equal, else how they differ.
+function difference(wanted, rgba, width, height) {
+  if (wanted.width !== width || wanted.height !== height) return `${width} x ${height}, not ${wanted.width} x ${wanted.height}`;
+  let values = 0, most = 0;
+  for (let i = 0; i < wanted.rgb.length; i++) {
+    const off = Math.abs(wanted.rgb[i] - rgba[Math.floor(i / 3) * 4 + i % 3]);
+    values += off ? 1 : 0;
+    most = Math.max(most, off);
+  }
+  return values ? `${values} of ${wanted.rgb.length} values differ, by at most ${most}` : "";
+}
+
+// --- the module ----------------------------------------------------------------------------------
+
+vm.runInThisContext(fs.readFileSync(`${source}/tools/live/run.js`, "utf8"));
+const module_ = new WebAssembly.Module(fs.readFileSync("live/raykit.wasm"));
+
+// Of each driver the first three command lines in its look.tsv and its chapter's live figures.
+function command_lines(name) {
+  const stem = name.replace(/^\d+_/, ""), lines = new Set();
+  const chapter = fs.readFileSync(`${source}/docs/${name}.md`, "utf8");
+  for (const [, driver, args] of chapter.matchAll(/^:+ \{\.live driver=(\w+) args="([^"]*)"/gm)) if (driver === stem) lines.add(args);
+  const look = fs.readFileSync(`${source}/assignments/${name}/look.tsv`, "utf8").trim().split("\n").slice(1);
+  for (const row of [...look.map((line) => line.split("\t")[1]), "--scene cornell", "--scene teapot --shadows"]) lines.add(row);
+  return [...lines].slice(0, 3);
+}
+
+function module_draws_like_the_drivers() {
+  for (const name of fs.readdirSync("assignments").filter((entry) => /^\d+_/.test(entry)).sort()) {
+    const driver = name.replace(/^\d+_/, ""), wrong = [];
+    for (const line of command_lines(name)) {
+      const side = line.includes("--pixel") ? "480" : "120"; // where the pixel is
+      const args = [...line.split(/\s+/).filter((word) => word), "--width", side, "--height", side];
+      const wanted = native(driver, args), drawn = runDriver(module_, [driver, ...args]);
+      const why = drawn.status !== 0 ? drawn.said : !drawn.picture ? "no picture"
+        : difference(wanted.picture, drawn.picture.rgba, drawn.picture.width, drawn.picture.height);
+      if (why) wrong.push(`${driver} ${args.join(" ")}: ${why}`);
+    }
+    check(wrong.length === 0, `${driver} draws the same in WebAssembly, to the bit`, wrong.join("\n"));
+  }
+}
+
+function module_prints_like_the_drivers() {
+  const ask = ["--shadows", "--pixel", "60,60", "--width", "120", "--height", "120"];
+  const said = (text) => text.split("\n").filter((line) => !line.includes(".png: ")).join("\n"); // that line has times
+  const printed = said(runDriver(module_, ["shading", ...ask]).printed), wanted = said(native("shading", ask).printed);
+  check(printed === wanted, "a pixel is explained in the driver's words", `${printed}\n-- instead of --\n${wanted}`);
+  const unknown = runDriver(module_, ["bloom", "--bloom-radios", "3"]);
+  check(unknown.status === 1 && /there is no such option/.test(unknown.said), "an unknown option ends with the driver's message",
+    JSON.stringify(unknown));
+  const mesh = runDriver(module_, ["bloom", "--mesh", "a.obj"]);
+  check(mesh.status === 1 && /a page reads no files/.test(mesh.said), "a mesh file is refused with a reason", JSON.stringify(mesh));
+}
+
+// --- the page ------------------------------------------------------------------------------------
+
+const FIGURE = {driver: "bloom", args: "--bloom-threshold 0.5 --bloom-radius 15 --width 200 --height 160"};
+
+const OPTIONS = "bloom-threshold=0..1 bloom-radius=1..100 scene=teapot|cornell debug=|mask";
+
+// A page with one live figure; widget: the part that it alone has.
+function weave({driver, args}, options, widget = "") {
+  const text = path.join(folder, "page.md"), page = path.join(folder, `${driver}${widget}.html`);
+  fs.mkdirSync(path.join(folder, "figures"), {recursive: true});
+  fs.writeFileSync(text, `# A page {#a-page}\n\n::: {.live driver=${driver} args="${args}" options="${options}" ${widget}}\nA caption.\n:::\n`);
+  execFileSync(pandoc, ["--standalone", "--self-contained", "--from=commonmark_x+sourcepos", "--to=html5", `--resource-path=${folder}`,
+    `--lua-filter=${source}/docs/weave.lua`, `--template=${source}/tools/weave/template.html`, "--metadata=title:live", `--output=${page}`, text],
+  {stdio: ["ignore", "ignore", "pipe"], env: {...process.env, RAYKIT_WEAVES: "book", RAYKIT_SOURCE: source, RAYKIT_SOURCE_LINK: source,
+    RAYKIT_BUILD: build, RAYKIT_DRIVERS: build, RAYKIT_OUT: folder, RAYKIT_SCRAPS: folder, RAYKIT_RUNS: "1", RAYKIT_ALONE: "",
+    RAYKIT_LIVE: path.join(build, "live/raykit.wasm")}});
+  return page;
+}
+
+// A browser that is told what to do by its own protocol, through two pipes.
+class Browser {
+  constructor() {
+    const options = ["--headless", "--disable-gpu", "--remote-debugging-pipe", "--window-size=1200,900",
+      `--user-data-dir=${path.join(folder, "profile")}`, ...(process.getuid() === 0 ? ["--no-sandbox"] : [])];
+    this.process = spawn(chromium, options, {stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"]});
+    this.waiting = new Map();
+    let text = "";
+    this.process.stdio[4].on("data", (data) => {
+      const messages = (text + data).split("\0");
+      text = messages.pop();
+      for (const message of messages.map((part) => JSON.parse(part))) {
+        if (this.waiting.has(message.id)) this.waiting.get(message.id)(message.result || message);
+        this.waiting.delete(message.id);
+      }
+    });
+    this.last = 0;
+  }
+  send(method, params = {}) {
+    this.process.stdio[3].write(`${JSON.stringify({id: ++this.last, method, params, sessionId: this.session})}\0`);
+    return new Promise((resolve) => this.waiting.set(this.last, resolve));
+  }
+  async open(page, before = "") {
+    this.session = undefined;
+    const {targetId} = await this.send("Target.createTarget", {url: "about:blank"});
+    this.session = (await this.send("Target.attachToTarget", {targetId, flatten: true})).sessionId;
+    await this.send("Page.enable");
+    await this.send("Page.addScriptToEvaluateOnNewDocument", {source: before});
+    await this.send("Page.navigate", {url: page});
+  }
+  async value(expression) {
+    const answer = await this.send("Runtime.evaluate", {expression, awaitPromise: true, returnByValue: true});
+    if (answer.exceptionDetails) throw new Error(`${expression}: ${answer.exceptionDetails.exception.description}`);
+    return answer.result.value;
+  }
+  // Until the expression is true; false after 30 seconds.
+  async until(expression) {
+    for (let tenth = 0; tenth < 300; tenth++) {
+      if (await this.value(expression).catch(() => false)) return true;
+      await new Promise((resolve) => setTimeout(resolve, 100));
+    }
+    return false;
+  }
+  async key(key) {
+    for (const type of ["keyDown", "keyUp"]) await this.send("Input.dispatchKeyEvent", {type, key});
+  }
+  async mouse(type, x, y) {
+    await this.send("Input.dispatchMouseEvent", {type, x, y, button: "left", buttons: 1, clickCount: 1});
+  }
+}
+
+const drawn = (args) => `document.querySelector(".live").dataset.drawn === ${JSON.stringify(args)}`;
+
+// How the canvas differs from the driver's picture of the command under it.
+async function differs(browser, driver = FIGURE.driver) {
+  const args = (await browser.value('document.querySelector(".live .command").textContent')).split(" ").slice(1);
+  const {width, height, bytes} = await browser.value(`(() => {
+    const canvas = document.querySelector(".live canvas"), {width, height} = canvas;
+    return {width, height, bytes: Array.from(canvas.getContext("2d").getImageData(0, 0, width, height).data)};
+  })()`);
+  return difference(native(driver, args).picture, bytes, width, height);
+}
+
+async function page_is_live(browser, page) {
+  await browser.open(`file://${page}`);
+  const live = await browser.until(drawn(FIGURE.args));
+  check(live, "a page opened as a file draws its figure", "no picture within 30 seconds");
+  if (!live) return;
+  const first = await differs(browser);
+  check(!first, "the picture is the driver's, to the bit", first);
+
+  await browser.value(`(() => {
+    const slider = document.querySelector(".live input[name=bloom-radius]");
+    slider.value = 1000;
+    slider.dispatchEvent(new Event("input"));
+    slider.dispatchEvent(new Event("change"));
+  })()`);
+  const moved = await browser.until(drawn(FIGURE.args.replace("radius 15", "radius 100")));
+  const second = moved ? await differs(browser) : "no new picture within 30 seconds";
+  check(!second, "a slider at its end draws the driver's picture of that option", second);
+
+  const box = await browser.value(`(() => {
+    const {left, top, width, height} = document.querySelector(".live canvas").getBoundingClientRect();
+    return {left, top, width, height};
+  })()`);
+  const at = (x, y) => [box.left + (x + .5) / 200 * box.width, box.top + (y + .5) / 160 * box.height];
+  await browser.mouse("mousePressed", ...at(100, 80));
+  await browser.mouse("mouseReleased", ...at(100, 80));
+  await browser.until('document.querySelector(".live").dataset.explained');
+  const story = await browser.value('[...document.querySelectorAll(".live .story pre:not(.code) span")].map((step) => step.textContent).join("\\n")');
+  const wanted = native(FIGURE.driver, [...FIGURE.args.replace("radius 15", "radius 100").split(" "), "--pixel", "100,80"]).printed;
+  check(story && wanted.startsWith(story), "a click shows the driver's explanation of the pixel", `${story}\n-- instead of --\n${wanted}`);
+
+  const lines = await browser.value(`(() => {
+    const next = document.querySelectorAll(".live .story button")[1], lines = [];
+    for (const step of document.querySelectorAll(".live .story pre:not(.code) span")) {
+      const code = document.querySelector(".live .story .code");
+      if (step.dataset.code) lines.push([step.dataset.code, code.hidden, code.querySelector(".now").textContent]);
+      next.click();
+    }
+    return lines;
+  })()`);
+  const unshown = lines.filter(([code, hidden, line]) => hidden || !line.includes(code.split(": ")[1]));
+  check(lines.length > 3 && unshown.length === 0, "beside each step is the line of C that does it", JSON.stringify(lines));
+
+  await browser.mouse("mousePressed", ...at(100, 80));
+  for (let x = 100; x <= 150; x += 10) await browser.mouse("mouseMoved", ...at(x, 80));
+  await browser.mouse("mouseReleased", ...at(150, 80));
+  const turned = await browser.until(`(() => {
+    const command = document.querySelector(".live .command").textContent;
+    return /--yaw/.test(command) && command.endsWith(" " + document.querySelector(".live").dataset.drawn);
+  })()`);
+  const third = turned ? await differs(browser) : "the command has no --yaw";
+  check(!third, "dragging turns the camera", third);
+}
+
+async function page_stays_without_webassembly(browser, page) {
+  await browser.open(`file://${page}`, "delete window.WebAssembly");
+  await browser.until('document.readyState === "complete"');
+  await new Promise((resolve) => setTimeout(resolve, 500));
+  const kept = await browser.value('Boolean(document.querySelector(".live img[src^=data]") && !document.querySelector("canvas"))');
+  check(kept, "without WebAssembly the driver's picture stays");
+}
+
+// --- make live-STEM ------------------------------------------------------------------------------
+
+// The state that the page is told of, once it fulfils the condition; null after two minutes.
+async function told(url, condition) {
+  const limit = AbortSignal.timeout(120000);
+  let text = "";
+  try {
+    for await (const part of (await fetch(`${url}/events`, {signal: limit})).body) {
+      text += Buffer.from(part).toString();
+      for (const [, line] of text.matchAll(/^data: (.*)\n\n/gm)) if (condition(JSON.parse(line))) return JSON.parse(line);
+      text = text.slice(text.lastIndexOf("\n\n") + 2);
+    }
+  } catch (error) {
+    if (!limit.aborted) throw error;
+  }
+  return null;
+}
+
+// A click on the student's picture: two trees of rays, and where they begin to differ.
+async function loop_compares_rays(browser, url) {
+  await browser.open(url);
+  await browser.until('document.querySelector("#own").naturalWidth === 400 && !document.querySelector("#own").parentElement.hidden');
+  const {left, top, width, height} = await browser.value('(({left, top, width, height}) => ({left, top, width, height}))(document.querySelector("#own").getBoundingClientRect())');
+  for (const type of ["mousePressed", "mouseReleased"]) await browser.mouse(type, left + width / 2, top + height / 2);
+  await browser.until('document.querySelector("#pixel").dataset.of');
+  const {marked, values, nested, folded} = await browser.value(`({
+    marked: [...document.querySelectorAll(".tree mark")].map((mark) => mark.textContent.replace(/ .*/, "")).join(),
+    values: [...document.querySelectorAll("#pixel td code")].map((code) => code.textContent),
+    nested: document.querySelectorAll(".tree:first-of-type details details details").length,
+    folded: document.querySelectorAll(".tree details:not([open])").length})`);
+  check(marked === "adds,adds" && values.length === 2 && values[0] !== values[1], "a click marks where the rays of two units begin to differ, with both values",
+    JSON.stringify({marked, values}));
+  check(nested === 2 && folded === 0, "lights are nested in hits, and hits in rays", JSON.stringify({nested, folded}));
+}
+
+async function loop_shows_each_save(browser) {
+  const unit = path.join(folder, "shading.c"), solution = fs.readFileSync(`${source}/src/features/shading.c`, "utf8");
+  fs.writeFileSync(unit, solution);
+  const make = spawn(process.env.MAKE || "make", ["-s", "live-shading", `IMPL=${unit}`, "STEP=1"], {stdio: ["ignore", "pipe", "inherit"], detached: true});
+  try {
+    let said = "";
+    await new Promise((resolve) => make.stdout.on("data", (part) => { // on to the end: a closed pipe would end the loop
+      said += part;
+      if (/http:\S+\//.test(said)) resolve();
+    }).on("end", resolve));
+    const url = said.match(/http:\S+(?=\/)/)[0];
+    const solved = await told(url, (known) => known.same && !known.busy);
+    check(solved && /^ok/m.test(solved.claims), "the live loop shows that a solution's picture and claims are right", JSON.stringify(solved));
+    fs.writeFileSync(unit, solution.replace("rk_scale(kd, diffuse));", "rk_scale(kd, 0.5f * diffuse));"));
+    const wrong = await told(url, (known) => known.compared && !known.same && !known.busy);
+    check(wrong && /FAIL/.test(wrong.claims) && wrong.hint && wrong.pictures.includes("difference"),
+      "after a save with a mistake it shows the difference, the failed claim and a hint", JSON.stringify(wrong));
+    if (browser) await loop_compares_rays(browser, url);
+    const {hostname, port} = new URL(url);
+    const status = await new Promise((resolve) => http.get({hostname, port, path: "/events", headers: {Host: "elsewhere.example"}},
+      (answer) => resolve(answer.statusCode)));
+    check(status === 403, "it refuses a request that names another host", status);
+  } finally {
+    process.kill(-make.pid, "SIGTERM");
+  }
+}
+
+async function main() {
+  module_draws_like_the_drivers();
+  module_prints_like_the_drivers();
+  if (!pandoc || !chromium) {
+    console.log(`ok ${++count} - pages # SKIP ${pandoc ? "Chromium is missing: ./bootstrap --pdf" : "pandoc is missing: ./bootstrap"}`);
+    await loop_shows_each_save();
+  } else {
+    const page = weave(FIGURE, OPTIONS), browser = new Browser();
+    try {
+      await page_is_live(browser, page);
+      await page_stays_without_webassembly(browser, page);
+      await require("./test_live_widgets.js")({check, native, weave, differs, browser});
+      await loop_shows_each_save(browser);
+    } finally {
+      const ended = new Promise((resolve) => browser.process.on("exit", resolve));
+      browser.session = undefined;
+      browser.send("Browser.close");
+      await ended;
+    }
+  }
+  console.log(`1..${count}`);
+}
+
+main().catch((error) => check(false, "the tests run to their end", error.stack)).finally(() => {
+  fs.rmSync(folder, {recursive: true, force: true});
+  process.exitCode = failed ? 1 : 0;
+});

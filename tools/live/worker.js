@@ -1,0 +1,14 @@
+
+let module = null;
+onmessage = ({data}) => {
+  module = data.module || module;
+  if (!data.args) return;
+  const started = performance.now();
+  let result;
+  try {
+    result = runDriver(module, data.args, (part) => data.tells && postMessage({...part, id: data.id, part: true}));
+  } catch (error) { // a trap: out of memory, or of stack
+    result = {status: 3, printed: "", rows: [], said: `the driver ended: ${error.message}`, picture: null, finish: null};
+  }
+  postMessage({...result, id: data.id, ms: performance.now() - started});
+};

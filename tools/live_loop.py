@@ -1,0 +1,297 @@
+#!/usr/bin/env python3
+"""Shows a unit in the browser: after every save its picture, the wanted one, where they differ, and the claims.
+Ctrl-C ends it.
+
+A server for this machine alone. The page is tools/live/loop.html; it gets everything that is known, as JSON, whenever
+something of it changes. A click on a picture asks both drivers to explain the pixel."""
+
+import http.server
+import json
+import os
+import re
+import shutil
+import signal
+import subprocess
+import sys
+import threading
+import time
+import urllib.parse
+
+import hint
+from draw import choose_look, small
+from drivers import driver_of
+from grade import require_units, stop_on_signals
+from grading.assignments import Parser, ToolError, choose, read_features, read_looks, read_points
+from grading.build import Toolchain
+from grading.private_copy import make_folder
+from handout_text import handout_of
+from watch import Check, state
+
+_LOOK_SECONDS = 0.05
+_PATIENCE = 30  # seconds for a picture
+_SIDE = 400  # of a picture, as large as the page shows it
+_TOOLS = os.path.dirname(os.path.abspath(__file__))
+
+
+def _shown(output, start):
+    """Returns the file that a driver's line names, and what the line says of it."""
+    for line in output.splitlines():
+        path, found, says = line.partition(": ")
+        if found and path.endswith(".png") and path.startswith(start):
+            return path, says
+    return "", ""
+
+
+class Picture:
+    """The student's driver, built and drawn in a thread of its own until a newer save ends it. The claims matter more: it
+    leaves them the processors."""
+
+    def __init__(self, loop):
+        self._loop, self._process, self._lock, self._ended = loop, None, threading.Lock(), False
+        self._thread = threading.Thread(target=self._make, daemon=True)
+        self._thread.start()
+
+    def _run(self, command):
+        """Returns the status and what was said; None if a newer save has ended it."""
+        with self._lock:
+            if self._ended:
+                return None
+            self._process = subprocess.Popen(["nice", *command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                             stderr=subprocess.STDOUT, start_new_session=True)
+        try:
+            said = self._process.communicate(timeout=_PATIENCE)[0].decode(errors="replace")
+        except subprocess.TimeoutExpired:
+            self._kill()
+            said = f"no picture within {_PATIENCE} s; does a loop in your unit never end?"
+        return None if self._ended else (self._process.wait(), said)
+
+    def _make(self):
+        loop = self._loop
+        if "wanted" not in loop.files:
+            wanted = self._run(loop.drawing("wanted", loop.kit))
+            if wanted:
+                loop.files["wanted"], _ = _shown(wanted[1], loop.out)
+        built = self._run(loop.building)
+        if built and built[0]:
+            loop.tell(ends="drawing", failed=built[1])
+        elif built:
+            drawn = self._run([*loop.drawing("own"), "--compare", loop.files["wanted"]])
+            if drawn:
+                loop.take_picture(*drawn)
+
+    def _kill(self):
+        try:
+            os.killpg(self._process.pid, signal.SIGKILL)
+        except ProcessLookupError:
+            pass
+
+    def end(self):
+        with self._lock:
+            self._ended = True
+            if self._process and self._process.poll() is None:
+                self._kill()
+        self._thread.join()
+
+
+class Loop:
+    """What is known of the unit: `known` for the page, `files` by the names of pictures."""
+
+    def __init__(self, toolchain, feature, impl, step):
+        self._impl, self._feature = impl, feature
+        self._hints = hint.hints_of(handout_of(toolchain.source, feature))
+        self._is_step_chosen = bool(step)
+        self._own = os.path.join(toolchain.build, driver_of(feature))
+        self.kit = None if toolchain.handed_out else toolchain.built(f"assignments/{feature.folder}/{feature.stem}")
+        self.out = os.path.join(toolchain.build, "impl", "loop")
+        self.building = [sys.executable, "-B", os.path.join(_TOOLS, "drivers.py"), "--build", toolchain.build, "--impl", impl,
+                         "--only", feature.stem]
+        self.files, self.changed, self._doing = {}, threading.Condition(), set()
+        self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "", "hint": "",
+                      "seconds": 0, "held": [], "broken": [], "of": len(read_points(feature))}
+        self._look_at(choose_look(feature, step))
+
+    def _look_at(self, look):
+        """Shows another step's picture from now on."""
+        self.files = {} if self.kit else {"wanted": look.picture}
+        self._options = small(look.options, _SIDE) if self.kit else small(look.options)
+        self.tell(step=look.step, caption=look.caption, command=f"{driver_of(self._feature)} {look.options}", same=False,
+                  compared="", says="")
+
+    def _follow(self, step):
+        """Shows the next picture that the student can reach, unless one was asked for; returns whether it is another."""
+        looks = read_looks(self._feature)
+        look = next((look for look in looks if step and int(look.step) >= int(step)), looks[-1])
+        if self._is_step_chosen or look.step == self.known["step"]:
+            return False
+        self._look_at(look)
+        return True
+
+    def drawing(self, name, driver=None):
+        """Returns the command that draws the picture of this name."""
+        return [driver or self._own, *self._options, "--out", os.path.join(self.out, name)]
+
+    def tell(self, begins=(), ends="", **news):
+        with self.changed:
+            self._doing = (self._doing | set(begins)) - {ends}
+            self.known.update(news, version=self.known["version"] + 1, busy=" and ".join(sorted(self._doing)))
+            self.changed.notify_all()
+
+    def take_picture(self, status, said):
+        """Tells of a picture that was drawn, or why there is none."""
+        path, caption = _shown(said, self.out)
+        comparison = next((line for line in said.splitlines() if ": the picture " in line), "")
+        difference = path[:-4] + "_difference.png"
+        self.files["own"] = path or self.files.get("own", "")
+        self.files["difference"] = difference if os.path.exists(difference) else ""
+        self.tell(ends="drawing", failed=(said or f"the driver ended with status {status}") if status else "", says=caption,
+                  same=comparison.endswith("is the same"), compared=comparison.partition(": the picture ")[2].partition(";")[0])
+
+    def explain(self, pixel):
+        """Returns the explanations of a pixel by the student's unit and by the kit's."""
+        options = self._options
+        if "--debug" in options:
+            at = options.index("--debug")
+            options = options[:at] + options[at + 2 :]
+        runs = [subprocess.Popen([driver, *options, "--pixel", pixel, "--quiet", "--out", os.path.join(self.out, f"pixel{at}")],
+                                 stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+                for at, driver in enumerate(filter(None, (self._own, self.kit)))]
+        texts = []
+        for run in runs:
+            try:
+                texts.append(run.communicate(timeout=_PATIENCE)[0].decode(errors="replace"))
+            except subprocess.TimeoutExpired:
+                run.kill()
+                texts.append(f"no answer within {_PATIENCE} s\n")
+        return texts
+
+    def _take_claims(self, claims, seconds):
+        """Tells the grader's verdict, with the first hint to the step that it names; returns whether a further picture
+        is to be drawn."""
+        step = re.search(r"make hint-\w+ STEP=(\d+)", claims)
+        is_hinted = step and step[1] in self._hints
+        self.tell(ends="checking the claims", claims=claims, held=[], broken=[], seconds=seconds,
+                  hint=hint.said(self._feature.stem, self._hints, step[1], "1") if is_hinted else "")
+        return bool(step or claims.startswith("ok")) and self._follow(step and step[1])
+
+    def _tell_claims_of(self, record):
+        """Tells which claims have ended, from the grader's record."""
+        with open(record, encoding="utf-8") as file:
+            claims = [json.loads(line) for line in file if line.endswith("\n")]
+        held, broken = ([claim["name"] for claim in claims if claim["passed"] is passed] for passed in (True, False))
+        if [held, broken] != [self.known["held"], self.known["broken"]]:
+            self.tell(held=held, broken=broken)
+
+    def run(self, grader, kept):
+        """Draws and checks at once and after every save, until interrupted."""
+        seen, check, picture, record = None, None, None, os.path.join(kept, "claims")
+        try:
+            while True:
+                now = state(self._impl)
+                if now != seen:
+                    for work in filter(None, (check, picture)):
+                        work.end()
+                    seen, saved = now, time.monotonic()
+                    before = _changed_at(record)
+                    self.tell(begins=("drawing", "checking the claims"), failed="", held=[], broken=[])
+                    check, picture = Check(grader), Picture(self)
+                elif check and check.is_over():
+                    claims = check.verdict()
+                    check.end()
+                    check = None
+                    if self._take_claims(claims, round(time.monotonic() - saved, 1)):
+                        picture.end()
+                        self.tell(begins=["drawing"])
+                        picture = Picture(self)
+                elif check and _changed_at(record) != before:
+                    self._tell_claims_of(record)
+                time.sleep(_LOOK_SECONDS)
+        finally:
+            for number in (signal.SIGINT, signal.SIGTERM):
+                signal.signal(number, signal.SIG_IGN)  # a second one changes nothing
+            for work in filter(None, (check, picture)):
+                work.end()
+
+
+def _changed_at(path):
+    return os.stat(path).st_mtime_ns if os.path.exists(path) else 0
+
+
+class Page(http.server.BaseHTTPRequestHandler):
+    """Answers the page: /, /events, /picture/NAME and /pixel?X,Y."""
+
+    def log_message(self, *_):
+        pass
+
+    def _answer(self, content, kind):
+        self.send_response(200)
+        self.send_header("Content-Type", kind)
+        self.send_header("Cache-Control", "no-store")
+        self.end_headers()
+        self.wfile.write(content)
+
+    def do_GET(self):  # pylint: disable=invalid-name
+        loop, place = self.server.loop, urllib.parse.urlparse(self.path)
+        name = place.path.rpartition("/")[2]
+        if self.headers.get("Host", "").replace("localhost", "127.0.0.1") != self.server.host:  # a page from elsewhere that names this machine
+            self.send_error(403)
+        elif place.path == "/":
+            with open(os.path.join(_TOOLS, "live", "loop.html"), "rb") as file:
+                self._answer(file.read(), "text/html; charset=utf-8")
+        elif place.path == "/events":
+            self._send_events(loop)
+        elif place.path == "/pixel" and place.query.replace(",", "", 1).isdigit():
+            self._answer(json.dumps(loop.explain(place.query)).encode(), "application/json")
+        elif place.path.startswith("/picture/") and os.path.isfile(loop.files.get(name, "")):
+            with open(loop.files[name], "rb") as file:
+                self._answer(file.read(), "image/png")
+        else:
+            self.send_error(404)
+
+    def _send_events(self, loop):
+        self._answer(b"", "text/event-stream")
+        version = -1
+        try:
+            while True:
+                with loop.changed:
+                    loop.changed.wait_for(lambda: loop.known["version"] != version, timeout=5)
+                    version, text = loop.known["version"], json.dumps({**loop.known, "pictures": [
+                        name for name, path in loop.files.items() if path]})
+                self.wfile.write(f"data: {text}\n\n".encode())
+                self.wfile.flush()
+        except OSError:
+            pass  # the page is closed
+
+
+def main():
+    parser = Parser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("stem", metavar="STEM")
+    parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
+    parser.add_argument("--build", default=".", metavar="DIR")
+    parser.add_argument("--step", default="", metavar="N", help="of the handout; the last one for none")
+    arguments = parser.parse_args()
+    stop_on_signals()
+    kept = make_folder()
+    grader = [sys.executable, "-X", f"pycache_prefix={os.path.join(kept, 'python')}", os.path.join(_TOOLS, "grade.py"),
+              arguments.stem, "--build", arguments.build, "--impl", arguments.impl, "--own", "--kept", kept]
+    try:
+        toolchain = Toolchain(arguments.build)
+        feature = choose(read_features(toolchain.source), [arguments.stem])[0]
+        require_units(arguments.build, [arguments.stem], arguments.impl)
+        loop = Loop(toolchain, feature, arguments.impl, arguments.step)
+        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Page)
+        server.daemon_threads, server.loop, server.host = True, loop, f"127.0.0.1:{server.server_port}"
+        threading.Thread(target=server.serve_forever, daemon=True).start()
+        print(f"open http://{server.host}/ in a browser of this machine, and edit {arguments.impl}; Ctrl-C ends", flush=True)
+        loop.run(grader, kept)
+    except ToolError as error:
+        print(f"live: {error}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print()
+    finally:
+        shutil.rmtree(kept, ignore_errors=True)
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())

@@ -1,0 +1,122 @@
+// Helps to read: contents that follow the reader, search, links to headings, copies of listings. The page is
+// complete without. `raykitIndex` has what can be searched for: [title, kind, anchor, page].
+"use strict";
+(() => {
+  const make = (name, attributes, ...children) => {
+    const element = document.createElement(name);
+    for (const key in attributes) element.setAttribute(key, attributes[key]);
+    element.append(...children);
+    return element;
+  };
+
+  // --- contents ------------------------------------------------------------------------------
+
+  const contents = document.querySelector("nav.contents");
+  const wide = matchMedia("(min-width: 76rem)");
+  const fold = contents.querySelector("details");
+  const unfoldIfWide = () => { fold.open = wide.matches; };
+  unfoldIfWide();
+  wide.addEventListener("change", unfoldIfWide);
+  addEventListener("beforeprint", () => { fold.open = true; });
+  addEventListener("afterprint", unfoldIfWide);
+  contents.classList.add("follows");
+
+  const links = new Map();
+  for (const link of contents.querySelectorAll("li a")) {
+    const [page, name] = link.getAttribute("href").split("#");
+    if (!page) links.set(name, link);
+  }
+  const headings = [...document.querySelectorAll("main h1[id], main h2[id]")].filter((heading) => links.has(heading.id));
+
+  const show = (link) => {
+    for (const old of contents.querySelectorAll("[aria-current]")) old.removeAttribute("aria-current");
+    link.setAttribute("aria-current", "true");
+    const item = link.closest("nav > details > ul > li");
+    for (const other of contents.querySelectorAll("li.current")) other.classList.toggle("current", other === item);
+    item.classList.add("current");
+    if (!wide.matches) return;
+    const box = contents.getBoundingClientRect();
+    const place = link.getBoundingClientRect();
+    if (place.top < box.top + 80) contents.scrollTop += place.top - box.top - 80;
+    if (place.bottom > box.bottom - 40) contents.scrollTop += place.bottom - box.bottom + 40;
+  };
+  const follow = () => {
+    let current = headings[0];
+    for (const heading of headings) {
+      if (heading.getBoundingClientRect().top > innerHeight / 3) break;
+      current = heading;
+    }
+    if (current) show(links.get(current.id));
+  };
+  // All that is above a third of the window, so that jumps over several headings count as well.
+  const observer = new IntersectionObserver(follow, { rootMargin: "10000000px 0px -66% 0px" });
+  headings.forEach((heading) => observer.observe(heading));
+
+  // --- search --------------------------------------------------------------------------------
+
+  const field = make("input", { type: "search", placeholder: "Search", autocomplete: "off",
+    "aria-label": "Search headings, functions, tests and terms", "aria-controls": "found" });
+  const found = make("ul", { id: "found", hidden: "" });
+  const said = make("p", { class: "said", role: "status" });
+  const most = 12;
+
+  // Beginnings of titles first, then beginnings of words.
+  const rank = (title, wanted) => {
+    const at = title.toLowerCase().indexOf(wanted);
+    return at <= 0 ? at : /[\s_]/.test(title[at - 1]) ? 1 : 2;
+  };
+  const search = () => {
+    const wanted = field.value.trim().toLowerCase();
+    const hits = wanted.length > 1 ? raykitIndex.map((entry) => [rank(entry[0].replace(/^[\d.]+ /, ""), wanted), entry])
+      .filter(([order]) => order >= 0).sort((a, b) => a[0] - b[0]) : [];
+    found.replaceChildren(...hits.slice(0, most).map(([, [title, kind, name, page]]) => {
+      const here = document.getElementById(name);
+      return make("li", {}, make("a", { href: (here ? "" : page) + "#" + name }, title), make("small", {}, kind));
+    }));
+    found.hidden = hits.length === 0;
+    said.textContent = wanted.length < 2 ? "" : hits.length > most ? `${most} of ${hits.length} shown` :
+      hits.length ? "" : "nothing found";
+  };
+  field.addEventListener("input", search);
+  field.addEventListener("keydown", (event) => {
+    if (event.key === "Escape") field.value = "";
+    if (event.key === "Escape") search();
+    if (event.key === "Enter" && found.firstChild) found.querySelector("a").click();
+  });
+  contents.prepend(make("div", { class: "search", role: "search" }, field, found, said));
+
+  // A test that is linked to unfolds, with the list around it.
+  const unfold = () => {
+    const target = document.getElementById(decodeURIComponent(location.hash.slice(1)));
+    for (let around = target && target.closest("details"); around; around = around.parentElement.closest("details")) around.open = true;
+    if (target && target.closest("details")) target.scrollIntoView();
+  };
+  addEventListener("hashchange", unfold);
+  unfold();
+
+  // --- headings and listings -----------------------------------------------------------------
+
+  for (const heading of document.querySelectorAll("main :is(h1, h2, h3)[id]")) {
+    const title = heading.textContent.trim();
+    heading.append(make("a", { class: "permalink", href: "#" + heading.id, "aria-label": "Link to " + title }, "#"));
+  }
+
+  const copy = async (button, code) => {
+    try {
+      await navigator.clipboard.writeText(code.textContent);
+      button.textContent = "copied";
+    } catch {
+      getSelection().selectAllChildren(code);
+      button.textContent = "selected";
+    }
+    setTimeout(() => { button.textContent = "copy"; }, 1500);
+  };
+  for (const code of document.querySelectorAll("main pre > code")) {
+    const button = make("button", { type: "button", class: "copy", "aria-label": "Copy this code" }, "copy");
+    button.addEventListener("click", () => copy(button, code));
+    const block = code.parentElement;
+    const holder = make("div", { class: "copyable" });
+    block.replaceWith(holder);
+    holder.append(block, button);
+  }
+})();

@@ -1,0 +1,79 @@
+-- What can be seen wrong in a picture without knowing its text.
+
+local drive = require("drive")
+local fail_at = drive.fail_at
+
+local pictures = {}
+
+-- A PNG file's pixels, equal for equal pictures, and its texts by their keys.
+local function read_png(path)
+  local file = io.open(drive.out .. "/" .. path, "rb")
+  local png, parts, texts, at = file:read("a"), {}, {}, 9
+  file:close()
+  while at < #png do
+    local length, kind = string.unpack(">I4c4", png, at)
+    local data = png:sub(at + 8, at + 7 + length)
+    if kind == "IHDR" or kind == "IDAT" then parts[#parts + 1] = data end
+    if kind == "tEXt" then texts[data:match("^[^\0]*")] = data:match("%z(.*)$") end
+    at = at + 12 + length
+  end
+  return table.concat(parts), texts
+end
+
+-- Width and height in pixels from a PNG's or an SVG's first lines, or nil.
+function pictures.size(path)
+  local file = path:find("^figures/") and io.open(drive.out .. "/" .. path, "rb")
+  if not file then return nil end
+  local head = file:read(1000) or ""
+  file:close()
+  if head:sub(13, 16) == "IHDR" then
+    local width, height = string.unpack(">I4I4", head, 17)
+    return width, height
+  end
+  return head:match('<svg.-%swidth="([%d.]+)"'), head:match('<svg.-%sheight="([%d.]+)"')
+end
+
+local most_black, least_frame = 0.7, 0.4
+local dark = 0 -- pictures
+local drawn = {} -- figures with their paths and pixels
+
+-- Most of a picture is there to be seen; dark=yes says that this one has to be dark.
+function pictures.check_subject(div, path)
+  if drive.units ~= "" then return end -- a student's unit may draw anything, and differently each time
+  local pixels, texts = read_png(path)
+  drawn[#drawn + 1] = {div = div, path = path, pixels = pixels}
+  local black, frame = tonumber(texts["raykit:black"]), tonumber(texts["raykit:frame"])
+  if div.attributes.dark or not black then return end
+  if black > most_black or frame < least_frame then
+    dark = dark + 1
+    drive.say("%s: %s: %.0f %% is black, and all that can be seen is in %.0f %% of the frame", drive.place(div), path,
+      100 * black, 100 * frame)
+  end
+end
+
+-- All of them at once, because drawing them takes minutes.
+function pictures.finish()
+  for _, figure in ipairs(drawn) do
+    if read_png(figure.path) ~= figure.pixels then
+      fail_at(figure.div, "a later run, for a table or a plot, has drawn over %s; keep=NAME gives that run a folder of its own",
+        figure.path)
+    end
+  end
+  if dark == 0 then return end
+  drive.fail("%d pictures show too little (above): come closer, give them a sky, or say dark=yes where it has to be so", dark)
+end
+
+-- Pictures of a row are there to be compared. A student's unit may not make a difference yet.
+function pictures.check_row(div)
+  local seen = {}
+  local function compare(image)
+    local pixels = image.src:find("^figures/.*%.png$") and read_png(image.src)
+    if pixels and seen[pixels] then
+      fail_at(div, "%s and %s are equal, pixel for pixel; show something in which they differ", seen[pixels], image.src)
+    end
+    if pixels then seen[pixels] = image.src end
+  end
+  if drive.units == "" then div:walk({Image = compare}) end
+end
+
+return pictures

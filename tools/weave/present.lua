@@ -1,0 +1,136 @@
+-- The last step before HTML: pictures and tables become figures with captions, pictures know their
+-- sizes, and whoever cannot see or point gets short texts and a place for the keyboard.
+
+local drive = require("drive")
+local numbering = require("numbering")
+local pictures = require("pictures")
+
+local present = {}
+
+-- --- texts for who cannot see ----------------------------------------------------------------
+
+local symbols = {cdot = "·", times = "×", le = "≤", leq = "≤", ge = "≥", geq = "≥", ne = "≠", approx = "≈", infty = "∞",
+  sum = "sum of", int = "integral of", prod = "product of", sqrt = "√", pm = "±", to = "→", ldots = "…", dots = "…",
+  alpha = "α", beta = "β", gamma = "γ", delta = "δ", epsilon = "ε", varepsilon = "ε", eta = "η", theta = "θ",
+  lambda = "λ", mu = "μ", pi = "π", rho = "ρ", sigma = "σ", tau = "τ", phi = "φ", omega = "ω", Omega = "Ω", Delta = "Δ"}
+
+-- A formula as it could be read aloud, not set.
+local function text_of_formula(tex)
+  tex = tex:gsub("\\[dt]?frac%s*(%b{})%s*(%b{})", "%1 / %2"):gsub("\\[,;:! ]", " ")
+  tex = tex:gsub("\\(%a+)", function(name) return symbols[name] or (#name <= 3 and name or "") end)
+  return (tex:gsub("\\\\", "; "):gsub("[{}&\\]", ""):gsub("%s+", " "):gsub("^ ", ""):gsub(" $", ""))
+end
+
+local function text_of(inlines)
+  local texts = pandoc.Plain(inlines):walk({Math = function(math) return pandoc.Str(text_of_formula(math.text)) end})
+  return pandoc.utils.stringify(texts)
+end
+
+-- The alternative text: the figure's own, or the first sentence of its caption.
+local function alternative(div, caption)
+  if div.attributes.alt then return div.attributes.alt end
+  if not caption or not caption.content[1] then return "" end
+  local inlines = pandoc.List(caption.content[1].content):filter(function(inline)
+    return not (inline.t == "Link" and inline.classes:includes("number"))
+  end)
+  local text = text_of(inlines):gsub("^%s+", "")
+  return text:match("^(.-[.:;!?])%s+%u") or text
+end
+
+-- --- pictures --------------------------------------------------------------------------------
+
+function present.size(image)
+  local width, height = pictures.size(image.src)
+  if not width then return nil end
+  image.attributes.width, image.attributes.height = tostring(width), tostring(height)
+  image.attributes.loading, image.attributes.decoding = "lazy", "async"
+  return image
+end
+
+local function html(text) return pandoc.RawBlock("html", text) end
+
+local function figure(div)
+  local list, caption = pandoc.List(div.content), nil
+  local last = list[#list]
+  if last and last.t == "Div" and last.classes:includes("caption") then caption = list:remove(#list) end
+  list:insert(1, html(string.format('<figure class="%s"%s>', table.concat(div.classes, " "),
+    div.identifier ~= "" and ' id="' .. div.identifier .. '"' or "")))
+  if caption then
+    list:insert(html('<figcaption class="caption">'))
+    list:extend(caption.content)
+    list:insert(html("</figcaption>"))
+  end
+  list:insert(html("</figure>"))
+  return list
+end
+
+-- --- tables ----------------------------------------------------------------------------------
+
+function present.term_id(term) return "term-" .. term:lower():gsub("[^%w]+", "-"):gsub("%-$", "") end
+
+-- The glossary's terms have names, by which the search finds them.
+local function name_terms(simple)
+  for _, row in ipairs(simple.rows) do
+    local term = row[1][1]
+    term.content = {pandoc.Span(term.content, {id = present.term_id(pandoc.utils.stringify(term.content))})}
+  end
+  return pandoc.utils.from_simple_table(simple)
+end
+
+local function arranged(tabular)
+  local simple = pandoc.utils.to_simple_table(tabular)
+  local first = simple.headers[1] and pandoc.utils.stringify(simple.headers[1])
+  return first == "term" and name_terms(simple) or tabular
+end
+
+local function scrollable(label) return {class = "wide", tabindex = "0", role = "region", ["aria-label"] = label} end
+
+function present.table(tabular)
+  return pandoc.Div({arranged(tabular)}, scrollable("Table"))
+end
+
+-- --- formulas --------------------------------------------------------------------------------
+
+-- A displayed formula, which may be wider than the page.
+function present.formula(span)
+  if not span.classes:includes("equation") then return nil end
+  span.content[1] = pandoc.Span({span.content[1]}, {class = "formula", tabindex = "0", role = "math",
+    ["aria-label"] = text_of_formula(span.content[1].text)})
+  return span
+end
+
+-- --- filters ---------------------------------------------------------------------------------
+
+-- While formulas are still what the text has.
+function present.describe(div)
+  if not div.classes:includes("picture") then return nil end
+  local alt = (div.classes:includes("plot") and "Plot: " or "") .. alternative(div, div.content[#div.content])
+  div.attributes.alt = nil
+  return div:walk({Image = function(image)
+    image.caption = {pandoc.Str(alt .. (pandoc.utils.stringify(image.caption):match(" Labels: .*$") or ""))}
+    return image
+  end})
+end
+
+-- Two pictures that become one with a slider have to fit one upon the other.
+function present.check_comparison(div)
+  if not div.classes:includes("compare") or drive.units ~= "" or drive.runs == "1" then return end -- quick ones are smaller
+  local sizes = {}
+  div:walk({Image = function(image) sizes[#sizes + 1] = table.concat({pictures.size(image.src)}, " x ") end})
+  if #sizes ~= 2 or sizes[1] ~= sizes[2] then
+    drive.fail_at(div, ".compare needs two pictures of equal size; there are: %s", table.concat(sizes, ", "))
+  end
+end
+
+function present.division(div)
+  if div.classes:includes("wide") then return div.content end -- the table has one of its own
+  if div.classes:includes("picture") then return figure(div) end
+  if not div.classes:includes("numbers") then return nil end
+  local label = numbering.label[div.identifier]
+  for _, block in ipairs(div.content) do
+    if label and block.attributes["aria-label"] then block.attributes["aria-label"] = label end
+  end
+  return figure(div)
+end
+
+return present

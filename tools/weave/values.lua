@@ -1,0 +1,186 @@
+-- Sentences about numbers, checked against the tables of the same page: values get names, and sentences
+-- and numbers are expressions of these.
+--
+--   ``` {.values driver=bloom args="--errors --runs 5" table=bloom_errors}
+--   exact = milliseconds where method=exact radius=15
+--   pyramid = milliseconds where method=pyramid radius=15
+--   ```
+-- names cells of tables/bloom_errors.csv: a column, and what the cell's row must have in others, with _ for a
+-- space. "largest milliseconds where ..." and "least ..." choose from several rows, "slope of rmse over samples
+-- where ..." is that of a straight line through their logarithms, from 4 samples on. where=... holds for all lines of the block.
+-- A driver runs as for .table, with timings=yes as for .timings. Nothing of the block is shown. With optional=yes
+-- rows may be missing, of an instruction set that the machine lacks for instance; their sentences are not judged.
+--
+--   [At this radius the pyramid is slower]{.check that="pyramid > exact"}
+-- stays as it is. If the numbers say otherwise the page marks it, with the numbers, and making the page fails
+-- (weave.sh), though the page is there: another machine may measure otherwise. Quick trials (a quick make bench,
+-- too) and students' units are not judged, but the expression must have a value.
+--
+--   [1.5]{.value is="pyramid / exact" digits=2}
+-- becomes the number, with that many significant digits (2).
+--
+-- A number of .measured has the name that it gets by name=...
+--
+-- Expressions are Lua's, with the names, and min, max, abs and sqrt.
+
+local drive = require("drive")
+local fit = require("fit")
+local tables = require("tables")
+local fail_at, need = drive.fail_at, drive.need
+
+local values = {}
+
+local rough = {} -- names whose values are from a quick make bench
+local named = {} -- numbers, or false where there is none
+local named_at = {} -- places, by name
+
+-- A cell's number, without its interval: 4.05 of "4.05 ± 0.21".
+local function number(block, row, column)
+  return tonumber((row[column] or ""):match("^(%S+) ±") or row[column]) or drive.fail_by_driver(block, "%s is not a number: %s", column, row[column])
+end
+
+local function extreme(choose)
+  return function(block, rows, column)
+    local found = number(block, rows[1], column)
+    for _, row in ipairs(rows) do found = choose(found, number(block, row, column)) end
+    return found
+  end
+end
+
+local function slope(block, rows, column, over)
+  local points = {}
+  for _, row in ipairs(rows) do
+    local x = number(block, row, over)
+    if over ~= "samples" or x >= fit.from then points[#points + 1] = {x, number(block, row, column)} end
+  end
+  return fit.slope(points) or
+    drive.fail_by_driver(block, "slope of %s over %s: %d rows are selected in place of two or more", column, over, #points)
+end
+
+local function cell(block, rows, column)
+  if #rows ~= 1 then drive.fail_by_driver(block, "%s: %d rows are selected in place of one", column, #rows) end
+  return number(block, rows[1], column)
+end
+
+-- Kinds of values, by the pattern of what stands before "where".
+local kinds = {
+  {"^([%w_]+)$", cell},
+  {"^largest ([%w_]+)$", extreme(math.max)},
+  {"^least ([%w_]+)$", extreme(math.min)},
+  {"^slope of ([%w_]+) over ([%w_]+)$", slope},
+}
+
+local function value_of(block, kind, column, over, where)
+  local rows, columns = tables.read(block, (block.attributes.where or "") .. " " .. where)
+  column, over = tables.column(block, columns, column), over and tables.column(block, columns, over)
+  if #rows == 0 and block.attributes.optional then return false end
+  if #rows == 0 then drive.fail_by_driver(block, "tables/%s.csv has no row where %s", tables.name(block), where) end
+  return kind(block, rows, column, over)
+end
+
+local function claim(element, name, is_rough)
+  if named_at[name] then fail_at(element, "the value %s is named in %s already", name, named_at[name]) end
+  named_at[name], named[name], rough[name] = drive.place(element), false, is_rough
+end
+
+tables.on_name = function(span, name, number)
+  claim(span, name, false)
+  named[name] = number
+end
+
+local function define_line(block, line, is_rough)
+  local name, what = line:match("^([%a_][%w_]*) = (.+)$")
+  local where = what and what:match(" where (.+)$") or ""
+  what = what and what:gsub(" where .+$", "")
+  for _, kind in ipairs(what and kinds or {}) do
+    local column, over = what:match(kind[1])
+    if column then
+      claim(block, name, is_rough)
+      named[name] = value_of(block, kind[2], column, over, where)
+      return
+    end
+  end
+  fail_at(block, "this line is not name = column where ...: %s", line)
+end
+
+local function define_lines(block)
+  local attributes = block.attributes
+  local answer = attributes.driver and drive.measure(block, attributes.timings and drive.timing or "--quiet")
+  local is_rough = attributes.driver == "bench" and answer:find("quick", 1, true) ~= nil
+  for line in block.text:gmatch("[^\n]+") do define_line(block, line, is_rough) end
+  return {}
+end
+
+local function define(block)
+  if block.classes[1] ~= "values" then return nil end
+  return drive.forgiving(define_lines, block) or {}
+end
+
+-- Names of an expression and what they stand for, "exact = 1.31, pyramid = 2.4".
+local function list(used)
+  local parts = {}
+  for name in pairs(used) do parts[#parts + 1] = string.format("%s = %.4g", name, named[name]) end
+  table.sort(parts)
+  return table.concat(parts, ", ")
+end
+
+-- An expression's result, and the names that it uses; nil if one of these has no value.
+local function evaluate(span, expression)
+  local used, missing = {}, false
+  local functions = {min = math.min, max = math.max, abs = math.abs, sqrt = math.sqrt}
+  local function look_up(_, name)
+    if functions[name] then return functions[name] end
+    if not named_at[name] then fail_at(span, "no value is called %s", name) end
+    if not named[name] then missing = true else used[name] = true end
+    return named[name] or 0
+  end
+  local run, wrong = load("return " .. expression, "expression", "t", setmetatable({}, {__index = look_up}))
+  if not run then fail_at(span, "this is not an expression: %s (%s)", expression, wrong) end
+  local done, result = pcall(run)
+  if not done then fail_at(span, "%s: %s", expression, result) end
+  if next(used) == nil and not missing then fail_at(span, "%s has no value in it", expression) end
+  if missing then return nil end
+  return result, used
+end
+
+local function is_judged(used)
+  for name in pairs(used) do
+    if rough[name] then return false end
+  end
+  return drive.runs ~= "1"
+end
+
+local function check(span)
+  local that = need(span, "that")
+  local holds, used = evaluate(span, that)
+  if drive.units ~= "" or holds == nil then return span.content end
+  if type(holds) ~= "boolean" then fail_at(span, "%s is neither true nor false", that) end
+  local title = that .. ": " .. list(used)
+  if holds or not is_judged(used) then return pandoc.Span(span.content, {class = "checked", title = title, tabindex = "0"}) end
+  local sentence = pandoc.utils.stringify(span.content)
+  drive.say("%s: the numbers say otherwise: \"%s\" needs %s, but %s", drive.place(span), sentence, that, list(used))
+  io.open(drive.scraps .. "/wrong", "a"):write(drive.place(span), "\n"):close()
+  local note = pandoc.Span(" (not here: " .. list(used) .. ")", {class = "parameters"})
+  return pandoc.Span(span.content .. {note}, {class = "checked wrong", title = title})
+end
+
+local function value(span)
+  local result = evaluate(span, need(span, "is"))
+  if not result then return pandoc.Emph("not measured here") end
+  if type(result) ~= "number" then fail_at(span, "%s is not a number", span.attributes.is) end
+  return tables.show(result, tonumber(span.attributes.digits or 2))
+end
+
+-- Classes that other filters leave alone.
+values.spans = {check = check, value = value}
+
+-- To be run after the directives, by which tables are made.
+values.filters = {
+  {CodeBlock = define},
+  {Span = function(span)
+    local directive = values.spans[span.classes[1]]
+    return directive and directive(span)
+  end},
+}
+
+return values
