@@ -74,8 +74,7 @@ static rk_box box_of(const rk_pyramid *pyramid)
 
 rk_pyramid rk_pyramid_of(rk_vec3 apex, const rk_light *light)
 {
-    const rk_vec3 zero = {0, 0, 0};
-    const rk_vec3 edge02 = light->kind == RK_LIGHT_PARALLELOGRAM ? light->edge02 : zero;
+    const rk_vec3 edge02 = rk_light_edge02(light);
     const rk_dvec3 first = rk_widen(light->position);
     rk_pyramid pyramid = {.apex = apex, .slack = slack_of(apex, light, edge02)};
     pyramid.corners[0] = first;
@@ -158,7 +157,7 @@ static bool is_sphere_outside(const rk_pyramid *pyramid, const rk_sphere *sphere
     const rk_dvec3 centre = rk_widen(sphere->centre);
     const rk_dvec3 up = rk_dmadd(rk_widen(pyramid->apex), centre, -1);
     const double radius = (double)sphere->radius * (1 + rounding), distance = rk_dlength(up);
-    /* Rays meet spheres in float, by sums of their size. */
+    /* Rays are tested against spheres in float, by sums of this size. */
     const double rounded = radius + 0x1p-20 * (distance + radius);
     for (int i = 0; i < RK_PYRAMID_PLANES; i++)
         if (beyond(pyramid, i, sphere->centre) > rounded * rk_dlength(pyramid->normals[i]))
@@ -215,7 +214,7 @@ typedef struct four_boxes {
 static uint32_t boxes_inside(const outline *o, const four_boxes *boxes)
 {
     rk_simd4 from[2][3];
-    rk_simd4_mask outside = boxes->side[0][0] > o->high[0];
+    rk_simd4_mask outside = {0, 0, 0, 0};
     for (int k = 0; k < 3; k++) {
         outside |= (boxes->side[0][k] > o->high[k]) | (boxes->side[1][k] < o->low[k]);
         from[0][k] = boxes->side[0][k] - o->apex[k];

@@ -21,22 +21,23 @@ typedef struct rk_pyramid {
      * area. */
     rk_dvec3 normals[RK_PYRAMID_PLANES];
     double limits[RK_PYRAMID_PLANES]; /* with the slack */
-    double slack; /* no ray passes the light's points in a greater distance, on any axis */
+    double slack; /* on each axis a ray passes its point of the light no farther away than this */
 } rk_pyramid;
 
 /* `apex`: where the shadow rays start. The light is a parallelogram or a segment. */
 rk_pyramid rk_pyramid_of(rk_vec3 apex, const rk_light *light);
 
-/* The surface that was last found in a pyramid: neighbouring ones often meet the same. */
+/* The surface that was last found in a pyramid: neighbouring ones often contain the same. */
 typedef struct rk_pyramid_obstacle {
     bool known;
     rk_triangle triangle;
 } rk_pyramid_obstacle;
 
 /* Is the pyramid certainly free of surfaces? True only if rk_accel_occluded is false for every ray
- * from the apex to the light. May be false nonetheless: a triangle counts as inside unless an axis
- * of space, a side or the base of the pyramid, or the triangle's own plane separates the two. The
- * answer depends on the scene, not on the tree. Moving objects are at rest. */
+ * from the apex to the light. May be false nonetheless: a triangle counts as inside unless one of
+ * these planes separates the two: one across an axis of space, a side or the base of the pyramid,
+ * the triangle's own, or one through the apex and an edge of the triangle. The answer depends on
+ * the scene, not on the tree. Moving objects are at rest. */
 bool rk_pyramid_is_empty(const rk_pyramid *pyramid, const rk_accel *accel,
                          rk_pyramid_obstacle *obstacle, rk_counters *counters);
 

@@ -27,6 +27,13 @@ static inline rk_light rk_light_point(rk_vec3 position, rk_vec3 colour)
     return (rk_light){.kind = RK_LIGHT_POINT, .position = position, .colours = {colour}};
 }
 
+/* The second edge of a light that has one; 0 for a segment or a point. */
+static inline rk_vec3 rk_light_edge02(const rk_light *light)
+{
+    const rk_vec3 none = {0, 0, 0};
+    return light->kind == RK_LIGHT_PARALLELOGRAM ? light->edge02 : none;
+}
+
 /* Is any of its colours other than black? */
 bool rk_light_emits(const rk_light *light);
 

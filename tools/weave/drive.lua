@@ -85,6 +85,20 @@ local function answer_of(command)
   return nil, number
 end
 
+-- Returns a file's contents, or nil where there is none.
+function drive.read_file(path)
+  local file = io.open(path, "rb")
+  if not file then return nil end
+  local text = file:read("a")
+  file:close()
+  return text
+end
+
+function drive.exists(path)
+  local file = io.open(path)
+  return file and file:close()
+end
+
 -- Paths in the source tree and the build folder that fit a shell's pattern.
 function drive.list(folder, pattern)
   local list = answer_of("ls -d " .. drive.quote(folder) .. "/" .. pattern .. " 2>/dev/null || true")

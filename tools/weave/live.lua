@@ -34,13 +34,7 @@ local function check_options(div, options)
   end
 end
 
-local function read(name)
-  local file = io.open(drive.source .. "/tools/live/" .. name)
-  if not file then return nil end
-  local text = file:read("a")
-  file:close()
-  return text
-end
+local function read(name) return drive.read_file(drive.source .. "/tools/live/" .. name) end
 
 local function use_widget(div, name)
   widgets.plot = widgets.plot or read("widgets/plot.js")

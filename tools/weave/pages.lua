@@ -10,13 +10,7 @@ local pages = {}
 
 local tools = drive.source .. "/tools/weave/"
 
-local function read(path)
-  local file = io.open(path, "rb")
-  if not file then drive.fail("%s cannot be read", path) end
-  local text = file:read("a")
-  file:close()
-  return text
-end
+local function read(path) return drive.read_file(path) or drive.fail("%s cannot be read", path) end
 
 local function write(path, text)
   local file, wrong = io.open(path, "wb")
@@ -180,11 +174,6 @@ local function write_pages(doc, folder, chapters, live_script)
   write(folder .. "/index.js", "window.raykitIndex = " .. index_of(chapters) .. ";\n")
 end
 
-local function exists(path)
-  local file = io.open(path)
-  return file and file:close()
-end
-
 -- Where the document asks for its index.
 local function fill_index(doc, chapters)
   local lists = index.lists(chapters)
@@ -212,7 +201,7 @@ function pages.write(doc)
   end
   doc = fill_index(doc, chapters)
   local live_script = live.script(not doc.meta.solutions or pandoc.utils.stringify(doc.meta.solutions) == "yes")
-  if exists(folder .. "/style.css") then write_pages(doc, folder, chapters, live_script) end
+  if drive.exists(folder .. "/style.css") then write_pages(doc, folder, chapters, live_script) end
   local scripts = "<script>window.raykitIndex = " .. index_of(chapters) .. ";</script>\n<script>\n" ..
     read(tools .. "page.js") .. read(tools .. "compare.js") .. live_script .. "</script>"
   doc.meta.contents = pandoc.MetaBlocks({pandoc.RawBlock("html", contents_of(chapters))})

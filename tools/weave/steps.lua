@@ -24,9 +24,7 @@ end
 
 -- {"FILE, FUNCTION: LINE": {text, numbers, now}}: the function's lines, their numbers in the file, and which it is.
 function steps.script(solutions)
-  local file = io.open(drive.source .. "/src/driver/pixel_code.c")
-  local table_text, parts = file:read("a"), {}
-  file:close()
+  local table_text, parts = drive.read_file(drive.source .. "/src/driver/pixel_code.c"), {}
   for name, place, part in table_text:gmatch('{"(src/[^"]*)", "([^"]*)", "([^"]*)"}') do
     local found, wrong = code.find(drive.source .. "/" .. name, name, place, solutions)
     if not found then drive.fail("src/driver/pixel_code.c: %s", wrong) end

@@ -163,19 +163,11 @@ local pages = {
   report = {folder = "reports", made = "reports/out/report.html"},
 }
 
-local function exists(path)
-  local file = io.open(path)
-  return file and file:close()
-end
-
 -- Returns the text of a page that has a heading (or something else) with this name, or nil.
 local function anchored_in(page, anchor)
   local pattern = "{[^}\n]*#" .. anchor:gsub("%W", "%%%0") .. "%f[%s}]"
   for _, path in ipairs(drive.list(drive.source, page.folder .. "/*.md")) do
-    local file = io.open(path)
-    local text = file:read("a")
-    file:close()
-    if text:find(pattern) then return path:sub(#drive.source + 2) end
+    if drive.read_file(path):find(pattern) then return path:sub(#drive.source + 2) end
   end
   return nil
 end
@@ -183,15 +175,13 @@ end
 -- A link to a name in another page, if that is made or in the pack; else to the name in its text.
 local function link_into(page, anchor, text)
   local source = os.getenv("RAYKIT_SOURCE_LINK")
-  if exists(os.getenv("RAYKIT_BUILD") .. "/" .. page.made) then return "../../" .. page.made .. "#" .. anchor end
-  if page.handed_out and exists(drive.source .. "/" .. page.handed_out) then text = page.handed_out end
+  if drive.exists(os.getenv("RAYKIT_BUILD") .. "/" .. page.made) then return "../../" .. page.made .. "#" .. anchor end
+  if page.handed_out and drive.exists(drive.source .. "/" .. page.handed_out) then text = page.handed_out end
   return source .. "/" .. text .. "#" .. anchor
 end
 
 function weave.link_to_file(path, element)
-  local file = io.open(drive.source .. "/" .. path)
-  if not file then fail_at(element, "there is no file %s", path) end
-  file:close()
+  if not drive.exists(drive.source .. "/" .. path) then fail_at(element, "there is no file %s", path) end
   return os.getenv("RAYKIT_SOURCE_LINK") .. "/" .. path
 end
 
@@ -282,7 +272,7 @@ local function choose(element)
   local wanted = element.classes[1] == "if_measured"
   if not wanted and element.classes[1] ~= "unless_measured" then return nil end
   local path = drive.out .. "/tables/" .. drive.need(element, "table") .. ".csv"
-  return exists(path) and wanted and element.content or not exists(path) and not wanted and element.content or {}
+  return drive.exists(path) and wanted and element.content or not drive.exists(path) and not wanted and element.content or {}
 end
 
 local function forget(element)

@@ -43,14 +43,7 @@ local function read_rows(text)
   return rows
 end
 
--- Returns a file's contents, or nil where there is none.
-local function read_file(path)
-  local file = io.open(path, "rb")
-  if not file then return nil end
-  local text = file:read("a")
-  file:close()
-  return text
-end
+local read_file = drive.read_file
 
 -- --- mistakes --------------------------------------------------------------------------------
 

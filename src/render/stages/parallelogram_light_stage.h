@@ -37,9 +37,10 @@ void rk_parallelogram_light_stage(const rk_rendering *r, rk_sample_pass *pass,
                                   rk_shadow_queue *queue, rk_shadow_answers *answers,
                                   rk_light_sums *sums, rk_film *film);
 
+enum { RK_LIGHT_RUN_MAX = 64 };
+
 /* The contributions of a point's samples, at most RK_LIGHT_RUN_MAX, if not occluded. `solid_angle`:
  * see rk_highlight_start; 0 without sharp highlights. */
-enum { RK_LIGHT_RUN_MAX = 64 };
 void rk_light_contributions(const rk_rendering *r, const rk_shading_point *point,
                             const rk_light *light, double solid_angle, uint32_t count,
                             const rk_light_sample *samples, rk_vec3 *contributions);

@@ -2,8 +2,8 @@
 
 #include "accel/pyramid.h"
 
-/* Fewer shadow rays cost less than a search for surfaces between point and light. As many as the
- * quadrature's fewest nodes. */
+/* Fewer shadow rays cost less than a search for surfaces between point and light: in the Cornell
+ * box, eight samples took a tenth longer with it. As many as the quadrature's fewest nodes. */
 enum { LEAST_SAMPLES = 9 };
 
 /* Gauss and Legendre's quadrature on [0, 1] (Abramowitz and Stegun, "Handbook of Mathematical
@@ -32,14 +32,13 @@ enum { RULES = sizeof rules / sizeof *rules };
 
 /* The light, once for all points. */
 typedef struct extent {
-    rk_vec3 edge02, diagonal; /* no second edge: 0 */
-    float radius, longest;    /* of a ball around it; of its edges */
+    rk_vec3 edge02, diagonal;
+    float radius, longest; /* of a ball around it; of its edges */
 } extent;
 
 static extent extent_of(const rk_light *light)
 {
-    const rk_vec3 zero = {0, 0, 0};
-    extent e = {.edge02 = light->kind == RK_LIGHT_PARALLELOGRAM ? light->edge02 : zero};
+    extent e = {.edge02 = rk_light_edge02(light)};
     e.diagonal = rk_add(light->edge01, e.edge02);
     e.radius = 0.5f * rk_max(rk_length(e.diagonal), rk_length(rk_sub(light->edge01, e.edge02)));
     e.longest = rk_max(rk_length(light->edge01), rk_length(e.edge02));
@@ -48,36 +47,25 @@ static extent extent_of(const rk_light *light)
 
 /* The light as a point sees it. */
 typedef struct view {
+    rk_vec3 corners[4];    /* from the point */
     float lowest, highest; /* corner . normal: beside or above the horizon? */
     float distance;        /* to the light, at least */
-    bool on_one_side;      /* of the surface, so that all shadow rays start at `start` */
-    rk_vec3 start;
 } view;
-
-static bool are_equal(rk_vec3 a, rk_vec3 b)
-{
-    return a.x == b.x && a.y == b.y && a.z == b.z;
-}
 
 static view view_of(const rk_shading_point *point, const rk_light *light, const extent *e)
 {
     const rk_surface *surface = &point->surface;
     const rk_vec3 to_first = rk_sub(light->position, surface->point);
-    const rk_vec3 corners[4] = {to_first, rk_add(to_first, light->edge01),
-                                rk_add(to_first, e->edge02), rk_add(to_first, e->diagonal)};
-    view v = {.lowest = INFINITY, .highest = -INFINITY, .on_one_side = true};
-    rk_spawner spawner;
+    view v = {.corners = {to_first, rk_add(to_first, light->edge01), rk_add(to_first, e->edge02),
+                          rk_add(to_first, e->diagonal)},
+              .lowest = INFINITY,
+              .highest = -INFINITY};
     for (int i = 0; i < 4; i++) {
-        const float height = rk_dot(surface->normal, corners[i]);
+        const float height = rk_dot(surface->normal, v.corners[i]);
         v.lowest = rk_min(height, v.lowest);
         v.highest = rk_max(height, v.highest);
     }
     v.distance = rk_length(rk_madd(to_first, e->diagonal, 0.5f)) - e->radius;
-    rk_spawner_start(&spawner, surface);
-    v.start = rk_spawner_origin(&spawner, corners[0]);
-    for (int i = 1; i < 4; i++)
-        v.on_one_side =
-            v.on_one_side && are_equal(rk_spawner_origin(&spawner, corners[i]), v.start);
     return v;
 }
 
@@ -124,35 +112,53 @@ static void integrate(const rk_rendering *r, const rk_shading_point *point, cons
     sums->visibility[i] = RK_LIGHT_SUMMED;
 }
 
-static bool is_clear(const rk_rendering *r, rk_sample_pass *pass, const view *v,
-                     const rk_light *light, rk_pyramid_obstacle *obstacle)
+/* Where all shadow rays of the point start; false if the light is on both sides of the surface, so
+ * that there are several such places. */
+static bool find_start(const rk_shading_point *point, const view *v, rk_vec3 *start)
 {
+    rk_spawner spawner;
+    rk_spawner_start(&spawner, &point->surface);
+    *start = rk_spawner_origin(&spawner, v->corners[0]);
+    for (int i = 1; i < 4; i++) {
+        const rk_vec3 other = rk_spawner_origin(&spawner, v->corners[i]);
+        if (other.x != start->x || other.y != start->y || other.z != start->z)
+            return false;
+    }
+    return true;
+}
+
+static bool is_clear(const rk_rendering *r, rk_sample_pass *pass, const rk_shading_point *point,
+                     const view *v, const rk_light *light, rk_pyramid_obstacle *obstacle)
+{
+    rk_vec3 start;
     if (!r->plan.shadow_rays)
         return true;
-    if (!v->on_one_side || (r->plan.motion_blur && r->scene->moving_count > 0))
+    if ((r->plan.motion_blur && r->scene->moving_count > 0) || !find_start(point, v, &start))
         return false;
-    const rk_pyramid pyramid = rk_pyramid_of(v->start, light);
+    const rk_pyramid pyramid = rk_pyramid_of(start, light);
     return rk_pyramid_is_empty(&pyramid, r->accel, obstacle, pass->counters);
 }
 
 void rk_unoccluded_light_stage(const rk_rendering *r, rk_sample_pass *pass,
                                const rk_shading_points *points, uint32_t index, rk_light_sums *sums)
 {
-    const rk_light *light = &r->scene->lights[index];
-    const extent e = extent_of(light);
-    rk_pyramid_obstacle obstacle = {.known = false};
     if (r->options->light.visibility != RK_LIGHT_PYRAMIDS ||
         r->options->light.samples < LEAST_SAMPLES)
         return;
+    const rk_light *light = &r->scene->lights[index];
+    const extent e = extent_of(light);
+    rk_pyramid_obstacle obstacle = {.known = false};
     for (uint32_t i = 0; i < points->count; i++) {
         const rk_shading_point *point = &points->points[i];
         const view v = view_of(point, light, &e);
-        const rule *by = rule_for(r, point, &v, &e);
-        if (is_dark(r, &v))
+        if (is_dark(r, &v)) {
             sums->visibility[i] = RK_LIGHT_SUMMED; /* they are 0 */
-        else if (!is_clear(r, pass, &v, light, &obstacle))
             continue;
-        else if (by)
+        }
+        if (!is_clear(r, pass, point, &v, light, &obstacle))
+            continue;
+        const rule *by = rule_for(r, point, &v, &e);
+        if (by)
             integrate(r, point, light, by, i, sums);
         else
             sums->visibility[i] = RK_LIGHT_CLEAR;

@@ -1,6 +1,5 @@
-/* Points that see a whole light, and points that see nothing of it: the first need no shadow rays,
- * and where the light is small enough for them no random samples either; the second need nothing;
- * not installed. */
+/* Points that see a whole light need no shadow rays, and far enough from it no random samples;
+ * points that face away from it need nothing; not installed. */
 #ifndef RK_RENDER_STAGES_UNOCCLUDED_LIGHT_STAGE_H
 #define RK_RENDER_STAGES_UNOCCLUDED_LIGHT_STAGE_H
 
