@@ -11,11 +11,11 @@ typedef struct moved_rays {
 static void add_moved(moved_rays *moved, const rk_accel *accel, uint32_t object,
                       const rk_ray_batch *rays, const rk_ray_times *times, uint32_t i, float t_max)
 {
-    rk_ray ray = rk_batch_ray(rays, i);
-    ray = rk_accel_ray_at(accel, object, times->time[i], &ray);
-    ray.t_max = t_max;
+    const rk_ray ray = rk_batch_ray(rays, i);
+    rk_ray relative = rk_accel_ray_at(accel, object, times->time[i], &ray);
+    relative.t_max = t_max;
     moved->index[moved->rays.count] = i;
-    rk_batch_push(&moved->rays, &ray);
+    rk_batch_push(&moved->rays, &relative);
 }
 
 static void closest_in_object(const rk_accel *accel, uint32_t object, const rk_ray_batch *rays,

@@ -106,21 +106,29 @@ static inline rk_box_sides rk_box_sides_of(const rk_box *box, const rk_slabs *ra
                           (rk_simd4)((rk_simd4_mask)high ^ swap)};
 }
 
+/* Returns the t at which the ray enters a box with these sides (0 if it starts inside), or infinity
+ * if it misses the box or enters beyond t_max. A ray in the plane of a face gives 0 * infinity =
+ * NaN, which minimum and maximum ignore: that face does not bound the ray. */
+static inline float rk_box_sides_enter(rk_box_sides sides, const rk_slabs *ray, float t_max)
+{
+    rk_simd4 near = (sides.near - ray->origin4) * ray->inverse_near;
+    rk_simd4 far = (sides.far - ray->origin4) * ray->inverse_far;
+    float enter = rk_simd4_largest(rk_simd4_max(near, rk_simd4_all(0)));
+    float leave = rk_simd4_smallest(rk_simd4_min(far, rk_simd4_all(t_max)));
+    return enter <= leave ? enter : INFINITY;
+}
+
+/* The same of a box. */
+static inline float rk_box_enter(const rk_box *box, const rk_slabs *ray, float t_max)
+{
+    return rk_box_sides_enter(rk_box_sides_of(box, ray), ray, t_max);
+}
+
 /* Returns the t at which a ray that enters the box leaves it, at most t_max. */
 static inline float rk_box_leave(const rk_box *box, const rk_slabs *ray, float t_max)
 {
     rk_simd4 far = (rk_box_sides_of(box, ray).far - ray->origin4) * ray->inverse_far;
     return rk_simd4_smallest(rk_simd4_min(far, rk_simd4_all(t_max)));
-}
-
-/* Returns the t at which the ray enters the box (0 if it starts inside), or infinity if it misses
- * the box or enters beyond t_max. A ray in the plane of a face gives 0 * infinity = NaN, which
- * minimum and maximum ignore: that face does not bound the ray. */
-static inline float rk_box_enter(const rk_box *box, const rk_slabs *ray, float t_max)
-{
-    rk_simd4 near = (rk_box_sides_of(box, ray).near - ray->origin4) * ray->inverse_near;
-    float enter = rk_simd4_largest(rk_simd4_max(near, rk_simd4_all(0)));
-    return enter <= rk_box_leave(box, ray, t_max) ? enter : INFINITY;
 }
 
 #endif

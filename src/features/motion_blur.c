@@ -19,6 +19,7 @@ static int turning_points(const rk_motion *motion, double x[2]);
 static range heights(const rk_motion *motion, const rk_shutter *shutter);
 static rk_box widened(const rk_box *box, const rk_box *by);
 static rk_box rounding_margin(const rk_slabs *ray);
+static bool may_enter(const rk_box *box, rk_box_sides by, const rk_slabs *ray, float t_max);
 
 rk_motion rk_motion_default(void)
 {
@@ -201,6 +202,15 @@ bool rk_motion_may_intersect(const rk_box *swept, const rk_slabs *ray, float t_m
     end */
 }
 
+/* Does the ray enter a box that is widened by these sides? In registers: to store the box and load
+ * it again would take longer than the test. */
+static bool may_enter(const rk_box *box, rk_box_sides by, const rk_slabs *ray, float t_max)
+{
+    const rk_box_sides sides = rk_box_sides_of(box, ray);
+    const rk_box_sides wider = {sides.near + by.near, sides.far + by.far};
+    return rk_box_sides_enter(wider, ray, t_max) < INFINITY;
+}
+
 /* All boxes of the tree move alike, so each grows by as much as the root's box did. */
 bool rk_motion_may_intersect_leaf(const rk_bvh *bvh, const rk_box *swept, const rk_slabs *ray,
                                   float t_max)
@@ -210,13 +220,13 @@ bool rk_motion_may_intersect_leaf(const rk_bvh *bvh, const rk_box *swept, const 
     const rk_box sweep = {
         {rk_sub(swept->corner[0], root->corner[0]), rk_sub(swept->corner[1], root->corner[1])}};
     const rk_box margin = rounding_margin(ray), gain = widened(&sweep, &margin);
+    const rk_box_sides by = rk_box_sides_of(&gain, ray);
     const rk_bvh_node *stack[RK_BVH_LEVELS_MAX];
     uint32_t size = 0;
     stack[size++] = &bvh->nodes[0];
     while (size) {
         const rk_bvh_node *node = stack[--size];
-        const rk_box box = widened(&node->box, &gain);
-        if (!(rk_box_enter(&box, ray, t_max) < INFINITY))
+        if (!may_enter(&node->box, by, ray, t_max))
             continue;
         if (node->count)
             return true;
@@ -225,7 +235,8 @@ bool rk_motion_may_intersect_leaf(const rk_bvh *bvh, const rk_box *swept, const 
     }
     return false;
     /* starter
-    // Eighth step: traverse boxes that are widened like the root's, down to the first leaf.
+    // Eighth step: traverse boxes that are widened like the root's (may_enter), down to the first
+    // leaf.
     return true;
     end */
 }
