@@ -13,12 +13,13 @@ import subprocess
 import sys
 import tempfile
 import time
+import types
 
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
-from benchmark import compare, frames, growth, measurements, plan, statistics, timings  # noqa: E402
+from benchmark import compare, frames, growth, measurements, plan, profile, startup, statistics, summary, timings  # noqa: E402
 from benchmark.schedule import Program, kinds_of  # noqa: E402
 from tap import check, finish, read, run, start, write  # noqa: E402
 
@@ -84,6 +85,25 @@ def differences_are_told_from_noise():
     check(found == [False, True, False, False], "Holm's procedure stops at the first that may be chance", found)
     check(statistics.paired_change([1, 2], [1, 2]) == (0, 1), "equal pairs are no change")
     check(statistics.paired_change([1, 2], [2, 3])[1] == 0, "pairs that all differ by the same are no chance")
+
+
+def curve_of(seconds, error, counts_samples=True):
+    """With these seconds and errors by number of samples."""
+    curve = object.__new__(summary.Curve)
+    curve.method, curve.reference = types.SimpleNamespace(counts_samples=counts_samples), {"own": 0}
+    curve.rows = {n: [{"seconds": seconds(n), "mse": error(n) ** 2}] * 4 for n in (1, 4, 16, 64)}
+    return curve
+
+
+def times_are_split_into_fixed_and_growing():
+    fast = curve_of(lambda n: 0.003 + n * 0.001, lambda n: 0.16 / n)  # 1 % with 16 samples
+    slow = curve_of(lambda n: 0.003 + n * 0.001, lambda n: 0.08 / math.sqrt(n))  # with 64
+    found = fast.fixed_seconds(), summary.fixed_part(fast), summary.sample_ratio(slow, fast)
+    check(all(abs(x / wanted - 1) < 1e-9 for x, wanted in zip(found, (0.003, 3 / 19, 4))),
+          "the fixed part of a time, and a ratio of samples", found)
+    other = curve_of(lambda n: 0.1, lambda n: 0.16 / n, counts_samples=False)
+    check((other.fixed_seconds(), summary.fixed_part(other), summary.sample_ratio(slow, other)) == (None, None, None),
+          "without numbers of samples there is neither")
 
 
 # --- comparing -----------------------------------------------------------------------------------
@@ -355,6 +375,7 @@ def invent_drivers(folder, fault=""):
         write(INVENTED_DRIVER.replace("FAULT", fault), path)
         os.chmod(path, 0o755)
     write(FRAMES + SLOW + FAST, folder, "tests", "bench", "frames.tsv")
+    write("scene\tgoal_ms\ncube\t60000\n", folder, "tests", "bench", "startup.tsv")
 
 
 def called(folder):
@@ -493,7 +514,7 @@ def mistakes_of_frames_are_told(folder):
         refuses(f"{name} is told", *parts)
     write(FRAMES + SLOW + FAST, frames_table)
     refuses("COMPARE goes with cases", "COMPARE", "frames", words=("--compare", "old.csv"))
-    refuses("a misspelt part is told, with all names", "there is no case frame", "one two frames growth", cases="frame")
+    refuses("a misspelt part is told, with all names", "there is no case frame", "one two frames growth startup profile", cases="frame")
     invent_drivers(folder, "exit 0")
     refuses("a driver that gives no times is told", "wide_bvh", "frames.tsv")
     invent_drivers(folder, 'echo "$name: --nonsense: there is no such option" >&2; exit 1')
@@ -520,6 +541,51 @@ def drivers_take_the_options(folder):
     tree = found["triangles", 1000, 1]
     # A triangle's corners alone are 36 bytes.
     check(36 < tree["bytes_per_triangle"] < 1000 and tree["build_median"] > 0, "trees are timed and measured", tree)
+
+
+# --- start-up and profiles ------------------------------------------------------------------------
+
+
+def startup_is_timed_for_each_scene(folder):
+    """By the real driver, but fewer scenes."""
+    os.symlink(os.path.abspath("assignments"), os.path.join(folder, "assignments"))
+    write("scene\tgoal_ms\ncube\t60000\nstatue:50000\t0.001\n", folder, "tests", "bench", "startup.tsv")
+    status, said = drive(folder, "--quick", cases="startup")
+    rows = table(folder, "startup")
+    check(status == 0 and [(row["scene"], row["goal_reached"]) for row in rows] == [("cube", "yes"), ("statue:50000", "no")],
+          "start-up: each scene's time is compared with its goal", said)
+    cube, statue = ([float(row[name]) for name in ("min_ms", "median_ms", "max_ms")] for row in rows)
+    check(0 < cube[0] <= cube[1] <= cube[2] and cube[0] < statue[0], "start-up: 50,000 triangles take longer than 12", (cube, statue))
+    write("scene\tgoal_ms\ncube\tsoon\n", folder, "tests", "bench", "startup.tsv")
+    status, said = drive(folder, "--quick", cases="startup")
+    check(status == 2 and "startup.tsv:2: soon" in said, "start-up: a goal that is no number is told", said)
+    status, said = run(folder, os.path.join(folder, "assignments", "15_wide_bvh", "wide_bvh"), "--scene", "nothing")
+    named = [name.split(":")[0] for name in said.split("choose one of ")[1].strip().split(", ")]
+    listed = [scene.split(":")[0] for scene, _ in startup.read_scenes(os.path.join(SOURCE, "tests", "bench"))]
+    check(listed == named, "start-up: the table has all built-in scenes", (listed, named))
+
+
+PERF_REPORT = """
+# To display the perf.data header info, please use --header/--header-only options.
+#
+#     Samples  Symbol
+# ...........  ......................
+#
+          600  [.] trace.constprop.0
+          200  [.] trace
+          150  [.] build
+          100  [k] clear_page
+"""
+
+
+def profiles_are_of_the_picture_alone():
+    counts = profile.counts_of(PERF_REPORT)
+    check(counts == {"trace": 800, "build": 150, "clear_page": 100}, "profile: parts of a function count for it", counts)
+    text = profile.text_of(counts, {"build": 150, "trace": 100})
+    check(text == "trace 88 %, clear_page 12 %", "profile: what a tiny picture takes is subtracted", text)
+    check(profile.text_of({}, {}) == "" and profile.text_of({"trace": 1}, {"trace": 2}) == "", "profile: without samples there is none")
+    few = profile.text_of({"trace": 990, "rest": 10}, {})
+    check(few == "trace 99 %", "profile: small shares are left out", few)
 
 
 # --- the program ---------------------------------------------------------------------------------
@@ -601,10 +667,10 @@ def readme_tables_are_made_anew(folder):
     status, said = make()
     check(status == 1 and said.count("\n") == 1 and "run make bench-peers first" in said,
           "README's tables: without Embree's measurements there is only a line that names the command", said)
-    write("scene,triangles,workload,threads,speed_ratio,robust_speed_ratio\ncat:7,7000,primary,1,0.876,1.25\n"
-          "cat:7,7000,primary,2,3,4\ncat:7,7000,build,1,2,3\n", peers, "peers_best.csv")
+    write("scene,triangles,workload,threads,speed_ratio,goal,robust_speed_ratio\ncat:7,7000,primary,1,0.876,1.4,1.25\n"
+          "cat:7,7000,primary,2,3,1.4,4\ncat:7,7000,build,1,2,1.2,3\n", peers, "peers_best.csv")
     status, said = make()
-    wanted = ["| a cat | 1.23 s | 617 ms | 700 ms on 2 | 9 s |", "| cat, 7,000 triangles | 0.88 (1.25) |  |  |  | 2.00 (3.00) |", "an abacus"]
+    wanted = ["| a cat | 1.23 s | 617 ms | 700 ms on 2 | 9 s |", "| cat, 7,000 triangles | 0.88 (1.25) |  |  |  | 2.00 (3.00) |", "| goal | 1.4 |  |  |  | 1.2 |", "an abacus"]
     check(status == 0 and all(part in said for part in wanted) and "an old table" not in said,
           "README's tables: a line for each picture and each scene, of one thread, in place of the old ones", said)
     check(said.startswith(BEFORE) and said.endswith(AFTER), "README's tables: the text around them stays", said)
@@ -623,7 +689,9 @@ def main():
     intervals_hold_the_truth()
     lines_and_crossings_are_exact()
     differences_are_told_from_noise()
+    times_are_split_into_fixed_and_growing()
     comparisons_find_losses_and_nothing_else()
+    profiles_are_of_the_picture_alone()
     folder = tempfile.mkdtemp(prefix="raykit-test-bench-")
     try:
         invent(folder)
@@ -639,6 +707,7 @@ def main():
         an_interruption_costs_one_call(driven)
         mistakes_of_frames_are_told(driven)
         drivers_take_the_options(tempfile.mkdtemp(dir=folder))
+        startup_is_timed_for_each_scene(tempfile.mkdtemp(dir=folder))
         readme_tables_are_made_anew(tempfile.mkdtemp(dir=folder))
         the_program_measures(tempfile.mkdtemp(dir=folder))
     finally:

@@ -12,10 +12,10 @@ import sys
 
 sys.dont_write_bytecode = True  # the source folder may be read-only, and stays clean
 
-from benchmark import compare, exact, frames, growth, measurements, plan, schedule, summary, timings
+from benchmark import compare, exact, frames, growth, measurements, plan, profile, schedule, startup, summary, timings
 from grading.assignments import Parser, ToolError
 
-PARTS = dict(zip(plan.PARTS, (frames, growth)))
+KEPT_PARTS = {"frames": frames, "growth": growth}  # of calls that are kept
 
 
 def open_schedule(options, settings, names=()):
@@ -96,42 +96,67 @@ def measure_accuracy(options, names):
     return bool(options.compare) and print_changes(options.compare, list(work.kept.rows.values()))
 
 
-def write_times(tables, folder, kept, parts):
-    """Tables of frames and growth, and what they were measured on."""
-    if "frames" in parts:
-        rows = frames.rows(folder, kept)
-        timings.write(tables, "frames", rows)
-        timings.write(tables, "frames_goals", frames.goal_rows(rows))
-        print_cells([("frame", "threads", "ms", "goal", "classic")] + [
-            (row["title"], *(f"{row[name]:.4g}" if row[name] else "" for name in ("threads", "median_ms", "goal_ms", "classic_ms")))
-            for row in rows])
-    if "growth" in parts:
-        rows = growth.rows(folder, kept)
-        points, slopes = growth.curve_rows(rows)
-        timings.write(tables, "growth", rows)
-        timings.write(tables, "growth_curves", points)
-        timings.write(tables, "growth_slopes", slopes)
-        timings.write(tables, "growth_goals", growth.goal_rows(rows))
-        print_cells([("growth with", "of", "by", "slope")] + [
-            (row["what"], row["quantity"], row["line"], f"{row['slope']:.2f}") for row in slopes])
-    timings.write(tables, "timings_machine", timings.machine_rows(list(kept.rows.values())))
+def write_frames(tables, folder, kept):
+    rows = frames.rows(folder, kept)
+    timings.write(tables, "frames", rows)
+    timings.write(tables, "frames_goals", frames.goal_rows(rows))
+    print_cells([("frame", "threads", "ms", "goal", "classic")] + [
+        (row["title"], *(f"{row[name]:.4g}" if row[name] else "" for name in ("threads", "median_ms", "goal_ms", "classic_ms")))
+        for row in rows])
+
+
+def write_growth(tables, folder, kept):
+    rows = growth.rows(folder, kept)
+    points, slopes = growth.curve_rows(rows)
+    timings.write(tables, "growth", rows)
+    timings.write(tables, "growth_curves", points)
+    timings.write(tables, "growth_slopes", slopes)
+    timings.write(tables, "growth_goals", growth.goal_rows(rows))
+    print_cells([("growth with", "of", "by", "slope")] + [
+        (row["what"], row["quantity"], row["line"], f"{row['slope']:.2f}") for row in slopes])
+
+
+def write_startup(tables, folder, kept, quick):
+    rows = startup.measure(kept.program(startup.DRIVER)[0], folder, quick)
+    timings.write(tables, "startup", rows)
+    print_cells([("start-up with", "ms", "goal")] + [
+        (row["scene"], f"{row['median_ms']:.3g}", f"{row['goal_ms']:g}") for row in rows])
+
+
+def write_profile(tables, folder, kept, quick):
+    rows = profile.measure(lambda driver: kept.program(driver)[0], frames.read_frames(folder), quick)
+    timings.write(tables, "frames_profile", rows)
+    print_cells([("frame", "where its processor time goes")] + [(row["title"], row["functions"]) for row in rows] if rows else
+                [("no profile of the frames: perf (package linux-perf) is missing, or may not look at programs here",)])
 
 
 def measure_times(options, parts):
     folder = os.path.join(options.source, "tests", "bench")
-    calls = {part: PARTS[part].calls(folder, options.quick) for part in parts}  # a mistake is told before the work
-    kept = timings.Timings(options.build, options.reset)
-    for part in parts:
-        kept.measure(part, calls[part])
     tables = os.path.join(options.build, "bench", "tables")
-    write_times(tables, folder, kept, parts)
-    print(f"bench: wrote {', '.join(f'{tables}/{part}*.csv' for part in parts)} and {kept.path}")
+    calls = {part: KEPT_PARTS[part].calls(folder, options.quick) for part in parts if part in KEPT_PARTS}
+    if "startup" in parts:
+        startup.read_scenes(folder)  # a mistake is told before the work
+    kept = timings.Timings(options.build, options.reset)
+    for part in calls:
+        kept.measure(part, calls[part])
+    if "frames" in parts:
+        write_frames(tables, folder, kept)
+    if "growth" in parts:
+        write_growth(tables, folder, kept)
+    if calls:
+        timings.write(tables, "timings_machine", timings.machine_rows(list(kept.rows.values())))
+    if "startup" in parts:
+        write_startup(tables, folder, kept, options.quick)
+    if "profile" in parts:
+        write_profile(tables, folder, kept, options.quick)
+    written = {"profile": "frames_profile"}
+    print(f"bench: wrote {', '.join(f'{tables}/{written.get(part, part)}*.csv' for part in parts)} and {kept.path}")
 
 
 def measure(options):
     names = options.cases.split()
-    parts = [name for name in PARTS if name in names or not names]
-    cases = [name for name in names if name not in PARTS]
+    parts = [name for name in plan.PARTS if name in names or not names]
+    cases = [name for name in names if name not in plan.PARTS]
     reset, worse = options.reset, False
     if options.compare and names and not cases:
         raise ToolError(f"COMPARE: {' and '.join(parts)} have no seeds to compare: name cases, too, or leave it out")
@@ -165,7 +190,7 @@ def main():
     parser.add_argument("--source", default=os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
     parser.add_argument("--quick", action="store_true", help="small pictures and few samples: less than a minute")
     parser.add_argument("--reset", action="store_true", help="forget what was measured")
-    parser.add_argument("--cases", default="", help="measure only these; also frames, growth")
+    parser.add_argument("--cases", default="", help="measure only these; also frames, growth, startup, profile")
     parser.add_argument("--compare", default="", help="an older measurements.csv")
     parser.add_argument("--out", help="write tables for the report into this folder")
     parser.add_argument("--quiet", action="store_true", help="as drivers have it")

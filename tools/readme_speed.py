@@ -51,13 +51,15 @@ def frames(rows):
 
 def peers(rows):
     """A line for each scene; a ratio beside Embree's fastest mode, and beside its fastest robust one."""
-    scenes = {}
+    scenes, goals = {}, {}
     for row in rows:
         if row["threads"] == "1":
+            goals[row["workload"]] = row["goal"]
             ratios = f"{float(row['speed_ratio']):.2f} ({float(row['robust_speed_ratio']):.2f})"
             scenes.setdefault((row["scene"], int(row["triangles"])), {})[row["workload"]] = ratios
     lines = [[f"{scene.split(':')[0]}, {triangles:,} triangles"] + [ratios.get(workload, "") for workload in WORKLOADS]
              for (scene, triangles), ratios in scenes.items()]
+    lines.append(["goal"] + [goals.get(workload, "") for workload in WORKLOADS])
     return table(["times as fast as Embree, 1 thread", "camera rays", "shadow rays, point", "shadow rays, area", "diffuse rays", "building"], lines)
 
 

@@ -11,7 +11,7 @@ import os
 from grading.assignments import ToolError, read_table
 
 
-PARTS = ("frames", "growth")  # names beside those of cases, which the drivers measure
+PARTS = ("frames", "growth", "startup", "profile")  # names beside those of cases, which the drivers measure
 
 
 class Settings:

@@ -41,6 +41,14 @@ class Curve:
     def samples_to(self, level):
         return crossing([(n, self.error(n)) for n in self.rows], level)
 
+    def fixed_seconds(self):
+        """Of the time, the part that all numbers of samples take, such as camera rays': where the line through the
+        fewest samples and those that are wanted meets none. Or None."""
+        few, many = min(self.rows), max(self.where_wanted(), sorted(self.rows)[min(1, len(self.rows) - 1)])
+        if few == many or not self.method.counts_samples:
+            return None
+        return max((self.seconds(few) * many - self.seconds(many) * few) / (many - few), 0)
+
     def slope(self):
         """Of the error's logarithm over that of the number of samples, where the reference is much better; or None."""
         if not self.method.counts_samples:
@@ -73,6 +81,18 @@ def time_ratio(classic, best, seeds):
     ratios.sort()
     low, high = (ratios[round(p * (len(ratios) - 1))] for p in (0.025, 0.975))
     return middle[0] / middle[1], low, high
+
+
+def sample_ratio(classic, best):
+    """How many times fewer samples the best method needs for the wanted error, or None."""
+    needed = [curve.samples_to(ERROR_WANTED)[0] if curve.method.counts_samples else None for curve in (classic, best)]
+    return None if None in needed else needed[0] / needed[1]
+
+
+def fixed_part(curve):
+    """The fixed part of the time to the wanted error, or None."""
+    seconds, (time, _) = curve.fixed_seconds(), curve.time_to(ERROR_WANTED)
+    return None if seconds is None or time is None else min(seconds / time, 1)
 
 
 def curves_of(schedule):
@@ -137,7 +157,8 @@ def summary_rows(schedule, curves):
         yield {
             "case": case.name, "feature": case.title, "classic": classic.method.name, "best": best.method.name,
             "time_ratio": ratio[0], "time_ratio_low": ratio[1], "time_ratio_high": ratio[2], "goal": case.goal,
-            "goal_reached": verdict(ratio[0], case.goal), "slope": slope[0], "slope_low": slope[1],
+            "goal_reached": verdict(ratio[0], case.goal), "sample_ratio": sample_ratio(classic, best),
+            "fixed_percent": None if fixed_part(best) is None else 100 * fixed_part(best), "slope": slope[0], "slope_low": slope[1],
             "slope_high": slope[2], "slope_goal": case.slope,
             "slope_reached": verdict(None if slope[0] is None else -slope[0], None if case.slope is None else -case.slope),
             "bias": bias[0], "bias_low": bias[1], "bias_high": bias[2], "note": ", ".join(sorted(hows)),

@@ -58,7 +58,7 @@ def _figures(path):
     return found
 
 
-def _run(command, folder):
+def run(command, folder):
     """Returns the processor time and the largest memory of a process; ends it when it is interrupted. A process begins
     as a copy of this one, so that its memory is unknown where it is smaller."""
     process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
@@ -94,13 +94,14 @@ class Timings(Kept):
             self._programs[driver] = (found[0], digest(found[0])) if found else (None, None)
         return self._programs[driver]
 
-    def _program(self, driver):
+    def program(self, driver):
+        """A driver's path and checksum."""
         if not self._find(driver)[0]:
             raise ToolError(f"there is no driver {driver}: run make, or name another one in tests/bench/frames.tsv")
         return self._find(driver)
 
     def _key(self, call):
-        return self._program(call.driver)[1], call.driver, call.options, call.threads
+        return self.program(call.driver)[1], call.driver, call.options, call.threads
 
     def row(self, call, runs=1):
         """What is known of a call by at least so many runs, or None."""
@@ -111,7 +112,7 @@ class Timings(Kept):
         start = time.monotonic()
         with tempfile.TemporaryDirectory(dir=os.path.abspath(self._folder)) as out:
             words = ["--threads", str(call.threads), "--runs", str(call.runs), "--timing", "--quiet", "--out", out]
-            processor, peak = _run([self._program(call.driver)[0], *call.options.split(), *words], self._folder)
+            processor, peak = run([self.program(call.driver)[0], *call.options.split(), *words], self._folder)
             figures = _figures(os.path.join(out, "tables", call.driver + ".csv"))
         cost = (time.monotonic() - start, processor, peak)
         self.add({**dict.fromkeys(FIGURES, ""), **dict(zip(KEY, self._key(call))), **figures,
