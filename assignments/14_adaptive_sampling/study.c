@@ -134,6 +134,34 @@ static allocation allocate(const study *s, variance_of *expected, double lambda)
     return sum;
 }
 
+/* Neyman's, as the renderer would take them if it knew the fitted variances. */
+static allocation allocate_by_deviation(const study *s, float lambda)
+{
+    const double slope = slope_of(s);
+    allocation sum = {0, 0};
+    for (int half = 0; half < 2; half++)
+        for (size_t i = 0; i < s->pixels; i++) {
+            float variance = (float)fitted_variance(s, 0, half, i, slope);
+            uint32_t count = rk_adaptive_count(variance, lambda, RK_SAMPLES_MAX);
+            uint32_t level = (uint32_t)ilogbf((float)count) - least_level;
+            sum.samples += count / 2.0;
+            sum.variance += variance_at(s, level, 1 - half, i, slope) / 2;
+        }
+    return sum;
+}
+
+/* The samples for at most this variance if the first round, which is thrown away, had no noise. */
+static double known_of(const study *s, double variance)
+{
+    double fewest = (double)INFINITY;
+    for (float power = -80; power < 0; power += 0.125f) {
+        allocation a = allocate_by_deviation(s, exp2f(power));
+        if (a.variance <= variance)
+            fewest = fmin(fewest, a.samples);
+    }
+    return fewest + RK_ADAPTIVE_FIRST * (double)s->pixels;
+}
+
 /* The fewest samples with at most this variance. */
 static double bound_of(const study *s, double variance)
 {
@@ -167,22 +195,24 @@ static bool put_row(study *s, double wanted, rk_error *error)
     driver->render = usual;
     const double even = even_samples(s, variance);
     const double bound = bound_of(s, variance) / (double)s->pixels;
-    char path[4096], cells[8][64];
+    const double known = known_of(s, variance) / (double)s->pixels;
+    char path[4096], cells[9][64];
     snprintf(cells[0], 64, "%s", ((const choices *)driver->choices)->effect);
     snprintf(cells[1], 64, "%.2g %%", 100 * wanted);
     snprintf(cells[2], 64, "%.3g %%", 100 * sqrt(variance / s->squares));
     snprintf(cells[3], 64, "%.1f", even);
     snprintf(cells[4], 64, "%.1f", samples);
-    snprintf(cells[5], 64, "%.1f", bound);
-    snprintf(cells[6], 64, "%.2f", even / samples);
-    snprintf(cells[7], 64, "%.0f %%", 100 * bound / samples);
-    const char *const header[] = {"effect",   "error", "reached", "even",
-                                  "adaptive", "bound", "gain",    "share"};
-    const char *row[8];
-    for (int i = 0; i < 8; i++)
+    snprintf(cells[5], 64, "%.1f", known);
+    snprintf(cells[6], 64, "%.1f", bound);
+    snprintf(cells[7], 64, "%.2f", even / samples);
+    snprintf(cells[8], 64, "%.0f %%", 100 * bound / samples);
+    const char *const header[] = {"effect", "error", "reached", "even", "adaptive",
+                                  "known",  "bound", "gain",    "share"};
+    const char *row[9];
+    for (int i = 0; i < 9; i++)
         row[i] = cells[i];
     return rk_driver_table(driver, "adaptive_sampling_efficiency", path, error) &&
-           rk_table_put(path, header, row, 8, 2, error);
+           rk_table_put(path, header, row, 9, 2, error);
 }
 
 static bool allocate_study(study *s, rk_error *error)
