@@ -314,6 +314,23 @@ static void a_lens_is_mentioned_where_there_is_one(void **state)
     rk_scene_free(&scene);
 }
 
+static void the_time_stands_in_the_first_ray_that_needs_it(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("moving");
+    rk_render_options options = size_of(40, 40, true);
+    options.motion.samples = 4;
+    char *ball = explain(&scene, options, 30, 22), *sky = explain(&scene, options, 2, 2);
+    const char *time = strstr(ball, "may hit a moving object"),
+               *next = time ? strstr(time, "one of 4\n    tested ") : NULL;
+    rk_check(next && !contains(next, "moving object") && strstr(ball, "tested ") > time,
+             "once, before all that depends on it:\n%s", ball);
+    rk_check(!contains(sky, "the time is x"), "no ray of this pixel needs a time:\n%s", sky);
+    free(ball);
+    free(sky);
+    rk_scene_free(&scene);
+}
+
 static void bloom_is_mentioned_where_it_is_on(void **state)
 {
     (void)state;
@@ -339,6 +356,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(reflections_and_transparent_surfaces_are_explained),
     cmocka_unit_test(shadow_rays_of_an_area_light_are_counted),
     cmocka_unit_test(more_samples_than_the_centre_are_mentioned),
+    cmocka_unit_test(the_time_stands_in_the_first_ray_that_needs_it),
     cmocka_unit_test(bloom_is_mentioned_where_it_is_on),
     cmocka_unit_test(a_lens_is_mentioned_where_there_is_one),
 };

@@ -1,6 +1,6 @@
 // Live figures: the drivers' WebAssembly module draws the same pictures as the drivers, and a woven page shows
 // them, turns what is typed and dragged into options, and explains pixels; make live-STEM shows each save. Speaks TAP, for make check-live; runs in a
-// build folder. Arguments: the source folder, pandoc and Chromium ("" if missing).
+// build folder. Arguments: the source folder, pandoc, Chromium and axe-core ("" if missing).
 "use strict";
 
 const {execFileSync, spawn} = require("child_process");
@@ -10,10 +10,11 @@ const os = require("os");
 const path = require("path");
 const vm = require("vm");
 const zlib = require("zlib");
+const {Browser} = require("./browser.js");
 
 if (process.argv.includes("--list")) process.exit(0); // the test driver asks for names of tests
 
-const [source, pandoc, chromium] = process.argv.slice(2);
+const [source, pandoc, chromium, script] = process.argv.slice(2);
 const build = process.cwd();
 const folder = fs.mkdtempSync(path.join(os.tmpdir(), "raykit-live-"));
 let count = 0, failed = 0;
@@ -136,57 +137,6 @@ function weave({driver, args}, options, widget = "") {
   return page;
 }
 
-// A browser that is told what to do by its own protocol, through two pipes.
-class Browser {
-  constructor() {
-    const options = ["--headless", "--disable-gpu", "--remote-debugging-pipe", "--window-size=1200,900",
-      `--user-data-dir=${path.join(folder, "profile")}`, ...(process.getuid() === 0 ? ["--no-sandbox"] : [])];
-    this.process = spawn(chromium, options, {stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"]});
-    this.waiting = new Map();
-    let text = "";
-    this.process.stdio[4].on("data", (data) => {
-      const messages = (text + data).split("\0");
-      text = messages.pop();
-      for (const message of messages.map((part) => JSON.parse(part))) {
-        if (this.waiting.has(message.id)) this.waiting.get(message.id)(message.result || message);
-        this.waiting.delete(message.id);
-      }
-    });
-    this.last = 0;
-  }
-  send(method, params = {}) {
-    this.process.stdio[3].write(`${JSON.stringify({id: ++this.last, method, params, sessionId: this.session})}\0`);
-    return new Promise((resolve) => this.waiting.set(this.last, resolve));
-  }
-  async open(page, before = "") {
-    this.session = undefined;
-    const {targetId} = await this.send("Target.createTarget", {url: "about:blank"});
-    this.session = (await this.send("Target.attachToTarget", {targetId, flatten: true})).sessionId;
-    await this.send("Page.enable");
-    await this.send("Page.addScriptToEvaluateOnNewDocument", {source: before});
-    await this.send("Page.navigate", {url: page});
-  }
-  async value(expression) {
-    const answer = await this.send("Runtime.evaluate", {expression, awaitPromise: true, returnByValue: true});
-    if (answer.exceptionDetails) throw new Error(`${expression}: ${answer.exceptionDetails.exception.description}`);
-    return answer.result.value;
-  }
-  // Until the expression is true; false after 30 seconds.
-  async until(expression) {
-    for (let tenth = 0; tenth < 300; tenth++) {
-      if (await this.value(expression).catch(() => false)) return true;
-      await new Promise((resolve) => setTimeout(resolve, 100));
-    }
-    return false;
-  }
-  async key(key) {
-    for (const type of ["keyDown", "keyUp"]) await this.send("Input.dispatchKeyEvent", {type, key});
-  }
-  async mouse(type, x, y) {
-    await this.send("Input.dispatchMouseEvent", {type, x, y, button: "left", buttons: 1, clickCount: 1});
-  }
-}
-
 const drawn = (args) => `document.querySelector(".live").dataset.drawn === ${JSON.stringify(args)}`;
 
 // How the canvas differs from the driver's picture of the command under it.
@@ -279,8 +229,8 @@ async function told(url, condition) {
 }
 
 // A click on the student's picture: two trees of rays, and where they begin to differ.
-async function loop_compares_rays(browser, url) {
-  await browser.open(url);
+async function loop_compares_rays(browser, url, lint) {
+  await browser.open(url, lint ? lint.before : "");
   await browser.until('document.querySelector("#own").naturalWidth === 400 && !document.querySelector("#own").parentElement.hidden');
   const {left, top, width, height} = await browser.value('(({left, top, width, height}) => ({left, top, width, height}))(document.querySelector("#own").getBoundingClientRect())');
   for (const type of ["mousePressed", "mouseReleased"]) await browser.mouse(type, left + width / 2, top + height / 2);
@@ -293,9 +243,10 @@ async function loop_compares_rays(browser, url) {
   check(marked === "adds,adds" && values.length === 2 && values[0] !== values[1], "a click marks where the rays of two units begin to differ, with both values",
     JSON.stringify({marked, values}));
   check(nested === 2 && folded === 0, "lights are nested in hits, and hits in rays", JSON.stringify({nested, folded}));
+  if (lint) await lint.lint("the page of the live loop, with a pixel explained");
 }
 
-async function loop_shows_each_save(browser) {
+async function loop_shows_each_save(browser, lint) {
   const unit = path.join(folder, "shading.c"), solution = fs.readFileSync(`${source}/src/features/shading.c`, "utf8");
   fs.writeFileSync(unit, solution);
   const make = spawn(process.env.MAKE || "make", ["-s", "live-shading", `IMPL=${unit}`, "STEP=1"], {stdio: ["ignore", "pipe", "inherit"], detached: true});
@@ -310,9 +261,28 @@ async function loop_shows_each_save(browser) {
     check(solved && /^ok/m.test(solved.claims), "the live loop shows that a solution's picture and claims are right", JSON.stringify(solved));
     fs.writeFileSync(unit, solution.replace("rk_scale(kd, diffuse));", "rk_scale(kd, 0.5f * diffuse));"));
     const wrong = await told(url, (known) => known.compared && !known.same && !known.busy);
-    check(wrong && /FAIL/.test(wrong.claims) && wrong.hint && wrong.pictures.includes("difference"),
-      "after a save with a mistake it shows the difference, the failed claim and a hint", JSON.stringify(wrong));
-    if (browser) await loop_compares_rays(browser, url);
+    check(wrong && /FAIL/.test(wrong.claims) && wrong.hints.length && wrong.pictures.difference && wrong.broken.length > 1 &&
+      wrong.broken.every((claim) => claim.reason), "after a save with a mistake it shows the difference, the failed claims and hints", JSON.stringify(wrong));
+    await fetch(`${url}/look?2`);
+    const other = await told(url, (known) => known.step === 2 && known.drawn && !known.busy);
+    await fetch(`${url}/look?1`);
+    const back = await told(url, (known) => known.step === 1 && known.drawn && !known.busy);
+    check(other && back && other.command !== back.command, "it draws another step when asked", JSON.stringify([other, back]));
+    if (browser) {
+      await loop_compares_rays(browser, url, lint);
+      fs.writeFileSync(unit, solution);
+      check(await browser.until('document.querySelector("#claims.old") && /^before this save/.test(document.querySelector("#claims").textContent)'),
+        "while claims are checked, those of the save before are marked as old");
+      check(await browser.until('document.querySelector("#pixel").textContent.includes("Both explain this pixel alike") && !document.querySelector("#claims.old")'),
+        "after the next save, the same pixel is explained again", await browser.value("document.body.innerText"));
+    }
+    fs.writeFileSync(unit, "#error unfinished\n");
+    const unfinished = await told(url, (known) => known.failed && !known.busy);
+    check(unfinished && /unfinished/.test(unfinished.failed) && !unfinished.drawn && unfinished.pictures.own,
+      "a unit that does not compile leaves the last picture, and does not call it this save's", JSON.stringify(unfinished));
+    fs.writeFileSync(unit, solution.replace(/^rk_vec3 rk_shade\([^{]*\{/m, "$&\n    for (volatile int i = 1; i; i = 1)\n        ;"));
+    const endless = await told(url, (known) => known.busy.includes("checking") && known.broken.some((claim) => /did not end within .* when it passed/.test(claim.reason)));
+    check(endless && endless.held + endless.broken.length < endless.of, "an endless loop is told soon where claims passed before, while others are still checked", JSON.stringify(endless));
     const {hostname, port} = new URL(url);
     const status = await new Promise((resolve) => http.get({hostname, port, path: "/events", headers: {Host: "elsewhere.example"}},
       (answer) => resolve(answer.statusCode)));
@@ -329,17 +299,17 @@ async function main() {
     console.log(`ok ${++count} - pages # SKIP ${pandoc ? "Chromium is missing: ./bootstrap --pdf" : "pandoc is missing: ./bootstrap"}`);
     await loop_shows_each_save();
   } else {
-    const page = weave(FIGURE, OPTIONS), browser = new Browser();
+    const page = weave(FIGURE, OPTIONS), browser = new Browser(chromium, folder);
     try {
       await page_is_live(browser, page);
       await page_stays_without_webassembly(browser, page);
       await require("./test_live_widgets.js")({check, native, weave, differs, browser});
-      await loop_shows_each_save(browser);
+      const lint = script && require("./test_live_axe.js")({check, browser, source, folder, script});
+      if (lint) await lint.woven_pages();
+      else console.log(`ok ${++count} - axe-core finds nothing # SKIP axe-core is missing: ./bootstrap --live installs it, by npm`);
+      await loop_shows_each_save(browser, lint);
     } finally {
-      const ended = new Promise((resolve) => browser.process.on("exit", resolve));
-      browser.session = undefined;
-      browser.send("Browser.close");
-      await ended;
+      await browser.quit();
     }
   }
   console.log(`1..${count}`);

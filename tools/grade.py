@@ -98,15 +98,19 @@ class Suite:
             verdict.timed_out = timed_out is True
             self.verdicts[test.name] = verdict
 
-    def limit_of_next_test(self, seconds):
+    def limit_of_next_test(self, seconds, usual=None):
         """Returns the limit for the next test, and a phrase for it: short after two that took all of
-        theirs, but three times as long as those that passed."""
+        theirs, but three times as long as those that passed. One that took `usual` seconds when it last passed gets
+        five times as many and some more: an endless loop shows soon, and a slower unit may still be right."""
         verdicts = list(self.verdicts.values())
-        if sum(verdict.timed_out for verdict in verdicts) < TIMEOUTS:
+        is_late = sum(verdict.timed_out for verdict in verdicts) >= TIMEOUTS
+        if usual is not None and (ample := 5 * usual + (0.2 if is_late else 1)) < seconds:
+            return ample, f"{ample:.2g} s (it took {usual:.2g} s when it passed)"
+        if not is_late:
             return seconds, f"{seconds:g} seconds"
         slowest = max((verdict.seconds for verdict in verdicts if verdict.passed), default=0)
         short = min(seconds, max(seconds / 10, 3 * slowest))
-        return short, f"{short:.3g} s (a short limit, as {TIMEOUTS} tests before it took all of {seconds:g} seconds)"
+        return short, f"{short:.3g} s (a short limit, as {TIMEOUTS} tests before it took all of theirs)"
 
 
 def seconds_per_test():
@@ -203,9 +207,9 @@ def _run(toolchain, suite, arguments, limit, megabytes, decoy=False, options="")
     )
 
 
-def run_test(toolchain, suite, test, seconds, megabytes):
-    """Runs one scored test and returns its Verdict."""
-    limit, phrase = suite.limit_of_next_test(seconds)
+def run_test(toolchain, suite, test, seconds, megabytes, usual=None):
+    """Runs one scored test and returns its Verdict. `usual` is how long it took when it last passed, None if unknown."""
+    limit, phrase = suite.limit_of_next_test(seconds, usual)
     outcome = _run(toolchain, suite, ["--only", test.name], limit, megabytes)
     outcome.output = build.plain(toolchain, suite.unit, _with_lines(toolchain, suite.program, outcome.output))
     verdict = judge(outcome, suite, test.name, phrase, megabytes)
@@ -266,7 +270,7 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
     def run_into(suite, test):
-        suite.verdicts[test.name] = run_test(toolchain, suite, test, seconds, megabytes)
+        suite.verdicts[test.name] = run_test(toolchain, suite, test, seconds, megabytes, record and record.usual(test.name))
         if record:
             record.add(test.name, suite.verdicts[test.name])
 
@@ -360,7 +364,10 @@ class Record:
 
     def __init__(self, folder):
         self._path, self._before, self._lock = os.path.join(folder, "claims"), {}, threading.Lock()
+        self._usual_path, self._usual = os.path.join(folder, "usual"), {}  # outlasts checks that do not compile, or are ended
         try:
+            with open(self._usual_path, encoding="utf-8") as file:
+                self._usual = json.load(file)
             with open(self._path, encoding="utf-8") as file:
                 self._before = {claim["name"]: claim for claim in map(json.loads, file)}
         except (OSError, ValueError, KeyError):
@@ -369,13 +376,22 @@ class Record:
             pass
 
     def add(self, name, verdict):
-        claim = {"name": name, "passed": verdict.passed, "seconds": verdict.seconds}
-        with self._lock, open(self._path, "a", encoding="utf-8") as file:
-            file.write(json.dumps(claim) + "\n")
+        claim = {"name": name, **{key: getattr(verdict, key) for key in ("passed", "seconds", "reason", "place")}}
+        with self._lock:
+            with open(self._path, "a", encoding="utf-8") as file:
+                file.write(json.dumps(claim) + "\n")
+            if verdict.passed:
+                self._usual[name] = verdict.seconds
+                with open(self._usual_path, "w", encoding="utf-8") as file:
+                    json.dump(self._usual, file)
 
     def urgency(self, name):
         before = self._before.get(name, {"passed": True, "seconds": 0})
         return not before["passed"], before["seconds"]
+
+    def usual(self, name):
+        """Returns the seconds that the claim took when it last passed, None if it never did."""
+        return self._usual.get(name)
 
 
 def _grade_here(toolchain, features, suites, impl, decoys=DECOYS, progress=None, kept=None):

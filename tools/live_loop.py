@@ -8,7 +8,6 @@ something of it changes. A click on a picture asks both drivers to explain the p
 import http.server
 import json
 import os
-import re
 import shutil
 import signal
 import subprocess
@@ -28,7 +27,9 @@ from handout_text import handout_of
 from watch import Check, state
 
 _LOOK_SECONDS = 0.05
-_PATIENCE = 30  # seconds for a picture
+_PATIENCE = 10  # seconds for a picture
+_SOON = 3  # seconds in which most pictures are drawn
+_TEST_SECONDS = "3"  # for a claim, unless the student allows more: an endless loop should be told soon
 _SIDE = 400  # of a picture, as large as the page shows it
 _TOOLS = os.path.dirname(os.path.abspath(__file__))
 
@@ -85,6 +86,9 @@ class Picture:
         except ProcessLookupError:
             pass
 
+    def is_over(self):
+        return not self._thread.is_alive()
+
     def end(self):
         with self._lock:
             self._ended = True
@@ -97,17 +101,18 @@ class Loop:
     """What is known of the unit: `known` for the page, `files` by the names of pictures."""
 
     def __init__(self, toolchain, feature, impl, step):
-        self._impl, self._feature = impl, feature
+        self._impl, self._feature, self._tests = impl, feature, {test.name: test for test in read_points(feature)}
         self._hints = hint.hints_of(handout_of(toolchain.source, feature))
-        self._is_step_chosen = bool(step)
+        self._is_step_chosen, self.asked = bool(step), None
         self._own = os.path.join(toolchain.build, driver_of(feature))
         self.kit = None if toolchain.handed_out else toolchain.built(f"assignments/{feature.folder}/{feature.stem}")
         self.out = os.path.join(toolchain.build, "impl", "loop")
         self.building = [sys.executable, "-B", os.path.join(_TOOLS, "drivers.py"), "--build", toolchain.build, "--impl", impl,
                          "--only", feature.stem]
         self.files, self.changed, self._doing = {}, threading.Condition(), set()
-        self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "", "hint": "",
-                      "seconds": 0, "held": [], "broken": [], "of": len(read_points(feature))}
+        self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "", "hints": [],
+                      "seconds": 0, "held": 0, "broken": [], "of": len(self._tests), "drawn": False,
+                      "looks": [[look.step, look.caption] for look in read_looks(feature)]}
         self._look_at(choose_look(feature, step))
 
     def _look_at(self, look):
@@ -115,7 +120,7 @@ class Loop:
         self.files = {} if self.kit else {"wanted": look.picture}
         self._options = small(look.options, _SIDE) if self.kit else small(look.options)
         self.tell(step=look.step, caption=look.caption, command=f"{driver_of(self._feature)} {look.options}", same=False,
-                  compared="", says="")
+                  compared="", says="", drawn=False)
 
     def _follow(self, step):
         """Shows the next picture that the student can reach, unless one was asked for; returns whether it is another."""
@@ -143,7 +148,7 @@ class Loop:
         difference = path[:-4] + "_difference.png"
         self.files["own"] = path or self.files.get("own", "")
         self.files["difference"] = difference if os.path.exists(difference) else ""
-        self.tell(ends="drawing", failed=(said or f"the driver ended with status {status}") if status else "", says=caption,
+        self.tell(ends="drawing", drawn=bool(path), failed=(said or f"the driver ended with status {status}") if status else "", says=caption,
                   same=comparison.endswith("is the same"), compared=comparison.partition(": the picture ")[2].partition(";")[0])
 
     def explain(self, pixel):
@@ -164,22 +169,42 @@ class Loop:
                 texts.append(f"no answer within {_PATIENCE} s\n")
         return texts
 
+    def look_asked(self):
+        """Turns to the step that the page has asked for, "" for the next one after the claims; returns whether it is another."""
+        step, self.asked = self.asked, None
+        self._is_step_chosen = bool(step)
+        if not step:
+            return self._follow(self._first_step())
+        if step == str(self.known["step"]):
+            return False
+        self._look_at(choose_look(self._feature, step))
+        return True
+
+    def _first_step(self):
+        """Returns the step of the first broken claim, "" if none is broken."""
+        return next((str(claim["step"]) for claim in self.known["broken"] if claim["step"]), "")
+
     def _take_claims(self, claims, seconds):
-        """Tells the grader's verdict, with the first hint to the step that it names; returns whether a further picture
-        is to be drawn."""
-        step = re.search(r"make hint-\w+ STEP=(\d+)", claims)
-        is_hinted = step and step[1] in self._hints
-        self.tell(ends="checking the claims", claims=claims, held=[], broken=[], seconds=seconds,
-                  hint=hint.said(self._feature.stem, self._hints, step[1], "1") if is_hinted else "")
-        return bool(step or claims.startswith("ok")) and self._follow(step and step[1])
+        """Tells the grader's verdict, with the hints to the step of the first broken claim; returns whether a further
+        picture is to be drawn."""
+        step = self._first_step()
+        self.tell(ends="checking the claims", claims=claims, seconds=seconds, hints=self._hints.get(step, []))
+        return bool(step or claims.startswith("ok")) and not self._loops_forever() and self._follow(step)
 
     def _tell_claims_of(self, record):
-        """Tells which claims have ended, from the grader's record."""
+        """Tells which claims have ended, from the grader's record: those that are broken with their reasons, in the order
+        of work."""
         with open(record, encoding="utf-8") as file:
-            claims = [json.loads(line) for line in file if line.endswith("\n")]
-        held, broken = ([claim["name"] for claim in claims if claim["passed"] is passed] for passed in (True, False))
+            ended = {claim["name"]: claim for claim in map(json.loads, (line for line in file if line.endswith("\n")))}
+        broken = [{"name": name, "points": test.points, "step": test.step, "reason": ended[name]["reason"],
+                   "place": ended[name]["place"]}
+                  for name, test in self._tests.items() if name in ended and not ended[name]["passed"]]
+        held = len(ended) - len(broken)
         if [held, broken] != [self.known["held"], self.known["broken"]]:
             self.tell(held=held, broken=broken)
+
+    def _loops_forever(self):
+        return any(claim["reason"].startswith("did not end") for claim in self.known["broken"])
 
     def run(self, grader, kept):
         """Draws and checks at once and after every save, until interrupted."""
@@ -192,10 +217,18 @@ class Loop:
                         work.end()
                     seen, saved = now, time.monotonic()
                     before = _changed_at(record)
-                    self.tell(begins=("drawing", "checking the claims"), failed="", held=[], broken=[])
+                    self.tell(begins=("drawing", "checking the claims"), failed="", held=0, broken=[], drawn=False, same=False,
+                              compared="", says="")
                     check, picture = Check(grader), Picture(self)
+                elif self.asked is not None:
+                    if self.look_asked():
+                        picture.end()
+                        self.tell(begins=["drawing"])
+                        picture = Picture(self)
                 elif check and check.is_over():
                     claims = check.verdict()
+                    if _changed_at(record) != before:
+                        self._tell_claims_of(record)
                     check.end()
                     check = None
                     if self._take_claims(claims, round(time.monotonic() - saved, 1)):
@@ -204,6 +237,9 @@ class Loop:
                         picture = Picture(self)
                 elif check and _changed_at(record) != before:
                     self._tell_claims_of(record)
+                    if self._loops_forever() and not picture.is_over() and time.monotonic() - saved > _SOON:
+                        picture.end()  # its threads slow down the rest of the claims
+                        self.tell(ends="drawing", failed="no picture: a claim did not end, and the picture might not, either")
                 time.sleep(_LOOK_SECONDS)
         finally:
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -217,7 +253,7 @@ def _changed_at(path):
 
 
 class Page(http.server.BaseHTTPRequestHandler):
-    """Answers the page: /, /events, /picture/NAME and /pixel?X,Y."""
+    """Answers the page: /, /events, /picture/NAME, /pixel?X,Y and /look?STEP."""
 
     def log_message(self, *_):
         pass
@@ -241,6 +277,9 @@ class Page(http.server.BaseHTTPRequestHandler):
             self._send_events(loop)
         elif place.path == "/pixel" and place.query.replace(",", "", 1).isdigit():
             self._answer(json.dumps(loop.explain(place.query)).encode(), "application/json")
+        elif place.path == "/look" and place.query in ["", *(str(step) for step, _ in loop.known["looks"])]:
+            loop.asked = place.query
+            self._answer(b"", "text/plain")
         elif place.path.startswith("/picture/") and os.path.isfile(loop.files.get(name, "")):
             with open(loop.files[name], "rb") as file:
                 self._answer(file.read(), "image/png")
@@ -254,8 +293,8 @@ class Page(http.server.BaseHTTPRequestHandler):
             while True:
                 with loop.changed:
                     loop.changed.wait_for(lambda: loop.known["version"] != version, timeout=5)
-                    version, text = loop.known["version"], json.dumps({**loop.known, "pictures": [
-                        name for name, path in loop.files.items() if path]})
+                    version, text = loop.known["version"], json.dumps({**loop.known, "pictures": {
+                        name: str(_changed_at(path)) for name, path in loop.files.items() if path}})
                 self.wfile.write(f"data: {text}\n\n".encode())
                 self.wfile.flush()
         except OSError:
@@ -270,6 +309,7 @@ def main():
     parser.add_argument("--step", default="", metavar="N", help="of the handout; the last one for none")
     arguments = parser.parse_args()
     stop_on_signals()
+    os.environ.setdefault("RAYKIT_TEST_SECONDS", _TEST_SECONDS)
     kept = make_folder()
     grader = [sys.executable, "-X", f"pycache_prefix={os.path.join(kept, 'python')}", os.path.join(_TOOLS, "grade.py"),
               arguments.stem, "--build", arguments.build, "--impl", arguments.impl, "--own", "--kept", kept]

@@ -26,7 +26,8 @@ typedef struct explanation {
     rk_shading_points *points; /* one */
     rk_light_workspace *lights;
     rk_film *film;
-    int depth; /* of the next line, in steps of four columns */
+    int depth;      /* of the next line, in steps of four columns */
+    bool *has_time; /* has the sample's time been printed? */
 } explanation;
 
 __attribute__((format(printf, 2, 3))) static void print_line(const explanation *e,
@@ -64,9 +65,20 @@ static void print_colour(const explanation *e, rk_vec3 colour)
                rk_srgb8_encode(&table, colour.y), rk_srgb8_encode(&table, colour.z));
 }
 
+/* Once, before the tests of the first ray that needs it: all that follows depends on it. */
+static void print_time(const explanation *e)
+{
+    if (!e->pass->needs_time[0] || *e->has_time)
+        return;
+    print_line(e, "may hit a moving object: the time is x = %.6f, one of %u",
+               (double)e->pass->time[0], e->pass->time_passes * e->r->options->samples);
+    *e->has_time = true;
+}
+
 /* The tests since the counters were last cleared. */
 static void print_tests(const explanation *e)
 {
+    print_time(e);
     print_line(e, "tested %llu boxes and %llu triangles",
                (unsigned long long)e->pass->counters->box_tests,
                (unsigned long long)e->pass->counters->triangle_tests);
@@ -357,11 +369,9 @@ static void print_pixel(FILE *out, const rk_rendering *r, uint32_t x, uint32_t y
     rk_shading_points points = {.count = 1};
     rk_light_workspace lights;
     rk_film film = {.sum = {{0, 0, 0}}};
-    explanation e = {out, with_code, r, &pass, &points, &lights, &film, 0};
+    bool has_time = false;
+    explanation e = {out, with_code, r, &pass, &points, &lights, &film, 0, &has_time};
     print_path(&e, &camera, "camera ray", RK_CODE_CAMERA_RAY);
-    if (pass.needs_time[0])
-        fprintf(out, "a ray may hit a moving object: the time is x = %.6f, one of %u\n",
-                (double)pass.time[0], pass.time_passes * samples);
     print_colour(&e, film.sum[0]);
 }
 

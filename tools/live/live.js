@@ -67,6 +67,12 @@
     .live .handle .bar { stroke: var(--ink); stroke-width: 1.5; }
     .live .handle .knob { fill: var(--paper); stroke: var(--ink); stroke-width: 1.5; }
     .live .handle:focus-visible .knob { stroke: var(--link); stroke-width: 3; }
+    @media (pointer: coarse) {
+      .live button { min-width: 2.6rem; min-height: 2.5rem; }
+      .live .controls input[type=range], .live .controls select { height: 2.4rem; }
+      .live .controls input[type=checkbox] { width: 1.5rem; height: 1.5rem; }
+      .live .story pre span { padding-top: .2rem; padding-bottom: .2rem; }
+    }
     @media print { .live .handle, .live .widget button { display: none; } }
     @media print { .live .controls, .live .line button, .live .mark { display: none; } }`;
 

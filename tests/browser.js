@@ -1,0 +1,75 @@
+// Chromium without a window, for the tests of pages.
+"use strict";
+
+const {spawn} = require("child_process");
+const path = require("path");
+
+// A browser that is told what to do by its own protocol, through two pipes.
+class Browser {
+  constructor(chromium, folder) {
+    const options = ["--headless", "--disable-gpu", "--remote-debugging-pipe", "--window-size=1200,900",
+      `--user-data-dir=${path.join(folder, "profile")}`, ...(process.getuid() === 0 ? ["--no-sandbox"] : [])];
+    this.process = spawn(chromium, options, {stdio: ["ignore", "ignore", "ignore", "pipe", "pipe"]});
+    this.waiting = new Map();
+    let text = "";
+    this.process.stdio[4].on("data", (data) => {
+      const messages = (text + data).split("\0");
+      text = messages.pop();
+      for (const message of messages.map((part) => JSON.parse(part))) {
+        if (this.waiting.has(message.id)) this.waiting.get(message.id)(message.result || message);
+        this.waiting.delete(message.id);
+      }
+    });
+    this.last = 0;
+  }
+  send(method, params = {}) {
+    this.process.stdio[3].write(`${JSON.stringify({id: ++this.last, method, params, sessionId: this.session})}\0`);
+    return new Promise((resolve) => this.waiting.set(this.last, resolve));
+  }
+  async open(page, before = "") {
+    this.session = undefined;
+    const {targetId} = await this.send("Target.createTarget", {url: "about:blank"});
+    this.target = targetId;
+    this.session = (await this.send("Target.attachToTarget", {targetId, flatten: true})).sessionId;
+    await this.send("Page.enable");
+    await this.send("Page.addScriptToEvaluateOnNewDocument", {source: before});
+    await this.send("Page.navigate", {url: page});
+  }
+  async value(expression) {
+    const answer = await this.send("Runtime.evaluate", {expression, awaitPromise: true, returnByValue: true});
+    if (answer.exceptionDetails) throw new Error(`${expression}: ${answer.exceptionDetails.exception.description}`);
+    return answer.result.value;
+  }
+  // Until the expression is true; false after 30 seconds.
+  async until(expression) {
+    for (let tenth = 0; tenth < 300; tenth++) {
+      if (await this.value(expression).catch(() => false)) return true;
+      await new Promise((resolve) => setTimeout(resolve, 100));
+    }
+    return false;
+  }
+  async key(key) {
+    for (const type of ["keyDown", "keyUp"]) await this.send("Input.dispatchKeyEvent", {type, key});
+  }
+  // As on a phone or on a desk, light or dark.
+  async view(width, scheme) {
+    const mobile = width < 600;
+    await this.send("Emulation.setDeviceMetricsOverride", {width, height: 900, deviceScaleFactor: 1, mobile});
+    await this.send("Emulation.setTouchEmulationEnabled", {enabled: mobile});
+    await this.send("Emulation.setEmulatedMedia", {features: [{name: "prefers-color-scheme", value: scheme}]});
+  }
+  async mouse(type, x, y) {
+    await this.send("Input.dispatchMouseEvent", {type, x, y, button: "left", buttons: 1, clickCount: 1});
+  }
+  async close() {
+    await this.send("Target.closeTarget", {targetId: this.target});
+  }
+  async quit() {
+    const ended = new Promise((resolve) => this.process.on("exit", resolve));
+    this.session = undefined;
+    this.send("Browser.close");
+    await ended;
+  }
+}
+
+module.exports = {Browser};

@@ -1,0 +1,63 @@
+// What axe-core finds on a quick book and report of one feature, and on the page of the live loop, in test_live.js's browser.
+"use strict";
+
+const {execFileSync} = require("child_process");
+const axe = require("./axe.js");
+
+const FEATURE = "bloom"; // its chapter has a live figure, a comparison, a table, a plot, formulas, steps and mistakes
+
+const PARTS = [".live .story:not([hidden]) .now", ".comparison", ".wide", ".formula", ".thumbnail", ".claim[open]", "nav details[open]"];
+
+module.exports = ({check, browser, source, folder, script}) => {
+  const before = axe.read(script);
+
+  async function lint(what) {
+    const found = await axe.findings(browser);
+    check(found.length === 0, `axe-core finds nothing on ${what}`, found.join("\n"));
+  }
+
+  async function open(page) {
+    await browser.open(`file://${folder}/${page}`, before);
+    await browser.until('document.readyState === "complete"');
+  }
+
+  // The environment is that of make book.
+  function weave(maker) {
+    execFileSync("sh", [`${source}/${maker}`], {stdio: ["ignore", "ignore", "pipe"], env: {...process.env, RAYKIT_BUILD: folder,
+      RAYKIT_RECORD: "", RAYKIT_JUDGES: "no", RAYKIT_COMPILER: "the compiler", RAYKIT_FLAGS: "-O2", QUICK: "1", FEATURES: FEATURE, CHROMIUM: ""}});
+  }
+
+  // On the page that is open, and spoilt by it.
+  async function mistakes_are_found() {
+    await browser.value(`(() => {
+      const text = document.querySelector("#text");
+      text.querySelector(".caption").style.color = "#999";
+      text.querySelector("img").removeAttribute("alt");
+      text.querySelector("p").style.width = "600px";
+    })()`);
+    const found = await axe.findings(browser), said = found.join("\n");
+    check(/^color-contrast .* at #\S+ > figcaption, at 390 px, light and 1280 px, light: .*#999999.*https:/m.test(said),
+      "pale words are told with rule, place, views and remedy", said);
+    check(/^image-alt .*in all views/m.test(said), "a picture without a text is told", said);
+    check(/^the page is wider .* 390 px/m.test(said), "and a page that is too wide for a phone", said);
+  }
+
+  async function woven_pages() {
+    weave("docs/make_book");
+    await open("docs/out.some/book/index.html");
+    await lint("a chapter's page");
+    const unseen = await browser.value(`${JSON.stringify(PARTS)}.filter((part) => !document.querySelector(part)).join(", ")`);
+    check(!unseen, "and has seen a live figure with an explained pixel, a comparison, tables, formulas, thumbnails and claims", unseen);
+    await mistakes_are_found();
+    await browser.close();
+    await open("docs/out.some/book.html");
+    await lint("the book in a single file");
+    await browser.close();
+    weave("reports/make_report");
+    await open("reports/out.some/report/index.html");
+    await lint("a section of the report");
+    await browser.close();
+  }
+
+  return {before, lint, woven_pages};
+};
