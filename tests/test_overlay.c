@@ -170,6 +170,28 @@ static canvas *make_walled_canvas(void)
     return make_canvas(scene, 40, 20);
 }
 
+/* Pixels of row 7 from 10 to 90 in which a shadow ray is drawn. */
+static size_t drawn_by_shadow_ray(canvas *c, bool occluded)
+{
+    size_t count = 0;
+    wipe(c);
+    rk_overlay_shadow_ray(&c->overlay, at_pixel(c, 10.5f, 7.5f), at_pixel(c, 90.5f, 7.5f),
+                          occluded);
+    for (size_t x = 10; x <= 90; x++)
+        count += red(c, x, 7) > 0;
+    return count;
+}
+
+static void only_occluded_shadow_rays_have_gaps(void **state)
+{
+    (void)state;
+    canvas *c = make_canvas(test_scene_make(0), 300, 20);
+    rk_check(drawn_by_shadow_ray(c, false) == 81, "an unoccluded ray is whole");
+    rk_check(drawn_by_shadow_ray(c, true) < 81, "an occluded ray has gaps");
+    rk_check(drawn_by_shadow_ray(c, true) > 40, "most of an occluded ray is drawn");
+    free_canvas(c);
+}
+
 static void lines_are_hidden_behind_surfaces_and_visible_in_front_of_them(void **state)
 {
     (void)state;
@@ -465,6 +487,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_slanted_line_is_where_projection_says),
     cmocka_unit_test(a_line_covers_its_length_times_its_width),
     cmocka_unit_test(a_point_is_a_disk),
+    cmocka_unit_test(only_occluded_shadow_rays_have_gaps),
     cmocka_unit_test(lines_are_hidden_behind_surfaces_and_visible_in_front_of_them),
     cmocka_unit_test(a_line_into_the_depth_is_hidden_from_where_it_enters),
     cmocka_unit_test(lines_behind_the_viewer_are_clipped),

@@ -102,7 +102,7 @@ if pandoc=$(command -v pandoc); then
 #!/bin/sh
 folder=${*##*--out }
 mkdir -p "$folder/figures" "$folder/tables" && echo a >"$folder/tables/copies.csv" && echo 1 >>"$folder/tables/copies.csv" &&
-    cp "$1" "$folder/figures/$2.png" && echo "$folder/figures/$2.png: 128 x 128"
+    cp "$1" "$folder/figures/$2.png" && echo "$folder/figures/$2.png: 128 x 128, built in 1.5 ms, rendered in 2 s on 2 threads, raykit 1"
 END
     chmod +x "$folder/assignments/01_copies/copies"
     row() { # row PICTURE PICTURE
@@ -218,6 +218,10 @@ mkdir -p "$folder" && {
     printf 'grid,%s,8\n' 1,1,4,4,4 4,2,2,2,2
     printf 'luck,%s,8\n' 4,2,4,4,4 16,4,4,1,5 64,8,4,2,4
 } >"$folder/errors.csv"
+{
+    echo method,samples,step
+    printf '%s\n' steep,1,8 steep,64,1.1 flat,1,9.9 flat,64,9.5
+} >"$folder/steps.csv"
 END
     cat >"$folder/gnuplot" <<'END'
 #!/bin/sh
@@ -253,6 +257,13 @@ END
     ! curve 'x=samples guides=steep' && grep -q '01_one.md:3: guides: steep is not a slope' "$folder/said1"
     verdict a_guide_is_a_number
 
+    stepped() { # stepped METHOD
+        printf '# One\n\n::: {.plot driver=errors args="" table=steps x=samples y=step by=method where="method=%s"}\nOne.\n:::\n' "$1" >"$texts/01_one.md"
+        gnuplot=$folder/gnuplot report said1 "$folder/texts" "$pandoc"
+    }
+    stepped steep && grep -q '^set key top right' "$folder/script" && stepped flat && grep -q '^set key bmargin' "$folder/script"
+    verdict a_legend_covers_no_curve
+
     figure() { # figure ATTRIBUTES
         printf '# One\n\n::: {.figure driver=copies args="%s left" %s}\nOne.\n:::\n' "$look/1.png" "$1" >"$texts/01_one.md"
         report said1 "$folder/texts" "$pandoc"
@@ -261,6 +272,9 @@ END
     figure 'crop="0.5 0.25 0.25 0.5"' && grep -q 'class="crop" style="aspect-ratio: 0.5"' "$page" &&
         tr '\n' ' ' <"$page" | grep -q 'width: 400%; margin: -100% 0 0 -200%'
     verdict a_part_of_a_picture_is_magnified
+
+    tr '\n' ' ' <"$page" | grep -q '128 x 128, raykit 1<' && grep -q '<summary>command</summary><code>[^<]*copies .*1.png left</code>' "$page"
+    verdict below_a_picture_are_its_parameters_without_times_and_its_command
 
     ! figure 'crop="0.8 0 0.25 0.5"' && grep -q '01_one.md:3: crop="0.8 0 0.25 0.5" is not a part of the picture' "$folder/said1"
     verdict a_part_beyond_the_picture_is_a_mistake

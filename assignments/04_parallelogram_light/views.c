@@ -35,24 +35,12 @@ static void draw_outline(drawing *d, const rk_light *light)
         rk_overlay_line(&d->overlay, corner[k], corner[(k + 1) % 4], white, 2.5f);
 }
 
-/* Blue and orange can be told apart by all; the dashes, in print as well. */
-static void draw_ray(rk_overlay *overlay, rk_vec3 start, rk_vec3 end, bool occluded)
-{
-    enum { dashes = 24 };
-    const rk_vec3 blue = rk_vec(0.09f, 0.46f, 0.81f), orange = rk_vec(0.79f, 0.35f, 0);
-    if (!occluded)
-        rk_overlay_line(overlay, start, end, blue, 1.5f);
-    for (int k = 0; occluded && k < dashes; k++)
-        rk_overlay_line(overlay, rk_mix(start, end, (float)k / dashes),
-                        rk_mix(start, end, ((float)k + 0.6f) / dashes), orange, 1.5f);
-}
-
 static void draw_shadow_ray(drawing *d, rk_vec3 end)
 {
     rk_vec3 start = rk_surface_spawn(&d->surface, rk_sub(end, d->surface.point));
     rk_ray ray = {start, rk_sub(end, start), 1};
     bool occluded = rk_trace_one(&d->driver->accel, &ray).triangle != RK_MISS;
-    draw_ray(&d->overlay, start, end, occluded);
+    rk_overlay_shadow_ray(&d->overlay, start, end, occluded);
 }
 
 /* The samples that the renderer takes for the pixel's first ray. */

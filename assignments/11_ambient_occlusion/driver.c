@@ -10,7 +10,8 @@
 static const char summary[] =
     "Renders a scene with light from all directions (--ambient), darker where it is occluded.\n"
     "--debug visibility shows the unoccluded fraction of that light, on white surfaces.\n"
-    "--debug rays shows the rays of --pixel from beside the camera: green ones are unoccluded.\n"
+    "--debug rays shows the rays of --pixel from beside the camera: unoccluded blue, "
+    "occluded orange.\n"
     "--convergence writes a table: error of each map and sampler against samples and time.\n"
     "--closed-forms writes a table: estimates below a disk, a sphere and beside a wall.\n"
     "--on-floor puts an exact sphere on an endless floor: the visibility is known exactly in every "

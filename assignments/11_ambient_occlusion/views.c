@@ -3,8 +3,7 @@
 
 #include "accel/trace_one.h"
 
-static const rk_vec3 red = {1, 0.1f, 0.05f}, green = {0.1f, 0.9f, 0.2f}, white = {1, 1, 1},
-                     blue = {0.1f, 0.4f, 1};
+static const rk_vec3 white = {1, 1, 1}, purple = {0.5f, 0.05f, 0.6f};
 
 /* --- Visibility ------------------------------------------------------------------------------- */
 
@@ -59,8 +58,7 @@ static void draw_ray(const rk_driver *driver, rk_overlay *overlay, const rk_ray 
     bool unoccluded = hit.triangle == RK_MISS;
     float t = unoccluded ? rk_min(shown / rk_length(ray->direction), 1) : hit.t;
     rk_vec3 end = rk_madd(ray->origin, ray->direction, t);
-    rk_overlay_line(overlay, ray->origin, end, unoccluded ? green : red, 1.5f);
-    rk_overlay_point(overlay, end, unoccluded ? green : red, 3);
+    rk_overlay_shadow_ray(overlay, ray->origin, end, !unoccluded);
 }
 
 bool draw_rays(rk_driver *driver, rk_error *error)
@@ -81,7 +79,7 @@ bool draw_rays(rk_driver *driver, rk_error *error)
     }
     rk_vec3 tip = rk_madd(point.surface.point, point.surface.normal, 0.3f);
     rk_overlay_line(&overlay, ray.origin, point.surface.point, white, 1.5f);
-    rk_overlay_line(&overlay, point.surface.point, tip, blue, 3);
+    rk_overlay_line(&overlay, point.surface.point, tip, purple, 3);
     rk_overlay_free(&overlay);
     return true;
 }

@@ -200,6 +200,7 @@ static bool draw_with(rk_driver *driver, first_hit_test *test)
     if (v.magnified)
         aim_at_edges(&b, eye, test, draw_ray, &v);
     v.leaks = true;
+    snprintf(driver->scene.name, sizeof driver->scene.name, "ball"); /* for names and captions */
     aim_at_edges(&b, eye, test, draw_ray, &v);
     return true;
 }

@@ -5,6 +5,8 @@
 #include "driver/convergence.h"
 #include "features/shading.h"
 
+#include <stdio.h>
+
 /* --- Points ----------------------------------------------------------------------------------- */
 
 /* The decision of the renderer that has this joint dimension; its coordinate. */
@@ -66,9 +68,16 @@ static void put_dot(const rk_image *image, float x, float y, float radius)
         }
 }
 
+/* These pictures show no scene; names and captions don't, either. */
+static void name_picture(rk_driver *driver, const char *name)
+{
+    snprintf(driver->scene.name, sizeof driver->scene.name, "%s", name);
+}
+
 bool draw_points(rk_driver *driver, rk_error *error)
 {
     (void)error;
+    name_picture(driver, "unit-square");
     const choices *c = driver->choices;
     const rk_image *image = &driver->image;
     size_t side = image->width < image->height ? image->width : image->height;
@@ -106,6 +115,7 @@ bool draw_order(rk_driver *driver, rk_error *error)
 {
     enum { pixels = 8 };
     (void)error;
+    name_picture(driver, "8x8-pixels");
     const choices *c = driver->choices;
     const rk_image *image = &driver->image;
     const rk_gradient gradient = rk_gradient_cool_to_warm();

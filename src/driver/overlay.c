@@ -171,6 +171,18 @@ void rk_overlay_line(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, rk_vec3 colo
     }
 }
 
+/* Blue and orange can be told apart by all; the dashes, in print as well. */
+void rk_overlay_shadow_ray(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, bool occluded)
+{
+    enum { dashes = 24 };
+    const rk_vec3 blue = rk_vec(0.09f, 0.46f, 0.81f), orange = rk_vec(0.79f, 0.35f, 0);
+    if (!occluded)
+        rk_overlay_line(overlay, from, to, blue, 1.5f);
+    for (int k = 0; occluded && k < dashes; k++)
+        rk_overlay_line(overlay, rk_mix(from, to, (float)k / dashes),
+                        rk_mix(from, to, ((float)k + 0.6f) / dashes), orange, 1.5f);
+}
+
 void rk_overlay_point(rk_overlay *overlay, rk_vec3 point, rk_vec3 colour, float radius)
 {
     rk_overlay_line(overlay, point, point, colour, 2 * radius);

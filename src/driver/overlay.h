@@ -23,6 +23,9 @@ void rk_overlay_free(rk_overlay *overlay);
  * if it is farther than that in front. */
 void rk_overlay_line(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, rk_vec3 colour, float width);
 
+/* A shadow ray: blue if unoccluded, dashed orange if occluded. */
+void rk_overlay_shadow_ray(rk_overlay *overlay, rk_vec3 from, rk_vec3 to, bool occluded);
+
 /* A disk that faces the viewer; `radius`: pixels. */
 void rk_overlay_point(rk_overlay *overlay, rk_vec3 point, rk_vec3 colour, float radius);
 

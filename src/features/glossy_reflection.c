@@ -101,7 +101,7 @@ bool rk_glossy_direction(const rk_glossy_disk *disk, rk_vec2 at, rk_vec3 *direct
 /* --- The part below the surface --------------------------------------------------------------- */
 
 /* The fraction of the unit disk that a line cuts off, d from the centre: a segment, which is a
- * sector of the angle 2 acos(d) without its triangle. */
+ * sector of the angle 2 acos(d) minus a triangle. */
 static double segment_beyond(double d)
 {
     /* solution */

@@ -280,6 +280,17 @@ end
 -- In a round each configuration runs three times.
 drive.timing = "--timing --quiet --runs " .. (drive.runs == "1" and 1 or 3)
 
+-- A driver's line of parameters without its times: those of one picture, drawn once, on a busy machine.
+function drive.without_times(parameters)
+  return (parameters:gsub(", built in [^,]*", ""):gsub(", rendered in [^,]*", ""))
+end
+
+-- The command that draws a picture, folded below its caption.
+function drive.command(element, args)
+  local text = (drive.program(element) .. " " .. args):gsub("[&<>]", {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;"})
+  return pandoc.RawBlock("html", '<details class="command"><summary>command</summary><code>' .. text .. "</code></details>")
+end
+
 -- The caption of a picture or a table: a text, and in small print its parameters, a text or inlines.
 function drive.caption(blocks, small)
   local caption = {pandoc.Plain(pandoc.utils.blocks_to_inlines(blocks))}

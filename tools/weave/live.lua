@@ -61,7 +61,7 @@ function live.figure(div)
     pandoc.Div({pandoc.Plain({image})}, {class = "live", ["data-driver"] = a.driver, ["data-args"] = args,
       ["data-options"] = options, ["data-program"] = drive.program(div), ["data-drag"] = a.drag, ["data-click"] = a.click,
       ["data-widget"] = a.widget}),
-    drive.caption(div.content, parameters .. by_hand),
+    drive.caption(div.content, drive.without_times(parameters) .. by_hand),
   }, {class = "picture"})
 end
 

@@ -89,23 +89,27 @@ end
 -- A marker at every point of a curve of few points, at every eighth of a dense one.
 local function markers(line) return #line.points > 16 and "pointinterval 8" or "pointinterval 1" end
 
--- Would a legend at the lower left cover a curve? Its size is about that of its letters, in a plot of 500 x 290;
--- the y axis reaches to powers of ten.
-local function covers(lines)
+-- Would a legend at the lower left, or else at the upper right, cover a curve? Its size is about that of its letters,
+-- in a plot of 500 x 290; the y axis reaches to powers of ten.
+local function covers(lines, at_upper_right)
   local left, right, top, bottom = corner(lines)
   bottom, top = math.floor(math.log(bottom, 10)), math.ceil(math.log(top, 10))
   local longest = 0
   for _, line in ipairs(lines) do longest = math.max(longest, utf8.len(line.title)) end
   local width, height = (70 + 8 * longest) / 500, (10 + 20 * #lines) / 290
-  local function is_below(point, next_point)
+  local function is_within(x, y) -- fractions of the plot
+    if at_upper_right then x, y = 0.95 - x, 0.95 - y end -- gnuplot keeps a margin there
+    return x < width and y < height
+  end
+  local function is_covered(point, next_point)
     for step = 0, 10 do
       local x, y = point[1] * (next_point[1] / point[1]) ^ (step / 10), point[2] * (next_point[2] / point[2]) ^ (step / 10)
-      if math.log(x / left) < width * math.log(right / left) and math.log(y, 10) - bottom < height * (top - bottom) then return true end
+      if is_within(math.log(x / left) / math.log(right / left), (math.log(y, 10) - bottom) / (top - bottom)) then return true end
     end
   end
   for _, line in ipairs(lines) do
     for i, point in ipairs(line.points) do
-      if is_below(point, line.points[i + 1] or point) then return true end
+      if is_covered(point, line.points[i + 1] or point) then return true end
     end
   end
   return false
@@ -120,14 +124,15 @@ local function falls(lines)
 end
 
 local function is_legend_below(lines, linear)
-  return #lines > many or not linear and lines[1].points[1].low and falls(lines) and covers(lines)
+  if #lines > many then return true end
+  return not linear and falls(lines) and covers(lines, not lines[1].points[1].low)
 end
 
 local function legend(lines, linear)
   if is_legend_below(lines, linear) then
     local longest = 0
     for _, line in ipairs(lines) do longest = math.max(longest, utf8.len(line.title)) end
-    return "bmargin center horizontal Left reverse maxcols 2 samplen 2 height 0.6 font ',13' width " ..
+    return "bmargin " .. (longest > 30 and "left" or "center") .. " horizontal Left reverse maxcols 2 samplen 2 height 0.6 font ',13' width " ..
       (longest > 24 and -longest * 2 // 5 or longest > 20 and -3 or 0) -- gnuplot takes letters to be wider than they are
   end
   if lines[1].points[1].low and falls(lines) then return "bottom left Left reverse" end
@@ -229,6 +234,7 @@ local function draw(div, name, xlabel, ylabel, lines, left_out, back, note)
     "set output " .. quote(drive.out .. "/" .. path),
     linear and "unset logscale" or "set logscale xy", tics(lines, "x", 1, linear), tics(lines, "y", 2, linear), "set grid",
     x_range(lines, linear),
+    div.attributes.yrange and "set yrange [" .. div.attributes.yrange:gsub(" ", ":") .. "]" or "",
     div.attributes.guides and "set rmargin 7" or "set rmargin 2",
     linear and #lines == 1 and "unset key" or "set key " .. legend(lines, linear),
     "set xlabel " .. quote(xlabel), "set ylabel " .. quote(ylabel),

@@ -83,10 +83,16 @@ local function arranged(tabular)
   return first == "term" and name_terms(simple) or tabular
 end
 
-local function scrollable(label) return {class = "wide", tabindex = "0", role = "region", ["aria-label"] = label} end
+-- A group, because regions are landmarks, and a page has too many tables for that.
+local function scrollable(label) return {class = "wide", tabindex = "0", role = "group", ["aria-label"] = label} end
 
 function present.table(tabular)
-  return pandoc.Div({arranged(tabular)}, scrollable("Table"))
+  local columns = pandoc.List()
+  for _, cell in ipairs(pandoc.utils.to_simple_table(tabular).headers) do
+    local title = text_of(pandoc.utils.blocks_to_inlines(cell))
+    if title ~= "" then columns:insert(title) end
+  end
+  return pandoc.Div({arranged(tabular)}, scrollable("Table" .. (#columns > 0 and " of " .. table.concat(columns, ", ") or "")))
 end
 
 -- --- formulas --------------------------------------------------------------------------------

@@ -240,11 +240,19 @@ local function group(div, rows, apart, own)
   return groups, titles
 end
 
+-- The scene plays no part: a row for each metric.
+local function without_scene(metrics, found, titles)
+  local body = {}
+  for i, metric in ipairs(metrics) do body[i] = {titles[metric], found.timings[metric] or ""} end
+  return {"measured", "result"}, body
+end
+
 function tables.timings(div)
   local scenes, metrics = tables.scenes(div, true), words(need(div, "metrics"))
   drive.measure(div, drive.timing, true)
   local rows, columns = tables.read_metrics(div, metrics, true)
-  local apart, head, body = words(div.attributes.rows or "scene"), {}, {}
+  local sceneless = div.attributes.rows == "none"
+  local apart, head, body = sceneless and {} or words(div.attributes.rows or "scene"), {}, {}
   for i, column in ipairs(apart) do
     tables.check_column(div, columns, column)
     head[i] = tables.label(column)
@@ -264,7 +272,8 @@ function tables.timings(div)
     end
     if #body == before then drive.fail_by_driver(div, "%s has no row in the table", scene) end
   end
-  local pixels = tables.picture_size[div.attributes.driver]
+  local pixels = not sceneless and tables.picture_size[div.attributes.driver]
+  if sceneless then head, body = without_scene(metrics, groups[1], titles) end
   return lay_out(div, head, body, (drive.runs == "1" and "single runs" or "medians of " .. drive.runs ..
     " rounds by turns, or more; ≈: rounds differ by more than a fifth") .. (pixels and ", " .. pixels .. " pixels; " or "; "))
 end

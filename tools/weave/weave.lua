@@ -29,7 +29,7 @@
 -- times the driver on each scene and each mesh, once without and once with each of the variants
 -- (separated by commas), and becomes a table with a column for each of the metrics, from the
 -- driver's CSV file; labels="build: building; ..." names them otherwise. rows="scene method" has a row for each scene and method; rows="scene" is
--- the default.
+-- the default, rows=none has a row for each metric, where the scene plays no part.
 --
 --   ::: {.table driver=shadows args="--convergence" columns="method, samples, rmse: error"}
 --   The caption.
@@ -45,7 +45,7 @@
 -- names do not suffice. Where the table has columns y_low and y_high (rmse_low, rmse_high), they are a band, and if it has
 -- samples, too, the legend has each curve's slope over their number: fitted, or with slopes=NAME from tables/NAME.csv.
 -- guides="-1/2 -1" adds grey lines of these slopes (rising ones from the lowest point on), and name=... names the picture's file.
--- linear=yes has linear axes; mark=least names the least value of each line.
+-- linear=yes has linear axes; mark=least names the least value of each line; yrange="1e-3 1e5" gives two plots the same axis.
 -- bars=yes draws bars from 0 on instead, beside each other for the values of `by`; x may be any text.
 --
 -- driver=bench stands for tools/bench.py, whose tables are those of make bench: the full measurement if
@@ -141,9 +141,9 @@ local function figure(div, args)
   if not args:find("--width", 1, true) and not args:find("--height", 1, true) then
     tables.picture_size[div.attributes.driver] = parameters:match("%d+ x %d+")
   end
-  return pandoc.Div({
-    shown(div, path), drive.caption(div.content, parameters),
-  }, {class = "picture"})
+  local caption = drive.caption(div.content, drive.without_times(parameters))
+  caption.content:insert(drive.command(div, args))
+  return pandoc.Div({shown(div, path), caption}, {class = "picture"})
 end
 
 local function figures(div)
