@@ -33,6 +33,11 @@ bool list_splits(splits *c, const rk_driver *driver, rk_error *error)
     c->count = rk_sah_candidates(c->references, range.count, &options, c->list);
     if (c->count == 0)
         return rk_fail(error, "--node %u: this node cannot be split; choose another one", c->node);
+    if (!rk_sah_cheapest(c->list, c->count))
+        return rk_fail(error,
+                       "rk_sah_cheapest finds none of the node's %u candidates: write step 3 of "
+                       "sah_binning first",
+                       c->count);
     if (c->candidate != RK_TREE_VIEW_NOT_GIVEN && c->candidate >= c->count)
         return rk_fail(error, "--candidate %u: this node's candidates are 0 to %u; choose one",
                        c->candidate, c->count - 1);
