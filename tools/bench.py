@@ -149,13 +149,15 @@ def measure_times(options, parts):
         write_startup(tables, folder, kept, options.quick)
     if "profile" in parts:
         write_profile(tables, folder, kept, options.quick)
-    written = {"profile": "frames_profile"}
-    print(f"bench: wrote {', '.join(f'{tables}/{written.get(part, part)}*.csv' for part in parts)} and {kept.path}")
+    names = ["frames_profile" if part == "profile" else part for part in parts]
+    written = [f"{tables}/{name}*.csv" for name in names if os.path.exists(f"{tables}/{name}.csv")]
+    print(f"bench: wrote {', '.join(written) or 'no tables'}; times are kept in {kept.path}")
 
 
 def measure(options):
     names = options.cases.split()
-    parts = [name for name in plan.PARTS if name in names or not names]
+    usual = [name for name in plan.PARTS if not (options.quick and name == "profile")]  # which takes as long as all else
+    parts = [name for name in plan.PARTS if name in names] if names else usual
     cases = [name for name in names if name not in plan.PARTS]
     reset, worse = options.reset, False
     if options.compare and names and not cases:
