@@ -117,10 +117,10 @@ def write_growth(tables, folder, kept):
 
 
 def write_startup(tables, folder, kept, quick):
-    rows = startup.measure(kept.program(startup.DRIVER)[0], folder, quick)
+    rows = startup.measure(lambda driver: kept.program(driver)[0], folder, quick)
     timings.write(tables, "startup", rows)
-    print_cells([("start-up with", "ms", "goal")] + [
-        (row["scene"], f"{row['median_ms']:.3g}", f"{row['goal_ms']:g}") for row in rows])
+    print_cells([("start-up with", "driver", "ms", "goal")] + [
+        (row["scene"], row["driver"], f"{row['median_ms']:.3g}", f"{row['goal_ms']:g}") for row in rows])
 
 
 def write_profile(tables, folder, kept, quick):
