@@ -16,7 +16,8 @@
 --   ::: {.sketch file=docs/sketches/slabs.svg}
 --   The caption.
 --   :::
--- takes a drawing into the page itself, where it follows the reader's colours.
+-- takes a drawing into the page itself, where it follows the reader's colours. So does ![The caption](sketches/flow.svg), in a
+-- paragraph of its own, in texts that are also read as they are.
 --
 --   ::: {.output driver=bvh_median args="--scene cornell --pixel 400,300"}
 --   The caption.
@@ -78,7 +79,7 @@ local function whose(found)
 end
 
 local function file_line(element, file, line)
-  return pandoc.Link({pandoc.Code(file), pandoc.Str(", line " .. line)}, weave.link_to_file(file, element))
+  return pandoc.Link({pandoc.Code(file), pandoc.Str(", line " .. line)}, weave.link_to_file(file, element, line))
 end
 
 -- A name that may go on in the next line behind each underscore.
@@ -200,11 +201,15 @@ end
 
 local function sketch(div)
   local path = need(div, "file")
-  weave.link_to_file(path, div)
-  local file = io.open(drive.source .. "/" .. path)
-  local drawing = file:read("a")
-  file:close()
+  local drawing = drive.read_file(drive.source .. "/" .. path) or fail_at(div, "there is no file %s", path)
   return pandoc.Div({pandoc.RawBlock("html", drawing), drive.caption(div.content)}, {class = "picture sketch"})
+end
+
+local function lone_sketch(paragraph)
+  local image = #paragraph.content == 1 and paragraph.content[1]
+  if not image or image.t ~= "Image" or not image.src:find("^sketches/") then return nil end
+  return sketch(pandoc.Div({pandoc.Plain(image.caption)}, {file = "docs/" .. image.src,
+    ["data-pos"] = image.attributes["data-pos"] or paragraph.attributes and paragraph.attributes["data-pos"]}))
 end
 
 -- A student's units, and starters in a pack, may print other numbers.
@@ -275,6 +280,7 @@ return {
     Div = {claims = claims, index = index.directive, sketch = sketch, output = output},
     Code = code_inline,
     CodeBlock = code_block,
+    Para = lone_sketch,
     late = {collect, {Pandoc = render_all}, {Math = render}},
   })),
 }

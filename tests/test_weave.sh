@@ -324,16 +324,31 @@ END
     printf '# Two {#two}\n\n## Disks {#disks}\n\nAll *unit disks*. One unit disk.\n\n``` {.code file=src/x.c name=rk_quarter}\n```\n' >"$docs/02_two.md"
     printf '# Glossary {.unnumbered #glossary}\n\n| term | means |\n|---|---|\n| unit disk | a disk |\n' >"$docs/glossary.md"
     printf '# Index {.unnumbered #book-index}\n\n::: {.index of=terms}\n:::\n\n::: {.index of=functions}\n:::\n' >"$docs/index_page.md"
+    printf '# House {.unnumbered #house}\n\n[terms](glossary.md#glossary), [one](01_one.md)\n\n![Its rooms](sketches/house.svg)\n' \
+        >"$docs/architecture.md"
+    mkdir "$docs/sketches"
+    printf '<svg xmlns="http://www.w3.org/2000/svg" aria-label="A house"><path d="M1 2"/></svg>\n' >"$docs/sketches/house.svg"
     RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc \
         GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= sh "$source/docs/make_book" >"$folder/said1" 2>&1
     pages=$folder/build/docs/out/book
-    [ "$(cd "$pages" && echo *.html)" = "book-index.html glossary.html index.html one.html pixel.html two.html" ]
+    [ "$(cd "$pages" && echo *.html)" = "book-index.html glossary.html house.html index.html one.html pixel.html two.html" ]
     verdict the_book_is_also_a_page_per_chapter
 
     grep -q 'href="one.html#one">One<' "$pages/index.html" && grep -q 'rel="next" href="two.html"' "$pages/one.html" &&
-        grep -q 'rel="prev" href="pixel.html"' "$pages/one.html" && grep -q 'href="../[^"]*src/x.c"' "$pages/one.html" &&
+        grep -q 'rel="prev" href="pixel.html"' "$pages/one.html" &&
         [ "$(grep -o '<h1' "$pages/two.html" | wc -l)" = 1 ]
     verdict pages_lead_to_the_next_and_into_each_other
+
+    x=$folder/build/docs/out/source/src-x.c.html
+    grep -q 'href="../source/src-x.c.html"' "$pages/one.html" && grep -q 'href="../source/src-x.c.html#line-3"' "$pages/one.html" &&
+        grep -q 'href="source/src-x.c.html#line-8"' "$folder/build/docs/out/book.html" &&
+        grep -q '<span id="line-3" class="line" data-line="3">' "$x" && grep -q 'href="../book/one.html#code-half"' "$x" &&
+        grep -q 'href="../book/style.css"' "$x"
+    verdict files_are_pages_to_whose_lines_links_lead
+
+    grep -q 'href="glossary.html#glossary">terms<' "$pages/house.html" && grep -q 'href="../source/docs-01_one.md.html">one<' "$pages/house.html" &&
+        grep -q 'aria-label="A house"' "$pages/house.html" && grep -q 'Its rooms' "$pages/house.html" && ! grep -q '<img' "$pages/house.html"
+    verdict a_text_that_is_also_read_as_it_is_links_to_other_texts
 
     grep -q '<span id="code-half" class="line" data-line="3">' "$pages/one.html" &&
         grep -q '<span id="code-rk_quarter" class="line" data-line="8">' "$pages/two.html" &&

@@ -154,6 +154,7 @@ def _weave_book(pack, features):
     is_current = os.path.exists(name) and open(name, encoding="utf-8").read() == drawn_by
     environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(), MESHES="",
                        CHROMIUM="", FEATURES="", SOLUTIONS="yes", ANSWERS="", RAYKIT_LIVE="", RAYKIT_JUDGES="no",
+                       RAYKIT_SOURCES="linked",
                        RAYKIT_RECORD=kept if is_current else "")
     if not is_current:
         print("handout: drawing the book's figures, with repeated timings and, if make bench has not measured, its quick form: "

@@ -43,6 +43,20 @@ local function read_regions(path, label)
   return lines
 end
 
+-- All lines of a file as {number, text}; without solutions, starters stand in their places. Or nil and the reason.
+function code.lines(path, label, solutions)
+  local lines = {}
+  if solutions then
+    for text in io.lines(path) do lines[#lines + 1] = {number = #lines + 1, text = text} end
+    return lines
+  end
+  local regions, wrong = read_regions(path, label)
+  for _, line in ipairs(regions or {}) do
+    if line.kind ~= "solution" then lines[#lines + 1] = line end
+  end
+  return regions and lines, wrong
+end
+
 -- The number of braces that a line opens minus those that it closes, outside strings and comments.
 local function opened_by(text)
   text = text:gsub("\\.", ""):gsub('"[^"]*"', ""):gsub("'[^']*'", ""):gsub("/%*.-%*/", "")

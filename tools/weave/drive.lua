@@ -94,6 +94,13 @@ function drive.read_file(path)
   return text
 end
 
+function drive.write_file(path, text)
+  local file, wrong = io.open(path, "wb")
+  if not file or not file:write(text) or not file:close() then
+    drive.fail("%s cannot be written: %s", path, wrong or "no space is left")
+  end
+end
+
 function drive.exists(path)
   local file = io.open(path)
   return file and file:close()

@@ -5,19 +5,13 @@
 local drive = require("drive")
 local index = require("index")
 local live = require("live")
+local sources = require("sources")
 
 local pages = {}
 
 local tools = drive.source .. "/tools/weave/"
 
 local function read(path) return drive.read_file(path) or drive.fail("%s cannot be read", path) end
-
-local function write(path, text)
-  local file, wrong = io.open(path, "wb")
-  if not file or not file:write(text) or not file:close() then
-    drive.fail("%s cannot be written: %s", path, wrong or "no space is left")
-  end
-end
 
 local function html_of(blocks)
   return pandoc.write(pandoc.Pandoc(blocks), "html5", {html_math_method = PANDOC_WRITER_OPTIONS.html_math_method})
@@ -149,10 +143,9 @@ local function steps(chapters, i)
     step(chapters[i + 1], "next", "_ →") .. "</nav>"
 end
 
--- Live figures share a script, which only pages with some of them load.
-local function write_pages(doc, folder, chapters, live_script)
-  local template, values, page_of = read(tools .. "template.html"), common_values(doc), {}
-  local book_title = values.pagetitle
+-- The first page with each name; sets each chapter's own.
+local function find_names(chapters)
+  local page_of = {}
   for _, chapter in ipairs(chapters) do
     chapter.names = {}
     for name in chapter.html:gmatch('%sid="([^"]*)"') do
@@ -160,6 +153,13 @@ local function write_pages(doc, folder, chapters, live_script)
       page_of[name] = page_of[name] or chapter.page
     end
   end
+  return page_of
+end
+
+-- Live figures share a script, which only pages with some of them load.
+local function write_pages(doc, folder, chapters, page_of, live_script)
+  local template, values = read(tools .. "template.html"), common_values(doc)
+  local book_title = values.pagetitle
   local scripts = values.scripts
   for i, chapter in ipairs(chapters) do
     local is_live = live_script ~= "" and chapter.html:find("data-program=", 1, true)
@@ -168,10 +168,10 @@ local function write_pages(doc, folder, chapters, live_script)
     values.pagetitle = i > 1 and plain(chapter.title) .. " – " .. book_title or book_title
     values.contents = relink(contents_of(chapters, #chapters > 1 and chapter), chapter, page_of)
     values.body = relink(chapter.html, chapter, page_of) .. (#chapters > 1 and steps(chapters, i) or "")
-    write(folder .. "/" .. chapter.page, fill(template, values))
+    drive.write_file(folder .. "/" .. chapter.page, fill(template, values))
   end
-  if live_script ~= "" then write(folder .. "/live.js", live_script) end
-  write(folder .. "/index.js", "window.raykitIndex = " .. index_of(chapters) .. ";\n")
+  if live_script ~= "" then drive.write_file(folder .. "/live.js", live_script) end
+  drive.write_file(folder .. "/index.js", "window.raykitIndex = " .. index_of(chapters) .. ";\n")
 end
 
 -- Where the document asks for its index.
@@ -200,8 +200,12 @@ function pages.write(doc)
     chapter.html = html_of(chapter.blocks)
   end
   doc = fill_index(doc, chapters)
-  local live_script = live.script(not doc.meta.solutions or pandoc.utils.stringify(doc.meta.solutions) == "yes")
-  if drive.exists(folder .. "/style.css") then write_pages(doc, folder, chapters, live_script) end
+  local solutions = not doc.meta.solutions or pandoc.utils.stringify(doc.meta.solutions) == "yes"
+  local live_script, page_of = live.script(solutions), find_names(chapters)
+  if drive.exists(folder .. "/style.css") then
+    write_pages(doc, folder, chapters, page_of, live_script)
+    sources.write(page_of, solutions)
+  end
   local scripts = "<script>window.raykitIndex = " .. index_of(chapters) .. ";</script>\n<script>\n" ..
     read(tools .. "page.js") .. read(tools .. "compare.js") .. live_script .. "</script>"
   doc.meta.contents = pandoc.MetaBlocks({pandoc.RawBlock("html", contents_of(chapters))})

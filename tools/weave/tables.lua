@@ -204,14 +204,15 @@ end
 
 -- --- directives ------------------------------------------------------------------------------
 
--- Titles for metrics, from labels="render_3_30: render, f = 3, A = 30; ...".
-local function own_titles(div, metrics)
+-- Titles for metrics and methods, from labels="render_3_30: render, f = 3, A = 30; sah50_3: sah, all axes; ...".
+local function own_titles(div, metrics, rows)
   local titles, wanted = {}, {}
   for _, metric in ipairs(metrics) do wanted[metric] = true end
+  for _, row in ipairs(rows) do wanted[row.method or ""] = true end
   for part in (div.attributes.labels or ""):gmatch("[^;]+") do
-    local metric, title = part:match("^%s*([^:%s]+)%s*:%s*(.-)%s*$")
-    if not wanted[metric] then fail_at(div, "labels: %s is not one of the metrics", metric or part) end
-    titles[metric] = title
+    local name, title = part:match("^%s*([^:%s]+)%s*:%s*(.-)%s*$")
+    if not wanted[name] then fail_at(div, "labels: %s is neither a metric nor a method of the table", name or part) end
+    titles[name] = title
   end
   return titles
 end
@@ -222,7 +223,7 @@ local function group(div, rows, apart, own)
   local groups, by_key, titles = {}, {}, {}
   for _, row in ipairs(rows) do
     local key = {}
-    for i, column in ipairs(apart) do key[i] = tables.cell(row, column) end
+    for i, column in ipairs(apart) do key[i] = column == "method" and own[row.method] or tables.cell(row, column) end
     local name = row.scene .. "\0" .. table.concat(key, "\0")
     local found = by_key[name]
     if not found then
@@ -252,20 +253,21 @@ function tables.timings(div)
   drive.measure(div, drive.timing, true)
   local rows, columns = tables.read_metrics(div, metrics, true)
   local sceneless = div.attributes.rows == "none"
-  local apart, head, body = sceneless and {} or words(div.attributes.rows or "scene"), {}, {}
+  local apart, head, body, by_scene = sceneless and {} or words(div.attributes.rows or "scene"), {}, {}, false
   for i, column in ipairs(apart) do
     tables.check_column(div, columns, column)
     head[i] = tables.label(column)
+    by_scene = by_scene or column == "scene"
   end
-  local groups, titles = group(div, rows, apart, own_titles(div, metrics))
-  head[#head + 1] = "triangles"
+  local groups, titles = group(div, rows, apart, own_titles(div, metrics, rows))
+  if by_scene then head[#head + 1] = "triangles" end
   for _, metric in ipairs(metrics) do head[#head + 1] = titles[metric] end
   for _, scene in ipairs(scenes) do
     local before = #body
     for _, found in ipairs(groups) do
       if found.scene == scene then
         local line = {table.unpack(found.cells)}
-        line[#line + 1] = found.triangles
+        if by_scene then line[#line + 1] = found.triangles end
         for _, metric in ipairs(metrics) do line[#line + 1] = found.timings[metric] or "" end
         body[#body + 1] = line
       end

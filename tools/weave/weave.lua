@@ -81,7 +81,7 @@
 --
 --   [the suite](file:tests/test_bvh_median.c), [the section](report:bvh_median), [the chapter](book:boxes)
 -- link to a file of the source tree and to a heading of the report or the book; [here](#boxes) to
--- one of the same page.
+-- one of the same page, as does [there](glossary.md#terms) in texts that are also read as they are.
 --
 -- A mistake in a text ends the weaving and names the text's file and line. So does a driver's
 -- failure, but with a student's units it costs only the driver's output.
@@ -107,6 +107,7 @@ local listings = require("listings")
 local numbering = require("numbering")
 local paged = require("pages")
 local present = require("present")
+local sources = require("sources")
 local live = require("live")
 local wrong = require("wrong")
 local fail_at = drive.fail_at
@@ -180,12 +181,14 @@ local function link_into(page, anchor, text)
   return source .. "/" .. text .. "#" .. anchor
 end
 
-function weave.link_to_file(path, element)
+function weave.link_to_file(path, element, line)
   if not drive.exists(drive.source .. "/" .. path) then fail_at(element, "there is no file %s", path) end
-  return os.getenv("RAYKIT_SOURCE_LINK") .. "/" .. path
+  return sources.link(path, line)
 end
 
 function weave.resolve(link)
+  local text, name = link.target:match("^([%w_]+%.md)#?(.*)$")
+  if text then link.target = name == "" and "file:docs/" .. text or "#" .. name end
   local kind, rest = link.target:match("^(%a+):(.*)$")
   if kind == "file" then
     link.target = weave.link_to_file(rest, link)
@@ -303,7 +306,7 @@ function weave.filters(own)
     {Div = choose},
     {Header = check_unique, Div = check_unique, Span = check_unique, CodeBlock = check_unique},
     {Div = expand(divs), Span = expand({measured = tables.measured, default = defaults}), Code = own.Code,
-      CodeBlock = code_block, Link = weave.resolve},
+      CodeBlock = code_block, Link = weave.resolve, Para = own.Para},
     values.filters[1], values.filters[2], {Pandoc = function() tables.check_kept() pictures.finish() end},
     {Pandoc = numbering.assign},
     {Header = remember, Div = remember, Span = remember, CodeBlock = remember},

@@ -131,7 +131,7 @@ weave_whole() {
 # weave OPTION... TEXT...: the page, and beside it the folder with the same in pages, which share a
 # stylesheet (its last part is formulas_css, if there is one) and the scripts
 weave() {
-    mkdir "$RAYKIT_OUT/$RAYKIT_WEAVES" &&
+    mkdir "$RAYKIT_OUT/$RAYKIT_WEAVES" "$RAYKIT_OUT/source" &&
         cat "$RAYKIT_SOURCE/tools/weave/page.css" "$RAYKIT_SOURCE/$texts/$RAYKIT_WEAVES.css" \
             ${formulas_css:+"$formulas_css"} >"$RAYKIT_OUT/$RAYKIT_WEAVES/style.css" &&
         cp "$RAYKIT_SOURCE/tools/weave/page.js" "$RAYKIT_SOURCE/tools/weave/compare.js" "$RAYKIT_OUT/$RAYKIT_WEAVES" || give_up "$unwritable"
