@@ -4,6 +4,8 @@
 #endif
 #include "base/parallel.h"
 
+#include "base/table.h"
+
 #include <assert.h>
 #include <pthread.h>
 #include <sched.h>
@@ -18,8 +20,9 @@ struct rk_pool {
     pthread_t *workers;
     pthread_mutex_t lock;
     pthread_cond_t wake, done;
-    uint64_t round;   /* grows by one with each run */
-    uint32_t working; /* workers that have not finished this round */
+    double awake_seconds; /* how long a thread waits before it sleeps */
+    atomic_uint round;    /* grows by one with each run */
+    atomic_uint working;  /* workers that have not finished this round */
     bool stopping;
     atomic_uint next;
     uint32_t count;
@@ -54,14 +57,25 @@ static void take_items(rk_pool *pool, uint32_t thread)
     }
 }
 
+/* Waits awake for a moment, until the number is or is not `value`: to wake up a sleeping thread
+ * takes longer than a short round, most of all on a virtual machine. */
+static void watch(const rk_pool *pool, const atomic_uint *number, unsigned value, bool is_awaited)
+{
+    const double start = rk_clock_wall();
+    while ((atomic_load_explicit(number, memory_order_acquire) == value) != is_awaited &&
+           rk_clock_wall() - start < pool->awake_seconds)
+        ;
+}
+
 static void *work(void *argument)
 {
     worker_start start = *(worker_start *)argument;
     free(argument);
     rk_pool *pool = start.pool;
-    uint64_t seen = 0;
-    pthread_mutex_lock(&pool->lock);
+    unsigned seen = 0;
     for (;;) {
+        watch(pool, &pool->round, seen, false);
+        pthread_mutex_lock(&pool->lock);
         while (pool->round == seen && !pool->stopping)
             pthread_cond_wait(&pool->wake, &pool->lock);
         if (pool->stopping)
@@ -70,8 +84,9 @@ static void *work(void *argument)
         pthread_mutex_unlock(&pool->lock);
         take_items(pool, start.thread);
         pthread_mutex_lock(&pool->lock);
-        if (--pool->working == 0)
+        if (atomic_fetch_sub(&pool->working, 1) == 1)
             pthread_cond_signal(&pool->done);
+        pthread_mutex_unlock(&pool->lock);
     }
     pthread_mutex_unlock(&pool->lock);
     return NULL;
@@ -124,6 +139,8 @@ rk_pool *rk_pool_start(uint32_t threads, rk_error *error)
     if (!pool)
         return NULL;
     pool->threads = threads;
+    /* Of more threads than processors, those that wait would keep the others from work. */
+    pool->awake_seconds = threads > rk_processor_count() ? 0 : 50e-6;
     pthread_mutex_init(&pool->lock, NULL);
     pthread_cond_init(&pool->wake, NULL);
     pthread_cond_init(&pool->done, NULL);
@@ -173,6 +190,7 @@ void rk_pool_run(rk_pool *pool, uint32_t count, rk_task *task, void *context)
     pthread_cond_broadcast(&pool->wake);
     pthread_mutex_unlock(&pool->lock);
     take_items(pool, 0);
+    watch(pool, &pool->working, 0, true);
     pthread_mutex_lock(&pool->lock);
     while (pool->working)
         pthread_cond_wait(&pool->done, &pool->lock);
