@@ -132,7 +132,8 @@ static void hits_are_on_the_ray_and_in_the_triangle(void **state)
     rk_check(hits > 0, "no ray hits: the test tests nothing");
 }
 
-/* A mesh is valid only with finite numbers; rays may be anything. */
+/* A mesh is valid only with finite numbers; rays may be anything. Fewer than elsewhere, because
+ * nearly all of them need exact sums, triangle by triangle. */
 static void trees_end_every_ray(void **state)
 {
     (void)state;
@@ -147,7 +148,7 @@ static void trees_end_every_ray(void **state)
         rk_check_ok(rk_accel_build(&accel, sah ? RK_ACCEL_SAH_3 : RK_ACCEL_MEDIAN, &scene, &error),
                     error);
         rk_check_ok(rk_bvh_validate(&accel.bvh, &scene.mesh, &error), error);
-        for (uint32_t i = 0; i < trials() / 10; i++) {
+        for (uint32_t i = 0; i < trials() / 50; i++) {
             source s = {.trial = i};
             rk_ray ray = any_ray(&s);
             rk_counters counters = {0};
