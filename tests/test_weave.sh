@@ -69,7 +69,7 @@ verdict the_remains_of_a_killed_one_are_no_obstacle
 verdict nothing_else_is_left
 
 # What is measured apart from the page, by make bench and by make bench-peers.
-measured="frames frames_goals growth growth_curves timings_machine"
+measured="frames frames_goals frames_profile growth growth_curves startup timings_machine"
 mkdir -p "$folder/build/bench/tables"
 for table in $measured; do echo "$table" >"$folder/build/bench/tables/$table.csv"; done
 echo peers >"$folder/build/reports/out/tables/peers.csv"
@@ -123,6 +123,18 @@ END
     ! report said1 "$folder/texts" "$pandoc" &&
         grep -q '01_one.md:3: figures/left.png and figures/right.png are equal, pixel for pixel' "$folder/said1"
     verdict equal_pictures_in_a_row_are_a_mistake
+
+    # In the place of Python: make bench, which has measured in full or in its quick form.
+    printf '#!/bin/sh\nfolder=${*##*--out }\nprintf "gain\\n3\\n" >"$folder/tables/accuracy.csv"\ncat "%s/form"\n' "$folder" >"$folder/python"
+    chmod +x "$folder/python"
+    printf '# One\n\n::: {.table driver=bench args="" table=accuracy columns=gain}\nGains.\n:::\n' >"$texts/01_one.md"
+    measured_by() { # measured_by FORM
+        echo "$1" >"$folder/form"
+        RAYKIT_PYTHON=$folder/python report said1 "$folder/texts" "$pandoc"
+    }
+    measured_by quick && tr '\n' ' ' <"$folder/build/reports/out/report.html" | grep -q 'by the quick form of make bench' &&
+        measured_by full && ! tr '\n' ' ' <"$folder/build/reports/out/report.html" | grep -q 'quick form'
+    verdict numbers_of_a_quick_measurement_say_so
 
     overdrawn() { # overdrawn ATTRIBUTES: a table whose run draws another picture of the same name
         row "$look/1.png" "$look/2.png" >"$texts/01_one.md"

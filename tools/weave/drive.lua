@@ -257,6 +257,13 @@ local function measure_by_turns(element, configurations)
   end
 end
 
+local bench_is_quick = false
+
+-- What is said of a measurement that is not the full one, or "".
+function drive.reservation(element)
+  return is_bench(element) and bench_is_quick and "by the quick form of make bench, with small pictures and few samples; " or ""
+end
+
 -- Runs the driver on each of the element's scenes, and on each mesh if these count, too; once without
 -- and once with each of the variants. Its measurements go to its CSV file. Returns what it printed last.
 function drive.measure(element, options, with_meshes)
@@ -277,6 +284,7 @@ function drive.measure(element, options, with_meshes)
   local keep = attributes.keep
   local folder = keep and drive.scraps .. "/" .. keep
   for _, args in ipairs(configurations) do answer = drive.run(element, args, folder) end
+  if is_bench(element) then bench_is_quick = answer:find("quick", 1, true) ~= nil end
   if keep then
     local header, rows = csv.read(folder .. "/tables/" .. drive.need(element, "table") .. ".csv")
     if header then csv.write(drive.out .. "/tables/" .. keep .. ".csv", header, rows) end -- else it is on record

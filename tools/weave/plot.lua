@@ -219,7 +219,7 @@ local function shown(div, path, notes)
   notes[#notes + 1] = "numbers: "
   return pandoc.Div({
     pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}),
-    drive.caption(div.content, {pandoc.Str(table.concat(notes, "; ")), tables.link(div)}),
+    drive.caption(div.content, {pandoc.Str(drive.reservation(div) .. table.concat(notes, "; ")), tables.link(div)}),
   }, {class = "picture plot"})
 end
 

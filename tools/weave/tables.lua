@@ -297,7 +297,7 @@ function tables.table(div)
     for i, name in ipairs(names) do body[r][i] = tables.cell(row, name) end
   end
   if #body == 0 then drive.fail_by_driver(div, "tables/%s.csv has no such row", tables.name(div)) end
-  return lay_out(div, head, body, "")
+  return lay_out(div, head, body, drive.reservation(div))
 end
 
 -- The cell of the only row that is selected.

@@ -105,8 +105,8 @@ end
 
 local function define_lines(block)
   local attributes = block.attributes
-  local answer = attributes.driver and drive.measure(block, attributes.timings and drive.timing or "--quiet")
-  local is_rough = attributes.driver == "bench" and answer:find("quick", 1, true) ~= nil
+  if attributes.driver then drive.measure(block, attributes.timings and drive.timing or "--quiet") end
+  local is_rough = drive.reservation(block) ~= ""
   for line in block.text:gmatch("[^\n]+") do define_line(block, line, is_rough) end
   return {}
 end
