@@ -136,6 +136,31 @@ END
         measured_by full && ! tr '\n' ' ' <"$folder/build/reports/out/report.html" | grep -q 'quick form'
     verdict numbers_of_a_quick_measurement_say_so
 
+    mkdir "$folder/assignments/02_times"
+    cat >"$folder/assignments/02_times/times" <<'END'
+#!/bin/sh
+{
+    echo feature,scene,triangles,method,isa,threads,metric,unit,median,min,max,runs
+    for row in median,scalar,1,render,ms,7,4,8 sah50_3,scalar,1,render,ms,5,5,5; do echo "times,cube,12,$row,1"; done
+} >"${*##*--out }/tables/times.csv"
+END
+    chmod +x "$folder/assignments/02_times/times"
+    timed() { # timed ATTRIBUTES: a quick report with a table of times, its words in a line
+        printf '# One\n\n::: {.timings driver=times scenes=cube metrics=render %s}\nTimes.\n:::\n' "$1" >"$texts/01_one.md"
+        quick=1 report said1 "$folder/texts" "$pandoc" &&
+            tr '\n' ' ' <"$folder/build/reports/out/report.html" | sed 's/<[^>]*>/ /g; s/\xc2\xa0/ /g' | tr -s ' ' >"$folder/words"
+    }
+    timed 'rows="scene method" labels="sah50_3: all axes; render: time"' &&
+        grep -q 'scene method triangles time, ms cube median 12 ≈ 7 cube all axes 12 5 Table' "$folder/words"
+    verdict labels_name_metrics_and_methods
+
+    timed 'rows=method' && grep -q ' method render, ms median ≈ 7 sah50 3 5 Table' "$folder/words" &&
+        timed 'rows=none where="method=median"' && grep -q ' measured result render, ms ≈ 7 Table' "$folder/words"
+    verdict where_the_scene_plays_no_part_triangles_are_not_counted
+
+    ! timed 'labels="sah60: other"' && grep -q 'labels: sah60 is neither a metric nor a method of the table' "$folder/said1"
+    verdict a_label_of_what_the_table_has_not_is_a_mistake
+
     overdrawn() { # overdrawn ATTRIBUTES: a table whose run draws another picture of the same name
         row "$look/1.png" "$look/2.png" >"$texts/01_one.md"
         printf '\n::: {.table driver=copies args="%s left" columns=a table=copies %s}\nA table.\n:::\n' "$look/3.png" "$1" >>"$texts/01_one.md"
