@@ -406,6 +406,16 @@ END
         grep -q '<p>All <em><a href="glossary.html#term-unit-disk" class="term">unit disks</a></em>. One unit disk.</p>'
     verdict a_chapter_links_a_term_where_it_uses_it_first
 
+    printf 'int rk_answer(void)\n{\n    /* solution */\n    return 42;\n    /* starter\n    return 0;\n    end */\n}\n' \
+        >>"$folder/texts/src/x.c"
+    sources() { # sources SOLUTIONS: the book's page of x.c, as text
+        RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc SOLUTIONS=$1 \
+            GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= sh "$source/docs/make_book" >"$folder/said1" 2>&1 && sed 's/<[^>]*>//g' "$x"
+    }
+    sources yes | grep -q 'return 42;' && sources no >"$folder/words" && grep -q 'return 0;' "$folder/words" &&
+        ! grep -q 'return 42;\|solution' "$folder/words"
+    verdict without_solutions_pages_of_files_show_none
+
     mkdir -p "$folder/assignments/01_lens"
     printf '#!/bin/sh\necho "t = -2.468"\n' >"$folder/assignments/01_lens/lens"
     chmod +x "$folder/assignments/01_lens/lens"
