@@ -22,7 +22,8 @@ struct rk_pool {
     pthread_cond_t wake, done;
     double awake_seconds; /* how long a thread waits before it sleeps */
     atomic_uint round;    /* grows by one with each run */
-    atomic_uint working;  /* workers that have not finished this round */
+    atomic_uint working;  /* workers that take part in this round, and have not finished it */
+    bool open;            /* whether workers may still join it */
     bool stopping;
     atomic_uint next;
     uint32_t count;
@@ -81,12 +82,16 @@ static void *work(void *argument)
         if (pool->stopping)
             break;
         seen = pool->round;
+        const bool joins = pool->open; /* no longer, if it took long to wake up */
+        pool->working += joins;
         pthread_mutex_unlock(&pool->lock);
-        take_items(pool, start.thread);
-        pthread_mutex_lock(&pool->lock);
-        if (atomic_fetch_sub(&pool->working, 1) == 1)
-            pthread_cond_signal(&pool->done);
-        pthread_mutex_unlock(&pool->lock);
+        if (joins) {
+            take_items(pool, start.thread);
+            pthread_mutex_lock(&pool->lock);
+            if (--pool->working == 0)
+                pthread_cond_signal(&pool->done);
+            pthread_mutex_unlock(&pool->lock);
+        }
     }
     pthread_mutex_unlock(&pool->lock);
     return NULL;
@@ -185,11 +190,14 @@ void rk_pool_run(rk_pool *pool, uint32_t count, rk_task *task, void *context)
     pool->task = task;
     pool->context = context;
     atomic_store(&pool->next, 0);
-    pool->working = pool->started;
+    pool->open = true;
     pool->round++;
     pthread_cond_broadcast(&pool->wake);
     pthread_mutex_unlock(&pool->lock);
     take_items(pool, 0);
+    pthread_mutex_lock(&pool->lock);
+    pool->open = false;
+    pthread_mutex_unlock(&pool->lock);
     watch(pool, &pool->working, 0, true);
     pthread_mutex_lock(&pool->lock);
     while (pool->working)
