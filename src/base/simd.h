@@ -80,6 +80,7 @@
 #if defined __AVX512VL__ && !defined RK_SIMD_SCALAR
 #include <immintrin.h>
 #define RK_SIMD_ISA "avx512"
+#define RK_SIMD_SIXTEEN /* floats in a register */
 
 enum { rk_n16_lanes = 16 };
 typedef __m512 rk_n16_register;
@@ -542,13 +543,26 @@ RK_INLINE rk_f16 rk_f16_select(uint32_t bits, rk_f16 a, rk_f16 b)
 {
 #if defined __AVX512VL__ && !defined RK_SIMD_SCALAR
     return (rk_f16){{_mm512_mask_blend_ps((__mmask16)bits, b.part[0], a.part[0])}};
+#elif defined __AVX2__ && !defined RK_SIMD_SCALAR
+    const __m256i bit = _mm256_setr_epi32(1, 2, 4, 8, 16, 32, 64, 128);
+    for (int i = 0; i < 2; i++) {
+        const __m256i mine = _mm256_and_si256(_mm256_set1_epi32((int)(bits >> 8 * i)), bit);
+        const __m256 mask = _mm256_castsi256_ps(_mm256_cmpeq_epi32(mine, bit));
+        a.part[i] = _mm256_blendv_ps(b.part[i], a.part[i], mask);
+    }
+    return a;
+#elif defined __SSE2__ && !defined RK_SIMD_SCALAR
+    const __m128i bit = _mm_setr_epi32(1, 2, 4, 8);
+    for (int i = 0; i < 4; i++) {
+        const __m128i mine = _mm_and_si128(_mm_set1_epi32((int)(bits >> 4 * i)), bit);
+        const __m128 mask = _mm_castsi128_ps(_mm_cmpeq_epi32(mine, bit));
+        a.part[i] = _mm_or_ps(_mm_and_ps(mask, a.part[i]), _mm_andnot_ps(mask, b.part[i]));
+    }
+    return a;
 #else
-    float of_a[16], of_b[16];
-    rk_f16_store(of_a, a);
-    rk_f16_store(of_b, b);
     for (int i = 0; i < 16; i++)
-        of_a[i] = bits >> i & 1 ? of_a[i] : of_b[i];
-    return rk_f16_load(of_a);
+        a.part[i] = bits >> i & 1 ? a.part[i] : b.part[i];
+    return a;
 #endif
 }
 
