@@ -368,6 +368,67 @@ static void packets_share_the_work(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* From neighbouring points to random points of a light above them. The signs of neighbours differ.
+ */
+static void fill_with_shadow_rays(rk_ray_batch *rays, uint32_t key, float width)
+{
+    rays->count = 0;
+    for (uint32_t i = 0; i < RK_BATCH_MAX - key % 16; i++) {
+        const rk_vec3 floor = {1, 0, 1}, center = rk_mul(noise3(key, 0), floor);
+        const rk_vec3 at = rk_mul(noise3(key, 3000 + i), floor);
+        const rk_vec3 to = rk_mul(noise3(key, 4000 + i), floor);
+        const rk_vec3 origin = rk_add(rk_madd(center, at, width), rk_vec(0, -1.2f, 0));
+        const rk_vec3 end = rk_add(rk_madd(center, to, 0.5f), rk_vec(0, 1.2f, 0));
+        rk_ray ray = {origin, rk_sub(end, origin), 1};
+        rk_batch_push(rays, &ray);
+    }
+}
+
+static void shadow_rays_to_a_light_with_an_extent_agree(void **state)
+{
+    (void)state;
+    for (uint32_t triangles = 8; triangles <= 4096; triangles *= 8) {
+        rk_mesh mesh = make_soup(triangles, 1.5f / cbrtf((float)triangles), triangles);
+        trees t = build(&mesh);
+        uint32_t hit_count = 0;
+        for (uint32_t key = 0; key < 40; key++) {
+            rk_ray_batch rays;
+            fill_with_shadow_rays(&rays, key, key % 2 ? 0.01f : 0.3f);
+            hit_count += check_batch(&t, &rays, "light", key);
+        }
+        rk_check(hit_count > 1000 && hit_count < 40 * RK_BATCH_MAX - 1000,
+                 "%u of the rays are occluded", hit_count);
+        free_trees(&t);
+        rk_mesh_free(&mesh);
+    }
+}
+
+/* Registers of sixteen numbers trace such rays sorted, in packets; others need not. */
+static void shadow_rays_of_different_signs_share_the_work(void **state)
+{
+    (void)state;
+    const rk_wide_kernel *kernel = rk_wide_kernel_named("avx512", NULL);
+    rk_mesh mesh = make_soup(4096, 0.02f, 2);
+    trees t = build(&mesh);
+    rk_counters single = {0}, together = {0};
+    rk_ray_batch rays;
+    rk_occlusion_batch answers;
+    fill_with_shadow_rays(&rays, 16, 0.01f);
+    for (uint32_t i = 0; kernel && i < rays.count; i++) {
+        const rk_ray ray = rk_batch_ray(&rays, i);
+        rk_ray_batch alone = {.count = 0};
+        rk_batch_push(&alone, &ray);
+        kernel->occluded(&t.wide, &alone, &answers, &single);
+    }
+    if (kernel)
+        kernel->occluded(&t.wide, &rays, &answers, &together);
+    rk_check(together.box_tests <= single.box_tests / 3,
+             "%llu box tests for 256 shadow rays, %llu for each alone",
+             (unsigned long long)together.box_tests, (unsigned long long)single.box_tests);
+    free_trees(&t);
+    rk_mesh_free(&mesh);
+}
+
 /* Of sixteen rays that are traced together one is NaN somewhere. */
 static void a_nan_leaves_its_neighbours_alone(void **state)
 {
@@ -469,7 +530,9 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(rays_along_axes_agree),
     cmocka_unit_test(triangles_without_area_are_missed),
     cmocka_unit_test(tiny_and_huge_scenes_agree),
+    cmocka_unit_test(shadow_rays_to_a_light_with_an_extent_agree),
     cmocka_unit_test(packets_share_the_work),
+    cmocka_unit_test(shadow_rays_of_different_signs_share_the_work),
     cmocka_unit_test(a_nan_leaves_its_neighbours_alone),
     cmocka_unit_test(pictures_are_the_same_to_the_bit),
 };

@@ -147,20 +147,26 @@ static __attribute__((noinline)) uint32_t lanes_behind(const packet *p, const rk
     return lanes & behind;
 }
 
-/* `may`: lanes that may hit the triangle; front, back: that certainly pass through it. */
+/* The lanes that may hit a triangle, and those that certainly pass through its front or back. */
+typedef struct passes {
+    uint32_t may, front, back;
+    rk_f16 det; /* its size */
+} passes;
+
 RK_INLINE void hit_lanes(packet *p, query kind, const rk_wide_bvh *wide, const prepared *block,
-                         uint32_t i, uint32_t place, uint32_t may, uint32_t front, uint32_t back,
-                         rk_f16 det)
+                         uint32_t i, uint32_t place, const passes *pass)
 {
+    uint32_t may = pass->may & p->active;
+    const uint32_t back = pass->back;
+    const rk_f16 det = pass->det;
     const rk_f16 zero = rk_f16_all(0), bound = rk_f16_all(block->bound[i]);
     const rk_f16 t_bound = rk_f16_all(block->t_bound[i]), t_max = rk_f16_load(p->far);
     rk_f16 t =
         rk_f16_sub(f16x3_dot(p->origin, f16x3_of(block->normal, i)), rk_f16_all(block->plane[i]));
     t = rk_f16_select(back, rk_f16_sub(zero, t), t);
-    det = rk_f16_abs(det);
     rk_f16 near =
         rk_f16_mul(rk_f16_div(rk_f16_sub(t, t_bound), rk_f16_add(det, bound)), rk_f16_all(below_1));
-    const uint32_t inside = may & (front | back);
+    const uint32_t inside = may & (pass->front | back);
     may &= ~(inside & (rk_f16_lt(rk_f16_add(t, t_bound), zero) | rk_f16_lt(t_max, near)));
     const uint32_t ahead = may & inside & rk_f16_lt(rk_f16_all(least_t), near);
     if (ahead) {
@@ -185,16 +191,17 @@ RK_INLINE void hit_lanes(packet *p, query kind, const rk_wide_bvh *wide, const p
         decide_lane(p, kind, wide, place, next_bit(&may));
 }
 
+/* First all triangles, without a branch; then those that rays may hit. */
 RK_INLINE void lanes_in_block(packet *p, query kind, const rk_wide_bvh *wide,
                               const rk_wide_block *block, uint32_t lanes)
 {
     const rk_f16 zero = rk_f16_all(0);
     prepared t;
+    passes pass[RK_WIDE_BLOCK];
+    uint32_t some = 0;
     prepare_block(&t, p, block);
+#pragma GCC unroll 4
     for (uint32_t i = 0; i < RK_WIDE_BLOCK; i++) {
-        /* Occluded lanes are active no longer, so for these nothing is found twice. */
-        if (kind == CLOSEST && i > 0 && block->index[i] == block->index[i - 1])
-            break;
         const rk_f16 bound = rk_f16_all(t.bound[i]), minus = rk_f16_all(-t.bound[i]);
         rk_f16 u = rk_f16_sub(zero, f16x3_dot(p->direction, f16x3_of(t.ac_a, i)));
         rk_f16 v = f16x3_dot(p->direction, f16x3_of(t.ab_a, i));
@@ -205,10 +212,15 @@ RK_INLINE void lanes_in_block(packet *p, query kind, const rk_wide_bvh *wide,
         rk_f16 det = rk_f16_sub(zero, f16x3_dot(p->direction, f16x3_of(t.normal, i)));
         rk_f16 w = rk_f16_sub(rk_f16_sub(det, u), v);
         rk_f16 lowest = rk_f16_min(u, rk_f16_min(v, w)), highest = rk_f16_max(u, rk_f16_max(v, w));
-        uint32_t may = lanes & p->active & ~(rk_f16_lt(lowest, minus) & rk_f16_lt(bound, highest));
-        if (may)
-            hit_lanes(p, kind, wide, &t, i, place_of(wide, block, i), may, rk_f16_lt(bound, lowest),
-                      rk_f16_lt(highest, minus), det);
+        pass[i].det = rk_f16_abs(det);
+        pass[i].may = lanes & ~(rk_f16_lt(lowest, minus) & rk_f16_lt(bound, highest));
+        pass[i].front = rk_f16_lt(bound, lowest);
+        pass[i].back = rk_f16_lt(highest, minus);
+        some |= (uint32_t)(pass[i].may != 0) << i;
+    }
+    for (some &= taken_places(block); some;) {
+        const uint32_t i = next_bit(&some);
+        hit_lanes(p, kind, wide, &t, i, place_of(wide, block, i), &pass[i]);
     }
 }
 
@@ -231,10 +243,11 @@ RK_INLINE void visit_leaf(packet *p, query kind, const rk_wide_bvh *wide, uint32
     const rk_wide_block *block = &wide->blocks[rk_wide_leaf_first(leaf)];
     const uint32_t count = rk_wide_leaf_count(leaf);
     for (uint32_t k = 0; k < count; k++) {
+        lanes &= p->active;
         if (__builtin_popcount(lanes) > few_lanes)
             lanes_in_block(p, kind, wide, &block[k], lanes);
         else
-            for (uint32_t left = lanes & p->active; left;)
+            for (uint32_t left = lanes; left;)
                 lane_in_block(p, kind, wide, &block[k], next_bit(&left));
     }
     if (kind == CLOSEST)
@@ -288,17 +301,16 @@ RK_INLINE bounds speeds_between(const bounds *from, const bounds *to, float end)
                     (to->high - from->high + rounding) * per_t};
 }
 
-RK_INLINE void set_shaft(shaft *s, const bounds *from, const bounds *speeds, uint32_t signs)
+RK_INLINE void set_shaft(shaft *s, const bounds *from, const bounds *speeds)
 {
     const rk_simd4_mask bits = {1, 2, 4, 8};
-    const rk_simd4_mask minus = ((int32_t)signs & bits) != 0;
+    const rk_simd4_mask minus = ((int32_t)s->signs & bits) != 0;
     const rk_simd4 zero = rk_simd4_all(0), low = speeds->low, high = speeds->high;
     s->near_origin = rk_simd4_select(minus, from->low, from->high);
     s->far_origin = rk_simd4_select(minus, from->high, from->low);
     /* No ray goes back, so the slower side stays where it is if rounding makes it do so. */
     set_speeds(s, rk_simd4_select(minus, low, high),
                rk_simd4_select(minus, -rk_simd4_max(-high, zero), rk_simd4_max(low, zero)));
-    s->signs = signs;
 }
 
 /* Origins, directions and t_max of sixteen rays. */
@@ -332,9 +344,9 @@ RK_INLINE bool start_together(f16x3 origin)
              rk_f16_lt(origin.y, y) | rk_f16_lt(z, origin.z) | rk_f16_lt(origin.z, z));
 }
 
-/* False if floats might overflow. */
+/* False if floats might overflow. The shaft, except its signs, is left out if it is not wanted. */
 RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, uint32_t signs,
-                           uint32_t active)
+                           uint32_t active, bool with_shaft)
 {
     if (active != 0xffff)
         copy_lanes(&lanes, active);
@@ -366,7 +378,7 @@ RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, 
     if (!is_ordinary(reach + p->size, p->longest))
         return false;
     p->farthest = rk_f16_largest(lanes.t_max);
-    if (!is_point) {
+    if (with_shaft && !is_point) {
         /* On its longest axis each ray is out of the tree by then. */
         const float out = rk_max(away[0], rk_max(away[1], away[2])) / from.low[3];
         const float end = (p->farthest < out ? p->farthest : out) * 1.0001f;
@@ -379,7 +391,9 @@ RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, 
                             longest);
         speeds = speeds_between(&from, &to, end);
     }
-    set_shaft(&p->shaft, &from, &speeds, signs);
+    p->shaft.signs = signs;
+    if (with_shaft)
+        set_shaft(&p->shaft, &from, &speeds);
     const rk_f16 one = rk_f16_all(1);
     p->start = o;
     p->inverse = (f16x3){rk_f16_div(one, d.x), rk_f16_div(one, d.y), rk_f16_div(one, d.z)};

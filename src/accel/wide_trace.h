@@ -4,7 +4,7 @@
 #define RK_ACCEL_WIDE_TRACE_H
 
 #include "accel/wide_kernel.h"
-#include "accel/wide_packet.h"
+#include "accel/wide_shadow.h"
 
 #include <string.h>
 
@@ -33,40 +33,55 @@ RK_INLINE uint32_t in_cone_of(const f16x3 *d, int lane)
     return rk_f16_le(rk_f16_mul(lengths, rk_f16_all(0.9f)), rk_f16_mul(cos, cos));
 }
 
-/* Traces sixteen rays of the batch, coherent ones of equal signs together. Returns the lanes that
- * are left for single rays. */
-RK_INLINE uint32_t trace_sixteen(query kind, const rk_wide_bvh *wide, const tree_extent *extent,
-                                 const rk_ray_batch *rays, uint32_t first, rk_hit_batch *hits,
-                                 rk_occlusion_batch *answers, flights *flying, work *done)
+/* Takes the next packet out of `left`, of sixteen lanes: coherent rays of equal signs. Returns its
+ * lanes, or 0 if they are too few for one: those left over are traced as single rays. */
+RK_INLINE uint32_t next_packet(packet *p, const tree_extent *extent, const sixteen *lanes,
+                               uint32_t *left, uint32_t *alone, bool with_shaft)
 {
-    const sixteen lanes = load_sixteen(rays, first);
-    const uint32_t count = rays->count - first < packet_rays ? rays->count - first : packet_rays;
     const rk_f16 zero = rk_f16_all(0),
-                 components[3] = {lanes.direction.x, lanes.direction.y, lanes.direction.z};
-    /* t_max below 0, or NaN, would spoil the bounds of all. */
-    const uint32_t all = (1u << count) - 1, hopeful = rk_f16_le(zero, lanes.t_max);
-    uint32_t left = all & hopeful, alone = all & ~hopeful;
-    while (left) {
-        const int lane = __builtin_ctz(left);
-        uint32_t active = left & in_cone_of(&lanes.direction, lane), signs = 0;
+                 components[3] = {lanes->direction.x, lanes->direction.y, lanes->direction.z};
+    while (*left) {
+        const int lane = __builtin_ctz(*left);
+        uint32_t active = *left & in_cone_of(&lanes->direction, lane), signs = 0;
         for (int k = 0; k < 3; k++) {
             const uint32_t backward = rk_f16_lt(components[k], zero);
             active &= backward >> lane & 1 ? backward : ~backward;
             signs |= (backward >> lane & 1) << k;
         }
         active |= 1u << lane;
-        left &= ~active;
-        packet p;
         if (__builtin_popcount(active) < least_lanes) {
-            alone |= active | left;
-            return alone;
+            *alone |= *left;
+            return 0;
         }
-        if (!fill_packet(&p, extent, lanes, signs, active)) {
-            alone |= active;
-            continue;
-        }
-        p.rays = rays;
-        p.first = first;
+        *left &= ~active;
+        if (fill_packet(p, extent, *lanes, signs, active, with_shaft))
+            return active;
+        *alone |= active;
+    }
+    return 0;
+}
+
+/* Lanes of which t_max is 0 or more: another, or NaN, would spoil the bounds of all. */
+RK_INLINE uint32_t hopeful_lanes(const rk_ray_batch *rays, const sixteen *lanes, uint32_t first,
+                                 uint32_t *alone)
+{
+    const uint32_t count = rays->count - first < packet_rays ? rays->count - first : packet_rays;
+    const uint32_t all = (1u << count) - 1, hopeful = rk_f16_le(rk_f16_all(0), lanes->t_max);
+    *alone = all & ~hopeful;
+    return all & hopeful;
+}
+
+/* Traces sixteen rays of the batch. Returns the lanes that are left for single rays. */
+RK_INLINE uint32_t trace_sixteen(query kind, const rk_wide_bvh *wide, const tree_extent *extent,
+                                 const rk_ray_batch *rays, uint32_t first, rk_hit_batch *hits,
+                                 rk_occlusion_batch *answers, flights *flying, work *done)
+{
+    const sixteen lanes = load_sixteen(rays, first);
+    uint32_t alone, left = hopeful_lanes(rays, &lanes, first, &alone), active;
+    packet p;
+    p.rays = rays;
+    p.first = first;
+    while ((active = next_packet(&p, extent, &lanes, &left, &alone, true)) != 0) {
         trace_packet(&p, kind, wide, flying, done);
         if (kind == CLOSEST)
             put_hits(&p, wide, active, hits);
@@ -153,6 +168,85 @@ RK_INLINE void trace(query kind, const rk_wide_bvh *wide, const rk_ray_batch *ra
     counters->triangle_tests += RK_WIDE_BLOCK * done.blocks;
 }
 
+#ifdef RK_SIMD_SIXTEEN
+
+RK_INLINE void trace_group(shadow_packets *group, const uint32_t *active, const rk_wide_bvh *wide,
+                           rk_occlusion_batch *answers, work *done)
+{
+    trace_shadow_packets(group, wide, done);
+    for (uint32_t i = 0; i < group->count; i++)
+        put_answers(&group->all[i].packet, active[i], answers);
+    group->count = 0;
+}
+
+static __attribute__((noinline)) void trace_shadows(const rk_wide_bvh *wide,
+                                                    const rk_ray_batch *rays,
+                                                    rk_occlusion_batch *answers,
+                                                    rk_counters *counters)
+{
+    const tree_extent extent = extent_of(wide);
+    work done = {0, 0};
+    single_rays single;
+    single.rays = rays;
+    single.answers = answers;
+    single.count = single.next = 0;
+    union {
+        shadow_packets packets;
+        flights flights;
+    } flying;
+    shadow_packets *group = &flying.packets;
+    uint32_t active[shadow_packets_max];
+    group->count = 0;
+    for (uint32_t first = 0; first < rays->count; first += packet_rays) {
+        const sixteen lanes = load_sixteen(rays, first);
+        uint32_t alone, left = hopeful_lanes(rays, &lanes, first, &alone);
+        for (;;) {
+            shadow_packet *s = &group->all[group->count];
+            s->packet.rays = rays;
+            s->packet.first = first;
+            active[group->count] = next_packet(&s->packet, &extent, &lanes, &left, &alone, false);
+            if (active[group->count] == 0)
+                break;
+            start_shadow_packet(s);
+            group->count++;
+        }
+        while (alone)
+            single.index[single.count++] = (uint16_t)(first + next_bit(&alone));
+        if (group->count >= shadow_packets_max - packets_per_sixteen)
+            trace_group(group, active, wide, answers, &done);
+    }
+    trace_group(group, active, wide, answers, &done);
+    trace_single(&single, &flying.flights, OCCLUSION, wide, &extent, &done);
+    counters->box_tests += RK_WIDE_CHILDREN * done.nodes;
+    counters->triangle_tests += RK_WIDE_BLOCK * done.blocks;
+}
+
+/* Sorted, if that pays. */
+RK_INLINE void trace_occlusion(const rk_wide_bvh *wide, const rk_ray_batch *rays,
+                               rk_occlusion_batch *answers, rk_counters *counters)
+{
+    if (!gain_by_sorting(rays)) {
+        trace_shadows(wide, rays, answers, counters);
+        return;
+    }
+    sorted_rays sorted;
+    rk_occlusion_batch found;
+    sort_by_signs(&sorted, rays);
+    trace_shadows(wide, &sorted.rays, &found, counters);
+    for (uint32_t i = 0; i < rays->count; i++)
+        answers->occluded[sorted.index[i]] = found.occluded[i];
+}
+
+#else
+
+RK_INLINE void trace_occlusion(const rk_wide_bvh *wide, const rk_ray_batch *rays,
+                               rk_occlusion_batch *answers, rk_counters *counters)
+{
+    trace(OCCLUSION, wide, rays, NULL, answers, counters);
+}
+
+#endif
+
 static void closest_of_batch(const rk_wide_bvh *wide, const rk_ray_batch *rays, rk_hit_batch *hits,
                              rk_counters *counters)
 {
@@ -169,7 +263,7 @@ static void occluded_of_batch(const rk_wide_bvh *wide, const rk_ray_batch *rays,
                               rk_occlusion_batch *answers, rk_counters *counters)
 {
     if (wide->node_count > 0)
-        trace(OCCLUSION, wide, rays, NULL, answers, counters);
+        trace_occlusion(wide, rays, answers, counters);
     else
         memset(answers->occluded, 0, rays->count * sizeof *answers->occluded);
 }
