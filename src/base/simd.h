@@ -552,12 +552,9 @@ RK_INLINE rk_f16 rk_f16_select(uint32_t bits, rk_f16 a, rk_f16 b)
     }
     return a;
 #elif defined __SSE2__ && !defined RK_SIMD_SCALAR
-    const __m128i bit = _mm_setr_epi32(1, 2, 4, 8);
-    for (int i = 0; i < 4; i++) {
-        const __m128i mine = _mm_and_si128(_mm_set1_epi32((int)(bits >> 4 * i)), bit);
-        const __m128 mask = _mm_castsi128_ps(_mm_cmpeq_epi32(mine, bit));
-        a.part[i] = _mm_or_ps(_mm_and_ps(mask, a.part[i]), _mm_andnot_ps(mask, b.part[i]));
-    }
+    const rk_simd4_mask bit = {1, 2, 4, 8};
+    for (int i = 0; i < 4; i++)
+        a.part[i] = rk_simd4_select(((int32_t)(bits >> 4 * i) & bit) != 0, a.part[i], b.part[i]);
     return a;
 #else
     for (int i = 0; i < 16; i++)
