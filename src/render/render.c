@@ -7,6 +7,7 @@
 #include "render/feature_hooks.h"
 #include "render/render_sample.h"
 #include "render/stages/adaptive_sampling_stage.h"
+#include "render/stages/camera_stage.h"
 #include "render/stages/film_stage.h"
 #include "render/tiles.h"
 #include "render/time_passes.h"
@@ -23,7 +24,8 @@ typedef struct render_job {
 } render_job;
 
 /* Of a tile, over its pixels in focus or over the others. */
-static void start_passes(const rk_rendering *r, bool out_of_focus, rk_sample_pass *pass)
+static void start_passes(const rk_rendering *r, bool out_of_focus, rk_sample_pass *pass,
+                         rk_lens_pixels *lens)
 {
     const rk_render_options *options = r->options;
     uint32_t samples = options->samples;
@@ -32,6 +34,9 @@ static void start_passes(const rk_rendering *r, bool out_of_focus, rk_sample_pas
     pass->out_of_focus = out_of_focus;
     pass->samples = samples;
     pass->time_passes = rk_time_passes(&r->plan, options, samples);
+    pass->lens = out_of_focus && r->lens_rays_agree ? lens : NULL;
+    if (pass->lens)
+        rk_camera_lens_pixels(r, pass, lens);
 }
 
 static void render_tile(uint32_t index, uint32_t thread, void *context)
@@ -39,12 +44,13 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
     const render_job *job = context;
     const rk_rendering *r = &job->rendering;
     rk_sample_pass pass;
+    rk_lens_pixels lens;
     rk_film film;
     pass.tile = rk_tile_at(r->options, index);
     pass.counters = &job->counters[thread];
     memset(&film, 0, sizeof film);
     for (int out_of_focus = 0; out_of_focus <= r->plan.depth_of_field; out_of_focus++) {
-        start_passes(r, out_of_focus, &pass);
+        start_passes(r, out_of_focus, &pass, &lens);
         for (pass.sample = 0; r->plan.rays && pass.sample < pass.samples; pass.sample++)
             if (!rk_render_sample(r, &pass, &job->workspaces[thread], &film))
                 break;

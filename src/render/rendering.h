@@ -12,6 +12,7 @@ typedef struct rk_rendering {
     rk_plan plan;
     rk_view view;
     int32_t *coc_count;          /* see rk_lens_coc; NULL without a lens */
+    bool lens_rays_agree;        /* see render/lens_rays.h; false without a lens */
     rk_box swept[RK_MOVING_MAX]; /* of each moving object; unset unless plan.motion_blur */
 } rk_rendering;
 

@@ -16,6 +16,8 @@ typedef struct rk_sample_pass {
     rk_tile tile;
     bool out_of_focus;        /* the pass takes the pixels out of focus, else those in focus */
     uint32_t sample, samples; /* index, and number per pixel */
+    /* Those of a pass out of focus, if its rays are made four at a time; else NULL. */
+    const struct rk_lens_pixels *lens;
     /* See render/time_passes.h. */
     uint32_t time_pass, time_passes;
     /* With plan.motion_blur: */

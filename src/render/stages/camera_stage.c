@@ -21,14 +21,12 @@ static rk_ray centre_ray(const rk_view *view, uint32_t x, uint32_t y)
 static rk_ray sampled_ray(const rk_rendering *r, const rk_sample_pass *pass, uint32_t x, uint32_t y)
 {
     const rk_render_options *options = r->options;
-    const rk_sampler sampler = rk_render_sampler(
-        options, pass->out_of_focus ? options->lens_sampling : options->sampling, pass->samples);
-    uint32_t pixel = y * options->width + x;
-    rk_vec2 within = rk_joint_2d(&sampler, pixel, pass->sample, RK_DIMENSION_PIXEL);
-    if (!pass->out_of_focus)
-        return rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
-    rk_vec2 xi = rk_joint_2d(&sampler, pixel, pass->sample, RK_DIMENSION_LENS);
-    return rk_lens_ray(&options->lens, &r->view, (float)x + within.x, (float)y + within.y, xi);
+    if (pass->out_of_focus)
+        return rk_lens_ray_of_pixel(r, x, y, pass->sample, pass->samples);
+    const rk_sampler sampler = rk_render_sampler(options, options->sampling, pass->samples);
+    rk_vec2 within =
+        rk_joint_2d(&sampler, y * options->width + x, pass->sample, RK_DIMENSION_PIXEL);
+    return rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
 }
 
 /* Further time passes take only the samples that need a time, along the same camera ray: with
@@ -50,7 +48,7 @@ static void push_pixel(const rk_rendering *r, const rk_sample_pass *pass, uint32
 
 /* Squares of 4 x 4 pixels follow each other, because their rays are closer together than a row's:
  * sixteen rays traverse the tree as a packet. */
-enum { SQUARE = 4 };
+enum { SQUARE = 4, SQUARES = RK_TILE_SIDE / SQUARE };
 
 static uint32_t at_most(uint32_t a, uint32_t b)
 {
@@ -67,20 +65,46 @@ static void push_square(const rk_rendering *r, const rk_sample_pass *pass, uint3
                 push_pixel(r, pass, y * tile->width + x, paths);
 }
 
-static void push_sampled(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
+static void push_squares(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
 {
     const rk_tile *tile = &pass->tile;
-    if (r->plan.adaptive_sampling) {
+    for (uint32_t y = 0; y < tile->height; y += SQUARE)
+        for (uint32_t x = 0; x < tile->width; x += SQUARE)
+            push_square(r, pass, x, y, paths);
+}
+
+static void push_lens(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
+{
+    rk_lens_rays(r, pass->lens, pass->sample, &paths->rays);
+    memcpy(paths->pixel, pass->lens->pixel, pass->lens->count * sizeof *paths->pixel);
+}
+
+static void push_sampled(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
+{
+    if (r->plan.adaptive_sampling)
         for (uint32_t i = 0; i < pass->wanted_count; i++)
             push_pixel(r, pass, pass->wanted[i], paths);
-    } else {
-        for (uint32_t y = 0; y < tile->height; y += SQUARE)
-            for (uint32_t x = 0; x < tile->width; x += SQUARE)
-                push_square(r, pass, x, y, paths);
-    }
+    else if (pass->lens && pass->time_pass == 0)
+        push_lens(r, pass, paths);
+    else
+        push_squares(r, pass, paths);
     bool at_random = r->plan.pixel_samples || pass->out_of_focus;
     pass->counters->pixel_samples += at_random ? paths->rays.count : 0;
     pass->counters->lens_samples += pass->out_of_focus ? paths->rays.count : 0;
+}
+
+void rk_camera_lens_pixels(const rk_rendering *r, const rk_sample_pass *pass,
+                           rk_lens_pixels *pixels)
+{
+    const rk_tile *tile = &pass->tile;
+    pixels->count = 0;
+    for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+        const uint32_t square = i / (SQUARE * SQUARE), k = i % (SQUARE * SQUARE);
+        const uint32_t x = square % SQUARES * SQUARE + k % SQUARE;
+        const uint32_t y = square / SQUARES * SQUARE + k / SQUARE;
+        if (x < tile->width && y < tile->height && rk_is_in_pass(r, pass, tile->x + x, tile->y + y))
+            rk_lens_pixels_add(pixels, r->options, y * tile->width + x, tile->x + x, tile->y + y);
+    }
 }
 
 /* What all rays of a pinhole have in common. */

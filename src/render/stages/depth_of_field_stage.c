@@ -1,5 +1,6 @@
 #include "render/stages/depth_of_field_stage.h"
 
+#include "render/lens_rays.h"
 #include "render/stages/trace_stage.h"
 #include "render/stages/transparency_stage.h"
 #include "render/tiles.h"
@@ -222,6 +223,7 @@ bool rk_depth_of_field_prepass(rk_rendering *r, rk_pool *pool, rk_counters *coun
         crop(r->coc_count, &job, r->options);
     }
     free(job.diameter);
+    r->lens_rays_agree = rk_lens_rays_agree(r, r->options->lens_samples);
     return r->coc_count != NULL;
 }
 
