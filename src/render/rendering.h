@@ -13,6 +13,7 @@ typedef struct rk_rendering {
     rk_view view;
     int32_t *coc_count;          /* see rk_lens_coc; NULL without a lens */
     bool lens_rays_agree;        /* see render/lens_rays.h; false without a lens */
+    bool glossy_run_agrees;      /* see render/glossy_run.h; false without rough mirrors */
     rk_box swept[RK_MOVING_MAX]; /* of each moving object; unset unless plan.motion_blur */
 } rk_rendering;
 

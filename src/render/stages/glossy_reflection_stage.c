@@ -41,21 +41,26 @@ static rk_glossy_samples samples_of(const rk_rendering *r, const rk_sample_pass 
     };
 }
 
-static void draw(rk_glossy_samples *s, uint32_t from)
+/* The directions of the point's samples from this one on, as many as fit. */
+static void draw(const rk_rendering *r, const rk_glossy_samples *s, uint32_t from,
+                 rk_glossy_run *run)
 {
-    uint32_t left = s->count - from;
-    rk_joint_2d_run(&s->sampler, s->pixel, s->first + from,
-                    left < RK_GLOSSY_DRAWN ? left : RK_GLOSSY_DRAWN, s->dimension, s->drawn);
-}
-
-/* Called with i = 0, 1, 2 ...: samples are drawn in runs. */
-static bool direction_of(rk_glossy_samples *s, uint32_t i, rk_vec3 *direction)
-{
-    if (i % RK_GLOSSY_DRAWN == 0)
-        draw(s, i);
-    rk_vec2 at = rk_disk_at(s->map, s->drawn[i % RK_GLOSSY_DRAWN]);
-    return rk_glossy_direction(&s->disk, rk_glossy_point_above(&s->disk, s->fraction, at),
-                               direction);
+    const uint32_t left = s->count - from;
+    const uint32_t count = left < RK_GLOSSY_RUN_MAX ? left : RK_GLOSSY_RUN_MAX;
+    rk_vec2 numbers[RK_GLOSSY_RUN_MAX];
+    rk_joint_2d_run(&s->sampler, s->pixel, s->first + from, count, s->dimension, numbers);
+    for (uint32_t i = 0; i < count; i++) {
+        run->x[i] = numbers[i].x;
+        run->y[i] = numbers[i].y;
+    }
+    rk_glossy_run_map(run, s->map, count, r->glossy_run_agrees);
+    for (uint32_t i = 0; s->fraction < 1 && i < count; i++) {
+        const rk_vec2 at =
+            rk_glossy_point_above(&s->disk, s->fraction, (rk_vec2){run->x[i], run->y[i]});
+        run->x[i] = at.x;
+        run->y[i] = at.y;
+    }
+    rk_glossy_run_aim(run, &s->disk, count, r->glossy_run_agrees);
 }
 
 static void start_point(const rk_rendering *r, const rk_sample_pass *pass, rk_specular_queue *queue)
@@ -70,22 +75,27 @@ static void start_point(const rk_rendering *r, const rk_sample_pass *pass, rk_sp
 }
 
 /* The rays of the point, from its next sample on. False if the batch is full before the last. */
-static bool spawn_samples(rk_specular_queue *queue, rk_path_batch *reflected)
+static bool spawn_samples(const rk_rendering *r, rk_specular_queue *queue, rk_path_batch *reflected)
 {
     const rk_shading_point *point = &queue->waiting.points[queue->next];
-    rk_glossy_samples *s = &queue->samples;
+    const rk_glossy_samples *s = &queue->samples;
+    const rk_glossy_run *run = &queue->run;
+    const uint32_t bounces_left = point->path.bounces_left - 1u;
     rk_spawner spawner;
     rk_spawner_start(&spawner, &point->surface);
     for (; queue->sample < s->count; queue->sample++) {
-        rk_vec3 direction;
+        const uint32_t i = queue->sample % RK_GLOSSY_RUN_MAX;
         if (reflected->rays.count == RK_BATCH_MAX)
             return false;
-        if (!direction_of(s, queue->sample, &direction))
+        if (i == 0)
+            draw(r, s, queue->sample, &queue->run);
+        if (!(run->is_above[i] > 0))
             continue;
-        rk_ray ray = {rk_spawner_origin(&spawner, direction), direction, INFINITY};
+        const rk_vec3 direction =
+            rk_vec(run->direction_x[i], run->direction_y[i], run->direction_z[i]);
+        const rk_ray ray = {rk_spawner_origin(&spawner, direction), direction, INFINITY};
         rk_path_push(reflected, &ray, point->pixel,
-                     rk_path_of(queue->throughput, s->first + queue->sample, true,
-                                point->path.bounces_left - 1u));
+                     rk_path_of(queue->throughput, s->first + queue->sample, true, bounces_left));
     }
     return true;
 }
@@ -96,7 +106,7 @@ static bool spawn_point(const rk_rendering *r, const rk_sample_pass *pass, rk_sp
     if (queue->sample == 0)
         start_point(r, pass, queue);
     if (queue->samples.disk.radius > 0)
-        return spawn_samples(queue, reflected);
+        return spawn_samples(r, queue, reflected);
     rk_spawn_reflection(&queue->waiting.points[queue->next], reflected);
     return true;
 }
@@ -143,6 +153,13 @@ static bool wanted(const rk_scene *scene, const rk_render_options *options)
            rk_plan_reflects(scene, options);
 }
 
+static bool prepare(rk_rendering *r, rk_error *error)
+{
+    (void)error;
+    r->glossy_run_agrees = rk_glossy_run_agrees();
+    return true;
+}
+
 static uint32_t samples(const rk_scene *scene, const rk_render_options *options)
 {
     (void)scene;
@@ -155,4 +172,5 @@ const rk_feature rk_glossy_reflection_feature = {
     .takes = "--glossy, a radius other than 0, --reflections and a mirror",
     .wanted = wanted,
     .samples = samples,
+    .prepare = prepare,
     .splits = true};

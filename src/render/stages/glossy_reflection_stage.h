@@ -5,11 +5,10 @@
 #define RK_RENDER_STAGES_GLOSSY_REFLECTION_STAGE_H
 
 #include "render/feature.h"
+#include "render/glossy_run.h"
 #include "render/rendering.h"
 #include "render/sample_pass.h"
 #include "render/shading_point.h"
-
-enum { RK_GLOSSY_DRAWN = 64 }; /* samples drawn at once */
 
 /* The samples at one point of a rough mirror. */
 typedef struct rk_glossy_samples {
@@ -19,7 +18,6 @@ typedef struct rk_glossy_samples {
     rk_sampler sampler;
     uint32_t pixel, dimension;
     uint32_t first, count; /* indices among the samples of the pixel */
-    rk_vec2 drawn[RK_GLOSSY_DRAWN];
 } rk_glossy_samples;
 
 /* Specular points whose reflected rays are still to be spawned, from sample `sample` of point
@@ -28,6 +26,7 @@ typedef struct rk_specular_queue {
     rk_shading_points waiting;
     uint32_t next, sample;
     rk_glossy_samples samples; /* of point `next`, once the first is drawn */
+    rk_glossy_run run;         /* of those of its samples that are drawn at once */
     rk_vec3 throughput;        /* of each of its rays */
 } rk_specular_queue;
 
