@@ -1,7 +1,9 @@
 #include "render/lens_rays.h"
 
-#include "base/scramble4.h"
+#include "base/scramble_run.h"
+#include "base/simd4.h"
 #include "render/disk_run.h"
+#include "render/joint_run.h"
 
 #include <string.h>
 
@@ -15,7 +17,6 @@ static uint32_t joint_dimension(int k)
     return joint < 0 ? RK_SOBOL_DIMENSIONS : (uint32_t)joint + (uint32_t)(k & 1);
 }
 
-/* The keys of features/sampling.c. */
 void rk_lens_pixels_add(rk_lens_pixels *pixels, const rk_render_options *options, uint32_t index,
                         uint32_t x, uint32_t y)
 {
@@ -24,8 +25,7 @@ void rk_lens_pixels_add(rk_lens_pixels *pixels, const rk_render_options *options
     pixels->x[i] = (float)x;
     pixels->y[i] = (float)y;
     for (int k = 0; k < 4; k++)
-        pixels->key[k][i] =
-            rk_hash(options->seed, y * options->width + x, 0u - 4, joint_dimension(k));
+        pixels->key[k][i] = rk_joint_key(options->seed, y * options->width + x, joint_dimension(k));
 }
 
 rk_ray rk_lens_ray_of_pixel(const rk_rendering *r, uint32_t x, uint32_t y, uint32_t sample,
@@ -41,14 +41,14 @@ rk_ray rk_lens_ray_of_pixel(const rk_rendering *r, uint32_t x, uint32_t y, uint3
 
 /* --- Four at a time --------------------------------------------------------------------------- */
 
-/* The numbers of each pixel in one dimension. Lanes beyond the last pixel hold anything. */
+/* The numbers of each pixel in one dimension. */
 static void draw(const rk_lens_pixels *pixels, uint32_t sample, int k, float *numbers)
 {
-    const uint32_t bits = rk_sobol_bits(rk_sobol_columns[joint_dimension(k)], sample);
-    for (uint32_t i = 0; i < pixels->count; i += RK_SIMD4_WIDTH)
-        rk_simd4_store(&numbers[i],
-                       rk_simd4_unit_float_reversed(rk_simd4_scramble_reversed(
-                           rk_simd4_bits_all(bits), rk_simd4_bits_load(&pixels->key[k][i]))));
+    const uint32_t of_all = rk_sobol_bits(rk_sobol_columns[joint_dimension(k)], sample);
+    uint32_t bits[RK_BATCH_MAX];
+    for (uint32_t i = 0; i < pixels->count; i++)
+        bits[i] = of_all;
+    rk_scramble_run(pixels->count, bits, pixels->key[k], numbers);
 }
 
 static inline rk_simd4x3 sum_of(rk_simd4x3 a, rk_vec3 b, rk_simd4 s)

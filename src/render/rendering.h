@@ -3,6 +3,7 @@
 #define RK_RENDER_RENDERING_H
 
 #include "accel/accel.h"
+#include "render/joint_run.h"
 #include "render/plan.h"
 
 typedef struct rk_rendering {
@@ -13,6 +14,7 @@ typedef struct rk_rendering {
     rk_view view;
     int32_t *coc_count;          /* see rk_lens_coc; NULL without a lens */
     bool lens_rays_agree;        /* see render/lens_rays.h; false without a lens */
+    rk_joint_runs joint_runs;    /* unset without plan.parallelogram_light and glossy_reflection */
     bool glossy_run_agrees;      /* see render/glossy_run.h; false without rough mirrors */
     rk_box swept[RK_MOVING_MAX]; /* of each moving object; unset unless plan.motion_blur */
 } rk_rendering;

@@ -48,7 +48,8 @@ static void draw(const rk_rendering *r, const rk_glossy_samples *s, uint32_t fro
     const uint32_t left = s->count - from;
     const uint32_t count = left < RK_GLOSSY_RUN_MAX ? left : RK_GLOSSY_RUN_MAX;
     rk_vec2 numbers[RK_GLOSSY_RUN_MAX];
-    rk_joint_2d_run(&s->sampler, s->pixel, s->first + from, count, s->dimension, numbers);
+    rk_joint_run(&r->joint_runs, &s->sampler, s->pixel, s->first + from, count, s->dimension,
+                 numbers);
     for (uint32_t i = 0; i < count; i++) {
         run->x[i] = numbers[i].x;
         run->y[i] = numbers[i].y;
@@ -156,6 +157,7 @@ static bool wanted(const rk_scene *scene, const rk_render_options *options)
 static bool prepare(rk_rendering *r, rk_error *error)
 {
     (void)error;
+    r->joint_runs = rk_joint_runs_of();
     r->glossy_run_agrees = rk_glossy_run_agrees();
     return true;
 }

@@ -36,8 +36,8 @@ void rk_light_random(const rk_rendering *r, const rk_sample_pass *pass,
     uint32_t pixel = rk_picture_pixel(pass, r->options->width, point->pixel);
     const rk_sampler sampler =
         rk_render_sampler(r->options, r->options->light.sampling, paths * samples);
-    rk_joint_2d_run(&sampler, pixel, path->sample * samples + first, count,
-                    index.dimension + dimension + 2 * (bounce * RK_LIGHTS_MAX + light), numbers);
+    rk_joint_run(&r->joint_runs, &sampler, pixel, path->sample * samples + first, count,
+                 index.dimension + dimension + 2 * (bounce * RK_LIGHTS_MAX + light), numbers);
 }
 
 static bool is_decided(const rk_light_sums *sums, uint32_t i)
@@ -333,6 +333,13 @@ static bool wanted(const rk_scene *scene, const rk_render_options *options)
     return false;
 }
 
+static bool prepare(rk_rendering *r, rk_error *error)
+{
+    (void)error;
+    r->joint_runs = rk_joint_runs_of();
+    return true;
+}
+
 static uint32_t samples(const rk_scene *scene, const rk_render_options *options)
 {
     (void)scene;
@@ -343,4 +350,5 @@ const rk_feature rk_parallelogram_light_feature = {.stem = "parallelogram_light"
                                                    .options = rows,
                                                    .takes = "a light that is not a point",
                                                    .wanted = wanted,
-                                                   .samples = samples};
+                                                   .samples = samples,
+                                                   .prepare = prepare};
