@@ -27,7 +27,7 @@ static void draw(const rk_joint_runs *runs, uint32_t seed, uint32_t pixel, uint3
     const uint32_t key = rk_joint_key(seed, pixel, joint);
     uint32_t bits[RK_JOINT_RUN_MAX], keys[RK_JOINT_RUN_MAX];
     find_bits(runs, joint, first, count, bits);
-    for (uint32_t i = 0; i < count; i++)
+    for (uint32_t i = 0; i < RK_JOINT_RUN_MAX; i++) /* a fixed number is filled faster */
         keys[i] = key;
     rk_scramble_run(count, bits, keys, numbers);
 }

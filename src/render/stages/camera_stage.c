@@ -48,29 +48,32 @@ static void push_pixel(const rk_rendering *r, const rk_sample_pass *pass, uint32
 
 /* Squares of 4 x 4 pixels follow each other, because their rays are closer together than a row's:
  * sixteen rays traverse the tree as a packet. */
-enum { SQUARE = 4, SQUARES = RK_TILE_SIDE / SQUARE };
+enum { SQUARE = 4 };
 
 static uint32_t at_most(uint32_t a, uint32_t b)
 {
     return a < b ? a : b;
 }
 
-static void push_square(const rk_rendering *r, const rk_sample_pass *pass, uint32_t x0, uint32_t y0,
-                        rk_path_batch *paths)
+/* The pixels of the pass, in this order. Returns their number. */
+static uint32_t find_pixels(const rk_rendering *r, const rk_sample_pass *pass, uint16_t *pixels)
 {
     const rk_tile *tile = &pass->tile;
-    for (uint32_t y = y0; y < at_most(y0 + SQUARE, tile->height); y++)
-        for (uint32_t x = x0; x < at_most(x0 + SQUARE, tile->width); x++)
-            if (rk_is_in_pass(r, pass, tile->x + x, tile->y + y))
-                push_pixel(r, pass, y * tile->width + x, paths);
+    uint32_t count = 0;
+    for (uint32_t y0 = 0; y0 < tile->height; y0 += SQUARE)
+        for (uint32_t x0 = 0; x0 < tile->width; x0 += SQUARE)
+            for (uint32_t y = y0; y < at_most(y0 + SQUARE, tile->height); y++)
+                for (uint32_t x = x0; x < at_most(x0 + SQUARE, tile->width); x++)
+                    if (rk_is_in_pass(r, pass, tile->x + x, tile->y + y))
+                        pixels[count++] = (uint16_t)(y * tile->width + x);
+    return count;
 }
 
-static void push_squares(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
+static void push_pixels(const rk_rendering *r, const rk_sample_pass *pass, const uint16_t *pixels,
+                        uint32_t count, rk_path_batch *paths)
 {
-    const rk_tile *tile = &pass->tile;
-    for (uint32_t y = 0; y < tile->height; y += SQUARE)
-        for (uint32_t x = 0; x < tile->width; x += SQUARE)
-            push_square(r, pass, x, y, paths);
+    for (uint32_t i = 0; i < count; i++)
+        push_pixel(r, pass, pixels[i], paths);
 }
 
 static void push_lens(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
@@ -81,30 +84,27 @@ static void push_lens(const rk_rendering *r, const rk_sample_pass *pass, rk_path
 
 static void push_sampled(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
 {
+    uint16_t pixels[RK_BATCH_MAX];
     if (r->plan.adaptive_sampling)
-        for (uint32_t i = 0; i < pass->wanted_count; i++)
-            push_pixel(r, pass, pass->wanted[i], paths);
+        push_pixels(r, pass, pass->wanted, pass->wanted_count, paths);
     else if (pass->lens && pass->time_pass == 0)
         push_lens(r, pass, paths);
     else
-        push_squares(r, pass, paths);
+        push_pixels(r, pass, pixels, find_pixels(r, pass, pixels), paths);
     bool at_random = r->plan.pixel_samples || pass->out_of_focus;
     pass->counters->pixel_samples += at_random ? paths->rays.count : 0;
     pass->counters->lens_samples += pass->out_of_focus ? paths->rays.count : 0;
 }
 
-void rk_camera_lens_pixels(const rk_rendering *r, const rk_sample_pass *pass,
-                           rk_lens_pixels *pixels)
+void rk_camera_lens_pixels(const rk_rendering *r, const rk_sample_pass *pass, rk_lens_pixels *lens)
 {
     const rk_tile *tile = &pass->tile;
-    pixels->count = 0;
-    for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
-        const uint32_t square = i / (SQUARE * SQUARE), k = i % (SQUARE * SQUARE);
-        const uint32_t x = square % SQUARES * SQUARE + k % SQUARE;
-        const uint32_t y = square / SQUARES * SQUARE + k / SQUARE;
-        if (x < tile->width && y < tile->height && rk_is_in_pass(r, pass, tile->x + x, tile->y + y))
-            rk_lens_pixels_add(pixels, r->options, y * tile->width + x, tile->x + x, tile->y + y);
-    }
+    uint16_t pixels[RK_BATCH_MAX];
+    const uint32_t count = find_pixels(r, pass, pixels);
+    lens->count = 0;
+    for (uint32_t i = 0; i < count; i++)
+        rk_lens_pixels_add(lens, r->options, pixels[i], tile->x + pixels[i] % tile->width,
+                           tile->y + pixels[i] / tile->width);
 }
 
 /* What all rays of a pinhole have in common. */

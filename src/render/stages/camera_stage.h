@@ -12,7 +12,6 @@
 void rk_camera_stage(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths);
 
 /* Finds the pixels of a pass out of focus, for all of its samples. */
-void rk_camera_lens_pixels(const rk_rendering *r, const rk_sample_pass *pass,
-                           rk_lens_pixels *pixels);
+void rk_camera_lens_pixels(const rk_rendering *r, const rk_sample_pass *pass, rk_lens_pixels *lens);
 
 #endif
