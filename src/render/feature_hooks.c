@@ -35,6 +35,14 @@ void rk_features_shade(const rk_rendering *r, struct rk_sample_pass *pass,
             rk_features[i]->shade(r, pass, points, film);
 }
 
+bool rk_features_any_shade(const rk_plan *plan)
+{
+    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
+        if (rk_features[i]->shade && rk_plan_has(plan, i))
+            return true;
+    return false;
+}
+
 bool rk_features_post(rk_image *image, const rk_rendering *r, rk_pool *pool, rk_counters *counters,
                       rk_error *error)
 {

@@ -18,6 +18,8 @@ bool rk_features_prepass(rk_rendering *r, rk_pool *pool, rk_counters *counters, 
 void rk_features_release(rk_rendering *r);
 void rk_features_shade(const rk_rendering *r, struct rk_sample_pass *pass,
                        const struct rk_shading_points *points, struct rk_film *film);
+/* Does any feature of the plan shade? */
+bool rk_features_any_shade(const rk_plan *plan);
 bool rk_features_post(rk_image *image, const rk_rendering *r, rk_pool *pool, rk_counters *counters,
                       rk_error *error);
 

@@ -39,17 +39,81 @@ rk_ray rk_lens_ray_of_pixel(const rk_rendering *r, uint32_t x, uint32_t y, uint3
     return rk_lens_ray(&options->lens, &r->view, (float)x + within.x, (float)y + within.y, xi);
 }
 
-/* --- Four at a time --------------------------------------------------------------------------- */
+/* --- Samples of a tile ------------------------------------------------------------------------ */
 
-/* The numbers of each pixel in one dimension. */
-static void draw(const rk_lens_pixels *pixels, uint32_t sample, int k, float *numbers)
+void rk_lens_group_start(rk_lens_group *group, const rk_lens_pixels *pixels, uint32_t first,
+                         uint32_t count)
 {
-    const uint32_t of_all = rk_sobol_bits(rk_sobol_columns[joint_dimension(k)], sample);
+    group->first = first;
+    group->count = count;
+    for (uint32_t s = 0; s < count; s++) {
+        for (int k = 0; k < 4; k++)
+            group->bits[k][s] = rk_sobol_bits(rk_sobol_columns[joint_dimension(k)], first + s);
+        memset(group->order[s], (int)s, pixels->count);
+    }
+}
+
+/* The numbers that each pixel takes in a round in one dimension. */
+static void draw(const rk_lens_pixels *pixels, const rk_lens_group *group, uint32_t round, int k,
+                 float *numbers)
+{
     uint32_t bits[RK_BATCH_MAX];
     for (uint32_t i = 0; i < pixels->count; i++)
-        bits[i] = of_all;
+        bits[i] = group->bits[k][group->order[round][i]];
     rk_scramble_run(pixels->count, bits, pixels->key[k], numbers);
 }
+
+/* --- An order for neighbours ------------------------------------------------------------------ */
+
+/* A sample's place on one axis of the unit square that becomes the lens. */
+typedef struct place {
+    float at;
+    uint8_t sample;
+} place;
+
+/* By insertion: there are few. */
+static void sort(place *places, uint32_t count)
+{
+    for (uint32_t i = 1; i < count; i++) {
+        const place moved = places[i];
+        uint32_t to = i;
+        for (; to > 0 && places[to - 1].at > moved.at; to--)
+            places[to] = places[to - 1];
+        places[to] = moved;
+    }
+}
+
+/* Into columns of equal numbers of samples by x, and each column by y. */
+static void sort_pixel(rk_lens_group *group, float x[][RK_BATCH_MAX], float y[][RK_BATCH_MAX],
+                       uint32_t pixel)
+{
+    const uint32_t count = group->count, columns = (uint32_t)sqrtf((float)count);
+    place places[RK_LENS_GROUP_MAX];
+    for (uint32_t s = 0; s < count; s++)
+        places[s] = (place){x[s][pixel], (uint8_t)s};
+    sort(places, count);
+    for (uint32_t s = 0; s < count; s++)
+        places[s].at = y[places[s].sample][pixel];
+    for (uint32_t column = 0; column < columns; column++) {
+        const uint32_t from = column * count / columns, end = (column + 1) * count / columns;
+        sort(places + from, end - from);
+    }
+    for (uint32_t s = 0; s < count; s++)
+        group->order[s][pixel] = places[s].sample;
+}
+
+void rk_lens_group_sort(rk_lens_group *group, const rk_lens_pixels *pixels)
+{
+    float x[RK_LENS_GROUP_MAX][RK_BATCH_MAX], y[RK_LENS_GROUP_MAX][RK_BATCH_MAX];
+    for (uint32_t s = 0; s < group->count; s++) {
+        draw(pixels, group, s, 2, x[s]);
+        draw(pixels, group, s, 3, y[s]);
+    }
+    for (uint32_t i = 0; i < pixels->count; i++)
+        sort_pixel(group, x, y, i);
+}
+
+/* --- Four rays at a time ---------------------------------------------------------------------- */
 
 static inline rk_simd4x3 sum_of(rk_simd4x3 a, rk_vec3 b, rk_simd4 s)
 {
@@ -87,15 +151,15 @@ static inline void put_four(const rk_lens *lens, const rk_view *view, rk_simd4 x
     rk_simd4_store(&rays->t_max[first], rk_simd4_all(INFINITY));
 }
 
-void rk_lens_rays(const rk_rendering *r, const rk_lens_pixels *pixels, uint32_t sample,
-                  rk_ray_batch *rays)
+void rk_lens_rays(const rk_rendering *r, const rk_lens_pixels *pixels, const rk_lens_group *group,
+                  uint32_t round, rk_ray_batch *rays)
 {
     const rk_lens lens = r->options->lens; /* which the batch's stores cannot change */
     const rk_view view = r->view;
     const float radius = 0.5f * (0.001f * lens.aperture);
     float numbers[4][RK_BATCH_MAX];
     for (int k = 0; k < 4; k++)
-        draw(pixels, sample, k, numbers[k]);
+        draw(pixels, group, round, k, numbers[k]);
     rk_disk_run(pixels->count, numbers[2], numbers[3]);
     for (uint32_t i = 0; i < pixels->count; i += RK_SIMD4_WIDTH)
         put_four(&lens, &view, rk_simd4_load(&pixels->x[i]) + rk_simd4_load(&numbers[0][i]),
@@ -119,6 +183,7 @@ static bool sample_agrees(const rk_rendering *r, uint32_t sample, uint32_t sampl
     const rk_render_options *options = r->options;
     uint32_t x[TRIED], y[TRIED];
     rk_lens_pixels pixels;
+    rk_lens_group group;
     rk_ray_batch rays;
     pixels.count = 0;
     for (uint32_t i = 0; i < TRIED; i++) {
@@ -126,7 +191,8 @@ static bool sample_agrees(const rk_rendering *r, uint32_t sample, uint32_t sampl
         y[i] = rk_hash(sample, i, 1, 0) % options->height;
         rk_lens_pixels_add(&pixels, options, 0, x[i], y[i]);
     }
-    rk_lens_rays(r, &pixels, sample, &rays);
+    rk_lens_group_start(&group, &pixels, sample, 1);
+    rk_lens_rays(r, &pixels, &group, 0, &rays);
     for (uint32_t i = 0; i < TRIED; i++) {
         const rk_ray four = rk_batch_ray(&rays, i);
         const rk_ray one = rk_lens_ray_of_pixel(r, x[i], y[i], sample, samples);

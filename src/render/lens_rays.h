@@ -23,10 +23,27 @@ void rk_lens_pixels_add(rk_lens_pixels *pixels, const rk_render_options *options
 rk_ray rk_lens_ray_of_pixel(const rk_rendering *r, uint32_t x, uint32_t y, uint32_t sample,
                             uint32_t samples);
 
-/* Fills the batch with the same rays to the bit, one for each of the pixels, and `count`. Only if
- * r->lens_rays_agree. */
-void rk_lens_rays(const rk_rendering *r, const rk_lens_pixels *pixels, uint32_t sample,
-                  rk_ray_batch *rays);
+/* Consecutive samples of a tile, in an order for each of its pixels. */
+enum { RK_LENS_GROUP_MAX = 32 };
+typedef struct rk_lens_group {
+    uint32_t first, count;
+    uint32_t bits[4][RK_LENS_GROUP_MAX];            /* of each sample's numbers */
+    uint8_t order[RK_LENS_GROUP_MAX][RK_BATCH_MAX]; /* the sample, counted from `first`, that each
+                                                       pixel takes first, second and so on */
+} rk_lens_group;
+
+/* The samples from `first` on, in their own order. */
+void rk_lens_group_start(rk_lens_group *group, const rk_lens_pixels *pixels, uint32_t first,
+                         uint32_t count);
+
+/* Orders them by their places on the lens: what all pixels take next then starts at nearby places,
+ * so that neighbours' rays traverse the tree together. */
+void rk_lens_group_sort(rk_lens_group *group, const rk_lens_pixels *pixels);
+
+/* Fills the batch with the rays that the pixels take in this round, 0 to group->count - 1, and
+ * `count`: to the bit those of rk_lens_ray_of_pixel. Only if r->lens_rays_agree. */
+void rk_lens_rays(const rk_rendering *r, const rk_lens_pixels *pixels, const rk_lens_group *group,
+                  uint32_t round, rk_ray_batch *rays);
 
 /* Are the rays the same at many places of the picture? They are not with numbers of another kind,
  * nor with a student's functions that are still wrong: these draw their own picture. */

@@ -18,6 +18,8 @@ typedef struct rk_sample_pass {
     uint32_t sample, samples; /* index, and number per pixel */
     /* Those of a pass out of focus, if its rays are made four at a time; else NULL. */
     const struct rk_lens_pixels *lens;
+    const struct rk_lens_group *lens_group; /* with `lens` */
+    uint32_t lens_round;
     /* See render/time_passes.h. */
     uint32_t time_pass, time_passes;
     /* With plan.motion_blur: */

@@ -78,8 +78,13 @@ static void push_pixels(const rk_rendering *r, const rk_sample_pass *pass, const
 
 static void push_lens(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
 {
-    rk_lens_rays(r, pass->lens, pass->sample, &paths->rays);
-    memcpy(paths->pixel, pass->lens->pixel, pass->lens->count * sizeof *paths->pixel);
+    const rk_lens_pixels *lens = pass->lens;
+    const rk_lens_group *group = pass->lens_group;
+    rk_lens_rays(r, lens, group, pass->lens_round, &paths->rays);
+    memcpy(paths->pixel, lens->pixel, lens->count * sizeof *paths->pixel);
+    for (uint32_t i = 0; i < lens->count; i++)
+        paths->path[i] =
+            rk_path_start(group->first + group->order[pass->lens_round][i], r->options->max_depth);
 }
 
 static void push_sampled(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
