@@ -538,6 +538,33 @@ static void a_lens_without_focus_is_refused(void **state)
     rk_scene_free(&scene);
 }
 
+/* --- The order of samples --------------------------------------------------------------------- */
+
+/* Where each sample adds one number to its pixel, samples are traced in the order of their places
+ * on the lens, but added in their own. With a second light they are traced in their own order, too;
+ * its light is too weak to change a sum. */
+static void the_order_in_which_samples_are_traced_does_not_change_a_bit(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_builtin("teapot:4");
+    for (uint32_t samples = 1; samples <= 70; samples += 23) {
+        rk_render_options options = with_lens(1, 100, samples);
+        options.shading.model = RK_SHADING_GRADIENT;
+        options.shading.gradient = rk_gradient_cool_to_warm();
+        scene.light_count = 1;
+        test_picture sorted = test_render(&scene, options, 2);
+        scene.lights[scene.light_count++] = rk_light_point(rk_vec(0, 5, 0), rk_vec(1e-30f, 0, 0));
+        test_picture in_order = test_render(&scene, options, 2);
+        rk_check(in_order.counters.lens_samples > 100, "nothing is out of focus");
+        rk_check(test_same_pixels(&sorted.image, &in_order.image),
+                 "with %u samples the picture depends on the order in which they are traced",
+                 samples);
+        rk_image_free(&sorted.image);
+        rk_image_free(&in_order.image);
+    }
+    rk_scene_free(&scene);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(without_aperture_or_samples_the_picture_is_the_pinholes_to_the_bit),
     cmocka_unit_test(a_wall_in_focus_takes_no_lens_samples),
@@ -556,6 +583,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(each_pixel_has_lens_points_of_its_own),
     cmocka_unit_test(a_blurred_pixel_takes_as_many_samples_as_the_more_demanding_asks),
     cmocka_unit_test(a_lens_without_focus_is_refused),
+    cmocka_unit_test(the_order_in_which_samples_are_traced_does_not_change_a_bit),
 };
 
 RK_SUITE("depth_of_field_stage", tests)

@@ -64,27 +64,47 @@ static void a_run_of_points_on_the_disk_has_the_features_points(void **state)
     }
 }
 
-/* The pixels of a run are scattered over the picture. */
-static void check_rays(const rk_rendering *r, uint32_t count, uint32_t sample)
+/* The pixels are scattered over the picture. */
+static void choose_pixels(const rk_rendering *r, uint32_t count, rk_lens_pixels *pixels)
 {
-    uint32_t x[RK_BATCH_MAX], y[RK_BATCH_MAX];
-    rk_lens_pixels pixels = {.count = 0};
+    pixels->count = 0;
+    for (uint32_t i = 0; i < count; i++)
+        rk_lens_pixels_add(pixels, r->options, i, rk_hash(i, count, 0, 2) % width,
+                           rk_hash(i, count, 1, 2) % height);
+}
+
+static void check_rays(const rk_rendering *r, const rk_lens_pixels *pixels,
+                       const rk_lens_group *group, uint32_t round)
+{
     rk_ray_batch rays;
-    for (uint32_t i = 0; i < count; i++) {
-        x[i] = rk_hash(i, count, 0, 2) % width;
-        y[i] = rk_hash(i, count, 1, 2) % height;
-        rk_lens_pixels_add(&pixels, r->options, i, x[i], y[i]);
-    }
-    rk_lens_rays(r, &pixels, sample, &rays);
-    rk_check_equal(rays.count, count, "each pixel has a ray");
-    for (uint32_t i = 0; i < count; i++) {
+    rk_lens_rays(r, pixels, group, round, &rays);
+    rk_check_equal(rays.count, pixels->count, "each pixel has a ray");
+    for (uint32_t i = 0; i < pixels->count; i++) {
+        const uint32_t x = (uint32_t)pixels->x[i], y = (uint32_t)pixels->y[i];
+        const uint32_t sample = group->first + group->order[round][i];
         const rk_ray four = rk_batch_ray(&rays, i);
-        const rk_ray one = rk_lens_ray_of_pixel(r, x[i], y[i], sample, samples);
-        rk_check_equal(pixels.pixel[i], i, "pixels keep their order");
+        const rk_ray one = rk_lens_ray_of_pixel(r, x, y, sample, samples);
+        rk_check_equal(pixels->pixel[i], i, "pixels keep their order");
         rk_check(memcmp(&four, &one, sizeof one) == 0,
-                 "sample %u of pixel (%u, %u), ray %u of %u, differs from rk_lens_ray's", sample,
-                 x[i], y[i], i, count);
+                 "sample %u of pixel (%u, %u), ray %u of %u, differs from rk_lens_ray's", sample, x,
+                 y, i, pixels->count);
     }
+}
+
+/* The samples' own order, and the one by places on the lens. */
+static void check_group(const rk_rendering *r, uint32_t pixel_count, uint32_t first, uint32_t count)
+{
+    rk_lens_pixels pixels;
+    rk_lens_group group;
+    choose_pixels(r, pixel_count, &pixels);
+    rk_lens_group_start(&group, &pixels, first, count);
+    for (uint32_t round = 0; round < count; round++)
+        for (uint32_t i = 0; i < pixel_count; i++)
+            rk_check_equal(group.order[round][i], round, "samples start in their own order");
+    check_rays(r, &pixels, &group, count - 1);
+    rk_lens_group_sort(&group, &pixels);
+    for (uint32_t round = 0; round < count; round++)
+        check_rays(r, &pixels, &group, round);
 }
 
 static void the_rays_are_the_features_to_the_bit(void **state)
@@ -93,12 +113,67 @@ static void the_rays_are_the_features_to_the_bit(void **state)
     for (int focal = RK_FOCAL_PLANE; focal <= RK_FOCAL_SPHERE; focal++) {
         const rk_render_options options = options_of((rk_focal_surface)focal);
         const rk_rendering r = rendering_of(&options);
-        for (uint32_t sample = 0; sample < samples; sample++)
-            check_rays(&r, RK_BATCH_MAX - sample, sample);
-        for (uint32_t count = 0; count < 8; count++)
-            check_rays(&r, count, count);
+        for (uint32_t count = 1; count <= RK_LENS_GROUP_MAX; count++)
+            check_group(&r, RK_BATCH_MAX - count, 3 * count, count);
+        for (uint32_t pixels = 0; pixels < 8; pixels++)
+            check_group(&r, pixels, pixels, 5);
         rk_check(rk_lens_rays_agree(&r, samples), "equal rays are not taken for equal");
     }
+}
+
+static void every_pixel_takes_every_sample_once(void **state)
+{
+    (void)state;
+    const rk_render_options options = options_of(RK_FOCAL_PLANE);
+    const rk_rendering r = rendering_of(&options);
+    for (uint32_t count = 1; count <= RK_LENS_GROUP_MAX; count++) {
+        rk_lens_pixels pixels;
+        rk_lens_group group;
+        choose_pixels(&r, RK_BATCH_MAX, &pixels);
+        rk_lens_group_start(&group, &pixels, 0, count);
+        rk_lens_group_sort(&group, &pixels);
+        for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+            uint64_t taken = 0;
+            for (uint32_t round = 0; round < count; round++)
+                taken |= UINT64_C(1) << group.order[round][i];
+            rk_check_equal(taken, (UINT64_C(1) << count) - 1, "a sample is left out");
+        }
+    }
+}
+
+/* The mean squared distance of neighbours' places on the lens, in its diameters; 1/4 at random. */
+static double spread_of(const rk_rendering *r, const rk_lens_pixels *pixels,
+                        const rk_lens_group *group)
+{
+    double sum = 0;
+    for (uint32_t round = 0; round < group->count; round++) {
+        rk_ray_batch rays;
+        rk_lens_rays(r, pixels, group, round, &rays);
+        for (uint32_t i = 1; i < pixels->count; i++) {
+            const rk_ray a = rk_batch_ray(&rays, i - 1), b = rk_batch_ray(&rays, i);
+            const rk_vec3 apart =
+                rk_scale(rk_sub(a.origin, b.origin), 1000 / r->options->lens.aperture);
+            sum += (double)rk_dot(apart, apart);
+        }
+    }
+    return sum / group->count / (pixels->count - 1);
+}
+
+static void what_pixels_take_next_starts_at_nearby_places(void **state)
+{
+    (void)state;
+    const rk_render_options options = options_of(RK_FOCAL_PLANE);
+    const rk_rendering r = rendering_of(&options);
+    rk_lens_pixels pixels;
+    rk_lens_group group;
+    choose_pixels(&r, RK_BATCH_MAX, &pixels);
+    rk_lens_group_start(&group, &pixels, 0, samples);
+    /* Points uniform over a disk of diameter 1 are sqrt(1/4) apart in root mean square. */
+    rk_check_close(spread_of(&r, &pixels, &group), 0.25, 0.02, "in their own order they are apart");
+    rk_lens_group_sort(&group, &pixels);
+    /* Cells of a fifth of the lens: neighbours are at most a cell or two apart. */
+    const double near = spread_of(&r, &pixels, &group);
+    rk_check(near < 0.25 / 4, "the mean squared distance is %.3g, a quarter at random", near);
 }
 
 static void numbers_of_another_kind_are_not_taken_for_equal(void **state)
@@ -117,6 +192,8 @@ static void numbers_of_another_kind_are_not_taken_for_equal(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_run_of_points_on_the_disk_has_the_features_points),
     cmocka_unit_test(the_rays_are_the_features_to_the_bit),
+    cmocka_unit_test(every_pixel_takes_every_sample_once),
+    cmocka_unit_test(what_pixels_take_next_starts_at_nearby_places),
     cmocka_unit_test(numbers_of_another_kind_are_not_taken_for_equal),
 };
 

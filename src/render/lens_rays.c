@@ -65,52 +65,50 @@ static void draw(const rk_lens_pixels *pixels, const rk_lens_group *group, uint3
 
 /* --- An order for neighbours ------------------------------------------------------------------ */
 
-/* A sample's place on one axis of the unit square that becomes the lens. */
-typedef struct place {
-    float at;
-    uint8_t sample;
-} place;
+/* Cells of the unit square that becomes the lens: columns, up and down in turn, so that consecutive
+ * cells are neighbours. */
+enum { CELLS = 32 };
+typedef struct grid {
+    uint32_t columns, rows;
+} grid;
 
-/* By insertion: there are few. */
-static void sort(place *places, uint32_t count)
+static grid grid_for(uint32_t count)
 {
-    for (uint32_t i = 1; i < count; i++) {
-        const place moved = places[i];
-        uint32_t to = i;
-        for (; to > 0 && places[to - 1].at > moved.at; to--)
-            places[to] = places[to - 1];
-        places[to] = moved;
-    }
+    const uint32_t columns = (uint32_t)sqrtf((float)count);
+    return (grid){columns, CELLS / columns};
 }
 
-/* Into columns of equal numbers of samples by x, and each column by y. */
-static void sort_pixel(rk_lens_group *group, float x[][RK_BATCH_MAX], float y[][RK_BATCH_MAX],
-                       uint32_t pixel)
+static inline uint8_t cell_of(grid g, float x, float y)
 {
-    const uint32_t count = group->count, columns = (uint32_t)sqrtf((float)count);
-    place places[RK_LENS_GROUP_MAX];
-    for (uint32_t s = 0; s < count; s++)
-        places[s] = (place){x[s][pixel], (uint8_t)s};
-    sort(places, count);
-    for (uint32_t s = 0; s < count; s++)
-        places[s].at = y[places[s].sample][pixel];
-    for (uint32_t column = 0; column < columns; column++) {
-        const uint32_t from = column * count / columns, end = (column + 1) * count / columns;
-        sort(places + from, end - from);
-    }
-    for (uint32_t s = 0; s < count; s++)
-        group->order[s][pixel] = places[s].sample;
+    const uint32_t column = (uint32_t)(x * (float)g.columns), row = (uint32_t)(y * (float)g.rows);
+    return (uint8_t)(column * g.rows + (column & 1 ? g.rows - 1 - row : row));
+}
+
+/* By counting: comparisons would be too hard to predict. */
+static void sort_pixel(rk_lens_group *group, uint8_t cell[][RK_BATCH_MAX], uint32_t pixel)
+{
+    uint32_t next[CELLS + 1] = {0}; /* the round of a cell's next sample */
+    for (uint32_t s = 0; s < group->count; s++)
+        next[cell[s][pixel] + 1]++;
+    for (uint32_t c = 1; c <= CELLS; c++)
+        next[c] += next[c - 1];
+    for (uint32_t s = 0; s < group->count; s++)
+        group->order[next[cell[s][pixel]]++][pixel] = (uint8_t)s;
 }
 
 void rk_lens_group_sort(rk_lens_group *group, const rk_lens_pixels *pixels)
 {
-    float x[RK_LENS_GROUP_MAX][RK_BATCH_MAX], y[RK_LENS_GROUP_MAX][RK_BATCH_MAX];
+    const grid g = grid_for(group->count);
+    uint8_t cell[RK_LENS_GROUP_MAX][RK_BATCH_MAX];
+    float x[RK_BATCH_MAX], y[RK_BATCH_MAX];
     for (uint32_t s = 0; s < group->count; s++) {
-        draw(pixels, group, s, 2, x[s]);
-        draw(pixels, group, s, 3, y[s]);
+        draw(pixels, group, s, 2, x);
+        draw(pixels, group, s, 3, y);
+        for (uint32_t i = 0; i < pixels->count; i++)
+            cell[s][i] = cell_of(g, x[i], y[i]);
     }
     for (uint32_t i = 0; i < pixels->count; i++)
-        sort_pixel(group, x, y, i);
+        sort_pixel(group, cell, i);
 }
 
 /* --- Four rays at a time ---------------------------------------------------------------------- */
