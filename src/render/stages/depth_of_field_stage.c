@@ -137,7 +137,7 @@ static void trace_hits(const rk_rendering *r, rk_sample_pass *pass, const rk_pat
     for (uint32_t i = 0; i < camera->rays.count; i++) {
         rk_ray ray = rk_batch_ray(&camera->rays, i);
         rk_hit hit = rk_batch_hit(&hits, i);
-        coc[i] = coc_of_hit(r, &ray, &hit);
+        coc[camera->pixel[i]] = coc_of_hit(r, &ray, &hit);
     }
 }
 
@@ -148,7 +148,7 @@ static void trace_visible(const rk_rendering *r, rk_sample_pass *pass, const rk_
         rk_visible_hits visible;
         rk_ray ray = rk_batch_ray(&camera->rays, i);
         rk_transparency_stage(r, pass, camera, i, &visible);
-        coc[i] = coc_of_visible(r, &ray, &visible);
+        coc[camera->pixel[i]] = coc_of_visible(r, &ray, &visible);
     }
 }
 
@@ -164,17 +164,24 @@ static void put_tile(const coc_job *job, const rk_sample_pass *pass, const float
     }
 }
 
+/* Sixteen rays of a square traverse the tree as a packet, as in camera_stage.c. */
+enum { SQUARE = 4, SQUARES = RK_TILE_SIDE / SQUARE };
+
 static void push_centres(const coc_job *job, const rk_sample_pass *pass, rk_path_batch *camera)
 {
     const rk_tile *tile = &pass->tile;
     const float centre = 0.5f - (float)job->margin;
     camera->rays.count = 0;
-    for (uint32_t y = tile->y; y < tile->y + tile->height; y++)
-        for (uint32_t x = tile->x; x < tile->x + tile->width; x++) {
-            rk_ray ray = rk_view_ray(&job->wide.view, (float)x + centre, (float)y + centre);
-            rk_path_push(camera, &ray, camera->rays.count,
-                         rk_path_start(0, job->options.max_depth));
-        }
+    for (uint32_t i = 0; i < RK_BATCH_MAX; i++) {
+        const uint32_t square = i / (SQUARE * SQUARE);
+        const uint32_t x = square % SQUARES * SQUARE + i % SQUARE;
+        const uint32_t y = square / SQUARES * SQUARE + i / SQUARE % SQUARE;
+        if (x >= tile->width || y >= tile->height)
+            continue;
+        const rk_ray ray = rk_view_ray(&job->wide.view, (float)(tile->x + x) + centre,
+                                       (float)(tile->y + y) + centre);
+        rk_path_push(camera, &ray, y * tile->width + x, rk_path_start(0, job->options.max_depth));
+    }
     pass->counters->primary_rays += camera->rays.count;
 }
 
