@@ -90,8 +90,8 @@ def differences_are_told_from_noise():
 def curve_of(seconds, error, counts_samples=True):
     """With these seconds and errors by number of samples."""
     curve = object.__new__(summary.Curve)
-    curve.method, curve.reference = types.SimpleNamespace(counts_samples=counts_samples), {"own": 0}
-    curve.rows = {n: [{"seconds": seconds(n), "mse": error(n) ** 2}] * 4 for n in (1, 4, 16, 64)}
+    curve.method, curve.reference, curve.pixels = types.SimpleNamespace(counts_samples=counts_samples), {"own": 0}, 100
+    curve.rows = {n: [{"seconds": seconds(n), "mse": error(n) ** 2, "camera_rays": 200 * n}] * 4 for n in (1, 4, 16, 64)}
     return curve
 
 
@@ -102,8 +102,10 @@ def times_are_split_into_fixed_and_growing():
     check(all(abs(x / wanted - 1) < 1e-9 for x, wanted in zip(found, (0.003, 3 / 19, 4))),
           "the fixed part of a time, and a ratio of samples", found)
     other = curve_of(lambda n: 0.1, lambda n: 0.16 / n, counts_samples=False)
-    check((other.fixed_seconds(), summary.fixed_part(other), summary.sample_ratio(slow, other)) == (None, None, None),
-          "without numbers of samples there is neither")
+    check((other.fixed_seconds(), summary.fixed_part(other)) == (None, None), "asked for an error, a method has no fixed part")
+    found = other.samples_to(0.01)[0], summary.sample_ratio(slow, other), other.slope()[0]
+    check(all(abs(x / wanted - 1) < 1e-9 for x, wanted in zip(found, (32, 4, -1))),
+          "its samples are camera rays per pixel, of which all methods have as many per sample", found)
 
 
 # --- comparing -----------------------------------------------------------------------------------
@@ -604,7 +606,7 @@ def the_program_measures(folder):
     check(all({method.name for method in case.methods} >= set(kinds) for case in cases if case.name != "time"),
           "each kind is measured in each case", [[method.name for method in case.methods] for case in cases])
     adaptive = plan.Method(cases[0], "adaptive", "--error {error}")
-    check(adaptive.options(4, 1) == f"--error 0.25 --seed {plan.SEED_STEP}" and not adaptive.counts_samples,
+    check(adaptive.options(4, 1) == f"--error {1 / 64} --seed {plan.SEED_STEP}" and not adaptive.counts_samples,
           "a method may choose its number of samples by an error", adaptive.options(4, 1))
     light = next(case for case in cases if case.name == "light")
     with Program(path, light.options, folder) as program:

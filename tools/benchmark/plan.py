@@ -3,8 +3,9 @@
 cases.tsv has a row for each case: the options of its pictures; two ways to make its reference; the goal, how many times
 less time than the classic method to an error of 1 %; and the slope of its error, where these are set. methods.tsv has
 its methods, the first of which is the classic one. {n} stands for the number of samples; a method with {kind} in its
-options is one for each kind of sampler; one that chooses the number of samples by itself has {error}, 1 / n. Options
-are the drivers' own: see any driver's --help."""
+options is one for each kind of sampler. A method that chooses the number of samples by itself has {error}, 1 / (16 n),
+the error that it is asked for; its number of samples is then that of camera rays per pixel. Options are the drivers'
+own: see any driver's --help."""
 
 import os
 
@@ -34,6 +35,9 @@ QUICK = Settings(side=24, most=64, seeds=16, dearest=0.02, reference=256, pictur
 SEED_STEP = 10000
 FIRST_SEED, SECOND_SEED = 2000 * SEED_STEP, 3000 * SEED_STEP
 
+# A method that is asked for a larger error stops after its first few samples.
+LARGEST_ERROR = 1 / 16
+
 
 class Case:
     def __init__(self, row, settings):
@@ -54,7 +58,7 @@ class Method:
 
     def options(self, samples, seed):
         """Those of one picture."""
-        return f"{self._options.format(n=samples, error=1 / samples)} --seed {seed * SEED_STEP}"
+        return f"{self._options.format(n=samples, error=LARGEST_ERROR / samples)} --seed {seed * SEED_STEP}"
 
 
 def _rows(path, columns):

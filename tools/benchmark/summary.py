@@ -18,6 +18,7 @@ class Curve:
 
     def __init__(self, schedule, method):
         settings, self.method = schedule.settings, method
+        self.pixels = settings.side ** 2
         self.reference = schedule.references[method.case.name]
         self.rows = {}
         for samples in settings.counts():
@@ -38,8 +39,19 @@ class Curve:
     def time_to(self, level, seeds=None):
         return crossing([(self.seconds(n, seeds), self.error(n, seeds)) for n in self.rows], level)
 
+    def rays(self, samples):
+        """Camera rays per pixel."""
+        return mean([row["camera_rays"] for row in self.rows[samples]]) / self.pixels
+
+    def samples_taken(self, samples):
+        """Their number, or that of a method that was asked for an error."""
+        return samples if self.method.counts_samples else self.rays(samples)
+
     def samples_to(self, level):
-        return crossing([(n, self.error(n)) for n in self.rows], level)
+        return crossing([(self.samples_taken(n), self.error(n)) for n in self.rows], level)
+
+    def rays_to(self, level):
+        return crossing([(self.rays(n), self.error(n)) for n in self.rows], level)
 
     def fixed_seconds(self):
         """Of the time, the part that all numbers of samples take, such as camera rays': where the line through the
@@ -51,12 +63,10 @@ class Curve:
 
     def slope(self):
         """Of the error's logarithm over that of the number of samples, where the reference is much better; or None."""
-        if not self.method.counts_samples:
-            return None
         known = [n for n in self.rows if n >= FIT_FROM and self.error(n) ** 2 > 4 * self.reference["own"]]
         if len(known) < 3:
             return None
-        return fit_line([math.log(n) for n in known], [math.log(self.error(n)) for n in known])[0]
+        return fit_line([math.log(self.samples_taken(n)) for n in known], [math.log(self.error(n)) for n in known])[0]
 
     def bias(self, samples):
         return mean_interval([row["bias"] for row in self.rows[samples]], more_error=self.reference["bias_error"])
@@ -84,8 +94,9 @@ def time_ratio(classic, best, seeds):
 
 
 def sample_ratio(classic, best):
-    """How many times fewer samples the best method needs for the wanted error, or None."""
-    needed = [curve.samples_to(ERROR_WANTED)[0] if curve.method.counts_samples else None for curve in (classic, best)]
+    """How many times fewer samples the best method needs for the wanted error, or None. If it chooses their number, of
+    which pixels differ, camera rays count."""
+    needed = [(curve.samples_to if best.method.counts_samples else curve.rays_to)(ERROR_WANTED)[0] for curve in (classic, best)]
     return None if None in needed else needed[0] / needed[1]
 
 
@@ -120,7 +131,7 @@ def convergence_rows(schedule, curves):
             efficiency = 1 / (error[0] ** 2 * curve.seconds(samples)) if error[0] > 0 else None
             yield {
                 "feature": curve.method.case.name, "scene": curve.method.case.options.split()[1],
-                "method": curve.method.name, "samples": str(samples), "seconds": curve.seconds(samples),
+                "method": curve.method.name, "samples": f"{curve.samples_taken(samples):.6g}", "seconds": curve.seconds(samples),
                 "rmse": error[0], "max_error": worst[0], "bias": bias[0],
                 "reference": f"{2 * settings.pictures} pictures of {settings.reference} samples",
                 "seconds_low": math.exp(seconds[1]), "seconds_high": math.exp(seconds[2]),
@@ -135,7 +146,7 @@ def convergence_rows(schedule, curves):
 def method_rows(curves):
     for curve in (curve for of_case in curves for curve in of_case):
         slope = curve.slope() or (None, None, None)
-        samples, _ = curve.samples_to(ERROR_WANTED) if curve.method.counts_samples else (None, "")
+        samples, _ = curve.samples_to(ERROR_WANTED)
         seconds, how = curve.time_to(ERROR_WANTED)
         bias = curve.bias(curve.where_wanted())
         yield {
