@@ -308,6 +308,21 @@ static void samples_that_depend_on_other_pixels_are_refused(void **state)
     rk_scene_free(&scene);
 }
 
+/* Edges in motion depend on the time and on the place in the pixel. */
+static void times_are_of_the_sequence_of_the_other_numbers(void **state)
+{
+    (void)state;
+    for (int sampling = RK_TIME_EQUIDISTANT; sampling <= RK_TIME_UNIFORM; sampling++) {
+        rk_render_options options = options_of(0.01f);
+        options.motion.sampling = (rk_time_sampling)sampling;
+        rk_check_equal(rk_adaptive_sampling_options_of(&options).motion.sampling, RK_TIME_SOBOL,
+                       "times with an error");
+        options.adaptive_sampling.error = 0;
+        rk_check_equal(rk_adaptive_sampling_options_of(&options).motion.sampling, sampling,
+                       "times without an error");
+    }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(adaptive_sampling_is_planned_where_it_is_wanted),
     cmocka_unit_test(without_an_error_no_bit_changes),
@@ -320,6 +335,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(fewer_samples_are_taken_than_evenly_for_the_same_error),
     cmocka_unit_test(a_number_of_samples_that_is_no_power_of_two_is_refused),
     cmocka_unit_test(samples_that_depend_on_other_pixels_are_refused),
+    cmocka_unit_test(times_are_of_the_sequence_of_the_other_numbers),
 };
 
 RK_SUITE("adaptive_sampling_stage", tests)

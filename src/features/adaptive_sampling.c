@@ -204,13 +204,11 @@ float rk_adaptive_pooled_variance(const float *variance, float picture, uint32_t
 uint32_t rk_adaptive_count(float variance, float lambda, uint32_t most)
 {
     /* solution */
-    float squared = variance / lambda;
-    if (!(squared > 0)) /* NaN, too */
-        return RK_ADAPTIVE_BLOCKS;
-    if (squared >= (float)most * (float)most)
-        return most;
-    int power = ilogbf(2 * squared) >> 1; /* log2(n) = log2(n^2) / 2, rounded */
-    return power > 2 ? 1u << power : RK_ADAPTIVE_BLOCKS;
+    uint32_t count = RK_ADAPTIVE_BLOCKS;
+    /* By logarithm, sqrt(2) n is the middle between n and 2 n. */
+    while (count < most && variance >= 2 * (float)count * (float)count * lambda)
+        count *= 2;
+    return count;
     /* starter
     // Fifth step: the root of variance / lambda, rounded to a power of two.
     return most < RK_ADAPTIVE_FIRST ? most : RK_ADAPTIVE_FIRST;

@@ -49,6 +49,7 @@ static void render_tile(uint32_t index, uint32_t thread, void *context)
     rk_film film;
     pass.tile = rk_tile_at(r->options, index);
     pass.counters = &job->counters[thread];
+    pass.wanted_count = 0;
     memset(&film, 0, sizeof film);
     for (int out_of_focus = 0; out_of_focus <= r->plan.depth_of_field; out_of_focus++) {
         start_passes(r, out_of_focus, &pass, &lens);

@@ -11,7 +11,13 @@ typedef struct rk_tile {
     uint32_t x, y, width, height; /* pixels of the picture */
 } rk_tile;
 
-/* Arrays hold a value per pixel of the tile, row by row. */
+typedef struct rk_wanted_sample {
+    uint32_t pixel, sample; /* of the tile, row by row; index */
+} rk_wanted_sample;
+
+/* Arrays hold a value per pixel of the tile, row by row. If there are wanted samples, the pass
+ * takes these: none of a pixel, or several. Then arrays, the film, and the pixels of rays are by
+ * wanted sample. */
 typedef struct rk_sample_pass {
     rk_tile tile;
     bool out_of_focus;        /* the pass takes the pixels out of focus, else those in focus */
@@ -27,11 +33,16 @@ typedef struct rk_sample_pass {
     uint16_t camera_objects[RK_BATCH_MAX]; /* those that its camera ray may hit, a bit each */
     bool has_time[RK_BATCH_MAX];           /* is `time` drawn in this pass? */
     float time[RK_BATCH_MAX];              /* of all rays of the pixel's sample */
-    /* With plan.adaptive_sampling: */
-    uint32_t wanted_count;
-    uint16_t wanted[RK_BATCH_MAX]; /* the pixels that take the sample, in ascending order */
-    rk_counters *counters;         /* the thread's */
+    uint32_t wanted_count;                 /* 0 without plan.adaptive_sampling */
+    rk_wanted_sample wanted[RK_BATCH_MAX];
+    rk_counters *counters; /* the thread's */
 } rk_sample_pass;
+
+/* The pixel of the tile, and the index of its sample. */
+static inline rk_wanted_sample rk_sample_at(const rk_sample_pass *pass, uint32_t pixel)
+{
+    return pass->wanted_count > 0 ? pass->wanted[pixel] : (rk_wanted_sample){pixel, pass->sample};
+}
 
 /* The place of a sample in its set, which is distributed as a whole. */
 typedef struct rk_sample_index {
@@ -45,9 +56,10 @@ typedef struct rk_sample_index {
  * mean over passes would be biased. */
 static inline rk_sample_index rk_sample_index_of(const rk_sample_pass *pass, uint32_t pixel)
 {
+    const uint32_t sample = rk_sample_at(pass, pixel).sample;
     if (pass->time_pass == 0 || !pass->camera_objects[pixel])
-        return (rk_sample_index){pass->sample, pass->samples, 0};
-    return (rk_sample_index){(pass->time_pass - 1) * pass->samples + pass->sample,
+        return (rk_sample_index){sample, pass->samples, 0};
+    return (rk_sample_index){(pass->time_pass - 1) * pass->samples + sample,
                              (pass->time_passes - 1) * pass->samples, RK_DIMENSION_FURTHER};
 }
 
@@ -56,7 +68,8 @@ static inline uint32_t rk_picture_pixel(const rk_sample_pass *pass, uint32_t pic
                                         uint32_t pixel)
 {
     const rk_tile *tile = &pass->tile;
-    return (tile->y + pixel / tile->width) * picture_width + tile->x + pixel % tile->width;
+    const uint32_t at = rk_sample_at(pass, pixel).pixel;
+    return (tile->y + at / tile->width) * picture_width + tile->x + at % tile->width;
 }
 
 #endif

@@ -18,73 +18,54 @@ typedef struct adaptive_job {
 
 /* --- A round ---------------------------------------------------------------------------------- */
 
-typedef struct sample_range {
-    uint32_t first, end;
-} sample_range;
-
-static size_t picture_pixel(const adaptive_job *job, const rk_sample_pass *pass, uint32_t pixel)
+/* Renders the samples that the pass has gathered, and adds each to its pixel. */
+static void take_samples(const adaptive_job *job, rk_sample_pass *pass,
+                         rk_path_workspace *workspace, rk_film *film)
 {
-    return rk_picture_pixel(pass, job->options.width, pixel);
-}
-
-/* Makes room for the pixels' new samples, from the first to the end. */
-static sample_range extend_pixels(const adaptive_job *job, const rk_sample_pass *pass,
-                                  sample_range *ranges)
-{
-    sample_range all = {UINT32_MAX, 0};
-    for (uint32_t i = 0; i < pass->tile.width * pass->tile.height; i++) {
-        const size_t at = picture_pixel(job, pass, i);
-        ranges[i] = (sample_range){job->plan.samples[at].count, job->plan.counts[at]};
-        rk_adaptive_extend(&job->plan.samples[at], ranges[i].end);
-        if (all.first > ranges[i].first)
-            all.first = ranges[i].first;
-        if (all.end < ranges[i].end)
-            all.end = ranges[i].end;
-    }
-    return all;
-}
-
-static void find_wanted(const adaptive_job *job, const sample_range *ranges, rk_sample_pass *pass)
-{
-    pass->wanted_count = 0;
-    for (uint32_t i = 0; i < pass->tile.width * pass->tile.height; i++)
-        if (ranges[i].first <= pass->sample && pass->sample < ranges[i].end &&
-            rk_is_in_pass(&job->rendering, pass, pass->tile.x + i % pass->tile.width,
-                          pass->tile.y + i / pass->tile.width))
-            pass->wanted[pass->wanted_count++] = (uint16_t)i;
-}
-
-static void add_sample(const adaptive_job *job, const rk_sample_pass *pass, rk_film *film)
-{
+    if (pass->wanted_count == 0)
+        return;
+    rk_render_sample(&job->rendering, pass, workspace, film);
     for (uint32_t i = 0; i < pass->wanted_count; i++) {
-        rk_vec3 *radiance = &film->sum[pass->wanted[i]];
-        rk_adaptive_add(&job->plan.samples[picture_pixel(job, pass, pass->wanted[i])], pass->sample,
-                        *radiance);
-        *radiance = rk_vec(0, 0, 0);
+        const size_t pixel = rk_picture_pixel(pass, job->options.width, i);
+        rk_adaptive_add(&job->plan.samples[pixel], pass->wanted[i].sample, film->sum[i]);
+        film->sum[i] = rk_vec(0, 0, 0);
+    }
+    pass->wanted_count = 0;
+}
+
+/* A pixel's new samples follow each other, so that their rays traverse the tree as packets however
+ * few pixels take many. */
+static void render_pixel(const adaptive_job *job, rk_sample_pass *pass, uint32_t pixel,
+                         rk_path_workspace *workspace, rk_film *film)
+{
+    const rk_tile *tile = &pass->tile;
+    const uint32_t x = tile->x + pixel % tile->width, y = tile->y + pixel / tile->width;
+    const size_t at = (size_t)y * job->options.width + x;
+    const uint32_t first = job->plan.samples[at].count, end = job->plan.counts[at];
+    if (!rk_is_in_pass(&job->rendering, pass, x, y))
+        return;
+    rk_adaptive_extend(&job->plan.samples[at], end);
+    for (uint32_t sample = first; sample < end; sample++) {
+        pass->wanted[pass->wanted_count++] = (rk_wanted_sample){pixel, sample};
+        if (pass->wanted_count == RK_BATCH_MAX)
+            take_samples(job, pass, workspace, film);
     }
 }
 
 static void render_tile(uint32_t index, uint32_t thread, void *context)
 {
     const adaptive_job *job = context;
-    sample_range ranges[RK_BATCH_MAX];
     rk_film film;
     rk_sample_pass pass = {.tile = rk_tile_at(&job->options, index),
                            .samples = job->options.samples,
                            .time_passes = 1,
                            .counters = &job->counters[thread]};
-    const sample_range all = extend_pixels(job, &pass, ranges);
     memset(&film, 0, sizeof film);
     for (int out_of_focus = 0; out_of_focus <= job->rendering.plan.depth_of_field; out_of_focus++) {
         pass.out_of_focus = out_of_focus;
-        for (pass.sample = all.first; pass.sample < all.end; pass.sample++) {
-            if (pass.sample == all.first || (pass.sample & (pass.sample - 1)) == 0)
-                find_wanted(job, ranges, &pass);
-            if (pass.wanted_count == 0)
-                continue;
-            rk_render_sample(&job->rendering, &pass, &job->workspaces[thread], &film);
-            add_sample(job, &pass, &film);
-        }
+        for (uint32_t pixel = 0; pixel < pass.tile.width * pass.tile.height; pixel++)
+            render_pixel(job, &pass, pixel, &job->workspaces[thread], &film);
+        take_samples(job, &pass, &job->workspaces[thread], &film);
     }
 }
 
@@ -176,7 +157,7 @@ rk_render_options rk_adaptive_sampling_options_of(const rk_render_options *optio
     adapted.samples = options->adaptive_sampling.max_samples;
     adapted.lens_samples = options->lens_samples > 0 ? adapted.samples : 0;
     adapted.motion.samples = options->motion.samples > 0;
-    adapted.motion.sampling = RK_TIME_LOW_DISCREPANCY;
+    adapted.motion.sampling = RK_TIME_SOBOL;
     return adapted;
 }
 

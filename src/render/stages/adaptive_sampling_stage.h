@@ -11,7 +11,8 @@
 extern const rk_names rk_adaptive_shown_names;
 
 /* Returns the options with which rounds are rendered; the same if there is no adaptive sampling.
- * The number of samples is not known beforehand, so stratified ones become low-discrepancy ones. */
+ * The number of samples is not known beforehand, so times are those of Sobol's sequence, which goes
+ * on with any number, evenly distributed together with the pixel. */
 rk_render_options rk_adaptive_sampling_options_of(const rk_render_options *options);
 
 /* Renders into `image`. `workspaces`, `counters`: one per thread of the pool. */

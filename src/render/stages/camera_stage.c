@@ -18,32 +18,65 @@ static rk_ray centre_ray(const rk_view *view, uint32_t x, uint32_t y)
     return rk_view_ray(view, (float)x + 0.5f, (float)y + 0.5f);
 }
 
-static rk_ray sampled_ray(const rk_rendering *r, const rk_sample_pass *pass, uint32_t x, uint32_t y)
+/* Numbers of consecutive samples of a pixel are drawn together. */
+enum { RUN_MAX = 32 };
+typedef struct run_numbers {
+    rk_vec2 within[RUN_MAX], on_lens[RUN_MAX]; /* the pixel; with pass->out_of_focus */
+} run_numbers;
+
+static void draw(const rk_rendering *r, const rk_sample_pass *pass, uint32_t pixel, uint32_t sample,
+                 uint32_t count, run_numbers *numbers)
 {
     const rk_render_options *options = r->options;
+    const rk_sampler sampler = rk_render_sampler(
+        options, pass->out_of_focus ? options->lens_sampling : options->sampling, pass->samples);
+    rk_joint_2d_run(&sampler, pixel, sample, count, RK_DIMENSION_PIXEL, numbers->within);
     if (pass->out_of_focus)
-        return rk_lens_ray_of_pixel(r, x, y, pass->sample, pass->samples);
-    const rk_sampler sampler = rk_render_sampler(options, options->sampling, pass->samples);
-    rk_vec2 within =
-        rk_joint_2d(&sampler, y * options->width + x, pass->sample, RK_DIMENSION_PIXEL);
-    return rk_view_ray(&r->view, (float)x + within.x, (float)y + within.y);
+        rk_joint_2d_run(&sampler, pixel, sample, count, RK_DIMENSION_LENS, numbers->on_lens);
 }
 
-/* Further time passes take only the samples that need a time, along the same camera ray: with
- * another ray, whether there are further passes would depend on the first one, a bias. */
-static void push_pixel(const rk_rendering *r, const rk_sample_pass *pass, uint32_t pixel,
-                       rk_path_batch *paths)
+static rk_ray sampled_ray(const rk_rendering *r, const rk_sample_pass *pass, uint32_t x, uint32_t y,
+                          const run_numbers *numbers, uint32_t k)
+{
+    const float film_x = (float)x + numbers->within[k].x, film_y = (float)y + numbers->within[k].y;
+    return pass->out_of_focus
+               ? rk_lens_ray(&r->options->lens, &r->view, film_x, film_y, numbers->on_lens[k])
+               : rk_view_ray(&r->view, film_x, film_y);
+}
+
+/* One sample of a pixel, or, if samples are wanted, `count` of them from the `first` on. Further
+ * time passes take only the samples that need a time, along the same camera ray: with another ray,
+ * whether there are further passes would depend on the first one, a bias. */
+static void push_run(const rk_rendering *r, const rk_sample_pass *pass, uint32_t first,
+                     uint32_t count, rk_path_batch *paths)
 {
     const rk_tile *tile = &pass->tile;
-    const uint32_t x = tile->x + pixel % tile->width, y = tile->y + pixel / tile->width;
-    if (pass->time_pass > 0 && !pass->needs_time[pixel])
+    const rk_wanted_sample at = rk_sample_at(pass, first);
+    const uint32_t x = tile->x + at.pixel % tile->width, y = tile->y + at.pixel / tile->width;
+    const bool at_random = r->plan.pixel_samples || pass->out_of_focus;
+    run_numbers numbers;
+    if (pass->time_pass > 0 && !pass->needs_time[first])
         return;
-    rk_ray ray = r->plan.pixel_samples || pass->out_of_focus ? sampled_ray(r, pass, x, y)
-                                                             : centre_ray(&r->view, x, y);
-    if (pass->time_pass > 0)
-        paths->path[paths->rays.count] =
-            rk_path_start(rk_sample_index_of(pass, pixel).sample, r->options->max_depth);
-    rk_path_push_ray(paths, &ray, pixel);
+    if (at_random)
+        draw(r, pass, y * r->options->width + x, at.sample, count, &numbers);
+    for (uint32_t k = 0; k < count; k++) {
+        const rk_ray ray =
+            at_random ? sampled_ray(r, pass, x, y, &numbers, k) : centre_ray(&r->view, x, y);
+        if (pass->time_pass > 0 || pass->wanted_count > 0)
+            paths->path[paths->rays.count] =
+                rk_path_start(rk_sample_index_of(pass, first + k).sample, r->options->max_depth);
+        rk_path_push_ray(paths, &ray, first + k);
+    }
+}
+
+static void push_wanted(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
+{
+    for (uint32_t first = 0, end = 1; first < pass->wanted_count; first = end++) {
+        while (end < pass->wanted_count && end < first + RUN_MAX &&
+               pass->wanted[end].pixel == pass->wanted[first].pixel)
+            end++;
+        push_run(r, pass, first, end - first, paths);
+    }
 }
 
 /* Squares of 4 x 4 pixels follow each other, because their rays are closer together than a row's:
@@ -73,7 +106,7 @@ static void push_pixels(const rk_rendering *r, const rk_sample_pass *pass, const
                         uint32_t count, rk_path_batch *paths)
 {
     for (uint32_t i = 0; i < count; i++)
-        push_pixel(r, pass, pixels[i], paths);
+        push_run(r, pass, pixels[i], 1, paths);
 }
 
 static void push_lens(const rk_rendering *r, const rk_sample_pass *pass, rk_path_batch *paths)
@@ -91,7 +124,7 @@ static void push_sampled(const rk_rendering *r, const rk_sample_pass *pass, rk_p
 {
     uint16_t pixels[RK_BATCH_MAX];
     if (r->plan.adaptive_sampling)
-        push_pixels(r, pass, pass->wanted, pass->wanted_count, paths);
+        push_wanted(r, pass, paths);
     else if (pass->lens && pass->time_pass == 0)
         push_lens(r, pass, paths);
     else

@@ -57,9 +57,9 @@ static float time_of(const rk_rendering *r, rk_sample_pass *pass, uint32_t pixel
     if (!pass->has_time[pixel]) {
         uint32_t key = rk_picture_pixel(pass, r->options->width, pixel);
         pass->has_time[pixel] = true;
-        pass->time[pixel] =
-            draw_time(r->options, key, pass->time_pass * pass->samples + pass->sample,
-                      pass->time_passes * pass->samples);
+        pass->time[pixel] = draw_time(
+            r->options, key, pass->time_pass * pass->samples + rk_sample_at(pass, pixel).sample,
+            pass->time_passes * pass->samples);
         pass->counters->time_samples++;
     }
     return pass->time[pixel];
