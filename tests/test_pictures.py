@@ -193,6 +193,20 @@ def a_students_picture_is_compared(folder):
     status, said = run(BUILD, make, "-s", "check-normals", f"IMPL={folder}/right")
     check(status == 0 and f"draw it: make draw-normals IMPL={folder}/right" in said,
           "at 100 points the check prints the command that draws", said)
+    make_workbook(SOURCE, os.path.join(folder, "starters"))
+    for name, step, part, claim in (
+            ("bvh_median", 4, "the picture is the same, but was traced through another tree",
+             "a right picture that another tree has traced is told"),
+            ("bvh_median", 4, "step 4 is still the starter, however the picture looks; its claims decide: make check-bvh_median",
+             "a step that is not begun is told, though its picture looks right"),
+            ("cubemap", 2, "differs in 100 % of the", "of a picture that is all wrong the per cent are written out"),
+            ("sah_binning", 3, "write steps 1 to 3 of sah_binning first", "where no candidate is found, the step to write is named"),
+            ("sah_binning", 5, "is one leaf, as a starter's is", "a tree of one node is told where a level is to be drawn"),
+            ("sah_binning", 5, "its reason is above; step 1 is still the starter", "and the first step that is not begun")):
+        _, said = run(BUILD, make, "-s", f"draw-{name}", f"STEP={step}", f"IMPL={folder}/starters")
+        check(part in said, claim, said)
+    _, said = run(BUILD, make, "-s", "draw-normals", "STEP=2", f"IMPL={folder}/wrong")
+    check("still the starter" not in said, "a step that is begun is not called a starter", said)
     status, said = run(BUILD, make, "-s", "draw-normals", "STEP=7")
     check(status != 0 and "STEP=7" in said and "steps 1 and 2" in said,
           "a step that shows nothing is refused, with those that do", said)

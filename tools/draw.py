@@ -16,7 +16,8 @@ import zlib
 
 from drivers import link_drivers, driver_of
 from grading import build
-from grading.assignments import Parser, ToolError, choose, read_features, read_looks
+from grading.assignments import Parser, ToolError, choose, find_unit, read_features, read_looks
+from grading.starters import unsolved_steps
 
 _SIDE = 128  # of a square picture; others are as large
 SECONDS = 300  # ten times as long as the slowest picture takes on an old laptop
@@ -61,6 +62,11 @@ def choose_look(feature, step):
     return looks[steps.index(step)] if step else looks[-1]
 
 
+def _unsolved(feature, impl):
+    unit = find_unit(feature, impl) if impl else None
+    return unsolved_steps(unit) if unit and unit.path else []
+
+
 def draw(toolchain, impl, stem, step):
     """Draws a step's picture twice: large, to look at, and small, to compare."""
     features = read_features(toolchain.source)
@@ -74,11 +80,18 @@ def draw(toolchain, impl, stem, step):
     if os.path.exists(driver + ".unmade"):
         raise ToolError(f"there is no driver: {open(driver + '.unmade', encoding='utf-8').read().strip()}")
     print(f"step {look.step}: {look.caption}\n{path} {look.options}", flush=True)
-    _run([driver, *shlex.split(look.options)])
+    unsolved = _unsolved(feature, impl)
+    try:
+        _run([driver, *shlex.split(look.options)])
+    except ToolError as error:
+        first = next((number for number in unsolved if number <= look.step), None)
+        raise ToolError(f"{error}; step {first} is still the starter") if first else error
     wanted = os.path.relpath(look.picture)
     if not os.path.exists(wanted):
         raise ToolError(f"{wanted} is missing, the picture to compare with")
     _run([driver, *small(look.options), "--quiet", "--out", os.path.join("out", "compared"), "--compare", wanted])
+    if look.step in unsolved:
+        print(f"step {look.step} is still the starter, however the picture looks; its claims decide: make check-{stem} IMPL={impl}")
 
 
 # --- The wanted pictures --------------------------------------------------------------------------

@@ -32,7 +32,10 @@ bool list_splits(splits *c, const rk_driver *driver, rk_error *error)
     const rk_sah_options options = {driver->bins, driver->split == RK_ACCEL_SAH_3};
     c->count = rk_sah_candidates(c->references, range.count, &options, c->list);
     if (c->count == 0)
-        return rk_fail(error, "--node %u: this node cannot be split; choose another one", c->node);
+        return rk_fail(error,
+                       "--node %u: rk_sah_candidates finds no split of its %u triangles: write "
+                       "steps 1 to 3 of sah_binning first, or choose another node",
+                       c->node, c->triangles);
     if (!rk_sah_cheapest(c->list, c->count))
         return rk_fail(error,
                        "rk_sah_cheapest finds none of the node's %u candidates: write step 3 of "

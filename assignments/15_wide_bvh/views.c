@@ -7,7 +7,7 @@
 
 const rk_wide_bvh *wide_tree(const rk_driver *driver)
 {
-    return driver->unfinished.scene ? &driver->unfinished.wide : &driver->accel.wide;
+    return rk_driver_has_stand_in(driver) ? &driver->unfinished.wide : &driver->accel.wide;
 }
 
 /* A leaf whose blocks are still to be written has a box. */

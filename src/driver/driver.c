@@ -32,9 +32,14 @@ static bool stand_in(rk_driver *driver, rk_error *error)
     return rk_accel_build(&driver->accel, RK_ACCEL_WIDE, &driver->scene, error);
 }
 
+bool rk_driver_has_stand_in(const rk_driver *driver)
+{
+    return driver->unfinished.scene != NULL;
+}
+
 const rk_bvh *rk_driver_tree(const rk_driver *driver)
 {
-    return driver->unfinished.scene ? &driver->unfinished.bvh : &driver->accel.bvh;
+    return rk_driver_has_stand_in(driver) ? &driver->unfinished.bvh : &driver->accel.bvh;
 }
 
 bool rk_driver_build(rk_driver *driver, rk_error *error)

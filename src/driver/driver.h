@@ -65,6 +65,9 @@ bool rk_driver_build(rk_driver *driver, rk_error *error);
  * triangles or not. */
 const rk_bvh *rk_driver_tree(const rk_driver *driver);
 
+/* Are rays traced through another tree than the one that was built, see rk_driver_build? */
+bool rk_driver_has_stand_in(const rk_driver *driver);
+
 /* Explains --pixel, and renders into driver->image, `runs` times. */
 bool rk_driver_render(rk_driver *driver, rk_error *error);
 

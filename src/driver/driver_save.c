@@ -135,14 +135,21 @@ static void print_caption(const rk_driver *driver, const char *path)
            PACKAGE_VERSION);
 }
 
+/* With two digits, but not 1e+02. */
+static void print_per_cent(size_t part, size_t all)
+{
+    const double per_cent = 100 * (double)part / (double)all;
+    printf(per_cent < 10 ? "%.2g %%" : "%.0f %%", per_cent);
+}
+
 static void print_place(const rk_driver *driver, const rk_picture_difference *d,
                         const rk_image *wanted, const char *shown)
 {
     const rk_unsolved unsolved = rk_driver_unsolved(driver);
-    printf("%s: the picture differs in %.2g %% of the %zu x %zu pixels, most at %zu,%zu; %s shows "
-           "where",
-           driver->compared, 100 * (double)d->pixels / (double)(wanted->width * wanted->height),
-           wanted->width, wanted->height, d->x, d->y, shown);
+    printf("%s: the picture differs in ", driver->compared);
+    print_per_cent(d->pixels, wanted->width * wanted->height);
+    printf(" of the %zu x %zu pixels, most at %zu,%zu; %s shows where", wanted->width,
+           wanted->height, d->x, d->y, shown);
     if (*unsolved.text)
         printf("; %s here, and solved in the wanted picture, so it cannot be the same yet",
                unsolved.text);
@@ -164,7 +171,10 @@ static bool print_difference(const rk_driver *driver, const char *path, const rk
     bool ok = d.pixels == 0 || rk_png_write(place, &shown, NULL, 0, error);
     rk_image_free(&shown);
     if (ok && d.pixels == 0)
-        printf("%s: the picture is the same\n", driver->compared);
+        printf("%s: the picture is the same%s\n", driver->compared,
+               rk_driver_has_stand_in(driver) && !driver->debug
+                   ? ", but was traced through another tree, so it does not show yours"
+                   : "");
     else if (ok)
         print_place(driver, &d, wanted, place);
     return ok;

@@ -58,6 +58,11 @@ bool rk_tree_view_choose(rk_tree_view *view, const rk_driver *driver, rk_error *
         view->level = tree.levels > 4 ? 4 : tree.levels - 1;
     if (view->leaf == RK_TREE_VIEW_NOT_GIVEN)
         view->leaf = 0;
+    if (view->level > 0 && tree.levels == 1)
+        return rk_fail(error,
+                       "--level %u: this tree is one leaf, as a starter's is; only level 0 "
+                       "can be drawn",
+                       view->level);
     if (view->level >= tree.levels)
         return rk_fail(error, "--level %u: this tree's levels are 0 to %u; choose one of them",
                        view->level, tree.levels - 1);

@@ -6,8 +6,7 @@ handout's steps solve them, and each starter names the steps that the handout gi
 import re
 
 from grading.c_source import functions_of, line_of, prototypes_of, tokens_of
-
-ORDINALS = ["First", "Second", "Third", "Fourth", "Fifth", "Sixth", "Seventh", "Eighth", "Ninth"]
+from grading.starters import ORDINALS
 
 
 class _Unit:

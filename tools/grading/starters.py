@@ -13,6 +13,7 @@ open are errors with file and line. In a pack for students the file has only its
 `/* yours to write */` and `/* end of yours */`.
 """
 
+import itertools
 import re
 import sys
 
@@ -26,6 +27,7 @@ _BECOMES = {
     ("common", "/* solution */"): "solution", ("solution", "/* starter"): "starter", ("starter", "end */"): "common",
     ("common", "/* yours to write */"): "yours", ("yours", "/* end of yours */"): "common",
 }
+ORDINALS = ["First", "Second", "Third", "Fourth", "Fifth", "Sixth", "Seventh", "Eighth", "Ninth"]
 _HANDED_OUT, _LEFT_OPEN = "/* Handed out: ", "/* Left open: "
 
 
@@ -104,6 +106,19 @@ def is_starter(unit):
     """Whether a unit's code is still the starter's, apart from blanks."""
     with open(unit.path, encoding="utf-8", errors="replace") as file:
         return not unit.is_reference and file.read().split() == starter_of(unit.feature.reference).split()
+
+
+def unsolved_steps(unit):
+    """Returns the numbers of the steps all of whose starters, which name them, stand in the unit as they were."""
+    with open(unit.path, encoding="utf-8", errors="replace") as file:
+        written = " ".join(re.sub(r"/\* starter\n.*?end \*/", "", file.read(), flags=re.DOTALL).split())  # the reference has both
+    regions = itertools.groupby(read_regions(unit.feature.reference), key=lambda line: line[0])
+    kept = {}
+    for starter in (" ".join("".join(line for _, line in lines).split()) for kind, lines in regions if kind == "starter"):
+        for word in re.findall(r"(\w+) step\b", starter):
+            if word in ORDINALS:
+                kept.setdefault(ORDINALS.index(word) + 1, []).append(starter in written)
+    return sorted(step for step, is_kept in kept.items() if all(is_kept))
 
 
 def _begins_with(path, note):
