@@ -292,12 +292,45 @@ async function loop_shows_each_save(browser, lint) {
   }
 }
 
+// The picture of the step that is reached, with a word on the one that is left; and a picture that does not show a mistake.
+async function loop_follows_the_steps(browser) {
+  const unit = path.join(folder, "normals.c"), solution = fs.readFileSync(`${source}/src/features/normals.c`, "utf8");
+  const first = solution.replace(/rk_sub\(b, a\), rk_sub\(c, a\)/, "a, a");
+  fs.writeFileSync(unit, first.replace("0.5f + 0.5f * n.x", "0.5f * n.x"));
+  const make = spawn(process.env.MAKE || "make", ["-s", "live-normals", `IMPL=${unit}`], {stdio: ["ignore", "pipe", "inherit"], detached: true});
+  try {
+    let said = "";
+    await new Promise((resolve) => make.stdout.on("data", (part) => {
+      said += part;
+      if (/http:\S+\//.test(said)) resolve();
+    }).on("end", resolve));
+    const url = said.match(/http:\S+(?=\/)/)[0];
+    const begun = await told(url, (known) => known.step === 1 && known.drawn && !known.busy);
+    check(begun && !begun.passed, "the live loop begins with the first step that is broken", JSON.stringify(begun));
+    fs.writeFileSync(unit, first);
+    const passed = await told(url, (known) => known.step === 2 && known.drawn && !known.busy);
+    check(passed && passed.passed === "all claims up to step 1 hold, and its picture is the wanted one" && !passed.same,
+      "once its claims hold, it turns to the next, and says that the picture before was right", JSON.stringify(passed));
+    fs.writeFileSync(unit, solution.replace(/rk_sub\(b, a\), rk_sub\(c, a\)/, "rk_sub(c, a), rk_sub(b, a)"));
+    const turned = await told(url, (known) => known.same && known.broken.length && !known.busy);
+    check(turned && turned.step === 2 && !turned.passed, "normals that point inwards draw the wanted picture, and break claims", JSON.stringify(turned));
+    if (browser) {
+      await browser.open(url);
+      check(await browser.until('/the picture is the same, but does not show all: the claims decide/.test(document.querySelector("#says").textContent)'),
+        "the page then says that the claims decide", await browser.value("document.body.innerText"));
+    }
+  } finally {
+    process.kill(-make.pid, "SIGTERM");
+  }
+}
+
 async function main() {
   module_draws_like_the_drivers();
   module_prints_like_the_drivers();
   if (!pandoc || !chromium) {
     console.log(`ok ${++count} - pages # SKIP ${pandoc ? "Chromium is missing: ./bootstrap --pdf" : "pandoc is missing: ./bootstrap"}`);
     await loop_shows_each_save();
+    await loop_follows_the_steps();
   } else {
     const page = weave(FIGURE, OPTIONS), browser = new Browser(chromium, folder);
     try {
@@ -308,6 +341,7 @@ async function main() {
       if (lint) await lint.woven_pages();
       else console.log(`ok ${++count} - axe-core finds nothing # SKIP axe-core is missing: ./bootstrap --live installs it, by npm`);
       await loop_shows_each_save(browser, lint);
+      await loop_follows_the_steps(browser);
     } finally {
       await browser.quit();
     }

@@ -111,16 +111,16 @@ class Loop:
                          "--only", feature.stem]
         self.files, self.changed, self._doing = {}, threading.Condition(), set()
         self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "", "hints": [],
-                      "seconds": 0, "held": 0, "broken": [], "of": len(self._tests), "drawn": False,
+                      "seconds": 0, "held": 0, "broken": [], "of": len(self._tests), "drawn": False, "passed": "",
                       "looks": [[look.step, look.caption] for look in read_looks(feature)]}
         self._look_at(choose_look(feature, step))
 
-    def _look_at(self, look):
-        """Shows another step's picture from now on."""
+    def _look_at(self, look, passed=""):
+        """Shows another step's picture from now on; `passed` tells why the one before is left."""
         self.files = {} if self.kit else {"wanted": look.picture}
         self._options = small(look.options, _SIDE) if self.kit else small(look.options)
         self.tell(step=look.step, caption=look.caption, command=f"{driver_of(self._feature)} {look.options}", same=False,
-                  compared="", says="", drawn=False)
+                  compared="", says="", drawn=False, passed=passed)
 
     def _follow(self, step):
         """Shows the next picture that the student can reach, unless one was asked for; returns whether it is another."""
@@ -128,7 +128,9 @@ class Loop:
         look = next((look for look in looks if step and int(look.step) >= int(step)), looks[-1])
         if self._is_step_chosen or look.step == self.known["step"]:
             return False
-        self._look_at(look)
+        before, is_right = self.known["step"], self.known["same"]
+        picture = ", and its picture is the wanted one" if is_right else ""
+        self._look_at(look, f"all claims up to step {before} hold{picture}" if look.step > before else "")
         return True
 
     def drawing(self, name, driver=None):
@@ -218,7 +220,7 @@ class Loop:
                     seen, saved = now, time.monotonic()
                     before = _changed_at(record)
                     self.tell(begins=("drawing", "checking the claims"), failed="", held=0, broken=[], drawn=False, same=False,
-                              compared="", says="")
+                              compared="", says="", passed="")
                     check, picture = Check(grader), Picture(self)
                 elif self.asked is not None:
                     if self.look_asked():
