@@ -26,18 +26,25 @@ This is your workbook: one C file for each assignment, yours to change, and besi
 
 In raykit's folder, with this folder as IMPL:
 
-    make check-{first} IMPL={folder}       tests one assignment, and says what to work on first
-    make watch-{first} IMPL={folder}       the same again whenever you save; Ctrl-C ends it
-    make debug-{first} IMPL={folder}       the first failing test in gdb, stopped in your code
-    make diff-{first} IMPL={folder}        what you have changed since the starter
-    make progress IMPL={folder}       all assignments with their points
-    make driver-{first} IMPL={folder}      its driver, to draw pictures by your code; it says where it is
-    make report IMPL={folder}/{first}.c QUICK=1    its section of the report, drawn by your code, small
+{commands}
 
 Start with {first}.md and its chapter, {chapter}: read, run the check, solve in {first}.c the step
 that it names, and run it again. A file that is not here is replaced by the kit's own where something needs it.
 make workbook DIR={folder} brings new assignments later, and leaves alone what you have changed.
 """
+
+COMMANDS = [
+    ("make check-{first} IMPL={folder}", "tests one assignment, and says what to work on first"),
+    ("make watch-{first} IMPL={folder}", "the same again whenever you save; Ctrl-C ends it"),
+    ("make live-{first} IMPL={folder}", "the same in the browser, with your picture and the wanted one"),
+    ("make hint-{first}", "a list of hints; STEP=1 prints the first for a step"),
+    ("make draw-{first} IMPL={folder}", "its last picture by your code, compared with the wanted one"),
+    ("make debug-{first} IMPL={folder}", "the first failing test in gdb, stopped in your code"),
+    ("make diff-{first} IMPL={folder}", "what you have changed since the starter"),
+    ("make progress IMPL={folder}", "all assignments with their points"),
+    ("make driver-{first} IMPL={folder}", "its driver, to draw any picture by your code; it says where it is"),
+    ("make report IMPL={folder}/{first}.c QUICK=1", "its section of the report, drawn by your code, small"),
+]
 
 
 def _digest(text):
@@ -110,9 +117,13 @@ def make_workbook(source, folder, stems=()):
     for feature in features:
         files[feature.stem + ".md"] = as_in_workbook(handout_of(source, feature), source, feature, folder)
     first = features[0]
+    shown = shlex.quote(folder.rstrip("/") or "/")
+    lines = [(command.format(first=first.stem, folder=shown), does) for command, does in COMMANDS]
+    width = max(len(command) for command, _ in lines)
     files["README.txt"] = README.format(
+        commands="\n".join(f"    {command:<{width}}  {does}" for command, does in lines),
         assignments="\n".join(f"    {f.stem + '.c':<24}chapter {f.chapter}" for f in features),
-        first=first.stem, chapter=first.chapter, folder=shlex.quote(folder.rstrip("/") or "/"),
+        first=first.stem, chapter=first.chapter, folder=shown,
     )
     files |= workbook_files(source, folder, os.getcwd(), folder)
     try:
