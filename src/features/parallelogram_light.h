@@ -11,7 +11,7 @@
 /* How light falls off with distance.
  * None, as in classic courses: each point of the light has its full colour at any distance and
  * angle. Physical: a parallelogram's colour is its radiance L, and E = integral of L cos cos' / r^2
- * dA; a segment's is the radiant intensity of a thin glowing tube per length, integral of I cos
+ * dA; a segment's is the radiant intensity of a thin luminous tube per length, integral of I cos
  * sin' / r^2 dl, with sin' of the angle between tube and direction; a point's is radiant intensity,
  * I cos / r^2. At r = 0, a point on the light itself, E is 0. */
 typedef enum rk_light_falloff { RK_FALLOFF_NONE, RK_FALLOFF_PHYSICAL } rk_light_falloff;

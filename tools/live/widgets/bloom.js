@@ -26,7 +26,7 @@
     this.bright = rows.find((row) => "bright" in row);
     const {threshold, bright, pixels, most} = this.bright;
     this.says.replaceChildren(make("b", {textContent: `${bright} of ${pixels} pixels`}), ` have a luminance of at least ${threshold}: `,
-      make("span", {className: "two", textContent: "they glow"}), `. The brightest has ${most}.`);
+      make("span", {className: "two", textContent: "they have halos"}), `. The brightest has ${most}.`);
     Plot.brief(this.says);
     this.draw();
   }
