@@ -99,6 +99,8 @@ def starters_draw(folder):
     said, _ = _draw(driver_of(FEATURES["bvh_median"]), os.path.join(folder, "out"), *SIZE, "--debug", "level",
                     "--level", "0")
     check(re.search(r"\bbvh_median\b[^:]* still the starter", said), "a view of the tree shows it", said)
+    _, picture = _draw(driver_of(FEATURES["bloom"]), os.path.join(folder, "out"), *SIZE, "--debug", "threshold")
+    check(picture and len(set(greys(picture))) >= FEWEST_GREYS, "bright pixels are looked for in a picture with form")
     look = read_looks(FEATURES["bvh_median"])[-1]
     said, _ = _draw(driver_of(FEATURES["bvh_median"]), os.path.join(folder, "out"), *draw.small(look.options),
                     "--compare", look.picture)

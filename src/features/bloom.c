@@ -25,8 +25,9 @@ float rk_bloom_luminance(rk_vec3 colour)
     float red = colour.x, green = colour.y, blue = colour.z;
     return green + 0.2126f * (red - green) + 0.0722f * (blue - green);
     /* starter
-    // First step: the weighted sum; for a grey it is the grey itself, to the bit.
-    return 0;
+    // First step: the weighted sum; for a grey it is the grey itself, to the bit. For now it is
+    // half of the green.
+    return 0.5f * colour.y;
     end */
 }
 
