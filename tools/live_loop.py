@@ -113,7 +113,7 @@ class Loop:
         self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "", "hints": [],
                       "seconds": 0, "held": 0, "broken": [], "of": len(self._tests), "drawn": False, "passed": "",
                       "looks": [[look.step, look.caption] for look in read_looks(feature)]}
-        self._look_at(choose_look(feature, step))
+        self._look_at(choose_look(feature, step) if step else read_looks(feature)[0])
 
     def _look_at(self, look, passed=""):
         """Shows another step's picture from now on; `passed` tells why the one before is left."""
@@ -308,7 +308,7 @@ def main():
     parser.add_argument("stem", metavar="STEM")
     parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
     parser.add_argument("--build", default=".", metavar="DIR")
-    parser.add_argument("--step", default="", metavar="N", help="of the handout; the last one for none")
+    parser.add_argument("--step", default="", metavar="N", help="of the handout; the next after the claims for none")
     arguments = parser.parse_args()
     stop_on_signals()
     os.environ.setdefault("RAYKIT_TEST_SECONDS", _TEST_SECONDS)

@@ -77,7 +77,7 @@ def _put(path, text, generated, said):
             said.append(f"kept     {name}, as it was generated")
         elif digest == generated.get(name) and not os.path.islink(path):
             write_whole(path, text)
-            said.append(f"renewed  {name}, a starter that you have not changed")
+            said.append(f"renewed  {name}, which you have not changed")
         else:
             newer = name in generated and generated[name] != _digest(text)
             more = "; its starter is newer" if newer else ""
