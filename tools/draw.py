@@ -17,6 +17,7 @@ import zlib
 from drivers import link_drivers, driver_of
 from grading import build
 from grading.assignments import Parser, ToolError, choose, find_unit, read_features, read_looks
+from grading.results import command_of
 from grading.starters import unsolved_steps
 
 _SIDE = 128  # of a square picture; others are as large
@@ -91,7 +92,7 @@ def draw(toolchain, impl, stem, step):
         raise ToolError(f"{wanted} is missing, the picture to compare with")
     _run([driver, *small(look.options), "--quiet", "--out", os.path.join("out", "compared"), "--compare", wanted])
     if look.step in unsolved:
-        print(f"step {look.step} is still the starter, however the picture looks; its claims decide: make check-{stem} IMPL={impl}")
+        print(f"step {look.step} is still the starter, however the picture looks; its claims decide: {command_of('check', feature, impl)}")
 
 
 # --- The wanted pictures --------------------------------------------------------------------------

@@ -128,10 +128,10 @@ def _whose(suite):
     return "this is the reference, which earns no points" if suite.unit.is_reference else ""
 
 
-def _command_to_draw(suite, impl):
-    """What is left to do at 100 points; in a pack for students the workbook is meant without a word."""
-    own = os.path.basename(os.path.normpath(impl)) == "workbook" and is_handed_out(suite.feature.reference)
-    return f"make draw-{suite.feature.stem}" + ("" if own else f" IMPL={shlex.quote(impl)}")
+def command_of(does, feature, impl):
+    """Returns "make DOES-STEM IMPL=mine"; in a pack for students the workbook is meant without a word."""
+    own = os.path.basename(os.path.normpath(impl)) == "workbook" and is_handed_out(feature.reference)
+    return f"make {does}-{feature.stem}" + ("" if own else f" IMPL={shlex.quote(impl)}")
 
 
 def text(suites, impl, colours=False, brief=False):
@@ -149,7 +149,7 @@ def text(suites, impl, colours=False, brief=False):
         room = max(4, _SCREEN - len(said)) if brief else 60
         lines += [*_some(warnings, room, f"and {{}} more lines of warnings: make check-{suite.feature.stem} ALL=1"), *said]
         if len(suites) == 1 and suite.points() == 100 and suite.passed():
-            lines.append(f"      draw it: {_command_to_draw(suite, impl)}")
+            lines.append(f"      draw it: {command_of('draw', suite.feature, impl)}")
     if len(suites) > 1:
         lines.append(f"in all {total(suites)} points")
     return "\n".join(lines) + "\n"
