@@ -928,8 +928,8 @@ static void large_circles_cost_no_more_than_small_ones(void **state)
 {
     (void)state;
     /* Pixel by pixel large circles would take 1800 times as much or more; with numbers in each row,
-     * or in each column, 1000 times as much in the picture that is long in this direction. */
-    const uint32_t sizes[][2] = {{4, 4096}, {4096, 4}, {256, 256}};
+     * or in each column, 4000 times as much in the picture that is long in this direction. */
+    const uint32_t sizes[][2] = {{4, 16384}, {16384, 4}, {256, 256}};
     for (int i = 0; i < 3; i++) {
         uint32_t width = sizes[i][0], height = sizes[i][1];
         double small = seconds_of(width, height, 1, 0);

@@ -34,9 +34,11 @@ RK_INLINE uint32_t in_cone_of(const f16x3 *d, int lane)
 }
 
 /* Takes the next packet out of `left`, of sixteen lanes: coherent rays of equal signs. Returns its
- * lanes, or 0 if they are too few for one: those left over are traced as single rays. */
-RK_INLINE uint32_t next_packet(packet *p, const tree_extent *extent, const sixteen *lanes,
-                               uint32_t *left, uint32_t *alone, bool with_shaft)
+ * lanes, or 0 if they are too few for one: those left over are traced as single rays. Not inline,
+ * because clang 14 then loses lanes in WebAssembly. */
+static __attribute__((noinline)) uint32_t next_packet(packet *p, const tree_extent *extent,
+                                                      const sixteen *lanes, uint32_t *left,
+                                                      uint32_t *alone, bool with_shaft)
 {
     const rk_f16 zero = rk_f16_all(0),
                  components[3] = {lanes->direction.x, lanes->direction.y, lanes->direction.z};

@@ -55,7 +55,7 @@ static void draw(const rk_rendering *r, const rk_glossy_samples *s, uint32_t fro
         run->y[i] = numbers[i].y;
     }
     rk_glossy_run_map(run, s->map, count, r->glossy_run_agrees);
-    for (uint32_t i = 0; s->fraction < 1 && i < count; i++) {
+    for (uint32_t i = 0; s->fraction != 1 && i < count; i++) {
         const rk_vec2 at =
             rk_glossy_point_above(&s->disk, s->fraction, (rk_vec2){run->x[i], run->y[i]});
         run->x[i] = at.x;
