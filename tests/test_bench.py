@@ -108,6 +108,16 @@ def times_are_split_into_fixed_and_growing():
           "its samples are camera rays per pixel, of which all methods have as many per sample", found)
 
 
+def errors_beyond_the_most_samples_draw_one_picture():
+    settings = types.SimpleNamespace(side=10, seeds=2, counts=lambda: (1, 4, 16, 64))
+    schedule = types.SimpleNamespace(settings=settings, references={"pixel": {"own": 0}}, wanted=lambda method, samples: True,
+                                     row=lambda method, samples, seed: {"camera_rays": 100 * min(samples, 16)})
+    for counts_samples, wanted in ((False, [1, 4, 16]), (True, [1, 4, 16, 64])):
+        method = types.SimpleNamespace(counts_samples=counts_samples, case=types.SimpleNamespace(name="pixel"))
+        found = list(summary.Curve(schedule, method).rows)
+        check(found == wanted, "where a smaller error takes no more samples, its picture is left out", found)
+
+
 # --- comparing -----------------------------------------------------------------------------------
 
 METHODS, SEEDS = 10, 16
@@ -693,6 +703,7 @@ def main():
     lines_and_crossings_are_exact()
     differences_are_told_from_noise()
     times_are_split_into_fixed_and_growing()
+    errors_beyond_the_most_samples_draw_one_picture()
     comparisons_find_losses_and_nothing_else()
     profiles_are_of_the_picture_alone()
     folder = tempfile.mkdtemp(prefix="raykit-test-bench-")

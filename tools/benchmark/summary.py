@@ -11,6 +11,7 @@ from benchmark.statistics import crossing, fit_line, mean, mean_interval, median
 ERROR_WANTED = 0.01
 FIT_FROM = 4  # samples: before, an error need not yet follow its power
 RESAMPLINGS = 200
+FEWEST_MORE = 1.01  # times the samples of the error before: where all pixels have the most, a smaller one draws the same
 
 
 class Curve:
@@ -20,11 +21,15 @@ class Curve:
         settings, self.method = schedule.settings, method
         self.pixels = settings.side ** 2
         self.reference = schedule.references[method.case.name]
-        self.rows = {}
+        self.rows, most = {}, 0
         for samples in settings.counts():
             rows = [schedule.row(method, samples, seed) for seed in range(1, settings.seeds + 1)]
             if all(rows) and schedule.wanted(method, samples):
                 self.rows[samples] = rows
+                if not method.counts_samples and self.rays(samples) < FEWEST_MORE * most:
+                    del self.rows[samples]
+                else:
+                    most = self.rays(samples)
 
     def error(self, samples, seeds=None):
         """The root mean squared error without the reference's own."""
