@@ -1,45 +1,14 @@
 #include "accel/bvh_parts.h"
 
+#include "accel/bvh_bins.h"
+#include "accel/bvh_morton.h"
 #include "scene/bvh.h"
 
 #include <stdlib.h>
 
 enum {
-    bins_max = 16,
     chunk_size = 1 << 12, /* references that one thread takes at a time */
 };
-
-/* The box around a triangle. The fourth numbers are the lower and the upper half of its index:
- * whole numbers, because its bits would be a denormal float, which is slow to compute with. */
-typedef struct reference {
-    rk_simd4 low, high;
-} reference;
-
-typedef struct axis_bins {
-    rk_simd4 low[bins_max], high[bins_max];
-} axis_bins;
-
-/* How a part's triangles lie in the bins of all axes. */
-typedef struct bin_set {
-    axis_bins axes[3];
-    rk_simd4_mask count[bins_max]; /* on x, y and z */
-} bin_set;
-
-/* From a centre to its bins. */
-typedef struct binning {
-    int bins;
-    rk_simd4 low, scale;
-    rk_simd4_mask usable; /* axes on which centres differ */
-} binning;
-
-typedef struct split {
-    int axis, boundary; /* bins from the boundary on go right */
-    float cost;         /* in units of `area`, see areas_of; infinite if there is none */
-} split;
-
-typedef struct bounds {
-    rk_simd4 low, high;
-} bounds;
 
 /* A thread's share of a large part. */
 typedef struct chunk {
@@ -55,28 +24,8 @@ struct rk_bvh_parts {
     chunk *chunks;            /* NULL without a pool */
     rk_pool *pool;
     rk_simd4 unit; /* 1 / the longest extent, so that areas neither overflow nor underflow */
-    binning grid;  /* of RK_BUILD_MORTON */
+    binning grid;  /* of RK_BUILD_MORTON, of RK_MORTON_CELLS cells on each axis */
 };
-
-static const bounds nothing = {{INFINITY, INFINITY, INFINITY, INFINITY},
-                               {-INFINITY, -INFINITY, -INFINITY, -INFINITY}};
-
-static inline bounds merge(bounds a, bounds b)
-{
-    return (bounds){rk_simd4_min(a.low, b.low), rk_simd4_max(a.high, b.high)};
-}
-
-static inline bounds add_point(bounds a, rk_simd4 x)
-{
-    return merge(a, (bounds){x, x});
-}
-
-/* A quarter of the corners' sum, so that no sum or extent overflows. */
-static inline rk_simd4 centre_of(const reference *r)
-{
-    const rk_simd4 quarter = rk_simd4_all(0.25f);
-    return r->low * quarter + r->high * quarter;
-}
 
 /* --- Bins ------------------------------------------------------------------------------------- */
 
@@ -95,109 +44,6 @@ static binning binning_of(const rk_bvh_part *part, int bins)
 static binning split_binning(const rk_bvh_part *part)
 {
     return binning_of(part, part->count < 16 ? 4 : part->count < 200 ? 8 : bins_max);
-}
-
-static inline rk_simd4_mask bins_of(const binning *b, rk_simd4 centre)
-{
-    return __builtin_convertvector((centre - b->low) * b->scale, rk_simd4_mask);
-}
-
-static void fill_bins(bin_set *set, const binning *b, const reference *references, uint32_t count)
-{
-    for (int k = 0; k < b->bins; k++) {
-#pragma GCC unroll 3
-        for (int axis = 0; axis < 3; axis++) {
-            set->axes[axis].low[k] = nothing.low;
-            set->axes[axis].high[k] = nothing.high;
-        }
-        set->count[k] = (rk_simd4_mask){0, 0, 0, 0};
-    }
-    for (uint32_t i = 0; i < count; i++) {
-        const reference *r = &references[i];
-        const rk_simd4_mask bin = bins_of(b, centre_of(r));
-#pragma GCC unroll 3
-        for (int axis = 0; axis < 3; axis++) {
-            const int k = bin[axis];
-            set->axes[axis].low[k] = rk_simd4_min(set->axes[axis].low[k], r->low);
-            set->axes[axis].high[k] = rk_simd4_max(set->axes[axis].high[k], r->high);
-            set->count[k][axis]++;
-        }
-    }
-}
-
-static inline bounds bin_bounds(const bin_set *set, int axis, int k)
-{
-    return (bounds){set->axes[axis].low[k], set->axes[axis].high[k]};
-}
-
-static void merge_bins(bin_set *into, const bin_set *from, int bins)
-{
-    for (int k = 0; k < bins; k++) {
-#pragma GCC unroll 3
-        for (int axis = 0; axis < 3; axis++) {
-            bounds both = merge(bin_bounds(into, axis, k), bin_bounds(from, axis, k));
-            into->axes[axis].low[k] = both.low;
-            into->axes[axis].high[k] = both.high;
-        }
-        into->count[k] += from->count[k];
-    }
-}
-
-/* --- The cheapest split ------------------------------------------------------------------------
- */
-
-/* Half of the areas of three boxes, and of the last one again. */
-static inline rk_simd4 areas_of(const bounds box[3], rk_simd4 unit)
-{
-    rk_simd4 extent[4];
-#pragma GCC unroll 4
-    for (int i = 0; i < 4; i++)
-        extent[i] = box[i < 3 ? i : 2].high * unit - box[i < 3 ? i : 2].low * unit;
-    rk_simd4_transpose(extent);
-    return extent[0] * extent[1] + extent[1] * extent[2] + extent[2] * extent[0];
-}
-
-static inline rk_simd4 blocks_of(rk_simd4_mask count)
-{
-    const rk_simd4_mask blocks =
-        (count + (RK_PART_BLOCK - 1)) >> 2; /* there is no vector division */
-    return __builtin_convertvector(blocks, rk_simd4);
-}
-
-/* Two sweeps over the boundaries, on all three axes at once: down for the triangles on the
- * right of each, up for those on its left. */
-static split cheapest_split(const bin_set *set, const binning *b, rk_simd4 unit)
-{
-    rk_simd4 right_cost[bins_max];
-    rk_simd4_mask right_count[bins_max], count = {0, 0, 0, 0}, boundary = count;
-    bounds side[3] = {nothing, nothing, nothing};
-    for (int k = b->bins - 1; k > 0; k--) {
-#pragma GCC unroll 3
-        for (int axis = 0; axis < 3; axis++)
-            side[axis] = merge(side[axis], bin_bounds(set, axis, k));
-        count += set->count[k];
-        right_count[k] = count;
-        right_cost[k] = areas_of(side, unit) * blocks_of(count);
-    }
-    rk_simd4 lowest = rk_simd4_all(INFINITY);
-    count = (rk_simd4_mask){0, 0, 0, 0};
-#pragma GCC unroll 3
-    for (int axis = 0; axis < 3; axis++)
-        side[axis] = nothing;
-    for (int k = 1; k < b->bins; k++) {
-#pragma GCC unroll 3
-        for (int axis = 0; axis < 3; axis++)
-            side[axis] = merge(side[axis], bin_bounds(set, axis, k - 1));
-        count += set->count[k - 1];
-        const rk_simd4 cost = areas_of(side, unit) * blocks_of(count) + right_cost[k];
-        const rk_simd4_mask better =
-            (cost < lowest) & (count > 0) & (right_count[k] > 0) & b->usable;
-        lowest = rk_simd4_select(better, cost, lowest);
-        boundary = (better & k) | (~better & boundary);
-    }
-    int axis = lowest[1] < lowest[0] ? 1 : 0;
-    axis = lowest[2] < lowest[axis] ? 2 : axis;
-    return (split){axis, boundary[axis], lowest[axis]};
 }
 
 /* The halves as the bins tell them, without the bounds of their centres. */
@@ -275,9 +121,9 @@ static void fill_chunk(uint32_t index, uint32_t thread, void *context)
     const chunk_job *job = context;
     const rk_bvh_part *part = job->part;
     (void)thread;
-    fill_bins(&job->parts->chunks[index].bins, job->binning,
-              job->parts->references[part->buffer] + part->begin + index * chunk_size,
-              chunk_length(part->count, index));
+    rk_bins_fill(&job->parts->chunks[index].bins, job->binning,
+                 job->parts->references[part->buffer] + part->begin + index * chunk_size,
+                 chunk_length(part->count, index));
 }
 
 static void copy_chunk(uint32_t index, uint32_t thread, void *context)
@@ -300,7 +146,7 @@ static void fill_bins_together(bin_set *set, const binning *b, const rk_bvh_part
     rk_pool_run(parts->pool, chunks, fill_chunk, &job);
     *set = parts->chunks[0].bins;
     for (uint32_t i = 1; i < chunks; i++)
-        merge_bins(set, &parts->chunks[i].bins, b->bins);
+        rk_bins_merge(set, &parts->chunks[i].bins, b->bins);
 }
 
 static void copy_together(const binning *b, const split *at, const rk_bvh_parts *parts,
@@ -320,70 +166,6 @@ static void copy_together(const binning *b, const split *at, const rk_bvh_parts 
     for (uint32_t i = 0; i < chunks; i++)
         for (int side = 0; side < 2; side++)
             centres[side] = merge(centres[side], parts->chunks[i].centres[side]);
-}
-
-/* --- By Morton codes ----------------------------------------------------------------------------
- */
-
-/* The ten bits of x, two places apart from each other. */
-static inline uint32_t spread(uint32_t x)
-{
-    x = (x | x << 16) & 0x030000ff;
-    x = (x | x << 8) & 0x0300f00f;
-    x = (x | x << 4) & 0x030c30c3;
-    return (x | x << 2) & 0x09249249;
-}
-
-/* The place of a centre on a curve through the cells of a grid, that stays in an eighth of the grid
- * before it goes on to the next, and likewise in each eighth. */
-static inline uint32_t code_of(const rk_bvh_parts *parts, const reference *r)
-{
-    const rk_simd4_mask cell = bins_of(&parts->grid, centre_of(r));
-    return spread((uint32_t)cell[0]) << 2 | spread((uint32_t)cell[1]) << 1 |
-           spread((uint32_t)cell[2]);
-}
-
-/* By the codes, in three passes of ten bits, each of which keeps the order of the one before
- * (radix sort). Ends in the other buffer. */
-static void sort_by_code(const rk_bvh_parts *parts, uint32_t count)
-{
-    uint32_t first[3][1 << 10] = {{0}};
-    for (uint32_t i = 0; i < count; i++) {
-        const uint32_t code = code_of(parts, &parts->references[0][i]);
-        for (int pass = 0; pass < 3; pass++)
-            first[pass][code >> 10 * pass & 1023]++;
-    }
-    for (int pass = 0; pass < 3; pass++) {
-        uint32_t sum = 0;
-        for (int k = 0; k < 1 << 10; k++) {
-            const uint32_t here = first[pass][k];
-            first[pass][k] = sum;
-            sum += here;
-        }
-        const reference *from = parts->references[pass % 2];
-        reference *to = parts->references[(pass + 1) % 2];
-        for (uint32_t i = 0; i < count; i++)
-            to[first[pass][code_of(parts, &from[i]) >> 10 * pass & 1023]++] = from[i];
-    }
-}
-
-/* Where the highest bit in which the codes differ becomes 1; half of equal ones. */
-static uint32_t left_of_bit(const rk_bvh_parts *parts, const rk_bvh_part *part)
-{
-    const reference *r = parts->references[part->buffer] + part->begin;
-    uint32_t low = 0, high = part->count - 1; /* of the one the bit is 0, of the other 1 */
-    const uint32_t differ = code_of(parts, &r[low]) ^ code_of(parts, &r[high]);
-    if (differ == 0)
-        return part->count - part->count / 2;
-    const uint32_t bit = 1u << (31 - __builtin_clz(differ));
-    while (high - low > 1) {
-        const uint32_t middle = low + (high - low) / 2;
-        if (code_of(parts, &r[middle]) & bit)
-            high = middle;
-        else
-            low = middle;
-    }
-    return high;
 }
 
 /* --- Splitting ---------------------------------------------------------------------------------
@@ -430,19 +212,19 @@ bool rk_bvh_part_split(const rk_bvh_parts *parts, const rk_bvh_part *part, rk_bv
 {
     if (part->count <= RK_PART_BLOCK)
         return false;
+    const reference *from = parts->references[part->buffer] + part->begin;
     if (parts->quality == RK_BUILD_MORTON) {
-        cut(parts, part, left_of_bit(parts, part), halves);
+        cut(parts, part, rk_morton_boundary(from, part->count, &parts->grid), halves);
         return true;
     }
     const bool together = parts->chunks && part->count >= RK_PART_LARGE;
-    const reference *from = parts->references[part->buffer] + part->begin;
     const binning b = split_binning(part);
     bin_set set;
     if (together)
         fill_bins_together(&set, &b, parts, part);
     else
-        fill_bins(&set, &b, from, part->count);
-    const split at = cheapest_split(&set, &b, parts->unit);
+        rk_bins_fill(&set, &b, from, part->count);
+    const split at = rk_bins_cheapest_split(&set, &b, parts->unit);
     if (at.cost < INFINITY)
         start_halves(part, &set, &b, &at, halves);
     if (!(at.cost < INFINITY && fits_depth(halves, part->depth_left))) {
@@ -541,8 +323,8 @@ rk_bvh_parts *rk_bvh_parts_start(const rk_mesh *mesh, uint32_t first, uint32_t c
     *root =
         start_root(parts, &(start_job){mesh, parts->references[0], first, count, parts->chunks});
     if (quality == RK_BUILD_MORTON) {
-        parts->grid = binning_of(root, 1 << 10);
-        sort_by_code(parts, count);
+        parts->grid = binning_of(root, RK_MORTON_CELLS);
+        rk_morton_sort(parts->references, count, &parts->grid);
         root->buffer = 1;
     }
     return parts;

@@ -37,6 +37,13 @@ typedef struct packet {
     uint32_t first; /* ray of the batch */
 } packet;
 
+/* Lanes that hold rays of the batch, from the `first` on. */
+RK_INLINE uint32_t lanes_of(const rk_ray_batch *rays, uint32_t first)
+{
+    const uint32_t count = rays->count - first;
+    return count < packet_rays ? (1u << count) - 1 : 0xffff;
+}
+
 RK_INLINE f16x3 f16x3_of(const float x[3][4], uint32_t i)
 {
     return (f16x3){rk_f16_all(x[0][i]), rk_f16_all(x[1][i]), rk_f16_all(x[2][i])};

@@ -157,12 +157,6 @@ RK_INLINE void trace_shadow_packets(shadow_packets *flying, const rk_wide_bvh *w
 
 /* --- Sorting ---------------------------------------------------------------------------------- */
 
-RK_INLINE uint32_t lanes_of(const rk_ray_batch *rays, uint32_t first)
-{
-    const uint32_t count = rays->count - first;
-    return count < packet_rays ? (1u << count) - 1 : 0xffff;
-}
-
 /* Have rays of the batch different signs, and yet more than half of them nearly one direction? Then
  * packets of equal signs gain more, being full, than they lose by origins that are farther apart.
  */

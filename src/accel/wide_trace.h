@@ -67,8 +67,7 @@ static __attribute__((noinline)) uint32_t next_packet(packet *p, const tree_exte
 RK_INLINE uint32_t hopeful_lanes(const rk_ray_batch *rays, const sixteen *lanes, uint32_t first,
                                  uint32_t *alone)
 {
-    const uint32_t count = rays->count - first < packet_rays ? rays->count - first : packet_rays;
-    const uint32_t all = (1u << count) - 1, hopeful = rk_f16_le(rk_f16_all(0), lanes->t_max);
+    const uint32_t all = lanes_of(rays, first), hopeful = rk_f16_le(rk_f16_all(0), lanes->t_max);
     *alone = all & ~hopeful;
     return all & hopeful;
 }
@@ -109,6 +108,21 @@ RK_INLINE void put_result(const single_rays *single, query kind, uint32_t index,
         rk_batch_put_hit(single->hits, index, hit);
     else
         single->answers->occluded[index] = is_occluded;
+}
+
+RK_INLINE void start_single(single_rays *single, const rk_ray_batch *rays, rk_hit_batch *hits,
+                            rk_occlusion_batch *answers)
+{
+    single->rays = rays;
+    single->hits = hits;
+    single->answers = answers;
+    single->count = single->next = 0;
+}
+
+RK_INLINE void add_single(single_rays *single, uint32_t first, uint32_t lanes)
+{
+    while (lanes)
+        single->index[single->count++] = (uint16_t)(first + next_bit(&lanes));
 }
 
 /* Starts the next ray that takes no special care, if there is one. */
@@ -155,16 +169,10 @@ RK_INLINE void trace(query kind, const rk_wide_bvh *wide, const rk_ray_batch *ra
     work done = {0, 0};
     flights flying;
     single_rays single;
-    single.rays = rays;
-    single.hits = hits;
-    single.answers = answers;
-    single.count = single.next = 0;
-    for (uint32_t first = 0; first < rays->count; first += packet_rays) {
-        uint32_t alone =
-            trace_sixteen(kind, wide, &extent, rays, first, hits, answers, &flying, &done);
-        while (alone)
-            single.index[single.count++] = (uint16_t)(first + next_bit(&alone));
-    }
+    start_single(&single, rays, hits, answers);
+    for (uint32_t first = 0; first < rays->count; first += packet_rays)
+        add_single(&single, first,
+                   trace_sixteen(kind, wide, &extent, rays, first, hits, answers, &flying, &done));
     trace_single(&single, &flying, kind, wide, &extent, &done);
     counters->box_tests += RK_WIDE_CHILDREN * done.nodes;
     counters->triangle_tests += RK_WIDE_BLOCK * done.blocks;
@@ -189,9 +197,7 @@ static __attribute__((noinline)) void trace_shadows(const rk_wide_bvh *wide,
     const tree_extent extent = extent_of(wide);
     work done = {0, 0};
     single_rays single;
-    single.rays = rays;
-    single.answers = answers;
-    single.count = single.next = 0;
+    start_single(&single, rays, NULL, answers);
     union {
         shadow_packets packets;
         flights flights;
@@ -212,8 +218,7 @@ static __attribute__((noinline)) void trace_shadows(const rk_wide_bvh *wide,
             start_shadow_packet(s);
             group->count++;
         }
-        while (alone)
-            single.index[single.count++] = (uint16_t)(first + next_bit(&alone));
+        add_single(&single, first, alone);
         if (group->count >= shadow_packets_max - packets_per_sixteen)
             trace_group(group, active, wide, answers, &done);
     }
