@@ -166,8 +166,10 @@ def comparisons_find_losses_and_nothing_else():
 
 INVENTED = '''#!/usr/bin/env python3
 """Answers as tests/bench/bench does. Methods with --kind fast have errors of 0.5 / n, others of 0.5 / sqrt(n), on 1000
-values; a picture of n samples takes n * 1e-4 s. Each question is noted in the file "asked"."""
+values; a picture of n samples takes n * 1e-4 s, half as long again after one of more than 2 n. Each question is noted
+in the file "asked"."""
 import random, sys, time
+last = 0
 for line in sys.stdin:
     with open("asked", "a") as file:
         file.write(line)
@@ -186,8 +188,9 @@ for line in sys.stdin:
         fast = "fast" in words
         error = 0.5 / n if fast else 0.5 / n ** 0.5
         squares = error ** 2 * chance.gauss(1, 0.045)
+        cold, last = 1.5 if last > 2 * n else 1, n
         time.sleep({sleep})
-        print(f"{n * 1e-4 * {slower}},{squares},{chance.gauss(0, error / 32)},{3 * error},{n},0,0", flush=True)
+        print(f"{n * 1e-4 * cold * {slower}},{squares},{chance.gauss(0, error / 32)},{3 * error},{n},0,0", flush=True)
 '''
 
 
@@ -240,6 +243,8 @@ def known_errors_are_found(folder):
     rows = [row for row in table(folder, "accuracy_convergence") if row["method"] == "plain" and row["feature"] == "one"]
     held = [float(row["rmse_low"]) <= 0.5 / math.sqrt(int(row["samples"])) <= float(row["rmse_high"]) for row in rows]
     check(len(rows) == 7 and sum(held) >= 5, "each number of samples has an interval for its error", rows)
+    off = [row for row in rows if abs(float(row["seconds"]) / (1e-4 * int(row["samples"])) - 1) > 1e-6]
+    check(not off, "no picture's time is that after a much longer one", off)
     check([row["samples"] for row in rows] == ["1", "2", "4", "8", "16", "32", "64"], "samples are powers of 2", rows)
     check(asked(folder) == 3 * 7 * plan.QUICK.seeds, "each picture is rendered once")
     check(table(folder, "accuracy_trees")[0]["render"] == "0.2" and len(table(folder, "accuracy_numbers")) == 3,

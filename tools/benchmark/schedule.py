@@ -1,7 +1,8 @@
 """Measures what is missing. Each case has a process of tests/bench/bench, which renders its pictures one after the
 other on one thread; as many cases at a time as there are processors. Within a case, methods take turns: a picture of
 each method and number of samples for the first seed, then for the second, and so on, so that a machine that gets slower
-meanwhile is slower for all."""
+meanwhile is slower for all. Numbers of samples rise for one seed and fall for the next: a short picture after a long one
+would find the caches cold, and take half as long again."""
 
 import concurrent.futures
 import hashlib
@@ -134,7 +135,7 @@ class Schedule:
             numbers = program.ask(f"reference {case.name}-{name}.reference {case.reference}")
             self.references[case.name] = dict(zip(REFERENCE_NUMBERS, map(float, numbers)))
             for seed in range(1, self.settings.seeds + 1):
-                for samples in self.settings.counts():
+                for samples in self.settings.counts()[::1 if seed % 2 else -1]:
                     for method in case.methods:
                         if self._stopped.is_set():
                             return
