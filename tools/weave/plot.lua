@@ -116,7 +116,7 @@ local function covers(lines, at_upper_right)
 end
 
 -- The legend is placed where falling or rising lines leave room; for many lines, or where errors leave none, below the plot.
-local many = 5
+local many = 4
 
 local function falls(lines)
   local points = lines[1].points
