@@ -429,6 +429,22 @@ END
     prints -2.468 && grep -q 't = -2.468' "$pages/pixel.html"
     verdict a_text_may_repeat_what_a_driver_prints
 
+    # Editions of one build: the driver notes its calls.
+    printf '#!/bin/sh\necho called >>"%s/calls"\necho "t = -2.468"\n' "$folder" >"$folder/assignments/01_lens/lens"
+    printf '#!/bin/sh\ncat "%s/digest"\n' "$folder" >"$folder/python"
+    chmod +x "$folder/python"
+    edition() { # edition SOLUTIONS DIGEST: how often the driver is called for it
+        echo "$2" >"$folder/digest"
+        : >"$folder/calls"
+        RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc SOLUTIONS=$1 \
+            RAYKIT_PYTHON=$folder/python GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= sh "$source/docs/make_book" >"$folder/said1" 2>&1 &&
+            grep -q 't = -2.468' "$pages/pixel.html" && grep -c called "$folder/calls"
+    }
+    [ "$(edition yes one)" = 1 ] && [ "$(edition no one)" = 0 ] && grep -q 'which this build has drawn' "$folder/said1" &&
+        [ "$(edition no two)" = 1 ] && [ "$(edition yes two)" = 1 ]
+    verdict other_editions_take_the_figures_that_the_same_build_has_drawn
+    rm "$folder/python"
+
     ! prints 2.468 && grep -q 'one_pixel.md:3: the text repeats 2.468, but the driver does not print it' "$folder/said1"
     verdict what_a_driver_does_not_print_cannot_be_repeated
     prints -2.468

@@ -8,7 +8,6 @@ made beside its destination and moved there when it is complete and found free o
 """
 
 import errno
-import hashlib
 import os
 import re
 import shutil
@@ -19,6 +18,7 @@ import tarfile
 import tempfile
 
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
+from drawn_by import BOOK, drawn_by, is_drawn_by
 from grade import stop_on_signals
 from handout_text import as_packed, handout_of, with_built_drivers
 from grading.leak_check import prove
@@ -26,7 +26,6 @@ from grading.originals import keep_originals
 from grading.starters import RegionError, handed_out_of, left_open_of, starter_of
 from grading.results import write_whole
 from grading.workbook_files import workbook_files
-from wrong import mutants_of, wrong_table
 
 
 _SECONDS_TO_CLEAN_UP = 10  # it removes a few folders
@@ -133,34 +132,21 @@ def record_folder():
     return "docs/record" + (".quick" if os.environ.get("QUICK") else "")
 
 
-def _drawn_by(features):
-    """Returns a digest of all that draws and measures for the book: the programs of this build, the mistakes
-    that it shows, and how often they run."""
-    digest = hashlib.sha256(repr([os.environ.get(name, "") for name in ("QUICK", "GNUPLOT")]).encode())
-    programs = [f"assignments/{feature.folder}/{feature.stem}" for feature in features]
-    wrong = [path for feature in features for path in (wrong_table(feature), mutants_of(feature))]
-    for path in [*programs, *wrong, "raykit-mesh", "raykit-image"]:
-        if os.path.exists(path):
-            with open(path, "rb") as file:
-                digest.update(file.read())
-    return digest.hexdigest()
-
-
 def _weave_book(pack, features):
-    """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers. They
-    stay in the build folder for the next pack, and in the pack for its own make book."""
-    kept, drawn_by = os.path.abspath(record_folder()), _drawn_by(features)
-    name = os.path.join(kept, "drawn_by")
-    is_current = os.path.exists(name) and open(name, encoding="utf-8").read() == drawn_by
+    """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers, or those of the
+    kit's book if the same build has drawn it. They stay in the build folder for the next pack, and in the pack for its
+    own make book."""
+    kept, digest = os.path.abspath(record_folder()), drawn_by(features)
+    record = next((folder for folder in (kept, os.path.abspath(BOOK)) if is_drawn_by(folder, digest)), "")
     environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(), MESHES="",
                        CHROMIUM="", FEATURES="", SOLUTIONS="yes", ANSWERS="", RAYKIT_LIVE="", RAYKIT_JUDGES="no",
                        RAYKIT_SOURCES="linked",
-                       RAYKIT_RECORD=kept if is_current else "")
-    if not is_current:
+                       RAYKIT_RECORD=record)
+    if not record:
         print("handout: drawing the book's figures, with repeated timings and, if make bench has not measured, its quick form: "
               f"many minutes, far more on a busy machine; the next pack will find them in {record_folder()}", file=sys.stderr)
     status, said = _run(["sh", os.path.join(pack, "docs", "make_book")], environment,
-                        stderr=subprocess.PIPE if is_current else None)
+                        stderr=subprocess.PIPE if record else None)
     if status:
         raise ToolError(f"the book could not be woven; BOOK=no leaves it out:\n{said}")
     made, handed = os.path.join(pack, "docs", "out"), os.path.join(pack, "docs", "handout")
@@ -168,10 +154,10 @@ def _weave_book(pack, features):
     os.rename(os.path.join(made, "book.html"), os.path.join(handed, "book.html"))
     shutil.rmtree(os.path.join(made, "book"))  # the same in pages
     os.rename(made, os.path.join(handed, "record"))
-    if not is_current:
+    if record != kept:
         shutil.rmtree(kept, ignore_errors=True)
         shutil.copytree(os.path.join(handed, "record"), kept)
-        write_whole(name, drawn_by)
+        write_whole(os.path.join(kept, "drawn_by"), digest)
 
 
 def _title_and_time(pack, feature):
