@@ -56,6 +56,15 @@ static uint32_t occluded_rays(const rk_accel *accel, rk_vec3 apex, const rk_ligh
     return count;
 }
 
+static bool are_clear(const rk_accel *accel, const rk_vec3 *apexes, uint32_t count,
+                      const rk_light *light)
+{
+    rk_pyramid_obstacle obstacle = {.known = false};
+    rk_counters counters = {0};
+    const rk_pyramid pyramid = rk_pyramid_around(apexes, count, light);
+    return rk_pyramid_is_empty(&pyramid, accel, &obstacle, &counters);
+}
+
 /* A point on a surface that a random ray hits, from where shadow rays start; false on a miss. */
 static bool apex_on_surface(const rk_accel *accel, rk_vec3 centre, float size, uint32_t key,
                             const rk_light *light, rk_vec3 *apex)
@@ -135,6 +144,87 @@ static void an_empty_pyramid_has_no_occluded_ray_and_nearly_conversely(void **st
                  places[p].scene, free, empty);
         rk_accel_free(&accel);
         rk_scene_free(&scene);
+    }
+}
+
+/* Of up to eight apexes close to each other. */
+static void several_apexes_are_cleared_only_if_each_is(void **state)
+{
+    enum { apexes_max = 8 };
+    (void)state;
+    for (uint32_t p = 0; p < PLACES; p++) {
+        rk_scene scene = test_scene_builtin(places[p].scene);
+        rk_accel accel = build(&scene, RK_ACCEL_WIDE);
+        uint32_t tried = 0, clear = 0, each_clear = 0;
+        for (uint32_t key = 0; key < TRIED; key++) {
+            const rk_light light = random_light(places[p].centre, places[p].size, key);
+            rk_vec3 apexes[apexes_max], first;
+            uint32_t count = 0, occluded = 0;
+            bool is_each_clear = true;
+            if (!apex_on_surface(&accel, places[p].centre, places[p].size, key, &light, &first))
+                continue;
+            for (uint32_t k = 0; k < 1 + key % apexes_max; k++) {
+                const rk_vec3 beside = rk_madd(first, noise3(key, 20 + k), 0.004f * places[p].size);
+                apexes[count] = k == 0 ? first : beside;
+                if (k > 0 && !apex_on_surface(&accel, beside, 0, key, &light, &apexes[count]))
+                    continue;
+                occluded += occluded_rays(&accel, apexes[count], &light);
+                is_each_clear = is_each_clear && is_empty(&accel, apexes[count], &light);
+                count++;
+            }
+            const bool is_clear = are_clear(&accel, apexes, count, &light);
+            rk_check(!is_clear || occluded == 0, "%s, %u: found empty, but %u rays are occluded",
+                     places[p].scene, key, occluded);
+            if (count == 1)
+                rk_check(is_clear == is_each_clear, "%s, %u: one apex differs from itself",
+                         places[p].scene, key);
+            tried += count > 1;
+            clear += count > 1 && is_clear;
+            each_clear += count > 1 && is_each_clear;
+        }
+        /* Fewer together: single apexes are also separated by the planes of spheres and of edges,
+         * and the statue's folds are as small as a group. */
+        rk_check(each_clear >= 30 && clear >= each_clear / 8,
+                 "%s: of %u groups %u are clear one by one, %u together", places[p].scene, tried,
+                 each_clear, clear);
+        rk_accel_free(&accel);
+        rk_scene_free(&scene);
+    }
+}
+
+/* Points of the convex hull are within the planes and the box, whatever the apexes; and each plane
+ * passes through an edge of the light, so it cuts off all that it can. */
+static void the_pyramid_of_several_apexes_is_their_hull(void **state)
+{
+    enum { count = 6, tried = 4000, points = 20 };
+    (void)state;
+    for (uint32_t key = 0; key < tried; key++) {
+        const rk_light light = {.kind = RK_LIGHT_PARALLELOGRAM,
+                                .position = noise3(key, 1),
+                                .edge01 = noise3(key, 2),
+                                .edge02 = noise3(key, 3)};
+        rk_vec3 apexes[count];
+        const float spread = exp2f(-10 * noise(key, 4, 0));
+        for (uint32_t k = 0; k < count; k++)
+            apexes[k] = rk_madd(rk_scale(noise3(key, 5), 3), noise3(key, 10 + k), spread);
+        if (key % 3 == 0) /* the rays from there are less accurate */
+            apexes[count - 1] = rk_scale(apexes[count - 1], 1000);
+        const rk_pyramid pyramid = rk_pyramid_around(apexes, count, &light);
+        for (uint32_t i = 0; i < points; i++) {
+            const rk_vec3 to =
+                rk_madd(rk_madd(light.position, light.edge01, fminf(1.3f * noise(key, i, 31), 1)),
+                        light.edge02, fminf(1.3f * noise(key, i, 32), 1));
+            const rk_vec3 from = rk_mix(apexes[i % count], apexes[i / count], noise(key, i, 33));
+            const rk_vec3 x = rk_madd(from, rk_sub(to, from), fminf(1.3f * noise(key, i, 34), 1));
+            const rk_dvec3 d = rk_dmadd(rk_widen(x), rk_widen(pyramid.apex), -1);
+            for (int plane = 0; plane < RK_PYRAMID_PLANES; plane++)
+                rk_check(rk_ddot(pyramid.normals[plane], d) <= pyramid.limits[plane],
+                         "%u: a point is beyond plane %d", key, plane);
+            for (int axis = 0; axis < 3; axis++)
+                rk_check(rk_axis(x, axis) >= rk_axis(pyramid.box.corner[0], axis) &&
+                             rk_axis(x, axis) <= rk_axis(pyramid.box.corner[1], axis),
+                         "%u: a point is outside the box", key);
+        }
     }
 }
 
@@ -308,7 +398,7 @@ static float rough(uint32_t a, uint32_t b)
 static void a_ray_that_grazes_a_triangle_is_not_cleared(void **state)
 {
     (void)state;
-    uint32_t occluded = 0, empty = 0;
+    uint32_t occluded = 0, empty = 0, all_empty = 0;
     for (uint32_t key = 0; key < GRAZED; key++) {
         const rk_light light = {.kind = RK_LIGHT_PARALLELOGRAM,
                                 .position = rough3(key, 1),
@@ -343,13 +433,19 @@ static void a_ray_that_grazes_a_triangle_is_not_cleared(void **state)
         const rk_pyramid pyramid = rk_pyramid_of(apex, &light);
         rk_check(rk_pyramid_is_empty(&pyramid, &accel, &obstacle, &counters) == is_clear,
                  "%u: %s by the tree alone", key, is_clear ? "empty" : "not empty");
+        const rk_vec3 apexes[] = {rk_madd(apex, rough3(key, 14), 0.1f), apex,
+                                  rk_madd(apex, rough3(key, 15), 0.01f)};
+        const bool are_all_clear = are_clear(&accel, apexes, 3, &light);
+        rk_check(!are_all_clear || !answers.occluded[0],
+                 "%u: found empty around three apexes, but a ray is occluded", key);
+        all_empty += are_all_clear;
         occluded += answers.occluded[0];
         empty += is_clear;
         rk_accel_free(&accel);
         rk_scene_free(&scene);
     }
-    rk_check(occluded > GRAZED / 5 && empty > GRAZED / 500, "%u occluded, %u empty", occluded,
-             empty);
+    rk_check(occluded > GRAZED / 5 && empty > GRAZED / 500 && all_empty > GRAZED / 2000,
+             "%u occluded, %u empty, %u around three apexes", occluded, empty, all_empty);
 }
 
 /* A light close to the floor, and tilted: only the floor's own plane separates. */
@@ -365,8 +461,35 @@ static void a_floor_below_the_light_is_outside(void **state)
                             .edge01 = turn(rk_vec(2, 0, 0.8f), 1, true),
                             .edge02 = turn(rk_vec(0, 2, 0), 1, true)};
     rk_check(is_empty(&accel, rk_vec(0, 0, 0), &light), "the floor is outside");
+    const rk_vec3 apexes[] = {{0, 0, 0},
+                              turn(rk_vec(0.5f, 0, -0.5f), 1, true),
+                              turn(rk_vec(0, 0.5f, -0.9f), 1, true),
+                              turn(rk_vec(0.5f, 0.5f, -1.1f), 1, true)};
+    rk_check(are_clear(&accel, apexes, 3, &light), "of several apexes, too");
+    rk_check(!are_clear(&accel, apexes, 4, &light), "but not if one is below it");
     rk_accel_free(&accel);
     rk_scene_free(&scene);
+}
+
+/* Of apexes in a row, the first and the last are the outermost; those between move no plane. */
+static void sides_pass_through_the_outermost_apexes(void **state)
+{
+    (void)state;
+    const rk_light light = square(1, false);
+    const rk_vec3 apexes[] = {{-1, 0, -4}, {0.2f, 0, -4}, {1, 0, -4}, {-0.3f, 0, -4}};
+    const rk_pyramid pyramid = rk_pyramid_around(apexes, 4, &light);
+    uint32_t touched = 0;
+    for (int plane = 0; plane < 4; plane++) {
+        double farthest = -INFINITY;
+        for (int k = 0; k < 4; k++)
+            farthest =
+                fmax(farthest, rk_ddot(pyramid.normals[plane],
+                                       rk_dmadd(rk_widen(apexes[k]), pyramid.corners[plane], -1)));
+        rk_check(fabs(farthest) < 1e-6, "plane %d is %g away from the nearest apex", plane,
+                 -farthest);
+        touched += rk_dvec3_size(pyramid.normals[plane]) > 0.5;
+    }
+    rk_check_equal(touched, 4, "all four sides have planes");
 }
 
 static void a_light_seen_edge_on_or_without_area_is_not_cleared_wrongly(void **state)
@@ -518,6 +641,9 @@ static void what_rounding_hides_is_not_cleared(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_empty_pyramid_has_no_occluded_ray_and_nearly_conversely),
+    cmocka_unit_test(several_apexes_are_cleared_only_if_each_is),
+    cmocka_unit_test(the_pyramid_of_several_apexes_is_their_hull),
+    cmocka_unit_test(sides_pass_through_the_outermost_apexes),
     cmocka_unit_test(every_tree_gives_the_same_answer),
     cmocka_unit_test(a_triangle_counts_if_it_reaches_into_the_pyramid),
     cmocka_unit_test(a_floor_below_the_light_is_outside),

@@ -310,6 +310,30 @@ static void an_occluder_is_not_overlooked(void **state)
     }
 }
 
+/* The wall is found outside by triangle tests, two for each search. */
+static void neighbours_are_searched_together(void **state)
+{
+    (void)state;
+    rk_scene scene = make_wall(0, 2);
+    rk_render_options options = options_of(16, RK_LIGHT_PYRAMIDS);
+    test_picture pyramids = test_render(&scene, options, 2);
+    options.shadows = false;
+    test_picture unshadowed = test_render(&scene, options, 2);
+    const uint64_t points = (uint64_t)options.width * options.height;
+    const uint64_t tests = pyramids.counters.triangle_tests - unshadowed.counters.triangle_tests;
+    rk_check(tests > 0 && tests < points / 4, "%llu triangle tests for %llu points",
+             (unsigned long long)tests, (unsigned long long)points);
+    rk_image_free(&unshadowed.image);
+    rk_image_free(&pyramids.image);
+    options = options_of(16, RK_LIGHT_PYRAMIDS);
+    options.width = 5;
+    options.height = 3;
+    pyramids = test_render(&scene, options, 1);
+    rk_check_equal(pyramids.counters.shadow_rays, 0, "the rest of the points are searched, too");
+    rk_image_free(&pyramids.image);
+    rk_scene_free(&scene);
+}
+
 static void without_shadows_all_points_see_the_light(void **state)
 {
     (void)state;
@@ -444,6 +468,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(highlights_are_sampled),
     cmocka_unit_test(a_light_across_the_horizon_or_close_by_is_sampled),
     cmocka_unit_test(an_occluder_is_not_overlooked),
+    cmocka_unit_test(neighbours_are_searched_together),
     cmocka_unit_test(without_shadows_all_points_see_the_light),
     cmocka_unit_test(each_corner_of_the_light_counts),
     cmocka_unit_test(the_horizon_is_that_of_the_shading),

@@ -25,28 +25,52 @@ static rk_dvec3 across_or_zero(rk_dvec3 a, rk_dvec3 b)
 
 /* A sample's position, and the ray's direction to it, are rounded a few times, by at most 2^-24 of
  * these sizes each. */
-static double slack_of(rk_vec3 apex, const rk_light *light, rk_vec3 edge02)
+static double slack_of(const rk_pyramid *pyramid, const rk_light *light, rk_vec3 edge02)
 {
+    double farthest = size_of(pyramid->apex);
+    for (uint32_t k = 0; k < pyramid->other_count; k++)
+        farthest = fmax(farthest, size_of(pyramid->others[k]));
     return 0x1p-20 *
-           (size_of(apex) + size_of(light->position) + size_of(light->edge01) + size_of(edge02));
+           (farthest + size_of(light->position) + size_of(light->edge01) + size_of(edge02));
 }
 
+/* Of the sums below, for points at most as far from the apex as the scene reaches: fewer than 16
+ * roundings of 2^-53. */
+static const double rounding = 0x1p-48;
+
+/* With several apexes, the limit is moved so that all of them are within, whatever the normal. */
 static void put_plane(rk_pyramid *pyramid, int i, rk_dvec3 normal, double limit)
 {
+    for (uint32_t k = 0; k < pyramid->other_count; k++) {
+        const rk_dvec3 from = rk_dmadd(rk_widen(pyramid->others[k]), rk_widen(pyramid->apex), -1);
+        limit = fmax(limit, rk_ddot(normal, from) + rounding * rk_dvec3_size(from));
+    }
     pyramid->normals[i] = normal;
     pyramid->limits[i] = limit + pyramid->slack;
 }
 
-/* The planes through the apex and an edge of the light, turned away from the light's middle. */
+/* Of the plane through the apex and an edge of the light, turned away from the light's middle. */
+static rk_dvec3 side_normal(const rk_pyramid *pyramid, rk_vec3 at, int i)
+{
+    const rk_dvec3 apex = rk_widen(at);
+    const rk_dvec3 from = rk_dmadd(pyramid->corners[i], apex, -1);
+    const rk_dvec3 edge = rk_dmadd(pyramid->corners[(i + 1) % 4], pyramid->corners[i], -1);
+    const rk_dvec3 across = rk_dmadd(pyramid->corners[(i + 2) % 4], apex, -1);
+    const rk_dvec3 normal = across_or_zero(from, edge);
+    return rk_ddot(normal, across) > 0 ? rk_dscale(normal, -1) : normal;
+}
+
+/* Each through the apex that is farthest out. */
 static void put_sides(rk_pyramid *pyramid)
 {
-    const rk_dvec3 apex = rk_widen(pyramid->apex);
     for (int i = 0; i < 4; i++) {
-        const rk_dvec3 from = rk_dmadd(pyramid->corners[i], apex, -1);
-        const rk_dvec3 edge = rk_dmadd(pyramid->corners[(i + 1) % 4], pyramid->corners[i], -1);
-        const rk_dvec3 across = rk_dmadd(pyramid->corners[(i + 2) % 4], apex, -1);
-        const rk_dvec3 normal = across_or_zero(from, edge);
-        put_plane(pyramid, i, rk_ddot(normal, across) > 0 ? rk_dscale(normal, -1) : normal, 0);
+        rk_dvec3 normal = side_normal(pyramid, pyramid->apex, i);
+        for (uint32_t k = 0; k < pyramid->other_count; k++) {
+            const rk_vec3 other = pyramid->others[k];
+            if (rk_ddot(normal, rk_dmadd(rk_widen(other), pyramid->corners[i], -1)) > 0)
+                normal = side_normal(pyramid, other, i);
+        }
+        put_plane(pyramid, i, normal, 0);
     }
 }
 
@@ -65,6 +89,8 @@ static rk_box box_of(const rk_pyramid *pyramid)
     const float slack = (float)pyramid->slack;
     const rk_vec3 around = rk_vec(slack, slack, slack);
     rk_box box = rk_box_add(rk_box_empty(), pyramid->apex);
+    for (uint32_t k = 0; k < pyramid->other_count; k++)
+        box = rk_box_add(box, pyramid->others[k]);
     for (int i = 0; i < 4; i++) {
         const rk_vec3 corner = narrow(pyramid->corners[i]);
         box = rk_box_add(rk_box_add(box, rk_add(corner, around)), rk_sub(corner, around));
@@ -72,11 +98,12 @@ static rk_box box_of(const rk_pyramid *pyramid)
     return box;
 }
 
-rk_pyramid rk_pyramid_of(rk_vec3 apex, const rk_light *light)
+rk_pyramid rk_pyramid_around(const rk_vec3 *apexes, uint32_t count, const rk_light *light)
 {
     const rk_vec3 edge02 = rk_light_edge02(light);
     const rk_dvec3 first = rk_widen(light->position);
-    rk_pyramid pyramid = {.apex = apex, .slack = slack_of(apex, light, edge02)};
+    rk_pyramid pyramid = {.apex = apexes[0], .others = &apexes[1], .other_count = count - 1};
+    pyramid.slack = slack_of(&pyramid, light, edge02);
     pyramid.corners[0] = first;
     pyramid.corners[1] = rk_dmadd(first, rk_widen(light->edge01), 1);
     pyramid.corners[2] = rk_dmadd(pyramid.corners[1], rk_widen(edge02), 1);
@@ -87,12 +114,15 @@ rk_pyramid rk_pyramid_of(rk_vec3 apex, const rk_light *light)
     return pyramid;
 }
 
+rk_pyramid rk_pyramid_of(rk_vec3 apex, const rk_light *light)
+{
+    rk_pyramid pyramid = rk_pyramid_around(&apex, 1, light);
+    pyramid.others = NULL;
+    return pyramid;
+}
+
 /* --- A triangle, a sphere ------------------------------------------------------------------------
  */
-
-/* Of the sums below, for points at most as far from the apex as the scene reaches: fewer than 16
- * roundings of 2^-53. */
-static const double rounding = 0x1p-48;
 
 static bool is_beyond_box(const rk_box *box, rk_vec3 low, rk_vec3 high)
 {
@@ -122,12 +152,16 @@ static bool is_light_on_side(const rk_pyramid *pyramid, const rk_triangle_plane 
     return is_there;
 }
 
-/* Are apex and light on one side of the triangle's plane? The apex may be as close to it as a
+/* Are apexes and light on one side of the triangle's plane? An apex may be as close to it as a
  * spawned ray's origin is. */
 static bool is_cut_off_by_plane(const rk_pyramid *pyramid, const rk_triangle *triangle)
 {
     const rk_triangle_plane plane = rk_triangle_plane_of(triangle);
-    return is_light_on_side(pyramid, &plane, rk_triangle_plane_side(&plane, pyramid->apex));
+    const double side = rk_triangle_plane_side(&plane, pyramid->apex);
+    bool is_off = is_light_on_side(pyramid, &plane, side);
+    for (uint32_t k = 0; k < pyramid->other_count && is_off; k++)
+        is_off = side * rk_triangle_plane_side(&plane, pyramid->others[k]) > 0;
+    return is_off;
 }
 
 /* Does the plane through the apex and the triangle's edge from p to q separate the light from the
@@ -147,11 +181,15 @@ static bool is_triangle_outside(const rk_pyramid *pyramid, const rk_triangle *tr
     for (int i = 0; i < RK_PYRAMID_PLANES; i++)
         if (beyond(pyramid, i, a) > 0 && beyond(pyramid, i, b) > 0 && beyond(pyramid, i, c) > 0)
             return true;
-    return is_cut_off_by_plane(pyramid, triangle) || is_cut_off_by_edge(pyramid, a, b, c) ||
-           is_cut_off_by_edge(pyramid, b, c, a) || is_cut_off_by_edge(pyramid, c, a, b);
+    if (is_cut_off_by_plane(pyramid, triangle))
+        return true;
+    return pyramid->other_count == 0 &&
+           (is_cut_off_by_edge(pyramid, a, b, c) || is_cut_off_by_edge(pyramid, b, c, a) ||
+            is_cut_off_by_edge(pyramid, c, a, b));
 }
 
-/* Likewise, with the plane that touches the sphere below the apex in place of the triangle's. */
+/* Likewise, with the plane that touches the sphere below a single apex in place of the triangle's.
+ */
 static bool is_sphere_outside(const rk_pyramid *pyramid, const rk_sphere *sphere)
 {
     const rk_dvec3 centre = rk_widen(sphere->centre);
@@ -162,7 +200,7 @@ static bool is_sphere_outside(const rk_pyramid *pyramid, const rk_sphere *sphere
     for (int i = 0; i < RK_PYRAMID_PLANES; i++)
         if (beyond(pyramid, i, sphere->centre) > rounded * rk_dlength(pyramid->normals[i]))
             return true;
-    bool is_above = distance > radius;
+    bool is_above = distance > radius && pyramid->other_count == 0;
     for (int i = 0; i < 4 && is_above; i++)
         is_above = rk_ddot(up, rk_dmadd(pyramid->corners[i], centre, -1)) >
                    distance * (rounded + pyramid->slack) * (1 + rounding);

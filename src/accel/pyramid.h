@@ -1,6 +1,7 @@
 /* The pyramid between a point and a parallelogram light: where no surface reaches into it, no
- * shadow ray from the point to the light can be occluded (shaft culling: Haines and Wallace,
- * "Shaft culling for efficient ray-cast radiosity", 1991). */
+ * shadow ray from the point to the light can be occluded. The same for several points at once: the
+ * convex hull of them and of the light (shaft culling: Haines and Wallace, "Shaft culling for
+ * efficient ray-cast radiosity", 1991). */
 #ifndef RK_ACCEL_PYRAMID_H
 #define RK_ACCEL_PYRAMID_H
 
@@ -10,10 +11,12 @@
 
 enum { RK_PYRAMID_PLANES = 5 };
 
-/* Contains, exactly, every ray from the apex to a sample of the light as both are computed in
+/* Contains, exactly, every ray from an apex to a sample of the light as both are computed in
  * float. */
 typedef struct rk_pyramid {
     rk_vec3 apex;
+    const rk_vec3 *others; /* further apexes, if there are several: the caller's */
+    uint32_t other_count;
     rk_box box;          /* around it, with the slack */
     rk_dvec3 corners[4]; /* of the light, in their order around it */
     /* Its sides and its base: normal . (x - apex) <= limit within the pyramid. The sizes of
@@ -21,11 +24,14 @@ typedef struct rk_pyramid {
      * area. */
     rk_dvec3 normals[RK_PYRAMID_PLANES];
     double limits[RK_PYRAMID_PLANES]; /* with the slack */
-    double slack; /* on each axis a ray passes its point of the light no farther away than this */
+    double slack; /* on each axis, a ray passes its point of the light no farther away than this */
 } rk_pyramid;
 
 /* `apex`: where the shadow rays start. The light is a parallelogram or a segment. */
 rk_pyramid rk_pyramid_of(rk_vec3 apex, const rk_light *light);
+
+/* Of 1 or more apexes, which are kept by reference. */
+rk_pyramid rk_pyramid_around(const rk_vec3 *apexes, uint32_t count, const rk_light *light);
 
 /* The surface that was last found in a pyramid: neighbouring ones often contain the same. */
 typedef struct rk_pyramid_obstacle {
@@ -34,10 +40,10 @@ typedef struct rk_pyramid_obstacle {
 } rk_pyramid_obstacle;
 
 /* Is the pyramid certainly free of surfaces? True only if rk_accel_occluded is false for every ray
- * from the apex to the light. May be false nonetheless: a triangle counts as inside unless one of
+ * from an apex to the light. May be false nonetheless: a triangle counts as inside unless one of
  * these planes separates the two: one across an axis of space, a side or the base of the pyramid,
- * the triangle's own, or one through the apex and an edge of the triangle. The answer depends on
- * the scene, not on the tree. Moving objects are at rest. */
+ * the triangle's own, or, of a single apex, one through it and an edge of the triangle. The answer
+ * depends on the scene, not on the tree. Moving objects are at rest. */
 bool rk_pyramid_is_empty(const rk_pyramid *pyramid, const rk_accel *accel,
                          rk_pyramid_obstacle *obstacle, rk_counters *counters);
 

@@ -2,8 +2,8 @@
 
 #include "accel/pyramid.h"
 
-/* Fewer shadow rays cost less than a search for surfaces between point and light: in the Cornell
- * box, eight samples took a tenth longer with it. As many as the quadrature's fewest nodes. */
+/* Fewer shadow rays cost less than a search for surfaces between points and light: of the cover,
+ * four samples took a quarter longer with it. As many as the quadrature's fewest nodes. */
 enum { LEAST_SAMPLES = 9 };
 
 /* Gauss and Legendre's quadrature on [0, 1] (Abramowitz and Stegun, "Handbook of Mathematical
@@ -127,16 +127,54 @@ static bool find_start(const rk_shading_point *point, const view *v, rk_vec3 *st
     return true;
 }
 
-static bool is_clear(const rk_rendering *r, rk_sample_pass *pass, const rk_shading_point *point,
-                     const view *v, const rk_light *light, rk_pyramid_obstacle *obstacle)
+/* --- Groups -----------------------------------------------------------------------------------
+ */
+
+/* Points that are neighbours in the picture often see the light through the same empty space: one
+ * search finds it clear for all of them, or else for each quarter by itself. */
+enum { GROUP = 16 };
+typedef struct group {
+    uint32_t count, index[GROUP]; /* of the points */
+    rk_vec3 starts[GROUP];        /* of their shadow rays */
+    view views[GROUP];
+} group;
+
+typedef struct search {
+    const rk_rendering *r;
+    const rk_shading_points *points;
+    const rk_light *light;
+    const extent *extent;
+    rk_light_sums *sums;
+    rk_counters *counters;
+    rk_pyramid_obstacle obstacle;
+} search;
+
+static void sum_up(const search *s, uint32_t i, const view *v)
 {
-    rk_vec3 start;
-    if (!r->plan.shadow_rays)
-        return true;
-    if ((r->plan.motion_blur && r->scene->moving_count > 0) || !find_start(point, v, &start))
-        return false;
-    const rk_pyramid pyramid = rk_pyramid_of(start, light);
-    return rk_pyramid_is_empty(&pyramid, r->accel, obstacle, pass->counters);
+    const rk_shading_point *point = &s->points->points[i];
+    const rule *by = rule_for(s->r, point, v, s->extent);
+    if (by)
+        integrate(s->r, point, s->light, by, i, s->sums);
+    else
+        s->sums->visibility[i] = RK_LIGHT_CLEAR;
+}
+
+static void search_part(search *s, const group *g, uint32_t first, uint32_t count)
+{
+    const rk_pyramid pyramid = rk_pyramid_around(&g->starts[first], count, s->light);
+    const bool is_clear = rk_pyramid_is_empty(&pyramid, s->r->accel, &s->obstacle, s->counters);
+    const uint32_t part = count > 4 ? 4 : 1;
+    for (uint32_t k = first; k < first + count && is_clear; k++)
+        sum_up(s, g->index[k], &g->views[k]);
+    for (uint32_t k = 0; k < count && count > 1 && !is_clear; k += part)
+        search_part(s, g, first + k, count - k < part ? count - k : part);
+}
+
+static void search_group(search *s, group *g)
+{
+    if (g->count > 0)
+        search_part(s, g, 0, g->count);
+    g->count = 0;
 }
 
 void rk_unoccluded_light_stage(const rk_rendering *r, rk_sample_pass *pass,
@@ -147,20 +185,22 @@ void rk_unoccluded_light_stage(const rk_rendering *r, rk_sample_pass *pass,
         return;
     const rk_light *light = &r->scene->lights[index];
     const extent e = extent_of(light);
-    rk_pyramid_obstacle obstacle = {.known = false};
+    search s = {r, points, light, &e, sums, pass->counters, {.known = false}};
+    group g;
+    g.count = 0;
     for (uint32_t i = 0; i < points->count; i++) {
         const rk_shading_point *point = &points->points[i];
-        const view v = view_of(point, light, &e);
-        if (is_dark(r, &v)) {
+        view *v = &g.views[g.count];
+        *v = view_of(point, light, &e);
+        if (is_dark(r, v))
             sums->visibility[i] = RK_LIGHT_SUMMED; /* they are 0 */
-            continue;
-        }
-        if (!is_clear(r, pass, point, &v, light, &obstacle))
-            continue;
-        const rule *by = rule_for(r, point, &v, &e);
-        if (by)
-            integrate(r, point, light, by, i, sums);
-        else
-            sums->visibility[i] = RK_LIGHT_CLEAR;
+        else if (!r->plan.shadow_rays)
+            sum_up(&s, i, v);
+        else if (!(r->plan.motion_blur && r->scene->moving_count > 0) &&
+                 find_start(point, v, &g.starts[g.count]))
+            g.index[g.count++] = i;
+        if (g.count == GROUP)
+            search_group(&s, &g);
     }
+    search_group(&s, &g);
 }
