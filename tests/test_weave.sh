@@ -481,10 +481,11 @@ END
         for level; do printf '1. *(%s)* Why?\n' "$level" >>"$docs/01_one.md"; done
         printf '\n## Sources {#one-sources}\n\nNone.\n' >>"$docs/01_one.md"
     }
-    answered() { # answered TEXT [ANSWERS]: weaves the book with this text of answers
+    some=$folder/build/docs/out.some.answers/book.html
+    answered() { # answered TEXT [ANSWERS [CHAPTERS]]: weaves the book with this text of answers
         printf '# Answers {.answers}\n\n%b' "$1" >"$docs/answers/01_one.md"
         RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc \
-            GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= ANSWERS=${2-yes} sh "$docs/make_book" >"$folder/said1" 2>&1
+            GNUPLOT= CHROMIUM= QUICK= FEATURES=${3-} MESHES= ANSWERS=${2-yes} sh "$docs/make_book" >"$folder/said1" 2>&1
     }
     book=$folder/build/docs/out.answers/book.html
     both='**Hint.** Look.\n\n**Answer.** Because\n\nof [one](#one).\n\n'
@@ -493,6 +494,16 @@ END
         tr '\n' ' ' <"$book" | grep -q 'Why? *<details class="told"><summary>Hint</summary> *<p>Look.</p> *</details> *<details class="told"><summary>Answer</summary> *<p>Because</p> *<p>of <a href="#one">one</a>' &&
         grep -q 'id="course"' "$book" && ! grep -q '>Answers<' "$book"
     verdict answers_unfold_below_their_exercises
+
+    # One chapter of it: the course comes with it, and another chapter's code is named without a link.
+    printf '# Two {#two}\n\n``` {.code file=src/x.c name=rk_quarter}\n```\n' >"$docs/02_two.md"
+    answered "## 1\n\n**Hint.** Call \`rk_quarter\`{.code}.\n\n**Answer.** [Two](#two).\n\n" yes one &&
+        grep -q 'Call <code>rk_<wbr>quarter</code>\.' "$some" && grep -q 'id="course"' "$some" && grep -q 'href="[^"]*#two">Two' "$some"
+    verdict a_chapter_of_it_can_be_woven_alone
+
+    answered "## 1\n\n$both" yes "two one" && [ "$(grep -o '<h1[^>]*id="[a-z]*"' "$some" | sed 's/.*id=//' | tr -d '\n')" = '"course""one""two"' ]
+    verdict chapters_have_the_order_of_the_course_and_not_that_of_their_names
+    rm "$docs/02_two.md"
 
     answered "## 1\n\n$both" no && ! grep -q 'Because\|id="course"' "$folder/build/docs/out/book.html" && [ -e "$book" ]
     verdict without_being_asked_for_there_are_none

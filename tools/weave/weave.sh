@@ -104,17 +104,24 @@ has_answers() {
     [ -e "$answers/${1##*/}" ] || give_up "ANSWERS=yes: $answers/${1##*/} is missing, with the answers to this chapter's exercises"
 }
 
-# weave_features OPTION...: the page, with the texts of FEATURES in the place of all
+# weave_features OPTION... [TEXT...]: the page, with the texts of FEATURES in the place of all, in the course's order
 weave_features() {
+    chosen= # a text per line
     for feature in $FEATURES; do
         for text in "$RAYKIT_SOURCE/$texts"/[0-9][0-9]_"$feature".md; do
             [ -e "$text" ] || text=$RAYKIT_SOURCE/$texts/$feature.md
             [ -e "$text" ] || text=$RAYKIT_SOURCE/docs/$feature.md # the summary, which both pages have
             [ -e "$text" ] || give_up "there is no feature $feature (named by FEATURES or ONLY)"
-            set -- "$@" "$text"
-            if has_answers "$text"; then set -- "$@" "$answers/${text##*/}"; fi
+            chosen="$chosen$text
+"
         done
     done
+    while IFS= read -r text; do
+        set -- "$@" "$text"
+        if has_answers "$text"; then set -- "$@" "$answers/${text##*/}"; fi
+    done <<END
+$(printf %s "$chosen" | LC_ALL=C sort -u)
+END
     weave "$@"
 }
 
