@@ -28,7 +28,7 @@
 --   ::: {.index of=terms}
 -- lists where terms, functions or tests are explained (tools/weave/index.lua).
 --
--- Answers to exercises, in the instructor's edition: see tools/weave/answers.lua.
+-- Answers to exercises, in the instructor's edition, and hours: see tools/weave/answers.lua and hours.lua.
 --
 -- Metadata: solutions=no shows starters in the places of solutions. Environment: RAYKIT_NODE and
 -- RAYKIT_KATEX (its folder) for formulas; without them they stay pandoc's affair.
@@ -38,6 +38,7 @@ table.insert(package.searchers, 2, function(name) return loadfile(tools .. name 
 local answers = require("answers")
 local code = require("code")
 local drive = require("drive")
+local hours = require("hours")
 local index = require("index")
 local listings = require("listings")
 local weave = require("weave")
@@ -277,7 +278,8 @@ return {
   collect,
   {Pandoc = render_all},
   table.unpack(weave.filters({
-    Div = {claims = claims, index = index.directive, sketch = sketch, output = output},
+    Div = {claims = claims, hours = hours.div, index = index.directive, sketch = sketch, output = output},
+    Span = {hours = hours.span},
     Code = code_inline,
     CodeBlock = code_block,
     Para = lone_sketch,

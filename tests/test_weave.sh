@@ -505,6 +505,20 @@ END
     verdict chapters_have_the_order_of_the_course_and_not_that_of_their_names
     rm "$docs/02_two.md"
 
+    # Hours: the chapter has 7 lines here, 0.0 hours to read.
+    mkdir -p "$folder/texts/assignments/01_one"
+    printf '**Time:** about 8 hours.\n' >"$folder/texts/assignments/01_one/handout.md"
+    lasts() { # lasts BETWEEN: a course with the hours of reading, and of half of the assignment
+        printf '# Course {.unnumbered #course}\n\nIt takes [5]{.hours read=one solve=one/2 between="%s"} h.\n\n::: {.hours}\n:::\n' "$1" >"$docs/answers/course.md"
+        answered "## 1\n\n$both"
+    }
+    lasts "4 6" && grep -q 'It takes 4\.0 h' "$book" && sed 's/<[^>]*>//g' "$book" | tr '\n' ' ' | grep -q '1 one *[0-9]* *0\.0 *8\.0 *8\.0'
+    verdict hours_are_those_of_the_texts
+
+    ! lasts "5 6" && grep -q 'course.md:3: 4.0 hours are not between 5 and 6' "$folder/said1"
+    verdict hours_are_within_their_limits
+    lasts "4 6"
+
     answered "## 1\n\n$both" no && ! grep -q 'Because\|id="course"' "$folder/build/docs/out/book.html" && [ -e "$book" ]
     verdict without_being_asked_for_there_are_none
 

@@ -303,6 +303,7 @@ end
 -- The command that draws a picture, folded below its caption.
 function drive.command(element, args)
   local text = (drive.program(element) .. " " .. args):gsub("[&<>]", {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;"})
+  text = text:gsub("%-%-[%w-]+", '<span class="tied">%0</span>') -- no line ends within an option
   return pandoc.RawBlock("html", '<details class="command"><summary>command</summary><code>' .. text .. "</code></details>")
 end
 

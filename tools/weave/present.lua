@@ -105,6 +105,22 @@ function present.formula(span)
   return span
 end
 
+-- A short formula stays in one line with the punctuation beside it: to the browser, it is a box with room to break around it.
+function present.tie(inlines)
+  for i = #inlines, 1, -1 do
+    local formula, before, behind = inlines[i], inlines[i - 1], inlines[i + 1]
+    local is_formula = formula.t == "RawInline" and formula.text:find('class="katex"', 1, true)
+    local _, places = (is_formula and formula.text or ""):gsub('class="base"', "")
+    if is_formula and places <= 1 then
+      local tied = pandoc.List({formula})
+      if behind and behind.t == "Str" and behind.text:find("^[,.;:!?)]") then tied:insert(inlines:remove(i + 1)) end
+      if before and before.t == "Str" and before.text:find("%($") then tied:insert(1, inlines:remove(i - 1)) i = i - 1 end
+      if #tied > 1 then inlines[i] = pandoc.Span(tied, {class = "tied"}) end
+    end
+  end
+  return inlines
+end
+
 -- --- filters ---------------------------------------------------------------------------------
 
 -- While formulas are still what the text has.

@@ -301,13 +301,15 @@ function weave.filters(own)
   local divs = {figure = figures, timings = tables.timings, table = tables.table, plot = plot, live = live.figure,
     wrong = wrong.wrong(weave.resolve), steps = wrong.steps}
   for class, directive in pairs(own.Div or {}) do divs[class] = directive end
+  local spans = {measured = tables.measured, default = defaults}
+  for class, directive in pairs(own.Span or {}) do spans[class] = directive end
   local function code_block(block)
     return block.classes[1] ~= "values" and own.CodeBlock and own.CodeBlock(block) or nil
   end
   local stages = {
     {Div = choose},
     {Header = check_unique, Div = check_unique, Span = check_unique, CodeBlock = check_unique},
-    {Div = expand(divs), Span = expand({measured = tables.measured, default = defaults}), Code = own.Code,
+    {Div = expand(divs), Span = expand(spans), Code = own.Code,
       CodeBlock = code_block, Link = weave.resolve, Para = own.Para},
     values.filters[1], values.filters[2], {Pandoc = function() tables.check_kept() pictures.finish() end},
     {Pandoc = numbering.assign},
@@ -322,6 +324,7 @@ function weave.filters(own)
   for _, filter in ipairs({
     {Div = unwrap, Span = unwrap, Header = forget, Code = forget, Link = forget,
       CodeBlock = forget, Image = forget, Table = forget},
+    {Inlines = present.tie},
     {Pandoc = glossary.link},
     {Div = present.division, Table = present.table, Image = present.size, CodeBlock = listings.present},
     {Pandoc = paged.write},

@@ -42,7 +42,7 @@ RAYKIT_RUNS=3 # rounds
 RAYKIT_SIZE=
 note=
 if [ -n "${QUICK-}" ]; then # a trial of the text itself, not of speed
-    RAYKIT_RUNS=1 RAYKIT_SIZE=160 note=', a quick trial: pictures are small, times single runs, and captions tell of the full size'
+    RAYKIT_RUNS=1 RAYKIT_SIZE=160 note=', a quick trial: pictures are small, times single runs, and texts describe the full-size ones'
 fi
 RAYKIT_GNUPLOT=${GNUPLOT-}
 
