@@ -89,13 +89,18 @@ end
 -- A marker at every point of a curve of few points, at every eighth of a dense one.
 local function markers(line) return #line.points > 16 and "pointinterval 8" or "pointinterval 1" end
 
+local function longest_title(lines)
+  local longest = 0
+  for _, line in ipairs(lines) do longest = math.max(longest, utf8.len(line.title)) end
+  return longest
+end
+
 -- Would a legend at the lower left, or else at the upper right, cover a curve? Its size is about that of its letters,
 -- in a plot of 500 x 290; the y axis reaches to powers of ten.
 local function covers(lines, at_upper_right)
   local left, right, top, bottom = corner(lines)
   bottom, top = math.floor(math.log(bottom, 10)), math.ceil(math.log(top, 10))
-  local longest = 0
-  for _, line in ipairs(lines) do longest = math.max(longest, utf8.len(line.title)) end
+  local longest = longest_title(lines)
   local width, height = (70 + 8 * longest) / 500, (10 + 20 * #lines) / 290
   local function is_within(x, y) -- fractions of the plot
     if at_upper_right then x, y = 0.95 - x, 0.95 - y end -- gnuplot keeps a margin there
@@ -130,8 +135,7 @@ end
 
 local function legend(lines, linear)
   if is_legend_below(lines, linear) then
-    local longest = 0
-    for _, line in ipairs(lines) do longest = math.max(longest, utf8.len(line.title)) end
+    local longest = longest_title(lines)
     return "bmargin " .. (longest > 30 and "left" or "center") .. " horizontal Left reverse maxcols 2 samplen 2 height 0.6 font ',13' width " ..
       (longest > 24 and -longest * 2 // 5 or longest > 20 and -3 or 0) -- gnuplot takes letters to be wider than they are
   end
@@ -229,8 +233,10 @@ local function draw(div, name, xlabel, ylabel, lines, left_out, back, note)
   local linear = div.attributes.linear
   drawn[name] = (drawn[name] or 0) + 1
   local path = "figures/" .. name .. (drawn[name] > 1 and "_" .. drawn[name] or "") .. ".svg"
+  local is_below = is_legend_below(lines, linear)
+  local width = is_below and 600 + 12 * math.max(longest_title(lines) - 30, 0) or 600
   local script = {
-    "set terminal svg size 600," .. (is_legend_below(lines, linear) and 440 or 380) .. " font 'Helvetica,15' background 'white'",
+    "set terminal svg size " .. width .. "," .. (is_below and 440 or 380) .. " font 'Helvetica,15' background 'white'",
     "set output " .. quote(drive.out .. "/" .. path),
     linear and "unset logscale" or "set logscale xy", tics(lines, "x", 1, linear), tics(lines, "y", 2, linear), "set grid",
     x_range(lines, linear),
