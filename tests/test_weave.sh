@@ -259,7 +259,7 @@ mkdir -p "$folder" && {
 } >"$folder/errors.csv"
 {
     echo method,samples,step
-    printf '%s\n' steep,1,8 steep,64,1.1 flat,1,9.9 flat,64,9.5
+    printf '%s\n' steep,1,8 steep,64,1.1 flat,1,9.9 flat,64,9.5 flatwithanameoffortylettersormoreinplots,1,9.9 flatwithanameoffortylettersormoreinplots,64,9.5
 } >"$folder/steps.csv"
 END
     cat >"$folder/gnuplot" <<'END'
@@ -302,6 +302,10 @@ END
     }
     stepped steep && grep -q '^set key top right' "$folder/script" && stepped flat && grep -q '^set key bmargin' "$folder/script"
     verdict a_legend_covers_no_curve
+
+    grep -q '^set terminal svg size 600,' "$folder/script" && stepped flatwithanameoffortylettersormoreinplots &&
+        grep -q '^set terminal svg size 720,' "$folder/script"
+    verdict a_plot_is_as_wide_as_its_legend
 
     figure() { # figure ATTRIBUTES
         printf '# One\n\n::: {.figure driver=copies args="%s left" %s}\nOne.\n:::\n' "$look/1.png" "$1" >"$texts/01_one.md"
