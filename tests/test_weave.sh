@@ -304,7 +304,7 @@ END
     verdict a_legend_covers_no_curve
 
     grep -q '^set terminal svg size 600,' "$folder/script" && stepped flatwithanameoffortylettersormoreinplots &&
-        grep -q '^set terminal svg size 720,' "$folder/script"
+        grep -q '^set terminal svg size 744,' "$folder/script"
     verdict a_plot_is_as_wide_as_its_legend
 
     figure() { # figure ATTRIBUTES

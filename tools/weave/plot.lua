@@ -234,7 +234,7 @@ local function draw(div, name, xlabel, ylabel, lines, left_out, back, note)
   drawn[name] = (drawn[name] or 0) + 1
   local path = "figures/" .. name .. (drawn[name] > 1 and "_" .. drawn[name] or "") .. ".svg"
   local is_below = is_legend_below(lines, linear)
-  local width = is_below and 600 + 12 * math.max(longest_title(lines) - 30, 0) or 600
+  local width = is_below and 600 + 12 * math.max(longest_title(lines) - 28, 0) or 600
   local script = {
     "set terminal svg size " .. width .. "," .. (is_below and 440 or 380) .. " font 'Helvetica,15' background 'white'",
     "set output " .. quote(drive.out .. "/" .. path),
