@@ -1,6 +1,6 @@
 # Prints one of the parts that tools/features.sh writes. A row of the table: stem, folder, needs, uses, and
 # README's words: about, picture. A suite links its own unit, the units that its feature needs, which may be
-# the student's, and the kit's objects of those that it uses. Plain awk, so that a build needs no Python.
+# the student's, and the kit's objects of those that it uses; in a pack the student's of what is handed out. Plain awk, so that a build needs no Python.
 
 function fail(message) {
     print "features: " FILENAME message | "cat >&2"
@@ -53,7 +53,8 @@ function units_of(needs, list, i, found) {
 
 function objects_of(uses, list, i, found) {
     split(uses, list, " ")
-    for (i = 1; i in list; i++) found = found " src/features/" list[i] ".$(OBJEXT)"
+    for (i = 1; i in list; i++)
+        found = found (note_of(list[i]) == "handed out" ? " workbook/" : " src/features/") list[i] ".$(OBJEXT)"
     return found
 }
 
