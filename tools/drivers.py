@@ -62,7 +62,7 @@ def _authors(sentence):
 
 def _object_that_says(toolchain, sentence, units, folder):
     """Returns the object that brings the sentence into a driver, and the names of the starters."""
-    starters = " ".join(["", *(unit.feature.stem for unit in units if is_starter(unit)), ""])
+    starters = " ".join(["", *(unit.feature.stem for unit in units if is_starter(unit) or is_left_open(unit.path)), ""])
     literal = sentence.replace("\\", "\\\\").replace('"', '\\"')
     source = os.path.join(folder, "units.c")
     folder_of_pictures = "impl/out" if sentence else "out"

@@ -16,6 +16,7 @@ import subprocess
 import sys
 import tarfile
 import tempfile
+import textwrap
 
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
 from drawn_by import BOOK, drawn_by, is_drawn_by
@@ -170,29 +171,49 @@ def _title_and_time(pack, feature):
     return text.splitlines()[0].lstrip("# "), time[1]
 
 
-def _goal(source, stems):
-    """The picture at the top of README.md, if it uses any of these features, with the command that draws it."""
+def _goal(source, stems, left_open):
+    """A picture that students can draw when these features are solved, with its command: the one at the top of README.md if
+    it uses any of them and none that is left open, or else the last feature's own, if what it may use is there."""
     with open(os.path.join(source, "README.md"), encoding="utf-8") as file:
         text = file.read()
     course = list(read_features(source))
     first, last = re.search(r"picture at the top uses those from `(\w+)` to `(\w+)`", text).groups()
-    used = [stem for stem in course[course.index(first):course.index(last) + 1] if stem in stems]
-    command = re.search(r"^    assignments/\S+ --scene cover --env(.*\\\n)*.*", text, re.MULTILINE)[0]
-    picture = re.search(r"^!\[.*\]\(docs/pictures/cover\.png\)$", text, re.MULTILINE)[0]
-    return [] if not used else [f"The goal is this picture, which uses {_and([f'`{stem}`' for stem in used])}:", picture,
-                                with_built_drivers(command), "It takes a minute or two."]
+    needed = course[course.index(first):course.index(last) + 1]
+    used = [stem for stem in needed if stem in stems]
+    picture, driven, takes = "cover", r"assignments/\S+ --scene cover --env", ["It takes a minute or two."]
+    if not used or set(needed) & set(left_open):
+        picture, used, takes = stems[-1], stems[-1:], []
+        driven = rf"assignments/\d+_{picture}/{picture} --"
+        needed = [*course[:course.index(picture)], "shading"]  # which lights also what comes before it
+    shown = re.search(rf"!\[[^]]*\]\(docs/pictures/{picture}\.png\)", text)
+    command = re.search(rf"^    {driven}(.*\\\n)*.*", text[text.index("The pictures above have"):], re.MULTILINE)
+    if not shown or not command or set(needed) & set(left_open):
+        return []
+    if "sampling" in left_open:
+        takes.append("`sampling` is not asked for yet: pictures with random samples have more noise.")
+    return [f"The goal is this picture, which uses {_and([f'`{stem}`' for stem in used])}:", shown[0],
+            with_built_drivers(command[0]), *([" ".join(takes)] if takes else [])]
 
 
-def _order(source, stems):
+def _order(source, stems, left_open=()):
     """In which order these assignments are written, and what for."""
     early = [f"`{stem}`" for stem in ("shading", "parallelogram_light") if stem in stems]
     but = f", with one exception: write the\nfirst steps of {_and(early)} early, because they light all pictures" if early else ""
     table = f"The table's order is a good one{but}.\n" if len(stems) > 1 else ""
     looks = "In each task the table of steps has pictures of what you should see after a step."
-    return "\n\n".join([table + looks, *_goal(source, stems)])
+    return "\n\n".join([table + looks, *_goal(source, stems, left_open)])
 
 
-def _write_handout(source, pack, features, has_book):
+def _open(left_open):
+    """Which starters nobody is asked to write yet."""
+    names = _and([f"`{stem}`" for stem in left_open])
+    text = (f"Not asked for yet are {names}; their files in `src/features` are starters, too, and pictures lack what they add."
+            if len(left_open) > 1 else
+            f"Not asked for yet is {names}; its file in `src/features` is a starter, too, and pictures lack what it adds.")
+    return textwrap.fill(text, 110) + "\n\n" if left_open else ""
+
+
+def _write_handout(source, pack, features, left_open, has_book):
     """Writes HANDOUT.md, the student's first page, by assignments/handout_page.md."""
     rows = ["| task | your file | points | time | chapter |", "|---|---|---|---|---|"]
     for feature in features:
@@ -214,7 +235,7 @@ def _write_handout(source, pack, features, has_book):
     with open(os.path.join(source, "assignments", "handout_page.md"), encoding="utf-8") as file:
         page = file.read()
     write_whole(os.path.join(pack, "HANDOUT.md"), page.format(
-        order=_order(source, [feature.stem for feature in features]), assignments="\n".join(rows), first=first, reading=reading, files=files,
+        order=_order(source, [feature.stem for feature in features], left_open), left_open=_open(left_open), assignments="\n".join(rows), first=first, reading=reading, files=files,
         commands="\n".join(f"    {command:<{width}}  {does}" for command, does in commands)))
 
 
@@ -225,7 +246,7 @@ def _later(features, chosen, later):
     """Returns the features whose starters only fill their places: as LATER says, or those that come
     later in the course than the chosen. What the chosen need has its solution in the pack."""
     stems, needed = list(features), {feature.stem for feature in chosen}
-    while more := {need for stem in needed for need in features[stem].needs} - needed:
+    while more := {need for stem in needed for need in features[stem].needs + features[stem].uses} - needed:
         needed |= more
     named = {"no": [], "all": stems, "": stems[stems.index(chosen[-1].stem) + 1:]}.get(later, later.split())
     for feature in choose(features, named) if named else []:
@@ -262,7 +283,7 @@ def make_handout(source, stems, out="", folder="", book=True, later=""):
         _adapt_texts(source, pack, features.values(), chosen)
         if book:
             _weave_book(pack, features.values())
-        _write_handout(source, pack, chosen, book)
+        _write_handout(source, pack, chosen, [feature.stem for feature in left_open], book)
         proof = prove(source, pack, features, [*chosen, *left_open])
         keep_originals(pack)
         if not folder:
