@@ -103,6 +103,10 @@ BAD = {
     "an endless allocation is stopped": (
         unit("for (;;)\n        memset(kept = malloc(1 << 22), 1, 1 << 22);", "static void *volatile kept;"), ONE, "MB of memory"
     ),
+    "an allocation that is too large is named, with its line": (
+        unit("memset(kept = malloc(3ull << 30), 1, 3ull << 30);", "static void *volatile kept;"), ONE,
+        "asks for 3072 MB of memory at once, and gets NULL"
+    ),
     "endless printing is stopped": (
         unit('for (;;) puts("again and again and again and again and again");'), ONE, "printed"
     ),
@@ -486,6 +490,27 @@ def a_driver_is_linked(folder):
     check(status != 0 and "does not compile: bvh_median.c:1" in said, "one that cannot be made says why", said)
 
 
+def a_single_file_has_places(folder):
+    """Also where it is not named as its feature."""
+    broken = {"05 crash.c": ("*nowhere = 1;", "05 crash.c:17, in rk_bvh_build_median"),
+              "06_hang.c": ("for (volatile int k = 0; k < 2; k = 0) { }", "was at 06_hang.c:17, in rk_bvh_build_median")}
+    for name, (text, place) in broken.items():
+        put(unit(text, "static volatile int *volatile nowhere;"), folder, "single", name)
+        with mock.patch.dict(os.environ, RAYKIT_TEST_SECONDS="3"):
+            toolchain, suites = grade.grade_impl(".", ["bvh_median"], os.path.join(folder, "single", name), only=ONE)
+        verdict = suites[0].verdicts[ONE]
+        if toolchain.finds_leaks():
+            check(verdict.place == place, f"{name} is told with its place", f"{verdict.reason}\n{verdict.place}")
+
+
+def who_fills_memory_slowly_is_told(toolchain, folder):
+    suite, outcome = make_suite(folder, "filling", unit(""), [ScoredTest(ONE, 1, "#")]), sandbox.Outcome()
+    outcome.limit, outcome.occupied = "seconds", 900 << 20
+    reason = verdicts.judge(outcome, suite, ONE, "10 seconds", 2048).reason
+    check("had filled 900 MB" in reason and "endless loop" not in reason,
+          "who fills memory so slowly that time is over first hears of the memory", reason)
+
+
 def hanging_does_not_last(toolchain, folder):
     put(unit("for (volatile int k = 0; k < 2; k = 0) { }"), folder, "hangs", "bvh_median.c")
     suite = grade.Suite(FEATURE, Unit(FEATURE, os.path.join(folder, "hangs", "bvh_median.c"), "x.c", False),
@@ -672,6 +697,8 @@ def main():
         two_gradings_at_once(folder)
         what_held_is_watched(toolchain, folder)
         a_driver_is_linked(folder)
+        a_single_file_has_places(folder)
+        who_fills_memory_slowly_is_told(toolchain, folder)
         hanging_does_not_last(toolchain, folder)
         the_editors_files_name_what_there_is(folder)
         who_ends_the_grader_is_named(folder)

@@ -166,7 +166,7 @@ def build_suite(toolchain, suite, needed_units):
 # --- Running ------------------------------------------------------------------------------------
 
 
-def _environment(folder, finds_leaks):
+def _environment(folder, finds_leaks, megabytes):
     """The program's environment, with nothing that leads to the kit."""
     return dict(
         sandbox.bare_environment(folder), CMOCKA_MESSAGE_OUTPUT="TAP", UBSAN_OPTIONS="print_stacktrace=1",
@@ -175,7 +175,9 @@ def _environment(folder, finds_leaks):
         ASAN_OPTIONS="handle_segv=2:handle_sigbus=2:handle_sigfpe=2:handle_sigill=2:handle_abort=1:"
         "allocator_may_return_null=1:fast_unwind_on_malloc=0:"
         # The suite asks for leaks; a unit that ends the program does not come around that.
-        f"detect_leaks={1 if finds_leaks else 0}:leak_check_at_exit=0",
+        f"detect_leaks={1 if finds_leaks else 0}:leak_check_at_exit=0:"
+        # A slow machine takes longer to fill so much than a test may last.
+        f"max_allocation_size_mb={megabytes}",
     )
 
 
@@ -198,7 +200,7 @@ def _with_lines(toolchain, program, text):
 def _run(toolchain, suite, arguments, limit, megabytes, decoy=False, options=""):
     """Runs the suite's program, with these options for the address sanitizer beside the usual ones."""
     folder = tempfile.mkdtemp(dir=suite.folder)
-    environment = _environment("/tmp" if toolchain.sandbox else folder, suite.finds_leaks)
+    environment = _environment("/tmp" if toolchain.sandbox else folder, suite.finds_leaks, megabytes)
     environment["ASAN_OPTIONS"] += options
     return sandbox.run(
         ["test_" + suite.feature.stem, *arguments], seconds=limit, megabytes=megabytes, folder=folder,

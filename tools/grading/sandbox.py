@@ -35,11 +35,12 @@ _ENDED_BY_SIGNAL = 128  # bubblewrap's exit status is then this and the signal's
 class Outcome:
     """How a run went. `status` is the exit status, negative for a signal; `limit` is None or the
     limit that ended the run: "seconds", "memory", "output", "processes" or "stopped". `testimony` is
-    the witness's answer beside the secret: the claim that failed, or that memory leaks."""
+    the witness's answer beside the secret: the claim that failed, or that memory leaks. `occupied` is the
+    largest number of bytes of memory that was seen."""
 
     def __init__(self):
         self.status, self.limit, self.output, self.seconds = None, None, "", 0.0
-        self.attested, self.testimony = False, ""
+        self.attested, self.testimony, self.occupied = False, "", 0
 
 
 class Program:
@@ -298,6 +299,7 @@ def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes, i
             if now >= next_look:
                 occupied, processes = _occupied(process.pid)
                 next_look = now + _LOOK
+                outcome.occupied = max(outcome.occupied, occupied)
             if stop.is_set():
                 outcome.limit = "stopped"
             elif kept.total > output_bytes:

@@ -54,7 +54,7 @@ _CRASHES = [
 def _place_in_unit(text, unit):
     """Returns "file:line, in function" of the innermost place in the unit, with the function of the
     unit that led there, or ""."""
-    name = re.escape(os.path.basename(unit.path))
+    name = "(?:" + "|".join(re.escape(os.path.basename(path)) for path in (unit.path, unit.shown)) + ")"
     frames = []
     own_frame = rf"^ *#(\d+) 0x[0-9a-f]+ in (\S+) (?:[^\n]*/)?{name}:(\d+)"
     for number, function, line in re.findall(own_frame, text, re.MULTILINE):
@@ -70,7 +70,7 @@ def _place_in_unit(text, unit):
 
 def _crash(text, unit):
     """Returns (reason, place) for a sanitizer's report, or None."""
-    behaviour = re.search(r"^(\S+?):(\d+):\d+: runtime error: (.*)$", text, re.MULTILINE)
+    behaviour = re.search(r"^(.+?):(\d+):\d+: runtime error: (.*)$", text, re.MULTILINE)
     if behaviour:
         path, line, what = behaviour.groups()
         if "null pointer" in what:
@@ -95,7 +95,7 @@ def printed_lines(output):
     """Returns the lines that the unit printed: those that are neither the suite's nor a sanitizer's."""
     before_reports = re.split(r"^=+\n==\d+==ERROR", output, maxsplit=1, flags=re.MULTILINE)[0]
     return [line for line in before_reports.split("\n")
-            if line.strip() and not re.match(r"1\.\.\d+$|ok \d+ - |not ok|# ", line)]
+            if line.strip() and not re.match(r"1\.\.\d+$|ok \d+ - |not ok|# |==\d+==", line)]
 
 
 def _failed_claim(outcome, name, suite_source):
@@ -149,8 +149,12 @@ def judge(outcome, suite, name, limit, megabytes):
 
     text = outcome.output
     if outcome.limit == "seconds":
-        where = _place_in_unit(text, unit)
-        verdict = fail(f"did not end within {limit}: an endless loop, or far too slow?", where and f"was at {where}")
+        where, filled = _place_in_unit(text, unit), outcome.occupied >> 20
+        # A slow machine takes long to fill memory, so time may be over first.
+        reason = (f"did not end within {limit}, and had filled {filled} MB of memory: an endless allocation, or a "
+                  "very large one?" if filled > megabytes / 4 else
+                  f"did not end within {limit}: an endless loop, or far too slow?")
+        verdict = fail(reason, where and f"was at {where}")
         verdict.timed_out = True
         return verdict
     if outcome.limit:
@@ -159,11 +163,11 @@ def judge(outcome, suite, name, limit, megabytes):
         verdict = Verdict(True, details=text, seconds=outcome.seconds)
         verdict.leak = _leak(text, unit) if outcome.testimony == "leaks" else None
         return verdict
-    crash, claim = _crash(text, unit), _failed_claim(outcome, name, suite.source)
+    crash, claim, without = _crash(text, unit), _failed_claim(outcome, name, suite.source), _refused(text, megabytes)
     if crash:
-        return fail(*crash)
+        return fail(without + crash[0], crash[1])
     if claim and outcome.status and not outcome.attested:
-        return fail(*claim)
+        return fail(without + claim[0], claim[1])
     if outcome.status < 0:
         return fail(f"crashed: {signal.strsignal(-outcome.status) or -outcome.status}")
     if outcome.attested:
@@ -173,6 +177,14 @@ def judge(outcome, suite, name, limit, megabytes):
         f"the program ended in the middle of the test, with exit status {outcome.status}: does your "
         f"code call exit?{pretends}"
     )
+
+
+def _refused(text, megabytes):
+    """Returns the beginning of the reason for what fails after an allocation was refused for its size, or ""."""
+    sizes = [int(size, 16) >> 20 for size in re.findall(r"Sanitizer failed to allocate 0x([0-9a-f]+) bytes", text)]
+    size = max(sizes, default=0)
+    return (f"asks for {size} MB of memory at once, and gets NULL, because {megabytes} MB are allowed; then "
+            if size >= megabytes else "")
 
 
 def _leak(text, unit):
