@@ -503,6 +503,36 @@ def a_single_file_has_places(folder):
             check(verdict.place == place, f"{name} is told with its place", f"{verdict.reason}\n{verdict.place}")
 
 
+def what_does_not_build_is_brief(folder):
+    """Where the cause is known, the linker's text and its paths say nothing more."""
+    declared = "int nowhere(int);\n"
+    cases = {"empty": (" \n\n", "bvh_median.c is empty"),
+             "undefined": (declared + unit("nowhere(3);"), "uses nowhere (line 1), which nothing defines"),
+             "bare": ("int x;\n", "define rk_bvh_build_median, rk_bvh_build_nodes, rk_bvh_closest and rk_bvh_occluded,")}
+    for name, (text, part) in cases.items():
+        put(text, folder, "brief", name, "bvh_median.c")
+        _, suites = grade.grade_impl(".", ["bvh_median"], os.path.join(folder, "brief", name))
+        report = results.text(suites, name)
+        check(part in " ".join(report.split()) and report.count("\n") < 4 and "/" not in report,
+              f"a unit that is {name} is told in a line or two", report)
+        tests = json.loads(results.gradescope(suites, name))["tests"]
+        check(tests[0]["name"] == "bvh_median: can be graded" and tests[0]["max_score"] == 0
+              and part[:20] in tests[0]["output"] and {test["output"] for test in tests[1:]} == {"no verdict"},
+              f"Gradescope has an entry of its own for why nothing ran ({name})", tests[:2])
+
+
+def a_students_report_names_no_folder_of_the_grader(folder):
+    put(unit(""), folder, "class", "12 two files", "bvh_median.c")
+    work = os.path.join(folder, "class", "12 two files")
+    for own in (False, True):
+        suites = grade.prepare_suites(FEATURES, [FEATURE], work, own)
+        suites[0].verdicts = {test.name: verdicts.Verdict(True) for test in suites[0].tests}
+        said = results.text(suites, work)
+        check(said.endswith("make draw-bvh_median\n") != own and (work in said) == own,
+              "one's own report names the folder" if own else "a student's report does not name the grader's folder", said)
+    shutil.rmtree(os.path.join(folder, "class"))
+
+
 def who_fills_memory_slowly_is_told(toolchain, folder):
     suite, outcome = make_suite(folder, "filling", unit(""), [ScoredTest(ONE, 1, "#")]), sandbox.Outcome()
     outcome.limit, outcome.occupied = "seconds", 900 << 20
@@ -548,7 +578,7 @@ def who_ends_the_grader_is_named(folder):
     for name, number in {"ann": "SIGKILL", "bob": "SIGSTOP", "dan": "SIGKILL"}.items():
         check(rows[name][1] == "0" and f"ended its grader, by {number}" in rows[name][5],
               f"who sends {number} is named, and has 0 points ({name})", rows[name])
-    check("rk_bloom" in rows["dan"][6], "another assignment of the same submission is judged all the same", rows["dan"])
+    check("bloom.c is empty" in rows["dan"][6], "another assignment of the same submission is judged all the same", rows["dan"])
     check("is not sound" in rows["eve"][5], "who comes after it is judged", rows["eve"])
     environments = subprocess.run(["ps", "-eo", "args", "e"], capture_output=True, text=True, check=False).stdout
     check(not os.listdir(work) and "HOME=" + work not in environments, "who kills its grader leaves no folder and no process",
@@ -698,6 +728,8 @@ def main():
         what_held_is_watched(toolchain, folder)
         a_driver_is_linked(folder)
         a_single_file_has_places(folder)
+        what_does_not_build_is_brief(folder)
+        a_students_report_names_no_folder_of_the_grader(folder)
         who_fills_memory_slowly_is_told(toolchain, folder)
         hanging_does_not_last(toolchain, folder)
         the_editors_files_name_what_there_is(folder)

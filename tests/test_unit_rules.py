@@ -72,11 +72,11 @@ class Grader:
 
 # claim: (unit, part of the reason)
 REFUSED = {
-    "exit": (unit("exit(0);"), "uses exit, which a unit may not"),
+    "exit": (unit("exit(0);"), "uses exit (line "),
     "fork": (unit("fork();"), "uses fork"),
     "a function that is called at exit": (unit("atexit(abort);"), "uses atexit"),
     "a shell": (unit('if (system("true")) return false;'), "uses system"),
-    "files": (unit('if (fopen("/etc/passwd", "r")) return false;'), "uses fopen"),
+    "files": (unit('if (fopen("/etc/passwd", "r")) return false;'), "uses fopen (line "),
     "mprotect": (unit("mprotect((void *)4096, 4096, 7);", "#include <sys/mman.h>\n"), "uses mprotect"),
     "dlopen": (unit('dlopen("x.so", RTLD_NOW);', "#include <dlfcn.h>\n"), "uses dlopen"),
     "threads": (
@@ -212,7 +212,7 @@ def reasons_fit(grader):
             unit(), [("features/bvh_median.h", "#error old\n")], "which hides the kit's; remove it"
         ),
         "a helper that is declared only": (
-            unit("helper();", "void helper(void);\n"), (), "your file uses helper, which nothing defines"
+            unit("helper();", "void helper(void);\n"), (), "your file uses helper (line 13), which nothing defines"
         ),
     }
     suites = {claim: grader.add(text, beside=beside) for claim, (text, beside, _) in cases.items()}

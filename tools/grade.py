@@ -42,13 +42,14 @@ DECOYS = 3  # so many passed claims of a suite run again with an end that cannot
 
 class Suite:
     """The result of one feature: its unit, its scored tests and a verdict for each. `problem` is the
-    reason why nothing ran, `beside` what is to be known of a student's units that it needs."""
+    reason why nothing ran, `beside` what is to be known of a student's units that it needs, `is_own` whether
+    who reads the report has graded the unit."""
 
     def __init__(self, feature, unit, tests):
         self.feature, self.unit, self.tests = feature, unit, tests
         self.verdicts, self.warnings, self.problem, self.beside = {}, "", "", ""
         self.program, self.folder, self.source = None, None, ""
-        self.finds_leaks = False
+        self.finds_leaks, self.is_own = False, True
 
     def passed(self):
         return all(self.verdicts[test.name].passed for test in self.tests)
@@ -357,7 +358,10 @@ def _prepare_suite(feature, impl, own, only):
 def prepare_suites(features, chosen, impl, own, only=None):
     """Returns the suites to grade."""
     check_impl(features, impl, [feature.stem for feature in chosen], may_be_empty=not own)
-    return [_prepare_suite(feature, impl, own, only) for feature in chosen]
+    suites = [_prepare_suite(feature, impl, own, only) for feature in chosen]
+    for suite in suites:
+        suite.is_own = own
+    return suites
 
 
 class Record:

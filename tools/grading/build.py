@@ -13,6 +13,7 @@ import subprocess
 from grading import sandbox
 from grading import unit_rules
 from grading.assignments import ToolError
+from grading.c_source import line_of, tokens_of
 
 _SECONDS = 60
 _MEGABYTES = 4096
@@ -98,7 +99,7 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
     # An object for link-time optimization would not tell what it uses.
     flags = [*toolchain.flags, *extra_flags, "-fno-lto", "-Werror=implicit-function-declaration"]
     if not unit.is_reference:
-        _check_encoding(unit)
+        _check_text(unit)
         _check_no_header_hides(toolchain, unit)
         listing = base + ".included"
         _compile(toolchain, unit, folder, [*flags, "-E", "-P", "-MD", "-MF", listing, unit.path, "-o", base + ".i"])
@@ -121,9 +122,12 @@ def _refuse(unit, fault):
         raise BuildError(f"{unit.shown} {fault}")
 
 
-def _check_encoding(unit):
+def _check_text(unit):
     with open(unit.path, "rb") as file:
-        begin = file.read(4)
+        text = file.read()
+    if not text.strip():
+        raise BuildError(f"{unit.shown} is empty")
+    begin = text[:4]
     if begin[:2] in (b"\xff\xfe", b"\xfe\xff") or (len(begin) == 4 and 0 in (begin[0], begin[1])):
         raise BuildError(f"{unit.shown} is text in UTF-16; save it in UTF-8")
 
@@ -221,7 +225,14 @@ def check_names(toolchain, unit, found):
     kit = set(unit_rules.pure_names(toolchain.tools["objdump"], toolchain.built("librkbase.a")))
     for stem in unit.feature.needs + unit.feature.uses:
         kit.update(global_symbols(toolchain, toolchain.built(f"src/features/{stem}.o")))
-    _refuse(unit, unit_rules.fault_in_names(found, kit))
+    _refuse(unit, unit_rules.fault_in_names(found, kit, lambda name: _with_line(unit, name)))
+
+
+def _with_line(unit, name):
+    """Returns a name with the first line of the unit that has it, if one has."""
+    text = _read(unit.path)
+    token = next((token for token in tokens_of(text) if token.text == name), None)
+    return f"{name} (line {line_of(text, token)})" if token else name
 
 
 def keep_interface(toolchain, feature, path, for_suite=False):
@@ -260,11 +271,18 @@ def link_suite(toolchain, units, objects, folder, sanitize):
                toolchain.built("librkbase.a"), *toolchain.libraries, "-o", output]
     outcome = _run_tool(toolchain, command, folder)
     if outcome.status != 0 or outcome.limit:
-        raise BuildError(_why_not_linked(toolchain, outcome.output, units), outcome.output)
+        raise _not_linked(toolchain, outcome.output, units)
     return output
 
 
-def _why_not_linked(toolchain, said, units):
+def _some(names):
+    """Returns "a", "a and b", or "a, b, c and 4 more"."""
+    shown = names if len(names) < 5 else [*names[:3], f"{len(names) - 3} more"]
+    return " and ".join(filter(None, [", ".join(shown[:-1]), shown[-1]]))
+
+
+def _not_linked(toolchain, said, units):
+    """Returns a BuildError with the cause in place of what the linker said, as far as it is known."""
     names = list(dict.fromkeys(
         re.findall(r"undefined (?:reference to|symbol:) [`'\"]?(\w+)", said)
     ))
@@ -273,7 +291,7 @@ def _why_not_linked(toolchain, said, units):
         missing = [name for name in names if name in interface]
         if missing:
             whose = "your file" if unit is units[0] else unit.shown
-            return f"{whose} does not define {' and '.join(missing)}, which the suite calls"
+            return BuildError(f"{whose} does not define {_some(missing)}, which the suite calls")
     if names:
-        return f"your file uses {' and '.join(names)}, which nothing defines"
-    return f"{units[0].shown} could not be linked with its suite"
+        return BuildError(f"your file uses {_some([_with_line(units[0], name) for name in names])}, which nothing defines")
+    return BuildError(f"{units[0].shown} could not be linked with its suite", said)

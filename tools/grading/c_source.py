@@ -1,4 +1,4 @@
-"""C as far as the proof of the suites reads it: tokens and the functions that they make up."""
+"""C as far as tools read it: tokens and the functions that they make up."""
 
 import collections
 import re

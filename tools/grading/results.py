@@ -128,8 +128,10 @@ def _whose(suite):
     return "this is the reference, which earns no points" if suite.unit.is_reference else ""
 
 
-def command_of(does, feature, impl):
+def command_of(does, feature, impl=None):
     """Returns "make DOES-STEM IMPL=mine"; in a pack for students the workbook is meant without a word."""
+    if impl is None:
+        return f"make {does}-{feature.stem}"
     own = os.path.basename(os.path.normpath(impl)) == "workbook" and is_handed_out(feature.reference)
     return f"make {does}-{feature.stem}" + ("" if own else f" IMPL={shlex.quote(impl)}")
 
@@ -149,7 +151,8 @@ def text(suites, impl, colours=False, brief=False):
         room = max(4, _SCREEN - len(said)) if brief else 60
         lines += [*_some(warnings, room, f"and {{}} more lines of warnings: make check-{suite.feature.stem} ALL=1"), *said]
         if len(suites) == 1 and suite.points() == 100 and suite.passed():
-            lines.append(f"      draw it: {command_of('draw', suite.feature, impl)}")
+            # A folder of submissions is the grader's: the student has another.
+            lines.append(f"      draw it: {command_of('draw', suite.feature, impl if suite.is_own else None)}")
     if len(suites) > 1:
         lines.append(f"in all {total(suites)} points")
     return "\n".join(lines) + "\n"
@@ -249,6 +252,11 @@ def gradescope(suites, impl):
     tests = []
     for first, suite in enumerate(suites, 1):
         scores = suite.scores()
+        if suite.problem:  # an entry of its own: it is no claim's fault
+            tests.append({
+                "name": f"{suite.feature.stem}: can be graded", "number": f"{first}.0", "tags": [suite.feature.stem],
+                "score": 0, "max_score": 0, "status": "failed", "output": _printable(suite.problem),
+            })
         for second, test in enumerate(suite.tests, 1):
             verdict = suite.verdicts[test.name]
             tests.append({
@@ -258,7 +266,8 @@ def gradescope(suites, impl):
                 "score": scores[test.name],
                 "max_score": test.points,
                 "status": "passed" if verdict.passed else "failed",
-                "output": _whose(suite) if verdict.passed else "\n".join(_explained(suite, test)),
+                "output": ("no verdict" if suite.problem else _whose(suite) if verdict.passed else
+                           "\n".join(_explained(suite, test))),
             })
     report = {
         "score": sum(suite.points() for suite in suites),

@@ -167,10 +167,14 @@ _COMPILERS = re.compile(
 )
 
 
+def _plain(name):
+    """Returns a function's name as a unit calls it, of one that is hardened, or of a certain standard."""
+    is_changed = name.endswith("_chk") or name.startswith("__isoc")
+    return re.sub(r"^__(isoc\d+_)?(\w+?)(_chk)?$", r"\2", name) if is_changed else name
+
+
 def _is_c(name):
-    plain = re.sub(r"^__(isoc\d+_)?(\w+?)(_chk)?$", r"\2", name)  # hardened, or of a certain standard
-    hardened = name.endswith("_chk") or name.startswith("__isoc")
-    return name in _C or (hardened and plain in _C) or _COMPILERS.fullmatch(name) is not None
+    return name in _C or _plain(name) in _C or _COMPILERS.fullmatch(name) is not None
 
 
 @functools.lru_cache
@@ -194,9 +198,10 @@ def pure_names(objdump, archive):
         pure = kept
 
 
-def fault_in_names(obj, kit):
-    """Functions and variables that are neither C's, as far as units need it, nor the kit's."""
-    strange = [name for name in obj.undefined if not _is_c(name) and name not in kit]
+def fault_in_names(obj, kit, with_line=str):
+    """Functions and variables that are neither C's, as far as units need it, nor the kit's. `with_line` adds to a
+    name where the unit has it."""
+    strange = [with_line(_plain(name)) for name in obj.undefined if not _is_c(name) and name not in kit]
     return (f"uses {' and '.join(strange[:3])}, which a unit may not: it may call the kit's functions that need no "
             "files and no threads, those of math.h and string.h, and those for memory, sorting and printing of "
             "stdlib.h and stdio.h") if strange else ""
