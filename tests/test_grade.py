@@ -593,14 +593,14 @@ def a_class_is_graded(folder):
     put("me too", place, "notes.txt")
     os.symlink("Ann, \"A\"", os.path.join(place, "twin"))
     status, said, rows = grade_class(place, out)
-    check(status == 1 and said.count(" of 5 ") == 6 and len(rows) == 6, "a class gets a line for each", said)
+    check(status == 1 and said.count(" of 4 ") == 5 and len(rows) == 5, "a class gets a line for each", said)
+    check("ignored: notes.txt\n" in said, "a file that is nobody's work is named, and no student", said)
     check(rows['Ann, "A"'][1].isdigit() and rows['Ann, "A"'][3] == f"bvh_median: {ONE}",
           "class.csv has points and the first failing claim", rows)
-    reasons = {"bert": "cuont", "carl": "found: else.c", "notes.txt": "neither", "twin": "is a link"}
+    reasons = {"bert": "cuont", "carl": "found: else.c", "twin": "is a link"}
     check(all(part in rows[name][4] and rows[name][1:4] == ["0", "0", ""] for name, part in reasons.items()),
           "class.csv has the reason where nothing ran, and no claim", rows)
-    check(sorted(os.listdir(out)) == ["Ann, \"A\".json", "bert.json", "carl.json", "class.csv", "notes.txt.json",
-                                      "twin.json"], "each has a report", os.listdir(out))
+    check(sorted(os.listdir(out)) == ["Ann, \"A\".json", "bert.json", "carl.json", "class.csv", "twin.json"], "each has a report", os.listdir(out))
     report = json.loads(read(out, "twin.json"))
     check(report["score"] == 0 and "is a link" in report["tests"][0]["output"], "also who could not be graded", report)
     grader = [sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
@@ -633,6 +633,59 @@ def a_class_is_graded_again(folder):
     status, said, rows = grade_class(place, out)
     check(status == 2 and "other columns" in said and rows == {"name": ["name", "marks"], "ann": ["ann", "3"]},
           "a table of something else is left alone", said)
+
+
+def what_a_course_system_delivers(folder):
+    """Folders in folders, names with other endings, archives, files that are there twice."""
+    place, out = os.path.join(folder, "delivered"), os.path.join(folder, "delivered-results")
+    put(unit(""), place, "01_below", "hw6", "workbook", "bvh_median.c")
+    put(unit(""), place, "02_pack", "kit", "workbook", "bvh_median.c")
+    put("", place, "02_pack", "kit", "src", "features", "bvh_median.c")
+    for part in ("a", "b"):
+        put(unit(""), place, "03_two", part, "bvh_median.c")
+    put(unit(""), place, "04_case", "BVH_Median.c")
+    put(unit(""), place, "05_plus", "hw", "bvh_median.cpp")
+    put("", place, "06_packed", "work.zip")
+    put("", place, "07_zip.zip")
+    put(unit(""), place, "08_again", "bvh_median.c")
+    put("", place, "08_again", "bvh_median (1).c")
+    put("", place, "09_kit", "tests", "test_bvh_median.c")
+    put("", place, "09_kit", "points.tsv")
+    put('#include "own/a.h"\n' + unit(""), place, "09_kit", "bvh_median.c")
+    put("", place, "09_kit", "own", "a.h")
+    put(unit(""), place, "10 j.doe.cpp")
+    put("", place, "11_dup.c")
+    put(unit(""), place, "11_dup", "bvh_median.c")
+    put("", place, "11_dup.zip")
+    put("name,points\n", place, "grades.csv")
+    status, said, rows = grade_class(place, out)
+    wrong = {
+        "03_two": "several bvh_median.c: a/bvh_median.c, b/bvh_median.c; move the right one",
+        "04_case": "there is no bvh_median.c; rename BVH_Median.c to bvh_median.c",
+        "05_plus": "there is no bvh_median.c; rename hw/bvh_median.cpp to bvh_median.c",
+        "06_packed": "there is no bvh_median.c; unpack work.zip", "07_zip.zip": "unpack 07_zip.zip into a folder 07_zip",
+        "10 j.doe.cpp": "rename 10 j.doe.cpp to 10 j.doe.c", "11_dup.c": "11_dup.c is empty",
+    }
+    for name, part in wrong.items():
+        check(part in rows[name][4] and rows[name][1] == "0", f"what is to do is said of {name}", rows[name])
+    right = {"01_below": "taken from hw6/workbook/bvh_median.c", "02_pack": "taken from kit/workbook/bvh_median.c",
+             "08_again": "ignored: bvh_median (1).c", "09_kit": "ignored: points.tsv, tests/",
+             "11_dup": "another submission has the same name: 11_dup.c"}
+    for name, remark in right.items():
+        check(rows[name][5] == remark and "is not sound" in rows[name][4], f"what is chosen is said of {name}", rows[name])
+        check(remark in read(out, name + ".json") or name == "11_dup", f"also in the report of {name}", read(out, name + ".json"))
+    check("ignored: 11_dup.zip, grades.csv\n" in said and set(rows) == {"name", *wrong, *right},
+          "a table, and an archive beside its folder, are no students", said)
+
+
+def one_file_is_no_two_assignments(folder):
+    place, out = os.path.join(folder, "flat"), os.path.join(folder, "flat-results")
+    put(unit(""), place, "dan.c")
+    status, said, rows = grade_class(place, out, "bloom")
+    check(status == 1 and rows["dan"][5:7] == [
+        "not graded: dan.c is one file for 2 assignments: put it into a folder dan, as bvh_median.c or bloom.c", ""],
+          "one file for two assignments is told once, with the remedy", rows["dan"])
+    check(folder not in read(out, "dan.json"), "and without the path to it")
 
 
 def names_are_any_bytes(folder):
@@ -736,6 +789,8 @@ def main():
         who_ends_the_grader_is_named(folder)
         a_class_is_graded(folder)
         a_class_is_graded_again(folder)
+        what_a_course_system_delivers(folder)
+        one_file_is_no_two_assignments(folder)
         names_are_any_bytes(folder)
         what_changes_without_a_sandbox_is_told(folder)
         a_copied_build_is_told(folder)

@@ -29,7 +29,7 @@ from grading import sandbox
 from grading import unit_rules
 from grading.assignments import (
     DEDUCTION, FREES_ALL, KEEPS_NOTHING, Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format,
-    missing_unit, read_features, read_points, submitted_unit, unit_beside, units_of_suite,
+    handed_in, ignored_in, missing_unit, read_features, read_points, submitted_unit, unit_beside, units_of_suite,
 )
 from grading.starters import is_starter
 from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_secret
@@ -43,13 +43,13 @@ DECOYS = 3  # so many passed claims of a suite run again with an end that cannot
 class Suite:
     """The result of one feature: its unit, its scored tests and a verdict for each. `problem` is the
     reason why nothing ran, `beside` what is to be known of a student's units that it needs, `is_own` whether
-    who reads the report has graded the unit."""
+    who reads the report has graded the unit; `remarks` say what was found where, or ignored."""
 
     def __init__(self, feature, unit, tests):
         self.feature, self.unit, self.tests = feature, unit, tests
         self.verdicts, self.warnings, self.problem, self.beside = {}, "", "", ""
         self.program, self.folder, self.source = None, None, ""
-        self.finds_leaks, self.is_own = False, True
+        self.finds_leaks, self.is_own, self.remarks = False, True, []
 
     def passed(self):
         return all(self.verdicts[test.name].passed for test in self.tests)
@@ -345,10 +345,12 @@ def _prepare_suite(feature, impl, own, only):
         hint = "do you mean " + " or ".join(near[:3]) + "?" if near else f"they stand in {feature.points_table}"
         raise ToolError(f"{feature.stem} has no test {only}; {hint}")
     try:
-        unit = submitted_unit(feature, impl)
+        unit, remark = (submitted_unit(feature, impl), "") if own else handed_in(feature, impl)
         if not own and not unit.is_reference:
             unit.shown = results.name_of(unit.path)
-        return Suite(feature, unit, tests)
+        suite = Suite(feature, unit, tests)
+        suite.remarks += [remark] if remark else []
+        return suite
     except UnitError as error:
         suite = Suite(feature, Unit(feature, None, feature.stem + ".c", False), tests)
         suite.give_up(str(error))
@@ -361,6 +363,9 @@ def prepare_suites(features, chosen, impl, own, only=None):
     suites = [_prepare_suite(feature, impl, own, only) for feature in chosen]
     for suite in suites:
         suite.is_own = own
+    folders = {os.path.dirname(suite.unit.path) for suite in suites if suite.unit.path}
+    if not own and os.path.isdir(impl) and len(folders) == 1:
+        suites[0].remarks += ignored_in(features, folders.pop())
     return suites
 
 

@@ -9,6 +9,7 @@ submissions that are not graded this time stay as they are; each row says when i
 import csv
 import io
 import os
+import re
 import sys
 import time
 
@@ -18,7 +19,7 @@ from grading import integrity
 from grading import results
 from grading import sandbox
 from grading.assignments import (
-    Parser, ToolError, Unit, cannot_write, choose, choose_format, read_features, read_points,
+    Parser, ToolError, Unit, cannot_write, choose, choose_format, is_archive, is_misnamed_c, read_features, read_points,
 )
 from grading.c_source import tokens_of
 from grading.starters import is_handed_out
@@ -28,19 +29,38 @@ _ENDINGS = {"text": ".txt", "table": ".txt", "tap": ".tap", "junit": ".xml", "gr
 
 
 def submissions_in(folder):
-    """Returns a dictionary from name to path: all entries but hidden ones."""
+    """Returns a dictionary from name to path, and the names of stray files: a table of grades is nobody's work."""
     if not folder or not os.path.isdir(folder):
         raise ToolError(f"SUBMISSIONS: there is no folder {folder}" if folder else
                         "say where the submissions are: make grade-class SUBMISSIONS=folder OUT=results")
-    found = {}
+    found, strays = {}, []
     for entry in sorted(os.listdir(folder)):
-        if not entry.startswith("."):
-            stem = entry.removesuffix(".c")
-            name = entry if stem != entry and os.path.lexists(os.path.join(folder, stem)) else stem
-            found[name] = os.path.join(folder, entry)
+        path, stem = os.path.join(folder, entry), entry.removesuffix(".c")
+        if entry.startswith("."):
+            continue
+        is_unpacked = is_archive(entry) and os.path.isdir(os.path.join(folder, _student(entry)))
+        if is_unpacked or not (os.path.isdir(path) or os.path.islink(path) or entry.endswith(".c")
+                               or is_archive(entry) or is_misnamed_c(entry)):
+            strays.append(entry)
+            continue
+        found[entry if stem != entry and os.path.lexists(os.path.join(folder, stem)) else stem] = path
     if not found:
-        raise ToolError(f"SUBMISSIONS: the folder {folder} is empty")
-    return found
+        raise ToolError(f"SUBMISSIONS: the folder {folder} holds neither folders nor C files")
+    return found, strays
+
+
+def _student(entry):
+    """Returns the name of a file without the endings that submissions have."""
+    return re.sub(r"(\.c|\.c\.txt|\.tar\.\w+|\.\w+)$", "", entry, flags=re.IGNORECASE)
+
+
+def _namesakes(found):
+    """Returns a dictionary from the names of submissions that may be one student's to the others' names."""
+    students = {}
+    for name, path in found.items():
+        entry = os.path.basename(path)
+        students.setdefault(entry if os.path.isdir(path) else _student(entry), []).append(name)
+    return {name: [other for other in names if other != name] for names in students.values() for name in names}
 
 
 def _check_is_a_class(folder, found, features):
@@ -68,14 +88,16 @@ def _remarks(suites):
     told = next((suite for suite in suites if not suite.passed()), None)  # stands in a column of its own
     remarks = []
     for suite in suites:
-        remarks += [f"{suite.feature.stem}: {suite.problem}"] if suite.problem and suite is not told else []
+        is_told = suite is told or (told and suite.problem == told.problem)
+        remarks += [f"{suite.feature.stem}: {suite.problem}"] if suite.problem and not is_told else []
+        remarks += suite.remarks
         hung = sum(verdict.timed_out for verdict in suite.verdicts.values())
         remarks += [f"{suite.feature.stem}: {hung} claims timed out"] if hung else []
         if suite.unit.is_reference:
             remarks.append(f"{suite.feature.stem}: this is the reference")
         elif _is_reference_text(suite):
             remarks.append(f"{suite.feature.stem}: the same text as the reference")
-    return "; ".join(remark.replace("\n", " ") for remark in remarks)
+    return "; ".join(dict.fromkeys(remark.replace("\n", " ") for remark in remarks))
 
 
 class Table:
@@ -97,7 +119,7 @@ class Table:
 
     def put(self, name, points, first, remarks):
         """Adds or replaces a row, and rewrites the file."""
-        texts = [results.csv_cell(text) for text in (*first, remarks)]
+        texts = [results.csv_cell(results.printable(text)) for text in (*first, remarks)]
         name = results.csv_cell(results.name_of(name))
         self._rows[name] = [name, *points, sum(points), *texts, time.strftime("%Y-%m-%d %H:%M:%S")]
         text = io.StringIO()
@@ -109,8 +131,11 @@ def _check_submission(path, submissions):
     """Raises ToolError unless the path itself holds a student's work."""
     if os.path.realpath(path) != os.path.join(os.path.realpath(submissions), os.path.basename(path)):
         raise ToolError("it is a link; a submission is a folder or C file of its own")
-    if os.path.isfile(path) and not path.endswith(".c"):
-        raise ToolError("it is neither a folder nor a C file")
+    name = os.path.basename(path)
+    if is_archive(name) and not os.path.isdir(path):
+        raise ToolError(f"unpack {name} into a folder {_student(name)}")
+    if is_misnamed_c(name) and not os.path.isdir(path):
+        raise ToolError(f"rename {name} to {_student(name)}.c")
 
 
 def _suites_of(toolchain, features, path, submissions):
@@ -139,7 +164,7 @@ def grade_class(build_folder, stems, submissions, out, format_name):
     """Grades all; returns how many could not be graded."""
     toolchain = build.Toolchain(build_folder)
     features = choose(read_features(toolchain.source), stems)
-    found = submissions_in(submissions)
+    found, strays = submissions_in(submissions)
     _check_is_a_class(submissions, found, read_features(toolchain.source))
     if not out:
         raise ToolError("say where the results go: OUT=results, a folder")
@@ -153,12 +178,15 @@ def grade_class(build_folder, stems, submissions, out, format_name):
     sandbox.prepare()
     toolchain.sandbox, remark = bubblewrap.find(toolchain)
     watch = None if toolchain.sandbox else integrity.Watch(toolchain, submissions, out)
-    ungraded = 0
+    if strays:
+        print("grade-class: no submissions, so ignored: " + ", ".join(map(results.name_of, strays)))
+    ungraded, namesakes = 0, _namesakes(found)
     for number, (name, path) in enumerate(found.items(), 1):
         # Said before: who ends this process is then the last one named.
         print(f"{number:>{len(str(len(found)))}} of {len(found)}  {results.name_of(name):<24}", end="", flush=True)
         suites, was_graded = _suites_of(toolchain, features, path, submissions)
-        doubts = []
+        doubts, twins = [], namesakes.get(name, [])
+        remarks = [f"another submission has the same name: {', '.join(map(results.name_of, twins))}"] if twins else []
         changed = watch and watch.changed()
         if changed:
             doubts.append(f"{changed} changed since grading began, so these points may be wrong")
@@ -167,7 +195,7 @@ def grade_class(build_folder, stems, submissions, out, format_name):
         except (OSError, ToolError) as error:
             doubts.append(f"no report: {error}")
         table.put(name, [suite.points() for suite in suites], results.first_failed(suites),
-                  "; ".join(filter(None, [*doubts, _remarks(suites)])))
+                  "; ".join(filter(None, [*doubts, *remarks, _remarks(suites)])))
         if watch:
             watch.accept(out, [name + ending for ending in _ENDINGS.values()] + ["class.csv"])
         ungraded += not was_graded or bool(doubts)

@@ -157,6 +157,26 @@ class Unit:
         self.is_reference = is_reference
 
 
+def is_archive(name):
+    """Whether a file's name says that it has to be unpacked first."""
+    return name.lower().endswith((".zip", ".tar", ".tgz", ".tar.gz", ".tar.xz", ".tar.bz2", ".7z", ".rar"))
+
+
+def is_misnamed_c(name):
+    """Whether a file's name is one of those that C files get by mistake."""
+    return name.endswith(".C") or name.lower().endswith((".cpp", ".cc", ".cxx", ".c.txt"))
+
+
+def _files_below(folder):
+    """Returns the files below a folder as paths from there, without hidden ones, those at the top first."""
+    found = []
+    for where, folders, names in os.walk(folder):
+        # macOS puts a folder of this name into archives.
+        folders[:] = [name for name in folders if name[0] != "." and name != "__MACOSX"]
+        found += [os.path.relpath(os.path.join(where, name), folder) for name in names if name[0] != "."]
+    return sorted(found, key=lambda path: (path.count(os.sep), path))
+
+
 def reference_unit(feature):
     """Returns the reference as a unit."""
     return Unit(feature, feature.reference, f"src/features/{feature.stem}.c", True)
@@ -183,40 +203,74 @@ def find_unit(feature, impl):
     return _unit_in(feature, impl)
 
 
-def submitted_unit(feature, impl):
+def _place_below(feature, impl):
+    """Returns the path from a folder of the only STEM.c below it, None if there is none. In a whole pack it is the
+    one in the workbook."""
+    name = feature.stem + ".c"
+    places = [path for path in _files_below(impl) if os.path.basename(path) == name]
+    in_workbooks = [path for path in places if os.path.basename(os.path.dirname(path)) == "workbook"]
+    chosen = in_workbooks if len(in_workbooks) == 1 else places
+    if len(chosen) > 1:
+        raise UnitError(f"there are several {name}: {', '.join(chosen[:4])}; move the right one to the top of the folder")
+    return chosen[0] if chosen else None
+
+
+def submitted_unit(feature, impl, place=None):
     """Returns the submitted unit, or raises UnitError if it is missing or a link to somebody else's
-    work."""
-    path = os.path.join(impl, feature.stem + ".c") if os.path.isdir(impl) else impl
+    work. `place` is its path from the folder IMPL, if not STEM.c."""
+    path = os.path.join(impl, place or feature.stem + ".c") if os.path.isdir(impl) else impl
     if os.path.islink(path):
         place = os.path.realpath(path)
         if place == os.path.realpath(feature.reference):
             raise UnitError(f"{os.path.basename(path)} is a link to the reference, which earns no points")
         if not os.path.isdir(impl) or not place.startswith(os.path.join(os.path.realpath(impl), "")):
             raise UnitError(f"{os.path.basename(path)} is a link to a file outside of the submission")
-    unit = find_unit(feature, impl)
-    if unit.path is None:
-        raise UnitError(f"there is no {feature.stem}.c; found: {_what_is_in(impl)}")
-    return unit
+    if not os.path.lexists(path):
+        raise UnitError(f"there is no {feature.stem}.c; {_likely(feature, impl) or 'found: ' + _what_is_in(impl)}")
+    return _unit_in(feature, path)
+
+
+def handed_in(feature, impl):
+    """Returns the submitted unit as a grader finds it, also below the top of the folder, and a remark on where that
+    was."""
+    if not os.path.isdir(impl) or os.path.lexists(os.path.join(impl, feature.stem + ".c")):
+        return submitted_unit(feature, impl), ""
+    place = _place_below(feature, impl)
+    return submitted_unit(feature, impl, place), f"taken from {place}"
+
+
+def ignored_in(features, folder):
+    """Returns remarks on what a folder holds beside units, headers, texts and pictures."""
+    units, names = {stem + ".c" for stem in features}, []
+    for path in _files_below(folder):
+        if path not in units and not path.lower().endswith((".h", ".md", ".txt", ".pdf", ".png", ".o")):
+            top, below, _ = path.partition(os.sep)
+            names.append(top + below)
+    names = list(dict.fromkeys(names))
+    more = f" and {len(names) - 4} more" if len(names) > 4 else ""
+    return [f"ignored: {', '.join(names[:4])}{more}"] if names else []
 
 
 def _what_is_in(folder):
     """Names up to eight files below the folder."""
-    names = []
-    for where, folders, files in os.walk(folder):
-        folders[:] = sorted(name for name in folders if not name.startswith("."))
-        names += [os.path.relpath(os.path.join(where, name), folder) for name in sorted(files) if name[0] != "."]
-        if len(names) > 8:
-            return ", ".join([*names[:8], "..."])
-    return ", ".join(names) or "nothing"
+    names = _files_below(folder)
+    return ", ".join([*names[:8], "..."] if len(names) > 8 else names) or "nothing"
+
+
+def _likely(feature, folder):
+    """Says how a folder gets the unit that is missing there from a file in it, or returns ""."""
+    name, plain, files = feature.stem + ".c", feature.stem.replace("_", ""), _files_below(folder)
+    for path in files:
+        other = os.path.basename(path)
+        if other != name and (other.endswith(".c") or is_misnamed_c(other)) and (
+                plain in re.sub("[-_ ]", "", other.lower())):
+            return f"rename {path} to {name}"
+    return next((f"unpack {path}" for path in files if is_archive(path)), "")
 
 
 def remedy(feature, folder, shown):
-    """Says how a folder gets the unit that is missing there: by another name for the file that was probably meant."""
-    name, plain = feature.stem + ".c", feature.stem.replace("_", "")
-    near = [other for other in sorted(os.listdir(folder) if os.path.isdir(folder) else []) if other != name
-            and other.endswith((".c", ".C"))
-            and plain in other.lower().replace("_", "").replace("-", "")]
-    return f"rename {near[0]} to {name}" if near else f"make workbook DIR={shlex.quote(shown)} puts the starter there"
+    """Says how a folder gets the unit that is missing there: from the file that was probably meant, or anew."""
+    return _likely(feature, folder) or f"make workbook DIR={shlex.quote(shown)} puts the starter there"
 
 
 def missing_unit(feature, impl):
@@ -256,7 +310,7 @@ def check_impl(features, impl, stems, may_be_empty=False):
         raise ToolError("name the work: IMPL=mine (a folder) or IMPL=my_file.c")
     if os.path.isdir(impl):
         if not may_be_empty and not any(os.path.lexists(os.path.join(impl, stem + ".c")) for stem in features):
-            if len(stems) == 1 and remedy(features[stems[0]], impl, impl).startswith("rename"):
+            if len(stems) == 1 and _likely(features[stems[0]], impl):
                 raise missing_unit(features[stems[0]], impl)
             names = ", ".join(stem + ".c" for stem in features)
             raise ToolError(
@@ -267,8 +321,13 @@ def check_impl(features, impl, stems, may_be_empty=False):
         raise ToolError(
             f"IMPL: there is no file or folder {impl}; make workbook DIR=mine makes one"
         )
+    elif is_archive(impl):
+        raise ToolError(f"IMPL: {impl} is an archive; unpack it into a folder")
     elif not impl.endswith(".c"):
         name = stems[0] + ".c" if len(stems) == 1 else "STEM.c"
         raise ToolError(f"IMPL: {impl} is not a C file; name it {name}, or give a folder that holds {name}")
     elif len(stems) != 1:
-        raise ToolError(f"IMPL: {impl} is one file, but this needs a folder with one for each feature")
+        name = os.path.basename(impl)
+        names = " or ".join([stem + ".c" for stem in stems[:2]] + ["so on"] * (len(stems) > 2))
+        raise ToolError(f"{name} is one file for {len(stems)} assignments: put it into a folder "
+                        f"{name.removesuffix('.c')}, as {names}")

@@ -17,13 +17,13 @@ from grading.verdicts import printed_lines
 _DETAILS_MAX = 10000  # characters of a program's output that go into a report
 
 
-def _printable(text):
+def printable(text):
     """Control characters are not allowed in XML, and unwanted on a terminal."""
     return re.sub(r"[^\t\n\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)
 
 
 def _details(verdict):
-    text = _printable(verdict.details)
+    text = printable(verdict.details)
     if len(text) > _DETAILS_MAX:
         text = text[:_DETAILS_MAX // 2] + "\n[...]\n" + text[-_DETAILS_MAX // 2:]
     return text
@@ -50,8 +50,8 @@ def _explained(suite, test):
     """The reason, the place and the section to read, one line each. The whole unit's reason appears once."""
     verdict = suite.verdicts[test.name]
     if suite.problem:
-        return [_printable(suite.problem)] if test is suite.tests[0] else ["not run, for the reason above"]
-    lines = _printable(verdict.reason).split("\n") + ([verdict.place] if verdict.place else [])
+        return [printable(suite.problem)] if test is suite.tests[0] else ["not run, for the reason above"]
+    lines = printable(verdict.reason).split("\n") + ([verdict.place] if verdict.place else [])
     beside = [suite.beside] if suite.beside else []
     section = [f"read {suite.feature.chapter}{test.section}"] if test.section else []
     return [*lines, *beside, *section]
@@ -81,10 +81,10 @@ def _all_others(suite, failed, first):
     """All claims that failed beside the first, those with the same reason together."""
     lines, groups = ["      then:"], {}
     for test in failed:
-        groups.setdefault(_printable(suite.verdicts[test.name].reason).split("\n")[0], []).append(test)
+        groups.setdefault(printable(suite.verdicts[test.name].reason).split("\n")[0], []).append(test)
     for reason, tests in groups.items():
         lines += [f"          {test.name} ({test.points or f'costs {DEDUCTION}'})" for test in tests]
-        same = reason == _printable(suite.verdicts[first.name].reason).split("\n")[0]
+        same = reason == printable(suite.verdicts[first.name].reason).split("\n")[0]
         lines += _wrapped("for the same reason as the first" if same else reason, " " * 14)
     return lines
 
@@ -104,7 +104,7 @@ def _text_of_failures(suite, brief):
     if suite.problem:
         details = [line for line in _details(suite.verdicts[first.name]).strip().split("\n") if line]
         said = [f"          {line}" for line in _some(details, 15 if brief else 20, "and {} more lines")]
-        return [*said, *_wrapped(_printable(suite.problem), " " * 6)]
+        return [*said, *_wrapped(printable(suite.problem), " " * 6)]
     lines = (_next_ones(suite, failed[1:]) if brief else _all_others(suite, failed[1:], first)) if failed[1:] else []
     lines.append(f"      work on this one first: {first.name} ({_worth(first)})")
     explained = _explained(suite, first)
@@ -120,7 +120,7 @@ def _text_of_prints(suite):
     if len(suite.claims()) != 1:
         return []
     verdict = suite.verdicts[suite.claims()[0].name]
-    printed = [_printable(line)[:200] for line in printed_lines(verdict.details) if line not in verdict.reason]
+    printed = [printable(line)[:200] for line in printed_lines(verdict.details) if line not in verdict.reason]
     return ["      your code printed:", *(f"          {line}" for line in _some(printed, 40, "and {} more lines"))] if printed else []
 
 
@@ -146,8 +146,10 @@ def text(suites, impl, colours=False, brief=False):
             word = f"\033[{32 if suite.passed() else 31}m{word}\033[m"
         whose = f"  ({_whose(suite)})" if _whose(suite) else ""
         said = _text_of_prints(suite) if brief else []
-        said += [f"{word}{suite.feature.stem:<24}{_counts(suite)}{whose}", *_text_of_failures(suite, brief)]
-        warnings = _printable(suite.warnings).split("\n") if suite.warnings else []
+        said.append(f"{word}{suite.feature.stem:<24}{_counts(suite)}{whose}")
+        said += [line for remark in suite.remarks for line in _wrapped(printable(remark), " " * 6)]
+        said += _text_of_failures(suite, brief)
+        warnings = printable(suite.warnings).split("\n") if suite.warnings else []
         room = max(4, _SCREEN - len(said)) if brief else 60
         lines += [*_some(warnings, room, f"and {{}} more lines of warnings: make check-{suite.feature.stem} ALL=1"), *said]
         if len(suites) == 1 and suite.points() == 100 and suite.passed():
@@ -169,9 +171,11 @@ def first_failed(suites):
         for test in suite.tests:
             verdict = suite.verdicts[test.name]
             if not verdict.passed:
-                reason = _printable(verdict.reason).split("\n")[0]
-                return ("", f"{suite.feature.stem}: {reason}") if suite.problem else (
-                    f"{suite.feature.stem}: {test.name}", reason)
+                reason = printable(verdict.reason).split("\n")[0]
+                if not suite.problem:
+                    return f"{suite.feature.stem}: {test.name}", reason
+                same = all(other.problem == suite.problem for other in suites)
+                return "", reason if same else f"{suite.feature.stem}: {reason}"
     return "", ""
 
 
@@ -179,7 +183,7 @@ def _next(suite, suites):
     """The claim to work on, and what is known of the units that the suite needs, unless these have all points."""
     failed = [test.name for test in suite.tests if not suite.verdicts[test.name].passed]
     if suite.problem or not failed:
-        return textwrap.shorten(_printable(suite.problem), 80, placeholder=" ...") or _whose(suite) or "done"
+        return textwrap.shorten(printable(suite.problem), 80, placeholder=" ...") or _whose(suite) or "done"
     solved = {other.feature.stem for other in suites if other.passed()}
     return failed[0] if not suite.beside or solved.issuperset(suite.feature.needs) else f"{failed[0]}; {suite.beside}"
 
@@ -204,6 +208,7 @@ def tap(suites, _impl):
     """Test Anything Protocol 12."""
     lines = [f"1..{sum(len(suite.tests) for suite in suites)}"]
     for suite in suites:
+        lines += [f"# {suite.feature.stem}: {printable(remark)}" for remark in suite.remarks]
         for test in suite.tests:
             word = "ok" if suite.verdicts[test.name].passed else "not ok"
             lines.append(f"{word} {len([l for l in lines if not l.startswith('# ')])} - "
@@ -230,8 +235,8 @@ def junit(suites, impl):
         properties = ElementTree.SubElement(element, "properties")
         ElementTree.SubElement(properties, "property", name="points", value=str(suite.points()))
         ElementTree.SubElement(properties, "property", name="points_max", value=str(suite.points_max()))
-        if _whose(suite):
-            ElementTree.SubElement(properties, "property", name="remark", value=_whose(suite))
+        for remark in filter(None, [_whose(suite), *suite.remarks]):
+            ElementTree.SubElement(properties, "property", name="remark", value=printable(remark))
         for test in suite.tests:
             verdict = suite.verdicts[test.name]
             case = ElementTree.SubElement(
@@ -255,7 +260,7 @@ def gradescope(suites, impl):
         if suite.problem:  # an entry of its own: it is no claim's fault
             tests.append({
                 "name": f"{suite.feature.stem}: can be graded", "number": f"{first}.0", "tags": [suite.feature.stem],
-                "score": 0, "max_score": 0, "status": "failed", "output": _printable(suite.problem),
+                "score": 0, "max_score": 0, "status": "failed", "output": printable(suite.problem),
             })
         for second, test in enumerate(suite.tests, 1):
             verdict = suite.verdicts[test.name]
@@ -328,6 +333,6 @@ def write(suites, format_name, impl, path=None, brief=False):
         report = FORMATS[format_name](suites, impl)
     if path:
         write_whole(path, report)
-        print(_printable(f"grade: {impl}: {total(suites)} points; wrote {path}"))
+        print(printable(f"grade: {impl}: {total(suites)} points; wrote {path}"))
     else:
         sys.stdout.write(report)
