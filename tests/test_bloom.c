@@ -204,12 +204,11 @@ static void check_bright_span(const rk_vec3 *row, size_t width, size_t first, si
     rk_bloom_span bright = rk_bloom_bright_span(own, width, 1); /* the luminance of white */
     check_row_unchanged(own, row, width);
     if (first == end)
-        rk_check(bright.first == bright.end, "%s: got from %zu to before %zu, want an empty span",
-                 hint, bright.first, bright.end);
+        rk_check(bright.first == bright.end, "%s: got [%zu, %zu), want an empty span", hint,
+                 bright.first, bright.end);
     else
-        rk_check(bright.first == first && bright.end == end,
-                 "%s: got from %zu to before %zu, want from %zu to before %zu", hint, bright.first,
-                 bright.end, first, end);
+        rk_check(bright.first == first && bright.end == end, "%s: got [%zu, %zu), want [%zu, %zu)",
+                 hint, bright.first, bright.end, first, end);
     free(own);
 }
 
@@ -276,8 +275,8 @@ static void the_search_reads_no_pixel_between_the_ends(void **state)
     int touched = touched_pages(row, 1, row_pages - 1);
     munmap(row, row_pages * (size_t)sysconf(_SC_PAGESIZE));
     rk_check(bright.first == 0 && bright.end == width,
-             "both ends of a row of %zu are bright: got from %zu to before %zu", width,
-             bright.first, bright.end);
+             "both ends of a row of %zu are bright: got [%zu, %zu), want [0, %zu)", width,
+             bright.first, bright.end, width);
     rk_check(
         touched == 0,
         "the first and the last pixel of %zu are bright, and the search read %d of the %d pages "
@@ -317,10 +316,9 @@ static void check_dark_mask(size_t at)
     rk_vec3 row[width] = {{0, 0, 0}};
     mask_of(&alone, row, width, 0.5f, (rk_bloom_span){at, at}, 0, width, masked);
     for (size_t i = 0; i < 3 * width; i++)
-        rk_check(
-            masked[i] == 0,
-            "a black row, bright from %zu to before %zu: pixel %zu, colour %zu: got %g, want 0", at,
-            at, i / 3, i % 3, (double)masked[i]);
+        rk_check(masked[i] == 0,
+                 "a black row, bright span [%zu, %zu): pixel %zu, colour %zu: got %g, want 0", at,
+                 at, i / 3, i % 3, (double)masked[i]);
 }
 
 static void the_mask_keeps_bright_pixels_and_nothing_else(void **state)
@@ -376,7 +374,7 @@ static void the_mask_reads_no_pixel_outside_of_the_bright_span(void **state)
     rk_check(kept, "the pixels %zu and %zu of %zu are white, and not in the mask", bright.first,
              bright.end - 1, width);
     rk_check(before == 0 && after == 0,
-             "only pixels from %zu to before %zu of %zu are bright: read %d pages of memory before "
+             "only the pixels [%zu, %zu) of %zu are bright: read %d pages of memory before "
              "them and %d after them, want 0: pixels outside of the bright span are dark",
              bright.first, bright.end, width, before, after);
 }
@@ -450,7 +448,7 @@ static void check_span_of_mask(rk_bloom_border border, size_t first, size_t end)
         bool dark = !is_bright || (x + reach != i && border != RK_BLOOM_CLAMP);
         float want = dark ? 0 : row[x].x, got = masked[3 * i];
         rk_check(got == want,
-                 "border %s, a row of six, of which those from %zu to before %zu are bright: entry "
+                 "border %s, a row of six with the bright span [%zu, %zu): entry "
                  "%zu, of pixel %zu: got %g, want %g: pixels outside of the span are dark",
                  border_names[border], first, end, i, x, (double)got, (double)want);
     }

@@ -678,6 +678,16 @@ def what_a_course_system_delivers(folder):
           "a table, and an archive beside its folder, are no students", said)
 
 
+def spans_are_told_as_such(folder):
+    put(starter_of(FEATURES["bloom"].reference), folder, "spans", "bloom.c")
+    cases = {"the_bright_span_is_from_the_first_to_the_last_bright_pixel": r"got \[0, 0\), want \[3, 4\)$",
+             "the_search_reads_no_pixel_between_the_ends": r"a row of (\d+) are bright: got \[0, 0\), want \[0, \1\)$"}
+    for name, pattern in cases.items():
+        _, suites = grade.grade_impl(".", ["bloom"], os.path.join(folder, "spans"), only=name)
+        reason = suites[0].verdicts[name].reason
+        check(re.search(pattern, reason), f"{name} tells both spans by their ends", reason)
+
+
 def one_file_is_no_two_assignments(folder):
     place, out = os.path.join(folder, "flat"), os.path.join(folder, "flat-results")
     put(unit(""), place, "dan.c")
@@ -790,6 +800,7 @@ def main():
         a_class_is_graded(folder)
         a_class_is_graded_again(folder)
         what_a_course_system_delivers(folder)
+        spans_are_told_as_such(folder)
         one_file_is_no_two_assignments(folder)
         names_are_any_bytes(folder)
         what_changes_without_a_sandbox_is_told(folder)
