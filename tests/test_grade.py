@@ -576,10 +576,10 @@ def who_ends_the_grader_is_named(folder):
         status, said, rows = grade_class(place, out, "bloom")
     check(status == 0 and list(rows) == ["name", "ann", "bob", "dan", "eve"], "a class outlives who kills its grader", said)
     for name, number in {"ann": "SIGKILL", "bob": "SIGSTOP", "dan": "SIGKILL"}.items():
-        check(rows[name][1] == "0" and f"ended its grader, by {number}" in rows[name][5],
+        check(rows[name][1] == "0" and f"ended its grader, by {number}" in rows[name][6],
               f"who sends {number} is named, and has 0 points ({name})", rows[name])
-    check("bloom.c is empty" in rows["dan"][6], "another assignment of the same submission is judged all the same", rows["dan"])
-    check("is not sound" in rows["eve"][5], "who comes after it is judged", rows["eve"])
+    check("bloom.c is empty" in rows["dan"][7], "another assignment of the same submission is judged all the same", rows["dan"])
+    check("is not sound" in rows["eve"][6], "who comes after it is judged", rows["eve"])
     environments = subprocess.run(["ps", "-eo", "args", "e"], capture_output=True, text=True, check=False).stdout
     check(not os.listdir(work) and "HOME=" + work not in environments, "who kills its grader leaves no folder and no process",
           os.listdir(work))
@@ -595,10 +595,14 @@ def a_class_is_graded(folder):
     status, said, rows = grade_class(place, out)
     check(status == 1 and said.count(" of 4 ") == 5 and len(rows) == 5, "a class gets a line for each", said)
     check("ignored: notes.txt\n" in said, "a file that is nobody's work is named, and no student", said)
-    check(rows['Ann, "A"'][1].isdigit() and rows['Ann, "A"'][3] == f"bvh_median: {ONE}",
+    check(rows['Ann, "A"'][1].isdigit() and rows['Ann, "A"'][4] == f"bvh_median: {ONE}",
           "class.csv has points and the first failing claim", rows)
+    check(rows["name"][2:4] == ["total", "maximum"] and rows['Ann, "A"'][3] == "100", "and the points that there are", rows)
+    listed = re.search(r"failed most often: (.*)", said)
+    check(listed and re.fullmatch(r"(bvh_median: \w+ \(1 of 1\)(, )?){3}", listed[1]),
+          "the claims that a class failed most often are named, without those of who has no verdicts", said)
     reasons = {"bert": "cuont", "carl": "found: else.c", "twin": "is a link"}
-    check(all(part in rows[name][4] and rows[name][1:4] == ["0", "0", ""] for name, part in reasons.items()),
+    check(all(part in rows[name][5] and rows[name][1:5] == ["0", "0", "100", ""] for name, part in reasons.items()),
           "class.csv has the reason where nothing ran, and no claim", rows)
     check(sorted(os.listdir(out)) == ["Ann, \"A\".json", "bert.json", "carl.json", "class.csv", "twin.json"], "each has a report", os.listdir(out))
     report = json.loads(read(out, "twin.json"))
@@ -624,9 +628,11 @@ def a_class_is_graded_again(folder):
     shutil.rmtree(os.path.join(place, "ann"))
     put(unit(""), place, "bob", "bvh_median.c")
     _, said, rows = grade_class(place, out, "--format", "text")
-    check(rows["ann"] == first["ann"] and "is not sound" in rows["bob"][4] and list(rows) == list(first),
+    check(rows["ann"] == first["ann"] and "is not sound" in rows["bob"][5] and list(rows) == list(first),
           "a class that is graded again keeps the rows of who is not in it, with their time", rows)
-    check(rows["bob"][6] >= first["bob"][6] > "2", "each row says when it was made", rows)
+    times = [table["bob"][7] for table in (rows, first)]
+    check(times == sorted(times, reverse=True) and all(re.fullmatch(r"2\S+ \S+ [+-]\d{4}", time) for time in times),
+          "each row says when it was made, with the time zone", rows)
     check(sorted(os.listdir(out)) == ["ann.json", "bob.txt", "class.csv"], "no older report stands beside a newer one",
           os.listdir(out))
     put("name,marks\nann,3\n", out, "class.csv")
@@ -667,12 +673,12 @@ def what_a_course_system_delivers(folder):
         "10 j.doe.cpp": "rename 10 j.doe.cpp to 10 j.doe.c", "11_dup.c": "11_dup.c is empty",
     }
     for name, part in wrong.items():
-        check(part in rows[name][4] and rows[name][1] == "0", f"what is to do is said of {name}", rows[name])
+        check(part in rows[name][5] and rows[name][1] == "0", f"what is to do is said of {name}", rows[name])
     right = {"01_below": "taken from hw6/workbook/bvh_median.c", "02_pack": "taken from kit/workbook/bvh_median.c",
              "08_again": "ignored: bvh_median (1).c", "09_kit": "ignored: points.tsv, tests/",
              "11_dup": "another submission has the same name: 11_dup.c"}
     for name, remark in right.items():
-        check(rows[name][5] == remark and "is not sound" in rows[name][4], f"what is chosen is said of {name}", rows[name])
+        check(rows[name][6] == remark and "is not sound" in rows[name][5], f"what is chosen is said of {name}", rows[name])
         check(remark in read(out, name + ".json") or name == "11_dup", f"also in the report of {name}", read(out, name + ".json"))
     check("ignored: 11_dup.zip, grades.csv\n" in said and set(rows) == {"name", *wrong, *right},
           "a table, and an archive beside its folder, are no students", said)
@@ -692,7 +698,7 @@ def one_file_is_no_two_assignments(folder):
     place, out = os.path.join(folder, "flat"), os.path.join(folder, "flat-results")
     put(unit(""), place, "dan.c")
     status, said, rows = grade_class(place, out, "bloom")
-    check(status == 1 and rows["dan"][5:7] == [
+    check(status == 1 and rows["dan"][6:8] == [
         "not graded: dan.c is one file for 2 assignments: put it into a folder dan, as bvh_median.c or bloom.c", ""],
           "one file for two assignments is told once, with the remedy", rows["dan"])
     check(folder not in read(out, "dan.json"), "and without the path to it")
@@ -729,9 +735,9 @@ def what_changes_without_a_sandbox_is_told(folder):
     put(unit(""), place, "bob", "bvh_median.c")
     with mock.patch.dict(os.environ, RAYKIT_SANDBOX="no"):
         status, said, rows = grade_class(place, out)
-        remarks = [rows[name][5] for name in ("ann", "bob")]
+        remarks = [rows[name][6] for name in ("ann", "bob")]
         check(status == 1 and all(planted in remark and "may be wrong" in remark for remark in remarks)
-              and "is not sound" in rows["bob"][4], "a change to the kit is told from then on, and the class goes on",
+              and "is not sound" in rows["bob"][5], "a change to the kit is told from then on, and the class goes on",
               rows)
         os.unlink(planted)
         status, said = graded("--impl", os.path.join(place, "ann"))
@@ -740,7 +746,7 @@ def what_changes_without_a_sandbox_is_told(folder):
     put(opening(f"{place}/bob/bvh_median.c"), place, "ann", "bvh_median.c")
     with mock.patch.dict(os.environ, RAYKIT_SANDBOX="no"):
         status, said, rows = grade_class(place, out)
-    check(status == 1 and "bob/bvh_median.c changed" in rows["bob"][5], "so is a change to another's submission", rows)
+    check(status == 1 and "bob/bvh_median.c changed" in rows["bob"][6], "so is a change to another's submission", rows)
 
 
 def a_copied_build_is_told(folder):

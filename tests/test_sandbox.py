@@ -335,7 +335,7 @@ def a_class_outlives_everybody(folder):
     check(rows["ann"][1:-1] == expected == rows["zoe"][1:-1] and json.loads(test_grade.read(report))["tests"] == tests
           and all(test_grade.read(path) == unit("") for path in targets[:2]),
         "nobody changes another's work, report or points", rows)
-    check("ended its grader" not in rows["kills"][4], "signals out of the sandbox arrive nowhere", rows["kills"])
+    check("ended its grader" not in rows["kills"][5], "signals out of the sandbox arrive nowhere", rows["kills"])
 
 
 def who_works_meanwhile_is_not_blamed(folder):
@@ -352,7 +352,7 @@ def who_works_meanwhile_is_not_blamed(folder):
         pathlib.Path(swap).touch()
         said = process.communicate()[0]
         os.unlink(swap)
-        check(process.returncode == 0 and rows_of(out)["bob"][5] == "",
+        check(process.returncode == 0 and rows_of(out)["bob"][6] == "",
               f"an editor's swap file blames nobody (SANDBOX={mode})", said)
 
 
@@ -369,7 +369,7 @@ def without_a_sandbox_this_is_said(folder):
         os.environ["PATH"] = path
         status, said = grade_class(place, out)
         check(status == 0 and said.count("No permissions to create new namespace") == 1
-              and "is not sound" in rows_of(out)["bob"][4], "where there is no sandbox, a class is graded, and told once",
+              and "is not sound" in rows_of(out)["bob"][5], "where there is no sandbox, a class is graded, and told once",
               said)
         shutil.rmtree(os.path.join(place, "bob"))
         status, said = test_grade.graded("--impl", os.path.join(place, "ann"), "--test", ONE)

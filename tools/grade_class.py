@@ -6,6 +6,7 @@ A submission that cannot be graded gets 0 points and the reason. Rows of class.c
 submissions that are not graded this time stay as they are; each row says when it was made.
 """
 
+import collections
 import csv
 import io
 import os
@@ -26,6 +27,7 @@ from grading.starters import is_handed_out
 from grade import Suite, grade_submission, stop_on_signals
 
 _ENDINGS = {"text": ".txt", "table": ".txt", "tap": ".tap", "junit": ".xml", "gradescope": ".json"}
+_SHOWN = 3  # claims that the class failed most often
 
 
 def submissions_in(folder):
@@ -105,7 +107,7 @@ class Table:
 
     def __init__(self, path, stems):
         self.path, self._rows = path, {}
-        self._heading = ["name", *stems, "total", "first failing claim", "reason", "remarks", "graded"]
+        self._heading = ["name", *stems, "total", "maximum", "first failing claim", "reason", "remarks", "graded"]
         try:
             with open(path, encoding="utf-8", newline="") as file:
                 rows = list(csv.reader(file))
@@ -117,11 +119,11 @@ class Table:
             raise ToolError(f"{path} has other columns ({', '.join(rows[0])}); choose another folder for OUT")
         self._rows = {row[0]: row for row in rows[1:] if row}
 
-    def put(self, name, points, first, remarks):
+    def put(self, name, points, most, first, remarks):
         """Adds or replaces a row, and rewrites the file."""
         texts = [results.csv_cell(results.printable(text)) for text in (*first, remarks)]
         name = results.csv_cell(results.name_of(name))
-        self._rows[name] = [name, *points, sum(points), *texts, time.strftime("%Y-%m-%d %H:%M:%S")]
+        self._rows[name] = [name, *points, sum(points), most, *texts, time.strftime("%Y-%m-%d %H:%M:%S %z")]
         text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows([self._heading, *self._rows.values()])
         results.write_whole(self.path, text.getvalue())
@@ -181,6 +183,8 @@ def grade_class(build_folder, stems, submissions, out, format_name):
     if strays:
         print("grade-class: no submissions, so ignored: " + ", ".join(map(results.name_of, strays)))
     ungraded, namesakes = 0, _namesakes(found)
+    most = sum(test.points for feature in features for test in read_points(feature))
+    failed, judged = collections.Counter(), collections.Counter()
     for number, (name, path) in enumerate(found.items(), 1):
         # Said before: who ends this process is then the last one named.
         print(f"{number:>{len(str(len(found)))}} of {len(found)}  {results.name_of(name):<24}", end="", flush=True)
@@ -194,16 +198,23 @@ def grade_class(build_folder, stems, submissions, out, format_name):
             _write_report(suites, name, out, format_name)
         except (OSError, ToolError) as error:
             doubts.append(f"no report: {error}")
-        table.put(name, [suite.points() for suite in suites], results.first_failed(suites),
+        table.put(name, [suite.points() for suite in suites], most, results.first_failed(suites),
                   "; ".join(filter(None, [*doubts, *remarks, _remarks(suites)])))
         if watch:
             watch.accept(out, [name + ending for ending in _ENDINGS.values()] + ["class.csv"])
+        # What does not build says nothing of single claims.
+        verdicts = {f"{suite.feature.stem}: {test.name}": suite.verdicts[test.name].passed
+                    for suite in suites if not suite.problem for test in suite.tests}
+        judged.update(verdicts.keys())
+        failed.update(claim for claim, passed in verdicts.items() if not passed)
         ungraded += not was_graded or bool(doubts)
         said = f"{results.total(suites):>12} points" if was_graded else "   " + suites[0].problem
         print("; ".join([said, *doubts]), flush=True)
     if remark:
         print(f"grade-class: {remark}")
-    most = sum(test.points for feature in features for test in read_points(feature))
+    if failed:
+        print("grade-class: failed most often: " + ", ".join(f"{claim} ({count} of {judged[claim]})"
+                                                             for claim, count in failed.most_common(_SHOWN)))
     print(f"grade-class: {len(found) - ungraded} of {len(found)} graded, of {most} points each; wrote {table.path}")
     return ungraded
 
@@ -211,8 +222,8 @@ def grade_class(build_folder, stems, submissions, out, format_name):
 def main():
     parser = Parser(
         description=__doc__.split("\n\n")[0],
-        epilog="Exit status: 0 all were graded; 1 some could not be, or their points may be wrong; 2 it could not "
-        "begin.",
+        epilog="Exit status: 0 all were graded, whatever their points; 1 some could not be, or their points may be "
+        "wrong; 2 it could not begin.",
     )
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     parser.add_argument("--submissions", required=True, metavar="DIR", help="a folder or C file for each student")
