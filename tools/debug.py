@@ -79,8 +79,8 @@ def build_for_debugging(toolchain, feature, features, impl):
     if warnings:
         print(warnings, file=sys.stderr)
     build.keep_interface(toolchain, feature, path, for_suite=True)
-    beside = {stem: unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs}
-    needed = units_of_suite(features, feature, beside)
+    beside = {stem: unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs + feature.uses}
+    needed = units_of_suite(feature, beside)
     objects = [path]
     for other in needed:
         objects.append(toolchain.built(f"src/features/{other.feature.stem}.o") if other.is_reference

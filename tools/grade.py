@@ -223,7 +223,7 @@ def run_test(toolchain, suite, test, seconds, megabytes, usual=None):
 
 def _about_needs(suite, units):
     """Says what may fail a suite beside its own unit: in a pack, needed units are the student's, too."""
-    for unit in (units[stem] for stem in suite.feature.needs):
+    for unit in units_of_suite(suite.feature, units):
         stem = unit.feature.stem
         if unit.is_reference or suite.passed() or suite.problem or is_starter(suite.unit):
             continue
@@ -285,8 +285,7 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
 
     with concurrent.futures.ThreadPoolExecutor(workers) as pool:
         try:
-            features = {stem: unit.feature for stem, unit in units.items()}
-            finish([pool.submit(build_suite, toolchain, suite, units_of_suite(features, suite.feature, units))
+            finish([pool.submit(build_suite, toolchain, suite, units_of_suite(suite.feature, units))
                     for suite in suites if not suite.problem])
             built = [suite for suite in suites if suite.program]
             finds_leaks = _can_find_leaks(toolchain, built, seconds, megabytes)

@@ -44,8 +44,8 @@ def key_of(toolchain, features, feature, impl, common):
         submitted_unit(feature, impl)
     except UnitError:
         return None
-    beside = {stem: unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs}
-    units = [find_unit(feature, impl), *units_of_suite(features, feature, beside)]
+    beside = {stem: unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs + feature.uses}
+    units = [find_unit(feature, impl), *units_of_suite(feature, beside)]
     names = [unit.path for unit in units] + [feature.points_table, feature.header]
     names += [toolchain.built(f"tests/test_{feature.stem}.o")] + [
         toolchain.built(f"src/features/{unit.feature.stem}.o") for unit in units]

@@ -297,10 +297,9 @@ def unit_beside(feature, impl, handed_out):
     return Unit(feature, feature.workbook, f"workbook/{feature.stem}.c", False)
 
 
-def units_of_suite(features, feature, units):
-    """Returns the units with which a feature's suite is built beside its own: of `units`, by stem, those that it
-    needs; and the kit's of those that it uses, in a pack their starters."""
-    return [units[stem] for stem in feature.needs] + [reference_unit(features[stem]) for stem in feature.uses]
+def units_of_suite(feature, units):
+    """Returns the units with which a feature's suite is built beside its own, of `units`, by stem (unit_beside)."""
+    return [units[stem] for stem in feature.needs + feature.uses]
 
 
 def check_impl(features, impl, stems, may_be_empty=False):
