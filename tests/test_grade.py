@@ -757,26 +757,27 @@ def a_copied_build_is_told(folder):
 
 
 def a_used_unit_is_the_kits(toolchain, folder):
-    """In a pack, the student's unfinished bvh_median does not stop a suite that merely uses the kit's."""
+    """Only in a pack that hands it out there is none but the student's."""
     features = read_features(SOURCE)
     using, place = features["sah_binning"], os.path.join(folder, "using")
     put(read(using.reference), place, "sah_binning.c")
     put("not yet C\n", place, "bvh_median.c")
-    in_pack = copy.copy(toolchain)
-    in_pack.handed_out = ["bvh_median"]
     first = read_points(using)[0].name
 
-    def graded_with(needs, uses):
+    def graded_with(needs, uses, handed_out):
         using.needs, using.uses = needs, uses
+        in_pack = copy.copy(toolchain)
+        in_pack.handed_out = handed_out
         [suite] = grade.prepare_suites(features, [using], place, True, first)
         grade._grade_here(in_pack, features, [suite], place, decoys=0)
         return suite
 
-    suite = graded_with(["bvh_median"], [])
-    check("does not compile" in suite.problem, "a needed unit is the student's own", suite.problem)
-    suite = graded_with([], ["bvh_median"])
-    check(suite.passed() and not suite.beside, "a used one is the kit's, and nothing is said of it",
-          [suite.problem, suite.beside, *(verdict.reason for verdict in suite.verdicts.values())])
+    for needs, uses in ((["bvh_median"], []), ([], ["bvh_median"])):
+        suite = graded_with(needs, uses, ["bvh_median"])
+        check("does not compile" in suite.problem, "what is handed out is the student's own", suite.problem)
+        suite = graded_with(needs, uses, [])
+        check(suite.passed() and not suite.beside, "what is not is the kit's, and nothing is said of it",
+              [suite.problem, suite.beside, *(verdict.reason for verdict in suite.verdicts.values())])
 
 
 def main():
