@@ -14,7 +14,7 @@ const [chromium, script] = process.argv.slice(2);
 // The single files have the same, and would take many minutes. Of the sources' pages, which are all alike, one.
 const pagesIn = (folder) => !fs.existsSync(folder) ? [] :
   fs.readdirSync(folder).filter((name) => name.endsWith(".html")).sort().map((name) => `${folder}/${name}`);
-const pages = ["docs", "reports"].flatMap((texts) => ["out", "out.some", "out.answers"].flatMap((out) =>
+const pages = ["docs", "reports"].flatMap((texts) => ["out", "out.some", "out.answers", "out.some.answers"].flatMap((out) =>
   [...pagesIn(`${texts}/${out}/${texts === "docs" ? "book" : "report"}`), ...pagesIn(`${texts}/${out}/source`).slice(0, 1)]))
   .filter((page) => page.includes(process.env.RAYKIT_TEST_PAGES || ""));
 
