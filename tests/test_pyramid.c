@@ -25,12 +25,18 @@ static rk_accel build(const rk_scene *scene, rk_accel_kind kind)
     return accel;
 }
 
-static bool is_empty(const rk_accel *accel, rk_vec3 apex, const rk_light *light)
+static bool are_clear(const rk_accel *accel, const rk_vec3 *apexes, uint32_t count,
+                      const rk_light *light)
 {
     rk_pyramid_obstacle obstacle = {.known = false};
     rk_counters counters = {0};
-    const rk_pyramid pyramid = rk_pyramid_of(apex, light);
+    const rk_pyramid pyramid = rk_pyramid_around(apexes, count, light);
     return rk_pyramid_is_empty(&pyramid, accel, &obstacle, &counters);
+}
+
+static bool is_empty(const rk_accel *accel, rk_vec3 apex, const rk_light *light)
+{
+    return are_clear(accel, &apex, 1, light);
 }
 
 /* Of a grid of rays to the light, its corners and edges included, those that are occluded. */
@@ -54,15 +60,6 @@ static uint32_t occluded_rays(const rk_accel *accel, rk_vec3 apex, const rk_ligh
             count += answers.occluded[i];
     }
     return count;
-}
-
-static bool are_clear(const rk_accel *accel, const rk_vec3 *apexes, uint32_t count,
-                      const rk_light *light)
-{
-    rk_pyramid_obstacle obstacle = {.known = false};
-    rk_counters counters = {0};
-    const rk_pyramid pyramid = rk_pyramid_around(apexes, count, light);
-    return rk_pyramid_is_empty(&pyramid, accel, &obstacle, &counters);
 }
 
 /* A point on a surface that a random ray hits, from where shadow rays start; false on a miss. */
@@ -148,7 +145,7 @@ static void an_empty_pyramid_has_no_occluded_ray_and_nearly_conversely(void **st
 }
 
 /* Of up to eight apexes close to each other. */
-static void several_apexes_are_cleared_only_if_each_is(void **state)
+static void several_apexes_are_cleared_only_if_no_ray_is_occluded(void **state)
 {
     enum { apexes_max = 8 };
     (void)state;
@@ -163,7 +160,7 @@ static void several_apexes_are_cleared_only_if_each_is(void **state)
             bool is_each_clear = true;
             if (!apex_on_surface(&accel, places[p].centre, places[p].size, key, &light, &first))
                 continue;
-            for (uint32_t k = 0; k < 1 + key % apexes_max; k++) {
+            for (uint32_t k = 0; k < 2 + key % (apexes_max - 1); k++) {
                 const rk_vec3 beside = rk_madd(first, noise3(key, 20 + k), 0.004f * places[p].size);
                 apexes[count] = k == 0 ? first : beside;
                 if (k > 0 && !apex_on_surface(&accel, beside, 0, key, &light, &apexes[count]))
@@ -175,9 +172,6 @@ static void several_apexes_are_cleared_only_if_each_is(void **state)
             const bool is_clear = are_clear(&accel, apexes, count, &light);
             rk_check(!is_clear || occluded == 0, "%s, %u: found empty, but %u rays are occluded",
                      places[p].scene, key, occluded);
-            if (count == 1)
-                rk_check(is_clear == is_each_clear, "%s, %u: one apex differs from itself",
-                         places[p].scene, key);
             tried += count > 1;
             clear += count > 1 && is_clear;
             each_clear += count > 1 && is_each_clear;
@@ -192,8 +186,7 @@ static void several_apexes_are_cleared_only_if_each_is(void **state)
     }
 }
 
-/* Points of the convex hull are within the planes and the box, whatever the apexes; and each plane
- * passes through an edge of the light, so it cuts off all that it can. */
+/* Points of the convex hull are within the planes and the box, whatever the apexes. */
 static void the_pyramid_of_several_apexes_is_their_hull(void **state)
 {
     enum { count = 6, tried = 4000, points = 20 };
@@ -430,7 +423,7 @@ static void a_ray_that_grazes_a_triangle_is_not_cleared(void **state)
         rk_check(!is_clear || !answers.occluded[0], "%u: found empty, but a ray is occluded", key);
         /* A remembered triangle is tested in double, one of the tree in float before. */
         rk_pyramid_obstacle obstacle = {true, {a, b, c, 0}};
-        const rk_pyramid pyramid = rk_pyramid_of(apex, &light);
+        const rk_pyramid pyramid = rk_pyramid_around(&apex, 1, &light);
         rk_check(rk_pyramid_is_empty(&pyramid, &accel, &obstacle, &counters) == is_clear,
                  "%u: %s by the tree alone", key, is_clear ? "empty" : "not empty");
         const rk_vec3 apexes[] = {rk_madd(apex, rough3(key, 14), 0.1f), apex,
@@ -574,8 +567,8 @@ static void an_obstacle_is_remembered(void **state)
     rk_pyramid_obstacle obstacle = {.known = false};
     rk_counters counters = {0};
     const rk_light light = square(1, false);
-    const rk_pyramid first = rk_pyramid_of(rk_vec(0, 0, -4), &light);
-    const rk_pyramid beside = rk_pyramid_of(rk_vec(9, 0, -4), &light);
+    const rk_pyramid first = rk_pyramid_around(&(rk_vec3){0, 0, -4}, 1, &light);
+    const rk_pyramid beside = rk_pyramid_around(&(rk_vec3){9, 0, -4}, 1, &light);
     rk_check(!rk_pyramid_is_empty(&first, &accel, &obstacle, &counters), "the quad is inside");
     counters = (rk_counters){0};
     rk_check(!rk_pyramid_is_empty(&first, &accel, &obstacle, &counters), "it still is");
@@ -641,7 +634,7 @@ static void what_rounding_hides_is_not_cleared(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_empty_pyramid_has_no_occluded_ray_and_nearly_conversely),
-    cmocka_unit_test(several_apexes_are_cleared_only_if_each_is),
+    cmocka_unit_test(several_apexes_are_cleared_only_if_no_ray_is_occluded),
     cmocka_unit_test(the_pyramid_of_several_apexes_is_their_hull),
     cmocka_unit_test(sides_pass_through_the_outermost_apexes),
     cmocka_unit_test(every_tree_gives_the_same_answer),

@@ -114,13 +114,6 @@ rk_pyramid rk_pyramid_around(const rk_vec3 *apexes, uint32_t count, const rk_lig
     return pyramid;
 }
 
-rk_pyramid rk_pyramid_of(rk_vec3 apex, const rk_light *light)
-{
-    rk_pyramid pyramid = rk_pyramid_around(&apex, 1, light);
-    pyramid.others = NULL;
-    return pyramid;
-}
-
 /* --- A triangle, a sphere ------------------------------------------------------------------------
  */
 

@@ -27,10 +27,8 @@ typedef struct rk_pyramid {
     double slack; /* on each axis, a ray passes its point of the light no farther away than this */
 } rk_pyramid;
 
-/* `apex`: where the shadow rays start. The light is a parallelogram or a segment. */
-rk_pyramid rk_pyramid_of(rk_vec3 apex, const rk_light *light);
-
-/* Of 1 or more apexes, which are kept by reference. */
+/* Of 1 or more apexes, where shadow rays start, which are kept by reference. The light is a
+ * parallelogram or a segment. */
 rk_pyramid rk_pyramid_around(const rk_vec3 *apexes, uint32_t count, const rk_light *light);
 
 /* The surface that was last found in a pyramid: neighbouring ones often contain the same. */

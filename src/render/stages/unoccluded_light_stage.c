@@ -162,12 +162,14 @@ static void sum_up(const search *s, uint32_t i, const view *v)
 static void search_part(search *s, const group *g, uint32_t first, uint32_t count)
 {
     const rk_pyramid pyramid = rk_pyramid_around(&g->starts[first], count, s->light);
-    const bool is_clear = rk_pyramid_is_empty(&pyramid, s->r->accel, &s->obstacle, s->counters);
-    const uint32_t part = count > 4 ? 4 : 1;
-    for (uint32_t k = first; k < first + count && is_clear; k++)
-        sum_up(s, g->index[k], &g->views[k]);
-    for (uint32_t k = 0; k < count && count > 1 && !is_clear; k += part)
-        search_part(s, g, first + k, count - k < part ? count - k : part);
+    const uint32_t part = count > 4 ? 4 : 1, end = first + count;
+    if (rk_pyramid_is_empty(&pyramid, s->r->accel, &s->obstacle, s->counters)) {
+        for (uint32_t k = first; k < end; k++)
+            sum_up(s, g->index[k], &g->views[k]);
+    } else if (count > 1) {
+        for (uint32_t k = first; k < end; k += part)
+            search_part(s, g, k, end - k < part ? end - k : part);
+    }
 }
 
 static void search_group(search *s, group *g)
