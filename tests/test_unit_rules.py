@@ -63,8 +63,8 @@ class Grader:
         self.waiting.append(suite)
         return suite
 
-    def grade(self):
-        grade.grade(self.toolchain, self.waiting, {}, seconds=60)
+    def grade(self, decoys=grade.DECOYS):
+        grade.grade(self.toolchain, self.waiting, {}, seconds=60, decoys=decoys)
         self.waiting = []
 
 
@@ -349,7 +349,7 @@ def distances_in(toolchain, folder, text):
 def verdicts_are_not_taken(grader, folder):
     scored = [test for test in ALL if test.points]
     suites = {claim: grader.add(text, scored) for claim, text in thieves(grader.toolchain, folder)}
-    grader.grade()
+    grader.grade(decoys=len(scored))  # a few, by chance, may be claims that do not call what steals
     for claim, suite in suites.items():
         check(suite.points() == 0 and "attests a claim that cannot hold" in suite.problem,
               f"{claim} is found by decoys, and gets 0", results.text([suite], ""))

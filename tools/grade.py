@@ -37,7 +37,7 @@ from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_
 MEGABYTES = 2048  # the suites stay below 300 with the sanitizers
 REASON_MAX = 500  # characters; a unit can write a reason of its own
 TIMEOUTS = 2  # so many tests of a suite may take all their time; the others then get a part of it
-DECOYS = 3  # so many passed claims of a suite run again with an end that cannot hold
+DECOYS = 8  # so many passed claims of a suite run again with an end that cannot hold
 
 
 class Suite:
