@@ -364,6 +364,53 @@ static void every_sample_looks_up_the_environment(void **state)
     rk_scene_free(&scene);
 }
 
+/* Replaces the map by one of this grey in all its texels. */
+static void make_grey(rk_scene *scene, float grey)
+{
+    for (uint32_t i = 0; i < RK_FACES * 64; i++)
+        scene->environment.faces[0][i] = rk_vec(grey, grey, grey);
+}
+
+static void a_background_is_an_environment_of_one_grey(void **state)
+{
+    (void)state;
+    for (uint32_t walls = 0; walls <= 2; walls++) {
+        rk_scene scene = make_transparent_walls(walls);
+        scene.mesh.materials[0].ks = rk_vec(0.5f, 0.5f, 0.5f);
+        make_grey(&scene, 0.25f);
+        rk_render_options options = small();
+        options.environment_filter = RK_CUBEMAP_NEAREST;
+        for (int transparency = 0; transparency < 2; transparency++) {
+            options.transparency = transparency;
+            test_picture want = test_render(&scene, options, 2);
+            rk_cubemap_free(&scene.environment);
+            scene.background = 0.25f;
+            test_picture got = test_render(&scene, options, 2);
+            rk_check_equal(got.counters.environment_lookups, 0, "there is no map to look up");
+            rk_check(memcmp(got.image.pixels, want.image.pixels, pixels * sizeof(rk_vec3)) == 0,
+                     "%u walls: a map of one grey and a background differ", walls);
+            rk_check(rk_length(got.image.pixels[0]) > 0, "it is seen");
+            rk_image_free(&got.image);
+            rk_image_free(&want.image);
+            add_environment(&scene);
+            make_grey(&scene, 0.25f);
+            scene.background = 0;
+        }
+        rk_scene_free(&scene);
+    }
+}
+
+static void an_environment_hides_the_background(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_make(0);
+    scene.background = 0.25f;
+    add_environment(&scene);
+    const rk_render_options options = small();
+    check_rendered(&scene, &options, false, 1);
+    rk_scene_free(&scene);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_map_has_one_to_8192_texels_a_side),
     cmocka_unit_test(faces_are_seen_from_inside_and_not_mirrored),
@@ -382,6 +429,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_scene_without_an_environment_pays_nothing_for_it),
     cmocka_unit_test(without_lights_an_environment_needs_no_shadow_rays),
     cmocka_unit_test(every_sample_looks_up_the_environment),
+    cmocka_unit_test(a_background_is_an_environment_of_one_grey),
+    cmocka_unit_test(an_environment_hides_the_background),
 };
 
 RK_SUITE("cubemap_stage", tests)

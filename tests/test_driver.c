@@ -238,6 +238,8 @@ static void every_bad_option_is_named_in_one_line(void **state)
         {"--debug everything", "--debug everything", "level, leaf"},
         {"--debug", "--debug", "the value is missing"},
         {"--scene cube --mesh a.obj", "--scene and --mesh", "choose one"},
+        {"--environment sky --background 1", "--environment and --background", "choose one"},
+        {"--background 2", "--background 2", "0 to 1"},
         {"--timing --debug leaf", "--timing and --debug", "choose one"},
         {"--threads 1025", "--threads 1025", "0 to 1024"},
         {"--split half", "--split half", "median|sah|sah3|collapsed|morton|wide"},

@@ -183,6 +183,18 @@ static void an_environment_is_explained(void **state)
     rk_scene_free(&scene);
 }
 
+static void a_background_is_explained(void **state)
+{
+    (void)state;
+    rk_scene scene = test_scene_make(0);
+    scene.background = 0.5f;
+    char *text = explain(&scene, size_of(9, 9, false), 4, 4);
+    check_printed(text, "colour (linear)", rk_vec(0.5f, 0.5f, 0.5f));
+    rk_check(contains(text, "no hit: the background"), "no background in:\n%s", text);
+    free(text);
+    rk_scene_free(&scene);
+}
+
 static void occluded_and_unoccluded_lights_are_explained(void **state)
 {
     (void)state;
@@ -350,6 +362,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_code_of_each_step_is_named),
     cmocka_unit_test(a_miss_is_explained),
     cmocka_unit_test(an_environment_is_explained),
+    cmocka_unit_test(a_background_is_explained),
     cmocka_unit_test(occluded_and_unoccluded_lights_are_explained),
     cmocka_unit_test(the_hit_is_explained),
     cmocka_unit_test(lights_that_add_nothing_are_explained),

@@ -352,6 +352,16 @@ static void a_wrong_field_of_view_is_refused(void **state)
     }
 }
 
+static void a_background_that_is_no_radiance_is_refused(void **state)
+{
+    fixture *f = *state;
+    const float wrong[] = {-1, NAN, INFINITY};
+    for (int i = 0; i < 3; i++) {
+        f->scene.background = wrong[i];
+        check_refused(f, "the background is");
+    }
+}
+
 static void a_camera_that_is_no_place_is_refused(void **state)
 {
     fixture *f = *state;
@@ -455,6 +465,7 @@ static const struct CMUnitTest tests[] = {
     in_fixture(a_wrong_bloom_is_refused_before_the_picture_is_rendered),
     in_fixture(a_gradient_of_too_many_stops_is_refused),
     in_fixture(a_wrong_field_of_view_is_refused),
+    in_fixture(a_background_that_is_no_radiance_is_refused),
     in_fixture(a_camera_that_is_no_place_is_refused),
     in_fixture(lights_that_are_not_numbers_are_refused_where_they_are_read),
     in_fixture(more_lights_or_spheres_than_there_is_room_for_are_refused),

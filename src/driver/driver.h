@@ -22,6 +22,7 @@ typedef struct rk_driver {
     const char *scene_name;
     const char *mesh_path;   /* NULL: the built-in scene */
     const char *environment; /* NULL: none; "sky", or files as in io/environment_file.h */
+    float background;        /* grey of rays that hit nothing, if there is no environment */
     const char *out;
     const char *debug;    /* NULL, or the name of a view */
     const char *compared; /* NULL, or a picture to compare with */

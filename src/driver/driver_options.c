@@ -25,6 +25,8 @@ static const rk_option common_rows[] = {
      "radiance of rays that hit nothing: the built-in sky, or a picture (JPG, PNG, EXR, HDR ...) "
      "that is a cross (4:3, 3:4), a strip (6:1, 1:6) or longitude and latitude (2:1), or six "
      "pictures: a folder of px.*, nx.* ..., or a name with %s in place of px, nx ..."},
+    {"background", RK_FIELD(rk_driver, background), "GREY",
+     "the same without --environment: one grey, linear; 0: black", 0, 1, 0},
     {"distance", RK_FIELD(rk_driver, camera_given.distance), "D",
      "distance of the camera from its target, world units; by default the scene's own", 1e-3, 1e6,
      NAN},
@@ -186,6 +188,8 @@ static bool check(const rk_driver *driver, const rk_driver_view *views, const ch
 {
     if (driver->mesh_path && driver->scene_name != usual_scene)
         return rk_fail(error, "--scene and --mesh: choose one of them");
+    if (driver->environment && driver->background > 0)
+        return rk_fail(error, "--environment and --background: choose one of them");
     if (driver->timing && driver->debug)
         return rk_fail(error,
                        "--timing and --debug: choose one of them; --timing draws no picture");

@@ -47,6 +47,7 @@ static bool load_scene(rk_driver *driver, rk_error *error)
     }
     if (driver->move && driver->scene.moving_count == 0)
         rk_scene_move_mesh(&driver->scene, driver->motion);
+    driver->scene.background = driver->background;
     rk_camera *own = &driver->scene.camera;
     const rk_camera *given = &driver->camera_given;
     own->distance = or_own(given->distance, own->distance);

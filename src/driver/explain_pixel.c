@@ -280,13 +280,14 @@ static void print_surface(explanation *e, const rk_hit *hit)
 
 static void print_environment(const explanation *e, const rk_path_batch *path, float fraction)
 {
-    if (!e->r->plan.cubemap) {
+    if (!e->r->plan.background) {
         print_line(e, "no hit: black");
         return;
     }
     print_code(e, RK_CODE_ENVIRONMENT);
     rk_vec3 adds = rk_environment_radiance(e->r, path, 0, fraction, e->pass->counters);
-    print_line(e, "%s: the environment", fraction < 1 ? "behind all surfaces" : "no hit");
+    print_line(e, "%s: the %s", fraction < 1 ? "behind all surfaces" : "no hit",
+               e->r->plan.cubemap ? "environment" : "background");
     print_vector(e, "adds to the pixel", adds);
     rk_film_add(e->film, 0, adds);
 }
@@ -317,7 +318,7 @@ static void print_visible(explanation *e, const rk_path_batch *path)
         rk_shading_point_behind(e->points->points, e->r, path, 0, &visible, k);
         print_surface(e, &visible.hits[k]);
     }
-    if (visible.count == 0 || (e->r->plan.cubemap && visible.behind > 0))
+    if (visible.count == 0 || (e->r->plan.background && visible.behind > 0))
         print_environment(e, path, visible.behind);
 }
 

@@ -34,6 +34,7 @@ static bool check(const rk_scene *scene, const rk_render_options *options, rk_er
     const char *more =
         scene->sphere_count > 0       ? "exact spheres"
         : scene->environment.side > 0 ? "an environment"
+        : scene->background > 0       ? "a background"
         : mesh->normals               ? "smooth normals"
         : !has_plain_materials(mesh)  ? "mirrors, glass or textures"
         : !has_plain_lights(scene)    ? "lights other than parallelograms of one colour"

@@ -17,7 +17,7 @@ static void trace_and_shade(const rk_rendering *r, rk_sample_pass *pass, rk_path
         return;
     }
     rk_trace_closest(r, pass, &level->paths, &w->hits, &w->times);
-    if (r->plan.cubemap)
+    if (r->plan.background)
         rk_cubemap_stage(r, &level->paths, &w->hits, film, pass->counters);
     rk_shade_stage(r, &level->paths, &w->hits, &w->times, &w->points);
     level->cursor.path = level->paths.rays.count;

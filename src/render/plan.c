@@ -74,8 +74,9 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
 {
     bool anything = scene->mesh.triangle_count > 0 || scene->sphere_count > 0;
     bool lights = rk_plan_has_light(scene);
-    rk_plan plan = {.rays = (anything && (lights || shines(scene, options))) ||
-                            scene->environment.side > 0,
+    bool background = scene->environment.side > 0 || scene->background > 0;
+    rk_plan plan = {.rays = (anything && (lights || shines(scene, options))) || background,
+                    .background = background,
                     .lights = lights};
     set_features(&plan, scene, options);
     plan.pixel_samples = plan.rays && options->samples > 1;

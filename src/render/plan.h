@@ -100,7 +100,8 @@ enum { RK_MAX_DEPTH = 16 };
 rk_render_options rk_render_options_default(void);
 
 typedef struct rk_plan {
-    bool rays;          /* an environment, or light (a feature's, too) and something to shine on */
+    bool rays;          /* a background, or light (a feature's, too) and something to shine on */
+    bool background;    /* rays that hit nothing have radiance: an environment's, or a grey */
     bool pixel_samples; /* at random positions within pixels */
     bool lights;        /* some light is not black */
     bool shadow_rays;

@@ -53,6 +53,9 @@ static bool check_scene(const rk_scene *scene, rk_error *error)
         return rk_fail(error, "%s: %u lights and %u spheres: a scene has at most %d and %d",
                        scene->name, scene->light_count, scene->sphere_count, RK_LIGHTS_MAX,
                        RK_SPHERES_MAX);
+    if (!(scene->background >= 0 && isfinite(scene->background)))
+        return rk_fail(error, "%s: the background is %g: it is a finite number from 0 up",
+                       scene->name, (double)scene->background);
     for (uint32_t i = 0; i < scene->light_count; i++)
         if (!check_light(scene, i, error))
             return false;

@@ -23,7 +23,8 @@ typedef struct rk_scene {
     rk_camera camera;
     uint32_t light_count;
     rk_light lights[RK_LIGHTS_MAX];
-    rk_cubemap environment; /* for rays that hit nothing; side 0: black */
+    rk_cubemap environment; /* for rays that hit nothing; side 0: `background` instead */
+    float background;       /* radiance, grey; 0: black */
     uint32_t moving_count; /* moving objects are the mesh's last triangles, one after the other; all
                               triangles before them are static */
     rk_moving moving[RK_MOVING_MAX];

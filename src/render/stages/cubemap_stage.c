@@ -1,11 +1,18 @@
 #include "render/stages/cubemap_stage.h"
 
+static rk_vec3 radiance_from(const rk_rendering *r, rk_vec3 direction, rk_counters *counters)
+{
+    float grey = r->scene->background;
+    if (!r->plan.cubemap)
+        return rk_vec(grey, grey, grey);
+    counters->environment_lookups++;
+    return rk_cubemap_at(&r->scene->environment, direction, r->options->environment_filter);
+}
+
 rk_vec3 rk_environment_radiance(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
                                 float fraction, rk_counters *counters)
 {
-    rk_vec3 colour = rk_cubemap_at(&r->scene->environment, rk_batch_ray(&paths->rays, i).direction,
-                                   r->options->environment_filter);
-    counters->environment_lookups++;
+    rk_vec3 colour = radiance_from(r, rk_batch_ray(&paths->rays, i).direction, counters);
     return rk_mul(rk_scale(paths->path[i].throughput, fraction), colour);
 }
 

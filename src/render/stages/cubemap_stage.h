@@ -12,8 +12,8 @@
 void rk_cubemap_stage(const rk_rendering *r, const rk_path_batch *paths, const rk_hit_batch *hits,
                       rk_film *film, rk_counters *counters);
 
-/* Returns the environment's contribution to the pixel of path i; `fraction`: of the transparent
- * surfaces in front of it. */
+/* Returns the contribution of the environment, or else of the background, to the pixel of path i;
+ * `fraction`: of the transparent surfaces in front of it. */
 rk_vec3 rk_environment_radiance(const rk_rendering *r, const rk_path_batch *paths, uint32_t i,
                                 float fraction, rk_counters *counters);
 

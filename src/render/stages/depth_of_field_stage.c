@@ -105,10 +105,11 @@ static float coc_at(const rk_rendering *r, const rk_ray *ray, const rk_hit *hit)
     return ks.x > 0 || ks.y > 0 || ks.z > 0 ? rk_max(coc, RK_LENS_COC_MIN) : coc;
 }
 
-/* Of the environment; without one, black is not blurred. */
+/* Of the background; one that is black is not blurred. */
 static float coc_at_infinity(const rk_rendering *r, const rk_ray *ray)
 {
-    return r->plan.cubemap ? rk_lens_coc_diameter(&r->options->lens, &r->view, ray, INFINITY) : 0;
+    return r->plan.background ? rk_lens_coc_diameter(&r->options->lens, &r->view, ray, INFINITY)
+                              : 0;
 }
 
 static float coc_of_hit(const rk_rendering *r, const rk_ray *ray, const rk_hit *hit)

@@ -81,7 +81,7 @@ void rk_shade_transparent_stage(const rk_rendering *r, rk_sample_pass *pass,
     points->count = 0;
     while (shade_visible(r, paths, cursor, points) && cursor->path < paths->rays.count) {
         rk_transparency_stage(r, pass, paths, cursor->path, &cursor->visible);
-        if (r->plan.cubemap && cursor->visible.behind > 0)
+        if (r->plan.background && cursor->visible.behind > 0)
             rk_film_add(film, paths->pixel[cursor->path],
                         rk_environment_radiance(r, paths, cursor->path, cursor->visible.behind,
                                                 pass->counters));
