@@ -344,11 +344,11 @@ def _prepare_suite(feature, impl, own, only):
         hint = "do you mean " + " or ".join(near[:3]) + "?" if near else f"they stand in {feature.points_table}"
         raise ToolError(f"{feature.stem} has no test {only}; {hint}")
     try:
-        unit, remark = (submitted_unit(feature, impl), "") if own else handed_in(feature, impl)
+        unit, remarks = (submitted_unit(feature, impl), []) if own else handed_in(feature, impl)
         if not own and not unit.is_reference:
             unit.shown = results.name_of(unit.path)
         suite = Suite(feature, unit, tests)
-        suite.remarks += [remark] if remark else []
+        suite.remarks += remarks
         return suite
     except UnitError as error:
         suite = Suite(feature, Unit(feature, None, feature.stem + ".c", False), tests)

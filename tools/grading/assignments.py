@@ -8,6 +8,7 @@ reads both, so a new feature needs two tables and no code.
 
 import argparse
 import csv
+import filecmp
 import os
 import re
 import shlex
@@ -50,6 +51,7 @@ class Feature:
         self.workbook = os.path.join(source, "workbook", stem + ".c")  # the unit of a feature handed out in a pack
         self.chapter = f"docs/{folder}.md"
         self.points_table = os.path.join(source, "assignments", folder, "points.tsv")
+        self.suite = os.path.join(source, "tests", f"test_{stem}.c")
 
 
 class ScoredTest:
@@ -231,12 +233,17 @@ def submitted_unit(feature, impl, place=None):
 
 
 def handed_in(feature, impl):
-    """Returns the submitted unit as a grader finds it, also below the top of the folder, and a remark on where that
-    was."""
+    """Returns the submitted unit as a grader finds it, also below the top of the folder, and remarks on where that
+    was, and on an edited suite in the pack around it, which does not count."""
     if not os.path.isdir(impl) or os.path.lexists(os.path.join(impl, feature.stem + ".c")):
-        return submitted_unit(feature, impl), ""
+        return submitted_unit(feature, impl), []
     place = _place_below(feature, impl)
-    return submitted_unit(feature, impl, place), f"taken from {place}"
+    unit, remarks = submitted_unit(feature, impl, place), [f"taken from {place}"]
+    suite = os.path.join(os.path.dirname(os.path.dirname(place)), "tests", os.path.basename(feature.suite))
+    path = os.path.join(impl, suite)
+    if os.path.isfile(path) and os.access(path, os.R_OK) and not filecmp.cmp(path, feature.suite, shallow=False):
+        remarks.append(f"{suite} differs from the kit's, which was run")
+    return unit, remarks
 
 
 def ignored_in(features, folder):
