@@ -264,9 +264,9 @@ RK_INLINE void visit_leaf(packet *p, query kind, const rk_wide_bvh *wide, uint32
 /* --- Filling in ------------------------------------------------------------------------------- */
 
 /* Lowest and highest lane of four numbers. */
-typedef struct bounds {
+typedef struct lane_ranges {
     rk_simd4 low, high;
-} bounds;
+} lane_ranges;
 
 /* Four lanes of which the smallest is that of all sixteen, and four for the largest. */
 RK_INLINE void fold(rk_f16 a, rk_simd4 *low, rk_simd4 *high)
@@ -281,7 +281,7 @@ RK_INLINE void fold(rk_f16 a, rk_simd4 *low, rk_simd4 *high)
     }
 }
 
-RK_INLINE bounds bounds_of_lanes(f16x3 a, rk_f16 fourth)
+RK_INLINE lane_ranges lane_ranges_of(f16x3 a, rk_f16 fourth)
 {
     rk_simd4 low[4], high[4];
     fold(a.x, &low[0], &high[0]);
@@ -290,25 +290,26 @@ RK_INLINE bounds bounds_of_lanes(f16x3 a, rk_f16 fourth)
     fold(fourth, &low[3], &high[3]);
     rk_simd4_transpose(low);
     rk_simd4_transpose(high);
-    return (bounds){rk_simd4_min(rk_simd4_min(low[0], low[1]), rk_simd4_min(low[2], low[3])),
-                    rk_simd4_max(rk_simd4_max(high[0], high[1]), rk_simd4_max(high[2], high[3]))};
+    return (lane_ranges){
+        rk_simd4_min(rk_simd4_min(low[0], low[1]), rk_simd4_min(low[2], low[3])),
+        rk_simd4_max(rk_simd4_max(high[0], high[1]), rk_simd4_max(high[2], high[3]))};
 }
 
 /* How far the rays go per t on each axis, at least and at most. No ray has a hit beyond t = end.
  * Between the boxes of the rays at t = 0 and at t = end, at t, each coordinate is from
  * low + t (end_low - low) / end to high + t (end_high - high) / end. */
-RK_INLINE bounds speeds_between(const bounds *from, const bounds *to, float end)
+RK_INLINE lane_ranges speeds_between(const lane_ranges *from, const lane_ranges *to, float end)
 {
     const rk_simd4 per_t = rk_simd4_all(1 / end);
     /* More than the roundings of `to`, and of the differences. */
     rk_simd4 rounding = rk_simd4_max(rk_simd4_abs(from->low), rk_simd4_abs(from->high)) +
                         rk_simd4_max(rk_simd4_abs(to->low), rk_simd4_abs(to->high));
     rounding *= rk_simd4_all(0x1p-21f);
-    return (bounds){(to->low - from->low - rounding) * per_t,
-                    (to->high - from->high + rounding) * per_t};
+    return (lane_ranges){(to->low - from->low - rounding) * per_t,
+                         (to->high - from->high + rounding) * per_t};
 }
 
-RK_INLINE void set_shaft(shaft *s, const bounds *from, const bounds *speeds)
+RK_INLINE void set_shaft(shaft *s, const lane_ranges *from, const lane_ranges *speeds)
 {
     const rk_simd4_mask bits = {1, 2, 4, 8};
     const rk_simd4_mask minus = ((int32_t)s->signs & bits) != 0;
@@ -365,16 +366,16 @@ RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, 
         (rk_f16_lt(z, least) & rk_f16_lt(zero, z)))
         return false;
     /* Lowest and highest component of directions in the fourth lane. */
-    bounds from, speeds;
+    lane_ranges from, speeds;
     const bool is_point = start_together(o);
     if (is_point) {
-        speeds = bounds_of_lanes(d, longest);
+        speeds = lane_ranges_of(d, longest);
         from.low = from.high =
             rk_simd4_of(rk_vec(rk_f16_lane(o.x, 0), rk_f16_lane(o.y, 0), rk_f16_lane(o.z, 0)));
         from.low[3] = speeds.low[3];
         from.high[3] = speeds.high[3];
     } else {
-        from = bounds_of_lanes(o, longest);
+        from = lane_ranges_of(o, longest);
     }
     rk_simd4 away = rk_simd4_max(from.high - extent->low, extent->high - from.low);
     rk_simd4 wide = from.high - from.low, center = rk_simd4_all(0.5f) * (from.low + from.high);
@@ -392,10 +393,10 @@ RK_INLINE bool fill_packet(packet *p, const tree_extent *extent, sixteen lanes, 
         if (!(end > 0x1p-60f && end < 0x1p60f))
             return false;
         const rk_f16 at = rk_f16_all(end);
-        const bounds to =
-            bounds_of_lanes((f16x3){rk_f16_madd(at, d.x, o.x), rk_f16_madd(at, d.y, o.y),
-                                    rk_f16_madd(at, d.z, o.z)},
-                            longest);
+        const lane_ranges to =
+            lane_ranges_of((f16x3){rk_f16_madd(at, d.x, o.x), rk_f16_madd(at, d.y, o.y),
+                                   rk_f16_madd(at, d.z, o.z)},
+                           longest);
         speeds = speeds_between(&from, &to, end);
     }
     p->shaft.signs = signs;
