@@ -31,6 +31,10 @@ typedef struct rk_pyramid {
  * parallelogram or a segment. */
 rk_pyramid rk_pyramid_around(const rk_vec3 *apexes, uint32_t count, const rk_light *light);
 
+/* Does a plane certainly separate the triangle, or the sphere, from the pyramid? */
+bool rk_pyramid_excludes_triangle(const rk_pyramid *pyramid, const rk_triangle *triangle);
+bool rk_pyramid_excludes_sphere(const rk_pyramid *pyramid, const rk_sphere *sphere);
+
 /* The surface that was last found in a pyramid: neighbouring ones often contain the same. */
 typedef struct rk_pyramid_obstacle {
     bool known;

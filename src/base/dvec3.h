@@ -14,6 +14,11 @@ static inline rk_dvec3 rk_widen(rk_vec3 a)
     return (rk_dvec3){(double)a.x, (double)a.y, (double)a.z};
 }
 
+static inline rk_vec3 rk_narrow(rk_dvec3 a)
+{
+    return rk_vec((float)a.x, (float)a.y, (float)a.z);
+}
+
 static inline rk_dvec3 rk_dscale(rk_dvec3 a, double s)
 {
     return (rk_dvec3){a.x * s, a.y * s, a.z * s};
