@@ -160,11 +160,16 @@ static void load(const peers_engine *engine, peers_mode mode, void *at, const rk
         }
     self->count = count;
     self->packets = (count + width - 1) / width;
+    /* Where packets of 16 are not native, Embree ignores which are valid: a ray that ends before
+     * it begins is left out by all. */
+    const rk_ray none = {.direction = {0, 0, 1}, .t_max = -1};
+    for (; count < self->packets * width; count++)
+        put_ray(self->words + count / width * stride + count % width, width, &none, closest);
     self->stride = stride;
     self->closest = closest;
     for (uint32_t i = 0; i < 16; i++) {
         self->all[i] = -1;
-        self->last[i] = count % width == 0 || i < count % width ? -1 : 0;
+        self->last[i] = self->count % width == 0 || i < self->count % width ? -1 : 0;
     }
 }
 
