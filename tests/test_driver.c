@@ -287,6 +287,7 @@ static void an_option_without_effect_is_noted(void **state)
         {"--time-samples 2", "--time-samples changes nothing", "a moving object"},
         {"--max-depth 3", "--max-depth changes nothing", "--reflections and a specular surface"},
         {"--recursion=3", "--recursion changes nothing", "--reflections and a specular surface"},
+        {"--error 0.5 --samples 2", "--samples changes nothing", "a picture without --error"},
     };
     for (size_t i = 0; i < sizeof cases / sizeof *cases; i++) {
         char words[128];
@@ -318,6 +319,22 @@ static void an_option_with_effect_is_not_noted(void **state)
     rk_check(off.status == 0 && !*off.err, "it turned the bloom off: %s", off.err);
     run_free(&quiet);
     run_free(&off);
+}
+
+static void an_error_that_is_not_reached_or_not_seen_is_told(void **state)
+{
+    const char *const feature = "14_adaptive_sampling/adaptive_sampling";
+    run few = run_feature(feature, *state, "--width 48 --height 48 --error 0.001 --max-samples 16");
+    check_contains(few.out, " in place of 0.1 % (--max-samples 16 allows no more)");
+    run reached = run_feature(feature, *state, "--width 48 --height 48 --error 0.05");
+    check_contains(reached.out, "estimated error ");
+    rk_check(!strstr(reached.out, "in place of"), "it is reached: %s", reached.out);
+    run missed = run_feature(feature, *state,
+                             "--scene teapot --width 8 --height 8 --distance 1e6 --error 0.01");
+    check_contains(missed.out, "alike in every pixel: no error can be estimated");
+    run_free(&few);
+    run_free(&reached);
+    run_free(&missed);
 }
 
 static void levels_and_leaves_that_do_not_exist_are_named(void **state)
@@ -807,6 +824,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(options_that_do_not_go_together_are_refused),
     test_in_folder(an_option_without_effect_is_noted),
     test_in_folder(an_option_with_effect_is_not_noted),
+    test_in_folder(an_error_that_is_not_reached_or_not_seen_is_told),
     test_in_folder(levels_and_leaves_that_do_not_exist_are_named),
     test_in_folder(a_missing_mesh_is_named),
     test_in_folder(an_impossible_out_folder_is_named_before_rendering),

@@ -92,17 +92,39 @@ static const char *plural(uint32_t count)
     return count == 1 ? "" : "s";
 }
 
+/* More than the wanted error by this factor is told. */
+static const double tolerated = 1.2;
+
+/* Of adaptive sampling. It cannot tell a smooth picture from one whose details all samples missed.
+ */
+static void print_error(const rk_driver *driver)
+{
+    const rk_adaptive_sampling_options *options = &driver->render.adaptive_sampling;
+    const double error = driver->counters.estimated_error, wanted = (double)options->error;
+    if (!(error > 0)) {
+        printf("alike in every pixel: no error can be estimated");
+        return;
+    }
+    printf("estimated error %.2g %%", 100 * error);
+    if (error <= tolerated * wanted)
+        return;
+    printf(" in place of %.2g %%", 100 * wanted);
+    if (driver->counters.most_samples >= options->max_samples)
+        printf(" (--max-samples %u allows no more)", options->max_samples);
+}
+
 static void print_samples(const rk_driver *driver)
 {
     const rk_counters *counters = &driver->counters;
     const uint32_t samples = driver->render.samples;
     const double pixels = (double)driver->render.width * driver->render.height;
-    if (counters->rounds == 0)
+    if (counters->rounds == 0) {
         printf("%u sample%s per pixel", samples, plural(samples));
-    else
-        printf("%.1f samples per pixel on average and %llu at most, estimated error %.2g %%",
-               (double)counters->kept_samples / pixels, (unsigned long long)counters->most_samples,
-               100 * counters->estimated_error);
+        return;
+    }
+    printf("%.1f samples per pixel on average and %llu at most, ",
+           (double)counters->kept_samples / pixels, (unsigned long long)counters->most_samples);
+    print_error(driver);
 }
 
 /* Lens and motion are mentioned if they took samples of their own. */

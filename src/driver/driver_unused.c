@@ -42,6 +42,14 @@ static void note_max_depth(const rk_driver *driver, const rk_plan *usual)
              "--reflections and a specular surface, or --transparency and a transparent one");
 }
 
+static void note_samples(const rk_driver *driver, const rk_plan *plan)
+{
+    rk_render_options options = driver->render;
+    const rk_option *rows = rk_render_options_tables(&options).tables[0].rows;
+    if (plan->adaptive_sampling)
+        note(driver, first_given(driver, rows, "samples"), "a picture without --error");
+}
+
 /* Options of a feature that the command line turns off have an effect, too: it is in the usual
  * plan. */
 void rk_driver_note_unused(const rk_driver *driver)
@@ -51,6 +59,7 @@ void rk_driver_note_unused(const rk_driver *driver)
     const rk_plan plan = rk_plan_of(&driver->scene, &driver->render);
     const rk_plan usual = rk_plan_of(&driver->scene, &driver->render_usual);
     note_max_depth(driver, &usual);
+    note_samples(driver, &plan);
     for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
         if (!rk_plan_has(&plan, i) && !rk_plan_has(&usual, i))
             note(driver, first_given(driver, rk_features[i]->options, NULL), rk_features[i]->takes);
