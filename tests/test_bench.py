@@ -160,6 +160,10 @@ def comparisons_find_losses_and_nothing_else():
           [change.text() for change in found])
     same = measured(random.Random(1))
     check(not any(change.beyond_noise for change in compare.changes(same, same)), "a measurement equals itself")
+    least = min(row["samples"] for row in same)
+    exact = [dict(row, mse=0.0) if row["samples"] == least else row for row in same]
+    check(not any(change.beyond_noise for pair in ((same, exact), (exact, same)) for change in compare.changes(*pair)),
+          "pictures without error on one side alone make no method look changed")
 
 
 # --- the schedule, with invented pictures --------------------------------------------------------
@@ -181,7 +185,7 @@ for line in sys.stdin:
     elif words[0] == "numbers":
         print("one,1,2,3,4,5", "two,1,2,3,4,5", "three,1,2,3,4,5", sep="\\n", flush=True)
     elif words[0] == "reference":
-        print("1000,1,1e-12,1e-8,{z},1", flush=True)
+        print("1000,1,1e-12,1e-8,{z},{off}", flush=True)
     else:
         n, seed = int(words[words.index("--n") + 1]), int(words[words.index("--seed") + 1])
         chance = random.Random(line)
@@ -194,10 +198,10 @@ for line in sys.stdin:
 '''
 
 
-def invent(folder, z=0.5, sleep=0, slower=1):
+def invent(folder, z=0.5, sleep=0, slower=1, squares=1):
     """A build folder with such a program, and tables beside it."""
     program = os.path.join(folder, "tests", "bench", "bench")
-    text = INVENTED.replace("{z}", str(z)).replace("{sleep}", str(sleep)).replace("{slower}", str(slower))
+    text = INVENTED.replace("{z}", str(z)).replace("{off}", str(squares)).replace("{sleep}", str(sleep)).replace("{slower}", str(slower))
     write(text, program)
     os.chmod(program, 0o755)
     write("case\ttitle\toptions\tfirst\tsecond\tgoal\tslope\n"
@@ -232,7 +236,7 @@ def known_errors_are_found(folder):
     check(row["classic"] == "plain" and row["best"] == "fast", "the best method is found", row)
     at = next(i for i, line in enumerate(said.splitlines()) if line.startswith("feature"))
     heads, line = (re.split("  +", line) for line in said.splitlines()[at:at + 2])
-    check(heads == ["feature", "best method", "time ratio", "wanted", "slope", "wanted", "bias, %", "note"], "the table has a heading", said)
+    check(heads == ["feature", "best method", "time ratio", "goal", "slope", "its goal", "bias, %", "note"], "the table has a heading", said)
     interval = f"{100 * float(row['bias']):+.3f} ({100 * float(row['bias_low']):+.3f} to {100 * float(row['bias_high']):+.3f})"
     check(line[-2:] == [interval, "extrapolated"], "the bias has an interval, and a ratio that is extrapolated a note", said)
     check("the full measurement decides" in said, "a quick measurement says that it decides nothing", said)
@@ -319,6 +323,9 @@ def mistakes_are_told(folder):
     refuses("a corrupt line is told with its place and a remedy", (), "measurements.csv:3:", "RESET=1")
     write("".join([*lines[:2], lines[2].replace(lines[2].split(",")[7], "fast"), *lines[3:]]), path)
     refuses("so is a cell that is no number", (), "measurements.csv:3:", "RESET=1")
+    for number in ("nan", "inf", "-1"):
+        write("".join([*lines[:2], lines[2].replace(lines[2].split(",")[7], number), *lines[3:]]), path)
+        refuses(f"so is {number}", (), "measurements.csv:3:", f"seconds is {number}")
     write(before.replace(",bias,", ",", 1), path)
     refuses("a missing column is named", (), "measurements.csv:1:", "bias")
     write(before, path)
@@ -335,6 +342,8 @@ def mistakes_are_told(folder):
     write(tables, methods)
     invent(folder, z=-5)
     refuses("references that disagree are told", (), "differ by -5.0 standard errors")
+    invent(folder, squares=4)
+    refuses("so are those that disagree here and there", (), "have pixels that differ by 2.0 times their standard errors")
     write("#!/bin/sh\necho 'bench: --n: there is no such option' >&2\nexit 1\n", folder, "tests", "bench", "bench")
     refuses("the program's own message is passed on", (), "there is no such option")
     os.remove(os.path.join(folder, "tests", "bench", "bench"))

@@ -6,6 +6,7 @@ are kept in bench of the build folder, and only what is missing is measured; tab
 With --out, as the report calls it: tables of errors into that folder, from the full measurement if it is there, else
 from the quick one."""
 
+import math
 import os
 import shutil
 import sys
@@ -42,14 +43,15 @@ def print_cells(lines):
 
 
 def print_summary(rows, quick):
-    cells = [("feature", "best method", "time ratio", "wanted", "slope", "wanted", "bias, %", "note")]
+    cells = [("feature", "best method", "time ratio", "goal", "slope", "its goal", "bias, %", "note")]
     for row in rows:
         ratio = "" if row["time_ratio"] is None else \
             f"{row['time_ratio']:.1f} ({row['time_ratio_low']:.1f} to {row['time_ratio_high']:.1f})"
         cells.append((row["feature"], row["best"], ratio, "" if row["goal"] is None else f"{row['goal']:g}",
                       "" if row["slope"] is None else f"{row['slope']:.2f}",
                       "" if row["slope_goal"] is None else f"{row['slope_goal']:g}",
-                      f"{100 * row['bias']:+.3f} ({100 * row['bias_low']:+.3f} to {100 * row['bias_high']:+.3f})", row["note"]))
+                      f"{100 * row['bias']:+.3f} ({100 * row['bias_low']:+.3f} to {100 * row['bias_high']:+.3f})",
+                      ", ".join(filter(None, [row["note"], "goal missed" if row["goal_reached"] == "no" else ""]))))
     print_cells(cells)
     print("In brackets: 95 % confidence intervals. Extrapolated: a time to an error of 1 % that lies beyond those measured.")
     if quick:
@@ -64,15 +66,18 @@ def print_changes(old, rows):
     beyond = [change for change in found if change.beyond_noise]
     for change in sorted(beyond, key=lambda change: -change.factor):
         print(change.text())
-    print(f"compared with {old}: {len(found) // 2} methods, {len(beyond)} changes beyond noise")
+    methods = {(change.case, change.method) for change in found}
+    print(f"compared with {old}: {len(methods)} methods, {len(beyond)} changes beyond noise")
     return any(change.factor > 1 for change in beyond)
 
 
 def check_references(work):
     for row in summary.reference_rows(work):
         if row["agree"] == "no":
-            raise ToolError(f"{row['feature']}: its two references differ by {row['difference']:.1f} standard errors, so one "
-                            "method is biased: compare their options in tests/bench/cases.tsv")
+            by = (f"differ by {row['difference']:.1f} standard errors" if row["squares"] < summary.AGREE_SQUARED else
+                  f"have pixels that differ by {math.sqrt(row['squares']):.1f} times their standard errors")
+            raise ToolError(f"{row['feature']}: its two references {by}, so one method is biased: compare their options "
+                            "in tests/bench/cases.tsv")
 
 
 def write_tables(work, options):
@@ -93,7 +98,9 @@ def measure_accuracy(options, names):
     check_references(work)
     print_summary(rows, options.quick)
     print(f"bench: wrote {os.path.join(options.build, 'bench', 'tables')}/accuracy*.csv and {work.kept.path}")
-    return bool(options.compare) and print_changes(options.compare, list(work.kept.rows.values()))
+    chosen = {case.name for case in work.cases}
+    rows = [row for row in work.kept.rows.values() if row["case"] in chosen and row["size"] == str(work.settings.side)]
+    return bool(options.compare) and print_changes(options.compare, rows)
 
 
 def write_frames(tables, folder, kept):

@@ -45,8 +45,7 @@ def _log_time(rows):
 
 
 def _log_error(rows):
-    errors = [0.5 * math.log(row["mse"]) for row in rows if row["mse"] > 0]
-    return sum(errors) / len(errors) if errors else 0.0
+    return sum(0.5 * math.log(row["mse"]) for row in rows) / len(rows)
 
 
 def changes(old_rows, new_rows):
@@ -57,9 +56,12 @@ def changes(old_rows, new_rows):
         common = old[name].keys() & new[name].keys()
         if len({seed for _, seed in common}) < 2:
             continue
-        for what, figure in (("time", _log_time), ("error", _log_error)):
-            sides = [_per_seed({key: side[key] for key in common}, figure) for side in (old[name], new[name])]
-            found.append(Change(name[0], name[1], what, *paired_change(*sides)))
+        for what, figure, column in (("time", _log_time, "seconds"), ("error", _log_error, "mse")):
+            # Logarithms; pairs, so what one side has no logarithm of, neither has.
+            keys = [key for key in common if old[name][key][column] > 0 and new[name][key][column] > 0]
+            sides = [_per_seed({key: side[key] for key in keys}, figure) for side in (old[name], new[name])]
+            if len(sides[0]) >= 2:
+                found.append(Change(name[0], name[1], what, *paired_change(*sides)))
     for change, beyond in zip(found, beyond_chance([change.probability for change in found], LEVEL)):
         change.beyond_noise = beyond and (change.what == "error" or abs(math.log(change.factor)) > math.log1p(PACE))
     return found

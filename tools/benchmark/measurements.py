@@ -2,6 +2,7 @@
 of them. Pictures have theirs in measurements.csv, drivers' times in timings.csv (benchmark/timings.py)."""
 
 import csv
+import math
 import os
 
 from grading.assignments import ToolError, cannot_write
@@ -9,18 +10,22 @@ from grading.assignments import ToolError, cannot_write
 KEY = ("program", "case", "method", "size", "samples", "seed", "options")
 NUMBERS = ("seconds", "mse", "bias", "worst", "camera_rays", "shadow_rays", "reflected_rays")
 COLUMNS = KEY + NUMBERS
+_REMEDY = "remove the line, or, if this build made the file, measure all anew by make bench RESET=1"
 KINDS = {**dict.fromkeys(NUMBERS, float), "samples": int, "seed": int}
 
 
 def _row_of(path, number, cells, columns, kinds):
     if len(cells) != len(columns):
-        raise ToolError(f"{path}:{number}: there are {len(cells)} cells in place of {len(columns)}; "
-                        "remove the line, or measure all anew by make bench RESET=1")
+        raise ToolError(f"{path}:{number}: there are {len(cells)} cells in place of {len(columns)}; {_REMEDY}")
     row = dict(zip(columns, cells))
     try:
         row.update({name: kind(row[name]) for name, kind in kinds.items()})
     except ValueError as error:
-        raise ToolError(f"{path}:{number}: {error}; remove the line, or measure all anew by make bench RESET=1") from None
+        raise ToolError(f"{path}:{number}: {error}; {_REMEDY}") from None
+    for name in kinds:
+        value = row[name]
+        if value != "" and not (math.isfinite(value) and (value >= 0 or name == "bias")):
+            raise ToolError(f"{path}:{number}: {name} is {value:g}; {_REMEDY}")
     return row
 
 

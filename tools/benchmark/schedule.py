@@ -55,10 +55,20 @@ class Program:
         self.close()
 
 
+def processor():
+    """The processor's name, "" if it is unknown."""
+    try:
+        with open("/proc/cpuinfo", encoding="utf-8", errors="replace") as file:
+            return next((line.split(":", 1)[1].strip() for line in file if line.startswith("model name")), "")
+    except OSError:
+        return ""
+
+
 def digest(path):
+    """Names a program on this machine: on another, times are other ones."""
     try:
         with open(path, "rb") as file:
-            return hashlib.sha256(file.read()).hexdigest()[:12]
+            return hashlib.sha256(file.read() + processor().encode()).hexdigest()[:12]
     except OSError as error:
         raise ToolError(f"{path}: cannot be read: {error.strerror}; run make bench") from None
 

@@ -192,11 +192,14 @@ def reference_rows(schedule):
         if numbers:
             yield {"case": case.name, "feature": case.title, "values": numbers["values"], "error": math.sqrt(numbers["own"]),
                    "difference": numbers["z"], "squares": numbers["ratio"],
-                   "agree": "yes" if abs(numbers["z"]) < AGREE else "no"}
+                   "agree": "yes" if abs(numbers["z"]) < AGREE and numbers["ratio"] < AGREE_SQUARED else "no"}
 
 
-# Standard errors between two references; more are by chance once in 16,000 cases.
+# Standard errors between the means of two references; more are by chance once in 16,000 cases.
 AGREE = 4
+# Mean of the squared differences of their pixels over the variances: 1 if only chance differs, with a deviation of
+# 0.2 or so for hundreds of pixels, whose differences are not normal.
+AGREE_SQUARED = 3
 
 
 def write(schedule, folder):

@@ -11,7 +11,7 @@ import tempfile
 import time
 
 from benchmark.measurements import Kept, write_table
-from benchmark.schedule import digest
+from benchmark.schedule import digest, processor
 from grading.assignments import ToolError
 
 KEY = ("program", "driver", "options", "threads")
@@ -139,11 +139,7 @@ def machine_rows(rows):
     """How busy was the machine? A single thread's time that is not its processor time it has waited."""
     alone = [row for row in rows if row["threads"] == 1]
     waited = 1 - sum(row["processor_seconds"] for row in alone) / sum(row["seconds"] for row in alone) if alone else 0
-    model = ""
-    if os.path.exists("/proc/cpuinfo"):
-        with open("/proc/cpuinfo", encoding="utf-8", errors="replace") as file:
-            model = next((line.split(":", 1)[1].strip() for line in file if line.startswith("model name")), "")
-    about = {"processor": f"{model or 'unknown'}, {os.cpu_count() or 1} processors",
+    about = {"processor": f"{processor() or 'unknown'}, {os.cpu_count() or 1} processors",
              "instruction set": ", ".join(sorted({row["isa"] for row in rows})),
              "measured": " to ".join(sorted({min(row["date"] for row in rows), max(row["date"] for row in rows)})),
              "waited": f"{100 * max(waited, 0):.1f} % of the time of single threads"}
