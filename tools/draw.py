@@ -9,6 +9,7 @@ caption; look/STEP.png beside it is that picture, small.
 import math
 import os
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -21,7 +22,8 @@ from grading.results import command_of
 from grading.starters import unsolved_steps
 
 _SIDE = 128  # of a square picture; others are as large
-SECONDS = 300  # ten times as long as the slowest picture takes on an old laptop
+SECONDS = 120  # four times as long as the slowest picture takes on an old laptop
+SILENT = 5  # seconds
 _MOST_BYTES = 15 << 10  # a pack holds some forty of them
 
 
@@ -41,13 +43,24 @@ def small(options, side=_SIDE):
 
 def _run(command):
     """Runs a driver; it has said why if it fails."""
-    try:
-        status = subprocess.run(command, timeout=SECONDS, check=False).returncode
-    except subprocess.TimeoutExpired as error:
-        raise ToolError(f"{os.path.relpath(command[0])} has drawn for {SECONDS} s and was stopped; does a loop in "
-                        "your unit never end? make check-... says which test hangs") from error
+    name = os.path.relpath(command[0])
+    with subprocess.Popen(command) as process:
+        try:
+            process.wait(min(SILENT, SECONDS))
+        except subprocess.TimeoutExpired:
+            print(f"still drawing; it is stopped after {SECONDS} s", flush=True)
+        try:
+            status = process.wait(max(SECONDS - SILENT, 0))
+        except subprocess.TimeoutExpired as error:
+            raise ToolError(f"{name} has drawn for {SECONDS} s and was stopped; does a loop in your unit never end? "
+                            "make check-... says which test hangs") from error
+        finally:
+            process.kill()
+    if status < 0:
+        raise ToolError(f"{name} crashed: {signal.strsignal(-status)}; make check-... says in which line, "
+                        "make debug-... stops there")
     if status:
-        raise ToolError(f"{os.path.relpath(command[0])} could not draw it; its reason is above")
+        raise ToolError(f"{name} could not draw it; its reason is above")
 
 
 # --- The student's picture ------------------------------------------------------------------------
