@@ -968,15 +968,17 @@ static void no_colour_is_nan_though_products_overflow(void **state)
             /* N is below 2 for the one, and 16,000 for the other, too much for the brightest. */
             float s = i & 2 || (normalized && large > 1e30f) ? 10 : 1e5f;
             rk_vec3 got = rk_shade(&shading, kd, ks, s, up, l, v, light);
+            const bool is_negative = got.x < 0 || got.y < 0 || got.z < 0;
             rk_check(
                 got.x >= 0 && got.y >= 0 && got.z >= 0,
                 "%s, kd (%g, %g, %g), ks (%g, %g, %g), light (%g, %g, %g) at %g degrees, viewer "
-                "at %g: got (%g, %g, %g), want no NaN: multiply ks by the lobe, which may be 0, "
-                "before the light",
+                "at %g: got (%g, %g, %g), want %s",
                 model_names[model], (double)kd.x, (double)kd.y, (double)kd.z, (double)ks.x,
                 (double)ks.y, (double)ks.z, (double)light.x, (double)light.y, (double)light.z,
                 angles[i / 32 % 5], angles[i / 160 % 5], (double)got.x, (double)got.y,
-                (double)got.z);
+                (double)got.z,
+                is_negative ? "no negative light: is the light behind the surface?"
+                            : "no NaN: multiply ks by the lobe, which may be 0, before the light");
         }
 }
 

@@ -31,7 +31,11 @@ def _details(verdict):
 
 def _counts(suite):
     passed = sum(suite.verdicts[test.name].passed for test in suite.tests)
-    return f"{passed} of {len(suite.tests)} claims, {suite.points()} of {suite.points_max()} points"
+    scores = suite.scores()
+    lost = [name for name, score in scores.items() if score < 0]
+    minus = f" (less {-sum(scores[name] for name in lost)} for {', '.join(lost[:2])}{', ...' if len(lost) > 2 else ''})"
+    return (f"{passed} of {len(suite.tests)} claims, {suite.points()} of {suite.points_max()} points"
+            f"{minus if lost else ''}")
 
 
 def name_of(impl):
