@@ -42,6 +42,13 @@ local function use_widget(div, name)
   if not widgets[name] then drive.fail_at(div, "there is no widget %s: tools/live/widgets has no %s.js", name, name) end
 end
 
+-- What to try, in a page where nothing can be tried.
+local function where_live(content)
+  local first = content[1]:clone()
+  first.content:insert(1, pandoc.Str("Where figures are live: "))
+  return pandoc.Blocks({first, table.unpack(content, 2)})
+end
+
 -- In a folder of its own: another figure may show the same view with other arguments.
 function live.figure(div)
   local a = div.attributes
@@ -61,7 +68,7 @@ function live.figure(div)
     pandoc.Div({pandoc.Plain({image})}, {class = "live", ["data-driver"] = a.driver, ["data-args"] = args,
       ["data-options"] = options, ["data-program"] = drive.program(div), ["data-drag"] = a.drag, ["data-click"] = a.click,
       ["data-widget"] = a.widget}),
-    drive.caption(div.content, drive.without_times(parameters) .. by_hand),
+    drive.caption(module == "" and where_live(div.content) or div.content, drive.without_times(parameters) .. by_hand),
   }, {class = "picture"})
 end
 
