@@ -308,7 +308,7 @@ def main():
     parser.add_argument("stem", metavar="STEM")
     parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
     parser.add_argument("--build", default=".", metavar="DIR")
-    parser.add_argument("--step", default="", metavar="N", help="of the handout; the next after the claims for none")
+    parser.add_argument("--step", default="", metavar="N", help="of the handout; the first that is not done for none")
     arguments = parser.parse_args()
     stop_on_signals()
     os.environ.setdefault("RAYKIT_TEST_SECONDS", _TEST_SECONDS)

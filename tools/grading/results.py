@@ -47,7 +47,7 @@ def name_of(impl):
 
 
 def _worth(test):
-    return f"{test.points} points" if test.points else f"costs {DEDUCTION} points: it held with the starter"
+    return f"{test.points} point{'s' * (test.points != 1)}" if test.points else f"costs {DEDUCTION} points: it held with the starter"
 
 
 def _explained(suite, test):
