@@ -18,6 +18,13 @@ static const char *first_given(const rk_driver *driver, const rk_option *rows, c
     return NULL;
 }
 
+/* The same of the options that the renderer has without a feature. */
+static const char *first_given_of_renderer(const rk_driver *driver, const char *field)
+{
+    rk_render_options options = driver->render;
+    return first_given(driver, rk_render_options_tables(&options).tables[0].rows, field);
+}
+
 /* The option is named as it was typed. */
 static void note(const rk_driver *driver, const char *given, const char *takes)
 {
@@ -34,20 +41,17 @@ static bool has_bounces(const rk_plan *plan)
 static void note_max_depth(const rk_driver *driver, const rk_plan *usual)
 {
     rk_render_options options = driver->render;
-    const rk_option *rows = rk_render_options_tables(&options).tables[0].rows;
     options.max_depth = 1; /* 0 has the effect that there are no bounces */
     const rk_plan plan = rk_plan_of(&driver->scene, &options);
     if (!has_bounces(&plan) && !has_bounces(usual))
-        note(driver, first_given(driver, rows, "max_depth"),
+        note(driver, first_given_of_renderer(driver, "max_depth"),
              "--reflections and a specular surface, or --transparency and a transparent one");
 }
 
 static void note_samples(const rk_driver *driver, const rk_plan *plan)
 {
-    rk_render_options options = driver->render;
-    const rk_option *rows = rk_render_options_tables(&options).tables[0].rows;
     if (plan->adaptive_sampling)
-        note(driver, first_given(driver, rows, "samples"), "a picture without --error");
+        note(driver, first_given_of_renderer(driver, "samples"), "a picture without --error");
 }
 
 /* Options of a feature that the command line turns off have an effect, too: it is in the usual

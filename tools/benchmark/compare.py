@@ -54,8 +54,6 @@ def changes(old_rows, new_rows):
     found = []
     for name in sorted(old.keys() & new.keys()):
         common = old[name].keys() & new[name].keys()
-        if len({seed for _, seed in common}) < 2:
-            continue
         for what, figure, column in (("time", _log_time, "seconds"), ("error", _log_error, "mse")):
             # Logarithms; pairs, so what one side has no logarithm of, neither has.
             keys = [key for key in common if old[name][key][column] > 0 and new[name][key][column] > 0]
