@@ -1,0 +1,68 @@
+#!/bin/sh
+# Does ./bootstrap wait for a package manager that is busy, and for no other failure? With an apt-get of a few lines.
+set -u
+[ "${1-}" != --list ] || exit 0 # the driver asks for names of tests, which it can do without
+folder=$(mktemp -d) || exit 1
+trap 'rm -rf "$folder"' EXIT
+trap 'exit 130' HUP INT TERM
+mkdir "$folder/bin" "$folder/kit"
+cp "${srcdir:-.}/bootstrap" "$folder/kit"
+PATH=$folder/bin:$PATH
+count=0
+
+stub() { # name: a program of that name that runs what stands on standard input
+    { echo '#!/bin/sh' && cat; } >"$folder/bin/$1" && chmod +x "$folder/bin/$1"
+}
+stub dpkg-query </dev/null
+stub sudo <<'END'
+exec "$@"
+END
+stub sleep <<END
+echo \$1 >>"$folder/slept"
+END
+stub apt-get <<END
+echo "\$*" >>"$folder/asked"
+case \$* in
+*\$FAILING*) [ \$(wc -l <"$folder/asked") -gt \$TIMES ] || { echo "\$REASON" >&2; exit 100; } ;;
+esac
+END
+
+verdict() { # name: the status of the last command, and what bootstrap said
+    result=$?
+    count=$((count + 1))
+    [ $result = 0 ] || { sed 's/^/# /' "$folder/said" "$folder/asked"; printf 'not '; }
+    echo "ok $count - $1"
+}
+
+# bootstrap COMMAND TIMES REASON: apt-get fails with the reason that many times. It ends after the packages: the kit's
+# folder is empty otherwise.
+bootstrap() {
+    : >"$folder/asked"
+    : >"$folder/slept"
+    FAILING=$1 TIMES=$2 REASON=$3 "$folder/kit/bootstrap" >"$folder/said" 2>&1
+    slept=$(wc -l <"$folder/slept")
+}
+says() { grep -qF -e "$1" "$folder/said"; }
+
+held='E: Could not get lock /var/lib/apt/lists/lock. It is held by process 77 (apt-get)
+E: Unable to lock directory /var/lib/apt/lists/'
+bootstrap update 3 "$held"
+[ "$slept" = 3 ] && [ "$(grep -c update "$folder/asked")" = 4 ] && grep -q install "$folder/asked"
+verdict a_lock_of_the_lists_is_waited_for
+
+[ "$(grep -c waiting "$folder/said")" = 1 ] && says 'at most 10 minutes: Could not get lock /var/lib/apt/lists/lock. It is held by process 77'
+verdict that_is_said_once_with_the_longest_time_and_the_holder
+
+bootstrap install 4 'E: Sperre /var/lib/dpkg/lock-frontend konnte nicht bekommen werden - open (11: Die Ressource ist nicht verfügbar)'
+[ "$slept" = 3 ] && ! says 'could not install'
+verdict a_lock_for_installing_is_waited_for_in_any_language
+
+bootstrap install 1000 "$held"
+[ "$slept" = 120 ] && says 'could not install' && says 'held by process 77'
+verdict the_wait_ends_after_ten_minutes
+
+bootstrap install 1000 'E: Could not open lock file /var/lib/dpkg/lock-frontend - open (13: Permission denied)'
+[ "$slept" = 0 ] && says 'could not install' && says 'Permission denied'
+verdict other_failures_are_told_at_once
+
+echo "1..$count"
