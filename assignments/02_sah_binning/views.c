@@ -31,6 +31,9 @@ bool list_splits(splits *c, const rk_driver *driver, rk_error *error)
             rk_bvh_reference_of(&driver->scene.mesh, bvh->triangles[range.begin + i].index);
     const rk_sah_options options = {driver->bins, driver->split == RK_ACCEL_SAH_3};
     c->count = rk_sah_candidates(c->references, range.count, &options, c->list);
+    if (c->count == 0 && range.count == 1)
+        return rk_fail(error, "--node %u: its one triangle cannot be split; choose another node",
+                       c->node);
     if (c->count == 0)
         return rk_fail(error,
                        "--node %u: rk_sah_candidates finds no split of its %u triangles: write "

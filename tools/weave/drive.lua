@@ -35,21 +35,31 @@ function drive.fail_at(element, ...)
   drive.fail("%s: %s", drive.place(element), string.format(...))
 end
 
--- So does a driver's failure, but with a student's units it costs only the driver's output: see
--- drive.forgiving.
+local draws_users_mesh = false
+
+-- So does a driver's failure, but with a student's units, or where it draws a user's mesh, it costs only the driver's
+-- output: see drive.forgiving.
 local function fail_by_driver(element, ...)
-  if drive.units == "" then drive.fail_at(element, ...) end
+  if drive.units == "" and not draws_users_mesh then drive.fail_at(element, ...) end
   drive.say("%s: %s", drive.place(element), string.format(...))
   error({by_driver = true})
 end
 drive.fail_by_driver = fail_by_driver
 
 -- Returns a directive's result for an element, or nil if a student's units failed.
-function drive.forgiving(directive, element)
-  local made, result = pcall(directive, element)
+function drive.forgiving(directive, ...)
+  local made, result = pcall(directive, ...)
   if made then return result end
   if type(result) ~= "table" or not result.by_driver then error(result, 0) end
   return nil
+end
+
+-- The same where it draws a user's mesh.
+function drive.forgiving_mesh(directive, ...)
+  draws_users_mesh = true
+  local result = drive.forgiving(directive, ...)
+  draws_users_mesh = false
+  return result
 end
 
 -- A directive's mandatory attribute.
@@ -67,7 +77,9 @@ function drive.words(text)
   return list
 end
 
-drive.meshes = drive.words(os.getenv("MESHES"))
+-- The paths of MESHES, which weave.sh has put on a line each.
+drive.meshes = {}
+for path in (os.getenv("MESHES") or ""):gmatch("[^\n]+") do drive.meshes[#drive.meshes + 1] = path end
 
 function drive.quote(word) return "'" .. word:gsub("'", "'\\''") .. "'" end
 

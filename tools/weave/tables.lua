@@ -32,6 +32,12 @@ local function matches(cell, value)
   return cell == value or cell:gsub(" ", "_") == value or start and cell:sub(1, #start) == start
 end
 
+-- A mesh's name as drivers have it, of at most 63 bytes.
+local function mesh_name(path) return (path:gsub(".*/", ""):sub(1, 63)) end
+
+local is_users = {} -- by the names of users' meshes
+for _, mesh in ipairs(drive.meshes) do is_users[mesh_name(mesh)] = true end
+
 local was_read = {} -- elements with their rows
 
 local function text_of(row)
@@ -55,8 +61,9 @@ function tables.check_kept()
   end
 end
 
--- The rows that an element selects by `where` (its attribute), cells by column, and the set of columns.
-function tables.read(element, where)
+-- The rows that an element selects by `where` (its attribute), cells by column, and the set of columns. Rows of users'
+-- meshes are among them only if asked for: the texts say nothing of these.
+function tables.read(element, where, with_meshes)
   local header, lines = csv.read(drive.out .. "/tables/" .. tables.name(element) .. ".csv")
   if not header then drive.fail_by_driver(element, "%s", lines) end
   local columns, rows, wanted = {}, {}, {}
@@ -68,7 +75,7 @@ function tables.read(element, where)
     local row, fits = {}, true
     for i, cell in ipairs(line) do row[header[i]] = cell end
     for column, value in pairs(wanted) do fits = fits and matches(row[column], value) end
-    if fits then rows[#rows + 1] = row end
+    if fits and (with_meshes or not is_users[row.scene]) then rows[#rows + 1] = row end
   end
   if not where then was_read[#was_read + 1] = {element = element, rows = rows} end
   return rows, columns
@@ -88,18 +95,16 @@ function tables.column(element, columns, name)
   return name
 end
 
-local function basename(path) return (path:gsub(".*/", "")) end
-
 -- The scenes that an element selects, in its order.
 function tables.scenes(element, with_meshes)
   local list = words(need(element, "scenes"))
-  for _, mesh in ipairs(with_meshes and drive.meshes or {}) do list[#list + 1] = basename(mesh) end
+  for _, mesh in ipairs(with_meshes and drive.meshes or {}) do list[#list + 1] = mesh_name(mesh) end
   return list
 end
 
 -- The rows of these metrics on the element's scenes, in the order of the metrics; and the columns.
 function tables.read_metrics(element, metrics, with_meshes)
-  local rows, columns = tables.read(element, element.attributes.where or "") -- timings: each run adds to them
+  local rows, columns = tables.read(element, element.attributes.where or "", with_meshes) -- timings: each run adds to them
   local list, wanted = {}, {}
   for _, scene in ipairs(tables.scenes(element, with_meshes)) do wanted[scene] = true end
   for _, metric in ipairs(metrics) do

@@ -7,7 +7,8 @@
 --   :::
 -- runs the driver and becomes its picture, with the caption and the driver's line of parameters below.
 -- A picture that is mostly black, or small in its frame, is a mistake unless dark=yes.
--- With each=mesh it is repeated for every file in MESHES (and left out if there is none).
+-- With each=mesh it is repeated for every file in MESHES (and left out if there is none); a note says where little can
+-- be seen of one.
 --
 -- crop="0.5 0.2 0.25 0.25" shows a part of the picture, magnified (crop.lua); label="0.6 0.3 0.8 0.2 red pane; ..."
 -- puts words over it (labels.lua).
@@ -131,20 +132,30 @@ local function shown(div, path)
   return div.attributes.label and labels.over(div, block, ratio) or block
 end
 
-local function figure(div, args)
+-- The driver's picture: of a scene, or of a user's mesh.
+local function figure(div, args, mesh)
   local path, parameters = split_line(div, drive.run(div, args))
   if (drawn_by[path] or args) ~= args then
     fail_at(div, "%s is drawn already, but with %s; two pictures cannot have the same name",
       path, drawn_by[path])
   end
   drawn_by[path] = args
-  pictures.check_subject(div, path)
+  local note = mesh and pictures.note_subject(path, mesh)
+  if not mesh then pictures.check_subject(div, path) end
   if not args:find("--width", 1, true) and not args:find("--height", 1, true) then
     tables.picture_size[div.attributes.driver] = parameters:match("%d+ x %d+")
   end
   local caption = drive.caption(div.content, drive.without_times(parameters))
+  if note then caption.content:insert(2, pandoc.Plain({pandoc.Span(note, {class = "parameters"})})) end
   caption.content:insert(drive.command(div, args))
   return pandoc.Div({shown(div, path), caption}, {class = "picture"})
+end
+
+-- In the place of a picture that a driver cannot draw of a user's mesh.
+local function undrawn(mesh)
+  local name = mesh:gsub(".*/", "")
+  return pandoc.Div({pandoc.Plain({pandoc.Strong("Not made: this cannot be drawn of " .. name ..
+    "; the driver's reason is on the terminal.")})}, {class = "picture missing"})
 end
 
 local function figures(div)
@@ -152,7 +163,7 @@ local function figures(div)
   if div.attributes.each ~= "mesh" then return figure(div, args) end
   local list = pandoc.List()
   for _, mesh in ipairs(drive.meshes) do
-    list:insert(figure(div, args .. " --mesh " .. drive.quote(mesh)))
+    list:insert(drive.forgiving_mesh(figure, div, args .. " --mesh " .. drive.quote(mesh), mesh) or undrawn(mesh))
   end
   return pandoc.Div(list, {class = "row"})
 end

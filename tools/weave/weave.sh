@@ -47,17 +47,23 @@ fi
 RAYKIT_GNUPLOT=${GNUPLOT-}
 
 # All meshes are tried before anything is rendered. Their paths are relative to the folder where make
-# was called; tables and captions have their bare names, which must differ.
-names=
-for mesh in ${MESHES-}; do
-    name=$(basename "$mesh")
-    case " $names " in
-    *" $name "*) give_up "MESHES: two files are called $name; rename one of them" ;;
+# was called; tables and captions have their bare names, pictures the letters, digits and dots of these.
+. "$RAYKIT_SOURCE/tools/weave/mesh_names.sh"
+MESHES=$(mesh_names "${MESHES-}") || give_up "MESHES names files, with a space between two (see above)"
+names=/
+while IFS= read -r mesh; do
+    [ -n "$mesh" ] || continue
+    name=$(basename "$mesh" | cut -b -63)
+    drawn=$(printf %s "$name" | LC_ALL=C tr -c 'A-Za-z0-9._' -)
+    case $names in
+    */"$drawn"/*) give_up "MESHES: the pictures of two files would be called $drawn; rename $mesh" ;;
     esac
-    names="$names $name"
+    names=$names$drawn/
     "$RAYKIT_BUILD"/assignments/01_bvh_median/bvh_median --mesh "$mesh" --width 1 --height 1 --quiet \
-        --out "$RAYKIT_SCRAPS" || give_up "MESHES: $mesh cannot be used (its reason is above)"
-done
+        --out "$RAYKIT_SCRAPS" </dev/null || give_up "MESHES: $mesh cannot be used (its reason is above)"
+done <<END
+$MESHES
+END
 
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1)
 machine="${processor:-$(uname -m)}, $(getconf _NPROCESSORS_ONLN) processors"
