@@ -3,6 +3,7 @@
 #include "test.h"
 
 #include <fnmatch.h>
+#include <sys/resource.h>
 #include <unistd.h>
 
 typedef struct attestation {
@@ -108,6 +109,76 @@ static int run_only(const rk_suite *suite, char *name)
     return 2;
 }
 
+/* RAYKIT_TIMES names a file: each claim that ran adds a line with its processor seconds, those of
+ * its child processes included, its suite and its name. Claims run in their order, so their
+ * fixtures know which one is meant. */
+static struct {
+    const rk_suite *suite;
+    size_t next;
+    double began;
+    FILE *file;
+} times;
+
+static double seconds_of(int who)
+{
+    struct rusage used;
+    getrusage(who, &used);
+    return (double)(used.ru_utime.tv_sec + used.ru_stime.tv_sec) +
+           1e-6 * (double)(used.ru_utime.tv_usec + used.ru_stime.tv_usec);
+}
+
+static double processor_seconds(void)
+{
+    return seconds_of(RUSAGE_SELF) + seconds_of(RUSAGE_CHILDREN);
+}
+
+static int begin_time(void **state)
+{
+    CMFixtureFunction set_up = times.suite->tests[times.next++].setup_func;
+    times.began = processor_seconds();
+    return set_up ? set_up(state) : 0;
+}
+
+static int end_time(void **state)
+{
+    const struct CMUnitTest *test = &times.suite->tests[times.next - 1];
+    int status = test->teardown_func ? test->teardown_func(state) : 0;
+    fprintf(times.file, "%.3f\t%s\t%s\n", processor_seconds() - times.began, times.suite->name,
+            test->name);
+    return status;
+}
+
+static int run_timed(const rk_suite *suite, const char *path)
+{
+    struct CMUnitTest *timed = malloc(suite->count * sizeof *timed);
+    times.file = fopen(path, "a");
+    if (!timed || !times.file) {
+        fprintf(stderr, "%s: RAYKIT_TIMES names %s, which cannot be written\n", suite->name, path);
+        free(timed);
+        return 2;
+    }
+    times.suite = suite;
+    for (size_t i = 0; i < suite->count; i++) {
+        timed[i] = suite->tests[i];
+        timed[i].setup_func = begin_time;
+        timed[i].teardown_func = end_time;
+    }
+    int failures =
+        _cmocka_run_group_tests(suite->name, timed, suite->count, suite->set_up, suite->tear_down);
+    fclose(times.file);
+    free(timed);
+    return failures;
+}
+
+static int run_all(const rk_suite *suite)
+{
+    const char *times_file = getenv("RAYKIT_TIMES");
+    if (times_file && *times_file)
+        return run_timed(suite, times_file);
+    return _cmocka_run_group_tests(suite->name, suite->tests, suite->count, suite->set_up,
+                                   suite->tear_down);
+}
+
 static int run_matching(const rk_suite *suite, const char *pattern)
 {
     size_t matching = 0;
@@ -133,7 +204,7 @@ int rk_suite_main(const rk_suite *suite, int argc, char **argv)
         fprintf(stderr, "usage: %s [--list | --only TEST | PATTERN]\n", argv[0]);
         return 2;
     }
-    int failures = run_matching(suite, argc == 2 ? argv[1] : "*");
+    int failures = argc == 2 ? run_matching(suite, argv[1]) : run_all(suite);
     const char *format = getenv("CMOCKA_MESSAGE_OUTPUT");
     bool verdicts_are_printed = format && strcmp(format, "TAP") == 0 && failures >= 0 && argc == 1;
     return verdicts_are_printed ? 0 : failures;

@@ -197,7 +197,7 @@ static rk_render_options options_for(const effect *e)
     return options;
 }
 
-enum { seeds = 24, converged = 1024 };
+enum { seeds = 24, converged = 512 };
 
 static double mean_of(const rk_image *image)
 {
@@ -208,7 +208,8 @@ static double mean_of(const rk_image *image)
 }
 
 /* The mean of all pixels, over independent pictures, against a converged one. 5 standard errors are
- * those of the adaptive pictures; the reference has about 50 times as many samples as one. */
+ * those of the adaptive pictures; the reference has as many samples as all of them, more evenly
+ * placed. */
 static void check_effect(const effect *e)
 {
     rk_scene scene = test_scene_builtin(e->scene);

@@ -86,7 +86,7 @@ static double light_along(const rk_scene *scene, rk_dvec3 p, rk_dvec3 l, bool ph
 static double highlight_at(const rk_scene *scene, const rk_render_options *options, rk_dvec3 p,
                            double left)
 {
-    enum { rings = 400, sectors = 160 };
+    enum { rings = 200, sectors = 80 };
     rk_dvec3 around[2 * sectors]; /* every second ring is turned by half a sector */
     const rk_material *material = &scene->mesh.materials[0];
     double s = (double)material->shininess, sum = 0;
@@ -129,7 +129,7 @@ static void integrate(const rk_scene *scene, const rk_render_options *options, d
 
 /* Means of pictures with `seeds` seeds, and of their squares, of the sums of `blocks` parts of the
  * picture. */
-enum { blocks = 4, seeds = 100 };
+enum { blocks = 4, seeds = 40 };
 
 static int block_of(size_t i)
 {
@@ -160,9 +160,9 @@ static void check_unbiased(const rk_scene *scene, rk_render_options options, dou
         if (sums[k] == 0) /* behind the occluder */
             continue;
         double error = sqrt(fmax(square[k] - mean[k] * mean[k], 0) / (seeds - 1));
-        /* Five standard errors; and the integral's: an edge crosses a ring's cells, 1 of 160, in
-         * 400 rings and 30 pixels, at random: 1e-4 and less. */
-        double tolerance = 5 * error + 2e-4 * sums[k];
+        /* Five standard errors; and the integral's: an edge crosses a ring's cells, 1 of 80, in
+         * 200 rings and 30 pixels, at random: 2e-4 and less. */
+        double tolerance = 5 * error + 4e-4 * sums[k];
         rk_check(
             fabs(mean[k] - sums[k]) <= tolerance,
             "%s, shininess %g, quarter %d of the picture: got %.7g on average, want %.7g within "

@@ -370,7 +370,7 @@ static double mean_of_row(const rk_scene *scene, rk_render_options options, size
 static void pixels_that_are_covered_in_part_are_right_on_average(void **state)
 {
     (void)state;
-    enum { samples = 4, seeds = 60 };
+    enum { samples = 4, seeds = 20 };
     double fraction = 0.2, side = 2 * tan(25 * pi / 180) * 3 / height;
     rk_scene scene = test_scene_make(2);
     /* Its upper edge is in the row above the middle; it covers the whole width all the time. */
