@@ -3,7 +3,6 @@
 #include "io/image_file.h"
 
 #include "base/file.h"
-#include "base/plain_numbers.h"
 #include "io/helper.h"
 #include "io/image_stream.h"
 #include "io/png.h"
@@ -19,8 +18,6 @@ _Static_assert((int)RK_IMAGE_STREAM_SIDE_MAX == (int)RK_IMAGE_SIDE_MAX,
 _Static_assert(sizeof(rk_vec3) == 3 * sizeof(float), "pixels are sent as they are in memory");
 
 typedef rk_image_stream_head head;
-
-enum { comparison_max = 400 }; /* bytes: six numbers of up to 25 characters, with room */
 
 static bool has_ending(const char *path, const char *ending)
 {
@@ -165,37 +162,4 @@ bool rk_image_file_write(const char *path, const rk_image *image, rk_error *erro
             path, image->width, image->height, RK_IMAGE_SIDE_MAX);
     return has_ending(path, ".png") ? rk_png_write(path, image, NULL, 0, error)
                                     : write_exr(path, image, error);
-}
-
-/* --- comparing ------------------------------------------------------------------------------- */
-
-/* Numbers are written with a decimal point, whatever the caller's locale. */
-static bool parse_numbers(const char *text, rk_image_file_difference *d)
-{
-    rk_plain_numbers plain = rk_plain_numbers_begin();
-    int end = -1;
-    int count = sscanf(text, "%lf %lf %lf %lf %lf %lf %n", &d->rms, &d->psnr, &d->maximum,
-                       &d->max_x, &d->max_y, &d->perceptual, &end);
-    rk_plain_numbers_end(plain);
-    return count == 6 && end >= 0 && text[end] == '\0' && d->rms >= 0 && !isnan(d->psnr) &&
-           d->maximum >= 0 && d->max_x >= 0 && d->max_y >= 0 && d->perceptual >= 0;
-}
-
-bool rk_image_file_compare(rk_image_file_difference *difference, const char *path_a,
-                           const char *path_b, rk_error *error)
-{
-    *difference = (rk_image_file_difference){0};
-    if (!check_kind(path_a, error) || !check_kind(path_b, error))
-        return false;
-    rk_helper_call call =
-        make_call(path_a, (const char *[]){"compare", path_a, path_b, NULL}, comparison_max);
-    unsigned char *reply;
-    size_t size;
-    if (!rk_helper_run(&call, &reply, &size, error))
-        return false;
-    char text[comparison_max + 1] = "";
-    if (size)
-        memcpy(text, reply, size);
-    free(reply);
-    return parse_numbers(text, difference) || fail_reply(path_a, error);
 }

@@ -23,17 +23,4 @@ bool rk_image_file_write(const char *path, const rk_image *image, rk_error *erro
 /* Does rk_image_file_write know the ending? For asking before the work is done. */
 bool rk_image_file_can_write(const char *path, rk_error *error);
 
-typedef struct rk_image_file_difference {
-    double rms;     /* root mean square over pixels and channels, of linear values */
-    double psnr;    /* decibels, for a peak of 1; infinite for equal pictures */
-    double maximum; /* largest absolute difference of a channel */
-    double max_x, max_y;
-    double perceptual; /* number of pixels with a visible difference (Yee 2004), viewed 45
-                          degrees wide, white at 100 cd/m^2 */
-} rk_image_file_difference;
-
-/* Compares two files of equal size, also PNG, by their linear values. Needs the helper program. */
-bool rk_image_file_compare(rk_image_file_difference *difference, const char *path_a,
-                           const char *path_b, rk_error *error);
-
 #endif

@@ -1,13 +1,11 @@
 // raykit-image: pictures in every format of OpenImageIO, for the library, which does not link it (a
 // process that does takes a quarter of a second to start).
 //
-//   raykit-image read FILE MOST   picture of up to MOST pixels to standard output, in the format of
-//   image_stream.h raykit-image write FILE       picture from standard input, in the format of
-//   FILE's ending raykit-image compare A B      prints rms, psnr, maximum, its x and y, and Yee's
-//   pixel count
+//   raykit-image read FILE MOST   picture of up to MOST pixels to standard output
+//   raykit-image write FILE       picture from standard input, in the format of FILE's ending
 //
+// Pictures in streams have the format of image_stream.h.
 // Errors are one line on standard error that begins with the file's name, and exit status 1.
-#include "io/image_helper/perceptual.h"
 #include "io/image_stream.h"
 
 #include <OpenImageIO/color.h>
@@ -227,7 +225,7 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX)
     return picture;
 }
 
-Picture load(const std::string &path, size_t most_pixels = SIZE_MAX)
+Picture load(const std::string &path, size_t most_pixels)
 {
     Picture picture = read_picture(path, most_pixels);
     check_finite(path, picture);
@@ -363,39 +361,14 @@ void store(const std::string &path, Picture picture)
     unfinished = {};
 }
 
-// --- comparing ----------------------------------------------------------------------------------
-
-OIIO::ImageBuf wrap(Picture &picture)
-{
-    OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT);
-    return OIIO::ImageBuf(spec, picture.rgb.data());
-}
-
-void compare(const std::string &path_a, const std::string &path_b)
-{
-    Picture a = load(path_a), b = load(path_b);
-    if (a.width != b.width || a.height != b.height)
-        fail(path_a, "is " + size_text(a) + " pixels, but " + path_b + " is " + size_text(b) +
-                         ": only pictures of equal size can be compared");
-    OIIO::ImageBuf buffer_a = wrap(a), buffer_b = wrap(b);
-    auto result = OIIO::ImageBufAlgo::compare(buffer_a, buffer_b, 0, 0);
-    size_t seen = count_seen(a.rgb.data(), b.rgb.data(), size_t(a.width), size_t(a.height));
-    // OpenImageIO's own PSNR takes the brightest value of the two pictures as its peak.
-    double psnr = 20 * std::log10(1 / result.rms_error);
-    std::printf("%.17g %.17g %.17g %d %d %zu\n", result.rms_error, psnr, result.maxerror,
-                result.maxx, result.maxy, seen);
-}
-
 void run(const std::vector<std::string> &words)
 {
     if (words.size() == 3 && words[0] == "read")
         send(load(words[1], std::stoull(words[2])));
     else if (words.size() == 2 && words[0] == "write")
         store(words[1], receive());
-    else if (words.size() == 3 && words[0] == "compare")
-        compare(words[1], words[2]);
     else
-        fail("raykit-image", "usage: raykit-image read FILE MOST | write FILE | compare A B");
+        fail("raykit-image", "usage: raykit-image read FILE MOST | write FILE");
 }
 
 std::string one_line(std::string text)
