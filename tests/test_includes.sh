@@ -1,8 +1,9 @@
 #!/bin/sh
-# Includes go up only: a folder of src uses those named after it below, headers do not include each
+# Includes and calls go up only: a folder of src uses those named after it below, headers do not include each
 # other in a circle, and a reader finds each function in the file that is named like its header.
 set -u
 [ "${1-}" != --list ] || exit 0 # the test driver asks for test names; there is nothing to choose from
+objects=$PWD/src
 cd "${srcdir:-.}/src" || exit 1
 
 # folder: the folders that it may include
@@ -74,6 +75,36 @@ own_headers() {
     done
 }
 
+# The same of what is called, by the symbols of the objects. Only a feature's descriptor may be named from anywhere: the
+# lists of features are made of these.
+symbols() {
+    (find . -name '*.c' | sed 's/c$/o/' && cd "$objects" && find . -name '*.o') | LC_ALL=C sort | uniq -d |
+        (cd "$objects" && xargs "${NM:-nm}" -A -P -g)
+}
+calls_upwards() {
+    symbols | awk -v allowed="$allowed" '
+        BEGIN {
+            count = split(allowed, rows, "\n")
+            for (i = 1; i <= count; i++) {
+                folder = rows[i]; sub(/:.*/, "", folder)
+                names = split(rows[i], name, " ")
+                for (k = 2; k <= names; k++) may[folder, name[k]] = 1
+            }
+        }
+        { sub(/:$/, "", $1); sub(/^\.\//, "", $1) }
+        $3 == "U" { from[++uses] = $1; what[uses] = $2; next }
+        { home[$2] = $1 }
+        END {
+            if (!uses) print "there is nothing to look at: run make"
+            for (i = 1; i <= uses; i++) {
+                to = home[what[i]]
+                split(from[i], a, "/"); split(to, b, "/")
+                if (to != "" && a[1] != b[1] && !((a[1], b[1]) in may) && what[i] !~ /^rk_[a-z_]*_feature$/)
+                    print "src/" from[i] ": " a[1] " may not use " what[i] " of src/" to
+            }
+        }'
+}
+
 number=0
 check() {
     number=$((number + 1))
@@ -86,7 +117,12 @@ check() {
     fi
 }
 
-echo 1..3
+echo 1..4
 check only_upwards "includes go up only"
 check no_circles "headers form no circle"
 check own_headers "each file has its header"
+if [ -f "$objects/base/error.o" ]; then
+    check calls_upwards "calls go up only"
+else
+    echo "ok 4 - calls go up only # SKIP nothing is built"
+fi
