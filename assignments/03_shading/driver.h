@@ -3,7 +3,7 @@
 #define RK_03_SHADING_DRIVER_H
 
 #include "driver/driver_main.h"
-#include "render/stages/shading_stage.h"
+#include "render/options.h"
 
 static const float shininess_shown[] = {1, 10, 100, 1e3f, 1e5f};
 enum { shown = sizeof shininess_shown / sizeof shininess_shown[0] };

@@ -1,4 +1,5 @@
-#include "driver/driver_command.h"
+/* The command line for captions (driver/driver_options.h): without folders, in present spelling. */
+#include "driver/driver_options.h"
 
 #include <string.h>
 

@@ -1,7 +1,6 @@
 #include "driver/driver_main.h"
 
 #include "driver/driver_options.h"
-#include "driver/driver_unused.h"
 
 static const rk_driver_view *find_view(const rk_driver_spec *spec, const rk_driver *driver)
 {

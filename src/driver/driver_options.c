@@ -1,7 +1,6 @@
 /* The common options, and the combinations that are refused. */
 #include "driver/driver_options.h"
 
-#include "driver/driver_command.h"
 #include "driver/implementation_note.h"
 #include "features/sah_binning.h"
 #include "render/options.h"

@@ -1,6 +1,7 @@
-#include "driver/driver_unused.h"
+/* Notes on options without effect (driver/driver_options.h): a feature that neither this command
+ * line's plan nor the usual one has. */
+#include "driver/driver_options.h"
 
-#include "render/feature_list.h"
 #include "render/options.h"
 
 #include <stdio.h>

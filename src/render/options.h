@@ -9,6 +9,8 @@ typedef struct rk_render_option_tables {
     size_t count;
 } rk_render_option_tables;
 
+extern const rk_names rk_shading_model_names;
+
 /* Tables that read into `options`, whose present values are the defaults in --help. */
 rk_render_option_tables rk_render_options_tables(rk_render_options *options);
 

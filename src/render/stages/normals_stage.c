@@ -1,9 +1,12 @@
-#include "render/stages/normals_stage.h"
-
+/* Surfaces in the colours of their normals (render/feature.h), added to the light that they
+ * reflect. */
 #include "render/feature.h"
+
+#include "features/normals.h"
 #include "render/film.h"
 #include "render/rendering.h"
 #include "render/sample_pass.h"
+#include "render/shading_point.h"
 
 /* A sphere has no triangle; where it is flat, it is as flat as it is smooth. */
 static rk_vec3 flat_normal(const rk_surface *surface)
@@ -15,7 +18,8 @@ static rk_vec3 flat_normal(const rk_surface *surface)
     return rk_dot(n, surface->face_normal) < 0 ? rk_negate(n) : n;
 }
 
-rk_vec3 rk_normals_shown_at(rk_normals_shown shown, const rk_surface *surface)
+/* The colour that the surface shows, on the side of the viewer. */
+static rk_vec3 colour_of(rk_normals_shown shown, const rk_surface *surface)
 {
     return rk_normals_colour(shown == RK_NORMALS_FLAT ? flat_normal(surface) : surface->normal);
 }
@@ -26,7 +30,7 @@ static void shade(const rk_rendering *r, rk_sample_pass *pass, const rk_shading_
     (void)pass;
     for (uint32_t i = 0; i < points->count; i++) {
         const rk_shading_point *point = &points->points[i];
-        rk_vec3 colour = rk_normals_shown_at(r->options->normals, &point->surface);
+        rk_vec3 colour = colour_of(r->options->normals, &point->surface);
         rk_film_add(film, point->pixel, rk_mul(point->path.throughput, colour));
     }
 }

@@ -1,4 +1,5 @@
-#include "render/stages/shading_stage.h"
+/* The models of shading as options (render/options.h); shade_stage.h evaluates them. */
+#include "render/options.h"
 
 RK_NAMES(rk_shading_model_names, rk_shading_model, RK_SHADING_GRADIENT, "off", "lambert", "phong",
          "blinn-phong", "gradient");

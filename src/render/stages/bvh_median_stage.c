@@ -1,5 +1,0 @@
-/* The descriptor alone (render/feature.h): the tree is chosen when it is built (accel/accel.h), so
- * the renderer has nothing to decide. */
-#include "render/feature.h"
-
-const rk_feature rk_bvh_median_feature = {.stem = "bvh_median"};
