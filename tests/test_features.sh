@@ -43,7 +43,7 @@ check_links 3 "/* Handed out: the starter. */" workbook "in a pack, what is used
 hidden=
 for file in $(cd "$source" && grep -lE 'rk_triangle_closest|rk_watertight_|closed_mesh\.h|test_soup\.h' tests/test_*.c); do
     suite=$(basename "$file" .c)
-    grep -qE "^tests_${suite}_(SOURCES = .*\\\$\\(unit_|LDADD = \\\$\\(render_libs)" "$source/Makefile.am" "$source/features.am" ||
+    grep -qE "^tests_${suite}_(SOURCES = .*\\\$\\(unit_|LDADD = \\\$\\(render_libs)" "$source/tests/tests.am" "$source/features.am" ||
         hidden="$hidden $suite"
 done
 if [ -z "$hidden" ]; then

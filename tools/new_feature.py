@@ -43,7 +43,8 @@ def check_name(source, stem):
         raise ToolError(f"NAME={stem}: this word means something in C; choose another")
     if stem in read_features(source):
         raise ToolError(f"NAME={stem}: there is such a feature; choose another name")
-    if re.search(rf"\b(check|driver)-{stem}\b", _read(os.path.join(source, "Makefile.am"))):
+    if any(re.search(rf"\b(check|driver)-{stem}\b", _read(os.path.join(source, name)))
+           for name in ("Makefile.am", "tests/tests.am", "tools/grading/grading.am")):
         raise ToolError(f"NAME={stem}: make check-{stem} does something else; choose another name")
     for folder in ("src", "tests"):
         for name in _files(os.path.join(source, folder)):
