@@ -12,9 +12,12 @@
 static bool load(rk_scene *scene, const char *name, rk_error *error)
 {
     rk_mesh mesh;
+    const rk_framing framing = rk_framing_default();
+    rk_framed framed;
     if (!strchr(name, '.'))
         return rk_builtin_scene(scene, name, error);
-    return rk_mesh_file_read(&mesh, name, error) && rk_scene_around(scene, name, &mesh, error);
+    return rk_mesh_file_read(&mesh, name, error) &&
+           rk_scene_framed(scene, name, &mesh, &framing, &framed, error);
 }
 
 static bool render(const rk_scene *scene, const char *path, rk_error *error)

@@ -11,6 +11,7 @@
 #include "io/png.h"
 #include "post/bloom_stage.h"
 #include "render/render.h"
+#include "scene/framing.h"
 #include "scene/scene.h"
 #include "scenes/builtin.h"
 #include "scenes/sky.h"

@@ -238,6 +238,8 @@ static void every_bad_option_is_named_in_one_line(void **state)
         {"--debug everything", "--debug everything", "level, leaf"},
         {"--debug", "--debug", "the value is missing"},
         {"--scene cube --mesh a.obj", "--scene and --mesh", "choose one"},
+        {"--up z", "--up", "--mesh"},
+        {"--mesh a.obj --up -z", "--up -z", "x|y|z"},
         {"--environment sky --background 1", "--environment and --background", "choose one"},
         {"--background 2", "--background 2", "0 to 1"},
         {"--timing --debug leaf", "--timing and --debug", "choose one"},
@@ -793,6 +795,86 @@ static void a_foreign_table_is_left_alone(void **state)
     free(table);
 }
 
+/* --- Mesh files ------------------------------------------------------------------------------ */
+
+/* A box whose sides towards +z, -z and -y are red, green and blue, all others grey; and, if asked
+ * for, a triangle far from it. */
+static void write_box(const test_folder *folder, bool has_strays)
+{
+    static const char colours[] = "newmtl grey\nKd .5 .5 .5\nnewmtl red\nKd 1 0 0\n"
+                                  "newmtl green\nKd 0 1 0\nnewmtl blue\nKd 0 0 1\n";
+    char mesh[4096] = "mtllib box.mtl\n"
+                      "v 1 1 1\nv 3 1 1\nv 3 3 1\nv 1 3 1\nv 1 1 3\nv 3 1 3\nv 3 3 3\nv 1 3 3\n"
+                      "usemtl red\nf 5 6 7 8\nusemtl green\nf 1 4 3 2\nusemtl blue\nf 1 2 6 5\n"
+                      "usemtl grey\nf 3 4 8 7\nf 1 5 8 4\nf 2 3 7 6\n";
+    if (has_strays)
+        strcat(mesh, "v 900 0 0\nv 901 0 0\nv 900 1 0\nf 9 10 11\n");
+    test_folder_write(folder, "box.mtl", colours, strlen(colours), 0600);
+    test_folder_write(folder, "box.obj", mesh, strlen(mesh), 0600);
+}
+
+/* The picture of the box by these options; freed by the caller. */
+static rk_image box_picture(const test_folder *folder, const char *options)
+{
+    char arguments[200];
+    rk_image image;
+    rk_error error;
+    snprintf(arguments, sizeof arguments, "--mesh box.obj --width 24 --height 24 --shadows %s",
+             options);
+    run r = run_well(folder, arguments);
+    run_free(&r);
+    test_path picture = test_folder_path(folder, "out/figures/bvh_median_box.obj.png");
+    rk_check_ok(rk_png_read(&image, picture.text, &error), error);
+    return image;
+}
+
+static void check_middle(const test_folder *folder, const char *options, rk_vec3 colour)
+{
+    rk_image image = box_picture(folder, options);
+    rk_vec3 middle = image.pixels[12 * 24 + 12];
+    rk_check(rk_dot(middle, colour) > 0.5f &&
+                 rk_dot(middle, colour) == middle.x + middle.y + middle.z,
+             "%s: the middle is (%g, %g, %g)", options, (double)middle.x, (double)middle.y,
+             (double)middle.z);
+    rk_image_free(&image);
+}
+
+static void a_mesh_file_is_seen_from_its_front(void **state)
+{
+    const rk_vec3 red = {1, 0, 0}, green = {0, 1, 0}, blue = {0, 0, 1};
+    write_box(*state, false);
+    check_middle(*state, "--pitch 0 --yaw 0", red);
+    check_middle(*state, "--pitch 0 --yaw 180", green);
+    check_middle(*state, "--pitch 0 --yaw 0 --up z", blue);
+}
+
+static void walking_round_a_mesh_file_never_ends_in_the_dark(void **state)
+{
+    write_box(*state, false);
+    for (int yaw = -180; yaw < 180; yaw += 30) {
+        char options[40];
+        snprintf(options, sizeof options, "--yaw %d --pitch %d", yaw, yaw / 2);
+        rk_image image = box_picture(*state, options);
+        int lit = 0;
+        for (int i = 0; i < 24 * 24; i++)
+            lit += image.pixels[i].x + image.pixels[i].y + image.pixels[i].z > 0.1f;
+        /* A square of two thirds has 256 pixels; a box that stands on a corner fills half of its
+         * bounds. */
+        rk_check(lit > 100, "%s: %d of 576 pixels are lit", options, lit);
+        rk_image_free(&image);
+    }
+}
+
+static void strays_of_a_mesh_file_are_told(void **state)
+{
+    write_box(*state, true);
+    run r = run_driver(*state, "--mesh box.obj --width 9 --height 9");
+    check_contains(r.err,
+                   "bvh_median: box.obj: 12 of its 13 triangles lie in 0.22 % of its extent");
+    check_contains(r.out, "13 triangles (framed by 12 in 0.22 % of their extent), 9 x 9");
+    run_free(&r);
+}
+
 /* --- Speed ----------------------------------------------------------------------------------- */
 
 static void starting_up_takes_milliseconds(void **state)
@@ -846,6 +928,9 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(timings_become_rows_and_the_next_run_replaces_them),
     test_in_folder(rows_name_how_the_tree_was_split),
     test_in_folder(a_foreign_table_is_left_alone),
+    test_in_folder(a_mesh_file_is_seen_from_its_front),
+    test_in_folder(walking_round_a_mesh_file_never_ends_in_the_dark),
+    test_in_folder(strays_of_a_mesh_file_are_told),
     test_in_folder(starting_up_takes_milliseconds),
 };
 

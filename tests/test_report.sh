@@ -94,6 +94,17 @@ sections_count=$(echo $sections | wc -w)
     [ "$(drawn stray-1)" = "$sections_count" ]
 verdict each_section_has_a_picture_of_each
 
+# frame_of MESH: per mille of the frame around all that is not black
+frame_of() { grep -a -o 'raykit:frame.[01]\.[0-9]*' "$page/figures/shading_$1"*.png | tr -cd '0-9' | sed 's/^0*//'; }
+# A ball has two thirds of each side, a box and half a square somewhat less of one.
+[ "$(frame_of stray-1.obj)" -ge 400 ] && [ "$(frame_of two--words.obj)" -ge 250 ] &&
+    [ "$(frame_of triangle.ply)" -ge 300 ]
+verdict meshes_fill_their_pictures
+
+grep -q "stray,1.obj: 576 of its 577 triangles lie in 0.4 % of its extent" "$folder/said" &&
+    tr '\n' ' ' <"$page/report.html" | grep -q 'framed by 576 in 0.4 % of their extent'
+verdict strays_are_told
+
 grep -q 'its one triangle cannot be split' "$folder/said" && grep -q 'Not made: this cannot be drawn of triangle.ply' "$page/report.html"
 verdict where_there_can_be_none_a_note_says_so
 

@@ -7,6 +7,7 @@
 #include "base/table.h"
 #include "driver/overlay.h"
 #include "render/render.h"
+#include "scene/framing.h"
 
 typedef struct rk_driver {
     const char *feature; /* "bvh_median": begins the names of pictures and tables */
@@ -21,6 +22,7 @@ typedef struct rk_driver {
     uint32_t bins; /* per axis; of the kinds with bins */
     const char *scene_name;
     const char *mesh_path;   /* NULL: the built-in scene */
+    uint32_t up;             /* an rk_up: of the mesh file */
     const char *environment; /* NULL: none; "sky", or files as in io/environment_file.h */
     float background;        /* grey of rays that hit nothing, if there is no environment */
     const char *out;
@@ -41,6 +43,7 @@ typedef struct rk_driver {
 
     /* from rk_driver_start on */
     rk_scene scene;
+    rk_framed framed; /* of the mesh file */
     rk_accel accel;
     rk_accel unfinished; /* its trees find nothing: `accel` has others, see rk_driver_build */
     rk_pool *pool;

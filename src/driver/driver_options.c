@@ -14,12 +14,20 @@
 RK_NAMES(split_names, rk_accel_kind, RK_ACCEL_WIDE, "median", "sah", "sah3", "collapsed", "morton",
          "wide");
 
+RK_NAMES(up_names, rk_up, RK_UP_Z, "x", "y", "z");
+
 /* The help of --scene, --debug and --pixel depends on the driver, and --move on its scene: see
  * make_common. */
 static const rk_option common_rows[] = {
     {"scene", RK_FIELD(rk_driver, scene_name), "NAME", NULL, .initial_text = "cornell"},
     {"mesh", RK_FIELD(rk_driver, mesh_path), "FILE",
-     "a mesh file in place of --scene (OBJ, PLY, OFF, glTF ...), moved into the unit ball"},
+     "a mesh file in place of --scene (OBJ, PLY, OFF, glTF ...), seen from the front, which is +z; "
+     "it fills two thirds of "
+     "the picture at the default --distance and --fov, and its light turns with the camera"},
+    {"up", RK_CHOICE(rk_driver, up, up_names),
+     "the axis of the mesh file that points up: z in most scans and CAD files; its front is then "
+     "-y",
+     .initial = RK_UP_Y},
     {"environment", RK_FIELD(rk_driver, environment), "sky|FILE",
      "radiance of rays that hit nothing: the built-in sky, or a picture (JPG, PNG, EXR, HDR ...) "
      "that is a cross (4:3, 3:4), a strip (6:1, 1:6) or longitude and latitude (2:1), or six "
@@ -187,6 +195,8 @@ static bool check(const rk_driver *driver, const rk_driver_view *views, const ch
 {
     if (driver->mesh_path && driver->scene_name != usual_scene)
         return rk_fail(error, "--scene and --mesh: choose one of them");
+    if (driver->up != RK_UP_Y && !driver->mesh_path)
+        return rk_fail(error, "--up: turns a mesh file; name one by --mesh");
     if (driver->environment && driver->background > 0)
         return rk_fail(error, "--environment and --background: choose one of them");
     if (driver->timing && driver->debug)

@@ -132,8 +132,12 @@ static void print_rendering(const rk_driver *driver)
 {
     const rk_render_options *render = &driver->render;
     uint32_t threads = rk_pool_threads(driver->pool);
-    printf("%u triangle%s, %u x %u, ", driver->scene.mesh.triangle_count,
-           plural(driver->scene.mesh.triangle_count), render->width, render->height);
+    printf("%u triangle%s", driver->scene.mesh.triangle_count,
+           plural(driver->scene.mesh.triangle_count));
+    if (driver->mesh_path && driver->framed.triangles < driver->scene.mesh.triangle_count)
+        printf(" (framed by %u in %.2g %% of their extent)", driver->framed.triangles,
+               100 * driver->framed.extent);
+    printf(", %u x %u, ", render->width, render->height);
     print_samples(driver);
     if (driver->counters.lens_samples > 0 && render->lens_samples > render->samples)
         printf(", %u where the lens blurs", render->lens_samples);

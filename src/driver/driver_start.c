@@ -17,34 +17,65 @@ static float or_own(float given, float own)
 /* Texels; so fine that the sun looks round. */
 enum { SKY_SIDE = 256 };
 
+/* The middle of a picture is in direction -z. A mesh file has made half a turn, and its environment
+ * does, too: the viewer then sees the middle, and not the seam. */
 static bool load_environment(rk_driver *driver, rk_error *error)
 {
     const char *name = driver->environment;
+    rk_cubemap *environment = &driver->scene.environment;
     if (!name)
         return true;
     if (*name == '\0')
         return rk_fail(error, "--environment: names no picture; give it a file's name, or sky");
-    return strcmp(name, "sky") == 0
-               ? rk_sky_make(&driver->scene.environment, SKY_SIDE, error)
-               : rk_environment_file_read(&driver->scene.environment, name, error);
+    if (strcmp(name, "sky") == 0)
+        return rk_sky_make(environment, SKY_SIDE, error);
+    if (!rk_environment_file_read(environment, name, error))
+        return false;
+    if (driver->mesh_path)
+        rk_cubemap_turn(environment);
+    return true;
+}
+
+/* Strays are told, and how large they make the mesh. */
+static void note_strays(const rk_driver *driver)
+{
+    const uint32_t all = driver->scene.mesh.triangle_count, framed = driver->framed.triangles;
+    if (framed < all && !driver->quiet)
+        fprintf(
+            stderr,
+            "%s: %s: %u of its %u triangles lie in %.2g %% of its extent; the picture shows these, "
+            "and leaves out the others, which are far away\n",
+            driver->feature, driver->scene.name, framed, all, 100 * driver->framed.extent);
+}
+
+static bool load_mesh(rk_driver *driver, rk_error *error)
+{
+    rk_mesh mesh;
+    const char *slash = strrchr(driver->mesh_path, '/');
+    const rk_camera *given = &driver->camera_given;
+    rk_framing framing = rk_framing_default();
+    framing.up = driver->up;
+    framing.rotation = rk_vec(or_own(given->rotation.x, framing.rotation.x),
+                              or_own(given->rotation.y, framing.rotation.y), framing.rotation.z);
+    framing.width = driver->render.width, framing.height = driver->render.height;
+    if (!rk_mesh_file_read(&mesh, driver->mesh_path, error))
+        return false;
+    if (*error->text && !driver->quiet) /* a note */
+        fprintf(stderr, "%s: %s\n", driver->feature, error->text);
+    if (!rk_scene_framed(&driver->scene, slash ? slash + 1 : driver->mesh_path, &mesh, &framing,
+                         &driver->framed, error))
+        return false;
+    note_strays(driver);
+    return true;
 }
 
 static bool load_scene(rk_driver *driver, rk_error *error)
 {
-    if (driver->mesh_path) {
-        rk_mesh mesh;
-        const char *slash = strrchr(driver->mesh_path, '/');
-        if (!rk_mesh_file_read(&mesh, driver->mesh_path, error))
-            return false;
-        if (*error->text && !driver->quiet) /* a note */
-            fprintf(stderr, "%s: %s\n", driver->feature, error->text);
-        if (!rk_scene_around(&driver->scene, slash ? slash + 1 : driver->mesh_path, &mesh, error))
-            return false;
-    } else {
-        rk_error why = {""};
-        if (!rk_builtin_scene(&driver->scene, driver->scene_name, &why))
-            return rk_fail(error, "--scene %.1000s", why.text);
-    }
+    rk_error why = {""};
+    if (driver->mesh_path && !load_mesh(driver, error))
+        return false;
+    if (!driver->mesh_path && !rk_builtin_scene(&driver->scene, driver->scene_name, &why))
+        return rk_fail(error, "--scene %.1000s", why.text);
     if (driver->move && driver->scene.moving_count == 0)
         rk_scene_move_mesh(&driver->scene, driver->motion);
     driver->scene.background = driver->background;

@@ -27,6 +27,26 @@ bool rk_cubemap_init(rk_cubemap *map, uint32_t side, rk_error *error)
     return true;
 }
 
+static void swap(rk_vec3 *a, rk_vec3 *b)
+{
+    const rk_vec3 kept = *a;
+    *a = *b;
+    *b = kept;
+}
+
+void rk_cubemap_turn(rk_cubemap *map)
+{
+    const size_t texels = (size_t)map->side * map->side;
+    for (size_t i = 0; i < texels; i++) {
+        swap(&map->faces[RK_FACE_X][i], &map->faces[RK_FACE_MINUS_X][i]);
+        swap(&map->faces[RK_FACE_Z][i], &map->faces[RK_FACE_MINUS_Z][i]);
+    }
+    for (size_t i = 0; i < texels / 2; i++) { /* these turn in their planes */
+        swap(&map->faces[RK_FACE_Y][i], &map->faces[RK_FACE_Y][texels - 1 - i]);
+        swap(&map->faces[RK_FACE_MINUS_Y][i], &map->faces[RK_FACE_MINUS_Y][texels - 1 - i]);
+    }
+}
+
 void rk_cubemap_free(rk_cubemap *map)
 {
     free(map->faces[0]);

@@ -58,6 +58,9 @@ typedef struct rk_cubemap {
 /* Makes a black map of 1 to RK_CUBEMAP_SIDE_MAX texels per side. */
 bool rk_cubemap_init(rk_cubemap *map, uint32_t side, rk_error *error);
 
+/* Turns the map by half a turn about y: what was at -z is at +z. */
+void rk_cubemap_turn(rk_cubemap *map);
+
 /* Accepts a zeroed map. */
 void rk_cubemap_free(rk_cubemap *map);
 
