@@ -246,6 +246,31 @@ END
     is_refused '01_one.md:3: old is neither true nor false'
     verdict a_sentence_is_true_or_false
 
+    # A driver whose runs take 3 ms, and a sentence that says otherwise.
+    mkdir -p "$folder/assignments/04_clock"
+    cat >"$folder/assignments/04_clock/clock" <<'END'
+#!/bin/sh
+mkdir -p "${*##*--out }/tables"
+printf 'scene,metric,unit,median,min,max,runs\nbox,render,ms,3,3,3,1\nbox,levels,1,4,4,4,1\n' >"${*##*--out }/tables/clock.csv"
+END
+    chmod +x "$folder/assignments/04_clock/clock"
+    {
+        printf '# One\n\n[It takes long]{.check that="time > 5"}, [has levels]{.check that="levels == 4"}, [3]{.value is=time}.\n\n'
+        printf '``` {.values driver=clock timings=yes scenes=box args=""}\n'
+        printf '%s = median where metric=%s\n' time render levels levels
+        printf '```\n'
+    } >"$texts/01_one.md"
+    is_woven && tr '\n' ' ' <"$page" | grep -q 'measured once here, and not so: time = 3' && tr '\n' ' ' <"$page" | grep -q '≈.*3</span>' &&
+        grep -q '^reports/01_one.md: 1 sentence holds, 1 not judged' "$folder/said1"
+    verdict a_sentence_about_times_that_were_measured_once_is_not_judged
+
+    ! MEASURED=1 is_woven && grep -q '^reports/01_one.md: 1 sentence holds, 1 FAILS:' "$folder/said1" &&
+        grep -q '^reports/01_one.md:3: the numbers say otherwise: "It takes long" needs time > 5, but time = 3' "$folder/said1"
+    verdict where_they_were_measured_carefully_it_is
+
+    ! is_woven && grep -q '1 FAILS' "$folder/said1"
+    verdict and_later_pages_have_the_careful_times
+
     # A driver with errors of several seeds, and a program in the place of gnuplot that keeps its script.
     mkdir -p "$folder/assignments/03_errors"
     cat >"$folder/assignments/03_errors/errors" <<'END'
@@ -433,23 +458,65 @@ END
     prints -2.468 && grep -q 't = -2.468' "$pages/pixel.html"
     verdict a_text_may_repeat_what_a_driver_prints
 
-    # Editions of one build: the driver notes its calls.
-    printf '#!/bin/sh\necho called >>"%s/calls"\necho "t = -2.468"\n' "$folder" >"$folder/assignments/01_lens/lens"
-    printf '#!/bin/sh\ncat "%s/digest"\n' "$folder" >"$folder/python"
-    chmod +x "$folder/python"
-    edition() { # edition SOLUTIONS DIGEST: how often the driver is called for it
-        echo "$2" >"$folder/digest"
+    # What was drawn is kept: the driver notes its calls.
+    lens=$folder/assignments/01_lens/lens
+    notes() { # notes NUMBER [COMMAND]: the driver, which prints the number
+        printf '#!/bin/sh\necho "$*" >>"%s/calls"\n%s\necho "t = %s"\n' "$folder" "${2-}" "$1" >"$lens" && chmod +x "$lens"
+    }
+    wants() { # wants ARGUMENTS...: a book with the driver's output for each
+        printf '# Pixel {.unnumbered #pixel}\n' >"$docs/one_pixel.md"
+        for args; do printf '\n::: {.output driver=lens args="%s"}\n:::\n' "$args"; done >>"$docs/one_pixel.md"
+    }
+    book() { # book [SOLUTIONS]
+        RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc SOLUTIONS=${1-yes} \
+            GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= sh "$source/docs/make_book" >"$folder/said1" 2>&1
+    }
+    calls() { # calls [SOLUTIONS]: how often the driver is called for a book
         : >"$folder/calls"
-        RAYKIT_SOURCE=$folder/texts RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 PANDOC=$pandoc SOLUTIONS=$1 \
-            RAYKIT_PYTHON=$folder/python GNUPLOT= CHROMIUM= QUICK= FEATURES= MESHES= sh "$source/docs/make_book" >"$folder/said1" 2>&1 &&
-            grep -q 't = -2.468' "$pages/pixel.html" && grep -c called "$folder/calls"
+        book "$@" && wc -l <"$folder/calls"
     }
-    [ ! -e "$source/tools/drawn_by.py" ] || { # a pack has other figures, and no digest of what draws them
-        [ "$(edition yes one)" = 1 ] && [ "$(edition no one)" = 0 ] && grep -q 'which this build has drawn' "$folder/said1" &&
-            [ "$(edition no two)" = 1 ] && [ "$(edition yes two)" = 1 ]
-    }
-    verdict other_editions_take_the_figures_that_the_same_build_has_drawn
-    rm "$folder/python"
+    notes 1 && wants --one --two
+    [ "$(calls)" = 2 ] && [ "$(calls)" = 0 ] && [ "$(calls no)" = 0 ] && grep -q 't = 1' "$pages/pixel.html"
+    verdict what_was_drawn_is_not_drawn_again_by_any_edition
+
+    wants --one --three
+    [ "$(calls)" = 1 ] && grep -q -- --three "$folder/calls"
+    verdict other_arguments_are_drawn
+
+    notes 2
+    [ "$(calls)" = 2 ] && grep -q 't = 2' "$pages/pixel.html" && ! grep -q 't = 1' "$pages/pixel.html"
+    verdict another_program_draws_anew
+
+    echo cube >"$folder/mesh.obj" && echo red >"$folder/mesh.mtl"
+    wants "--mesh '$folder/mesh.obj'"
+    [ "$(calls)" = 1 ] && [ "$(calls)" = 0 ] && echo ball >"$folder/mesh.obj" && [ "$(calls)" = 1 ] &&
+        echo green >>"$folder/mesh.mtl" && [ "$(calls)" = 1 ]
+    verdict so_does_another_mesh_or_another_material_of_it
+
+    notes 3 'case "$*" in *--bad*) echo "it is bad" >&2; mkdir -p "${*##*--out }/figures"; echo a >"${*##*--out }/figures/a.png"; exit 1 ;; esac'
+    wants --one --bad --two
+    ! book && grep -q 'it is bad' "$folder/said1" && grep -q 'one_pixel.md:6: this command failed' "$folder/said1" &&
+        ! grep -l -- --bad "$folder/build/drawn"/*/key && ! ls "$folder/build/drawn" | grep part
+    verdict a_driver_that_failed_leaves_nothing
+
+    # Stopped while its second command runs.
+    notes 4 'case "$*" in *--two*) [ -e "'"$folder"'/slow" ] && { echo $$ >"'"$folder"'/slow.pid"; exec sleep 60; } ;; esac'
+    wants --one --two
+    : >"$folder/calls" && touch "$folder/slow"
+    export RAYKIT_SOURCE="$folder/texts" RAYKIT_BUILD="$folder/build" RAYKIT_DRIVERS="$folder" RAYKIT_VERSION=0 PANDOC="$pandoc"
+    setsid sh "$source/docs/make_book" >"$folder/said1" 2>&1 &
+    stopped=$!
+    while kill -0 $stopped 2>/dev/null && { [ ! -e "$folder/slow.pid" ] || ! grep -q -- --one "$folder"/build/drawn/*/key; }; do sleep 0.1; done
+    kill -TERM "-$stopped"
+    wait $stopped
+    stopped=$?
+    unset RAYKIT_SOURCE RAYKIT_BUILD RAYKIT_DRIVERS RAYKIT_VERSION PANDOC
+    rm "$folder/slow"
+    [ $stopped != 0 ] && ! kill -0 "$(cat "$folder/slow.pid")" 2>/dev/null && ! ls "$folder/build/drawn" | grep part
+    verdict when_it_is_stopped_so_are_its_drivers
+
+    [ "$(calls)" = 1 ] && grep -q -- --two "$folder/calls"
+    verdict and_the_next_one_goes_on_there
 
     ! prints 2.468 && grep -q 'one_pixel.md:3: the text repeats 2.468, but the driver does not print it' "$folder/said1"
     verdict what_a_driver_does_not_print_cannot_be_repeated

@@ -19,7 +19,6 @@ import tempfile
 import textwrap
 
 from grading.assignments import Parser, ToolError, cannot_write, choose, read_features, read_points
-from drawn_by import BOOK, drawn_by, is_drawn_by
 from grade import stop_on_signals
 from handout_text import as_packed, handout_of, with_built_drivers
 from grading.leak_check import prove
@@ -128,37 +127,26 @@ def _adapt_texts(source, pack, features, chosen):
 # --- The book -------------------------------------------------------------------------------------
 
 
-def record_folder():
-    """Where the build folder keeps the figures of the book, or of a quick one."""
-    return "docs/record" + (".quick" if os.environ.get("QUICK") else "")
-
-
-def _weave_book(pack, features):
-    """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers, or those of the
-    kit's book if the same build has drawn it. They stay in the build folder for the next pack, and in the pack for its
-    own make book."""
-    kept, digest = os.path.abspath(record_folder()), drawn_by(features)
-    record = next((folder for folder in (kept, os.path.abspath(BOOK)) if is_drawn_by(folder, digest)), "")
-    environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(), MESHES="",
-                       CHROMIUM="", FEATURES="", SOLUTIONS="yes", ANSWERS="", RAYKIT_LIVE="", RAYKIT_JUDGES="no",
-                       RAYKIT_SOURCES="linked",
-                       RAYKIT_RECORD=record)
-    if not record:
-        print("handout: drawing the book's figures, with repeated timings and, if make bench has not measured, its quick form: "
-              f"many minutes, far more on a busy machine; the next pack will find them in {record_folder()}", file=sys.stderr)
-    status, said = _run(["sh", os.path.join(pack, "docs", "make_book")], environment,
-                        stderr=subprocess.PIPE if record else None)
+def _weave_book(pack):
+    """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers. What they made stays in
+    the build folder's store, for the next pack, and in the pack, for its own make book."""
+    kept = os.path.abspath("drawn")
+    environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(), RAYKIT_STORE=kept,
+                       MESHES="", CHROMIUM="", FEATURES="", SOLUTIONS="yes", ANSWERS="", RAYKIT_LIVE="", RAYKIT_JUDGES="no",
+                       RAYKIT_SOURCES="linked", RAYKIT_RECORD="")
+    print("handout: weaving the book; figures that this build has not drawn yet are drawn now", file=sys.stderr)
+    status, _ = _run(["sh", os.path.join(pack, "docs", "make_book")], environment)
     if status:
-        raise ToolError(f"the book could not be woven; BOOK=no leaves it out:\n{said}")
+        raise ToolError("the book could not be woven (its reason is above); BOOK=no leaves it out")
     made, handed = os.path.join(pack, "docs", "out"), os.path.join(pack, "docs", "handout")
     os.mkdir(handed)
     os.rename(os.path.join(made, "book.html"), os.path.join(handed, "book.html"))
-    shutil.rmtree(os.path.join(made, "book"))  # the same in pages
-    os.rename(made, os.path.join(handed, "record"))
-    if record != kept:
-        shutil.rmtree(kept, ignore_errors=True)
-        shutil.copytree(os.path.join(handed, "record"), kept)
-        write_whole(os.path.join(kept, "drawn_by"), digest)
+    record = os.path.join(handed, "record")
+    with open(os.path.join(made, "used"), encoding="utf-8") as used:
+        for name in used.read().split():
+            shutil.copytree(os.path.join(kept, name), os.path.join(record, name))
+    os.rename(os.path.join(made, "machine"), os.path.join(record, "machine"))
+    shutil.rmtree(made)
 
 
 def _title_and_time(pack, feature):
@@ -282,7 +270,7 @@ def make_handout(source, stems, out="", folder="", book=True, later=""):
         _hand_out(pack, chosen, left_open)
         _adapt_texts(source, pack, features.values(), chosen)
         if book:
-            _weave_book(pack, features.values())
+            _weave_book(pack)
         _write_handout(source, pack, chosen, [feature.stem for feature in left_open], book)
         proof = prove(source, pack, features, [*chosen, *left_open])
         keep_originals(pack)

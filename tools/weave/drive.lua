@@ -3,6 +3,7 @@
 
 local csv = require("csv")
 local rounds = require("rounds")
+local store = require("store")
 
 local drive = {
   page = os.getenv("RAYKIT_WEAVES"),
@@ -57,8 +58,9 @@ end
 -- The same where it draws a user's mesh.
 function drive.forgiving_mesh(directive, ...)
   draws_users_mesh = true
-  local result = drive.forgiving(directive, ...)
+  local made, result = pcall(drive.forgiving, directive, ...)
   draws_users_mesh = false
+  if not made then error(result, 0) end
   return result
 end
 
@@ -126,13 +128,15 @@ function drive.list(folder, pattern)
   return paths
 end
 
+local paths = {} -- of drivers, by name
+
 local function driver_path(element)
-  local name = drive.need(element, "driver")
+  local name, build = drive.need(element, "driver"), os.getenv("RAYKIT_BUILD")
   if not name:find("^[%w_]+$") then drive.fail_at(element, "there is no driver called %s", name) end
-  return drive.list(drivers, "assignments/*_" .. name .. "/" .. name)[1] or
-    drive.list(os.getenv("RAYKIT_BUILD"), "tests/stress/" .. name)[1] or
-    drive.list(os.getenv("RAYKIT_BUILD"), "tools/" .. name .. "/" .. name)[1] or
+  paths[name] = paths[name] or drive.list(drivers, "assignments/*_" .. name .. "/" .. name)[1] or
+    drive.list(build, "tests/stress/" .. name)[1] or drive.list(build, "tools/" .. name .. "/" .. name)[1] or
     drive.fail_at(element, "there is no driver called %s", name)
+  return paths[name]
 end
 
 -- Its place in the build folder, as a reader starts it. The figures of a pack are drawn by the kit's own drivers; its
@@ -174,99 +178,273 @@ end
 
 local patience = 120 -- seconds for a driver with a student's units, which may never end
 local timed_out = 124 -- timeout's exit status
-local printed = {} -- by driver and arguments: what was measured once is not measured again
 
--- What drivers printed while an earlier page was woven, by driver and arguments. weave.sh has put the
--- pictures and tables of that page into the folder of this one.
-local function read_record(folder)
-  local record = {answers = {}}
-  if folder ~= "" then
-    local load_record, wrong = loadfile(folder .. "/record.lua", "t", record)
-    if not load_record then drive.fail("%s: %s", folder, wrong) end
-    load_record()
+-- --- jobs ----------------------------------------------------------------------------------------
+
+-- A job is a command that a text asks for: the element, the driver's arguments, and the key of its entry in the store
+-- (store.lua). Before the texts are woven, the jobs of all of them are noted, and drive.draw runs those that the store
+-- lacks, side by side where nothing is timed.
+
+local record = os.getenv("RAYKIT_RECORD") or ""
+local handed_out = drive.source .. "/docs/handout/record" -- a pack's
+local measures = (os.getenv("RAYKIT_MEASURED") or "") ~= ""
+local here = table.concat({os.getenv("RAYKIT_MACHINE") or "", os.getenv("RAYKIT_ISA") or ""}, " ")
+
+local made, failed, placed = {}, {}, {} -- entries and exit statuses by key, what was printed by key and folder
+
+-- Whether a run tells times, so that its numbers are rough unless it was alone on the machine.
+local function tells_times(element, args)
+  return is_bench(element) or args:find("--timing", 1, true) or args:find("--runs ", 1, true) or
+    args:find("--convergence", 1, true) or args:find("--efficiency", 1, true)
+end
+
+-- The files that decide about what a driver makes.
+local function files_of(element, args)
+  local stem, build = args:match("%S+"), drivers:gsub("/impl$", "")
+  if element.attributes.driver == "wrong" then
+    local kit = draws_mistakes:match("'([^']*)/tools/wrong%.py'") or drive.source
+    return {kit .. "/tools/wrong.py", kit .. "/tests/mutants/" .. stem .. ".mutants",
+      drive.list(kit, "assignments/*_" .. stem .. "/wrong.tsv")[1] or "", drive.list(drivers, "assignments/*_" .. stem .. "/" .. stem)[1] or ""}
   end
-  return record.answers
+  return {driver_path(element), build .. "/raykit-mesh", build .. "/raykit-image"}
 end
 
-local recorded = read_record(os.getenv("RAYKIT_RECORD") or "")
+-- Measured anew each time, because they keep their own measurements, or read files that nobody names.
+local function is_fresh(element) return is_bench(element) or element.attributes.driver == "compare" end
 
--- A pack has no mistakes to draw; weave.sh has put its book's pictures of them into the page's folder.
-local handed_out = drive.source .. "/docs/handout/record"
-local handed_file = draws_mistakes == "" and io.open(handed_out .. "/record.lua")
-if handed_file then
-  handed_file:close()
-  for key, answer in pairs(read_record(handed_out)) do
-    if key:find("^wrong ") then recorded[key] = recorded[key] or answer end
+local function job_of(element, args)
+  local driver = drive.need(element, "driver")
+  local key = driver .. " " .. args .. (drive.units ~= "" and " with a student's units" or "")
+  return {element = element, args = args, key = key, may_fail = drive.units ~= "" or draws_users_mesh}
+end
+
+local function digest_of(job)
+  job.by = job.by or store.digest(is_fresh(job.element) and {} or files_of(job.element, job.args), store.named(job.args), {here})
+  return job.by
+end
+
+-- A job's entry, from this weaving, the store or a record, or nil.
+local function entry_of(job)
+  local key = job.key
+  if not made[key] and failed[key] == nil then
+    made[key] = store.find(record, key) or not is_fresh(job.element) and store.find(store.folder, key, digest_of(job)) or
+      draws_mistakes == "" and job.element.attributes.driver == "wrong" and store.find(handed_out, key) or nil
   end
+  return made[key]
 end
 
--- Adds an answer to this page's own record; the folder's place in it stays open.
-local function write_record(key, answer, folder)
-  local file = io.open(drive.out .. "/record.lua", "a")
-  local open = answer:gsub(folder:gsub("%W", "%%%0"), "{folder}")
-  file:write(string.format("answers[%q] = %q\n", key, open))
-  file:close()
+local function command_with(job)
+  local command = command_of(job.element) .. " " .. job.args .. ' --out "$1"'
+  return drive.units ~= "" and "timeout --foreground -k 5 " .. patience .. " " .. command or command
 end
 
--- The answer to a question, from the record or asked now.
+local function tell_failure(job)
+  if drive.units ~= "" and failed[job.key] == timed_out then
+    fail_by_driver(job.element, "this command did not end within %d seconds: %s", patience, command_with(job))
+  end
+  fail_by_driver(job.element, "this command failed (its reason is above): %s", command_with(job))
+end
+
+local function say_all(path)
+  local said = drive.read_file(path)
+  if said and said ~= "" then io.stderr:write(said) end
+end
+
+-- Runs jobs, some at a time. A failure ends the weaving, but with a student's units or a user's mesh it is told where the
+-- job is wanted.
+local function run_jobs(jobs, at_a_time, progress)
+  local folder = drive.scraps .. "/jobs"
+  os.execute("rm -rf " .. drive.quote(folder) .. " && mkdir -p " .. drive.quote(store.folder) .. " " .. drive.quote(folder))
+  for n, job in ipairs(jobs) do
+    drive.write_file(folder .. "/" .. n, string.format("key=%s\nby=%s\nentry=%s\nforgiving=%s\nrun() {\n%s\n}\n", drive.quote(job.key),
+      drive.quote(digest_of(job)), drive.quote(store.path(job.key)), job.may_fail and "yes" or "", command_with(job)))
+  end
+  local pipe = io.popen(string.format("seq %d | xargs -P %d -n 1 sh %s %s", #jobs, at_a_time,
+    drive.quote(drive.source .. "/tools/weave/draw.sh"), drive.quote(folder)))
+  local first
+  for line in pipe:lines() do
+    local number, status = line:match("^(%d+) (%d+)$")
+    local job = jobs[tonumber(number)]
+    progress(job)
+    say_all(folder .. "/" .. number .. ".said")
+    if status == "0" then made[job.key] = store.find(store.folder, job.key, job.by)
+    else failed[job.key], first = tonumber(status), first or not job.may_fail and job or nil end
+  end
+  local done, how, number = pipe:close()
+  if how == "signal" and interruptions[number] then os.exit(130) end
+  if first then tell_failure(first) end
+  if not done then drive.fail("the drivers were stopped (%s %d)", how, number) end
+end
+
+-- --- planning ------------------------------------------------------------------------------------
+
+local plan = nil -- while jobs are noted: {} of lists by kind
+
+local function note(kind, job)
+  if entry_of(job) or plan.seen[job.key] then return end
+  plan.seen[job.key] = true
+  table.insert(plan[kind], job)
+end
+
+local function note_all(jobs)
+  for _, job in ipairs(jobs) do plan.seen[job.key] = true end
+  table.insert(plan.by_turns, jobs)
+end
+
+-- Ends a directive that is only to tell what it asks for.
+local function noted() error({is_noted = true}) end
+
+-- Calls a directive for the sake of its jobs.
+function drive.note(directive, element)
+  local done, reason = pcall(directive, element)
+  local is_usual = done or type(reason) == "table" and (reason.is_noted or reason.by_driver)
+  if not is_usual then error(reason, 0) end
+end
+
+-- Calls ask for each item of a list; where jobs are noted, for the sake of these.
+function drive.each(list, ask)
+  for _, item in ipairs(list) do
+    if plan then drive.note(ask, item) else ask(item) end
+  end
+  if plan then noted() end
+end
+
+function drive.begin_plan() plan = {seen = {}, beside = {}, alone = {}, by_turns = {}} end
+
+-- --- running -------------------------------------------------------------------------------------
+
+local printed = {} -- answers to questions that were asked once
+
+-- The answer to a question, asked now or before.
 function drive.once(key, ask)
-  local answer = printed[key] or recorded[key] or ask()
-  if not printed[key] then write_record(key, answer, drive.out) end
-  printed[key] = answer
+  printed[key] = printed[key] or ask()
+  return printed[key]
+end
+
+-- In trials at the trial's size unless the text gives one.
+local function sized(element, args)
+  local driver = element.attributes.driver
+  local is_sized = args:find("--width", 1, true) or args:find("--height", 1, true) or is_bench(element) or
+    driver == "compare" or driver == "wrong" or driver_path(element):find("/tests/stress/", 1, true)
+  return size ~= "" and not is_sized and args .. " --width " .. size .. " --height " .. size or args
+end
+
+-- Returns what a job's driver prints; its files go into the folder.
+local function place(job, folder)
+  local key = job.key .. "\0" .. folder
+  if placed[key] then return placed[key] end
+  if not entry_of(job) and failed[job.key] == nil then run_jobs({job}, 1, function() end) end
+  local entry = entry_of(job)
+  if not entry then tell_failure(job) end
+  local answer, path = store.place(entry, folder)
+  if not answer then drive.fail("%s cannot be written", path) end
+  placed[key] = answer
   return answer
 end
 
--- Runs a driver and returns its output.
-local function run_driver(element, args, folder)
+local function check_made(element)
   if (is_bench(element) or element.attributes.driver == "wrong") and drive.unmade(element) then
-    drive.say("%s: left out: %s", drive.place(element), drive.unmade(element))
+    if not plan then drive.say("%s: left out: %s", drive.place(element), drive.unmade(element)) end
     error({by_driver = true})
   end
-  local command = command_of(element) .. " " .. args .. " --out " .. drive.quote(folder)
-  if drive.units ~= "" then command = "timeout --foreground -k 5 " .. patience .. " " .. command end
-  drive.say("%s %s", element.attributes.driver, args)
-  local answer, status = answer_of(command)
-  if not answer and drive.units ~= "" and status == timed_out then
-    fail_by_driver(element, "this command did not end within %d seconds: %s", patience, command)
-  elseif not answer then
-    fail_by_driver(element, "this command failed (its reason is above): %s", command)
-  end
-  return answer
 end
 
--- Returns the output of an element's driver, run now or for the record. Its files go into the common
--- folder, in trials at the trial's size unless the text gives one; or into `folder`, unchanged.
+-- A job of a run that tells times: measured alone, if it was or is to be, or else cheaply.
+local function measured(job)
+  local careful = {element = job.element, args = job.args, key = job.key .. ", measured alone", may_fail = job.may_fail, is_careful = true}
+  return (measures or entry_of(careful)) and careful or job
+end
+
+drive.rough = {} -- tables with times that were taken once, beside other programs
+
+local function mark_rough(entry)
+  for name in store.tables(entry) do drive.rough[name] = true end
+end
+
+-- Returns the output of an element's driver. Its files go into the common folder, or into `folder`.
 function drive.run(element, args, folder)
-  local driver = element.attributes.driver
-  local sized = args:find("--width", 1, true) or args:find("--height", 1, true) or is_bench(element) or
-    driver == "compare" or driver == "wrong" or driver_path(element):find("/tests/stress/", 1, true)
-  if size ~= "" and not folder and not sized then args = args .. " --width " .. size .. " --height " .. size end
-  folder = folder or drive.out
-  local key = drive.need(element, "driver") .. " " .. args
-  if printed[key] then return printed[key] end
-  local answer = recorded[key] and recorded[key]:gsub("{folder}", (folder:gsub("%%", "%%%%"))) or
-    run_driver(element, args, folder)
-  write_record(key, answer, folder)
-  printed[key] = answer
+  local job = job_of(element, folder and args or sized(element, args))
+  local is_timed = tells_times(element, args)
+  if is_timed and not is_fresh(element) then job = measured(job) end
+  if not entry_of(job) then check_made(element) end
+  if plan then
+    note(is_timed and (job.is_careful or is_fresh(element)) and "alone" or "beside", job)
+    noted()
+  end
+  local answer = place(job, folder or drive.out)
+  if is_timed and not job.is_careful then mark_rough(entry_of(job)) end
   return answer
 end
 
--- Timings of configurations that were not measured before, by turns.
-local function measure_by_turns(element, configurations)
-  local left = {}
+-- Measures jobs by turns, and keeps what was measured.
+local function measure_by_turns(jobs, progress)
+  local function run(job, folder)
+    if progress then progress() end
+    local command = command_of(job.element) .. " " .. job.args .. " --out " .. drive.quote(folder)
+    if not answer_of(command) then drive.fail_at(job.element, "this command failed (its reason is above): %s", command) end
+  end
+  for job, tables in pairs(rounds.measure(jobs, tonumber(drive.runs), run, drive.list, drive.scraps)) do
+    made[job.key] = store.keep(job.key, digest_of(job), tables) or drive.fail("%s cannot be written", store.folder)
+  end
+end
+
+local on_terminal = (os.getenv("RAYKIT_TERMINAL") or "") ~= ""
+
+local function duration(seconds)
+  return seconds < 100 and string.format("%d s", seconds) or string.format("%d min", (seconds + 30) // 60)
+end
+
+-- Tells now and then how many of the jobs are done, and the time that is left, if they go on like this.
+function drive.progress(count)
+  local start, last, done = os.time(), os.time(), 0
+  return function()
+    done = math.min(done + 1, count)
+    local now = os.time()
+    if not on_terminal and now - last < 20 or on_terminal and now == last and done < count then return end
+    last = now
+    local left = done < count and now > start and ", about " .. duration((now - start) * (count - done) // done) .. " left" or ""
+    local line = string.format("%s: %d of %d commands done%s", drive.page, done, count, left)
+    io.stderr:write(on_terminal and "\r\27[K" .. line .. (done == count and "\n" or "") or line .. "\n")
+  end
+end
+
+local processors = tonumber(os.getenv("RAYKIT_PROCESSORS")) or 1
+local most_beside = 8 -- drivers at a time: each uses all processors where it can
+
+-- Runs what was noted.
+function drive.draw()
+  local beside, alone, by_turns = plan.beside, plan.alone, plan.by_turns
+  plan = nil
+  local count = #beside + #alone
+  for _, jobs in ipairs(by_turns) do count = count + drive.runs * #jobs end -- or more rounds
+  local progress = drive.progress(count)
+  if #beside > 0 then run_jobs(beside, math.min(processors, most_beside), progress) end
+  if #alone > 0 then run_jobs(alone, 1, progress) end
+  for _, jobs in ipairs(by_turns) do measure_by_turns(jobs, progress) end
+end
+
+-- One configuration's times: those measured by turns, or of one run.
+local function time_jobs(element, configurations)
+  local careful, left = {}, {}
   for _, args in ipairs(configurations) do
-    local key = drive.need(element, "driver") .. " " .. args
-    if printed[key] or recorded[key] then drive.run(element, args) else left[#left + 1] = args end
+    local job = job_of(element, args .. " " .. drive.timing)
+    job.key = job.key .. ", measured by turns"
+    careful[#careful + 1] = job
+    if not entry_of(job) and not (plan and plan.seen[job.key]) then left[#left + 1] = job end
   end
-  if #left == 0 then return end
-  local done, reason = rounds.measure(left, tonumber(drive.runs),
-    function(args, folder) run_driver(element, args, folder) end, drive.list, drive.scraps, drive.out)
-  if not done then drive.fail("%s", reason) end
-  for _, args in ipairs(left) do
-    local key = element.attributes.driver .. " " .. args
-    write_record(key, "", drive.out)
-    printed[key] = ""
+  return careful, left
+end
+
+local function time_all(element, configurations)
+  local careful, left = time_jobs(element, configurations)
+  local by_turns = measures and drive.units == "" and size == ""
+  if by_turns and #left > 0 then
+    if plan then note_all(left) else measure_by_turns(left) end
   end
+  drive.each(careful, function(job)
+    if size == "" and (by_turns or entry_of(job)) then return not plan and place(job, drive.out) end
+    return drive.run(element, (job.args:gsub("%S+$", "1")))
+  end)
 end
 
 local bench_is_quick = false
@@ -289,23 +467,25 @@ function drive.measure(element, options, with_meshes)
   local configurations, answer = {}, nil
   for _, target in ipairs(targets) do
     for _, variant in ipairs(variants) do
-      configurations[#configurations + 1] = target .. " " .. (attributes.args or "") .. " " .. variant .. " " .. options
+      configurations[#configurations + 1] = target .. " " .. (attributes.args or "") .. " " .. variant
     end
   end
-  if options == drive.timing and drive.runs ~= "1" then return measure_by_turns(element, configurations) end
+  if options == drive.timing then return time_all(element, configurations) end
   local keep = attributes.keep
   local folder = keep and drive.scraps .. "/" .. keep
-  for _, args in ipairs(configurations) do answer = drive.run(element, args, folder) end
+  drive.each(configurations, function(args) answer = drive.run(element, args .. " " .. options, folder) end)
   if is_bench(element) then bench_is_quick = answer:find("quick", 1, true) ~= nil end
   if keep then
-    local header, rows = csv.read(folder .. "/tables/" .. drive.need(element, "table") .. ".csv")
-    if header then csv.write(drive.out .. "/tables/" .. keep .. ".csv", header, rows) end -- else it is on record
+    local name = drive.need(element, "table")
+    local header, rows = csv.read(folder .. "/tables/" .. name .. ".csv")
+    if header then csv.write(drive.out .. "/tables/" .. keep .. ".csv", header, rows) end
+    drive.rough[keep] = drive.rough[name]
   end
   return answer
 end
 
 -- In a round each configuration runs three times.
-drive.timing = "--timing --quiet --runs " .. (drive.runs == "1" and 1 or 3)
+drive.timing = "--timing --quiet --runs 3"
 
 -- A driver's line of parameters without its times: those of one picture, drawn once, on a busy machine.
 function drive.without_times(parameters)

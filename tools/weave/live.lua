@@ -55,10 +55,10 @@ function live.figure(div)
   local args, options = a.args or "", drive.need(div, "options")
   check_options(div, options)
   if a.widget then use_widget(div, a.widget) end
-  count = count + 1
   if not args:find("--width", 1, true) then args = args .. " --width 480 --height 480" end
-  local folder = "figures/live_" .. count
+  local folder = "figures/live_" .. count + 1
   local line = drive.run(div, args, drive.out .. "/" .. folder)
+  count = count + 1
   local name, parameters = line:match("/figures/([^/\n]*%.png): ([^\n]*)")
   if not name then drive.fail_by_driver(div, "the driver printed no line with its picture's path: %s", line) end
   local image = pandoc.Image(pandoc.utils.stringify(div.content), folder .. "/figures/" .. name)

@@ -219,7 +219,10 @@ local function explain(div, rows, has_slopes)
   return band and slopes and band .. "; " .. slopes or band or slopes
 end
 
+local is_rough = false -- the plot that is being drawn
+
 local function shown(div, path, notes)
+  if is_rough then notes[#notes + 1] = tables.rough_note:gsub("^≈: ", "times: ") end
   notes[#notes + 1] = "numbers: "
   return pandoc.Div({
     pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}),
@@ -341,6 +344,7 @@ return function(div)
     drive.measure(div, drive.timing)
     local rows, columns = tables.read_metrics(div, metrics)
     local x = given.x or "triangles"
+    is_rough = tables.has_rough(div, rows, {"median"})
     for _, column in ipairs({x, given.by}) do tables.check_column(div, columns, column) end
     local ylabel = (given.ylabel or "time") .. ", " .. unit_of(div, rows)
     return draw(div, tables.name(div) .. "_" .. metrics[1], given.xlabel or tables.label(x), ylabel,
@@ -350,6 +354,7 @@ return function(div)
   if given.driver then drive.measure(div, "--quiet") end
   local rows, columns = tables.read(div)
   for _, column in ipairs({x, y, given.by}) do tables.check_column(div, columns, column) end
+  is_rough = tables.has_rough(div, rows, {x, y})
   if given.bars then
     return draw_bars(div, given.name or tables.name(div) .. "_bars", given.xlabel or tables.label(x),
       given.ylabel or tables.label(y), rows, x, y, need(div, "by"))

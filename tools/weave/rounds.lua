@@ -1,5 +1,5 @@
 -- Timings by turns. Drivers run in rounds, each configuration once per round, so that a slow phase of the
--- machine hits all configurations and not one. The page's tables get the medians of the rounds, the least and
+-- machine hits all configurations and not one. Tables have the medians of the rounds, the least and
 -- the largest. While some time differs by more than a fifth, up to as many rounds follow as were planned.
 
 local csv = require("csv")
@@ -57,33 +57,36 @@ local function row_of(all, key)
   return row
 end
 
--- Puts the rows into the page's table, in the place of older ones of the same key.
-local function put(all, path)
-  local header, rows = csv.read(path)
-  header, rows = header or all.header, header and rows or {}
-  local place = {}
-  for i, row in ipairs(rows) do place[table.concat(row, "\0", 1, all.at - 1)] = i end
-  for _, key in ipairs(all.keys) do rows[place[key] or #rows + 1] = row_of(all, key) end
-  return csv.write(path, header, rows)
+-- A configuration's tables, by their files' names.
+local function tables_of(measured)
+  local tables = {}
+  for name, all in pairs(measured) do
+    tables[name] = {header = all.header, rows = {}}
+    for i, key in ipairs(all.keys) do tables[name].rows[i] = row_of(all, key) end
+  end
+  return tables
 end
 
--- Runs each of the configurations by run(args, folder), in rounds with folders below `scraps`, and puts the
--- times into the tables in `out`. list(folder, pattern) lists files. Returns false and a reason if a table cannot be written.
-function rounds.measure(configurations, planned, run, list, scraps, out)
+-- Runs each of the configurations by run(configuration, folder), in rounds with folders below `scraps`. list(folder,
+-- pattern) lists files. Returns each configuration's tables.
+function rounds.measure(configurations, planned, run, list, scraps)
   local measured = {}
+  for _, configuration in ipairs(configurations) do measured[configuration] = {} end
   for round = 1, 2 * planned do
-    local folder = os.tmpname()
-    os.remove(folder)
-    folder = scraps .. "/" .. folder:match("[^/]+$")
-    for _, args in ipairs(configurations) do run(args, folder) end
-    collect(measured, folder, list)
-    if round >= planned and is_steady(measured) then break end
+    local steady = true
+    for i, configuration in ipairs(configurations) do
+      local folder = os.tmpname()
+      os.remove(folder)
+      folder = scraps .. "/" .. folder:match("[^/]+$") .. "_" .. i
+      run(configuration, folder)
+      collect(measured[configuration], folder, list)
+      steady = is_steady(measured[configuration]) and steady
+    end
+    if round >= planned and steady then break end
   end
-  for name, all in pairs(measured) do
-    local done, reason = put(all, out .. "/tables/" .. name)
-    if not done then return false, reason end
-  end
-  return true
+  local tables = {}
+  for configuration, all in pairs(measured) do tables[configuration] = tables_of(all) end
+  return tables
 end
 
 return rounds

@@ -160,16 +160,43 @@ local function show(text, significant)
 end
 tables.show = show
 
+-- Columns of times, and of what depends on them, in tables that have no units.
+local timed = {}
+for _, column in ipairs(words("seconds milliseconds efficiency primary shadow diffuse primary_gain shadow_gain diffuse_gain")) do
+  timed[column] = true
+end
+local is_no_time = {["1"] = true, rays = true, bytes = true, MiB = true, ["%"] = true}
+
+-- Whether a number depends on a time that was measured once, on a machine that may have been busy.
+function tables.is_rough(element, row, column)
+  if drive.runs == "1" then return false end -- a trial, which says so at its top
+  if row.unit and row.median then return row.runs == "1" and not is_no_time[row.unit] end
+  return drive.rough[tables.name(element)] and timed[column] or false
+end
+
+-- What a caption says of such numbers.
+tables.rough_note = "≈: measured once, beside other programs; make " .. drive.page .. " MEASURED=1 measures carefully"
+
+function tables.has_rough(element, rows, columns)
+  for _, row in ipairs(rows) do
+    for _, column in ipairs(columns) do
+      if tables.is_rough(element, row, column) then return true end
+    end
+  end
+  return false
+end
+
 -- Whether the runs of a timing differ too much for three digits.
 local function is_unsteady(row)
-  return tonumber(row.max) - tonumber(row.min) > rounds.tolerated * tonumber(row.median)
+  return row.is_rough or tonumber(row.max) - tonumber(row.min) > rounds.tolerated * tonumber(row.median)
 end
 
 -- A time that is known roughly: two digits, marked, with its range as a title.
 local function show_roughly(row)
   local inlines = pandoc.List({pandoc.Str("≈\u{a0}")})
   inlines:extend(show(row.median, 2))
-  return pandoc.List({pandoc.Span(inlines, {class = "rough", title = "from " .. row.min .. " to " .. row.max})})
+  local range = row.is_rough and "measured once" or "from " .. row.min .. " to " .. row.max
+  return pandoc.List({pandoc.Span(inlines, {class = "rough", title = range})})
 end
 
 -- Few long rows become columns, so that the table fits the page; the first titles are those of the rows.
@@ -257,6 +284,7 @@ function tables.timings(div)
   local scenes, metrics = tables.scenes(div, true), words(need(div, "metrics"))
   drive.measure(div, drive.timing, true)
   local rows, columns = tables.read_metrics(div, metrics, true)
+  for _, row in ipairs(rows) do row.is_rough = tables.is_rough(div, row, "median") end
   local sceneless = div.attributes.rows == "none"
   local apart, head, body, by_scene = sceneless and {} or words(div.attributes.rows or "scene"), {}, {}, false
   for i, column in ipairs(apart) do
@@ -281,8 +309,9 @@ function tables.timings(div)
   end
   local pixels = not sceneless and tables.picture_size[div.attributes.driver]
   if sceneless then head, body = without_scene(metrics, groups[1], titles) end
-  return lay_out(div, head, body, (drive.runs == "1" and "single runs" or "medians of " .. drive.runs ..
-    " rounds by turns, or more; ≈: rounds differ by more than a fifth") .. (pixels and ", " .. pixels .. " pixels; " or "; "))
+  local how = drive.runs == "1" and "single runs" or tables.has_rough(div, rows, {"median"}) and tables.rough_note or
+    "medians of " .. drive.runs .. " rounds by turns, or more; ≈: rounds differ by more than a fifth"
+  return lay_out(div, head, body, how .. (pixels and ", " .. pixels .. " pixels; " or "; "))
 end
 
 function tables.table(div)
@@ -299,10 +328,20 @@ function tables.table(div)
   end
   for r, row in ipairs(rows) do
     body[r] = {}
-    for i, name in ipairs(names) do body[r][i] = tables.cell(row, name) end
+    for i, name in ipairs(names) do
+      local cell = tables.cell(row, name)
+      body[r][i] = tables.is_rough(div, row, name) and tonumber(cell) and {median = cell, is_rough = true} or cell
+    end
   end
   if #body == 0 then drive.fail_by_driver(div, "tables/%s.csv has no such row", tables.name(div)) end
-  return lay_out(div, head, body, drive.reservation(div))
+  return lay_out(div, head, body, drive.reservation(div) .. (tables.has_rough(div, rows, names) and tables.rough_note .. "; " or ""))
+end
+
+-- A number in a sentence, marked where it is rough.
+function tables.roughly(is_rough, inlines)
+  if not is_rough then return inlines end
+  inlines = pandoc.List({pandoc.Str("≈\u{a0}")}) .. inlines
+  return pandoc.List({pandoc.Span(inlines, {class = "rough", title = "measured once"})})
 end
 
 -- The cell of the only row that is selected.
@@ -311,7 +350,7 @@ local function one_cell(span)
   local rows, columns = tables.read(span)
   tables.check_column(span, columns, span.attributes.column)
   if #rows ~= 1 then drive.fail_by_driver(span, "where=...: %d rows are selected in place of one", #rows) end
-  return show(rows[1][span.attributes.column])
+  return tables.roughly(tables.is_rough(span, rows[1], span.attributes.column), show(rows[1][span.attributes.column]))
 end
 
 local function measure_one(span)
@@ -319,7 +358,7 @@ local function measure_one(span)
   span.attributes.scenes = scene
   drive.measure(span, drive.timing)
   for _, row in ipairs((tables.read(span, span.attributes.where or ""))) do
-    if row.scene == scene and row.metric == metric then return row.median end
+    if row.scene == scene and row.metric == metric then return {row.median, tables.is_rough(span, row, "median")} end
   end
   drive.fail_by_driver(span, "the driver measured no %s of %s", metric, scene)
 end
@@ -333,9 +372,10 @@ function tables.measured(span)
   if span.attributes.column then return one_cell(span) end
   local a, parts = span.attributes, {}
   for i, key in ipairs({"driver", "scene", "metric", "args", "variants", "where"}) do parts[i] = a[key] or "" end
-  local median = drive.once("measured " .. table.concat(parts, " "), function() return measure_one(span) end)
-  if a.name then tables.on_name(span, a.name, tonumber(median)) end
-  return show(median)
+  local found = drive.once("measured " .. table.concat(parts, " "), function() return measure_one(span) end)
+  local median, is_rough = table.unpack(found)
+  if a.name then tables.on_name(span, a.name, tonumber(median), is_rough) end
+  return tables.roughly(is_rough, show(median))
 end
 
 return tables

@@ -13,7 +13,8 @@
 --
 --   [At this radius the pyramid is slower]{.check that="pyramid > exact"}
 -- stays as it is. If the numbers say otherwise the page marks it, with the numbers, and making the page fails
--- (weave.sh), though the page is there: another machine may measure otherwise. Quick trials (a quick make bench,
+-- (weave.sh), though the page is there: another machine may measure otherwise. Of times that were measured once (without
+-- MEASURED=1) the page only says so. Quick trials (a quick make bench,
 -- too) and students' units are not judged, but the expression must have a value.
 --
 --   [1.5]{.value is="pyramid / exact" digits=2}
@@ -30,7 +31,7 @@ local fail_at, need = drive.fail_at, drive.need
 
 local values = {}
 
-local rough = {} -- names whose values are from a quick make bench
+local rough = {} -- names whose values are from a quick make bench, or times that were measured once
 local named = {} -- numbers, or false where there is none
 local named_at = {} -- places, by name
 
@@ -75,7 +76,7 @@ local function value_of(block, kind, column, over, where)
   column, over = tables.column(block, columns, column), over and tables.column(block, columns, over)
   if #rows == 0 and block.attributes.optional then return false end
   if #rows == 0 then drive.fail_by_driver(block, "tables/%s.csv has no row where %s", tables.name(block), where) end
-  return kind(block, rows, column, over)
+  return kind(block, rows, column, over), tables.has_rough(block, rows, {column, over})
 end
 
 local function claim(element, name, is_rough)
@@ -83,8 +84,8 @@ local function claim(element, name, is_rough)
   named_at[name], named[name], rough[name] = drive.place(element), false, is_rough
 end
 
-tables.on_name = function(span, name, number)
-  claim(span, name, false)
+tables.on_name = function(span, name, number, is_rough)
+  claim(span, name, is_rough)
   named[name] = number
 end
 
@@ -96,7 +97,9 @@ local function define_line(block, line, is_rough)
     local column, over = what:match(kind[1])
     if column then
       claim(block, name, is_rough)
-      named[name] = value_of(block, kind[2], column, over, where)
+      local is_time
+      named[name], is_time = value_of(block, kind[2], column, over, where)
+      rough[name] = rough[name] or is_time
       return
     end
   end
@@ -114,6 +117,10 @@ end
 local function define(block)
   if block.classes[1] ~= "values" then return nil end
   return drive.forgiving(define_lines, block) or {}
+end
+
+function values.note(block)
+  if block.classes[1] == "values" and block.attributes.driver then drive.note(define_lines, block) end
 end
 
 -- Names of an expression and what they stand for, "exact = 1.31, pyramid = 2.4".
@@ -143,11 +150,47 @@ local function evaluate(span, expression)
   return result, used
 end
 
-local function is_judged(used)
+local function is_rough(used)
   for name in pairs(used) do
-    if rough[name] then return false end
+    if rough[name] then return true end
   end
-  return drive.runs ~= "1"
+  return false
+end
+
+local verdicts, sections = {}, pandoc.List() -- by text, in their order
+
+-- Counts a sentence, and notes what is wrong with it.
+local function judge(span, verdict, reason)
+  local file = drive.place(span):match("^[^:]*")
+  if not verdicts[file] then
+    verdicts[file] = {holds = 0, waits = 0, wrong = pandoc.List()}
+    sections:insert(file)
+  end
+  if reason then verdicts[file].wrong:insert(drive.place(span) .. ": " .. reason)
+  else verdicts[file][verdict] = verdicts[file][verdict] + 1 end
+end
+
+-- A line for each section; the wrong sentences at the end of theirs. weave.sh prints it last, and fails if there are any.
+local function write_verdict()
+  local lines, wrong = pandoc.List(), 0
+  for _, file in ipairs(sections) do
+    local of, parts = verdicts[file], pandoc.List()
+    if of.holds > 0 then parts:insert(of.holds .. (of.holds == 1 and " sentence holds" or " sentences hold")) end
+    if of.waits > 0 then parts:insert(of.waits .. " not judged, because their times were measured once") end
+    if #of.wrong > 0 then parts:insert(#of.wrong .. (#of.wrong == 1 and " FAILS:" or " FAIL:")) end
+    lines:insert(file .. ": " .. table.concat(parts, ", "))
+    lines:extend(of.wrong)
+    wrong = wrong + #of.wrong
+  end
+  if #lines > 0 then drive.write_file(drive.scraps .. "/verdict", table.concat(lines, "\n") .. "\n") end
+  if wrong > 0 then drive.write_file(drive.scraps .. "/wrong", wrong .. "\n") end
+end
+
+-- A sentence that the numbers contradict: marked, and if it is judged, a reason to fail.
+local function contradicted(span, title, numbers, is_judged)
+  local note = is_judged and " (not here: " or " (measured once here, and not so: "
+  local content = span.content .. {pandoc.Span(note .. numbers .. ")", {class = "parameters"})}
+  return pandoc.Span(content, {class = is_judged and "checked wrong" or "checked", title = title})
 end
 
 local function check(span)
@@ -155,20 +198,21 @@ local function check(span)
   local holds, used = evaluate(span, that)
   if drive.units ~= "" or holds == nil then return span.content end
   if type(holds) ~= "boolean" then fail_at(span, "%s is neither true nor false", that) end
-  local title = that .. ": " .. list(used)
-  if holds or not is_judged(used) then return pandoc.Span(span.content, {class = "checked", title = title, tabindex = "0"}) end
-  local sentence = pandoc.utils.stringify(span.content)
-  drive.say("%s: the numbers say otherwise: \"%s\" needs %s, but %s", drive.place(span), sentence, that, list(used))
-  io.open(drive.scraps .. "/wrong", "a"):write(drive.place(span), "\n"):close()
-  local note = pandoc.Span(" (not here: " .. list(used) .. ")", {class = "parameters"})
-  return pandoc.Span(span.content .. {note}, {class = "checked wrong", title = title})
+  local is_trial, is_judged, numbers = drive.runs == "1", not is_rough(used), list(used)
+  local title = that .. ": " .. numbers .. (is_judged and "" or "; measured once")
+  if not is_trial then
+    judge(span, is_judged and "holds" or "waits", is_judged and not holds and
+      string.format('the numbers say otherwise: "%s" needs %s, but %s', pandoc.utils.stringify(span.content), that, numbers) or nil)
+  end
+  if holds or is_trial then return pandoc.Span(span.content, {class = "checked", title = title, tabindex = "0"}) end
+  return contradicted(span, title, numbers, is_judged)
 end
 
 local function value(span)
-  local result = evaluate(span, need(span, "is"))
+  local result, used = evaluate(span, need(span, "is"))
   if not result then return pandoc.Emph("not measured here") end
   if type(result) ~= "number" then fail_at(span, "%s is not a number", span.attributes.is) end
-  return tables.show(result, tonumber(span.attributes.digits or 2))
+  return tables.roughly(drive.runs ~= "1" and is_rough(used), tables.show(result, tonumber(span.attributes.digits or 2)))
 end
 
 -- Classes that other filters leave alone.
@@ -181,6 +225,7 @@ values.filters = {
     local directive = values.spans[span.classes[1]]
     return directive and directive(span)
   end},
+  {Pandoc = write_verdict},
 }
 
 return values

@@ -89,8 +89,9 @@
 --
 -- Environment: RAYKIT_WEAVES (report or book), RAYKIT_SOURCE, RAYKIT_SOURCE_LINK (the
 -- path from the page to it), RAYKIT_DRIVERS (the folder over assignments/ with the drivers),
--- RAYKIT_BUILD, RAYKIT_WRONG (the command that draws wrong pictures, empty in a pack), RAYKIT_RECORD (the folder of
--- an earlier page's record, or empty), RAYKIT_ALONE (the
+-- RAYKIT_BUILD, RAYKIT_WRONG (the command that draws wrong pictures, empty in a pack), RAYKIT_STORE (the folder of what
+-- drivers made), RAYKIT_RECORD (a pack's, or empty), RAYKIT_MEASURED (not empty: times are measured carefully),
+-- RAYKIT_MACHINE (whose times they are), RAYKIT_PROCESSORS (their number), RAYKIT_TERMINAL (not empty: progress is told in one line), RAYKIT_ALONE (the
 -- features that are woven alone, empty for all), RAYKIT_UNITS (the name of their units' author, empty for
 -- the kit's own), RAYKIT_OUT, RAYKIT_SCRAPS (for temporary files), MESHES, RAYKIT_RUNS, RAYKIT_SIZE
 -- (pixels per side, empty for the drivers' own), RAYKIT_GNUPLOT (empty: no plots).
@@ -109,6 +110,7 @@ local numbering = require("numbering")
 local paged = require("pages")
 local present = require("present")
 local sources = require("sources")
+local store = require("store")
 local live = require("live")
 local wrong = require("wrong")
 local fail_at = drive.fail_at
@@ -162,9 +164,9 @@ local function figures(div)
   local args = div.attributes.args or ""
   if div.attributes.each ~= "mesh" then return figure(div, args) end
   local list = pandoc.List()
-  for _, mesh in ipairs(drive.meshes) do
+  drive.each(drive.meshes, function(mesh)
     list:insert(drive.forgiving_mesh(figure, div, args .. " --mesh " .. drive.quote(mesh), mesh) or undrawn(mesh))
-  end
+  end)
   return pandoc.Div(list, {class = "row"})
 end
 
@@ -273,6 +275,17 @@ local function inherit(result, element)
   return result
 end
 
+-- Directives that ask for drivers' runs.
+local asking = {figure = true, timings = true, table = true, plot = true, live = true, wrong = true, output = true, measured = true}
+
+local function note(directives)
+  return function(element)
+    local class = element.classes[1]
+    local is_asked = element.attributes.driver or class == "wrong"
+    if is_asked and asking[class] and directives[class] then drive.note(directives[class], element) end
+  end
+end
+
 local function expand(directives)
   return function(element)
     local class = element.classes[1]
@@ -320,9 +333,16 @@ function weave.filters(own)
   local stages = {
     {Div = choose},
     {Header = check_unique, Div = check_unique, Span = check_unique, CodeBlock = check_unique},
+    {Pandoc = drive.begin_plan},
+    {Div = note(divs), Span = note(spans), CodeBlock = values.note},
+    {Pandoc = drive.draw},
     {Div = expand(divs), Span = expand(spans), Code = own.Code,
       CodeBlock = code_block, Link = weave.resolve, Para = own.Para},
-    values.filters[1], values.filters[2], {Pandoc = function() tables.check_kept() pictures.finish() end},
+    values.filters[1], values.filters[2], values.filters[3], {Pandoc = function()
+      tables.check_kept()
+      pictures.finish()
+      drive.write_file(drive.out .. "/used", store.list_used())
+    end},
     {Pandoc = numbering.assign},
     {Header = remember, Div = remember, Span = remember, CodeBlock = remember},
     {Link = numbering.refer},

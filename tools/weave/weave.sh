@@ -34,7 +34,8 @@ trap interrupted HUP INT TERM
 
 [ -n "${PANDOC-}" ] || give_up "pandoc is missing: run ./bootstrap, or install pandoc and run ./configure again"
 
-# Where RAYKIT_RECORD is the folder of an earlier page, drivers run only for what that page lacks.
+# What drivers make is kept here (tools/weave/store.lua). A pack brings RAYKIT_RECORD, what its book shows.
+RAYKIT_STORE=${RAYKIT_STORE:-$RAYKIT_BUILD/drawn}
 RAYKIT_RECORD=${RAYKIT_RECORD-}
 [ -z "$RAYKIT_RECORD" ] || QUICK=$(sed -n 3p "$RAYKIT_RECORD/machine")
 
@@ -66,7 +67,12 @@ $MESHES
 END
 
 processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1)
+RAYKIT_PROCESSORS=$(nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 machine="${processor:-$(uname -m)}, $(getconf _NPROCESSORS_ONLN) processors"
+RAYKIT_MACHINE=$machine
+RAYKIT_TERMINAL=
+[ ! -t 2 ] || RAYKIT_TERMINAL=yes
+RAYKIT_MEASURED=${MEASURED-}
 system=$(sed -n 's/^PRETTY_NAME="\(.*\)"/\1/p' /etc/os-release 2>/dev/null)
 system="${system:-$(uname -s)}, $(uname -sr)"
 
@@ -88,12 +94,7 @@ fi
 started=yes
 echo $$ >"$RAYKIT_OUT/process" && mkdir "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables" || give_up "$unwritable"
 
-# A pack cannot draw mistakes, but its book has.
-[ -n "${RAYKIT_WRONG-}" ] ||
-    cp "$RAYKIT_SOURCE"/docs/handout/record/figures/wrong_*.png "$RAYKIT_OUT/figures" 2>/dev/null || :
-
 if [ -n "$RAYKIT_RECORD" ]; then
-    cp -R "$RAYKIT_RECORD/figures" "$RAYKIT_RECORD/tables" "$RAYKIT_OUT" || give_up "$unwritable"
     machine=$(sed -n 1p "$RAYKIT_RECORD/machine") system=$(sed -n 2p "$RAYKIT_RECORD/machine")
 fi
 printf '%s\n' "$machine" "$system" "${QUICK-}" >"$RAYKIT_OUT/machine" || give_up "$unwritable"
@@ -102,7 +103,8 @@ printf '%s\n' "$machine" "$system" "${QUICK-}" >"$RAYKIT_OUT/machine" || give_up
 RAYKIT_SOURCE_LINK=$(realpath --relative-to="$RAYKIT_OUT" "$RAYKIT_SOURCE" 2>/dev/null) ||
     RAYKIT_SOURCE_LINK=$RAYKIT_SOURCE
 export RAYKIT_WEAVES RAYKIT_SOURCE RAYKIT_SOURCE_LINK RAYKIT_DRIVERS RAYKIT_UNITS RAYKIT_OUT \
-    RAYKIT_SCRAPS RAYKIT_RECORD RAYKIT_RUNS RAYKIT_SIZE RAYKIT_GNUPLOT MESHES RAYKIT_ALONE
+    RAYKIT_SCRAPS RAYKIT_STORE RAYKIT_RECORD RAYKIT_RUNS RAYKIT_SIZE RAYKIT_GNUPLOT MESHES RAYKIT_ALONE \
+    RAYKIT_MEASURED RAYKIT_MACHINE RAYKIT_PROCESSORS RAYKIT_TERMINAL
 
 # has_answers TEXT: whether the text after it has answers to its exercises, in an edition with answers
 has_answers() {
@@ -148,7 +150,6 @@ weave() {
         cat "$RAYKIT_SOURCE/tools/weave/page.css" "$RAYKIT_SOURCE/$texts/$RAYKIT_WEAVES.css" \
             ${formulas_css:+"$formulas_css"} >"$RAYKIT_OUT/$RAYKIT_WEAVES/style.css" &&
         cp "$RAYKIT_SOURCE/tools/weave/page.js" "$RAYKIT_SOURCE/tools/weave/compare.js" "$RAYKIT_OUT/$RAYKIT_WEAVES" || give_up "$unwritable"
-    [ -n "$RAYKIT_RECORD" ] || say "running the drivers; timings want a quiet machine"
     status=0
     "$PANDOC" --standalone --self-contained --from=commonmark_x+sourcepos --to=html5 \
         --resource-path="$RAYKIT_OUT" --lua-filter="$RAYKIT_SOURCE/$texts/weave.lua" \
@@ -175,13 +176,22 @@ print_pdf() {
 }
 
 give_up_after_all() {
-    say "the numbers of this machine do not bear out $(($(wc -l <"$RAYKIT_SCRAPS/wrong"))) of its sentences (above), which are marked:" \
+    say "the numbers of this machine do not bear out $(cat "$RAYKIT_SCRAPS/wrong") of its sentences (above), which are marked:" \
         "measure again on a quiet machine, or correct the text"
     exit 1
 }
 
+# The store stays bounded: it keeps the entries that were used last, and no remains of what was interrupted.
+kept_entries=3000 # two or three times what report and book have
+tidy_store() {
+    [ -d "$RAYKIT_STORE" ] || return 0
+    (cd "$RAYKIT_STORE" && xargs touch -c <"$RAYKIT_OUT/used" && ls -t | tail -n +$kept_entries | xargs rm -rf &&
+        find . -maxdepth 1 -name '*.part*' -mmin +60 -exec rm -rf {} +) || :
+}
+
 # Prints the page if there is chromium, and replaces the old page.
 publish() {
+    tidy_store
     pdf="(no $RAYKIT_WEAVES.pdf: it needs chromium)"
     if [ -n "${CHROMIUM-}" ]; then
         print_pdf
@@ -195,6 +205,7 @@ publish() {
     mv "$RAYKIT_OUT" "$final" || give_up "$unwritable"
     rm -rf "$final.old"
     say "wrote $final/$RAYKIT_WEAVES.html, $parts $pdf"
+    [ ! -e "$RAYKIT_SCRAPS/verdict" ] || cat "$RAYKIT_SCRAPS/verdict" >&2
     # Who makes or has a pack did not write its sentences.
     [ ! -e "$RAYKIT_SCRAPS/wrong" ] || [ "${RAYKIT_JUDGES:-yes}" = no ] || give_up_after_all
 }

@@ -115,14 +115,14 @@ end
 
 local function of_all(div, sees, resolve)
   local found = pandoc.List()
-  for _, path in ipairs(drive.list(drive.source, "assignments/[0-9][0-9]_*/points.tsv")) do
+  drive.each(drive.list(drive.source, "assignments/[0-9][0-9]_*/points.tsv"), function(path)
     local stem = path:match("/%d+_([^/]*)/points.tsv$")
     for _, row in ipairs(mistakes(div, stem)) do
       if row.sees == sees then
         found:insert(with_right(wrong_picture(div, row, {resolve(chapter_link(div, row)), pandoc.Str(": ")}, false), row))
       end
     end
-  end
+  end)
   if #found == 0 then fail_at(div, "no wrong.tsv has a picture in which one sees %s", sees) end
   return pandoc.Div(found, {class = "thumbnails"})
 end
