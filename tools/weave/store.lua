@@ -60,12 +60,12 @@ local function digest_of_named(path)
   return store.digest_of_file(path) .. digests[folder .. "/"]
 end
 
--- The words of a command's arguments, quoted ones without their quotes.
+-- The words of a command's arguments, without the quotes that drive.quote gave them.
 function store.named(args)
   local list = {}
-  for word in args:gsub("'[^']*'", function(quoted) list[#list + 1] = quoted:sub(2, -2) return "" end):gmatch("%S+") do
-    list[#list + 1] = word
-  end
+  local function take(word) list[#list + 1] = word:gsub("\1", "'") return "" end
+  local rest = args:gsub("'\\''", "\1"):gsub("'([^']*)'", take)
+  rest:gsub("%S+", take)
   return list
 end
 
