@@ -17,7 +17,8 @@ def check(condition, name, said=""):
 
 
 def start(main):
-    """Runs a suite, and exits with its status. The driver asks for names of tests, which it can do without."""
+    """Runs a suite, and exits with its status. The driver asks for names of tests, which it can do
+    without."""
     sys.exit(0 if "--list" in sys.argv else main())
 
 

@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""make bench-peers: its message without Embree, and with Embree a short measurement whose tables must agree with each
-other. Speaks TAP, for make check-bench-peers; runs in a build folder. EMBREE is the version that configure found, or
-empty."""
+"""make bench-peers: its message without Embree, and with Embree a short measurement whose tables must agree
+with each other. Speaks TAP, for make check-bench-peers; runs in a build folder. EMBREE is the version that
+configure found, or empty."""
 
 import csv
 import os
@@ -38,7 +38,8 @@ def key(row):
 def without_embree_it_says_what_to_install(folder):
     status, said = run(".", MAKE, "-s", "bench-peers", "EMBREE=", "OUT=" + folder)
     lines = [line for line in said.splitlines() if not line.startswith("make")]
-    check(status != 0 and len(lines) == 1 and "Embree is missing" in lines[0] and "libembree-dev" in lines[0] and
+    check(status != 0 and len(lines) == 1 and "Embree is missing" in lines[0] and "libembree-dev" in lines[0]
+          and
           "./bootstrap --peers" in lines[0], "without Embree one sentence says what to install", said)
     check(os.listdir(folder) == [], "and nothing is written", os.listdir(folder))
 
@@ -71,7 +72,8 @@ def rows_are_complete(rows):
             check(len(of_raykit[0]) >= 3 and all(found == of_raykit[0] for found in of_raykit),
                   f"{scene}, threads {n}: all of raykit's trees are built and traced", of_raykit)
             check(all(modes.get((workload, scene, n, "embree")) == ways for workload in TRACED) and
-                  modes.get(("build", scene, n, "embree")) == trees, f"{scene}, threads {n}: so are Embree's modes")
+                  modes.get(("build", scene, n, "embree")) == trees,
+                  f"{scene}, threads {n}: so are Embree's modes")
 
 
 def ratios_are_those_of_the_values(folder, rows):
@@ -85,20 +87,25 @@ def ratios_are_those_of_the_values(folder, rows):
         if not of or not float(row["value"]) > 0 or abs(float(row["ratio_to_raykit"]) / wanted - 1) > DIGITS:
             off.append(str(row))
     check(not off, "a ratio is the value over that of raykit's usual mode", off)
-    check(all(row["unit"] == ("ms" if row["workload"] == "build" else "Mrays/s") for row in rows), "units are right")
+    check(all(row["unit"] == ("ms" if row["workload"] == "build" else "Mrays/s") for row in rows),
+          "units are right")
 
 
 def answers_agree(folder, rows):
-    check(all(row["mismatches"] == "0" for row in rows if row["engine"] == "raykit"), "raykit's trees agree to the bit")
+    check(all(row["mismatches"] == "0" for row in rows if row["engine"] == "raykit"),
+          "raykit's trees agree to the bit")
     counted, causes = {}, {row["cause"]: row for row in table(folder, "peers_causes")}
     for row in table(folder, "peers_mismatches"):
         place = (row["workload"], row["scene"], row["engine"], row["mode"])
         counted[place] = counted.get(place, 0) + int(row["rays"])
-    check(all(int(row["mismatches"]) == counted.get(key(row)[:4], 0) for row in rows if row["threads"] == "1"),
+    check(all(int(row["mismatches"]) == counted.get(key(row)[:4], 0) for row in rows
+              if row["threads"] == "1"),
           "each mismatch has a cause", str(counted))
     unexplained = [causes[name] for name in ("box", "values", "unknown")]
-    check(all(row["embree"] == row["robust"] == "0" for row in unexplained), "and it is rounding at edges and ends", str(causes))
-    check(int(causes["same"]["embree"]) > 10000 and int(causes["same"]["robust"]) > 10000, "nearly all answers are equal")
+    check(all(row["embree"] == row["robust"] == "0" for row in unexplained),
+          "and it is rounding at edges and ends", str(causes))
+    check(int(causes["same"]["embree"]) > 10000 and int(causes["same"]["robust"]) > 10000,
+          "nearly all answers are equal")
     values = table(folder, "peers_values")
     check([row["value"] for row in values] == ["t", "u and v", "normal"] and
           all(0 < float(row[mode]) <= 1 for row in values for mode in ("embree", "robust")),
@@ -118,15 +125,18 @@ def companions_agree(folder, rows):
         build = row["workload"] == "build"
         best = here["medium"] if build else max(here.values())
         robust = max(value for mode, value in here.items() if "robust" in mode)
-        for value, ratio, wanted in ((row["embree"], row["speed_ratio"], best), (row["robust"], row["robust_speed_ratio"], robust)):
+        for value, ratio, wanted in ((row["embree"], row["speed_ratio"], best),
+                                     (row["robust"], row["robust_speed_ratio"], robust)):
             faster = float(value) / float(row["raykit"]) if build else float(row["raykit"]) / float(value)
             reached = "yes" if float(row["speed_ratio"]) >= float(row["goal"]) else "no"
             if float(value) != wanted or row["goal_reached"] != reached or abs(float(ratio) - faster) > 0.0006:  # it has three decimals
                 wrong.append(str(row))
-    check(not wrong, "the best mode is the fastest, and builds are those of medium quality; goals are compared with ratios", wrong)
+    check(not wrong,
+          "the best mode is the fastest, and builds are those of medium quality; goals are compared with ratios", wrong)
     memory = table(folder, "peers_memory")
     check({row["engine"] for row in memory} >= {"embree"} and
-          all(10 < float(row["bytes_per_triangle"]) < 1000 for row in memory), "trees take memory", str(memory))
+          all(10 < float(row["bytes_per_triangle"]) < 1000 for row in memory), "trees take memory",
+          str(memory))
 
 
 def a_mesh_is_measured(folder):

@@ -49,7 +49,8 @@ def rows(folder):
 def without_blender_one_line_says_what_to_do(build):
     status, said = compare(build, "")
     check(status == 1 and said.count("\n") == 1 and "./bootstrap --peers" in said and
-          not os.path.exists(os.path.join(build, "compare")), "without_blender_one_line_says_what_to_do", said)
+          not os.path.exists(os.path.join(build, "compare")), "without_blender_one_line_says_what_to_do",
+          said)
 
 
 # Fake Blenders take raykit's own pictures, and its first one twice, so that there is no noise.
@@ -59,7 +60,8 @@ QUIET = 'cp "$dir/${name}_raykit_1.exr" "$dir/${name}_raykit_2.exr"; '
 def equal_pictures_agree(build, folder):
     status, said = compare(build, fake_blender(folder, QUIET + 'cp "$dir/${name}_raykit_1.exr" "$2"'))
     found = rows(os.path.join(build, "compare")) if status == 0 else {}
-    check(status == 0 and all(row["verdict"] == "agree" and row["ratio"] == "1.00000" for row in found.values()),
+    check(status == 0 and all(row["verdict"] == "agree" and row["ratio"] == "1.00000"
+                              for row in found.values()),
           "equal_pictures_agree", said)
     check({scene for scene, _ in found} == set(SCENES) and
           {("cornell", "tall block"), ("lens", "whole picture"), ("motion", "block in motion")} <= set(found),
@@ -69,7 +71,8 @@ def equal_pictures_agree(build, folder):
 def a_wrong_scene_fails(build, folder):
     """The lens's pictures in the place of all: blurred where they should be sharp."""
     status, said = compare(build, fake_blender(folder, QUIET + 'cp "$dir/lens_raykit_1.exr" "$2"'))
-    wrong = {scene for (scene, _), row in rows(os.path.join(build, "compare")).items() if row["verdict"] == "disagree"}
+    wrong = {scene for (scene, _), row in rows(os.path.join(build, "compare")).items()
+             if row["verdict"] == "disagree"}
     check(status == 1 and "do not agree" in said and wrong == {"cornell", "motion"}, "a_wrong_scene_fails",
           f"status {status}, disagree: {wrong}\n{said}")
 
@@ -79,7 +82,8 @@ def noisy_pictures_do_not_agree(build, folder):
     swapped = 'case $4 in 1) other=2 ;; *) other=1 ;; esac; cp "$dir/${name}_raykit_$other.exr" "$2"'
     status, said = compare(build, fake_blender(folder, swapped))
     verdicts = {row["verdict"] for row in rows(os.path.join(build, "compare")).values()}
-    check(status == 1 and "too noisy" in verdicts and "disagree" not in verdicts, "noisy_pictures_do_not_agree", said)
+    check(status == 1 and "too noisy" in verdicts and "disagree" not in verdicts,
+          "noisy_pictures_do_not_agree", said)
 
 
 def a_failing_blender_leaves_the_older_pictures(build, folder):
@@ -95,13 +99,17 @@ def a_failing_blender_leaves_the_older_pictures(build, folder):
 def pictures_for_the_report_are_drawn(build):
     out = os.path.join(build, "out")
     for what in ("raykit", "cycles", "difference"):
-        status, said = run(build, "env", f"RAYKIT_HELPERS={BUILD}", PROGRAM, "--scene", "lens", "--show", what,
+        status, said = run(build, "env", f"RAYKIT_HELPERS={BUILD}", PROGRAM, "--scene", "lens", "--show",
+                           what,
                            "--pictures", os.path.join(build, "compare"), "--out", out)
         path = said.split(":")[0]
-        check(status == 0 and path == f"{out}/figures/compare_lens_{what}.png" and os.path.getsize(path) > 100,
+        check(status == 0 and path == f"{out}/figures/compare_lens_{what}.png"
+              and os.path.getsize(path) > 100,
               f"the_picture_of_{what}_is_drawn", said)
-    status, said = run(build, PROGRAM, "--scene", "lens", "--show", "raykit", "--pictures", build, "--out", out)
-    check(status == 1 and "lens_raykit_1.exr" in said and "make compare" in said, "a_missing_picture_is_named", said)
+    status, said = run(build, PROGRAM, "--scene", "lens", "--show", "raykit", "--pictures", build, "--out",
+                       out)
+    check(status == 1 and "lens_raykit_1.exr" in said and "make compare" in said,
+          "a_missing_picture_is_named", said)
     status, said = run(build, PROGRAM)
     check(status == 1 and "--export" in said, "without_a_task_it_names_the_options", said)
 
@@ -191,7 +199,8 @@ def the_camera_is_ours(things, scene, told):
           near(columns[2], [-x for x in camera["forward"]]) and near(columns[3], camera["position"]),
           "in_blender_the_camera_looks_along_minus_z")
     data = things["camera"].data
-    check(data.sensor_fit == "VERTICAL" and near([data.sensor_height / 2 / data.lens], [camera["half_height"]]) and
+    check(data.sensor_fit == "VERTICAL"
+          and near([data.sensor_height / 2 / data.lens], [camera["half_height"]]) and
           (scene.render.resolution_x, scene.render.resolution_y) == (told["width"], told["height"]),
           "in_blender_the_field_of_view_is_ours")
 
@@ -219,8 +228,10 @@ def surfaces_are_ours(things, told):
 
 def nothing_is_added(scene):
     cycles = scene.cycles
-    check(cycles.max_bounces == 0 and cycles.pixel_filter_type == "BOX" and cycles.light_sampling_threshold == 0 and
-          cycles.sample_clamp_direct == 0 and cycles.use_denoising is False and cycles.use_adaptive_sampling is False,
+    check(cycles.max_bounces == 0 and cycles.pixel_filter_type == "BOX"
+          and cycles.light_sampling_threshold == 0 and
+          cycles.sample_clamp_direct == 0 and cycles.use_denoising is False
+          and cycles.use_adaptive_sampling is False,
           "in_blender_there_are_no_bounces_no_filter_and_no_shortcuts")
 
 

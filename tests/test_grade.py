@@ -101,7 +101,8 @@ BAD = {
         unit("for (volatile int k = 0; k < 2; k = 0) { }"), ONE, "endless loop"
     ),
     "an endless allocation is stopped": (
-        unit("for (;;)\n        memset(kept = malloc(1 << 22), 1, 1 << 22);", "static void *volatile kept;"), ONE, "MB of memory"
+        unit("for (;;)\n        memset(kept = malloc(1 << 22), 1, 1 << 22);", "static void *volatile kept;"),
+        ONE, "MB of memory"
     ),
     "an allocation that is too large is named, with its line": (
         unit("memset(kept = malloc(3ull << 30), 1, 3ull << 30);", "static void *volatile kept;"), ONE,
@@ -110,22 +111,26 @@ BAD = {
     "endless printing is stopped": (
         unit('for (;;) puts("again and again and again and again and again");'), ONE, "printed"
     ),
-    "a leak is told, with its line": (unit("void *volatile lost = malloc(100 + count);\n    lost = NULL;"), EMPTY, "leaks memory"),
+    "a leak is told, with its line": (unit("void *volatile lost = malloc(100 + count);\n    lost = NULL;"),
+                                      EMPTY, "leaks memory"),
     "a missing function is named": (
         unit("", any_name="another"), ONE, "your file does not define rk_bvh_occluded, which the suite calls"
     ),
     "a unit that does not compile shows the first error": (unit("cuont++;"), ONE, "cuont"),
-    "exit in the middle of a test is no pass": (unit("exit(0);", by_address("exit")), ONE, "ended in the middle of the test"),
+    "exit in the middle of a test is no pass": (unit("exit(0);", by_address("exit")), ONE,
+                                                "ended in the middle of the test"),
     "_Exit after printing ok is no pass": (
         unit(f'printf("1..1\\nok 1 - {ONE}\\n");\n    fflush(stdout);\n    _Exit(0);', by_address("_Exit")),
         ONE, "its printed output does not count",
     ),
     "exit before main is refused": (
-        unit("", "__attribute__((constructor)) static void early(void)\n{\n    exit(0);\n}"), ONE, "constructor"
+        unit("", "__attribute__((constructor)) static void early(void)\n{\n    exit(0);\n}"), ONE,
+        "constructor"
     ),
     "a section that runs before main is refused": (
         unit("", "static void early(void)\n{\n    exit(0);\n}\n"
-             '__attribute__((section(".preinit_array"), used)) static void (*entry)(void) = early;'), ONE, "uses the attribute section"
+             '__attribute__((section(".preinit_array"), used)) static void (*entry)(void) = early;'), ONE,
+        "uses the attribute section"
     ),
     "a function chosen while loading is refused": (
         unit("", "static int plain(void)\n{\n    return 1;\n}\n"
@@ -137,7 +142,8 @@ BAD = {
         unit('puts("I was here");\n    fputs("and here\\n", stderr);'), ONE, "is not sound"
     ),
     "what a unit prints comes after it": (
-        unit('puts("I was here");\n    fputs("and here\\n", stderr);'), ONE, "\nyour code printed: and here | I was here"
+        unit('puts("I was here");\n    fputs("and here\\n", stderr);'), ONE,
+        "\nyour code printed: and here | I was here"
     ),
     "a child that stays behind does not hold up the verdict": (
         unit("if (fork() == 0)\n    {\n        setsid();\n        for (;;)\n            pause();\n    }\n    _Exit(0);",
@@ -171,9 +177,11 @@ bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
     "a warning is no error": unit("int unused;"),
     "a unit is told no way to the kit, and cannot write its program": unit(
         'if (getenv("PATH") || getenv("RAYKIT_HELPERS") || getenv("RAYKIT_ATTEST") || fopen("/proc/self/exe", "r+")\n'
-        '        || access("../test_bvh_median", F_OK) == 0)\n        abort();', by_address("getenv", "fopen", "access")
+        '        || access("../test_bvh_median", F_OK) == 0)\n        abort();',
+        by_address("getenv", "fopen", "access")
     ),
 }
+
 
 def make_suite(folder, number, text, tests):
     """A suite over a unit with this text, in a folder of its own."""
@@ -196,7 +204,8 @@ def units_are_judged(toolchain, folder):
             for k, (claim, text) in enumerate(GOOD.items())]
     right = make_suite(folder, "right", REFERENCE, tests) if SOLVED else None
     starter = make_suite(folder, "starter", STARTER, tests)
-    grade.grade(toolchain, [starter] + ([right] if right else []) + [suite for _, suite in good], {}, seconds=60)
+    grade.grade(toolchain, [starter] + ([right] if right else []) + [suite for _, suite in good], {},
+                seconds=60)
     # The one that hangs waits for its end; the others take milliseconds.
     grade.grade(toolchain, [suite for _, suite, _ in cases], {}, seconds=3, megabytes=500)
     sandbox.end_strays()
@@ -232,10 +241,12 @@ def reports_can_be_read(suites):
     claims = sum(len(suite.tests) for suite in suites)
     failed = sum(not suite.verdicts[test.name].passed for suite in suites for test in suite.tests)
     check(len(root.findall("testsuite/testcase")) == claims, "JUnit has a test case for each claim")
-    check(len(root.findall("testsuite/testcase/failure")) == failed, "JUnit has a failure for each failed claim")
+    check(len(root.findall("testsuite/testcase/failure")) == failed,
+          "JUnit has a failure for each failed claim")
     report = json.loads(results.gradescope(suites, "mine"))
     check(report["score"] == sum(test["score"] for test in report["tests"]) and
-          report["score"] == sum(suite.points() for suite in suites), "Gradescope's score is the sum of its tests'")
+          report["score"] == sum(suite.points() for suite in suites),
+          "Gradescope's score is the sum of its tests'")
     check(all(test["status"] in ("passed", "failed") and {"name", "max_score", "output"} <= set(test)
               for test in report["tests"]), "Gradescope's tests have all that it asks for")
     lines = results.tap(suites, "mine").splitlines()
@@ -257,7 +268,8 @@ def a_report_is_written_whole(suites, folder):
     except UnicodeEncodeError:
         pass
     with open(path, encoding="utf-8") as file:
-        check("score" in json.load(file) and not [name for name in os.listdir(folder) if name.startswith(".part")],
+        check("score" in json.load(file)
+              and not [name for name in os.listdir(folder) if name.startswith(".part")],
               "a report that cannot be written leaves the old one, and nothing else")
 
 
@@ -270,8 +282,10 @@ def a_workbook_is_the_students(folder):
         file.write("stem\tfolder\tneeds\tuses\tabout\tpicture\nbvh_median\t01_bvh_median\t\t\t\t\n")
     with open(os.path.join(source, "assignments/01_bvh_median/handout.md"), "w", encoding="utf-8") as file:
         file.write("# Trees\n\n[How to start](../handout_common.md#how-to-start)\n\n[points](points.tsv)\n")
-    for name, text in (("points", "test\tpoints\tstep\tsection\na\t100\t1\t#a\n"), ("look", "step\toptions\tcaption\n1\t\ta\n")):
-        with open(os.path.join(source, f"assignments/01_bvh_median/{name}.tsv"), "w", encoding="utf-8") as file:
+    for name, text in (("points", "test\tpoints\tstep\tsection\na\t100\t1\t#a\n"),
+                       ("look", "step\toptions\tcaption\n1\t\ta\n")):
+        with open(os.path.join(source, f"assignments/01_bvh_median/{name}.tsv"), "w",
+                  encoding="utf-8") as file:
             file.write(text)
     with open(os.path.join(source, "assignments/handout_common.md"), "w", encoding="utf-8") as file:
         file.write("# All\n\n## How to start\n\n<!-- kit -->\ncheck-{stem} IMPL=mine\n<!-- pack\ncheck\nend -->\n\n## More\n")
@@ -287,7 +301,8 @@ def a_workbook_is_the_students(folder):
           "a workbook holds the starters, and says what to do next")
     check(read(mine, "bvh_median.md") == f"# Trees\n\n## How to start\n\ncheck-bvh_median IMPL={mine}\n\n"
           "[points](../kit/assignments/01_bvh_median/points.tsv)\n",
-          "beside a starter stands its task, with what all share and the folder's name", read(mine, "bvh_median.md"))
+          "beside a starter stands its task, with what all share and the folder's name",
+          read(mine, "bvh_median.md"))
     release("second")
     said = make_workbook(source, mine)
     check(read(mine, "bvh_median.c") == "second\n", "an unchanged starter is renewed", said)
@@ -295,21 +310,25 @@ def a_workbook_is_the_students(folder):
         file.write("my own line\n")
     release("third")
     said = make_workbook(source, mine)
-    check(read(mine, "bvh_median.c") == "second\nmy own line\n" and any("kept" in line and "newer" in line for line in said),
+    check(read(mine, "bvh_median.c") == "second\nmy own line\n"
+          and any("kept" in line and "newer" in line for line in said),
           "a changed file is kept, and said to be", said)
     os.unlink(os.path.join(mine, ".workbook"))
     make_workbook(source, mine)
-    check(read(mine, "bvh_median.c") == "second\nmy own line\n", "a changed file is kept without the manifest, too")
+    check(read(mine, "bvh_median.c") == "second\nmy own line\n",
+          "a changed file is kept without the manifest, too")
     for place in (os.path.join(source, "src", "mine"), os.path.join(source, "src"), reference, ""):
         try:
             make_workbook(source, place)
             check(False, f"a workbook at \"{place[len(folder):]}\" is refused")
         except ToolError as error:
-            check("\n" not in str(error), f"a workbook at \"{place[len(folder):]}\" is refused in one sentence")
+            check("\n" not in str(error),
+                  f"a workbook at \"{place[len(folder):]}\" is refused in one sentence")
 
 
 def what_cannot_be_used_is_refused(folder):
-    for impl in ("", os.path.join(folder, "absent"), os.path.join(SOURCE, "README.md"), os.path.join(SOURCE, "docs")):
+    for impl in ("", os.path.join(folder, "absent"), os.path.join(SOURCE, "README.md"),
+                 os.path.join(SOURCE, "docs")):
         try:
             check_impl(FEATURES, impl, ["bvh_median"])
             check(False, f"IMPL=\"{os.path.basename(impl)}\" is refused")
@@ -325,9 +344,11 @@ def an_interrupt_ends_everything(folder):
     with open(os.path.join(place, "bvh_median.c"), "w", encoding="utf-8") as file:
         file.write(unit(line, by_address("fopen")))
     grader = subprocess.Popen(
-        [sys.executable, "-B", os.path.join(SOURCE, "tools", "grade.py"), "bvh_median", "--impl", place, "--test", ONE],
+        [sys.executable, "-B", os.path.join(SOURCE, "tools", "grade.py"), "bvh_median", "--impl", place,
+         "--test", ONE],
         env=dict(os.environ, TMPDIR=place), stderr=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
-        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),  # ignored in a script's background
+        preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler),
+        # ignored in a script's background
     )
     patience = time.monotonic() + 20
     while not os.path.exists(mark) and grader.poll() is None and time.monotonic() < patience:
@@ -340,7 +361,8 @@ def an_interrupt_ends_everything(folder):
         status = grader.wait()
     left = subprocess.run(["ps", "-eo", "args"], capture_output=True, text=True, check=False).stdout
     check(status == 130, "Ctrl-C ends a grader at once", status)
-    check(place + "/raykit-grade" not in left and not [n for n in os.listdir(place) if n.startswith("raykit-grade")],
+    check(place + "/raykit-grade" not in left
+          and not [n for n in os.listdir(place) if n.startswith("raykit-grade")],
           "Ctrl-C leaves no process and no folder", os.listdir(place))
 
 
@@ -357,7 +379,8 @@ def launch(*command):
     """Starts a command as at an instructor's prompt."""
     dropped = ("MAKEFLAGS", "MFLAGS", "MAKELEVEL", "srcdir", "TESTS_ENVIRONMENT")
     environment = {name: value for name, value in os.environ.items() if name not in dropped}
-    return subprocess.Popen(command, env=dict(environment, RAYKIT_TEST_SECONDS="60"), stdin=subprocess.DEVNULL,
+    return subprocess.Popen(command, env=dict(environment, RAYKIT_TEST_SECONDS="60"),
+                            stdin=subprocess.DEVNULL,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True, errors="replace")
 
 
@@ -386,12 +409,15 @@ def what_is_not_handed_in_earns_nothing(folder):
     put(STARTER, folder, "misplaced", "src", "bvh.c")
     put('#include "alice.c"\n', folder, "flat.c")
     put(STARTER, folder, "alice.c")
-    for name, target in {"linked": "../bob/bvh_median.c", "broken": "nowhere", "copycat": FEATURE.reference}.items():
+    for name, target in {"linked": "../bob/bvh_median.c", "broken": "nowhere",
+                         "copycat": FEATURE.reference}.items():
         os.makedirs(os.path.join(folder, name))
-        os.symlink(os.path.abspath(target) if name == "copycat" else target, os.path.join(folder, name, "bvh_median.c"))
+        os.symlink(os.path.abspath(target) if name == "copycat" else target,
+                   os.path.join(folder, name, "bvh_median.c"))
     os.makedirs(os.path.join(folder, "strange", "bvh_median.c"))
     cases = {
-        "misplaced": "there is no bvh_median.c; found: src/bvh.c", "linked": "a link to a file outside of the submission",
+        "misplaced": "there is no bvh_median.c; found: src/bvh.c",
+        "linked": "a link to a file outside of the submission",
         "broken": "not a plain file", "copycat": "a link to the reference, which earns no points",
         "flat.c": "flat.c includes alice.c", "strange": "not a plain file",
     }
@@ -400,7 +426,8 @@ def what_is_not_handed_in_earns_nothing(folder):
         for form, write in results.FORMATS.items():
             report = write(suites, os.path.join(folder, name))
             told = json.loads(report)["tests"][0]["output"] if form == "gradescope" else report
-            check(suites[0].points() == 0 and part[:38] in told and "workbook" not in report and folder not in report,
+            check(suites[0].points() == 0 and part[:38] in told and "workbook" not in report
+                  and folder not in report,
                   f"a submission that is {name} gets 0 points and the reason ({form})", told)
         report = json.loads(results.gradescope(suites, name))
         check(sum(part in test["output"] or "read" in test["output"] for test in report["tests"]) == 1,
@@ -412,32 +439,43 @@ def statuses_tell_what_was_graded(folder):
     put(REFERENCE, folder, "right", "bvh_median.c")
     weak, right = os.path.join(folder, "weak"), os.path.join(folder, "right")
     cases = {
-        "0 is what is written": (0, ["--impl", weak, "--test", ONE, "--out", os.path.join(folder, "weak.txt")], "wrote"),
+        "0 is what is written": (0,
+                                 ["--impl", weak, "--test", ONE, "--out", os.path.join(folder, "weak.txt")],
+                                 "wrote"),
         "0 is what passes": (0, ["--impl", right, "--test", ONE], "ok"),
         "1 is what fails": (1, ["--impl", weak, "--test", ONE], "FAIL"),
-        "2 is a folder that is missing for OUT": (2, ["--impl", weak, "--out", os.path.join(folder, "no", "x")], "no folder"),
-        "2 is a place for OUT that takes no file": (2, ["--impl", weak, "--test", ONE, "--out", "/proc/x.txt"],
+        "2 is a folder that is missing for OUT": (2,
+                                                  ["--impl", weak, "--out", os.path.join(folder, "no", "x")],
+                                                  "no folder"),
+        "2 is a place for OUT that takes no file": (2,
+                                                    ["--impl", weak, "--test", ONE, "--out", "/proc/x.txt"],
                                                     "/proc/x.txt: cannot be written"),
-        "2 is a FORMAT that there is not": (2, ["--impl", weak, "--format", "bogus"], "FORMAT=bogus: choose one of"),
+        "2 is a FORMAT that there is not": (2, ["--impl", weak, "--format", "bogus"],
+                                            "FORMAT=bogus: choose one of"),
         "2 is an option that there is not": (2, ["--impl", weak, "--bogus"], "--bogus; see --help"),
-        "2 is a submission that is missing": (2, ["--impl", os.path.join(folder, "nobody")], "no file or folder"),
-        "2 is a name that is wrong": (2, ["--impl", os.path.join(folder, "weak.txt")], "name it bvh_median.c"),
+        "2 is a submission that is missing": (2, ["--impl", os.path.join(folder, "nobody")],
+                                              "no file or folder"),
+        "2 is a name that is wrong": (2, ["--impl", os.path.join(folder, "weak.txt")],
+                                      "name it bvh_median.c"),
     }
     if not SOLVED:
         del cases["0 is what passes"]
     for name, (expected, arguments, part) in cases.items():
         status, said = graded(*arguments)
-        check(status == expected and part in said and "usage:" not in said, f"exit status {name}", f"{status}\n{said}")
+        check(status == expected and part in said and "usage:" not in said, f"exit status {name}",
+              f"{status}\n{said}")
 
 
 def two_gradings_at_once(folder):
     os.unlink(os.path.join("impl", "toolchain"))
     make = os.environ.get("MAKE", "make")
     put(unit(""), folder, "weak", "bvh_median.c")
-    both = [launch(make, "-s", "grade", "ASSIGNMENTS=bvh_median", "TEST=" + ONE, "IMPL=" + os.path.join(folder, "weak"),
-                  f"OUT={os.path.join(folder, f'at-once-{k}')}") for k in range(3)]
+    both = [launch(make, "-s", "grade", "ASSIGNMENTS=bvh_median", "TEST=" + ONE,
+                   "IMPL=" + os.path.join(folder, "weak"),
+                   f"OUT={os.path.join(folder, f'at-once-{k}')}") for k in range(3)]
     said = [process.communicate()[0] for process in both]
-    check(all(process.returncode == 0 for process in both) and not [n for n in os.listdir("impl") if "toolchain." in n],
+    check(all(process.returncode == 0 for process in both)
+          and not [n for n in os.listdir("impl") if "toolchain." in n],
           "gradings at the same time do not meet", "\n".join(said))
 
 
@@ -483,24 +521,29 @@ def a_driver_is_linked(folder):
                        "IMPL=" + os.path.join(folder, "drawn"))
     told = re.search(r"^run (\S+) \(--help lists its options\)", said, re.MULTILINE)
     program = told[1] if told else ""
-    check(status == 0 and os.access(program, os.X_OK), "a driver with a student's unit is made, and says where it is", said)
+    check(status == 0 and os.access(program, os.X_OK),
+          "a driver with a student's unit is made, and says where it is", said)
     put("int", folder, "drawn", "bvh_median.c")
     status, said = run(os.environ.get("MAKE", "make"), "-s", "driver-bvh_median",
                        "IMPL=" + os.path.join(folder, "drawn"))
-    check(status != 0 and "does not compile: bvh_median.c:1" in said, "one that cannot be made says why", said)
+    check(status != 0 and "does not compile: bvh_median.c:1" in said, "one that cannot be made says why",
+          said)
 
 
 def a_single_file_has_places(folder):
     """Also where it is not named as its feature."""
     broken = {"05 crash.c": ("*nowhere = 1;", "05 crash.c:17, in rk_bvh_build_median"),
-              "06_hang.c": ("for (volatile int k = 0; k < 2; k = 0) { }", "was at 06_hang.c:17, in rk_bvh_build_median")}
+              "06_hang.c": ("for (volatile int k = 0; k < 2; k = 0) { }",
+                            "was at 06_hang.c:17, in rk_bvh_build_median")}
     for name, (text, place) in broken.items():
         put(unit(text, "static volatile int *volatile nowhere;"), folder, "single", name)
         with mock.patch.dict(os.environ, RAYKIT_TEST_SECONDS="3"):
-            toolchain, suites = grade.grade_impl(".", ["bvh_median"], os.path.join(folder, "single", name), only=ONE)
+            toolchain, suites = grade.grade_impl(".", ["bvh_median"], os.path.join(folder, "single", name),
+                                                 only=ONE)
         verdict = suites[0].verdicts[ONE]
         if toolchain.finds_leaks():
-            check(verdict.place == place, f"{name} is told with its place", f"{verdict.reason}\n{verdict.place}")
+            check(verdict.place == place, f"{name} is told with its place",
+                  f"{verdict.reason}\n{verdict.place}")
 
 
 def what_does_not_build_is_brief(folder):
@@ -508,7 +551,8 @@ def what_does_not_build_is_brief(folder):
     declared = "int nowhere(int);\n"
     cases = {"empty": (" \n\n", "bvh_median.c is empty"),
              "undefined": (declared + unit("nowhere(3);"), "uses nowhere (line 1), which nothing defines"),
-             "bare": ("int x;\n", "define rk_bvh_build_median, rk_bvh_build_nodes, rk_bvh_closest and rk_bvh_occluded,")}
+             "bare": ("int x;\n",
+                      "define rk_bvh_build_median, rk_bvh_build_nodes, rk_bvh_closest and rk_bvh_occluded,")}
     for name, (text, part) in cases.items():
         put(text, folder, "brief", name, "bvh_median.c")
         _, suites = grade.grade_impl(".", ["bvh_median"], os.path.join(folder, "brief", name))
@@ -517,7 +561,8 @@ def what_does_not_build_is_brief(folder):
               f"a unit that is {name} is told in a line or two", report)
         tests = json.loads(results.gradescope(suites, name))["tests"]
         check(tests[0]["name"] == "bvh_median: can be graded" and tests[0]["max_score"] == 0
-              and part[:20] in tests[0]["output"] and {test["output"] for test in tests[1:]} == {"no verdict"},
+              and part[:20] in tests[0]["output"]
+              and {test["output"] for test in tests[1:]} == {"no verdict"},
               f"Gradescope has an entry of its own for why nothing ran ({name})", tests[:2])
 
 
@@ -529,7 +574,8 @@ def a_students_report_names_no_folder_of_the_grader(folder):
         suites[0].verdicts = {test.name: verdicts.Verdict(True) for test in suites[0].tests}
         said = results.text(suites, work)
         check(said.endswith("make draw-bvh_median\n") != own and (work in said) == own,
-              "one's own report names the folder" if own else "a student's report does not name the grader's folder", said)
+              "one's own report names the folder"
+              if own else "a student's report does not name the grader's folder", said)
     shutil.rmtree(os.path.join(folder, "class"))
 
 
@@ -549,15 +595,18 @@ def hanging_does_not_last(toolchain, folder):
     grade.grade(toolchain, [suite], {}, seconds=5)
     long = [v for v in suite.verdicts.values() if v.timed_out and "short limit" not in v.reason]
     short = [v for v in suite.verdicts.values() if "short limit" in v.reason]
-    check(2 <= len(long) <= 2 + os.cpu_count() and len(short) > 10, "after two claims that hang the others get less time",
+    check(2 <= len(long) <= 2 + os.cpu_count() and len(short) > 10,
+          "after two claims that hang the others get less time",
           results.text([suite], ""))
     text = results.text([suite], "")
-    check(text.count("short limit") == 1 and "..." not in text, "what fails for the same reason is told together", text)
+    check(text.count("short limit") == 1 and "..." not in text,
+          "what fails for the same reason is told together", text)
 
 
 def grade_class(place, out, *more):
     """Returns the exit status, what was said, and the rows of class.csv by name."""
-    status, said = run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median", *more,
+    status, said = run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
+                       *more,
                        "--submissions", place, "--out", out)
     with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
         return status, said, {row[0]: row for row in csv.reader(file)}
@@ -574,14 +623,18 @@ def who_ends_the_grader_is_named(folder):
     put(unit(""), place, "eve", "bvh_median.c")
     with mock.patch.dict(os.environ, TMPDIR=work, RAYKIT_SANDBOX="no"):
         status, said, rows = grade_class(place, out, "bloom")
-    check(status == 0 and list(rows) == ["name", "ann", "bob", "dan", "eve"], "a class outlives who kills its grader", said)
+    check(status == 0 and list(rows) == ["name", "ann", "bob", "dan", "eve"],
+          "a class outlives who kills its grader", said)
     for name, number in {"ann": "SIGKILL", "bob": "SIGSTOP", "dan": "SIGKILL"}.items():
         check(rows[name][1] == "0" and f"ended its grader, by {number}" in rows[name][6],
               f"who sends {number} is named, and has 0 points ({name})", rows[name])
-    check("bloom.c is empty" in rows["dan"][7], "another assignment of the same submission is judged all the same", rows["dan"])
+    check("bloom.c is empty" in rows["dan"][7],
+          "another assignment of the same submission is judged all the same", rows["dan"])
     check("is not sound" in rows["eve"][6], "who comes after it is judged", rows["eve"])
-    environments = subprocess.run(["ps", "-eo", "args", "e"], capture_output=True, text=True, check=False).stdout
-    check(not os.listdir(work) and "HOME=" + work not in environments, "who kills its grader leaves no folder and no process",
+    environments = subprocess.run(["ps", "-eo", "args", "e"], capture_output=True, text=True,
+                                  check=False).stdout
+    check(not os.listdir(work) and "HOME=" + work not in environments,
+          "who kills its grader leaves no folder and no process",
           os.listdir(work))
 
 
@@ -597,21 +650,26 @@ def a_class_is_graded(folder):
     check("ignored: notes.txt\n" in said, "a file that is nobody's work is named, and no student", said)
     check(rows['Ann, "A"'][1].isdigit() and rows['Ann, "A"'][4] == f"bvh_median: {ONE}",
           "class.csv has points and the first failing claim", rows)
-    check(rows["name"][2:4] == ["total", "maximum"] and rows['Ann, "A"'][3] == "100", "and the points that there are", rows)
+    check(rows["name"][2:4] == ["total", "maximum"] and rows['Ann, "A"'][3] == "100",
+          "and the points that there are", rows)
     listed = re.search(r"failed most often: (.*)", said)
     check(listed and re.fullmatch(r"(bvh_median: \w+ \(1 of 1\)(, )?){3}", listed[1]),
           "the claims that a class failed most often are named, without those of who has no verdicts", said)
     reasons = {"bert": "cuont", "carl": "found: else.c", "twin": "is a link"}
-    check(all(part in rows[name][5] and rows[name][1:5] == ["0", "0", "100", ""] for name, part in reasons.items()),
+    check(all(part in rows[name][5] and rows[name][1:5] == ["0", "0", "100", ""]
+              for name, part in reasons.items()),
           "class.csv has the reason where nothing ran, and no claim", rows)
-    check(sorted(os.listdir(out)) == ["Ann, \"A\".json", "bert.json", "carl.json", "class.csv", "twin.json"], "each has a report", os.listdir(out))
+    check(sorted(os.listdir(out)) == ["Ann, \"A\".json", "bert.json", "carl.json", "class.csv", "twin.json"],
+          "each has a report", os.listdir(out))
     report = json.loads(read(out, "twin.json"))
-    check(report["score"] == 0 and "is a link" in report["tests"][0]["output"], "also who could not be graded", report)
+    check(report["score"] == 0 and "is a link" in report["tests"][0]["output"],
+          "also who could not be graded", report)
     grader = [sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
               "--submissions", place, "--out", out]
     for other in (place, os.path.join(place, "out")):
         status, said = run(*grader[:-1], other)
-        check(status == 2 and "lies among the submissions" in said and not os.path.exists(os.path.join(other, "class.csv")),
+        check(status == 2 and "lies among the submissions" in said
+              and not os.path.exists(os.path.join(other, "class.csv")),
               f"results in {os.path.basename(other)}, among the submissions, are refused", said)
     put(unit(""), folder, "one", "bvh_median.c")
     put("Begin with", folder, "one", "README.txt")
@@ -631,13 +689,16 @@ def a_class_is_graded_again(folder):
     check(rows["ann"] == first["ann"] and "is not sound" in rows["bob"][5] and list(rows) == list(first),
           "a class that is graded again keeps the rows of who is not in it, with their time", rows)
     times = [table["bob"][7] for table in (rows, first)]
-    check(times == sorted(times, reverse=True) and all(re.fullmatch(r"2\S+ \S+ [+-]\d{4}", time) for time in times),
+    check(times == sorted(times, reverse=True)
+          and all(re.fullmatch(r"2\S+ \S+ [+-]\d{4}", time) for time in times),
           "each row says when it was made, with the time zone", rows)
-    check(sorted(os.listdir(out)) == ["ann.json", "bob.txt", "class.csv"], "no older report stands beside a newer one",
+    check(sorted(os.listdir(out)) == ["ann.json", "bob.txt", "class.csv"],
+          "no older report stands beside a newer one",
           os.listdir(out))
     put("name,marks\nann,3\n", out, "class.csv")
     status, said, rows = grade_class(place, out)
-    check(status == 2 and "other columns" in said and rows == {"name": ["name", "marks"], "ann": ["ann", "3"]},
+    check(status == 2 and "other columns" in said
+          and rows == {"name": ["name", "marks"], "ann": ["ann", "3"]},
           "a table of something else is left alone", said)
 
 
@@ -647,7 +708,8 @@ def what_a_course_system_delivers(folder):
     put(unit(""), place, "01_below", "hw6", "workbook", "bvh_median.c")
     put(unit(""), place, "02_pack", "kit", "workbook", "bvh_median.c")
     put("", place, "02_pack", "kit", "src", "features", "bvh_median.c")
-    put(read(os.path.dirname(FEATURES["bvh_median"].suite), "test_bvh_median.c"), place, "02_pack", "kit", "tests",
+    put(read(os.path.dirname(FEATURES["bvh_median"].suite), "test_bvh_median.c"), place, "02_pack", "kit",
+        "tests",
         "test_bvh_median.c")
     put(unit(""), place, "02_suite", "kit", "workbook", "bvh_median.c")
     put("int main(void) { return 0; }", place, "02_suite", "kit", "tests", "test_bvh_median.c")
@@ -673,20 +735,24 @@ def what_a_course_system_delivers(folder):
         "03_two": "several bvh_median.c: a/bvh_median.c, b/bvh_median.c; move the right one",
         "04_case": "there is no bvh_median.c; rename BVH_Median.c to bvh_median.c",
         "05_plus": "there is no bvh_median.c; rename hw/bvh_median.cpp to bvh_median.c",
-        "06_packed": "there is no bvh_median.c; unpack work.zip", "07_zip.zip": "unpack 07_zip.zip into a folder 07_zip",
+        "06_packed": "there is no bvh_median.c; unpack work.zip",
+        "07_zip.zip": "unpack 07_zip.zip into a folder 07_zip",
         "10 j.doe.cpp": "rename 10 j.doe.cpp to 10 j.doe.c", "11_dup.c": "11_dup.c is empty",
     }
     for name, part in wrong.items():
         check(part in rows[name][5] and rows[name][1] == "0", f"what is to do is said of {name}", rows[name])
-    right = {"01_below": "taken from hw6/workbook/bvh_median.c", "02_pack": "taken from kit/workbook/bvh_median.c",
+    right = {"01_below": "taken from hw6/workbook/bvh_median.c",
+             "02_pack": "taken from kit/workbook/bvh_median.c",
              "02_suite": "taken from kit/workbook/bvh_median.c; kit/tests/test_bvh_median.c differs from the kit's, "
              "which was run",
              "08_again": "ignored: bvh_median (1).c", "09_kit": "ignored: points.tsv, tests/",
              "11_dup": "another submission has the same name: 11_dup.c"}
     for name, remark in right.items():
-        check(rows[name][6] == remark and "is not sound" in rows[name][5], f"what is chosen is said of {name}", rows[name])
+        check(rows[name][6] == remark and "is not sound" in rows[name][5],
+              f"what is chosen is said of {name}", rows[name])
         said_there = read(out, name + ".json")
-        check(name == "11_dup" or all(part in said_there for part in remark.split("; ")), f"also in the report of {name}", said_there)
+        check(name == "11_dup" or all(part in said_there for part in remark.split("; ")),
+              f"also in the report of {name}", said_there)
     check("ignored: 11_dup.zip, grades.csv\n" in said and set(rows) == {"name", *wrong, *right},
           "a table, and an archive beside its folder, are no students", said)
 
@@ -722,7 +788,8 @@ def names_are_any_bytes(folder):
         with open(path, "w", encoding="utf-8") as file:
             file.write(unit("") if not SOLVED else REFERENCE)
     status, said, rows = grade_class(os.fsdecode(place), os.fsdecode(out))
-    check(status == 0 and len(rows) == 1 + len(names) and "M\\xfcller" in rows and "'=1+2" in rows, "a folder's name can be any bytes; class.csv tells them apart, and holds no formulas", said)
+    check(status == 0 and len(rows) == 1 + len(names) and "M\\xfcller" in rows and "'=1+2" in rows,
+          "a folder's name can be any bytes; class.csv tells them apart, and holds no formulas", said)
     check(all(row[1] == ("100" if SOLVED else "0") for name, row in rows.items() if name != "name"),
           "right code gets all points, whatever its folder is called", rows)
     status, said = graded("--impl", os.fsdecode(os.path.join(place, names[0])), "--own", "--test", EMPTY)
@@ -744,7 +811,8 @@ def what_changes_without_a_sandbox_is_told(folder):
         status, said, rows = grade_class(place, out)
         remarks = [rows[name][6] for name in ("ann", "bob")]
         check(status == 1 and all(planted in remark and "may be wrong" in remark for remark in remarks)
-              and "is not sound" in rows["bob"][5], "a change to the kit is told from then on, and the class goes on",
+              and "is not sound" in rows["bob"][5],
+              "a change to the kit is told from then on, and the class goes on",
               rows)
         os.unlink(planted)
         status, said = graded("--impl", os.path.join(place, "ann"))
@@ -753,11 +821,13 @@ def what_changes_without_a_sandbox_is_told(folder):
     put(opening(f"{place}/bob/bvh_median.c"), place, "ann", "bvh_median.c")
     with mock.patch.dict(os.environ, RAYKIT_SANDBOX="no"):
         status, said, rows = grade_class(place, out)
-    check(status == 1 and "bob/bvh_median.c changed" in rows["bob"][6], "so is a change to another's submission", rows)
+    check(status == 1 and "bob/bvh_median.c changed" in rows["bob"][6],
+          "so is a change to another's submission", rows)
 
 
 def a_copied_build_is_told(folder):
-    put(read("impl", "toolchain").replace("source=", f"source={folder}/"), folder, "moved", "impl", "toolchain")
+    put(read("impl", "toolchain").replace("source=", f"source={folder}/"), folder, "moved", "impl",
+        "toolchain")
     status, said = graded("--impl", folder, "--build", os.path.join(folder, "moved"))
     check(status == 2 and "but this one stands in" in said and "run ./bootstrap" in said,
           "a build that was copied elsewhere does not grade with the old place", said)

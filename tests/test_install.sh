@@ -1,6 +1,7 @@
 #!/bin/sh
 # Can a stranger build against what `make install` left? Run by `make installcheck`.
 # usage: CC=compiler CXX=compiler test_install.sh pkgconfigdir includedir version [destdir]
+# shellcheck disable=SC2046,SC2086 # the words of CC and of pkg-config are meant to be split
 set -eu
 pkgconfig=$1 include=$2 version=$3 staging=${4-}
 

@@ -18,6 +18,7 @@ from tap import check, finish, run, start  # noqa: E402
 
 MAKE = os.environ.get("MAKE", "make")
 
+
 def files_of(folder):
     """Returns a dictionary from path to content."""
     found = {}
@@ -52,7 +53,8 @@ def half_a_feature_is_taken_back(kit):
         make_feature(kit, "fog")
         check(False, "without README's table nothing is made")
     except ToolError as error:
-        check("features end" in str(error) and files_of(kit) == before, "without README's table nothing is made", error)
+        check("features end" in str(error) and files_of(kit) == before,
+              "without README's table nothing is made", error)
     with open(readme, "w", encoding="utf-8") as file:
         file.write(text)
 
@@ -66,10 +68,12 @@ def fog_is_made(kit):
                     if before[path] != after[path] and not path.endswith(".log"))
     check(edited == ["README.md", "assignments/features.tsv", "src/render/plan.h"],
           "only the table, README and the options are edited", edited)
-    left = [path for path in after if path not in before and (b"NN_fog" in after[path] or b"NUMBER" in after[path])]
+    left = [path for path in after if path not in before
+            and (b"NN_fog" in after[path] or b"NUMBER" in after[path])]
     check(not left, "its name stands where the pattern's stood", left)
     fog = list(read_features(kit).values())[-1]
-    check(fog.stem == "fog" and sum(test.points for test in read_points(fog)) == 100, "it has an assignment of 100 points")
+    check(fog.stem == "fog" and sum(test.points for test in read_points(fog)) == 100,
+          "it has an assignment of 100 points")
 
 
 def fog_builds_and_says_what_is_missing(kit):
@@ -83,9 +87,11 @@ def fog_builds_and_says_what_is_missing(kit):
         check(status == 0, f"the suite {suite} passes", said)
     driver = next(iter(feature.folder for feature in read_features(kit).values() if feature.stem == "fog"))
     status, said = run(kit, "sh", "-c", f"assignments/{driver}/fog --width 16 --height 16")
-    check(status == 0 and os.path.exists(os.path.join(kit, "out", "figures", "fog_cornell.png")), "its driver draws", said)
+    check(status == 0 and os.path.exists(os.path.join(kit, "out", "figures", "fog_cornell.png")),
+          "its driver draws", said)
     status, said = run(kit, MAKE, "-s", "handout", "ASSIGNMENTS=fog", "DIR=pack", "BOOK=no")
-    check(status == 0 and os.path.exists(os.path.join(kit, "pack", "workbook", "fog.c")), "it can be handed out", said)
+    check(status == 0 and os.path.exists(os.path.join(kit, "pack", "workbook", "fog.c")),
+          "it can be handed out", said)
 
 
 def main():
@@ -98,7 +104,8 @@ def main():
         bad_names_are_refused(kit)
         half_a_feature_is_taken_back(kit)
         toolchain = Toolchain(".")
-        status, said = run(kit, "./configure", "--quiet", "--enable-werror", f"CC={' '.join(toolchain.compiler)}")
+        status, said = run(kit, "./configure", "--quiet", "--enable-werror",
+                           f"CC={' '.join(toolchain.compiler)}")
         check(status == 0, "the copy configures", said)
         fog_is_made(kit)
         fog_builds_and_says_what_is_missing(kit)

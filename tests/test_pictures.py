@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""What students see: pictures of the starters, of each step, and of mistakes. Speaks TAP, for make check-pictures; runs in a
-build folder."""
+"""What students see: pictures of the starters, of each step, and of mistakes. Speaks TAP, for make
+check-pictures; runs in a build folder."""
 
 import os
 import re
@@ -88,7 +88,8 @@ def starters_draw(folder):
         lit, kinds = sum(grey > 0 for grey in found) / len(found), len(set(found))
         check(lit > 0.02 and kinds >= FEWEST_GREYS, f"{stem}: with nothing solved its picture shows form",
               f"{lit:.0%} of the pixels are not black, in {kinds} greys\n{said}")
-        check(re.search(rf"\b{stem}\b.* (still the starter|find no triangles yet|finds no triangles yet)", said),
+        check(re.search(rf"\b{stem}\b.* (still the starter|find no triangles yet|finds no triangles yet)",
+                        said),
               f"{stem}: the driver says that it is still the starter", said)
     starters_of_glass_let_light_pass(folder)
     said, _ = _draw(driver_of(FEATURES["bvh_median"]), os.path.join(folder, "out"), *SIZE)
@@ -99,21 +100,26 @@ def starters_draw(folder):
     said, _ = _draw(driver_of(FEATURES["bvh_median"]), os.path.join(folder, "out"), *SIZE, "--debug", "level",
                     "--level", "0")
     check(re.search(r"\bbvh_median\b[^:]* still the starter", said), "a view of the tree shows it", said)
-    _, picture = _draw(driver_of(FEATURES["bloom"]), os.path.join(folder, "out"), *SIZE, "--debug", "threshold")
-    check(picture and len(set(greys(picture))) >= FEWEST_GREYS, "bright pixels are looked for in a picture with form")
+    _, picture = _draw(driver_of(FEATURES["bloom"]), os.path.join(folder, "out"), *SIZE, "--debug",
+                       "threshold")
+    check(picture and len(set(greys(picture))) >= FEWEST_GREYS,
+          "bright pixels are looked for in a picture with form")
     look = read_looks(FEATURES["bvh_median"])[-1]
     said, _ = _draw(driver_of(FEATURES["bvh_median"]), os.path.join(folder, "out"), *draw.small(look.options),
                     "--compare", look.picture)
-    check(re.search(r"shows where; shading [^;]*still the starter here, and solved in the wanted picture", said),
+    check(re.search(r"shows where; shading [^;]*still the starter here, and solved in the wanted picture",
+                    said),
           "where a picture differs that uses starters, they are named", said)
     shutil.copyfile(FEATURES["bvh_median"].reference, os.path.join(mine, "bvh_median.c"))
     link_drivers(toolchain, mine, "sah_binning")
-    said, _ = _draw(driver_of(FEATURES["sah_binning"]), os.path.join(folder, "out"), *SIZE, "--scene", "teapot")
+    said, _ = _draw(driver_of(FEATURES["sah_binning"]), os.path.join(folder, "out"), *SIZE, "--scene",
+                    "teapot")
     check("the tree of sah_binning finds no triangles yet" in said and "--split wide" in said,
           "where bvh_median is solved, and sah_binning is not, only that is named", said)
     link_drivers(toolchain, mine, "normals")
     said, _ = _draw(driver_of(FEATURES["normals"]), os.path.join(folder, "out"), *SIZE)
-    check("finds no triangles yet" not in said, "where no tree is shown, the renderer's own is traced, and not a word said",
+    check("finds no triangles yet" not in said,
+          "where no tree is shown, the renderer's own is traced, and not a word said",
           said)
 
 
@@ -121,7 +127,8 @@ def starters_of_glass_let_light_pass(folder):
     out = os.path.join(folder, "out")
     cases = [("transparency", f"--scene cornell-glass --transparency --shadows --glass {model}")
              for model in ("multiplicative", "ordered", "beer-lambert")]
-    cases.append(("motion_blur", "--scene cover --environment sky --shadows --shading blinn-phong --reflections "
+    cases.append(("motion_blur",
+                  "--scene cover --environment sky --shadows --shading blinn-phong --reflections "
                   "--transparency --glass beer-lambert --time-samples 1"))  # the goal in HANDOUT.md, with fewer samples
     for stem, options in cases:
         said, picture = _draw(driver_of(FEATURES[stem]), out, *SIZE, *options.split())
@@ -131,7 +138,8 @@ def starters_of_glass_let_light_pass(folder):
               f"{lit:.0%} of the pixels are not black, in {kinds} greys\n{said}")
     means = []
     for options in ([], ["--transparency"]):
-        said, picture = _draw(driver_of(FEATURES["transparency"]), out, *SIZE, "--scene", "cover", "--environment",
+        said, picture = _draw(driver_of(FEATURES["transparency"]), out, *SIZE, "--scene", "cover",
+                              "--environment",
                               "sky", *options)
         found = greys(picture) if picture else [0]
         means.append(sum(found) / len(found))
@@ -149,7 +157,8 @@ def wanted_pictures_are_what_the_kit_draws(folder):
             said, _ = _draw(driver, folder, *draw.small(look.options), "--compare", look.picture)
             if f"{look.picture}: the picture is the same" not in said:
                 wrong.append(f"step {look.step}: {said}")
-        check(not wrong, f"{stem}: each step's wanted picture is what the kit draws (make look draws them anew)",
+        check(not wrong,
+              f"{stem}: each step's wanted picture is what the kit draws (make look draws them anew)",
               "\n".join(wrong))
 
 
@@ -184,7 +193,8 @@ def a_students_picture_is_compared(folder):
             file.write(text)
     make = os.environ["MAKE"]
     status, said = run(BUILD, make, "-s", "draw-normals", "STEP=1", f"IMPL={folder}/right")
-    check(status == 0 and "look/1.png: the picture is the same" in said, "a right picture is the wanted one", said)
+    check(status == 0 and "look/1.png: the picture is the same" in said, "a right picture is the wanted one",
+          said)
     status, said = run(BUILD, make, "-s", "draw-normals", "STEP=1", f"IMPL={folder}/wrong")
     told = re.search(r"differs in \d+ % of the 128 x 128 pixels, most at \d+,\d+; (\S+) shows where\n", said)
     check(status == 0 and "starter" not in said and told and os.path.exists(os.path.join(BUILD, told[1])),
@@ -199,12 +209,17 @@ def a_students_picture_is_compared(folder):
     for name, step, part, claim in (
             ("bvh_median", 4, "the picture is the same, but was traced through another tree",
              "a right picture that another tree has traced is told"),
-            ("bvh_median", 4, "step 4 is still the starter, however the picture looks; its claims decide: make check-bvh_median",
+            ("bvh_median", 4,
+             "step 4 is still the starter, however the picture looks; its claims decide: make check-bvh_median",
              "a step that is not begun is told, though its picture looks right"),
-            ("cubemap", 2, "differs in 100 % of the", "of a picture that is all wrong the per cent are written out"),
-            ("sah_binning", 3, "write steps 1 to 3 of sah_binning first", "where no candidate is found, the step to write is named"),
-            ("sah_binning", 5, "is one leaf, as a starter's is", "a tree of one node is told where a level is to be drawn"),
-            ("sah_binning", 5, "its reason is above; step 1 is still the starter", "and the first step that is not begun")):
+            ("cubemap", 2, "differs in 100 % of the",
+             "of a picture that is all wrong the per cent are written out"),
+            ("sah_binning", 3, "write steps 1 to 3 of sah_binning first",
+             "where no candidate is found, the step to write is named"),
+            ("sah_binning", 5, "is one leaf, as a starter's is",
+             "a tree of one node is told where a level is to be drawn"),
+            ("sah_binning", 5, "its reason is above; step 1 is still the starter",
+             "and the first step that is not begun")):
         _, said = run(BUILD, make, "-s", f"draw-{name}", f"STEP={step}", f"IMPL={folder}/starters")
         check(part in said, claim, said)
     _, said = run(BUILD, make, "-s", "draw-normals", "STEP=2", f"IMPL={folder}/wrong")
@@ -216,7 +231,8 @@ def a_students_picture_is_compared(folder):
 
 def a_unit_that_never_ends_is_stopped(folder):
     os.mkdir(os.path.join(folder, "endless"))
-    write(read(FEATURES["normals"].reference).replace("return rk_normalize", "for (;;)\n        ;\n    return rk_normalize"),
+    write(read(FEATURES["normals"].reference).replace("return rk_normalize",
+                                                      "for (;;)\n        ;\n    return rk_normalize"),
           folder, "endless", "normals.c")
     draw.SECONDS = 1
     try:
@@ -248,16 +264,19 @@ def mistakes_are_drawn(folder):
     feature = read_features(SOURCE)["normals"]
     rows = wrong.read_wrong(SOURCE, feature)
     told = [line.split("\t") for line in wrong.draw_all(TOOLCHAIN, feature, folder)]
-    check([line[0] for line in told] == [row.mutant.name for row in rows], "each wrong picture is told, in order", told)
+    check([line[0] for line in told] == [row.mutant.name for row in rows],
+          "each wrong picture is told, in order", told)
     check(all(len(set(greys(line[5]))) >= FEWEST_GREYS for line in told), "and shows something")
 
 
 def mistakes_that_cannot_be_seen_are_refused(folder):
     feature = read_features(SOURCE)["normals"]
     feature.points_table = os.path.join(folder, "points.tsv")
-    cases = (("up_without_area", "--scene cube", 30, "draws the right picture", "a mistake that does not show is refused"),
+    cases = (("up_without_area", "--scene cube", 30, "draws the right picture",
+              "a mistake that does not show is refused"),
              ("not_moved", "--scene nowhere", 30, "drew nothing", "a driver that draws nothing is told"),
-             ("not_moved", "--samples 1000", 0.01, "was stopped after 0.01 s", "a driver that takes too long is stopped"))
+             ("not_moved", "--samples 1000", 0.01, "was stopped after 0.01 s",
+              "a driver that takes too long is stopped"))
     for mutant, options, seconds, part, name in cases:
         write(f"mutant\tsees\toptions\tcaption\n{mutant}\tholes\t{options}\tHoles.\n", folder, "wrong.tsv")
         wrong.SECONDS = seconds

@@ -68,32 +68,42 @@ def faults_of(unit=UNIT, chapter=CHAPTER, handout=HANDOUT):
 
 
 def is_told(faults, begins, parts, name):
-    check(len(faults) == 1 and faults[0].startswith(begins) and all(part in faults[0] for part in parts), name, faults)
+    check(len(faults) == 1 and faults[0].startswith(begins) and all(part in faults[0] for part in parts),
+          name, faults)
 
 
 def contents_are_held():
     first, second = "static float depth_of(float t);\n", "static float faded(float x);\n"
-    is_told(faults_of(UNIT.replace(second, "")), "src/features/fog.c:22: faded has no prototype", ["write it there"],
+    is_told(faults_of(UNIT.replace(second, "")), "src/features/fog.c:22: faded has no prototype",
+            ["write it there"],
             "a static function without a prototype is told")
-    is_told(faults_of(UNIT.replace(first + second, second + first)), "src/features/fog.c:8: ", ["depth_of below faded", "line 10"],
+    is_told(faults_of(UNIT.replace(first + second, second + first)), "src/features/fog.c:8: ",
+            ["depth_of below faded", "line 10"],
             "prototypes in another order are told")
-    is_told(faults_of(UNIT.replace(second, "") + second), "src/features/fog.c:36: ", ["below the first definition"],
+    is_told(faults_of(UNIT.replace(second, "") + second), "src/features/fog.c:36: ",
+            ["below the first definition"],
             "a prototype below definitions is told")
-    is_told(faults_of(UNIT.replace(second, second + "static float gone(void);\n")), "src/features/fog.c:9: gone", ["remove"],
+    is_told(faults_of(UNIT.replace(second, second + "static float gone(void);\n")),
+            "src/features/fog.c:9: gone", ["remove"],
             "a prototype without a definition is told")
 
 
 def orders_are_held():
     is_told(faults_of(chapter=CHAPTER.replace('"fog depth_of"', "fog_at")
-                      .replace("name=fog_at}\n```", "name=fog_at}\n``` {.code file=src/features/fog.c name=depth_of}\n```")),
-            "docs/11_fog.md:4: depth_of is shown after fog_at", ["src/features/fog.c:10"], "a chapter in another order is told")
+                      .replace("name=fog_at}\n```",
+                               "name=fog_at}\n``` {.code file=src/features/fog.c name=depth_of}\n```")),
+            "docs/11_fog.md:4: depth_of is shown after fog_at", ["src/features/fog.c:10"],
+            "a chapter in another order is told")
     turned = HANDOUT.replace("| 1 |", "| 4 |")
     told = faults_of(handout=turned)
-    check(any(fault.startswith("src/features/fog.c:28: fog_at of step 3") and "depth_of of step 4" in fault for fault in told),
+    check(any(fault.startswith("src/features/fog.c:28: fog_at of step 3") and "depth_of of step 4" in fault
+              for fault in told),
           "steps in another order are told", told)
-    is_told(faults_of(handout=HANDOUT.replace("| 2 |", "| 3 |")), "src/features/fog.c:28: ", ["[2, 3]", "[3, 3]"],
+    is_told(faults_of(handout=HANDOUT.replace("| 2 |", "| 3 |")), "src/features/fog.c:28: ",
+            ["[2, 3]", "[3, 3]"],
             "a starter that names other steps is told")
-    is_told(faults_of(handout=HANDOUT.replace("`depth_of`", "depth")), "src/features/fog.c:10: ", ["[1]", "[]"],
+    is_told(faults_of(handout=HANDOUT.replace("`depth_of`", "depth")), "src/features/fog.c:10: ",
+            ["[1]", "[]"],
             "a function that no step names is told")
 
 

@@ -88,8 +88,8 @@ report "$meshes/two  words.obj $meshes/triangle.ply  $meshes/stray,1.obj"
 verdict three_meshes_of_different_kinds_are_reported
 
 page=$folder/build/reports/out.some
-drawn() { ls "$page"/figures/*"$1"*.png 2>/dev/null | wc -l; }
-sections_count=$(echo $sections | wc -w)
+drawn() { find "$page/figures" -name "*$1*.png" 2>/dev/null | wc -l; }
+sections_count=$(echo "$sections" | wc -w)
 [ "$sections_count" -ge 9 ] && [ "$(drawn two--words)" = "$sections_count" ] && [ "$(drawn triangle.ply)" = $((sections_count - 1)) ] &&
     [ "$(drawn stray-1)" = "$sections_count" ]
 verdict each_section_has_a_picture_of_each

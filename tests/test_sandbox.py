@@ -26,7 +26,7 @@ from grading import build
 from grading import isolate
 from grading import private_copy
 from grading import sandbox
-from grading.assignments import ScoredTest, ToolError, read_points
+from grading.assignments import ScoredTest, ToolError
 import grade
 
 HEADERS = """
@@ -36,9 +36,9 @@ HEADERS = """
 #include <signal.h>
 #include <stdint.h>
 #include <sys/stat.h>
-""" + by_address("_exit", "atoi", "close", "connect", "fclose", "fopen", "fork", "fread", "getppid", "kill", "open",
+""" + by_address("_exit", "atoi", "close", "connect", "fclose", "fopen", "fork", "fread", "getppid", "kill",
+                 "open",
                  "opendir", "pause", "raise", "rename", "setsid", "socket", "usleep", "write")
-
 
 
 def verdicts_on(toolchain, folder, units, **limits):
@@ -71,7 +71,8 @@ def reaches(folder, port):
     """Units that abort where they reach what is not theirs; without the sandbox, each does."""
     outside = os.path.join(folder, "outside")
     pathlib.Path(outside).write_text("a friend's program", encoding="utf-8")
-    git = subprocess.run(["git", "-C", SOURCE, "rev-parse", "--absolute-git-dir"], capture_output=True, text=True,
+    git = subprocess.run(["git", "-C", SOURCE, "rev-parse", "--absolute-git-dir"], capture_output=True,
+                         text=True,
                          check=False).stdout.strip()
     kits = [os.path.abspath(path) for path in (f"tests/test_{FEATURE.stem}.o", "librktest.a", "config.status",
                                                "Makefile", FEATURE.points_table, FEATURE.reference)]
@@ -90,7 +91,8 @@ def reaches(folder, port):
         "connects to a program of this machine": unit(f"""
     struct sockaddr_in there = {{.sin_family = AF_INET, .sin_port = {socket.htons(port)},
                                 .sin_addr.s_addr = {socket.htonl(0x7f000001)}}};
-    if (connect(socket(AF_INET, SOCK_STREAM, 0), (struct sockaddr *)&there, sizeof there) == 0) abort();""", HEADERS),
+    if (connect(socket(AF_INET, SOCK_STREAM, 0), (struct sockaddr *)&there, sizeof there) == 0) abort();""",
+                                                      HEADERS),
     }
 
 
@@ -144,10 +146,12 @@ def the_compiler_sees_headers_only(toolchain, folder):
 
     def compiles(line, name="x.s"):
         put(line + "\n", place, name)
-        return build._run_tool(copied, [*copied.compiler, *copied.flags, "-c", os.path.join(place, name), "-o",
+        return build._run_tool(copied,
+                               [*copied.compiler, *copied.flags, "-c", os.path.join(place, name), "-o",
                                         os.path.join(place, "x.o")], place)
 
-    cases = {"the reference": FEATURE.reference, "its object": f"src/features/{FEATURE.stem}.o", "a program": data}
+    cases = {"the reference": FEATURE.reference, "its object": f"src/features/{FEATURE.stem}.o",
+             "a program": data}
     for name, path in cases.items():
         outcome = compiles(f'.incbin "{os.path.abspath(path)}"')
         check(outcome.status != 0 and "file not found" in outcome.output, f"no unit includes {name} as bytes",
@@ -167,9 +171,11 @@ def the_compiler_sees_headers_only(toolchain, folder):
 def a_kit_among_the_systems_files_is_hidden(folder):
     kit = mock.Mock(source="/usr/include", build="/usr/share/doc")
     box = bubblewrap.Bubblewrap(kit, shutil.which("bwrap"))
-    outcome = sandbox.run(["/usr/bin/ls", "/usr/include", "/usr/share/doc"], seconds=10, megabytes=100, folder=folder,
+    outcome = sandbox.run(["/usr/bin/ls", "/usr/include", "/usr/share/doc"], seconds=10, megabytes=100,
+                          folder=folder,
                           environment={}, enclose=box.around)
-    check(outcome.output.split() == ["/usr/include:", "/usr/share/doc:"], "a kit in /usr is hidden", outcome.output)
+    check(outcome.output.split() == ["/usr/include:", "/usr/share/doc:"], "a kit in /usr is hidden",
+          outcome.output)
 
 
 def own_headers_are_there(toolchain, folder):
@@ -181,8 +187,10 @@ def own_headers_are_there(toolchain, folder):
     put("", folder, "secret.h")
     original = grade.Unit(FEATURE, os.path.join(folder, "0", "x.c"), "x.c", False)
     copied = private_copy.copy_unit(original, os.path.join(folder, "copy"))
-    found = sorted(os.path.relpath(path, folder) for path in pathlib.Path(folder, "copy").rglob("*") if path.is_file())
-    check(found == [f"copy/own/{FEATURE.stem}/{name}" for name in (f"{FEATURE.stem}.c", "one.h", "sub/two.h")],
+    found = sorted(os.path.relpath(path, folder) for path in pathlib.Path(folder, "copy").rglob("*")
+                   if path.is_file())
+    check(found == [f"copy/own/{FEATURE.stem}/{name}"
+                    for name in (f"{FEATURE.stem}.c", "one.h", "sub/two.h")],
           "a unit is copied with the headers of its own that it includes, and with nothing else", found)
     check(copied.shown == "x.c", "and is called as before")
 
@@ -206,7 +214,8 @@ def ends_are_told(toolchain, folder):
     }
     suites = verdicts_on(toolchain, folder, {name: text for name, (text, _) in cases.items()}, seconds=3)
     for name, suite in suites.items():
-        check(not suite.passed() and cases[name][1] in said_of(suite), f"a unit {name} is told as such", said_of(suite))
+        check(not suite.passed() and cases[name][1] in said_of(suite), f"a unit {name} is told as such",
+              said_of(suite))
     longest = max(len(suite.verdicts[EMPTY].reason) for suite in suites.values())
     check(longest <= grade.REASON_MAX + 4, "no reason is longer than a claim's", longest)
     try:
@@ -223,8 +232,10 @@ def only_data_is_believed():
             with contextlib.suppress(OSError):
                 os.write(int(name), b"\x80\x04cos\nsystem\n(S'touch hacked'\ntR.") if int(name) > 2 else None
 
-    for name, function in {"garbage": garble, "a process that stops": lambda: os.kill(os.getpid(), signal.SIGSTOP),
-                           "a process that is stopped as by Ctrl-Z": lambda: os.kill(os.getpid(), signal.SIGTSTP),
+    for name, function in {"garbage": garble,
+                           "a process that stops": lambda: os.kill(os.getpid(), signal.SIGSTOP),
+                           "a process that is stopped as by Ctrl-Z": lambda: os.kill(os.getpid(),
+                                                                                     signal.SIGTSTP),
                            "a process that is killed": lambda: os.kill(os.getpid(), signal.SIGKILL)}.items():
         try:
             said = isolate.call(function)
@@ -234,7 +245,8 @@ def only_data_is_believed():
         ended = isinstance(said, isolate.Ended) or (said is None and "Ctrl-Z" in name)
         check(ended and not os.path.exists("hacked"), f"{name} is no answer", said)
     suite = test_grade.grade.Suite(FEATURE, None, [ScoredTest(EMPTY, 1, "#")])
-    suite.take({"problem": "", "warnings": "", "beside": "", "verdicts": {EMPTY: ["yes", "", "", "", 0, "no"]}})
+    suite.take({"problem": "", "warnings": "", "beside": "",
+                "verdicts": {EMPTY: ["yes", "", "", "", 0, "no"]}})
     check(not suite.verdicts[EMPTY].passed and not suite.verdicts[EMPTY].timed_out,
           "a verdict that is no boolean is none")
 
@@ -259,8 +271,9 @@ def what_was_left_is_removed(folder):
 
 
 def start_class(place, out):
-    return test_grade.launch(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), FEATURE.stem,
-                              "--submissions", place, "--out", out)
+    return test_grade.launch(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"),
+                             FEATURE.stem,
+                             "--submissions", place, "--out", out)
 
 
 def grade_class(place, out, **environment):
@@ -280,7 +293,8 @@ def rows_of(out):
 def destroyer(number, files, folder):
     """A unit that sends a signal to its grader and to the class's; and whose daemon does so until later,
     and spoils these files and moves this folder."""
-    tries = "\n".join(f'        if ((file = open("{path}", O_WRONLY | O_TRUNC)) >= 0) close(file);' for path in files)
+    tries = "\n".join(f'        if ((file = open("{path}", O_WRONLY | O_TRUNC)) >= 0) close(file);'
+                      for path in files)
     return unit("if (count == 0) attack();", HEADERS + f"""
 static int parent_of(int process)
 {{
@@ -321,7 +335,8 @@ def a_class_outlives_everybody(folder):
     put(unit(""), place, "zoe", "bvh_median.c")
     put("int early;\n", place, "early", "bvh_median.c")
     grade_class(place, out)  # the first results are there to be spoiled
-    targets = [f"{place}/ann/bvh_median.c", f"{place}/zoe/bvh_median.c", f"{out}/class.csv", f"{out}/ann.json"]
+    targets = [f"{place}/ann/bvh_median.c", f"{place}/zoe/bvh_median.c", f"{out}/class.csv",
+               f"{out}/ann.json"]
     report = targets[-1]
     for number, name in ((signal.SIGKILL, "kills"), (signal.SIGSTOP, "stops")):
         put(destroyer(int(number), targets, out), place, name, "bvh_median.c")
@@ -332,10 +347,12 @@ def a_class_outlives_everybody(folder):
     rows = rows_of(out)
     check(status == 0 and list(rows) == ["name", "ann", "early", "zoe", "kills", "stops"],
           "a class outlives signals to its graders", said)
-    check(rows["ann"][1:-1] == expected == rows["zoe"][1:-1] and json.loads(test_grade.read(report))["tests"] == tests
+    check(rows["ann"][1:-1] == expected == rows["zoe"][1:-1]
+          and json.loads(test_grade.read(report))["tests"] == tests
           and all(test_grade.read(path) == unit("") for path in targets[:2]),
-        "nobody changes another's work, report or points", rows)
-    check("ended its grader" not in rows["kills"][5], "signals out of the sandbox arrive nowhere", rows["kills"])
+          "nobody changes another's work, report or points", rows)
+    check("ended its grader" not in rows["kills"][5], "signals out of the sandbox arrive nowhere",
+          rows["kills"])
 
 
 def who_works_meanwhile_is_not_blamed(folder):
@@ -369,7 +386,8 @@ def without_a_sandbox_this_is_said(folder):
         os.environ["PATH"] = path
         status, said = grade_class(place, out)
         check(status == 0 and said.count("No permissions to create new namespace") == 1
-              and "is not sound" in rows_of(out)["bob"][5], "where there is no sandbox, a class is graded, and told once",
+              and "is not sound" in rows_of(out)["bob"][5],
+              "where there is no sandbox, a class is graded, and told once",
               said)
         shutil.rmtree(os.path.join(place, "bob"))
         status, said = test_grade.graded("--impl", os.path.join(place, "ann"), "--test", ONE)
@@ -382,7 +400,8 @@ def without_a_sandbox_this_is_said(folder):
         os.environ["PATH"] = kept
     status, said = grade_class(place, out, RAYKIT_SANDBOX="maybe")
     check(status == 2 and "say yes or no" in said, "SANDBOX is yes or no", said)
-    status, said = run(os.environ.get("MAKE", "make"), "-s", "grade", "ASSIGNMENTS=" + FEATURE.stem, "SANDBOX=maybe",
+    status, said = run(os.environ.get("MAKE", "make"), "-s", "grade", "ASSIGNMENTS=" + FEATURE.stem,
+                       "SANDBOX=maybe",
                        "IMPL=" + os.path.join(place, "ann"))
     check(status != 0 and "say yes or no" in said, "make passes it on", said)
 

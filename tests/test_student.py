@@ -1,5 +1,6 @@
 #!/usr/bin/env python3
-"""A student's commands, in a pack whose folder has a difficult name, and in a workbook of the whole kit. Speaks TAP, for make check-student; runs in a build folder."""
+"""A student's commands, in a pack whose folder has a difficult name, and in a workbook of the whole kit.
+Speaks TAP, for make check-student; runs in a build folder."""
 
 import io
 import json
@@ -49,61 +50,75 @@ class Suite(grade.Suite):
     def __init__(self, feature, tests, failing, warnings="", problem="", reason="got 1, want 2", printed=""):
         super().__init__(feature, Unit(feature, "mine/x.c", "mine/x.c", False), tests)
         self.warnings, self.problem = warnings, problem
-        self.verdicts = {test.name: verdicts.Verdict(test.name not in failing, reason if test.name in failing else "",
+        self.verdicts = {test.name: verdicts.Verdict(test.name not in failing,
+                                                     reason if test.name in failing else "",
                                                      "tests/x.c:1", printed) for test in tests}
 
 
 def a_verdict_fits_on_a_screen():
     everything = [test.name for test in TESTS]
-    told = results.text([Suite(FEATURE, TESTS, everything, "\n".join(f"x.c:{k}: warning: odd" for k in range(90)),
+    told = results.text([Suite(FEATURE, TESTS, everything,
+                               "\n".join(f"x.c:{k}: warning: odd" for k in range(90)),
                                reason="a long reason " * 20)], "mine", brief=True)
     lines = told.splitlines()
     check(len(lines) < SCREEN, "with every claim failing and 90 warnings the verdict fits on 24 lines", told)
     first = next((k for k, line in enumerate(lines) if f"work on this one first: {TESTS[0].name}" in line), 0)
-    check(first > next(k for k, line in enumerate(lines) if TESTS[1].name in line) and lines[-1].lstrip().startswith(("read", "make")),
+    check(first > next(k for k, line in enumerate(lines) if TESTS[1].name in line)
+          and lines[-1].lstrip().startswith(("read", "make")),
           "the claim to work on stands last", told)
-    check("ALL=1" in told and TESTS[-1].name not in told, "the others are counted, with the way to see them", told)
+    check("ALL=1" in told and TESTS[-1].name not in told, "the others are counted, with the way to see them",
+          told)
     check(f"STEP={TESTS[0].step}" in told, "the step's hints are named", told)
     told = results.text([Suite(FEATURE, TESTS, everything)], "mine")
     check(all(test.name in told for test in TESTS), "in a report all are named", told)
-    told = results.text([Suite(FEATURE, TESTS, everything, problem="does not compile: x.c:1: error: odd")], "mine", brief=True)
-    check(told.splitlines()[-1].strip() == "does not compile: x.c:1: error: odd", "why nothing ran stands last", told)
+    told = results.text([Suite(FEATURE, TESTS, everything, problem="does not compile: x.c:1: error: odd")],
+                        "mine", brief=True)
+    check(told.splitlines()[-1].strip() == "does not compile: x.c:1: error: odd",
+          "why nothing ran stands last", told)
     os.environ["COLUMNS"] = "60"
     told = results.text([Suite(FEATURE, TESTS, everything, reason="a long reason " * 20)], "mine", brief=True)
     del os.environ["COLUMNS"]
-    long = [line for line in told.splitlines() if len(line) > 60 and len(line.split()) > 2 and "reason" in line]
+    long = [line for line in told.splitlines() if len(line) > 60 and len(line.split()) > 2
+            and "reason" in line]
     check(not long, "reasons are as wide as the terminal", long)
     kept = [ScoredTest("it_held", 0, "#"), ScoredTest("it_counts", 100, "#")]
     told = results.text([Suite(FEATURE, kept, ["it_held"])], "mine")
-    check(f"{100 - DEDUCTION} of 100 points" in told and f"costs {DEDUCTION}" in told, "no failure stands beside full points", told)
+    check(f"{100 - DEDUCTION} of 100 points" in told and f"costs {DEDUCTION}" in told,
+          "no failure stands beside full points", told)
 
 
 def what_is_printed_is_shown():
     one = TESTS[:1]
-    told = results.text([Suite(FEATURE, one, [], printed="1..1\nhello\nthere\nok 1 - x\n")], "mine", brief=True)
-    check("hello\n" in told and "there\n" in told and "1..1" not in told, "a claim run alone shows what the code printed", told)
+    told = results.text([Suite(FEATURE, one, [], printed="1..1\nhello\nthere\nok 1 - x\n")], "mine",
+                        brief=True)
+    check("hello\n" in told and "there\n" in told and "1..1" not in told,
+          "a claim run alone shows what the code printed", told)
 
 
 def progress_names_the_next_claim():
     needed, using = FEATURES["bvh_median"], FEATURES["sah_binning"]
 
     def row(beside, failing=()):
-        suites = [Suite(needed, read_points(needed), failing), Suite(using, read_points(using), [test.name for test in read_points(using)])]
+        suites = [Suite(needed, read_points(needed), failing),
+                  Suite(using, read_points(using), [test.name for test in read_points(using)])]
         suites[1].beside = beside
         return results.table(suites, "workbook").splitlines()[2]
 
     first = read_points(using)[0].name
     told = row("it uses your bvh_median, too: run make check-bvh_median first")
-    check(told.endswith(f"  {first}"), "progress names the claim, and no needed unit that has all points", told)
+    check(told.endswith(f"  {first}"), "progress names the claim, and no needed unit that has all points",
+          told)
     beside = "it needs bvh_median, which is still the starter: solve that first"
     told = row(beside, [test.name for test in read_points(needed)])
-    check(told.endswith(f"  {first}; {beside}"), "of a needed unit that is not solved it says all that the check says", told)
+    check(told.endswith(f"  {first}; {beside}"),
+          "of a needed unit that is not solved it says all that the check says", told)
 
 
 def a_starter_blames_no_needed_unit(folder):
     features = {stem: FEATURES[stem] for stem in ("bvh_median", "sah_binning")}
     using, units = features["sah_binning"], {}
-    for stem, text in (("bvh_median", read(features["bvh_median"].reference)), ("sah_binning", starter_of(using.reference))):
+    for stem, text in (("bvh_median", read(features["bvh_median"].reference)),
+                       ("sah_binning", starter_of(using.reference))):
         path = os.path.join(folder, stem + ".c")
         write(text, path)
         units[stem] = Unit(features[stem], path, path, False)
@@ -111,7 +126,8 @@ def a_starter_blames_no_needed_unit(folder):
     suite.unit = units["sah_binning"]
     check(grade._about_needs(suite, units) == "", "a unit that is still the starter has no fault elsewhere")
     write(read(suite.unit.path) + "int mine;\n", suite.unit.path)
-    check("uses your bvh_median" in grade._about_needs(suite, units), "one that was begun may have it in a needed unit")
+    check("uses your bvh_median" in grade._about_needs(suite, units),
+          "one that was begun may have it in a needed unit")
 
 
 def added_files_are_named(folder):
@@ -119,11 +135,14 @@ def added_files_are_named(folder):
     for name in ("src/scene/light.c", "tests/test_light.c", "tools/hint.py", "assignments/features.tsv"):
         write("", pack, name)
     originals.keep_originals(pack)
-    check(originals.added_files(pack) == [], "a pack as it was packed has no added files", originals.added_files(pack))
-    for name in ("src/features/list.h", "src/scene/light.o", "src/scene/light.c.edited", "src/scene/.mine.c.swp",
+    check(originals.added_files(pack) == [], "a pack as it was packed has no added files",
+          originals.added_files(pack))
+    for name in ("src/features/list.h", "src/scene/light.o", "src/scene/light.c.edited",
+                 "src/scene/.mine.c.swp",
                  "assignments/notes.txt", "workbook/mine.c"):
         write("", pack, name)
-    check(originals.added_files(pack) == [], "what is built, saved, or a note is none", originals.added_files(pack))
+    check(originals.added_files(pack) == [], "what is built, saved, or a note is none",
+          originals.added_files(pack))
     added = ["src/scene/it's mine.c", "tests/mine.h", "tools/mine.py", "assignments/mine.c"]
     for name in added:
         write("", pack, name)
@@ -136,18 +155,22 @@ def added_files_are_named(folder):
 
 
 def nothing_waits_for_a_test_that_is_not_there(folder):
-    for unit, test, wanted in ((STEM, "no_such_test", "has no test no_such_test"), (f"My_{STEM}", TESTS[0].name, f"rename My_{STEM}.c to {STEM}.c")):
+    for unit, test, wanted in ((STEM, "no_such_test", "has no test no_such_test"),
+                               (f"My_{STEM}", TESTS[0].name, f"rename My_{STEM}.c to {STEM}.c")):
         mine = os.path.join(folder, unit)
         write(STARTER, mine, unit + ".c")
         write("", mine, OTHER + ".c")
-        status, said = run(".", "timeout", "20", sys.executable, "-B", os.path.join(SOURCE, "tools", "watch.py"), STEM,
+        status, said = run(".", "timeout", "20", sys.executable, "-B",
+                           os.path.join(SOURCE, "tools", "watch.py"), STEM,
                            "--impl", mine, "--test", test)
-        check(status == 1 and wanted in said and len(said.splitlines()) == 1, f"watch ends at once: {wanted}", said)
+        check(status == 1 and wanted in said and len(said.splitlines()) == 1, f"watch ends at once: {wanted}",
+              said)
     status, said = make(".", f"diff-{STEM}", f"IMPL={mine}")
     check(status != 0 and f"rename My_{STEM}.c to {STEM}.c" in said, "diff says which file to rename", said)
     os.unlink(os.path.join(mine, OTHER + ".c"))
     status, said = make(".", f"diff-{STEM}", f"IMPL={mine}")
-    check(status != 0 and f"rename My_{STEM}.c to {STEM}.c" in said, "so it does where that is the only file", said)
+    check(status != 0 and f"rename My_{STEM}.c to {STEM}.c" in said, "so it does where that is the only file",
+          said)
 
 
 def commands_without_a_name(folder):
@@ -155,10 +178,12 @@ def commands_without_a_name(folder):
         _, said = make(folder, command)
         word = command.rstrip("-")
         more = " STEP=1" if word == "hint" else ""
-        check(f"make {word}-STEM{more}, with STEM one of: " in said and STEM in said, f"make {command} says which names there are", said)
+        check(f"make {word}-STEM{more}, with STEM one of: " in said and STEM in said,
+              f"make {command} says which names there are", said)
     status, said = make(folder, "help")
     half_a_terminal = 12
-    check(status == 0 and len(said.splitlines()) <= half_a_terminal and "make hint-STEM" in said and STEM in said.splitlines()[-1],
+    check(status == 0 and len(said.splitlines()) <= half_a_terminal and "make hint-STEM" in said
+          and STEM in said.splitlines()[-1],
           "make help is a short list", said)
 
 
@@ -167,10 +192,12 @@ def hints_come_one_at_a_time():
     check(len(hints) >= 4 and "2" in hints, "a handout's hints are found by their steps", list(hints))
     (first, text), (second, more) = hints["2"][:2]
     told = hint.said(STEM, hints, "2", "1")
-    check("nudge" in first and text.split("\n")[0] in told and more.split("\n")[0] not in told and "HINT=2" in told,
+    check("nudge" in first and text.split("\n")[0] in told and more.split("\n")[0] not in told
+          and "HINT=2" in told,
           "a step's first hint is the nudge, alone", told)
     told = hint.said(STEM, hints, "2", "2")
-    check(more.split("\n")[0] in told and second in told and text.split("\n")[0] not in told, "HINT=2 is the next", told)
+    check(more.split("\n")[0] in told and second in told and text.split("\n")[0] not in told,
+          "HINT=2 is the next", told)
     told = hint.said(STEM, hints, "", "1")
     check(text.split("\n")[0] not in told and first in told, "without a step the hints are only listed", told)
     for step, number in (("99", "1"), ("2", "9"), ("2", "x")):
@@ -182,9 +209,14 @@ def hints_come_one_at_a_time():
     for feature in FEATURES.values():
         text = handout_of(SOURCE, feature)
         rows = set(re.findall(r"^\| (\d+) \|", text, re.MULTILINE))
-        seen, named = {str(look.step) for look in read_looks(feature)}, set(re.findall(r"draw-\w+ (?:IMPL=\w+ )?STEP=(\d+)", text))
-        check(named == seen, f"the steps of {feature.stem} that its task has drawn are those with something to see", named ^ seen)
-        check(set(hint.hints_of(text)) <= rows, f"the hints of {feature.stem} are for its steps", set(hint.hints_of(text)) - rows)
+        seen, named = {str(look.step)
+                       for look in read_looks(feature)}, set(re.findall(r"draw-\w+ (?:IMPL=\w+ )?STEP=(\d+)",
+                                                                        text))
+        check(named == seen,
+              f"the steps of {feature.stem} that its task has drawn are those with something to see",
+              named ^ seen)
+        check(set(hint.hints_of(text)) <= rows, f"the hints of {feature.stem} are for its steps",
+              set(hint.hints_of(text)) - rows)
 
 
 # --- A pack ---------------------------------------------------------------------------------------
@@ -202,7 +234,8 @@ def before_bootstrap(pack):
         os.mkdir(folder)
         shutil.copy(os.path.join(pack, "bootstrap"), folder)
         status, said = run(folder, "./bootstrap", "--no-install")
-        check(status != 0 and "character that build tools cannot take" in said and os.listdir(folder) == ["bootstrap"],
+        check(status != 0 and "character that build tools cannot take" in said
+              and os.listdir(folder) == ["bootstrap"],
               f"bootstrap refuses a folder called {name!r} at once", said)
 
 
@@ -214,13 +247,16 @@ def the_pack_builds(pack):
     status, said = run(pack, "./bootstrap", "--no-install", f"CC={compiler}")
     check(status == 0 and f"make check-{STEM}" in said, "so does a second one", said)
     status, said = make(pack, f"check-{STEM}")
-    check(status != 0 and f"first: {TESTS[0].name}" in said and "edited" not in said, "the starter is checked", said)
+    check(status != 0 and f"first: {TESTS[0].name}" in said and "edited" not in said,
+          "the starter is checked", said)
     again = make(pack, f"check-{STEM}")[1]
     check(len(again.splitlines()) < SCREEN, "its verdict fits on 24 lines", again)
     status, said = run(os.path.join(pack, "workbook"), MAKE, "-s", f"check-{STEM}", f"TEST={TESTS[0].name}")
-    check(status != 0 and f"first: {TESTS[0].name}" in said and TESTS[1].name not in said, "the same in the workbook's own folder", said)
+    check(status != 0 and f"first: {TESTS[0].name}" in said and TESTS[1].name not in said,
+          "the same in the workbook's own folder", said)
     check(re.search(r"^Error|No rule", said) is None, "without a word about rules", said)
-    check("your code printed" not in said, "and nothing that the suite says as if the unit had printed it", said)
+    check("your code printed" not in said, "and nothing that the suite says as if the unit had printed it",
+          said)
 
 
 def names_that_are_nearly_right(pack):
@@ -238,8 +274,10 @@ def warnings_tell_of_mistakes_alone(pack):
     write(unit + "int odd(unsigned a, int b);\nint odd(unsigned a, int b)\n{\n    int c = a + (b != 0);\n    { int b = c; (void)b; }\n"
           "    return 0;\n}\nstatic void later(int unused)\n{\n}\n", pack, "workbook", OTHER + ".c")
     _, said = make(pack, f"check-{OTHER}")
-    check("warning" not in said and "first:" in said, "signs, shadows and what later steps use are no warnings", said)
-    write(unit + "int odd(void);\nint odd(void)\n{\n    int c;\n    return c;\n}\n", pack, "workbook", OTHER + ".c")
+    check("warning" not in said and "first:" in said,
+          "signs, shadows and what later steps use are no warnings", said)
+    write(unit + "int odd(void);\nint odd(void)\n{\n    int c;\n    return c;\n}\n", pack, "workbook",
+          OTHER + ".c")
     _, said = make(pack, f"check-{OTHER}")
     check("uninitialized" in said and said.index("uninitialized") < said.index("first:"),
           "what is probably a mistake is one, before the verdict", said)
@@ -249,7 +287,8 @@ def warnings_tell_of_mistakes_alone(pack):
 def progress_tests_what_changed(pack):
     def told():
         status, said = make(pack, "progress")
-        return status, said, {name: os.stat(os.path.join(kept, name)).st_mtime_ns for name in sorted(os.listdir(kept))}
+        return status, said, {name: os.stat(os.path.join(kept, name)).st_mtime_ns
+                              for name in sorted(os.listdir(kept))}
 
     kept = os.path.join(pack, "impl", "progress")
     status, said, before = told()
@@ -263,7 +302,8 @@ def progress_tests_what_changed(pack):
     check("does not compile" in said and TESTS[0].name in said, "what has changed is", said)
     write(unit + "\n", pack, "workbook", OTHER + ".c")
     status, said, after = told()
-    check(after[STEM + ".json"] == before[STEM + ".json"] and after[OTHER + ".json"] > before[OTHER + ".json"],
+    check(after[STEM + ".json"] == before[STEM + ".json"]
+          and after[OTHER + ".json"] > before[OTHER + ".json"],
           "and nothing else is", said)
     write("#define odd\n", pack, "workbook", "mine.h")
     check(told()[2][STEM + ".json"] > before[STEM + ".json"], "a header of the student's changes all")
@@ -274,25 +314,30 @@ def drivers_are_built_alone(pack):
     write("int broken = ;\n", pack, "workbook", OTHER + ".c")
     step = next(step for step in range(1, 99) if step not in [look.step for look in read_looks(FEATURE)])
     status, said = run(pack, MAKE, "-s", f"draw-{STEM}", f"STEP={step}")
-    check(status != 0 and f"STEP={step}: {STEM} has something to see only after steps" in said and "CC" not in said,
+    check(status != 0 and f"STEP={step}: {STEM} has something to see only after steps" in said
+          and "CC" not in said,
           "a step with nothing to see is refused before anything is compiled", said)
     status, said = make(pack, f"draw-{STEM}")
     check(status == 0 and ".png: the picture " in said, "a picture is drawn before any driver is built", said)
     status, said = make(pack, f"driver-{STEM}")
     path = f"impl/assignments/{FEATURE.folder}/{STEM}"
     driver = os.path.join(pack, path)
-    check(status == 0 and os.access(driver, os.X_OK), "a unit that does not compile spoils no other driver", said)
+    check(status == 0 and os.access(driver, os.X_OK), "a unit that does not compile spoils no other driver",
+          said)
     told = said.rstrip().splitlines()[-1]
     check(told.startswith(f"run {path} (--help lists its options); units: workbook") and OTHER not in told,
           "the driver's command is told, without a list of units that are all in one folder", said)
     others = [feature.folder for feature in FEATURES.values() if feature.stem != STEM]
-    built = [folder for folder in others for name in os.listdir(os.path.join(pack, "assignments", folder)) if name.endswith(".o")]
+    built = [folder for folder in others for name in os.listdir(os.path.join(pack, "assignments", folder))
+             if name.endswith(".o")]
     check(not built, "only one driver is built", built)
     status, said = run(pack, driver, "--scene", "cornell", "--width", "16", "--height", "16")
     check(status == 0, "it draws", said)
     status, said = make(pack, f"driver-{OTHER}")
-    check(status != 0 and "does not compile" in said, "the one that it belongs to says why there is none", said)
-    shutil.copyfile(os.path.join(pack, "src", "features", OTHER + ".c"), os.path.join(pack, "workbook", OTHER + ".c"))
+    check(status != 0 and "does not compile" in said, "the one that it belongs to says why there is none",
+          said)
+    shutil.copyfile(os.path.join(pack, "src", "features", OTHER + ".c"),
+                    os.path.join(pack, "workbook", OTHER + ".c"))
 
 
 def the_debugger_stops_where_arguments_are(pack):
@@ -301,15 +346,21 @@ def the_debugger_stops_where_arguments_are(pack):
         return
     write("#include \"features/bloom.h\"\n\n" + "float rk_bloom_luminance(rk_vec3 colour)\n{\n    return colour.x + colour.y;\n}\n"
           + starter_of(FEATURES[OTHER].reference).split("#include \"features/bloom.h\"")[1].replace(
-              "rk_bloom_luminance(rk_vec3 colour)\n{", "rk_bloom_other(rk_vec3 colour);\nfloat rk_bloom_other(rk_vec3 colour)\n{", 1),
+              "rk_bloom_luminance(rk_vec3 colour)\n{",
+              "rk_bloom_other(rk_vec3 colour);\nfloat rk_bloom_other(rk_vec3 colour)\n{", 1),
           pack, "workbook", OTHER + ".c")
     test = "luminance_weighs_green_most"
-    answer = subprocess.run([MAKE, "-s", f"debug-{OTHER}", f"TEST={test}"], cwd=pack, text=True, stdout=subprocess.PIPE,
-                            stderr=subprocess.STDOUT, input="print colour\ndelete\ninfo breakpoints\nquit\n", check=False,
-                            env={name: value for name, value in os.environ.items() if name not in ("MAKEFLAGS", "MAKELEVEL")})
-    check("rk_bloom_luminance (colour=(1, 0, 0))" in answer.stdout, "the first stop shows true arguments", answer.stdout)
+    answer = subprocess.run([MAKE, "-s", f"debug-{OTHER}", f"TEST={test}"], cwd=pack, text=True,
+                            stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, input="print colour\ndelete\ninfo breakpoints\nquit\n",
+                            check=False,
+                            env={name: value for name, value in os.environ.items()
+                                 if name not in ("MAKEFLAGS", "MAKELEVEL")})
+    check("rk_bloom_luminance (colour=(1, 0, 0))" in answer.stdout, "the first stop shows true arguments",
+          answer.stdout)
     check("$1 = (1, 0, 0)" in answer.stdout, "values are printed as vectors", answer.stdout)
-    check("No breakpoints" in answer.stdout and "y or n" not in answer.stdout, "gdb does not ask before it deletes or quits", answer.stdout)
+    check("No breakpoints" in answer.stdout and "y or n" not in answer.stdout,
+          "gdb does not ask before it deletes or quits", answer.stdout)
 
 
 def kit_files_are_put_back(pack):
@@ -321,7 +372,8 @@ def kit_files_are_put_back(pack):
     check("edited outside of the workbook: src/base/box.h" in said and "make pristine" in said,
           "the check says that a file of the kit was edited", said)
     status, said = run(pack, MAKE, "-s", f"driver-{STEM}")
-    check("src/base/box.h" in said and "does not" not in said, "so does the driver, though it cannot be built", said)
+    check("src/base/box.h" in said and "does not" not in said,
+          "so does the driver, though it cannot be built", said)
     status, said = make(pack, "pristine")
     check(status == 0 and read(place) == original and read(place + ".edited").endswith("mine */\n")
           and os.path.exists(os.path.join(pack, "src", "base", "sphere.h")) and "box.h" in said,
@@ -330,9 +382,11 @@ def kit_files_are_put_back(pack):
     check(status == 0 and "nothing" in said, "a second one has nothing to do", said)
     write("int broken = ;\n", pack, "src", "scene", "mine.c")
     status, said = make(pack, f"check-{STEM}")
-    check(status != 0 and "added outside of the workbook: src/scene/mine.c; make pristine" in said, "the check names an added file", said)
+    check(status != 0 and "added outside of the workbook: src/scene/mine.c; make pristine" in said,
+          "the check names an added file", said)
     status, said = make(pack, "pristine")
-    check(status == 0 and "mv -i src/scene/mine.c moved" in said and "nothing" not in said, "make pristine says how to move it", said)
+    check(status == 0 and "mv -i src/scene/mine.c moved" in said and "nothing" not in said,
+          "make pristine says how to move it", said)
     os.unlink(os.path.join(pack, "src", "scene", "mine.c"))
     make(pack, f"check-{STEM}")
     os.unlink(place + ".edited")
@@ -346,7 +400,8 @@ def editors_find_headers(pack):
                            os.path.join(pack, "workbook", STEM + ".c"))
         check(status == 0, f"compile_flags.txt in the {folder or 'top'} folder leads to the headers", said)
     settings = json.loads(read(pack, ".vscode", "settings.json"))
-    check(settings["C_Cpp.default.includePath"] == ["${workspaceFolder}/src"], "VS Code finds them, too", settings)
+    check(settings["C_Cpp.default.includePath"] == ["${workspaceFolder}/src"], "VS Code finds them, too",
+          settings)
 
 
 def git_keeps_sources(pack):
@@ -357,7 +412,8 @@ def git_keeps_sources(pack):
         run(workbook, git, "init", "-q")
         run(workbook, git, "add", "-A")
         _, said = run(workbook, git, "ls-files")
-        check(not [name for name in said.split() if name.endswith((".o", ".Po")) or ".deps" in name] and STEM + ".c" in said,
+        check(not [name for name in said.split() if name.endswith((".o", ".Po")) or ".deps" in name]
+              and STEM + ".c" in said,
               "git add in the workbook takes sources alone", said)
         shutil.rmtree(os.path.join(workbook, ".git"))
     os.unlink(os.path.join(workbook, "bloom.o"))
@@ -371,7 +427,8 @@ def a_renamed_file_stops_the_check(pack):
     os.rename(os.path.join(pack, "workbook", "Bvh_Median.c"), os.path.join(pack, "workbook", f"my_{STEM}.c"))
     for command in ("draw", "driver"):
         status, said = make(pack, f"{command}-{STEM}")
-        check(status != 0 and f"rename my_{STEM}.c to {STEM}.c" in said and "No rule" not in said, f"so it does {command}", said)
+        check(status != 0 and f"rename my_{STEM}.c to {STEM}.c" in said and "No rule" not in said,
+              f"so it does {command}", said)
     os.rename(os.path.join(pack, "workbook", f"my_{STEM}.c"), os.path.join(pack, "workbook", "gone"))
     status, said = make(pack, f"check-{STEM}")
     check(status != 0 and "make workbook DIR=workbook" in said and len(said.splitlines()) <= 2,
@@ -391,7 +448,8 @@ def the_pack_is_solved(pack):
     shutil.copyfile(FEATURE.reference, os.path.join(pack, "workbook", STEM + ".c"))
     status, said = make(pack, f"check-{STEM}")
     check(status == 0 and "100 of 100 points" in said, "the solution has all points", said)
-    process = subprocess.Popen([MAKE, "-s", f"watch-{STEM}"], cwd=pack, text=True, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
+    process = subprocess.Popen([MAKE, "-s", f"watch-{STEM}"], cwd=pack, text=True, stdout=subprocess.PIPE,
+                               stderr=subprocess.STDOUT)
     try:
         said = ""
         for line in process.stdout:
@@ -440,7 +498,8 @@ def main():
         pack = os.path.join(folder, NAME, "raykit")
         with redirect_stdout(io.StringIO()):
             handout.make_handout(SOURCE, [STEM, OTHER], folder=pack, book=False)
-        for part in (before_bootstrap, the_pack_builds, names_that_are_nearly_right, warnings_tell_of_mistakes_alone, progress_tests_what_changed, drivers_are_built_alone,
+        for part in (before_bootstrap, the_pack_builds, names_that_are_nearly_right,
+                     warnings_tell_of_mistakes_alone, progress_tests_what_changed, drivers_are_built_alone,
                      the_debugger_stops_where_arguments_are, editors_find_headers, git_keeps_sources,
                      a_renamed_file_stops_the_check, the_pack_is_solved, kit_files_are_put_back):
             part(pack)

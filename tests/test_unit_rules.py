@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Rules for units, tried on honest and on dishonest units of bvh_median: each dishonest one gets no point that
-it did not earn. Speaks TAP, for make check; runs in a build folder."""
+"""Rules for units, tried on honest and on dishonest units of bvh_median: each dishonest one gets no point
+that it did not earn. Speaks TAP, for make check; runs in a build folder."""
 
 import csv
 import json
@@ -102,7 +102,8 @@ REFUSED = {
         unit("off();", 'void off(void) __asm__("__ls" "an_disable");\n'), "uses __lsan_disable"
     ),
     "the address sanitizer's functions": (
-        unit("__asan_set_shadow_00(0, 1);", "void __asan_set_shadow_00(unsigned long address, unsigned long size);\n"),
+        unit("__asan_set_shadow_00(0, 1);",
+             "void __asan_set_shadow_00(unsigned long address, unsigned long size);\n"),
         "uses __asan_set_shadow_00",
     ),
     "the sanitizer's attribute": (
@@ -112,7 +113,8 @@ REFUSED = {
     ),
     "inline assembly": (unit('__asm__ volatile("syscall");'), "uses inline assembly"),
     "inline assembly that looks like a name": (unit('if (bvh) __asm__("syscall");'), "uses inline assembly"),
-    "assembly beside functions": (unit("", '__asm__(".incbin \\"/etc/passwd\\"");\n'), "uses inline assembly"),
+    "assembly beside functions": (unit("", '__asm__(".incbin \\"/etc/passwd\\"");\n'),
+                                  "uses inline assembly"),
     "assembly within a name": (
         unit("", 'extern int odd __asm__("x\\n.incbin \\"/etc/passwd\\"\\n");\n'), "uses inline assembly"
     ),
@@ -136,7 +138,8 @@ OBJECTS = {
     **{f"an entry in {section}": (
         "static void early(void)\n{\n}\n"
         f'__attribute__((section("{section}"), used)) static void (*entry)(void) = early;\n', REFUSED_EARLY
-    ) for section in (".init_array", ".fini_array", ".preinit_array", ".ctors", ".dtors", ".init_array.00099")},
+    ) for section in (".init_array", ".fini_array", ".preinit_array", ".ctors", ".dtors",
+                      ".init_array.00099")},
     "code in .init": ('__attribute__((section(".init"))) void early(void)\n{\n}\n', REFUSED_EARLY),
     "a function chosen while loading": (
         "static int plain(void)\n{\n    return 1;\n}\nstatic int (*choose(void))(void)\n{\n    return plain;\n}\n"
@@ -166,7 +169,8 @@ def objects_are_looked_at(toolchain, folder):
         with open(path + ".c", "w", encoding="utf-8") as file:
             file.write(text)
         for flags in ([], toolchain.sanitize) if toolchain.finds_leaks() else ([],):
-            subprocess.run([*toolchain.compiler, *flags, "-w", "-c", path + ".c", "-o", path + ".o"], check=True)
+            subprocess.run([*toolchain.compiler, *flags, "-w", "-c", path + ".c", "-o", path + ".o"],
+                           check=True)
             found = unit_rules.Object(toolchain.tools["objdump"], path + ".o")
             fault = unit_rules.fault_in_object(found, bool(flags))
             check(part in fault and bool(part) == bool(fault) and not unit_rules.kept_data(found),
@@ -207,12 +211,14 @@ def reasons_fit(grader):
         "a missing #include": ("bool lone(void);\nbool lone(void)\n{\n    return rk_mesh_validate(0, \"\", 0);\n}\n"
                                .replace("bool", "_Bool"), (), '#include "scene/mesh.h" declares it'),
         "text in UTF-16": (unit().encode("utf-16"), (), "is text in UTF-16; save it in UTF-8"),
-        "text in UTF-16 without a mark": (unit().encode("utf-16-le"), (), "is text in UTF-16; save it in UTF-8"),
+        "text in UTF-16 without a mark": (unit().encode("utf-16-le"), (),
+                                          "is text in UTF-16; save it in UTF-8"),
         "a header that hides the kit's": (
             unit(), [("features/bvh_median.h", "#error old\n")], "which hides the kit's; remove it"
         ),
         "a helper that is declared only": (
-            unit("helper();", "void helper(void);\n"), (), "your file uses helper (line 13), which nothing defines"
+            unit("helper();", "void helper(void);\n"), (),
+            "your file uses helper (line 13), which nothing defines"
         ),
     }
     suites = {claim: grader.add(text, beside=beside) for claim, (text, beside, _) in cases.items()}
@@ -233,7 +239,8 @@ def what_is_kept_is_named(grader):
         "a variable of each thread": (keep, "static _Thread_local const void *volatile last;\n", "`last`"),
         "one that has a value": ("seed *= 3;", "static volatile unsigned seed = 7;\n", "`seed`"),
     }
-    suites = {claim: grader.add(unit(statement, before), ALL) for claim, (statement, before, _) in cases.items()}
+    suites = {claim: grader.add(unit(statement, before), ALL)
+              for claim, (statement, before, _) in cases.items()}
     grader.grade()
     for claim, suite in suites.items():
         verdict = suite.verdicts[KEEPS_NOTHING.name]
@@ -261,20 +268,24 @@ HIDING = {
 
 
 def a_leak_is_a_claim_of_its_own(grader):
-    suites = {claim: grader.add(unit(LEAK + statement, before), ALL) for claim, (statement, before) in HIDING.items()}
+    suites = {claim: grader.add(unit(LEAK + statement, before), ALL)
+              for claim, (statement, before) in HIDING.items()}
     alone = grader.add(unit(LEAK), (EMPTY,))
     grader.grade()
     check(not alone.passed() and "leaks memory" in alone.verdicts[EMPTY.name].reason,
           "a test that is asked for alone tells its leak", alone.verdicts[EMPTY.name].reason)
     for claim, suite in suites.items():
         verdict, text = suite.verdicts[FREES_ALL.name], results.text([suite], "")
-        check(not verdict.passed and "leaks memory: " in verdict.reason and "mine/bvh_median.c:" in verdict.place,
+        check(not verdict.passed and "leaks memory: " in verdict.reason
+              and "mine/bvh_median.c:" in verdict.place,
               f"{claim} is found, with its line", f"{verdict.reason}\n{verdict.place}\n{text}")
         # Nothing may be kept where memory runs out, either, which held with the starter.
         broken = {FREES_ALL.name, "where_memory_runs_out_nothing_is_kept"}
-        check(not SOLVED or {test.name for test in suite.tests if not suite.verdicts[test.name].passed} == broken,
+        check(not SOLVED or {test.name for test in suite.tests
+                             if not suite.verdicts[test.name].passed} == broken,
               f"{claim} fails no claim that carries points", text)
-        check(suite.points() == (100 - 2 * DEDUCTION if SOLVED else 0), f"{claim} costs what these two cost", text)
+        check(suite.points() == (100 - 2 * DEDUCTION if SOLVED else 0), f"{claim} costs what these two cost",
+              text)
 
 
 def what_held_and_breaks_costs_points(grader):
@@ -285,11 +296,15 @@ def what_held_and_breaks_costs_points(grader):
     broken = [test for test in ALL if not suite.verdicts[test.name].passed]
     text = results.text([suite], "")
     check(EMPTY.name in [test.name for test in broken] and suite.points() == sum(
-        test.points for test in ALL if test not in broken) - DEDUCTION * sum(test.points == 0 for test in broken)
+        test.points for test in ALL if test not in broken) - DEDUCTION * sum(test.points == 0
+                                                                             for test in broken)
         if SOLVED else suite.points() == 0, "a claim without points that breaks costs points", text)
-    check("FAIL" in text and "100 of 100" not in text and f"costs {DEDUCTION}" in text, "and the report says so", text)
-    check(starter.points() == 0 and all(starter.verdicts[test.name].passed for test in (KEEPS_NOTHING, FREES_ALL)),
-          "the starter keeps the grader's claims, and nobody has fewer than 0 points", results.text([starter], ""))
+    check("FAIL" in text and "100 of 100" not in text and f"costs {DEDUCTION}" in text,
+          "and the report says so", text)
+    check(starter.points() == 0 and all(starter.verdicts[test.name].passed
+                                        for test in (KEEPS_NOTHING, FREES_ALL)),
+          "the starter keeps the grader's claims, and nobody has fewer than 0 points",
+          results.text([starter], ""))
     common = os.path.join(SOURCE, "assignments/handout_common.md")  # a pack has it in each handout
     handout = os.path.join(os.path.dirname(FEATURE.points_table), "handout.md")
     with open(common if os.path.exists(common) else handout, encoding="utf-8") as file:
@@ -297,12 +312,14 @@ def what_held_and_breaks_costs_points(grader):
     check(all(part in words for part in (f"costs {DEDUCTION} points", KEEPS_NOTHING.name, FREES_ALL.name)),
           "and every handout says so")
     report = json.loads(results.gradescope([suite, starter], "mine"))
-    check(report["score"] == suite.points() + starter.points() == sum(test["score"] for test in report["tests"]),
+    check(report["score"] == suite.points() + starter.points() == sum(test["score"]
+                                                                      for test in report["tests"]),
           "Gradescope's score is the sum of its tests', deductions included", report)
     check(report["output_format"] == "text", "Gradescope shows the report as it is")
     root = ElementTree.fromstring(results.junit([suite, starter], "mine"))
     totals = {name: sum(int(each.get(name)) for each in root) for name in ("tests", "failures", "errors")}
-    check(all(int(root.get(name)) == total for name, total in totals.items()) and totals["tests"] == 2 * len(ALL),
+    check(all(int(root.get(name)) == total for name, total in totals.items())
+          and totals["tests"] == 2 * len(ALL),
           "JUnit has totals", root.attrib)
 
 
@@ -318,7 +335,8 @@ def thieves(toolchain, folder):
     swab("\\xc3\\xc3\\xc3\\xc3", code, 2);"""
     cases = {
         "who sends the secret": (steal, by_address("write", "_exit")),
-        "who disables what fails a claim": (patch, "#include <sys/mman.h>\n" + by_address("mprotect", "swab")),
+        "who disables what fails a claim": (patch,
+                                            "#include <sys/mman.h>\n" + by_address("mprotect", "swab")),
     }
     for claim, (statement, before) in cases.items():
         text = unit(statement, before)
@@ -365,9 +383,11 @@ def verdicts_are_not_taken(grader, folder):
                            "        dprintf(file, \"tests/x.c:1\\n%03000d\", 1);\n    _exit(1);",
                            by_address("dprintf", "_exit")))
     grader.grade()
-    check(reader.passed(), "neither command nor environment tells which test runs", results.text([reader], ""))
+    check(reader.passed(), "neither command nor environment tells which test runs",
+          results.text([reader], ""))
     reason = liar.verdicts[EMPTY.name].reason
-    check(not liar.passed() and len(reason) < 600, "a unit that writes its own reason has little room", len(reason))
+    check(not liar.passed() and len(reason) < 600, "a unit that writes its own reason has little room",
+          len(reason))
 
 
 def a_class_is_told(folder):
@@ -383,7 +403,8 @@ def a_class_is_told(folder):
     with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
         rows = {row[0]: row for row in csv.reader(file)}
     check("'=HYPERLINK(1)" in rows and "=HYPERLINK(1)" not in rows, "no cell of class.csv is a formula", rows)
-    check(not SOLVED or "the same text as the reference" in " ".join(rows["copy"]), "a copy of the reference is told", said)
+    check(not SOLVED or "the same text as the reference" in " ".join(rows["copy"]),
+          "a copy of the reference is told", said)
 
 
 def main():

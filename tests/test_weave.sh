@@ -76,6 +76,7 @@ echo peers >"$folder/build/reports/out/tables/peers.csv"
 are_there() {
     for table; do grep -q "$table" "$folder/build/reports/out/tables/$table.csv" || return 1; done
 }
+# shellcheck disable=SC2086 # a list of names
 report said1 && are_there $measured peers
 verdict tables_that_are_measured_apart_are_there
 

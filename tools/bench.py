@@ -1,10 +1,11 @@
 #!/usr/bin/env python3
-"""Measures the error and the time of all methods: make bench. The cases are in tests/bench/cases.tsv, their methods in
-methods.tsv beside it. Then whole pictures by the drivers, from frames.tsv, and how times and memory grow. Measurements
-are kept in bench of the build folder, and only what is missing is measured; tables are written to bench/tables.
+"""Measures the error and the time of all methods: make bench. The cases are in tests/bench/cases.tsv, their
+methods in methods.tsv beside it. Then whole pictures by the drivers, from frames.tsv, and how times and
+memory grow. Measurements are kept in bench of the build folder, and only what is missing is measured; tables
+are written to bench/tables.
 
-With --out, as the report calls it: tables of errors into that folder, from the full measurement if it is there, else
-from the quick one."""
+With --out, as the report calls it: tables of errors into that folder, from the full measurement if it is
+there, else from the quick one."""
 
 import math
 import os
@@ -51,7 +52,8 @@ def print_summary(rows, quick):
                       "" if row["slope"] is None else f"{row['slope']:.2f}",
                       "" if row["slope_goal"] is None else f"{row['slope_goal']:g}",
                       f"{100 * row['bias']:+.3f} ({100 * row['bias_low']:+.3f} to {100 * row['bias_high']:+.3f})",
-                      ", ".join(filter(None, [row["note"], "goal missed" if row["goal_reached"] == "no" else ""]))))
+                      ", ".join(filter(None,
+                                       [row["note"], "goal missed" if row["goal_reached"] == "no" else ""]))))
     print_cells(cells)
     print("In brackets: 95 % confidence intervals. Extrapolated: a time to an error of 1 % that lies beyond those measured.")
     if quick:
@@ -74,7 +76,8 @@ def print_changes(old, rows):
 def check_references(work):
     for row in summary.reference_rows(work):
         if row["agree"] == "no":
-            by = (f"differ by {row['difference']:.1f} standard errors" if row["squares"] < summary.AGREE_SQUARED else
+            by = (f"differ by {row['difference']:.1f} standard errors"
+                  if row["squares"] < summary.AGREE_SQUARED else
                   f"have pixels that differ by {math.sqrt(row['squares']):.1f} times their standard errors")
             raise ToolError(f"{row['feature']}: its two references {by}, so one method is biased: compare their options "
                             "in tests/bench/cases.tsv")
@@ -99,7 +102,8 @@ def measure_accuracy(options, names):
     print_summary(rows, options.quick)
     print(f"bench: wrote {os.path.join(options.build, 'bench', 'tables')}/accuracy*.csv and {work.kept.path}")
     chosen = {case.name for case in work.cases}
-    rows = [row for row in work.kept.rows.values() if row["case"] in chosen and row["size"] == str(work.settings.side)]
+    rows = [row for row in work.kept.rows.values() if row["case"] in chosen
+            and row["size"] == str(work.settings.side)]
     return bool(options.compare) and print_changes(options.compare, rows)
 
 
@@ -108,7 +112,8 @@ def write_frames(tables, folder, kept):
     timings.write(tables, "frames", rows)
     timings.write(tables, "frames_goals", frames.goal_rows(rows))
     print_cells([("frame", "threads", "ms", "goal", "classic")] + [
-        (row["title"], *(f"{row[name]:.4g}" if row[name] else "" for name in ("threads", "median_ms", "goal_ms", "classic_ms")))
+        (row["title"], *(f"{row[name]:.4g}" if row[name] else ""
+                         for name in ("threads", "median_ms", "goal_ms", "classic_ms")))
         for row in rows])
 
 
@@ -133,7 +138,8 @@ def write_startup(tables, folder, kept, quick):
 def write_profile(tables, folder, kept, quick):
     rows = profile.measure(lambda driver: kept.program(driver)[0], frames.read_frames(folder), quick)
     timings.write(tables, "frames_profile", rows)
-    print_cells([("frame", "where its processor time goes")] + [(row["title"], row["functions"]) for row in rows] if rows else
+    print_cells([("frame", "where its processor time goes")] + [(row["title"], row["functions"])
+                                                                for row in rows] if rows else
                 [("no profile of the frames: perf (package linux-perf) is missing, or may not look at programs here",)])
 
 
@@ -163,7 +169,8 @@ def measure_times(options, parts):
 
 def measure(options):
     names = options.cases.split()
-    usual = [name for name in plan.PARTS if not (options.quick and name == "profile")]  # which takes as long as all else
+    usual = [name for name in plan.PARTS
+             if not (options.quick and name == "profile")]  # which takes as long as all else
     parts = [name for name in plan.PARTS if name in names] if names else usual
     cases = [name for name in names if name not in plan.PARTS]
     reset, worse = options.reset, False
@@ -180,14 +187,16 @@ def measure(options):
 def for_report(options):
     work = open_schedule(options, plan.FULL)
     if not is_complete(work):
-        print("bench: there is no full measurement by this build (make bench), so this is the quick one", file=sys.stderr)
+        print("bench: there is no full measurement by this build (make bench), so this is the quick one",
+              file=sys.stderr)
         work = open_schedule(options, plan.QUICK)
         print("quick")  # the weaver reads it
     work.run()
     write_tables(work, options)
     check_references(work)
     try:
-        shutil.copytree(os.path.join(options.build, "bench", "tables"), os.path.join(options.out, "tables"), dirs_exist_ok=True)
+        shutil.copytree(os.path.join(options.build, "bench", "tables"), os.path.join(options.out, "tables"),
+                        dirs_exist_ok=True)
     except OSError as error:
         raise ToolError(f"{options.out}: cannot be written: {error}") from None
     return 0
@@ -197,9 +206,11 @@ def main():
     parser = Parser(description=__doc__)
     parser.add_argument("--build", default=".", help="the build folder")
     parser.add_argument("--source", default=os.path.join(os.path.dirname(os.path.abspath(__file__)), ".."))
-    parser.add_argument("--quick", action="store_true", help="small pictures and few samples: less than a minute")
+    parser.add_argument("--quick", action="store_true",
+                        help="small pictures and few samples: less than a minute")
     parser.add_argument("--reset", action="store_true", help="forget what was measured")
-    parser.add_argument("--cases", default="", help="measure only these; also frames, growth, startup, profile")
+    parser.add_argument("--cases", default="",
+                        help="measure only these; also frames, growth, startup, profile")
     parser.add_argument("--compare", default="", help="an older measurements.csv")
     parser.add_argument("--out", help="write tables for the report into this folder")
     parser.add_argument("--quiet", action="store_true", help="as drivers have it")

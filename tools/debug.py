@@ -2,8 +2,8 @@
 """Starts gdb on a unit, stopped at the first of its functions that the test calls.
 
 The unit is built without optimization and with the sanitizers that grade it into
-impl/debug/test_STEM: a stray index stops where it occurs, and not where its effect shows. The commands for gdb
-are in impl/debug/STEM.gdb, for editors with their own interface to gdb. It stops once in each function
+impl/debug/test_STEM: a stray index stops where it occurs, and not where its effect shows. The commands for
+gdb are in impl/debug/STEM.gdb, for editors with their own interface to gdb. It stops once in each function
 that students write, but not in given ones."""
 
 import os
@@ -14,7 +14,8 @@ import sys
 
 from grading import build
 from grading.assignments import (
-    Parser, ToolError, check_impl, choose, find_unit, missing_unit, read_features, read_points, reference_unit,
+    Parser, ToolError, check_impl, choose, find_unit, missing_unit, read_features, read_points,
+    reference_unit,
     unit_beside, units_of_suite,
 )
 from grade import grade_impl, stop_on_signals
@@ -47,16 +48,19 @@ def tests_of(toolchain, stem):
 def _functions_in(toolchain, path):
     """Returns a dictionary from an object's functions to their addresses, in the order of these."""
     answer = subprocess.run([toolchain.tools["nm"], "-n", path], capture_output=True, text=True, check=True)
-    return {line.split()[-1]: int(line.split()[0], 16) for line in answer.stdout.splitlines() if re.search(" [Tt] ", line)}
+    return {line.split()[-1]: int(line.split()[0], 16) for line in answer.stdout.splitlines()
+            if re.search(" [Tt] ", line)}
 
 
 def first_lines(toolchain, path, name):
     """Returns a dictionary from an object's functions to the first line of their bodies, where arguments have
-    their values: the sanitizer moves them after the place where gdb stops by itself. `name` is the source's."""
+    their values: the sanitizer moves them after the place where gdb stops by itself. `name` is the
+    source's."""
     command = [toolchain.tools["objdump"], "--dwarf=decodedline", path]
     answer = subprocess.run(command, capture_output=True, text=True, errors="replace", check=False)
     rows = sorted((int(address, 16), int(line)) for line, address in
-                  re.findall(rf"^(?:\S*/)?{re.escape(name)} +(\d+) +(0x[0-9a-f]+|0) ", answer.stdout, re.MULTILINE))
+                  re.findall(rf"^(?:\S*/)?{re.escape(name)} +(\d+) +(0x[0-9a-f]+|0) ", answer.stdout,
+                             re.MULTILINE))
     functions = _functions_in(toolchain, path)
     starts, found = [*functions.values(), float("inf")], {}
     for (function, start), end in zip(functions.items(), starts[1:]):
@@ -79,7 +83,8 @@ def build_for_debugging(toolchain, feature, features, impl):
     if warnings:
         print(warnings, file=sys.stderr)
     build.keep_interface(toolchain, feature, path, for_suite=True)
-    beside = {stem: unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs + feature.uses}
+    beside = {stem: unit_beside(features[stem], impl, toolchain.handed_out)
+              for stem in feature.needs + feature.uses}
     needed = units_of_suite(feature, beside)
     objects = [path]
     for other in needed:

@@ -103,7 +103,8 @@ def draw(toolchain, impl, stem, step):
     wanted = os.path.relpath(look.picture)
     if not os.path.exists(wanted):
         raise ToolError(f"{wanted} is missing, the picture to compare with")
-    _run([driver, *small(look.options), "--quiet", "--out", os.path.join("out", "compared"), "--compare", wanted])
+    _run([driver, *small(look.options), "--quiet", "--out", os.path.join("out", "compared"), "--compare",
+          wanted])
     if look.step in unsolved:
         print(f"step {look.step} is still the starter, however the picture looks; its claims decide: {command_of('check', feature, impl)}")
 
@@ -112,8 +113,8 @@ def draw(toolchain, impl, stem, step):
 
 
 def packed(png):
-    """Returns a PNG file compressed as far as zlib can, and without texts, such as the time that drawing took:
-    drawn again, it is the same."""
+    """Returns a PNG file compressed as far as zlib can, and without texts, such as the time that drawing
+    took: drawn again, it is the same."""
     kept, pixels, at = png[:8], b"", 8
     while at < len(png):
         end = at + 12 + int.from_bytes(png[at : at + 4], "big")
@@ -122,7 +123,8 @@ def packed(png):
             pixels += png[at + 8 : end - 4]
         elif kind == b"IEND":
             data = b"IDAT" + zlib.compress(zlib.decompress(pixels), 9)
-            kept += (len(data) - 4).to_bytes(4, "big") + data + zlib.crc32(data).to_bytes(4, "big") + png[at:end]
+            kept += (len(data) - 4).to_bytes(4, "big") + data + zlib.crc32(data).to_bytes(4,
+                                                                                          "big") + png[at:end]
         elif kind not in (b"tEXt", b"iTXt", b"zTXt"):
             kept += png[at:end]
         at = end
@@ -157,7 +159,8 @@ def main():
     parser.add_argument("--build", default=".", metavar="DIR")
     parser.add_argument("--impl", default="", metavar="FILE_OR_DIR", help="none: the kit's own units")
     parser.add_argument("--step", default="", metavar="N", help="of the handout; the last one for none")
-    parser.add_argument("--source", default="", metavar="DIR", help="raykit's source folder: say whether the step has "
+    parser.add_argument("--source", default="", metavar="DIR",
+                        help="raykit's source folder: say whether the step has "
                         "something to see, and draw nothing")
     parser.add_argument("--wanted", action="store_true", help="draw the wanted pictures")
     arguments = parser.parse_args()

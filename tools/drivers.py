@@ -62,7 +62,8 @@ def _authors(sentence):
 
 def _object_that_says(toolchain, sentence, units, folder):
     """Returns the object that brings the sentence into a driver, and the names of the starters."""
-    starters = " ".join(["", *(unit.feature.stem for unit in units if is_starter(unit) or is_left_open(unit.path)), ""])
+    starters = " ".join(["", *(unit.feature.stem for unit in units if is_starter(unit)
+                               or is_left_open(unit.path)), ""])
     literal = sentence.replace("\\", "\\\\").replace('"', '\\"')
     source = os.path.join(folder, "units.c")
     folder_of_pictures = "impl/out" if sentence else "out"
@@ -132,7 +133,8 @@ def link_drivers(toolchain, impl, only=None):
             if not reason:
                 build.link(toolchain, driver, [
                     *_objects_of_driver(toolchain, feature), says, *(objects[key] for key in keys),
-                    toolchain.built("librkstages.a"), toolchain.built("librkbase.a"), *toolchain.libraries], parts)
+                    toolchain.built("librkstages.a"), toolchain.built("librkbase.a"), *toolchain.libraries],
+                           parts)
         except build.BuildError as error:
             reason = _told(error)
         if reason:

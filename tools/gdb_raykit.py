@@ -78,7 +78,8 @@ class _Printer:
 def _collection():
     printers = gdb.printing.RegexpCollectionPrettyPrinter("raykit")
     for name, say in {
-        "rk_vec2": _vector, "rk_vec3": _vector, "rk_dvec3": _vector, "rk_box": _box, "rk_ray": _ray, "rk_hit": _hit, "rk_bvh_node": _node,
+        "rk_vec2": _vector, "rk_vec3": _vector, "rk_dvec3": _vector, "rk_box": _box, "rk_ray": _ray,
+        "rk_hit": _hit, "rk_bvh_node": _node,
         "rk_traversal_stack": _traversal_stack,
     }.items():
         printers.add_printer(name, f"^{name}$", lambda value, say=say: _Printer(say, value))

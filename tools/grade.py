@@ -28,8 +28,10 @@ from grading import results
 from grading import sandbox
 from grading import unit_rules
 from grading.assignments import (
-    DEDUCTION, FREES_ALL, KEEPS_NOTHING, Parser, ToolError, Unit, UnitError, check_impl, choose, choose_format,
-    handed_in, ignored_in, missing_unit, read_features, read_points, submitted_unit, unit_beside, units_of_suite,
+    DEDUCTION, FREES_ALL, KEEPS_NOTHING, Parser, ToolError, Unit, UnitError, check_impl, choose,
+    choose_format,
+    handed_in, ignored_in, missing_unit, read_features, read_points, submitted_unit, unit_beside,
+    units_of_suite,
 )
 from grading.starters import is_starter
 from grading.verdicts import Verdict, judge, judge_kept_data, judge_leaks, make_secret
@@ -88,11 +90,13 @@ class Suite:
         """Returns what grading found out, as JSON can hold it."""
         verdicts = {name: [verdict.passed, verdict.reason, verdict.place, verdict.details, verdict.seconds,
                            verdict.timed_out] for name, verdict in self.verdicts.items()}
-        return {"problem": self.problem, "warnings": self.warnings, "beside": self.beside, "verdicts": verdicts}
+        return {"problem": self.problem, "warnings": self.warnings, "beside": self.beside,
+                "verdicts": verdicts}
 
     def take(self, judged):
         """Takes over what judged() returned in another process."""
-        self.problem, self.warnings, self.beside = (str(judged[key]) for key in ("problem", "warnings", "beside"))
+        self.problem, self.warnings, self.beside = (str(judged[key])
+                                                    for key in ("problem", "warnings", "beside"))
         for test in self.tests:
             passed, reason, place, details, seconds, timed_out = judged["verdicts"][test.name]
             verdict = Verdict(passed is True, str(reason), str(place), str(details), float(seconds))
@@ -101,8 +105,9 @@ class Suite:
 
     def limit_of_next_test(self, seconds, usual=None):
         """Returns the limit for the next test, and a phrase for it: short after two that took all of
-        theirs, but three times as long as those that passed. One that took `usual` seconds when it last passed gets
-        five times as many and some more: an endless loop shows soon, and a slower unit may still be right."""
+        theirs, but three times as long as those that passed. One that took `usual` seconds when it last
+        passed gets five times as many and some more: an endless loop shows soon, and a slower unit may still
+        be right."""
         verdicts = list(self.verdicts.values())
         is_late = sum(verdict.timed_out for verdict in verdicts) >= TIMEOUTS
         if usual is not None and (ample := 5 * usual + (0.2 if is_late else 1)) < seconds:
@@ -144,14 +149,16 @@ def build_suite(toolchain, suite, needed_units):
     """Builds the suite's program around the unit, or gives up with the reason."""
     units, objects = [suite.unit, *needed_units], []
     try:
-        suite.unit, *needed_units = [private_copy.copy_unit(unit, suite.folder) for unit in (suite.unit, *needed_units)]
+        suite.unit, *needed_units = [private_copy.copy_unit(unit, suite.folder)
+                                     for unit in (suite.unit, *needed_units)]
         units = [suite.unit, *needed_units]
         for unit in units:
             path, warnings, found = _object_of(toolchain, unit, suite.folder)
             objects.append((path, found))
             suite.warnings += warnings if unit is suite.unit else ""
         suite.source = os.path.join(toolchain.source, "tests", f"test_{suite.feature.stem}.c")
-        program = build.link_suite(toolchain, units, [path for path, _ in objects], suite.folder, toolchain.sanitize)
+        program = build.link_suite(toolchain, units, [path for path, _ in objects], suite.folder,
+                                   toolchain.sanitize)
         for unit, (_, found) in zip(units, objects):
             if found:
                 build.check_names(toolchain, unit, found)
@@ -192,9 +199,11 @@ def _with_lines(toolchain, program, text):
     command = [finder, "-f", "-e", program.path, *addresses]
     if toolchain.sandbox:
         command = toolchain.sandbox.around(command)
-    answer = subprocess.run(command, pass_fds=(program.descriptor,), capture_output=True, text=True, errors="replace",
+    answer = subprocess.run(command, pass_fds=(program.descriptor,), capture_output=True, text=True,
+                            errors="replace",
                             check=False).stdout.splitlines()
-    names = {address: f"{function} {place}" for address, function, place in zip(addresses, answer[::2], answer[1::2])}
+    names = {address: f"{function} {place}"
+             for address, function, place in zip(addresses, answer[::2], answer[1::2])}
     return re.sub(unnamed, lambda match: f"{match[1]} in {names.get(match[2], '?')}", text)
 
 
@@ -211,7 +220,8 @@ def _run(toolchain, suite, arguments, limit, megabytes, decoy=False, options="")
 
 
 def run_test(toolchain, suite, test, seconds, megabytes, usual=None):
-    """Runs one scored test and returns its Verdict. `usual` is how long it took when it last passed, None if unknown."""
+    """Runs one scored test and returns its Verdict. `usual` is how long it took when it last passed, None if
+    unknown."""
     limit, phrase = suite.limit_of_next_test(seconds, usual)
     outcome = _run(toolchain, suite, ["--only", test.name], limit, megabytes)
     outcome.output = build.plain(toolchain, suite.unit, _with_lines(toolchain, suite.program, outcome.output))
@@ -246,12 +256,15 @@ def _can_find_leaks(toolchain, suites, seconds, megabytes):
 def _judge_leaks(suite):
     """A failed test leaves its memory behind, so leaks count in passed ones. Together they are a claim; if
     one test was asked for, it is that test's fault."""
-    leaks = [(test.name, suite.verdicts[test.name]) for test in suite.claims() if suite.verdicts[test.name].leak]
+    leaks = [(test.name, suite.verdicts[test.name]) for test in suite.claims()
+             if suite.verdicts[test.name].leak]
     suite.verdicts[FREES_ALL.name] = judge_leaks(leaks)
     if FREES_ALL.name not in [test.name for test in suite.tests]:
         suite.verdicts.update((name, judge_leaks([(name, verdict)])) for name, verdict in leaks)
     elif not suite.finds_leaks:
-        suite.warnings = "\n".join(filter(None, [suite.warnings, f"{FREES_ALL.name} is not judged: the leak sanitizer "
+        suite.warnings = "\n".join(filter(None,
+                                          [suite.warnings,
+                                           f"{FREES_ALL.name} is not judged: the leak sanitizer "
                                                  "does not work here"]))
 
 
@@ -273,7 +286,8 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
     workers = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
 
     def run_into(suite, test):
-        suite.verdicts[test.name] = run_test(toolchain, suite, test, seconds, megabytes, record and record.usual(test.name))
+        suite.verdicts[test.name] = run_test(toolchain, suite, test, seconds, megabytes,
+                                             record and record.usual(test.name))
         if record:
             record.add(test.name, suite.verdicts[test.name])
 
@@ -299,7 +313,8 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
             finish([pool.submit(run_into, suite, test) for suite, test in runs], progress)
             for suite in built:
                 _judge_leaks(suite)
-            finish([pool.submit(_run_decoys, toolchain, suite, decoys, seconds, megabytes) for suite in built])
+            finish([pool.submit(_run_decoys, toolchain, suite, decoys, seconds, megabytes)
+                    for suite in built])
             for suite in suites:
                 suite.beside = _about_needs(suite, units)
         except BaseException:
@@ -324,11 +339,13 @@ def _arguments():
     add = parser.add_argument
     add("--impl", required=True, metavar="FILE_OR_DIR", help="a C file, or a folder with STEM.c")
     add("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
-    add("--format", metavar="FORMAT", default="text", help=f"of the report: {', '.join(sorted(results.FORMATS))}")
+    add("--format", metavar="FORMAT", default="text",
+        help=f"of the report: {', '.join(sorted(results.FORMATS))}")
     add("--out", metavar="FILE", help="write the report there instead of standard output")
     add("--test", metavar="NAME", help="only this test")
     add("--own", action="store_true", help="a student's own check: brief, and files are named as IMPL does")
-    add("--kept", metavar="DIR", help="with --own: keep there what makes the next check faster, and a record of this one")
+    add("--kept", metavar="DIR",
+        help="with --own: keep there what makes the next check faster, and a record of this one")
     add("--all", action="store_true", help="with --own: not brief")
     return parser.parse_args()
 
@@ -369,8 +386,9 @@ def prepare_suites(features, chosen, impl, own, only=None):
 
 
 class Record:
-    """The claims of one check, a line of JSON for each as it ends, in a file that the next check finds. What failed runs
-    first then, and what took long before the rest, so that all processors are done at about the same time."""
+    """The claims of one check, a line of JSON for each as it ends, in a file that the next check finds. What
+    failed runs first then, and what took long before the rest, so that all processors are done at about the
+    same time."""
 
     def __init__(self, folder):
         self._path, self._before, self._lock = os.path.join(folder, "claims"), {}, threading.Lock()
@@ -386,7 +404,8 @@ class Record:
             pass
 
     def add(self, name, verdict):
-        claim = {"name": name, **{key: getattr(verdict, key) for key in ("passed", "seconds", "reason", "place")}}
+        claim = {"name": name, **{key: getattr(verdict, key)
+                                  for key in ("passed", "seconds", "reason", "place")}}
         with self._lock:
             with open(self._path, "a", encoding="utf-8") as file:
                 file.write(json.dumps(claim) + "\n")
@@ -416,7 +435,8 @@ def _grade_here(toolchain, features, suites, impl, decoys=DECOYS, progress=None,
         for suite in suites:
             suite.folder = os.path.join(work, suite.feature.stem)
             os.mkdir(suite.folder)
-        grade(copied, suites, units, seconds, progress=progress, decoys=decoys, record=Record(kept) if kept else None)
+        grade(copied, suites, units, seconds, progress=progress, decoys=decoys,
+              record=Record(kept) if kept else None)
     finally:
         sandbox.end_strays()
         shutil.rmtree(work, ignore_errors=True)
@@ -499,7 +519,8 @@ def main():
         results.check_place(arguments.out)
         if arguments.own:
             require_units(arguments.build, arguments.stems, arguments.impl)
-            _, suites = grade_impl(arguments.build, arguments.stems, arguments.impl, True, arguments.test, progress,
+            _, suites = grade_impl(arguments.build, arguments.stems, arguments.impl, True, arguments.test,
+                                   progress,
                                    arguments.kept)
         else:
             sandbox.prepare()

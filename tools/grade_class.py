@@ -20,7 +20,8 @@ from grading import integrity
 from grading import results
 from grading import sandbox
 from grading.assignments import (
-    Parser, ToolError, Unit, cannot_write, choose, choose_format, is_archive, is_misnamed_c, read_features, read_points,
+    Parser, ToolError, Unit, cannot_write, choose, choose_format, is_archive, is_misnamed_c, read_features,
+    read_points,
 )
 from grading.c_source import tokens_of
 from grading.starters import is_handed_out
@@ -31,7 +32,8 @@ _SHOWN = 3  # claims that the class failed most often
 
 
 def submissions_in(folder):
-    """Returns a dictionary from name to path, and the names of stray files: a table of grades is nobody's work."""
+    """Returns a dictionary from name to path, and the names of stray files: a table of grades is nobody's
+    work."""
     if not folder or not os.path.isdir(folder):
         raise ToolError(f"SUBMISSIONS: there is no folder {folder}" if folder else
                         "say where the submissions are: make grade-class SUBMISSIONS=folder OUT=results")
@@ -62,7 +64,8 @@ def _namesakes(found):
     for name, path in found.items():
         entry = os.path.basename(path)
         students.setdefault(entry if os.path.isdir(path) else _student(entry), []).append(name)
-    return {name: [other for other in names if other != name] for names in students.values() for name in names}
+    return {name: [other for other in names if other != name] for names in students.values()
+            for name in names}
 
 
 def _check_is_a_class(folder, found, features):
@@ -107,7 +110,8 @@ class Table:
 
     def __init__(self, path, stems):
         self.path, self._rows = path, {}
-        self._heading = ["name", *stems, "total", "maximum", "first failing claim", "reason", "remarks", "graded"]
+        self._heading = ["name", *stems, "total", "maximum", "first failing claim", "reason", "remarks",
+                         "graded"]
         try:
             with open(path, encoding="utf-8", newline="") as file:
                 rows = list(csv.reader(file))
@@ -159,7 +163,8 @@ def _write_report(suites, name, out, format_name):
         old = os.path.join(out, name + ending)
         if os.path.lexists(old):
             os.unlink(old)
-    results.write_whole(os.path.join(out, name + _ENDINGS[format_name]), results.FORMATS[format_name](suites, name))
+    results.write_whole(os.path.join(out, name + _ENDINGS[format_name]),
+                        results.FORMATS[format_name](suites, name))
 
 
 def grade_class(build_folder, stems, submissions, out, format_name):
@@ -187,7 +192,8 @@ def grade_class(build_folder, stems, submissions, out, format_name):
     failed, judged = collections.Counter(), collections.Counter()
     for number, (name, path) in enumerate(found.items(), 1):
         # Said before: who ends this process is then the last one named.
-        print(f"{number:>{len(str(len(found)))}} of {len(found)}  {results.name_of(name):<24}", end="", flush=True)
+        print(f"{number:>{len(str(len(found)))}} of {len(found)}  {results.name_of(name):<24}", end="",
+              flush=True)
         suites, was_graded = _suites_of(toolchain, features, path, submissions)
         doubts, twins = [], namesakes.get(name, [])
         remarks = [f"another submission has the same name: {', '.join(map(results.name_of, twins))}"] if twins else []
@@ -226,7 +232,8 @@ def main():
         "wrong; 2 it could not begin.",
     )
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
-    parser.add_argument("--submissions", required=True, metavar="DIR", help="a folder or C file for each student")
+    parser.add_argument("--submissions", required=True, metavar="DIR",
+                        help="a folder or C file for each student")
     parser.add_argument("--out", required=True, metavar="DIR", help="where the results go")
     parser.add_argument("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
     parser.add_argument("--format", metavar="FORMAT", default="gradescope",
@@ -236,7 +243,8 @@ def main():
     stop_on_signals()
     try:
         choose_format(arguments.format, _ENDINGS)
-        ungraded = grade_class(arguments.build, arguments.stems, arguments.submissions, arguments.out, arguments.format)
+        ungraded = grade_class(arguments.build, arguments.stems, arguments.submissions, arguments.out,
+                               arguments.format)
     except ToolError as error:
         print(f"grade-class: {error}", file=sys.stderr)
         return 2

@@ -1,9 +1,10 @@
 """The text of an assignment: its handout.md with the sections that all share, as it is true for whom.
 
 A line of a handout that begins with a link to a section of assignments/handout_common.md stands for
-that section, with {stem}, {folder}, {number} and {shown}, the first step that can be seen, filled in. In the table of steps {tests} stands for the
-tests that points.tsv gives to a row's step, and {look} for what look.tsv shows after it. What
-is true in one place only stands between `<!-- kit -->` and `<!-- pack`, and its counterpart from there to `end -->`.
+that section, with {stem}, {folder}, {number} and {shown}, the first step that can be seen, filled in. In the
+table of steps {tests} stands for the tests that points.tsv gives to a row's step, and {look} for what
+look.tsv shows after it. What is true in one place only stands between `<!-- kit -->` and `<!-- pack`, and its
+counterpart from there to `end -->`.
 """
 
 import os
@@ -43,7 +44,8 @@ def _shown(feature, look):
 
 
 def handout_of(source, feature):
-    """Returns a feature's handout with the shared sections, and the tests and looks of its steps, in their places."""
+    """Returns a feature's handout with the shared sections, and the tests and looks of its steps, in their
+    places."""
     own = _read(source, "assignments", feature.folder, "handout.md")
     tests, looks = read_points(feature), read_looks(feature)
 
@@ -53,7 +55,8 @@ def handout_of(source, feature):
         return row[0].replace("{tests}", named).replace("{look}", shown)
 
     own = _STEP.sub(step, own)
-    filled = {"stem": feature.stem, "folder": feature.folder, "number": str(int(feature.folder.split("_")[0])),
+    filled = {"stem": feature.stem, "folder": feature.folder,
+              "number": str(int(feature.folder.split("_")[0])),
               "shown": str(looks[0].step)}
 
     def section(link):
@@ -103,6 +106,7 @@ def as_in_workbook(text, source, feature, folder):
     """Returns a handout as it is true in the student's folder, which need not be called mine."""
     kit = os.path.relpath(source, folder)
     text = _KIT_OR_PACK.sub(r"\1", text)
-    text = re.sub(r"(?<==)mine\b|(?<![\w/])mine(?=/)|(?<=`)mine(?=`)", lambda _: folder.rstrip("/") or "/", text)
+    text = re.sub(r"(?<==)mine\b|(?<![\w/])mine(?=/)|(?<=`)mine(?=`)", lambda _: folder.rstrip("/") or "/",
+                  text)
     text = re.sub(r"\]\((points\.tsv|look/)", rf"](../../assignments/{feature.folder}/\1", text)
     return text.replace("](../../", f"]({kit}/")

@@ -1,9 +1,9 @@
 #!/usr/bin/env python3
-"""Shows a unit in the browser: after every save its picture, the wanted one, where they differ, and the claims.
-Ctrl-C ends it.
+"""Shows a unit in the browser: after every save its picture, the wanted one, where they differ, and the
+claims. Ctrl-C ends it.
 
-A server for this machine alone. The page is tools/live/loop.html; it gets everything that is known, as JSON, whenever
-something of it changes. A click on a picture asks both drivers to explain the pixel."""
+A server for this machine alone. The page is tools/live/loop.html; it gets everything that is known, as JSON,
+whenever something of it changes. A click on a picture asks both drivers to explain the pixel."""
 
 import http.server
 import json
@@ -44,8 +44,8 @@ def _shown(output, start):
 
 
 class Picture:
-    """The student's driver, built and drawn in a thread of its own until a newer save ends it. The claims matter more: it
-    leaves them the processors."""
+    """The student's driver, built and drawn in a thread of its own until a newer save ends it. The claims
+    matter more: it leaves them the processors."""
 
     def __init__(self, loop):
         self._loop, self._process, self._lock, self._ended = loop, None, threading.Lock(), False
@@ -57,7 +57,8 @@ class Picture:
         with self._lock:
             if self._ended:
                 return None
-            self._process = subprocess.Popen(["nice", *command], stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+            self._process = subprocess.Popen(["nice", *command], stdin=subprocess.DEVNULL,
+                                             stdout=subprocess.PIPE,
                                              stderr=subprocess.STDOUT, start_new_session=True)
         try:
             said = self._process.communicate(timeout=_PATIENCE)[0].decode(errors="replace")
@@ -101,17 +102,21 @@ class Loop:
     """What is known of the unit: `known` for the page, `files` by the names of pictures."""
 
     def __init__(self, toolchain, feature, impl, step):
-        self._impl, self._feature, self._tests = impl, feature, {test.name: test for test in read_points(feature)}
+        self._impl, self._feature, self._tests = impl, feature, {test.name: test
+                                                                 for test in read_points(feature)}
         self._hints = hint.hints_of(handout_of(toolchain.source, feature))
         self._is_step_chosen, self.asked = bool(step), None
         self._own = os.path.join(toolchain.build, driver_of(feature))
         self.kit = None if toolchain.handed_out else toolchain.built(f"assignments/{feature.folder}/{feature.stem}")
         self.out = os.path.join(toolchain.build, "impl", "loop")
-        self.building = [sys.executable, "-B", os.path.join(_TOOLS, "drivers.py"), "--build", toolchain.build, "--impl", impl,
+        self.building = [sys.executable, "-B", os.path.join(_TOOLS, "drivers.py"), "--build", toolchain.build,
+                         "--impl", impl,
                          "--only", feature.stem]
         self.files, self.changed, self._doing = {}, threading.Condition(), set()
-        self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "", "hints": [],
-                      "seconds": 0, "held": 0, "broken": [], "of": len(self._tests), "drawn": False, "passed": "",
+        self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "",
+                      "hints": [],
+                      "seconds": 0, "held": 0, "broken": [], "of": len(self._tests), "drawn": False,
+                      "passed": "",
                       "looks": [[look.step, look.caption] for look in read_looks(feature)]}
         self._look_at(choose_look(feature, step) if step else read_looks(feature)[0])
 
@@ -119,11 +124,13 @@ class Loop:
         """Shows another step's picture from now on; `passed` tells why the one before is left."""
         self.files = {} if self.kit else {"wanted": look.picture}
         self._options = small(look.options, _SIDE) if self.kit else small(look.options)
-        self.tell(step=look.step, caption=look.caption, command=f"{driver_of(self._feature)} {look.options}", same=False,
+        self.tell(step=look.step, caption=look.caption, command=f"{driver_of(self._feature)} {look.options}",
+                  same=False,
                   compared="", says="", drawn=False, passed=passed)
 
     def _follow(self, step):
-        """Shows the next picture that the student can reach, unless one was asked for; returns whether it is another."""
+        """Shows the next picture that the student can reach, unless one was asked for; returns whether it is
+        another."""
         looks = read_looks(self._feature)
         look = next((look for look in looks if step and int(look.step) >= int(step)), looks[-1])
         if self._is_step_chosen or look.step == self.known["step"]:
@@ -150,8 +157,10 @@ class Loop:
         difference = path[:-4] + "_difference.png"
         self.files["own"] = path or self.files.get("own", "")
         self.files["difference"] = difference if os.path.exists(difference) else ""
-        self.tell(ends="drawing", drawn=bool(path), failed=(said or f"the driver ended with status {status}") if status else "", says=caption,
-                  same=comparison.endswith("is the same"), compared=comparison.partition(": the picture ")[2].partition(";")[0])
+        self.tell(ends="drawing", drawn=bool(path),
+                  failed=(said or f"the driver ended with status {status}") if status else "", says=caption,
+                  same=comparison.endswith("is the same"),
+                  compared=comparison.partition(": the picture ")[2].partition(";")[0])
 
     def explain(self, pixel):
         """Returns the explanations of a pixel by the student's unit and by the kit's."""
@@ -159,7 +168,8 @@ class Loop:
         if "--debug" in options:
             at = options.index("--debug")
             options = options[:at] + options[at + 2 :]
-        runs = [subprocess.Popen([driver, *options, "--pixel", pixel, "--quiet", "--out", os.path.join(self.out, f"pixel{at}")],
+        runs = [subprocess.Popen([driver, *options, "--pixel", pixel, "--quiet", "--out",
+                                  os.path.join(self.out, f"pixel{at}")],
                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
                 for at, driver in enumerate(filter(None, (self._own, self.kit)))]
         texts = []
@@ -172,7 +182,8 @@ class Loop:
         return texts
 
     def look_asked(self):
-        """Turns to the step that the page has asked for, "" for the next one after the claims; returns whether it is another."""
+        """Turns to the step that the page has asked for, "" for the next one after the claims; returns
+        whether it is another."""
         step, self.asked = self.asked, None
         self._is_step_chosen = bool(step)
         if not step:
@@ -187,17 +198,18 @@ class Loop:
         return next((str(claim["step"]) for claim in self.known["broken"] if claim["step"]), "")
 
     def _take_claims(self, claims, seconds):
-        """Tells the grader's verdict, with the hints to the step of the first broken claim; returns whether a further
-        picture is to be drawn."""
+        """Tells the grader's verdict, with the hints to the step of the first broken claim; returns whether a
+        further picture is to be drawn."""
         step = self._first_step()
         self.tell(ends="checking the claims", claims=claims, seconds=seconds, hints=self._hints.get(step, []))
         return bool(step or claims.startswith("ok")) and not self._loops_forever() and self._follow(step)
 
     def _tell_claims_of(self, record):
-        """Tells which claims have ended, from the grader's record: those that are broken with their reasons, in the order
-        of work."""
+        """Tells which claims have ended, from the grader's record: those that are broken with their reasons,
+        in the order of work."""
         with open(record, encoding="utf-8") as file:
-            ended = {claim["name"]: claim for claim in map(json.loads, (line for line in file if line.endswith("\n")))}
+            ended = {claim["name"]: claim
+                     for claim in map(json.loads, (line for line in file if line.endswith("\n")))}
         broken = [{"name": name, "points": test.points, "step": test.step, "reason": ended[name]["reason"],
                    "place": ended[name]["place"]}
                   for name, test in self._tests.items() if name in ended and not ended[name]["passed"]]
@@ -219,7 +231,8 @@ class Loop:
                         work.end()
                     seen, saved = now, time.monotonic()
                     before = _changed_at(record)
-                    self.tell(begins=("drawing", "checking the claims"), failed="", held=0, broken=[], drawn=False, same=False,
+                    self.tell(begins=("drawing", "checking the claims"), failed="", held=0, broken=[],
+                              drawn=False, same=False,
                               compared="", says="", passed="")
                     check, picture = Check(grader), Picture(self)
                 elif self.asked is not None:
@@ -241,7 +254,8 @@ class Loop:
                     self._tell_claims_of(record)
                     if self._loops_forever() and not picture.is_over() and time.monotonic() - saved > _SOON:
                         picture.end()  # its threads slow down the rest of the claims
-                        self.tell(ends="drawing", failed="no picture: a claim did not end, and the picture might not, either")
+                        self.tell(ends="drawing",
+                                  failed="no picture: a claim did not end, and the picture might not, either")
                 time.sleep(_LOOK_SECONDS)
         finally:
             for number in (signal.SIGINT, signal.SIGTERM):
@@ -270,7 +284,8 @@ class Page(http.server.BaseHTTPRequestHandler):
     def do_GET(self):  # pylint: disable=invalid-name
         loop, place = self.server.loop, urllib.parse.urlparse(self.path)
         name = place.path.rpartition("/")[2]
-        if self.headers.get("Host", "").replace("localhost", "127.0.0.1") != self.server.host:  # a page from elsewhere that names this machine
+        if self.headers.get("Host", "").replace("localhost",
+                                                "127.0.0.1") != self.server.host:  # a page from elsewhere that names this machine
             self.send_error(403)
         elif place.path == "/":
             with open(os.path.join(_TOOLS, "live", "loop.html"), "rb") as file:
@@ -308,12 +323,14 @@ def main():
     parser.add_argument("stem", metavar="STEM")
     parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
     parser.add_argument("--build", default=".", metavar="DIR")
-    parser.add_argument("--step", default="", metavar="N", help="of the handout; the first that is not done for none")
+    parser.add_argument("--step", default="", metavar="N",
+                        help="of the handout; the first that is not done for none")
     arguments = parser.parse_args()
     stop_on_signals()
     os.environ.setdefault("RAYKIT_TEST_SECONDS", _TEST_SECONDS)
     kept = make_folder()
-    grader = [sys.executable, "-X", f"pycache_prefix={os.path.join(kept, 'python')}", os.path.join(_TOOLS, "grade.py"),
+    grader = [sys.executable, "-X", f"pycache_prefix={os.path.join(kept, 'python')}",
+              os.path.join(_TOOLS, "grade.py"),
               arguments.stem, "--build", arguments.build, "--impl", arguments.impl, "--own", "--kept", kept]
     try:
         toolchain = Toolchain(arguments.build)

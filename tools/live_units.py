@@ -1,7 +1,7 @@
 #!/usr/bin/env python3
-"""Links the student's unit of each feature into a module of its own for live figures: impl/live/STEM.wasm in the
-build folder. As in the drivers, all other units are the reference's. A unit that cannot be built has no module; its
-driver, which is linked first, has told why."""
+"""Links the student's unit of each feature into a module of its own for live figures: impl/live/STEM.wasm in
+the build folder. As in the drivers, all other units are the reference's. A unit that cannot be built has no
+module; its driver, which is linked first, has told why."""
 
 import os
 import shlex
@@ -14,12 +14,14 @@ from grading.assignments import Parser, ToolError, check_impl, find_unit, read_f
 
 def make_module(unit, folder):
     """Compiles and links one unit; returns whether that was possible."""
-    stem, tools = unit.feature.stem, {name: shlex.split(os.environ[name]) for name in ("LIVE_COMPILE", "LIVE_LINK", "LIVE_OBJECTS")}
+    stem, tools = unit.feature.stem, {name: shlex.split(os.environ[name])
+                                      for name in ("LIVE_COMPILE", "LIVE_LINK", "LIVE_OBJECTS")}
     own, module = (os.path.join(folder, stem + end) for end in (".o", ".wasm"))
     objects = [own if path == f"live/src/features/{stem}.o" else path for path in tools["LIVE_OBJECTS"]]
     include = "-I" + os.path.dirname(os.path.abspath(unit.path))
     return all(subprocess.run(command, stderr=subprocess.PIPE).returncode == 0 for command in (
-        [*tools["LIVE_COMPILE"], include, "-c", unit.path, "-o", own], [*tools["LIVE_LINK"], *objects, "-o", module]))
+        [*tools["LIVE_COMPILE"], include, "-c", unit.path, "-o", own],
+        [*tools["LIVE_LINK"], *objects, "-o", module]))
 
 
 def main():

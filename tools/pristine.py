@@ -15,7 +15,8 @@ def tell(source):
                                 (added_files(source), "added", "says how to move it away")):
         if names:
             more = f" and {len(names) - 3} more" if len(names) > 3 else ""
-            print(f"{what} outside of the workbook: {', '.join(names[:3])}{more}; make pristine {remedy}", flush=True)
+            print(f"{what} outside of the workbook: {', '.join(names[:3])}{more}; make pristine {remedy}",
+                  flush=True)
     return 0
 
 
@@ -46,7 +47,8 @@ def main():
         print(f"pristine: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
         return 1
     for name in names:
-        print(f"put back {name}" + (f"; your text is now {name}.edited" if name in saved else ", which was missing"))
+        print(f"put back {name}" + (f"; your text is now {name}.edited"
+                                    if name in saved else ", which was missing"))
     for line in how_to_move(added):
         print(line)
     if not names and not added:

@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
-"""Shows which assignments pass, with points. Verdicts are kept in impl/progress of the build folder, so that only
-what has changed since is tested again.
+"""Shows which assignments pass, with points. Verdicts are kept in impl/progress of the build folder, so that
+only what has changed since is tested again.
 
 This is for a student's own eyes: grading never reads what is kept."""
 
@@ -12,7 +12,7 @@ import sys
 import grade
 from grading import results
 from grading.assignments import (
-    Parser, ToolError, UnitError, choose, find_unit, read_features, read_points, submitted_unit, unit_beside,
+    Parser, ToolError, UnitError, choose, find_unit, read_features, submitted_unit, unit_beside,
     units_of_suite,
 )
 from grading.build import Toolchain
@@ -26,7 +26,8 @@ def _content(path):
 def _kit_state(toolchain):
     """What all verdicts depend on."""
     tools = os.path.dirname(os.path.abspath(__file__))
-    names = [os.path.join(where, name) for where, _, files in os.walk(tools) for name in sorted(files) if name.endswith(".py")]
+    names = [os.path.join(where, name) for where, _, files in os.walk(tools) for name in sorted(files)
+             if name.endswith(".py")]
     names += [toolchain.built(name) for name in ("impl/toolchain", "librkbase.a", "librktest.a")]
     return [_content(name) for name in names] + [str(grade.seconds_per_test())]
 
@@ -44,7 +45,8 @@ def key_of(toolchain, features, feature, impl, common):
         submitted_unit(feature, impl)
     except UnitError:
         return None
-    beside = {stem: unit_beside(features[stem], impl, toolchain.handed_out) for stem in feature.needs + feature.uses}
+    beside = {stem: unit_beside(features[stem], impl, toolchain.handed_out)
+              for stem in feature.needs + feature.uses}
     units = [find_unit(feature, impl), *units_of_suite(feature, beside)]
     names = [unit.path for unit in units] + [feature.points_table, feature.header]
     names += [toolchain.built(f"tests/test_{feature.stem}.o")] + [
@@ -84,13 +86,15 @@ def progress_of(build, stems, impl, show=None):
     suites = grade.prepare_suites(features, choose(features, stems), impl, True)
     common = _kit_state(toolchain) + [_content(name) for name in _headers(impl)]
     kept = {suite.feature.stem: Kept(toolchain, suite.feature.stem,
-                                     key_of(toolchain, features, suite.feature, impl, common)) for suite in suites}
+                                     key_of(toolchain, features, suite.feature, impl, common))
+            for suite in suites}
     for suite in suites:
         if not suite.problem:
             kept[suite.feature.stem].read_into(suite)
     due = [suite.feature.stem for suite in suites if not suite.verdicts]
     if due:
-        tested = {suite.feature.stem: suite for suite in grade.grade_impl(build, due, impl, True, progress=show)[1]}
+        tested = {suite.feature.stem: suite
+                  for suite in grade.grade_impl(build, due, impl, True, progress=show)[1]}
         for stem, suite in tested.items():
             kept[stem].write(suite)
         suites = [tested.get(suite.feature.stem, suite) for suite in suites]

@@ -45,7 +45,8 @@ def frames(rows):
         if row["goal_ms"]:
             picture["goal"] = f"{duration(row['goal_ms'])} on {row['threads']}"
             picture["classic"] = duration(row["classic_ms"])
-    lines = [[title, p["threads"].get("1", ""), p["threads"].get("2", ""), p["goal"], p["classic"]] for title, p in pictures.items()]
+    lines = [[title, p["threads"].get("1", ""), p["threads"].get("2", ""), p["goal"], p["classic"]]
+             for title, p in pictures.items()]
     return table(["800 × 800 pixels", "1 thread", "2 threads", "goal", "classic program"], lines)
 
 
@@ -57,19 +58,23 @@ def peers(rows):
             goals[row["workload"]] = row["goal"]
             ratios = f"{float(row['speed_ratio']):.2f} ({float(row['robust_speed_ratio']):.2f})"
             scenes.setdefault((row["scene"], int(row["triangles"])), {})[row["workload"]] = ratios
-    lines = [[f"{scene.split(':')[0]}, {triangles:,} triangles"] + [ratios.get(workload, "") for workload in WORKLOADS]
+    lines = [[f"{scene.split(':')[0]}, {triangles:,} triangles"] + [ratios.get(workload, "")
+                                                                    for workload in WORKLOADS]
              for (scene, triangles), ratios in scenes.items()]
     lines.append(["goal"] + [goals.get(workload, "") for workload in WORKLOADS])
-    return table(["times as fast as Embree, 1 thread", "camera rays", "shadow rays, point", "shadow rays, area", "diffuse rays", "building"], lines)
+    return table(["times as fast as Embree, 1 thread", "camera rays", "shadow rays, point",
+                  "shadow rays, area", "diffuse rays", "building"], lines)
 
 
 def section(build):
     timings = os.path.join(build, "bench", "tables")
-    machine = {row["item"]: row["value"] for row in rows_of(os.path.join(timings, "timings_machine.csv"), "make bench")}
+    machine = {row["item"]: row["value"]
+               for row in rows_of(os.path.join(timings, "timings_machine.csv"), "make bench")}
     return (f"Measured on: {machine['processor']}, {machine['instruction set']}. Medians. Above 1, a ratio says that raykit is faster than "
             "Embree's fastest mode for these rays; in brackets, than its fastest robust one, whose triangle test leaves hardly any gaps.\n\n"
             + frames(rows_of(os.path.join(timings, "frames.csv"), "make bench")) + "\n"
-            + peers(rows_of(os.path.join(build, "reports", "out", "tables", "peers_best.csv"), "make bench-peers")))
+            + peers(rows_of(os.path.join(build, "reports", "out", "tables", "peers_best.csv"),
+                            "make bench-peers")))
 
 
 def main():
@@ -80,7 +85,8 @@ def main():
     with open(options.readme, encoding="utf-8") as file:
         text = file.read()
     made = section(options.build)
-    text, count = re.subn(r"(?s)(<!-- speed[^\n]*-->\n).*?(<!-- speed end -->)", lambda found: found[1] + made + found[2], text)
+    text, count = re.subn(r"(?s)(<!-- speed[^\n]*-->\n).*?(<!-- speed end -->)",
+                          lambda found: found[1] + made + found[2], text)
     if count != 1:
         sys.exit("readme-speed: README.md has no lines <!-- speed --> and <!-- speed end -->")
     sys.stdout.write(text)

@@ -43,7 +43,8 @@ class Check:
     def __init__(self, command):
         self._said = tempfile.TemporaryFile()
         environment = dict(os.environ, COLUMNS=str(shutil.get_terminal_size((100, 24)).columns))
-        self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self._said, env=environment,
+        self._process = subprocess.Popen(command, stdin=subprocess.DEVNULL, stdout=self._said,
+                                         env=environment,
                                          stderr=subprocess.STDOUT, start_new_session=True)
 
     def is_over(self):

@@ -1,8 +1,8 @@
 #!/usr/bin/env python3
 """Makes a workbook: a student's folder with a starter and its task for every feature.
 
-A file that the student changed is never touched. The folder's .workbook has the hash of each generated file, so
-that an unchanged starter is renewed with the kit.
+A file that the student changed is never touched. The folder's .workbook has the hash of each generated file,
+so that an unchanged starter is renewed with the kit.
 """
 
 import hashlib
@@ -42,7 +42,8 @@ COMMANDS = [
     ("make debug-{first} IMPL={folder}", "the first failing test in gdb, stopped in your code"),
     ("make diff-{first} IMPL={folder}", "what you have changed since the starter"),
     ("make progress IMPL={folder}", "all assignments with their points"),
-    ("make driver-{first} IMPL={folder}", "its driver, to draw any picture by your code; it says where it is"),
+    ("make driver-{first} IMPL={folder}",
+     "its driver, to draw any picture by your code; it says where it is"),
     ("make report IMPL={folder}/{first}.c QUICK=1", "its section of the report, drawn by your code, small"),
 ]
 

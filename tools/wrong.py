@@ -1,13 +1,13 @@
 #!/usr/bin/env python3
-"""Draws the wrong pictures of a feature, each by its driver with a known mistake in the unit, and beside them the
-right ones. The book asks for them while it is woven (tools/weave/wrong.lua).
+"""Draws the wrong pictures of a feature, each by its driver with a known mistake in the unit, and beside them
+the right ones. The book asks for them while it is woven (tools/weave/wrong.lua).
 
-assignments/FOLDER/wrong.tsv has a row for each: the mutant of tests/mutants/STEM.mutants that makes the mistake,
-what one sees (one of SEES), the driver's options, and a caption. A wrong picture that equals the right one is an
-error, and so is a driver that crashes or takes longer than it should.
+assignments/FOLDER/wrong.tsv has a row for each: the mutant of tests/mutants/STEM.mutants that makes the
+mistake, what one sees (one of SEES), the driver's options, and a caption. A wrong picture that equals the
+right one is an error, and so is a driver that crashes or takes longer than it should.
 
-Prints a line for each row, its fields separated by tabs: mutant, what one sees, caption, mistake, the first test
-that fails, the wrong picture, the right one, and its options.
+Prints a line for each row, its fields separated by tabs: mutant, what one sees, caption, mistake, the first
+test that fails, the wrong picture, the right one, and its options.
 """
 
 import collections
@@ -86,7 +86,8 @@ def link_wrong(toolchain, feature, mutant, folder):
     what = f"{mutant.file}:{mutant.line}: {mutant.name}"
     flags = [*toolchain.flags, *toolchain.base_sanitize]
     _run([*toolchain.compiler, *flags, "-w", "-c", base + ".c", "-o", base + ".o"], what)
-    own = [toolchain.built(path) for path in toolchain.drivers if path.startswith(f"assignments/{feature.folder}/")]
+    own = [toolchain.built(path) for path in toolchain.drivers
+           if path.startswith(f"assignments/{feature.folder}/")]
     archives = [toolchain.built("librkrender.a"), toolchain.built("librkbase.a")]
     _run([*toolchain.compiler, *toolchain.base_sanitize, *toolchain.link_flags, *own, base + ".o", *archives,
           *toolchain.libraries, "-o", base], what)
@@ -100,7 +101,8 @@ def draw(place, driver, options):
     with tempfile.TemporaryDirectory() as folder:
         command = [driver, *words, *size, "--quiet", "--out", folder]
         try:
-            done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+            done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT,
                                   errors="replace", timeout=SECONDS, check=False)
         except subprocess.TimeoutExpired as error:
             raise ToolError(f"{place}: the driver was stopped after {SECONDS} s; choose a mistake or options with which "
@@ -125,10 +127,12 @@ def draw_all(toolchain, feature, out):
              for number, options in enumerate(dict.fromkeys(row.options for row in rows), 1)}
     driver = toolchain.built(os.path.join("assignments", feature.folder, feature.stem))
     with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
-        jobs = {path: pool.submit(draw, wrong_table(feature), driver, options) for options, path in right.items()}
+        jobs = {path: pool.submit(draw, wrong_table(feature), driver, options)
+                for options, path in right.items()}
         wrong = [os.path.join(figures, f"wrong_{feature.stem}_{row.mutant.name}.png") for row in rows]
         for row, path in zip(rows, wrong):
-            jobs[path] = pool.submit(lambda row: draw(row.place, link_wrong(toolchain, feature, row.mutant, folder),
+            jobs[path] = pool.submit(lambda row: draw(row.place,
+                                                      link_wrong(toolchain, feature, row.mutant, folder),
                                                       row.options), row)
         for path, job in jobs.items():
             pictures[path] = job.result()
@@ -147,7 +151,8 @@ def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stem", metavar="STEM", help="the feature")
     parser.add_argument("--build", default=".", metavar="DIR")
-    parser.add_argument("--out", required=True, metavar="DIR", help="where figures/wrong_STEM_MUTANT.png are written")
+    parser.add_argument("--out", required=True, metavar="DIR",
+                        help="where figures/wrong_STEM_MUTANT.png are written")
     arguments = parser.parse_args()
     try:
         toolchain = build.Toolchain(arguments.build)

@@ -1,5 +1,5 @@
-"""What got slower or less accurate since an older measurement, beyond noise: pairs of pictures with the same method,
-number of samples and seed."""
+"""What got slower or less accurate since an older measurement, beyond noise: pairs of pictures with the same
+method, number of samples and seed."""
 
 import math
 
@@ -22,7 +22,8 @@ class Change:
                  ("error", True): "less accurate", ("error", False): "more accurate"}
         worse = self.factor > 1
         percent = 100 * (self.factor - 1 if worse else 1 - self.factor)
-        by = {"time": "less time" if not worse else "more time", "error": "less error" if not worse else "more error"}
+        by = {"time": "less time" if not worse else "more time",
+              "error": "less error" if not worse else "more error"}
         return f"{self.case}, {self.method}: {words[self.what, worse]}, {percent:.1f} % {by[self.what]}"
 
 
@@ -61,5 +62,6 @@ def changes(old_rows, new_rows):
             if len(sides[0]) >= 2:
                 found.append(Change(name[0], name[1], what, *paired_change(*sides)))
     for change, beyond in zip(found, beyond_chance([change.probability for change in found], LEVEL)):
-        change.beyond_noise = beyond and (change.what == "error" or abs(math.log(change.factor)) > math.log1p(PACE))
+        change.beyond_noise = beyond and (change.what == "error"
+                                          or abs(math.log(change.factor)) > math.log1p(PACE))
     return found

@@ -1,4 +1,5 @@
-"""What is measured without random samples: trees by number of bins and size of leaves, and float against double."""
+"""What is measured without random samples: trees by number of bins and size of leaves, and float against
+double."""
 
 import csv
 import os
@@ -36,7 +37,8 @@ def measure_trees(program, folder, runs):
     finally:
         for running in programs.values():
             running.close()
-    return [[study, AXES[split], bins, leaf or "as built", *(f"{median(list(column)):.6g}" for column in zip(*measured))]
+    return [[study, AXES[split], bins, leaf or "as built",
+             *(f"{median(list(column)):.6g}" for column in zip(*measured))]
             for (study, split, bins, leaf), measured in answers.items()]
 
 
@@ -52,7 +54,8 @@ def _is_measured(path, program, runs):
     with open(path, encoding="utf-8", errors="replace", newline="") as file:
         rows = list(csv.DictReader(file))
     return len(rows) == len(_plan()) and all(
-        row.get("program") == program and (row.get("runs") or "0").isdigit() and int(row["runs"]) >= runs for row in rows)
+        row.get("program") == program and (row.get("runs") or "0").isdigit() and int(row["runs"]) >= runs
+        for row in rows)
 
 
 def measure(program, checksum, folder, tables, runs):
@@ -60,4 +63,5 @@ def measure(program, checksum, folder, tables, runs):
     if not _is_measured(path, checksum, runs):
         rows = measure_trees(program, folder, runs)
         write_table(path, TREE_COLUMNS, [[*row, runs, checksum] for row in rows])
-    write_table(os.path.join(tables, "accuracy_numbers.csv"), NUMBER_COLUMNS, measure_numbers(program, folder))
+    write_table(os.path.join(tables, "accuracy_numbers.csv"), NUMBER_COLUMNS,
+                measure_numbers(program, folder))

@@ -1,7 +1,9 @@
-"""Whole pictures on one thread and on two, beside goals and the classic course's program: tests/bench/frames.tsv.
+"""Whole pictures on one thread and on two, beside goals and the classic course's program:
+tests/bench/frames.tsv.
 
-Its columns: a short name, a title, the driver and its options; the number of threads for which goal and classic time,
-in milliseconds, are meant; and how many times as fast two threads should be as one, where this is set."""
+Its columns: a short name, a title, the driver and its options; the number of threads for which goal and
+classic time, in milliseconds, are meant; and how many times as fast two threads should be as one, where this
+is set."""
 
 import os
 
@@ -54,11 +56,14 @@ def _row(frame, threads, measured, alone):
     speedup = alone["render_median"] / median if alone and threads > 1 else None
     wanted = frame["speedup"] if speedup else None
     return {
-        "frame": frame["frame"], "title": frame["title"], "driver": frame["driver"], "options": frame["options"],
-        "threads": threads, "median_ms": median, "min_ms": measured["render_min"], "max_ms": measured["render_max"],
+        "frame": frame["frame"], "title": frame["title"], "driver": frame["driver"],
+        "options": frame["options"],
+        "threads": threads, "median_ms": median, "min_ms": measured["render_min"],
+        "max_ms": measured["render_max"],
         "runs": measured["runs"], "goal_ms": goal or "", "of_goal": median / goal if goal else "",
         "goal_reached": _yes(median <= goal) if goal else "", "classic_ms": classic or "",
-        "times_as_fast": classic / median if classic else "", "speedup": speedup or "", "speedup_goal": wanted or "",
+        "times_as_fast": classic / median if classic else "", "speedup": speedup or "",
+        "speedup_goal": wanted or "",
         "speedup_reached": _yes(speedup >= wanted) if wanted else "",
     }
 
@@ -74,5 +79,6 @@ def rows(folder, timings):
 
 def goal_rows(of_frames):
     """Of frames_goals.csv, whose bars the report shows: how much of the goal's time was taken."""
-    return [{"frame": row["frame"], "threads": row["threads"], "what": "time over goal", "of_goal": row["of_goal"]}
+    return [{"frame": row["frame"], "threads": row["threads"], "what": "time over goal",
+             "of_goal": row["of_goal"]}
             for row in of_frames if row["of_goal"] != ""]

@@ -1,5 +1,5 @@
-"""How times and memory grow: with triangles, 1,000 to 10 million of them; with megapixels, 0.1 to 64; and with lights,
-1 to 16. Slopes are those of lines through logarithms: 1 is proportional."""
+"""How times and memory grow: with triangles, 1,000 to 10 million of them; with megapixels, 0.1 to 64; and
+with lights, 1 to 16. Slopes are those of lines through logarithms: 1 is proportional."""
 
 import math
 
@@ -52,7 +52,8 @@ def _call(what, n, threads, quick=False):
 
 def _plan(quick=False):
     plan = {"triangles": TRIANGLES, "megapixels": MEGAPIXELS, "lights": LIGHTS}
-    return [(what, n, threads) for what in plan for n in (QUICK if quick else plan)[what] for threads in THREADS]
+    return [(what, n, threads) for what in plan for n in (QUICK if quick else plan)[what]
+            for threads in THREADS]
 
 
 def calls(_, quick):
@@ -65,7 +66,8 @@ def _row(what, n, threads, measured):
     return {
         "what": what, "n": n, "threads": threads, **{name: measured[name] for name in (
             "build_median", "build_min", "build_max", "render_median", "render_min", "render_max")},
-        "trace_ns_per_ray": traced, "bytes_per_triangle": measured["bytes_per_triangle"] if of_triangles else "",
+        "trace_ns_per_ray": traced,
+        "bytes_per_triangle": measured["bytes_per_triangle"] if of_triangles else "",
         "peak_mib": peak, "peak_bytes_per_triangle": peak * MEBIBYTE / n if of_triangles and peak else "",
         "runs": measured["runs"],
     }
@@ -77,7 +79,8 @@ def rows(_, timings):
     return [_row(*at, measured) for at, measured in found if measured]
 
 
-# What each plot shows: the column, and what its lines are called; lines for each number of threads, or one for all.
+# What each plot shows: the column, and what its lines are called; lines for each number of threads, or one
+# for all.
 CURVES = {
     "triangles": (("build", "build_median", ""), ("trace", "trace_ns_per_ray", ""),
                   ("memory", "bytes_per_triangle", "the tree"),
@@ -93,7 +96,8 @@ def _curve(of_growth, what, column, threads):
 
 
 def curve_rows(of_growth):
-    """Of growth_curves.csv: the points of the plots, their lines' names with the slopes; and of growth_slopes.csv."""
+    """Of growth_curves.csv: the points of the plots, their lines' names with the slopes; and of
+    growth_slopes.csv."""
     points, slopes = [], []
     for what, curves in CURVES.items():
         for quantity, column, name in curves:
@@ -102,18 +106,22 @@ def curve_rows(of_growth):
                 title = name or f"{threads} thread{'s' * (threads > 1)}"
                 if len(curve) >= 3:
                     (slope, low, high), _ = fit_line(*zip(*[(math.log(x), math.log(y)) for x, y in curve]))
-                    slopes.append({"what": what, "quantity": quantity, "line": title, "slope": slope, "slope_low": low,
+                    slopes.append({"what": what, "quantity": quantity, "line": title, "slope": slope,
+                                   "slope_low": low,
                                    "slope_high": high, "points": len(curve)})
                     title += f", slope {slope:.2f}".replace("-", "\N{MINUS SIGN}")
-                points += [{"what": what, "quantity": quantity, "line": title, "n": x, "value": y} for x, y in curve]
+                points += [{"what": what, "quantity": quantity, "line": title, "n": x, "value": y}
+                           for x, y in curve]
     return points, slopes
 
 
 def goal_rows(of_growth):
     """Of growth_goals.csv, once ten million triangles are measured."""
-    most = [row for row in of_growth if (row["what"], row["n"], row["threads"]) == ("triangles", TRIANGLES[-1], 2)]
+    most = [row for row in of_growth
+            if (row["what"], row["n"], row["threads"]) == ("triangles", TRIANGLES[-1], 2)]
     return [{"goal": quantity, "unit": unit, "value": row[column], "limit": limit,
              "reached": "yes" if row[column] <= limit else "no"} for row in most
             for quantity, unit, column, limit in (("building the tree", "ms", "build_median", BUILD_GOAL),
-                                                  ("memory of the whole process", "MiB", "peak_mib", MEMORY_GOAL))
+                                                  ("memory of the whole process", "MiB", "peak_mib",
+                                                   MEMORY_GOAL))
             if row[column] != ""]

@@ -1,5 +1,6 @@
-"""What is kept: CSV files with a row for each measurement, written as they are made, so that an interruption costs one
-of them. Pictures have theirs in measurements.csv, drivers' times in timings.csv (benchmark/timings.py)."""
+"""What is kept: CSV files with a row for each measurement, written as they are made, so that an interruption
+costs one of them. Pictures have theirs in measurements.csv, drivers' times in timings.csv
+(benchmark/timings.py)."""
 
 import csv
 import math
@@ -30,7 +31,8 @@ def _row_of(path, number, cells, columns, kinds):
 
 
 def read_rows(path, columns, kinds):
-    """The rows of a file; `kinds` converts the cells of some columns. A last line that was not finished is left out."""
+    """The rows of a file; `kinds` converts the cells of some columns. A last line that was not finished is
+    left out."""
     try:
         with open(path, encoding="utf-8", errors="replace", newline="") as file:
             text = file.read()
@@ -43,7 +45,8 @@ def read_rows(path, columns, kinds):
         raise ToolError(f"{path}:1: this is no table of make bench"
                         f"{': the column ' + missing[0] + ' is missing' if missing else ''}; "
                         "name its measurements.csv, or remove the file")
-    return [_row_of(path, number, cells, columns, kinds) for number, cells in enumerate(csv.reader(lines[1:]), 2)]
+    return [_row_of(path, number, cells, columns, kinds)
+            for number, cells in enumerate(csv.reader(lines[1:]), 2)]
 
 
 def read(path):
@@ -77,7 +80,8 @@ class Kept:
         self.rows = {tuple(row[name] for name in self._key_columns): row for row in rows}
 
     def rewrite(self):
-        write_table(self.path, self._columns, [[row[name] for name in self._columns] for row in self.rows.values()])
+        write_table(self.path, self._columns,
+                    [[row[name] for name in self._columns] for row in self.rows.values()])
 
     def add(self, row):
         try:

@@ -1,11 +1,11 @@
 """What is measured: cases, which are scenes with a feature, and methods, from two tables in tests/bench.
 
-cases.tsv has a row for each case: the options of its pictures; two ways to make its reference; the goal, how many times
-less time than the classic method to an error of 1 %; and the slope of its error, where these are set. methods.tsv has
-its methods, the first of which is the classic one. {n} stands for the number of samples; a method with {kind} in its
-options is one for each kind of sampler. A method that chooses the number of samples by itself has {error}, 1 / (16 n),
-the error that it is asked for; its number of samples is then that of camera rays per pixel. Options are the drivers'
-own: see any driver's --help."""
+cases.tsv has a row for each case: the options of its pictures; two ways to make its reference; the goal, how
+many times less time than the classic method to an error of 1 %; and the slope of its error, where these are
+set. methods.tsv has its methods, the first of which is the classic one. {n} stands for the number of samples;
+a method with {kind} in its options is one for each kind of sampler. A method that chooses the number of
+samples by itself has {error}, 1 / (16 n), the error that it is asked for; its number of samples is then that
+of camera rays per pixel. Options are the drivers' own: see any driver's --help."""
 
 import os
 
@@ -16,8 +16,8 @@ PARTS = ("frames", "growth", "startup", "profile")  # names beside those of case
 
 
 class Settings:
-    """How much is measured. `dearest` is the processor time in seconds that one picture may take; `runs` are those of
-    what has no seeds."""
+    """How much is measured. `dearest` is the processor time in seconds that one picture may take; `runs` are
+    those of what has no seeds."""
 
     def __init__(self, side, most, seeds, dearest, reference, pictures, runs):
         self.side, self.most, self.seeds, self.dearest, self.runs = side, most, seeds, dearest, runs
@@ -31,7 +31,8 @@ class Settings:
 FULL = Settings(side=48, most=4096, seeds=16, dearest=1.0, reference=1024, pictures=8, runs=7)
 QUICK = Settings(side=24, most=64, seeds=16, dearest=0.02, reference=256, pictures=4, runs=1)
 
-# Seeds of the references, beyond those of measured pictures: picture k of seed s has the seed s * SEED_STEP + k.
+# Seeds of the references, beyond those of measured pictures: picture k of seed s has the seed s * SEED_STEP +
+# k.
 SEED_STEP = 10000
 FIRST_SEED, SECOND_SEED = 2000 * SEED_STEP, 3000 * SEED_STEP
 

@@ -1,5 +1,6 @@
-"""Where the time of each frame of tests/bench/frames.tsv goes: the functions with the largest shares of the processor
-time, on one thread, as perf finds them. Without perf, or where it may not look, there is no profile."""
+"""Where the time of each frame of tests/bench/frames.tsv goes: the functions with the largest shares of the
+processor time, on one thread, as perf finds them. Without perf, or where it may not look, there is no
+profile."""
 
 import os
 import re
@@ -15,7 +16,8 @@ SHOWN, LEAST = 6, 0.02  # functions, and parts of the time
 
 
 def counts_of(report):
-    """Samples of each function, by lines of perf report; parts that the compiler split off count for their function."""
+    """Samples of each function, by lines of perf report; parts that the compiler split off count for their
+    function."""
     counts = {}
     for line in report.splitlines():
         found = re.match(r"\s*(\d+)\s+\[.\]\s+(\S+)", line)
@@ -30,18 +32,22 @@ def text_of(counts, without):
     left = {name: count - without.get(name, 0) for name, count in counts.items()}
     total = sum(max(count, 0) for count in left.values())
     largest = sorted(left.items(), key=lambda item: -item[1])[:SHOWN]
-    return ", ".join(f"{name} {100 * count / total:.0f} %" for name, count in largest if total > 0 and count >= LEAST * total)
+    return ", ".join(f"{name} {100 * count / total:.0f} %" for name, count in largest if total > 0
+                     and count >= LEAST * total)
 
 
 def _counts(program, options, runs):
     with tempfile.TemporaryDirectory() as out:
         data = os.path.join(out, "perf.data")
-        command = [program, *options.split(), "--threads", "1", "--runs", str(runs), "--timing", "--quiet", "--out", out]
+        command = [program, *options.split(), "--threads", "1", "--runs", str(runs), "--timing", "--quiet",
+                   "--out", out]
         quiet = {"stdin": subprocess.DEVNULL, "stderr": subprocess.DEVNULL, "check": False}
-        if subprocess.run(["perf", "record", "-q", "-e", "cpu-clock:u", "-F", str(RATE), "-o", data, *command],
+        if subprocess.run(["perf", "record", "-q", "-e", "cpu-clock:u", "-F", str(RATE), "-o", data,
+                           *command],
                           stdout=subprocess.DEVNULL, **quiet).returncode:
             return {}
-        report = subprocess.run(["perf", "report", "-i", data, "--stdio", "--no-children", "-F", "sample,sym"],
+        report = subprocess.run(["perf", "report", "-i", data, "--stdio", "--no-children", "-F",
+                                 "sample,sym"],
                                 stdout=subprocess.PIPE, text=True, **quiet)
         return counts_of(report.stdout)
 
@@ -58,7 +64,8 @@ def measure(program_of, frames, quick):
     rows = []
     for frame in frames if shutil.which("perf") else []:
         program, runs = program_of(frame["driver"]), _runs(frame, quick)
-        text = text_of(_counts(program, frame["options"], runs), _counts(program, f"{frame['options']} {SMALL}", runs))
+        text = text_of(_counts(program, frame["options"], runs),
+                       _counts(program, f"{frame['options']} {SMALL}", runs))
         if not text:
             return []
         rows.append({"frame": frame["frame"], "title": frame["title"], "functions": text})

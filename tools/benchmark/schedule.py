@@ -1,8 +1,8 @@
-"""Measures what is missing. Each case has a process of tests/bench/bench, which renders its pictures one after the
-other on one thread; as many cases at a time as there are processors. Within a case, methods take turns: a picture of
-each method and number of samples for the first seed, then for the second, and so on, so that a machine that gets slower
-meanwhile is slower for all. Numbers of samples rise for one seed and fall for the next: a short picture after a long one
-would find the caches cold, and take half as long again."""
+"""Measures what is missing. Each case has a process of tests/bench/bench, which renders its pictures one
+after the other on one thread; as many cases at a time as there are processors. Within a case, methods take
+turns: a picture of each method and number of samples for the first seed, then for the second, and so on, so
+that a machine that gets slower meanwhile is slower for all. Numbers of samples rise for one seed and fall for
+the next: a short picture after a long one would find the caches cold, and take half as long again."""
 
 import concurrent.futures
 import hashlib
@@ -22,7 +22,8 @@ class Program:
     """A running bench, in the folder where it keeps its references."""
 
     def __init__(self, path, options, folder):
-        self._process = subprocess.Popen([path, *options.split(), "--out", "."], cwd=folder, stdin=subprocess.PIPE,
+        self._process = subprocess.Popen([path, *options.split(), "--out", "."], cwd=folder,
+                                         stdin=subprocess.PIPE,
                                          stdout=subprocess.PIPE, stderr=subprocess.PIPE, text=True)
 
     def ask(self, line):
@@ -105,7 +106,8 @@ class Schedule:
                                 2 * half["seconds"] <= self.settings.dearest)
 
     def _left(self):
-        """Seconds of processor time that are left, as far as known. A case that has not begun takes as long as others."""
+        """Seconds of processor time that are left, as far as known. A case that has not begun takes as long
+        as others."""
         known, unknown = [], 0
         for case in self.cases:
             total = 0.0

@@ -1,6 +1,6 @@
-"""Start-up: how long a driver takes for one pixel of each built-in scene, from its start to its end, by the wall clock:
-tests/bench/startup.tsv has the scenes, with their drivers and goals. It makes the scene and its tree, and writes the
-picture."""
+"""Start-up: how long a driver takes for one pixel of each built-in scene, from its start to its end, by the
+wall clock: tests/bench/startup.tsv has the scenes, with their drivers and goals. It makes the scene and its
+tree, and writes the picture."""
 
 import os
 import statistics

@@ -1,12 +1,13 @@
-"""Statistics of few measurements: intervals by Student's t, slopes of lines, and which of many differences are
-more than noise. All by the standard library."""
+"""Statistics of few measurements: intervals by Student's t, slopes of lines, and which of many differences
+are more than noise. All by the standard library."""
 
 import functools
 import math
 
 
 def incomplete_beta(a, b, x):
-    """The regularized incomplete beta function by its continued fraction (Abramowitz and Stegun 26.5.8, Lentz)."""
+    """The regularized incomplete beta function by its continued fraction (Abramowitz and Stegun 26.5.8,
+    Lentz)."""
     if x <= 0 or x >= 1:
         return float(x >= 1)
     if x > (a + 1) / (a + b + 2):  # converges fast on the other side only
@@ -60,14 +61,15 @@ def standard_error(values):
 
 
 def mean_interval(values, level=0.95, more_error=0.0):
-    """The mean and its interval, (middle, low, high). `more_error` is a standard error that all values share."""
+    """The mean and its interval, (middle, low, high). `more_error` is a standard error that all values
+    share."""
     half = student_quantile(level, len(values) - 1) * math.hypot(standard_error(values), more_error)
     return mean(values), mean(values) - half, mean(values) + half
 
 
 def rmse_interval(squares, own, level=0.95):
-    """The root mean squared error and its interval, from mean squared errors by seed. `own` is the reference's mean
-    squared error, which is in each of them."""
+    """The root mean squared error and its interval, from mean squared errors by seed. `own` is the
+    reference's mean squared error, which is in each of them."""
     return tuple(math.sqrt(max(value - own, 0)) for value in mean_interval(squares, level))
 
 
@@ -77,7 +79,8 @@ def median(values):
 
 
 def fit_line(xs, ys, level=0.95):
-    """The least-squares line through at least three points: its slope as (middle, low, high), and its value at 0."""
+    """The least-squares line through at least three points: its slope as (middle, low, high), and its value
+    at 0."""
     x, y = mean(xs), mean(ys)
     spread = math.fsum((xi - x) ** 2 for xi in xs)
     slope = math.fsum((xi - x) * (yi - y) for xi, yi in zip(xs, ys)) / spread
@@ -87,9 +90,9 @@ def fit_line(xs, ys, level=0.95):
 
 
 def crossing(points, level):
-    """Where a curve through (x, y) with falling y passes below `level` for good, between points along a power of x;
-    beyond the points along the power that its last four follow. Returns x and "measured", "extrapolated" or
-    "at most"; or None and "never"."""
+    """Where a curve through (x, y) with falling y passes below `level` for good, between points along a power
+    of x; beyond the points along the power that its last four follow. Returns x and "measured",
+    "extrapolated" or "at most"; or None and "never"."""
     above = [i for i, (_, y) in enumerate(points) if y > level]
     if not above:
         return points[0][0], "at most"
@@ -107,7 +110,8 @@ def crossing(points, level):
 
 
 def paired_change(old, new):
-    """The mean difference of pairs, and the probability of one at least as large by chance (Student's paired test)."""
+    """The mean difference of pairs, and the probability of one at least as large by chance (Student's paired
+    test)."""
     differences = [n - o for o, n in zip(old, new)]
     change, error = mean(differences), standard_error(differences)
     if error == 0:
@@ -116,9 +120,10 @@ def paired_change(old, new):
 
 
 def beyond_chance(probabilities, level):
-    """For each of these probabilities: is it beyond chance, if with probability `level` at most one of all may be so
-    by chance? (S. Holm, "A simple sequentially rejective multiple test procedure", 1979.)"""
-    found, order = [False] * len(probabilities), sorted(range(len(probabilities)), key=probabilities.__getitem__)
+    """For each of these probabilities: is it beyond chance, if with probability `level` at most one of all
+    may be so by chance? (S. Holm, "A simple sequentially rejective multiple test procedure", 1979.)"""
+    found, order = [False] * len(probabilities), sorted(range(len(probabilities)),
+                                                        key=probabilities.__getitem__)
     for rank, i in enumerate(order):
         if probabilities[i] > level / (len(order) - rank):
             break

@@ -1,5 +1,6 @@
-"""From measured pictures to tables: error and time of each method by number of samples, slopes, time to an error of
-1 %, and the best method of each case against the classic one. Errors are relative: see tests/bench/bench.c."""
+"""From measured pictures to tables: error and time of each method by number of samples, slopes, time to an
+error of 1 %, and the best method of each case against the classic one. Errors are relative: see
+tests/bench/bench.c."""
 
 import math
 import os
@@ -59,22 +60,25 @@ class Curve:
         return crossing([(self.rays(n), self.error(n)) for n in self.rows], level)
 
     def fixed_seconds(self):
-        """Of the time, the part that all numbers of samples take, such as camera rays': where the line through the
-        fewest samples and those that are wanted meets none. Or None."""
+        """Of the time, the part that all numbers of samples take, such as camera rays': where the line
+        through the fewest samples and those that are wanted meets none. Or None."""
         few, many = min(self.rows), max(self.where_wanted(), sorted(self.rows)[min(1, len(self.rows) - 1)])
         if few == many or not self.method.counts_samples:
             return None
         return max((self.seconds(few) * many - self.seconds(many) * few) / (many - few), 0)
 
     def slope(self):
-        """Of the error's logarithm over that of the number of samples, where the reference is much better; or None."""
+        """Of the error's logarithm over that of the number of samples, where the reference is much better; or
+        None."""
         known = [n for n in self.rows if n >= FIT_FROM and self.error(n) ** 2 > 4 * self.reference["own"]]
         if len(known) < 3:
             return None
-        return fit_line([math.log(self.samples_taken(n)) for n in known], [math.log(self.error(n)) for n in known])[0]
+        return fit_line([math.log(self.samples_taken(n)) for n in known],
+                        [math.log(self.error(n)) for n in known])[0]
 
     def bias(self, samples):
-        return mean_interval([row["bias"] for row in self.rows[samples]], more_error=self.reference["bias_error"])
+        return mean_interval([row["bias"] for row in self.rows[samples]],
+                             more_error=self.reference["bias_error"])
 
     def where_wanted(self):
         """The number of samples that first reaches the wanted error, or the largest one."""
@@ -82,8 +86,9 @@ class Curve:
 
 
 def time_ratio(classic, best, seeds):
-    """How many times less time the best method needs for the wanted error, as (middle, low, high): by resampling
-    seeds with replacement (B. Efron, "Bootstrap methods", 1979). None where one of them never gets there."""
+    """How many times less time the best method needs for the wanted error, as (middle, low, high): by
+    resampling seeds with replacement (B. Efron, "Bootstrap methods", 1979). None where one of them never gets
+    there."""
     middle = [curve.time_to(ERROR_WANTED)[0] for curve in (classic, best)]
     if None in middle:
         return None
@@ -99,9 +104,10 @@ def time_ratio(classic, best, seeds):
 
 
 def sample_ratio(classic, best):
-    """How many times fewer samples the best method needs for the wanted error, or None. If it chooses their number, of
-    which pixels differ, camera rays count."""
-    needed = [(curve.samples_to if best.method.counts_samples else curve.rays_to)(ERROR_WANTED)[0] for curve in (classic, best)]
+    """How many times fewer samples the best method needs for the wanted error, or None. If it chooses their
+    number, of which pixels differ, camera rays count."""
+    needed = [(curve.samples_to if best.method.counts_samples else curve.rays_to)(ERROR_WANTED)[0]
+              for curve in (classic, best)]
     return None if None in needed else needed[0] / needed[1]
 
 
@@ -136,11 +142,13 @@ def convergence_rows(schedule, curves):
             efficiency = 1 / (error[0] ** 2 * curve.seconds(samples)) if error[0] > 0 else None
             yield {
                 "feature": curve.method.case.name, "scene": curve.method.case.options.split()[1],
-                "method": curve.method.name, "samples": f"{curve.samples_taken(samples):.6g}", "seconds": curve.seconds(samples),
+                "method": curve.method.name, "samples": f"{curve.samples_taken(samples):.6g}",
+                "seconds": curve.seconds(samples),
                 "rmse": error[0], "max_error": worst[0], "bias": bias[0],
                 "reference": f"{2 * settings.pictures} pictures of {settings.reference} samples",
                 "seconds_low": math.exp(seconds[1]), "seconds_high": math.exp(seconds[2]),
-                "rmse_low": error[1], "rmse_high": error[2], "max_error_low": worst[1], "max_error_high": worst[2],
+                "rmse_low": error[1], "rmse_high": error[2], "max_error_low": worst[1],
+                "max_error_high": worst[2],
                 "bias_low": bias[1], "bias_high": bias[2], "reference_error": own, "seeds": str(len(rows)),
                 "camera_rays": mean([row["camera_rays"] for row in rows]),
                 "shadow_rays": mean([row["shadow_rays"] for row in rows]),
@@ -156,7 +164,8 @@ def method_rows(curves):
         bias = curve.bias(curve.where_wanted())
         yield {
             "feature": curve.method.case.name, "title": curve.method.case.title, "method": curve.method.name,
-            "slope": slope[0], "slope_low": slope[1], "slope_high": slope[2], "samples": samples, "seconds": seconds,
+            "slope": slope[0], "slope_low": slope[1], "slope_high": slope[2], "samples": samples,
+            "seconds": seconds,
             "how": how, "bias": bias[0], "bias_low": bias[1], "bias_high": bias[2],
         }
 
@@ -171,12 +180,16 @@ def summary_rows(schedule, curves):
         bias = best.bias(best.where_wanted())
         hows = {curve.time_to(ERROR_WANTED)[1] for curve in (classic, best)} - {"measured"}
         yield {
-            "case": case.name, "feature": case.title, "classic": classic.method.name, "best": best.method.name,
-            "time_ratio": ratio[0], "time_ratio_low": ratio[1], "time_ratio_high": ratio[2], "goal": case.goal,
+            "case": case.name, "feature": case.title, "classic": classic.method.name,
+            "best": best.method.name,
+            "time_ratio": ratio[0], "time_ratio_low": ratio[1], "time_ratio_high": ratio[2],
+            "goal": case.goal,
             "goal_reached": verdict(ratio[0], case.goal), "sample_ratio": sample_ratio(classic, best),
-            "fixed_percent": None if fixed_part(best) is None else 100 * fixed_part(best), "slope": slope[0], "slope_low": slope[1],
+            "fixed_percent": None if fixed_part(best) is None else 100 * fixed_part(best), "slope": slope[0],
+            "slope_low": slope[1],
             "slope_high": slope[2], "slope_goal": case.slope,
-            "slope_reached": verdict(None if slope[0] is None else -slope[0], None if case.slope is None else -case.slope),
+            "slope_reached": verdict(None if slope[0] is None else -slope[0],
+                                     None if case.slope is None else -case.slope),
             "bias": bias[0], "bias_low": bias[1], "bias_high": bias[2], "note": ", ".join(sorted(hows)),
         }
 
@@ -190,15 +203,17 @@ def reference_rows(schedule):
     for case in schedule.cases:
         numbers = schedule.references.get(case.name)
         if numbers:
-            yield {"case": case.name, "feature": case.title, "values": numbers["values"], "error": math.sqrt(numbers["own"]),
+            yield {"case": case.name, "feature": case.title, "values": numbers["values"],
+                   "error": math.sqrt(numbers["own"]),
                    "difference": numbers["z"], "squares": numbers["ratio"],
                    "agree": "yes" if abs(numbers["z"]) < AGREE and numbers["ratio"] < AGREE_SQUARED else "no"}
 
 
 # Standard errors between the means of two references; more are by chance once in 16,000 cases.
 AGREE = 4
-# Mean of the squared differences of their pixels over the variances: 1 is expected if only chance differs. Of the
-# cases here it was 0.4 to 1.2 in full and in quick measurements; a bias of 1.4 deviations in every pixel makes it 3.
+# Mean of the squared differences of their pixels over the variances: 1 is expected if only chance differs. Of
+# the cases here it was 0.4 to 1.2 in full and in quick measurements; a bias of 1.4 deviations in every pixel
+# makes it 3.
 AGREE_SQUARED = 3
 
 

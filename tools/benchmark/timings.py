@@ -1,5 +1,5 @@
-"""Times of whole pictures, by the drivers' --timing, one call of a driver after the other. A call becomes a row of
-timings.csv in the bench folder; what is there is not measured again."""
+"""Times of whole pictures, by the drivers' --timing, one call of a driver after the other. A call becomes a
+row of timings.csv in the bench folder; what is there is not measured again."""
 
 import csv
 import glob
@@ -59,8 +59,8 @@ def _figures(path):
 
 
 def run(command, folder):
-    """Returns the processor time and the largest memory of a process; ends it when it is interrupted. A process begins
-    as a copy of this one, so that its memory is unknown where it is smaller."""
+    """Returns the processor time and the largest memory of a process; ends it when it is interrupted. A
+    process begins as a copy of this one, so that its memory is unknown where it is smaller."""
     process = subprocess.Popen(command, cwd=folder, stdin=subprocess.DEVNULL, stdout=subprocess.DEVNULL,
                                stderr=subprocess.PIPE, text=True, errors="replace")
     try:
@@ -111,7 +111,8 @@ class Timings(Kept):
     def _measure(self, call):
         start = time.monotonic()
         with tempfile.TemporaryDirectory(dir=os.path.abspath(self._folder)) as out:
-            words = ["--threads", str(call.threads), "--runs", str(call.runs), "--timing", "--quiet", "--out", out]
+            words = ["--threads", str(call.threads), "--runs", str(call.runs), "--timing", "--quiet", "--out",
+                     out]
             processor, peak = run([self.program(call.driver)[0], *call.options.split(), *words], self._folder)
             figures = _figures(os.path.join(out, "tables", call.driver + ".csv"))
         cost = (time.monotonic() - start, processor, peak)
@@ -138,10 +139,12 @@ class Timings(Kept):
 def machine_rows(rows):
     """How busy was the machine? A single thread's time that is not its processor time it has waited."""
     alone = [row for row in rows if row["threads"] == 1]
-    waited = 1 - sum(row["processor_seconds"] for row in alone) / sum(row["seconds"] for row in alone) if alone else 0
+    waited = 1 - sum(row["processor_seconds"] for row in alone) / sum(row["seconds"]
+                                                                      for row in alone) if alone else 0
     about = {"processor": f"{processor() or 'unknown'}, {os.cpu_count() or 1} processors",
              "instruction set": ", ".join(sorted({row["isa"] for row in rows})),
-             "measured": " to ".join(sorted({min(row["date"] for row in rows), max(row["date"] for row in rows)})),
+             "measured": " to ".join(sorted({min(row["date"] for row in rows),
+                                             max(row["date"] for row in rows)})),
              "waited": f"{100 * max(waited, 0):.1f} % of the time of single threads"}
     return [{"item": item, "value": value} for item, value in about.items()]
 
@@ -150,7 +153,8 @@ def write(folder, name, rows):
     """A table of rows with the same columns; without rows there is none."""
     path = os.path.join(folder, name + ".csv")
     if rows:
-        write_table(path, list(rows[0]), [[f"{cell:.6g}" if isinstance(cell, float) else cell for cell in row.values()]
+        write_table(path, list(rows[0]),
+                    [[f"{cell:.6g}" if isinstance(cell, float) else cell for cell in row.values()]
                                           for row in rows])
     elif os.path.exists(path):
         os.remove(path)

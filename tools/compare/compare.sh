@@ -24,7 +24,7 @@ trap 'exit 130' HUP INT TERM
 rm -rf "$new"
 
 echo "compare: rendering by raykit" >&2
-"$RAYKIT_BUILD/tools/compare/compare" --export --pictures "$new" --side $side --samples $samples
+"$RAYKIT_BUILD/tools/compare/compare" --export --pictures "$new" --side "$side" --samples "$samples"
 
 # Two pictures of each scene, with seeds of their own: their difference is the noise.
 for scene in "$new"/*.json; do

@@ -6,7 +6,6 @@ Everything that Cycles does beyond the scene is switched off: bounces, its pixel
 and the threshold below which it leaves light out."""
 
 import json
-import math
 import sys
 
 import bpy
@@ -54,9 +53,10 @@ def add_object(name, described, materials, shutter):
 
 
 def animate(thing, path, start, end):
-    """The path in frames 1 to 2: a cubic is a Bezier curve, along which time is linear if the handles stand at a
-    third and two thirds of it. Cycles reads times from a table of 256 that ends at 255/256, with weights that end
-    at 255/256, too (util_cdf_inverted, lookup_table_read); its frame is longer than our shutter by as much."""
+    """The path in frames 1 to 2: a cubic is a Bezier curve, along which time is linear if the handles stand
+    at a third and two thirds of it. Cycles reads times from a table of 256 that ends at 255/256, with weights
+    that end at 255/256, too (util_cdf_inverted, lookup_table_read); its frame is longer than our shutter by
+    as much."""
     end = start + (end - start) * (256 / 255) ** 2
     a, b, c = path
     curves = ((lambda x: x, lambda x: 1.0),

@@ -48,7 +48,8 @@ class Feature:
         self.stem, self.folder, self.needs, self.uses = stem, folder, needs.split(), uses.split()
         self.reference = os.path.join(source, "src", "features", stem + ".c")
         self.header = os.path.join(source, "src", "features", stem + ".h")
-        self.workbook = os.path.join(source, "workbook", stem + ".c")  # the unit of a feature handed out in a pack
+        self.workbook = os.path.join(source, "workbook",
+                                     stem + ".c")  # the unit of a feature handed out in a pack
         self.chapter = f"docs/{folder}.md"
         self.points_table = os.path.join(source, "assignments", folder, "points.tsv")
         self.suite = os.path.join(source, "tests", f"test_{stem}.c")
@@ -123,7 +124,8 @@ def read_points(feature):
         if (step is None) != (row[1] == "0"):
             raise ToolError(f"{feature.points_table}:{number}: the step is \"3\" or \"3 (green since 2)\", "
                             "or - for a test without points")
-        tests.append(ScoredTest(row[0], int(row[1]), row[3], *(int(k or 0) for k in step.groups()) if step else ()))
+        tests.append(ScoredTest(row[0], int(row[1]), row[3],
+                                *(int(k or 0) for k in step.groups()) if step else ()))
     if not tests:
         raise ToolError(f"{feature.points_table} lists no tests")
     return tests
@@ -185,7 +187,8 @@ def reference_unit(feature):
 
 
 def _unit_in(feature, path):
-    if os.path.exists(feature.reference) and os.path.exists(path) and os.path.samefile(path, feature.reference):
+    if os.path.exists(feature.reference) and os.path.exists(path) and os.path.samefile(path,
+                                                                                       feature.reference):
         return reference_unit(feature)
     if not os.path.isfile(path):
         raise UnitError(f"{os.path.basename(path)} is not a plain file")
@@ -206,8 +209,8 @@ def find_unit(feature, impl):
 
 
 def _place_below(feature, impl):
-    """Returns the path from a folder of the only STEM.c below it, None if there is none. In a whole pack it is the
-    one in the workbook."""
+    """Returns the path from a folder of the only STEM.c below it, None if there is none. In a whole pack it
+    is the one in the workbook."""
     name = feature.stem + ".c"
     places = [path for path in _files_below(impl) if os.path.basename(path) == name]
     in_workbooks = [path for path in places if os.path.basename(os.path.dirname(path)) == "workbook"]
@@ -233,15 +236,16 @@ def submitted_unit(feature, impl, place=None):
 
 
 def handed_in(feature, impl):
-    """Returns the submitted unit as a grader finds it, also below the top of the folder, and remarks on where that
-    was, and on an edited suite in the pack around it, which does not count."""
+    """Returns the submitted unit as a grader finds it, also below the top of the folder, and remarks on where
+    that was, and on an edited suite in the pack around it, which does not count."""
     if not os.path.isdir(impl) or os.path.lexists(os.path.join(impl, feature.stem + ".c")):
         return submitted_unit(feature, impl), []
     place = _place_below(feature, impl)
     unit, remarks = submitted_unit(feature, impl, place), [f"taken from {place}"]
     suite = os.path.join(os.path.dirname(os.path.dirname(place)), "tests", os.path.basename(feature.suite))
     path = os.path.join(impl, suite)
-    if os.path.isfile(path) and os.access(path, os.R_OK) and not filecmp.cmp(path, feature.suite, shallow=False):
+    if os.path.isfile(path) and os.access(path, os.R_OK) and not filecmp.cmp(path, feature.suite,
+                                                                             shallow=False):
         remarks.append(f"{suite} differs from the kit's, which was run")
     return unit, remarks
 
@@ -276,7 +280,8 @@ def _likely(feature, folder):
 
 
 def remedy(feature, folder, shown):
-    """Says how a folder gets the unit that is missing there: from the file that was probably meant, or anew."""
+    """Says how a folder gets the unit that is missing there: from the file that was probably meant, or
+    anew."""
     return _likely(feature, folder) or f"make workbook DIR={shlex.quote(shown)} puts the starter there"
 
 
@@ -305,7 +310,8 @@ def unit_beside(feature, impl, handed_out):
 
 
 def units_of_suite(feature, units):
-    """Returns the units with which a feature's suite is built beside its own, of `units`, by stem (unit_beside)."""
+    """Returns the units with which a feature's suite is built beside its own, of `units`, by stem
+    (unit_beside)."""
     return [units[stem] for stem in feature.needs + feature.uses]
 
 
@@ -315,7 +321,8 @@ def check_impl(features, impl, stems, may_be_empty=False):
     if not impl:
         raise ToolError("name the work: IMPL=mine (a folder) or IMPL=my_file.c")
     if os.path.isdir(impl):
-        if not may_be_empty and not any(os.path.lexists(os.path.join(impl, stem + ".c")) for stem in features):
+        if not may_be_empty and not any(os.path.lexists(os.path.join(impl, stem + ".c"))
+                                        for stem in features):
             if len(stems) == 1 and _likely(features[stems[0]], impl):
                 raise missing_unit(features[stems[0]], impl)
             names = ", ".join(stem + ".c" for stem in features)

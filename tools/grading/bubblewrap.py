@@ -30,7 +30,8 @@ class Bubblewrap:
                 self._begin += ["--symlink", os.readlink(path), path]
             else:
                 self._begin += ["--ro-bind-try", path, path]
-        self._begin += ["--proc", "/proc", "--dev", "/dev", *limited, "--tmpfs", "/dev/shm", "--remount-ro", "/dev",
+        self._begin += ["--proc", "/proc", "--dev", "/dev", *limited, "--tmpfs", "/dev/shm", "--remount-ro",
+                        "/dev",
                         *limited, "--tmpfs", "/tmp"]
         for path in os.environ.get("LD_LIBRARY_PATH", "").split(":"):
             self._begin += ["--ro-bind-try", path, path] if os.path.isabs(path) else []

@@ -102,7 +102,8 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
         _check_text(unit)
         _check_no_header_hides(toolchain, unit)
         listing = base + ".included"
-        _compile(toolchain, unit, folder, [*flags, "-E", "-P", "-MD", "-MF", listing, unit.path, "-o", base + ".i"])
+        _compile(toolchain, unit, folder,
+                 [*flags, "-E", "-P", "-MD", "-MF", listing, unit.path, "-o", base + ".i"])
         _check_included(toolchain, unit, listing)
         _refuse(unit, unit_rules.fault_in_source(_read(base + ".i")))
     warnings = _compile(toolchain, unit, folder, [*flags, "-S", unit.path, "-o", base + ".s"])
@@ -179,7 +180,8 @@ def plain(toolchain, unit, text):
     text = text.replace(unit.path, unit.shown)
     own, shown = os.path.dirname(unit.path), os.path.dirname(unit.shown)
     shorter = {os.path.realpath(own): shown, os.path.abspath(own): shown, own: shown}
-    shorter |= {path: "" for kit in (toolchain.source, toolchain.kit) for path in (os.path.realpath(kit), kit)}
+    shorter |= {path: "" for kit in (toolchain.source, toolchain.kit)
+                for path in (os.path.realpath(kit), kit)}
     for path, short in shorter.items():
         if path.strip("/"):
             text = re.sub(rf"(?<![\w./-]){re.escape(path)}/+", lambda _, s=short: s and s + "/", text)
@@ -241,7 +243,8 @@ def keep_interface(toolchain, feature, path, for_suite=False):
     unit's calls of malloc and related functions become those of tests/count_allocations.c, which can fail."""
     names = global_symbols(toolchain, toolchain.built(f"src/features/{feature.stem}.o"))
     keep = [f"--keep-global-symbol={name}" for name in names]
-    scarce = [f"--redefine-sym={name}=rk_scarce_{name}" for name in ("malloc", "calloc", "realloc", "aligned_alloc")]
+    scarce = [f"--redefine-sym={name}=rk_scarce_{name}"
+              for name in ("malloc", "calloc", "realloc", "aligned_alloc")]
     command = [toolchain.tools["objcopy"], *keep, *(scarce if for_suite else []), path]
     answer = subprocess.run(command, capture_output=True, text=True, check=False)
     if answer.returncode:

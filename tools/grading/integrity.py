@@ -30,7 +30,8 @@ class Watch:
         for folder in [*watched, *self._folders]:
             for where, folders, names in os.walk(folder):
                 paths += [os.path.join(where, name) for name in [*names, *folders]
-                          if not name.startswith(".") and (folder in self._folders or name.endswith(_ENDINGS))]
+                          if not name.startswith(".")
+                          and (folder in self._folders or name.endswith(_ENDINGS))]
         return {path: _mark(path) for path in paths if os.path.isfile(path) or os.path.islink(path)}
 
     def accept(self, folder, names):

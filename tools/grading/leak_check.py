@@ -20,8 +20,10 @@ SAME_STEPS = [
      "static void visit_binary_leaves("),
     ("bvh_median", "step 4, the traversal, step by step to look at", "assignments/01_bvh_median/traversal.c",
      "static void visit("),
-    ("wide_bvh", "step 2, the blocks, straight from the mesh", "src/accel/wide_build.c", "static void fill_block("),
-    ("wide_bvh", "step 3, the order, by vectors", "src/accel/wide_boxes.h", "RK_INLINE uint32_t push_children("),
+    ("wide_bvh", "step 2, the blocks, straight from the mesh", "src/accel/wide_build.c",
+     "static void fill_block("),
+    ("wide_bvh", "step 3, the order, by vectors", "src/accel/wide_boxes.h",
+     "RK_INLINE uint32_t push_children("),
     ("wide_bvh", "step 4, any hit, by vectors", "src/accel/wide_single.h", "RK_INLINE bool block_occludes("),
     ("shading", "steps 2, 3 and 5, in double, to compare with", "tests/test_shading.c",
      "static double exact_highlight("),
@@ -29,8 +31,10 @@ SAME_STEPS = [
      "static double irradiance_from("),
     ("cubemap", "step 3, bilinear, in a picture", "src/base/texture.c", "static rk_vec3 bilinear("),
     ("cubemap", "step 3, as a sum over all texels", "tests/test_cubemap.c", "static rk_vec3 under_tents("),
-    ("sah_binning", "steps 1 to 3, boundary by boundary", "tests/test_sah_binning.c", "static trial try_boundary("),
-    ("motion_blur", "step 6, the stable roots, of a sphere", "src/base/sphere.h", "static inline bool rk_sphere_span("),
+    ("sah_binning", "steps 1 to 3, boundary by boundary", "tests/test_sah_binning.c",
+     "static trial try_boundary("),
+    ("motion_blur", "step 6, the stable roots, of a sphere", "src/base/sphere.h",
+     "static inline bool rk_sphere_span("),
 ]
 
 
@@ -163,4 +167,5 @@ def prove(source, pack, all_features, features):
     if others:
         remedy = (f"To leave them out as well, add {' and '.join(others)} to ASSIGNMENTS; otherwise check "
                   "whether they give a step away.")
-    return [f"{looked}no solution is left.", "These lines of the kit also occur in the solutions:", *told, remedy]
+    return [f"{looked}no solution is left.", "These lines of the kit also occur in the solutions:", *told,
+            remedy]

@@ -89,7 +89,8 @@ class _Reader:
     def begin(self, number, name):
         self.end()
         if not re.fullmatch(r"\w+", name):
-            self.fault(number, "a mutant has no name; write \"mutant NAME\", the name of letters, digits and _")
+            self.fault(number,
+                       "a mutant has no name; write \"mutant NAME\", the name of letters, digits and _")
         if any(name == mutant.name for mutant in self.mutants):
             self.fault(number, f"there are two mutants {name}; rename this one")
         self.block = {"line": number, "name": name, "changes": []}
@@ -102,13 +103,15 @@ class _Reader:
 
     def go_on(self, number, text):
         if self.last not in ("mistake:", "fails:"):
-            self.fault(number, "only \"mistake:\" and \"fails:\" go on in indented lines; begin it with \"-\" or "
+            self.fault(number,
+                       "only \"mistake:\" and \"fails:\" go on in indented lines; begin it with \"-\" or "
                        "\"+\" if it is text of the unit")
         self.block[self.last.rstrip(":")] += " " + text
 
     def place(self, number, name):
         if not _PLACE.fullmatch(name):
-            self.fault(number, f"\"in {name}\" names no place; write after \"in\" a function's name, \"struct NAME\", "
+            self.fault(number,
+                       f"\"in {name}\" names no place; write after \"in\" a function's name, \"struct NAME\", "
                        "\"enum NAME\" or \"file\"")
         self.where = name
 
@@ -119,7 +122,8 @@ class _Reader:
         if sign == "-" and self.last != "-":
             changes.append({"line": number, "place": self.where, "-": [], "+": []})
         if sign == "+" and self.last not in ("-", "+"):
-            self.fault(number, "this text stands instead of none; write the text to find above it, with \"- \"")
+            self.fault(number,
+                       "this text stands instead of none; write the text to find above it, with \"- \"")
         changes[-1][sign].append(text)
 
     def end(self):
@@ -131,9 +135,11 @@ class _Reader:
             if not block.get(key, "").strip():
                 self.fault(block["line"], f"{block['name']} has no line \"{key}: {remedy}\"; write it")
         if not block["changes"]:
-            self.fault(block["line"], f"{block['name']} changes nothing; say where by \"in FUNCTION\", and what by "
+            self.fault(block["line"],
+                       f"{block['name']} changes nothing; say where by \"in FUNCTION\", and what by "
                        "\"- text to find\" and \"+ text instead\"")
-        self.mutants.append(Mutant(self.file, block["line"], block["name"], block["mistake"], self.claims(block),
+        self.mutants.append(Mutant(self.file, block["line"], block["name"], block["mistake"],
+                                   self.claims(block),
                                    block["fails_line"], [self.whole(change) for change in block["changes"]]))
 
     def claims(self, block):
@@ -146,10 +152,12 @@ class _Reader:
     def whole(self, change):
         find = [token.text for token in tokens_of("\n".join(change["-"]))]
         if not find or find[0] == "..." or find[-1] == "...":
-            self.fault(change["line"], "the text to find neither is empty nor begins or ends with \"...\"; write what "
+            self.fault(change["line"],
+                       "the text to find neither is empty nor begins or ends with \"...\"; write what "
                        "stands in the unit")
         if not change["+"]:
-            self.fault(change["line"], "what stands instead of this text? Write it below, with \"+ \", or a \"+\" "
+            self.fault(change["line"],
+                       "what stands instead of this text? Write it below, with \"+ \", or a \"+\" "
                        "alone")
         instead = "\n".join(change["+"])
         if find == [token.text for token in tokens_of(instead)]:

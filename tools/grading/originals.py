@@ -16,7 +16,8 @@ def keep_originals(pack):
     with zipfile.ZipFile(os.path.join(pack, _ARCHIVE), "w", zipfile.ZIP_DEFLATED) as archive:
         for where, folders, files in os.walk(pack):
             folders[:] = sorted(name for name in folders
-                                if name not in (".vscode", "__pycache__") and os.path.join(where, name) != os.path.join(pack, "workbook"))
+                                if name not in (".vscode", "__pycache__")
+                                and os.path.join(where, name) != os.path.join(pack, "workbook"))
             for name in sorted(files):
                 path = os.path.join(where, name)
                 if not name.endswith(_NOT_KEPT) and not os.path.islink(path):
@@ -46,13 +47,14 @@ def edited_files(source):
 
 
 def added_files(source):
-    """Returns the names of files beside the pack's code that are not the pack's, but of such a kind that the build
-    may take them for its own; none in the whole kit."""
+    """Returns the names of files beside the pack's code that are not the pack's, but of such a kind that the
+    build may take them for its own; none in the whole kit."""
     if not has_originals(source):
         return []
     with zipfile.ZipFile(os.path.join(source, _ARCHIVE)) as archive:
         known = {*archive.namelist(), *_MADE}
-    kinds = {os.path.splitext(name)[1] for name in known if name.startswith(tuple(f"{top}/" for top in _CODE_FOLDERS))} - {"", ".txt"}
+    kinds = {os.path.splitext(name)[1] for name in known
+             if name.startswith(tuple(f"{top}/" for top in _CODE_FOLDERS))} - {"", ".txt"}
     names = []
     for top in _CODE_FOLDERS:
         for where, folders, files in os.walk(os.path.join(source, top)):

@@ -47,7 +47,8 @@ def _files_of_kit(toolchain, features, stems):
                 if name.endswith(".h") or room == "tests" and name.endswith(".c"):
                     path = os.path.join(where, name)
                     yield path, os.path.join("kit", os.path.relpath(path, toolchain.source))
-    needed = ["librktest.a", "librkbase.a", "impl/count_allocations.o", *[f"tests/test_{stem}.o" for stem in stems],
+    needed = ["librktest.a", "librkbase.a", "impl/count_allocations.o",
+              *[f"tests/test_{stem}.o" for stem in stems],
               *[f"src/features/{stem}.o" for stem in features]]
     for path in needed:
         yield toolchain.built(path), os.path.join("objects", path)

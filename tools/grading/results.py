@@ -72,7 +72,8 @@ def _width():
 
 
 def _wrapped(text, indent):
-    return textwrap.wrap(text, _width(), initial_indent=indent, subsequent_indent=indent, break_long_words=False,
+    return textwrap.wrap(text, _width(), initial_indent=indent, subsequent_indent=indent,
+                         break_long_words=False,
                          break_on_hyphens=False)
 
 
@@ -109,7 +110,8 @@ def _text_of_failures(suite, brief):
         details = [line for line in _details(suite.verdicts[first.name]).strip().split("\n") if line]
         said = [f"          {line}" for line in _some(details, 15 if brief else 20, "and {} more lines")]
         return [*said, *_wrapped(printable(suite.problem), " " * 6)]
-    lines = (_next_ones(suite, failed[1:]) if brief else _all_others(suite, failed[1:], first)) if failed[1:] else []
+    lines = (_next_ones(suite, failed[1:])
+             if brief else _all_others(suite, failed[1:], first)) if failed[1:] else []
     lines.append(f"      work on this one first: {first.name} ({_worth(first)})")
     explained = _explained(suite, first)
     if brief and first.step:
@@ -125,7 +127,8 @@ def _text_of_prints(suite):
         return []
     verdict = suite.verdicts[suite.claims()[0].name]
     printed = [printable(line)[:200] for line in printed_lines(verdict.details) if line not in verdict.reason]
-    return ["      your code printed:", *(f"          {line}" for line in _some(printed, 40, "and {} more lines"))] if printed else []
+    return ["      your code printed:",
+            *(f"          {line}" for line in _some(printed, 40, "and {} more lines"))] if printed else []
 
 
 def _whose(suite):
@@ -155,7 +158,8 @@ def text(suites, impl, colours=False, brief=False):
         said += _text_of_failures(suite, brief)
         warnings = printable(suite.warnings).split("\n") if suite.warnings else []
         room = max(4, _SCREEN - len(said)) if brief else 60
-        lines += [*_some(warnings, room, f"and {{}} more lines of warnings: make check-{suite.feature.stem} ALL=1"), *said]
+        lines += [*_some(warnings, room,
+                         f"and {{}} more lines of warnings: make check-{suite.feature.stem} ALL=1"), *said]
         if len(suites) == 1 and suite.points() == 100 and suite.passed():
             # A folder of submissions is the grader's: the student has another.
             lines.append(f"      draw it: {command_of('draw', suite.feature, impl if suite.is_own else None)}")
@@ -184,7 +188,8 @@ def first_failed(suites):
 
 
 def _next(suite, suites):
-    """The claim to work on, and what is known of the units that the suite needs, unless these have all points."""
+    """The claim to work on, and what is known of the units that the suite needs, unless these have all
+    points."""
     failed = [test.name for test in suite.tests if not suite.verdicts[test.name].passed]
     if suite.problem or not failed:
         return textwrap.shorten(printable(suite.problem), 80, placeholder=" ...") or _whose(suite) or "done"
@@ -235,7 +240,8 @@ def junit(suites, impl):
 
     root = ElementTree.Element("testsuites", name=name_of(impl), **totals(suites))
     for suite in suites:
-        element = ElementTree.SubElement(root, "testsuite", name=suite.feature.stem, skipped="0", **totals([suite]))
+        element = ElementTree.SubElement(root, "testsuite", name=suite.feature.stem, skipped="0",
+                                         **totals([suite]))
         properties = ElementTree.SubElement(element, "properties")
         ElementTree.SubElement(properties, "property", name="points", value=str(suite.points()))
         ElementTree.SubElement(properties, "property", name="points_max", value=str(suite.points_max()))
@@ -263,7 +269,8 @@ def gradescope(suites, impl):
         scores = suite.scores()
         if suite.problem:  # an entry of its own: it is no claim's fault
             tests.append({
-                "name": f"{suite.feature.stem}: can be graded", "number": f"{first}.0", "tags": [suite.feature.stem],
+                "name": f"{suite.feature.stem}: can be graded", "number": f"{first}.0",
+                "tags": [suite.feature.stem],
                 "score": 0, "max_score": 0, "status": "failed", "output": printable(suite.problem),
             })
         for second, test in enumerate(suite.tests, 1):
@@ -293,7 +300,8 @@ def gradescope(suites, impl):
 
 def csv_cell(value):
     """Returns a value as spreadsheets show it: they take text that begins so for a formula, and run it."""
-    return "'" + value if isinstance(value, str) and value.startswith(("=", "+", "-", "@", "\t", "\r")) else value
+    return "'" + value if isinstance(value,
+                                     str) and value.startswith(("=", "+", "-", "@", "\t", "\r")) else value
 
 
 FORMATS = {"text": text, "table": table, "tap": tap, "junit": junit, "gradescope": gradescope}

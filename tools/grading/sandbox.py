@@ -146,7 +146,8 @@ def _kill(pid):
 
 
 def end_strays():
-    """Kills processes that escaped from their session and lost their parent. Called when no run is under way."""
+    """Kills processes that escaped from their session and lost their parent. Called when no run is under
+    way."""
     for _ in range(100):
         strays = _children(os.getpid())
         if not strays:
@@ -216,7 +217,8 @@ def _limit_process(seconds):
             pass
 
 
-def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, witnessed=None, secret=b"",
+def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, witnessed=None,
+        secret=b"",
         enclose=None):
     """Runs the command in `folder` and returns its Outcome. A Program as `witnessed` is
     run instead; in RAYKIT_ATTEST it gets a descriptor from which it reads a fresh secret, and
@@ -308,7 +310,8 @@ def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes, i
                 outcome.limit = "memory"
             elif processes > _PROCESSES_MAX:
                 outcome.limit = "processes"
-            elif now - began > seconds and (now - began > _PATIENCE * seconds or _worked(process.pid) > seconds):
+            elif now - began > seconds and (now - began > _PATIENCE * seconds
+                                            or _worked(process.pid) > seconds):
                 outcome.limit = "seconds"
                 _ask_where(process, kept, is_enclosed)
             if outcome.limit:

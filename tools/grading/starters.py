@@ -24,7 +24,8 @@ class RegionError(Exception):
 
 MARKER = re.compile(r"^\s*(/\* solution \*/|/\* starter|end \*/|/\* yours to write \*/|/\* end of yours \*/)\s*$")
 _BECOMES = {
-    ("common", "/* solution */"): "solution", ("solution", "/* starter"): "starter", ("starter", "end */"): "common",
+    ("common", "/* solution */"): "solution", ("solution", "/* starter"): "starter",
+    ("starter", "end */"): "common",
     ("common", "/* yours to write */"): "yours", ("yours", "/* end of yours */"): "common",
 }
 ORDINALS = ["First", "Second", "Third", "Fourth", "Fifth", "Sixth", "Seventh", "Eighth", "Ninth"]
@@ -109,12 +110,15 @@ def is_starter(unit):
 
 
 def unsolved_steps(unit):
-    """Returns the numbers of the steps all of whose starters, which name them, stand in the unit as they were."""
+    """Returns the numbers of the steps all of whose starters, which name them, stand in the unit as they
+    were."""
     with open(unit.path, encoding="utf-8", errors="replace") as file:
-        written = " ".join(re.sub(r"/\* starter\n.*?end \*/", "", file.read(), flags=re.DOTALL).split())  # the reference has both
+        written = " ".join(re.sub(r"/\* starter\n.*?end \*/", "", file.read(),
+                                  flags=re.DOTALL).split())  # the reference has both
     regions = itertools.groupby(read_regions(unit.feature.reference), key=lambda line: line[0])
     kept = {}
-    for starter in (" ".join("".join(line for _, line in lines).split()) for kind, lines in regions if kind == "starter"):
+    for starter in (" ".join("".join(line for _, line in lines).split()) for kind, lines in regions
+                    if kind == "starter"):
         for word in re.findall(r"(\w+) step\b", starter):
             if word in ORDINALS:
                 kept.setdefault(ORDINALS.index(word) + 1, []).append(starter in written)

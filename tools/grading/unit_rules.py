@@ -7,7 +7,6 @@ assembly. They cannot stop a pointer that is made from a number: C has no walls 
 """
 
 import functools
-import os
 import re
 import subprocess
 
@@ -54,7 +53,8 @@ _SYMBOL = re.compile(r"([0-9a-f]{8,}) (.{7}) (.+?)\t([0-9a-f]+) (?:\.\w+ )?(.*)"
 
 def _symbols_of(objdump, path):
     # nm starts all plugins for link-time optimization that the machine has, which takes ten times as long.
-    answer = subprocess.run([objdump, "-t", path], capture_output=True, text=True, errors="replace", check=False)
+    answer = subprocess.run([objdump, "-t", path], capture_output=True, text=True, errors="replace",
+                            check=False)
     if answer.returncode:
         raise ToolError(f"{objdump} could not read {path}: {answer.stderr.strip()}")
     return answer.stdout
@@ -78,7 +78,8 @@ class Object:
             raise ToolError(f"{command[0]} could not read {path}: {answer.stderr.strip()}")
         self.sections, self.symbols, self.undefined, relocations, section = {}, [], [], [], ""
         for line in answer.stdout.splitlines():
-            found = re.match(r" *\d+ (.+?) +[0-9a-f]{8,} +[0-9a-f]+ +[0-9a-f]+ +[0-9a-f]+ +2\*\*\d+ *(.*)", line)
+            found = re.match(r" *\d+ (.+?) +[0-9a-f]{8,} +[0-9a-f]+ +[0-9a-f]+ +[0-9a-f]+ +2\*\*\d+ *(.*)",
+                             line)
             if found:
                 self.sections[found[1]] = found[2].split(", ")
             found = _SYMBOL.match(line)
@@ -134,7 +135,8 @@ def kept_data(obj):
     names = []
     for flags, section, _, size, name in obj.symbols:
         place = obj.sections.get(section, [])
-        writable = section == "*COM*" or ("ALLOC" in place and "READONLY" not in place and _DATA.match(section)
+        writable = section == "*COM*" or ("ALLOC" in place and "READONLY" not in place
+                                          and _DATA.match(section)
                                           and not _RELOCATED_CONSTANTS.match(section))
         if writable and size and "d" not in flags and not _SANITIZERS_DATA.match(name):
             # Of a variable within a function gcc makes list.0, clang rk_bvh_closest.list.
@@ -192,15 +194,16 @@ def pure_names(objdump, archive):
     pure = set(defined)
     while True:
         names = {name for module in pure for name in defined[module]}
-        kept = {module for module in pure if all(_is_c(name) or name in names for name in used.get(module, ()))}
+        kept = {module for module in pure
+                if all(_is_c(name) or name in names for name in used.get(module, ()))}
         if kept == pure:
             return frozenset(names)
         pure = kept
 
 
 def fault_in_names(obj, kit, with_line=str):
-    """Functions and variables that are neither C's, as far as units need it, nor the kit's. `with_line` adds to a
-    name where the unit has it."""
+    """Functions and variables that are neither C's, as far as units need it, nor the kit's. `with_line` adds
+    to a name where the unit has it."""
     strange = [with_line(_plain(name)) for name in obj.undefined if not _is_c(name) and name not in kit]
     return (f"uses {' and '.join(strange[:3])}, which a unit may not: it may call the kit's functions that need no "
             "files and no threads, those of math.h and string.h, and those for memory, sorting and printing of "

@@ -10,7 +10,6 @@ import secrets
 import signal
 
 
-
 def make_secret(decoy):
     """Returns the secret for one run. An odd first digit asks the suite for a decoy, see tests/suite.c."""
     return (secrets.choice("13579" if decoy else "02468") + secrets.token_hex(24)[1:]).encode()
@@ -180,8 +179,10 @@ def judge(outcome, suite, name, limit, megabytes):
 
 
 def _refused(text, megabytes):
-    """Returns the beginning of the reason for what fails after an allocation was refused for its size, or ""."""
-    sizes = [int(size, 16) >> 20 for size in re.findall(r"Sanitizer failed to allocate 0x([0-9a-f]+) bytes", text)]
+    """Returns the beginning of the reason for what fails after an allocation was refused for its size, or
+    ""."""
+    sizes = [int(size, 16) >> 20
+             for size in re.findall(r"Sanitizer failed to allocate 0x([0-9a-f]+) bytes", text)]
     size = max(sizes, default=0)
     return (f"asks for {size} MB of memory at once, and gets NULL, because {megabytes} MB are allowed; then "
             if size >= megabytes else "")
@@ -195,7 +196,8 @@ def _leak(text, unit):
 
 
 def judge_leaks(leaks):
-    """Returns the Verdict on the memory of a suite's passed tests from the leaks, as (test's name, Verdict)."""
+    """Returns the Verdict on the memory of a suite's passed tests from the leaks, as (test's name,
+    Verdict)."""
     if not leaks:
         return Verdict(True)
     name, verdict = leaks[0]
@@ -210,5 +212,6 @@ def judge_kept_data(names):
         return Verdict(True)
     shown = " and ".join(f"`{name}`" for name in names[:3])
     them = "it" if len(names) == 1 else "them"
-    return Verdict(False, f"keeps {shown} from call to call; several threads share {them}: make {them} local, or const "
+    return Verdict(False,
+                   f"keeps {shown} from call to call; several threads share {them}: make {them} local, or const "
                    f"if nothing changes {them}")

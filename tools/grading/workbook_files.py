@@ -16,13 +16,14 @@ def _quoted(path):
 
 
 def workbook_files(source, folder, build, impl=None):
-    """Returns a dictionary from name to text. `build` is where make runs, `impl` the workbook's name there; none if
-    it is the usual one."""
+    """Returns a dictionary from name to text. `build` is where make runs, `impl` the workbook's name there;
+    none if it is the usual one."""
     files = {
         "compile_flags.txt": f"-I{os.path.join(os.path.relpath(source, folder), 'src')}\n-std=c17\n-D_XOPEN_SOURCE=700\n",
         ".gitignore": "*.o\n.deps/\n.dirstamp\n",
     }
     there = os.path.relpath(build, folder)
     if "\n" not in there + (impl or ""):
-        files["Makefile"] = _FORWARD.format(there=_quoted(there), impl=f" IMPL={_quoted(impl)}" if impl else "")
+        files["Makefile"] = _FORWARD.format(there=_quoted(there),
+                                            impl=f" IMPL={_quoted(impl)}" if impl else "")
     return files

@@ -9,7 +9,7 @@
 -- it is not between those.
 
 local drive = require("drive")
-local fail_at, need = drive.fail_at, drive.need
+local fail_at = drive.fail_at
 
 local hours = {}
 

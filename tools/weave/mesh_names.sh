@@ -1,3 +1,4 @@
+# shellcheck shell=sh
 # mesh_names TEXT: the files that a text names, a line each. Names are separated by spaces and may contain some: a word
 # that is no file is taken together with those after it. Where there is no such file, says so and fails.
 mesh_names() (

@@ -1,3 +1,4 @@
+# shellcheck shell=sh
 # Common to make_report and make_book, which source it. They set RAYKIT_WEAVES (report or book) and
 # texts (the folder with its texts, filter and stylesheet) first; make sets the rest.
 : "${RAYKIT_WEAVES:?}" "${texts:?}" "${RAYKIT_SOURCE:?}" "${RAYKIT_BUILD:?}" "${RAYKIT_DRIVERS:?}" \
@@ -43,6 +44,7 @@ RAYKIT_RUNS=3 # rounds
 RAYKIT_SIZE=
 note=
 if [ -n "${QUICK-}" ]; then # a trial of the text itself, not of speed
+    # shellcheck disable=SC2034 # make_report and make_book use it
     RAYKIT_RUNS=1 RAYKIT_SIZE=160 note=', a quick trial: pictures are small, times single runs, and texts describe the full-size ones'
 fi
 RAYKIT_GNUPLOT=${GNUPLOT-}

@@ -131,7 +131,7 @@ end
 function tools.wrong(resolve)
   return function(div)
     local stem, sees = div.attributes.stem, div.attributes.sees
-    if not stem == not sees then fail_at(div, ".wrong needs stem=... or sees=...") end
+    if (not stem) == (not sees) then fail_at(div, ".wrong needs stem=... or sees=...") end
     return stem and of_feature(div, stem) or of_all(div, sees, resolve)
   end
 end
