@@ -26,11 +26,15 @@ cat >"$source/configure" <<'END'
 #!/bin/sh
 [ "${*#*--fails}" = "$*" ] || { echo "a reason" >&2; exit 1; }
 here=$(dirname "$0")
+mkdir busy || exit 1
+[ ! -e slow ] || sleep 1
 [ -f GNUmakefile ] || ln -s "$here/GNUmakefile" .
 for argument; do [ "$argument" = --quiet ] || arguments="${arguments-} '$argument'"; done
 printf '#!/bin/sh\ncat <<"_END"\n%s\n_END\n' "${arguments-}" >config.status
 chmod +x config.status
-printf 'abs_builddir = %s\nsrcdir = %s\nreport book: ; @echo "$(WHO)%s" >>"$(abs_builddir)/drawn"\n' "$(pwd)" "$here" "${arguments-}" >Makefile
+printf 'abs_builddir = %s\nsrcdir = %s\nreport book: ; @echo "$(WHO)%s" >>"$(abs_builddir)/drawn"\n' "$(pwd)" "$here" "${arguments-}" >part
+mv part Makefile
+rmdir busy
 END
 chmod +x "$source/configure"
 (cd "$source" && ./configure 'CFLAGS=-O2 -g') && (cd "$folder/build" && "../the source/configure" CC=gcc)
@@ -67,6 +71,15 @@ sed -i 's/CC=gcc/--fails/' "$folder/failing/config.status"
 ! run "$folder/failing" report && grep -q '^a reason' "$folder/said" && grep -q 'run ./bootstrap' "$folder/said" &&
     [ ! -e "$folder/build/drawn" ]
 verdict if_that_fails_make_stops_and_names_the_command
+
+if command -v flock >/dev/null; then
+    cp -a "$folder/build" "$folder/twice"
+    touch "$folder/twice/slow"
+    run "$folder/twice" report &
+    "${MAKE:-make}" --no-print-directory -C "$folder/twice" book >"$folder/said_too" 2>&1
+    wait $! && [ "$(cat "$folder/said" "$folder/said_too" | wc -l)" = 1 ] && [ "$(drawn "$folder/twice" | wc -l)" = 2 ]
+    verdict of_two_that_begin_at_once_one_configures
+fi
 
 mv "$source" "$folder/renamed"
 run "$folder/renamed" report && [ "$(drawn "$folder/renamed")" = " 'CFLAGS=-O2 -g'" ]
