@@ -81,7 +81,7 @@ awk 'BEGIN { rows = 12; columns = 24; pi = 3.14159265358979
 # report MESHES: by make, as its user does, but written elsewhere
 report() {
     "${MAKE:-make}" -s -C "$build" report abs_srcdir="$own" abs_builddir="$folder/build" CHROMIUM= \
-        QUICK=1 ONLY="${only-$sections}" MESHES="$1" >"$folder/said" 2>&1
+        QUICK=1 ONLY="${only-$sections}" ${up:+UP="$up"} MESHES="$1" >"$folder/said" 2>&1
 }
 
 report "$meshes/two  words.obj $meshes/triangle.ply  $meshes/stray,1.obj"
@@ -115,16 +115,25 @@ verdict its_tables_have_a_row_for_each
 # Two names of one mesh: equal pictures. Nothing of it is seen: a mesh of no area.
 cp "$meshes/two  words.obj" "$meshes/again.obj"
 printf 'v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n' >"$meshes/nothing.obj"
-only='bvh_median ambient_occlusion' report "$meshes/two  words.obj $meshes/again.obj $meshes/nothing.obj" &&
+only='bvh_median ambient_occlusion' up=z
+report "$meshes/two  words.obj $meshes/again.obj $meshes/nothing.obj" &&
     grep -q 'nothing.obj.*: little can be seen' "$folder/said" && grep -q 'Little can be seen' "$page/report.html"
 verdict where_little_can_be_seen_a_note_says_so
 
-only=bvh_median
+grep -a -q -- '--up z' "$page"/figures/bvh_median_again.obj_*.png
+verdict meshes_whose_z_is_up_are_turned
+
+only=bvh_median up=
 refused() { # refused MESHES REASON
-    ! report "$1" && grep -qF "$2" "$folder/said"
+    ! report "$1" && grep -qF -- "$2" "$folder/said"
 }
 refused "$meshes/two  words.obj $meshes/missing.obj" "MESHES: no file's name begins here: $meshes/missing.obj"
 verdict a_missing_file_is_named
+
+up=w
+refused "$meshes/triangle.ply" '--up w'
+verdict an_axis_that_is_none_is_refused
+up=
 
 refused "$meshes/two words.obj" "MESHES: no file's name begins here: $meshes/two words.obj"
 verdict a_name_has_all_of_its_spaces

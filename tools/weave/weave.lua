@@ -160,12 +160,15 @@ local function undrawn(mesh)
     "; the driver's reason is on the terminal.")})}, {class = "picture missing"})
 end
 
+local up = os.getenv("RAYKIT_UP") or "" -- the axis of users' meshes that points up
+
 local function figures(div)
   local args = div.attributes.args or ""
   if div.attributes.each ~= "mesh" then return figure(div, args) end
   local list = pandoc.List()
   drive.each(drive.meshes, function(mesh)
-    list:insert(drive.forgiving_mesh(figure, div, args .. " --mesh " .. drive.quote(mesh), mesh) or undrawn(mesh))
+    local of_mesh = args .. " --mesh " .. drive.quote(mesh) .. (up ~= "" and " --up " .. up or "")
+    list:insert(drive.forgiving_mesh(figure, div, of_mesh, mesh) or undrawn(mesh))
   end)
   return pandoc.Div(list, {class = "row"})
 end
