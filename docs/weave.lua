@@ -16,14 +16,14 @@
 --   ::: {.sketch file=docs/sketches/slabs.svg}
 --   The caption.
 --   :::
--- takes a drawing into the page itself, where it follows the reader's colours. So does ![The caption](sketches/flow.svg), in a
--- paragraph of its own, in texts that are also read as they are.
+-- takes a drawing into the page itself, where it follows the reader's colours. So does ![The
+-- caption](sketches/flow.svg), in a paragraph of its own, in texts that are also read as they are.
 --
 --   ::: {.output driver=bvh_median args="--scene cornell --pixel 400,300"}
 --   The caption.
 --   :::
--- shows what a driver prints. prints="0.647837 ..." lists numbers that the text around it repeats: weaving ends if
--- the kit's driver does not print one.
+-- shows what a driver prints. prints="0.647837 ..." lists numbers that the text around it repeats: weaving
+-- ends if the kit's driver does not print one.
 --
 --   ::: {.index of=terms}
 -- lists where terms, functions or tests are explained (tools/weave/index.lua).

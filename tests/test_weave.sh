@@ -497,7 +497,7 @@ END
     notes 3 'case "$*" in *--bad*) echo "it is bad" >&2; mkdir -p "${*##*--out }/figures"; echo a >"${*##*--out }/figures/a.png"; exit 1 ;; esac'
     wants --one --bad --two
     ! book && grep -q 'it is bad' "$folder/said1" && grep -q 'one_pixel.md:6: this command failed' "$folder/said1" &&
-        ! grep -l -- --bad "$folder/build/drawn"/*/key && ! ls "$folder/build/drawn" | grep part
+        ! grep -l -- --bad "$folder/build/drawn"/*/key && ! find "$folder/build/drawn" -name "*part*" | grep .
     verdict a_driver_that_failed_leaves_nothing
 
     # Stopped while its second command runs.
@@ -507,13 +507,13 @@ END
     export RAYKIT_SOURCE="$folder/texts" RAYKIT_BUILD="$folder/build" RAYKIT_DRIVERS="$folder" RAYKIT_VERSION=0 PANDOC="$pandoc"
     setsid sh "$source/docs/make_book" >"$folder/said1" 2>&1 &
     stopped=$!
-    while kill -0 $stopped 2>/dev/null && { [ ! -e "$folder/slow.pid" ] || ! grep -q -- --one "$folder"/build/drawn/*/key; }; do sleep 0.1; done
+    while kill -0 $stopped 2>/dev/null && { [ ! -e "$folder/slow.pid" ] || ! grep -rq --exclude-dir='*.part.*' -- --one "$folder/build/drawn"; }; do sleep 0.1; done
     kill -TERM "-$stopped"
     wait $stopped
     stopped=$?
     unset RAYKIT_SOURCE RAYKIT_BUILD RAYKIT_DRIVERS RAYKIT_VERSION PANDOC
     rm "$folder/slow"
-    [ $stopped != 0 ] && ! kill -0 "$(cat "$folder/slow.pid")" 2>/dev/null && ! ls "$folder/build/drawn" | grep part
+    [ $stopped != 0 ] && ! kill -0 "$(cat "$folder/slow.pid")" 2>/dev/null && ! find "$folder/build/drawn" -name "*part*" | grep .
     verdict when_it_is_stopped_so_are_its_drivers
 
     [ "$(calls)" = 1 ] && grep -q -- --two "$folder/calls"

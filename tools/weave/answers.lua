@@ -57,7 +57,8 @@ local function add(exercise, block)
   exercise[exercise.last]:insert(block)
 end
 
--- Takes the text with answers from position i on out of the blocks. Returns them by number, and the position of
+-- Takes the text with answers from position i on out of the blocks. Returns them by number, and the position
+-- of
 -- the block behind.
 local function read(blocks, i)
   local texts, exercise = {heading = inner(blocks[i])}, nil

@@ -43,7 +43,8 @@ local function read_regions(path, label)
   return lines
 end
 
--- All lines of a file as {number, text}; without solutions, starters stand in their places. Or nil and the reason.
+-- All lines of a file as {number, text}; without solutions, starters stand in their places. Or nil and the
+-- reason.
 function code.lines(path, label, solutions)
   local lines = {}
   if solutions then

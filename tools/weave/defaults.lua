@@ -1,10 +1,12 @@
--- A driver's default, from what it says about its options: [sobol]{.default driver=depth_of_field option=lens-sampling}.
+-- A driver's default, from what it says about its options: [sobol]{.default driver=depth_of_field
+-- option=lens-sampling}.
 
 local drive = require("drive")
 
 local helps = {} -- by driver
 
--- The default of an option in the text of --help, or nil. An option's words go on until the next one's dashes.
+-- The default of an option in the text of --help, or nil. An option's words go on until the next one's
+-- dashes.
 local function default_in(help, option)
   local words = ("\n" .. help):match("\n  %-%-" .. option:gsub("%W", "%%%0") .. "%f[%s](.-)\n  %-%-") or ""
   return (words:gsub("%s+", " "):match("default ([^%s();]+)%)"))

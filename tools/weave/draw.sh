@@ -1,9 +1,12 @@
+# shellcheck shell=sh
 # Runs a command for the weaver in a folder of its own, and keeps what it made in the store (tools/weave/store.lua), whole
 # or not at all. draw.sh FOLDER NUMBER: the file FOLDER/NUMBER sets key, by and entry, and defines run FOLDER. Says
 # "NUMBER STATUS" at the end; the command's own messages are in FOLDER/NUMBER.said. Ends with 255, at which xargs ends, if the
 # command failed and forgiving is empty.
 job=$1/$2
+# shellcheck disable=SC1090 # it is made for each job
 . "$job"
+: "${key?}" "${by?}" "${entry?}"
 part=$entry.part.$$
 trap 'rm -rf "$part"' EXIT
 trap 'exit 255' HUP INT TERM
@@ -14,6 +17,7 @@ run_it() {
 }
 
 keep_it() {
+    # shellcheck disable=SC2097,SC2098 # awk is told the same folder
     part=$part awk 'BEGIN { folder = ENVIRON["part"] "/made" }
         { while (at = index($0, folder)) $0 = substr($0, 1, at - 1) "{folder}" substr($0, at + length(folder)); print }' \
         "$part/out" >"$part/printed" &&

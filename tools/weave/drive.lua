@@ -38,8 +38,8 @@ end
 
 local draws_users_mesh = false
 
--- So does a driver's failure, but with a student's units, or where it draws a user's mesh, it costs only the driver's
--- output: see drive.forgiving.
+-- So does a driver's failure, but with a student's units, or where it draws a user's mesh, it costs only the
+-- driver's output: see drive.forgiving.
 local function fail_by_driver(element, ...)
   if drive.units == "" and not draws_users_mesh then drive.fail_at(element, ...) end
   drive.say("%s: %s", drive.place(element), string.format(...))
@@ -139,8 +139,8 @@ local function driver_path(element)
   return paths[name]
 end
 
--- Its place in the build folder, as a reader starts it. The figures of a pack are drawn by the kit's own drivers; its
--- readers make theirs in impl.
+-- Its place in the build folder, as a reader starts it. The figures of a pack are drawn by the kit's own
+-- drivers; its readers make theirs in impl.
 function drive.program(element)
   local path, build = driver_path(element), os.getenv("RAYKIT_BUILD") .. "/"
   return path:sub(1, #build) == build and path:sub(#build + 1) or "impl/" .. path:sub(#drivers + 2)
@@ -181,9 +181,9 @@ local timed_out = 124 -- timeout's exit status
 
 -- --- jobs ----------------------------------------------------------------------------------------
 
--- A job is a command that a text asks for: the element, the driver's arguments, and the key of its entry in the store
--- (store.lua). Before the texts are woven, the jobs of all of them are noted, and drive.draw runs those that the store
--- lacks, side by side where nothing is timed.
+-- A job is a command that a text asks for: the element, the driver's arguments, and the key of its entry in
+-- the store (store.lua). Before the texts are woven, the jobs of all of them are noted, and drive.draw runs
+-- those that the store lacks, side by side where nothing is timed.
 
 local record = os.getenv("RAYKIT_RECORD") or ""
 local handed_out = drive.source .. "/docs/handout/record" -- a pack's
@@ -250,7 +250,8 @@ local function say_all(path)
   if said and said ~= "" then io.stderr:write(said) end
 end
 
--- Runs jobs, some at a time. A failure ends the weaving, but with a student's units or a user's mesh it is told where the
+-- Runs jobs, some at a time. A failure ends the weaving, but with a student's units or a user's mesh it is
+-- told where the
 -- job is wanted.
 local function run_jobs(jobs, at_a_time, progress)
   local folder = drive.scraps .. "/jobs"

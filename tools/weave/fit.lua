@@ -4,7 +4,8 @@ local fit = {}
 
 fit.from = 4 -- samples: before, an error need not yet follow its power
 
--- The slope of the straight line through the logarithms of points {x, y}, by least squares; nil of fewer than two.
+-- The slope of the straight line through the logarithms of points {x, y}, by least squares; nil of fewer than
+-- two.
 function fit.slope(points)
   local n, sx, sy, sxx, sxy = #points, 0, 0, 0, 0
   if n < 2 then return nil end

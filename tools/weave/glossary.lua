@@ -1,4 +1,5 @@
--- Links a term to the glossary where a chapter uses it first: not in headings, code, links, tables and captions.
+-- Links a term to the glossary where a chapter uses it first: not in headings, code, links, tables and
+-- captions.
 
 local drive = require("drive")
 local present = require("present")
@@ -33,7 +34,8 @@ end
 
 local function is_same(text, word) return text == word or text == word .. "s" end
 
--- Whether the term stands at an inline; its last inline, and what stands before and after it in the first and the last.
+-- Whether the term stands at an inline; its last inline, and what stands before and after it in the first and
+-- the last.
 local function match(inlines, at, term, before)
   local last = at + 2 * (#term.words - 1)
   local after = ""

@@ -1,11 +1,13 @@
--- The instructor's hours, from the texts themselves: reading from the lines of a chapter, solving from the handout.
+-- The instructor's hours, from the texts themselves: reading from the lines of a chapter, solving from the
+-- handout.
 --
 --   ::: {.hours}
 --   :::
 -- becomes a table of all chapters.
 --
 --   [8]{.hours read="parallelogram_light" solve="parallelogram_light/2" between="5 10"}
--- becomes the sum of the hours of chapters to read and of assignments to solve, "/2" of half of one. Weaving stops if
+-- becomes the sum of the hours of chapters to read and of assignments to solve, "/2" of half of one. Weaving
+-- stops if
 -- it is not between those.
 
 local drive = require("drive")

@@ -1,10 +1,10 @@
--- The names in a woven document: headings, functions, tests and terms, each with its place. Of these the page is
--- searched (pages.lua), and the index consists.
+-- The names in a woven document: headings, functions, tests and terms, each with its place. Of these the page
+-- is searched (pages.lua), and the index consists.
 --
 --   ::: {.index of=terms}
 --   :::
--- lists terms, functions or tests by their letters, each with the sections that explain it: for a function where its
--- listing stands, for a term where it is in a title or, the first time in a chapter, in italics.
+-- lists terms, functions or tests by their letters, each with the sections that explain it: for a function
+-- where its listing stands, for a term where it is in a title or, the first time in a chapter, in italics.
 
 local drive = require("drive")
 

@@ -1,6 +1,6 @@
--- Words over a picture, with lines to what they name: label="0.62 0.31 0.8 0.2 red pane; ..." has the line's end and
--- its other end, beside which the text goes, in fractions of the picture. With two numbers there is no line, and the text
--- is centred there. Light on a dark rim, so that they show on any picture.
+-- Words over a picture, with lines to what they name: label="0.62 0.31 0.8 0.2 red pane; ..." has the line's
+-- end and its other end, beside which the text goes, in fractions of the picture. With two numbers there is
+-- no line, and the text is centred there. Light on a dark rim, so that they show on any picture.
 
 local drive = require("drive")
 

@@ -4,10 +4,10 @@
 --   The caption: what to try.
 --   :::
 -- becomes the driver's picture, as .figure does. Where the page can run the drivers' WebAssembly module
--- (RAYKIT_LIVE; empty: there is none), each of the options gets a control: its kind, default and help are those of
--- the driver; a text may narrow a range (radius=1..100) or choices (scene=teapot|cornell, debug=|mask, the empty
--- one for none). Dragging the picture turns the camera, unless drag=no; a click explains a pixel, unless click=no.
--- widget=sah adds what this figure alone has: tools/live/widgets/sah.js.
+-- (RAYKIT_LIVE; empty: there is none), each of the options gets a control: its kind, default and help are
+-- those of the driver; a text may narrow a range (radius=1..100) or choices (scene=teapot|cornell,
+-- debug=|mask, the empty one for none). Dragging the picture turns the camera, unless drag=no; a click
+-- explains a pixel, unless click=no. widget=sah adds what this figure alone has: tools/live/widgets/sah.js.
 
 local drive = require("drive")
 local steps = require("steps")

@@ -77,7 +77,8 @@ function pictures.finish()
   drive.fail("%d pictures show too little (above): come closer, give them a sky, or say dark=yes where it has to be so", dark)
 end
 
--- Pictures of a row are there to be compared. A student's unit may not make a difference yet, and users' meshes may be
+-- Pictures of a row are there to be compared. A student's unit may not make a difference yet, and users'
+-- meshes may be
 -- equal.
 function pictures.check_row(div)
   local seen = {}

@@ -1,4 +1,5 @@
--- Plots by gnuplot from the CSV files that drivers write: .plot. Axes are logarithmic, but for bars and with linear=yes.
+-- Plots by gnuplot from the CSV files that drivers write: .plot. Axes are logarithmic, but for bars and with
+-- linear=yes.
 
 local drive = require("drive")
 local fit = require("fit")
@@ -7,8 +8,9 @@ local fail_at, need, words = drive.fail_at, drive.need, drive.words
 
 local gnuplot = os.getenv("RAYKIT_GNUPLOT") or ""
 
--- Colours that people with any colour vision can distinguish (after M. Okabe and K. Ito, 2008, all with a contrast of 3 : 1
--- to white and to the dark page, where plots are inverted), and points of different shapes for print.
+-- Colours that people with any colour vision can distinguish (after M. Okabe and K. Ito, 2008, all with a
+-- contrast of 3 : 1 to white and to the dark page, where plots are inverted), and points of different shapes
+-- for print.
 local styles = {{"#0072b2", 7}, {"#d55e00", 5}, {"#00875f", 9}, {"#b8578e", 13}, {"#2a8fc4", 11},
   {"#a87400", 6}, {"#000000", 4}, {"#777777", 8}, {"#6a3d9a", 15}}
 
@@ -22,7 +24,8 @@ local function coordinate(div, row, column)
 end
 
 -- Groups the rows into lines, one per value of the column `by`, in the order of the rows. Also returns
--- the number of rows that cannot be plotted, and of points at which a curve runs back: more samples took less time. With `band`, points have the values of its columns, too.
+-- the number of rows that cannot be plotted, and of points at which a curve runs back: more samples took less
+-- time. With `band`, points have the values of its columns, too.
 local function lines_of(div, rows, x, y, by, band)
   local lines, by_title, left_out, back = {}, {}, 0, 0
   for _, row in ipairs(rows) do
@@ -66,7 +69,8 @@ local function tics(lines, axis, i, linear)
   return "set format " .. axis .. (not linear and most / least >= 100 and " '10^{%L}'" or " '%g'")
 end
 
--- Where guides begin and end: at the smallest x and the largest y of all points; rising ones at the smallest y.
+-- Where guides begin and end: at the smallest x and the largest y of all points; rising ones at the smallest
+-- y.
 local function corner(lines)
   local left, right, top, bottom = math.huge, 0, 0, math.huge
   for _, line in ipairs(lines) do
@@ -95,8 +99,8 @@ local function longest_title(lines)
   return longest
 end
 
--- Would a legend at the lower left, or else at the upper right, cover a curve? Its size is about that of its letters,
--- in a plot of 500 x 290; the y axis reaches to powers of ten.
+-- Would a legend at the lower left, or else at the upper right, cover a curve? Its size is about that of its
+-- letters, in a plot of 500 x 290; the y axis reaches to powers of ten.
 local function covers(lines, at_upper_right)
   local left, right, top, bottom = corner(lines)
   bottom, top = math.floor(math.log(bottom, 10)), math.ceil(math.log(top, 10))
@@ -120,7 +124,8 @@ local function covers(lines, at_upper_right)
   return false
 end
 
--- The legend is placed where falling or rising lines leave room; for many lines, or where errors leave none, below the plot.
+-- The legend is placed where falling or rising lines leave room; for many lines, or where errors leave none,
+-- below the plot.
 local many = 4
 
 local function falls(lines)
@@ -188,9 +193,10 @@ local function band_of(script, line, i)
   return string.format("$band%d using 1:2:3 with filledcurves lc rgb '%s' fs transparent solid 0.25 notitle", i, styles[i][1])
 end
 
--- Puts the slope of each curve of errors over the number of samples into the legend: that of a table with a row per
--- method, if the directive names one (slopes=NAME), else a fit. Errors whose band reaches 0 are those of the reference; where
--- seeds differ by more than `unsteady` times, the variance may be infinite, and a slope is luck.
+-- Puts the slope of each curve of errors over the number of samples into the legend: that of a table with a
+-- row per method, if the directive names one (slopes=NAME), else a fit. Errors whose band reaches 0 are those
+-- of the reference; where seeds differ by more than `unsteady` times, the variance may be infinite, and a
+-- slope is luck.
 local unsteady = 4
 
 local function name_slopes(div, lines, feature)

@@ -105,7 +105,8 @@ function present.formula(span)
   return span
 end
 
--- A short formula stays in one line with the punctuation beside it: to the browser, it is a box with room to break around it.
+-- A short formula stays in one line with the punctuation beside it: to the browser, it is a box with room to
+-- break around it.
 function present.tie(inlines)
   for i = #inlines, 1, -1 do
     local formula, before, behind = inlines[i], inlines[i - 1], inlines[i + 1]

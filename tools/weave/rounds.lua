@@ -14,7 +14,8 @@ local function place_of_median(header)
   end
 end
 
--- Adds the medians of a round's tables to those measured so far, by table and by what stands before the median.
+-- Adds the medians of a round's tables to those measured so far, by table and by what stands before the
+-- median.
 local function collect(measured, folder, list)
   for _, path in ipairs(list(folder, "tables/*.csv")) do
     local name, header, rows = path:match("[^/]+$"), csv.read(path)
@@ -67,8 +68,8 @@ local function tables_of(measured)
   return tables
 end
 
--- Runs each of the configurations by run(configuration, folder), in rounds with folders below `scraps`. list(folder,
--- pattern) lists files. Returns each configuration's tables.
+-- Runs each of the configurations by run(configuration, folder), in rounds with folders below `scraps`.
+-- list(folder, pattern) lists files. Returns each configuration's tables.
 function rounds.measure(configurations, planned, run, list, scraps)
   local measured = {}
   for _, configuration in ipairs(configurations) do measured[configuration] = {} end

@@ -1,6 +1,6 @@
--- The files of the source tree to which a page links, each as a page of its own in the folder source beside it, with
--- numbered lines: whoever is given the folder alone can read them. With RAYKIT_SOURCES=linked, in a pack for students,
--- links lead to the files themselves, which are theirs to change.
+-- The files of the source tree to which a page links, each as a page of its own in the folder source beside
+-- it, with numbered lines: whoever is given the folder alone can read them. With RAYKIT_SOURCES=linked, in a
+-- pack for students, links lead to the files themselves, which are theirs to change.
 
 local code = require("code")
 local drive = require("drive")
@@ -55,7 +55,8 @@ local page = [[
 </html>
 ]]
 
--- Writes these pages. `pages` has the page of each name to which their own links lead, `solutions` says whether students'
+-- Writes these pages. `pages` has the page of each name to which their own links lead, `solutions` says
+-- whether students'
 -- parts are shown.
 function sources.write(pages, solutions)
   for _, path in ipairs(paths) do

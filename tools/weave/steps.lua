@@ -1,5 +1,5 @@
--- The code of the steps that explain a pixel: the functions and lines of src/driver/pixel_code.c, as texts that a live
--- figure shows. A line that its function no longer has stops the weaver.
+-- The code of the steps that explain a pixel: the functions and lines of src/driver/pixel_code.c, as texts
+-- that a live figure shows. A line that its function no longer has stops the weaver.
 
 local code = require("code")
 local drive = require("drive")
@@ -22,7 +22,8 @@ local function line_with(part, text, place, solutions)
   return found or 1
 end
 
--- {"FILE, FUNCTION: LINE": {text, numbers, now}}: the function's lines, their numbers in the file, and which it is.
+-- {"FILE, FUNCTION: LINE": {text, numbers, now}}: the function's lines, their numbers in the file, and which
+-- it is.
 function steps.script(solutions)
   local table_text, parts = drive.read_file(drive.source .. "/src/driver/pixel_code.c"), {}
   for name, place, part in table_text:gmatch('{"(src/[^"]*)", "([^"]*)", "([^"]*)"}') do

@@ -1,9 +1,10 @@
--- What drivers have made, kept in a folder of the build: an entry for each command line, with a digest of all else that
--- decides about it. Report and book share the folder; an interrupted weaving goes on where it was, and a changed program
--- draws anew. A pack has such a folder, too (RAYKIT_RECORD), whose entries serve any program.
+-- What drivers have made, kept in a folder of the build: an entry for each command line, with a digest of all
+-- else that decides about it. Report and book share the folder; an interrupted weaving goes on where it was,
+-- and a changed program draws anew. A pack has such a folder, too (RAYKIT_RECORD), whose entries serve any
+-- program.
 --
--- An entry has: key, the command; by, the digest; printed, the driver's output, with {folder} in place of its folder;
--- files, their list; made, the folder with them.
+-- An entry has: key, the command; by, the digest; printed, the driver's output, with {folder} in place of its
+-- folder; files, their list; made, the folder with them.
 
 local csv = require("csv")
 
@@ -46,7 +47,8 @@ end
 -- A file's digest; empty where there is none.
 function store.digest_of_file(path)
   if not digests[path] then
-    digests[path] = first_line_of("{ sha256sum <" .. quote(path) .. " || shasum -a 256 <" .. quote(path) .. "; } 2>/dev/null")
+    digests[path] = first_line_of(
+      "{ sha256sum <" .. quote(path) .. " || shasum -a 256 <" .. quote(path) .. "; } 2>/dev/null")
   end
   return digests[path]
 end
@@ -55,8 +57,8 @@ end
 local function digest_of_named(path)
   local folder = path:match("^(.*)/[^/]*$") or "."
   digests[folder .. "/"] = digests[folder .. "/"] or first_line_of("find " .. quote(folder) ..
-    " -maxdepth 2 -type f \\( -iname '*.mtl' -o -iname '*.bin' -o -iname '*.png' -o -iname '*.jp*g' -o -iname '*.tga' -o -iname '*.bmp' " ..
-    "-o -iname '*.exr' -o -iname '*.hdr' \\) -exec ls -ln {} + 2>/dev/null | cksum")
+    " -maxdepth 2 -type f \\( -iname '*.mtl' -o -iname '*.bin' -o -iname '*.png' -o -iname '*.jp*g' -o " ..
+    "-iname '*.tga' -o -iname '*.bmp' -o -iname '*.exr' -o -iname '*.hdr' \\) -exec ls -ln {} + 2>/dev/null | cksum")
   return store.digest_of_file(path) .. digests[folder .. "/"]
 end
 
@@ -74,14 +76,17 @@ function store.digest(files, named, texts)
   local parts = {table.unpack(texts)}
   for _, path in ipairs(files) do parts[#parts + 1] = store.digest_of_file(path) end
   for _, word in ipairs(named) do
-    if word:find("[./]") and store.digest_of_file(word) ~= "" then parts[#parts + 1] = digest_of_named(word) end
+    if word:find("[./]") and store.digest_of_file(word) ~= "" then
+      parts[#parts + 1] = digest_of_named(word)
+    end
   end
   return pandoc.utils.sha1(table.concat(parts, "\n"))
 end
 
 -- --- use -----------------------------------------------------------------------------------------
 
--- How many columns name a row, all if it is not known. Timings and errors are measured again under the same name.
+-- How many columns name a row, all if it is not known. Timings and errors are measured again under the same
+-- name.
 local function key_columns(header)
   for i, column in ipairs(header) do
     if column == "median" or column == "seconds" and header[i - 1] == "samples" then return i - 1 end
@@ -111,7 +116,8 @@ local function copy(from, to)
   return text and file and file:write(text) and file:close()
 end
 
--- Puts an entry's files into a folder, and returns what the driver printed; or nil and the file that cannot be written.
+-- Puts an entry's files into a folder, and returns what the driver printed; or nil and the file that cannot
+-- be written.
 function store.place(entry, folder)
   for name in (read(entry .. "/files") or ""):gmatch("[^\n]+") do
     local from, to = entry .. "/made/" .. name, folder .. "/" .. name
@@ -128,7 +134,8 @@ end
 -- The names of an entry's tables, one after the other.
 function store.tables(entry) return (read(entry .. "/files") or ""):gmatch("tables/([^\n]+)%.csv") end
 
--- Keeps tables, {header, rows} by their files' names, as an entry. Returns its path, or nil where it cannot be written.
+-- Keeps tables, {header, rows} by their files' names, as an entry. Returns its path, or nil where it cannot
+-- be written.
 function store.keep(key, by, tables)
   local entry = store.path(key)
   local part, names, done = entry .. ".part", {}, true

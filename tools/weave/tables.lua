@@ -15,8 +15,8 @@ function tables.name(element)
   return element.attributes.keep or element.attributes.table or need(element, "driver")
 end
 
--- The values that rows must have in some columns: where="method=grid threads=1"; _ stands for a space, too, and
--- a * at the end for anything.
+-- The values that rows must have in some columns: where="method=grid threads=1"; _ stands for a space, too,
+-- and a * at the end for anything.
 local function conditions(element, where)
   local wanted = {}
   for _, word in ipairs(words(where)) do
@@ -61,8 +61,8 @@ function tables.check_kept()
   end
 end
 
--- The rows that an element selects by `where` (its attribute), cells by column, and the set of columns. Rows of users'
--- meshes are among them only if asked for: the texts say nothing of these.
+-- The rows that an element selects by `where` (its attribute), cells by column, and the set of columns. Rows
+-- of users' meshes are among them only if asked for: the texts say nothing of these.
 function tables.read(element, where, with_meshes)
   local header, lines = csv.read(drive.out .. "/tables/" .. tables.name(element) .. ".csv")
   if not header then drive.fail_by_driver(element, "%s", lines) end
@@ -236,7 +236,8 @@ end
 
 -- --- directives ------------------------------------------------------------------------------
 
--- Titles for metrics and methods, from labels="render_3_30: render, f = 3, A = 30; sah50_3: sah, all axes; ...".
+-- Titles for metrics and methods, from labels="render_3_30: render, f = 3, A = 30; sah50_3: sah, all axes;
+-- ...".
 local function own_titles(div, metrics, rows)
   local titles, wanted = {}, {}
   for _, metric in ipairs(metrics) do wanted[metric] = true end
@@ -366,7 +367,8 @@ end
 -- Set by values.lua: takes a span, its name and its number.
 tables.on_name = nil
 
--- One number from the driver's table. It has a place in the record of its own, because a later run with other options may
+-- One number from the driver's table. It has a place in the record of its own, because a later run with other
+-- options may
 -- replace its row.
 function tables.measured(span)
   if span.attributes.column then return one_cell(span) end

@@ -6,15 +6,16 @@
 --   pyramid = milliseconds where method=pyramid radius=15
 --   ```
 -- names cells of tables/bloom_errors.csv: a column, and what the cell's row must have in others, with _ for a
--- space. "largest milliseconds where ..." and "least ..." choose from several rows, "slope of rmse over samples
--- where ..." is that of a straight line through their logarithms, from 4 samples on. where=... holds for all lines of the block.
--- A driver runs as for .table, with timings=yes as for .timings. Nothing of the block is shown. With optional=yes
--- rows may be missing, of an instruction set that the machine lacks for instance; their sentences are not judged.
+-- space. "largest milliseconds where ..." and "least ..." choose from several rows, "slope of rmse over
+-- samples where ..." is that of a straight line through their logarithms, from 4 samples on. where=... holds
+-- for all lines of the block. A driver runs as for .table, with timings=yes as for .timings. Nothing of the
+-- block is shown. With optional=yes rows may be missing, of an instruction set that the machine lacks for
+-- instance; their sentences are not judged.
 --
 --   [At this radius the pyramid is slower]{.check that="pyramid > exact"}
 -- stays as it is. If the numbers say otherwise the page marks it, with the numbers, and making the page fails
--- (weave.sh), though the page is there: another machine may measure otherwise. Of times that were measured once (without
--- MEASURED=1) the page only says so. Quick trials (a quick make bench,
+-- (weave.sh), though the page is there: another machine may measure otherwise. Of times that were measured
+-- once (without MEASURED=1) the page only says so. Quick trials (a quick make bench,
 -- too) and students' units are not judged, but the expression must have a value.
 --
 --   [1.5]{.value is="pyramid / exact" digits=2}
@@ -170,7 +171,8 @@ local function judge(span, verdict, reason)
   else verdicts[file][verdict] = verdicts[file][verdict] + 1 end
 end
 
--- A line for each section; the wrong sentences at the end of theirs. weave.sh prints it last, and fails if there are any.
+-- A line for each section; the wrong sentences at the end of theirs. weave.sh prints it last, and fails if
+-- there are any.
 local function write_verdict()
   local lines, wrong = pandoc.List(), 0
   for _, file in ipairs(sections) do

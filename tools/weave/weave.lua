@@ -7,11 +7,12 @@
 --   :::
 -- runs the driver and becomes its picture, with the caption and the driver's line of parameters below.
 -- A picture that is mostly black, or small in its frame, is a mistake unless dark=yes.
--- With each=mesh it is repeated for every file in MESHES (and left out if there is none); a note says where little can
+-- With each=mesh it is repeated for every file in MESHES (and left out if there is none); a note says where
+-- little can
 -- be seen of one.
 --
--- crop="0.5 0.2 0.25 0.25" shows a part of the picture, magnified (crop.lua); label="0.6 0.3 0.8 0.2 red pane; ..."
--- puts words over it (labels.lua).
+-- crop="0.5 0.2 0.25 0.25" shows a part of the picture, magnified (crop.lua); label="0.6 0.3 0.8 0.2 red
+-- pane; ..." puts words over it (labels.lua).
 --
 --   :::: {.row}
 --   ::: {.figure ...}
@@ -29,8 +30,9 @@
 --   :::
 -- times the driver on each scene and each mesh, once without and once with each of the variants
 -- (separated by commas), and becomes a table with a column for each of the metrics, from the
--- driver's CSV file; labels="build: building; ..." names them otherwise. rows="scene method" has a row for each scene and method; rows="scene" is
--- the default, rows=none has a row for each metric, where the scene plays no part.
+-- driver's CSV file; labels="build: building; ..." names them otherwise. rows="scene method" has a row for
+-- each scene and method; rows="scene" is the default, rows=none has a row for each metric, where the scene
+-- plays no part.
 --
 --   ::: {.table driver=shadows args="--convergence" columns="method, samples, rmse: error"}
 --   The caption.
@@ -43,17 +45,18 @@
 --   ::: {.plot driver=shadows args="--convergence" x=samples y=rmse by=method}
 -- plots a column over another, both with logarithmic axes, a line for each value of a third; from
 -- the same table. xlabel="..." and ylabel="..." name the axes, with their units, if the columns'
--- names do not suffice. Where the table has columns y_low and y_high (rmse_low, rmse_high), they are a band, and if it has
--- samples, too, the legend has each curve's slope over their number: fitted, or with slopes=NAME from tables/NAME.csv.
--- guides="-1/2 -1" adds grey lines of these slopes (rising ones from the lowest point on), and name=... names the picture's file.
--- linear=yes has linear axes; mark=least names the least value of each line; yrange="1e-3 1e5" gives two plots the same axis.
--- bars=yes draws bars from 0 on instead, beside each other for the values of `by`; x may be any text.
+-- names do not suffice. Where the table has columns y_low and y_high (rmse_low, rmse_high), they are a band,
+-- and if it has samples, too, the legend has each curve's slope over their number: fitted, or with
+-- slopes=NAME from tables/NAME.csv. guides="-1/2 -1" adds grey lines of these slopes (rising ones from the
+-- lowest point on), and name=... names the picture's file. linear=yes has linear axes; mark=least names the
+-- least value of each line; yrange="1e-3 1e5" gives two plots the same axis. bars=yes draws bars from 0 on
+-- instead, beside each other for the values of `by`; x may be any text.
 --
 -- driver=bench stands for tools/bench.py, whose tables are those of make bench: the full measurement if
 -- this build has one, else the quick one.
 --
---   ::: {.plot driver=bvh_median scenes="statue:1000 statue:10000" metrics="build render" ylabel="median time"}
--- times as .timings does and plots the metrics over the number of triangles, or over x=...
+--   ::: {.plot driver=bvh_median scenes="statue:1000 statue:10000" metrics="build render" ylabel="median
+-- time"} times as .timings does and plots the metrics over the number of triangles, or over x=...
 --
 -- where="threads=1 method=grid" keeps .timings, .table and .plot to rows with these values.
 --
@@ -72,7 +75,8 @@
 -- stays only if tables/peers.csv was measured before the page is woven; .unless_measured is its counterpart.
 --
 --   [boxes]{.measured driver=bvh_median scene=statue:87130 metric=build}
--- becomes that one number; so does [gain]{.measured driver=bench table=accuracy where="case=lens" column=time_ratio},
+-- becomes that one number; so does [gain]{.measured driver=bench table=accuracy where="case=lens"
+-- column=time_ratio},
 -- from any table of a driver.
 --
 --   [sobol]{.default driver=depth_of_field option=lens-sampling}
@@ -89,12 +93,13 @@
 --
 -- Environment: RAYKIT_WEAVES (report or book), RAYKIT_SOURCE, RAYKIT_SOURCE_LINK (the
 -- path from the page to it), RAYKIT_DRIVERS (the folder over assignments/ with the drivers),
--- RAYKIT_BUILD, RAYKIT_WRONG (the command that draws wrong pictures, empty in a pack), RAYKIT_STORE (the folder of what
--- drivers made), RAYKIT_RECORD (a pack's, or empty), RAYKIT_MEASURED (not empty: times are measured carefully),
--- RAYKIT_MACHINE (whose times they are), RAYKIT_PROCESSORS (their number), RAYKIT_TERMINAL (not empty: progress is told in one line), RAYKIT_ALONE (the
--- features that are woven alone, empty for all), RAYKIT_UNITS (the name of their units' author, empty for
--- the kit's own), RAYKIT_OUT, RAYKIT_SCRAPS (for temporary files), MESHES, RAYKIT_RUNS, RAYKIT_SIZE
--- (pixels per side, empty for the drivers' own), RAYKIT_GNUPLOT (empty: no plots).
+-- RAYKIT_BUILD, RAYKIT_WRONG (the command that draws wrong pictures, empty in a pack), RAYKIT_STORE (the
+-- folder of what drivers made), RAYKIT_RECORD (a pack's, or empty), RAYKIT_MEASURED (not empty: times are
+-- measured carefully), RAYKIT_MACHINE (whose times they are), RAYKIT_PROCESSORS (their number),
+-- RAYKIT_TERMINAL (not empty: progress is told in one line), RAYKIT_ALONE (the features that are woven alone,
+-- empty for all), RAYKIT_UNITS (the name of their units' author, empty for the kit's own), RAYKIT_OUT,
+-- RAYKIT_SCRAPS (for temporary files), MESHES, RAYKIT_RUNS, RAYKIT_SIZE (pixels per side, empty for the
+-- drivers' own), RAYKIT_GNUPLOT (empty: no plots).
 
 local drive = require("drive")
 local glossary = require("glossary")

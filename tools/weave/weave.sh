@@ -185,6 +185,7 @@ give_up_after_all() {
 
 # The store stays bounded: it keeps the entries that were used last, and no remains of what was interrupted.
 kept_entries=3000 # two or three times what report and book have
+# shellcheck disable=SC2012 # entries are named by digests
 tidy_store() {
     [ -d "$RAYKIT_STORE" ] || return 0
     (cd "$RAYKIT_STORE" && xargs touch -c <"$RAYKIT_OUT/used" && ls -t | tail -n +$kept_entries | xargs rm -rf &&
