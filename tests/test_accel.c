@@ -28,8 +28,7 @@ static rk_mesh part_of(const rk_scene *scene, uint32_t first, uint32_t count)
     return part;
 }
 
-/* --- The wide tree in binary -------------------------------------------------------------------
- */
+/* --- The wide tree in binary ------------------------------------------------------------------ */
 
 static void binary_trees_of_moving_objects_are_sound(void **state)
 {
@@ -115,8 +114,7 @@ static void a_binary_tree_is_never_too_deep(void **state)
     rk_scene_free(&scene);
 }
 
-/* --- The same hits -----------------------------------------------------------------------------
- */
+/* --- The same hits ---------------------------------------------------------------------------- */
 
 static rk_ray_batch make_rays(uint32_t key)
 {
@@ -211,8 +209,7 @@ static void a_visitor_sees_each_triangle_that_is_hit_once(void **state)
     rk_scene_free(&scene);
 }
 
-/* --- Trees that find nothing -------------------------------------------------------------------
- */
+/* --- Trees that find nothing ------------------------------------------------------------------ */
 
 static void real_trees_find_triangles(void **state)
 {

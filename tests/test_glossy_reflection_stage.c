@@ -387,8 +387,7 @@ static void rays_of_a_mirror_share_their_work(void **state)
     rk_scene_free(&scene);
 }
 
-/* --- Without rough mirrors ---------------------------------------------------------------------
- */
+/* --- Without rough mirrors -------------------------------------------------------------------- */
 
 static void check_same_as_perfect(const rk_scene *scene, rk_render_options options,
                                   const char *hint)

@@ -97,8 +97,7 @@ static rk_light random_light(rk_vec3 centre, float size, uint32_t key)
                       .colours = {{1, 1, 1}, {1, 1, 1}, {1, 1, 1}, {1, 1, 1}}};
 }
 
-/* --- Against rays ------------------------------------------------------------------------------
- */
+/* --- Against rays ----------------------------------------------------------------------------- */
 
 typedef struct place {
     const char *scene;
@@ -245,8 +244,7 @@ static void every_tree_gives_the_same_answer(void **state)
     }
 }
 
-/* --- One triangle -------------------------------------------------------------------------------
- */
+/* --- One triangle ----------------------------------------------------------------------------- */
 
 /* Scaled; turned by a rotation without an axis of space in it, where no box separates. */
 static rk_vec3 turn(rk_vec3 v, float scale, bool turned)
@@ -344,8 +342,7 @@ static void a_sphere_counts_if_it_reaches_into_the_pyramid(void **state)
     rk_scene_free(&scene);
 }
 
-/* --- Rounding -----------------------------------------------------------------------------------
- */
+/* --- Rounding --------------------------------------------------------------------------------- */
 
 /* One triangle and a light that do not touch, but may for a ray that is rounded. */
 static void what_is_nearer_than_rays_are_accurate_counts(void **state)

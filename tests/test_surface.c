@@ -533,8 +533,7 @@ static void the_step_is_a_few_error_bounds(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* --- Vectors in registers ----------------------------------------------------------------------
- */
+/* --- Vectors in registers --------------------------------------------------------------------- */
 
 /* The same formulas as in surface.c, component by component: what vectors in registers must repeat
  * to the bit, because pictures may not depend on how they are computed. */

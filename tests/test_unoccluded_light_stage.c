@@ -173,8 +173,7 @@ static void the_quadrature_takes_at_most_as_many_nodes_as_samples(void **state)
     rk_scene_free(&near);
 }
 
-/* --- To the bit --------------------------------------------------------------------------------
- */
+/* --- To the bit ------------------------------------------------------------------------------- */
 
 /* Highlights, which are sampled at any distance. */
 static void make_glossy(rk_scene *scene, rk_render_options *options)
@@ -272,8 +271,7 @@ static void a_light_across_the_horizon_or_close_by_is_sampled(void **state)
     rk_scene_free(&box);
 }
 
-/* --- Occluders ---------------------------------------------------------------------------------
- */
+/* --- Occluders -------------------------------------------------------------------------------- */
 
 static void an_occluder_is_not_overlooked(void **state)
 {

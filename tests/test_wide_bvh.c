@@ -11,8 +11,7 @@
 
 #include <float.h>
 
-/* --- Trees to try ------------------------------------------------------------------------------
- */
+/* --- Trees to try ----------------------------------------------------------------------------- */
 
 static rk_bvh build_binary(const rk_mesh *mesh)
 {
@@ -73,8 +72,7 @@ static rk_mesh make_walls(uint32_t walls)
     return mesh;
 }
 
-/* --- The tree ----------------------------------------------------------------------------------
- */
+/* --- The tree --------------------------------------------------------------------------------- */
 
 static void a_node_is_four_cache_lines_and_a_block_less_than_three(void **state)
 {
@@ -190,8 +188,7 @@ static void identical_triangles_share_leaves_of_many_blocks(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* --- Its cost ----------------------------------------------------------------------------------
- */
+/* --- Its cost --------------------------------------------------------------------------------- */
 
 /* The cost that features/wide_bvh.c defines: the area of each node, and of each leaf times its
  * blocks. */
@@ -285,8 +282,7 @@ static void nodes_and_blocks_are_nearly_full(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* --- Rays --------------------------------------------------------------------------------------
- */
+/* --- Rays ------------------------------------------------------------------------------------- */
 
 static void check_hit(rk_hit got, rk_hit want, const char *ray)
 {
@@ -477,8 +473,7 @@ static void rays_of_nan_and_infinity_miss(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* --- No more work than needed ------------------------------------------------------------------
- */
+/* --- No more work than needed ----------------------------------------------------------------- */
 
 static rk_counters work_of_closest(const rk_wide_bvh *wide, const rk_ray *ray)
 {
@@ -612,8 +607,7 @@ static void eight_at_once_take_a_third_of_the_steps(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* --- Limits ------------------------------------------------------------------------------------
- */
+/* --- Limits ----------------------------------------------------------------------------------- */
 
 enum { DEEP = RK_BVH_LEVELS_MAX + 40 };
 

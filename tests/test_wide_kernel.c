@@ -72,8 +72,7 @@ static uint32_t check_batch(const trees *t, const rk_ray_batch *rays, const char
     return hit_count;
 }
 
-/* --- Rays ---------------------------------------------------------------------------------------
- */
+/* --- Rays ------------------------------------------------------------------------------------- */
 
 /* From around one point to around another; narrow batches are traced as packets. */
 static void fill(rk_ray_batch *rays, uint32_t key, float width)
@@ -452,8 +451,7 @@ static void a_nan_leaves_its_neighbours_alone(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* --- The choice ---------------------------------------------------------------------------------
- */
+/* --- The choice ------------------------------------------------------------------------------- */
 
 static void unknown_instruction_sets_are_refused(void **state)
 {

@@ -95,8 +95,7 @@ static void set_centres(rk_bvh_part *part, bounds centres)
     part->centres_high = centres.high;
 }
 
-/* --- Large parts, by all threads ---------------------------------------------------------------
- */
+/* --- Large parts, by all threads -------------------------------------------------------------- */
 
 typedef struct chunk_job {
     const rk_bvh_parts *parts;
@@ -168,8 +167,7 @@ static void copy_together(const binning *b, const split *at, const rk_bvh_parts 
             centres[side] = merge(centres[side], parts->chunks[i].centres[side]);
 }
 
-/* --- Splitting ---------------------------------------------------------------------------------
- */
+/* --- Splitting -------------------------------------------------------------------------------- */
 
 /* Halves of the order as it stands, without a copy. */
 static void cut(const rk_bvh_parts *parts, const rk_bvh_part *part, uint32_t left_count,
@@ -244,8 +242,7 @@ bool rk_bvh_part_split(const rk_bvh_parts *parts, const rk_bvh_part *part, rk_bv
     return true;
 }
 
-/* --- Start and end -----------------------------------------------------------------------------
- */
+/* --- Start and end ---------------------------------------------------------------------------- */
 
 typedef struct start_job {
     const rk_mesh *mesh;
@@ -340,8 +337,7 @@ void rk_bvh_parts_free(rk_bvh_parts *parts)
     free(parts);
 }
 
-/* --- A part's properties -----------------------------------------------------------------------
- */
+/* --- A part's properties ---------------------------------------------------------------------- */
 
 /* Counted in blocks: a leaf costs one for each, a split one for the node and those of its halves.
  */

@@ -107,8 +107,7 @@ rk_pyramid rk_pyramid_around(const rk_vec3 *apexes, uint32_t count, const rk_lig
     return pyramid;
 }
 
-/* --- A triangle, a sphere ------------------------------------------------------------------------
- */
+/* --- A triangle, a sphere --------------------------------------------------------------------- */
 
 static bool is_beyond_box(const rk_box *box, rk_vec3 low, rk_vec3 high)
 {

@@ -50,8 +50,7 @@ void rk_accel_occluded_static(const rk_accel *accel, const rk_ray_batch *rays,
     }
 }
 
-/* --- Moving objects, at rest -------------------------------------------------------------------
- */
+/* --- Moving objects, at rest ------------------------------------------------------------------ */
 
 /* Adds the hits in one object to those of the rest. */
 static void closest_in_object(const rk_tree *tree, const rk_ray_batch *rays, rk_hit_batch *hits,

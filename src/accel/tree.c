@@ -3,8 +3,7 @@
 #include "features/bvh_median.h"
 #include "scene/bvh_build.h"
 
-/* --- Batches -----------------------------------------------------------------------------------
- */
+/* --- Batches ---------------------------------------------------------------------------------- */
 
 void rk_tree_closest(const rk_tree *tree, const rk_ray_batch *rays, rk_hit_batch *hits,
                      rk_counters *counters)
@@ -29,8 +28,7 @@ void rk_tree_occluded(const rk_tree *tree, const rk_ray_batch *rays, rk_occlusio
     }
 }
 
-/* --- Leaves ------------------------------------------------------------------------------------
- */
+/* --- Leaves ----------------------------------------------------------------------------------- */
 
 /* A node that the ray enters, and where. */
 typedef struct entered_node {
@@ -77,8 +75,7 @@ void rk_tree_visit_leaves(const rk_tree *tree, const rk_ray *ray, rk_leaf_visito
         visit_binary_leaves(tree->bvh, ray, visitor, counters);
 }
 
-/* --- Does a tree find anything? ----------------------------------------------------------------
- */
+/* --- Does a tree find anything? --------------------------------------------------------------- */
 
 enum { TRIED = 64 }; /* rays; a tree that finds any triangle usually finds the first */
 

@@ -29,8 +29,7 @@ typedef struct wide_builder {
     subtree tasks[tasks_max];
 } wide_builder;
 
-/* --- Memory ------------------------------------------------------------------------------------
- */
+/* --- Memory ----------------------------------------------------------------------------------- */
 
 /* Of scanned surfaces there are a seventeenth as many nodes as triangles, and a quarter as many
  * blocks. */
@@ -82,8 +81,7 @@ static bool reserve_block(subtree *tree)
     return blocks;
 }
 
-/* --- Leaves ------------------------------------------------------------------------------------
- */
+/* --- Leaves ----------------------------------------------------------------------------------- */
 
 /* Places from `count` on repeat the last triangle. */
 static void fill_block(rk_wide_block *block, const wide_builder *b, const rk_bvh_part *part,
@@ -115,8 +113,7 @@ static bool add_leaf(subtree *tree, const wide_builder *b, const rk_bvh_part *pa
     return true;
 }
 
-/* --- Nodes -------------------------------------------------------------------------------------
- */
+/* --- Nodes ------------------------------------------------------------------------------------ */
 
 typedef struct part_family {
     uint32_t count;
@@ -232,8 +229,7 @@ static bool build_root(subtree *tree, wide_builder *b)
     return true;
 }
 
-/* --- All together ------------------------------------------------------------------------------
- */
+/* --- All together ----------------------------------------------------------------------------- */
 
 static void run_task(uint32_t index, uint32_t thread, void *context)
 {

@@ -275,8 +275,7 @@ static void occluded_of_batch(const rk_wide_bvh *wide, const rk_ray_batch *rays,
         memset(answers->occluded, 0, rays->count * sizeof *answers->occluded);
 }
 
-/* --- Leaves ------------------------------------------------------------------------------------
- */
+/* --- Leaves ----------------------------------------------------------------------------------- */
 
 static void visit_block(const rk_wide_block *block, rk_leaf_visitor *visitor)
 {

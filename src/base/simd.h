@@ -495,8 +495,7 @@ RK_SIMD_TYPE(rk_d8, double, 8, rk_nd)
 
 #endif
 
-/* --- Between types -----------------------------------------------------------------------------
- */
+/* --- Between types ---------------------------------------------------------------------------- */
 
 /* Four and eight floats as doubles. */
 RK_INLINE rk_d4 rk_d4_widen(const float *x)

@@ -69,8 +69,7 @@ static inline uint32_t may_hit(const rk_wide_block *block, const rk_ray *ray, fl
 static void closest_in_block(const rk_wide_block *block, const rk_ray *ray, rk_hit *hit);
 static bool block_occludes(const rk_wide_block *block, const rk_ray *ray);
 
-/* --- Which nodes to keep -----------------------------------------------------------------------
- */
+/* --- Which nodes to keep ---------------------------------------------------------------------- */
 
 static uint32_t blocks_of(uint32_t triangles)
 {

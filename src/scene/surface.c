@@ -85,8 +85,7 @@ static inline rk_simd4 interpolated4(const rk_simd4 corners[3], rk_simd4 weights
            corners[2] * RK_SIMD4_SHUFFLE(weights, weights, 2, 2, 2, 2);
 }
 
-/* --- The surface at a hit ----------------------------------------------------------------------
- */
+/* --- The surface at a hit --------------------------------------------------------------------- */
 
 /* Summed in double and rounded once: in float, 1 - u - v loses its digits near the edge opposite a,
  * and a distant corner would then move the point off the plane. */
@@ -197,8 +196,7 @@ rk_vec3 rk_surface_textured_kd(const rk_surface *surface, const rk_mesh *mesh)
     return rk_mul(material->kd, rk_texture_at(material->kd_texture, uv));
 }
 
-/* --- Rays from a surface -----------------------------------------------------------------------
- */
+/* --- Rays from a surface ---------------------------------------------------------------------- */
 
 /* The next float in the direction of `step`, by counting its bits up or down. Infinity stays. */
 static inline rk_simd4 round_outward(rk_simd4 value, rk_simd4 step)

@@ -76,8 +76,7 @@ void rk_wide_block_finish(rk_wide_block *block)
     memset(block->unused, 0, sizeof block->unused);
 }
 
-/* --- The same in binary ------------------------------------------------------------------------
- */
+/* --- The same in binary ----------------------------------------------------------------------- */
 
 /* Some children of a node. */
 typedef struct siblings {

@@ -58,7 +58,8 @@ local function digest_of_named(path)
   local folder = path:match("^(.*)/[^/]*$") or "."
   digests[folder .. "/"] = digests[folder .. "/"] or first_line_of("find " .. quote(folder) ..
     " -maxdepth 2 -type f \\( -iname '*.mtl' -o -iname '*.bin' -o -iname '*.png' -o -iname '*.jp*g' -o " ..
-    "-iname '*.tga' -o -iname '*.bmp' -o -iname '*.exr' -o -iname '*.hdr' \\) -exec ls -ln {} + 2>/dev/null | cksum")
+    "-iname '*.tga' -o -iname '*.bmp' -o -iname '*.exr' -o -iname '*.hdr' \\) " ..
+    "-exec ls -ln {} + 2>/dev/null | cksum")
   return store.digest_of_file(path) .. digests[folder .. "/"]
 end
 

@@ -127,8 +127,7 @@ static bool find_start(const rk_shading_point *point, const view *v, rk_vec3 *st
     return true;
 }
 
-/* --- Groups -----------------------------------------------------------------------------------
- */
+/* --- Groups ----------------------------------------------------------------------------------- */
 
 /* Points that are neighbours in the picture often see the light through the same empty space: one
  * search finds it clear for all of them, or else for each quarter by itself. */
