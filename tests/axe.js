@@ -18,7 +18,7 @@ const VIEWS = [390, 1280].flatMap((width) => ["light", "dark"].map((scheme) => (
 // isn't drawn, the book has been woven without them.
 const EXPLAIN = `(async () => {
   const wait = async (condition) => {
-    for (let tenth = 0; tenth < 100 && !condition(); tenth++) await new Promise((resolve) => setTimeout(resolve, 100));
+    for (let tenth = 0; tenth < 1200 && !condition(); tenth++) await new Promise((resolve) => setTimeout(resolve, 100));
     return condition();
   };
   for (const live of document.querySelectorAll(".live")) {

@@ -40,9 +40,9 @@ class Browser {
     if (answer.exceptionDetails) throw new Error(`${expression}: ${answer.exceptionDetails.exception.description}`);
     return answer.result.value;
   }
-  // Until the expression is true; false after 30 seconds.
+  // Until the expression is true; false after five minutes, which a busy machine may need.
   async until(expression) {
-    for (let tenth = 0; tenth < 300; tenth++) {
+    for (let tenth = 0; tenth < 3000; tenth++) {
       if (await this.value(expression).catch(() => false)) return true;
       await new Promise((resolve) => setTimeout(resolve, 100));
     }

@@ -877,25 +877,30 @@ static void strays_of_a_mesh_file_are_told(void **state)
 
 /* --- Speed ----------------------------------------------------------------------------------- */
 
+/* About 2 ms, the best of five. By turns with an empty shell, which takes about 1 ms: on a machine
+ * that is busy or slow both take longer. */
 static void starting_up_takes_milliseconds(void **state)
 {
-    double best = INFINITY;
+    double best = INFINITY, shell = INFINITY;
     for (int i = 0; i < 5; i++) {
         double start = children_seconds();
+        rk_check_equal(system(":"), 0, "a shell that does nothing");
+        double middle = children_seconds();
         run r = run_well(*state, "--width 1 --height 1 --threads 2");
-        best = fmin(best, children_seconds() - start);
+        shell = fmin(shell, middle - start);
+        best = fmin(best, children_seconds() - middle);
         run_free(&r);
     }
 #if defined(BUILT_WITH_SHADOW_MEMORY)
     const double allowed = 1; /* setting up the shadow alone takes many milliseconds */
 #else
-    const double allowed =
-        0.010; /* it is about 2 ms; the best of five, since other work disturbs */
+    const double allowed = fmax(0.010, 10 * shell);
 #endif
-    rk_check(best < allowed,
-             "one pixel took %.1f ms of processor time: something is loaded or built "
-             "that it does not need",
-             1e3 * best);
+    rk_check(
+        best < allowed,
+        "one pixel took %.1f ms of processor time, an empty shell %.1f ms: something is loaded "
+        "or built that it does not need",
+        1e3 * best, 1e3 * shell);
 }
 
 static const struct CMUnitTest tests[] = {
