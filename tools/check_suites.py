@@ -17,6 +17,9 @@ For each feature of assignments/features.tsv:
 This is mutation testing (DeMillo, Lipton, Sayward, "Hints on test data selection", 1978) with
 mistakes that people made, not random ones.
 
+RAYKIT_VERDICTS names a folder in which killed mutants are noted by the digest of all that decides it, so
+that later runs need not kill them again; FRESH=1 kills all of them anew (tools/grading/verdict_store.py).
+
 Prints a line for each feature and each fault; the exit status is 0 if there is none. The build
 tells by RAYKIT_COMPILE and RAYKIT_LINK how it compiles and links, and by RAYKIT_LIBS with what.
 """
@@ -27,7 +30,9 @@ import csv
 import os
 import pathlib
 import re
+import resource
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -39,10 +44,14 @@ from grading import assignments
 from grading import reading_order
 from grading import starters
 from grading import unit_rules
+from grading import verdict_store
 from grading.mutants import MutantError, mutate, read_mutants
 
 FEWEST_MUTANTS = 8
-SECONDS = 20  # for one test: a slow one takes half a second, ten times that under sanitizers
+SECONDS = 20  # of processor time for one test: a slow one takes half a second, ten times that under sanitizers
+PATIENCE = 10  # times as long by the clock, for one that waits
+# A mutant's time is its compiler's. The verdict is the same: no flag of the build changes a result.
+QUICKLY = ["-w", "-O0", "-g0"]
 SANITIZE = ["-fsanitize=address,undefined", "-fno-sanitize-recover=all", "-fno-omit-frame-pointer"]
 
 # A sanitizer's report has a status of its own, and cmocka's handlers do not turn a crash into an
@@ -84,6 +93,11 @@ def read_table(path):
         return list(csv.DictReader(file, delimiter="\t"))
 
 
+def includes_of(text):
+    """Returns a unit's preprocessor lines, on which it depends which files it includes."""
+    return re.findall(r"^\s*#.*$", text, re.MULTILINE)
+
+
 def _with_points(rows):
     return [row["test"] for row in rows if row["points"] != "0"]
 
@@ -94,8 +108,8 @@ def _with_points(rows):
 class Builder:
     """Compiles and links as the build does, into a temporary folder."""
 
-    def __init__(self, folder):
-        self.folder = folder
+    def __init__(self, folder, store):
+        self.folder, self.store = folder, store
         self.compiler = shlex.split(os.environ["RAYKIT_COMPILE"])
         self.linker = shlex.split(os.environ["RAYKIT_LINK"])
         self.libraries = shlex.split(os.environ["RAYKIT_LIBS"])
@@ -127,6 +141,20 @@ class Builder:
                  what)
         return target
 
+    def inputs(self, root):
+        """Returns the digest of what decides every feature's verdicts."""
+        digest = verdict_store.Digest()
+        for path in [*sorted((root / "tools" / "grading").glob("*.py")), root / "tools" / "check_suites.py"]:
+            digest.add_file(path.name, path)
+        for command in (self.compiler, QUICKLY, self.linker, self.libraries):
+            digest.add("command", "\0".join(command).replace(str(root), ".").replace(os.getcwd(), "."))
+        verdict_store.add_machine(digest)
+        verdict_store.add_compiler(digest, self.compiler[0])
+        for library in self.libraries:
+            if library.endswith(".a"):
+                verdict_store.add_archive(digest, library)
+        return digest
+
 
 def list_tests(program):
     return subprocess.run([program, "--list"], stdout=subprocess.PIPE, text=True,
@@ -135,14 +163,17 @@ def list_tests(program):
 
 def run_test(program, test, environment=None):
     """Returns the exit status of one test, 0 for passed, and its output. Out of time: 124."""
+    limit = (SECONDS, SECONDS + 1)
     try:
         done = subprocess.run([program, "--only", test], stdin=subprocess.DEVNULL,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace",
-                              env={**os.environ, **(environment or {})}, timeout=SECONDS,
-                              check=False)
-        return done.returncode, done.stdout.strip()
+                              env={**os.environ, **(environment or {})}, timeout=PATIENCE * SECONDS, check=False,
+                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, limit))
     except subprocess.TimeoutExpired:
-        return 124, f"no verdict after {SECONDS} s"
+        return 124, f"no verdict after {PATIENCE * SECONDS} s"
+    if done.returncode == -signal.SIGXCPU:
+        return 124, f"no verdict after {SECONDS} s of processor time"
+    return done.returncode, done.stdout.strip()
 
 
 # --- A feature --------------------------------------------------------------------------------
@@ -166,6 +197,26 @@ class Feature:
                                       ["-w"])
         self.check_rules("reference")
         self.tests = list_tests(self.reference)
+        self.inputs = self.find_inputs() if self.builder.store.folder else None
+
+    def find_inputs(self):
+        """Returns the digest of what decides this feature's verdicts but the unit's text."""
+        digest = self.builder.inputs(self.root)
+        sources = [self.root / "tests" / f"test_{self.stem}.c", self.source]
+        sources += [self.root / "src" / "features" / f"{stem}.c" for stem in self.needs]
+        for source in sources:
+            verdict_store.add_includes(digest, self.builder.compiler, source, self.root)
+        verdict_store.add_shared_libraries(digest, self.reference)
+        return digest
+
+    def verdict_of(self, mutant, text):
+        """Returns the digest of what decides whether this mutant is killed; None where it includes other files."""
+        if not self.inputs or includes_of(text) != includes_of(self.source.read_text(encoding="utf-8")):
+            return None
+        digest = self.inputs.copy()
+        digest.add("unit", text)
+        digest.add("fails", " ".join(mutant.fails))
+        return digest
 
     def compile_common(self, suffix, flags):
         sources = [self.root / "tests" / f"test_{self.stem}.c"]
@@ -287,15 +338,20 @@ class Feature:
         for test in mutant.fails:
             if test not in self.tests:
                 raise Fault(f"{mutant.file}:{mutant.fails_line}: the suite has no test {test}; correct its name")
+        unit = mutate(mutant, self.source.read_text(encoding="utf-8"), self.source.relative_to(self.root))
+        verdict = self.verdict_of(mutant, unit)
+        if verdict and self.builder.store.has(verdict):
+            return
         text = self.builder.folder / f"{self.stem}-{mutant.name}.c"
-        text.write_text(mutate(mutant, self.source.read_text(encoding="utf-8"), self.source.relative_to(self.root)),
-                        encoding="utf-8")
+        text.write_text(unit, encoding="utf-8")
         name = f"{mutant.file}:{mutant.line}: {mutant.name}"
-        program = self.program(text, mutant.name, f"the mutant {name}", ["-w"])
+        program = self.program(text, mutant.name, f"the mutant {name}", QUICKLY)
         survived = [test for test in mutant.fails if run_test(program, test)[0] == 0]
         if survived:
             raise Fault(f"{name} survives {' '.join(survived)}; sharpen the test, or name another that fails for a good "
                         "reason")
+        if verdict:
+            self.builder.store.keep(verdict)
 
     def read_mutants(self):
         """Returns the feature's mutants; none if one of them is not written as it should be."""
@@ -373,7 +429,8 @@ def main():
         return 2
     progress = Progress()
     with tempfile.TemporaryDirectory(prefix="check-suites-") as folder:
-        builder = Builder(pathlib.Path(folder))
+        store = verdict_store.Store(os.environ.get("RAYKIT_VERDICTS", ""), bool(os.environ.get("FRESH")))
+        builder = Builder(pathlib.Path(folder), store)
         features = [Feature(row, root, builder, progress) for row in rows
                     if not stems or row["stem"] in stems]
         try:
@@ -384,7 +441,8 @@ def main():
             return 1
     killed = sum(feature.killed for feature in features)
     faults = sum(len(feature.faults) for feature in features)
-    print(f"{killed} mutants killed" + (f"; faults: {faults}" if faults else ""))
+    known = f", {store.found} of them by the store" if store.found else ""
+    print(f"{killed} mutants killed{known}" + (f"; faults: {faults}" if faults else ""))
     return 1 if faults else 0
 
 
