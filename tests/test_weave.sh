@@ -461,6 +461,7 @@ END
 
     # What was drawn is kept: the driver notes its calls.
     lens=$folder/assignments/01_lens/lens
+    has_parts() { find "$folder/build/drawn" -name '*.part*' | grep -q .; }
     notes() { # notes NUMBER [COMMAND]: the driver, which prints the number
         printf '#!/bin/sh\necho "$*" >>"%s/calls"\n%s\necho "t = %s"\n' "$folder" "${2-}" "$1" >"$lens" && chmod +x "$lens"
     }
@@ -497,26 +498,29 @@ END
     notes 3 'case "$*" in *--bad*) echo "it is bad" >&2; mkdir -p "${*##*--out }/figures"; echo a >"${*##*--out }/figures/a.png"; exit 1 ;; esac'
     wants --one --bad --two
     ! book && grep -q 'it is bad' "$folder/said1" && grep -q 'one_pixel.md:6: this command failed' "$folder/said1" &&
-        ! grep -l -- --bad "$folder/build/drawn"/*/key && ! find "$folder/build/drawn" -name "*part*" | grep .
+        ! grep -l -- --bad "$folder/build/drawn"/*/key && ! has_parts
     verdict a_driver_that_failed_leaves_nothing
 
     # Stopped while its second command runs.
-    notes 4 'case "$*" in *--two*) [ -e "'"$folder"'/slow" ] && { echo $$ >"'"$folder"'/slow.pid"; exec sleep 60; } ;; esac'
-    wants --one --two
+    is_kept() { grep -l -- "$1" "$folder"/build/drawn/*/key 2>/dev/null | grep -qv part; }
+    notes 4 'case "$*" in *--five*) [ -e "'"$folder"'/slow" ] && { echo $$ >"'"$folder"'/slow.pid"; exec sleep 60; } ;; esac'
+    wants --four --five
     : >"$folder/calls" && touch "$folder/slow"
     export RAYKIT_SOURCE="$folder/texts" RAYKIT_BUILD="$folder/build" RAYKIT_DRIVERS="$folder" RAYKIT_VERSION=0 PANDOC="$pandoc"
     setsid sh "$source/docs/make_book" >"$folder/said1" 2>&1 &
     stopped=$!
-    while kill -0 $stopped 2>/dev/null && { [ ! -e "$folder/slow.pid" ] || ! grep -rq --exclude-dir='*.part.*' -- --one "$folder/build/drawn"; }; do sleep 0.1; done
+    while kill -0 $stopped 2>/dev/null && { [ ! -e "$folder/slow.pid" ] || ! is_kept --four; }; do sleep 0.1; done
     kill -TERM "-$stopped"
     wait $stopped
     stopped=$?
     unset RAYKIT_SOURCE RAYKIT_BUILD RAYKIT_DRIVERS RAYKIT_VERSION PANDOC
     rm "$folder/slow"
-    [ $stopped != 0 ] && ! kill -0 "$(cat "$folder/slow.pid")" 2>/dev/null && ! find "$folder/build/drawn" -name "*part*" | grep .
+    left=300
+    while has_parts && [ $left -gt 0 ]; do sleep 0.1 && left=$((left - 1)); done # they clean up last
+    [ $stopped != 0 ] && ! kill -0 "$(cat "$folder/slow.pid")" 2>/dev/null && ! has_parts
     verdict when_it_is_stopped_so_are_its_drivers
 
-    [ "$(calls)" = 1 ] && grep -q -- --two "$folder/calls"
+    [ "$(calls)" = 1 ] && grep -q -- --five "$folder/calls"
     verdict and_the_next_one_goes_on_there
 
     ! prints 2.468 && grep -q 'one_pixel.md:3: the text repeats 2.468, but the driver does not print it' "$folder/said1"
