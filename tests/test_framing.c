@@ -268,7 +268,7 @@ static void a_triangle_around_all_others_is_a_stray(void **state)
 /* --- Front and up ---------------------------------------------------------------------------- */
 
 /* A file's axes and, in the picture of the default camera, right, up and towards the viewer. */
-static void check_faces(rk_up up, rk_vec3 right, rk_vec3 top, rk_vec3 front)
+static void check_faces(rk_up up, rk_front named, rk_vec3 right, rk_vec3 top, rk_vec3 front)
 {
     const rk_vec3 want[3] = {{-1, 0, 0}, {0, 1, 0}, {0, 0, -1}};
     rk_mesh mesh;
@@ -277,7 +277,7 @@ static void check_faces(rk_up up, rk_vec3 right, rk_vec3 top, rk_vec3 front)
     mesh.positions[0] = mesh.normals[0] = right;
     mesh.positions[1] = mesh.normals[1] = top;
     mesh.positions[2] = mesh.normals[2] = front;
-    rk_mesh_face_viewer(&mesh, up);
+    rk_mesh_face_viewer(&mesh, up, named);
     for (int i = 0; i < 3; i++) {
         rk_check_close(rk_dot(mesh.positions[i], want[i]), 1, 0, "only signs and places change");
         rk_check_close(rk_dot(mesh.normals[i], want[i]), 1, 0, "normals turn, too");
@@ -288,19 +288,42 @@ static void check_faces(rk_up up, rk_vec3 right, rk_vec3 top, rk_vec3 front)
 static void the_front_of_a_file_is_plus_z_and_faces_the_viewer(void **state)
 {
     (void)state;
-    check_faces(RK_UP_Y, rk_vec(1, 0, 0), rk_vec(0, 1, 0), rk_vec(0, 0, 1));
+    check_faces(RK_UP_Y, RK_FRONT_USUAL, rk_vec(1, 0, 0), rk_vec(0, 1, 0), rk_vec(0, 0, 1));
 }
 
 static void where_z_is_up_the_front_is_minus_y(void **state)
 {
     (void)state;
-    check_faces(RK_UP_Z, rk_vec(1, 0, 0), rk_vec(0, 0, 1), rk_vec(0, -1, 0));
+    check_faces(RK_UP_Z, RK_FRONT_USUAL, rk_vec(1, 0, 0), rk_vec(0, 0, 1), rk_vec(0, -1, 0));
 }
 
 static void where_x_is_up_the_front_is_plus_z(void **state)
 {
     (void)state;
-    check_faces(RK_UP_X, rk_vec(0, -1, 0), rk_vec(1, 0, 0), rk_vec(0, 0, 1));
+    check_faces(RK_UP_X, RK_FRONT_USUAL, rk_vec(0, -1, 0), rk_vec(1, 0, 0), rk_vec(0, 0, 1));
+}
+
+static rk_vec3 signed_axis(rk_front front)
+{
+    const int axis = ((int)front - RK_FRONT_X) % 3;
+    return rk_scale(rk_vec(axis == 0, axis == 1, axis == 2), front < RK_FRONT_MINUS_X ? 1 : -1);
+}
+
+static void any_other_axis_can_be_the_front(void **state)
+{
+    (void)state;
+    int pairs = 0;
+    for (int up = RK_UP_X; up <= RK_UP_Z; up++) {
+        const rk_vec3 top = rk_vec(up == RK_UP_X, up == RK_UP_Y, up == RK_UP_Z);
+        for (int front = RK_FRONT_X; front <= RK_FRONT_MINUS_Z; front++) {
+            const rk_vec3 towards = signed_axis((rk_front)front);
+            if (rk_front_is_up((rk_front)front, (rk_up)up))
+                continue;
+            pairs++;
+            check_faces((rk_up)up, (rk_front)front, rk_cross(top, towards), top, towards);
+        }
+    }
+    rk_check_equal(pairs, 12, "each of three axes up, with four fronts");
 }
 
 /* --- The light ------------------------------------------------------------------------------- */
@@ -396,6 +419,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_front_of_a_file_is_plus_z_and_faces_the_viewer),
     cmocka_unit_test(where_z_is_up_the_front_is_minus_y),
     cmocka_unit_test(where_x_is_up_the_front_is_plus_z),
+    cmocka_unit_test(any_other_axis_can_be_the_front),
     cmocka_unit_test(the_light_turns_with_the_camera),
     cmocka_unit_test(from_the_default_camera_it_is_the_default_light),
     cmocka_unit_test(a_broken_mesh_is_refused_and_the_scene_empty),

@@ -23,6 +23,7 @@ typedef struct rk_driver {
     const char *scene_name;
     const char *mesh_path;   /* NULL: the built-in scene */
     uint32_t up;             /* an rk_up: of the mesh file */
+    uint32_t front;          /* an rk_front: of the mesh file */
     const char *environment; /* NULL: none; "sky", or files as in io/environment_file.h */
     float background;        /* grey of rays that hit nothing, if there is no environment */
     const char *out;

@@ -15,6 +15,7 @@ RK_NAMES(split_names, rk_accel_kind, RK_ACCEL_WIDE, "median", "sah", "sah3", "co
          "wide");
 
 RK_NAMES(up_names, rk_up, RK_UP_Z, "x", "y", "z");
+RK_NAMES(front_names, rk_front, RK_FRONT_MINUS_Z, "usual", "x", "y", "z", "-x", "-y", "-z");
 
 /* The help of --scene, --debug and --pixel depends on the driver, and --move on its scene: see
  * make_common. */
@@ -28,6 +29,10 @@ static const rk_option common_rows[] = {
      "the axis of the mesh file that points up: z in most scans and CAD files; its front is then "
      "-y",
      .initial = RK_UP_Y},
+    {"front", RK_CHOICE(rk_driver, front, front_names),
+     "the axis of the mesh file that points to the viewer: usually z, or -y where z is up; -z in "
+     "older OBJ files",
+     .initial = RK_FRONT_USUAL},
     {"environment", RK_FIELD(rk_driver, environment), "sky|FILE",
      "radiance of rays that hit nothing: the built-in sky, or a picture (JPG, PNG, EXR, HDR ...) "
      "that is a cross (4:3, 3:4), a strip (6:1, 1:6) or longitude and latitude (2:1), or six "
@@ -197,6 +202,11 @@ static bool check(const rk_driver *driver, const rk_driver_view *views, const ch
         return rk_fail(error, "--scene and --mesh: choose one of them");
     if (driver->up != RK_UP_Y && !driver->mesh_path)
         return rk_fail(error, "--up: turns a mesh file; name one by --mesh");
+    if (driver->front != RK_FRONT_USUAL && !driver->mesh_path)
+        return rk_fail(error, "--front: turns a mesh file; name one by --mesh");
+    if (rk_front_is_up((rk_front)driver->front, (rk_up)driver->up))
+        return rk_fail(error, "--front %s: that axis points up; choose another one, or --up",
+                       front_names.items[driver->front]);
     if (driver->environment && driver->background > 0)
         return rk_fail(error, "--environment and --background: choose one of them");
     if (driver->timing && driver->debug)

@@ -55,6 +55,7 @@ static bool load_mesh(rk_driver *driver, rk_error *error)
     const rk_camera *given = &driver->camera_given;
     rk_framing framing = rk_framing_default();
     framing.up = driver->up;
+    framing.front = driver->front;
     framing.rotation = rk_vec(or_own(given->rotation.x, framing.rotation.x),
                               or_own(given->rotation.y, framing.rotation.y), framing.rotation.z);
     framing.width = driver->render.width, framing.height = driver->render.height;

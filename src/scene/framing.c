@@ -5,6 +5,7 @@
  * f) and min (r + k f) count, and the largest s follows from the sum of both. */
 #include "scene/framing.h"
 
+#include <assert.h>
 #include <float.h>
 #include <stdlib.h>
 
@@ -17,24 +18,49 @@ enum { SAMPLES = 1 << 13 };
 
 rk_framing rk_framing_default(void)
 {
-    return (rk_framing){RK_UP_Y, rk_camera_default().rotation, 1, 1};
+    return (rk_framing){RK_UP_Y, RK_FRONT_USUAL, rk_camera_default().rotation, 1, 1};
 }
 
 /* --- Turning --------------------------------------------------------------------------------- */
 
-static rk_vec3 faced(rk_vec3 p, rk_up up)
+static rk_front front_of(rk_up up, rk_front front)
 {
-    if (up == RK_UP_X)
-        return rk_vec(p.y, p.x, -p.z);
-    return up == RK_UP_Z ? rk_vec(-p.x, p.z, p.y) : rk_vec(-p.x, p.y, -p.z);
+    const rk_front usual = up == RK_UP_Z ? RK_FRONT_MINUS_Y : RK_FRONT_Z;
+    return front == RK_FRONT_USUAL ? usual : front;
 }
 
-void rk_mesh_face_viewer(rk_mesh *mesh, rk_up up)
+/* The axis, without its sign: 0 is x. */
+static int axis_of(rk_front front)
 {
+    return ((int)front - RK_FRONT_X) % 3;
+}
+
+bool rk_front_is_up(rk_front front, rk_up up)
+{
+    return axis_of(front_of(up, front)) == (int)up;
+}
+
+static rk_vec3 unit_vector(int axis)
+{
+    return rk_vec(axis == 0, axis == 1, axis == 2);
+}
+
+static rk_vec3 in_axes(rk_vec3 p, rk_vec3 x, rk_vec3 y, rk_vec3 z)
+{
+    return rk_vec(rk_dot(p, x), rk_dot(p, y), rk_dot(p, z));
+}
+
+void rk_mesh_face_viewer(rk_mesh *mesh, rk_up up, rk_front front)
+{
+    assert(!rk_front_is_up(front, up) && "up and front are two axes");
+    front = front_of(up, front);
+    const float sign = front >= RK_FRONT_MINUS_X ? -1 : 1;
+    const rk_vec3 top = unit_vector((int)up), back = rk_scale(unit_vector(axis_of(front)), -sign);
+    const rk_vec3 left = rk_cross(top, back);
     for (uint32_t i = 0; i < mesh->vertex_count; i++)
-        mesh->positions[i] = faced(mesh->positions[i], up);
+        mesh->positions[i] = in_axes(mesh->positions[i], left, top, back);
     for (uint32_t i = 0; mesh->normals && i < mesh->vertex_count; i++)
-        mesh->normals[i] = faced(mesh->normals[i], up);
+        mesh->normals[i] = in_axes(mesh->normals[i], left, top, back);
 }
 
 /* --- Strays ---------------------------------------------------------------------------------- */
@@ -262,7 +288,7 @@ bool rk_scene_framed(rk_scene *scene, const char *name, rk_mesh *mesh, const rk_
     scene->camera.rotation = framing->rotation;
     bool ok = rk_mesh_validate(&scene->mesh, name, error);
     if (ok) {
-        rk_mesh_face_viewer(&scene->mesh, (rk_up)framing->up);
+        rk_mesh_face_viewer(&scene->mesh, (rk_up)framing->up, (rk_front)framing->front);
         ok = rk_mesh_frame(&scene->mesh, &scene->camera, framing->width, framing->height, framed,
                            error);
     }

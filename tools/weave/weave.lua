@@ -165,14 +165,22 @@ local function undrawn(mesh)
     "; the driver's reason is on the terminal.")})}, {class = "picture missing"})
 end
 
-local up = os.getenv("RAYKIT_UP") or "" -- the axis of users' meshes that points up
+-- The options that turn users' meshes, where make was given UP or FRONT.
+local function turning()
+  local options = ""
+  for _, name in ipairs({"up", "front"}) do
+    local axis = os.getenv("RAYKIT_" .. name:upper()) or ""
+    if axis ~= "" then options = options .. " --" .. name .. " " .. drive.quote(axis) end
+  end
+  return options
+end
 
 local function figures(div)
   local args = div.attributes.args or ""
   if div.attributes.each ~= "mesh" then return figure(div, args) end
   local list = pandoc.List()
   drive.each(drive.meshes, function(mesh)
-    local of_mesh = args .. " --mesh " .. drive.quote(mesh) .. (up ~= "" and " --up " .. up or "")
+    local of_mesh = args .. " --mesh " .. drive.quote(mesh) .. turning()
     list:insert(drive.forgiving_mesh(figure, div, of_mesh, mesh) or undrawn(mesh))
   end)
   return pandoc.Div(list, {class = "row"})
