@@ -1,7 +1,7 @@
 #!/bin/sh
 # Includes and calls go up only: a folder of src uses those named after it below, headers do not include each
-# other in a circle, and a reader finds each function in the file that is named like its header. The build's own
-# files stay readable, too.
+# other in a circle, and a reader finds each function in the file that is named like its header. Each file says what
+# it is for, and the build's own files stay readable, too.
 set -u
 [ "${1-}" != --list ] || exit 0 # the test driver asks for test names; there is nothing to choose from
 objects=$PWD/src
@@ -106,6 +106,11 @@ calls_upwards() {
         }'
 }
 
+opening_comments() {
+    find . -name '*.[ch]' -o -name '*.cpp' | LC_ALL=C sort | xargs awk '
+        FNR == 1 && !/^\/[*\/]/ { print "src/" substr(FILENAME, 3) ":1: begin with a comment: what the file does, and how" }'
+}
+
 # Makefile.am and its parts, but for features.am, which a program writes; a tab counts as eight columns.
 short_rules() {
     (cd .. && for file in Makefile.am $(sed -n 's/^include //p' Makefile.am); do
@@ -126,13 +131,14 @@ check() {
     fi
 }
 
-echo 1..5
+echo 1..6
 check only_upwards "includes go up only"
 check no_circles "headers form no circle"
 check own_headers "each file has its header"
+check opening_comments "each file opens with its purpose"
 check short_rules "build files have no line over 120 columns"
 if [ -f "$objects/base/error.o" ]; then
     check calls_upwards "calls go up only"
 else
-    echo "ok 5 - calls go up only # SKIP nothing is built"
+    echo "ok 6 - calls go up only # SKIP nothing is built"
 fi

@@ -1,3 +1,6 @@
+/* A tree over the static triangles, and one for each moving object, because rays are moved and the
+ * objects stay. An object that moves also has its boxes as a binary tree: the time stage reads
+ * them. */
 #include "accel/accel.h"
 
 #include "accel/wide_build.h"

@@ -1,3 +1,5 @@
+/* Four lanes are the three axes and one left over: a triangle is counted on all axes at once, and
+ * the sweeps over the boundaries compute the areas of all three boxes at once. */
 #include "accel/bvh_bins.h"
 
 #include "accel/bvh_parts.h"

@@ -1,3 +1,5 @@
+/* Codes are computed from the centres whenever they are needed, not stored; a radix sort orders
+ * references by them, and a range is cut where the highest bit that differs changes. */
 #include "accel/bvh_morton.h"
 
 /* The ten bits of x, two places apart from each other. */

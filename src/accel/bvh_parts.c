@@ -1,3 +1,6 @@
+/* A split copies references from one buffer to the other, so that each side stays contiguous and in
+ * order. Large parts are cut into chunks, which threads bin and copy independently: a tree is the
+ * same for any number of threads. */
 #include "accel/bvh_parts.h"
 
 #include "accel/bvh_bins.h"

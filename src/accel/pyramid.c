@@ -1,3 +1,6 @@
+/* The pyramid as planes, in double, each moved outwards by a bound of all rounding. A triangle is
+ * outside if a plane separates it from the pyramid: one of the pyramid's, its own, or one through
+ * the apex and an edge. */
 #include "accel/pyramid.h"
 
 static double size_of(rk_vec3 a)

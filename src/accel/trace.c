@@ -1,3 +1,5 @@
+/* Static surfaces first: the tree, then spheres, one by one. Moving objects at rest come after
+ * that, with rays that end at the hits so far. */
 #include "accel/trace.h"
 
 #include "accel/tree.h"

@@ -1,3 +1,5 @@
+/* For each object, the rays that may hit it are moved by its offset at their times, and traced
+ * together through its tree. */
 #include "accel/trace_moving.h"
 
 #include "accel/tree.h"

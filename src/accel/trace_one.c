@@ -1,3 +1,4 @@
+/* A batch of one ray, so that a debug view sees what the renderer sees. */
 #include "accel/trace_one.h"
 
 #include "accel/trace.h"

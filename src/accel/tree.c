@@ -1,3 +1,5 @@
+/* Wide trees are traversed by a kernel (accel/wide_kernel.h), whole batches at once; binary trees
+ * by the functions of bvh_median, ray by ray. */
 #include "accel/tree.h"
 
 #include "features/bvh_median.h"

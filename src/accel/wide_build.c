@@ -1,3 +1,6 @@
+/* Parts are split until a node has eight children, always the child with the largest area first.
+ * The top of the tree is built alone; parts below it are tasks for threads, whose subtrees are then
+ * appended in order: the tree is the same for any number of threads. */
 #include "accel/wide_build.h"
 
 #include <stdlib.h>

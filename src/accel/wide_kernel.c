@@ -1,3 +1,5 @@
+/* Chooses the kernel when a program runs: the fastest that both the processor and this build have,
+ * or the one that RAYKIT_ISA names. */
 #include "accel/wide_kernel.h"
 
 #include <stdlib.h>

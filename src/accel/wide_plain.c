@@ -1,3 +1,5 @@
+/* The traversal of a student's wide_bvh in the place of a kernel (accel/wide_kernel.h): batches are
+ * traced ray by ray. */
 #include "accel/wide_kernel.h"
 #include "features/wide_bvh.h"
 

@@ -1,3 +1,5 @@
+/* Messages are one line each. Memory is aligned to cache lines; large blocks are on huge pages
+ * where the system has them. */
 #define _DEFAULT_SOURCE /* madvise */
 #include "base/error.h"
 

@@ -1,3 +1,6 @@
+/* On Linux the file has no name until it is complete (O_TMPFILE); elsewhere it is written under a
+ * temporary name. What would fail at the end, such as a folder in its place, is found at the
+ * beginning. */
 #define _GNU_SOURCE /* O_TMPFILE, of Linux */
 #include "base/file.h"
 

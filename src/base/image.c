@@ -1,3 +1,4 @@
+/* Memory of images, and the transfer function of sRGB (IEC 61966-2-1). */
 #include "base/image.h"
 
 #include <stdlib.h>

@@ -1,3 +1,5 @@
+/* Walks a table of rows and finds each field by its offset in the struct: to set its default, or to
+ * compare its value with the range. */
 #include "base/options_words.h"
 
 #include <math.h>

@@ -1,3 +1,5 @@
+/* Threads count steps by an atomic number; the one that gets the flag draws, at most ten times a
+ * second, so that none waits for the terminal. */
 #include "base/progress.h"
 
 #include "base/table.h"

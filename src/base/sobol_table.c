@@ -1,3 +1,4 @@
+/* The numbers themselves; tests/test_sampling.c computes the second table from the first. */
 #include "base/sobol_table.h"
 
 const rk_sobol_initial rk_sobol_initials[RK_SOBOL_DIMENSIONS] = {

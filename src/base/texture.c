@@ -1,3 +1,5 @@
+/* Bilinear interpolation between the four nearest texel centres, with rows counted from the bottom.
+ * Coordinates outside of [0, 1] are repeated or clamped first. */
 #include "base/texture.h"
 
 #include <assert.h>

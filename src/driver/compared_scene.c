@@ -1,3 +1,6 @@
+/* All scenes are variations of the Cornell box with a parallelogram light. A region is found by
+ * tracing each pixel's centre; pixels that the moving block covers at any of the shutter's times
+ * are a region of their own. */
 #include "driver/compared_scene.h"
 
 #include "accel/trace_one.h"

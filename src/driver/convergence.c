@@ -1,3 +1,5 @@
+/* The reference is drawn with another seed, so that its noise is independent. Errors of several
+ * seeds are averaged as squares: their mean is an RMSE, too. */
 #include "driver/convergence.h"
 
 rk_picture_error rk_picture_compare(const rk_image *got, const rk_image *want)

@@ -1,3 +1,5 @@
+/* Builds and renders as often as --runs says, and keeps each time. A tree that finds no triangles,
+ * as a starter's, is replaced by the wide tree, with a note. */
 #include "driver/driver.h"
 
 #include "accel/tree.h"

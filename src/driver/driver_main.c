@@ -1,3 +1,5 @@
+/* One order for all drivers: options, scene, tree, then a study, a debug view, rows of times or the
+ * picture. */
 #include "driver/driver_main.h"
 
 #include "driver/driver_options.h"

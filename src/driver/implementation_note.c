@@ -1,3 +1,5 @@
+/* What the kit's own units say of themselves: nothing. Drivers of other units are linked with
+ * another object in the place of this one. */
 #include "driver/implementation_note.h"
 
 const char rk_implementation_note[] = "";

@@ -1,3 +1,5 @@
+/* Numbers are written with nine digits, which restore any float to the bit; column names arrive as
+ * one text of words. */
 #include "driver/number_row.h"
 
 #include <stdio.h>

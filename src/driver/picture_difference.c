@@ -1,3 +1,5 @@
+/* Differences are taken in stored values, 0 to 255; one of at most 1 may be rounding, and does not
+ * count. The largest becomes white in the picture of differences. */
 #include "driver/picture_difference.h"
 
 static float stored(float linear)

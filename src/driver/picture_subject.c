@@ -1,3 +1,4 @@
+/* Counts the pixels that look black, and bounds the others by a rectangle. */
 #include "driver/picture_subject.h"
 
 static bool looks_black(rk_vec3 colour)

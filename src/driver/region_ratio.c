@@ -1,3 +1,5 @@
+/* Each renderer draws two pictures that differ only in the seed: half of their difference estimates
+ * the noise of a region's sum, pixel by pixel. */
 #include "driver/region_ratio.h"
 
 typedef struct sum {

@@ -1,3 +1,5 @@
+/* What the format has no place for is refused by name, before anything is written: a picture of
+ * half a scene would compare two scenes. */
 #include "driver/scene_json.h"
 
 #include "base/file.h"

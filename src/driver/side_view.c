@@ -1,3 +1,5 @@
+/* The ray is taken before the camera turns aside. The picture is darkened, and its depths are
+ * infinite, so that no line drawn over it is hidden. */
 #include "driver/side_view.h"
 
 rk_ray rk_side_view_ray(rk_driver *driver)

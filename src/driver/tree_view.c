@@ -1,3 +1,5 @@
+/* One visit of the tree counts boxes of the wanted level, or leaves, and draws those that are asked
+ * for. */
 #include "driver/tree_view.h"
 
 #include <stdio.h>

@@ -1,3 +1,5 @@
+/* A feature is named if its unit is a starter and the picture's plan uses it; a tree's builder only
+ * by views of the tree, because hits are the same in all trees. */
 #include "driver/unsolved.h"
 
 #include "driver/implementation_note.h"

@@ -1,3 +1,5 @@
+/* A step is the linear value of a half code, computed in double and rounded up to a float: floats
+ * from there on have the next code, those below do not. */
 #include "io/srgb8.h"
 
 #include <math.h>

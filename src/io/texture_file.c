@@ -1,3 +1,6 @@
+/* A picture is looked for as it is named, then with escapes decoded, then beside the mesh, since
+ * exporters write paths of their own machine. One that is embedded in the mesh is written to a
+ * temporary file. */
 #include "io/texture_file.h"
 
 #include "io/image_file.h"

@@ -1,3 +1,5 @@
+/* A Gaussian's weights; a recursive filter, whose work does not depend on the radius; and a
+ * pyramid, which blurs a coarse picture instead of a fine one. Sources: see post/blur.h. */
 #include "post/blur.h"
 
 #include "post/bloom_passes.h"

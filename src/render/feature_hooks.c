@@ -1,3 +1,5 @@
+/* A loop over the features for each hook: if a feature has it and the plan wants the feature, it is
+ * called. */
 #include "render/feature_hooks.h"
 
 #include "render/feature_list.h"

@@ -1,3 +1,5 @@
+/* The list is made of features/list.h by the preprocessor, so that descriptors and bits of the plan
+ * cannot get into different orders. */
 #include "render/feature_list.h"
 
 /* These have no stage: a tree is chosen when it is built (accel/accel.h), and all rays use the one

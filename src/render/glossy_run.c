@@ -1,3 +1,5 @@
+/* The feature's formula once more, in four lanes. It is used only if examples give the same numbers
+ * to the bit, so that a student's function that differs draws its own picture. */
 #include "render/glossy_run.h"
 
 #include "base/random.h"

@@ -1,3 +1,6 @@
+/* From an index to the next a few digits change, and a sample's bits follow from the last one's by
+ * a single xor. Used only if examples give the numbers of the feature's own functions to the bit.
+ * */
 #include "render/joint_run.h"
 
 #include "base/scramble_run.h"

@@ -1,3 +1,5 @@
+/* Samples are taken in groups, each pixel's in an order in which neighbours' rays are close
+ * together; their radiance is kept until it can be added in the usual order. */
 #include "render/lens_passes.h"
 
 #include "render/feature_hooks.h"

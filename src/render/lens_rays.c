@@ -1,3 +1,5 @@
+/* A sample's bits are computed once per tile, and scrambled by each pixel's keys; rays are made in
+ * four lanes. Used only if examples give the rays of the feature's own functions to the bit. */
 #include "render/lens_rays.h"
 
 #include "base/scramble_run.h"

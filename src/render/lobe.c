@@ -1,3 +1,5 @@
+/* A direction is drawn around the lobe's axis by a power of the cosine: for Phong the axis is the
+ * mirror direction; for Blinn and Phong it is the normal, and the half vector is drawn. */
 #include "render/lobe.h"
 
 #include "base/reflect.h"

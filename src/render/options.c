@@ -1,3 +1,5 @@
+/* The default and the range of each option stand in its row; this file joins the rows of the
+ * renderer and of all features, and applies them. */
 #include "render/options.h"
 
 static const rk_option rows[] = {

@@ -1,3 +1,4 @@
+/* A stack of batches, one for each level of bounces, allocated once. */
 #include "render/path_queue.h"
 
 #include <stdlib.h>

@@ -1,3 +1,5 @@
+/* Each feature is asked whether scene and options want it; what needs several answers, such as
+ * shadow rays, is combined here. */
 #include "render/plan.h"
 
 #include "render/feature_list.h"

@@ -1,3 +1,5 @@
+/* A sample is a camera ray per pixel and all that follows from it; with motion blur it is taken
+ * again in further time passes, and the mean of these counts. */
 #include "render/render_sample.h"
 
 #include "render/stages/camera_stage.h"

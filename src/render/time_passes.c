@@ -1,3 +1,5 @@
+/* Sums before the first pass are kept, so that the mean of the passes can be taken pixel by pixel.
+ * */
 #include "render/time_passes.h"
 
 #include <string.h>

@@ -1,3 +1,5 @@
+/* Memory; a visit of all nodes that survives invalid trees, such as a student's builder may make;
+ * and the measures of a tree, which such a visit finds. */
 #include "scene/bvh.h"
 
 #include <stdlib.h>

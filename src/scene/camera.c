@@ -1,3 +1,5 @@
+/* Angles are in degrees and turned in double, so that a view's axes are orthogonal up to the last
+ * bit. */
 #include "scene/camera.h"
 
 #include <assert.h>

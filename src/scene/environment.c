@@ -1,3 +1,5 @@
+/* The table of the cube's faces, from which all orientations follow, and the texels in one block.
+ * */
 #include "scene/environment.h"
 
 #include <stdlib.h>

@@ -1,3 +1,5 @@
+/* Memory, checks that name the first fault, and what loaders need: bounds, normalization by the
+ * mean of different positions (found by hashing), smooth normals, appending. */
 #include "scene/mesh.h"
 
 #include <stdlib.h>

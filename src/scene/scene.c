@@ -1,3 +1,5 @@
+/* Assembles scenes, and finds the surface of a hit: numbers up to the mesh's are triangles, those
+ * from there on spheres. */
 #include "scene/scene.h"
 
 #include <stdio.h>

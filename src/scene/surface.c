@@ -1,3 +1,5 @@
+/* Positions are summed in double and rounded once, so that the error bound is small; a spawned ray
+ * starts beyond it, on the side to which it goes. */
 #include "scene/surface.h"
 
 #include "base/interpolate.h"

@@ -1,3 +1,5 @@
+/* Each node stores the order of its children for the eight combinations of a ray's signs, so that a
+ * traversal sorts nothing. The same tree in binary serves the views that draw boxes. */
 #include "scene/wide_tree.h"
 
 #include <stdlib.h>

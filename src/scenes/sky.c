@@ -1,3 +1,4 @@
+/* Gradients over the height above the horizon, and a disk with a soft edge for the sun. */
 #include "scenes/sky.h"
 
 static const rk_vec3 zenith = {0.1f, 0.25f, 0.65f};

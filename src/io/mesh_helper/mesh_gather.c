@@ -1,3 +1,6 @@
+/* Walks the nodes of the file, each with its transform, and emits its polygons triangle by
+ * triangle; vertices that are equal in all that they have become one
+ * (io/mesh_helper/vertex_pool.h). */
 #include "io/mesh_helper/mesh_gather.h"
 
 #include "io/mesh_helper/mesh_material.h"

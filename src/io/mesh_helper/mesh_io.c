@@ -1,3 +1,5 @@
+/* Assimp reads through callbacks. Only regular files are opened, because a pipe would block for
+ * ever; a byte order mark is skipped by an offset that all positions leave out. */
 #include "io/mesh_helper/mesh_io.h"
 
 #include <stdbool.h>

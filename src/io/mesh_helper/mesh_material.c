@@ -1,3 +1,5 @@
+/* Formats differ: glTF has a base colour, others have diffuse and specular colours with a
+ * shininess. Values that Assimp made up are told from those of the file where that is possible. */
 #include "io/mesh_helper/mesh_material.h"
 
 #include <assimp/GltfMaterial.h>

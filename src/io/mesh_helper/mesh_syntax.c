@@ -1,3 +1,5 @@
+/* Checks that it is a regular file of a readable size, maps it, and passes its bytes to the checker
+ * of its format: OBJ, PLY or OFF. */
 #include "io/mesh_helper/mesh_syntax.h"
 
 #include <errno.h>

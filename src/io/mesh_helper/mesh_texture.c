@@ -1,3 +1,5 @@
+/* A table of different pictures, so that each is sent and read once, however many materials name
+ * it. */
 #include "io/mesh_helper/mesh_texture.h"
 
 #include "io/mesh_stream.h"

@@ -1,3 +1,5 @@
+/* Sums of all pixels give the picture's error; variances, pooled with those of neighbours, give
+ * each pixel's number of samples (features/adaptive_sampling.h has the formulas). */
 #include "render/stages/adaptive_plan.h"
 
 #include <math.h>

@@ -1,3 +1,5 @@
+/* A round is a job for all threads, tile by tile; between rounds one thread plans the next
+ * (render/stages/adaptive_plan.h). Each generation has a seed of its own. */
 #include "render/stages/adaptive_sampling_stage.h"
 
 #include "features/shading.h"

@@ -1,3 +1,5 @@
+/* Rays of many points fill a batch before it is traced; each that is unoccluded adds its weight to
+ * the sum of its point. */
 #include "render/stages/ambient_occlusion_stage.h"
 
 #include "render/feature_list.h"

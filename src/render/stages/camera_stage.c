@@ -1,3 +1,5 @@
+/* Pixels are taken in squares of 4 x 4, whose rays traverse the tree as packets. Rays through pixel
+ * centres are made four at a time, each as by rk_view_ray to the bit. */
 #include "render/stages/camera_stage.h"
 
 #include "base/simd4.h"

@@ -1,3 +1,5 @@
+/* Paths that hit nothing end in the environment: its radiance, or the grey of the background, times
+ * their throughput. */
 #include "render/stages/cubemap_stage.h"
 
 static rk_vec3 radiance_from(const rk_rendering *r, rk_vec3 direction, rk_counters *counters)

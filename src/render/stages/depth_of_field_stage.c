@@ -1,3 +1,5 @@
+/* A first pass with the options of a larger picture, one ray per pixel, writes the circle of
+ * confusion of each; rk_lens_coc then counts, for each pixel, the circles that reach it. */
 #include "render/stages/depth_of_field_stage.h"
 
 #include "render/lens_rays.h"

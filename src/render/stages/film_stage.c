@@ -1,3 +1,4 @@
+/* Divides sums by the number of samples, unless it is one, and copies rows. */
 #include "render/stages/film_stage.h"
 
 #include "render/stages/depth_of_field_stage.h"

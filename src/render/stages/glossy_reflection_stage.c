@@ -1,3 +1,5 @@
+/* Points wait until the batch of reflected rays has room; a point's samples are drawn in runs
+ * (render/glossy_run.h), and it goes on where the last batch was full. */
 #include "render/stages/glossy_reflection_stage.h"
 
 #include "render/stages/reflection_stage.h"

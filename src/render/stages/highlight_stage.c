@@ -1,3 +1,5 @@
+/* First it is decided whether directions of the lobe pay: where the lobe is narrow, compared with
+ * the light, and may hit it. Then both kinds of samples get their weights. */
 #include "render/stages/highlight_stage.h"
 
 #include "base/reflect.h"

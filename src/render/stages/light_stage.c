@@ -1,3 +1,4 @@
+/* Sends each light that shines to the stage of its kind. */
 #include "render/stages/light_stage.h"
 
 #include "render/stages/point_light_stage.h"

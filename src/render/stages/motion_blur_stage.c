@@ -1,3 +1,5 @@
+/* A ray is tested against the boxes that the objects sweep while the shutter is open; only if it
+ * enters one, a time is drawn, once per sample. */
 #include "render/stages/motion_blur_stage.h"
 
 /* If all rays have the same: when the shutter opens, or options->motion.single_time. */

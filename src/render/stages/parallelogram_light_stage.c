@@ -1,3 +1,6 @@
+/* Samples of all points are queued in runs; a batch of shadow rays is traced when it is full.
+ * Points that need no random samples have been decided before
+ * (render/stages/unoccluded_light_stage.h). */
 #include "render/stages/parallelogram_light_stage.h"
 
 #include "base/simd4.h"

@@ -1,3 +1,5 @@
+/* Directions are normalized four at a time, and only contributions that are not black get a shadow
+ * ray. */
 #include "render/stages/point_light_stage.h"
 
 #include "base/simd4.h"

@@ -1,3 +1,5 @@
+/* A direction that a shading normal would send into the surface is reflected at the face normal
+ * instead. */
 #include "render/stages/reflection_stage.h"
 
 #include "base/reflect.h"

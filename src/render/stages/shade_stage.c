@@ -1,3 +1,5 @@
+/* Computes position, normals and material where each ray hits. Paths through transparent surfaces
+ * have several such points, and go on in the next batch if this one is full. */
 #include "render/stages/shade_stage.h"
 
 #include "features/motion_blur.h"

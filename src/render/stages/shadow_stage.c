@@ -1,3 +1,5 @@
+/* Without transparency, batches of rays are tested for any hit; with it, each ray gathers its
+ * crossings, and their transmittance is its answer. */
 #include "render/stages/shadow_stage.h"
 
 #include "accel/trace.h"

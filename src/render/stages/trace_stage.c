@@ -1,3 +1,5 @@
+/* Static surfaces, times, moving objects: in this order, because a ray that a wall ends needs no
+ * time for what is behind it. */
 #include "render/stages/trace_stage.h"
 
 #include "accel/trace.h"

@@ -1,3 +1,5 @@
+/* Ray by ray, because each keeps a list of its crossings. A shadow ray stops at the first opaque
+ * one. */
 #include "render/stages/trace_transparent.h"
 
 #include "render/stages/motion_blur_stage.h"

@@ -1,3 +1,5 @@
+/* Gathers the crossings of a path, and asks the feature for their weights: the fractions of the
+ * light that arrive from each. */
 #include "render/stages/transparency_stage.h"
 
 #include "render/stages/trace_transparent.h"

@@ -1,3 +1,5 @@
+/* Where the pyramid between a point and the light is empty (accel/pyramid.h), a few nodes of a
+ * Gaussian quadrature take the place of samples; neighbours share one search. */
 #include "render/stages/unoccluded_light_stage.h"
 
 #include "accel/pyramid.h"
