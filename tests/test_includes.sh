@@ -111,6 +111,42 @@ opening_comments() {
         FNR == 1 && !/^\/[*\/]/ { print "src/" substr(FILENAME, 3) ":1: begin with a comment: what the file does, and how" }'
 }
 
+# A public name begins with the stem of its header, or as the table of prefixes in the glossary says; and each row of
+# the table serves a name.
+names_by_module() {
+    find . -name '*.h' | LC_ALL=C sort | xargs awk '
+        function words(text, pattern, list,   count) {
+            for (count = 0; match(text, "`" pattern "`"); text = substr(text, RSTART + RLENGTH))
+                list[++count] = substr(text, RSTART + 1, RLENGTH - 2)
+            return count
+        }
+        function stem_of(file) { sub(/.*\//, "", file); sub(/(_stage)?s?(\.h)?$/, "", file); return file }
+        FNR == 1 { stem = stem_of(FILENAME) }
+        FILENAME ~ /\.md$/ {
+            if (/^## /) in_table = /glossary-prefixes/
+            split($0, cell, "|")
+            for (i = in_table ? words(cell[2], "rk_[a-z0-9_]*", prefix) : 0; i > 0; i--)
+                for (k = words(cell[3], "[a-z0-9_/.]*", module); k > 0; k--) row[stem_of(module[k]), prefix[i]] = FNR
+            next
+        }
+        /^[a-zA-Z}].*rk_/ && !/^struct [a-z0-9_]*;/ {
+            name = $0; sub(/\(\*/, "", name); sub(/ *[][(){=;].*/, "", name); sub(/.*[ *]/, "", name)
+            known = name !~ /^rk_/ || index(name, "rk_" stem) == 1
+            for (pair in row) {
+                split(pair, part, SUBSEP)
+                if (part[1] == stem && index(name, part[2]) == 1) known = used[pair] = 1
+            }
+            if (!known) print "src/" substr(FILENAME, 3) ":" FNR ": name " name " after the file, or add its prefix to docs/glossary.md"
+        }
+        END {
+            for (pair in row)
+                if (!(pair in used)) {
+                    split(pair, part, SUBSEP)
+                    print "docs/glossary.md:" row[pair] ": no name of " part[1] " begins with " part[2] "; remove it"
+                }
+        }' ../docs/glossary.md
+}
+
 # Makefile.am and its parts, but for features.am, which a program writes; a tab counts as eight columns.
 short_rules() {
     (cd .. && for file in Makefile.am $(sed -n 's/^include //p' Makefile.am); do
@@ -131,14 +167,15 @@ check() {
     fi
 }
 
-echo 1..6
+echo 1..7
 check only_upwards "includes go up only"
 check no_circles "headers form no circle"
 check own_headers "each file has its header"
 check opening_comments "each file opens with its purpose"
+check names_by_module "public names tell their module"
 check short_rules "build files have no line over 120 columns"
 if [ -f "$objects/base/error.o" ]; then
     check calls_upwards "calls go up only"
 else
-    echo "ok 6 - calls go up only # SKIP nothing is built"
+    echo "ok 7 - calls go up only # SKIP nothing is built"
 fi
