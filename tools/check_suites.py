@@ -30,7 +30,6 @@ import csv
 import os
 import pathlib
 import re
-import resource
 import shlex
 import signal
 import subprocess
@@ -46,6 +45,7 @@ from grading import starters
 from grading import unit_rules
 from grading import verdict_store
 from grading.mutants import MutantError, mutate, read_mutants
+from grading.processor_time import limited
 
 FEWEST_MUTANTS = 8
 SECONDS = 20  # of processor time for one test: a slow one takes half a second, ten times that under sanitizers
@@ -163,12 +163,11 @@ def list_tests(program):
 
 def run_test(program, test, environment=None):
     """Returns the exit status of one test, 0 for passed, and its output. Out of time: 124."""
-    limit = (SECONDS, SECONDS + 1)
     try:
-        done = subprocess.run([program, "--only", test], stdin=subprocess.DEVNULL,
+        done = subprocess.run(limited([program, "--only", test], SECONDS), stdin=subprocess.DEVNULL,
                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace",
-                              env={**os.environ, **(environment or {})}, timeout=PATIENCE * SECONDS, check=False,
-                              preexec_fn=lambda: resource.setrlimit(resource.RLIMIT_CPU, limit))
+                              env={**os.environ, **(environment or {})}, timeout=PATIENCE * SECONDS,
+                              check=False)
     except subprocess.TimeoutExpired:
         return 124, f"no verdict after {PATIENCE * SECONDS} s"
     if done.returncode == -signal.SIGXCPU:

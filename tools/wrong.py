@@ -14,6 +14,7 @@ import collections
 import concurrent.futures
 import os
 import shlex
+import signal
 import subprocess
 import sys
 import tempfile
@@ -22,12 +23,13 @@ from draw import packed
 from grading import build
 from grading.assignments import Parser, ToolError, choose, read_features, read_table
 from grading.mutants import MutantError, mutate, read_mutants
+from grading.processor_time import limited
 
 # A section of docs/92_wrong_pictures.md each.
 SEES = ("holes", "specks", "seams", "stripes", "too dark", "too bright", "wrong colour", "wrong shadow",
         "wrong place", "wrong shape", "wrong blur", "wrong points", "slow")
 SIDE = ["--width", "160", "--height", "160"]  # unless the options say otherwise
-SECONDS = 30  # ten times as long as the slowest takes, on a busy machine
+SECONDS = 30  # of processor time, ten times as long as the slowest takes; by the clock ten times as many
 
 Wrong = collections.namedtuple("Wrong", "place mutant sees options caption")
 
@@ -101,12 +103,13 @@ def draw(place, driver, options):
     with tempfile.TemporaryDirectory() as folder:
         command = [driver, *words, *size, "--quiet", "--out", folder]
         try:
-            done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT,
-                                  errors="replace", timeout=SECONDS, check=False)
-        except subprocess.TimeoutExpired as error:
-            raise ToolError(f"{place}: the driver was stopped after {SECONDS} s; choose a mistake or options with which "
-                            "it ends") from error
+            done = subprocess.run(limited(command, SECONDS), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                                  stderr=subprocess.STDOUT, errors="replace", timeout=10 * SECONDS, check=False)
+        except subprocess.TimeoutExpired:
+            done = None
+        if not done or done.returncode == -signal.SIGXCPU:
+            raise ToolError(f"{place}: the driver was stopped after {SECONDS} s; choose a mistake or options "
+                            "with which it ends")
         figures = os.path.join(folder, "figures")
         if done.returncode or not os.path.isdir(figures):
             raise ToolError(f"{place}: the driver ended with {done.returncode} and drew nothing; choose a mistake or "
