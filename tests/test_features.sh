@@ -1,9 +1,9 @@
 #!/bin/sh
-# What is said of features beside the table is what the table says.
+# What is said of features beside the table is what the table says; of tools, what they say of themselves.
 set -u
 [ "${1-}" != --list ] || exit 0 # the driver asks for names of tests, which it can do without
 source=${srcdir:-.}
-echo 1..4
+echo 1..5
 if AWK="${AM_TAP_AWK:-awk}" "$source/tools/features.sh" --readme | cmp -s - "$source/README.md"; then
     echo "ok 1 - README's table is that of assignments/features.tsv"
 else
@@ -51,4 +51,14 @@ if [ -z "$hidden" ]; then
 else
     echo "# these take it from librkbase.a:$hidden"
     echo "not ok 4 - a suite that calls the triangle test names its unit"
+fi
+
+claim="docs/tools.md says of each file what the file says of itself"
+if ! [ -e "$source/docs/tools.md" ] || ! command -v python3 >/dev/null; then
+    echo "ok 5 - $claim # SKIP packs have no such page, or there is no python3"
+elif complaint=$(python3 -B "$source/tools/tools_page.py" --source "$source" --check 2>&1); then
+    echo "ok 5 - $claim"
+else
+    echo "$complaint" | sed 's/^/# /'
+    echo "not ok 5 - $claim"
 fi

@@ -1,4 +1,4 @@
-
+// A live figure's worker: runs the driver that the page asks for, with the module that it was sent first.
 let module = null;
 onmessage = ({data}) => {
   module = data.module || module;
