@@ -144,6 +144,30 @@ static void help_and_version_are_successes(void **state)
     run_free(&version);
 }
 
+static void helper_programs_have_the_drivers_version(void **state)
+{
+    static const char *const names[] = {"raykit-mesh", "raykit-image"};
+    run version = run_well(*state, "--version");
+    const char *number = version.out + strlen("raykit");
+    int found = 0;
+    for (int i = 0; i < 2; i++) {
+        char path[4096], wanted[64];
+        snprintf(path, sizeof path, "%s/%s", RK_BUILD_FOLDER, names[i]);
+        if (access(path, X_OK) != 0)
+            continue; /* it needs a library that is not installed */
+        run r = run_program(path, *state, "--version");
+        snprintf(wanted, sizeof wanted, "%s%s", names[i], number);
+        rk_check(r.status == 0 && strcmp(r.out, wanted) == 0 && r.err[0] == '\0',
+                 "%s --version: exit status %d, printed \"%s\" and \"%s\", wanted \"%s\"", names[i],
+                 r.status, r.out, r.err, wanted);
+        run_free(&r);
+        found++;
+    }
+    run_free(&version);
+    if (found == 0)
+        skip();
+}
+
 /* A line must not end before a word that fits it. */
 static void check_paragraphs(const char *name, const char *text)
 {
@@ -908,6 +932,7 @@ static void starting_up_takes_milliseconds(void **state)
 
 static const struct CMUnitTest tests[] = {
     test_in_folder(help_and_version_are_successes),
+    test_in_folder(helper_programs_have_the_drivers_version),
     test_in_folder(help_speaks_to_a_newcomer),
     test_in_folder(every_help_is_wrapped_as_if_by_hand),
     test_in_folder(every_bad_option_is_named_in_one_line),

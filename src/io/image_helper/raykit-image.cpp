@@ -3,6 +3,7 @@
 //
 //   raykit-image read FILE MOST   picture of up to MOST pixels to standard output
 //   raykit-image write FILE       picture from standard input, in the format of FILE's ending
+//   raykit-image --version        the version, that of the drivers
 //
 // Pictures in streams have the format of image_stream.h.
 // Errors are one line on standard error that begins with the file's name, and exit status 1.
@@ -367,8 +368,10 @@ void run(const std::vector<std::string> &words)
         send(load(words[1], std::stoull(words[2])));
     else if (words.size() == 2 && words[0] == "write")
         store(words[1], receive());
+    else if (words.size() == 1 && words[0] == "--version")
+        std::printf("raykit-image %s\n", PACKAGE_VERSION);
     else
-        fail("raykit-image", "usage: raykit-image read FILE MOST | write FILE");
+        fail("raykit-image", "usage: raykit-image read FILE MOST | write FILE | --version");
 }
 
 std::string one_line(std::string text)

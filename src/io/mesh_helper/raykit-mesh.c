@@ -1,5 +1,6 @@
 /* raykit-mesh FILE: reads a mesh with Assimp and writes it to standard output in the format of
  * mesh_stream.h. On failure the exit status is 1 and the last line on standard error is the reason.
+ * raykit-mesh --version: prints the version, which is that of the drivers.
  * rk_mesh_file_read starts it; a file that makes Assimp crash ends only this process. */
 #include "io/mesh_helper/mesh_gather.h"
 #include "io/mesh_helper/mesh_io.h"
@@ -10,6 +11,7 @@
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
+#include <string.h>
 #include <unistd.h>
 
 static bool write_bytes(const void *bytes, uint64_t size, rk_error *error)
@@ -123,6 +125,10 @@ int main(int argc, char **argv)
             "usage: raykit-mesh FILE (writes the mesh to standard output for rk_mesh_file_read)\n",
             stderr);
         return EXIT_FAILURE;
+    }
+    if (strcmp(argv[1], "--version") == 0) {
+        puts("raykit-mesh " PACKAGE_VERSION);
+        return EXIT_SUCCESS;
     }
     rk_mesh_hints hints;
     rk_error error = {0};
