@@ -3,7 +3,7 @@
 set -u
 [ "${1-}" != --list ] || exit 0 # the driver asks for names of tests, which it can do without
 source=${srcdir:-.}
-echo 1..5
+[ -e "$source/docs/tools.md" ] && echo 1..5 || echo 1..4 # packs have no such page
 if AWK="${AM_TAP_AWK:-awk}" "$source/tools/features.sh" --readme | cmp -s - "$source/README.md"; then
     echo "ok 1 - README's table is that of assignments/features.tsv"
 else
@@ -54,8 +54,10 @@ else
 fi
 
 claim="docs/tools.md says of each file what the file says of itself"
-if ! [ -e "$source/docs/tools.md" ] || ! command -v python3 >/dev/null; then
-    echo "ok 5 - $claim # SKIP packs have no such page, or there is no python3"
+if [ ! -e "$source/docs/tools.md" ]; then
+    :
+elif ! command -v python3 >/dev/null; then
+    echo "ok 5 - $claim # SKIP there is no python3"
 elif complaint=$(python3 -B "$source/tools/tools_page.py" --source "$source" --check 2>&1); then
     echo "ok 5 - $claim"
 else
