@@ -1,3 +1,4 @@
+/* Calls the unit where the renderer needs it: say here where, and what it costs. */
 #include "render/stages/fog_stage.h"
 
 #include "render/feature.h"
