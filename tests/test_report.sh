@@ -112,6 +112,14 @@ grep -q '^bvh_median,"\{0,1\}two  words.obj"\{0,1\},12,.*,levels,' "$page/tables
     grep -q '^bvh_median,"stray,1.obj",577,.*,leaves,' "$page/tables/bvh_median.csv"
 verdict its_tables_have_a_row_for_each
 
+only=shading
+report "$meshes/stray,1.obj" && grep -q "stray,1.obj: 576 of its 577 triangles lie" "$folder/said" &&
+    tr '\n' ' ' <"$page/report.html" | grep -q 'stray,1.obj: 576 of its 577 triangles lie'
+verdict a_kept_picture_keeps_what_was_said_of_its_mesh
+
+tr '\n' ' ' <"$page/report.html" | grep -q 'stray,1.obj by Blinn-Phong'
+verdict captions_name_the_mesh
+
 # Two names of one mesh: equal pictures. Nothing of it is seen: a mesh of no area.
 cp "$meshes/two  words.obj" "$meshes/again.obj"
 printf 'v 0 0 0\nv 0 0 0\nv 0 0 0\nf 1 2 3\n' >"$meshes/nothing.obj"
@@ -127,15 +135,19 @@ only=bvh_median up=
 refused() { # refused MESHES REASON
     ! report "$1" && grep -qF -- "$2" "$folder/said"
 }
-refused "$meshes/two  words.obj $meshes/missing.obj" "MESHES: no file's name begins here: $meshes/missing.obj"
+refused "$meshes/two  words.obj $meshes/missing.obj" "MESHES: there is no such file: $meshes/missing.obj"
 verdict a_missing_file_is_named
 
+mkdir "$folder/meshes"
+refused "$folder/meshes" "MESHES: $folder/meshes is a folder"
+verdict so_is_a_folder
+
 up=w
-refused "$meshes/triangle.ply" '--up w'
+refused "$meshes/triangle.ply" 'UP=w: it is x, y or z'
 verdict an_axis_that_is_none_is_refused
 up=
 
-refused "$meshes/two words.obj" "MESHES: no file's name begins here: $meshes/two words.obj"
+refused "$meshes/two words.obj" "MESHES: there is no such file: $meshes/two words.obj"
 verdict a_name_has_all_of_its_spaces
 
 cp "$meshes/triangle.ply" "$meshes/two--words.obj"

@@ -245,9 +245,15 @@ local function tell_failure(job)
   fail_by_driver(job.element, "this command failed (its reason is above): %s", command_with(job))
 end
 
-local function say_all(path)
-  local said = drive.read_file(path)
-  if said and said ~= "" then io.stderr:write(said) end
+local told = {} -- what drivers have said, without their names
+
+-- Says on the terminal what a driver has said, and no other has.
+function drive.tell(said)
+  for line in (said or ""):gmatch("[^\n]+") do
+    local sentence = line:gsub("^[%w_]+: ", "")
+    if not told[sentence] then io.stderr:write(line, "\n") end
+    told[sentence] = true
+  end
 end
 
 -- Runs jobs, some at a time. A failure ends the weaving, but with a student's units or a user's mesh it is
@@ -267,7 +273,7 @@ local function run_jobs(jobs, at_a_time, progress)
     local number, status = line:match("^(%d+) (%d+)$")
     local job = jobs[tonumber(number)]
     progress(job)
-    say_all(folder .. "/" .. number .. ".said")
+    drive.tell(drive.read_file(folder .. "/" .. number .. ".said"))
     if status == "0" then made[job.key] = store.find(store.folder, job.key, job.by)
     else failed[job.key], first = tonumber(status), first or not job.may_fail and job or nil end
   end
@@ -362,7 +368,8 @@ local function mark_rough(entry)
   for name in store.tables(entry) do drive.rough[name] = true end
 end
 
--- Returns the output of an element's driver. Its files go into the common folder, or into `folder`.
+-- Returns the output of an element's driver, and what else it said. Its files go into the common folder, or
+-- into `folder`.
 function drive.run(element, args, folder)
   local job = job_of(element, folder and args or sized(element, args))
   local is_timed = tells_times(element, args)
@@ -374,7 +381,7 @@ function drive.run(element, args, folder)
   end
   local answer = place(job, folder or drive.out)
   if is_timed and not job.is_careful then mark_rough(entry_of(job)) end
-  return answer
+  return answer, drive.read_file(entry_of(job) .. "/said") or ""
 end
 
 -- Measures jobs by turns, and keeps what was measured.
@@ -403,7 +410,7 @@ function drive.progress(count)
     local now = os.time()
     if not on_terminal and now - last < 20 or on_terminal and now == last and done < count then return end
     last = now
-    local left = done < count and now > start and ", about " .. duration((now - start) * (count - done) // done) .. " left" or ""
+    local left = done < count and done * 20 >= count and now > start and ", about " .. duration((now - start) * (count - done) // done) .. " left" or ""
     local line = string.format("%s: %d of %d commands done%s", drive.page, done, count, left)
     io.stderr:write(on_terminal and "\r\27[K" .. line .. (done == count and "\n" or "") or line .. "\n")
   end

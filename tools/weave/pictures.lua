@@ -53,9 +53,8 @@ function pictures.check_subject(div, path)
   end
 end
 
--- A picture of a user's own mesh is not judged. What is said where little of it can be seen, or nil.
-function pictures.note_subject(path, mesh)
-  is_users[path] = true
+-- What is said where little can be seen in a picture of a user's mesh, or nil.
+local function note_subject(path, mesh)
   local _, texts = read_png(path)
   local black, frame = tonumber(texts["raykit:black"]), tonumber(texts["raykit:frame"])
   if not black or (black <= users_most_black and frame >= users_least_frame) then return nil end
@@ -63,6 +62,22 @@ function pictures.note_subject(path, mesh)
     string.format("%.1f %% of it is black, and the rest is in %.1f %% of the frame", 100 * black, 100 * frame)
   drive.say("%s: little can be seen in %s: %s", mesh, path, seen)
   return "Little can be seen here: " .. seen .. "."
+end
+
+local noted = {} -- what drivers have said of meshes, by both
+
+-- A picture of a user's own mesh is not judged. Returns what is said below it: what the driver said of the mesh,
+-- once in a page, and where little of it can be seen.
+function pictures.notes(path, mesh, said)
+  is_users[path] = true
+  local notes, name = {note_subject(path, mesh)}, mesh:gsub(".*/", "")
+  drive.tell(said)
+  for line in said:gmatch("[^\n]+") do
+    local sentence = line:gsub("^[%w_]+: ", ""):gsub(mesh:gsub("%W", "%%%0"), (name:gsub("%%", "%%%%")))
+    if not noted[mesh .. sentence] then notes[#notes + 1] = sentence .. "." end
+    noted[mesh .. sentence] = true
+  end
+  return notes
 end
 
 -- All of them at once, because drawing them takes minutes.

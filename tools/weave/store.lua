@@ -4,7 +4,7 @@
 -- program.
 --
 -- An entry has: key, the command; by, the digest; printed, the driver's output, with {folder} in place of its
--- folder; files, their list; made, the folder with them.
+-- folder; said, its messages; files, their list; made, the folder with them.
 
 local csv = require("csv")
 

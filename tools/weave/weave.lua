@@ -141,19 +141,22 @@ end
 
 -- The driver's picture: of a scene, or of a user's mesh.
 local function figure(div, args, mesh)
-  local path, parameters = split_line(div, drive.run(div, args))
+  local answer, said = drive.run(div, args)
+  local path, parameters = split_line(div, answer)
   if (drawn_by[path] or args) ~= args then
     fail_at(div, "%s is drawn already, but with %s; two pictures cannot have the same name",
       path, drawn_by[path])
   end
   drawn_by[path] = args
-  local note = mesh and pictures.note_subject(path, mesh)
+  local notes = mesh and pictures.notes(path, mesh, said) or {}
   if not mesh then pictures.check_subject(div, path) end
   if not args:find("--width", 1, true) and not args:find("--height", 1, true) then
     tables.picture_size[div.attributes.driver] = parameters:match("%d+ x %d+")
   end
   local caption = drive.caption(div.content, drive.without_times(parameters))
-  if note then caption.content:insert(2, pandoc.Plain({pandoc.Span(note, {class = "parameters"})})) end
+  for _, note in ipairs(notes) do
+    caption.content:insert(2, pandoc.Plain({pandoc.Span(note, {class = "parameters"})}))
+  end
   caption.content:insert(drive.command(div, args))
   return pandoc.Div({shown(div, path), caption}, {class = "picture"})
 end
@@ -175,13 +178,19 @@ local function turning()
   return options
 end
 
+-- The figure with the mesh's name in its caption, in the place of `MESH`.
+local function named(div, mesh)
+  local name = mesh:gsub(".*/", "")
+  return div:walk({Code = function(code) return code.text == "MESH" and pandoc.Str(name) or nil end})
+end
+
 local function figures(div)
   local args = div.attributes.args or ""
   if div.attributes.each ~= "mesh" then return figure(div, args) end
   local list = pandoc.List()
   drive.each(drive.meshes, function(mesh)
     local of_mesh = args .. " --mesh " .. drive.quote(mesh) .. turning()
-    list:insert(drive.forgiving_mesh(figure, div, of_mesh, mesh) or undrawn(mesh))
+    list:insert(drive.forgiving_mesh(figure, named(div, mesh), of_mesh, mesh) or undrawn(mesh))
   end)
   return pandoc.Div(list, {class = "row"})
 end

@@ -53,6 +53,15 @@ RAYKIT_GNUPLOT=${GNUPLOT-}
 # was called; tables and captions have their bare names, pictures the letters, digits and dots of these.
 . "$RAYKIT_SOURCE/tools/weave/mesh_names.sh"
 MESHES=$(mesh_names "${MESHES-}") || give_up "MESHES names files, with a space between two (see above)"
+case ${RAYKIT_UP:-y} in
+x | y | z) ;;
+*) give_up "UP=$RAYKIT_UP: it is x, y or z, the axis of the meshes that points up" ;;
+esac
+case ${RAYKIT_FRONT:-usual} in
+"${RAYKIT_UP:-y}" | -"${RAYKIT_UP:-y}") give_up "FRONT=$RAYKIT_FRONT: that axis points up; choose another one, or UP" ;;
+x | y | z | -x | -y | -z | usual) ;;
+*) give_up "FRONT=$RAYKIT_FRONT: it is x, y, z, -x, -y or -z, the axis of the meshes that points to the viewer" ;;
+esac
 names=/
 while IFS= read -r mesh; do
     [ -n "$mesh" ] || continue
