@@ -348,6 +348,10 @@ END
     ! figure 'crop="0.8 0 0.25 0.5"' && grep -q '01_one.md:3: crop="0.8 0 0.25 0.5" is not a part of the picture' "$folder/said1"
     verdict a_part_beyond_the_picture_is_a_mistake
 
+    figure 'needs="/nowhere/lake.exr photographs"' &&
+        tr '\n' ' ' <"$page" | grep -q "it needs lake.exr of Debian.*s package photographs"
+    verdict a_picture_that_needs_an_optional_package_is_left_out_without_it
+
     figure 'label="0.5 0.5 0.8 0.2 red <pane>; 0.1 0.1 n"' && grep -q '>red &lt;pane\(>\|&gt;\)</text>.*>n</text>' "$page" &&
         tr '\n' ' ' <"$page" | grep -q 'Labels: red &lt;pane&gt;, n[.]'
     verdict labels_are_over_the_picture_and_in_its_text

@@ -161,11 +161,13 @@ local function figure(div, args, mesh)
   return pandoc.Div({shown(div, path), caption}, {class = "picture"})
 end
 
--- In the place of a picture that a driver cannot draw of a user's mesh.
+-- In the place of a picture.
+local function not_made(reason)
+  return pandoc.Div({pandoc.Plain({pandoc.Strong("Not made: " .. reason)})}, {class = "picture missing"})
+end
+
 local function undrawn(mesh)
-  local name = mesh:gsub(".*/", "")
-  return pandoc.Div({pandoc.Plain({pandoc.Strong("Not made: this cannot be drawn of " .. name ..
-    "; the driver's reason is on the terminal.")})}, {class = "picture missing"})
+  return not_made("this cannot be drawn of " .. mesh:gsub(".*/", "") .. "; the driver's reason is on the terminal.")
 end
 
 -- The options that turn users' meshes, where make was given UP or FRONT.
@@ -184,8 +186,16 @@ local function named(div, mesh)
   return div:walk({Code = function(code) return code.text == "MESH" and pandoc.Str(name) or nil end})
 end
 
+-- needs=FILE: of an optional package, whose name follows.
+local function lacks(div)
+  local file, package = (div.attributes.needs or ""):match("^(%S+) (%S+)$")
+  if not file or drive.exists(file) then return nil end
+  return "it needs " .. file:gsub(".*/", "") .. " of Debian's package " .. package .. "."
+end
+
 local function figures(div)
   local args = div.attributes.args or ""
+  if lacks(div) then return not_made(lacks(div)) end
   if div.attributes.each ~= "mesh" then return figure(div, args) end
   local list = pandoc.List()
   drive.each(drive.meshes, function(mesh)

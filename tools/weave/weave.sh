@@ -197,7 +197,7 @@ kept_entries=3000 # two or three times what report and book have
 # shellcheck disable=SC2012 # entries are named by digests
 tidy_store() {
     [ -d "$RAYKIT_STORE" ] || return 0
-    (cd "$RAYKIT_STORE" && xargs touch -c <"$RAYKIT_OUT/used" && ls -t | tail -n +$kept_entries | xargs rm -rf &&
+    (cd "$RAYKIT_STORE" && xargs touch -c . <"$RAYKIT_OUT/used" && ls -t | tail -n +$kept_entries | xargs rm -rf &&
         find . -maxdepth 1 -name '*.part*' -mmin +60 -exec rm -rf {} +) || :
 }
 
