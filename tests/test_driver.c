@@ -13,14 +13,6 @@
 #include <sys/resource.h>
 #include <sys/wait.h>
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define BUILT_WITH_SHADOW_MEMORY 1
-#endif
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define BUILT_WITH_SHADOW_MEMORY 1
-#endif
-
 static const char program[] = RK_BUILD_FOLDER "/assignments/01_bvh_median/bvh_median";
 static const char wide_program[] = "15_wide_bvh/wide_bvh";
 static const char sah_program[] = RK_BUILD_FOLDER "/assignments/02_sah_binning/sah_binning";
