@@ -100,13 +100,7 @@ local function answer_of(command)
 end
 
 -- Returns a file's contents, or nil where there is none.
-function drive.read_file(path)
-  local file = io.open(path, "rb")
-  if not file then return nil end
-  local text = file:read("a")
-  file:close()
-  return text
-end
+drive.read_file = store.read
 
 function drive.write_file(path, text)
   local file, wrong = io.open(path, "wb")
@@ -257,8 +251,7 @@ function drive.tell(said)
 end
 
 -- Runs jobs, some at a time. A failure ends the weaving, but with a student's units or a user's mesh it is
--- told where the
--- job is wanted.
+-- told where the job is wanted.
 local function run_jobs(jobs, at_a_time, progress)
   local folder = drive.scraps .. "/jobs"
   os.execute("rm -rf " .. drive.quote(folder) .. " && mkdir -p " .. drive.quote(store.folder) .. " " .. drive.quote(folder))

@@ -93,8 +93,7 @@ function pictures.finish()
 end
 
 -- Pictures of a row are there to be compared. A student's unit may not make a difference yet, and users'
--- meshes may be
--- equal.
+-- meshes may be equal.
 function pictures.check_row(div)
   local seen = {}
   local function compare(image)

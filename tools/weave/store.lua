@@ -10,7 +10,8 @@ local csv = require("csv")
 
 local store = {folder = os.getenv("RAYKIT_STORE") or "", used = {}}
 
-local function read(path)
+-- Returns a file's contents, or nil where there is none.
+function store.read(path)
   local file = io.open(path, "rb")
   if not file then return nil end
   local text = file:read("a")
@@ -25,7 +26,7 @@ function store.find(folder, key, by)
   if folder == "" then return nil end
   local name = pandoc.utils.sha1(key)
   local entry = folder .. "/" .. name
-  local made_by = read(entry .. "/by")
+  local made_by = store.read(entry .. "/by")
   if not made_by or by and made_by ~= by .. "\n" then return nil end
   store.used[entry] = name
   return entry
@@ -113,14 +114,14 @@ local function make_folder(path)
 end
 
 local function copy(from, to)
-  local text, file = read(from), io.open(to, "wb")
+  local text, file = store.read(from), io.open(to, "wb")
   return text and file and file:write(text) and file:close()
 end
 
 -- Puts an entry's files into a folder, and returns what the driver printed; or nil and the file that cannot
 -- be written.
 function store.place(entry, folder)
-  for name in (read(entry .. "/files") or ""):gmatch("[^\n]+") do
+  for name in (store.read(entry .. "/files") or ""):gmatch("[^\n]+") do
     local from, to = entry .. "/made/" .. name, folder .. "/" .. name
     make_folder(to:match("^(.*)/"))
     local header, rows
@@ -129,11 +130,11 @@ function store.place(entry, folder)
     if header then done = add_rows(header, rows, to) else done = copy(from, to) end
     if not done then return nil, to end
   end
-  return (read(entry .. "/printed"):gsub("{folder}", (folder:gsub("%%", "%%%%"))))
+  return (store.read(entry .. "/printed"):gsub("{folder}", (folder:gsub("%%", "%%%%"))))
 end
 
 -- The names of an entry's tables, one after the other.
-function store.tables(entry) return (read(entry .. "/files") or ""):gmatch("tables/([^\n]+)%.csv") end
+function store.tables(entry) return (store.read(entry .. "/files") or ""):gmatch("tables/([^\n]+)%.csv") end
 
 -- Keeps tables, {header, rows} by their files' names, as an entry. Returns its path, or nil where it cannot
 -- be written.
