@@ -7,10 +7,9 @@
 #include "test.h"
 #include "test_soup.h"
 
+#include "base/table.h"
 #include "features/bvh_median.h"
 #include "scene/bvh_build.h"
-
-#include <time.h>
 
 /* --- Meshes and rays to try ----------------------------------------------------------------- */
 
@@ -692,13 +691,13 @@ static double seconds_to_sort(uint32_t count, uint32_t times)
 {
     uint64_t *ranks = malloc(count * sizeof *ranks);
     rk_check(ranks != NULL, "no memory for %u numbers", count);
-    clock_t start = clock();
+    double start = rk_clock_thread();
     for (uint32_t k = 0; k < times; k++) {
         for (uint32_t i = 0; i < count; i++)
             ranks[i] = (uint64_t)rk_hash(i, k, 0, 2) << 32 | i;
         qsort(ranks, count, sizeof *ranks, compare_keys);
     }
-    double seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
+    double seconds = rk_clock_thread() - start;
     free(ranks);
     return seconds;
 }
@@ -723,11 +722,11 @@ static void no_order_of_the_mesh_makes_building_slow(void **state)
                 mesh.positions[3 * i + k] =
                     rk_vec((float)x[order], (float)(k == 1), (float)(k == 2));
         }
-        clock_t start = clock();
+        double start = rk_clock_thread();
         rk_bvh bvh;
         rk_error error;
         rk_check_ok(rk_bvh_build_median(&bvh, &mesh, &error), error);
-        double seconds = (double)(clock() - start) / CLOCKS_PER_SEC;
+        double seconds = rk_clock_thread() - start;
         rk_check(seconds <= limit,
                  "%u triangles, %s: building took %.3g s, want at most %.3g s, 3 times as long as "
                  "sorting all of them on each level: is the selection quadratic?",

@@ -4,10 +4,9 @@
 
 #include "base/dvec3.h"
 #include "base/random.h"
+#include "base/table.h"
 #include "features/depth_of_field.h"
 #include "features/glossy_reflection.h"
-
-#include <time.h>
 
 static const double epsilon = 0x1p-24; /* half an ulp of 1: one rounding to float */
 
@@ -910,9 +909,9 @@ static double seconds_of(uint32_t width, uint32_t height, float diameter, double
         blur[i] = diameter;
     double fastest = INFINITY;
     for (int run = 0; run < runs && fastest > enough; run++) {
-        clock_t start = clock();
+        double start = rk_clock_thread();
         rk_lens_coc(blur, width, height, counts);
-        fastest = fmin(fastest, (double)(clock() - start) / CLOCKS_PER_SEC);
+        fastest = fmin(fastest, rk_clock_thread() - start);
     }
     int middle = counts[height / 2 * stride + width / 2];
     int want = diameter > 1 ? (int)pixels : 9;

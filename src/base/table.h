@@ -51,7 +51,9 @@ typedef struct rk_convergence_row {
 
 bool rk_table_put_convergence(const char *path, const rk_convergence_row *row, rk_error *error);
 
-/* Seconds on the monotonic clock, and seconds of processor time of the calling thread. */
+/* Seconds on the monotonic clock, and seconds of processor time of the calling thread. The C
+ * library's clock() advances by ticks of milliseconds where a limit of processor time is set; this
+ * one does not. */
 double rk_clock_wall(void);
 double rk_clock_thread(void);
 
