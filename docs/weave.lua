@@ -76,11 +76,13 @@ end
 local function whose(found)
   if found.missing then return "This is the starter; " .. found.missing .. " does not define it." end
   if found.written then return "Your code." end
-  if found.own then return found.later and "Left open here: a later assignment asks for it." or "Yours to write." end
+  if found.own and found.later then return "Left open here: a later assignment asks for it." end
+  if found.own then return "Yours to write." end
 end
 
 local function file_line(element, file, line)
-  return pandoc.Link({pandoc.Code(file), pandoc.Str(", line " .. line)}, weave.link_to_file(file, element, line))
+  local target = weave.link_to_file(file, element, line)
+  return pandoc.Link({pandoc.Code(file), pandoc.Str(", line " .. line)}, target)
 end
 
 -- A name that may go on in the next line behind each underscore.
@@ -131,7 +133,8 @@ local function listing(block)
   top:extend(inlines_of(block))
   local content = {
     pandoc.Div({pandoc.Plain(top)}, {class = "caption"}),
-    listings.block(table.concat(texts, "\n\n"), from, numbers, block.attributes.name, table.concat(anchors, " ")),
+    listings.block(table.concat(texts, "\n\n"), from, numbers, block.attributes.name,
+      table.concat(anchors, " ")),
   }
   if #said > 0 then
     content[3] = pandoc.Div({pandoc.Plain(table.concat(said, " "))}, {class = "yours"})
@@ -178,7 +181,9 @@ local function claims(div)
     local bottom = pandoc.List({file_line(div, file, found.line)})
     if points[test] then
       local count = points[test].points
-      if count ~= "0" then top:insert(pandoc.Span(count .. (count == "1" and " point" or " points"), {class = "points"})) end
+      if count ~= "0" then
+        top:insert(pandoc.Span(count .. (count == "1" and " point" or " points"), {class = "points"}))
+      end
       bottom:extend({pandoc.Str("; explained in "), pandoc.Link("its section", "#" .. points[test].section,
         "", {["data-pos"] = div.attributes["data-pos"]})})
       points[test] = nil
@@ -193,7 +198,8 @@ local function claims(div)
   end
   local left = next(points)
   if left then fail_at(div, "points.tsv names a test that %s does not have: %s", file, left) end
-  blocks:insert(1, pandoc.RawBlock("html", '<details class="list-of-claims"><summary>All ' .. #tests .. " claims, each with its test</summary>"))
+  blocks:insert(1, pandoc.RawBlock("html", '<details class="list-of-claims"><summary>All ' .. #tests ..
+    " claims, each with its test</summary>"))
   blocks:insert(pandoc.RawBlock("html", "</details>"))
   return pandoc.Div(blocks, {class = "claims"})
 end
@@ -203,14 +209,15 @@ end
 local function sketch(div)
   local path = need(div, "file")
   local drawing = drive.read_file(drive.source .. "/" .. path) or fail_at(div, "there is no file %s", path)
-  return pandoc.Div({pandoc.RawBlock("html", drawing), drive.caption(div.content)}, {class = "picture sketch"})
+  return pandoc.Div({pandoc.RawBlock("html", drawing), drive.caption(div.content)},
+    {class = "picture sketch"})
 end
 
 local function lone_sketch(paragraph)
   local image = #paragraph.content == 1 and paragraph.content[1]
   if not image or image.t ~= "Image" or not image.src:find("^sketches/") then return nil end
-  return sketch(pandoc.Div({pandoc.Plain(image.caption)}, {file = "docs/" .. image.src,
-    ["data-pos"] = image.attributes["data-pos"] or paragraph.attributes and paragraph.attributes["data-pos"]}))
+  local at = image.attributes["data-pos"] or paragraph.attributes and paragraph.attributes["data-pos"]
+  return sketch(pandoc.Div({pandoc.Plain(image.caption)}, {file = "docs/" .. image.src, ["data-pos"] = at}))
 end
 
 -- A student's units, and starters in a pack, may print other numbers.
@@ -218,7 +225,8 @@ local function check_printed(div, text)
   if drive.units ~= "" then return end
   for _, number in ipairs(drive.words(div.attributes.prints)) do
     if not text:find("%f[%w.-]" .. number:gsub("%p", "%%%0") .. "%f[^%w.]") then
-      fail_at(div, "the text repeats %s, but the driver does not print it; correct the text or prints=", number)
+      fail_at(div, "the text repeats %s, but the driver does not print it; correct the text or prints=",
+        number)
     end
   end
 end

@@ -49,7 +49,9 @@ end
 local function add(exercise, block)
   local kind = take_kind(block)
   if kind then
-    if exercise[kind] then fail_at(exercise.heading, "exercise %d has two of **%s**", exercise.number, kind) end
+    if exercise[kind] then
+      fail_at(exercise.heading, "exercise %d has two of **%s**", exercise.number, kind)
+    end
     exercise[kind], exercise.last = pandoc.List(), kind
   elseif not exercise.last then
     fail_at(exercise.heading, "the text of exercise %d begins with **Hint.** or **Answer.**", exercise.number)
@@ -69,7 +71,9 @@ local function read(blocks, i)
     if block.t == "Header" then
       local number = tonumber(text_of(block):match("^%d+$"))
       if not number then fail_at(block, '"%s" is not the number of an exercise', text_of(block)) end
-      if texts[number] then fail_at(block, "exercise %d is in %s already", number, place(texts[number].heading)) end
+      if texts[number] then
+        fail_at(block, "exercise %d is in %s already", number, place(texts[number].heading))
+      end
       exercise = {heading = block, number = number}
       texts[number] = exercise
     elseif exercise then
@@ -100,7 +104,9 @@ local function tell(list, texts, where)
       fail_at(where, "exercise %d begins with (easy), (medium), (hard) or (research)", number)
     end
     local exercise = texts[number] or {}
-    if answered[level] and not exercise.answer then fail_at(where, "exercise %d is %s and has no answer", number, level) end
+    if answered[level] and not exercise.answer then
+      fail_at(where, "exercise %d is %s and has no answer", number, level)
+    end
     if level ~= "research" and not exercise.hint then fail_at(where, "exercise %d has no hint", number) end
     item:extend(fold("hint", "Hint", exercise))
     item:extend(fold("answer", "Answer", exercise))
@@ -115,7 +121,9 @@ end
 
 -- Position of the last heading "Exercises" before i, below which the list stands.
 local function exercises_before(blocks, i)
-  while i > 0 and not (inner(blocks[i]).t == "Header" and text_of(inner(blocks[i])) == "Exercises") do i = i - 1 end
+  while i > 0 and not (inner(blocks[i]).t == "Header" and text_of(inner(blocks[i])) == "Exercises") do
+    i = i - 1
+  end
   local list = i > 0 and inner(blocks[i + 1])
   return list and list.t == "OrderedList" and list, i > 0 and inner(blocks[i])
 end

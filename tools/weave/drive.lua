@@ -184,7 +184,8 @@ local handed_out = drive.source .. "/docs/handout/record" -- a pack's
 local measures = (os.getenv("RAYKIT_MEASURED") or "") ~= ""
 local here = table.concat({os.getenv("RAYKIT_MACHINE") or "", os.getenv("RAYKIT_ISA") or ""}, " ")
 
-local made, failed, placed = {}, {}, {} -- entries and exit statuses by key, what was printed by key and folder
+local made, failed = {}, {} -- entries and exit statuses, by key
+local placed = {} -- what was printed, by key and folder
 
 -- Whether a run tells times, so that its numbers are rough unless it was alone on the machine.
 local function tells_times(element, args)
@@ -198,7 +199,8 @@ local function files_of(element, args)
   if element.attributes.driver == "wrong" then
     local kit = draws_mistakes:match("'([^']*)/tools/wrong%.py'") or drive.source
     return {kit .. "/tools/wrong.py", kit .. "/tests/mutants/" .. stem .. ".mutants",
-      drive.list(kit, "assignments/*_" .. stem .. "/wrong.tsv")[1] or "", drive.list(drivers, "assignments/*_" .. stem .. "/" .. stem)[1] or ""}
+      drive.list(kit, "assignments/*_" .. stem .. "/wrong.tsv")[1] or "",
+      drive.list(drivers, "assignments/*_" .. stem .. "/" .. stem)[1] or ""}
   end
   return {driver_path(element), build .. "/raykit-mesh", build .. "/raykit-image"}
 end
@@ -213,7 +215,8 @@ local function job_of(element, args)
 end
 
 local function digest_of(job)
-  job.by = job.by or store.digest(is_fresh(job.element) and {} or files_of(job.element, job.args), store.named(job.args), {here})
+  job.by = job.by or store.digest(is_fresh(job.element) and {} or files_of(job.element, job.args),
+    store.named(job.args), {here})
   return job.by
 end
 
@@ -221,7 +224,8 @@ end
 local function entry_of(job)
   local key = job.key
   if not made[key] and failed[key] == nil then
-    made[key] = store.find(record, key) or not is_fresh(job.element) and store.find(store.folder, key, digest_of(job)) or
+    made[key] = store.find(record, key) or
+      not is_fresh(job.element) and store.find(store.folder, key, digest_of(job)) or
       draws_mistakes == "" and job.element.attributes.driver == "wrong" and store.find(handed_out, key) or nil
   end
   return made[key]
@@ -254,10 +258,13 @@ end
 -- told where the job is wanted.
 local function run_jobs(jobs, at_a_time, progress)
   local folder = drive.scraps .. "/jobs"
-  os.execute("rm -rf " .. drive.quote(folder) .. " && mkdir -p " .. drive.quote(store.folder) .. " " .. drive.quote(folder))
+  os.execute("rm -rf " .. drive.quote(folder) ..
+    " && mkdir -p " .. drive.quote(store.folder) .. " " .. drive.quote(folder))
   for n, job in ipairs(jobs) do
-    drive.write_file(folder .. "/" .. n, string.format("key=%s\nby=%s\nentry=%s\nforgiving=%s\nrun() {\n%s\n}\n", drive.quote(job.key),
-      drive.quote(digest_of(job)), drive.quote(store.path(job.key)), job.may_fail and "yes" or "", command_with(job)))
+    drive.write_file(folder .. "/" .. n, string.format(
+      "key=%s\nby=%s\nentry=%s\nforgiving=%s\nrun() {\n%s\n}\n",
+      drive.quote(job.key), drive.quote(digest_of(job)), drive.quote(store.path(job.key)),
+      job.may_fail and "yes" or "", command_with(job)))
   end
   local pipe = io.popen(string.format("seq %d | xargs -P %d -n 1 sh %s %s", #jobs, at_a_time,
     drive.quote(drive.source .. "/tools/weave/draw.sh"), drive.quote(folder)))
@@ -351,7 +358,8 @@ end
 
 -- A job of a run that tells times: measured alone, if it was or is to be, or else cheaply.
 local function measured(job)
-  local careful = {element = job.element, args = job.args, key = job.key .. ", measured alone", may_fail = job.may_fail, is_careful = true}
+  local careful = {element = job.element, args = job.args, key = job.key .. ", measured alone",
+    may_fail = job.may_fail, is_careful = true}
   return (measures or entry_of(careful)) and careful or job
 end
 
@@ -382,10 +390,13 @@ local function measure_by_turns(jobs, progress)
   local function run(job, folder)
     if progress then progress() end
     local command = command_of(job.element) .. " " .. job.args .. " --out " .. drive.quote(folder)
-    if not answer_of(command) then drive.fail_at(job.element, "this command failed (its reason is above): %s", command) end
+    if not answer_of(command) then
+      drive.fail_at(job.element, "this command failed (its reason is above): %s", command)
+    end
   end
   for job, tables in pairs(rounds.measure(jobs, tonumber(drive.runs), run, drive.list, drive.scraps)) do
-    made[job.key] = store.keep(job.key, digest_of(job), tables) or drive.fail("%s cannot be written", store.folder)
+    made[job.key] = store.keep(job.key, digest_of(job), tables) or
+      drive.fail("%s cannot be written", store.folder)
   end
 end
 
@@ -403,7 +414,9 @@ function drive.progress(count)
     local now = os.time()
     if not on_terminal and now - last < 20 or on_terminal and now == last and done < count then return end
     last = now
-    local left = done < count and done * 20 >= count and now > start and ", about " .. duration((now - start) * (count - done) // done) .. " left" or ""
+    local can_tell = done < count and done * 20 >= count and now > start
+    local left = can_tell and
+      ", about " .. duration((now - start) * (count - done) // done) .. " left" or ""
     local line = string.format("%s: %d of %d commands done%s", drive.page, done, count, left)
     io.stderr:write(on_terminal and "\r\27[K" .. line .. (done == count and "\n" or "") or line .. "\n")
   end
@@ -452,7 +465,8 @@ local bench_is_quick = false
 
 -- What is said of a measurement that is not the full one, or "".
 function drive.reservation(element)
-  return is_bench(element) and bench_is_quick and "by the quick form of make bench, with small pictures and few samples; " or ""
+  return is_bench(element) and bench_is_quick and
+    "by the quick form of make bench, with small pictures and few samples; " or ""
 end
 
 -- Runs the driver on each of the element's scenes, and on each mesh if these count, too; once without
@@ -495,9 +509,11 @@ end
 
 -- The command that draws a picture, folded below its caption.
 function drive.command(element, args)
-  local text = (drive.program(element) .. " " .. args):gsub("[&<>]", {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;"})
+  local text = drive.program(element) .. " " .. args
+  text = text:gsub("[&<>]", {["&"] = "&amp;", ["<"] = "&lt;", [">"] = "&gt;"})
   text = text:gsub("%-%-[%w-]+", '<span class="tied">%0</span>') -- no line ends within an option
-  return pandoc.RawBlock("html", '<details class="command"><summary>command</summary><code>' .. text .. "</code></details>")
+  return pandoc.RawBlock("html",
+    '<details class="command"><summary>command</summary><code>' .. text .. "</code></details>")
 end
 
 -- The caption of a picture or a table: a text, and in small print its parameters, a text or inlines.

@@ -8,9 +8,11 @@ local glossary = {}
 
 -- Terms that texts use in their everyday sense, too.
 local everyday = {}
-for word in ([[at rest|batch|block|blur|child|claim|clip|collapse|composite|counters|crossing|depth|descriptor|dimension|driver|expansion|
-face|film|frame|gain|generation|hook|intensity|joint|kernel|lane|level|mask|medium|miss|pack|plan|prefix|reach|region|root|round|sample|
-segment|selection|slope|split|stage|starter|static|step|stream|tap|tile|unit|visibility|weights]]):gsub("\n", ""):gmatch("[^|]+") do
+for word in ([[
+at rest|batch|block|blur|child|claim|clip|collapse|composite|counters|crossing|depth|descriptor|dimension|
+driver|expansion|face|film|frame|gain|generation|hook|intensity|joint|kernel|lane|level|mask|medium|miss|
+pack|plan|prefix|reach|region|root|round|sample|segment|selection|slope|split|stage|starter|static|step|
+stream|tap|tile|unit|visibility|weights]]):gsub("\n", ""):gmatch("[^|]+") do
   everyday[word] = true
 end
 
@@ -49,7 +51,10 @@ local function match(inlines, at, term, before)
     elseif not gap or gap.t ~= "Space" and gap.t ~= "SoftBreak" then
       return nil
     end
-    if i == #term.words and not is_same(text:lower(), word) or i < #term.words and text:lower() ~= word then return nil end
+    if i == #term.words and not is_same(text:lower(), word) or
+      i < #term.words and text:lower() ~= word then
+      return nil
+    end
   end
   return last, after
 end

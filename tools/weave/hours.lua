@@ -69,13 +69,15 @@ function hours.span(span)
 end
 
 function hours.div(div)
-  local rows = {"| chapter | lines | reading, hours | assignment, hours | together |", "|---|--:|--:|--:|--:|"}
+  local rows = {"| chapter | lines | reading, hours | assignment, hours | together |",
+    "|---|--:|--:|--:|--:|"}
   for _, path in ipairs(drive.list(drive.source, "docs/[0-9][0-9]_*.md")) do
     local name = path:match("%d%d_([%w_]+)%.md$")
     local found, solving = chapter(div, name), assignment(div, name)
     local text = solving and string.format("%d `%s`", tonumber(found.number), name) or found.title
     rows[#rows + 1] = string.format("| [%s](#%s) | %d | %.1f | %s | %.1f |", text, found.anchor,
-      found.lines, found.hours, solving and string.format("%.1f", solving) or "", found.hours + (solving or 0))
+      found.lines, found.hours, solving and string.format("%.1f", solving) or "",
+      found.hours + (solving or 0))
   end
   return pandoc.read(table.concat(rows, "\n") .. "\n", "commonmark_x").blocks[1]
 end

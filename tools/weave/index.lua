@@ -23,7 +23,9 @@ local function headings_of(chapter)
   for at, level, heading in chapter.html:gmatch("()<h(%d)(.-)</h%d>") do
     local id, title = heading:match('%sid="([^"]+)"[^>]*>(.*)$')
     local number = id and title:match('header%-section%-number">([%d.]+)<')
-    if id then list[#list + 1] = {at = at, level = level, id = id, title = index.plain(title), number = number} end
+    if id then
+      list[#list + 1] = {at = at, level = level, id = id, title = index.plain(title), number = number}
+    end
   end
   return list
 end
@@ -41,9 +43,15 @@ function index.entries(chapter)
     list[#list + 1] = {title = title, kind = kind, id = id, section = section_at(headings, at)}
   end
   for _, h in ipairs(headings) do add(h.title, h.level == "1" and "chapter" or "section", h.id, h.at + 1) end
-  for at, name in chapter.html:gmatch('()<span%s+id="code%-([%w_]+)"') do add(name, "code", "code-" .. name, at) end
-  for at, name in chapter.html:gmatch('()id="test%-([%w_]+)"') do add(name, "test", "test-" .. name, at) end
-  for at, id, term in chapter.html:gmatch('()<span%s+id="(term%-[^"]+)">(.-)</span>') do add(index.plain(term), "term", id, at) end
+  for at, name in chapter.html:gmatch('()<span%s+id="code%-([%w_]+)"') do
+    add(name, "code", "code-" .. name, at)
+  end
+  for at, name in chapter.html:gmatch('()id="test%-([%w_]+)"') do
+    add(name, "test", "test-" .. name, at)
+  end
+  for at, id, term in chapter.html:gmatch('()<span%s+id="(term%-[^"]+)">(.-)</span>') do
+    add(index.plain(term), "term", id, at)
+  end
   return list
 end
 
@@ -106,7 +114,8 @@ local function term(entry, chapters)
 end
 
 local function name(entry)
-  return link(entry.id, "<code>" .. entry.title:gsub("_", "_<wbr>") .. "</code>") .. ", " .. link_to_section(entry.section)
+  local code = "<code>" .. entry.title:gsub("_", "_<wbr>") .. "</code>"
+  return link(entry.id, code) .. ", " .. link_to_section(entry.section)
 end
 
 -- Functions without their prefix.
@@ -120,7 +129,9 @@ local function list_of(entries, kind, chapters)
   table.sort(rows, function(a, b) return a.key < b.key or a.key == b.key and a.entry.id < b.entry.id end)
   for _, row in ipairs(rows) do
     local first = row.key:sub(1, 1):upper()
-    if first ~= letter then lines[#lines + 1] = (letter and "</ul>\n" or "") .. '<p class="letter">' .. first .. "</p>\n<ul>" end
+    if first ~= letter then
+      lines[#lines + 1] = (letter and "</ul>\n" or "") .. '<p class="letter">' .. first .. "</p>\n<ul>"
+    end
     letter = first
     lines[#lines + 1] = "<li>" .. (kind == "term" and term(row.entry, chapters) or name(row.entry)) .. "</li>"
   end

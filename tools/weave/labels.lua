@@ -13,7 +13,8 @@ local function read(div)
     local tx, ty, text = (rest or ""):match("^([%d.]+)%s+([%d.]+)%s+(.+)$")
     x, y, tx, ty = tonumber(x), tonumber(y), tonumber(tx), tonumber(ty)
     if not x or not y or rest == "" then
-      drive.fail_at(div, 'label: "%s" is not a place and a text; give the line\'s end, the text\'s place and the text, as in label="0.6 0.3 0.8 0.2 red pane"', part)
+      drive.fail_at(div, 'label: "%s" is not a place and a text; give the line\'s end, the text\'s place ' ..
+        'and the text, as in label="0.6 0.3 0.8 0.2 red pane"', part)
     end
     list[#list + 1] = {x = x, y = y, tx = tx or x, ty = ty or y, line = tx ~= nil, text = text or rest}
   end
@@ -34,11 +35,12 @@ local function draw(list, ratio)
   local parts = {string.format('<svg class="labels" viewBox="0 0 100 %.5g" aria-hidden="true">', 100 / ratio)}
   for _, l in ipairs(list) do
     for _, class in ipairs(l.line and {"rim", "leader"} or {}) do
-      parts[#parts + 1] = string.format('<path class="%s" d="M%.4g %.4gL%.4g %.4g"/>', class, 100 * l.x, 100 * l.y / ratio,
-        100 * l.tx, 100 * l.ty / ratio)
+      parts[#parts + 1] = string.format('<path class="%s" d="M%.4g %.4gL%.4g %.4g"/>', class,
+        100 * l.x, 100 * l.y / ratio, 100 * l.tx, 100 * l.ty / ratio)
     end
     local x, y, anchor = beside(l, ratio)
-    parts[#parts + 1] = string.format('<text x="%.4g" y="%.4g" dy="0.35em" text-anchor="%s">%s</text>', x, y, anchor, escape(l.text))
+    parts[#parts + 1] = string.format('<text x="%.4g" y="%.4g" dy="0.35em" text-anchor="%s">%s</text>',
+      x, y, anchor, escape(l.text))
   end
   parts[#parts + 1] = "</svg>"
   return pandoc.RawBlock("html", table.concat(parts))

@@ -6,13 +6,15 @@ local listings = {}
 local defined = {} -- {file, signature} of names that have a listing
 
 function listings.define(name, file, signature)
-  defined[name] = {file = file, signature = signature, is_call = signature:find("%(") and signature:find("^#") == nil}
+  local is_call = signature:find("%(") and signature:find("^#") == nil
+  defined[name] = {file = file, signature = signature, is_call = is_call}
 end
 
 -- A block of code from a file. `numbers` are its lines' in the file, 0 where a line separates definitions;
 -- `anchors`, "code-half:3 code-twice:8", names of lines, to which links lead.
 function listings.block(text, file, numbers, names, anchors)
-  return pandoc.CodeBlock(text, {class = "c", file = file, lines = table.concat(numbers, " "), names = names, anchors = anchors})
+  return pandoc.CodeBlock(text,
+    {class = "c", file = file, lines = table.concat(numbers, " "), names = names, anchors = anchors})
 end
 
 -- Names of other files are links only if they are the kit's own, which are unique.
@@ -21,7 +23,9 @@ local function is_seen_from(file, definition, name)
     (name:find("^[rR][kK]_") and not definition.signature:find("^static"))
 end
 
-local function escape(text) return (text:gsub("&", "&amp;"):gsub("<", "&lt;"):gsub(">", "&gt;"):gsub('"', "&quot;")) end
+local function escape(text)
+  return (text:gsub("&", "&amp;"):gsub("<", "&lt;"):gsub(">", "&gt;"):gsub('"', "&quot;"))
+end
 
 -- Links the names in a piece of HTML without tags; `before` and `behind` are the line around it.
 local function linked(piece, block, before, behind)
@@ -30,7 +34,8 @@ local function linked(piece, block, before, behind)
     if not definition or not is_seen_from(block.attributes.file, definition, name) then return nil end
     if (" " .. block.attributes.names .. " "):find(" " .. name .. " ", 1, true) then return nil end
     local left = (before .. piece:sub(1, from - 1)):gsub("<[^>]*>", ""):sub(-4)
-    if left:find("%.$") or left:find("&gt;$") and (before .. left):find("%-&gt;") then return nil end -- a member
+    local is_member = left:find("%.$") or left:find("&gt;$") and (before .. left):find("%-&gt;")
+    if is_member then return nil end
     local right = (piece:sub(to) .. behind):gsub("<[^>]*>", "")
     if definition.is_call and not right:find("^%s*[%(,%)]") then return nil end
     return string.format('<a href="#code-%s" title="%s">%s</a>', name, escape(definition.signature), name)
@@ -45,7 +50,8 @@ local function line_of(line, block)
   while at <= #line do
     local from, to, tag = line:find("(<[^>]*>)", at)
     local piece = line:sub(at, (from or #line + 1) - 1)
-    parts[#parts + 1] = plain and linked(piece, block, line:sub(1, at - 1), line:sub(from or #line + 1)) or piece
+    local before, behind = line:sub(1, at - 1), line:sub(from or #line + 1)
+    parts[#parts + 1] = plain and linked(piece, block, before, behind) or piece
     if not from then break end
     parts[#parts + 1] = tag
     plain = not wordy[tag:match('^<span class="(%l%l)">') or ""]
@@ -68,8 +74,8 @@ end
 local function numbered(text, number, ids)
   local first = ids and 'id="' .. table.remove(ids, 1) .. '" ' or ""
   for i, id in ipairs(ids or {}) do ids[i] = '<span id="' .. id .. '"></span>' end
-  return string.format('<span %sclass="line"%s>%s%s</span>', first, number ~= "0" and ' data-line="' .. number .. '"' or "",
-    table.concat(ids or {}), text)
+  local data = number ~= "0" and ' data-line="' .. number .. '"' or ""
+  return string.format('<span %sclass="line"%s>%s%s</span>', first, data, table.concat(ids or {}), text)
 end
 
 -- The block as HTML, with pandoc's colours; can be scrolled by the keyboard.
@@ -82,7 +88,8 @@ function listings.present(block)
     local text, number = line:match("^<span id=[^>]*><a [^>]*></a>(.*)</span>$") or line, next_number() or "0"
     list[#list + 1] = numbers and numbered(line_of(text, block), number, anchors[number]) or text
   end
-  return pandoc.RawBlock("html", string.format('<pre class="sourceCode %s" tabindex="0"><code>%s</code></pre>',
+  return pandoc.RawBlock("html", string.format(
+    '<pre class="sourceCode %s" tabindex="0"><code>%s</code></pre>',
     numbers and class .. " numbered" or class, table.concat(list, "\n")))
 end
 

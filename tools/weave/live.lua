@@ -39,7 +39,9 @@ local function read(name) return drive.read_file(drive.source .. "/tools/live/" 
 local function use_widget(div, name)
   widgets.plot = widgets.plot or read("widgets/plot.js")
   widgets[name] = read("widgets/" .. name .. ".js")
-  if not widgets[name] then drive.fail_at(div, "there is no widget %s: tools/live/widgets has no %s.js", name, name) end
+  if not widgets[name] then
+    drive.fail_at(div, "there is no widget %s: tools/live/widgets has no %s.js", name, name)
+  end
 end
 
 -- What to try, in a page where nothing can be tried.
@@ -60,15 +62,18 @@ function live.figure(div)
   local line = drive.run(div, args, drive.out .. "/" .. folder)
   count = count + 1
   local name, parameters = line:match("/figures/([^/\n]*%.png): ([^\n]*)")
-  if not name then drive.fail_by_driver(div, "the driver printed no line with its picture's path: %s", line) end
+  if not name then
+    drive.fail_by_driver(div, "the driver printed no line with its picture's path: %s", line)
+  end
   local image = pandoc.Image(pandoc.utils.stringify(div.content), folder .. "/figures/" .. name)
   local by_hand = (module == "" and ". This book has no live figures; by hand: " or
     ". Where the figure is not live, try it by hand: ") .. drive.program(div) .. " " .. args
   return pandoc.Div({
     pandoc.Div({pandoc.Plain({image})}, {class = "live", ["data-driver"] = a.driver, ["data-args"] = args,
-      ["data-options"] = options, ["data-program"] = drive.program(div), ["data-drag"] = a.drag, ["data-click"] = a.click,
-      ["data-widget"] = a.widget}),
-    drive.caption(module == "" and where_live(div.content) or div.content, drive.without_times(parameters) .. by_hand),
+      ["data-options"] = options, ["data-program"] = drive.program(div), ["data-drag"] = a.drag,
+      ["data-click"] = a.click, ["data-widget"] = a.widget}),
+    drive.caption(module == "" and where_live(div.content) or div.content,
+      drive.without_times(parameters) .. by_hand),
   }, {class = "picture"})
 end
 
@@ -98,7 +103,8 @@ function live.script(solutions)
   for name, text in pairs(widgets) do parts[#parts + 1] = name .. ": " .. text end
   table.sort(parts)
   return "(" .. read("live.js"):gsub(";%s*$", "") .. ")({" .. table.concat(modules, ", ") .. "},\n" ..
-    quote(read("run.js") .. read("worker.js")) .. ",\n{" .. table.concat(parts, ", ") .. "},\n" .. steps.script(solutions) .. ");\n"
+    quote(read("run.js") .. read("worker.js")) .. ",\n{" .. table.concat(parts, ", ") .. "},\n" ..
+    steps.script(solutions) .. ");\n"
 end
 
 return live

@@ -53,7 +53,8 @@ local function number_division(div)
   if div.identifier == "" then div.identifier = name end
   numbering.label[div.identifier] = kind .. " " .. number
   if caption and is_caption(caption) and caption.content[1] then
-    local link = pandoc.Link({pandoc.Str(kind .. "\u{a0}" .. number)}, "#" .. div.identifier, "", {class = "number"})
+    local link = pandoc.Link({pandoc.Str(kind .. "\u{a0}" .. number)}, "#" .. div.identifier, "",
+      {class = "number"})
     caption.content[1].content:insert(1, link)
     caption.content[1].content:insert(2, pandoc.Space())
   end
@@ -65,8 +66,8 @@ local function number_formula(math)
   if not counts[1] then return pandoc.Span({math}, {class = "equation"}) end
   local number, name = next_of("Equation")
   numbering.label[name] = "Equation (" .. number .. ")"
-  return pandoc.Span({math, pandoc.Link({pandoc.Str("(" .. number .. ")")}, "#" .. name, "", {class = "number"})},
-    {id = name, class = "equation"})
+  local link = pandoc.Link({pandoc.Str("(" .. number .. ")")}, "#" .. name, "", {class = "number"})
+  return pandoc.Span({math, link}, {id = name, class = "equation"})
 end
 
 -- [$$...$$]{#name}: the name moves to the formula.
@@ -94,7 +95,8 @@ function numbering.assign(doc)
       end
       number_heading(block)
     elseif seen then
-      block = pandoc.Div({block}):walk({Math = number_formula}):walk({Div = number_division, Span = name_formula})
+      block = pandoc.Div({block}):walk({Math = number_formula})
+      block = block:walk({Div = number_division, Span = name_formula})
       doc.blocks[i] = block.content[1]
     end
   end
@@ -107,7 +109,8 @@ function numbering.refer(link)
   local label = numbering.label[name]
   if not label then
     if os.getenv("RAYKIT_ALONE") == "" then
-      drive.fail_at(link, "[](#%s): this is no numbered heading, figure, table or formula; give the link a text", name)
+      drive.fail_at(link, "[](#%s): this is no numbered heading, figure, table or formula; " ..
+        "give the link a text", name)
     end
     label = "another chapter" -- which is not woven now
   end

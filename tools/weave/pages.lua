@@ -14,7 +14,8 @@ local tools = drive.source .. "/tools/weave/"
 local function read(path) return drive.read_file(path) or drive.fail("%s cannot be read", path) end
 
 local function html_of(blocks)
-  return pandoc.write(pandoc.Pandoc(blocks), "html5", {html_math_method = PANDOC_WRITER_OPTIONS.html_math_method})
+  return pandoc.write(pandoc.Pandoc(blocks), "html5",
+    {html_math_method = PANDOC_WRITER_OPTIONS.html_math_method})
 end
 
 -- --- chapters --------------------------------------------------------------------------------
@@ -47,7 +48,9 @@ local function contents_of(chapters, only)
     add('<li%s><a href="#%s">%s</a>', chapter == only and ' class="current"' or "", chapter.id, chapter.title)
     if #chapter.sections > 0 and (not only or chapter == only) then
       add("<ul>")
-      for _, section in ipairs(chapter.sections) do add('<li><a href="#%s">%s</a></li>', section.id, section.title) end
+      for _, section in ipairs(chapter.sections) do
+        add('<li><a href="#%s">%s</a></li>', section.id, section.title)
+      end
       add("</ul>")
     end
     add("</li>")
@@ -128,7 +131,8 @@ local function common_values(doc)
     values[name] = text and html_of({pandoc.Plain({pandoc.Str(text)})})
   end
   values.cover = values.cover and "../" .. values.cover
-  values.scripts = '<script src="index.js"></script>\n<script src="page.js"></script>\n<script src="compare.js"></script>'
+  values.scripts = '<script src="index.js"></script>\n<script src="page.js"></script>\n' ..
+    '<script src="compare.js"></script>'
   return values
 end
 

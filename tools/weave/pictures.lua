@@ -48,8 +48,8 @@ function pictures.check_subject(div, path)
   if div.attributes.dark or not black then return end
   if black > most_black or frame < least_frame then
     dark = dark + 1
-    drive.say("%s: %s: %.0f %% is black, and all that can be seen is in %.0f %% of the frame", drive.place(div), path,
-      100 * black, 100 * frame)
+    drive.say("%s: %s: %.0f %% is black, and all that can be seen is in %.0f %% of the frame",
+      drive.place(div), path, 100 * black, 100 * frame)
   end
 end
 
@@ -66,8 +66,8 @@ end
 
 local noted = {} -- what drivers have said of meshes, by both
 
--- A picture of a user's own mesh is not judged. Returns what is said below it: what the driver said of the mesh,
--- once in a page, and where little of it can be seen.
+-- A picture of a user's own mesh is not judged. Returns what is said below it: what the driver said of the
+-- mesh, once in a page, and where little of it can be seen.
 function pictures.notes(path, mesh, said)
   is_users[path] = true
   local notes, name = {note_subject(path, mesh)}, mesh:gsub(".*/", "")
@@ -84,12 +84,13 @@ end
 function pictures.finish()
   for _, figure in ipairs(drawn) do
     if read_png(figure.path) ~= figure.pixels then
-      fail_at(figure.div, "a later run, for a table or a plot, has drawn over %s; keep=NAME gives that run a folder of its own",
-        figure.path)
+      fail_at(figure.div, "a later run, for a table or a plot, has drawn over %s; " ..
+        "keep=NAME gives that run a folder of its own", figure.path)
     end
   end
   if dark == 0 then return end
-  drive.fail("%d pictures show too little (above): come closer, give them a sky, or say dark=yes where it has to be so", dark)
+  drive.fail("%d pictures show too little (above): come closer, give them a sky, " ..
+    "or say dark=yes where it has to be so", dark)
 end
 
 -- Pictures of a row are there to be compared. A student's unit may not make a difference yet, and users'
@@ -100,7 +101,8 @@ function pictures.check_row(div)
     local is_ours = image.src:find("^figures/.*%.png$") and not is_users[image.src]
     local pixels = is_ours and read_png(image.src)
     if pixels and seen[pixels] then
-      fail_at(div, "%s and %s are equal, pixel for pixel; show something in which they differ", seen[pixels], image.src)
+      fail_at(div, "%s and %s are equal, pixel for pixel; show something in which they differ",
+        seen[pixels], image.src)
     end
     if pixels then seen[pixels] = image.src end
   end

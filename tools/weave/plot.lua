@@ -37,8 +37,11 @@ local function lines_of(div, rows, x, y, by, band)
       by_title[title] = line
       lines[#lines + 1] = line
     end
-    local point = {coordinate(div, row, x), coordinate(div, row, y), samples = tonumber(row.samples), order = tonumber(x == "seconds" and row.samples or row[x])}
-    if band then point.low, point.high = coordinate(div, row, band .. "_low"), coordinate(div, row, band .. "_high") end
+    local point = {coordinate(div, row, x), coordinate(div, row, y), samples = tonumber(row.samples),
+      order = tonumber(x == "seconds" and row.samples or row[x])}
+    if band then
+      point.low, point.high = coordinate(div, row, band .. "_low"), coordinate(div, row, band .. "_high")
+    end
     if point[1] and point[2] then line.points[#line.points + 1] = point else left_out = left_out + 1 end
   end
   for n = #lines, 1, -1 do
@@ -85,7 +88,10 @@ end
 -- The x axis ends at the data, not at a power of ten.
 local function x_range(lines, linear)
   local left, right = corner(lines)
-  if linear then return string.format("set xrange [%.9g:%.9g]", left - 0.02 * (right - left), right + 0.02 * (right - left)) end
+  if linear then
+    local beyond = 0.02 * (right - left)
+    return string.format("set xrange [%.9g:%.9g]", left - beyond, right + beyond)
+  end
   local beyond = math.max(1.02, (right / left) ^ 0.02)
   return string.format("set xrange [%.9g:%.9g]", left / beyond, right * beyond)
 end
@@ -112,8 +118,11 @@ local function covers(lines, at_upper_right)
   end
   local function is_covered(point, next_point)
     for step = 0, 10 do
-      local x, y = point[1] * (next_point[1] / point[1]) ^ (step / 10), point[2] * (next_point[2] / point[2]) ^ (step / 10)
-      if is_within(math.log(x / left) / math.log(right / left), (math.log(y, 10) - bottom) / (top - bottom)) then return true end
+      local x = point[1] * (next_point[1] / point[1]) ^ (step / 10)
+      local y = point[2] * (next_point[2] / point[2]) ^ (step / 10)
+      local across = math.log(x / left) / math.log(right / left)
+      local up = (math.log(y, 10) - bottom) / (top - bottom)
+      if is_within(across, up) then return true end
     end
   end
   for _, line in ipairs(lines) do
@@ -141,8 +150,10 @@ end
 local function legend(lines, linear)
   if is_legend_below(lines, linear) then
     local longest = longest_title(lines)
-    return "bmargin " .. (longest > 30 and "left" or "center") .. " horizontal Left reverse maxcols 2 samplen 2 height 0.6 font ',13' width " ..
-      (longest > 24 and -longest * 2 // 5 or longest > 20 and -3 or 0) -- gnuplot takes letters to be wider than they are
+    local width = longest > 24 and -longest * 2 // 5 or longest > 20 and -3 or 0
+    return "bmargin " .. (longest > 30 and "left" or "center") ..
+      " horizontal Left reverse maxcols 2 samplen 2 height 0.6 font ',13' " ..
+      "width " .. width -- gnuplot takes letters to be wider than they are
   end
   if lines[1].points[1].low and falls(lines) then return "bottom left Left reverse" end
   return falls(lines) and "top right" or "top left Left reverse"
@@ -160,9 +171,11 @@ local function guides(div, script, lines)
   for i, word in ipairs(words(div.attributes.guides)) do
     local slope = slope_of(word) or fail_at(div, "guides: %s is not a slope", word)
     local start = slope > 0 and bottom or top
-    parts[i] = string.format("[x=%.9g:%.9g] %.9g * (x / %.9g) ** (%.9g) with lines lc rgb '#999999' dt %d lw 1 notitle",
+    parts[i] = string.format(
+      "[x=%.9g:%.9g] %.9g * (x / %.9g) ** (%.9g) with lines lc rgb '#999999' dt %d lw 1 notitle",
       left, right, start, left, slope, i + 1)
-    script[#script + 1] = string.format("set label %s at %.9g, %.9g left offset 1, 0 tc rgb '#777777' font ',12'",
+    script[#script + 1] = string.format(
+      "set label %s at %.9g, %.9g left offset 1, 0 tc rgb '#777777' font ',12'",
       quote(word:gsub("^-", "−")), right, start * (right / left) ^ slope)
   end
   return parts
@@ -175,7 +188,8 @@ local function mark_least(script, lines)
     for _, point in ipairs(line.points) do
       if point[2] < least[2] then least = point end
     end
-    script[#script + 1] = string.format("set label 'least: %.4g' at %.9g, %.9g center offset 0, 1.2 point pt 6 ps 2 lw 2 lc rgb '%s'",
+    script[#script + 1] = string.format(
+      "set label 'least: %.4g' at %.9g, %.9g center offset 0, 1.2 point pt 6 ps 2 lw 2 lc rgb '%s'",
       least[2], least[1], least[2], styles[i][1])
   end
 end
@@ -190,7 +204,8 @@ local function band_of(script, line, i)
   end
   if #points < 2 then return nil end
   script[#script + 1] = "$band" .. i .. " << EOD\n" .. table.concat(points, "\n") .. "\nEOD"
-  return string.format("$band%d using 1:2:3 with filledcurves lc rgb '%s' fs transparent solid 0.25 notitle", i, styles[i][1])
+  return string.format("$band%d using 1:2:3 with filledcurves lc rgb '%s' fs transparent solid 0.25 notitle",
+    i, styles[i][1])
 end
 
 -- Puts the slope of each curve of errors over the number of samples into the legend: that of a table with a
@@ -202,7 +217,8 @@ local unsteady = 4
 local function name_slopes(div, lines, feature)
   local slopes, table_name = {}, div.attributes.slopes
   if table_name then
-    local list = pandoc.Div({}, {["data-pos"] = div.attributes["data-pos"], table = table_name, where = "feature=" .. feature})
+    local list = pandoc.Div({}, {["data-pos"] = div.attributes["data-pos"], table = table_name,
+      where = "feature=" .. feature})
     for _, row in ipairs((tables.read(list))) do slopes[tables.cell(row, "method")] = tonumber(row.slope) end
   end
   for _, line in ipairs(lines) do
@@ -211,7 +227,8 @@ local function name_slopes(div, lines, feature)
       is_steady = is_steady and not (point.low and point.high > unsteady * point.low)
       if point.samples >= fit.from and point.low then points[#points + 1] = {point.samples, point[2]} end
     end
-    local slope = table_name and slopes[line.title] or not table_name and is_steady and #points > 2 and fit.slope(points)
+    local slope = table_name and slopes[line.title] or
+      not table_name and is_steady and #points > 2 and fit.slope(points)
     if slope then line.title = line.title .. string.format(" (%.2f)", slope):gsub("-", "−") end
   end
 end
@@ -219,8 +236,9 @@ end
 -- What band and legend show.
 local function explain(div, rows, has_slopes)
   local seeds = rows[1] and rows[1].seeds
-  local band = div.attributes.driver ~= "bench" and seeds and "RMS over " .. seeds .. " seeds, band: from the least to the largest of one" or
-    div.attributes.driver == "bench" and "band: 95 % confidence interval" or nil
+  local is_bench = div.attributes.driver == "bench"
+  local band = is_bench and "band: 95 % confidence interval" or
+    seeds and "RMS over " .. seeds .. " seeds, band: from the least to the largest of one" or nil
   local slopes = has_slopes and "in brackets: slope over samples, from " .. fit.from .. " on" or nil
   return band and slopes and band .. "; " .. slopes or band or slopes
 end
@@ -232,7 +250,8 @@ local function shown(div, path, notes)
   notes[#notes + 1] = "numbers: "
   return pandoc.Div({
     pandoc.Plain({pandoc.Image(pandoc.utils.stringify(div.content), path)}),
-    drive.caption(div.content, {pandoc.Str(drive.reservation(div) .. table.concat(notes, "; ")), tables.link(div)}),
+    drive.caption(div.content,
+      {pandoc.Str(drive.reservation(div) .. table.concat(notes, "; ")), tables.link(div)}),
   }, {class = "picture plot"})
 end
 
@@ -245,9 +264,11 @@ local function draw(div, name, xlabel, ylabel, lines, left_out, back, note)
   local is_below = is_legend_below(lines, linear)
   local width = is_below and 600 + 12 * math.max(longest_title(lines) - 28, 0) or 600
   local script = {
-    "set terminal svg size " .. width .. "," .. (is_below and 440 or 380) .. " font 'Helvetica,15' background 'white'",
+    "set terminal svg size " .. width .. "," .. (is_below and 440 or 380) ..
+      " font 'Helvetica,15' background 'white'",
     "set output " .. quote(drive.out .. "/" .. path),
-    linear and "unset logscale" or "set logscale xy", tics(lines, "x", 1, linear), tics(lines, "y", 2, linear), "set grid",
+    linear and "unset logscale" or "set logscale xy",
+    tics(lines, "x", 1, linear), tics(lines, "y", 2, linear), "set grid",
     x_range(lines, linear),
     div.attributes.yrange and "set yrange [" .. div.attributes.yrange:gsub(" ", ":") .. "]" or "",
     div.attributes.guides and "set rmargin 7" or "set rmargin 2",
@@ -257,24 +278,29 @@ local function draw(div, name, xlabel, ylabel, lines, left_out, back, note)
   local parts = guides(div, script, lines)
   if div.attributes.mark == "least" then mark_least(script, lines) end
   for i, line in ipairs(lines) do
-    script[#script + 1] = string.format("set style line %d lc rgb '%s' pt %d lw 2.5 %s", i, styles[i][1], styles[i][2], markers(line))
+    script[#script + 1] = string.format("set style line %d lc rgb '%s' pt %d lw 2.5 %s",
+      i, styles[i][1], styles[i][2], markers(line))
     script[#script + 1] = "$data" .. i .. " << EOD"
     for _, point in ipairs(line.points) do
       script[#script + 1] = string.format("%.9g %.9g", point[1], point[2])
     end
     script[#script + 1] = "EOD"
     parts[#parts + 1] = band_of(script, line, i)
-    parts[#parts + 1] = string.format("$data%d using 1:2 with linespoints linestyle %d title %s noenhanced", i, i,
-      quote(line.title))
+    parts[#parts + 1] = string.format("$data%d using 1:2 with linespoints linestyle %d title %s noenhanced",
+      i, i, quote(line.title))
   end
-  script[#script + 1] = (div.attributes.guides and "plot sample " or "plot ") .. table.concat(parts, ", ") .. "\n"
+  local plot = div.attributes.guides and "plot sample " or "plot "
+  script[#script + 1] = plot .. table.concat(parts, ", ") .. "\n"
   local pipe = io.popen(drive.quote(gnuplot), "w")
   pipe:write(table.concat(script, "\n"))
   if not pipe:close() then fail_at(div, "gnuplot failed (its reason is above)") end
   local notes = {note}
-  if left_out > 0 then notes[#notes + 1] = "left out: values of 0 or less, which have no logarithm (" .. left_out .. ")" end
+  if left_out > 0 then
+    notes[#notes + 1] = "left out: values of 0 or less, which have no logarithm (" .. left_out .. ")"
+  end
   if back > 0 then
-    notes[#notes + 1] = "where a curve runs back, more samples took less time: the machine was busy (" .. back .. ")"
+    notes[#notes + 1] = "where a curve runs back, more samples took less time: the machine was busy (" ..
+      back .. ")"
   end
   return shown(div, path, notes)
 end
@@ -310,10 +336,12 @@ local function draw_bars(div, name, xlabel, ylabel, rows, x, y, by)
   local places, groups, height = distinct(rows, x), distinct(rows, by), heights(div, rows, x, y, by)
   local path, parts = "figures/" .. name .. ".svg", {}
   local script = {
-    "set terminal svg size " .. (#places > many and 820 or 600) .. ",320 font 'Helvetica,15' background 'white'",
+    "set terminal svg size " .. (#places > many and 820 or 600) ..
+      ",320 font 'Helvetica,15' background 'white'",
     "set output " .. quote(drive.out .. "/" .. path),
-    "set style data histogram", "set style histogram clustered gap 1", "set style fill solid", "set boxwidth 0.9",
-    "set yrange [0:*]", "set grid y", #groups > 1 and "set key top left Left reverse noenhanced" or "unset key",
+    "set style data histogram", "set style histogram clustered gap 1", "set style fill solid",
+    "set boxwidth 0.9", "set yrange [0:*]", "set grid y",
+    #groups > 1 and "set key top left Left reverse noenhanced" or "unset key",
     "set xlabel " .. quote(xlabel), "set ylabel " .. quote(ylabel), "$data << EOD",
   }
   for _, at in ipairs(places) do
@@ -323,7 +351,8 @@ local function draw_bars(div, name, xlabel, ylabel, rows, x, y, by)
   end
   script[#script + 1] = "EOD"
   for i, group in ipairs(groups) do
-    parts[i] = string.format("$data using %d:xtic(1) lc rgb '%s' title %s noenhanced", i + 1, styles[i][1], quote(group))
+    parts[i] = string.format("$data using %d:xtic(1) lc rgb '%s' title %s noenhanced",
+      i + 1, styles[i][1], quote(group))
   end
   script[#script + 1] = "plot " .. table.concat(parts, ", ") .. "\n"
   local pipe = io.popen(drive.quote(gnuplot), "w")
@@ -369,6 +398,7 @@ return function(div)
   local has_slopes = band and columns.samples and (x == "samples" or x == "seconds")
   local lines, left_out, back = lines_of(div, rows, x, y, given.by, band)
   if has_slopes then name_slopes(div, lines, rows[1].feature) end
-  return draw(div, given.name or tables.name(div) .. "_" .. y .. "_over_" .. x, given.xlabel or tables.label(x),
-    given.ylabel or tables.label(y), lines, left_out, back, band and explain(div, rows, has_slopes))
+  local name = given.name or tables.name(div) .. "_" .. y .. "_over_" .. x
+  return draw(div, name, given.xlabel or tables.label(x), given.ylabel or tables.label(y), lines, left_out,
+    back, band and explain(div, rows, has_slopes))
 end

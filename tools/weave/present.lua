@@ -9,10 +9,11 @@ local present = {}
 
 -- --- texts for who cannot see ----------------------------------------------------------------
 
-local symbols = {cdot = "·", times = "×", le = "≤", leq = "≤", ge = "≥", geq = "≥", ne = "≠", approx = "≈", infty = "∞",
-  sum = "sum of", int = "integral of", prod = "product of", sqrt = "√", pm = "±", to = "→", ldots = "…", dots = "…",
-  alpha = "α", beta = "β", gamma = "γ", delta = "δ", epsilon = "ε", varepsilon = "ε", eta = "η", theta = "θ",
-  lambda = "λ", mu = "μ", pi = "π", rho = "ρ", sigma = "σ", tau = "τ", phi = "φ", omega = "ω", Omega = "Ω", Delta = "Δ"}
+local symbols = {cdot = "·", times = "×", le = "≤", leq = "≤", ge = "≥", geq = "≥", ne = "≠", approx = "≈",
+  infty = "∞", sum = "sum of", int = "integral of", prod = "product of", sqrt = "√", pm = "±", to = "→",
+  ldots = "…", dots = "…", alpha = "α", beta = "β", gamma = "γ", delta = "δ", epsilon = "ε",
+  varepsilon = "ε", eta = "η", theta = "θ", lambda = "λ", mu = "μ", pi = "π", rho = "ρ", sigma = "σ",
+  tau = "τ", phi = "φ", omega = "ω", Omega = "Ω", Delta = "Δ"}
 
 -- A formula as it could be read aloud, not set.
 local function text_of_formula(tex)
@@ -22,7 +23,9 @@ local function text_of_formula(tex)
 end
 
 local function text_of(inlines)
-  local texts = pandoc.Plain(inlines):walk({Math = function(math) return pandoc.Str(text_of_formula(math.text)) end})
+  local texts = pandoc.Plain(inlines):walk({Math = function(math)
+    return pandoc.Str(text_of_formula(math.text))
+  end})
   return pandoc.utils.stringify(texts)
 end
 
@@ -84,7 +87,9 @@ local function arranged(tabular)
 end
 
 -- A group, because regions are landmarks, and a page has too many tables for that.
-local function scrollable(label) return {class = "wide", tabindex = "0", role = "group", ["aria-label"] = label} end
+local function scrollable(label)
+  return {class = "wide", tabindex = "0", role = "group", ["aria-label"] = label}
+end
 
 function present.table(tabular)
   local columns = pandoc.List()
@@ -92,7 +97,8 @@ function present.table(tabular)
     local title = text_of(pandoc.utils.blocks_to_inlines(cell))
     if title ~= "" then columns:insert(title) end
   end
-  return pandoc.Div({arranged(tabular)}, scrollable("Table" .. (#columns > 0 and " of " .. table.concat(columns, ", ") or "")))
+  local label = "Table" .. (#columns > 0 and " of " .. table.concat(columns, ", ") or "")
+  return pandoc.Div({arranged(tabular)}, scrollable(label))
 end
 
 -- --- formulas --------------------------------------------------------------------------------
@@ -114,8 +120,13 @@ function present.tie(inlines)
     local _, places = (is_formula and formula.text or ""):gsub('class="base"', "")
     if is_formula and places <= 1 then
       local tied = pandoc.List({formula})
-      if behind and behind.t == "Str" and behind.text:find("^[,.;:!?)]") then tied:insert(inlines:remove(i + 1)) end
-      if before and before.t == "Str" and before.text:find("%($") then tied:insert(1, inlines:remove(i - 1)) i = i - 1 end
+      if behind and behind.t == "Str" and behind.text:find("^[,.;:!?)]") then
+        tied:insert(inlines:remove(i + 1))
+      end
+      if before and before.t == "Str" and before.text:find("%($") then
+        i = i - 1
+        tied:insert(1, inlines:remove(i))
+      end
       if #tied > 1 then inlines[i] = pandoc.Span(tied, {class = "tied"}) end
     end
   end
@@ -137,7 +148,8 @@ end
 
 -- Two pictures that become one with a slider have to fit one upon the other.
 function present.check_comparison(div)
-  if not div.classes:includes("compare") or drive.units ~= "" or drive.runs == "1" then return end -- quick ones are smaller
+  if not div.classes:includes("compare") or drive.units ~= "" then return end
+  if drive.runs == "1" then return end -- quick pictures are smaller
   local sizes = {}
   div:walk({Image = function(image) sizes[#sizes + 1] = table.concat({pictures.size(image.src)}, " x ") end})
   if #sizes ~= 2 or sizes[1] ~= sizes[2] then

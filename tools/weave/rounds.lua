@@ -53,7 +53,9 @@ local function row_of(all, key)
   local row, times = {}, all.times[key]
   for cell in (key .. "\0"):gmatch("(.-)%z") do row[#row + 1] = cell end
   table.sort(times)
-  for _, time in ipairs({median(times), times[1], times[#times]}) do row[#row + 1] = string.format("%.6g", time) end
+  for _, time in ipairs({median(times), times[1], times[#times]}) do
+    row[#row + 1] = string.format("%.6g", time)
+  end
   row[#row + 1] = tostring(#times)
   return row
 end

@@ -56,12 +56,12 @@ local page = [[
 ]]
 
 -- Writes these pages. `pages` has the page of each name to which their own links lead, `solutions` says
--- whether students'
--- parts are shown.
+-- whether students' parts are shown.
 function sources.write(pages, solutions)
   for _, path in ipairs(paths) do
     local html = listing(path, solutions):gsub('href="#([^"]*)"', function(name)
-      return string.format('href="../%s#%s"', pages[name] and drive.page .. "/" .. pages[name] or drive.page .. ".html", name)
+      local target = pages[name] and drive.page .. "/" .. pages[name] or drive.page .. ".html"
+      return string.format('href="../%s#%s"', target, name)
     end)
     drive.write_file(drive.out .. "/source/" .. page_of(path),
       string.format(page, path, drive.page, drive.page, drive.page, path, html))

@@ -6,7 +6,9 @@ local drive = require("drive")
 
 local steps = {}
 
-local function quote(text) return '"' .. text:gsub('[\\"]', "\\%0"):gsub("\n", "\\n"):gsub("</", "<\\/") .. '"' end
+local function quote(text)
+  return '"' .. text:gsub('[\\"]', "\\%0"):gsub("\n", "\\n"):gsub("</", "<\\/") .. '"'
+end
 
 -- The index of the only line with this part; a starter need not have it.
 local function line_with(part, text, place, solutions)
@@ -29,8 +31,10 @@ function steps.script(solutions)
   for name, place, part in table_text:gmatch('{"(src/[^"]*)", "([^"]*)", "([^"]*)"}') do
     local found, wrong = code.find(drive.source .. "/" .. name, name, place, solutions)
     if not found then drive.fail("src/driver/pixel_code.c: %s", wrong) end
-    parts[#parts + 1] = string.format('%s: {text: %s, numbers: [%s], now: %d}', quote(name .. ", " .. place .. ": " .. part),
-      quote(found.text), table.concat(found.numbers, ","), line_with(part, found.text, name .. ", " .. place, solutions) - 1)
+    local title = name .. ", " .. place
+    parts[#parts + 1] = string.format('%s: {text: %s, numbers: [%s], now: %d}',
+      quote(title .. ": " .. part), quote(found.text), table.concat(found.numbers, ","),
+      line_with(part, found.text, title, solutions) - 1)
   end
   return "{" .. table.concat(parts, ",\n") .. "}"
 end

@@ -51,11 +51,13 @@ end
 function tables.check_kept()
   for _, read in ipairs(was_read) do
     local element, there = read.element, {}
-    for _, row in ipairs((tables.read(element, element.attributes.where or ""))) do there[text_of(row)] = true end
+    for _, row in ipairs((tables.read(element, element.attributes.where or ""))) do
+      there[text_of(row)] = true
+    end
     for _, row in ipairs(read.rows) do
       if not there[text_of(row)] then
-        fail_at(element, "a later run has replaced rows of tables/%s.csv that are shown here; keep=NAME keeps this " ..
-          "run's table under a name of its own", tables.name(element))
+        fail_at(element, "a later run has replaced rows of tables/%s.csv that are shown here; keep=NAME " ..
+          "keeps this run's table under a name of its own", tables.name(element))
       end
     end
   end
@@ -104,7 +106,8 @@ end
 
 -- The rows of these metrics on the element's scenes, in the order of the metrics; and the columns.
 function tables.read_metrics(element, metrics, with_meshes)
-  local rows, columns = tables.read(element, element.attributes.where or "", with_meshes) -- timings: each run adds to them
+  local where = element.attributes.where or ""
+  local rows, columns = tables.read(element, where, with_meshes) -- timings: each run adds to them
   local list, wanted = {}, {}
   for _, scene in ipairs(tables.scenes(element, with_meshes)) do wanted[scene] = true end
   for _, metric in ipairs(metrics) do
@@ -161,10 +164,8 @@ end
 tables.show = show
 
 -- Columns of times, and of what depends on them, in tables that have no units.
-local timed = {}
-for _, column in ipairs(words("seconds milliseconds efficiency primary shadow diffuse primary_gain shadow_gain diffuse_gain")) do
-  timed[column] = true
-end
+local timed = {seconds = true, milliseconds = true, efficiency = true, primary = true, shadow = true,
+  diffuse = true, primary_gain = true, shadow_gain = true, diffuse_gain = true}
 local is_no_time = {["1"] = true, rays = true, bytes = true, MiB = true, ["%"] = true}
 
 -- Whether a number depends on a time that was measured once, on a machine that may have been busy.
@@ -175,7 +176,8 @@ function tables.is_rough(element, row, column)
 end
 
 -- What a caption says of such numbers.
-tables.rough_note = "≈: measured once, beside other programs; make " .. drive.page .. " MEASURED=1 measures carefully"
+tables.rough_note = "≈: measured once, beside other programs; " ..
+  "make " .. drive.page .. " MEASURED=1 measures carefully"
 
 function tables.has_rough(element, rows, columns)
   for _, row in ipairs(rows) do
@@ -244,7 +246,9 @@ local function own_titles(div, metrics, rows)
   for _, row in ipairs(rows) do wanted[row.method or ""] = true end
   for part in (div.attributes.labels or ""):gmatch("[^;]+") do
     local name, title = part:match("^%s*([^:%s]+)%s*:%s*(.-)%s*$")
-    if not wanted[name] then fail_at(div, "labels: %s is neither a metric nor a method of the table", name or part) end
+    if not wanted[name] then
+      fail_at(div, "labels: %s is neither a metric nor a method of the table", name or part)
+    end
     titles[name] = title
   end
   return titles
@@ -256,7 +260,9 @@ local function group(div, rows, apart, own)
   local groups, by_key, titles = {}, {}, {}
   for _, row in ipairs(rows) do
     local key = {}
-    for i, column in ipairs(apart) do key[i] = column == "method" and own[row.method] or tables.cell(row, column) end
+    for i, column in ipairs(apart) do
+      key[i] = column == "method" and own[row.method] or tables.cell(row, column)
+    end
     local name = row.scene .. "\0" .. table.concat(key, "\0")
     local found = by_key[name]
     if not found then
@@ -310,7 +316,8 @@ function tables.timings(div)
   end
   local pixels = not sceneless and tables.picture_size[div.attributes.driver]
   if sceneless then head, body = without_scene(metrics, groups[1], titles) end
-  local how = drive.runs == "1" and "single runs" or tables.has_rough(div, rows, {"median"}) and tables.rough_note or
+  local how = drive.runs == "1" and "single runs" or
+    tables.has_rough(div, rows, {"median"}) and tables.rough_note or
     "medians of " .. drive.runs .. " rounds by turns, or more; ≈: rounds differ by more than a fifth"
   return lay_out(div, head, body, how .. (pixels and ", " .. pixels .. " pixels; " or "; "))
 end
@@ -331,11 +338,13 @@ function tables.table(div)
     body[r] = {}
     for i, name in ipairs(names) do
       local cell = tables.cell(row, name)
-      body[r][i] = tables.is_rough(div, row, name) and tonumber(cell) and {median = cell, is_rough = true} or cell
+      local is_rough = tables.is_rough(div, row, name) and tonumber(cell)
+      body[r][i] = is_rough and {median = cell, is_rough = true} or cell
     end
   end
   if #body == 0 then drive.fail_by_driver(div, "tables/%s.csv has no such row", tables.name(div)) end
-  return lay_out(div, head, body, drive.reservation(div) .. (tables.has_rough(div, rows, names) and tables.rough_note .. "; " or ""))
+  local rough = tables.has_rough(div, rows, names) and tables.rough_note .. "; " or ""
+  return lay_out(div, head, body, drive.reservation(div) .. rough)
 end
 
 -- A number in a sentence, marked where it is rough.
@@ -351,7 +360,8 @@ local function one_cell(span)
   local rows, columns = tables.read(span)
   tables.check_column(span, columns, span.attributes.column)
   if #rows ~= 1 then drive.fail_by_driver(span, "where=...: %d rows are selected in place of one", #rows) end
-  return tables.roughly(tables.is_rough(span, rows[1], span.attributes.column), show(rows[1][span.attributes.column]))
+  local row, column = rows[1], span.attributes.column
+  return tables.roughly(tables.is_rough(span, row, column), show(row[column]))
 end
 
 local function measure_one(span)
@@ -359,7 +369,9 @@ local function measure_one(span)
   span.attributes.scenes = scene
   drive.measure(span, drive.timing)
   for _, row in ipairs((tables.read(span, span.attributes.where or ""))) do
-    if row.scene == scene and row.metric == metric then return {row.median, tables.is_rough(span, row, "median")} end
+    if row.scene == scene and row.metric == metric then
+      return {row.median, tables.is_rough(span, row, "median")}
+    end
   end
   drive.fail_by_driver(span, "the driver measured no %s of %s", metric, scene)
 end
@@ -368,12 +380,13 @@ end
 tables.on_name = nil
 
 -- One number from the driver's table. It has a place in the record of its own, because a later run with other
--- options may
--- replace its row.
+-- options may replace its row.
 function tables.measured(span)
   if span.attributes.column then return one_cell(span) end
   local a, parts = span.attributes, {}
-  for i, key in ipairs({"driver", "scene", "metric", "args", "variants", "where"}) do parts[i] = a[key] or "" end
+  for i, key in ipairs({"driver", "scene", "metric", "args", "variants", "where"}) do
+    parts[i] = a[key] or ""
+  end
   local found = drive.once("measured " .. table.concat(parts, " "), function() return measure_one(span) end)
   local median, is_rough = table.unpack(found)
   if a.name then tables.on_name(span, a.name, tonumber(median), is_rough) end

@@ -38,7 +38,8 @@ local named_at = {} -- places, by name
 
 -- A cell's number, without its interval: 4.05 of "4.05 ± 0.21".
 local function number(block, row, column)
-  return tonumber((row[column] or ""):match("^(%S+) ±") or row[column]) or drive.fail_by_driver(block, "%s is not a number: %s", column, row[column])
+  return tonumber((row[column] or ""):match("^(%S+) ±") or row[column]) or
+    drive.fail_by_driver(block, "%s is not a number: %s", column, row[column])
 end
 
 local function extreme(choose)
@@ -56,11 +57,14 @@ local function slope(block, rows, column, over)
     if over ~= "samples" or x >= fit.from then points[#points + 1] = {x, number(block, row, column)} end
   end
   return fit.slope(points) or
-    drive.fail_by_driver(block, "slope of %s over %s: %d rows are selected in place of two or more", column, over, #points)
+    drive.fail_by_driver(block, "slope of %s over %s: %d rows are selected in place of two or more", column,
+      over, #points)
 end
 
 local function cell(block, rows, column)
-  if #rows ~= 1 then drive.fail_by_driver(block, "%s: %d rows are selected in place of one", column, #rows) end
+  if #rows ~= 1 then
+    drive.fail_by_driver(block, "%s: %d rows are selected in place of one", column, #rows)
+  end
   return number(block, rows[1], column)
 end
 
@@ -76,7 +80,9 @@ local function value_of(block, kind, column, over, where)
   local rows, columns = tables.read(block, (block.attributes.where or "") .. " " .. where)
   column, over = tables.column(block, columns, column), over and tables.column(block, columns, over)
   if #rows == 0 and block.attributes.optional then return false end
-  if #rows == 0 then drive.fail_by_driver(block, "tables/%s.csv has no row where %s", tables.name(block), where) end
+  if #rows == 0 then
+    drive.fail_by_driver(block, "tables/%s.csv has no row where %s", tables.name(block), where)
+  end
   return kind(block, rows, column, over), tables.has_rough(block, rows, {column, over})
 end
 
@@ -177,7 +183,9 @@ local function write_verdict()
   local lines, wrong = pandoc.List(), 0
   for _, file in ipairs(sections) do
     local of, parts = verdicts[file], pandoc.List()
-    if of.holds > 0 then parts:insert(of.holds .. (of.holds == 1 and " sentence holds" or " sentences hold")) end
+    if of.holds > 0 then
+      parts:insert(of.holds .. (of.holds == 1 and " sentence holds" or " sentences hold"))
+    end
     if of.waits > 0 then parts:insert(of.waits .. " not judged, because their times were measured once") end
     if #of.wrong > 0 then parts:insert(#of.wrong .. (#of.wrong == 1 and " FAILS:" or " FAIL:")) end
     lines:insert(file .. ": " .. table.concat(parts, ", "))
@@ -204,9 +212,12 @@ local function check(span)
   local title = that .. ": " .. numbers .. (is_judged and "" or "; measured once")
   if not is_trial then
     judge(span, is_judged and "holds" or "waits", is_judged and not holds and
-      string.format('the numbers say otherwise: "%s" needs %s, but %s', pandoc.utils.stringify(span.content), that, numbers) or nil)
+      string.format('the numbers say otherwise: "%s" needs %s, but %s',
+        pandoc.utils.stringify(span.content), that, numbers) or nil)
   end
-  if holds or is_trial then return pandoc.Span(span.content, {class = "checked", title = title, tabindex = "0"}) end
+  if holds or is_trial then
+    return pandoc.Span(span.content, {class = "checked", title = title, tabindex = "0"})
+  end
   return contradicted(span, title, numbers, is_judged)
 end
 
@@ -214,7 +225,8 @@ local function value(span)
   local result, used = evaluate(span, need(span, "is"))
   if not result then return pandoc.Emph("not measured here") end
   if type(result) ~= "number" then fail_at(span, "%s is not a number", span.attributes.is) end
-  return tables.roughly(drive.runs ~= "1" and is_rough(used), tables.show(result, tonumber(span.attributes.digits or 2)))
+  return tables.roughly(drive.runs ~= "1" and is_rough(used),
+    tables.show(result, tonumber(span.attributes.digits or 2)))
 end
 
 -- Classes that other filters leave alone.

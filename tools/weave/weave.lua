@@ -127,7 +127,9 @@ local weave = {}
 -- "out/figures/x.png: its contents" -> "figures/x.png", "its contents"
 local function split_line(div, line)
   local path, parameters = line:match("^(.-%.png): ([^\n]*)")
-  if not path then drive.fail_by_driver(div, "the driver printed no line with its picture's path: %s", line) end
+  if not path then
+    drive.fail_by_driver(div, "the driver printed no line with its picture's path: %s", line)
+  end
   return path:sub(#drive.out + 2), parameters
 end
 
@@ -135,7 +137,8 @@ local drawn_by = {} -- arguments, by picture
 
 -- The picture or a part of it, with its labels, as a block.
 local function shown(div, path)
-  local block, ratio = crop(div, pandoc.Image(pandoc.utils.stringify(div.content) .. labels.as_text(div), path))
+  local alt = pandoc.utils.stringify(div.content) .. labels.as_text(div)
+  local block, ratio = crop(div, pandoc.Image(alt, path))
   return div.attributes.label and labels.over(div, block, ratio) or block
 end
 
@@ -167,7 +170,8 @@ local function not_made(reason)
 end
 
 local function undrawn(mesh)
-  return not_made("this cannot be drawn of " .. mesh:gsub(".*/", "") .. "; the driver's reason is on the terminal.")
+  return not_made("this cannot be drawn of " .. mesh:gsub(".*/", "") ..
+    "; the driver's reason is on the terminal.")
 end
 
 -- The options that turn users' meshes, where make was given UP or FRONT.
@@ -224,7 +228,9 @@ end
 -- A link to a name in another page, if that is made or in the pack; else to the name in its text.
 local function link_into(page, anchor, text)
   local source = os.getenv("RAYKIT_SOURCE_LINK")
-  if drive.exists(os.getenv("RAYKIT_BUILD") .. "/" .. page.made) then return "../../" .. page.made .. "#" .. anchor end
+  if drive.exists(os.getenv("RAYKIT_BUILD") .. "/" .. page.made) then
+    return "../../" .. page.made .. "#" .. anchor
+  end
   if page.handed_out and drive.exists(drive.source .. "/" .. page.handed_out) then text = page.handed_out end
   return source .. "/" .. text .. "#" .. anchor
 end
@@ -266,8 +272,8 @@ local function check_unique(element)
   local name = element.identifier
   if name == "" then return end
   if named_at[name] then
-    fail_at(element, "#%s is in %s already; a name must be unique in the %s, or links lead to the wrong place",
-      name, named_at[name], drive.page)
+    fail_at(element, "#%s is in %s already; a name must be unique in the %s, " ..
+      "or links lead to the wrong place", name, named_at[name], drive.page)
   end
   named_at[name] = drive.place(element)
 end
@@ -311,7 +317,8 @@ local function inherit(result, element)
 end
 
 -- Directives that ask for drivers' runs.
-local asking = {figure = true, timings = true, table = true, plot = true, live = true, wrong = true, output = true, measured = true}
+local asking = {figure = true, timings = true, table = true, plot = true, live = true, wrong = true,
+  output = true, measured = true}
 
 local function note(directives)
   return function(element)
@@ -336,7 +343,8 @@ local function choose(element)
   local wanted = element.classes[1] == "if_measured"
   if not wanted and element.classes[1] ~= "unless_measured" then return nil end
   local path = drive.out .. "/tables/" .. drive.need(element, "table") .. ".csv"
-  return drive.exists(path) and wanted and element.content or not drive.exists(path) and not wanted and element.content or {}
+  local is_there = drive.exists(path)
+  return (wanted and is_there or not wanted and not is_there) and element.content or {}
 end
 
 local function forget(element)
@@ -357,8 +365,8 @@ end
 -- and positions, which are of no use to readers, are removed. `own` has the page's own directives, by
 -- element type and class.
 function weave.filters(own)
-  local divs = {figure = figures, timings = tables.timings, table = tables.table, plot = plot, live = live.figure,
-    wrong = wrong.wrong(weave.resolve), steps = wrong.steps}
+  local divs = {figure = figures, timings = tables.timings, table = tables.table, plot = plot,
+    live = live.figure, wrong = wrong.wrong(weave.resolve), steps = wrong.steps}
   for class, directive in pairs(own.Div or {}) do divs[class] = directive end
   local spans = {measured = tables.measured, default = defaults}
   for class, directive in pairs(own.Span or {}) do spans[class] = directive end

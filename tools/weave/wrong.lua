@@ -30,7 +30,9 @@ local function sentence(text)
 end
 
 -- "assignments/06_bloom/points.tsv" and so on
-local function file_of(stem, name) return drive.list(drive.source, "assignments/*_" .. stem .. "/" .. name)[1] end
+local function file_of(stem, name)
+  return drive.list(drive.source, "assignments/*_" .. stem .. "/" .. name)[1]
+end
 
 -- The rows of a table, each a list of cells.
 local function read_rows(text)
@@ -71,9 +73,13 @@ end
 -- Beside the wrong picture the right one, where the chapter does not show it.
 local function with_right(block, row)
   local image = pandoc.Image({pandoc.Str("As it should be.")}, row.right)
-  local function named(said, picture) return pandoc.Div({pandoc.Plain({picture, pandoc.Span({pandoc.Str(said)}, {class = "said"})})}, {class = "one"}) end
+  local function named(said, picture)
+    local name = pandoc.Span({pandoc.Str(said)}, {class = "said"})
+    return pandoc.Div({pandoc.Plain({picture, name})}, {class = "one"})
+  end
   local width = 2 * math.max(pictures.size(row.right), narrowest) + 10
-  block.content[1] = pandoc.Div({named("wrong", block.content[1].content[1]), named("right", image)}, {class = "beside"})
+  block.content[1] = pandoc.Div({named("wrong", block.content[1].content[1]), named("right", image)},
+    {class = "beside"})
   block.attributes.style = "width: " .. width .. "px"
   return block
 end
@@ -119,7 +125,8 @@ local function of_all(div, sees, resolve)
     local stem = path:match("/%d+_([^/]*)/points.tsv$")
     for _, row in ipairs(mistakes(div, stem)) do
       if row.sees == sees then
-        found:insert(with_right(wrong_picture(div, row, {resolve(chapter_link(div, row)), pandoc.Str(": ")}, false), row))
+        local chapter = {resolve(chapter_link(div, row)), pandoc.Str(": ")}
+        found:insert(with_right(wrong_picture(div, row, chapter, false), row))
       end
     end
   end)
@@ -141,7 +148,8 @@ end
 -- The picture of each step, what was written, and the claims that hold since the picture before.
 function tools.steps(div)
   local stem = drive.need(div, "stem")
-  local looks, points, handout = file_of(stem, "look.tsv"), file_of(stem, "points.tsv"), file_of(stem, "handout.md")
+  local looks, points = file_of(stem, "look.tsv"), file_of(stem, "points.tsv")
+  local handout = file_of(stem, "handout.md")
   if not (looks and points) then fail_at(div, "there is no assignment %s", stem) end
   local written = {} -- nothing where a pack does not hand out the assignment
   for step, cell in (handout and read_file(handout) or ""):gmatch("\n| (%d+) | (.-) | ") do
@@ -158,11 +166,14 @@ function tools.steps(div)
           claims:insert({pandoc.Plain({test_link(div, {test = test[1]}, true)})})
         end
       end
-      local path, wanted = "figures/look_" .. stem .. "_" .. step .. ".png", looks:gsub("%.tsv$", "/" .. step .. ".png")
+      local path = "figures/look_" .. stem .. "_" .. step .. ".png"
+      local wanted = looks:gsub("%.tsv$", "/" .. step .. ".png")
       local copy = io.open(drive.out .. "/" .. path, "wb")
-      copy:write(read_file(wanted) or fail_at(div, "there is no %s; make look FEATURES=%s draws it", wanted, stem))
+      copy:write(read_file(wanted) or
+        fail_at(div, "there is no %s; make look FEATURES=%s draws it", wanted, stem))
       copy:close()
-      local caption = pandoc.List({sentence("**Step " .. step .. ".** " .. look[3]:gsub("^%l", string.upper) .. ".")})
+      local seen = look[3]:gsub("^%l", string.upper)
+      local caption = pandoc.List({sentence("**Step " .. step .. ".** " .. seen .. ".")})
       if written[step] then caption:insert(sentence("Written: " .. written[step] .. ".")) end
       if #claims > 0 then
         local said = #claims == 1 and "One more claim holds" or #claims .. " more claims hold"
@@ -179,7 +190,9 @@ function tools.steps(div)
   if #others == 0 then return pictures_of end
   table.sort(others, function(a, b) return a[1] < b[1] end)
   local said = others:map(function(of) return "step " .. of[1] .. ", " .. of[2] end)
-  return pandoc.Div({pictures_of, sentence("Without a picture of " .. (#others == 1 and "its" or "their") .. " own: " .. table.concat(said, "; ") .. ".")})
+  local text = "Without a picture of " .. (#others == 1 and "its" or "their") .. " own: " ..
+    table.concat(said, "; ") .. "."
+  return pandoc.Div({pictures_of, sentence(text)})
 end
 
 return tools
