@@ -14,7 +14,8 @@ import sys
 
 sys.dont_write_bytecode = True  # the source folder may be read-only, and stays clean
 
-from benchmark import compare, exact, frames, growth, measurements, plan, profile, schedule, startup, summary, timings
+from benchmark import (compare, exact, frames, growth, measurements, plan, profile, schedule, startup,
+                       summary, timings)
 from grading.assignments import Parser, ToolError
 
 KEPT_PARTS = {"frames": frames, "growth": growth}  # of calls that are kept
@@ -55,9 +56,11 @@ def print_summary(rows, quick):
                       ", ".join(filter(None,
                                        [row["note"], "goal missed" if row["goal_reached"] == "no" else ""]))))
     print_cells(cells)
-    print("In brackets: 95 % confidence intervals. Extrapolated: a time to an error of 1 % that lies beyond those measured.")
+    print("In brackets: 95 % confidence intervals. "
+          "Extrapolated: a time to an error of 1 % that lies beyond those measured.")
     if quick:
-        print("Pictures are small and samples few: whether a goal is reached, the full measurement decides (make bench).")
+        print("Pictures are small and samples few: "
+              "whether a goal is reached, the full measurement decides (make bench).")
 
 
 def print_changes(old, rows):
@@ -79,8 +82,8 @@ def check_references(work):
             by = (f"differ by {row['difference']:.1f} standard errors"
                   if row["squares"] < summary.AGREE_SQUARED else
                   f"have pixels that differ by {math.sqrt(row['squares']):.1f} times their standard errors")
-            raise ToolError(f"{row['feature']}: its two references {by}, so one method is biased: compare their options "
-                            "in tests/bench/cases.tsv")
+            raise ToolError(f"{row['feature']}: its two references {by}, so one method is biased: "
+                            "compare their options in tests/bench/cases.tsv")
 
 
 def write_tables(work, options):
@@ -138,9 +141,12 @@ def write_startup(tables, folder, kept, quick):
 def write_profile(tables, folder, kept, quick):
     rows = profile.measure(lambda driver: kept.program(driver)[0], frames.read_frames(folder), quick)
     timings.write(tables, "frames_profile", rows)
-    print_cells([("frame", "where its processor time goes")] + [(row["title"], row["functions"])
-                                                                for row in rows] if rows else
-                [("no profile of the frames: perf (package linux-perf) is missing, or may not look at programs here",)])
+    if rows:
+        print_cells([("frame", "where its processor time goes"),
+                     *((row["title"], row["functions"]) for row in rows)])
+    else:
+        print("no profile of the frames: perf (package linux-perf) is missing, "
+              "or may not look at programs here")
 
 
 def measure_times(options, parts):
@@ -175,7 +181,8 @@ def measure(options):
     cases = [name for name in names if name not in plan.PARTS]
     reset, worse = options.reset, False
     if options.compare and names and not cases:
-        raise ToolError(f"COMPARE: {' and '.join(parts)} have no seeds to compare: name cases, too, or leave it out")
+        raise ToolError(f"COMPARE: {' and '.join(parts)} have no seeds to compare: "
+                        "name cases, too, or leave it out")
     if cases or not names:
         worse = measure_accuracy(options, cases)
         options.reset = reset

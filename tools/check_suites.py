@@ -48,7 +48,7 @@ from grading.mutants import MutantError, mutate, read_mutants
 from grading.processor_time import limited
 
 FEWEST_MUTANTS = 8
-SECONDS = 20  # of processor time for one test: a slow one takes half a second, ten times that under sanitizers
+SECONDS = 20  # of processor time for one test: a slow one takes half a second, with sanitizers ten times that
 PATIENCE = 10  # times as long by the clock, for one that waits
 # A mutant's time is its compiler's: no warnings, no debugging information.
 QUICKLY = ["-w", "-g0"]
@@ -209,7 +209,8 @@ class Feature:
         return digest
 
     def verdict_of(self, mutant, text):
-        """Returns the digest of what decides whether this mutant is killed; None where it includes other files."""
+        """Returns the digest of what decides whether this mutant is killed; None where it includes other
+        files."""
         if not self.inputs or includes_of(text) != includes_of(self.source.read_text(encoding="utf-8")):
             return None
         digest = self.inputs.copy()
@@ -244,7 +245,8 @@ class Feature:
                 self.faults.append(f"{name}: {test} has two lines; remove one")
         for test in self.tests:
             if test not in listed:
-                self.faults.append(f"{name}: {test} has no line; give it one, with 0 points if the starter passes it")
+                self.faults.append(f"{name}: {test} has no line; "
+                                   "give it one, with 0 points if the starter passes it")
         return [test for test in _with_points(rows) if test in self.tests]
 
     # --- jobs: each may raise a Fault
@@ -256,28 +258,35 @@ class Feature:
             return
         rows = re.findall(r"^\| (\d+) \|(.*)$", handout.read_text(encoding="utf-8"), re.MULTILINE)
         told = [int(number) for number, cells in rows if "{tests}" in cells]
-        looks = [look.step for look in assignments.read_looks(assignments.read_features(str(self.root))[self.stem])]
         numbers = [int(number) for number, cells in rows]
         feature = assignments.read_features(str(self.root))[self.stem]
+        looks = [look.step for look in assignments.read_looks(feature)]
         tests = [test for test in assignments.read_points(feature) if test.points]
         steps = list(dict.fromkeys(test.step for test in tests))
         handout, points = (path.relative_to(self.root) for path in (handout, self.points))
-        faults = [f"{points}: {after.name} of step {after.step} stands below {before.name} of step {before.step}; "
-                  "order them by steps" for before, after in zip(tests, tests[1:]) if after.step < before.step]
-        faults += [f"{handout}: no step {step} with {{tests}}, which {points} names" for step in steps
-                   if step not in told]
-        faults += [f"{handout}: step {step} has {{tests}}, but none in {points}" for step in told
-                   if step not in steps]
+        faults = [f"{points}: {after.name} of step {after.step} stands below {before.name} of step "
+                  f"{before.step}; order them by steps"
+                  for before, after in zip(tests, tests[1:]) if after.step < before.step]
+        faults += [f"{handout}: no step {step} with {{tests}}, which {points} names"
+                   for step in steps if step not in told]
+        faults += [f"{handout}: step {step} has {{tests}}, but none in {points}"
+                   for step in told if step not in steps]
         faults += [f"{points}: {test.name} is green since step {test.green_since}, which is not before step "
                    f"{test.step}" for test in tests if test.green_since >= test.step]
-        named = {int(number): {section.strip() for section in cells.split("|")[1].split(",")} for number, cells in rows}
-        faults += [f"{points}: {test.name} of step {test.step} names the section {test.section}, which {handout} names "
-                   f"for no step up to that one" for test in tests
-                   if test.section[1:] not in set().union(*(named[step] for step in named if step <= test.step))]
-        faults += [f"{handout}: step {number} has no {{look}}" for number, cells in rows if "{look}" not in cells]
+        named = {int(number): {section.strip() for section in cells.split("|")[1].split(",")}
+                 for number, cells in rows}
+
+        def named_until(step):
+            return set().union(*(named[number] for number in named if number <= step))
+
+        faults += [f"{points}: {test.name} of step {test.step} names the section {test.section}, "
+                   f"which {handout} names for no step up to that one"
+                   for test in tests if test.section[1:] not in named_until(test.step)]
+        faults += [f"{handout}: step {number} has no {{look}}"
+                   for number, cells in rows if "{look}" not in cells]
         if looks[-1:] != numbers[-1:]:
-            faults.append(f"{handout}: look.tsv beside it ends with step {looks[-1]}; the last thing to do in an "
-                          "assignment is to draw its picture")
+            faults.append(f"{handout}: look.tsv beside it ends with step {looks[-1]}; "
+                          "the last thing to do in an assignment is to draw its picture")
         if faults:
             raise Fault("\n".join(faults))
 
@@ -300,7 +309,8 @@ class Feature:
         for stem in self.needs:
             kit |= {name for *_, name in look_at(stem).symbols}
         faults = [unit_rules.fault_in_object(obj, False), unit_rules.fault_in_names(obj, kit)]
-        faults += [f"keeps `{name}` from call to call; make it local, or const" for name in unit_rules.kept_data(obj)]
+        faults += [f"keeps `{name}` from call to call; make it local, or const"
+                   for name in unit_rules.kept_data(obj)]
         self.faults += [f"the {whose} {fault}" for fault in faults if fault]
 
     def check_starter(self):
@@ -336,7 +346,8 @@ class Feature:
     def check_mutant(self, mutant):
         for test in mutant.fails:
             if test not in self.tests:
-                raise Fault(f"{mutant.file}:{mutant.fails_line}: the suite has no test {test}; correct its name")
+                raise Fault(f"{mutant.file}:{mutant.fails_line}: the suite has no test {test}; "
+                            "correct its name")
         unit = mutate(mutant, self.source.read_text(encoding="utf-8"), self.source.relative_to(self.root))
         verdict = self.verdict_of(mutant, unit)
         if verdict and self.builder.store.has(verdict):
@@ -347,8 +358,8 @@ class Feature:
         program = self.program(text, mutant.name, f"the mutant {name}", QUICKLY)
         survived = [test for test in mutant.fails if run_test(program, test)[0] == 0]
         if survived:
-            raise Fault(f"{name} survives {' '.join(survived)}; sharpen the test, or name another that fails for a good "
-                        "reason")
+            raise Fault(f"{name} survives {' '.join(survived)}; "
+                        "sharpen the test, or name another that fails for a good reason")
         if verdict:
             self.builder.store.keep(verdict)
 
@@ -363,7 +374,8 @@ class Feature:
         except FileNotFoundError:
             mutants = []
         if len(mutants) < FEWEST_MUTANTS:
-            self.faults.append(f"{name} has {len(mutants)} mutants; a suite is tried with {FEWEST_MUTANTS} at least")
+            self.faults.append(f"{name} has {len(mutants)} mutants; "
+                               f"a suite is tried with {FEWEST_MUTANTS} at least")
         return mutants
 
     def jobs(self):

@@ -52,8 +52,8 @@ def _run(command):
         try:
             status = process.wait(max(SECONDS - SILENT, 0))
         except subprocess.TimeoutExpired as error:
-            raise ToolError(f"{name} has drawn for {SECONDS} s and was stopped; does a loop in your unit never end? "
-                            "make check-... says which test hangs") from error
+            raise ToolError(f"{name} has drawn for {SECONDS} s and was stopped; does a loop in your unit "
+                            "never end? make check-... says which test hangs") from error
         finally:
             process.kill()
     if status < 0:
@@ -106,7 +106,8 @@ def draw(toolchain, impl, stem, step):
     _run([driver, *small(look.options), "--quiet", "--out", os.path.join("out", "compared"), "--compare",
           wanted])
     if look.step in unsolved:
-        print(f"step {look.step} is still the starter, however the picture looks; its claims decide: {command_of('check', feature, impl)}")
+        print(f"step {look.step} is still the starter, however the picture looks; "
+              f"its claims decide: {command_of('check', feature, impl)}")
 
 
 # --- The wanted pictures --------------------------------------------------------------------------
@@ -142,8 +143,8 @@ def draw_wanted(toolchain, stems):
                 with open(os.path.join(figures, *os.listdir(figures)), "rb") as file:
                     picture = packed(file.read())
             if len(picture) > _MOST_BYTES:
-                raise ToolError(f"{feature.stem}, step {look.step}: the picture has {len(picture)} bytes, more than "
-                                f"{_MOST_BYTES}; choose one with less noise")
+                raise ToolError(f"{feature.stem}, step {look.step}: the picture has {len(picture)} bytes, "
+                                f"more than {_MOST_BYTES}; choose one with less noise")
             os.makedirs(os.path.dirname(look.picture), exist_ok=True)
             with open(look.picture, "wb") as file:
                 file.write(picture)

@@ -13,7 +13,8 @@ import subprocess
 import sys
 
 from grading import build
-from grading.assignments import Parser, ToolError, check_impl, find_unit, read_features, reference_unit, unit_beside
+from grading.assignments import (Parser, ToolError, check_impl, find_unit, read_features, reference_unit,
+                                 unit_beside)
 from grading.results import write_whole
 from grading.starters import is_left_open, is_starter
 

@@ -274,8 +274,8 @@ def _run_decoys(toolchain, suite, count, seconds, megabytes):
     passed = [test for test in suite.claims() if suite.verdicts[test.name].passed]
     for test in random.SystemRandom().sample(passed, min(count, len(passed))):
         if _run(toolchain, suite, ["--only", test.name], seconds, megabytes, decoy=True).attested:
-            suite.give_up("attests a claim that cannot hold, so none of its verdicts counts: the code sends them in "
-                          "place of the suite")
+            suite.give_up("attests a claim that cannot hold, so none of its verdicts counts: "
+                          "the code sends them in place of the suite")
             return
 
 
@@ -333,7 +333,8 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
 def _arguments():
     parser = Parser(
         description=__doc__.split("\n\n")[0],
-        epilog="Exit status: 0 all tests passed, or FILE was written; 1 some test failed; 2 nothing could be graded.",
+        epilog="Exit status: 0 all tests passed, or FILE was written; 1 some test failed; "
+        "2 nothing could be graded.",
     )
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     add = parser.add_argument
@@ -358,7 +359,9 @@ def _prepare_suite(feature, impl, own, only):
     if not tests:
         names = [test.name for test in listed]
         near = [name for name in names if only in name] or difflib.get_close_matches(only, names, 3, 0.3)
-        hint = "do you mean " + " or ".join(near[:3]) + "?" if near else f"they stand in {feature.points_table}"
+        hint = f"they stand in {feature.points_table}"
+        if near:
+            hint = "do you mean " + " or ".join(near[:3]) + "?"
         raise ToolError(f"{feature.stem} has no test {only}; {hint}")
     try:
         unit, remarks = (submitted_unit(feature, impl), []) if own else handed_in(feature, impl)
@@ -392,7 +395,8 @@ class Record:
 
     def __init__(self, folder):
         self._path, self._before, self._lock = os.path.join(folder, "claims"), {}, threading.Lock()
-        self._usual_path, self._usual = os.path.join(folder, "usual"), {}  # outlasts checks that do not compile, or are ended
+        # This file outlasts checks that do not compile, or are ended.
+        self._usual_path, self._usual = os.path.join(folder, "usual"), {}
         try:
             with open(self._usual_path, encoding="utf-8") as file:
                 self._usual = json.load(file)
@@ -479,9 +483,11 @@ def _grade_apart(toolchain, features, suites, impl, decoys, progress):
             for suite in suites:
                 _grade_apart(toolchain, features, [suite], impl, decoys, progress)
         else:
-            suites[0].give_up(f"ended its grader, by {ended}, so no claim has a verdict: does the code send signals?")
+            suites[0].give_up(f"ended its grader, by {ended}, so no claim has a verdict: "
+                              "does the code send signals?")
     except (ValueError, TypeError, KeyError) as error:
-        raise ToolError("the grader's answer is damaged, so no verdict on this submission is believed") from error
+        raise ToolError("the grader's answer is damaged, "
+                        "so no verdict on this submission is believed") from error
 
 
 def grade_submission(toolchain, stems, impl, only=None, progress=None):
@@ -530,8 +536,8 @@ def main():
             suites = grade_submission(toolchain, arguments.stems, arguments.impl, arguments.test, progress)
             changed = watch.changed() if watch else ""
             if changed:
-                raise ToolError(f"meanwhile, {changed} changed, so no verdict is believed; bring it back, and grade "
-                                "again")
+                raise ToolError(f"meanwhile, {changed} changed, so no verdict is believed; "
+                                "bring it back, and grade again")
             if remark:
                 print(f"grade: {remark}", file=sys.stderr)
         results.write(suites, arguments.format, arguments.impl, arguments.out,

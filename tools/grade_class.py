@@ -72,8 +72,8 @@ def _check_is_a_class(folder, found, features):
     """One student's folder would be graded as students called bloom and so on."""
     work = {name: path for name, path in found.items() if path.endswith(".c") or os.path.isdir(path)}
     if work and all(name in features and os.path.isfile(path) for name, path in work.items()):
-        raise ToolError(f"SUBMISSIONS: the folder {folder} holds one student's units ({', '.join(work)}); give the "
-                        f"folder that it is in, or grade it by make grade IMPL={folder}")
+        raise ToolError(f"SUBMISSIONS: the folder {folder} holds one student's units ({', '.join(work)}); "
+                        f"give the folder that it is in, or grade it by make grade IMPL={folder}")
 
 
 def _is_reference_text(suite):
@@ -195,8 +195,8 @@ def grade_class(build_folder, stems, submissions, out, format_name):
         print(f"{number:>{len(str(len(found)))}} of {len(found)}  {results.name_of(name):<24}", end="",
               flush=True)
         suites, was_graded = _suites_of(toolchain, features, path, submissions)
-        doubts, twins = [], namesakes.get(name, [])
-        remarks = [f"another submission has the same name: {', '.join(map(results.name_of, twins))}"] if twins else []
+        doubts, twins = [], [results.name_of(path) for path in namesakes.get(name, [])]
+        remarks = [f"another submission has the same name: {', '.join(twins)}"] if twins else []
         changed = watch and watch.changed()
         if changed:
             doubts.append(f"{changed} changed since grading began, so these points may be wrong")
@@ -221,15 +221,16 @@ def grade_class(build_folder, stems, submissions, out, format_name):
     if failed:
         print("grade-class: failed most often: " + ", ".join(f"{claim} ({count} of {judged[claim]})"
                                                              for claim, count in failed.most_common(_SHOWN)))
-    print(f"grade-class: {len(found) - ungraded} of {len(found)} graded, of {most} points each; wrote {table.path}")
+    print(f"grade-class: {len(found) - ungraded} of {len(found)} graded, of {most} points each; "
+          f"wrote {table.path}")
     return ungraded
 
 
 def main():
     parser = Parser(
         description=__doc__.split("\n\n")[0],
-        epilog="Exit status: 0 all were graded, whatever their points; 1 some could not be, or their points may be "
-        "wrong; 2 it could not begin.",
+        epilog="Exit status: 0 all were graded, whatever their points; "
+        "1 some could not be, or their points may be wrong; 2 it could not begin.",
     )
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
     parser.add_argument("--submissions", required=True, metavar="DIR",

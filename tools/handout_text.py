@@ -97,8 +97,8 @@ def as_packed(text, name, stems):
     left = _OF_THE_KIT.search(text)
     if left:
         line = text.count("\n", 0, left.start()) + 1
-        raise ToolError(f"{name}:{line} of the pack says {left.group()}, which is true in the whole kit only; "
-                        "put it between <!-- kit --> and <!-- pack")
+        raise ToolError(f"{name}:{line} of the pack says {left.group()}, which is true in the whole kit "
+                        "only; put it between <!-- kit --> and <!-- pack")
     return text
 
 

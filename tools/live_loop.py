@@ -107,7 +107,8 @@ class Loop:
         self._hints = hint.hints_of(handout_of(toolchain.source, feature))
         self._is_step_chosen, self.asked = bool(step), None
         self._own = os.path.join(toolchain.build, driver_of(feature))
-        self.kit = None if toolchain.handed_out else toolchain.built(f"assignments/{feature.folder}/{feature.stem}")
+        of_the_kit = f"assignments/{feature.folder}/{feature.stem}"
+        self.kit = None if toolchain.handed_out else toolchain.built(of_the_kit)
         self.out = os.path.join(toolchain.build, "impl", "loop")
         self.building = [sys.executable, "-B", os.path.join(_TOOLS, "drivers.py"), "--build", toolchain.build,
                          "--impl", impl,
@@ -284,8 +285,8 @@ class Page(http.server.BaseHTTPRequestHandler):
     def do_GET(self):  # pylint: disable=invalid-name
         loop, place = self.server.loop, urllib.parse.urlparse(self.path)
         name = place.path.rpartition("/")[2]
-        if self.headers.get("Host", "").replace("localhost",
-                                                "127.0.0.1") != self.server.host:  # a page from elsewhere that names this machine
+        host = self.headers.get("Host", "").replace("localhost", "127.0.0.1")
+        if host != self.server.host:  # a page from elsewhere that names this machine
             self.send_error(403)
         elif place.path == "/":
             with open(os.path.join(_TOOLS, "live", "loop.html"), "rb") as file:
@@ -340,7 +341,8 @@ def main():
         server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Page)
         server.daemon_threads, server.loop, server.host = True, loop, f"127.0.0.1:{server.server_port}"
         threading.Thread(target=server.serve_forever, daemon=True).start()
-        print(f"open http://{server.host}/ in a browser of this machine, and edit {arguments.impl}; Ctrl-C ends", flush=True)
+        print(f"open http://{server.host}/ in a browser of this machine, and edit {arguments.impl}; "
+              "Ctrl-C ends", flush=True)
         loop.run(grader, kept)
     except ToolError as error:
         print(f"live: {error}", file=sys.stderr)

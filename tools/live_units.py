@@ -41,8 +41,8 @@ def main():
             os.unlink(os.path.join(folder, old))
         for unit in (find_unit(features[stem], arguments.impl) for stem in stems):
             if unit.path and not make_module(unit, folder):
-                print(f"live: {os.path.basename(unit.path)} is not in live figures: it cannot be built for WebAssembly",
-                      file=sys.stderr)
+                print(f"live: {os.path.basename(unit.path)} is not in live figures: "
+                      "it cannot be built for WebAssembly", file=sys.stderr)
     except ToolError as error:
         print(f"live: {error}", file=sys.stderr)
         return 1

@@ -49,7 +49,8 @@ def check_name(source, stem):
     for folder in ("src", "tests"):
         for name in _files(os.path.join(source, folder)):
             if name.endswith((".c", ".h")) and f"rk_{stem}_" in _read(os.path.join(source, folder, name)):
-                raise ToolError(f"NAME={stem}: {folder}/{name} has names that begin with rk_{stem}_; choose another")
+                raise ToolError(f"NAME={stem}: {folder}/{name} has names that begin with rk_{stem}_; "
+                                "choose another")
 
 
 # --- The files ------------------------------------------------------------------------------------
@@ -142,10 +143,12 @@ def make_feature(source, stem):
     except BaseException:
         files.undo()
         raise
-    return [*(f"made    {name}" for name in new), *(f"edited  {name}" for name in [*edited, "README.md"]),
-            f"next: make check-{stem}, which fails and says where to begin; make format, where lines became long",
-            f"      assignments/{folder}/{stem} draws, when make has built it; README's words stand in features.tsv",
-            "      docs/architecture.md, \"Adding a feature\", has the steps"]
+    return [
+        *(f"made    {name}" for name in new), *(f"edited  {name}" for name in [*edited, "README.md"]),
+        f"next: make check-{stem}, which fails and says where to begin; make format, where lines became long",
+        f"      assignments/{folder}/{stem} draws, when make has built it; "
+        "README's words stand in features.tsv",
+        "      docs/architecture.md, \"Adding a feature\", has the steps"]
 
 
 def main():

@@ -37,8 +37,8 @@ def main():
     if arguments.tell:
         return tell(source)
     if not has_originals(source):
-        print("pristine: this is the whole kit, whose files git restores; a pack for students has its own copies",
-              file=sys.stderr)
+        print("pristine: this is the whole kit, whose files git restores; "
+              "a pack for students has its own copies", file=sys.stderr)
         return 1
     names, added = edited_files(source), added_files(source)
     try:

@@ -70,8 +70,9 @@ def section(build):
     timings = os.path.join(build, "bench", "tables")
     machine = {row["item"]: row["value"]
                for row in rows_of(os.path.join(timings, "timings_machine.csv"), "make bench")}
-    return (f"Measured on: {machine['processor']}, {machine['instruction set']}. Medians. Above 1, a ratio says that raykit is faster than "
-            "Embree's fastest mode for these rays; in brackets, than its fastest robust one, whose triangle test leaves hardly any gaps.\n\n"
+    return (f"Measured on: {machine['processor']}, {machine['instruction set']}. Medians. "
+            "Above 1, a ratio says that raykit is faster than Embree's fastest mode for these rays; "
+            "in brackets, than its fastest robust one, whose triangle test leaves hardly any gaps.\n\n"
             + frames(rows_of(os.path.join(timings, "frames.csv"), "make bench")) + "\n"
             + peers(rows_of(os.path.join(build, "reports", "out", "tables", "peers_best.csv"),
                             "make bench-peers")))

@@ -29,7 +29,8 @@ In raykit's folder, with this folder as IMPL:
 {commands}
 
 Start with {first}.md and its chapter, {chapter}: read, run the check, solve in {first}.c the step
-that it names, and run it again. A file that is not here is replaced by the kit's own where something needs it.
+that it names, and run it again.
+A file that is not here is replaced by the kit's own where something needs it.
 make workbook DIR={folder} brings new assignments later, and leaves alone what you have changed.
 """
 

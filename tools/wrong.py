@@ -63,7 +63,8 @@ def read_wrong(source, feature):
         if sees not in SEES:
             raise ToolError(f"{place}: nobody sees \"{sees}\"; choose one of: {', '.join(SEES)}")
         if not caption.endswith("."):
-            raise ToolError(f"{place}: the caption is a sentence that says what one sees; end it with a full stop")
+            raise ToolError(f"{place}: the caption is a sentence that says what one sees; "
+                            "end it with a full stop")
         rows.append(Wrong(place, mutants[mutant], sees, options, caption))
     return rows
 
@@ -103,8 +104,9 @@ def draw(place, driver, options):
     with tempfile.TemporaryDirectory() as folder:
         command = [driver, *words, *size, "--quiet", "--out", folder]
         try:
-            done = subprocess.run(limited(command, SECONDS), stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
-                                  stderr=subprocess.STDOUT, errors="replace", timeout=10 * SECONDS, check=False)
+            done = subprocess.run(limited(command, SECONDS), stdin=subprocess.DEVNULL,
+                                  stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace",
+                                  timeout=10 * SECONDS, check=False)
         except subprocess.TimeoutExpired:
             done = None
         if not done or done.returncode == -signal.SIGXCPU:
@@ -112,8 +114,8 @@ def draw(place, driver, options):
                             "with which it ends")
         figures = os.path.join(folder, "figures")
         if done.returncode or not os.path.isdir(figures):
-            raise ToolError(f"{place}: the driver ended with {done.returncode} and drew nothing; choose a mistake or "
-                            f"options with which it draws:\n{done.stdout.rstrip()}")
+            raise ToolError(f"{place}: the driver ended with {done.returncode} and drew nothing; "
+                            f"choose a mistake or options with which it draws:\n{done.stdout.rstrip()}")
         with open(os.path.join(figures, *os.listdir(figures)), "rb") as file:
             return packed(file.read())
 
@@ -129,7 +131,8 @@ def draw_all(toolchain, feature, out):
     right = {options: os.path.join(figures, f"wrong_{feature.stem}_right_{number}.png")
              for number, options in enumerate(dict.fromkeys(row.options for row in rows), 1)}
     driver = toolchain.built(os.path.join("assignments", feature.folder, feature.stem))
-    with tempfile.TemporaryDirectory() as folder, concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
+    with tempfile.TemporaryDirectory() as folder, \
+            concurrent.futures.ThreadPoolExecutor(os.cpu_count()) as pool:
         jobs = {path: pool.submit(draw, wrong_table(feature), driver, options)
                 for options, path in right.items()}
         wrong = [os.path.join(figures, f"wrong_{feature.stem}_{row.mutant.name}.png") for row in rows]
@@ -141,8 +144,8 @@ def draw_all(toolchain, feature, out):
             pictures[path] = job.result()
     for row, path in zip(rows, wrong):
         if pictures[path] == pictures[right[row.options]]:
-            raise ToolError(f"{row.place}: {row.mutant.name} draws the right picture, pixel for pixel; choose options "
-                            "with which one sees the mistake")
+            raise ToolError(f"{row.place}: {row.mutant.name} draws the right picture, pixel for pixel; "
+                            "choose options with which one sees the mistake")
     for path, picture in pictures.items():
         with open(path, "wb") as file:
             file.write(picture)

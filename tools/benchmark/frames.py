@@ -28,7 +28,8 @@ def read_frames(folder):
         except ValueError as error:
             raise ToolError(f"{path}:{number}: {error}") from None
         if frame["threads"] not in THREADS:
-            raise ToolError(f"{path}:{number}: frames are measured on 1 and 2 threads, not {frame['threads']}")
+            raise ToolError(f"{path}:{number}: frames are measured on 1 and 2 threads, "
+                            f"not {frame['threads']}")
         frames.append(frame)
     return frames
 

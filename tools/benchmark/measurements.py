@@ -17,7 +17,8 @@ KINDS = {**dict.fromkeys(NUMBERS, float), "samples": int, "seed": int}
 
 def _row_of(path, number, cells, columns, kinds):
     if len(cells) != len(columns):
-        raise ToolError(f"{path}:{number}: there are {len(cells)} cells in place of {len(columns)}; {_REMEDY}")
+        raise ToolError(f"{path}:{number}: there are {len(cells)} cells in place of {len(columns)}; "
+                        f"{_REMEDY}")
     row = dict(zip(columns, cells))
     try:
         row.update({name: kind(row[name]) for name, kind in kinds.items()})

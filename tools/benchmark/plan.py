@@ -16,12 +16,13 @@ PARTS = ("frames", "growth", "startup", "profile")  # names beside those of case
 
 
 class Settings:
-    """How much is measured. `dearest` is the processor time in seconds that one picture may take; `runs` are
-    those of what has no seeds."""
+    """How much is measured. `dearest` is the processor time in seconds that one picture may take; `reference`
+    is the samples of a reference's picture, `pictures` the pictures of each half; `runs` are those of
+    what has no seeds."""
 
     def __init__(self, side, most, seeds, dearest, reference, pictures, runs):
         self.side, self.most, self.seeds, self.dearest, self.runs = side, most, seeds, dearest, runs
-        self.reference, self.pictures = reference, pictures  # samples of a reference's picture; pictures of each half
+        self.reference, self.pictures = reference, pictures
 
     def counts(self):
         """The numbers of samples: powers of 2."""

@@ -143,7 +143,8 @@ class Schedule:
             return
         with Program(self.program, case.options, self.folder) as program:
             self._running.append(program)
-            name = hashlib.sha256(f"{digest(self.program)} {case.options} {case.reference}".encode()).hexdigest()[:16]
+            drawn = f"{digest(self.program)} {case.options} {case.reference}"
+            name = hashlib.sha256(drawn.encode()).hexdigest()[:16]
             numbers = program.ask(f"reference {case.name}-{name}.reference {case.reference}")
             self.references[case.name] = dict(zip(REFERENCE_NUMBERS, map(float, numbers)))
             for seed in range(1, self.settings.seeds + 1):
@@ -159,7 +160,8 @@ class Schedule:
         start = time.monotonic()
         numbers = [float(cell) for cell in program.ask("picture " + method.options(samples, seed))]
         if len(numbers) != len(NUMBERS):
-            raise ToolError(f"bench: {len(numbers)} numbers in place of {len(NUMBERS)}: run make bench to build it anew")
+            raise ToolError(f"bench: {len(numbers)} numbers in place of {len(NUMBERS)}: "
+                            "run make bench to build it anew")
         with self._lock:
             self.kept.add_picture(self.kept.key(method, self.settings.side, samples, seed), numbers)
             self._measured += numbers[0]

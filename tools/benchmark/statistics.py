@@ -12,7 +12,8 @@ def incomplete_beta(a, b, x):
         return float(x >= 1)
     if x > (a + 1) / (a + b + 2):  # converges fast on the other side only
         return 1 - incomplete_beta(b, a, 1 - x)
-    front = math.exp(a * math.log(x) + b * math.log1p(-x) - math.lgamma(a) - math.lgamma(b) + math.lgamma(a + b)) / a
+    front = math.exp(a * math.log(x) + b * math.log1p(-x)
+                     - math.lgamma(a) - math.lgamma(b) + math.lgamma(a + b)) / a
     tiny = 1e-300  # stands for 0 in denominators, as Lentz proposed
     fraction, c, d = 1.0, 1.0, 0.0
     for i in range(400):

@@ -12,7 +12,8 @@ from benchmark.statistics import crossing, fit_line, mean, mean_interval, median
 ERROR_WANTED = 0.01
 FIT_FROM = 4  # samples: before, an error need not yet follow its power
 RESAMPLINGS = 200
-FEWEST_MORE = 1.01  # times the samples of the error before: where all pixels have the most, a smaller one draws the same
+# Times the samples of the error before: where all pixels have the most, a smaller one draws the same.
+FEWEST_MORE = 1.01
 
 
 class Curve:

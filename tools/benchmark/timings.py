@@ -36,7 +36,8 @@ class Call:
     """A driver with options. `seconds` is a guess, from which the time that is left is estimated."""
 
     def __init__(self, driver, options, threads, runs, seconds):
-        self.driver, self.options, self.threads, self.runs, self.seconds = driver, options, threads, runs, seconds
+        self.driver, self.options, self.threads = driver, options, threads
+        self.runs, self.seconds = runs, seconds
 
 
 def _figures(path):
@@ -46,8 +47,8 @@ def _figures(path):
         with open(path, encoding="utf-8", newline="") as file:
             rows = list(csv.DictReader(file))
     if not any(row["metric"].startswith("render") for row in rows):
-        raise ToolError(f"{os.path.basename(path)[:-4]}: --timing gave no time to render; name another driver in "
-                        "tests/bench/frames.tsv")
+        raise ToolError(f"{os.path.basename(path)[:-4]}: --timing gave no time to render; "
+                        "name another driver in tests/bench/frames.tsv")
     found = {"isa": rows[0]["isa"]}
     for row in rows:
         name = "render" if row["metric"].startswith("render") else row["metric"]
@@ -74,7 +75,8 @@ def run(command, folder):
         process.stderr.close()
     process.returncode = os.waitstatus_to_exitcode(status)
     if process.returncode:
-        raise ToolError(f"{' '.join(command)}: {said.strip() or f'it ended with status {process.returncode}'}")
+        ended = f"it ended with status {process.returncode}"
+        raise ToolError(f"{' '.join(command)}: {said.strip() or ended}")
     own = resource.getrusage(resource.RUSAGE_SELF).ru_maxrss
     return usage.ru_utime + usage.ru_stime, usage.ru_maxrss / 1024 if usage.ru_maxrss > own else ""
 
@@ -97,7 +99,8 @@ class Timings(Kept):
     def program(self, driver):
         """A driver's path and checksum."""
         if not self._find(driver)[0]:
-            raise ToolError(f"there is no driver {driver}: run make, or name another one in tests/bench/frames.tsv")
+            raise ToolError(f"there is no driver {driver}: "
+                            "run make, or name another one in tests/bench/frames.tsv")
         return self._find(driver)
 
     def _key(self, call):

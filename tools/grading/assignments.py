@@ -82,7 +82,8 @@ def read_table(path, columns):
         raise ToolError(f"{path}:1: the header should be {', '.join(columns)}, separated by tabs")
     for number, row in enumerate(rows[1:], 2):
         if len(row) != len(columns):
-            raise ToolError(f"{path}:{number}: {len(columns)} columns are needed, separated by tabs; this line has {len(row)}")
+            raise ToolError(f"{path}:{number}: {len(columns)} columns are needed, separated by tabs; "
+                            f"this line has {len(row)}")
     return rows[1:]
 
 
@@ -97,7 +98,8 @@ def read_features(source):
                 raise ToolError(f"{path}: {feature.stem} needs {need}, which the table does not list")
         for used in feature.uses:
             if used not in features or used in feature.needs or used == feature.stem:
-                raise ToolError(f"{path}: {feature.stem} uses {used}, which the table does not list, or lists as needed")
+                raise ToolError(f"{path}: {feature.stem} uses {used}, "
+                                "which the table does not list, or lists as needed")
     return features
 
 
@@ -216,7 +218,8 @@ def _place_below(feature, impl):
     in_workbooks = [path for path in places if os.path.basename(os.path.dirname(path)) == "workbook"]
     chosen = in_workbooks if len(in_workbooks) == 1 else places
     if len(chosen) > 1:
-        raise UnitError(f"there are several {name}: {', '.join(chosen[:4])}; move the right one to the top of the folder")
+        raise UnitError(f"there are several {name}: {', '.join(chosen[:4])}; "
+                        "move the right one to the top of the folder")
     return chosen[0] if chosen else None
 
 
@@ -231,7 +234,8 @@ def submitted_unit(feature, impl, place=None):
         if not os.path.isdir(impl) or not place.startswith(os.path.join(os.path.realpath(impl), "")):
             raise UnitError(f"{os.path.basename(path)} is a link to a file outside of the submission")
     if not os.path.lexists(path):
-        raise UnitError(f"there is no {feature.stem}.c; {_likely(feature, impl) or 'found: ' + _what_is_in(impl)}")
+        likely = _likely(feature, impl) or "found: " + _what_is_in(impl)
+        raise UnitError(f"there is no {feature.stem}.c; {likely}")
     return _unit_in(feature, path)
 
 

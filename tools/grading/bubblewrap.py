@@ -74,5 +74,5 @@ def find(toolchain):
         reason = (tried.stderr.strip().splitlines() or ["bwrap fails"])[-1]
     if wish == "yes":
         raise ToolError(f"SANDBOX=yes, but there is no sandbox: {reason}")
-    return None, (f"there was no sandbox ({reason}): graded code ran with your rights. Grade strangers' code only in "
-                  "a container or as a separate user; SANDBOX=no says that this is so")
+    return None, (f"there was no sandbox ({reason}): graded code ran with your rights. Grade strangers' code "
+                  "only in a container or as a separate user; SANDBOX=no says that this is so")

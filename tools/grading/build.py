@@ -172,7 +172,8 @@ def _check_no_header_hides(toolchain, unit):
     """Headers beside a unit are found before the kit's."""
     for header in _headers(toolchain):
         if os.path.exists(os.path.join(os.path.dirname(unit.path), header)):
-            raise BuildError(f"the folder of {unit.shown} has a {header} of its own, which hides the kit's; remove it")
+            raise BuildError(f"the folder of {unit.shown} has a {header} of its own, which hides the kit's; "
+                             "remove it")
 
 
 def plain(toolchain, unit, text):
@@ -209,8 +210,8 @@ def _check_included(toolchain, unit, listing):
 
 
 def _not_to_include(unit, name):
-    return (f"{unit.shown} includes {name}: a unit may include the kit's headers, the system's, and headers (.h) "
-            "beside it")
+    return (f"{unit.shown} includes {name}: a unit may include the kit's headers, the system's, "
+            "and headers (.h) beside it")
 
 
 def check_object(toolchain, unit, path):
@@ -296,5 +297,6 @@ def _not_linked(toolchain, said, units):
             whose = "your file" if unit is units[0] else unit.shown
             return BuildError(f"{whose} does not define {_some(missing)}, which the suite calls")
     if names:
-        return BuildError(f"your file uses {_some([_with_line(units[0], name) for name in names])}, which nothing defines")
+        uses = _some([_with_line(units[0], name) for name in names])
+        return BuildError(f"your file uses {uses}, which nothing defines")
     return BuildError(f"{units[0].shown} could not be linked with its suite", said)

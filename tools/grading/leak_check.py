@@ -149,8 +149,9 @@ def prove(source, pack, all_features, features):
     found = find_secrets(source, pack, features, secrets, common)
     if found:
         more = [f"and {len(found) - 10} more"] if len(found) > 10 else []
-        raise ToolError("\n".join(["these lines of the pack are solutions:", *found[:10], *more,
-                                   "take them out; if another feature has them, name it in ASSIGNMENTS, too"]))
+        raise ToolError("\n".join([
+            "these lines of the pack are solutions:", *found[:10], *more,
+            "take them out; if another feature has them, name it in ASSIGNMENTS, too"]))
     lines, steps = lines_elsewhere(pack, features, secrets), steps_elsewhere(pack, features)
     looked = f"Searched {len(_files(pack))} files for {len(secrets)} lines of the solutions: "
     if not lines and not steps:
@@ -160,7 +161,8 @@ def prove(source, pack, all_features, features):
     told += [f"  {name}:{number}: {line}" for name, number, line, _ in rare]
     if len(rare) < len(lines):
         more = len(lines) - len(rare)
-        told.append(f"  and {more} {'line that occurs' if more == 1 else 'lines that occur'} more often, such as {lines[-1][2]}")
+        those = "line that occurs" if more == 1 else "lines that occur"
+        told.append(f"  and {more} {those} more often, such as {lines[-1][2]}")
     holders = {f"src/features/{stem}.c": stem for stem in all_features}
     others = sorted({holders[name] for name, *_ in [*rare, *steps] if name in holders})
     remedy = "Check whether they give a step away."

@@ -111,8 +111,8 @@ class _Reader:
     def place(self, number, name):
         if not _PLACE.fullmatch(name):
             self.fault(number,
-                       f"\"in {name}\" names no place; write after \"in\" a function's name, \"struct NAME\", "
-                       "\"enum NAME\" or \"file\"")
+                       f"\"in {name}\" names no place; write after \"in\" a function's name, "
+                       "\"struct NAME\", \"enum NAME\" or \"file\"")
         self.where = name
 
     def change(self, number, sign, text):
@@ -214,12 +214,12 @@ def _find(change, tokens, text, said, source):
     texts = [token.text for token in tokens]
     found = [match for span in spans for match in _matches(texts, _parts(change.find), *span)]
     if not found:
-        raise MutantError(f"{said}this text does not stand in {where} of {source}; copy from there what is to be "
-                          "changed")
+        raise MutantError(f"{said}this text does not stand in {where} of {source}; "
+                          "copy from there what is to be changed")
     if len(found) > 1:
         lines = ", ".join(str(line_of(text, tokens[first])) for first, _ in found)
-        raise MutantError(f"{said}this text stands {len(found)} times in {where} of {source} (lines {lines}); take "
-                          "in so much of what surrounds it that it stands there once")
+        raise MutantError(f"{said}this text stands {len(found)} times in {where} of {source} (lines "
+                          f"{lines}); take in so much of what surrounds it that it stands there once")
     first, end = found[0]
     return tokens[first].start, tokens[end - 1].end
 

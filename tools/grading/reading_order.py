@@ -40,17 +40,18 @@ class _Unit:
 
 def _contents(unit):
     static, top = unit.static_functions(), min(unit.lines.values())
-    faults = [f"{unit.name}:{unit.lines[name]}: {name} has no prototype in the contents at the top; write it there"
+    faults = [f"{unit.name}:{unit.lines[name]}: {name} has no prototype in the contents at the top; "
+              "write it there"
               for name in static if name not in unit.prototypes]
     for name, line in unit.prototype_lines.items():
         if name not in static:
             faults.append(f"{unit.name}:{line}: {name} has a prototype only; remove it")
         elif line > top:
-            faults.append(f"{unit.name}:{line}: the prototype of {name} stands below the first definition; put it "
-                          "above")
+            faults.append(f"{unit.name}:{line}: the prototype of {name} stands below the first definition; "
+                          "put it above")
     listed = [name for name in unit.prototypes if name in static]
-    return faults + [f"{unit.name}:{unit.prototype_lines[second]}: the contents have {second} below {first}, but it is "
-                     f"defined above it, in line {unit.lines[second]}; order them alike"
+    return faults + [f"{unit.name}:{unit.prototype_lines[second]}: the contents have {second} below {first}, "
+                     f"but it is defined above it, in line {unit.lines[second]}; order them alike"
                      for first, second in zip(listed, listed[1:]) if unit.lines[first] > unit.lines[second]]
 
 
@@ -91,8 +92,8 @@ def _as_solved(handout, steps, unit):
         if later:
             due, last = min(later), name
         elif name in steps:
-            faults.append(f"{unit.name}:{unit.lines[name]}: {name} of step {max(steps[name])} in {handout} stands "
-                          f"below {last} of step {due}; order the functions or the steps alike")
+            faults.append(f"{unit.name}:{unit.lines[name]}: {name} of step {max(steps[name])} in {handout} "
+                          f"stands below {last} of step {due}; order the functions or the steps alike")
     return faults
 
 
@@ -102,8 +103,8 @@ def _starters(handout, steps, unit):
         words = re.findall(r"(\w+) step\b", unit.body(name))
         said = [ORDINALS.index(word) + 1 for word in words if word in ORDINALS]
         if said != steps.get(name, []):
-            faults.append(f"{unit.name}:{unit.lines[name]}: the starter of {name} names the steps {said}, {handout} "
-                          f"has {steps.get(name, [])}; number them alike")
+            faults.append(f"{unit.name}:{unit.lines[name]}: the starter of {name} names the steps {said}, "
+                          f"{handout} has {steps.get(name, [])}; number them alike")
     return faults
 
 

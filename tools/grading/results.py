@@ -33,7 +33,8 @@ def _counts(suite):
     passed = sum(suite.verdicts[test.name].passed for test in suite.tests)
     scores = suite.scores()
     lost = [name for name, score in scores.items() if score < 0]
-    minus = f" (less {-sum(scores[name] for name in lost)} for {', '.join(lost[:2])}{', ...' if len(lost) > 2 else ''})"
+    more = ", ..." if len(lost) > 2 else ""
+    minus = f" (less {-sum(scores[name] for name in lost)} for {', '.join(lost[:2])}{more})"
     return (f"{passed} of {len(suite.tests)} claims, {suite.points()} of {suite.points_max()} points"
             f"{minus if lost else ''}")
 
@@ -47,7 +48,9 @@ def name_of(impl):
 
 
 def _worth(test):
-    return f"{test.points} point{'s' * (test.points != 1)}" if test.points else f"costs {DEDUCTION} points: it held with the starter"
+    if not test.points:
+        return f"costs {DEDUCTION} points: it held with the starter"
+    return f"{test.points} point{'s' * (test.points != 1)}"
 
 
 def _explained(suite, test):
@@ -162,7 +165,8 @@ def text(suites, impl, colours=False, brief=False):
                          f"and {{}} more lines of warnings: make check-{suite.feature.stem} ALL=1"), *said]
         if len(suites) == 1 and suite.points() == 100 and suite.passed():
             # A folder of submissions is the grader's: the student has another.
-            lines.append(f"      draw it: {command_of('draw', suite.feature, impl if suite.is_own else None)}")
+            own = impl if suite.is_own else None
+            lines.append(f"      draw it: {command_of('draw', suite.feature, own)}")
     if len(suites) > 1:
         lines.append(f"in all {total(suites)} points")
     return "\n".join(lines) + "\n"
@@ -194,7 +198,9 @@ def _next(suite, suites):
     if suite.problem or not failed:
         return textwrap.shorten(printable(suite.problem), 80, placeholder=" ...") or _whose(suite) or "done"
     solved = {other.feature.stem for other in suites if other.passed()}
-    return failed[0] if not suite.beside or solved.issuperset(suite.feature.needs) else f"{failed[0]}; {suite.beside}"
+    if not suite.beside or solved.issuperset(suite.feature.needs):
+        return failed[0]
+    return f"{failed[0]}; {suite.beside}"
 
 
 def table(suites, impl):

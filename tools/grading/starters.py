@@ -22,7 +22,8 @@ class RegionError(Exception):
     """A marker out of place; the text names file and line."""
 
 
-MARKER = re.compile(r"^\s*(/\* solution \*/|/\* starter|end \*/|/\* yours to write \*/|/\* end of yours \*/)\s*$")
+MARKER = re.compile(r"^\s*(/\* solution \*/|/\* starter|end \*/"
+                    r"|/\* yours to write \*/|/\* end of yours \*/)\s*$")
 _BECOMES = {
     ("common", "/* solution */"): "solution", ("solution", "/* starter"): "starter",
     ("starter", "end */"): "common",

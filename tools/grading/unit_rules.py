@@ -125,8 +125,8 @@ def fault_in_object(obj, sanitized):
     kinds = [section.split(".")[1] for section, _ in obj.entries]
     foreign = [name for _, name in obj.entries if not _SANITIZERS_OWN.match(name)]
     if early or foreign or any(kinds.count(kind) > (1 if sanitized else 0) for kind in kinds):
-        return ("has code that runs before or after the tests (a constructor or destructor); a unit contains only "
-                "functions to be called")
+        return ("has code that runs before or after the tests (a constructor or destructor); "
+                "a unit contains only functions to be called")
     return ""
 
 
@@ -146,11 +146,13 @@ def kept_data(obj):
 
 # --- What a unit may use ------------------------------------------------------------------------
 
-_MATH = """acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp10 exp2 expm1 fabs fdim
-    floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround log log10 log1p log2 logb lrint lround modf
-    nan nearbyint nextafter nexttoward pow remainder remquo rint round scalbln scalbn sin sincos sinh sqrt tan tanh
-    tgamma trunc"""
-_STANDARD = """memccpy memchr memcmp memcpy memmem memmove memset stpcpy stpncpy strcat strchr strcmp strcpy strcspn
+_MATH = """
+    acos acosh asin asinh atan atan2 atanh cbrt ceil copysign cos cosh erf erfc exp exp10 exp2 expm1
+    fabs fdim floor fma fmax fmin fmod frexp hypot ilogb ldexp lgamma llrint llround
+    log log10 log1p log2 logb lrint lround modf nan nearbyint nextafter nexttoward pow remainder remquo
+    rint round scalbln scalbn sin sincos sinh sqrt tan tanh tgamma trunc"""
+_STANDARD = """
+    memccpy memchr memcmp memcpy memmem memmove memset stpcpy stpncpy strcat strchr strcmp strcpy strcspn
     strdup strerror strlen strncat strncmp strncpy strndup strnlen strpbrk strrchr strspn strstr
     abort abs labs llabs div ldiv lldiv qsort qsort_r bsearch
     atof atoi atol strtod strtof strtol strtoll strtoul strtoull
@@ -160,9 +162,10 @@ _STANDARD = """memccpy memchr memcmp memcpy memmem memmove memset stpcpy stpncpy
 _C = {name + suffix for name in _MATH.split() for suffix in ("", "f", "l")} | set(_STANDARD.split())
 # Calls that compilers make of their own accord: for sanitizers, hardening and wide arithmetic.
 _COMPILERS = re.compile(
-    r"__asan_(init|version_mismatch_check_\w+|handle_no_return|option_detect_stack_use_after_return|report_\w+"
-    r"|(exp_)?(load|store)\w+|(un)?register_\w*globals|stack_(malloc|free)\w+|set_shadow_\w+|mem(cpy|move|set)"
-    r"|(un)?poison_stack_memory|alloca_poison|allocas_unpoison|shadow_memory_dynamic_address)"
+    r"__asan_(init|version_mismatch_check_\w+|handle_no_return|option_detect_stack_use_after_return"
+    r"|report_\w+|(exp_)?(load|store)\w+|(un)?register_\w*globals|stack_(malloc|free)\w+|set_shadow_\w+"
+    r"|mem(cpy|move|set)|(un)?poison_stack_memory|alloca_poison|allocas_unpoison"
+    r"|shadow_memory_dynamic_address)"
     r"|___asan_globals_registered|__(start|stop)_asan_globals|__ubsan_handle_\w+|__stack_chk_(fail|guard)"
     r"|_GLOBAL_OFFSET_TABLE_|__cpu_model|__cpu_indicator_init|_Unwind_Resume|__gcc_personality_v0"
     r"|__(fpclassify|signbit|isnan|isinf|finite)[fl]?|__[a-z]+(si|di|ti|hf|sf|df|xf|tf|sc|dc|xc|tc)\d?"
@@ -205,6 +208,8 @@ def fault_in_names(obj, kit, with_line=str):
     """Functions and variables that are neither C's, as far as units need it, nor the kit's. `with_line` adds
     to a name where the unit has it."""
     strange = [with_line(_plain(name)) for name in obj.undefined if not _is_c(name) and name not in kit]
-    return (f"uses {' and '.join(strange[:3])}, which a unit may not: it may call the kit's functions that need no "
-            "files and no threads, those of math.h and string.h, and those for memory, sorting and printing of "
-            "stdlib.h and stdio.h") if strange else ""
+    if not strange:
+        return ""
+    return (f"uses {' and '.join(strange[:3])}, which a unit may not: it may call the kit's functions that "
+            "need no files and no threads, those of math.h and string.h, and those for memory, sorting and "
+            "printing of stdlib.h and stdio.h")

@@ -150,8 +150,8 @@ def judge(outcome, suite, name, limit, megabytes):
     if outcome.limit == "seconds":
         where, filled = _place_in_unit(text, unit), outcome.occupied >> 20
         # A slow machine takes long to fill memory, so time may be over first.
-        reason = (f"did not end within {limit}, and had filled {filled} MB of memory: an endless allocation, or a "
-                  "very large one?" if filled > megabytes / 4 else
+        reason = (f"did not end within {limit}, and had filled {filled} MB of memory: "
+                  "an endless allocation, or a very large one?" if filled > megabytes / 4 else
                   f"did not end within {limit}: an endless loop, or far too slow?")
         verdict = fail(reason, where and f"was at {where}")
         verdict.timed_out = True
@@ -162,7 +162,8 @@ def judge(outcome, suite, name, limit, megabytes):
         verdict = Verdict(True, details=text, seconds=outcome.seconds)
         verdict.leak = _leak(text, unit) if outcome.testimony == "leaks" else None
         return verdict
-    crash, claim, without = _crash(text, unit), _failed_claim(outcome, name, suite.source), _refused(text, megabytes)
+    crash, claim = _crash(text, unit), _failed_claim(outcome, name, suite.source)
+    without = _refused(text, megabytes)
     if crash:
         return fail(without + crash[0], crash[1])
     if claim and outcome.status and not outcome.attested:
@@ -213,5 +214,5 @@ def judge_kept_data(names):
     shown = " and ".join(f"`{name}`" for name in names[:3])
     them = "it" if len(names) == 1 else "them"
     return Verdict(False,
-                   f"keeps {shown} from call to call; several threads share {them}: make {them} local, or const "
-                   f"if nothing changes {them}")
+                   f"keeps {shown} from call to call; several threads share {them}: "
+                   f"make {them} local, or const if nothing changes {them}")

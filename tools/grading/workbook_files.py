@@ -18,8 +18,9 @@ def _quoted(path):
 def workbook_files(source, folder, build, impl=None):
     """Returns a dictionary from name to text. `build` is where make runs, `impl` the workbook's name there;
     none if it is the usual one."""
+    headers = os.path.join(os.path.relpath(source, folder), "src")
     files = {
-        "compile_flags.txt": f"-I{os.path.join(os.path.relpath(source, folder), 'src')}\n-std=c17\n-D_XOPEN_SOURCE=700\n",
+        "compile_flags.txt": f"-I{headers}\n-std=c17\n-D_XOPEN_SOURCE=700\n",
         ".gitignore": "*.o\n.deps/\n.dirstamp\n",
     }
     there = os.path.relpath(build, folder)
