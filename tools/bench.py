@@ -49,10 +49,11 @@ def print_summary(rows, quick):
     for row in rows:
         ratio = "" if row["time_ratio"] is None else \
             f"{row['time_ratio']:.1f} ({row['time_ratio_low']:.1f} to {row['time_ratio_high']:.1f})"
+        bias, low, high = (100 * row[name] for name in ("bias", "bias_low", "bias_high"))
         cells.append((row["feature"], row["best"], ratio, "" if row["goal"] is None else f"{row['goal']:g}",
                       "" if row["slope"] is None else f"{row['slope']:.2f}",
                       "" if row["slope_goal"] is None else f"{row['slope_goal']:g}",
-                      f"{100 * row['bias']:+.3f} ({100 * row['bias_low']:+.3f} to {100 * row['bias_high']:+.3f})",
+                      f"{bias:+.3f} ({low:+.3f} to {high:+.3f})",
                       ", ".join(filter(None,
                                        [row["note"], "goal missed" if row["goal_reached"] == "no" else ""]))))
     print_cells(cells)

@@ -303,9 +303,10 @@ class Feature:
     def check_rules(self, whose):
         """The rules for students' units hold for the reference and the starter, too."""
         def look_at(name):
-            return unit_rules.Object(os.environ["RAYKIT_OBJDUMP"], self.builder.folder / f"{self.stem}-{name}.o")
+            return unit_rules.Object(objdump, self.builder.folder / f"{self.stem}-{name}.o")
 
-        obj, kit = look_at(whose), set(unit_rules.pure_names(os.environ["RAYKIT_OBJDUMP"], "librkbase.a"))
+        objdump = os.environ["RAYKIT_OBJDUMP"]
+        obj, kit = look_at(whose), set(unit_rules.pure_names(objdump, "librkbase.a"))
         for stem in self.needs:
             kit |= {name for *_, name in look_at(stem).symbols}
         faults = [unit_rules.fault_in_object(obj, False), unit_rules.fault_in_names(obj, kit)]
