@@ -102,7 +102,8 @@ def mistakes_are_made():
             "comments do not count")
     is_made("in depth_of\n- if (t < thin) return 0;\n+\n", "if (t < thin)\n        return 0;", "",
             "\"+\" alone removes")
-    is_made("in fog_at\n- float depth = depth_of(fog, t);\n+ float depth = depth_of(fog, t);\n+ if (t > 1) // far\n+     return 1;\n",
+    is_made("in fog_at\n- float depth = depth_of(fog, t);\n"
+            "+ float depth = depth_of(fog, t);\n+ if (t > 1) // far\n+     return 1;\n",
             "depth_of(fog, t);", "depth_of(fog, t); if (t > 1) return 1;", "text of several lines is put in")
     is_made("in fog_at\n- for (int i = 0;\n- ...\n- depth *= 2; }\n+ depth = 2;\n",
             UNIT[UNIT.index("    for (int"):UNIT.index("    return 1 -")], "depth = 2;",
@@ -112,7 +113,8 @@ def mistakes_are_made():
             "#include <math.h>\n#include <stdlib.h>\n", "a header is added outside of functions")
     is_made("in struct fog\n- float density\n+ double density\n", "float density", "double density",
             "a struct is a place")
-    both = made("in fog_at\n- 1 - expf(-depth)\n+ depth\n- depth += i\n+ depth -= i\nin depth_of\n- t < thin\n+ t > thin\n")
+    both = made("in fog_at\n- 1 - expf(-depth)\n+ depth\n- depth += i\n+ depth -= i\n"
+                "in depth_of\n- t < thin\n+ t > thin\n")
     check("return depth;" in both and "depth -= i;" in both and "t > thin" in both,
           "several changes make one mistake", both)
 

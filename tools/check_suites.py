@@ -302,10 +302,11 @@ class Feature:
 
     def check_rules(self, whose):
         """The rules for students' units hold for the reference and the starter, too."""
+        objdump = os.environ["RAYKIT_OBJDUMP"]
+
         def look_at(name):
             return unit_rules.Object(objdump, self.builder.folder / f"{self.stem}-{name}.o")
 
-        objdump = os.environ["RAYKIT_OBJDUMP"]
         obj, kit = look_at(whose), set(unit_rules.pure_names(objdump, "librkbase.a"))
         for stem in self.needs:
             kit |= {name for *_, name in look_at(stem).symbols}
