@@ -27,7 +27,8 @@ import grade  # noqa: E402
 from grading import sandbox  # noqa: E402
 from grading import results  # noqa: E402
 from grading import verdicts  # noqa: E402
-from grading.assignments import ScoredTest, ToolError, Unit, check_impl, read_features, read_points  # noqa: E402
+from grading.assignments import (ScoredTest, ToolError, Unit, check_impl, read_features,  # noqa: E402
+                                 read_points)
 from grading.starters import is_handed_out, starter_of  # noqa: E402
 from workbook import make_workbook  # noqa: E402
 from by_address import by_address  # noqa: E402
@@ -88,7 +89,8 @@ BAD = {
         unit("*nowhere = 1;", "static volatile int *volatile nowhere;"), ONE, "NULL pointer"
     ),
     "an array overrun is named, with its line": (
-        unit("volatile uint32_t *few = malloc(4 * sizeof *few);\n    few[count + 3] = 1;\n    free((void *)few);"),
+        unit("volatile uint32_t *few = malloc(4 * sizeof *few);\n    few[count + 3] = 1;\n"
+             "    free((void *)few);"),
         ONE, "goes beyond",
     ),
     "endless recursion is guessed, with its line": (
@@ -146,7 +148,8 @@ BAD = {
         "\nyour code printed: and here | I was here"
     ),
     "a child that stays behind does not hold up the verdict": (
-        unit("if (fork() == 0)\n    {\n        setsid();\n        for (;;)\n            pause();\n    }\n    _Exit(0);",
+        unit("if (fork() == 0)\n    {\n        setsid();\n        for (;;)\n            pause();\n    }\n"
+             "    _Exit(0);",
              by_address("fork", "setsid", "pause", "_Exit")),
         ONE, "ended in the middle",
     ),
@@ -176,8 +179,9 @@ bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
 }"""),
     "a warning is no error": unit("int unused;"),
     "a unit is told no way to the kit, and cannot write its program": unit(
-        'if (getenv("PATH") || getenv("RAYKIT_HELPERS") || getenv("RAYKIT_ATTEST") || fopen("/proc/self/exe", "r+")\n'
-        '        || access("../test_bvh_median", F_OK) == 0)\n        abort();',
+        'if (getenv("PATH") || getenv("RAYKIT_HELPERS") || getenv("RAYKIT_ATTEST")\n'
+        '        || fopen("/proc/self/exe", "r+") || access("../test_bvh_median", F_OK) == 0)\n'
+        '        abort();',
         by_address("getenv", "fopen", "access")
     ),
 }
@@ -227,8 +231,9 @@ def units_are_judged(toolchain, folder):
                   "the place of a failed claim is in the claim, not in a helper", verdict.place)
     for name, suite in good:
         check(suite.passed(), name, results.text([suite], ""))
-    trace = ("    #0 0x1 in halve mine/bvh_median.c:9\n    #1 0x2 in qsort (/lib/libc.so)\n    #2 0x3 in rk_bvh_build_median "
-             "mine/bvh_median.c:30\n    #3 0x4 in main tests/test_bvh_median.c:800\n    #0 0x5 in other mine/bvh_median.c:1\n")
+    trace = ("    #0 0x1 in halve mine/bvh_median.c:9\n    #1 0x2 in qsort (/lib/libc.so)\n"
+             "    #2 0x3 in rk_bvh_build_median mine/bvh_median.c:30\n"
+             "    #3 0x4 in main tests/test_bvh_median.c:800\n    #0 0x5 in other mine/bvh_median.c:1\n")
     place = verdicts._place_in_unit(trace, starter.unit)
     check(place == "mine/bvh_median.c:9, in halve, on the way from rk_bvh_build_median (line 30)",
           "a place names the function, and the one that led there", place)
@@ -288,7 +293,8 @@ def a_workbook_is_the_students(folder):
                   encoding="utf-8") as file:
             file.write(text)
     with open(os.path.join(source, "assignments/handout_common.md"), "w", encoding="utf-8") as file:
-        file.write("# All\n\n## How to start\n\n<!-- kit -->\ncheck-{stem} IMPL=mine\n<!-- pack\ncheck\nend -->\n\n## More\n")
+        file.write("# All\n\n## How to start\n\n<!-- kit -->\ncheck-{stem} IMPL=mine\n"
+                   "<!-- pack\ncheck\nend -->\n\n## More\n")
     reference = os.path.join(source, "src/features/bvh_median.c")
 
     def release(word):
@@ -743,8 +749,8 @@ def what_a_course_system_delivers(folder):
         check(part in rows[name][5] and rows[name][1] == "0", f"what is to do is said of {name}", rows[name])
     right = {"01_below": "taken from hw6/workbook/bvh_median.c",
              "02_pack": "taken from kit/workbook/bvh_median.c",
-             "02_suite": "taken from kit/workbook/bvh_median.c; kit/tests/test_bvh_median.c differs from the kit's, "
-             "which was run",
+             "02_suite": "taken from kit/workbook/bvh_median.c; "
+             "kit/tests/test_bvh_median.c differs from the kit's, which was run",
              "08_again": "ignored: bvh_median (1).c", "09_kit": "ignored: points.tsv, tests/",
              "11_dup": "another submission has the same name: 11_dup.c"}
     for name, remark in right.items():
@@ -760,7 +766,8 @@ def what_a_course_system_delivers(folder):
 def spans_are_told_as_such(folder):
     put(starter_of(FEATURES["bloom"].reference), folder, "spans", "bloom.c")
     cases = {"the_bright_span_is_from_the_first_to_the_last_bright_pixel": r"got \[0, 0\), want \[3, 4\)$",
-             "the_search_reads_no_pixel_between_the_ends": r"a row of (\d+) are bright: got \[0, 0\), want \[0, \1\)$"}
+             "the_search_reads_no_pixel_between_the_ends":
+             r"a row of (\d+) are bright: got \[0, 0\), want \[0, \1\)$"}
     for name, pattern in cases.items():
         _, suites = grade.grade_impl(".", ["bloom"], os.path.join(folder, "spans"), only=name)
         reason = suites[0].verdicts[name].reason
@@ -771,8 +778,9 @@ def one_file_is_no_two_assignments(folder):
     place, out = os.path.join(folder, "flat"), os.path.join(folder, "flat-results")
     put(unit(""), place, "dan.c")
     status, said, rows = grade_class(place, out, "bloom")
-    check(status == 1 and rows["dan"][6:8] == [
-        "not graded: dan.c is one file for 2 assignments: put it into a folder dan, as bvh_median.c or bloom.c", ""],
+    remark = "not graded: dan.c is one file for 2 assignments: " \
+        "put it into a folder dan, as bvh_median.c or bloom.c"
+    check(status == 1 and rows["dan"][6:8] == [remark, ""],
           "one file for two assignments is told once, with the remedy", rows["dan"])
     check(folder not in read(out, "dan.json"), "and without the path to it")
 

@@ -127,9 +127,10 @@ def starters_of_glass_let_light_pass(folder):
     out = os.path.join(folder, "out")
     cases = [("transparency", f"--scene cornell-glass --transparency --shadows --glass {model}")
              for model in ("multiplicative", "ordered", "beer-lambert")]
+    # The goal in HANDOUT.md, with fewer samples.
     cases.append(("motion_blur",
                   "--scene cover --environment sky --shadows --shading blinn-phong --reflections "
-                  "--transparency --glass beer-lambert --time-samples 1"))  # the goal in HANDOUT.md, with fewer samples
+                  "--transparency --glass beer-lambert --time-samples 1"))
     for stem, options in cases:
         said, picture = _draw(driver_of(FEATURES[stem]), out, *SIZE, *options.split())
         found = greys(picture) if picture else [0]
@@ -210,7 +211,8 @@ def a_students_picture_is_compared(folder):
             ("bvh_median", 4, "the picture is the same, but was traced through another tree",
              "a right picture that another tree has traced is told"),
             ("bvh_median", 4,
-             "step 4 is still the starter, however the picture looks; its claims decide: make check-bvh_median",
+             "step 4 is still the starter, however the picture looks; "
+             "its claims decide: make check-bvh_median",
              "a step that is not begun is told, though its picture looks right"),
             ("cubemap", 2, "differs in 100 % of the",
              "of a picture that is all wrong the per cent are written out"),

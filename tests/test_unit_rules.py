@@ -133,8 +133,9 @@ REFUSED = {
 # The same by the compiler alone: what an object tells if its source was not looked at.
 OBJECTS = {
     "code": ("int f(int x)\n{\n    return x;\n}\n", ""),
-    "constants, also of addresses": ('const char *const names[] = {"a", "b"};\nstatic const double table[] = {1, 2};\n'
-                                     "double at(int i)\n{\n    return table[i];\n}\n", ""),
+    "constants, also of addresses": (
+        'const char *const names[] = {"a", "b"};\nstatic const double table[] = {1, 2};\n'
+        "double at(int i)\n{\n    return table[i];\n}\n", ""),
     **{f"an entry in {section}": (
         "static void early(void)\n{\n}\n"
         f'__attribute__((section("{section}"), used)) static void (*entry)(void) = early;\n', REFUSED_EARLY
@@ -142,7 +143,8 @@ OBJECTS = {
                       ".init_array.00099")},
     "code in .init": ('__attribute__((section(".init"))) void early(void)\n{\n}\n', REFUSED_EARLY),
     "a function chosen while loading": (
-        "static int plain(void)\n{\n    return 1;\n}\nstatic int (*choose(void))(void)\n{\n    return plain;\n}\n"
+        "static int plain(void)\n{\n    return 1;\n}\n"
+        "static int (*choose(void))(void)\n{\n    return plain;\n}\n"
         'int chosen(void) __attribute__((ifunc("choose")));\n', REFUSED_EARLY
     ),
     "a section of another name": (
@@ -193,7 +195,8 @@ HONEST = {
     "the kit's own functions": unit("if (rk_sample_1d(&(rk_sampler){0}, 1, 2, 3) > 2) return false;",
                                     '#include "base/sampler.h"\n'),
     "constant tables": unit("if (names[0][0] != table[1]) return false;",
-                            "static const char *const names[] = {\"a\"};\nstatic const int table[] = {1, 'a'};\n"),
+                            "static const char *const names[] = {\"a\"};\n"
+                            "static const int table[] = {1, 'a'};\n"),
     "a main and helpers without static": unit("", "int main(void);\nint main(void)\n{\n    return 1;\n}\n"),
 }
 
@@ -208,8 +211,9 @@ def honest_code_is_not_refused(grader):
 
 def reasons_fit(grader):
     cases = {
-        "a missing #include": ("bool lone(void);\nbool lone(void)\n{\n    return rk_mesh_validate(0, \"\", 0);\n}\n"
-                               .replace("bool", "_Bool"), (), '#include "scene/mesh.h" declares it'),
+        "a missing #include": ("_Bool lone(void);\n_Bool lone(void)\n{\n"
+                               "    return rk_mesh_validate(0, \"\", 0);\n}\n",
+                               (), '#include "scene/mesh.h" declares it'),
         "text in UTF-16": (unit().encode("utf-16"), (), "is text in UTF-16; save it in UTF-8"),
         "text in UTF-16 without a mark": (unit().encode("utf-16-le"), (),
                                           "is text in UTF-16; save it in UTF-8"),
@@ -377,7 +381,8 @@ def verdicts_are_not_taken(grader, folder):
             f"    return memmem(text, size, \"{EMPTY.name[3:]}\", {len(EMPTY.name) - 3}) != NULL;\n}}\n")
     reader = grader.add(unit("if (reads_its_name(\"/proc/self/cmdline\") || "
                              "reads_its_name(\"/proc/self/environ\")) abort();",
-                             "void *memmem(const void *text, size_t size, const void *part, size_t part_size);\n"
+                             "void *memmem(const void *text, size_t size, "
+                             "const void *part, size_t part_size);\n"
                              + by_address("fopen", "fread", "fclose") + name))
     liar = grader.add(unit("for (int file = 3; file < 64; file++)\n"
                            "        dprintf(file, \"tests/x.c:1\\n%03000d\", 1);\n    _exit(1);",
