@@ -21,7 +21,8 @@ import handout  # noqa: E402
 import hint  # noqa: E402
 import pristine  # noqa: E402
 from grading import originals, results, verdicts  # noqa: E402
-from grading.assignments import DEDUCTION, ScoredTest, ToolError, Unit, read_features, read_looks, read_points  # noqa: E402
+from grading.assignments import (DEDUCTION, ScoredTest, ToolError, Unit, read_features,  # noqa: E402
+                                 read_looks, read_points)
 from grading.build import Toolchain  # noqa: E402
 from grading.starters import starter_of  # noqa: E402
 from handout_text import handout_of  # noqa: E402
@@ -271,7 +272,8 @@ def names_that_are_nearly_right(pack):
 
 def warnings_tell_of_mistakes_alone(pack):
     unit = read(pack, "workbook", OTHER + ".c")
-    write(unit + "int odd(unsigned a, int b);\nint odd(unsigned a, int b)\n{\n    int c = a + (b != 0);\n    { int b = c; (void)b; }\n"
+    write(unit + "int odd(unsigned a, int b);\n"
+          "int odd(unsigned a, int b)\n{\n    int c = a + (b != 0);\n    { int b = c; (void)b; }\n"
           "    return 0;\n}\nstatic void later(int unused)\n{\n}\n", pack, "workbook", OTHER + ".c")
     _, said = make(pack, f"check-{OTHER}")
     check("warning" not in said and "first:" in said,
@@ -344,7 +346,8 @@ def the_debugger_stops_where_arguments_are(pack):
     if not shutil.which("gdb"):
         check(True, "the first stop shows arguments # SKIP no gdb")
         return
-    write("#include \"features/bloom.h\"\n\n" + "float rk_bloom_luminance(rk_vec3 colour)\n{\n    return colour.x + colour.y;\n}\n"
+    write("#include \"features/bloom.h\"\n\n"
+          + "float rk_bloom_luminance(rk_vec3 colour)\n{\n    return colour.x + colour.y;\n}\n"
           + starter_of(FEATURES[OTHER].reference).split("#include \"features/bloom.h\"")[1].replace(
               "rk_bloom_luminance(rk_vec3 colour)\n{",
               "rk_bloom_other(rk_vec3 colour);\nfloat rk_bloom_other(rk_vec3 colour)\n{", 1),

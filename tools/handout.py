@@ -50,8 +50,10 @@ def place_of(out, folder):
 
 
 def _run(command, environment, **pipes):
-    """Runs a command in a session of its own, which ends, with all that it started, when this script is stopped."""
-    process = subprocess.Popen(command, env=environment, start_new_session=True, text=True, errors="replace", **pipes)
+    """Runs a command in a session of its own, which ends, with all that it started, when this script is
+    stopped."""
+    process = subprocess.Popen(command, env=environment, start_new_session=True, text=True, errors="replace",
+                               **pipes)
     try:
         said, wrong = process.communicate()
     except BaseException:
@@ -114,7 +116,8 @@ def _adapt_texts(source, pack, features, chosen):
         if feature not in chosen:
             os.unlink(os.path.join(pack, "assignments", feature.folder, "handout.md"))
     texts = {f"assignments/{feature.folder}/handout.md": handout_of(source, feature) for feature in chosen}
-    for name in ("README.md", "docs/architecture.md", "docs/book.md", "docs/one_pixel.md", "docs/92_wrong_pictures.md", *(feature.chapter for feature in features)):
+    for name in ("README.md", "docs/architecture.md", "docs/book.md", "docs/one_pixel.md",
+                 "docs/92_wrong_pictures.md", *(feature.chapter for feature in features)):
         with open(os.path.join(pack, name), encoding="utf-8") as file:
             texts[name] = file.read()
     texts["docs/book.md"] = texts["docs/book.md"].replace("bvh_median", chosen[0].stem)
@@ -128,13 +131,14 @@ def _adapt_texts(source, pack, features, chosen):
 
 
 def _weave_book(pack):
-    """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers. What they made stays in
-    the build folder's store, for the next pack, and in the pack, for its own make book."""
+    """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers. What they
+    made stays in the build folder's store, for the next pack, and in the pack, for its own make book."""
     kept = os.path.abspath("drawn")
-    environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(), RAYKIT_STORE=kept,
-                       MESHES="", CHROMIUM="", FEATURES="", SOLUTIONS="yes", ANSWERS="", RAYKIT_LIVE="", RAYKIT_JUDGES="no",
-                       RAYKIT_SOURCES="linked", RAYKIT_RECORD="")
-    print("handout: weaving the book; figures that this build has not drawn yet are drawn now", file=sys.stderr)
+    environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(),
+                       RAYKIT_STORE=kept, MESHES="", CHROMIUM="", FEATURES="", SOLUTIONS="yes", ANSWERS="",
+                       RAYKIT_LIVE="", RAYKIT_JUDGES="no", RAYKIT_SOURCES="linked", RAYKIT_RECORD="")
+    print("handout: weaving the book; figures that this build has not drawn yet are drawn now",
+          file=sys.stderr)
     status, _ = _run(["sh", os.path.join(pack, "docs", "make_book")], environment)
     if status:
         raise ToolError("the book could not be woven (its reason is above); BOOK=no leaves it out")
@@ -155,13 +159,15 @@ def _title_and_time(pack, feature):
         text = file.read()
     time = re.search(r"^\*\*Time:\*\* about (.*)\.$", text, re.MULTILINE)
     if not time:
-        raise ToolError(f"assignments/{feature.folder}/handout.md says nowhere \"**Time:** about ... hours.\"")
+        raise ToolError(f"assignments/{feature.folder}/handout.md says nowhere "
+                        "\"**Time:** about ... hours.\"")
     return text.splitlines()[0].lstrip("# "), time[1]
 
 
 def _goal(source, stems, left_open):
-    """A picture that students can draw when these features are solved, with its command: the one at the top of README.md if
-    it uses any of them and none that is left open, or else the last feature's own, if what it may use is there."""
+    """A picture that students can draw when these features are solved, with its command: the one at the top
+    of README.md if it uses any of them and none that is left open, or else the last feature's own, if what it
+    may use is there."""
     with open(os.path.join(source, "README.md"), encoding="utf-8") as file:
         text = file.read()
     course = list(read_features(source))
@@ -174,7 +180,8 @@ def _goal(source, stems, left_open):
         driven = rf"assignments/\d+_{picture}/{picture} --"
         needed = [*course[:course.index(picture)], "shading"]  # which lights also what comes before it
     shown = re.search(rf"!\[[^]]*\]\(docs/pictures/{picture}\.png\)", text)
-    command = re.search(rf"^    {driven}(.*\\\n)*.*", text[text.index("The pictures above have"):], re.MULTILINE)
+    examples = text[text.index("The pictures above have"):]
+    command = re.search(rf"^    {driven}(.*\\\n)*.*", examples, re.MULTILINE)
     if not shown or not command or set(needed) & set(left_open):
         return []
     if "sampling" in left_open:
@@ -186,7 +193,8 @@ def _goal(source, stems, left_open):
 def _order(source, stems, left_open=()):
     """In which order these assignments are written, and what for."""
     early = [f"`{stem}`" for stem in ("shading", "parallelogram_light") if stem in stems]
-    but = f", with one exception: write the\nfirst steps of {_and(early)} early, because they light all pictures" if early else ""
+    but = (f", with one exception: write the\nfirst steps of {_and(early)} early, "
+           "because they light all pictures") if early else ""
     table = f"The table's order is a good one{but}.\n" if len(stems) > 1 else ""
     looks = "In each task the table of steps has pictures of what you should see after a step."
     return "\n\n".join([table + looks, *_goal(source, stems, left_open)])
@@ -194,11 +202,14 @@ def _order(source, stems, left_open=()):
 
 def _open(left_open):
     """Which starters nobody is asked to write yet."""
+    if not left_open:
+        return ""
     names = _and([f"`{stem}`" for stem in left_open])
-    text = (f"Not asked for yet are {names}; their files in `src/features` are starters, too, and pictures lack what they add."
-            if len(left_open) > 1 else
-            f"Not asked for yet is {names}; its file in `src/features` is a starter, too, and pictures lack what it adds.")
-    return textwrap.fill(text, 110) + "\n\n" if left_open else ""
+    text = (f"Not asked for yet are {names}; their files in `src/features` are starters, too, "
+            "and pictures lack what they add." if len(left_open) > 1 else
+            f"Not asked for yet is {names}; its file in `src/features` is a starter, too, "
+            "and pictures lack what it adds.")
+    return textwrap.fill(text, 110) + "\n\n"
 
 
 def _write_handout(source, pack, features, left_open, has_book):
@@ -211,11 +222,14 @@ def _write_handout(source, pack, features, left_open, has_book):
         rows.append(f"| [{title}]({task}) | [{file}]({file}) | {points} | {time} "
                     f"| [{feature.chapter}]({feature.chapter}) |")
     first = features[0].stem
-    reading = ("Open `docs/handout/book.html` in a browser: the chapters, with figures as they should become.\n"
+    reading = ("Open `docs/handout/book.html` in a browser: "
+               "the chapters, with figures as they should become.\n"
                "`make book` makes `docs/out/book.html`, with your own functions in it."
-               if has_book else "**The book is missing from this pack**, which was made for a trial; ask for one with "
-               "the book. Until then,\n`make book` makes `docs/out/book.html`, with figures by your code, which are "
-               "wrong until it is solved.")
+               if has_book else
+               "**The book is missing from this pack**, which was made for a trial; "
+               "ask for one with the book. Until then,\n"
+               "`make book` makes `docs/out/book.html`, with figures by your code, "
+               "which are wrong until it is solved.")
     with open(os.path.join(source, "assignments", "commands.txt"), encoding="utf-8") as file:
         commands = [re.split("  +", line.replace("STEM", first)) for line in file.read().splitlines()]
     width = max(len(command) for command, _ in commands)
@@ -223,7 +237,8 @@ def _write_handout(source, pack, features, left_open, has_book):
     with open(os.path.join(source, "assignments", "handout_page.md"), encoding="utf-8") as file:
         page = file.read()
     write_whole(os.path.join(pack, "HANDOUT.md"), page.format(
-        order=_order(source, [feature.stem for feature in features], left_open), left_open=_open(left_open), assignments="\n".join(rows), first=first, reading=reading, files=files,
+        order=_order(source, [feature.stem for feature in features], left_open),
+        left_open=_open(left_open), assignments="\n".join(rows), first=first, reading=reading, files=files,
         commands="\n".join(f"    {command:<{width}}  {does}" for command, does in commands)))
 
 
@@ -306,7 +321,8 @@ def main():
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
     parser.add_argument("--out", default="", metavar="FILE", help="the archive")
     parser.add_argument("--dir", default="", metavar="DIR", help="a folder instead of an archive")
-    parser.add_argument("--later", default="", metavar="all|no|STEMS", help="features that are not asked for yet; "
+    parser.add_argument("--later", default="", metavar="all|no|STEMS",
+                        help="features that are not asked for yet; "
                         "default: those that come later in the course")
     parser.add_argument("--book", default="", metavar="yes|no", help="no leaves the woven book out")
     arguments = parser.parse_args()
