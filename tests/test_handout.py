@@ -40,16 +40,18 @@ COMMON = "for (uint32_t i = 0; i < count; i++)"
 
 def what_comes_later():
     def later(stems, word):
-        return [feature.stem for feature in handout._later(FEATURES, [FEATURES[stem] for stem in stems], word)]
+        chosen = [FEATURES[stem] for stem in stems]
+        return [feature.stem for feature in handout._later(FEATURES, chosen, word)]
 
     stems = list(FEATURES)
     after = stems[stems.index(STEM) + 1:]
     check(later([STEM], "") == after, "what comes later in the course has starters", later([STEM], ""))
     check(later([NEXT], "") == after[1:], "what came before has its solutions", later([NEXT], ""))
-    check(later([NEXT], "all") == [stem for stem in stems if stem not in (STEM, NEXT)], "what is needed has its solution, though all are left open",
-          later([NEXT], "all"))
+    check(later([NEXT], "all") == [stem for stem in stems if stem not in (STEM, NEXT)],
+          "what is needed has its solution, though all are left open", later([NEXT], "all"))
     used = FEATURES["wide_bvh"].uses
-    check(used and not set(used) & set(later(["wide_bvh"], "all")), "so has what a suite uses, which fails with its starter", later(["wide_bvh"], "all"))
+    check(used and not set(used) & set(later(["wide_bvh"], "all")),
+          "so has what a suite uses, which fails with its starter", later(["wide_bvh"], "all"))
     check(later([STEM], "no") == [] and later([STEM], "bloom shading") == ["shading", "bloom"],
           "LATER names others, or none")
     for stem, word in ((NEXT, STEM), (STEM, STEM), (STEM, "blom")):
@@ -65,11 +67,13 @@ def the_goal_is_one_of_the_course():
     check("shading" not in order and "--scene" not in order and "table of steps" in order,
           "a course that the picture at the top does not use has another goal", order)
     order = handout._order(SOURCE, [STEM, "shading", "sampling"])
-    check("first steps of `shading` early" in order and f"uses `{STEM}` and `shading`:" in order and "--scene cover" in order,
+    check("first steps of `shading` early" in order and f"uses `{STEM}` and `shading`:" in order
+          and "--scene cover" in order,
           "a course that it uses is told by which assignments, and to light pictures early", order)
     check("table's order" not in handout._order(SOURCE, [STEM]), "a single assignment has no order")
     order = handout._order(SOURCE, ["bloom"], ["cubemap", "sampling"])
-    check("pictures/bloom.png" in order and "make driver-bloom\n    impl/assignments/06_bloom/bloom --scene lanterns" in order
+    check("pictures/bloom.png" in order
+          and "make driver-bloom\n    impl/assignments/06_bloom/bloom --scene lanterns" in order
           and "cover" not in order and "more noise" in order,
           "where the picture at the top needs what is left open, the goal is the assignment's own", order)
     order = handout._order(SOURCE, [STEM], ["shading"])
@@ -83,8 +87,10 @@ def mistakes_are_refused(folder):
         "no assignment is refused, and all are listed": ([], {}, STEM),
         "an unknown assignment is refused": (["bvh_medina"], {}, "bvh_medina"),
         "a place that is taken is refused": ([STEM], {"out": taken}, "exists"),
-        "an archive of another kind is refused": ([STEM], {"out": os.path.join(folder, "pack.zip")}, ".tar.gz"),
-        "a place in a folder that is not there is refused": ([STEM], {"folder": os.path.join(folder, "no", "pack")}, "no folder"),
+        "an archive of another kind is refused": (
+            [STEM], {"out": os.path.join(folder, "pack.zip")}, ".tar.gz"),
+        "a place in a folder that is not there is refused": (
+            [STEM], {"folder": os.path.join(folder, "no", "pack")}, "no folder"),
     }
     for name, (stems, place, part) in cases.items():
         try:
@@ -97,9 +103,10 @@ def mistakes_are_refused(folder):
             handout.make_handout(SOURCE, [STEM], folder=os.path.join(folder, "bookless"))
             check(False, "a pack without the book is made on request only")
         except ToolError as error:
-            check("pandoc" in str(error) and "BOOK=no" in str(error), "a pack without the book is made on request only", error)
-    check(os.listdir(folder) == ["taken.tar.gz"] and read(taken) == "mine", "what is refused leaves nothing behind",
-          os.listdir(folder))
+            check("pandoc" in str(error) and "BOOK=no" in str(error),
+                  "a pack without the book is made on request only", error)
+    check(os.listdir(folder) == ["taken.tar.gz"] and read(taken) == "mine",
+          "what is refused leaves nothing behind", os.listdir(folder))
 
 
 def what_is_stopped_leaves_nothing_behind(folder):
@@ -108,16 +115,19 @@ def what_is_stopped_leaves_nothing_behind(folder):
     os.chmod(os.path.join(folder, "pandoc"), 0o755)
     place = os.path.join(folder, "packs")
     os.mkdir(place)
-    process = subprocess.Popen([sys.executable, "-B", os.path.join(SOURCE, "tools", "handout.py"), "--source", SOURCE, STEM, "--dir",
-                                os.path.join(place, "pack")], stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
+    process = subprocess.Popen([sys.executable, "-B", os.path.join(SOURCE, "tools", "handout.py"),
+                                "--source", SOURCE, STEM, "--dir", os.path.join(place, "pack")],
+                               stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True,
                                env=dict(os.environ, PANDOC=os.path.join(folder, "pandoc"), QUICK="1"))
     until = time.monotonic() + 300
     while time.monotonic() < until and process.poll() is None and not (os.path.exists(pid) and read(pid)):
         time.sleep(0.1)
     process.terminate()
     said, _ = process.communicate(timeout=60)
-    check(process.returncode == 130 and "nothing was written" in said, "packing can be stopped, and says so", said)
-    check(os.path.exists(pid) and not os.path.exists(f"/proc/{read(pid).strip()}"), "what it has started is stopped, too", said)
+    check(process.returncode == 130 and "nothing was written" in said,
+          "packing can be stopped, and says so", said)
+    check(os.path.exists(pid) and not os.path.exists(f"/proc/{read(pid).strip()}"),
+          "what it has started is stopped, too", said)
     check(os.listdir(place) == [], "and nothing is left beside the pack's place", os.listdir(place))
 
 
@@ -126,36 +136,43 @@ def the_pack_holds_no_solution(pack):
     everything = b"".join(open(os.path.join(where, name), "rb").read()
                           for where, _, names in os.walk(pack) for name in names)
     check(SECRET.encode() not in everything, "no file holds a line of the solution")
-    left = [name for name in os.environ["RAYKIT_INSTRUCTORS"].split() if os.path.exists(os.path.join(pack, name))]
-    check(len(os.environ["RAYKIT_INSTRUCTORS"].split()) > 10 and not left, "what only instructors use is left out", left)
-    marked = [name for name in leak_check._files(pack) if name.endswith((".c", ".h")) and "/* solution */" in read(pack, name)]
+    instructors = os.environ["RAYKIT_INSTRUCTORS"].split()
+    left = [name for name in instructors if os.path.exists(os.path.join(pack, name))]
+    check(len(instructors) > 10 and not left, "what only instructors use is left out", left)
+    marked = [name for name in leak_check._files(pack)
+              if name.endswith((".c", ".h")) and "/* solution */" in read(pack, name)]
     held = {f"src/features/{stem}.c" for stem in FEATURES if stem != STEM}
     check(set(marked) == held, "the word solution stands only in units whose solution is there", marked)
-    check(starter_of(os.path.join(pack, "src", "features", STEM + ".c")) == STARTER
-          and is_handed_out(os.path.join(pack, "src", "features", STEM + ".c")), "src/features has the starter, to compare with")
-    check(f"## Hand in\n\n- `workbook/{STEM}.c`\n" in read(pack, "HANDOUT.md"), "HANDOUT.md names the file to hand in")
+    unit = os.path.join(pack, "src", "features", STEM + ".c")
+    check(starter_of(unit) == STARTER and is_handed_out(unit),
+          "src/features has the starter, to compare with")
+    check(f"## Hand in\n\n- `workbook/{STEM}.c`\n" in read(pack, "HANDOUT.md"),
+          "HANDOUT.md names the file to hand in")
 
 
 def texts_speak_of_the_pack(pack):
     task, chapter = read(pack, "assignments", FEATURE.folder, "handout.md"), read(pack, FEATURE.chapter)
-    for name, text in (("handout", task), ("chapter", chapter), ("book's first page", read(pack, "docs", "book.md")),
-                       ("HANDOUT.md", read(pack, "HANDOUT.md"))):
+    first_page = read(pack, "HANDOUT.md")
+    for name, text in (("handout", task), ("chapter", chapter),
+                       ("book's first page", read(pack, "docs", "book.md")), ("HANDOUT.md", first_page)):
         check("=mine" not in text and "mine/" not in text and "<!--" not in text,
               f"the {name} speaks of the workbook, not of a folder to be made", text[:2000])
-    for name, text in (("HANDOUT.md", read(pack, "HANDOUT.md")), (f"assignments/{FEATURE.folder}/handout.md", task)):
+    for name, text in (("HANDOUT.md", first_page), (f"assignments/{FEATURE.folder}/handout.md", task)):
         pictures = re.findall(r"!\[[^]]*\]\(([^)]*)\)", text)
         missing = [picture for picture in pictures
                    if not os.path.exists(os.path.join(pack, os.path.dirname(name), picture))]
         check(pictures and not missing, f"the pictures that {name} shows are in the pack", missing)
-    check("    make driver-motion_blur\n    impl/assignments/10_motion_blur/motion_blur --scene cover" in read(pack, "HANDOUT.md"),
-          "HANDOUT.md has the commands that draw its picture")
-    names = [feature.chapter for feature in FEATURES.values()] + ["HANDOUT.md", f"assignments/{FEATURE.folder}/handout.md"]
+    command = "    make driver-motion_blur\n    impl/assignments/10_motion_blur/motion_blur --scene cover"
+    check(command in first_page, "HANDOUT.md has the commands that draw its picture")
+    names = [*(feature.chapter for feature in FEATURES.values()),
+             "HANDOUT.md", f"assignments/{FEATURE.folder}/handout.md"]
     unmade = [name for name in names if re.search(r"^ *assignments/\S+ --", read(pack, name), re.MULTILINE)]
     check(not unmade and f"make driver-{STEM}\nimpl/assignments/{FEATURE.folder}/{STEM} --" in chapter,
           "a command that runs a driver stands below the one that makes it", unmade)
     check(f"make debug-{STEM} TEST=" in chapter, "the chapter's commands are those of the pack")
-    check(f"workbook/{STEM}.c" in task and f"(file:workbook/{STEM}.c)" in chapter, "texts name the file to edit")
-    check("The book is missing" in read(pack, "HANDOUT.md"), "HANDOUT.md says that the book is missing")
+    check(f"workbook/{STEM}.c" in task and f"(file:workbook/{STEM}.c)" in chapter,
+          "texts name the file to edit")
+    check("The book is missing" in first_page, "HANDOUT.md says that the book is missing")
     broken = [f"{name}: {target}" for name in leak_check._files(pack) if name.endswith(".md")
               for target in re.findall(r"\]\(([\w./-]+)(?=[)#])", read(pack, name))
               if not os.path.exists(os.path.join(pack, os.path.dirname(name), target))]
@@ -217,7 +234,8 @@ def smuggled_lines_are_found(pack):
     except ToolError as error:
         check("leak.txt:1" in str(error), "a pack with a leak is refused, with file and line", error)
     os.unlink(os.path.join(pack, "leak.txt"))
-    check(not leak_check.find_secrets(SOURCE, pack, [FEATURE], secrets, common), "without the leaks the pack is clean again")
+    check(not leak_check.find_secrets(SOURCE, pack, [FEATURE], secrets, common),
+          "without the leaks the pack is clean again")
 
 
 def what_the_kit_has_in_common_is_told(pack):
@@ -229,7 +247,8 @@ def what_the_kit_has_in_common_is_told(pack):
           "a solution line in the kit's other code is told, with file and line, the rare ones first", found)
     for stem, _, name, beginning in leak_check.SAME_STEPS:
         steps = leak_check.steps_elsewhere(SOURCE, [FEATURES[stem]])
-        check(any(step[0] == name and read(SOURCE, name).split("\n")[step[1] - 1].startswith(beginning) for step in steps),
+        lines = read(SOURCE, name).split("\n")
+        check(any(step[0] == name and lines[step[1] - 1].startswith(beginning) for step in steps),
               f"a step of {stem} in other words is found in {name}", steps)
     lens, glossy = FEATURES["depth_of_field"], FEATURES["glossy_reflection"]
     said = "\n".join(leak_check.prove(SOURCE, pack, FEATURES, [FEATURE]))
@@ -237,7 +256,8 @@ def what_the_kit_has_in_common_is_told(pack):
     alike = ("depth_of_field", "a step", "src/features/glossy_reflection.c", "static rk_vec2 concentric(")
     with mock.patch.object(leak_check, "SAME_STEPS", [alike]):
         check(leak_check.steps_elsewhere(SOURCE, [lens]), "what another feature's solution tells is found")
-        check(not leak_check.steps_elsewhere(SOURCE, [lens, glossy]), "two that are handed out together do not tell of each other")
+        check(not leak_check.steps_elsewhere(SOURCE, [lens, glossy]),
+              "two that are handed out together do not tell of each other")
 
 
 # --- The student works ----------------------------------------------------------------------------
@@ -245,15 +265,17 @@ def what_the_kit_has_in_common_is_told(pack):
 
 def what_is_left_open_is_no_solution(pack):
     for stem in list(FEATURES)[list(FEATURES).index(NEXT) + 1:]:
-        path = os.path.join(pack, "src", "features", stem + ".c")
-        check(is_left_open(path) and starter_of(path) == starter_of(FEATURES[stem].reference)
-              and not solution_lines(FEATURES[stem].reference) & {line.strip() for line in read(path).split("\n")},
+        path, reference = os.path.join(pack, "src", "features", stem + ".c"), FEATURES[stem].reference
+        check(is_left_open(path) and starter_of(path) == starter_of(reference)
+              and not solution_lines(reference) & {line.strip() for line in read(path).split("\n")},
               f"{stem}, which a later assignment asks for, is a starter")
-    check(sorted(os.listdir(os.path.join(pack, "workbook"))) == sorted(
-        [STEM + ".c", NEXT + ".c", "Makefile", "compile_flags.txt", ".gitignore"])
-          and "shading" not in read(pack, "HANDOUT.md").split("Not asked for yet")[0], "and nobody is asked for it yet")
-    told = " ".join(re.search(r"^Not asked for yet are [^;]*", read(pack, "HANDOUT.md"), re.MULTILINE)[0].split())
-    check(re.findall(r"`(\w+)`", told) == list(FEATURES)[list(FEATURES).index(NEXT) + 1:], "HANDOUT.md lists it", told)
+    page, workbook = read(pack, "HANDOUT.md"), os.listdir(os.path.join(pack, "workbook"))
+    files = [STEM + ".c", NEXT + ".c", "Makefile", "compile_flags.txt", ".gitignore"]
+    check(sorted(workbook) == sorted(files) and "shading" not in page.split("Not asked for yet")[0],
+          "and nobody is asked for it yet")
+    told = " ".join(re.search(r"^Not asked for yet are [^;]*", page, re.MULTILINE)[0].split())
+    check(re.findall(r"`(\w+)`", told) == list(FEATURES)[list(FEATURES).index(NEXT) + 1:],
+          "HANDOUT.md lists it", told)
 
 
 def code_of(page, name):
@@ -268,14 +290,16 @@ def the_book_is_handed_out(pack):
     text, record = read(page), os.path.join(pack, "docs", "handout", "record")
     check("First step:" in code_of(page, "box_of") and "workbook/bvh_median.c" in code_of(page, "box_of"),
           "the book is there, with starters", code_of(page, "box_of"))
-    check("Not made:" not in text and "src/features/bvh_median.c" not in text, "all its figures are made, its texts are the pack's")
+    check("Not made:" not in text and "src/features/bvh_median.c" not in text,
+          "all its figures are made, its texts are the pack's")
     entries = [os.path.join(record, name) for name in os.listdir(record) if name != "machine"]
-    check(any(os.path.exists(os.path.join(entry, "made", "figures", "bvh_median_statue-87130.png")) for entry in entries),
-          "its figures are there")
+    figure = os.path.join("made", "figures", "bvh_median_statue-87130.png")
+    check(any(os.path.exists(os.path.join(entry, figure)) for entry in entries), "its figures are there")
     answers = "\n".join(read(entry, name) for entry in entries for name in ("key", "printed", "files"))
     path = re.search(rf".{{0,80}}({re.escape(SOURCE)}|\.handout-).{{0,80}}", text + answers)
     check(not path, "no path of this machine is in it", path and path[0])
-    check(f'data-program="impl/assignments/{FEATURE.folder}/{STEM}"' in text, "its figures name the readers' own programs")
+    check(f'data-program="impl/assignments/{FEATURE.folder}/{STEM}"' in text,
+          "its figures name the readers' own programs")
 
 
 def the_starters_are_failed(pack):
@@ -284,10 +308,12 @@ def the_starters_are_failed(pack):
     status, said = run(pack, "./bootstrap", "--no-install", f"CC={compiler}")
     check(status == 0, "the pack configures without git", said)
     status, said = run(pack, make, "-s", "-j2", f"check-{STEM}")
-    check(status != 0 and f"first: {TESTS[0].name}" in said, "the starter fails, and the check says where to begin", said)
+    check(status != 0 and f"first: {TESTS[0].name}" in said,
+          "the starter fails, and the check says where to begin", said)
     _, said = run(pack, make, "-s", "grade", f"ASSIGNMENTS={STEM}", "FORMAT=tap")
     scored = sum(test.points > 0 for test in TESTS)
-    check(said.count("not ok ") == scored, "the starter fails every test that carries points, and no other", said)
+    check(said.count("not ok ") == scored,
+          "the starter fails every test that carries points, and no other", said)
     status, said = run(pack, make, "-s", "progress")
     check(status == 0 and f"0 of {TOTAL}" in said, "progress counts no points yet", said)
     status, said = run(pack, make, "-s", f"diff-{STEM}")
@@ -296,7 +322,8 @@ def the_starters_are_failed(pack):
         status, said = run(pack, make, "-s", target)
         check(status != 0 and "this is a handout" in said, f"make {target} says that this is a handout", said)
     status, said = run(pack, make, "-s", "check-shading")
-    check(status != 0 and "a later assignment asks for it" in said, "a suite of what is left open says so", said)
+    check(status != 0 and "a later assignment asks for it" in said,
+          "a suite of what is left open says so", said)
 
 
 def the_second_is_solved_first(pack):
@@ -306,7 +333,8 @@ def the_second_is_solved_first(pack):
     check(status != 0 and f"it needs {STEM}, which is still the starter: solve that first" in said,
           "the check says what is to be solved before", said)
     for form in ("tap", "gradescope", "table"):
-        _, said = run(pack, make, "-s", "grade", f"IMPL=workbook/{NEXT}.c", f"ASSIGNMENTS={NEXT}", f"FORMAT={form}")
+        _, said = run(pack, make, "-s", "grade", f"IMPL=workbook/{NEXT}.c", f"ASSIGNMENTS={NEXT}",
+                      f"FORMAT={form}")
         check(f"needs {STEM}, which is still the starter" in said, f"so does a report as {form}", said)
     write(read(FEATURE.reference) + "\n/* Mine. */\n", pack, "workbook", STEM + ".c")
     points = []
@@ -321,18 +349,23 @@ def the_second_is_solved_first(pack):
 def pictures_are_the_students(pack):
     make = os.environ.get("MAKE", "make")
     status, said = run(pack, make, "-s", "-j2", "all")
-    check(status == 0 and "warning" not in said, "the drivers are built from the workbook, without a warning", said)
-    status, said = run(pack, f"assignments/{FEATURE.folder}/{STEM}", *"--width 64 --height 64 --scene teapot".split())
+    check(status == 0 and "warning" not in said,
+          "the drivers are built from the workbook, without a warning", said)
+    status, said = run(pack, f"assignments/{FEATURE.folder}/{STEM}",
+                       *"--width 64 --height 64 --scene teapot".split())
     check("shading is still the starter" in said, "they name what is left open", said)
     status, said = run(pack, make, "-s", f"driver-{STEM}")
-    check(status == 0 and f"impl/assignments/{FEATURE.folder}/{STEM}" in said, "the driver of one assignment is made", said)
+    check(status == 0 and f"impl/assignments/{FEATURE.folder}/{STEM}" in said,
+          "the driver of one assignment is made", said)
     names = []
     for impl in ("workbook", f"workbook/{NEXT}.c"):
         status, said = run(pack, make, "-s", f"driver-{NEXT}", f"IMPL={impl}")
         driver = os.path.join("impl", "assignments", FEATURES[NEXT].folder, NEXT)
-        status, said = run(pack, driver, "--width", "64", "--height", "64", "--scene", "teapot", "--debug", "level", "--level", "3")
+        status, said = run(pack, driver,
+                           *"--width 64 --height 64 --scene teapot --debug level --level 3".split())
         names.append(re.search(r"units: .*?(?=, raykit)", said).group() if status == 0 else said)
-        check(f"{NEXT}: shading is still the starter" in said, "a driver names a starter that is left open", said)
+        check(f"{NEXT}: shading is still the starter" in said,
+              "a driver names a starter that is left open", said)
         with open(os.path.join(pack, re.search(r"^(\S+\.png):", said, re.MULTILINE)[1]), "rb") as file:
             names.append(re.search(rb"IDAT.*", file.read(), re.DOTALL).group())
     check(names[1] == names[3] and f"workbook ({STEM}" in names[2],
@@ -386,12 +419,19 @@ def a_class_is_graded(folder):
     submissions = {  # text, fewest and most points, part of what is said about some test
         "right": (reference, TOTAL, TOTAL, ""),
         "wrong": (mutant("floor_of_the_half"), 1, TOTAL - 1, "got"),
-        "crashing": ("static volatile int *volatile nowhere;\n" + reference.replace(start, start + "    *nowhere = 1;\n"), 0, 0, "NULL"),
-        "hanging, by O'Brien": (reference.replace(any_hit, any_hit + "    for (volatile int k = 0; k < 2; k = 0) { }\n"), 1, TOTAL - 1, "endless loop"),
+        "crashing": ("static volatile int *volatile nowhere;\n"
+                     + reference.replace(start, start + "    *nowhere = 1;\n"), 0, 0, "NULL"),
+        "hanging, by O'Brien": (
+            reference.replace(any_hit, any_hit + "    for (volatile int k = 0; k < 2; k = 0) { }\n"),
+            1, TOTAL - 1, "endless loop"),
         "cheating by what it prints": (heads + STARTER.replace(
-            start, start + f'    printf("1..{len(TESTS)}\\n{oks}\\n");\n    fflush(stdout);\n    _Exit(0);\n'), 0, 0, "_Exit"),
-        "cheating before main": ("#include <stdlib.h>\n__attribute__((constructor)) static void early(void)\n{\n    exit(0);\n}\n"
-                                 + STARTER, 0, 0, "constructor"),
+            start,
+            start + f'    printf("1..{len(TESTS)}\\n{oks}\\n");\n    fflush(stdout);\n    _Exit(0);\n'),
+            0, 0, "_Exit"),
+        "cheating before main": (
+            "#include <stdlib.h>\n"
+            "__attribute__((constructor)) static void early(void)\n{\n    exit(0);\n}\n" + STARTER,
+            0, 0, "constructor"),
         "cheating by the suite's own names": (
             STARTER + "\nint rk_suite_main(void);\nint rk_suite_main(void)\n{\n    return 0;\n}\n"
             "bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)\n{\n"
@@ -424,10 +464,13 @@ def main():
         the_goal_is_one_of_the_course()
         pack = os.path.join(places["packed"], "pack")
         said = handout.make_handout(SOURCE, [STEM], folder=pack, book=False, later="no")
-        check(os.listdir(places["packed"]) == ["pack"] and any("no solution is left" in line for line in said),
+        check(os.listdir(places["packed"]) == ["pack"]
+              and any("no solution is left" in line for line in said),
               "the pack is there with its proof, and nothing beside it", said)
-        check(any(line.startswith("the solutions of normals, sah_binning, shading, ") and "are in this pack" in line for line in said)
-              and any("THE BOOK IS MISSING" in line for line in said), "what is in it, and what is not, is said", said)
+        check(any(line.startswith("the solutions of normals, sah_binning, shading, ")
+                  and "are in this pack" in line for line in said)
+              and any("THE BOOK IS MISSING" in line for line in said),
+              "what is in it, and what is not, is said", said)
         the_pack_holds_no_solution(pack)
         texts_speak_of_the_pack(pack)
         smuggled_lines_are_found(pack)
@@ -436,7 +479,8 @@ def main():
         with mock.patch.dict(os.environ, QUICK="1"):
             said = handout.make_handout(SOURCE, [STEM, NEXT], folder=pack)
             check(os.listdir("drawn"), "the book's figures are kept for the next pack")
-        check(any(line.startswith("the solution of normals is in this pack") for line in said), "what came before is solved, and that is said", said)
+        check(any(line.startswith("the solution of normals is in this pack") for line in said),
+              "what came before is solved, and that is said", said)
         what_is_left_open_is_no_solution(pack)
         the_book_is_handed_out(pack)
         the_starters_are_failed(pack)
