@@ -15,11 +15,13 @@ import sys
 import tempfile
 import time
 import types
+from unittest import mock
 
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
 sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
+import bench as bench_tool  # noqa: E402
 from benchmark import (compare, frames, growth, measurements, plan, profile, startup,  # noqa: E402
                        statistics, summary, timings)
 from benchmark.schedule import Program, kinds_of  # noqa: E402
@@ -765,6 +767,20 @@ def the_program_measures(folder):
               f"{name} is refused", answer.stdout)
 
 
+def the_report_measures_carefully_if_asked(folder):
+    asked = []
+    with mock.patch.multiple(
+            bench_tool, is_complete=lambda work: False, write_tables=mock.DEFAULT,
+            check_references=mock.DEFAULT,
+            open_schedule=lambda options, settings: mock.Mock(run=lambda: asked.append(settings))):
+        os.makedirs(os.path.join(folder, "bench", "tables"))
+        for measured in ("", "yes"):
+            with mock.patch.dict(os.environ, RAYKIT_MEASURED=measured):
+                bench_tool.for_report(types.SimpleNamespace(build=folder, out=os.path.join(folder, "out")))
+    check(asked == [plan.QUICK, plan.FULL],
+          "the report measures in full where MEASURED=1 asks for it, else quickly", asked)
+
+
 # --- README's tables of speed --------------------------------------------------------------------
 
 README_SPEED = os.path.join(SOURCE, "tools", "readme_speed.py")
@@ -836,6 +852,7 @@ def main():
         mistakes_of_frames_are_told(driven)
         drivers_take_the_options(tempfile.mkdtemp(dir=folder))
         startup_is_timed_for_each_scene(tempfile.mkdtemp(dir=folder))
+        the_report_measures_carefully_if_asked(tempfile.mkdtemp(dir=folder))
         readme_tables_are_made_anew(tempfile.mkdtemp(dir=folder))
         the_program_measures(tempfile.mkdtemp(dir=folder))
     finally:
