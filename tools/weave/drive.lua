@@ -114,12 +114,19 @@ function drive.exists(path)
   return file and file:close()
 end
 
--- Paths in the source tree and the build folder that fit a shell's pattern.
+local lists = {} -- of paths, by pattern
+
+-- Paths that fit a shell's pattern. Those in the source tree and the build folder stay as they are: they are
+-- asked for once.
 function drive.list(folder, pattern)
-  local list = answer_of("ls -d " .. drive.quote(folder) .. "/" .. pattern .. " 2>/dev/null || true")
-  local paths = {}
-  for path in list:gmatch("[^\n]+") do paths[#paths + 1] = path end
-  return paths
+  local whole = drive.quote(folder) .. "/" .. pattern
+  if lists[whole] then return lists[whole] end
+  local found = {}
+  for path in answer_of("ls -d " .. whole .. " 2>/dev/null || true"):gmatch("[^\n]+") do
+    found[#found + 1] = path
+  end
+  if folder:sub(1, #drive.scraps) ~= drive.scraps then lists[whole] = found end
+  return found
 end
 
 local paths = {} -- of drivers, by name
@@ -273,7 +280,8 @@ local function run_jobs(jobs, at_a_time, progress)
     local number, status = line:match("^(%d+) (%d+)$")
     local job = jobs[tonumber(number)]
     progress(job)
-    drive.tell(drive.read_file(folder .. "/" .. number .. ".said"))
+    drive.tell(drive.read_file(status == "0" and store.path(job.key) .. "/said" or
+      folder .. "/" .. number .. ".said"))
     if status == "0" then made[job.key] = store.find(store.folder, job.key, job.by)
     else failed[job.key], first = tonumber(status), first or not job.may_fail and job or nil end
   end

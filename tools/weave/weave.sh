@@ -27,8 +27,7 @@ interrupted() {
 # Another who makes the same page works in the same folder: what is there is not ours before mkdir.
 started=
 clean_up() {
-    rm -rf "$RAYKIT_SCRAPS" || :
-    [ -z "$started" ] || rm -rf "$RAYKIT_OUT" || :
+    rm -rf "$RAYKIT_SCRAPS" ${started:+"$RAYKIT_OUT"} || :
 }
 trap clean_up EXIT
 trap interrupted HUP INT TERM
@@ -77,14 +76,16 @@ done <<END
 $MESHES
 END
 
-processor=$(sed -n 's/^model name[^:]*: //p' /proc/cpuinfo 2>/dev/null | head -n 1)
+processor=$(sed -n '/^model name[^:]*: /{ s///p; q; }' /proc/cpuinfo 2>/dev/null) || :
 RAYKIT_PROCESSORS=$(nproc 2>/dev/null || getconf _NPROCESSORS_ONLN)
 machine="${processor:-$(uname -m)}, $(getconf _NPROCESSORS_ONLN) processors"
 RAYKIT_MACHINE=$machine
 RAYKIT_TERMINAL=
 [ ! -t 2 ] || RAYKIT_TERMINAL=yes
 RAYKIT_MEASURED=${MEASURED-}
-system=$(sed -n 's/^PRETTY_NAME="\(.*\)"/\1/p' /etc/os-release 2>/dev/null)
+system=
+# shellcheck disable=SC1091 # by its standard a file for the shell
+[ ! -e /etc/os-release ] || system=$(. /etc/os-release && echo "${PRETTY_NAME-}")
 system="${system:-$(uname -s)}, $(uname -sr)"
 
 # A page with a student's units says so under its title.
@@ -93,7 +94,7 @@ RAYKIT_UNITS=
 
 # Reported before anything is rendered.
 unwritable="$final cannot be written (the reason is above): free some space, or build in a folder of your own"
-mkdir -p "$RAYKIT_BUILD/$texts" || give_up "$unwritable"
+[ -d "$RAYKIT_BUILD/$texts" ] || mkdir -p "$RAYKIT_BUILD/$texts" || give_up "$unwritable"
 if ! mkdir "$RAYKIT_OUT" 2>/dev/null; then
     other=$(cat "$RAYKIT_OUT/process" 2>/dev/null || :)
     if [ -n "$other" ] && kill -0 "$other" 2>/dev/null; then
@@ -103,7 +104,8 @@ if ! mkdir "$RAYKIT_OUT" 2>/dev/null; then
     rm -rf "$RAYKIT_OUT" && mkdir "$RAYKIT_OUT" || give_up "$unwritable"
 fi
 started=yes
-echo $$ >"$RAYKIT_OUT/process" && mkdir "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables" || give_up "$unwritable"
+echo $$ >"$RAYKIT_OUT/process" && mkdir "$RAYKIT_OUT/figures" "$RAYKIT_OUT/tables" "$RAYKIT_OUT/source" "$RAYKIT_OUT/$RAYKIT_WEAVES" ||
+    give_up "$unwritable"
 
 if [ -n "$RAYKIT_RECORD" ]; then
     machine=$(sed -n 1p "$RAYKIT_RECORD/machine") system=$(sed -n 2p "$RAYKIT_RECORD/machine")
@@ -157,9 +159,8 @@ weave_whole() {
 # weave OPTION... TEXT...: the page, and beside it the folder with the same in pages, which share a
 # stylesheet (its last part is formulas_css, if there is one) and the scripts
 weave() {
-    mkdir "$RAYKIT_OUT/$RAYKIT_WEAVES" "$RAYKIT_OUT/source" &&
-        cat "$RAYKIT_SOURCE/tools/weave/page.css" "$RAYKIT_SOURCE/$texts/$RAYKIT_WEAVES.css" \
-            ${formulas_css:+"$formulas_css"} >"$RAYKIT_OUT/$RAYKIT_WEAVES/style.css" &&
+    cat "$RAYKIT_SOURCE/tools/weave/page.css" "$RAYKIT_SOURCE/$texts/$RAYKIT_WEAVES.css" \
+        ${formulas_css:+"$formulas_css"} >"$RAYKIT_OUT/$RAYKIT_WEAVES/style.css" &&
         cp "$RAYKIT_SOURCE/tools/weave/page.js" "$RAYKIT_SOURCE/tools/weave/compare.js" "$RAYKIT_OUT/$RAYKIT_WEAVES" || give_up "$unwritable"
     status=0
     "$PANDOC" --standalone --self-contained --from=commonmark_x+sourcepos --to=html5 \
@@ -197,8 +198,11 @@ kept_entries=3000 # two or three times what report and book have
 # shellcheck disable=SC2012 # entries are named by digests
 tidy_store() {
     [ -d "$RAYKIT_STORE" ] || return 0
-    (cd "$RAYKIT_STORE" && xargs touch -c . <"$RAYKIT_OUT/used" && ls -t | tail -n +$kept_entries | xargs rm -rf &&
-        find . -maxdepth 1 -name '*.part*' -mmin +60 -exec rm -rf {} +) || :
+    (cd "$RAYKIT_STORE" && xargs touch -c . <"$RAYKIT_OUT/used" || exit
+        set -- *
+        [ $# -lt $kept_entries ] || ls -t | tail -n +$kept_entries | xargs rm -rf
+        set -- *.part*
+        [ ! -e "$1" ] || find . -maxdepth 1 -name '*.part*' -mmin +60 -exec rm -rf {} +) || :
 }
 
 # Prints the page if there is chromium, and replaces the old page.
@@ -215,7 +219,7 @@ publish() {
     trap '' HUP INT TERM # the two moves belong together
     [ ! -e "$final" ] || mv "$final" "$final.old" || give_up "$unwritable"
     mv "$RAYKIT_OUT" "$final" || give_up "$unwritable"
-    rm -rf "$final.old"
+    [ ! -e "$final.old" ] || rm -rf "$final.old"
     say "wrote $final/$RAYKIT_WEAVES.html, $parts $pdf"
     [ ! -e "$RAYKIT_SCRAPS/verdict" ] || cat "$RAYKIT_SCRAPS/verdict" >&2
     # Who makes or has a pack did not write its sentences.
