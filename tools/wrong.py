@@ -72,8 +72,10 @@ def read_wrong(source, feature):
 # --- Drivers with a mistake -----------------------------------------------------------------------
 
 
-def _run(command, what):
-    done = subprocess.run(command, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+def _run(command, what, folder):
+    # Paths from the folder on: ccache, where it is the compiler, knows the mistake again in another folder.
+    done = subprocess.run(command, cwd=folder, env=dict(os.environ, CCACHE_BASEDIR="/"),
+                          stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
                           errors="replace", check=False)
     if done.returncode:
         raise ToolError(f"{what} does not compile or link:\n{done.stdout.rstrip()}")
@@ -81,19 +83,19 @@ def _run(command, what):
 
 def link_wrong(toolchain, feature, mutant, folder):
     """Returns the feature's driver with the mistake in its unit."""
-    base = os.path.join(folder, mutant.name)
+    base, name = os.path.join(folder, mutant.name), mutant.name
     with open(feature.reference, encoding="utf-8") as file:
         text = mutate(mutant, file.read(), os.path.relpath(feature.reference, toolchain.source))
     with open(base + ".c", "w", encoding="utf-8") as file:
         file.write(text)
     what = f"{mutant.file}:{mutant.line}: {mutant.name}"
     flags = [*toolchain.flags, *toolchain.base_sanitize]
-    _run([*toolchain.compiler, *flags, "-w", "-c", base + ".c", "-o", base + ".o"], what)
+    _run([*toolchain.compiler, *flags, "-g0", "-w", "-c", name + ".c", "-o", name + ".o"], what, folder)
     own = [toolchain.built(path) for path in toolchain.drivers
            if path.startswith(f"assignments/{feature.folder}/")]
     archives = [toolchain.built("librkrender.a"), toolchain.built("librkbase.a")]
-    _run([*toolchain.compiler, *toolchain.base_sanitize, *toolchain.link_flags, *own, base + ".o", *archives,
-          *toolchain.libraries, "-o", base], what)
+    _run([*toolchain.compiler, *toolchain.base_sanitize, *toolchain.link_flags, "-Wl,-S", *own, base + ".o",
+          *archives, *toolchain.libraries, "-o", base], what, folder)
     return base
 
 
