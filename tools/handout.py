@@ -70,20 +70,32 @@ def _run(command, environment, **pipes):
 # --- The pack -------------------------------------------------------------------------------------
 
 
-def _release(pack):
-    """The files that make dist would pack, without those that ./bootstrap makes and those that only
-    instructors use."""
-    # Gathered here first, because distdir's rules take no path with spaces.
-    gathered = os.path.basename(tempfile.mkdtemp(prefix=".gathered-", dir="."))
-    command = [os.environ.get("MAKE", "make"), "-s", "distdir", f"distdir={gathered}"]
+def _copy(path, copied):
+    """Copies a file, or a folder with all in it, for all to read whatever the umask."""
+    if os.path.isdir(path):
+        for name in os.listdir(path):
+            _copy(os.path.join(path, name), os.path.join(copied, name))
+        return
+    os.makedirs(os.path.dirname(copied), exist_ok=True)
+    shutil.copy2(path, copied)
+    os.chmod(copied, 0o755 if os.access(path, os.X_OK) else 0o644)
+
+
+def copy_release(source, folder):
+    """The files that make dist would pack. Its own rules would start a process for each."""
+    command = [os.environ.get("MAKE", "make"), "-s", "dist-files"]
     environment = {name: value for name, value in os.environ.items() if name != "MAKEFLAGS"}
-    try:
-        status, said = _run(command, environment, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
-        if status:
-            raise ToolError(f"the kit's files could not be gathered:\n{said}")
-        shutil.move(gathered, pack)
-    finally:
-        shutil.rmtree(gathered, ignore_errors=True)
+    status, said = _run(command, environment, stdout=subprocess.PIPE, stderr=subprocess.PIPE)
+    if status:
+        raise ToolError(f"the kit's files could not be listed:\n{said}")
+    for name in said.split("\n"):
+        path = name if os.path.isfile(name) else os.path.join(source, name)
+        _copy(path, os.path.join(folder, name))
+
+
+def _release(source, pack):
+    """A release without what ./bootstrap makes and what only instructors use."""
+    copy_release(source, pack)
     made = ["configure", "Makefile.in", "aclocal.m4", "features.am", "build-aux"]
     for name in [*made, *os.environ["RAYKIT_INSTRUCTORS"].split()]:
         path = os.path.join(pack, name)
@@ -281,7 +293,7 @@ def make_handout(source, stems, out="", folder="", book=True, later=""):
         raise cannot_write(place, error) from error
     try:
         pack = os.path.join(work, name)
-        _release(pack)
+        _release(source, pack)
         _hand_out(pack, chosen, left_open)
         _adapt_texts(source, pack, features.values(), chosen)
         if book:
