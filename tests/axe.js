@@ -35,6 +35,7 @@ const EXPLAIN = `(async () => {
   for (const live of document.querySelectorAll(".live")) {
     live.scrollIntoView();
     if (!await wait(() => live.dataset.drawn)) break;
+    await wait(() => !live.querySelector('[role="slider"]:not([aria-valuenow])')); // a widget has answered
     if (live.dataset.click) continue;
     const canvas = live.querySelector("canvas"), {left, top, width, height} = canvas.getBoundingClientRect();
     const at = {pointerId: 1, bubbles: true, buttons: 1, clientX: left + width / 2, clientY: top + height / 2};
@@ -74,7 +75,8 @@ const run = (rules) => `(async () => {
   added.forEach((element) => before.add(element));
   (${MARK})(seen, isFirst);
   const {violations} = await axe.run(document, ${JSON.stringify(options(rules))});
-  if (!isFirst && added.length) violations.push(...(await axe.run({include: added}, ${JSON.stringify(options())})).violations);
+  const include = added.filter((element) => element.isConnected); // a widget may have drawn anew
+  if (!isFirst && include.length) violations.push(...(await axe.run({include}, ${JSON.stringify(options())})).violations);
   return {violations, breadth: document.documentElement.scrollWidth};
 })()`;
 
