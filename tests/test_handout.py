@@ -386,17 +386,20 @@ def pictures_are_the_students(pack):
 def the_students_code_is_in_the_book(pack):
     make = os.environ.get("MAKE", "make")
     # Of the texts that the pack's own book has shown whole, a solved feature's and one's that is left open.
+    driver = os.path.join(pack, "assignments", FEATURE.folder, STEM)
+    os.unlink(driver)
     status, said = run(pack, make, "-s", "book", f"FEATURES={STEM} shading", "CHROMIUM=")
     page = os.path.join(pack, "docs", "out.some", "book.html")
-    check(status == 0, "make book weaves the book again", said)
+    check(status == 0 and os.path.exists(driver), "make book builds what it needs, and weaves the book again",
+          said)
     code = code_of(page, "box_of")
     check("rk_box_merge" in code and "Your code." in read(page), "the student's functions are in it", code)
     check("Yours to write" not in code and "Left open here" in read(page) and "Not made:" not in read(page),
           "what is not asked for yet is left open, and all figures are there")
-    run(pack, "sed", "-i", "s/box_of/my_box_of/g", f"workbook/{STEM}.c")
+    run(pack, "sed", "-i", "s/box_of/my_box_of/g; $ a int broken = ;", f"workbook/{STEM}.c")
     status, said = run(pack, make, "-s", "book", f"ONLY={STEM}", "CHROMIUM=")
-    check(status == 0 and "does not define it" in read(page), "a function of another name shows the starter",
-          said)
+    check(status == 0 and "does not define it" in read(page),
+          "a function of another name shows the starter, also where the file does not compile", said)
     write(read(FEATURE.reference), pack, "workbook", STEM + ".c")
 
 
