@@ -2,6 +2,8 @@
  * samples; a spot out of focus becomes a disk with the size and the light of the closed form. */
 #include "test_scene.h"
 
+#include "render/blurred_pixels.h"
+
 enum { side = 64 };
 static const float half_height = 0.466307658f; /* tan 25 degrees */
 
@@ -453,6 +455,51 @@ static void transparent_surfaces_in_focus_take_samples_for_surfaces_behind_them(
     }
 }
 
+/* A background out of focus is blurred as well, one that is black is not. */
+static void marks_are_the_pixels_that_take_lens_samples(void **state)
+{
+    (void)state;
+    enum { lens_samples = 3 };
+    const char *names[] = {"statue:967", "cornell", "panes"};
+    for (int i = 0; i < 6; i++) {
+        const bool has_sky = i % 2;
+        rk_scene scene = test_scene_builtin(names[i / 2]);
+        scene.background = has_sky ? 0.25f : 0;
+        rk_render_options options = with_lens(2, 300, lens_samples);
+        options.transparency = true;
+        test_picture picture = test_render(&scene, options, 2);
+        bool blurred[side * side];
+        rk_error error;
+        rk_accel accel;
+        rk_pool *pool = rk_pool_start(2, &error);
+        rk_check_ok(pool != NULL, error);
+        rk_check_ok(rk_accel_build(&accel, RK_ACCEL_WIDE, &scene, &error), error);
+        rk_check_ok(rk_blurred_pixels(blurred, &scene, &accel, &options, pool, &error), error);
+        uint32_t count = 0;
+        for (int k = 0; k < side * side; k++)
+            count += blurred[k];
+        rk_check_equal(count * lens_samples, picture.counters.lens_samples, names[i / 2]);
+        rk_check(count > 0 && (i || count < side * side), "%s: %u of %d pixels are marked",
+                 names[i / 2], count, side * side);
+        rk_accel_free(&accel);
+        rk_pool_stop(pool);
+        rk_image_free(&picture.image);
+        rk_scene_free(&scene);
+    }
+}
+
+static void what_the_renderer_refuses_has_no_marks(void **state)
+{
+    (void)state;
+    rk_scene scene = make_wall(0);
+    rk_render_options options = with_lens(-1, 120, 4);
+    rk_error error;
+    bool none;
+    rk_check(!rk_blurred_pixels(&none, &scene, NULL, &options, NULL, &error), "no focus");
+    rk_check_error_names(error, "focal");
+    rk_scene_free(&scene);
+}
+
 /* --- Samples ---------------------------------------------------------------------------------- */
 
 static void the_picture_is_the_same_for_any_number_of_threads(void **state)
@@ -583,6 +630,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_long_picture_has_a_margin_in_proportion_to_its_pixels),
     cmocka_unit_test(a_plane_is_flat_and_a_sphere_is_round),
     cmocka_unit_test(transparent_surfaces_in_focus_take_samples_for_surfaces_behind_them),
+    cmocka_unit_test(marks_are_the_pixels_that_take_lens_samples),
+    cmocka_unit_test(what_the_renderer_refuses_has_no_marks),
     cmocka_unit_test(the_picture_is_the_same_for_any_number_of_threads),
     cmocka_unit_test(each_pixel_has_lens_points_of_its_own),
     cmocka_unit_test(a_blurred_pixel_takes_as_many_samples_as_the_more_demanding_asks),

@@ -3,6 +3,7 @@
 #include "driver.h"
 
 #include "accel/trace_one.h"
+#include "render/blurred_pixels.h"
 
 #include <stdlib.h>
 
@@ -125,36 +126,18 @@ bool draw_from_the_side(rk_driver *driver, rk_error *error)
 
 /* --- Pixels that take lens samples ------------------------------------------------------------ */
 
-/* They become orange. As in the renderer, except for mirrors and transparent surfaces. */
+/* They become orange. */
 static bool mark_blurred(rk_driver *driver, rk_error *error)
 {
-    uint32_t width = driver->render.width, height = driver->render.height;
-    rk_overlay overlay;
-    int32_t *coc_count =
-        rk_allocate_unset(((size_t)width + 1) * (height + 1), sizeof *coc_count, "marks", error);
-    if (!coc_count || !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel,
-                                       driver->pool, error)) {
-        free(coc_count);
-        return false;
-    }
-    for (size_t i = 0; i < (size_t)width * height; i++) {
-        rk_ray ray =
-            rk_view_ray(&overlay.view, (float)(i % width) + 0.5f, (float)(i / width) + 0.5f);
-        float *depth = &overlay.depth[i]; /* becomes the diameter of the circle of confusion */
-        *depth = isinf(*depth)
-                     ? 0
-                     : rk_lens_coc_diameter(&driver->render.lens, &overlay.view, &ray, *depth);
-    }
-    rk_lens_coc(overlay.depth, width, height, coc_count);
-    for (uint32_t y = 0; y < height; y++)
-        for (uint32_t x = 0; x < width; x++)
-            if (coc_count[(size_t)y * (width + 1) + x] > 0) {
-                rk_vec3 *pixel = rk_image_at(&driver->image, x, y);
-                *pixel = rk_mix(*pixel, orange, 0.5f);
-            }
-    rk_overlay_free(&overlay);
-    free(coc_count);
-    return true;
+    const size_t pixels = (size_t)driver->image.width * driver->image.height;
+    bool *blurred = rk_allocate_unset(pixels, sizeof *blurred, "marks", error);
+    const bool ok = blurred && rk_blurred_pixels(blurred, &driver->scene, &driver->accel,
+                                                 &driver->render, driver->pool, error);
+    for (size_t i = 0; ok && i < pixels; i++)
+        if (blurred[i])
+            driver->image.pixels[i] = rk_mix(driver->image.pixels[i], orange, 0.5f);
+    free(blurred);
+    return ok;
 }
 
 bool draw_blurred(rk_driver *driver, rk_error *error)
