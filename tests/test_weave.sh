@@ -493,6 +493,11 @@ END
     [ "$(calls)" = 2 ] && grep -q 't = 2' "$pages/pixel.html" && ! grep -q 't = 1' "$pages/pixel.html"
     verdict another_program_draws_anew
 
+    # They are kept by the text; here others are put in their place.
+    sed -i 's/t = 2/t = kept/' "$folder"/build/drawn/coloured/*
+    book && grep -q 't = kept' "$pages/pixel.html" && notes 3 && book && grep -q 't = 3' "$pages/pixel.html"
+    verdict colours_are_kept_by_the_text
+
     echo cube >"$folder/mesh.obj" && echo red >"$folder/mesh.mtl"
     wants "--mesh '$folder/mesh.obj'"
     [ "$(calls)" = 1 ] && [ "$(calls)" = 0 ] && echo ball >"$folder/mesh.obj" && [ "$(calls)" = 1 ] &&

@@ -1,6 +1,8 @@
 -- Listings of C: each line with its number in the file, and names that link to their definition's
 -- listing in the book, whose head shows on pointing at them.
 
+local store = require("store")
+
 local listings = {}
 
 local defined = {} -- {file, signature} of names that have a listing
@@ -78,11 +80,18 @@ local function numbered(text, number, ids)
   return string.format('<span %sclass="line"%s>%s%s</span>', first, data, table.concat(ids or {}), text)
 end
 
--- The block as HTML, with pandoc's colours; can be scrolled by the keyboard.
+-- With pandoc's colours, which take a quarter of a book's time.
+local function coloured(text, class)
+  return store.remember("coloured", table.concat({tostring(PANDOC_VERSION), class, text}, "\n"), function()
+    return pandoc.write(pandoc.Pandoc({pandoc.CodeBlock(text, {class = class})}), "html5")
+  end)
+end
+
+-- The block as HTML; can be scrolled by the keyboard.
 function listings.present(block)
   local numbers, class = block.attributes.lines, block.classes[1] or "text"
   if block.text:find("\n%(gdb%)") then class = "text" end -- the debugger's language is not the shell's
-  local html = pandoc.write(pandoc.Pandoc({pandoc.CodeBlock(block.text, {class = class})}), "html5")
+  local html = coloured(block.text, class)
   local list, next_number, anchors = {}, (numbers or ""):gmatch("%d+"), anchors_of(block)
   for line in (html:match("<code[^>]*>(.*)</code>") .. "\n"):gmatch("(.-)\n") do
     local text, number = line:match("^<span id=[^>]*><a [^>]*></a>(.*)</span>$") or line, next_number() or "0"

@@ -133,6 +133,22 @@ function store.place(entry, folder)
   return (store.read(entry .. "/printed"):gsub("{folder}", (folder:gsub("%%", "%%%%"))))
 end
 
+-- What make() returns, a text; or what it returned for the same key in an earlier weaving. `kind` is a folder
+-- of the store, of which weave.sh removes what is old.
+function store.remember(kind, key, make)
+  local folder = store.folder .. "/" .. kind
+  local path = folder .. "/" .. pandoc.utils.sha1(key)
+  local text = store.folder ~= "" and store.read(path)
+  if text then return text end
+  text = make()
+  if store.folder == "" then return text end
+  make_folder(folder)
+  local part = path .. ".part" .. (os.getenv("RAYKIT_SCRAPS") or ""):match("[^/]*$") -- others may weave
+  local file = io.open(part, "wb")
+  if file and file:write(text) and file:close() then os.rename(part, path) end
+  return text
+end
+
 -- The names of an entry's tables, one after the other.
 function store.tables(entry) return (store.read(entry .. "/files") or ""):gmatch("tables/([^\n]+)%.csv") end
 

@@ -201,6 +201,7 @@ tidy_store() {
     (cd "$RAYKIT_STORE" && xargs touch -c . <"$RAYKIT_OUT/used" || exit
         set -- *
         [ $# -lt $kept_entries ] || ls -t | tail -n +$kept_entries | xargs rm -rf
+        if [ -d coloured ]; then touch coloured && find coloured -type f -mtime +30 -exec rm -f {} +; fi
         set -- *.part*
         [ ! -e "$1" ] || find . -maxdepth 1 -name '*.part*' -mmin +60 -exec rm -rf {} +) || :
 }
