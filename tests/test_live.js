@@ -132,7 +132,7 @@ function weave({driver, args}, options, widget = "") {
   execFileSync(pandoc, ["--standalone", "--self-contained", "--from=commonmark_x+sourcepos", "--to=html5", `--resource-path=${folder}`,
     `--lua-filter=${source}/docs/weave.lua`, `--template=${source}/tools/weave/template.html`, "--metadata=title:live", `--output=${page}`, text],
   {stdio: ["ignore", "ignore", "pipe"], env: {...process.env, RAYKIT_WEAVES: "book", RAYKIT_SOURCE: source, RAYKIT_SOURCE_LINK: source,
-    RAYKIT_BUILD: build, RAYKIT_DRIVERS: build, RAYKIT_OUT: folder, RAYKIT_SCRAPS: folder, RAYKIT_RUNS: "1", RAYKIT_ALONE: "",
+    RAYKIT_BUILD: build, RAYKIT_DRIVERS: build, RAYKIT_OUT: folder, RAYKIT_SCRAPS: folder, RAYKIT_STORE: path.join(folder, "drawn"), RAYKIT_RUNS: "1", RAYKIT_ALONE: "",
     RAYKIT_LIVE: path.join(build, "live/raykit.wasm")}});
   return page;
 }
