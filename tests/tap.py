@@ -1,7 +1,6 @@
 """TAP for suites in Python: claims with their verdicts, commands as at a prompt, and files."""
 
 import os
-import re
 import subprocess
 import sys
 
@@ -36,15 +35,6 @@ def run(folder, *command):
     answer = subprocess.run(command, cwd=folder, env=environment, stdin=subprocess.DEVNULL, text=True,
                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, errors="replace", check=False)
     return answer.returncode, answer.stdout
-
-
-def configure_as_here(folder):
-    """Has each ./configure that follows believe what this build's own has found out about the machine: it
-    would take half a minute to find out again."""
-    log = read("config.log")
-    known = re.findall(r"^(\w+_cv_(?!env_)\w+=.*)$", log[log.rindex("## Cache variables. ##"):], re.MULTILINE)
-    write("\n".join(known) + "\n", folder, "config.site")
-    os.environ["CONFIG_SITE"] = os.path.join(folder, "config.site")
 
 
 def read(*path):

@@ -23,7 +23,7 @@ from grading.assignments import ToolError, read_features, read_points  # noqa: E
 from grading.build import Toolchain  # noqa: E402
 from grading.mutants import mutate, read_mutants  # noqa: E402
 from grading.starters import is_handed_out, is_left_open, solution_lines, starter_of  # noqa: E402
-from tap import check, configure_as_here, finish, read, run, start, write  # noqa: E402
+from tap import check, finish, read, run, start, write  # noqa: E402
 
 STEM, NEXT = "bvh_median", "sah_binning"  # the second builds its trees by the first
 FEATURES = read_features(SOURCE)
@@ -500,7 +500,6 @@ def a_class_is_graded(folder):
 def main():
     folder = tempfile.mkdtemp(prefix="raykit-test-handout-")
     try:
-        configure_as_here(folder)
         places = {name: os.path.join(folder, name)
                   for name in ("refused", "stopped", "shared", "packed", "class")}
         for place in places.values():

@@ -15,7 +15,7 @@ import handout  # noqa: E402
 from grading.assignments import ToolError, read_features, read_points  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
 from new_feature import make_feature  # noqa: E402
-from tap import check, configure_as_here, finish, read, run, start  # noqa: E402
+from tap import check, finish, read, run, start  # noqa: E402
 
 MAKE = os.environ.get("MAKE", "make")
 
@@ -107,7 +107,6 @@ def main():
         bad_names_are_refused(kit)
         half_a_feature_is_taken_back(kit)
         toolchain = Toolchain(".")
-        configure_as_here(folder)
         status, said = run(kit, "./configure", "--quiet", "--enable-werror",
                            f"CC={' '.join(toolchain.compiler)}")
         check(status == 0, "the copy configures", said)

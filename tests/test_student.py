@@ -26,7 +26,7 @@ from grading.assignments import (DEDUCTION, ScoredTest, ToolError, Unit, read_fe
 from grading.build import Toolchain  # noqa: E402
 from grading.starters import starter_of  # noqa: E402
 from handout_text import handout_of  # noqa: E402
-from tap import check, configure_as_here, finish, read, run, start, write  # noqa: E402
+from tap import check, finish, read, run, start, write  # noqa: E402
 
 MAKE = os.environ.get("MAKE", "make")
 STEM, OTHER = "bvh_median", "bloom"
@@ -488,7 +488,6 @@ def a_workbook_is_at_home_anywhere(folder):
 def main():
     folder = tempfile.mkdtemp(prefix="raykit-test-student-")
     try:
-        configure_as_here(folder)
         a_verdict_fits_on_a_screen()
         what_is_printed_is_shown()
         progress_names_the_next_claim()

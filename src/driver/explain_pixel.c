@@ -380,11 +380,7 @@ void rk_explain_pixel(FILE *out, const rk_scene *scene, const rk_accel *accel,
                       const rk_render_options *options, uint32_t x, uint32_t y, bool with_code)
 {
     rk_error error = {""};
-    rk_rendering r = {.scene = scene,
-                      .accel = accel,
-                      .options = options,
-                      .plan = rk_plan_of(scene, options),
-                      .view = rk_view_of(&scene->camera, options->width, options->height)};
+    rk_rendering r = rk_rendering_of(scene, accel, options);
     fprintf(out, "pixel (%u, %u) of %s\n", x, y, scene->name);
     print_notes(out, &r);
     if (rk_features_prepare(&r, &error))

@@ -3,6 +3,7 @@
 
 #include "render/feature_hooks.h"
 #include "render/rendering.h"
+#include "render/stages/adaptive_sampling_stage.h"
 
 #include <stdlib.h>
 
@@ -19,11 +20,8 @@ bool rk_blurred_pixels(bool *blurred, const rk_scene *scene, const rk_accel *acc
 {
     if (!rk_render_check(scene, options, error))
         return false;
-    rk_rendering r = {.scene = scene,
-                      .accel = accel,
-                      .options = options,
-                      .plan = rk_plan_of(scene, options),
-                      .view = rk_view_of(&scene->camera, options->width, options->height)};
+    const rk_render_options adapted = rk_adaptive_sampling_options_of(options);
+    rk_rendering r = rk_rendering_of(scene, accel, &adapted);
     rk_counters *counters = rk_allocate(rk_pool_threads(pool), sizeof *counters, "counters", error);
     const bool ok = counters && rk_features_prepare(&r, error) &&
                     rk_features_prepass(&r, pool, counters, error);

@@ -125,11 +125,7 @@ bool rk_render(rk_image *image, const rk_scene *scene, const rk_accel *accel,
     const rk_render_options adapted = rk_adaptive_sampling_options_of(options);
     options = &adapted;
     render_job job = {
-        .rendering = {.scene = scene,
-                      .accel = accel,
-                      .options = options,
-                      .plan = rk_plan_of(scene, options),
-                      .view = rk_view_of(&scene->camera, options->width, options->height)},
+        .rendering = rk_rendering_of(scene, accel, options),
         .image = image,
         .progress = progress,
     };

@@ -19,4 +19,15 @@ typedef struct rk_rendering {
     rk_box swept[RK_MOVING_MAX]; /* of each moving object; unset unless plan.motion_blur */
 } rk_rendering;
 
+/* Before the features' own preparations. */
+static inline rk_rendering rk_rendering_of(const rk_scene *scene, const rk_accel *accel,
+                                           const rk_render_options *options)
+{
+    return (rk_rendering){.scene = scene,
+                          .accel = accel,
+                          .options = options,
+                          .plan = rk_plan_of(scene, options),
+                          .view = rk_view_of(&scene->camera, options->width, options->height)};
+}
+
 #endif
