@@ -490,7 +490,7 @@ static uint32_t check_marks(const rk_scene *scene, rk_render_options options, co
 static void marks_are_the_pixels_that_take_lens_samples(void **state)
 {
     (void)state;
-    const char *names[] = {"statue:967", "cornell", "panes"};
+    const char *names[] = {"statue:967", "teapot:4", "panes"};
     for (int i = 0; i < 3; i++) {
         rk_scene scene = test_scene_builtin(names[i]);
         rk_render_options options = with_lens(2, 300, 3);
