@@ -82,6 +82,19 @@ static void a_broken_material_is_refused_with_its_place(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void a_colour_that_is_not_finite_is_refused(void **state)
+{
+    (void)state;
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_init(&mesh, 3, 1, 1, RK_MESH_COLOURS, &error), error);
+    rk_check_ok(rk_mesh_validate(&mesh, "red", &error), error);
+    mesh.colours[2].y = NAN;
+    rk_check(!rk_mesh_validate(&mesh, "red", &error), "NaN was accepted");
+    rk_check_error_names(error, "red: the colour of vertex 2");
+    rk_mesh_free(&mesh);
+}
+
 /* --- textures -------------------------------------------------------------------------------- */
 
 static rk_mesh make_textured_square(void)
@@ -200,6 +213,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_index_out_of_range_is_refused_with_its_place),
     cmocka_unit_test(nan_and_infinity_are_refused_with_their_place),
     cmocka_unit_test(a_broken_material_is_refused_with_its_place),
+    cmocka_unit_test(a_colour_that_is_not_finite_is_refused),
     cmocka_unit_test(a_texture_is_one_of_the_meshs_and_has_an_image),
     cmocka_unit_test(a_mesh_frees_its_textures_and_may_be_freed_again),
     cmocka_unit_test(normalizing_puts_the_mean_at_zero_and_the_farthest_vertex_at_one),

@@ -288,6 +288,134 @@ static void a_missing_mtl_is_a_note_not_an_error(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* --- colours of vertices and faces ----------------------------------------------------------- */
+
+/* (0, 0), (1, 0) and (0, 1) of a plane have these colours: red, 128 of 255 of green, white. */
+static void check_coloured_corners(const rk_mesh *mesh, double half)
+{
+    assert_non_null(mesh->colours);
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        rk_vec3 p = mesh->positions[i], got = mesh->colours[i];
+        const double want[3] = {p.x == 1 ? 0 : 1, p.x == 1 ? half : p.y == 1, p.y == 1};
+        for (int c = 0; c < 3; c++) /* text of six digits, or 16 bits of 65535 */
+            rk_check_close(rk_axis(got, c), want[c], 2e-5, "the corner's own colour");
+    }
+    check_point(mesh->materials[0].kd, 1, 1, 1);
+}
+
+#define PLY_OF(type, rows)                                                                         \
+    "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\nproperty float y\n"                \
+    "property float z\nproperty " type " red\nproperty " type " green\nproperty " type             \
+    " blue\nelement face 1\nproperty list uchar int vertex_indices\nend_header\n" rows "3 0 1 2\n"
+
+/* 128 / 255 is .215861 in linear light, by IEC 61966-2-1. */
+static void colours_of_vertices_are_srgb_in_scans(void **state)
+{
+    (void)state;
+    static const char *const files[][2] = {
+        {"v.obj", "v 0 0 0 1 0 0\nv 1 0 0 0 0.501961 0\nv 0 1 0 1 1 1\nf 1 2 3\n"},
+        {"v255.obj", "v 0 0 0 255 0 0\nv 1 0 0 0 128 0\nv 0 1 0 255 255 255\nf 1 2 3\n"},
+        {"v.off", "COFF\n3 1 0\n0 0 0 255 0 0 255\n1 0 0 0 128 0 255\n0 1 0 255 255 255 255\n"
+                  "3 0 1 2\n"},
+        {"vf.off", "COFF\n3 1 0\n0 0 0 1.0 0 0 1\n1 0 0 0 0.501961 0 1\n0 1 0 1 1 1 1\n3 0 1 2\n"},
+        {"vb.ply", PLY_OF("uchar", "0 0 0 255 0 0\n1 0 0 0 128 0\n0 1 0 255 255 255\n")},
+        {"vs.ply", PLY_OF("ushort", "0 0 0 65535 0 0\n1 0 0 0 32896 0\n0 1 0 65535 65535 65535\n")},
+        {"vf.ply", PLY_OF("float", "0 0 0 1 0 0\n1 0 0 0 0.501961 0\n0 1 0 1 1 1\n")},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        rk_mesh mesh = load(write_text(files[i][0], files[i][1]));
+        rk_check_equal(mesh.vertex_count, 3, "as many as in the file");
+        check_coloured_corners(&mesh, 0.215861);
+        rk_mesh_free(&mesh);
+    }
+}
+
+/* By the specification COLOR_0 is linear, and multiplies the base colour. */
+static void colours_of_vertices_are_linear_in_gltf_and_multiply_the_base_colour(void **state)
+{
+    (void)state;
+    mesh_seed seed = {0}, buffer = {0};
+    const unsigned char colours[12] = {255, 0, 0, 255, 0, 128, 0, 255, 255, 255, 255, 255};
+    const float points[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+    for (int i = 0; i < 9; i++) {
+        uint32_t bits;
+        memcpy(&bits, &points[i], sizeof bits);
+        seed_append_word(&buffer, bits);
+    }
+    seed_append(&buffer, colours, sizeof colours);
+    seed_append_text(
+        &seed,
+        "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0,\"COLOR_0\":1},"
+        "\"material\":0}]}],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorFactor\":"
+        "[1,0.5,0.25,1]}}],\"accessors\":["
+        "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
+        "{\"bufferView\":1,\"componentType\":5121,\"normalized\":true,\"count\":3,"
+        "\"type\":\"VEC4\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},"
+        "{\"buffer\":0,\"byteOffset\":36,\"byteLength\":12}],\"buffers\":[{"
+        "\"byteLength\":48,\"uri\":\"data:application/octet-stream;base64,");
+    seed_append_base64(&seed, buffer.bytes, buffer.size);
+    seed_append_text(&seed, "\"}]}\n");
+    rk_mesh mesh = load(test_folder_write(&folder, "v.gltf", seed.bytes, seed.size, 0600));
+    check_point(mesh.materials[0].kd, 1, 0.5f, 0.25f);
+    mesh.materials[0].kd = rk_vec(1, 1, 1);
+    check_coloured_corners(&mesh, 128 / 255.0);
+    rk_mesh_free(&mesh);
+}
+
+/* Two triangles of a square; a quadrilateral and one that Assimp drops, of ten corners, follow. */
+static void faces_of_an_off_file_have_colours_of_their_own(void **state)
+{
+    (void)state;
+    rk_mesh mesh =
+        load(write_text("faces.off", "OFF\n# four corners\n4 4 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+                                     "3 0 1 2 255 0 0\n10 0 1 2 3 0 1 2 3 0 1 9 9 9\n"
+                                     "3 0 2 3  0 0 255 255 # blue\n4 0 1 2 3\n"));
+    assert_non_null(mesh.colours);
+    for (int k = 0; k < 3; k++) {
+        check_point(mesh.colours[mesh.triangles[0][k]], 1, 0, 0);
+        check_point(mesh.colours[mesh.triangles[1][k]], 0, 0, 1);
+        check_point(mesh.colours[mesh.triangles[2][k]], 1, 1, 1);
+    }
+    rk_mesh_free(&mesh);
+}
+
+static void a_file_whose_vertices_are_all_white_has_no_colours(void **state)
+{
+    (void)state;
+    write_text("red.mtl", "newmtl red\nKd 1 0 0\n");
+    rk_mesh mesh = load(write_text("white.obj", "mtllib red.mtl\nusemtl red\nv 0 0 0 1 1 1\n"
+                                                "v 1 0 0 1 1 1\nv 0 1 0 1 1 1\nf 1 2 3\n"));
+    rk_check(!mesh.colours, "they would hide the material's red, and take memory");
+    check_point(mesh.materials[0].kd, 1, 0, 0);
+    rk_mesh_free(&mesh);
+}
+
+/* Exporters of scans write both: drawn together, the picture would be too dark. */
+static void a_scans_picture_is_not_multiplied_by_its_vertices_colours(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "quarters.png");
+    write_text("both.mtl", "newmtl a\nmap_Kd quarters.png\nnewmtl b\nKd 0 1 0\n");
+    rk_mesh mesh = load(write_text(
+        "both.obj", "mtllib both.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\n"
+                    "vt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 3/1 2/2 1/3\n"));
+    assert_non_null(mesh.colours);
+    check_point(mesh.colours[mesh.triangles[0][0]], 1, 1, 1);
+    check_point(mesh.colours[mesh.triangles[1][0]], 1, 0, 0);
+    check_point(mesh.materials[mesh.triangle_materials[1]].kd, 1, 1, 1);
+    rk_mesh_free(&mesh);
+}
+
+static void colours_of_only_some_vertices_are_not_drawn(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text("some.obj", "v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+    rk_check(!mesh.colours, "whose they are is not known");
+    check_point(mesh.materials[0].kd, 0.8f, 0.8f, 0.8f);
+    rk_mesh_free(&mesh);
+}
+
 /* --- textures ------------------------------------------------------------------------------ */
 
 /* A square with the centres of the four texels as texture coordinates of its corners, once per
@@ -709,7 +837,7 @@ static void an_answer_is_accepted_only_if_consistent(void **state)
     bad.header.magic[0] = 'X';
     check_stream_refused(&bad, triangle_stream_size, "another version's format");
     bad = good;
-    bad.header.version = 1;
+    bad.header.version = RK_MESH_STREAM_VERSION - 1;
     check_stream_refused(&bad, triangle_stream_size, "another version's format");
     bad = good;
     bad.header.vertex_count = UINT32_MAX;
@@ -772,6 +900,12 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(points_and_lines_are_dropped),
     cmocka_unit_test(windows_line_ends_and_long_lines_are_fine),
     cmocka_unit_test(a_missing_mtl_is_a_note_not_an_error),
+    cmocka_unit_test(colours_of_vertices_are_srgb_in_scans),
+    cmocka_unit_test(colours_of_vertices_are_linear_in_gltf_and_multiply_the_base_colour),
+    cmocka_unit_test(faces_of_an_off_file_have_colours_of_their_own),
+    cmocka_unit_test(a_file_whose_vertices_are_all_white_has_no_colours),
+    cmocka_unit_test(a_scans_picture_is_not_multiplied_by_its_vertices_colours),
+    cmocka_unit_test(colours_of_only_some_vertices_are_not_drawn),
     cmocka_unit_test(an_obj_shows_its_picture_upright),
     cmocka_unit_test(a_picture_without_kd_is_not_darkened),
     cmocka_unit_test(a_ply_shows_the_picture_of_its_comment_in_its_own_colours),

@@ -100,6 +100,39 @@ static void a_facing_triangle_shines_by_lamberts_law(void **state)
 
 /* Directions to a light are found for several points at once; each as for one alone, wherever the
  * last group of a tile ends. A light on the surface itself has no direction. */
+/* Red, green and blue at the corners; half transparent, the triangle has half of its light. */
+static void colours_of_vertices_are_seen_also_through_transparency(void **state)
+{
+    (void)state;
+    rk_scene scene = make_facing_triangle();
+    rk_error error;
+    scene.mesh.colours = rk_allocate(3, sizeof(rk_vec3), "colours", &error);
+    for (int i = 0; i < 3; i++)
+        scene.mesh.colours[i] = rk_vec(i == 0, i == 1, i == 2);
+    test_scene_light(&scene, rk_vec(0.7f, -0.3f, -1.5f), rk_vec(1, 1, 1));
+    rk_render_options options = size_of(67, 45);
+    for (int half = 0; half < 2; half++) {
+        options.transparency = half;
+        scene.mesh.materials[0].alpha = half ? 0.5f : 1;
+        test_picture picture = test_render(&scene, options, 1);
+        for (size_t y = 0; y < options.height; y++)
+            for (size_t x = 0; x < options.width; x++) {
+                plane_point p = seen_on_plane(0, &options, x, y);
+                double colour[3] = {0}, u = (p.x + 0.5) / 1.5, v = (p.y + 0.5) / 1.5;
+                if (inside_facing_triangle(p) < 1e-5)
+                    continue;
+                lambert(p, &scene.lights[0], scene.mesh.materials[0].kd, colour);
+                colour[0] *= 1 - u - v, colour[1] *= u, colour[2] *= v;
+                for (int c = 0; c < 3; c++)
+                    colour[c] *= half ? 0.5 : 1;
+                /* A dozen roundings of float, 2^-24 each, in numbers up to 1. */
+                check_colour(&picture.image, x, y, colour, 2e-6, "kd, colour, n.l");
+            }
+        rk_image_free(&picture.image);
+    }
+    rk_scene_free(&scene);
+}
+
 static void a_point_light_is_shaded_as_by_its_unit_directions_to_the_bit(void **state)
 {
     (void)state;
@@ -632,6 +665,7 @@ static void camera_rays_are_the_views_rays_through_the_centres(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_facing_triangle_shines_by_lamberts_law),
+    cmocka_unit_test(colours_of_vertices_are_seen_also_through_transparency),
     cmocka_unit_test(a_point_light_is_shaded_as_by_its_unit_directions_to_the_bit),
     cmocka_unit_test(several_lights_add_up),
     cmocka_unit_test(a_surface_lit_from_behind_is_black),

@@ -386,6 +386,28 @@ static void the_diffuse_colour_is_plain_where_there_is_no_texture(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* Weights with few binary digits, so that the products are exact. */
+static void colours_of_vertices_are_interpolated_and_multiply_all_others(void **state)
+{
+    (void)state;
+    rk_mesh mesh = make_textured_triangle();
+    const rk_vec3 plain = mesh.materials[0].kd;
+    rk_error error;
+    mesh.colours = rk_allocate(3, sizeof *mesh.colours, "colours", &error);
+    mesh.colours[0] = rk_vec(1, 0, 0);
+    mesh.colours[1] = rk_vec(0, 1, 0.5f);
+    mesh.colours[2] = rk_vec(0.5f, 0.25f, 1);
+    check_kd(&mesh, 0.75f, 0, rk_vec(0, 0.25f * 0.75f, 0), "the texture is green there");
+    mesh.materials[0].kd_texture = NULL;
+    check_kd(&mesh, 0, 0, rk_vec(0.5f, 0, 0), "the first corner");
+    check_kd(&mesh, 1, 0, rk_vec(0, 0.25f, 0.0625f), "the second corner");
+    check_kd(&mesh, 0.25f, 0.25f, rk_mul(plain, rk_vec(0.625f, 0.3125f, 0.375f)),
+             "half of the first, a quarter of the others");
+    rk_surface sphere = {.material = &mesh.materials[0], .triangle = {.index = RK_MISS}};
+    rk_check_close(rk_surface_kd(&sphere, &mesh).y, plain.y, 0, "a sphere has no vertices");
+    rk_mesh_free(&mesh);
+}
+
 /* --- spawning --------------------------------------------------------------------------------- */
 
 /* Any direction; every second one within a thousandth, or a millionth, of the triangle's plane. */
@@ -709,6 +731,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(triangles_without_area_have_a_unit_normal_and_spawn_rays),
     cmocka_unit_test(the_texture_multiplies_the_diffuse_colour),
     cmocka_unit_test(the_diffuse_colour_is_plain_where_there_is_no_texture),
+    cmocka_unit_test(colours_of_vertices_are_interpolated_and_multiply_all_others),
     cmocka_unit_test(a_spawned_ray_never_hits_its_triangle_again),
     cmocka_unit_test(a_spawner_gives_the_same_origins),
     cmocka_unit_test(a_ray_is_spawned_on_the_side_of_its_direction),

@@ -51,7 +51,9 @@ static void add_crossing(gathering *g, rk_crossing *crossing, uint32_t medium,
         return;
     crossing->medium = medium;
     crossing->alpha = material->alpha;
-    crossing->kd = material->kd_texture ? kd_at(g->scene, crossing, material) : material->kd;
+    crossing->kd = material->kd_texture || g->scene->mesh.colours
+                       ? kd_at(g->scene, crossing, material)
+                       : material->kd;
     crossing->absorption = material->absorption;
     rk_transparency_insert(g->list, crossing);
     set_end(g);

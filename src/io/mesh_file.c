@@ -68,6 +68,7 @@ static tail unpack(rk_mesh *mesh, const rk_mesh_stream_header *header, const uns
     from = take(mesh->positions, from, sizes.positions);
     from = take(mesh->normals, from, sizes.normals);
     from = take(mesh->texcoords, from, sizes.texcoords);
+    from = take(mesh->colours, from, sizes.colours);
     from = take(mesh->triangles, from, sizes.triangles);
     from = take(mesh->triangle_materials, from, sizes.triangle_materials);
     tail rest = {from, from + sizes.materials, from + sizes.materials + sizes.textures};
@@ -182,7 +183,8 @@ static bool parse(rk_mesh *mesh, const unsigned char *bytes, size_t size, const 
         return false;
     rk_error reason;
     if (!rk_mesh_init(mesh, header.vertex_count, header.triangle_count, header.material_count,
-                      (int)(header.flags & (RK_MESH_NORMALS | RK_MESH_TEXCOORDS)), &reason))
+                      (int)(header.flags & (RK_MESH_NORMALS | RK_MESH_TEXCOORDS | RK_MESH_COLOURS)),
+                      &reason))
         return rk_fail(error, "%s: %.900s", path, reason.text);
     tail rest = unpack(mesh, &header, bytes + sizeof header);
     if (check_textures(&rest, &header, path, error) && rk_mesh_validate(mesh, path, error) &&

@@ -10,6 +10,12 @@
  * PLY and OFF) when it is missing, empty, truncated or malformed; the mesh is then empty. On
  * success error->text is "" or a note worth printing, such as a missing MTL.
  *
+ * Colours of vertices and faces are read, too: of vertices in PLY, OBJ (v x y z r g b), COFF and
+ * glTF (COLOR_0), of faces in OFF and STL. In glTF they are linear and multiply the base colour, as
+ * its specification says. Elsewhere they are sRGB-encoded, by custom, and from 0 to 255 if one
+ * exceeds 1. In scans (PLY, OBJ, OFF, STL) they are the diffuse colour, except where there is a
+ * texture, which then is. A file whose vertices are all white has none.
+ *
  * A material's diffuse texture is read, too: map_Kd in MTL, the base colour in glTF, TextureFile in
  * PLY. Its path is relative to the mesh's folder; if there is no such file, the one of that name
  * beside the mesh is used. It repeats unless it is clamped in both directions. A picture that

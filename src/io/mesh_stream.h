@@ -12,14 +12,14 @@
 
 #define RK_MESH_STREAM_MAGIC "RKMESH\n"
 enum {
-    RK_MESH_STREAM_VERSION = 2,
+    RK_MESH_STREAM_VERSION = 3,
     RK_MESH_STREAM_TEXTURES_MAX = 1024, /* each may take a helper program a quarter of a second */
 };
 
 typedef struct rk_mesh_stream_header {
     char magic[8];
     uint32_t version;
-    uint32_t flags; /* RK_MESH_NORMALS | RK_MESH_TEXCOORDS: optional arrays that follow */
+    uint32_t flags; /* RK_MESH_NORMALS, ..._TEXCOORDS, ..._COLOURS: optional arrays that follow */
     uint32_t vertex_count, triangle_count, material_count;
     uint32_t texture_count, texture_bytes; /* bytes: all names and embedded pictures */
 } rk_mesh_stream_header;
@@ -43,8 +43,8 @@ static_assert(sizeof(rk_vec3) == 12 && sizeof(rk_vec2) == 8,
 
 /* Bytes of each array, in the order of the stream; 0 for an absent optional one. */
 typedef struct rk_mesh_stream_sizes {
-    uint64_t positions, normals, texcoords, triangles, triangle_materials, materials, textures,
-        texture_bytes;
+    uint64_t positions, normals, texcoords, colours, triangles, triangle_materials, materials,
+        textures, texture_bytes;
 } rk_mesh_stream_sizes;
 
 static inline rk_mesh_stream_sizes rk_mesh_stream_sizes_of(const rk_mesh_stream_header *header)
@@ -54,6 +54,7 @@ static inline rk_mesh_stream_sizes rk_mesh_stream_sizes_of(const rk_mesh_stream_
         .positions = vertices * sizeof(rk_vec3),
         .normals = header->flags & RK_MESH_NORMALS ? vertices * sizeof(rk_vec3) : 0,
         .texcoords = header->flags & RK_MESH_TEXCOORDS ? vertices * sizeof(rk_vec2) : 0,
+        .colours = header->flags & RK_MESH_COLOURS ? vertices * sizeof(rk_vec3) : 0,
         .triangles = triangles * sizeof(uint32_t[3]),
         .triangle_materials = triangles * sizeof(uint16_t),
         .materials = (uint64_t)header->material_count * sizeof(rk_mesh_stream_material),
@@ -66,7 +67,7 @@ static inline rk_mesh_stream_sizes rk_mesh_stream_sizes_of(const rk_mesh_stream_
 static inline uint64_t rk_mesh_stream_size(const rk_mesh_stream_header *header)
 {
     rk_mesh_stream_sizes s = rk_mesh_stream_sizes_of(header);
-    return sizeof *header + s.positions + s.normals + s.texcoords + s.triangles +
+    return sizeof *header + s.positions + s.normals + s.texcoords + s.colours + s.triangles +
            s.triangle_materials + s.materials + s.textures + s.texture_bytes;
 }
 

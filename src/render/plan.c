@@ -83,7 +83,7 @@ rk_plan rk_plan_of(const rk_scene *scene, const rk_render_options *options)
     set_features(&plan, scene, options);
     plan.pixel_samples = plan.rays && options->samples > 1;
     plan.shadow_rays = anything && lights && options->shadows;
-    plan.textures = rk_plan_any_material(scene, is_textured);
+    plan.varying_kd = rk_plan_any_material(scene, is_textured) || scene->mesh.colours;
     plan.reflections = plan.rays && rk_plan_reflects(scene, options);
     plan.viewer = plan.reflections || has_highlights(scene, options);
     plan.sharp_highlights = plan.parallelogram_light && rk_highlights_may_be_sharp(scene, options);

@@ -105,7 +105,7 @@ typedef struct rk_plan {
     bool pixel_samples; /* at random positions within pixels */
     bool lights;        /* some light is not black */
     bool shadow_rays;
-    bool textures;         /* some material has one */
+    bool varying_kd;       /* some material has a texture, or the vertices have colours */
     bool viewer;           /* shading depends on the direction to the viewer: highlights, mirrors */
     bool sharp_highlights; /* some highlight of a parallelogram may need directions of its lobe */
     bool reflections;      /* some surface is specular, and rays may be reflected */

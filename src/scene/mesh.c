@@ -22,6 +22,9 @@ bool rk_mesh_init(rk_mesh *mesh, uint32_t vertices, uint32_t triangles, uint32_t
     if (ok && (optional_arrays & RK_MESH_TEXCOORDS))
         ok = (mesh->texcoords = rk_allocate(vertices, sizeof *mesh->texcoords,
                                             "texture coordinates", error)) != NULL;
+    if (ok && (optional_arrays & RK_MESH_COLOURS))
+        ok = (mesh->colours = rk_allocate(vertices, sizeof *mesh->colours, "colours", error)) !=
+             NULL;
     if (!ok) {
         rk_mesh_free(mesh);
         return false;
@@ -36,6 +39,7 @@ void rk_mesh_free(rk_mesh *mesh)
     free(mesh->positions);
     free(mesh->normals);
     free(mesh->texcoords);
+    free(mesh->colours);
     free(mesh->triangles);
     free(mesh->triangle_materials);
     free(mesh->materials);
@@ -66,6 +70,8 @@ static bool validate_vertices(const rk_mesh *mesh, const char *name, rk_error *e
         if (mesh->texcoords && !(isfinite(mesh->texcoords[i].x) && isfinite(mesh->texcoords[i].y)))
             return rk_fail(error, "%s: the texture coordinate of vertex %u is not finite: %s", name,
                            i, remedy);
+        if (mesh->colours && !is_finite3(mesh->colours[i]))
+            return rk_fail(error, "%s: the colour of vertex %u is not finite: %s", name, i, remedy);
     }
     return true;
 }

@@ -23,9 +23,10 @@ typedef struct rk_mesh {
     uint32_t vertex_count;
     uint32_t triangle_count;
     uint32_t material_count;
-    rk_vec3 *positions;           /* vertex_count */
-    rk_vec3 *normals;             /* vertex_count unit vectors, or NULL: faces are flat */
-    rk_vec2 *texcoords;           /* vertex_count, or NULL */
+    rk_vec3 *positions; /* vertex_count */
+    rk_vec3 *normals;   /* vertex_count unit vectors, or NULL: faces are flat */
+    rk_vec2 *texcoords; /* vertex_count, or NULL */
+    rk_vec3 *colours;   /* vertex_count linear colours in [0, 1], which multiply kd; or NULL */
     uint32_t (*triangles)[3];     /* triangle_count rows of vertex indices */
     uint16_t *triangle_materials; /* triangle_count indices into materials */
     rk_material *materials;       /* material_count, at least 1 */
@@ -33,7 +34,7 @@ typedef struct rk_mesh {
     rk_texture *textures; /* texture_count, each owning its image; or NULL */
 } rk_mesh;
 
-enum { RK_MESH_NORMALS = 1, RK_MESH_TEXCOORDS = 2 }; /* optional arrays */
+enum { RK_MESH_NORMALS = 1, RK_MESH_TEXCOORDS = 2, RK_MESH_COLOURS = 4 }; /* optional arrays */
 
 /* Makes a mesh with all arrays zeroed and every material the default: kd .8, opaque. */
 bool rk_mesh_init(rk_mesh *mesh, uint32_t vertices, uint32_t triangles, uint32_t materials,
@@ -41,13 +42,13 @@ bool rk_mesh_init(rk_mesh *mesh, uint32_t vertices, uint32_t triangles, uint32_t
 void rk_mesh_free(rk_mesh *mesh);
 
 /* Checks everything that later code relies on: false for indices out of range, a position, normal,
- * texture coordinate or material that is NaN or infinite, a negative absorption, or a texture that
- * is not the mesh's. The error begins with `name`, followed by the place. */
+ * texture coordinate, colour or material that is NaN or infinite, a negative absorption, or a
+ * texture that is not the mesh's. The error begins with `name`, followed by the place. */
 bool rk_mesh_validate(const rk_mesh *mesh, const char *name, rk_error *error);
 
-/* Appends a part that has normals, scaled by `scale` and moved by `shift`; its materials take the
- * numbers from `material` on. The mesh has normals and enough memory: its counts say how far the
- * arrays are filled. */
+/* Appends a part that has normals and nothing else that is optional, scaled by `scale` and moved by
+ * `shift`; its materials take the numbers from `material` on. The mesh has normals and enough
+ * memory: its counts say how far the arrays are filled. */
 void rk_mesh_append(rk_mesh *mesh, const rk_mesh *part, rk_vec3 shift, float scale,
                     uint16_t material);
 

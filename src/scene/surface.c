@@ -187,15 +187,23 @@ void rk_surface_move(rk_surface *surface, rk_vec3 offset)
     surface->point_error = rk_madd(surface->point_error, sizes, gamma_bound(3));
 }
 
-rk_vec3 rk_surface_textured_kd(const rk_surface *surface, const rk_mesh *mesh)
+rk_vec3 rk_surface_varying_kd(const rk_surface *surface, const rk_mesh *mesh)
 {
     const rk_material *material = surface->material;
-    if (!mesh->texcoords || surface->triangle.index == RK_MISS)
-        return material->kd;
+    rk_vec3 kd = material->kd, weights = surface->barycentric;
+    if (surface->triangle.index == RK_MISS)
+        return kd;
     const uint32_t *corner = mesh->triangles[surface->triangle.index];
-    rk_vec2 uv = rk_interpolate2(mesh->texcoords[corner[0]], mesh->texcoords[corner[1]],
-                                 mesh->texcoords[corner[2]], surface->barycentric);
-    return rk_mul(material->kd, rk_texture_at(material->kd_texture, uv));
+    if (material->kd_texture && mesh->texcoords) {
+        const rk_vec2 *uv = mesh->texcoords;
+        kd = rk_mul(
+            kd, rk_texture_at(material->kd_texture, rk_interpolate2(uv[corner[0]], uv[corner[1]],
+                                                                    uv[corner[2]], weights)));
+    }
+    if (mesh->colours)
+        kd = rk_mul(kd, rk_interpolate3(mesh->colours[corner[0]], mesh->colours[corner[1]],
+                                        mesh->colours[corner[2]], weights));
+    return kd;
 }
 
 /* --- Rays from a surface ---------------------------------------------------------------------- */

@@ -32,13 +32,14 @@ void rk_surface_at_sphere(rk_surface *surface, const rk_sphere *sphere, const rk
  * bounds the rounding of this sum and of moving a ray back by the offset. */
 void rk_surface_move(rk_surface *surface, rk_vec3 offset);
 
-/* Returns the diffuse colour: the material's kd, times its texture if it has one. `mesh` is the one
- * that was hit; a mesh without texture coordinates and a sphere show no texture. */
-rk_vec3 rk_surface_textured_kd(const rk_surface *surface, const rk_mesh *mesh);
+/* Returns the diffuse colour: the material's kd, times its texture if it has one, times the colours
+ * of the vertices if the mesh has these. `mesh` is the one that was hit; a mesh without texture
+ * coordinates and a sphere show no texture, and a sphere shows no colours of vertices. */
+rk_vec3 rk_surface_varying_kd(const rk_surface *surface, const rk_mesh *mesh);
 static inline rk_vec3 rk_surface_kd(const rk_surface *surface, const rk_mesh *mesh)
 {
-    return surface->material->kd_texture ? rk_surface_textured_kd(surface, mesh)
-                                         : surface->material->kd;
+    return surface->material->kd_texture || mesh->colours ? rk_surface_varying_kd(surface, mesh)
+                                                          : surface->material->kd;
 }
 
 /* The origin of a ray spawned into `direction` (any length): moved along the face normal just past

@@ -3,6 +3,7 @@
  * (io/mesh_helper/vertex_pool.h). */
 #include "io/mesh_helper/mesh_gather.h"
 
+#include "io/mesh_helper/mesh_colours.h"
 #include "io/mesh_helper/mesh_material.h"
 #include "io/mesh_helper/polygon.h"
 #include "io/mesh_helper/vertex_pool.h"
@@ -11,6 +12,9 @@
 #include <string.h>
 
 enum { most_materials = UINT16_MAX, deepest_node = 1000 };
+
+/* A material of the file becomes one of ours for each set of these that its parts need. */
+enum { WITHOUT_TEXTURE = 1, COLOURED = 2, variants = 4 };
 
 /* Row-major 3 x 4: from a part's coordinates to the world's. */
 typedef struct placement {
@@ -23,13 +27,14 @@ typedef struct gather {
     const struct aiScene *scene;
     bool plain;
     bool any_normals, any_texcoords;
+    rk_mesh_colours colours;
     rk_vertex_pool pool;
     uint32_t (*triangles)[3];
     uint16_t *triangle_materials;
     uint32_t triangle_count, triangle_room;
-    uint32_t *material_numbers; /* ours plus 1 for each of the scene's, twice: with its texture,
-                                   and for parts that cannot show it; 0: unused so far */
-    uint32_t *material_sources; /* of each of ours, the scene's */
+    uint32_t *material_numbers; /* ours plus 1 for each of the scene's and each set of variants; 0:
+                                   unused so far */
+    uint32_t *material_sources; /* of each of ours, the scene's times `variants`, plus the set */
     uint32_t material_count;
 } gather;
 
@@ -38,6 +43,8 @@ typedef struct part {
     const struct aiMesh *mesh;
     const placement *place;
     const struct aiVector3D *texcoords; /* or NULL */
+    const struct aiColor4D *colours;    /* of vertices, or NULL */
+    rk_vec3 face_colour;                /* white unless faces have colours */
     uint32_t
         *numbers; /* the pool's index plus 1 of each of the part's vertices; 0: not yet in it */
     uint16_t material;
@@ -173,6 +180,10 @@ static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, ui
                                     position_of(p, corners[2]));
     if (p->texcoords)
         vertex.texcoord = (rk_vec2){(float)p->texcoords[source].x, (float)p->texcoords[source].y};
+    vertex.colour = p->colours
+                        ? rk_mesh_colour(&g->colours, rk_mesh_colours_rgb(&p->colours[source]))
+                        : p->face_colour;
+    own &= g->colours.face_count == 0;
     if (!rk_vertex_pool_add(&g->pool, &vertex, index, error))
         return false;
     if (own)
@@ -247,18 +258,28 @@ static bool check_face(const gather *g, const part *p, uint32_t number, rk_error
     return true;
 }
 
+/* A picture of a scan repeats the colours of its vertices. */
+static void find_colours(gather *g, part *p, bool textured)
+{
+    p->face_colour = rk_vec(1, 1, 1);
+    p->colours = g->colours.any && !(textured && g->colours.replace) ? p->mesh->mColors[0] : NULL;
+}
+
 static bool find_material(gather *g, part *p, rk_error *error)
 {
     uint32_t source = g->plain ? 0 : p->mesh->mMaterialIndex;
     if (source >= g->scene->mNumMaterials && !g->plain)
         return rk_fail(error, "%s: part \"%.100s\" uses material %u, but the file has %u: %s",
                        g->path, p->mesh->mName.data, source, g->scene->mNumMaterials, remedy);
-    uint32_t set = 0, key = 2 * source;
+    uint32_t set = 0, key = variants * source;
     bool textured =
         source < g->scene->mNumMaterials && rk_mesh_texture_set(g->scene->mMaterials[source], &set);
     p->texcoords = p->mesh->mTextureCoords[set];
     if (textured && !p->texcoords && g->any_texcoords)
-        key++;
+        key += WITHOUT_TEXTURE;
+    find_colours(g, p, textured && p->texcoords);
+    if (p->colours || g->colours.face_count > 0)
+        key += COLOURED;
     if (g->material_numbers[key] == 0) {
         if (g->material_count == most_materials)
             return rk_fail(error, "%s: uses more than %d materials: merge equal ones", g->path,
@@ -282,6 +303,8 @@ static bool emit_faces(gather *g, part *p, rk_error *error)
         if (!has_material && !find_material(g, p, error))
             return false;
         has_material = true;
+        if (g->colours.face_count > 0)
+            p->face_colour = rk_mesh_colours_next_face(&g->colours, face->mNumIndices);
         if (face->mNumIndices == 3 ? !emit_triangle(g, p, face->mIndices, error)
                                    : !emit_polygon(g, p, face, error))
             return false;
@@ -328,13 +351,14 @@ static bool emit_node(gather *g, const struct aiNode *node, const placement *par
 
 static void set_material(const gather *g, rk_mesh *mesh, rk_mesh_textures *textures, uint32_t i)
 {
-    const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i] / 2];
-    if (g->material_sources[i] % 2 == 0)
+    const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i] / variants];
+    const uint32_t variant = g->material_sources[i] % variants;
+    if (!(variant & WITHOUT_TEXTURE))
         rk_mesh_textures_find(textures, i, g->scene, source);
-    bool textured = textures->of_material[i] != 0;
+    bool varies = textures->of_material[i] != 0 || variant & COLOURED;
     if (!g->plain)
-        mesh->materials[i] = rk_mesh_material(source, textured);
-    else if (textured)
+        mesh->materials[i] = rk_mesh_material(source, varies);
+    if (variant & COLOURED ? g->colours.replace : g->plain && varies)
         mesh->materials[i].kd = rk_vec(1, 1, 1);
 }
 
@@ -342,17 +366,21 @@ static bool finish(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, rk_erro
 {
     if (g->triangle_count == 0)
         return rk_fail(error, "%s: has no triangles: choose a mesh with faces", g->path);
-    int optional =
-        (g->any_normals ? RK_MESH_NORMALS : 0) | (g->any_texcoords ? RK_MESH_TEXCOORDS : 0);
+    int optional = (g->any_normals ? RK_MESH_NORMALS : 0) |
+                   (g->any_texcoords ? RK_MESH_TEXCOORDS : 0) |
+                   (g->colours.any ? RK_MESH_COLOURS : 0);
     rk_error reason;
     if (!rk_mesh_init(mesh, g->pool.count, g->triangle_count, g->material_count, optional, &reason))
         return rk_fail(error, "%s: %.900s", g->path, reason.text);
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
-        mesh->positions[i] = g->pool.vertices[i].position;
+        const rk_vertex vertex = rk_vertex_pool_at(&g->pool, i);
+        mesh->positions[i] = vertex.position;
         if (mesh->normals)
-            mesh->normals[i] = g->pool.vertices[i].normal;
+            mesh->normals[i] = vertex.normal;
         if (mesh->texcoords)
-            mesh->texcoords[i] = g->pool.vertices[i].texcoord;
+            mesh->texcoords[i] = vertex.texcoord;
+        if (mesh->colours)
+            mesh->colours[i] = vertex.colour;
     }
     memcpy(mesh->triangles, g->triangles, g->triangle_count * sizeof *g->triangles);
     memcpy(mesh->triangle_materials, g->triangle_materials,
@@ -362,7 +390,7 @@ static bool finish(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, rk_erro
         return false;
     }
     for (uint32_t i = 0; i < mesh->material_count; i++)
-        if (g->material_sources[i] / 2 < g->scene->mNumMaterials)
+        if (g->material_sources[i] / variants < g->scene->mNumMaterials)
             set_material(g, mesh, textures, i);
     return true;
 }
@@ -376,11 +404,15 @@ bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiSc
         g.any_texcoords |= scene->mMeshes[i]->mTextureCoords[0] != NULL;
     }
     const placement world = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, true};
-    g.material_numbers = rk_allocate(scene->mNumMaterials, 2 * sizeof(uint32_t), path, error);
-    g.material_sources = rk_allocate(scene->mNumMaterials, 2 * sizeof(uint32_t), path, error);
+    const size_t keys = variants * ((size_t)scene->mNumMaterials + 1);
+    g.material_numbers = rk_allocate(keys, sizeof *g.material_numbers, path, error);
+    g.material_sources = rk_allocate(keys, sizeof *g.material_sources, path, error);
     bool ok = g.material_numbers && g.material_sources && scene->mRootNode &&
-              emit_node(&g, scene->mRootNode, &world, 0, error) &&
-              finish(&g, mesh, textures, error);
+              rk_mesh_colours_init(&g.colours, scene, path, error);
+    g.pool.coloured = g.colours.any;
+    ok = ok && emit_node(&g, scene->mRootNode, &world, 0, error) &&
+         finish(&g, mesh, textures, error);
+    rk_mesh_colours_free(&g.colours);
     rk_vertex_pool_free(&g.pool);
     free(g.triangles);
     free(g.triangle_materials);

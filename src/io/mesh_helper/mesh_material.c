@@ -37,11 +37,14 @@ static bool is_made_up(rk_vec3 kd)
     return kd.x == 0.6f && kd.y == 0.6f && kd.z == 0.6f;
 }
 
-rk_material rk_mesh_material(const struct aiMaterial *material, bool textured)
+rk_material rk_mesh_material(const struct aiMaterial *material, bool varies)
 {
     rk_material m = {.kd = rk_vec(0.8f, 0.8f, 0.8f), .alpha = 1};
-    if (has_text(material, AI_MATKEY_NAME, AI_DEFAULT_MATERIAL_NAME))
+    if (has_text(material, AI_MATKEY_NAME, AI_DEFAULT_MATERIAL_NAME)) {
+        if (varies)
+            m.kd = rk_vec(1, 1, 1);
         return m;
+    }
     float base_alpha, unused;
     bool is_gltf = read_colour(material, AI_MATKEY_BASE_COLOR, &m.kd, &base_alpha);
     if (is_gltf) {
@@ -50,7 +53,7 @@ rk_material rk_mesh_material(const struct aiMaterial *material, bool textured)
         return m;
     }
     read_colour(material, AI_MATKEY_COLOR_DIFFUSE, &m.kd, &unused);
-    if (textured && is_made_up(m.kd))
+    if (varies && is_made_up(m.kd))
         m.kd = rk_vec(1, 1, 1);
     read_colour(material, AI_MATKEY_COLOR_SPECULAR, &m.ks, &unused);
     ai_real value;

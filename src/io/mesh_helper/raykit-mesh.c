@@ -78,7 +78,8 @@ static bool write_mesh(const rk_mesh *mesh, const rk_mesh_textures *textures, co
         .magic = RK_MESH_STREAM_MAGIC,
         .version = RK_MESH_STREAM_VERSION,
         .flags = (mesh->normals ? (uint32_t)RK_MESH_NORMALS : 0) |
-                 (mesh->texcoords ? (uint32_t)RK_MESH_TEXCOORDS : 0),
+                 (mesh->texcoords ? (uint32_t)RK_MESH_TEXCOORDS : 0) |
+                 (mesh->colours ? (uint32_t)RK_MESH_COLOURS : 0),
         .vertex_count = mesh->vertex_count,
         .triangle_count = mesh->triangle_count,
         .material_count = mesh->material_count,
@@ -90,6 +91,7 @@ static bool write_mesh(const rk_mesh *mesh, const rk_mesh_textures *textures, co
            write_bytes(mesh->positions, sizes.positions, error) &&
            write_bytes(mesh->normals, sizes.normals, error) &&
            write_bytes(mesh->texcoords, sizes.texcoords, error) &&
+           write_bytes(mesh->colours, sizes.colours, error) &&
            write_bytes(mesh->triangles, sizes.triangles, error) &&
            write_bytes(mesh->triangle_materials, sizes.triangle_materials, error) &&
            write_materials(mesh, textures, error) && write_textures(textures, error);

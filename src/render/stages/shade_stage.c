@@ -23,7 +23,7 @@ shading_point_at(rk_shading_point *point, const rk_rendering *r, const rk_path_b
     if (r->plan.motion_blur)
         move_surface(r->scene, *time, hit->triangle, &point->surface);
     point->kd = point->surface.material->kd;
-    if (r->plan.textures)
+    if (r->plan.varying_kd)
         point->kd = rk_surface_kd(&point->surface, &r->scene->mesh);
     point->to_viewer = rk_vec(0, 0, 0);
     if (r->plan.viewer)

@@ -1,0 +1,79 @@
+/* Formats do not say how their colours are encoded; this is what programs that write them do. */
+#include "io/mesh_helper/mesh_colours.h"
+
+#include "base/image.h"
+
+#include <stdlib.h>
+#include <string.h>
+#include <strings.h>
+
+static bool has_ending(const char *path, const char *const *endings)
+{
+    const char *dot = strrchr(path, '.');
+    for (int i = 0; dot && endings[i]; i++)
+        if (strcasecmp(dot + 1, endings[i]) == 0)
+            return true;
+    return false;
+}
+
+static void see(rk_mesh_colours *colours, rk_vec3 rgb)
+{
+    colours->any |= !(rgb.x == 1 && rgb.y == 1 && rgb.z == 1);
+    if (rgb.x > 1 || rgb.y > 1 || rgb.z > 1)
+        colours->scale = 1 / 255.0f;
+}
+
+bool rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene, const char *path,
+                          rk_error *error)
+{
+    *colours = (rk_mesh_colours){
+        .is_linear = has_ending(path, (const char *const[]){"gltf", "glb", "vrm", NULL}),
+        .replace = has_ending(path, (const char *const[]){"obj", "ply", "off", "stl", NULL}),
+        .scale = 1};
+    const bool is_obj = has_ending(path, (const char *const[]){"obj", NULL});
+    for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
+        const struct aiMesh *mesh = scene->mMeshes[i];
+        for (uint32_t k = 0; mesh->mColors[0] && k < mesh->mNumVertices; k++) {
+            see(colours, rk_mesh_colours_rgb(&mesh->mColors[0][k]));
+            colours->torn |= is_obj && !(mesh->mColors[0][k].a > 0);
+        }
+    }
+    colours->any &= !colours->torn;
+    if (!colours->any && has_ending(path, (const char *const[]){"off", NULL}) &&
+        !rk_mesh_colours_read_off(colours, path, error))
+        return false;
+    for (uint32_t i = 0; i < colours->face_count; i++)
+        if (colours->faces[i].rgb.x >= 0)
+            see(colours, colours->faces[i].rgb);
+    return true;
+}
+
+void rk_mesh_colours_free(rk_mesh_colours *colours)
+{
+    free(colours->faces);
+    *colours = (rk_mesh_colours){0};
+}
+
+static float linear(const rk_mesh_colours *colours, float value)
+{
+    value *= colours->scale;
+    if (!colours->is_linear)
+        return rk_srgb_decode(value);
+    return value > 0 ? (value < 1 ? value : 1) : 0;
+}
+
+rk_vec3 rk_mesh_colour(const rk_mesh_colours *colours, rk_vec3 rgb)
+{
+    return rk_vec(linear(colours, rgb.x), linear(colours, rgb.y), linear(colours, rgb.z));
+}
+
+/* Assimp leaves out some faces, such as those with more than nine corners. */
+rk_vec3 rk_mesh_colours_next_face(rk_mesh_colours *colours, uint32_t corners)
+{
+    while (colours->next_face < colours->face_count) {
+        const rk_mesh_colours_face *face = &colours->faces[colours->next_face++];
+        if (face->corners == corners)
+            return face->rgb.x >= 0 ? rk_mesh_colour(colours, face->rgb) : rk_vec(1, 1, 1);
+    }
+    return rk_vec(1, 1, 1);
+}

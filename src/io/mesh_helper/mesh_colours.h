@@ -1,0 +1,50 @@
+/* Colours of vertices and faces, made linear. Part of raykit-mesh. */
+#ifndef RK_IO_MESH_HELPER_MESH_COLOURS_H
+#define RK_IO_MESH_HELPER_MESH_COLOURS_H
+
+#include "base/error.h"
+#include "base/vec3.h"
+
+#include <assimp/scene.h>
+#include <stdint.h>
+
+/* Of a face in OFF. */
+typedef struct rk_mesh_colours_face {
+    uint32_t corners;
+    rk_vec3 rgb; /* as in the file; negative: the face has none */
+} rk_mesh_colours_face;
+
+typedef struct rk_mesh_colours {
+    bool any;       /* some colour is not white */
+    bool torn;      /* only some vertices of an OBJ file have one: whose they are is then lost */
+    bool is_linear; /* else sRGB-encoded */
+    bool replace;   /* they are the diffuse colours, where no picture is; else they multiply them */
+    float scale;    /* to [0, 1] */
+    uint32_t face_count, next_face;
+    rk_mesh_colours_face *faces; /* of an OFF file without colours of vertices, or NULL */
+} rk_mesh_colours;
+
+/* Finds out which colours the file has, and how they are meant. glTF's are linear, by its
+ * specification; those of other formats are sRGB-encoded, by custom (bytes from a scanner or a
+ * painting program). Where one exceeds 1, all are taken to be from 0 to 255. In OBJ, PLY, OFF and
+ * STL they are the diffuse colour itself; elsewhere they multiply the material's. */
+bool rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene, const char *path,
+                          rk_error *error);
+void rk_mesh_colours_free(rk_mesh_colours *colours);
+
+/* Returns the colour, linear and clamped to [0, 1]; NaN becomes 0. */
+rk_vec3 rk_mesh_colour(const rk_mesh_colours *colours, rk_vec3 rgb);
+
+static inline rk_vec3 rk_mesh_colours_rgb(const struct aiColor4D *colour)
+{
+    return rk_vec((float)colour->r, (float)colour->g, (float)colour->b);
+}
+
+/* The colour of the scene's next face, which has this many corners: white if it has none. */
+rk_vec3 rk_mesh_colours_next_face(rk_mesh_colours *colours, uint32_t corners);
+
+/* Reads the colours of an OFF file's faces, in the file's order; the file has passed
+ * rk_mesh_syntax_off. No faces if none has a colour. False when memory is short. */
+bool rk_mesh_colours_read_off(rk_mesh_colours *colours, const char *path, rk_error *error);
+
+#endif
