@@ -4,6 +4,7 @@
 
 #include "mesh_seeds.h"
 #include "quarters.h"
+#include "test_cost.h"
 #include "test_folder.h"
 
 #include "io/mesh_file.h"
@@ -760,6 +761,117 @@ static void a_file_of_absurd_size_is_refused_unread(void **state)
     check_refused_path(path.text, ": ", "larger than 4 GB");
 }
 
+/* --- cost ----------------------------------------------------------------------------------- */
+
+static bool read_and_free(const char *path, rk_error *error)
+{
+    rk_mesh mesh;
+    bool ok = rk_mesh_file_read(&mesh, path, error);
+    rk_mesh_free(&mesh);
+    return ok;
+}
+
+/* A file of kilobytes may take 256 MB, as the helper allows itself, and the helper starts in 0.1 s.
+ */
+static void check_cheap(test_path path, const char *reason)
+{
+    test_cost cost = test_cost_of(read_and_free, path.text);
+    test_check_cost(path.text, &cost, 300, 2);
+    if (!reason) {
+        rk_check_ok(cost.ok, cost.error);
+        return;
+    }
+    rk_check(!cost.ok, "%s was accepted", path.text);
+    rk_check_error_names(cost.error, path.text);
+    rk_check_error_names(cost.error, reason);
+}
+
+/* All its elements are zero but one, so it needs no buffer. */
+static test_path write_sparse(const char *count)
+{
+    char text[1000];
+    snprintf(text, sizeof text,
+             "{\"asset\":{\"version\":\"2.0\"},\"scenes\":[{\"nodes\":[0]}],"
+             "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+             "{\"POSITION\":0}}]}],\"accessors\":[{\"componentType\":5126,\"count\":%s,"
+             "\"type\":\"VEC3\",\"sparse\":{\"count\":1,\"indices\":{\"bufferView\":0,"
+             "\"componentType\":5125},\"values\":{\"bufferView\":1}}}],"
+             "\"bufferViews\":[{\"buffer\":0,\"byteLength\":4},"
+             "{\"buffer\":0,\"byteOffset\":4,\"byteLength\":12}],\"buffers\":[{\"byteLength\":16,"
+             "\"uri\":\"data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAAAAAA==\"}]}",
+             count);
+    return write_text("sparse.gltf", text);
+}
+
+static void a_small_gltf_cannot_claim_gigabytes(void **state)
+{
+    (void)state;
+    check_cheap(write_sparse("3"), NULL);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__) /* they lift the limit */
+    check_cheap(write_sparse("10000000"), "");
+    check_cheap(write_sparse("300000000"), "of memory, which is too much for a file of");
+#endif
+}
+
+static void a_glb_that_is_shorter_than_it_says_is_refused(void **state)
+{
+    (void)state;
+    char lie[] = "glTF\2\0\0\0\26\0\0\0\xf0\xff\xff\xffJSON{}";
+    check_cheap(test_folder_write(&folder, "lie.glb", lie, 22, 0600),
+                "claims 4294967280 bytes, but only 2 follow");
+    lie[12] = 2, lie[13] = lie[14] = lie[15] = 0, lie[8] = 23;
+    check_cheap(test_folder_write(&folder, "lie.glb", lie, 22, 0600),
+                "claims 23 bytes, but has 22");
+    check_cheap(test_folder_write(&folder, "lie.glb", lie, 12, 0600), "not a binary glTF file");
+}
+
+/* Each level takes some of the stack. */
+static void deep_nesting_is_refused_in_words(void **state)
+{
+    (void)state;
+    enum { levels = 200000, room = 2 * levels + 100 };
+    char *text = malloc(room);
+    assert_non_null(text);
+    size_t n = (size_t)sprintf(text, "{\"asset\":{\"version\":\"2.0\"},\"extras\":");
+    memset(text + n, '[', levels);
+    memset(text + n + levels, ']', levels);
+    memcpy(text + n + 2 * levels, "}", 2);
+    test_path path = write_text("nested.gltf", text);
+    free(text);
+    check_cheap(path, "nested too deeply");
+}
+
+/* Assimp's time and memory grow with the square of their number; files of a few thousand exist. */
+static test_path write_materials(int count)
+{
+    test_path path = test_folder_path(&folder, "parts.obj");
+    FILE *obj = fopen(path.text, "w"),
+         *mtl = fopen(test_folder_path(&folder, "parts.mtl").text, "w");
+    rk_check(obj && mtl, "files can be written");
+    fputs("mtllib parts.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n", obj);
+    for (int i = 0; i < count; i++) {
+        fprintf(obj, "g g%d\nusemtl m%d\nf 1 2 3\n", i, i);
+        fprintf(mtl, "newmtl m%d\n", i);
+    }
+    fclose(obj);
+    fclose(mtl);
+    return path;
+}
+
+static void many_materials_are_read_or_stopped_with_a_reason(void **state)
+{
+    (void)state;
+    test_cost cost = test_cost_of(read_and_free, write_materials(2000).text);
+    rk_check_ok(cost.ok, cost.error);
+#if !defined(__SANITIZE_ADDRESS__) && !defined(__SANITIZE_THREAD__)
+    test_path path = write_materials(40000);
+    cost = test_cost_of(read_and_free, path.text);
+    rk_check(!cost.ok, "40000 parts take gigabytes");
+    rk_check_error_names(cost.error, "parts or materials");
+    test_check_cost(path.text, &cost, 500, 25);
+#endif
+}
+
 /* --- answers of a helper -------------------------------------------------------------------- */
 
 typedef struct triangle_stream {
@@ -924,6 +1036,10 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(gltf_mistakes_are_refused),
     cmocka_unit_test(files_that_are_not_meshes_are_refused),
     cmocka_unit_test(a_file_of_absurd_size_is_refused_unread),
+    cmocka_unit_test(a_small_gltf_cannot_claim_gigabytes),
+    cmocka_unit_test(a_glb_that_is_shorter_than_it_says_is_refused),
+    cmocka_unit_test(deep_nesting_is_refused_in_words),
+    cmocka_unit_test(many_materials_are_read_or_stopped_with_a_reason),
     cmocka_unit_test(an_answer_is_accepted_only_if_consistent),
     cmocka_unit_test(textures_are_accepted_only_if_consistent),
 };

@@ -217,7 +217,9 @@ static void more_materials_than_16_bits_count_are_refused(void **state)
     rk_mesh mesh;
     rk_error error;
     rk_check(!rk_mesh_file_read(&mesh, path.text, &error), "%d materials were accepted", count);
-    rk_check_error_names(error, "many.gltf: uses more than 65535 materials");
+    /* By their number, or by the memory that Assimp takes for them, whichever is noticed first. */
+    rk_check_error_names(error, "many.gltf: ");
+    rk_check_error_names(error, "materials");
 }
 
 static int make_folder(void **state)

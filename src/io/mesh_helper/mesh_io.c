@@ -2,6 +2,8 @@
  * ever; a byte order mark is skipped by an offset that all positions leave out. */
 #include "io/mesh_helper/mesh_io.h"
 
+#include "io/mesh_helper/mesh_guard.h"
+
 #include <stdbool.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -67,6 +69,7 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
     struct stat status;
     if (mode[0] != 'r' || stat(path, &status) != 0 || !S_ISREG(status.st_mode))
         return NULL;
+    rk_mesh_guard_allow(&status);
     opened *o = malloc(sizeof *o);
     FILE *stream = o ? fopen(path, "rb") : NULL;
     if (!stream) {

@@ -1,6 +1,8 @@
 /* Checks that it is a regular file of a readable size, maps it, and passes its bytes to the checker
- * of its format: OBJ, PLY or OFF. */
+ * of its format: OBJ, PLY, OFF or GLB. */
 #include "io/mesh_helper/mesh_syntax.h"
+
+#include "io/mesh_helper/mesh_guard.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -41,6 +43,8 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
         return rk_mesh_syntax_ply(path, text, size, hints, error);
     if (has_ending(path, "off"))
         return rk_mesh_syntax_off(path, text, size, hints, error);
+    if (has_ending(path, "glb"))
+        return rk_mesh_syntax_glb(path, text, size, error);
     return true;
 }
 
@@ -55,6 +59,7 @@ bool rk_mesh_syntax_check(const char *path, rk_mesh_hints *hints, rk_error *erro
     bool ok = fstat(file, &status) == 0 ? check_kind(path, &status, error)
                                         : rk_fail(error, "%s: %s", path, strerror(errno));
     if (ok) {
+        rk_mesh_guard_allow(&status);
         size_t size = (size_t)status.st_size;
         void *text = mmap(NULL, size, PROT_READ, MAP_PRIVATE, file, 0);
         if (text == MAP_FAILED)

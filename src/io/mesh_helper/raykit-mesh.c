@@ -3,6 +3,7 @@
  * raykit-mesh --version: prints the version, which is that of the drivers.
  * rk_mesh_file_read starts it; a file that makes Assimp crash ends only this process. */
 #include "io/mesh_helper/mesh_gather.h"
+#include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/mesh_io.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_stream.h"
@@ -104,6 +105,8 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
     if (!rk_mesh_syntax_check(path, hints, error))
         return false;
     const struct aiScene *scene = aiImportFileEx(path, 0, &rk_mesh_io);
+    if (!scene && strstr(aiGetErrorString(), "bad_alloc"))
+        return rk_mesh_guard_fail_memory(error);
     if (!scene)
         return rk_fail(error, "%s: Assimp cannot read it: %s", path, aiGetErrorString());
     rk_mesh mesh = {0};
@@ -134,6 +137,7 @@ int main(int argc, char **argv)
     }
     rk_mesh_hints hints;
     rk_error error = {0};
+    rk_mesh_guard_begin(argv[1]);
     bool ok = convert(argv[1], &hints, &error);
     const char *text = ok ? hints.note.text : error.text;
     if (*text)

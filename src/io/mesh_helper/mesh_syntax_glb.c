@@ -1,0 +1,44 @@
+/* io/mesh_helper/mesh_syntax.h for glTF's binary form: a header of three words (magic, version,
+ * bytes of the file), then chunks, each with its size and kind; in version 1 one chunk, whose size
+ * and kind the header has. Assimp allocates what a chunk claims. Source: glTF 2.0 specification,
+ * section 4.4, and the extension KHR_binary_glTF of 1.0. */
+#include "io/mesh_helper/mesh_syntax.h"
+
+#include <stdint.h>
+#include <string.h>
+
+static uint32_t word_at(const char *text, size_t offset)
+{
+    uint32_t word = 0;
+    for (size_t i = 0; i < 4; i++)
+        word |= (uint32_t)(unsigned char)text[offset + i] << 8 * i;
+    return word;
+}
+
+static bool check_chunk(const char *path, uint32_t claimed, size_t left, rk_error *error)
+{
+    return claimed <= left ||
+           rk_fail(error,
+                   "%s: a part claims %u bytes, but only %zu follow: download or export it again",
+                   path, claimed, left);
+}
+
+bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_error *error)
+{
+    if (size < 20 || memcmp(text, "glTF", 4) != 0)
+        return rk_fail(error, "%s: is not a binary glTF file: does it have another format?", path);
+    const uint32_t whole = word_at(text, 8);
+    if (whole > size)
+        return rk_fail(error, "%s: claims %u bytes, but has %zu: download or export it again", path,
+                       whole, size);
+    if (word_at(text, 4) == 1)
+        return check_chunk(path, word_at(text, 12), size - 20, error);
+    for (size_t at = 12; size - at >= 8;) {
+        const uint32_t claimed = word_at(text, at);
+        at += 8;
+        if (!check_chunk(path, claimed, size - at, error))
+            return false;
+        at += claimed;
+    }
+    return true;
+}
