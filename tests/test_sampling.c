@@ -282,6 +282,26 @@ static void a_digits_coin_depends_on_the_digits_before_it_alone(void **state)
     }
 }
 
+/* Two keys that differ in one bit toss coins of their own. */
+static void check_owen_keys(void)
+{
+    for (uint32_t bit = 0; bit < 32; bit++) {
+        const int throws = 256 * 32;
+        int alike = 0;
+        for (uint32_t k = 0; k < 256; k++) {
+            uint32_t x = any_bits(k, 6), key = any_bits(k, 7);
+            uint32_t apart = rk_owen_scramble(x, key) ^ rk_owen_scramble(x, key ^ 1u << bit);
+            for (uint32_t digit = 0; digit < 32; digit++)
+                alike += !(apart >> digit & 1);
+        }
+        rk_check(
+            abs(2 * alike - throws) <= z_limit * sqrt(throws),
+            "two keys that differ in bit %u toss the same coin for %d of %d digits, want about "
+            "half: does the whole key enter the hash?",
+            bit, alike, throws);
+    }
+}
+
 /* The coins of the 31 largest intervals, one bit per node of a tree: root 1, children 2n, 2n + 1.
  */
 static void all_coins_are_fair_and_independent(void **state)
@@ -309,6 +329,7 @@ static void all_coins_are_fair_and_independent(void **state)
                 "the coins of intervals %d and %d (one coin: heads and tails) agree %+d times more "
                 "often than not in %d throws",
                 a, b, sums[a][b], draws);
+    check_owen_keys();
 }
 
 static void late_digits_are_scrambled_too(void **state)
@@ -607,19 +628,86 @@ static void each_sample_is_uniform_over_pixels(void **state)
 static void check_unrelated(uint32_t d, uint32_t e, uint32_t sample, uint32_t pixels_on,
                             uint32_t seeds_on)
 {
-    unsigned counts[side * side] = {0};
+    unsigned counts[side * side] = {0}, equal = 0;
     rk_sampler other = joint;
     other.seed += seeds_on;
     for (uint32_t pixel = 0; pixel < draws; pixel++) {
         float x = coordinate(&joint, pixel, sample, d);
         float y = coordinate(&other, pixel + pixels_on, sample, e);
         counts[(int)(y * side) * side + (int)(x * side)]++;
+        equal += x == y;
     }
+    rk_check(
+        equal < draws / 4,
+        "sample %u in joint dimensions %u and %u, %u pixels and %u seeds on: the same number in "
+        "%u of %d pixels: %s",
+        sample, d, e, pixels_on, seeds_on, equal, draws,
+        equal < draws     ? "do the keys depend on all bits?"
+        : d != e          ? "is the dimension in the key?"
+        : pixels_on != 0u ? "is the pixel in the key?"
+                          : "is the seed in the key?");
     double z = deviate(counts, side * side, draws);
     rk_check(z <= z_limit,
              "sample %u in joint dimensions %u and %u, %u pixels and %u seeds on: related "
              "by %.2f standard deviations of chi-squared, limit %.2f",
              sample, d, e, pixels_on, seeds_on, z, z_limit);
+}
+
+/* Whose two first numbers these are. Those of two owners agree by chance once in 2^47 times. */
+typedef struct owner {
+    uint64_t numbers;
+    uint32_t seed, pixel, dimension;
+} owner;
+
+enum { SEEDS = 8, PIXELS = 16, OWNERS = (SEEDS * PIXELS + 64) * RK_SOBOL_DIMENSIONS };
+
+static int compare_owners(const void *a, const void *b)
+{
+    uint64_t x = ((const owner *)a)->numbers, y = ((const owner *)b)->numbers;
+    return (x > y) - (x < y);
+}
+
+/* Sample 1 is that of another pixel, where pixels share their sequence. */
+static int add_owners(owner *owners, const rk_sampler *sampler, uint32_t pixel, uint32_t other)
+{
+    for (uint32_t d = 0; d < RK_SOBOL_DIMENSIONS; d++) {
+        float first = coordinate(sampler, pixel, 0, d), second = coordinate(sampler, other, 1, d);
+        uint64_t numbers = (uint64_t)(first * 0x1p24f) << 24 | (uint64_t)(second * 0x1p24f);
+        owners[d] = (owner){numbers, sampler->seed, pixel, d};
+    }
+    return RK_SOBOL_DIMENSIONS;
+}
+
+static void check_all_differ(owner *owners, int count)
+{
+    qsort(owners, (size_t)count, sizeof *owners, compare_owners);
+    for (int i = 1; i < count; i++) {
+        const owner *a = &owners[i - 1], *b = &owners[i];
+        rk_check(a->numbers != b->numbers,
+                 "seed %u, pixel %u, joint dimension %u has the same numbers as seed %u, pixel %u, "
+                 "joint dimension %u: each of the three enters the key whole and by itself, not as "
+                 "a sum or an xor "
+                 "with another",
+                 a->seed, a->pixel, a->dimension, b->seed, b->pixel, b->dimension);
+    }
+}
+
+/* All seeds with all pixels and dimensions, then a seed or a pixel that differs in one high bit. */
+static void check_owners(void)
+{
+    static owner owners[OWNERS];
+    int count = 0;
+    rk_sampler sampler = joint;
+    for (sampler.seed = 0; sampler.seed < SEEDS; sampler.seed++)
+        for (uint32_t pixel = 0; pixel < PIXELS; pixel++)
+            count += add_owners(owners + count, &sampler, pixel, pixel);
+    check_all_differ(owners, count);
+    for (uint32_t bit = 4; bit < 32; bit++) {
+        sampler.seed = joint.seed ^ 1u << bit;
+        count += add_owners(owners + count, &sampler, 5, 5);
+        count += add_owners(owners + count, &joint, 5 ^ 1u << bit, 5 ^ 1u << bit);
+    }
+    check_all_differ(owners, count);
 }
 
 static void dimensions_pixels_and_seeds_are_independent(void **state)
@@ -633,6 +721,7 @@ static void dimensions_pixels_and_seeds_are_independent(void **state)
             check_unrelated(d, d, sample, 800, 0);
             check_unrelated(d, d, sample, 0, 1);
         }
+    check_owners();
 }
 
 /* Points 0 and 1 lie at 0 and 1/2, so their second digits are 0, and those of the numbers are two
@@ -817,6 +906,27 @@ static int rank_of(uint32_t order)
 
 static double deviate(const unsigned *counts, int cells, double number_of_draws);
 
+/* Two keys that differ in one bit permute a digit alike by chance only, one time in four. */
+static void check_permutation_keys(void)
+{
+    for (uint32_t bit = 0; bit < 32; bit++) {
+        const int digits = 256 * RK_MORTON_DIGITS;
+        int alike = 0;
+        for (uint32_t k = 0; k < 256; k++) {
+            uint32_t index = any_bits(k, 33) % PLACES, key = any_bits(k, 34);
+            uint32_t apart =
+                rk_permute_digits(index, key) ^ rk_permute_digits(index, key ^ 1u << bit);
+            for (uint32_t digit = 0; digit < RK_MORTON_DIGITS; digit++)
+                alike += !(apart >> 2 * digit & 3);
+        }
+        rk_check(
+            fabs(alike - digits / 4.) <= z_limit * sqrt(digits * 3 / 16.),
+            "two keys that differ in bit %u permute %d of %d digits alike, want about a quarter: "
+            "does the whole key enter the hash?",
+            bit, alike, digits);
+    }
+}
+
 /* Squares at a different digit, or at the same with other digits before it: their orders are
  * independent, and each of the 24 as frequent. */
 static void all_orders_are_as_frequent_and_independent(void **state)
@@ -847,6 +957,7 @@ static void all_orders_are_as_frequent_and_independent(void **state)
                      squares[a].shift / 2, squares[a].index, squares[b].shift / 2, squares[b].index,
                      z, z_limit);
         }
+    check_permutation_keys();
 }
 
 /* --- Pixels that share a sequence ------------------------------------------------------------- */
@@ -940,28 +1051,56 @@ static void any_number_of_samples_is_even_in_squares(void **state)
             }
 }
 
+/* No two of 4 x 4 squares, by any of the seeds, have the same numbers. */
+static void check_square_owners(void)
+{
+    static owner owners[OWNERS];
+    int count = 0;
+    for (uint32_t seed = 0; seed < SEEDS; seed++)
+        for (uint32_t i = 0; i < PIXELS; i++) {
+            const rk_sampler sampler = shared_by(seed, 2);
+            uint32_t x = 64 * (i % 4), y = 64 * (i / 4);
+            count += add_owners(owners + count, &sampler, pixel_at(x + 17, y + 9),
+                                pixel_at(x + 40, y + 30));
+        }
+    check_all_differ(owners, count);
+}
+
 /* Beyond 4^6 pixels, the next ones have another sequence. */
 static void squares_of_64_pixels_are_independent(void **state)
 {
     (void)state;
-    const uint32_t others[] = {pixel_at(64 + 17, 9), pixel_at(17, 64 + 9),
-                               pixel_at(128 + 17, 64 + 9)};
-    for (uint32_t k = 0; k < 3; k++)
-        for (uint32_t d = 0; d < RK_SOBOL_DIMENSIONS; d++) {
-            unsigned counts[side * side] = {0};
+    static float here[draws];
+    const uint32_t others[] = {pixel_at(128 + 17, 64 + 9), pixel_at(64 + 17, 128 + 9),
+                               pixel_at(192 + 17, 128 + 9), pixel_at(17, 128 + 9)};
+    for (uint32_t d = 0; d < RK_SOBOL_DIMENSIONS; d++) {
+        for (uint32_t seed = 0; seed < draws; seed++) {
+            const rk_sampler sampler = shared_by(seed, 2);
+            here[seed] = coordinate(&sampler, pixel_at(64 + 17, 64 + 9), 1, d);
+        }
+        for (uint32_t k = 0; k < 4; k++) {
+            unsigned counts[side * side] = {0}, equal = 0;
             for (uint32_t seed = 0; seed < draws; seed++) {
                 const rk_sampler sampler = shared_by(seed, 2);
-                float x = coordinate(&sampler, pixel_at(17, 9), 1, d);
-                float y = coordinate(&sampler, others[k], 1, d);
-                counts[(int)(y * side) * side + (int)(x * side)]++;
+                float there = coordinate(&sampler, others[k], 1, d);
+                counts[(int)(there * side) * side + (int)(here[seed] * side)]++;
+                equal += there == here[seed];
             }
+            rk_check(
+                equal < draws / 4,
+                "joint dimension %u: pixel (81, 73) and pixel (%u, %u) of another square of 64 x "
+                "64 pixels have the same number by %u of %d seeds: both coordinates of the "
+                "square enter its key",
+                d, others[k] % 640, others[k] / 640, equal, draws);
             double z = deviate(counts, side * side, draws);
             rk_check(
                 z <= z_limit,
-                "joint dimension %u, pixel (17, 9) and one of another square of 64 x 64 pixels: "
-                "related by %.2f standard deviations of chi-squared, limit %.2f",
-                d, z, z_limit);
+                "joint dimension %u, pixel (81, 73) and pixel (%u, %u) of another square of 64 x "
+                "64 pixels: related by %.2f standard deviations of chi-squared, limit %.2f",
+                d, others[k] % 640, others[k] / 640, z, z_limit);
         }
+    }
+    check_square_owners();
 }
 
 /* Number `d` of a pixel's sample: of the nine joint ones, then of the padded pairs. */
