@@ -72,6 +72,40 @@ static rk_mesh make_walls(uint32_t walls)
     return mesh;
 }
 
+/* Of the mesh's triangles in their order. */
+static rk_bvh build_by(rk_bvh_split split, rk_mesh *mesh)
+{
+    rk_bvh bvh;
+    rk_error error;
+    rk_check_ok(rk_bvh_init(&bvh, mesh->triangle_count, mesh->triangle_count, &error), error);
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        bvh.triangles[i] = rk_bvh_triangle_of(mesh, i);
+    rk_bvh_build_nodes(&bvh, split, mesh);
+    return bvh;
+}
+
+static rk_box box_of(const rk_mesh *mesh, uint32_t begin, uint32_t count)
+{
+    rk_box box = rk_box_empty();
+    for (uint32_t i = 3 * begin; i < 3 * (begin + count); i++)
+        box = rk_box_add(box, mesh->positions[i]);
+    return box;
+}
+
+/* `triangles` of the mesh, from the first one on, in the same place. */
+static void place_in_one(rk_mesh *mesh, uint32_t first, uint32_t triangles, rk_vec3 place)
+{
+    for (uint32_t i = 3 * first; i < 3 * (first + triangles); i++)
+        mesh->positions[i] = rk_add(place, rk_vec(i % 3 == 1, i % 3 == 2, 0));
+}
+
+static rk_mesh make_coincident(uint32_t triangles)
+{
+    rk_mesh mesh = make_mesh(triangles);
+    place_in_one(&mesh, 0, triangles, rk_vec(0, 0, 0));
+    return mesh;
+}
+
 /* --- The tree --------------------------------------------------------------------------------- */
 
 static void a_node_is_four_cache_lines_and_a_block_less_than_three(void **state)
@@ -173,12 +207,38 @@ static void every_triangle_is_in_exactly_one_leaf(void **state)
     check_leaves(make_soup(20000, 0.02f, 5), false);
 }
 
+/* A leaf of 16 blocks, which a ray hits, or of which it enters the box alone. */
+static void check_counts_in_a_leaf(void)
+{
+    rk_mesh mesh = make_coincident(RK_BVH_LEAF_MAX);
+    rk_wide_bvh wide = build(&mesh);
+    rk_check_equal(wide.block_count, 16, "64 triangles in one place are one leaf of 16 blocks");
+    for (int hits = 0; hits < 2; hits++) {
+        float x = hits ? 0.25f : 0.75f;
+        rk_ray ray = {rk_vec(x, x, -1), rk_vec(0, 0, 1), INFINITY};
+        rk_counters closest = {0}, occlusion = {0};
+        rk_wide_bvh_closest(&wide, &ray, &closest);
+        rk_wide_bvh_occluded(&wide, &ray, &occlusion);
+        rk_check(closest.triangle_tests == 64,
+                 "closest hit, a ray that %s all 64 triangles of a leaf: got %llu triangle tests, "
+                 "want 64: four for each block that is looked at, hit or not",
+                 hits ? "hits" : "misses", (unsigned long long)closest.triangle_tests);
+        rk_check(
+            occlusion.triangle_tests == (hits ? 4 : 64),
+            "occlusion, a ray that %s all 64 triangles of a leaf: got %llu triangle tests, want "
+            "%d: %s",
+            hits ? "hits" : "misses", (unsigned long long)occlusion.triangle_tests, hits ? 4 : 64,
+            hits ? "the first block has a hit, so the other 15 are not looked at"
+                 : "four for each block");
+    }
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
 static void identical_triangles_share_leaves_of_many_blocks(void **state)
 {
     (void)state;
-    rk_mesh mesh = make_mesh(1000);
-    for (uint32_t i = 0; i < mesh.vertex_count; i++)
-        mesh.positions[i] = rk_vec(i % 3 == 1, i % 3 == 2, 0);
+    rk_mesh mesh = make_coincident(1000);
     rk_wide_bvh wide = build(&mesh);
     rk_ray ray = {rk_vec(0.25f, 0.25f, -1), rk_vec(0, 0, 1), INFINITY};
     rk_counters counters = {0};
@@ -186,6 +246,7 @@ static void identical_triangles_share_leaves_of_many_blocks(void **state)
                    "of equal distances the smallest index wins");
     rk_wide_bvh_free(&wide);
     rk_mesh_free(&mesh);
+    check_counts_in_a_leaf();
 }
 
 /* --- Its cost --------------------------------------------------------------------------------- */
@@ -212,6 +273,7 @@ static double cheapest_child(const rk_bvh *bvh, uint32_t node)
 {
     uint32_t count = rk_bvh_range_of(bvh, node).count;
     double area = rk_box_area(bvh->nodes[node].box), leaf = area * ((count + 3) / 4);
+    leaf = count <= RK_BVH_LEAF_MAX ? leaf : INFINITY;
     if (count <= RK_WIDE_BLOCK || bvh->nodes[node].count)
         return leaf;
     double kept = area + cheapest_children(bvh, node, 8);
@@ -238,26 +300,135 @@ static double cheapest_children(const rk_bvh *bvh, uint32_t node, uint32_t child
     return best;
 }
 
-static void no_other_choice_of_nodes_is_cheaper(void **state)
+/* `name` has a printf format for the number of triangles. */
+static void check_cost(const rk_bvh *bvh, const char *name)
 {
-    (void)state;
-    /* Among large triangles, whose boxes overlap, leaves of several blocks are cheaper than nodes.
-     */
-    for (uint32_t n = 5; n <= 40; n += 5) {
-        rk_mesh mesh = make_soup(n, n % 2 ? 3 : 0.2f, n);
+    rk_wide_bvh wide = collapse(bvh);
+    double want = cheapest_child(bvh, 0), got = cost_of(&wide), area = rk_box_area(wide.box);
+    if (children_of(&wide.nodes[0]) == 1) /* a leaf as the root's child costs the root, too */
+        want += area;
+    rk_check_near(
+        got / area, want / area, 1e-12 * want / area,
+        "%u triangles%s: the expected cost of a ray that enters the root, by trying every "
+        "choice; the root has %u children, and all leaves %u blocks",
+        bvh->triangle_count, name, children_of(&wide.nodes[0]), wide.block_count);
+    rk_wide_bvh_free(&wide);
+}
+
+/* Split by median, after a scaling by a power of two, which changes no digit. */
+static void check_cost_of_mesh(rk_mesh mesh, int exponent, const char *name)
+{
+    rk_bvh bvh;
+    rk_error error;
+    for (uint32_t i = 0; i < mesh.vertex_count; i++)
+        mesh.positions[i] = rk_scale(mesh.positions[i], ldexpf(1, exponent));
+    rk_check_ok(rk_bvh_build_median(&bvh, &mesh, &error), error);
+    check_cost(&bvh, name);
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
+/* One leaf, of one or two blocks. */
+static void check_costs_of_a_leaf(void)
+{
+    for (uint32_t n = 4; n <= 8; n++) {
+        rk_mesh mesh = make_coincident(n);
         rk_bvh bvh;
         rk_error error;
         rk_check_ok(rk_bvh_build_median(&bvh, &mesh, &error), error);
         rk_wide_bvh wide = collapse(&bvh);
-        double want = cheapest_child(&bvh, 0), got = cost_of(&wide);
-        if (children_of(&wide.nodes[0]) == 1) /* a leaf as the root's child costs the root, too */
-            want += rk_box_area(bvh.nodes[0].box);
-        rk_check_near(got, want, 1e-12 * want,
-                      "%u triangles: the expected cost of a ray, by trying every choice", n);
+        uint32_t children = children_of(&wide.nodes[0]);
+        rk_check(children == 1,
+                 "%u triangles in one place are %u leaves, want one: it costs its area times the "
+                 "number of its blocks, %u, and a node its area once more",
+                 n, children, (n + 3) / 4);
         rk_wide_bvh_free(&wide);
         rk_bvh_free(&bvh);
         rk_mesh_free(&mesh);
     }
+}
+
+/* The first four triangles are split off, or the last four. */
+static uint32_t split_first_four_off(void *context, uint32_t begin, uint32_t count,
+                                     uint32_t depth_left, rk_box *box)
+{
+    (void)depth_left;
+    *box = box_of(context, begin, count);
+    return count > 4 ? 4 : 0;
+}
+
+static uint32_t split_last_four_off(void *context, uint32_t begin, uint32_t count,
+                                    uint32_t depth_left, rk_box *box)
+{
+    (void)depth_left;
+    *box = box_of(context, begin, count);
+    return count > 4 ? count - 4 : 0;
+}
+
+/* A chain: of the root's two halves one is a leaf, so the other one gets all further children. */
+static void check_costs_of_shares(void)
+{
+    for (int last = 0; last < 2; last++)
+        for (uint32_t clusters = 3; clusters <= 8; clusters++) {
+            rk_mesh mesh = make_clusters(clusters);
+            rk_bvh bvh = build_by(last ? split_last_four_off : split_first_four_off, &mesh);
+            rk_wide_bvh wide = collapse(&bvh);
+            uint32_t children = children_of(&wide.nodes[0]);
+            rk_check(children == clusters && wide.node_count == 1,
+                     "%u groups of four far apart, the %s one split off at each node: the root has "
+                     "%u children, want %u: one half's share is 1, that of the other %u",
+                     clusters, last ? "last" : "first", children, clusters, clusters - 1);
+            rk_wide_bvh_free(&wide);
+            rk_bvh_free(&bvh);
+            rk_mesh_free(&mesh);
+        }
+}
+
+/* Seven groups of four, and the rest, in one place, which is halved. */
+enum { SPLIT_OFF = 7 * 4 };
+
+static uint32_t split_groups_off(void *context, uint32_t begin, uint32_t count, uint32_t depth_left,
+                                 rk_box *box)
+{
+    const rk_mesh *mesh = context;
+    (void)depth_left;
+    *box = box_of(context, begin, count);
+    uint32_t rest = mesh->triangle_count - SPLIT_OFF;
+    return count > rest                     ? SPLIT_OFF
+           : count == rest                  ? rest / 2
+           : begin < SPLIT_OFF && count > 4 ? count / 8 * 4
+                                            : 0;
+}
+
+/* As one leaf it is the eighth child, if a leaf may be as large. */
+static void check_cost_of_large_leaves(void)
+{
+    const uint32_t rests[] = {31, 32, 33, 63, 64, 65, 66};
+    for (size_t k = 0; k < sizeof rests / sizeof *rests; k++) {
+        rk_mesh mesh = make_mesh(SPLIT_OFF + rests[k]);
+        for (uint32_t i = 0; i < SPLIT_OFF / 4; i++)
+            place_in_one(&mesh, 4 * i, 4, rk_vec(3 * (float)(i + 1), 0, 0));
+        place_in_one(&mesh, SPLIT_OFF, rests[k], rk_vec(0, 0, 0));
+        rk_bvh bvh = build_by(split_groups_off, &mesh);
+        check_cost(&bvh, ", all but 28 of them in one place, where at most 64 are a leaf");
+        rk_bvh_free(&bvh);
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void no_other_choice_of_nodes_is_cheaper(void **state)
+{
+    (void)state;
+    check_costs_of_a_leaf();
+    check_costs_of_shares();
+    /* Among large triangles, whose boxes overlap, leaves of several blocks are cheaper than nodes.
+     */
+    for (uint32_t n = 5; n <= 40; n += 5) {
+        check_cost_of_mesh(make_soup(n, n % 2 ? 3 : 0.2f, n), 0, "");
+        check_cost_of_mesh(make_soup(n, n % 2 ? 3 : 0.2f, n), -100, ", times 2^-100");
+        check_cost_of_mesh(make_soup(n, n % 2 ? 3 : 0.2f, n), 50, ", times 2^50");
+    }
+    check_cost_of_large_leaves();
 }
 
 static void nodes_and_blocks_are_nearly_full(void **state)
@@ -307,6 +478,23 @@ static rk_ray make_ray_of_any_length(uint32_t i, uint32_t seed, rk_box bounds)
     return ray;
 }
 
+static void check_occlusion(const rk_wide_bvh *wide, const rk_mesh *mesh, const rk_ray *ray,
+                            const rk_hit *want, const char *name)
+{
+    rk_counters counters = {0};
+    bool hits = want->triangle != RK_MISS;
+    if (rk_wide_bvh_occluded(wide, ray, &counters) == hits)
+        return;
+    rk_ray endless = {ray->origin, ray->direction, INFINITY};
+    rk_hit ahead = closest_by_brute_force(mesh, &endless);
+    rk_check(hits,
+             "%s: is it occluded? got yes, want no: the nearest hit is at t = %.9g, t_max %.9g%s",
+             name, (double)ahead.t, (double)ray->t_max,
+             ahead.triangle == RK_MISS ? "; what the filter lets through may still miss" : "");
+    rk_check(false, "%s: is it occluded? got no, want yes: there is a hit at t = %.9g, t_max %.9g",
+             name, (double)want->t, (double)ray->t_max);
+}
+
 static void check_rays_in(const rk_wide_bvh *wide, const rk_mesh *mesh, uint32_t rays, int queries)
 {
     rk_box bounds = rk_mesh_bounds(mesh);
@@ -316,15 +504,37 @@ static void check_rays_in(const rk_wide_bvh *wide, const rk_mesh *mesh, uint32_t
         rk_ray ray = make_ray_of_any_length(i, mesh->triangle_count, bounds);
         rk_hit want = closest_by_brute_force(mesh, &ray);
         char name[64];
-        snprintf(name, sizeof name, "%u triangles, ray %u", mesh->triangle_count, i);
+        snprintf(name, sizeof name, "a mesh of %u, ray %u", mesh->triangle_count, i);
         if (queries & CLOSEST)
             check_hit(rk_wide_bvh_closest(wide, &ray, &counters), want, name);
         if (queries & OCCLUSION)
-            rk_check(rk_wide_bvh_occluded(wide, &ray, &counters) == (want.triangle != RK_MISS),
-                     "%s: is it occluded? want %s", name, want.triangle != RK_MISS ? "yes" : "no");
+            check_occlusion(wide, mesh, &ray, &want, name);
         hits += want.triangle != RK_MISS;
     }
     rk_check(hits > rays / 50, "only %u rays of %u hit: they show nothing", hits, rays);
+}
+
+/* Long thin triangles whose boxes overlap: a ray enters many of them and hits few. */
+static rk_mesh make_slivers(uint32_t triangles)
+{
+    rk_mesh mesh = make_mesh(triangles);
+    for (uint32_t i = 0; i < triangles; i++) {
+        rk_vec3 centre = noise3(77, 3 * i), along = noise3(77, 3 * i + 1);
+        mesh.positions[3 * i] = rk_sub(centre, along);
+        mesh.positions[3 * i + 1] = rk_add(centre, along);
+        mesh.positions[3 * i + 2] = rk_madd(centre, noise3(77, 3 * i + 2), 0.001f);
+    }
+    return mesh;
+}
+
+/* More boxes overlap than a search in depth keeps waiting. */
+static void check_slivers(void)
+{
+    rk_mesh mesh = make_slivers(16000);
+    rk_wide_bvh wide = build(&mesh);
+    check_rays_in(&wide, &mesh, 50, CLOSEST);
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
 }
 
 static void check_rays(int queries)
@@ -347,6 +557,7 @@ static void rays_find_the_same_hits_as_brute_force(void **state)
 {
     (void)state;
     check_rays(CLOSEST);
+    check_slivers();
 }
 
 static void check_scaled_rays(int queries)
@@ -559,7 +770,10 @@ static void counts_of_several_rays_add_up(void **state)
     (void)state;
     rk_mesh mesh = make_soup(300, 0.2f, 3);
     rk_wide_bvh wide = build(&mesh);
-    rk_counters sum = {0}, total = {.box_tests = 7, .triangle_tests = (uint64_t)1 << 40};
+    rk_counters total, sum = {0}, before;
+    memset(&total, 5, sizeof total); /* all counters, also those of others */
+    total.box_tests = 7, total.triangle_tests = (uint64_t)1 << 40;
+    before = total;
     for (uint32_t i = 0; i < 20; i++) {
         rk_ray ray = make_ray(i, 3, rk_mesh_bounds(&mesh));
         rk_counters one = work_of_closest(&wide, &ray);
@@ -578,6 +792,9 @@ static void counts_of_several_rays_add_up(void **state)
     rk_check(total.triangle_tests == sum.triangle_tests + ((uint64_t)1 << 40),
              "triangle tests: got %llu, want %llu", (unsigned long long)total.triangle_tests,
              (unsigned long long)sum.triangle_tests + ((uint64_t)1 << 40));
+    total.box_tests = before.box_tests, total.triangle_tests = before.triangle_tests;
+    rk_check(memcmp(&total, &before, sizeof total) == 0,
+             "a counter other than those of box and triangle tests has changed");
     rk_wide_bvh_free(&wide);
     rk_mesh_free(&mesh);
 }
@@ -615,29 +832,71 @@ enum { DEEP = RK_BVH_LEVELS_MAX + 40 };
 static uint32_t split_one_off(void *context, uint32_t begin, uint32_t count, uint32_t depth_left,
                               rk_box *box)
 {
-    const rk_mesh *mesh = context;
     (void)depth_left;
-    *box = rk_box_empty();
-    for (uint32_t i = 3 * begin; i < 3 * (begin + count); i++)
-        *box = rk_box_add(*box, mesh->positions[i]);
+    *box = box_of(context, begin, count);
     return count > 1 ? 1 : 0;
+}
+
+/* Each level has seven groups of four triangles behind the levels below, which are smaller. So a
+ * node has eight children, seven of which wait while a ray visits the levels below: no more can
+ * wait in a tree as deep as this. The ray passes all triangles closely. */
+enum { GROUPS = 7, TALL = RK_BVH_LEVELS_MAX - 4 };
+
+static rk_mesh make_tall_mesh(void)
+{
+    rk_mesh mesh = make_mesh(TALL * GROUPS * 4);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++) {
+        uint32_t group = i / 12;
+        float size = powf(2.5f, (float)(group / GROUPS) - TALL / 2);
+        mesh.positions[i] = rk_vec(i % 3 == 1 ? size : -size, i % 3 == 2 ? size : -size,
+                                   size * (0.5f + 0.5f * (float)(group % GROUPS)));
+    }
+    return mesh;
+}
+
+/* The last level's groups are split off, and then halved. */
+static uint32_t split_level_off(void *context, uint32_t begin, uint32_t count, uint32_t depth_left,
+                                rk_box *box)
+{
+    (void)depth_left;
+    *box = box_of(context, begin, count);
+    return count > 4 * GROUPS ? count - 4 * GROUPS : count > 4 ? count / 8 * 4 : 0;
+}
+
+static void check_full_stack(void)
+{
+    rk_mesh mesh = make_tall_mesh();
+    const float aside = 0.1f * mesh.positions[1].x;
+    rk_bvh bvh = build_by(split_level_off, &mesh);
+    rk_wide_bvh wide = widen(&bvh, &mesh);
+    rk_check_equal(wide.node_count, TALL, "each level is a node: seven groups, and what is below");
+    rk_ray ray = {rk_vec(aside, aside, 0), rk_vec(0, 0, 1), INFINITY};
+    rk_counters counters = {0};
+    rk_check_equal(rk_wide_bvh_closest(&wide, &ray, &counters).triangle, RK_MISS,
+                   "the ray enters all boxes and hits nothing");
+    rk_check(!rk_wide_bvh_occluded(&wide, &ray, &counters),
+             "the ray hits nothing, but is occluded");
+    rk_check(counters.box_tests == 2 * 8 * TALL &&
+                 counters.triangle_tests == 2 * mesh.triangle_count,
+             "a ray into all %d levels: got %llu box and %llu triangle tests, want %d and %u", TALL,
+             (unsigned long long)counters.box_tests, (unsigned long long)counters.triangle_tests,
+             2 * 8 * TALL, 2 * mesh.triangle_count);
+    rk_wide_bvh_free(&wide);
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
 }
 
 static void the_deepest_tree_has_all_hits(void **state)
 {
     (void)state;
     rk_mesh mesh = make_soup(DEEP, 0.3f, 2);
-    rk_bvh bvh;
-    rk_error error;
-    rk_check_ok(rk_bvh_init(&bvh, DEEP, DEEP, &error), error);
-    for (uint32_t i = 0; i < DEEP; i++)
-        bvh.triangles[i] = rk_bvh_triangle_of(&mesh, i);
-    rk_bvh_build_nodes(&bvh, split_one_off, &mesh);
+    rk_bvh bvh = build_by(split_one_off, &mesh);
     rk_wide_bvh wide = widen(&bvh, &mesh);
     check_rays_in(&wide, &mesh, 2000, CLOSEST | OCCLUSION);
     rk_wide_bvh_free(&wide);
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
+    check_full_stack();
 }
 
 static void where_memory_runs_out_nothing_is_kept(void **state)
