@@ -5,21 +5,21 @@
  * without. */
 #include "test.h"
 
+#include <stdatomic.h>
 #include <stdint.h>
 
-size_t rk_allocations, rk_allocations_kept;
+_Atomic size_t rk_allocations, rk_allocations_kept;
 
-size_t rk_allocations_left = SIZE_MAX;
-bool rk_one_allocation_fails;
+_Atomic size_t rk_allocations_left = SIZE_MAX;
+_Atomic bool rk_one_allocation_fails;
 
 static bool is_left(void)
 {
-    if (rk_allocations_left == SIZE_MAX)
-        return true;
-    if (rk_allocations_left > 0) {
-        rk_allocations_left--;
-        return true;
-    }
+    size_t left = rk_allocations_left;
+    while (left > 0)
+        if (left == SIZE_MAX ||
+            atomic_compare_exchange_weak(&rk_allocations_left, &left, left - 1))
+            return true;
     if (rk_one_allocation_fails)
         rk_allocations_left = SIZE_MAX;
     return false;

@@ -79,13 +79,14 @@ void rk_claim_of_value_failed(const char *file, int line, const char *what, doub
     rk_check(strstr((error).text, part) != NULL, "the error should name \"%s\", but says: %s",     \
              part, (error).text)
 
-/* The number of allocations so far, and of those not yet freed, where they can be counted. */
-extern size_t rk_allocations, rk_allocations_kept;
+/* The number of allocations so far, and of those not yet freed, where they can be counted; by all
+ * threads. */
+extern _Atomic size_t rk_allocations, rk_allocations_kept;
 extern const bool rk_allocations_are_counted;
 
 /* The allocations that still succeed, SIZE_MAX for all; after them either all fail, or one. */
-extern size_t rk_allocations_left;
-extern bool rk_one_allocation_fails;
+extern _Atomic size_t rk_allocations_left;
+extern _Atomic bool rk_one_allocation_fails;
 
 /* malloc and related functions that fail as told, for programs whose own ones may not be wrapped.
  */
