@@ -17,8 +17,7 @@ static bool is_left(void)
 {
     size_t left = rk_allocations_left;
     while (left > 0)
-        if (left == SIZE_MAX ||
-            atomic_compare_exchange_weak(&rk_allocations_left, &left, left - 1))
+        if (left == SIZE_MAX || atomic_compare_exchange_weak(&rk_allocations_left, &left, left - 1))
             return true;
     if (rk_one_allocation_fails)
         rk_allocations_left = SIZE_MAX;

@@ -542,7 +542,8 @@ static void the_step_is_a_few_error_bounds(void **state)
             float area = rk_length(rk_cross(ab, ac));
             if (!(area > 0.1f * longest * longest))
                 continue;
-            rk_vec3 step = rk_sub(rk_surface_spawn(&surface, in_cube(&n)), surface.point);
+            rk_vec3 away = rk_sub(rk_surface_spawn(&surface, in_cube(&n)), surface.point);
+            rk_vec3 step = rk_scale(surface.face_normal, rk_dot(away, surface.face_normal));
             float bound = rk_length(surface.point_error) + 0x1p-22f * longest;
             /* 2 ulp = 4 x 2^-24 |point| is covered by twice the error bound. */
             rk_check(rk_length(step) <= 8 * 3 * bound, "a step of %.3g where the errors are %.3g",
@@ -553,6 +554,52 @@ static void the_step_is_a_few_error_bounds(void **state)
     rk_check(steps > 10000 && doubled < steps / 100, "%zu of %zu steps had to be lengthened",
              doubled, steps);
     rk_mesh_free(&mesh);
+}
+
+static double distance_from_edge(const rk_triangle *t, rk_vec3 weights, rk_dvec3 move, int i)
+{
+    const rk_dvec3 corners[3] = {rk_widen(t->a), rk_widen(t->b), rk_widen(t->c)};
+    rk_dvec3 from = corners[(i + 1) % 3], edge = rk_dmadd(corners[(i + 2) % 3], from, -1);
+    rk_dvec3 point = rk_dmadd(move, from, -1), up = rk_dcross(rk_triangle_plane_of(t).normal, edge);
+    for (int k = 0; k < 3; k++)
+        point = rk_dmadd(point, corners[k], (double)rk_axis(weights, k));
+    return rk_ddot(point, up) / rk_dlength(up);
+}
+
+/* Errors: weights in float that do not sum to 1 by 2^-24 of the triangle's size. */
+static void a_point_close_to_an_edge_is_moved_away_from_all_edges(void **state)
+{
+    (void)state;
+    noise n = {8, 0};
+    for (int i = 0; i < 20000; i++) {
+        rk_triangle t = {in_cube(&n), in_cube(&n), in_cube(&n), 0};
+        t.c = i % 2 ? t.c : rk_madd(t.b, in_cube(&n), 1e-2f);
+        float u = between(&n, 0, 1), v = i % 3 ? between(&n, 0, 1 - u) : 0;
+        rk_vec3 weights = rk_vec(1 - u - v, u, v);
+        double wanted = (double)between(&n, 0, 0.01f), length = 0, nearest = INFINITY;
+        double perimeter = (double)(rk_length(rk_sub(t.a, t.b)) + rk_length(rk_sub(t.b, t.c)) +
+                                    rk_length(rk_sub(t.c, t.a)));
+        double inradius = rk_dlength(rk_triangle_plane_of(&t).normal) / perimeter;
+        rk_dvec3 move = rk_surface_inset(&t, weights, wanted), none = {0, 0, 0};
+        for (int k = 0; k < 3; k++) {
+            nearest = fmin(nearest, distance_from_edge(&t, weights, none, k));
+            rk_check(distance_from_edge(&t, weights, move, k) > fmin(wanted, inradius) - 1e-6,
+                     "triangle %d: the point is moved to %.3g from edge %d, not to %.3g", i,
+                     distance_from_edge(&t, weights, move, k), k, fmin(wanted, inradius));
+        }
+        length = rk_dlength(move);
+        rk_check(nearest < wanted || length == 0, "a point far enough from all edges was moved");
+    }
+}
+
+/* Away from the middle of an edge: at a right angle, however long and narrow the triangle. */
+static void a_point_is_moved_no_farther_than_needed(void **state)
+{
+    (void)state;
+    const rk_triangle sliver = {{0, 0, 0}, {1000, 0, 0}, {0, 1, 0}, 0};
+    rk_dvec3 move = rk_surface_inset(&sliver, rk_vec(0.5f, 0.5f, 0), 0.125);
+    rk_check_close(move.x, 0, 1e-9, "not along the sliver");
+    rk_check_close(move.y, 0.125, 1e-9, "by the distance");
 }
 
 /* --- Vectors in registers --------------------------------------------------------------------- */
@@ -665,14 +712,19 @@ static rk_vec3 plain_spawn(const rk_surface *surface, rk_vec3 direction)
     const rk_triangle_plane plane = rk_triangle_plane_of(t);
     rk_vec3 normal = plain_facing(surface->face_normal, direction);
     double heading = rk_triangle_plane_heading(&plane, direction);
-    if (heading * rk_triangle_plane_heading(&plane, normal) < 0)
+    double area = rk_triangle_plane_heading(&plane, normal);
+    if (heading * area < 0)
         normal = rk_negate(normal);
     rk_vec3 edges = rk_add(rk_abs3(rk_sub(t->b, t->a)), rk_abs3(rk_sub(t->c, t->a)));
     rk_vec3 error = rk_madd(surface->point_error, edges, 2 * eps / (1 - 2 * eps));
     float distance = rk_dot(rk_abs3(normal), error);
-    rk_vec3 start = plain_step(surface->point, normal, distance);
-    for (int i = 0; i < 24;
-         i++, distance *= 2, start = plain_step(surface->point, normal, distance))
+    rk_vec3 point = surface->point;
+    if (area != 0)
+        point = rk_narrow(rk_dmadd(
+            rk_widen(point),
+            rk_surface_inset(t, surface->barycentric, 6 * rk_dlength(rk_widen(error))), 1));
+    rk_vec3 start = plain_step(point, normal, distance);
+    for (int i = 0; i < 24; i++, distance *= 2, start = plain_step(point, normal, distance))
         if (heading * rk_triangle_plane_side(&plane, start) > 0 || heading == 0)
             break;
     return start;
@@ -736,6 +788,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_spawner_gives_the_same_origins),
     cmocka_unit_test(a_ray_is_spawned_on_the_side_of_its_direction),
     cmocka_unit_test(the_step_is_a_few_error_bounds),
+    cmocka_unit_test(a_point_close_to_an_edge_is_moved_away_from_all_edges),
+    cmocka_unit_test(a_point_is_moved_no_farther_than_needed),
     cmocka_unit_test(a_surface_is_as_by_plain_arithmetic_to_the_bit),
     cmocka_unit_test(a_ray_starts_as_by_plain_arithmetic_to_the_bit),
     cmocka_unit_test(a_step_may_end_at_zero_or_infinity),

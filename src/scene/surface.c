@@ -245,6 +245,34 @@ static inline double plane_dot(const plane *p, wide_vector v)
     return fabs(dot) > 0x1p-48 * size_of(v) * p->edges ? dot : 0;
 }
 
+/* So that the ray does not start beyond a neighbour. On each axis a start is rounded three times to
+ * the nearest float and once outward: together by 2.5 error bounds at most, since a bound is two
+ * roundings. So it is at most 3.5 |error| above the plane, and |error| times 6 - 2.5 from the edge:
+ * inside of all neighbours that meet this triangle at 45 degrees or more.
+ * Apart, because it is rare, and its registers would cost all other rays. */
+static __attribute__((noinline)) rk_vec3
+spawn_near_edge(const rk_surface *surface, rk_vec3 direction, rk_simd4 error, double twice_area)
+{
+    const double inset = 6 * rk_dlength(rk_widen(rk_simd4_vec(error)));
+    rk_surface inner = *surface;
+    if (twice_area > 0 && inset < INFINITY)
+        inner.point = rk_narrow(
+            rk_dmadd(rk_widen(surface->point),
+                     rk_surface_inset(&surface->triangle, surface->barycentric, inset), 1));
+    inner.barycentric = rk_vec(INFINITY, INFINITY, INFINITY); /* near no edge */
+    return rk_surface_spawn(&inner, direction);
+}
+
+/* May some edge be closer than the inset? Cheap, for points in the middle of their triangles: the
+ * smallest weight times twice the area is at most the longest edge times the smallest distance. */
+static inline bool is_near_edge(rk_vec3 weights, rk_simd4 error, wide_vector ab, wide_vector ac,
+                                double twice_area)
+{
+    const double least = (double)rk_min(weights.x, rk_min(weights.y, weights.z));
+    const double reach = 6 * (double)(error[0] + error[1] + error[2]);
+    return twice_area * least < reach * (size_of(ab) + size_of(ac));
+}
+
 /* May the plane be ahead of the ray from `start`? Rays are moved back by the offset of a moving
  * object, with the same rounding; without an offset nothing is rounded. */
 static inline bool plane_may_be_ahead(const plane *p, rk_simd4 point, double heading)
@@ -256,23 +284,25 @@ static inline bool plane_may_be_ahead(const plane *p, rk_simd4 point, double hea
 rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction)
 {
     const rk_simd4 a = rk_simd4_load3(&surface->triangle.a),
-                   b = rk_simd4_load3(&surface->triangle.b);
-    const rk_simd4 c = rk_simd4_load3(&surface->triangle.c),
-                   point = rk_simd4_load3(&surface->point);
+                   b = rk_simd4_load3(&surface->triangle.b),
+                   c = rk_simd4_load3(&surface->triangle.c);
+    const rk_simd4 point = rk_simd4_load3(&surface->point);
     const rk_simd4 offset = rk_simd4_load3(&surface->offset), d = rk_simd4_of(direction);
     const wide_vector a2 = widened(a), ab = apart(widened(b), a2), ac = apart(widened(c), a2);
     const plane p = {a2, crossed(ab, ac), size_of(ab) * size_of(ac)};
-    rk_simd4 normal = facing4(rk_simd4_load3(&surface->face_normal), d);
-    /* The normal is rounded; for grazing directions the corners decide. */
-    const double heading = plane_dot(&p, widened(d));
-    const double normal_heading = plane_dot(&p, widened(normal));
-    if ((heading > 0 && normal_heading < 0) || (heading < 0 && normal_heading > 0))
-        normal = -normal;
+    const rk_simd4 face = rk_simd4_load3(&surface->face_normal);
+    /* Which side of the corners' plane: the normal is rounded, and so is its product with d. */
+    const double heading = plane_dot(&p, widened(d)), toward = plane_dot(&p, widened(face));
+    rk_simd4 normal = (heading > 0) == (toward > 0) ? face : -face;
+    if (heading == 0 || toward == 0)
+        normal = facing4(face, d);
     /* Past the point's error, and past two roundings of the edges: u and v are rounded, so close to
      * an edge the point may lie behind the neighbour's plane. */
     const rk_simd4 edges = rk_simd4_abs(b - a) + rk_simd4_abs(c - a);
     const rk_simd4 error =
         rk_simd4_load3(&surface->point_error) + edges * rk_simd4_all(gamma_bound(2));
+    if (is_near_edge(surface->barycentric, error, ab, ac, fabs(toward)))
+        return spawn_near_edge(surface, direction, error, fabs(toward));
     float distance = dot4(rk_simd4_abs(normal), error);
     rk_simd4 start = step_along(point, normal, distance);
     /* In slivers the normal's error grows with the ratio of length to width. A step of 2^-24 of the
@@ -282,4 +312,69 @@ rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction)
         start = step_along(point, normal, distance);
     }
     return rk_simd4_vec(start);
+}
+
+/* --- Away from the edges ---------------------------------------------------------------------- */
+
+/* A triangle's corners, and the lengths of the edges opposite to them. */
+typedef struct outline {
+    rk_dvec3 corners[3];
+    double lengths[3], inradius, twice_area;
+} outline;
+
+static outline outline_of(const rk_triangle *t)
+{
+    outline o = {.corners = {rk_widen(t->a), rk_widen(t->b), rk_widen(t->c)}};
+    double perimeter = 0;
+    for (int i = 0; i < 3; i++) {
+        o.lengths[i] = rk_dlength(rk_dmadd(o.corners[(i + 1) % 3], o.corners[(i + 2) % 3], -1));
+        perimeter += o.lengths[i];
+    }
+    o.twice_area = rk_dlength(rk_triangle_plane_of(t).normal);
+    o.inradius = o.twice_area / perimeter;
+    return o;
+}
+
+/* Raises weight i to its least, by moving at a right angle to the edge opposite to corner i. */
+static void leave_edge(const outline *o, int i, const double least[3], double weights[3])
+{
+    const int j = (i + 1) % 3, k = (i + 2) % 3;
+    const rk_dvec3 edge = rk_dmadd(o->corners[k], o->corners[j], -1);
+    const rk_dvec3 to_i = rk_dmadd(o->corners[i], o->corners[j], -1);
+    const double foot = rk_ddot(to_i, edge) / rk_ddot(edge, edge), by = least[i] - weights[i];
+    weights[i] = least[i];
+    weights[j] -= (1 - foot) * by;
+    weights[k] -= foot * by;
+}
+
+/* The edge that is closest. */
+static int nearest_edge(const outline *o, const double weights[3])
+{
+    int nearest = 0;
+    for (int i = 1; i < 3; i++)
+        if (weights[i] * o->lengths[nearest] < weights[nearest] * o->lengths[i])
+            nearest = i;
+    return nearest;
+}
+
+/* A weight is the distance from the opposite edge over the height, and the least ones together are
+ * at most 1, as the inradius's are 1. So at most two weights are too small. */
+rk_dvec3 rk_surface_inset(const rk_triangle *triangle, rk_vec3 barycentric, double distance)
+{
+    const outline o = outline_of(triangle);
+    const double given[3] = {(double)barycentric.x, (double)barycentric.y, (double)barycentric.z};
+    double weights[3] = {given[0], given[1], given[2]}, least[3];
+    for (int i = 0; i < 3; i++)
+        least[i] = fmin(distance, o.inradius) * o.lengths[i] / o.twice_area;
+    const int i = nearest_edge(&o, weights), j = (i + 1) % 3, k = (i + 2) % 3;
+    if (!(weights[i] < least[i]))
+        return (rk_dvec3){0, 0, 0};
+    leave_edge(&o, i, least, weights);
+    if (weights[j] < least[j])
+        weights[j] = least[j], weights[k] = 1 - least[i] - least[j];
+    else if (weights[k] < least[k])
+        weights[k] = least[k], weights[j] = 1 - least[i] - least[k];
+    const rk_dvec3 along_ij = rk_dmadd(o.corners[j], o.corners[i], -1);
+    const rk_dvec3 along_ik = rk_dmadd(o.corners[k], o.corners[i], -1);
+    return rk_dmadd(rk_dscale(along_ij, weights[j] - given[j]), along_ik, weights[k] - given[k]);
 }

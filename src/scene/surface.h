@@ -42,10 +42,17 @@ static inline rk_vec3 rk_surface_kd(const rk_surface *surface, const rk_mesh *me
                                                           : surface->material->kd;
 }
 
+/* Returns the way from a point of the triangle, given by its weights, to where it is `distance`
+ * from all edges; to the incentre of a triangle that is too narrow for that. The shortest way, but
+ * in acute corners, where two edges have to be left. The area must not be 0. */
+rk_dvec3 rk_surface_inset(const rk_triangle *triangle, rk_vec3 barycentric, double distance);
+
 /* The origin of a ray spawned into `direction` (any length): moved along the face normal just past
  * the error bound, to the side of the direction, and farther where the plane would still be ahead.
  * No epsilon to tune: the step follows from the rounding errors, at any scale. The ray never hits
- * the triangle at which it starts. */
+ * the triangle at which it starts. Close to an edge, within 6 error bounds, the origin is moved
+ * away from it, too, so that it does not lie beyond a neighbour: where triangles meet at 45 degrees
+ * or more and are wide enough, no ray leaves a closed room. */
 rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction);
 
 /* The origins of many rays spawned from one surface, which must stay as long as this. */
