@@ -16,7 +16,7 @@ static const code_place places[RK_CODE_COUNT] = {
     {"src/scene/surface.c", "rk_surface_at", "const rk_simd4 point = point_at("},
     {"src/scene/surface.c", "rk_surface_at_sphere", "*surface = (rk_surface){"},
     {"src/features/shading.c", "rk_shade", "float cos_i ="},
-    {"src/scene/surface.c", "rk_surface_spawn", "rk_simd4 normal = facing4("},
+    {"src/scene/surface.c", "rk_surface_spawn", "rk_simd4 normal ="},
     {"src/features/bvh_median.c", "rk_bvh_occluded", "found = first_hit"},
     {"src/accel/wide_trace.h", "trace_single", "put_result("},
     {"src/features/transparency.c", "rk_transparency_transmit", "switch (model)"},
