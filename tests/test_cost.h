@@ -5,6 +5,8 @@
 
 #include "test.h"
 
+#include "base/error.h"
+
 #include <sys/resource.h>
 #include <sys/wait.h>
 #include <unistd.h>

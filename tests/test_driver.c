@@ -894,6 +894,20 @@ static void strays_of_a_mesh_file_are_told(void **state)
     run_free(&r);
 }
 
+/* Quiet or not: the picture does not show the file as it is. */
+static void quiet_still_tells_what_a_picture_lacks(void **state)
+{
+    write_box(*state, true);
+    run r = run_driver(*state, "--mesh box.obj --width 9 --height 9 --quiet");
+    check_contains(r.err, "12 of its 13 triangles");
+    run_free(&r);
+    const char text[] = "mtllib gone.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n";
+    test_folder_write(*state, "grey.obj", text, sizeof text - 1, 0600);
+    r = run_driver(*state, "--mesh grey.obj --width 9 --height 9 --quiet");
+    check_contains(r.err, "gone.mtl is missing");
+    run_free(&r);
+}
+
 /* --- Speed ----------------------------------------------------------------------------------- */
 
 /* About 2 ms, the best of five. By turns with an empty shell, which takes about 1 ms: on a machine
@@ -956,6 +970,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_mesh_file_is_seen_from_its_front),
     test_in_folder(walking_round_a_mesh_file_never_ends_in_the_dark),
     test_in_folder(strays_of_a_mesh_file_are_told),
+    test_in_folder(quiet_still_tells_what_a_picture_lacks),
     test_in_folder(starting_up_takes_milliseconds),
 };
 

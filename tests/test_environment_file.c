@@ -4,6 +4,7 @@
  * Each start of the helper takes a quarter of a second, so most pictures here are PNG, which needs
  * none. */
 #include "test.h"
+#include "test_cost.h"
 #include "test_picture_file.h"
 
 #include "base/random.h"
@@ -151,6 +152,35 @@ static void write_six(const test_folder *folder, const char *before, const char 
     }
 }
 
+static void six_files_go_by_other_names_too(void **state)
+{
+    static const char *const others[][RK_FACES] = {
+        {"posx", "negx", "posy", "negy", "posz", "negz"},
+        {"right", "left", "top", "bottom", "front", "back"},
+        {"Right", "Left", "Up", "Down", "Front", "Back"},
+        {"sky_rt", "sky_lf", "sky_up", "sky_dn", "sky_ft", "sky_bk"},
+        {"a-PX", "a-NX", "a-PY", "a-NY", "a-PZ", "a-NZ"},
+    };
+    const test_folder *folder = *state;
+    for (size_t k = 0; k < sizeof others / sizeof *others; k++) {
+        for (int i = 0; i < RK_FACES; i++) {
+            char name[64];
+            rk_image image = make_image(2, 2);
+            draw_face(&image, order[i].face, 0, 0, false);
+            snprintf(name, sizeof name, "%s.png", others[k][i]);
+            write_image(folder, name, &image);
+        }
+        check_marks(folder->path);
+        if (k < 2)
+            check_marks(test_folder_path(folder, "%s.png").text);
+        for (int i = 0; i < RK_FACES; i++) {
+            char name[64];
+            snprintf(name, sizeof name, "%s.png", others[k][i]);
+            remove(test_folder_path(folder, name).text);
+        }
+    }
+}
+
 static void six_files_go_by_a_pattern(void **state)
 {
     write_six(*state, "room_", "_2k.png");
@@ -223,6 +253,20 @@ static void longitude_and_latitude_become_the_cube(void **state)
      * axis; 1 / 10 more at the poles, on the last ring of pixels. */
     double pixel = 2 * 3.1416 / 128;
     check_smooth(path.text, 2 * pixel * pixel / 8);
+}
+
+/* Cropped or scaled. The rows still go from pole to pole. */
+static void a_world_may_lack_a_row_or_a_column(void **state)
+{
+    const size_t sizes[][2] = {{255, 128}, {257, 128}, {256, 127}, {256, 129}};
+    for (int i = 0; i < 4; i++) {
+        rk_image image = make_image(sizes[i][0], sizes[i][1]);
+        rk_cubemap map = read_map(write_image(*state, "cropped.png", &image).text);
+        rk_check(map.side == 82 || map.side == 81, "got %u texels per side", map.side);
+        rk_cubemap_free(&map);
+    }
+    rk_image image = make_image(256, 126);
+    check_refused(write_image(*state, "cropped.png", &image).text, "256 x 126 pixels: width");
 }
 
 static void the_smallest_world_is_two_pixels(void **state)
@@ -369,10 +413,47 @@ static void huge_sizes_are_refused(void **state)
                   "1 to 32768");
     const char most[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 24576 +X 32768\n";
     check_refused(test_folder_write(*state, "most.hdr", most, sizeof most - 1, 0600).text,
-                  "32768 x 24576 pixels, more than the 268435456 allowed");
+                  "32768 x 24576 pixels, more than the 1677");
     const unsigned char png[] = "\x89PNG\r\n\x1a\n\0\0\0\rIHDR\0\0\x80\0\0\0\x60\0";
     check_refused(test_folder_write(*state, "most.png", png, sizeof png, 0600).text,
-                  "32768 x 24576 pixels, more than the 268435456 allowed");
+                  "32768 x 24576 pixels, more than the 1677");
+}
+
+static bool read_and_free(const char *path, rk_error *error)
+{
+    rk_cubemap map;
+    bool ok = rk_environment_file_read(&map, path, error);
+    rk_cubemap_free(&map);
+    return ok;
+}
+
+/* In one colour, so that it compresses to a thousandth. Reading 2048 x 2048 pixels takes 67 MB. */
+static void another_shape_is_refused_by_its_header(void **state)
+{
+    const test_folder *folder = *state;
+    rk_image image = make_image(2048, 2048);
+    test_path path = write_image(folder, "square.png", &image);
+    test_cost cost = test_cost_of(read_and_free, path.text);
+    rk_check(!cost.ok, "1:1 is no environment");
+    rk_check_error_names(cost.error, "2048 x 2048 pixels: width : height");
+    test_check_cost(path.text, &cost, 10, 0.2);
+    image = make_image(2048, 1024);
+    write_six(folder, "", ".png");
+    write_image(folder, "px.png", &image);
+    cost = test_cost_of(read_and_free, folder->path);
+    rk_check_error_names(cost.error, "2048 x 1024 pixels: a face must be square");
+    test_check_cost(path.text, &cost, 10, 0.2);
+}
+
+/* Less than 400 KB, which would take as many megabytes. */
+static void a_small_file_of_many_pixels_is_refused(void **state)
+{
+    rk_image image = make_image(8192, 4096);
+    test_path path = write_image(*state, "black.png", &image);
+    test_cost cost = test_cost_of(read_and_free, path.text);
+    rk_check(!cost.ok, "a thousandth of a byte per pixel was accepted");
+    rk_check_error_names(cost.error, "8192 x 4096 pixels, more than the");
+    test_check_cost(path.text, &cost, 10, 0.2);
 }
 
 /* Files truncated or with bytes changed: the result is a map or one sentence. */
@@ -427,8 +508,10 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_standing_cross_has_z_below_upside_down),
     test_in_folder(strips_are_in_the_order_of_opengl),
     test_in_folder(six_files_go_by_a_pattern),
+    test_in_folder(six_files_go_by_other_names_too),
     test_in_folder(six_files_go_by_their_folder),
     test_in_folder(longitude_and_latitude_become_the_cube),
+    test_in_folder(a_world_may_lack_a_row_or_a_column),
     test_in_folder(the_smallest_world_is_two_pixels),
     test_in_folder(every_format_arrives_linear),
     test_in_folder(one_pixel_faces_are_a_map),
@@ -438,6 +521,8 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_missing_file_is_an_error),
     test_in_folder(a_pixel_that_is_not_a_number_is_named),
     test_in_folder(huge_sizes_are_refused),
+    test_in_folder(another_shape_is_refused_by_its_header),
+    test_in_folder(a_small_file_of_many_pixels_is_refused),
     test_in_folder(damaged_files_are_refused_or_read),
     test_in_folder(truncated_files_of_other_formats_are_refused),
 };

@@ -374,6 +374,14 @@ static void folders_pipes_and_devices_are_refused_at_once(void **state)
     check_refused(below, "is a folder");
 }
 
+/* OpenImageIO's reader gives no reason. */
+static void a_fault_without_a_reason_is_still_a_sentence(void **state)
+{
+    const char text[] = "PF\n4 4\n-1.0\nabc";
+    check_refused(test_folder_write(*state, "x.pfm", text, sizeof text - 1, 0600),
+                  "x.pfm: is damaged; save or download it again");
+}
+
 static void absurd_sizes_are_refused(void **state)
 {
     const char head[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000\n";
@@ -600,6 +608,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_broken_hdr_is_refused),
     test_in_folder(missing_empty_and_foreign_files_are_refused),
     test_in_folder(absurd_sizes_are_refused),
+    test_in_folder(a_fault_without_a_reason_is_still_a_sentence),
     test_in_folder(folders_pipes_and_devices_are_refused_at_once),
     test_in_folder(an_exr_goes_where_its_link_points),
     test_in_folder(a_picture_without_pixels_is_not_written),

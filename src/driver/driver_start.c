@@ -40,7 +40,7 @@ static bool load_environment(rk_driver *driver, rk_error *error)
 static void note_strays(const rk_driver *driver)
 {
     const uint32_t all = driver->scene.mesh.triangle_count, framed = driver->framed.triangles;
-    if (framed < all && !driver->quiet)
+    if (framed < all)
         fprintf(
             stderr,
             "%s: %s: %u of its %u triangles lie in %.2g %% of its extent; the picture shows these, "
@@ -61,7 +61,7 @@ static bool load_mesh(rk_driver *driver, rk_error *error)
     framing.width = driver->render.width, framing.height = driver->render.height;
     if (!rk_mesh_file_read(&mesh, driver->mesh_path, error))
         return false;
-    if (*error->text && !driver->quiet) /* a note */
+    if (*error->text) /* a note, also with --quiet: the picture lacks something */
         fprintf(stderr, "%s: %s\n", driver->feature, error->text);
     if (!rk_scene_framed(&driver->scene, slash ? slash + 1 : driver->mesh_path, &mesh, &framing,
                          &driver->framed, error))

@@ -7,6 +7,7 @@
 #include <dirent.h>
 #include <stdio.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/stat.h>
 
 /* Every path here is shorter; longer ones are refused. */
@@ -144,29 +145,20 @@ static bool convert_world(rk_cubemap *map, const rk_image *world, const char *pa
 
 /* --- one file --------------------------------------------------------------------------------- */
 
-static bool has_shape(const rk_image *image, size_t columns, size_t rows)
-{
-    return image->width * rows == image->height * columns && image->width % columns == 0;
-}
-
 static bool convert(rk_cubemap *map, const rk_image *image, const char *path, rk_error *error)
 {
     for (size_t i = 0; i < sizeof layouts / sizeof *layouts; i++)
-        if (has_shape(image, layouts[i].columns, layouts[i].rows))
+        if (rk_image_shape_has_cells(image->width, image->height, layouts[i].columns,
+                                     layouts[i].rows))
             return unfold(map, image, &layouts[i], path, error);
-    if (has_shape(image, 2, 1))
-        return convert_world(map, image, path, error);
-    return rk_fail(
-        error,
-        "%.700s: has %zu x %zu pixels: width : height of an environment is 4:3 or 3:4 (a "
-        "cross), 6:1 or 1:6 (a strip), or 2:1 (longitude and latitude)",
-        path, image->width, image->height);
+    return convert_world(map, image, path, error);
 }
 
 static bool read_one(rk_cubemap *map, const char *path, rk_error *error)
 {
     rk_image image;
-    if (!rk_image_file_read_within(&image, path, RK_ENVIRONMENT_FILE_PIXELS_MAX, error))
+    if (!rk_image_file_read_shaped(&image, path, RK_ENVIRONMENT_FILE_PIXELS_MAX,
+                                   RK_IMAGE_ENVIRONMENT, error))
         return false;
     bool ok = convert(map, &image, path, error);
     rk_image_free(&image);
@@ -175,19 +167,23 @@ static bool read_one(rk_cubemap *map, const char *path, rk_error *error)
 
 /* --- six files -------------------------------------------------------------------------------- */
 
-static const struct {
-    const char *name;
-    rk_cube_face face;
-} names[RK_FACES] = {
-    {"px", RK_FACE_X},       {"nx", RK_FACE_MINUS_X}, {"py", RK_FACE_Y},
-    {"ny", RK_FACE_MINUS_Y}, {"pz", RK_FACE_MINUS_Z}, {"nz", RK_FACE_Z},
+static const rk_cube_face order[RK_FACES] = {RK_FACE_X,       RK_FACE_MINUS_X, RK_FACE_Y,
+                                             RK_FACE_MINUS_Y, RK_FACE_MINUS_Z, RK_FACE_Z};
+
+/* Each row in this order: of OpenGL, of its enumerators, of pages and engines. */
+typedef const char *const face_names[RK_FACES];
+static face_names names[] = {
+    {"px", "nx", "py", "ny", "pz", "nz"},
+    {"posx", "negx", "posy", "negy", "posz", "negz"},
+    {"pos_x", "neg_x", "pos_y", "neg_y", "pos_z", "neg_z"},
+    {"+x", "-x", "+y", "-y", "+z", "-z"},
+    {"right", "left", "top", "bottom", "front", "back"},
+    {"right", "left", "up", "down", "front", "back"},
+    {"rt", "lf", "up", "dn", "ft", "bk"},
 };
 
 static bool fits(const rk_image *image, const rk_cubemap *map, const char *path, rk_error *error)
 {
-    if (image->width != image->height)
-        return rk_fail(error, "%.800s: has %zu x %zu pixels: a face must be square", path,
-                       image->width, image->height);
     if (map->side > 0 && image->width != map->side)
         return rk_fail(error,
                        "%.700s: has %zu x %zu pixels, but the first face has %u x %u: all six "
@@ -200,7 +196,8 @@ static bool fits(const rk_image *image, const rk_cubemap *map, const char *path,
 static bool read_face(rk_cubemap *map, rk_cube_face face, const char *path, rk_error *error)
 {
     rk_image image;
-    if (!rk_image_file_read_within(&image, path, RK_ENVIRONMENT_FILE_PIXELS_MAX, error))
+    if (!rk_image_file_read_shaped(&image, path, RK_ENVIRONMENT_FILE_PIXELS_MAX, RK_IMAGE_SQUARE,
+                                   error))
         return false;
     bool ok = fits(&image, map, path, error) &&
               (map->side > 0 || make_map(map, image.width, path, error));
@@ -224,45 +221,74 @@ static bool name_in_pattern(long_path *path, const char *pattern, const char *na
            rk_fail(error, "%.800s: the name is too long", pattern);
 }
 
-static bool is_named(const char *file, const char *name)
+/* Is the file's name, without its ending, this one, or does it end with it after _ or -? */
+static bool is_named(const char *file, const char *name, bool at_end)
 {
-    size_t length = strlen(name);
-    return strncmp(file, name, length) == 0 && file[length] == '.';
+    const char *dot = strrchr(file, '.');
+    size_t length = strlen(name), stem = dot ? (size_t)(dot - file) : 0;
+    if (at_end ? stem <= length || !strchr("_-", file[stem - length - 1]) : stem != length)
+        return false;
+    return strncasecmp(dot - length, name, length) == 0;
 }
 
-/* Finds the one file that begins with the name and a dot. */
-static bool name_in_folder(long_path *path, const char *folder, const char *name, rk_error *error)
+/* Returns how many files have the name, of which the path is one; -1 if it is too long. */
+static int count_in_folder(long_path *path, const char *folder, const char *name, bool at_end)
 {
     DIR *directory = opendir(folder);
     int found = 0;
-    bool short_enough = true;
-    for (struct dirent *entry; directory && (entry = readdir(directory));)
-        if (is_named(entry->d_name, name)) {
+    for (struct dirent *entry; directory && found >= 0 && (entry = readdir(directory));)
+        if (is_named(entry->d_name, name, at_end)) {
             int length = snprintf(path->text, sizeof path->text, "%s/%s", folder, entry->d_name);
-            short_enough = length >= 0 && (size_t)length < sizeof path->text;
-            found++;
+            found = length >= 0 && (size_t)length < sizeof path->text ? found + 1 : -1;
         }
     if (directory)
         closedir(directory);
-    if (!short_enough)
+    return found;
+}
+
+static bool name_in_folder(long_path *path, const char *folder, const char *name, rk_error *error)
+{
+    int found = count_in_folder(path, folder, name, false);
+    if (found == 0)
+        found = count_in_folder(path, folder, name, true);
+    if (found < 0)
         return rk_fail(error, "%.800s: the name is too long", folder);
     return found == 1 ||
            rk_fail(error,
                    "%.700s: holds %s picture %s.*: the faces of an environment are px, nx, "
-                   "py, ny, pz, nz, each in one file",
+                   "py, ny, pz, nz (or posx ..., right, left ...), each in one file",
                    folder, found ? "more than one" : "no", name);
 }
 
 typedef bool find_face(long_path *path, const char *where, const char *name, rk_error *error);
 
+/* The row of which most files are there; the first if none is. */
+static face_names *choose_names(const char *where, find_face *find)
+{
+    face_names *best = &names[0];
+    int most = 0;
+    for (size_t k = 0; k < sizeof names / sizeof *names; k++) {
+        int there = 0;
+        for (int i = 0; i < RK_FACES; i++) {
+            long_path path;
+            struct stat status;
+            there += find(&path, where, names[k][i], NULL) && stat(path.text, &status) == 0;
+        }
+        if (there > most)
+            most = there, best = &names[k];
+    }
+    return best;
+}
+
 static bool read_six(rk_cubemap *map, const char *where, find_face *find, rk_error *error)
 {
     long_path paths[RK_FACES]; /* find all before reading the first, which may be slow */
+    face_names *chosen = choose_names(where, find);
     for (int i = 0; i < RK_FACES; i++)
-        if (!find(&paths[i], where, names[i].name, error))
+        if (!find(&paths[i], where, (*chosen)[i], error))
             return false;
     for (int i = 0; i < RK_FACES; i++)
-        if (!read_face(map, names[i].face, paths[i].text, error)) {
+        if (!read_face(map, order[i], paths[i].text, error)) {
             rk_cubemap_free(map);
             return false;
         }

@@ -4,21 +4,25 @@
 
 #include "scene/environment.h"
 
-/* Of one picture: a face of the largest map, or a world whose pixels take 3 GB. */
-enum { RK_ENVIRONMENT_FILE_PIXELS_MAX = 1 << 28 };
+/* Of one picture: a world of 11,585 x 5,792, whose pixels take 0.8 GB while it is read. */
+enum { RK_ENVIRONMENT_FILE_PIXELS_MAX = 1 << 26 };
 
 /* Reads a map. The width : height of a single file decides its layout:
  *
  *   4:3  the cross of scene/environment.h           6:1  six faces side by side
  *   3:4  that cross with its +z below -y, upside     1:6  six faces one below the other
  *        down, as when it is folded                  2:1  longitude and latitude: -z in the middle,
- *                                                         +x to its right, +y at the top
+ *                                                         +x to its right, +y at the top; a row or
+ *                                                         a column more or less is accepted
  *
  * Six files are either `path` with the one %s in it replaced by px, nx, py, ny, pz, nz, as in
  * "room_%s.jpg", or a folder that holds px.*, nx.* and so on. These names, and the order in a
  * strip, are OpenGL's, whose cube is left-handed: it looks at its +z, which is our -z, while x and
  * y agree. So pz, and the fifth face in a strip, is the one ahead, with px to its right; each face
- * has the orientation that it has in the cross.
+ * has the orientation that it has in the cross. Instead of px and so on, all six may be named posx,
+ * negx ...; pos_x ...; +x, -x ...; right, left, top or up, bottom or down, front, back; or rt, lf,
+ * up, dn, ft, bk; in upper case, too. In a folder their names may begin with one that all six have,
+ * before a _ or a -.
  *
  * Colours are linear, as from rk_image_file_read. The empty parts of a cross are not read. False,
  * with an error that names the file, for other shapes, missing faces, faces of different sizes,

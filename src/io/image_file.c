@@ -88,19 +88,20 @@ static bool unpack(rk_image *image, const unsigned char *reply, size_t size, con
     return false;
 }
 
-bool rk_image_file_read_within(rk_image *image, const char *path, size_t most_pixels,
-                               rk_error *error)
+static bool read_limited(rk_image *image, const char *path, size_t most_pixels,
+                         rk_image_shape shape, rk_error *error)
 {
     *image = (rk_image){0};
     if (!check_kind(path, error))
         return false;
     if (has_ending(path, ".png"))
-        return rk_png_read_within(image, path, most_pixels, error);
+        return rk_png_read_shaped(image, path, most_pixels, shape, error);
     if (most_pixels > RK_IMAGE_PIXELS_MAX)
         most_pixels = RK_IMAGE_PIXELS_MAX;
-    char digits[24];
+    char digits[24], number[12];
     snprintf(digits, sizeof digits, "%zu", most_pixels);
-    rk_helper_call call = make_call(path, (const char *[]){"read", path, digits, NULL},
+    snprintf(number, sizeof number, "%d", (int)shape);
+    rk_helper_call call = make_call(path, (const char *[]){"read", path, digits, number, NULL},
                                     sizeof(head) + sizeof(rk_vec3) * most_pixels);
     unsigned char *reply;
     size_t size;
@@ -113,7 +114,30 @@ bool rk_image_file_read_within(rk_image *image, const char *path, size_t most_pi
 
 bool rk_image_file_read(rk_image *image, const char *path, rk_error *error)
 {
-    return rk_image_file_read_within(image, path, RK_IMAGE_PIXELS_MAX, error);
+    return read_limited(image, path, RK_IMAGE_PIXELS_MAX, RK_IMAGE_ANY, error);
+}
+
+/* Photos take a twentieth of a byte per pixel or more; a surface of one colour, a thousandth. */
+size_t rk_image_file_budget(size_t most_pixels, size_t bytes)
+{
+    const size_t base = (size_t)1 << 24, per_byte = 32;
+    size_t budget = bytes < (SIZE_MAX - base) / per_byte ? base + per_byte * bytes : SIZE_MAX;
+    return budget < most_pixels ? budget : most_pixels;
+}
+
+bool rk_image_file_read_shaped(rk_image *image, const char *path, size_t most_pixels,
+                               rk_image_shape shape, rk_error *error)
+{
+    struct stat status;
+    if (stat(path, &status) == 0)
+        most_pixels = rk_image_file_budget(most_pixels, (size_t)status.st_size);
+    return read_limited(image, path, most_pixels, shape, error);
+}
+
+bool rk_image_file_read_within(rk_image *image, const char *path, size_t most_pixels,
+                               rk_error *error)
+{
+    return rk_image_file_read_shaped(image, path, most_pixels, RK_IMAGE_ANY, error);
 }
 
 /* --- writing --------------------------------------------------------------------------------- */

@@ -4,6 +4,7 @@
 #define RK_IO_IMAGE_FILE_H
 
 #include "base/image.h"
+#include "io/image_shape.h"
 
 /* Reads JPG, PNG, EXR, HDR, TIFF and OpenImageIO's other formats to linear RGB: integers are
  * sRGB-encoded and floats linear unless the file says otherwise, grey is replicated, alpha dropped,
@@ -11,9 +12,17 @@
  * is a path that is not a regular file. */
 bool rk_image_file_read(rk_image *image, const char *path, rk_error *error);
 
-/* The same, but refuses a picture of more than `most_pixels` before it takes memory for them. */
+/* The same, but refuses a picture of more than `most_pixels` before it takes memory for them; and,
+ * so that a small file costs little, one of more than 2^24 + 32 for each byte of the file. */
 bool rk_image_file_read_within(rk_image *image, const char *path, size_t most_pixels,
                                rk_error *error);
+
+/* And one of another shape. */
+bool rk_image_file_read_shaped(rk_image *image, const char *path, size_t most_pixels,
+                               rk_image_shape shape, rk_error *error);
+
+/* The pixels that a picture file of this many bytes may have, `most_pixels` or fewer. */
+size_t rk_image_file_budget(size_t most_pixels, size_t bytes);
 
 /* Writes .png (8 bits, sRGB-encoded) or .exr (32-bit float, linear; NaN and infinity are kept), by
  * the ending. Equal pictures give equal files; a file is written whole or not at all. A picture

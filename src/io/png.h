@@ -3,6 +3,7 @@
 #define RK_IO_PNG_H
 
 #include "base/image.h"
+#include "io/image_shape.h"
 
 typedef struct rk_png_text {
     const char *key;   /* 1 to 79 Latin-1 characters, such as "Software" or "raykit:samples" */
@@ -21,6 +22,10 @@ bool rk_png_read(rk_image *image, const char *path, rk_error *error);
 
 /* The same, but refuses a picture of more than `most_pixels` before it takes memory for them. */
 bool rk_png_read_within(rk_image *image, const char *path, size_t most_pixels, rk_error *error);
+
+/* And one of another shape. */
+bool rk_png_read_shaped(rk_image *image, const char *path, size_t most_pixels, rk_image_shape shape,
+                        rk_error *error);
 
 /* Returns the value stored under `key` as a new string to free(), or NULL when there is none or
  * the file cannot be read (then with an error). */

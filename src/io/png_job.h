@@ -29,6 +29,7 @@ typedef struct job {
 
     rk_image *image; /* reading */
     size_t most_pixels;
+    rk_image_shape shape;
     uintmax_t file_size;
     const char *key;
     char *value;

@@ -46,6 +46,9 @@ static bool check_head(const job *j)
         return rk_fail(j->error,
                        "%s: has %u x %u pixels, more than the %zu allowed here: make it smaller",
                        j->path, width, height, j->most_pixels);
+    const char *needed = rk_image_shape_fault(j->shape, width, height);
+    if (needed)
+        return rk_fail(j->error, "%.700s: has %u x %u pixels: %s", j->path, width, height, needed);
     rewind(j->stream);
     return true;
 }
@@ -196,15 +199,22 @@ static bool decode(job *j)
     return true;
 }
 
-bool rk_png_read_within(rk_image *image, const char *path, size_t most_pixels, rk_error *error)
+bool rk_png_read_shaped(rk_image *image, const char *path, size_t most_pixels, rk_image_shape shape,
+                        rk_error *error)
 {
     *image = (rk_image){0};
-    job j = {.path = path, .error = error, .image = image, .most_pixels = most_pixels};
+    job j = {
+        .path = path, .error = error, .image = image, .most_pixels = most_pixels, .shape = shape};
     bool ok = decode(&j);
     close_picture(&j);
     if (!ok)
         rk_image_free(image);
     return ok;
+}
+
+bool rk_png_read_within(rk_image *image, const char *path, size_t most_pixels, rk_error *error)
+{
+    return rk_png_read_shaped(image, path, most_pixels, RK_IMAGE_ANY, error);
 }
 
 bool rk_png_read(rk_image *image, const char *path, rk_error *error)

@@ -108,6 +108,7 @@ static bool read_embedded(rk_image *image, const rk_texture_file_source *source,
         return rk_fail(error, "picture %s in the mesh file: no temporary file: %s: set TMPDIR",
                        source->name, strerror(errno));
     bool is_png = source->data_size >= sizeof png && memcmp(source->data, png, sizeof png) == 0;
+    most_texels = rk_image_file_budget(most_texels, source->data_size);
     bool ok = is_png ? rk_png_read_within(image, path.text, most_texels, &reason)
                      : rk_image_file_read_within(image, path.text, most_texels, &reason);
     unlink(path.text);

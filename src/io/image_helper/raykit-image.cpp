@@ -1,12 +1,14 @@
 // raykit-image: pictures in every format of OpenImageIO, for the library, which does not link it (a
 // process that does takes a quarter of a second to start).
 //
-//   raykit-image read FILE MOST   picture of up to MOST pixels to standard output
+//   raykit-image read FILE MOST SHAPE   picture of up to MOST pixels, and of this shape (its number
+//                                 in image_shape.h), to standard output
 //   raykit-image write FILE       picture from standard input, in the format of FILE's ending
 //   raykit-image --version        the version, that of the drivers
 //
 // Pictures in streams have the format of image_stream.h.
 // Errors are one line on standard error that begins with the file's name, and exit status 1.
+#include "io/image_shape.h"
 #include "io/image_stream.h"
 
 #include <OpenImageIO/color.h>
@@ -96,6 +98,18 @@ void check_size(const std::string &path, const OIIO::ImageSpec &spec, size_t mos
                        " allowed here: make it smaller");
     if (spec.deep || spec.depth > 1)
         fail(path, "is a deep or volume picture; flatten it, for instance by oiiotool --flatten");
+}
+
+// As the picture will be when it is upright.
+void check_shape(const std::string &path, const OIIO::ImageSpec &spec, rk_image_shape shape)
+{
+    int orientation = spec.get_int_attribute("Orientation", 1);
+    bool lies = orientation >= 5 && orientation <= 8;
+    int width = lies ? spec.height : spec.width, height = lies ? spec.width : spec.height;
+    const char *needed = rk_image_shape_fault(shape, size_t(width), size_t(height));
+    if (needed)
+        fail(path, "has " + std::to_string(width) + " x " + std::to_string(height) +
+                       " pixels: " + needed);
 }
 
 // The first colour channel and the number of colour channels: 3 for RGB, or 1 for grey.
@@ -200,7 +214,15 @@ void check_readable(const std::string &path)
         fail(path, "cannot be read: " + reason);
 }
 
-Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX)
+// Some readers fail without a reason.
+[[noreturn]] void fail_damaged(const std::string &path, const std::string &reason)
+{
+    fail(path,
+         "is damaged" + (reason.empty() ? reason : ": " + reason) + "; save or download it again");
+}
+
+Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
+                     rk_image_shape shape = RK_IMAGE_ANY)
 {
     check_readable(path);
     // Alpha is dropped, so colours must not be multiplied by it.
@@ -211,6 +233,7 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX)
         fail(path, "cannot be read: " + first_line(OIIO::geterror()));
     OIIO::ImageSpec spec = input->spec();
     check_size(path, spec, most_pixels);
+    check_shape(path, spec, shape);
     Channels channels = colour_channels(path, spec);
     size_t pixels = size_t(spec.width) * size_t(spec.height);
     Floats values(pixels * size_t(channels.count));
@@ -218,7 +241,7 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX)
     if (!input->read_image(0, 0, channels.first, channels.first + channels.count,
                            OIIO::TypeDesc::FLOAT, values.data()) ||
         input->has_error())
-        fail(path, "is damaged: " + first_line(input->geterror()) + "; save or download it again");
+        fail_damaged(path, first_line(input->geterror()));
     make_linear(values, spec);
     Picture picture{spec.width, spec.height,
                     channels.count == 3 ? std::move(values) : replicate(values)};
@@ -226,9 +249,9 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX)
     return picture;
 }
 
-Picture load(const std::string &path, size_t most_pixels)
+Picture load(const std::string &path, size_t most_pixels, rk_image_shape shape)
 {
-    Picture picture = read_picture(path, most_pixels);
+    Picture picture = read_picture(path, most_pixels, shape);
     check_finite(path, picture);
     return picture;
 }
@@ -364,14 +387,14 @@ void store(const std::string &path, Picture picture)
 
 void run(const std::vector<std::string> &words)
 {
-    if (words.size() == 3 && words[0] == "read")
-        send(load(words[1], std::stoull(words[2])));
+    if (words.size() == 4 && words[0] == "read")
+        send(load(words[1], std::stoull(words[2]), rk_image_shape(std::stoi(words[3]))));
     else if (words.size() == 2 && words[0] == "write")
         store(words[1], receive());
     else if (words.size() == 1 && words[0] == "--version")
         std::printf("raykit-image %s\n", PACKAGE_VERSION);
     else
-        fail("raykit-image", "usage: raykit-image read FILE MOST | write FILE | --version");
+        fail("raykit-image", "usage: raykit-image read FILE MOST SHAPE | write FILE | --version");
 }
 
 std::string one_line(std::string text)
