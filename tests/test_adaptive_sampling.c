@@ -335,15 +335,19 @@ static void the_count_is_the_ratio_of_deviations(void **state)
                           0, "sigma 2^%d, lambda 2^%d: n = sigma / sqrt(lambda)", k, e);
 }
 
-static void the_count_is_the_next_power_of_two_by_logarithm(void **state)
+static void the_count_is_the_nearest_power_of_two_by_logarithm(void **state)
 {
     (void)state;
     const float below = 1.9999f, above = 2.0001f; /* of the squared number */
     for (int k = 2; k < 12; k++) {
         rk_check_near(rk_adaptive_count(ldexpf(below, 2 * k), 1, 4096), ldexp(1, k), 0,
-                      "n = sqrt(%g) 2^%d", (double)below, k);
+                      "n = sqrt(%g) 2^%d; by logarithm the middle between 2^%d and 2^%d is sqrt(2) "
+                      "times the first",
+                      (double)below, k, k, k + 1);
         rk_check_near(rk_adaptive_count(ldexpf(above, 2 * k), 1, 4096), ldexp(1, k + 1), 0,
-                      "n = sqrt(%g) 2^%d", (double)above, k);
+                      "n = sqrt(%g) 2^%d; by logarithm the middle between 2^%d and 2^%d is sqrt(2) "
+                      "times the first",
+                      (double)above, k, k, k + 1);
     }
 }
 
@@ -419,9 +423,24 @@ static void no_allocation_of_as_many_samples_is_better(void **state)
         }
 }
 
+/* 2^24 and 5 more, of which a sum of floats or of 24 bits loses the last. */
+static void check_large_prediction(void)
+{
+    const rk_adaptive_estimate two[] = {{0x1p40f, 64, 1u << 24}, {640, 64, 5}};
+    rk_adaptive_prediction p = rk_adaptive_predict(two, 2, INFINITY, 1u << 24, 1);
+    rk_check_close(p.samples, 0x1p24 + 5, 0,
+                   "a pixel of 2^24 samples, and one of 5: a float ends at 2^24");
+    rk_check_close(p.variance - 0x1p34, 10, 0, "variances of 2^34 and 10: a float has 24 bits");
+    const rk_adaptive_estimate many_samples = {0, 4, 1u << 31};
+    const rk_adaptive_estimate three[] = {many_samples, many_samples, many_samples};
+    p = rk_adaptive_predict(three, 3, INFINITY, 4, 1);
+    rk_check_close(p.samples, 3 * 0x1p31, 0, "more samples than 32 bits can count");
+}
+
 static void a_prediction_adds_up_pixels(void **state)
 {
     (void)state;
+    check_large_prediction();
     const rk_adaptive_estimate estimates[] = {{64, 8, 0}, {1024, 8, 0}, {0, 4, 0}, {4096, 64, 0}};
     const rk_adaptive_prediction p = rk_adaptive_predict(estimates, 4, 1, 32, 0.25);
     rk_check_close(p.samples, 8 + 32 + 4 + 32, 0, "counts");
@@ -531,7 +550,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(neighbours_are_those_inside_the_picture),
     cmocka_unit_test(no_pixel_is_trusted_to_be_without_noise),
     cmocka_unit_test(the_count_is_the_ratio_of_deviations),
-    cmocka_unit_test(the_count_is_the_next_power_of_two_by_logarithm),
+    cmocka_unit_test(the_count_is_the_nearest_power_of_two_by_logarithm),
     cmocka_unit_test(counts_have_limits),
     cmocka_unit_test(noisier_pixels_never_take_fewer_samples),
     cmocka_unit_test(no_allocation_of_as_many_samples_is_better),

@@ -309,6 +309,22 @@ static void invalid_directions_stay_on_the_cube(void **state)
 
 /* --- Nearest ---------------------------------------------------------------------------------- */
 
+/* Brighter than a screen's white, as skies and lamps are. */
+static void radiance_above_1_is_kept(void **state)
+{
+    (void)state;
+    const rk_vec3 bright = {10, 2.5f, 1e6f};
+    rk_cubemap map = make_map(2);
+    for (int i = 0; i < RK_FACES * 4; i++)
+        map.faces[0][i] = bright;
+    for (uint32_t n = 0; n < 100; n++)
+        check_colour(rk_cubemap_at(&map, random_direction(n), RK_CUBEMAP_NEAREST), bright, 0,
+                     "direction %u: all texels have the same radiance, above 1: a map holds light, "
+                     "which is not clamped",
+                     n);
+    rk_cubemap_free(&map);
+}
+
 static void nearest_is_the_texel_that_the_direction_hits(void **state)
 {
     (void)state;
@@ -1009,6 +1025,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(texel_centres_survive_the_round_trip),
     cmocka_unit_test(places_and_directions_are_inverse),
     cmocka_unit_test(invalid_directions_stay_on_the_cube),
+    cmocka_unit_test(radiance_above_1_is_kept),
     cmocka_unit_test(nearest_is_the_texel_that_the_direction_hits),
     cmocka_unit_test(the_last_texels_reach_to_the_edge),
     cmocka_unit_test(filters_return_the_texel_at_its_centre),

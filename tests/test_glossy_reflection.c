@@ -726,9 +726,10 @@ static part part_of(const setting *s, float radius)
 static void the_fraction_above_equals_quadrature(void **state)
 {
     (void)state;
-    const double radii[] = {0.02, 0.3, 1, 5};
+    const double radii[] = {0.02, 0.3, 1, 5}, large[] = {100, 1000};
     for (uint32_t i = 0; i < 100; i++) {
-        double radius = radii[i % 4], degrees = atan(radius) * 180 / pi * (i % 50 + 0.5) / 50;
+        double radius = i % 10 == 0 ? large[i / 10 % 2] : radii[i % 4];
+        double degrees = atan(radius) * 180 / pi * (i % 50 + 0.5) / 50;
         if (i % 5 == 0) /* hardly cut */
             degrees = atan(radius * (1 - 0.0005 * (i % 8 + 1))) * 180 / pi;
         setting s = setting_at(degrees, i);

@@ -210,7 +210,7 @@ uint32_t rk_adaptive_count(float variance, float lambda, uint32_t most)
         count *= 2;
     return count;
     /* starter
-    // Fifth step: the root of variance / lambda, rounded to a power of two.
+    // Fifth step: the root of variance / lambda, rounded to the nearest power of two, by logarithm.
     return most < RK_ADAPTIVE_FIRST ? most : RK_ADAPTIVE_FIRST;
     end */
 }
