@@ -635,6 +635,111 @@ static void more_pictures_than_1024_are_a_note(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* --- opacity from pictures ------------------------------------------------------------------ */
+
+/* Pictures of 2 x 1 texels: green and opaque beside magenta and invisible; a grey one of 1 and .2;
+ * one with an alpha channel that is 1; one with .2 and .4. */
+static const unsigned char half_png[] = {
+    137, 80,  78,  71,  13,  10,  26,  10, 0,  0,   0,   13,  73, 72,  68,  82, 0,  0,
+    0,   2,   0,   0,   0,   1,   8,   6,  0,  0,   0,   244, 34, 127, 138, 0,  0,  0,
+    15,  73,  68,  65,  84,  120, 218, 99, 96, 248, 207, 240, 31, 136, 24,  0,  17, 247,
+    3,   253, 119, 181, 152, 73,  0,   0,  0,  0,   73,  69,  78, 68,  174, 66, 96, 130};
+static const unsigned char grey_png[] = {
+    137, 80, 78, 71, 13, 10, 26,  10, 0,  0,  0, 13, 73, 72, 68, 82, 0,  0,  0,   2,   0,  0,   0,
+    1,   8,  0,  0,  0,  0,  209, 73, 32, 86, 0, 0,  0,  11, 73, 68, 65, 84, 120, 218, 99, 248, 111,
+    12,  0,  2,  52, 1,  51, 12,  7,  9,  13, 0, 0,  0,  0,  73, 69, 78, 68, 174, 66,  96, 130};
+static const unsigned char opaque_png[] = {
+    137, 80,  78,  71,  13, 10,  26,  10, 0,  0,   0,   13,  73, 72,  68,  82, 0,   0,
+    0,   2,   0,   0,   0,  1,   8,   6,  0,  0,   0,   244, 34, 127, 138, 0,  0,   0,
+    14,  73,  68,  65,  84, 120, 218, 99, 96, 248, 207, 240, 31, 132, 0,   18, 246, 4,
+    252, 222, 190, 183, 32, 0,   0,   0,  0,  73,  69,  78,  68, 174, 66,  96, 130};
+static const unsigned char faint_png[] = {
+    137, 80,  78, 71,  13,  10, 26, 10,  0,   0,  0,   13,  73,  72,  68, 82, 0,  0,  0,
+    2,   0,   0,  0,   1,   8,  6,  0,   0,   0,  244, 34,  127, 138, 0,  0,  0,  17, 73,
+    68,  65,  84, 120, 218, 99, 96, 248, 207, 96, 252, 159, 225, 127, 26, 0,  14, 97, 3,
+    151, 122, 39, 253, 174, 0,  0,  0,   0,   73, 69,  78,  68,  174, 66, 96, 130};
+
+static void write_picture(const char *name, const unsigned char *bytes, size_t size)
+{
+    test_folder_write(&folder, name, bytes, size, 0600);
+}
+
+static void check_alpha(const rk_mesh *mesh, uint32_t triangle, float left, float right)
+{
+    const rk_texture *alpha = mesh->materials[mesh->triangle_materials[triangle]].alpha_texture;
+    rk_check(alpha != NULL, "triangle %u has no opacity", triangle);
+    check_texel(alpha, 0.25f, 0.5f, rk_vec(left, left, left));
+    check_texel(alpha, 0.75f, 0.5f, rk_vec(right, right, right));
+}
+
+static void an_alpha_channel_or_map_d_is_the_opacity(void **state)
+{
+    (void)state;
+    write_picture("half.png", half_png, sizeof half_png);
+    write_picture("grey.png", grey_png, sizeof grey_png);
+    write_picture("opaque.png", opaque_png, sizeof opaque_png);
+    write_quarters(&folder, "quarters.png");
+    rk_mesh mesh = load(write_textured_obj("newmtl a\nmap_Kd half.png\n"
+                                           "newmtl b\nmap_Kd quarters.png\nmap_d grey.png\n"
+                                           "newmtl c\nmap_Kd opaque.png\n"
+                                           "newmtl d\nd 0.5\nmap_d half.png\n",
+                                           "abcd"));
+    check_alpha(&mesh, 0, 1, 0);
+    check_texel(texture_of(&mesh, 0), 0.25f, 0.5f, rk_vec(0, 1, 0));
+    check_alpha(&mesh, 2, 1, 0.2f);
+    check_quarters(texture_of(&mesh, 2));
+    const rk_material *c = &mesh.materials[mesh.triangle_materials[4]];
+    rk_check(c->kd_texture && !c->alpha_texture, "an opaque picture costs nothing per ray");
+    check_alpha(&mesh, 6, 1, 0);
+    rk_check_close(mesh.materials[mesh.triangle_materials[6]].alpha, 0.5, 0, "d, times map_d");
+    rk_mesh_free(&mesh);
+}
+
+/* Cut at one half, nothing of it would be left. */
+static void a_picture_that_is_faint_all_over_is_not_cut_out(void **state)
+{
+    (void)state;
+    write_picture("faint.png", faint_png, sizeof faint_png);
+    rk_mesh mesh = load(write_textured_obj("newmtl a\nmap_Kd faint.png\n", "a"));
+    rk_check(!mesh.materials[0].alpha_texture, "its opacity is that of the material");
+    rk_check_close(mesh.materials[0].alpha, 0.3, 1e-7, "the mean of .2 and .4, rounded to float");
+    rk_mesh_free(&mesh);
+}
+
+/* The seed with a member of its material. */
+static rk_mesh load_gltf_with_mode(const char *mode)
+{
+    mesh_seed seed = {0}, changed = {0};
+    write_picture("half.png", half_png, sizeof half_png);
+    seed_append_textured_gltf(&seed, "\"uri\":\"half.png\"", "");
+    seed.bytes[seed.size] = '\0';
+    char *place = strstr((char *)seed.bytes, "\"pbrMetallicRoughness\"");
+    assert_non_null(place);
+    seed_append(&changed, seed.bytes, (size_t)(place - (char *)seed.bytes));
+    seed_append_text(&changed, mode);
+    seed_append_text(&changed, place);
+    return load(test_folder_write(&folder, "mode.gltf", changed.bytes, changed.size, 0600));
+}
+
+static void gltf_says_by_its_mode_whether_alpha_cuts_out(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load_gltf_with_mode("");
+    rk_check(!mesh.materials[0].alpha_texture, "OPAQUE, the default, ignores alpha");
+    rk_mesh_free(&mesh);
+    mesh = load_gltf_with_mode("\"alphaMode\":\"MASK\",\"alphaCutoff\":0.25,");
+    check_alpha(&mesh, 0, 1, 0);
+    rk_check_close(mesh.materials[0].alpha_cutoff, 0.25, 0, "as written");
+    rk_mesh_free(&mesh);
+    mesh = load_gltf_with_mode("\"alphaMode\":\"MASK\",");
+    rk_check_close(mesh.materials[0].alpha_cutoff, 0.5, 0, "the default");
+    rk_mesh_free(&mesh);
+    mesh = load_gltf_with_mode("\"alphaMode\":\"BLEND\",");
+    check_alpha(&mesh, 0, 1, 0);
+    rk_check_close(mesh.materials[0].alpha_cutoff, 0, 0, "transparency, with --transparency");
+    rk_mesh_free(&mesh);
+}
+
 /* --- refusals ------------------------------------------------------------------------------- */
 
 static void obj_mistakes_are_found_with_their_line(void **state)
@@ -882,7 +987,7 @@ typedef struct triangle_stream {
     unsigned char rest[2 + sizeof(rk_mesh_stream_material) + sizeof(rk_mesh_stream_texture) + 4];
 } triangle_stream;
 
-enum { triangle_stream_size = 36 + 36 + 12 + 2 + 36 + 12 + 4 };
+enum { triangle_stream_size = 36 + 36 + 12 + 2 + 44 + 12 + 4 };
 
 static void set_texture(triangle_stream *s, uint32_t of_material, rk_mesh_stream_texture texture)
 {
@@ -944,7 +1049,7 @@ static void an_answer_is_accepted_only_if_consistent(void **state)
     rk_check_ok(read_stream(&good, triangle_stream_size, &error), error);
     check_stream_refused(&good, 0, "only 0 bytes");
     check_stream_refused(&good, 35, "only 35 bytes");
-    check_stream_refused(&good, triangle_stream_size - 1, "137 bytes, but its counts require 138");
+    check_stream_refused(&good, triangle_stream_size - 1, "145 bytes, but its counts require 146");
     triangle_stream bad = good;
     bad.header.magic[0] = 'X';
     check_stream_refused(&bad, triangle_stream_size, "another version's format");
@@ -1029,6 +1134,9 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(pictures_without_texture_coordinates_are_a_note),
     cmocka_unit_test(a_part_without_texture_coordinates_shows_its_colour_alone),
     cmocka_unit_test(more_pictures_than_1024_are_a_note),
+    cmocka_unit_test(an_alpha_channel_or_map_d_is_the_opacity),
+    cmocka_unit_test(a_picture_that_is_faint_all_over_is_not_cut_out),
+    cmocka_unit_test(gltf_says_by_its_mode_whether_alpha_cuts_out),
     cmocka_unit_test(obj_mistakes_are_found_with_their_line),
     cmocka_unit_test(ply_mistakes_are_found_with_their_place),
     cmocka_unit_test(binary_ply_mistakes_are_found_with_their_place),

@@ -133,6 +133,72 @@ static void colours_of_vertices_are_seen_also_through_transparency(void **state)
     rk_scene_free(&scene);
 }
 
+/* A square whose right half a picture cuts out, or its left half alone, before a wall. */
+static rk_scene make_half_square(bool cut_out)
+{
+    rk_scene scene = test_scene_of(4, 2);
+    rk_error error;
+    test_scene_wall(&scene, 2, 1, 1);
+    test_scene_quad(&scene, 0, rk_vec(-0.5f, -0.5f, 0), rk_vec(cut_out ? 1 : 0.5f, 0, 0),
+                    rk_vec(0, 1, 0));
+    test_scene_light(&scene, rk_vec(0.3f, 0.2f, -2), rk_vec(1, 1, 1));
+    if (!cut_out)
+        return scene;
+    static const rk_vec2 texcoords[6] = {{0, 0}, {1, 0}, {1, 1}, {0, 0}, {1, 1}, {0, 1}};
+    rk_mesh *mesh = &scene.mesh;
+    mesh->texcoords = rk_allocate(12, sizeof(rk_vec2), "texture coordinates", &error);
+    memcpy(mesh->texcoords, texcoords, sizeof texcoords);
+    mesh->textures = rk_allocate(1, sizeof(rk_texture), "textures", &error);
+    mesh->texture_count = 1;
+    rk_check_ok(rk_image_init(&mesh->textures[0].image, 2, 1, &error), error);
+    *rk_image_at(&mesh->textures[0].image, 0, 0) = rk_vec(1, 1, 1);
+    mesh->materials[0].alpha_texture = &mesh->textures[0];
+    return scene;
+}
+
+/* A camera ray through the hidden half sees the wall, and a shadow ray the light: the same picture
+ * as without that half, whether by a cutoff, by one half, or as transparency. */
+static void where_a_picture_cuts_a_surface_out_there_is_none(void **state)
+{
+    (void)state;
+    rk_scene half = make_half_square(false), cut = make_half_square(true);
+    rk_render_options options = size_of(64, 48);
+    options.shadows = true;
+    test_picture want = test_render(&half, options, 1);
+    for (int way = 0; way < 3; way++) {
+        cut.mesh.materials[0].alpha_cutoff = way == 0 ? 0.25f : 0;
+        options.transparency = way == 2;
+        test_picture got = test_render(&cut, options, 1);
+        for (size_t y = 0; y < options.height; y++)
+            for (size_t x = 0; x < options.width; x++) {
+                const rk_vec3 *w = rk_image_at(&want.image, x, y);
+                const double colour[3] = {(double)w->x, (double)w->y, (double)w->z};
+                /* A dozen roundings of float, 2^-24 each, in numbers up to 1. */
+                check_colour(&got.image, x, y, colour, 2e-6, "as if it were not there");
+            }
+        rk_image_free(&got.image);
+    }
+    rk_image_free(&want.image);
+    rk_scene_free(&half);
+    rk_scene_free(&cut);
+}
+
+/* Without the option, materials that are not opaque are drawn as if they were. */
+static void a_cut_out_makes_nothing_else_transparent(void **state)
+{
+    (void)state;
+    rk_scene cut = make_half_square(true);
+    rk_render_options options = size_of(64, 48);
+    options.shadows = true;
+    test_picture want = test_render(&cut, options, 1);
+    cut.mesh.materials[1].alpha = 0.25f;
+    test_picture got = test_render(&cut, options, 1);
+    rk_check(test_same_pixels(&want.image, &got.image), "the wall is transparent");
+    rk_image_free(&want.image);
+    rk_image_free(&got.image);
+    rk_scene_free(&cut);
+}
+
 static void a_point_light_is_shaded_as_by_its_unit_directions_to_the_bit(void **state)
 {
     (void)state;
@@ -666,6 +732,8 @@ static void camera_rays_are_the_views_rays_through_the_centres(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_facing_triangle_shines_by_lamberts_law),
     cmocka_unit_test(colours_of_vertices_are_seen_also_through_transparency),
+    cmocka_unit_test(where_a_picture_cuts_a_surface_out_there_is_none),
+    cmocka_unit_test(a_cut_out_makes_nothing_else_transparent),
     cmocka_unit_test(a_point_light_is_shaded_as_by_its_unit_directions_to_the_bit),
     cmocka_unit_test(several_lights_add_up),
     cmocka_unit_test(a_surface_lit_from_behind_is_black),

@@ -14,14 +14,14 @@ typedef struct gathering {
     const rk_ray *ray; /* the scene's */
     rk_ray relative;   /* the same, relative to the object whose tree is visited */
     rk_crossing_list *list;
-    bool until_opaque; /* stop at the first opaque crossing */
+    rk_crossings_wanted wanted;
     rk_counters *counters;
 } gathering;
 
 static bool is_done(const gathering *g)
 {
     const rk_crossing_list *list = g->list;
-    return g->until_opaque && list->count && list->crossings[list->count - 1].alpha >= 1;
+    return g->wanted.until_opaque && list->count && list->crossings[list->count - 1].alpha >= 1;
 }
 
 /* No leaf is entered before 0. */
@@ -42,6 +42,24 @@ static rk_vec3 kd_at(const rk_scene *scene, const rk_crossing *crossing,
     return rk_surface_kd(&surface, &scene->mesh);
 }
 
+static bool is_below_cutoff(const gathering *g, const rk_material *material, float alpha)
+{
+    const float cutoff = material->alpha_cutoff;
+    return cutoff > 0 ? alpha < cutoff : g->wanted.cutouts_only ? alpha < 0.5f : !(alpha > 0);
+}
+
+/* Sets the crossing's opacity. False if the surface is cut out there. */
+static bool set_alpha(const gathering *g, rk_crossing *crossing, const rk_material *material)
+{
+    crossing->alpha = g->wanted.cutouts_only ? 1 : material->alpha;
+    if (!material->alpha_texture)
+        return true;
+    const rk_vec3 weights = {1 - crossing->u - crossing->v, crossing->u, crossing->v};
+    const float alpha = rk_surface_alpha(material, &g->scene->mesh, crossing->primitive, weights);
+    crossing->alpha = material->alpha_cutoff > 0 || g->wanted.cutouts_only ? 1 : alpha;
+    return !is_below_cutoff(g, material, alpha);
+}
+
 /* Fills in the crossing's material, and inserts it into the list if it lies on the ray; NaN does
  * not. */
 static void add_crossing(gathering *g, rk_crossing *crossing, uint32_t medium,
@@ -49,8 +67,9 @@ static void add_crossing(gathering *g, rk_crossing *crossing, uint32_t medium,
 {
     if (!(crossing->t > 0 && crossing->t < g->ray->t_max && crossing->t <= g->visitor.end))
         return;
+    if (!set_alpha(g, crossing, material))
+        return;
     crossing->medium = medium;
-    crossing->alpha = material->alpha;
     crossing->kd = material->kd_texture || g->scene->mesh.colours
                        ? kd_at(g->scene, crossing, material)
                        : material->kd;
@@ -101,30 +120,32 @@ static void gather_triangles(gathering *g, rk_tree tree, const rk_ray *relative)
 
 /* A gathering that adds to the list. */
 static gathering gathering_into(rk_crossing_list *list, const rk_accel *accel, const rk_ray *ray,
-                                bool until_opaque, rk_counters *counters)
+                                rk_crossings_wanted wanted, rk_counters *counters)
 {
     gathering g = {.visitor = {.visit = gather_leaf},
                    .scene = accel->scene,
                    .ray = ray,
                    .list = list,
-                   .until_opaque = until_opaque,
+                   .wanted = wanted,
                    .counters = counters};
     set_end(&g);
     return g;
 }
 
-void rk_crossings_gather_static(const rk_accel *accel, const rk_ray *ray, bool until_opaque,
-                                rk_crossing_list *list, rk_counters *counters)
+void rk_crossings_gather_static(const rk_accel *accel, const rk_ray *ray,
+                                rk_crossings_wanted wanted, rk_crossing_list *list,
+                                rk_counters *counters)
 {
-    gathering g = gathering_into(list, accel, ray, until_opaque, counters);
+    gathering g = gathering_into(list, accel, ray, wanted, counters);
     gather_spheres(&g);
     gather_triangles(&g, rk_accel_static_tree(accel), ray);
 }
 
 void rk_crossings_gather_moving(const rk_accel *accel, const rk_ray *ray, const rk_ray_time *when,
-                                bool until_opaque, rk_crossing_list *list, rk_counters *counters)
+                                rk_crossings_wanted wanted, rk_crossing_list *list,
+                                rk_counters *counters)
 {
-    gathering g = gathering_into(list, accel, ray, until_opaque, counters);
+    gathering g = gathering_into(list, accel, ray, wanted, counters);
     for (uint32_t k = 0; k < accel->scene->moving_count; k++)
         if (when->objects >> k & 1) {
             rk_ray moved = rk_accel_ray_at(accel, k, when->time, ray);
@@ -146,10 +167,11 @@ rk_vec3 rk_crossings_transmittance(const rk_crossing_list *list, const rk_ray *r
     return rk_transparency_transmit(model, list->crossings, list->count, rk_length(ray->direction));
 }
 
-void rk_crossings_gather_at_rest(const rk_accel *accel, const rk_ray *ray, bool until_opaque,
-                                 rk_crossing_list *list, rk_counters *counters)
+void rk_crossings_gather_at_rest(const rk_accel *accel, const rk_ray *ray,
+                                 rk_crossings_wanted wanted, rk_crossing_list *list,
+                                 rk_counters *counters)
 {
-    gathering g = gathering_into(list, accel, ray, until_opaque, counters);
+    gathering g = gathering_into(list, accel, ray, wanted, counters);
     for (uint32_t k = 0; k < accel->scene->moving_count; k++)
         gather_triangles(&g, rk_accel_moving_tree(accel, k), ray);
 }
@@ -158,8 +180,9 @@ void rk_crossings_gather(const rk_accel *accel, const rk_ray *ray, uint32_t limi
                          rk_crossing_list *list, rk_counters *counters)
 {
     rk_transparency_start(list, limit);
-    rk_crossings_gather_static(accel, ray, false, list, counters);
-    rk_crossings_gather_at_rest(accel, ray, false, list, counters);
+    const rk_crossings_wanted all = {0};
+    rk_crossings_gather_static(accel, ray, all, list, counters);
+    rk_crossings_gather_at_rest(accel, ray, all, list, counters);
 }
 
 rk_vec3 rk_crossings_transmit(const rk_accel *accel, const rk_ray *ray, rk_glass_model model,
@@ -167,7 +190,8 @@ rk_vec3 rk_crossings_transmit(const rk_accel *accel, const rk_ray *ray, rk_glass
 {
     rk_crossing_list list;
     rk_transparency_start(&list, RK_CROSSINGS_MAX);
-    rk_crossings_gather_static(accel, ray, true, &list, counters);
-    rk_crossings_gather_at_rest(accel, ray, true, &list, counters);
+    const rk_crossings_wanted wanted = {.until_opaque = true};
+    rk_crossings_gather_static(accel, ray, wanted, &list, counters);
+    rk_crossings_gather_at_rest(accel, ray, wanted, &list, counters);
     return rk_crossings_transmittance(&list, ray, model);
 }

@@ -88,20 +88,16 @@ static bool unpack(rk_image *image, const unsigned char *reply, size_t size, con
     return false;
 }
 
-static bool read_limited(rk_image *image, const char *path, size_t most_pixels,
-                         rk_image_shape shape, rk_error *error)
+/* `part` is a word of raykit-image. */
+static bool read_by_helper(rk_image *image, const char *part, const char *path, size_t most_pixels,
+                           rk_image_shape shape, rk_error *error)
 {
-    *image = (rk_image){0};
-    if (!check_kind(path, error))
-        return false;
-    if (has_ending(path, ".png"))
-        return rk_png_read_shaped(image, path, most_pixels, shape, error);
     if (most_pixels > RK_IMAGE_PIXELS_MAX)
         most_pixels = RK_IMAGE_PIXELS_MAX;
     char digits[24], number[12];
     snprintf(digits, sizeof digits, "%zu", most_pixels);
     snprintf(number, sizeof number, "%d", (int)shape);
-    rk_helper_call call = make_call(path, (const char *[]){"read", path, digits, number, NULL},
+    rk_helper_call call = make_call(path, (const char *[]){part, path, digits, number, NULL},
                                     sizeof(head) + sizeof(rk_vec3) * most_pixels);
     unsigned char *reply;
     size_t size;
@@ -110,6 +106,17 @@ static bool read_limited(rk_image *image, const char *path, size_t most_pixels,
     bool ok = unpack(image, reply, size, path, error);
     free(reply);
     return ok;
+}
+
+static bool read_limited(rk_image *image, const char *path, size_t most_pixels,
+                         rk_image_shape shape, rk_error *error)
+{
+    *image = (rk_image){0};
+    if (!check_kind(path, error))
+        return false;
+    if (has_ending(path, ".png"))
+        return rk_png_read_shaped(image, path, most_pixels, shape, error);
+    return read_by_helper(image, "read", path, most_pixels, shape, error);
 }
 
 bool rk_image_file_read(rk_image *image, const char *path, rk_error *error)
@@ -138,6 +145,30 @@ bool rk_image_file_read_within(rk_image *image, const char *path, size_t most_pi
                                rk_error *error)
 {
     return rk_image_file_read_shaped(image, path, most_pixels, RK_IMAGE_ANY, error);
+}
+
+/* These formats have no alpha; starting the helper to learn it would take a quarter of a second. */
+static bool is_opaque_format(const char *path)
+{
+    return has_ending(path, ".jpg") || has_ending(path, ".jpeg") || has_ending(path, ".hdr") ||
+           has_ending(path, ".pnm") || has_ending(path, ".ppm") || has_ending(path, ".pgm");
+}
+
+bool rk_image_file_read_opacity(rk_image *image, const char *path, size_t most_pixels,
+                                bool alpha_only, rk_error *error)
+{
+    struct stat status;
+    *image = (rk_image){0};
+    if (!check_kind(path, error))
+        return false;
+    if (stat(path, &status) == 0)
+        most_pixels = rk_image_file_budget(most_pixels, (size_t)status.st_size);
+    if (has_ending(path, ".png"))
+        return rk_png_read_opacity(image, path, most_pixels, alpha_only, error);
+    if (!alpha_only)
+        return read_by_helper(image, "opacity", path, most_pixels, RK_IMAGE_ANY, error);
+    return is_opaque_format(path) ||
+           read_by_helper(image, "alpha", path, most_pixels, RK_IMAGE_ANY, NULL) || true;
 }
 
 /* --- writing --------------------------------------------------------------------------------- */

@@ -24,6 +24,10 @@ bool rk_image_file_read_shaped(rk_image *image, const char *path, size_t most_pi
 /* The pixels that a picture file of this many bytes may have, `most_pixels` or fewer. */
 size_t rk_image_file_budget(size_t most_pixels, size_t bytes);
 
+/* Reads the opacity instead; see rk_png_read_opacity. */
+bool rk_image_file_read_opacity(rk_image *image, const char *path, size_t most_pixels,
+                                bool alpha_only, rk_error *error);
+
 /* Writes .png (8 bits, sRGB-encoded) or .exr (32-bit float, linear; NaN and infinity are kept), by
  * the ending. Equal pictures give equal files; a file is written whole or not at all. A picture
  * without pixels is an error. */

@@ -79,6 +79,7 @@ static tail unpack(rk_mesh *mesh, const rk_mesh_stream_header *header, const uns
         material->ks = rk_vec(m.ks[0], m.ks[1], m.ks[2]);
         material->shininess = m.shininess;
         material->alpha = m.alpha;
+        material->alpha_cutoff = m.alpha_cutoff;
     }
     return rest;
 }
@@ -98,7 +99,8 @@ static bool check_textures(const tail *rest, const rk_mesh_stream_header *header
                        "%s: raykit-mesh sent %u bytes of textures, but their sizes require %llu",
                        path, header->texture_bytes, (unsigned long long)bytes);
     for (uint32_t i = 0; i < header->material_count; i++) {
-        uint32_t texture = material_row(rest, i).texture;
+        const rk_mesh_stream_material row = material_row(rest, i);
+        const uint32_t texture = row.texture > row.alpha_texture ? row.texture : row.alpha_texture;
         if (texture > header->texture_count)
             return rk_fail(error, "%s: material %u uses texture %u, but there are only %u", path, i,
                            texture, header->texture_count);
@@ -106,20 +108,84 @@ static bool check_textures(const tail *rest, const rk_mesh_stream_header *header
     return true;
 }
 
+/* The pictures of a mesh file while they are read. */
+typedef struct picture_reader {
+    rk_mesh *mesh;
+    const tail *rest;
+    const char *path;
+    size_t texels_left;
+} picture_reader;
+
 /* `from` points to the name, which a picture may follow. */
-static bool read_texture(rk_texture *texture, const rk_mesh_stream_texture *row,
-                         const unsigned char *from, const char *path, size_t *texels_left,
-                         rk_error *error)
+static bool read_texture(picture_reader *reader, rk_texture *texture, uint32_t number,
+                         const unsigned char *from, rk_texture_file_part part, rk_error *error)
 {
-    char *name = rk_allocate((size_t)row->name_size + 1, 1, path, error);
+    const rk_mesh_stream_texture row = texture_row(reader->rest, number - 1);
+    char *name = rk_allocate((size_t)row.name_size + 1, 1, reader->path, error);
     if (!name)
         return false;
-    const unsigned char *data = take(name, from, row->name_size);
-    rk_texture_file_source source = {name, row->data_size ? data : NULL, row->data_size,
-                                     row->clamps != 0};
-    bool ok = rk_texture_file_read(texture, &source, path, texels_left, error);
+    const unsigned char *data = take(name, from, row.name_size);
+    rk_texture_file_source source = {name, row.data_size ? data : NULL, row.data_size,
+                                     row.clamps != 0, part};
+    bool ok = rk_texture_file_read(texture, &source, reader->path, &reader->texels_left, error);
     free(name);
     return ok;
+}
+
+static bool uses(const rk_mesh_stream_material *row, uint32_t number, rk_texture_file_part part)
+{
+    if (part == RK_TEXTURE_COLOUR)
+        return row->texture == number;
+    return row->alpha_texture == number && (row->texture == number) == (part == RK_TEXTURE_ALPHA);
+}
+
+/* The mean opacity if it is nowhere one half, so that rounding to opaque or nothing would leave
+ * nothing; else 1. */
+static float faintness(const rk_image *opacity)
+{
+    double sum = 0;
+    const size_t count = opacity->width * opacity->height;
+    for (size_t i = 0; i < count; i++) {
+        if (opacity->pixels[i].x >= 0.5f)
+            return 1;
+        sum += (double)opacity->pixels[i].x;
+    }
+    return (float)(sum / (double)count);
+}
+
+static void set_texture(rk_material *material, const rk_texture *texture, rk_texture_file_part part,
+                        float faint)
+{
+    if (part == RK_TEXTURE_COLOUR)
+        material->kd_texture = texture;
+    else if (faint < 1 && material->alpha_cutoff == 0)
+        material->alpha *= faint;
+    else
+        material->alpha_texture = texture;
+}
+
+/* Reads one part of a picture if a material uses it. */
+static bool read_part(picture_reader *reader, uint32_t number, const unsigned char *from,
+                      rk_texture_file_part part, rk_error *error)
+{
+    rk_mesh *mesh = reader->mesh;
+    rk_texture *texture = &mesh->textures[mesh->texture_count];
+    float faint = 1;
+    for (uint32_t k = 0; k < mesh->material_count; k++) {
+        const rk_mesh_stream_material row = material_row(reader->rest, k);
+        if (!uses(&row, number, part))
+            continue;
+        if (texture == &mesh->textures[mesh->texture_count]) { /* the first that uses it */
+            if (!read_texture(reader, texture, number, from, part, error))
+                return false;
+            if (!texture->image.pixels) /* opaque */
+                return true;
+            mesh->texture_count++;
+            faint = part == RK_TEXTURE_COLOUR ? 1 : faintness(&texture->image);
+        }
+        set_texture(&mesh->materials[k], texture, part, faint);
+    }
+    return true;
 }
 
 /* Reads every texture that can be read. Returns the number of others, with the first one's
@@ -127,20 +193,15 @@ static bool read_texture(rk_texture *texture, const rk_mesh_stream_texture *row,
 static uint32_t read_each(rk_mesh *mesh, const rk_mesh_stream_header *header, const tail *rest,
                           const char *path, rk_error *why)
 {
+    picture_reader reader = {mesh, rest, path, most_texels};
     const unsigned char *from = rest->texture_bytes;
-    size_t texels_left = most_texels;
     uint32_t lost = 0;
     for (uint32_t i = 0; i < header->texture_count; i++) {
-        rk_mesh_stream_texture row = texture_row(rest, i);
-        rk_texture *texture = &mesh->textures[mesh->texture_count];
-        if (read_texture(texture, &row, from, path, &texels_left, lost ? NULL : why)) {
-            mesh->texture_count++;
-            for (uint32_t k = 0; k < header->material_count; k++)
-                if (material_row(rest, k).texture == i + 1)
-                    mesh->materials[k].kd_texture = texture;
-        } else {
-            lost++;
-        }
+        const rk_mesh_stream_texture row = texture_row(rest, i);
+        bool ok = true;
+        for (int part = RK_TEXTURE_COLOUR; ok && part <= RK_TEXTURE_OPACITY; part++)
+            ok = read_part(&reader, i + 1, from, (rk_texture_file_part)part, lost ? NULL : why);
+        lost += !ok;
         from += (size_t)row.name_size + row.data_size;
     }
     return lost;
@@ -157,7 +218,8 @@ static bool read_textures(rk_mesh *mesh, const rk_mesh_stream_header *header, co
         rk_fail(note, "%s: has textures but no texture coordinates: surfaces are plain", path);
         return true;
     }
-    mesh->textures = rk_allocate(header->texture_count, sizeof *mesh->textures, path, note);
+    mesh->textures = /* each may be a colour and, in two ways, an opacity */
+        rk_allocate(3 * (size_t)header->texture_count, sizeof *mesh->textures, path, note);
     if (!mesh->textures)
         return false;
     rk_error why;
@@ -168,6 +230,18 @@ static bool read_textures(rk_mesh *mesh, const rk_mesh_stream_header *header, co
                 "%s: %u of %u textures cannot be read, their surfaces are plain; the first: %s",
                 path, lost, header->texture_count, why.text);
     return true;
+}
+
+/* A cutoff without a picture decides for the whole material. */
+static void settle_cutoffs(rk_mesh *mesh)
+{
+    for (uint32_t i = 0; i < mesh->material_count; i++) {
+        rk_material *m = &mesh->materials[i];
+        if (m->alpha_cutoff == 0 || m->alpha_texture)
+            continue;
+        m->alpha = m->alpha >= m->alpha_cutoff ? 1 : 0;
+        m->alpha_cutoff = 0;
+    }
 }
 
 /* --- the whole ----------------------------------------------------------------------------- */
@@ -188,8 +262,10 @@ static bool parse(rk_mesh *mesh, const unsigned char *bytes, size_t size, const 
         return rk_fail(error, "%s: %.900s", path, reason.text);
     tail rest = unpack(mesh, &header, bytes + sizeof header);
     if (check_textures(&rest, &header, path, error) && rk_mesh_validate(mesh, path, error) &&
-        read_textures(mesh, &header, &rest, path, error))
+        read_textures(mesh, &header, &rest, path, error)) {
+        settle_cutoffs(mesh);
         return true;
+    }
     rk_mesh_free(mesh);
     return false;
 }

@@ -20,7 +20,8 @@
  * PLY. Its path is relative to the mesh's folder; if there is no such file, the one of that name
  * beside the mesh is used. It repeats unless it is clamped in both directions. A picture that
  * cannot be read gives a note and untextured surfaces. Scales and offsets of texture coordinates
- * and a picture's opacity are not read. */
+ * are not read. Its opacity is map_d in MTL, or else the picture's alpha channel, which glTF's
+ * alphaMode may ignore; below MASK's cutoff the surface is cut out. */
 bool rk_mesh_file_read(rk_mesh *mesh, const char *path, rk_error *error);
 
 #endif

@@ -12,7 +12,7 @@
 
 #define RK_MESH_STREAM_MAGIC "RKMESH\n"
 enum {
-    RK_MESH_STREAM_VERSION = 3,
+    RK_MESH_STREAM_VERSION = 4,
     RK_MESH_STREAM_TEXTURES_MAX = 1024, /* each may take a helper program a quarter of a second */
 };
 
@@ -28,9 +28,11 @@ static_assert(sizeof(rk_mesh_stream_header) == 36, "no padding");
 /* In the stream a material is these numbers, whatever else rk_material may come to contain. */
 typedef struct rk_mesh_stream_material {
     float kd[3], ks[3], shininess, alpha;
-    uint32_t texture; /* the texture's number plus 1; 0: none */
+    float alpha_cutoff;
+    uint32_t texture, alpha_texture; /* their numbers plus 1, 0: none; the same twice: alpha is
+                                        that picture's alpha channel */
 } rk_mesh_stream_material;
-static_assert(sizeof(rk_mesh_stream_material) == 36, "no padding");
+static_assert(sizeof(rk_mesh_stream_material) == 44, "no padding");
 
 /* After these rows follow, for each texture, its name without a NUL and its embedded picture. */
 typedef struct rk_mesh_stream_texture {

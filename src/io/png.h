@@ -27,6 +27,12 @@ bool rk_png_read_within(rk_image *image, const char *path, size_t most_pixels, r
 bool rk_png_read_shaped(rk_image *image, const char *path, size_t most_pixels, rk_image_shape shape,
                         rk_error *error);
 
+/* Reads the opacity instead, as a grey image of the stored values: the alpha channel, or the one
+ * transparent colour of a picture without it; else, unless `alpha_only`, the mean of red, green and
+ * blue. With `alpha_only` a picture that is opaque by its format gives no pixels. */
+bool rk_png_read_opacity(rk_image *image, const char *path, size_t most_pixels, bool alpha_only,
+                         rk_error *error);
+
 /* Returns the value stored under `key` as a new string to free(), or NULL when there is none or
  * the file cannot be read (then with an error). */
 char *rk_png_read_text(const char *path, const char *key, rk_error *error);

@@ -29,6 +29,7 @@ typedef struct job {
 
     rk_image *image; /* reading */
     size_t most_pixels;
+    bool opacity, alpha_only, has_alpha; /* see rk_png_read_opacity */
     rk_image_shape shape;
     uintmax_t file_size;
     const char *key;

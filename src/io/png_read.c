@@ -126,11 +126,16 @@ static void read_head(job *j)
         png_error(j->png, "the file is too short for its size in pixels");
 }
 
-/* From here on libpng delivers RGB of 8 or 16 bits. */
+/* From here on libpng delivers RGB of 8 or 16 bits, with alpha if the opacity is wanted. */
 static void ask_for_rgb(job *j)
 {
+    j->has_alpha = png_get_color_type(j->png, j->info) & PNG_COLOR_MASK_ALPHA ||
+                   png_get_valid(j->png, j->info, PNG_INFO_tRNS);
     png_set_expand(j->png);
-    png_set_strip_alpha(j->png);
+    if (j->opacity)
+        png_set_add_alpha(j->png, 0xffff, PNG_FILLER_AFTER);
+    else
+        png_set_strip_alpha(j->png);
     png_set_gray_to_rgb(j->png);
     png_set_interlace_handling(j->png);
     png_read_update_info(j->png, j->info);
@@ -184,10 +189,29 @@ static void decode_pixels(const job *j, bool deep)
                                    : rk_vec(linear[b[0]], linear[b[1]], linear[b[2]]);
 }
 
+static double stored_value(const unsigned char *at, bool deep)
+{
+    return deep ? (at[0] << 8 | at[1]) / 65535.0 : at[0] / 255.0;
+}
+
+static void decode_opacity(const job *j, bool deep)
+{
+    const size_t size = deep ? 2 : 1, count = j->image->width * j->image->height;
+    const unsigned char *b = j->bytes;
+    for (size_t i = 0; i < count; i++, b += 4 * size) {
+        const double sum =
+            stored_value(b, deep) + stored_value(b + size, deep) + stored_value(b + 2 * size, deep);
+        const float v = (float)(j->has_alpha ? stored_value(b + 3 * size, deep) : sum / 3);
+        j->image->pixels[i] = rk_vec(v, v, v);
+    }
+}
+
 static bool decode(job *j)
 {
     if (!open_picture(j) || !run(j, read_head) || !run(j, ask_for_rgb))
         return false;
+    if (j->alpha_only && !j->has_alpha)
+        return true;
     size_t height = png_get_image_height(j->png, j->info);
     bool deep = png_get_bit_depth(j->png, j->info) == 16;
     j->bytes = rk_allocate(height, png_get_rowbytes(j->png, j->info), j->path, j->error);
@@ -195,21 +219,39 @@ static bool decode(job *j)
         !rk_image_init(j->image, png_get_image_width(j->png, j->info), height, j->error) ||
         !run(j, read_rows))
         return false;
-    decode_pixels(j, deep);
+    if (j->opacity)
+        decode_opacity(j, deep);
+    else
+        decode_pixels(j, deep);
     return true;
+}
+
+static bool read_picture(job *j)
+{
+    *j->image = (rk_image){0};
+    bool ok = decode(j);
+    close_picture(j);
+    if (!ok)
+        rk_image_free(j->image);
+    return ok;
 }
 
 bool rk_png_read_shaped(rk_image *image, const char *path, size_t most_pixels, rk_image_shape shape,
                         rk_error *error)
 {
-    *image = (rk_image){0};
-    job j = {
-        .path = path, .error = error, .image = image, .most_pixels = most_pixels, .shape = shape};
-    bool ok = decode(&j);
-    close_picture(&j);
-    if (!ok)
-        rk_image_free(image);
-    return ok;
+    return read_picture(&(job){
+        .path = path, .error = error, .image = image, .most_pixels = most_pixels, .shape = shape});
+}
+
+bool rk_png_read_opacity(rk_image *image, const char *path, size_t most_pixels, bool alpha_only,
+                         rk_error *error)
+{
+    return read_picture(&(job){.path = path,
+                               .error = error,
+                               .image = image,
+                               .most_pixels = most_pixels,
+                               .opacity = true,
+                               .alpha_only = alpha_only});
 }
 
 bool rk_png_read_within(rk_image *image, const char *path, size_t most_pixels, rk_error *error)

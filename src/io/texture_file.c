@@ -96,6 +96,26 @@ static bool write_temporary(long_path *path, const rk_texture_file_source *sourc
     return written;
 }
 
+static bool read_part(rk_image *image, const rk_texture_file_source *source, const char *path,
+                      bool is_png, size_t most_texels, rk_error *error)
+{
+    const bool alpha_only = source->part == RK_TEXTURE_ALPHA;
+    if (source->part == RK_TEXTURE_COLOUR)
+        return is_png ? rk_png_read_within(image, path, most_texels, error)
+                      : rk_image_file_read_within(image, path, most_texels, error);
+    return is_png ? rk_png_read_opacity(image, path, most_texels, alpha_only, error)
+                  : rk_image_file_read_opacity(image, path, most_texels, alpha_only, error);
+}
+
+/* A picture that is opaque everywhere need not be looked up. */
+static void drop_opaque(rk_image *opacity)
+{
+    for (size_t i = 0; i < opacity->width * opacity->height; i++)
+        if (opacity->pixels[i].x < 1)
+            return;
+    rk_image_free(opacity);
+}
+
 /* Our readers need files. The first bytes identify a PNG, which needs no helper program. */
 static bool read_embedded(rk_image *image, const rk_texture_file_source *source, size_t most_texels,
                           rk_error *error)
@@ -109,8 +129,7 @@ static bool read_embedded(rk_image *image, const rk_texture_file_source *source,
                        source->name, strerror(errno));
     bool is_png = source->data_size >= sizeof png && memcmp(source->data, png, sizeof png) == 0;
     most_texels = rk_image_file_budget(most_texels, source->data_size);
-    bool ok = is_png ? rk_png_read_within(image, path.text, most_texels, &reason)
-                     : rk_image_file_read_within(image, path.text, most_texels, &reason);
+    bool ok = read_part(image, source, path.text, is_png, most_texels, &reason);
     unlink(path.text);
     size_t length = strlen(path.text);
     if (ok)
@@ -129,7 +148,9 @@ bool rk_texture_file_read(rk_texture *texture, const rk_texture_file_source *sou
     bool ok = source->data
                   ? read_embedded(&texture->image, source, *texels_left, error)
                   : find_file(&path, mesh_path, source->name, error) &&
-                        rk_image_file_read_within(&texture->image, path.text, *texels_left, error);
+                        read_part(&texture->image, source, path.text, false, *texels_left, error);
+    if (ok && source->part != RK_TEXTURE_COLOUR)
+        drop_opaque(&texture->image);
     if (ok)
         *texels_left -= texture->image.width * texture->image.height;
     return ok;

@@ -4,11 +4,19 @@
 
 #include "base/texture.h"
 
+/* What of a picture is read. */
+typedef enum rk_texture_file_part {
+    RK_TEXTURE_COLOUR,
+    RK_TEXTURE_ALPHA,   /* its alpha channel, as grey; no pixels if it has none, or is opaque */
+    RK_TEXTURE_OPACITY, /* the same, or its grey if it has none */
+} rk_texture_file_part;
+
 typedef struct rk_texture_file_source {
     const char *name;          /* as the mesh file gives it */
     const unsigned char *data; /* the picture, if embedded in the mesh file, or NULL */
     size_t data_size;
     bool clamps; /* else it repeats */
+    rk_texture_file_part part;
 } rk_texture_file_source;
 
 /* Reads a mesh file's picture as a bilinear texture. Its texels are subtracted from `texels_left`;

@@ -107,7 +107,7 @@ static bool validate_materials(const rk_mesh *mesh, const char *name, rk_error *
     for (uint32_t i = 0; i < mesh->material_count; i++) {
         const rk_material *m = &mesh->materials[i];
         if (!is_finite3(m->kd) || !is_finite3(m->ks) || !(m->shininess >= 0) ||
-            !isfinite(m->shininess) || !is_fraction(m->alpha))
+            !isfinite(m->shininess) || !is_fraction(m->alpha) || !is_fraction(m->alpha_cutoff))
             return rk_fail(
                 error,
                 "%s: material %u has a colour that is not finite, a negative shininess or an "
@@ -119,9 +119,9 @@ static bool validate_materials(const rk_mesh *mesh, const char *name, rk_error *
                            "%s: material %u has an absorption that is negative or not finite: "
                            "choose 0 for clear glass, more for darker glass",
                            name, i);
-        if (!is_texture_of(m->kd_texture, mesh))
+        if (!is_texture_of(m->kd_texture, mesh) || !is_texture_of(m->alpha_texture, mesh))
             return rk_fail(error,
-                           "%s: the texture of material %u is not one of the mesh's, or has no "
+                           "%s: a texture of material %u is not one of the mesh's, or has no "
                            "image: add it to the mesh's textures",
                            name, i);
     }

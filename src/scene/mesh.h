@@ -16,7 +16,11 @@ typedef struct rk_material {
     float alpha;        /* opacity: 1 opaque, 0 invisible */
     rk_vec3 absorption; /* sigma_a >= 0 inside a closed object; transmittance exp(-sigma_a x) after
                            x world units */
-    const rk_texture *kd_texture; /* multiplies kd, or NULL; one of the mesh's textures */
+    const rk_texture *kd_texture;    /* multiplies kd, or NULL; one of the mesh's textures */
+    const rk_texture *alpha_texture; /* whose red multiplies alpha, or NULL; one of the mesh's */
+    float alpha_cutoff; /* with an alpha_texture: where their product is below it, there is no
+                           surface; elsewhere it is opaque. 0: transparency, or one half where the
+                           renderer's option is off */
 } rk_material;
 
 typedef struct rk_mesh {

@@ -187,6 +187,14 @@ void rk_surface_move(rk_surface *surface, rk_vec3 offset)
     surface->point_error = rk_madd(surface->point_error, sizes, gamma_bound(3));
 }
 
+static rk_vec3 texture_at(const rk_texture *texture, const rk_mesh *mesh, const uint32_t corner[3],
+                          rk_vec3 weights)
+{
+    const rk_vec2 *uv = mesh->texcoords;
+    return rk_texture_at(texture,
+                         rk_interpolate2(uv[corner[0]], uv[corner[1]], uv[corner[2]], weights));
+}
+
 rk_vec3 rk_surface_varying_kd(const rk_surface *surface, const rk_mesh *mesh)
 {
     const rk_material *material = surface->material;
@@ -194,16 +202,21 @@ rk_vec3 rk_surface_varying_kd(const rk_surface *surface, const rk_mesh *mesh)
     if (surface->triangle.index == RK_MISS)
         return kd;
     const uint32_t *corner = mesh->triangles[surface->triangle.index];
-    if (material->kd_texture && mesh->texcoords) {
-        const rk_vec2 *uv = mesh->texcoords;
-        kd = rk_mul(
-            kd, rk_texture_at(material->kd_texture, rk_interpolate2(uv[corner[0]], uv[corner[1]],
-                                                                    uv[corner[2]], weights)));
-    }
+    if (material->kd_texture && mesh->texcoords)
+        kd = rk_mul(kd, texture_at(material->kd_texture, mesh, corner, weights));
     if (mesh->colours)
         kd = rk_mul(kd, rk_interpolate3(mesh->colours[corner[0]], mesh->colours[corner[1]],
                                         mesh->colours[corner[2]], weights));
     return kd;
+}
+
+float rk_surface_alpha(const rk_material *material, const rk_mesh *mesh, uint32_t triangle,
+                       rk_vec3 weights)
+{
+    if (!material->alpha_texture || !mesh->texcoords || triangle >= mesh->triangle_count)
+        return material->alpha;
+    const uint32_t *corner = mesh->triangles[triangle];
+    return material->alpha * texture_at(material->alpha_texture, mesh, corner, weights).x;
 }
 
 /* --- Rays from a surface ---------------------------------------------------------------------- */

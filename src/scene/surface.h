@@ -47,6 +47,10 @@ static inline rk_vec3 rk_surface_kd(const rk_surface *surface, const rk_mesh *me
  * in acute corners, where two edges have to be left. The area must not be 0. */
 rk_dvec3 rk_surface_inset(const rk_triangle *triangle, rk_vec3 barycentric, double distance);
 
+/* Returns alpha, times its texture if it has one, at the barycentric weights of a triangle. */
+float rk_surface_alpha(const rk_material *material, const rk_mesh *mesh, uint32_t triangle,
+                       rk_vec3 weights);
+
 /* The origin of a ray spawned into `direction` (any length): moved along the face normal just past
  * the error bound, to the side of the direction, and farther where the plane would still be ahead.
  * No epsilon to tune: the step follows from the rounding errors, at any scale. The ray never hits

@@ -3,6 +3,8 @@
 //
 //   raykit-image read FILE MOST SHAPE   picture of up to MOST pixels, and of this shape (its number
 //                                 in image_shape.h), to standard output
+//   raykit-image alpha FILE MOST SHAPE  its alpha channel, as a grey picture of the stored values
+//   raykit-image opacity FILE MOST SHAPE  the same, or its grey values if it has no alpha
 //   raykit-image write FILE       picture from standard input, in the format of FILE's ending
 //   raykit-image --version        the version, that of the drivers
 //
@@ -127,6 +129,18 @@ Channels colour_channels(const std::string &path, const OIIO::ImageSpec &spec)
     return {0, spec.nchannels >= 3 ? 3 : 1};
 }
 
+// What to read: colours, the alpha channel, or an opacity: the alpha channel, or else the colours.
+enum class Part { colour, alpha, opacity };
+
+Channels channels_of(const std::string &path, const OIIO::ImageSpec &spec, Part part)
+{
+    if (part != Part::colour && spec.alpha_channel >= 0)
+        return {spec.alpha_channel, 1};
+    if (part == Part::alpha)
+        fail(path, "has no alpha channel");
+    return colour_channels(path, spec);
+}
+
 float decode_srgb(double stored)
 {
     return float(stored <= 0.04045 ? stored / 12.92 : std::pow((stored + 0.055) / 1.055, 2.4));
@@ -202,6 +216,15 @@ Floats replicate(const Floats &grey)
     return rgb;
 }
 
+Floats mean(const Floats &rgb)
+{
+    Floats grey(rgb.size() / 3);
+    for (size_t i = 0; i < grey.size(); i++)
+        grey.data()[i] =
+            (rgb.data()[3 * i] + rgb.data()[3 * i + 1] + rgb.data()[3 * i + 2]) / 3;
+    return grey;
+}
+
 // The system's reason says more than OpenImageIO's.
 void check_readable(const std::string &path)
 {
@@ -222,7 +245,7 @@ void check_readable(const std::string &path)
 }
 
 Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
-                     rk_image_shape shape = RK_IMAGE_ANY)
+                     rk_image_shape shape = RK_IMAGE_ANY, Part part = Part::colour)
 {
     check_readable(path);
     // Alpha is dropped, so colours must not be multiplied by it.
@@ -234,7 +257,7 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
     OIIO::ImageSpec spec = input->spec();
     check_size(path, spec, most_pixels);
     check_shape(path, spec, shape);
-    Channels channels = colour_channels(path, spec);
+    Channels channels = channels_of(path, spec, part);
     size_t pixels = size_t(spec.width) * size_t(spec.height);
     Floats values(pixels * size_t(channels.count));
     // Some readers fill missing parts with grey and report success, but leave an error message.
@@ -242,16 +265,19 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
                            OIIO::TypeDesc::FLOAT, values.data()) ||
         input->has_error())
         fail_damaged(path, first_line(input->geterror()));
-    make_linear(values, spec);
+    if (part == Part::colour)
+        make_linear(values, spec);
+    else if (channels.count == 3)
+        values = mean(values), channels.count = 1;
     Picture picture{spec.width, spec.height,
                     channels.count == 3 ? std::move(values) : replicate(values)};
     turn_upright(picture, spec.get_int_attribute("Orientation", 1));
     return picture;
 }
 
-Picture load(const std::string &path, size_t most_pixels, rk_image_shape shape)
+Picture load(const std::string &path, size_t most_pixels, rk_image_shape shape, Part part)
 {
-    Picture picture = read_picture(path, most_pixels, shape);
+    Picture picture = read_picture(path, most_pixels, shape, part);
     check_finite(path, picture);
     return picture;
 }
@@ -385,16 +411,23 @@ void store(const std::string &path, Picture picture)
     unfinished = {};
 }
 
+bool is_part(const std::string &word, Part *part)
+{
+    *part = word == "alpha" ? Part::alpha : word == "opacity" ? Part::opacity : Part::colour;
+    return *part != Part::colour || word == "read";
+}
+
 void run(const std::vector<std::string> &words)
 {
-    if (words.size() == 4 && words[0] == "read")
-        send(load(words[1], std::stoull(words[2]), rk_image_shape(std::stoi(words[3]))));
+    Part part;
+    if (words.size() == 4 && is_part(words[0], &part))
+        send(load(words[1], std::stoull(words[2]), rk_image_shape(std::stoi(words[3])), part));
     else if (words.size() == 2 && words[0] == "write")
         store(words[1], receive());
     else if (words.size() == 1 && words[0] == "--version")
         std::printf("raykit-image %s\n", PACKAGE_VERSION);
     else
-        fail("raykit-image", "usage: raykit-image read FILE MOST SHAPE | write FILE | --version");
+        fail("raykit-image", "usage: raykit-image read|alpha|opacity FILE MOST SHAPE | write FILE | --version");
 }
 
 std::string one_line(std::string text)

@@ -48,8 +48,12 @@ rk_material rk_mesh_material(const struct aiMaterial *material, bool varies)
     float base_alpha, unused;
     bool is_gltf = read_colour(material, AI_MATKEY_BASE_COLOR, &m.kd, &base_alpha);
     if (is_gltf) {
-        if (has_text(material, AI_MATKEY_GLTF_ALPHAMODE, "BLEND"))
+        bool is_mask = has_text(material, AI_MATKEY_GLTF_ALPHAMODE, "MASK");
+        if (is_mask || has_text(material, AI_MATKEY_GLTF_ALPHAMODE, "BLEND"))
             m.alpha = base_alpha;
+        ai_real cutoff = 0.5f;
+        aiGetMaterialFloatArray(material, AI_MATKEY_GLTF_ALPHACUTOFF, &cutoff, NULL);
+        m.alpha_cutoff = is_mask ? clamp_fraction((float)cutoff) : 0;
         return m;
     }
     read_colour(material, AI_MATKEY_COLOR_DIFFUSE, &m.kd, &unused);

@@ -6,11 +6,11 @@
 
 #include <assimp/material.h>
 
-/* MTL: Kd, Ks, Ns, and d or Tr. glTF: the base colour, with its alpha if alphaMode is BLEND. The
- * grey that Assimp gives surfaces without a material becomes rk_mesh_init's default. Colours are
- * clamped to [0, 1]; where the colour `varies`, by a texture or by colours of vertices, a material
- * without Kd does not darken it by Assimp's grey. Values
- * that are not finite are kept, for rk_mesh_validate to refuse. */
+/* MTL: Kd, Ks, Ns, and d or Tr. glTF: the base colour, with its alpha if alphaMode is BLEND or
+ * MASK, and the cutoff of MASK. The grey that Assimp gives surfaces without a material becomes
+ * rk_mesh_init's default. Colours are clamped to [0, 1]; where the colour `varies`, by a texture or
+ * by colours of vertices, a material without Kd does not darken it by Assimp's grey. Values that
+ * are not finite are kept, for rk_mesh_validate to refuse. */
 rk_material rk_mesh_material(const struct aiMaterial *material, bool varies);
 
 #endif

@@ -4,6 +4,7 @@
 
 #include "io/mesh_stream.h"
 
+#include <assimp/GltfMaterial.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -11,10 +12,11 @@ bool rk_mesh_textures_init(rk_mesh_textures *textures, uint32_t material_count, 
                            rk_error *error)
 {
     *textures = (rk_mesh_textures){0};
-    textures->of_material = rk_allocate(material_count, sizeof *textures->of_material, path, error);
+    textures->of_material = rk_allocate(material_count, sizeof(uint32_t), path, error);
+    textures->alpha_of_material = rk_allocate(material_count, sizeof(uint32_t), path, error);
     textures->entries =
         rk_allocate_unset(RK_MESH_STREAM_TEXTURES_MAX, sizeof *textures->entries, path, error);
-    if (textures->of_material && textures->entries)
+    if (textures->of_material && textures->alpha_of_material && textures->entries)
         return true;
     rk_mesh_textures_free(textures);
     return false;
@@ -24,6 +26,7 @@ void rk_mesh_textures_free(rk_mesh_textures *textures)
 {
     free(textures->entries);
     free(textures->of_material);
+    free(textures->alpha_of_material);
     *textures = (rk_mesh_textures){0};
 }
 
@@ -33,18 +36,20 @@ typedef struct named_picture {
     enum aiTextureMapMode modes[2];
 } named_picture;
 
+static bool find_typed(const struct aiMaterial *material, enum aiTextureType type,
+                       named_picture *found)
+{
+    *found = (named_picture){.modes = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap}};
+    return aiGetMaterialTexture(material, type, 0, &found->name, NULL, &found->set, NULL, NULL,
+                                found->modes, NULL) == aiReturn_SUCCESS &&
+           found->name.length > 0;
+}
+
 /* Assimp calls it diffuse; in some formats it is called base colour, or both. */
 static bool find_picture(const struct aiMaterial *material, named_picture *found)
 {
-    static const enum aiTextureType types[] = {aiTextureType_DIFFUSE, aiTextureType_BASE_COLOR};
-    for (int i = 0; i < 2; i++) {
-        *found = (named_picture){.modes = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap}};
-        if (aiGetMaterialTexture(material, types[i], 0, &found->name, NULL, &found->set, NULL, NULL,
-                                 found->modes, NULL) == aiReturn_SUCCESS &&
-            found->name.length > 0)
-            return true;
-    }
-    return false;
+    return find_typed(material, aiTextureType_DIFFUSE, found) ||
+           find_typed(material, aiTextureType_BASE_COLOR, found);
 }
 
 /* An embedded picture is named "*" and its number. Uncompressed ones (no height), which only a few
@@ -81,25 +86,43 @@ static bool is_same(const rk_mesh_texture *a, const rk_mesh_texture *b)
     return a->clamps == b->clamps && strcmp(a->name.data, b->name.data) == 0;
 }
 
-void rk_mesh_textures_find(rk_mesh_textures *textures, uint32_t number, const struct aiScene *scene,
-                           const struct aiMaterial *material)
+/* Returns the entry's number plus 1, or 0. */
+static uint32_t add_entry(rk_mesh_textures *textures, const struct aiScene *scene,
+                          const named_picture *picture)
 {
-    named_picture picture;
-    if (!find_picture(material, &picture))
-        return;
-    rk_mesh_texture entry = make_entry(scene, &picture);
+    rk_mesh_texture entry = make_entry(scene, picture);
     if (entry.name.length == 0)
-        return;
+        return 0;
     uint32_t i = 0;
     while (i < textures->count && !is_same(&textures->entries[i], &entry))
         i++;
     if (i == RK_MESH_STREAM_TEXTURES_MAX) {
         textures->too_many = true;
-        return;
+        return 0;
     }
     if (i == textures->count)
         textures->entries[textures->count++] = entry;
-    textures->of_material[number] = i + 1;
+    return i + 1;
+}
+
+/* The default of glTF is OPAQUE, which ignores the alpha channel; others have no such word. */
+static bool uses_alpha(const struct aiMaterial *material)
+{
+    struct aiString mode;
+    return aiGetMaterialString(material, AI_MATKEY_GLTF_ALPHAMODE, &mode) != aiReturn_SUCCESS ||
+           strcmp(mode.data, "OPAQUE") != 0;
+}
+
+void rk_mesh_textures_find(rk_mesh_textures *textures, uint32_t number, const struct aiScene *scene,
+                           const struct aiMaterial *material)
+{
+    named_picture picture;
+    if (find_picture(material, &picture))
+        textures->of_material[number] = add_entry(textures, scene, &picture);
+    if (uses_alpha(material))
+        textures->alpha_of_material[number] = textures->of_material[number];
+    if (find_typed(material, aiTextureType_OPACITY, &picture))
+        textures->alpha_of_material[number] = add_entry(textures, scene, &picture);
 }
 
 bool rk_mesh_texture_set(const struct aiMaterial *material, uint32_t *set)

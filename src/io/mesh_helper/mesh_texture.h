@@ -18,8 +18,9 @@ typedef struct rk_mesh_texture {
 typedef struct rk_mesh_textures {
     uint32_t count;
     rk_mesh_texture *entries;
-    uint32_t *of_material; /* each material's entry plus 1; 0: none */
-    bool too_many;         /* only the first RK_MESH_STREAM_TEXTURES_MAX are kept */
+    uint32_t *of_material;       /* each material's entry plus 1; 0: none */
+    uint32_t *alpha_of_material; /* the same for its opacity; the same entry: its alpha channel */
+    bool too_many;               /* only the first RK_MESH_STREAM_TEXTURES_MAX are kept */
 } rk_mesh_textures;
 
 /* Allocates the textures of `material_count` materials, which have none so far. */
@@ -27,8 +28,9 @@ bool rk_mesh_textures_init(rk_mesh_textures *textures, uint32_t material_count, 
                            rk_error *error);
 void rk_mesh_textures_free(rk_mesh_textures *textures);
 
-/* Sets the texture of our material `number` to the one that the scene's material names: map_Kd in
- * MTL, the base colour in glTF. Materials that name the same picture share one entry. */
+/* Sets the textures of our material `number` to those that the scene's material names: its colour
+ * is map_Kd in MTL, the base colour in glTF; its opacity is map_d in MTL, or else the alpha channel
+ * of its colour, which glTF may forbid. Materials that name the same picture share one entry. */
 void rk_mesh_textures_find(rk_mesh_textures *textures, uint32_t number, const struct aiScene *scene,
                            const struct aiMaterial *material);
 

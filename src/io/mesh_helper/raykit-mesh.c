@@ -39,7 +39,9 @@ static bool write_materials(const rk_mesh *mesh, const rk_mesh_textures *texture
                                        {m->ks.x, m->ks.y, m->ks.z},
                                        m->shininess,
                                        m->alpha,
-                                       textures->of_material[i]};
+                                       m->alpha_cutoff,
+                                       textures->of_material[i],
+                                       textures->alpha_of_material[i]};
         ok = write_bytes(&row, sizeof row, error);
     }
     return ok;

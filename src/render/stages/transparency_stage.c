@@ -35,13 +35,20 @@ static bool is_transparent(const rk_material *material)
     return material->alpha < 1;
 }
 
-static bool wanted(const rk_scene *scene, const rk_render_options *options)
+static bool is_cut_out(const rk_material *material)
 {
-    return options->transparency && rk_plan_any_material(scene, is_transparent);
+    return material->alpha_texture != NULL;
 }
 
-const rk_feature rk_transparency_feature = {.stem = "transparency",
-                                            .options = rows,
-                                            .takes =
-                                                "--transparency and a material that is not opaque",
-                                            .wanted = wanted};
+/* Rays go on through what is cut out, also where all else is opaque. */
+static bool wanted(const rk_scene *scene, const rk_render_options *options)
+{
+    return (options->transparency && rk_plan_any_material(scene, is_transparent)) ||
+           rk_plan_any_material(scene, is_cut_out);
+}
+
+const rk_feature rk_transparency_feature = {
+    .stem = "transparency",
+    .options = rows,
+    .takes = "--transparency and a material that is not opaque, or one that a picture cuts out",
+    .wanted = wanted};
