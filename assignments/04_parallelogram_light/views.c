@@ -37,7 +37,7 @@ static void draw_outline(drawing *d, const rk_light *light)
 
 static void draw_shadow_ray(drawing *d, rk_vec3 end)
 {
-    rk_vec3 start = rk_surface_spawn(&d->surface, rk_sub(end, d->surface.point));
+    rk_vec3 start = rk_surface_spawn_to_light(&d->surface, rk_sub(end, d->surface.point));
     rk_ray ray = {start, rk_sub(end, start), 1};
     bool occluded = rk_trace_one(&d->driver->accel, &ray).triangle != RK_MISS;
     rk_overlay_shadow_ray(&d->overlay, start, end, occluded);

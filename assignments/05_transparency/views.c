@@ -51,7 +51,7 @@ static void draw_view_ray(drawing *d, const rk_ray *ray, const rk_crossing_list 
 
 static void draw_shadow_ray(drawing *d, const rk_surface *surface, rk_vec3 light)
 {
-    rk_vec3 start = rk_surface_spawn(surface, rk_sub(light, surface->point));
+    rk_vec3 start = rk_surface_spawn_to_light(surface, rk_sub(light, surface->point));
     rk_ray ray = {start, rk_sub(light, start), 1};
     rk_crossing_list list;
     rk_crossings_gather(&d->driver->accel, &ray, RK_CROSSINGS_MAX, &list, &d->counters);

@@ -109,7 +109,7 @@ static void print_shadows(const explanation *e, const rk_light *light)
         const rk_surface *surface = &e->points->points[0].surface;
         print_code(e, RK_CODE_SPAWN);
         print_vector(e, "shadow ray origin",
-                     rk_surface_spawn(surface, rk_sub(light->position, surface->point)));
+                     rk_surface_spawn_to_light(surface, rk_sub(light->position, surface->point)));
     } else {
         print_code(e, RK_CODE_LIGHT_SAMPLE);
         print_line(e, "%u shadow rays, %u unoccluded", traced, unoccluded);

@@ -128,11 +128,14 @@ void rk_surface_at(rk_surface *surface, const rk_mesh *mesh, const rk_ray *ray, 
     if (!(dot4(face_normal, face_normal) > 0))
         face_normal = normalized4(backward);
     rk_simd4 normal = face_normal;
+    surface->smooth = NULL;
     if (mesh->normals) {
         load_corners(normals, mesh->normals, corner);
         const rk_simd4 smooth = normalized4(interpolated4(normals, weights));
-        if (dot4(smooth, smooth) > 0)
+        if (dot4(smooth, smooth) > 0) {
             normal = facing4(smooth, face_normal);
+            surface->smooth = mesh;
+        }
     }
     /* Two roundings: to float, and of this sum, which also covers the errors in double. */
     for (int i = 0; i < 3; i++)
@@ -390,4 +393,40 @@ rk_dvec3 rk_surface_inset(const rk_triangle *triangle, rk_vec3 barycentric, doub
     const rk_dvec3 along_ij = rk_dmadd(o.corners[j], o.corners[i], -1);
     const rk_dvec3 along_ik = rk_dmadd(o.corners[k], o.corners[i], -1);
     return rk_dmadd(rk_dscale(along_ij, weights[j] - given[j]), along_ik, weights[k] - given[k]);
+}
+
+/* --- Rays to lights --------------------------------------------------------------------------- */
+
+/* The way from the point to the smooth surface: the point is projected onto the planes through the
+ * corners, at right angles to their normals, and the places are weighted as the corners are. A
+ * plane that it lies above already counts as if it lay in it, so there is no way where the surface
+ * is concave. */
+static rk_vec3 way_to_smooth(const rk_surface *surface)
+{
+    const rk_mesh *mesh = surface->smooth;
+    const uint32_t *corner = mesh->triangles[surface->triangle.index];
+    const rk_vec3 point = rk_sub(surface->point, surface->offset);
+    rk_vec3 way = {0, 0, 0};
+    for (int i = 0; i < 3; i++) {
+        const rk_vec3 normal = facing(mesh->normals[corner[i]], surface->normal);
+        const float height = rk_dot(rk_sub(point, mesh->positions[corner[i]]), normal);
+        if (height < 0)
+            way = rk_madd(way, normal, -height * rk_axis(surface->barycentric, i));
+    }
+    return way;
+}
+
+/* The start is above the face, and the ray may intersect it; so there is no plane to leave. Ways as
+ * short as the point's error are those of flat faces. */
+rk_vec3 rk_surface_spawn_above(const rk_surface *surface, rk_vec3 direction)
+{
+    const rk_vec3 way = way_to_smooth(surface);
+    const float error = rk_dot(rk_abs3(surface->face_normal), surface->point_error);
+    if (!(rk_dot(way, surface->face_normal) > 4 * error))
+        return rk_surface_spawn(surface, direction);
+    rk_surface bulging = *surface;
+    bulging.point = rk_add(surface->point, way);
+    bulging.face_normal = surface->normal;
+    bulging.triangle = (rk_triangle){.index = RK_MISS};
+    return rk_surface_spawn(&bulging, direction);
 }

@@ -17,8 +17,9 @@ typedef struct rk_surface {
                             side as face_normal */
     rk_vec3 barycentric; /* weights of the triangle's corners, sum 1 */
     const rk_material *material;
-    rk_triangle triangle; /* on a sphere its index is RK_MISS */
-    rk_vec3 offset;       /* of a moving object from its position at rest; else 0 */
+    rk_triangle triangle;  /* on a sphere its index is RK_MISS */
+    rk_vec3 offset;        /* of a moving object from its position at rest; else 0 */
+    const rk_mesh *smooth; /* whose normals were interpolated; NULL: flat, or a sphere */
 } rk_surface;
 
 /* Fills in the surface at a hit of `ray` on `mesh`. */
@@ -59,6 +60,26 @@ float rk_surface_alpha(const rk_material *material, const rk_mesh *mesh, uint32_
  * or more and are wide enough, no ray leaves a closed room. */
 rk_vec3 rk_surface_spawn(const rk_surface *surface, rk_vec3 direction);
 
+/* Is the direction above the shading normal's plane, but below the face? A ray to a light there
+ * would enter the mesh at once: faces near the edge of a smooth mesh's shadow would be black. */
+static inline bool rk_surface_bulges_to(const rk_surface *surface, rk_vec3 direction)
+{
+    return surface->smooth && rk_dot(surface->face_normal, direction) <= 0 &&
+           rk_dot(surface->normal, direction) > 0;
+}
+
+/* The origin of such a ray: above the face, where the smooth surface that the normals describe
+ * would be (Hanika, "Hacking the shadow terminator", Ray Tracing Gems II, chapter 4, 2021); where
+ * that is concave, as by rk_surface_spawn. */
+rk_vec3 rk_surface_spawn_above(const rk_surface *surface, rk_vec3 direction);
+
+/* The origin of a ray to a light, or anywhere else that light comes from. */
+static inline rk_vec3 rk_surface_spawn_to_light(const rk_surface *surface, rk_vec3 direction)
+{
+    return rk_surface_bulges_to(surface, direction) ? rk_surface_spawn_above(surface, direction)
+                                                    : rk_surface_spawn(surface, direction);
+}
+
 /* The origins of many rays spawned from one surface, which must stay as long as this. */
 typedef struct rk_spawner {
     const rk_surface *surface;
@@ -86,6 +107,14 @@ static inline rk_vec3 rk_spawner_origin(rk_spawner *spawner, rk_vec3 direction)
         spawner->origin[side] = rk_surface_spawn(spawner->surface, direction);
     }
     return spawner->origin[side];
+}
+
+/* As rk_surface_spawn_to_light, to the bit. */
+static inline rk_vec3 rk_spawner_origin_to_light(rk_spawner *spawner, rk_vec3 direction)
+{
+    return rk_surface_bulges_to(spawner->surface, direction)
+               ? rk_surface_spawn_above(spawner->surface, direction)
+               : rk_spawner_origin(spawner, direction);
 }
 
 #endif

@@ -201,6 +201,7 @@ void rk_highlight_stage(const rk_rendering *r, const rk_sample_pass *pass,
         }
         rk_queue_contribution(queue, point, i, contribution);
         rk_vec3 to_light = rk_sub(hit.position, point->surface.point);
-        rk_queue_shadow_ray(queue, rk_surface_spawn(&point->surface, to_light), hit.position);
+        rk_queue_shadow_ray(queue, rk_surface_spawn_to_light(&point->surface, to_light),
+                            hit.position);
     }
 }

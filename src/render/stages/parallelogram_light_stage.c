@@ -165,7 +165,8 @@ static void queue_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
         if (!all_count && (!decided || k == checked)) {
             rk_vec3 to_light = rk_sub(samples[k].position, point->surface.point);
             rk_queue_contribution(queue, point, i, rk_scale(contribution, stands_for));
-            rk_queue_shadow_ray(queue, rk_spawner_origin(&spawner, to_light), samples[k].position);
+            rk_queue_shadow_ray(queue, rk_spawner_origin_to_light(&spawner, to_light),
+                                samples[k].position);
         }
     }
 }

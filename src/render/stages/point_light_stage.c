@@ -61,7 +61,8 @@ static void queue_shadow_rays(const rk_rendering *r, const rk_shading_points *po
             continue;
         rk_queue_contribution(queue, point, i, contribution);
         rk_vec3 to_light = rk_sub(light.position, point->surface.point);
-        rk_queue_shadow_ray(queue, rk_surface_spawn(&point->surface, to_light), light.position);
+        rk_queue_shadow_ray(queue, rk_surface_spawn_to_light(&point->surface, to_light),
+                            light.position);
     }
 }
 

@@ -120,9 +120,9 @@ static bool find_start(const rk_shading_point *point, const view *v, rk_vec3 *st
 {
     rk_spawner spawner;
     rk_spawner_start(&spawner, &point->surface);
-    *start = rk_spawner_origin(&spawner, v->corners[0]);
+    *start = rk_spawner_origin_to_light(&spawner, v->corners[0]);
     for (int i = 1; i < 4; i++) {
-        const rk_vec3 other = rk_spawner_origin(&spawner, v->corners[i]);
+        const rk_vec3 other = rk_spawner_origin_to_light(&spawner, v->corners[i]);
         if (other.x != start->x || other.y != start->y || other.z != start->z)
             return false;
     }
