@@ -367,6 +367,37 @@ static void a_near_thing_beside_the_picture_is_blurred_into_it(void **state)
     check_card(0, 3, RK_FOCAL_SPHERE);
 }
 
+/* A near thing that flies past a wall in focus. Equidistant times are the same for all pixels: at
+ * one of them, centre rays would find it in one place only. */
+static uint64_t samples_beside_flight(rk_time_sampling sampling)
+{
+    rk_scene scene = test_scene_of(3, 1);
+    test_scene_wall(&scene, 0, 0, 0);
+    test_scene_triangle(&scene, 2, rk_vec(-0.4f, -0.1f, -2), rk_vec(-0.3f, -0.1f, -2),
+                        rk_vec(-0.35f, 0.1f, -2));
+    white_light(&scene);
+    scene.moving[scene.moving_count++] = (rk_moving){2, 1, {0, 0, 0}};
+    rk_render_options options = with_lens(3, 200, 4);
+    options.motion.samples = 16;
+    options.motion.sampling = sampling;
+    options.motion.shutter = (rk_shutter){0, 0.7f};
+    test_picture picture = test_render(&scene, options, 2);
+    uint64_t samples = picture.counters.lens_samples;
+    rk_image_free(&picture.image);
+    rk_scene_free(&scene);
+    return samples;
+}
+
+static void a_flying_thing_is_blurred_all_along_its_path_at_equidistant_times(void **state)
+{
+    (void)state;
+    uint64_t want = samples_beside_flight(RK_TIME_STRATIFIED);
+    uint64_t got = samples_beside_flight(RK_TIME_EQUIDISTANT);
+    rk_check(want > 0 && got == want,
+             "%llu lens samples, but %llu at stratified times: centre rays need times of their own",
+             (unsigned long long)got, (unsigned long long)want);
+}
+
 /* From beside the card's edge to its end all pixels look the same; only the picture's border
  * differs. */
 static void the_margin_is_no_wider_than_the_largest_circle(void **state)
@@ -644,6 +675,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(reflections_are_blurred_by_the_length_of_the_whole_path),
     cmocka_unit_test(only_pixels_within_reach_of_a_blurred_half_take_lens_samples),
     cmocka_unit_test(a_near_thing_beside_the_picture_is_blurred_into_it),
+    cmocka_unit_test(a_flying_thing_is_blurred_all_along_its_path_at_equidistant_times),
     cmocka_unit_test(the_margin_is_no_wider_than_the_largest_circle),
     cmocka_unit_test(a_long_picture_has_a_margin_in_proportion_to_its_pixels),
     cmocka_unit_test(a_plane_is_flat_and_a_sphere_is_round),

@@ -130,7 +130,7 @@ static float coc_of_visible(const rk_rendering *r, const rk_ray *ray,
     return coc;
 }
 
-/* Moving objects are at the first time of the sample. */
+/* Moving objects are at a random time. */
 static void trace_hits(const rk_rendering *r, rk_sample_pass *pass, const rk_path_batch *camera,
                        float *coc)
 {
@@ -221,6 +221,9 @@ bool rk_depth_of_field_prepass(rk_rendering *r, rk_pool *pool, rk_counters *coun
     coc_job job = {
         .wide = *r, .options = *r->options, .margin = margin_of(r), .counters = counters};
     job.wide.options = &job.options;
+    /* Equidistant times would show moving objects to all centre rays at the same place. */
+    if (job.options.motion.sampling == RK_TIME_EQUIDISTANT)
+        job.options.motion.sampling = RK_TIME_STRATIFIED;
     uint32_t width = job.options.width += 2 * job.margin;
     uint32_t height = job.options.height += 2 * job.margin;
     job.diameter = rk_allocate_unset((size_t)width * height, sizeof *job.diameter, "focus", error);
