@@ -16,7 +16,21 @@ typedef struct opened {
     struct aiFile file;
     FILE *stream;
     long skipped; /* bytes before the text */
+    size_t size;
 } opened;
+
+static struct {
+    const char *path;
+    char *text;
+    size_t size;
+} replaced;
+
+void rk_mesh_io_replace(const char *path, char *text, size_t size)
+{
+    replaced.path = path;
+    replaced.text = text;
+    replaced.size = size;
+}
 
 static size_t read_items(struct aiFile *file, char *to, size_t size, size_t count)
 {
@@ -38,8 +52,7 @@ static size_t tell(struct aiFile *file)
 static size_t size_of(struct aiFile *file)
 {
     const opened *o = (opened *)file;
-    struct stat status;
-    return fstat(fileno(o->stream), &status) == 0 ? (size_t)(status.st_size - o->skipped) : 0;
+    return o->size - (size_t)o->skipped;
 }
 
 static enum aiReturn seek(struct aiFile *file, size_t offset, enum aiOrigin origin)
@@ -71,14 +84,20 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
         return NULL;
     rk_mesh_guard_allow(&status);
     opened *o = malloc(sizeof *o);
-    FILE *stream = o ? fopen(path, "rb") : NULL;
+    bool is_replaced = replaced.path && strcmp(path, replaced.path) == 0;
+    FILE *stream = !o            ? NULL
+                   : is_replaced ? fmemopen(replaced.text, replaced.size, "rb")
+                                 : fopen(path, "rb");
     if (!stream) {
         free(o);
         return NULL;
     }
     long skipped = is_text_with_mark(stream, path) ? 3 : 0;
     fseek(stream, skipped, SEEK_SET);
-    *o = (opened){{read_items, write_nothing, tell, size_of, seek, flush, NULL}, stream, skipped};
+    *o = (opened){{read_items, write_nothing, tell, size_of, seek, flush, NULL},
+                  stream,
+                  skipped,
+                  is_replaced ? replaced.size : (size_t)status.st_size};
     return &o->file;
 }
 

@@ -3,9 +3,13 @@
 #define RK_IO_MESH_HELPER_MESH_IO_H
 
 #include <assimp/cfileio.h>
+#include <stddef.h>
 
 /* Opens regular files only, because a pipe or a device may never end; others are as missing. Skips
  * a byte order mark before OBJ and MTL, which Assimp would take for a part of the first line. */
 extern struct aiFileIO rk_mesh_io;
+
+/* From now on, reading the file of this path gives these bytes, which must outlive it. */
+void rk_mesh_io_replace(const char *path, char *text, size_t size);
 
 #endif

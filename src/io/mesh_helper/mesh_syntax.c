@@ -6,6 +6,9 @@
 
 #include <errno.h>
 #include <fcntl.h>
+#include <stdarg.h>
+#include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/mman.h>
@@ -14,6 +17,42 @@
 
 /* Assimp keeps the file and its own data in memory at the same time. */
 static const off_t largest_file = (off_t)4 << 30;
+
+void rk_mesh_hints_note(rk_mesh_hints *hints, const char *path, const char *format, ...)
+{
+    char *text = hints->note.text;
+    size_t length = strlen(text), room = sizeof hints->note.text;
+    length += (size_t)snprintf(text + length, room - length, length ? "; " : "%.800s: ", path);
+    va_list arguments;
+    va_start(arguments, format);
+    if (length < room)
+        vsnprintf(text + length, room - length, format, arguments);
+    va_end(arguments);
+}
+
+/* Line ends of old Macintosh programs. */
+static bool ends_lines_by_returns(const char *text, size_t size)
+{
+    return memchr(text, '\r', size) && !memchr(text, '\n', size);
+}
+
+static bool parse_returns(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                          rk_error *error)
+{
+    char *turned = rk_allocate_unset(size, 1, path, error);
+    if (!turned)
+        return false;
+    for (size_t i = 0; i < size; i++)
+        turned[i] = text[i] == '\r' ? '\n' : text[i];
+    bool ok = rk_mesh_syntax_obj(path, turned, size, hints, error);
+    if (hints->text) {
+        free(turned);
+    } else {
+        hints->text = turned;
+        hints->size = size;
+    }
+    return ok;
+}
 
 static bool has_ending(const char *path, const char *ending)
 {
@@ -37,6 +76,8 @@ static bool check_kind(const char *path, const struct stat *status, rk_error *er
 static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error)
 {
+    if (has_ending(path, "obj") && ends_lines_by_returns(text, size))
+        return parse_returns(path, text, size, hints, error);
     if (has_ending(path, "obj"))
         return rk_mesh_syntax_obj(path, text, size, hints, error);
     if (has_ending(path, "ply"))

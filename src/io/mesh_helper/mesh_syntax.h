@@ -5,11 +5,22 @@
 
 #include "base/error.h"
 
+enum { RK_MESH_HINTS_FOLDERS = 8 };
+
 /* Further results of the check. */
 typedef struct rk_mesh_hints {
-    bool plain;    /* no surface has a material: Assimp's grey does not count */
-    rk_error note; /* a warning for the user, or "" */
+    bool plain;            /* no surface has a material: Assimp's grey does not count */
+    rk_error note;         /* a warning for the user, or "" */
+    char *text;            /* the corrected file, which Assimp is to read instead; or NULL */
+    size_t size;           /* of the text */
+    size_t faces, corners; /* that Assimp should find, faces of three or more; 0: not counted */
+    char folders[RK_MESH_HINTS_FOLDERS][1024]; /* of material files, relative, with a slash */
+    int folder_count;
 } rk_mesh_hints;
+
+/* Adds to the note, which names the file once. */
+void rk_mesh_hints_note(rk_mesh_hints *hints, const char *path, const char *format, ...)
+    __attribute__((format(printf, 3, 4)));
 
 /* True if the file exists and no fault is found; formats without a checker here pass. False with an
  * error `FILE: what` or `FILE:LINE: what`. */

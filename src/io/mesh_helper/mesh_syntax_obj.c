@@ -1,104 +1,242 @@
-/* io/mesh_helper/mesh_syntax.h for Wavefront OBJ. One statement per line: v and vn with three
- * numbers, vt with one to three, f with corners v, v/vt, v//vn or v/vt/vn, whose indices count from
- * 1, or backwards from the latest. Format: Wavefront's Advanced Visualizer manual, appendix B1. */
+/* io/mesh_helper/mesh_syntax.h for Wavefront OBJ, in two passes: the first checks and counts; if
+ * something is to be left out, moved or found elsewhere, the second writes a corrected text. An
+ * index of a vertex that is not there ends the first: a line is lost, so others may be wrong, too.
+ * One statement per line: v and vn with three numbers, vt with one to three, f with corners v,
+ * v/vt, v//vn or v/vt/vn, whose indices count from 1, or backwards from the latest. Format:
+ * Wavefront's Advanced Visualizer manual, appendix B1. */
+#include "io/mesh_helper/mesh_files.h"
+#include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
 
 #include <stdio.h>
-#include <sys/stat.h>
-#include <unistd.h>
 
 enum { POSITION, TEXCOORD, NORMAL, kinds };
 
+/* What costs a face or its smoothness, not the file. */
+enum { SHORT_FACE, LACKING_FACE, UNFINITE, faults };
+
+/* What one face is found to be. */
+typedef struct obj_face {
+    size_t corners;
+    bool lacks_reference; /* to a texture coordinate or a normal that is not there */
+} obj_face;
+
 typedef struct obj_parser {
     const char *path;
-    long long count[kinds];
+    long long count[kinds], total[kinds]; /* so far; after the first pass */
     long long largest[kinds]; /* index used by a face, which may precede the named line */
     size_t largest_line[kinds];
-    size_t faces;
-    char library[512]; /* the file named by mtllib, or "" */
-    size_t library_line;
+    size_t faces;                         /* of three corners or more */
+    size_t corners;                       /* of these faces */
+    size_t faults[faults], first[faults]; /* their numbers, and the line of the first */
+    size_t short_corners;                 /* of the first short face */
+    mesh_extent extent;
+    bool renames_library;
+    char lost[512]; /* a material file that is missing, or "" */
+    size_t lost_line;
+    mesh_rewrite *rewrite; /* in the second pass */
+    rk_mesh_hints *hints;
 } obj_parser;
 
-static const char *const nouns[kinds] = {"vertices", "texture coordinates", "normals"};
 static const char *const remedy = "repair the line or export the mesh again";
 
-static bool parse_numbers(obj_parser *s, text_cursor *c, int kind, rk_error *error)
+static void count_fault(obj_parser *s, int fault, size_t line)
+{
+    if (s->faults[fault]++ == 0)
+        s->first[fault] = line;
+}
+
+static bool parse_position(obj_parser *s, text_cursor *c, rk_error *error)
 {
     size_t line = c->line;
-    int needed = kind == TEXCOORD ? 1 : 3;
-    for (int i = 0; i < needed; i++)
-        if (!text_read_finite(c))
-            return rk_fail(error, "%s:%zu: a %s line needs %s: %s", s->path, line,
-                           kind == POSITION ? "v"
-                           : kind == NORMAL ? "vn"
-                                            : "vt",
-                           needed == 3 ? "three finite numbers" : "finite numbers", remedy);
-    s->count[kind]++;
+    double at[3];
+    if (s->rewrite && extent_is_far(&s->extent))
+        rewrite_point(s->rewrite, c, &s->extent);
+    else if (!text_read_point(c, at))
+        return rk_fail(error, "%s:%zu: a v line needs three finite numbers: %s", s->path, line,
+                       remedy);
+    else if (!s->rewrite)
+        extent_add(&s->extent, at);
+    s->count[POSITION]++;
     return true;
 }
 
-static bool parse_index(obj_parser *s, text_cursor *c, int kind, rk_error *error)
+/* Numbers that are not finite become zeros: a normal without direction is replaced by the face's.
+ */
+static void parse_attribute(obj_parser *s, text_cursor *c, int kind)
 {
-    long long index;
-    if (!text_read_integer(c, &index))
-        return rk_fail(error, "%s:%zu: a face's index is not a number: %s", s->path, c->line,
-                       remedy);
+    const char *from = c->at;
+    size_t line = c->line;
+    int needed = kind == TEXCOORD ? 1 : 3, found = 0;
+    while (found < needed && text_read_finite(c))
+        found++;
+    s->count[kind]++;
+    if (found == needed)
+        return;
+    count_fault(s, UNFINITE, line);
+    if (!s->rewrite)
+        return;
+    while (!text_line_ended(c))
+        c->at++;
+    rewrite_skip(s->rewrite, from, c->at);
+    fputs(" 0 0 0", s->rewrite->out);
+}
+
+static bool parse_index(obj_parser *s, text_cursor *c, long long *index, rk_error *error)
+{
+    if (text_read_integer(c, index))
+        return true;
+    return rk_fail(error, "%s:%zu: a face's index is not a number: %s", s->path, c->line, remedy);
+}
+
+static bool check_position(obj_parser *s, const text_cursor *c, long long index, rk_error *error)
+{
     if (index == 0)
         return rk_fail(error, "%s:%zu: a face uses index 0, but OBJ counts from 1: %s", s->path,
                        c->line, remedy);
-    if (index < -s->count[kind])
-        return rk_fail(error, "%s:%zu: a face uses index %lld, but only %lld %s precede it: %s",
-                       s->path, c->line, index, s->count[kind], nouns[kind], remedy);
-    if (index > s->largest[kind]) {
-        s->largest[kind] = index;
-        s->largest_line[kind] = c->line;
+    if (index < -s->count[POSITION])
+        return rk_fail(error,
+                       "%s:%zu: a face uses index %lld, but only %lld vertices precede it: %s",
+                       s->path, c->line, index, s->count[POSITION], remedy);
+    if (index > s->largest[POSITION]) {
+        s->largest[POSITION] = index;
+        s->largest_line[POSITION] = c->line;
     }
     return true;
 }
 
-/* v, v/vt, v//vn or v/vt/vn. */
-static bool parse_corner(obj_parser *s, text_cursor *c, rk_error *error)
+/* A positive index may come before its line: it is judged in the second pass. */
+static bool is_there(obj_parser *s, const text_cursor *c, int kind, long long index)
 {
-    if (!parse_index(s, c, POSITION, error))
+    if (index <= 0)
+        return index != 0 && -index <= s->count[kind];
+    if (!s->rewrite && index > s->largest[kind]) {
+        s->largest[kind] = index;
+        s->largest_line[kind] = c->line;
+    }
+    return !s->rewrite || index <= s->total[kind];
+}
+
+/* v, v/vt, v//vn or v/vt/vn. */
+static bool parse_corner(obj_parser *s, text_cursor *c, obj_face *face, rk_error *error)
+{
+    long long index = 0;
+    if (!parse_index(s, c, &index, error) || !check_position(s, c, index, error))
         return false;
     for (int kind = TEXCOORD; kind <= NORMAL && c->at < c->end && *c->at == '/'; kind++) {
         c->at++;
-        bool absent = text_is_separator(c) || *c->at == '/';
-        if (!absent && !parse_index(s, c, kind, error))
+        if (text_is_separator(c) || *c->at == '/')
+            continue;
+        if (!parse_index(s, c, &index, error))
             return false;
+        face->lacks_reference |= !is_there(s, c, kind, index);
     }
     if (!text_is_separator(c))
         return rk_fail(error, "%s:%zu: a face's corner is not v, v/vt, v//vn or v/vt/vn: %s",
                        s->path, c->line, remedy);
+    face->corners++;
     return true;
+}
+
+/* Positions alone. */
+static void rewrite_face(mesh_rewrite *r, const char *from, const text_cursor *end)
+{
+    rewrite_skip(r, from, end->at);
+    for (text_cursor c = {from, end->at, 0}; !text_line_ended(&c);) {
+        long long index = 0;
+        text_read_integer(&c, &index);
+        fprintf(r->out, " %lld", index);
+        while (!text_is_separator(&c))
+            c.at++;
+    }
 }
 
 static bool parse_face(obj_parser *s, text_cursor *c, rk_error *error)
 {
-    size_t line = c->line, corners = 0;
-    for (; !text_line_ended(c); corners++)
-        if (!parse_corner(s, c, error))
+    size_t line = c->line;
+    const char *from = c->at;
+    obj_face face = {0};
+    while (!text_line_ended(c))
+        if (!parse_corner(s, c, &face, error))
             return false;
-    if (corners < 3)
-        return rk_fail(error, "%s:%zu: a face has %zu corners, but needs three: %s", s->path, line,
-                       corners, remedy);
+    if (face.corners < 3) {
+        if (s->faults[SHORT_FACE] == 0)
+            s->short_corners = face.corners;
+        count_fault(s, SHORT_FACE, line);
+        if (s->rewrite)
+            rewrite_skip(s->rewrite, from - 1, c->at);
+        return true;
+    }
     s->faces++;
+    s->corners += face.corners;
+    if (face.lacks_reference) {
+        count_fault(s, LACKING_FACE, line);
+        if (s->rewrite)
+            rewrite_face(s->rewrite, from, c);
+    }
     return true;
 }
 
-/* The name is the rest of the line: it may hold spaces. */
-static void keep_library(obj_parser *s, text_cursor *c)
+/* Keeps the folder, in which the pictures may be, and gives Assimp the name as it is. */
+static bool use_library(obj_parser *s, const char *name, size_t length)
+{
+    char found[RK_MESH_FILES_NAME];
+    if (!rk_mesh_files_find(found, s->path, "", name, length))
+        return false;
+    rk_mesh_hints *h = s->hints;
+    const char *slash = strrchr(found, '/');
+    if (!s->rewrite) {
+        s->renames_library |= strlen(found) != length || memcmp(found, name, length) != 0;
+        h->plain = false;
+        if (slash && h->folder_count < RK_MESH_HINTS_FOLDERS)
+            snprintf(h->folders[h->folder_count++], sizeof h->folders[0], "%.*s",
+                     (int)(slash - found) + 1, found);
+    } else {
+        fprintf(s->rewrite->out, "mtllib %s\n", found);
+    }
+    return true;
+}
+
+/* Assimp, too, looks for a material file with the mesh's own name. */
+static bool use_own_library(obj_parser *s)
+{
+    const char *slash = strrchr(s->path, '/'), *name = slash ? slash + 1 : s->path;
+    char own[RK_MESH_FILES_NAME];
+    int length = snprintf(own, sizeof own, "%.*s.mtl", (int)(strrchr(name, '.') - name), name);
+    return length > 0 && (size_t)length < sizeof own && use_library(s, own, (size_t)length);
+}
+
+static void use_each_library(obj_parser *s, const char *name, size_t length, size_t line)
+{
+    text_cursor c = {name, name + length, line};
+    char word[RK_MESH_FILES_NAME];
+    int used = 0, lost = 0;
+    while (text_read_word(&c, word, sizeof word)) {
+        bool there = use_library(s, word, strlen(word));
+        used += there, lost += !there;
+    }
+    s->renames_library = true;
+    if (lost == 0 || (used == 0 && use_own_library(s)) || s->lost[0])
+        return;
+    s->lost_line = line;
+    snprintf(s->lost, sizeof s->lost, "%.*s", (int)length, name);
+}
+
+/* The rest of the line is a name, which may hold spaces, or several. */
+static void parse_library(obj_parser *s, text_cursor *c)
 {
     text_skip_blanks(c);
     size_t length = 0;
-    while (c->at + length < c->end && c->at[length] != '\n' && length < sizeof s->library - 1)
+    while (c->at + length < c->end && c->at[length] != '\n')
         length++;
-    memcpy(s->library, c->at, length);
-    while (length > 0 && strchr(" \t\r", s->library[length - 1]))
+    const char *name = c->at;
+    if (s->rewrite)
+        rewrite_skip(s->rewrite, name - strlen("mtllib "), name + length);
+    while (length > 0 && strchr(" \t\r", name[length - 1]))
         length--;
-    s->library[length] = '\0';
-    s->library_line = c->line;
+    if (!use_library(s, name, length))
+        use_each_library(s, name, length, c->line);
 }
 
 static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
@@ -108,57 +246,79 @@ static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
         c->at++;
     size_t length = (size_t)(c->at - word);
     if (length == 1 && word[0] == 'v')
-        return parse_numbers(s, c, POSITION, error);
+        return parse_position(s, c, error);
     if (length == 1 && word[0] == 'f')
         return parse_face(s, c, error);
     if (length == 2 && memcmp(word, "vn", 2) == 0)
-        return parse_numbers(s, c, NORMAL, error);
+        parse_attribute(s, c, NORMAL);
     if (length == 2 && memcmp(word, "vt", 2) == 0)
-        return parse_numbers(s, c, TEXCOORD, error);
-    if (length == 6 && memcmp(word, "mtllib", 6) == 0 && !s->library[0])
-        keep_library(s, c);
+        parse_attribute(s, c, TEXCOORD);
+    if (length == 6 && memcmp(word, "mtllib", 6) == 0)
+        parse_library(s, c);
     return true;
 }
 
-/* mesh_io.h refuses others. */
-static bool is_readable(const char *path)
+static bool parse_pass(obj_parser *s, const char *text, size_t size, rk_error *error)
 {
-    struct stat status;
-    return stat(path, &status) == 0 && S_ISREG(status.st_mode) && access(path, R_OK) == 0;
+    text_cursor c = text_begin(text, size);
+    for (; text_next_content(&c); text_next_line(&c))
+        if (!parse_line(s, &c, error))
+            return false;
+    if (s->faces == 0 && s->faults[SHORT_FACE] > 0)
+        return rk_fail(error, "%s:%zu: a face has %zu corners, but needs three: %s", s->path,
+                       s->first[SHORT_FACE], s->short_corners, remedy);
+    return s->faces > 0 ||
+           rk_fail(error, "%s: has no face in its %zu lines: is it an OBJ file with f lines?",
+                   s->path, c.line);
 }
 
-/* Assimp tries the named file, then the mesh's own name with .mtl. */
-static bool library_is_there(const obj_parser *s)
+static void note_faults(const obj_parser *s)
 {
-    char path[4096];
-    const char *slash = strrchr(s->path, '/');
-    int folder = slash ? (int)(slash - s->path) + 1 : 0;
-    snprintf(path, sizeof path, "%.*s%s", folder, s->path, s->library);
-    if (is_readable(path))
-        return true;
-    snprintf(path, sizeof path, "%.*smtl", (int)(strrchr(s->path, '.') - s->path) + 1, s->path);
-    return is_readable(path);
+    static const char *const what[faults] = {
+        "faces of fewer than three corners are left out",
+        "faces use texture coordinates or normals that are not there, and are drawn without",
+        "texture coordinates or normals are not finite numbers, and are replaced"};
+    for (int i = 0; i < faults; i++)
+        if (s->faults[i] > 0)
+            rk_mesh_hints_note(s->hints, s->path, "%zu %s (first in line %zu)", s->faults[i],
+                               what[i], s->first[i]);
+}
+
+static bool write_corrected(const obj_parser *first, const char *text, size_t size, rk_error *error)
+{
+    obj_parser s = {.path = first->path, .extent = first->extent, .hints = first->hints};
+    mesh_rewrite rewrite = {open_memstream(&s.hints->text, &s.hints->size), text};
+    if (!rewrite.out)
+        return rk_fail(error, "%s: no memory for its text: simplify the mesh", s.path);
+    memcpy(s.total, first->count, sizeof s.total);
+    s.rewrite = &rewrite;
+    bool ok = parse_pass(&s, text, size, error);
+    rewrite_skip(&rewrite, text + size, text + size);
+    ok = fclose(rewrite.out) == 0 && ok;
+    note_faults(&s);
+    s.hints->faces = s.faces;
+    s.hints->corners = s.corners;
+    return ok;
 }
 
 bool rk_mesh_syntax_obj(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error)
 {
-    obj_parser s = {.path = path};
-    text_cursor c = text_begin(text, size);
-    for (; text_next_content(&c); text_next_line(&c))
-        if (!parse_line(&s, &c, error))
-            return false;
-    for (int kind = 0; kind < kinds; kind++)
-        if (s.largest[kind] > s.count[kind])
-            return rk_fail(error, "%s:%zu: a face uses index %lld, but the file has %lld %s: %s",
-                           path, s.largest_line[kind], s.largest[kind], s.count[kind], nouns[kind],
-                           remedy);
-    if (s.faces == 0)
-        return rk_fail(error, "%s: has no face in its %zu lines: is it an OBJ file with f lines?",
-                       path, c.line);
-    hints->plain = !s.library[0] || !library_is_there(&s);
-    if (s.library[0] && hints->plain)
-        rk_fail(&hints->note, "%s:%zu: the material file %s is missing: all surfaces are grey",
-                path, s.library_line, s.library);
-    return true;
+    hints->plain = true;
+    obj_parser s = {.path = path, .hints = hints};
+    if (!parse_pass(&s, text, size, error))
+        return false;
+    if (s.largest[POSITION] > s.count[POSITION])
+        return rk_fail(error, "%s:%zu: a face uses index %lld, but the file has %lld vertices: %s",
+                       path, s.largest_line[POSITION], s.largest[POSITION], s.count[POSITION],
+                       remedy);
+    if (s.lost[0])
+        rk_fail(&hints->note, "%s:%zu: the material file %.500s is missing: %s surfaces are grey",
+                path, s.lost_line, s.lost, hints->plain ? "all" : "its");
+    hints->faces = s.faces;
+    hints->corners = s.corners;
+    bool whole = s.faults[SHORT_FACE] + s.faults[LACKING_FACE] + s.faults[UNFINITE] == 0 &&
+                 !extent_is_far(&s.extent) && s.largest[TEXCOORD] <= s.count[TEXCOORD] &&
+                 s.largest[NORMAL] <= s.count[NORMAL] && (!s.renames_library || hints->plain);
+    return whole || write_corrected(&s, text, size, error);
 }

@@ -2,6 +2,7 @@
  * coordinates, colours and normals, three counts (vertices, faces, edges), one line per vertex, one
  * line per face: its number of corners, their indices from 0, optionally a colour. Format: Geomview
  * manual, "OFF files". */
+#include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
 
@@ -27,16 +28,34 @@ static bool statue_counts(const char *path, text_cursor *c, long long counts[2],
     return true;
 }
 
-static bool parse_vertex(const char *path, text_cursor *c, rk_error *error)
+static bool parse_vertex(const char *path, text_cursor *c, mesh_extent *extent, rk_error *error)
 {
-    for (int i = 0; i < 3; i++)
-        if (!text_read_finite(c))
-            return rk_fail(error, "%s:%zu: a vertex needs three finite numbers: %s", path, c->line,
-                           remedy);
+    double at[3];
+    if (!text_read_point(c, at))
+        return rk_fail(error, "%s:%zu: a vertex needs three finite numbers: %s", path, c->line,
+                       remedy);
+    extent_add(extent, at);
     return true;
 }
 
-static bool parse_face(const char *path, text_cursor *c, long long vertices, rk_error *error)
+/* Vertices relative to the first. */
+static bool write_moved(const char *path, text_cursor vertices, long long count, const char *text,
+                        const mesh_extent *extent, rk_mesh_hints *hints, rk_error *error)
+{
+    mesh_rewrite rewrite = {open_memstream(&hints->text, &hints->size), text};
+    if (!rewrite.out)
+        return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+    for (long long row = 0; row < count && text_next_content(&vertices); row++) {
+        rewrite_point(&rewrite, &vertices, extent);
+        text_next_line(&vertices);
+    }
+    rewrite_skip(&rewrite, vertices.end, vertices.end);
+    return fclose(rewrite.out) == 0 ||
+           rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+}
+
+static bool parse_face(const char *path, text_cursor *c, long long vertices, rk_mesh_hints *hints,
+                       rk_error *error)
 {
     long long corners, index;
     text_skip_blanks(c);
@@ -52,6 +71,8 @@ static bool parse_face(const char *path, text_cursor *c, long long vertices, rk_
             return rk_fail(error, "%s:%zu: a face uses vertex %lld, but the file has %lld: %s",
                            path, c->line, index, vertices, remedy);
     }
+    hints->faces += corners >= 3;
+    hints->corners += corners >= 3 ? (size_t)corners : 0;
     return true;
 }
 
@@ -74,6 +95,8 @@ bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh
     if (!statue_counts(path, &c, counts, error))
         return false;
     size_t header_line = c.line - 1;
+    const text_cursor rows = c;
+    mesh_extent extent = {0};
     for (long long row = 0; row < counts[0] + counts[1]; row++) {
         if (!text_next_content(&c))
             return rk_fail(
@@ -81,10 +104,11 @@ bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh
                 "%s:%zu: %lld vertices and %lld faces are promised, but the file ends after "
                 "%lld of these lines: %s",
                 path, header_line, counts[0], counts[1], row, remedy);
-        if (row < counts[0] ? !parse_vertex(path, &c, error)
-                            : !parse_face(path, &c, counts[0], error))
+        if (row < counts[0] ? !parse_vertex(path, &c, &extent, error)
+                            : !parse_face(path, &c, counts[0], hints, error))
             return false;
         text_next_line(&c);
     }
-    return true;
+    return !extent_is_far(&extent) ||
+           write_moved(path, rows, counts[0], text, &extent, hints, error);
 }

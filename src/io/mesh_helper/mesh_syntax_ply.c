@@ -1,6 +1,7 @@
 /* io/mesh_helper/mesh_syntax.h for PLY: a header that declares elements (vertex, face, ...) with
  * their counts and properties, then the rows, as text or binary. All counts are checked against the
  * rows. Format: Greg Turk, "The PLY Polygon File Format", Stanford University, 1994. */
+#include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
 
@@ -28,6 +29,7 @@ typedef struct ply_property {
     bool is_list;
     ply_type count_type, type;
     bool is_geometry; /* a coordinate that must be finite, or a list of vertex indices */
+    int axis;         /* 0 to 2: x, y, z of a vertex; or -1 */
 } ply_property;
 
 typedef struct ply_element {
@@ -44,6 +46,13 @@ typedef struct ply_parser {
     int element_count;
     ply_element elements[max_elements];
     long long vertices;
+    mesh_extent extent;
+    double at[3]; /* of the vertex being read */
+    bool moving;  /* the second pass */
+    char *moved;  /* then of a binary file: a copy of its text */
+    const char *text;
+    mesh_rewrite rewrite; /* or that of a text */
+    rk_mesh_hints *hints;
 } ply_parser;
 
 enum { ASCII, LITTLE, BIG }; /* encodings, in the order of their names in read_format */
@@ -130,6 +139,8 @@ static bool read_property(ply_parser *s, text_cursor *c, rk_error *error)
         !read_type(c, &p->type) || !text_read_word(c, word, sizeof word))
         return fail_header(s, c->line, "a property line needs known types and a name", error);
     p->is_geometry = is_geometry(e, p, word);
+    bool is_axis = p->is_geometry && !p->is_list && strlen(word) == 1;
+    p->axis = is_axis ? word[0] - 'x' : -1;
     return true;
 }
 
@@ -181,7 +192,7 @@ static bool fail_ended(const ply_parser *s, const ply_element *e, long long row,
                    s->path, e->line, e->count, e->name, row + 1, remedy);
 }
 
-static bool parse_text_index(const ply_parser *s, text_cursor *c, bool is_vertex, rk_error *error)
+static bool parse_text_index(ply_parser *s, text_cursor *c, bool is_vertex, rk_error *error)
 {
     long long index;
     text_skip_blanks(c);
@@ -198,15 +209,46 @@ static bool parse_text_index(const ply_parser *s, text_cursor *c, bool is_vertex
     return true;
 }
 
-static bool parse_text_property(const ply_parser *s, text_cursor *c, const ply_property *p,
-                                rk_error *error)
+static void count_face(ply_parser *s, size_t corners)
+{
+    if (corners < 3 || s->moving)
+        return;
+    s->hints->faces++;
+    s->hints->corners += corners;
+}
+
+/* In the second pass, coordinates are written relative to the first vertex. */
+static bool parse_text_number(ply_parser *s, text_cursor *c, const ply_property *p)
 {
     char word[64];
-    if (!p->is_list) {
-        bool ok = p->is_geometry ? text_read_finite(c) : text_read_word(c, word, sizeof word);
-        return ok || rk_fail(error, "%s:%zu: a number is missing or not finite: %s", s->path,
-                             c->line, remedy);
+    if (!p->is_geometry)
+        return text_read_word(c, word, sizeof word);
+    if (p->axis < 0)
+        return text_read_finite(c);
+    text_skip_blanks(c);
+    const char *from = c->at;
+    if (!text_read_number(c, &s->at[p->axis]))
+        return false;
+    if (s->moving) {
+        rewrite_skip(&s->rewrite, from, c->at);
+        fprintf(s->rewrite.out, "%.9g", s->at[p->axis] - s->extent.first[p->axis]);
     }
+    return true;
+}
+
+static void end_vertex(ply_parser *s, const ply_element *e)
+{
+    if (!s->moving && strcmp(e->name, "vertex") == 0)
+        extent_add(&s->extent, s->at);
+}
+
+static bool parse_text_property(ply_parser *s, text_cursor *c, const ply_property *p,
+                                rk_error *error)
+{
+    if (!p->is_list)
+        return parse_text_number(s, c, p) ||
+               rk_fail(error, "%s:%zu: a number is missing or not finite: %s", s->path, c->line,
+                       remedy);
     long long count;
     text_skip_blanks(c);
     if (!text_read_integer(c, &count) || count < 0)
@@ -215,10 +257,12 @@ static bool parse_text_property(const ply_parser *s, text_cursor *c, const ply_p
     for (long long i = 0; i < count; i++)
         if (!parse_text_index(s, c, p->is_geometry, error))
             return false;
+    if (p->is_geometry)
+        count_face(s, (size_t)count);
     return true;
 }
 
-static bool parse_text(const ply_parser *s, text_cursor *c, rk_error *error)
+static bool parse_text(ply_parser *s, text_cursor *c, rk_error *error)
 {
     for (int i = 0; i < s->element_count; i++) {
         const ply_element *e = &s->elements[i];
@@ -228,6 +272,7 @@ static bool parse_text(const ply_parser *s, text_cursor *c, rk_error *error)
             for (int k = 0; k < e->property_count; k++)
                 if (!parse_text_property(s, c, &e->properties[k], error))
                     return false;
+            end_vertex(s, e);
             text_next_line(c);
         }
     }
@@ -266,8 +311,8 @@ static double read_value(const ply_parser *s, const char *at, ply_type type)
     }
 }
 
-static bool parse_binary_indices(const ply_parser *s, const char *at, const ply_property *p,
-                                 size_t count, long long row, rk_error *error)
+static bool parse_binary_indices(ply_parser *s, const char *at, const ply_property *p, size_t count,
+                                 long long row, rk_error *error)
 {
     for (size_t i = 0; i < count; i++) {
         double index = read_value(s, at + i * type_sizes[p->type], p->type);
@@ -278,8 +323,28 @@ static bool parse_binary_indices(const ply_parser *s, const char *at, const ply_
     return true;
 }
 
-static bool parse_binary_row(const ply_parser *s, text_cursor *c, const ply_element *e,
-                             long long row, rk_error *error)
+static void write_bits(const ply_parser *s, size_t offset, uint64_t bits, size_t size)
+{
+    for (size_t i = 0; i < size; i++)
+        s->moved[offset + (s->encoding == LITTLE ? i : size - 1 - i)] = (char)(bits >> 8 * i);
+}
+
+static void take_binary(ply_parser *s, const char *from, const ply_property *p)
+{
+    s->at[p->axis] = read_value(s, from, p->type);
+    if (!s->moving)
+        return;
+    double moved = s->at[p->axis] - s->extent.first[p->axis];
+    float single = (float)moved;
+    uint64_t bits = 0;
+    uint32_t low;
+    memcpy(&low, &single, sizeof low);
+    memcpy(&bits, &moved, sizeof bits);
+    write_bits(s, (size_t)(from - s->text), p->type == FLOAT64 ? bits : low, type_sizes[p->type]);
+}
+
+static bool parse_binary_row(ply_parser *s, text_cursor *c, const ply_element *e, long long row,
+                             rk_error *error)
 {
     for (int k = 0; k < e->property_count; k++) {
         const ply_property *p = &e->properties[k];
@@ -294,6 +359,8 @@ static bool parse_binary_row(const ply_parser *s, text_cursor *c, const ply_elem
                 return fail_ended(s, e, row, error);
             if (p->is_geometry && !parse_binary_indices(s, c->at, p, (size_t)count, row, error))
                 return false;
+            if (p->is_geometry)
+                count_face(s, (size_t)count);
             c->at += (size_t)count * size;
             continue;
         }
@@ -302,12 +369,15 @@ static bool parse_binary_row(const ply_parser *s, text_cursor *c, const ply_elem
         if (p->is_geometry && !isfinite(read_value(s, c->at, p->type)))
             return rk_fail(error, "%s: a number of vertex %lld is not finite: %s", s->path, row,
                            remedy);
+        if (p->axis >= 0)
+            take_binary(s, c->at, p);
         c->at += size;
     }
+    end_vertex(s, e);
     return true;
 }
 
-static bool parse_binary(const ply_parser *s, text_cursor *c, rk_error *error)
+static bool parse_binary(ply_parser *s, text_cursor *c, rk_error *error)
 {
     for (int i = 0; i < s->element_count; i++)
         for (long long row = 0; row < s->elements[i].count; row++)
@@ -316,13 +386,56 @@ static bool parse_binary(const ply_parser *s, text_cursor *c, rk_error *error)
     return true;
 }
 
+static bool parse_rows(ply_parser *s, text_cursor c, rk_error *error)
+{
+    return s->encoding == ASCII ? parse_text(s, &c, error) : parse_binary(s, &c, error);
+}
+
+/* Integers stay as they are. */
+static bool is_movable(const ply_parser *s)
+{
+    for (int i = 0; i < s->element_count; i++)
+        for (int k = 0; k < s->elements[i].property_count; k++) {
+            const ply_property *p = &s->elements[i].properties[k];
+            if (p->axis >= 0 && s->encoding != ASCII && p->type < FLOAT32)
+                return false;
+        }
+    return extent_is_far(&s->extent);
+}
+
+static bool write_moved(ply_parser *s, text_cursor rows, const char *text, size_t size,
+                        rk_error *error)
+{
+    rk_mesh_hints *h = s->hints;
+    s->moving = true;
+    s->text = text;
+    if (s->encoding != ASCII) {
+        h->text = s->moved = rk_allocate_unset(size, 1, s->path, error);
+        h->size = size;
+        if (!s->moved)
+            return false;
+        memcpy(s->moved, text, size);
+        return parse_rows(s, rows, error);
+    }
+    s->rewrite = (mesh_rewrite){open_memstream(&h->text, &h->size), text};
+    bool ok = s->rewrite.out && parse_rows(s, rows, error);
+    if (s->rewrite.out) {
+        rewrite_skip(&s->rewrite, text + size, text + size);
+        ok = fclose(s->rewrite.out) == 0 && ok;
+    }
+    return ok || rk_fail(error, "%s: no memory for its text: simplify the mesh", s->path);
+}
+
 bool rk_mesh_syntax_ply(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error)
 {
     hints->plain = true;
-    ply_parser s = {.path = path};
+    ply_parser s = {.path = path, .hints = hints};
     text_cursor c = text_begin(text, size);
-    if (!read_header(&s, &c, error) || !check_header(&s, error))
+    if (!read_header(&s, &c, error) || !check_header(&s, error) || !parse_rows(&s, c, error))
         return false;
-    return s.encoding == ASCII ? parse_text(&s, &c, error) : parse_binary(&s, &c, error);
+    for (int i = 0; i < s.element_count; i++)
+        if (strcmp(s.elements[i].name, "tristrips") == 0)
+            hints->faces = 0;
+    return !is_movable(&s) || write_moved(&s, c, text, size, error);
 }

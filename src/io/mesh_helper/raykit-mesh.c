@@ -2,9 +2,11 @@
  * mesh_stream.h. On failure the exit status is 1 and the last line on standard error is the reason.
  * raykit-mesh --version: prints the version, which is that of the drivers.
  * rk_mesh_file_read starts it; a file that makes Assimp crash ends only this process. */
+#include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_gather.h"
 #include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/mesh_io.h"
+#include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_stream.h"
 
@@ -100,25 +102,91 @@ static bool write_mesh(const rk_mesh *mesh, const rk_mesh_textures *textures, co
            write_materials(mesh, textures, error) && write_textures(textures, error);
 }
 
+/* Pictures are named from the mesh or from the material file's folder. Those that are nowhere keep
+ * their name, for the note about them. */
+static void find_pictures(rk_mesh_textures *textures, const rk_mesh_hints *hints, const char *path)
+{
+    for (uint32_t i = 0; i < textures->count; i++) {
+        struct aiString *name = &textures->entries[i].name;
+        char found[RK_MESH_FILES_NAME];
+        bool there = textures->entries[i].data ||
+                     rk_mesh_files_find(found, path, "", name->data, name->length);
+        if (textures->entries[i].data)
+            continue;
+        for (int k = 0; k < hints->folder_count && !there; k++)
+            there = rk_mesh_files_find(found, path, hints->folders[k], name->data, name->length);
+        const char *slash = strrchr(name->data, '/'), *back = strrchr(name->data, '\\');
+        const char *last = back > slash ? back : slash;
+        for (int k = -1; k < hints->folder_count && !there && last; k++)
+            there = rk_mesh_files_find(found, path, k < 0 ? "" : hints->folders[k], last + 1,
+                                       strlen(last + 1));
+        if (there && strlen(found) < sizeof name->data) {
+            strcpy(name->data, found);
+            name->length = (ai_uint32)strlen(found);
+        }
+    }
+}
+
+/* What was checked must be what is drawn. */
+static void compare_counts(rk_mesh_hints *hints, const struct aiScene *scene, const char *path)
+{
+    size_t faces = 0, corners = 0;
+    for (uint32_t i = 0; i < scene->mNumMeshes; i++)
+        for (uint32_t k = 0; k < scene->mMeshes[i]->mNumFaces; k++) {
+            uint32_t count = scene->mMeshes[i]->mFaces[k].mNumIndices;
+            faces += count >= 3;
+            corners += count >= 3 ? count : 0;
+        }
+    if (hints->faces && (faces != hints->faces || corners != hints->corners))
+        rk_mesh_hints_note(hints, path,
+                           "has %zu faces of %zu corners, but Assimp reads %zu of %zu: the picture "
+                           "differs from the file; export it in another format",
+                           hints->faces, hints->corners, faces, corners);
+}
+
+/* Of formats that only Assimp reads; OBJ, PLY and OFF were moved. */
+static void note_distance(rk_mesh_hints *hints, const rk_mesh *mesh, const char *path)
+{
+    mesh_extent extent = {0};
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        const rk_vec3 *p = &mesh->positions[i];
+        extent_add(&extent, (const double[3]){(double)p->x, (double)p->y, (double)p->z});
+    }
+    double share = extent_share(&extent);
+    if (share < 1e-4)
+        rk_mesh_hints_note(hints, path,
+                           "lies %.2g times its size away from the origin, where numbers in single "
+                           "precision are coarse: move it to the origin before exporting it",
+                           1 / share);
+}
+
 /* No post-processing: Assimp's triangulation aborts on some broken files, and its joining of
  * vertices is slow. */
 static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
 {
     if (!rk_mesh_syntax_check(path, hints, error))
         return false;
+    if (hints->text)
+        rk_mesh_io_replace(path, hints->text, hints->size);
     const struct aiScene *scene = aiImportFileEx(path, 0, &rk_mesh_io);
     if (!scene && strstr(aiGetErrorString(), "bad_alloc"))
         return rk_mesh_guard_fail_memory(error);
     if (!scene)
         return rk_fail(error, "%s: Assimp cannot read it: %s", path, aiGetErrorString());
+    compare_counts(hints, scene, path);
     rk_mesh mesh = {0};
     rk_mesh_textures textures = {0};
     bool ok = rk_mesh_gather(&mesh, &textures, scene, hints->plain, path, error) &&
-              rk_mesh_validate(&mesh, path, error) && write_mesh(&mesh, &textures, path, error);
+              rk_mesh_validate(&mesh, path, error);
+    if (ok) {
+        find_pictures(&textures, hints, path);
+        note_distance(hints, &mesh, path);
+        ok = write_mesh(&mesh, &textures, path, error);
+    }
     if (textures.too_many)
-        rk_fail(&hints->note,
-                "%s: names more than %d textures: surfaces with the others are untextured", path,
-                RK_MESH_STREAM_TEXTURES_MAX);
+        rk_mesh_hints_note(hints, path,
+                           "names more than %d textures: surfaces with the others are untextured",
+                           RK_MESH_STREAM_TEXTURES_MAX);
     rk_mesh_textures_free(&textures);
     rk_mesh_free(&mesh);
     aiReleaseImport(scene);
