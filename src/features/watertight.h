@@ -20,7 +20,9 @@
 /* Returns the intersection at 0 < t < infinity, whatever the ray's t_max; on a miss its triangle is
  * RK_MISS. Edges and corners belong to the triangle. A ray in the triangle's plane, a triangle
  * without area, NaN and infinity are misses, and so is a t above FLT_MAX. t, u and v are rounded
- * once from double; a t below the smallest float is that one. */
+ * once from double; a t below the smallest float is that one. On a needle, whose det is nearly 0,
+ * the double itself may be off by a few floats' width, although the hit is certain. Then t may lie
+ * outside of the triangle's box, and a ray whose t_max is that t may miss the box in a tree. */
 rk_hit rk_watertight_intersect(const rk_triangle *triangle, const rk_ray *ray);
 
 /* Does double decide? False where rounding could change a sign, so that the test above computes
