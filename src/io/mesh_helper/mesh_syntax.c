@@ -80,6 +80,9 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
         return parse_returns(path, text, size, hints, error);
     if (has_ending(path, "obj"))
         return rk_mesh_syntax_obj(path, text, size, hints, error);
+    if ((has_ending(path, "ply") || has_ending(path, "off")) && ends_lines_by_returns(text, size))
+        return rk_fail(
+            error, "%s: its lines end in carriage returns alone: save it with line feeds", path);
     if (has_ending(path, "ply"))
         return rk_mesh_syntax_ply(path, text, size, hints, error);
     if (has_ending(path, "off"))
