@@ -7,6 +7,7 @@ import re
 import shlex
 import shutil
 import struct
+import subprocess
 import sys
 import tempfile
 import zlib
@@ -231,6 +232,23 @@ def a_students_picture_is_compared(folder):
           "a step that shows nothing is refused, with those that do", said)
 
 
+def draws_at_once_do_not_meet(folder):
+    """Three draws of a right unit, three of a wrong one, and a driver that is made, all at once."""
+    make = os.environ["MAKE"]
+    names = ["right", "wrong"] * 3
+    draws = [subprocess.Popen([make, "-s", "draw-normals", "STEP=1", f"IMPL={folder}/{name}"], cwd=BUILD,
+                              stdout=subprocess.PIPE, stderr=subprocess.STDOUT, text=True) for name in names]
+    status, made = run(BUILD, make, "-s", "driver-normals", f"IMPL={folder}/right")
+    said = [process.communicate()[0] for process in draws]
+    told = ["right" if "the picture is the same" in text else "wrong" if "differs in" in text else "nothing"
+            for text in said]
+    check(told == names, "six draws at once give the answers that each gives alone", "\n".join(said))
+    check(status == 0 and "run impl/assignments/00_normals/normals" in made,
+          "and so does a driver beside them", made)
+    left = [name for name in os.listdir(os.path.join(BUILD, "impl")) if name.startswith("drivers-")]
+    check(not left, "and nothing is left of them", left)
+
+
 def a_unit_that_never_ends_is_stopped(folder):
     os.mkdir(os.path.join(folder, "endless"))
     write(read(FEATURES["normals"].reference).replace("return rk_normalize",
@@ -295,6 +313,7 @@ def main():
         pictures_of_another_size_are_refused(os.path.join(folder, "out"))
         sizes_are_small()
         a_students_picture_is_compared(folder)
+        draws_at_once_do_not_meet(folder)
         a_unit_that_never_ends_is_stopped(folder)
         a_wrong_table_is_refused(folder)
         mistakes_are_drawn(os.path.join(folder, "drawn"))

@@ -6,6 +6,7 @@ assignments/FOLDER/look.tsv has a row for each step that can be seen: the step, 
 caption; look/STEP.png beside it is that picture, small.
 """
 
+import contextlib
 import math
 import os
 import shlex
@@ -15,15 +16,16 @@ import sys
 import tempfile
 import zlib
 
-from drivers import link_drivers, driver_of
+from drivers import Drivers, driver_of, private_folder
 from grading import build
 from grading.assignments import Parser, ToolError, choose, find_unit, read_features, read_looks
+from grading.processor_time import limited
 from grading.results import command_of
 from grading.starters import unsolved_steps
 
 _SIDE = 128  # of a square picture; others are as large
-SECONDS = 120  # four times as long as the slowest picture takes on an old laptop
-SILENT = 5  # seconds
+SECONDS = 120  # of processor time, four times what the slowest picture takes on an old laptop
+SILENT = 5  # seconds by the clock
 _MOST_BYTES = 15 << 10  # a pack holds some forty of them
 
 
@@ -41,21 +43,18 @@ def small(options, side=_SIDE):
     return words
 
 
-def _run(command):
+def _run(command, name=None):
     """Runs a driver; it has said why if it fails."""
-    name = os.path.relpath(command[0])
-    with subprocess.Popen(command) as process:
+    name = name or os.path.relpath(command[0])
+    with subprocess.Popen(limited(command, SECONDS)) as process:
         try:
-            process.wait(min(SILENT, SECONDS))
+            process.wait(SILENT)
         except subprocess.TimeoutExpired:
-            print(f"still drawing; it is stopped after {SECONDS} s", flush=True)
-        try:
-            status = process.wait(max(SECONDS - SILENT, 0))
-        except subprocess.TimeoutExpired as error:
-            raise ToolError(f"{name} has drawn for {SECONDS} s and was stopped; does a loop in your unit "
-                            "never end? make check-... says which test hangs") from error
-        finally:
-            process.kill()
+            print(f"still drawing; it is stopped after {SECONDS} s of processor time", flush=True)
+        status = process.wait()
+    if status == -signal.SIGXCPU:
+        raise ToolError(f"{name} has drawn for {SECONDS} s of processor time and was stopped; does a loop in "
+                        "your unit never end? make check-... says which test hangs")
     if status < 0:
         raise ToolError(f"{name} crashed: {signal.strsignal(-status)}; make check-... says in which line, "
                         "make debug-... stops there")
@@ -81,22 +80,24 @@ def _unsolved(feature, impl):
     return unsolved_steps(unit) if unit and unit.path else []
 
 
-def draw(toolchain, impl, stem, step):
-    """Draws a step's picture twice: large, to look at, and small, to compare."""
-    features = read_features(toolchain.source)
-    feature = choose(features, [stem])[0]
-    look = choose_look(feature, step)
-    path = os.path.join("assignments", feature.folder, stem)
-    if impl:
-        print(link_drivers(toolchain, impl, stem) or f"{impl} has no {stem}.c: drawn by the kit's own units")
-        path = driver_of(feature)
-    driver = os.path.join(toolchain.build, path)
-    if os.path.exists(driver + ".unmade"):
-        raise ToolError(f"there is no driver: {open(driver + '.unmade', encoding='utf-8').read().strip()}")
-    print(f"step {look.step}: {look.caption}\n{path} {look.options}", flush=True)
-    unsolved = _unsolved(feature, impl)
+def _driver(toolchain, impl, feature, stack):
+    """Returns a driver that no other process replaces, and the name by which users run it."""
+    if not impl:
+        path = os.path.join("assignments", feature.folder, feature.stem)
+        return os.path.join(toolchain.build, path), path
+    folder = stack.enter_context(private_folder(toolchain))
+    drivers = Drivers(toolchain, impl, folder, feature.stem)
+    print(drivers.sentence() or f"{impl} has no {feature.stem}.c: drawn by the kit's own units")
+    driver, reason = drivers.link(feature)
+    drivers.publish(feature, driver, reason)
+    if not driver:
+        raise ToolError(f"there is no driver: {reason}")
+    return driver, driver_of(feature)
+
+
+def _draw_both(driver, path, look, unsolved):
     try:
-        _run([driver, *shlex.split(look.options)])
+        _run([driver, *shlex.split(look.options)], path)
     except ToolError as error:
         first = next((number for number in unsolved if number <= look.step), None)
         raise ToolError(f"{error}; step {first} is still the starter") if first else error
@@ -104,7 +105,19 @@ def draw(toolchain, impl, stem, step):
     if not os.path.exists(wanted):
         raise ToolError(f"{wanted} is missing, the picture to compare with")
     _run([driver, *small(look.options), "--quiet", "--out", os.path.join("out", "compared"), "--compare",
-          wanted])
+          wanted], path)
+
+
+def draw(toolchain, impl, stem, step):
+    """Draws a step's picture twice: large, to look at, and small, to compare."""
+    features = read_features(toolchain.source)
+    feature = choose(features, [stem])[0]
+    look = choose_look(feature, step)
+    with contextlib.ExitStack() as stack:
+        driver, path = _driver(toolchain, impl, feature, stack)
+        print(f"step {look.step}: {look.caption}\n{path} {look.options}", flush=True)
+        unsolved = _unsolved(feature, impl)
+        _draw_both(driver, path, look, unsolved)
     if look.step in unsolved:
         print(f"step {look.step} is still the starter, however the picture looks; "
               f"its claims decide: {command_of('check', feature, impl)}")

@@ -7,15 +7,18 @@ the solved ones; in a pack, they are the workbook's where it has them. Pictures 
 units' authors. If a unit cannot be built, a script that reports it replaces the driver of its own feature,
 and STEM.unmade beside it has the reason."""
 
+import contextlib
 import os
 import re
+import shutil
 import subprocess
 import sys
+import tempfile
 
 from grading import build
 from grading.assignments import (Parser, ToolError, check_impl, find_unit, read_features, reference_unit,
                                  unit_beside)
-from grading.results import write_whole
+from grading.results import cannot_write, write_whole
 from grading.starters import is_left_open, is_starter
 
 
@@ -77,74 +80,126 @@ def _object_that_says(toolchain, sentence, units, folder):
     return output
 
 
-def _told(error, in_full=True):
-    """Shows why a driver cannot be made, and returns it for the page."""
-    details = error.details if in_full else ""
-    print(f"{details}\ndrivers: {error.reason}".strip(), file=sys.stderr)
-    return error.reason
-
-
 def driver_of(feature):
     """Returns where the feature's driver with the student's unit stands in the build folder."""
     return os.path.join("impl", "assignments", feature.folder, feature.stem)
 
 
+def private_folder(toolchain):
+    """Returns a temporary folder beside the drivers, for one process: another that makes drivers at the same
+    time, perhaps with other units, changes nothing in it."""
+    parts = os.path.join(toolchain.build, "impl")
+    try:
+        os.makedirs(parts, exist_ok=True)
+        return tempfile.TemporaryDirectory(prefix="drivers-", dir=parts, ignore_cleanup_errors=True)
+    except OSError as error:
+        raise cannot_write(parts, error) from error
+
+
+class Drivers:
+    """Drivers with the units of one folder, linked in a folder that no other process uses."""
+
+    def __init__(self, toolchain, impl, folder, only=None):
+        self._toolchain, self._impl, self._folder = toolchain, impl, folder
+        self._all, self._only = read_features(toolchain.source), only
+        stems = [only] if only else list(self._all)
+        if not os.path.isdir(impl) and not only:
+            name = os.path.splitext(os.path.basename(impl))[0]
+            stems = [name] if name in self._all else stems
+        check_impl(self._all, impl, stems)
+        own = {stem: find_unit(self._all[stem], impl) for stem in stems}
+        self._own = {stem: unit for stem, unit in own.items() if unit.path}
+        for unit in self._own.values():
+            unit.shown = os.path.basename(unit.path)
+        self._beside = {stem: unit_beside(feature, impl, toolchain.handed_out)
+                        for stem, feature in self._all.items()}
+        self.features = [self._all[only]] if only else list(self._all.values())
+        self._objects, self._unmade = {}, {}
+        self._compile()
+
+    def _told(self, error, in_full=True):
+        """Shows why a driver cannot be made, and returns it for the page."""
+        details = error.details if in_full else ""
+        print(f"{details}\ndrivers: {error.reason}".strip(), file=sys.stderr)
+        return error.reason
+
+    def _compile(self):
+        for unit in [*self._own.values(), *self._beside.values()]:
+            key = unit.feature.stem, unit.is_reference
+            if key in self._objects or key in self._unmade:
+                continue
+            try:
+                self._objects[key] = _object(self._toolchain, unit, self._folder)
+            except build.BuildError as error:
+                self._unmade[key] = self._told(error, self._only in (None, unit.feature.stem))
+        # A unit that cannot be built costs its own driver only.
+        for stem, unit in self._beside.items():
+            if (stem, False) in self._unmade and not unit.is_reference:
+                self._beside[stem] = reference_unit(self._all[stem])
+                self._objects[stem, True] = _object(self._toolchain, self._beside[stem], self._folder)
+
+    def sentence(self):
+        """Names the units' authors, for captions."""
+        return _sentence([self._own.get(stem, self._beside[stem]) for stem in self._all], self._impl)
+
+    def link(self, feature):
+        """Links the feature's driver and returns (its path in the folder, ""), or (None, why not)."""
+        units = list({**self._beside, feature.stem: self._own.get(feature.stem,
+                                                                  self._beside[feature.stem])}.values())
+        keys = [(unit.feature.stem, unit.is_reference) for unit in units]
+        reason = next((self._unmade[key] for key in keys if key in self._unmade), None)
+        if reason:
+            return None, reason
+        says = _object_that_says(self._toolchain, _sentence(units, self._impl), units, self._folder)
+        path = os.path.join(self._folder, feature.stem)
+        try:
+            build.link(self._toolchain, path, [
+                *_objects_of_driver(self._toolchain, feature), says, *(self._objects[key] for key in keys),
+                self._toolchain.built("librkstages.a"), self._toolchain.built("librkbase.a"),
+                *self._toolchain.libraries], self._folder)
+        except build.BuildError as error:
+            return None, self._told(error)
+        return path, ""
+
+    def publish(self, feature, path, reason):
+        """Puts the driver, or a script that fails, where users find it, in one step."""
+        driver = os.path.join(self._toolchain.build, driver_of(feature))
+        os.makedirs(os.path.dirname(driver), exist_ok=True)
+        if path:
+            copied = path + ".published"
+            shutil.copy(path, copied)
+            os.replace(copied, driver)
+            with contextlib.suppress(FileNotFoundError):
+                os.unlink(driver + ".unmade")
+            return
+        write_whole(driver + ".unmade", reason + "\n")
+        script = os.path.join(self._folder, feature.stem + ".sh")
+        write_whole(script, "#!/bin/sh\nexit 1\n")
+        os.chmod(script, 0o755)
+        os.replace(script, driver)
+
+
 def link_drivers(toolchain, impl, only=None):
     """Makes impl/assignments/FOLDER/STEM for all features, or only for one; returns the sentence for
     captions."""
-    features = read_features(toolchain.source)
-    stems = [only] if only else list(features)
-    if not os.path.isdir(impl) and not only:
-        name = os.path.splitext(os.path.basename(impl))[0]
-        stems = [name] if name in features else stems
-    check_impl(features, impl, stems)
-    own = {stem: find_unit(features[stem], impl) for stem in stems}
-    own = {stem: unit for stem, unit in own.items() if unit.path}
-    for unit in own.values():
-        unit.shown = os.path.basename(unit.path)
-    beside = {stem: unit_beside(feature, impl, toolchain.handed_out) for stem, feature in features.items()}
-    folder = os.path.join(toolchain.build, "impl")
-    parts = os.path.join(folder, "drivers")
-    os.makedirs(parts, exist_ok=True)
-    objects, unmade = {}, {}
-    for unit in [*own.values(), *beside.values()]:
-        key = unit.feature.stem, unit.is_reference
-        if key in objects or key in unmade:
-            continue
-        try:
-            objects[key] = _object(toolchain, unit, parts)
-        except build.BuildError as error:
-            unmade[key] = _told(error, only in (None, unit.feature.stem))
-    # A unit that cannot be built costs its own driver only.
-    for stem, unit in beside.items():
-        if (stem, False) in unmade and not unit.is_reference:
-            beside[stem] = reference_unit(features[stem])
-            objects[stem, True] = _object(toolchain, beside[stem], parts)
-    for feature in [features[only]] if only else features.values():
-        driver = os.path.join(toolchain.build, driver_of(feature))
-        os.makedirs(os.path.dirname(driver), exist_ok=True)
-        units = list({**beside, feature.stem: own.get(feature.stem, beside[feature.stem])}.values())
-        says = _object_that_says(toolchain, _sentence(units, impl), units, parts)
-        keys = [(unit.feature.stem, unit.is_reference) for unit in units]
-        reason = next((unmade[key] for key in keys if key in unmade), None)
-        for path in (driver, driver + ".unmade"):
-            if os.path.lexists(path):
-                os.unlink(path)
-        try:
-            if not reason:
-                build.link(toolchain, driver, [
-                    *_objects_of_driver(toolchain, feature), says, *(objects[key] for key in keys),
-                    toolchain.built("librkstages.a"), toolchain.built("librkbase.a"), *toolchain.libraries],
-                           parts)
-        except build.BuildError as error:
-            reason = _told(error)
-        if reason:
-            write_whole(driver + ".unmade", reason + "\n")
-            write_whole(driver, "#!/bin/sh\nexit 1\n")
-            os.chmod(driver, 0o755)
-    sentence = _sentence([own.get(stem, beside[stem]) for stem in features], impl)
-    write_whole(os.path.join(folder, "units"), sentence + "\n")
-    return sentence
+    with private_folder(toolchain) as folder:
+        drivers = Drivers(toolchain, impl, folder, only)
+        for feature in drivers.features:
+            drivers.publish(feature, *drivers.link(feature))
+        write_whole(os.path.join(toolchain.build, "impl", "units"), drivers.sentence() + "\n")
+        return drivers.sentence()
+
+
+def _make_one(toolchain, impl, stem, folder):
+    """Makes one driver, published and in the folder; prints how to run it. Returns whether it could."""
+    drivers = Drivers(toolchain, impl, folder, stem)
+    feature = drivers.features[0]
+    path, reason = drivers.link(feature)
+    drivers.publish(feature, path, reason)
+    if path:
+        units = f"; {_authors(drivers.sentence())}" if drivers.sentence() else ""
+        print(f"run {driver_of(feature)} (--help lists its options){units}")
+    return bool(path)
 
 
 def main():
@@ -152,24 +207,26 @@ def main():
     parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
     parser.add_argument("--build", default=".", metavar="DIR")
     parser.add_argument("--only", metavar="STEM", help="make only this driver, and print its path")
+    parser.add_argument("--into", metavar="DIR", help="with --only: keep it there, too, with its objects")
     arguments = parser.parse_args()
     try:
         toolchain = build.Toolchain(arguments.build)
-        sentence = link_drivers(toolchain, arguments.impl, arguments.only)
         if not arguments.only:
-            print(f"report: {sentence}", file=sys.stderr)
-            return 0
-        path = driver_of(read_features(toolchain.source)[arguments.only])
-        if os.path.exists(os.path.join(toolchain.build, path + ".unmade")):
-            return 1
-        units = f"; {_authors(sentence)}" if sentence else ""
-        print(f"run {path} (--help lists its options){units}")
+            print(f"report: {link_drivers(toolchain, arguments.impl)}", file=sys.stderr)
+        elif arguments.into:
+            return not _make_one(toolchain, arguments.impl, arguments.only, arguments.into)
+        else:
+            with private_folder(toolchain) as folder:
+                return not _make_one(toolchain, arguments.impl, arguments.only, folder)
     except ToolError as error:
         print(f"drivers: {error}", file=sys.stderr)
         return 1
     except subprocess.CalledProcessError as error:
         print(f"drivers: {error.cmd[0]} failed; its reason is above", file=sys.stderr)
         return 1
+    except KeyboardInterrupt:
+        print("drivers: stopped", file=sys.stderr)
+        return 130
     return 0
 
 

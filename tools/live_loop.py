@@ -18,16 +18,17 @@ import urllib.parse
 
 import hint
 from draw import choose_look, small
-from drivers import driver_of
+from drivers import driver_of, private_folder
 from grade import require_units, stop_on_signals
 from grading.assignments import Parser, ToolError, choose, read_features, read_looks, read_points
 from grading.build import Toolchain
 from grading.private_copy import make_folder
+from grading.processor_time import limited
 from handout_text import handout_of
 from watch import Check, state
 
 _LOOK_SECONDS = 0.05
-_PATIENCE = 10  # seconds for a picture
+_PATIENCE = 20  # seconds of processor time for a picture, of 400 x 400 pixels and few samples
 _SOON = 3  # seconds in which most pictures are drawn
 _TEST_SECONDS = "3"  # for a claim, unless the student allows more: an endless loop should be told soon
 _SIDE = 400  # of a picture, as large as the page shows it
@@ -53,19 +54,19 @@ class Picture:
         self._thread.start()
 
     def _run(self, command):
-        """Returns the status and what was said; None if a newer save has ended it."""
+        """Returns the status and what was said; None if a newer save has ended it. The clock limits nothing:
+        a busy machine says nothing about the unit."""
         with self._lock:
             if self._ended:
                 return None
             self._process = subprocess.Popen(["nice", *command], stdin=subprocess.DEVNULL,
                                              stdout=subprocess.PIPE,
                                              stderr=subprocess.STDOUT, start_new_session=True)
-        try:
-            said = self._process.communicate(timeout=_PATIENCE)[0].decode(errors="replace")
-        except subprocess.TimeoutExpired:
-            self._kill()
-            said = f"no picture within {_PATIENCE} s; does a loop in your unit never end?"
-        return None if self._ended else (self._process.wait(), said)
+        said = self._process.communicate()[0].decode(errors="replace")
+        status = self._process.wait()
+        if status == -signal.SIGXCPU:
+            said = f"no picture after {_PATIENCE} s of processor time; does a loop in your unit never end?"
+        return None if self._ended else (status, said)
 
     def _make(self):
         loop = self._loop
@@ -77,7 +78,7 @@ class Picture:
         if built and built[0]:
             loop.tell(ends="drawing", failed=built[1])
         elif built:
-            drawn = self._run([*loop.drawing("own"), "--compare", loop.files["wanted"]])
+            drawn = self._run(limited([*loop.drawing("own"), "--compare", loop.files["wanted"]], _PATIENCE))
             if drawn:
                 loop.take_picture(*drawn)
 
@@ -101,18 +102,17 @@ class Picture:
 class Loop:
     """What is known of the unit: `known` for the page, `files` by the names of pictures."""
 
-    def __init__(self, toolchain, feature, impl, step):
+    def __init__(self, toolchain, feature, impl, step, folder):
         self._impl, self._feature, self._tests = impl, feature, {test.name: test
                                                                  for test in read_points(feature)}
         self._hints = hint.hints_of(handout_of(toolchain.source, feature))
         self._is_step_chosen, self.asked = bool(step), None
-        self._own = os.path.join(toolchain.build, driver_of(feature))
+        self._own = os.path.join(folder, feature.stem)
         of_the_kit = f"assignments/{feature.folder}/{feature.stem}"
         self.kit = None if toolchain.handed_out else toolchain.built(of_the_kit)
         self.out = os.path.join(toolchain.build, "impl", "loop")
         self.building = [sys.executable, "-B", os.path.join(_TOOLS, "drivers.py"), "--build", toolchain.build,
-                         "--impl", impl,
-                         "--only", feature.stem]
+                         "--impl", impl, "--only", feature.stem, "--into", folder]
         self.files, self.changed, self._doing = {}, threading.Condition(), set()
         self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "",
                       "hints": [],
@@ -169,17 +169,15 @@ class Loop:
         if "--debug" in options:
             at = options.index("--debug")
             options = options[:at] + options[at + 2 :]
-        runs = [subprocess.Popen([driver, *options, "--pixel", pixel, "--quiet", "--out",
-                                  os.path.join(self.out, f"pixel{at}")],
+        runs = [subprocess.Popen(limited([driver, *options, "--pixel", pixel, "--quiet", "--out",
+                                          os.path.join(self.out, f"pixel{at}")], _PATIENCE),
                                  stdin=subprocess.DEVNULL, stdout=subprocess.PIPE, stderr=subprocess.STDOUT)
                 for at, driver in enumerate(filter(None, (self._own, self.kit)))]
         texts = []
         for run in runs:
-            try:
-                texts.append(run.communicate(timeout=_PATIENCE)[0].decode(errors="replace"))
-            except subprocess.TimeoutExpired:
-                run.kill()
-                texts.append(f"no answer within {_PATIENCE} s\n")
+            said = run.communicate()[0].decode(errors="replace")
+            texts.append(f"no answer after {_PATIENCE} s of processor time\n"
+                         if run.returncode == -signal.SIGXCPU else said)
         return texts
 
     def look_asked(self):
@@ -337,13 +335,14 @@ def main():
         toolchain = Toolchain(arguments.build)
         feature = choose(read_features(toolchain.source), [arguments.stem])[0]
         require_units(arguments.build, [arguments.stem], arguments.impl)
-        loop = Loop(toolchain, feature, arguments.impl, arguments.step)
-        server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Page)
-        server.daemon_threads, server.loop, server.host = True, loop, f"127.0.0.1:{server.server_port}"
-        threading.Thread(target=server.serve_forever, daemon=True).start()
-        print(f"open http://{server.host}/ in a browser of this machine, and edit {arguments.impl}; "
-              "Ctrl-C ends", flush=True)
-        loop.run(grader, kept)
+        with private_folder(toolchain) as folder:
+            loop = Loop(toolchain, feature, arguments.impl, arguments.step, folder)
+            server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Page)
+            server.daemon_threads, server.loop, server.host = True, loop, f"127.0.0.1:{server.server_port}"
+            threading.Thread(target=server.serve_forever, daemon=True).start()
+            print(f"open http://{server.host}/ in a browser of this machine, and edit {arguments.impl}; "
+                  "Ctrl-C ends", flush=True)
+            loop.run(grader, kept)
     except ToolError as error:
         print(f"live: {error}", file=sys.stderr)
         return 1
