@@ -27,11 +27,12 @@ import grade  # noqa: E402
 from grading import sandbox  # noqa: E402
 from grading import results  # noqa: E402
 from grading import verdicts  # noqa: E402
-from grading.assignments import (ScoredTest, ToolError, Unit, check_impl, read_features,  # noqa: E402
+from grading.assignments import (Feature, ScoredTest, ToolError, Unit, check_impl, read_features,  # noqa: E402
                                  read_points)
 from grading.starters import is_handed_out, starter_of  # noqa: E402
 from workbook import make_workbook  # noqa: E402
 from by_address import by_address  # noqa: E402
+import tap  # noqa: E402
 from tap import check, finish, read, start  # noqa: E402
 
 FEATURES = read_features(SOURCE)
@@ -257,9 +258,29 @@ def reports_can_be_read(suites):
     lines = results.tap(suites, "mine").splitlines()
     check(lines[0] == f"1..{claims}" and sum(line.startswith(("ok ", "not ok ")) for line in lines) == claims,
           "TAP has as many verdicts as it plans", "\n".join(lines))
-    text = results.text(suites[-1:], "mine")
+    suite = suites[-1]
+    suite.is_own = False
+    text = results.text([suite], "mine")
+    suite.is_own = True
     check(f"first: {ONE}" in text and "read docs/01_bvh_median.md#boxes" in text,
           "the text says what to work on first and where to read", text)
+
+
+def a_woven_page_is_read_where_there_is_one(folder):
+    feature = Feature(os.path.join(folder, "a kit"), "bvh_median", "01_bvh_median", "")
+    for name, text in ((feature.chapter, "# Boxes {#boxes-of-all}\n"), ("docs/handout/book/other.html", "")):
+        path = os.path.join(feature.source, name)
+        os.makedirs(os.path.dirname(path), exist_ok=True)
+        tap.write(text, path)
+    check(feature.where_to_read("#boxes") == "docs/01_bvh_median.md#boxes",
+          "without a book, the chapter's text is named", feature.where_to_read("#boxes"))
+    for room in ("handout", "out"):
+        page = os.path.join(feature.source, "docs", room, "book", "boxes-of-all.html")
+        os.makedirs(os.path.dirname(page), exist_ok=True)
+        tap.write("", page)
+        said = feature.where_to_read("#boxes")
+        check(said.startswith("file:///") and said.endswith(f"a%20kit/docs/{room}/book/boxes-of-all.html#boxes"),
+              f"the page in docs/{room} is named for a click, its own section in it", said)
 
 
 def a_report_is_written_whole(suites, folder):
@@ -873,6 +894,7 @@ def main():
         right, starter = units_are_judged(toolchain, folder)
         graded = [suite for suite in (right, starter) if suite]
         reports_can_be_read(graded)
+        a_woven_page_is_read_where_there_is_one(os.path.join(folder, "kit"))
         a_report_is_written_whole(graded, folder)
         a_workbook_is_the_students(folder)
         what_cannot_be_used_is_refused(folder)

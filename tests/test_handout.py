@@ -296,10 +296,15 @@ def code_of(page, name):
 
 
 def the_book_is_handed_out(pack):
-    page = os.path.join(pack, "docs", "handout", "book.html")
-    text, record = read(page), os.path.join(pack, "docs", "handout", "record")
+    handed = os.path.join(pack, "docs", "handout")
+    pages, record = os.path.join(handed, "book"), os.path.join(handed, "record")
+    page = os.path.join(pages, "bvh-median.html")
+    text = "\n".join(read(pages, name) for name in os.listdir(pages) if name.endswith(".html"))
     check("First step:" in code_of(page, "box_of") and "workbook/bvh_median.c" in code_of(page, "box_of"),
           "the book is there, with starters", code_of(page, "box_of"))
+    linked = set(re.findall(r'(?:src|href)="(\.\./[^"#?]+)', text))
+    missing = [link for link in linked if not os.path.exists(os.path.join(pages, link))]
+    check(linked and not missing, "its pages find their pictures, and the files that they link to", missing)
     check("Not made:" not in text and "src/features/bvh_median.c" not in text,
           "all its figures are made, its texts are the pack's")
     entries = [os.path.join(record, name) for name in os.listdir(record) if name != "machine"]

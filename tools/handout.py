@@ -143,8 +143,9 @@ def _adapt_texts(source, pack, features, chosen):
 
 
 def _weave_book(pack):
-    """Makes docs/handout/book.html: the pack's text and code, the figures of this build's drivers. What they
-    made stays in the build folder's store, for the next pack, and in the pack, for its own make book."""
+    """Makes docs/handout/book, a page per chapter: the pack's text and code, the figures of this build's
+    drivers. What they made stays in the build folder's store, for the next pack, and in the pack, for its own
+    make book."""
     kept = os.path.abspath("drawn")
     environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(),
                        RAYKIT_STORE=kept, MESHES="", CHROMIUM="", FEATURES="", SOLUTIONS="yes", ANSWERS="",
@@ -156,7 +157,8 @@ def _weave_book(pack):
         raise ToolError("the book could not be woven (its reason is above); BOOK=no leaves it out")
     made, handed = os.path.join(pack, "docs", "out"), os.path.join(pack, "docs", "handout")
     os.mkdir(handed)
-    os.rename(os.path.join(made, "book.html"), os.path.join(handed, "book.html"))
+    for part in ("book", "figures", "tables"):
+        os.rename(os.path.join(made, part), os.path.join(handed, part))
     record = os.path.join(handed, "record")
     with open(os.path.join(made, "used"), encoding="utf-8") as used:
         for name in used.read().split():
@@ -231,10 +233,10 @@ def _write_handout(source, pack, features, left_open, has_book):
         task, file = f"assignments/{feature.folder}/handout.md", f"workbook/{feature.stem}.c"
         points = sum(test.points for test in read_points(feature))
         title, time = _title_and_time(pack, feature)
-        rows.append(f"| [{title}]({task}) | [{file}]({file}) | {points} | {time} "
-                    f"| [{feature.chapter}]({feature.chapter}) |")
+        chapter = f"docs/handout/book/{feature.page_name()}" if has_book else feature.chapter
+        rows.append(f"| [{title}]({task}) | [{file}]({file}) | {points} | {time} | [{chapter}]({chapter}) |")
     first = features[0].stem
-    reading = ("Open `docs/handout/book.html` in a browser: "
+    reading = ("Open `docs/handout/book/index.html` in a browser: "
                "the chapters, with figures as they should become.\n"
                "`make book` makes `docs/out/book.html`, with your own functions in it."
                if has_book else

@@ -10,6 +10,7 @@ import argparse
 import csv
 import filecmp
 import os
+import pathlib
 import re
 import shlex
 
@@ -50,9 +51,23 @@ class Feature:
         self.header = os.path.join(source, "src", "features", stem + ".h")
         self.workbook = os.path.join(source, "workbook",
                                      stem + ".c")  # the unit of a feature handed out in a pack
-        self.chapter = f"docs/{folder}.md"
+        self.source, self.chapter = source, f"docs/{folder}.md"
         self.points_table = os.path.join(source, "assignments", folder, "points.tsv")
         self.suite = os.path.join(source, "tests", f"test_{stem}.c")
+
+    def page_name(self):
+        """Returns the name of the chapter's page in a book of pages, which is its first heading's."""
+        with open(os.path.join(self.source, self.chapter), encoding="utf-8") as file:
+            return re.search(r"\{#([\w-]+)\}", file.readline())[1] + ".html"
+
+    def where_to_read(self, section):
+        """Returns the address of a section in the book that `make book` has woven, or a pack's, for a click;
+        without a book, the chapter's text and the section."""
+        for room in ("out", "handout"):
+            page = pathlib.Path(self.source, "docs", room, "book", self.page_name()).resolve()
+            if page.is_file():
+                return page.as_uri() + section
+        return self.chapter + section
 
 
 class ScoredTest:

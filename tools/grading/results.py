@@ -60,8 +60,9 @@ def _explained(suite, test):
         return [printable(suite.problem)] if test is suite.tests[0] else ["not run, for the reason above"]
     lines = printable(verdict.reason).split("\n") + ([verdict.place] if verdict.place else [])
     beside = [suite.beside] if suite.beside else []
-    section = [f"read {suite.feature.chapter}{test.section}"] if test.section else []
-    return [*lines, *beside, *section]
+    feature = suite.feature
+    place = feature.where_to_read(test.section) if suite.is_own else feature.chapter + test.section
+    return [*lines, *beside, *([f"read {place}"] if test.section else [])]
 
 
 # --- Text ---------------------------------------------------------------------------------------
