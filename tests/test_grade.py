@@ -27,8 +27,8 @@ import grade  # noqa: E402
 from grading import sandbox  # noqa: E402
 from grading import results  # noqa: E402
 from grading import verdicts  # noqa: E402
-from grading.assignments import (Feature, ScoredTest, ToolError, Unit, check_impl, read_features,  # noqa: E402
-                                 read_points)
+from grading.assignments import (Feature, ScoredTest, ToolError, Unit, check_impl,  # noqa: E402
+                                 read_features, read_points)
 from grading.starters import is_handed_out, starter_of  # noqa: E402
 from workbook import make_workbook  # noqa: E402
 from by_address import by_address  # noqa: E402
@@ -279,7 +279,8 @@ def a_woven_page_is_read_where_there_is_one(folder):
         os.makedirs(os.path.dirname(page), exist_ok=True)
         tap.write("", page)
         said = feature.where_to_read("#boxes")
-        check(said.startswith("file:///") and said.endswith(f"a%20kit/docs/{room}/book/boxes-of-all.html#boxes"),
+        check(said.startswith("file:///") and
+              said.endswith(f"a%20kit/docs/{room}/book/boxes-of-all.html#boxes"),
               f"the page in docs/{room} is named for a click, its own section in it", said)
 
 

@@ -78,7 +78,7 @@ function difference(wanted, rgba, width, height) {
 
 // --- the module ----------------------------------------------------------------------------------
 
-vm.runInThisContext(fs.readFileSync(`${source}/tools/live/run.js`, "utf8"));
+for (const name of ["run.js", "arguments.js"]) vm.runInThisContext(fs.readFileSync(`${source}/tools/live/${name}`, "utf8"));
 const module_ = new WebAssembly.Module(fs.readFileSync("live/raykit.wasm"));
 
 // Of each driver the first three command lines in its look.tsv and its chapter's live figures.
@@ -116,6 +116,67 @@ function module_prints_like_the_drivers() {
     JSON.stringify(unknown));
   const mesh = runDriver(module_, ["bloom", "--mesh", "a.obj"]);
   check(mesh.status === 1 && /a page reads no files/.test(mesh.said), "a mesh file is refused with a reason", JSON.stringify(mesh));
+}
+
+// --- controls --------------------------------------------------------------------------------------
+
+// What a figure's widget alone shows, or shows once a widget has moved something.
+const BY_WIDGET = {lobes: {names: ["shininess", "ks"]}, motion: {moves: ["shutter-close", "500"]}, boxes: {moves: ["steps", "12"]}};
+
+const changed = (args, name, value) => {
+  const map = new Map(args);
+  if (value === null) map.delete(name);
+  else map.set(name, value);
+  return map;
+};
+
+// All choices, or the ends and the middle of a range; null stands for the default.
+function values_of({limits}, row) {
+  if (row.kind === "flag") return [null, true];
+  if (row.kind !== "uint" && row.kind !== "float") return (limits !== undefined ? limits.split("|") : row.names).map((value) => value || null);
+  const [low, high] = limits ? limits.split("..").map(Number) : [row.low, row.high];
+  const middle = low > 0 && high / low >= 100 ? Math.sqrt(low * high) : (low + high) / 2;
+  return [low, row.kind === "uint" ? Math.round(middle) : middle, high];
+}
+
+// A live figure of a chapter, in a quarter of its size.
+function figure_of(text) {
+  const [, attributes] = text.match(/\{\.live ([^}]*)\}/), at = (name) => (attributes.match(`${name}="?([^" ]*|(?<=")[^"]*)"?(?: |$)`) || [])[1];
+  const [, given] = attributes.match(/args="([^"]*)"/), [, options] = attributes.match(/options="([^"]*)"/), driver = at("driver");
+  const rows = JSON.parse(runDriver(module_, [driver, "--help"]).printed), args = parseArguments(given);
+  for (const side of ["width", "height"]) args.set(side, Math.round((args.get(side) || 480) / 4));
+  if (args.has("pixel")) args.set("pixel", args.get("pixel").split(",").map((x) => Math.floor(x / 4)).join());
+  return {driver, rows, args, offers: options.split(/\s+/).map((word) => parseOffer(word, rows)), widget: at("widget"), clicks: at("click") !== "no"};
+}
+
+// Presses each control to each value in each view, and clicks in each; returns what fails, and controls that change nothing.
+function press_all({driver, rows, args, offers, widget, clicks}) {
+  const wrong = [], views = offers.find(({name}) => name === "debug"), by = BY_WIDGET[widget] || {};
+  const run = (map) => {
+    const words = wordsOf(belonging(map, offers, rows)), result = runDriver(module_, [driver, ...words]);
+    if (result.status !== 0) wrong.push(`${words.join(" ")}: ${result.said.trim()}`);
+    return result.picture ? Buffer.from(result.picture.rgba).toString("latin1") : "";
+  };
+  const changes = (offer, start) => new Set(values_of(offer, rows[offer.name]).map((value) => run(changed(start, offer.name, value)))).size > 1;
+  for (const view of views ? values_of(views, rows.debug) : [args.get("debug") || null]) {
+    const start = changed(args, "debug", view);
+    for (const offer of offers) {
+      if (offer === views || !goesWith(offer, start)) continue;
+      const larger = new Map([...start, ["width", 4 * args.get("width")], ["height", 4 * args.get("height")]]);
+      const alive = changes(offer, start) || (by.names || []).includes(offer.name) || (by.moves && changes(offer, changed(start, ...by.moves))) ||
+        (!start.has("pixel") && changes(offer, larger));
+      if (!alive) wrong.push(`${offer.name} changes nothing with debug ${view || "none"}`);
+    }
+    if (clicks) run(new Map([...changed(start, "debug", null), ["pixel", "20,20"], ["pixel-code", true]]));
+  }
+  return wrong;
+}
+
+function every_control_does_something() {
+  for (const name of fs.readdirSync(`${source}/docs`).filter((entry) => entry.endsWith(".md")).sort()) {
+    const wrong = [...fs.readFileSync(`${source}/docs/${name}`, "utf8").matchAll(/^:+ \{\.live .*\}$/gm)].map(([text]) => press_all(figure_of(text)));
+    if (wrong.length) check(wrong.flat().length === 0, `${name}: each control draws at each of its values, in each view, and changes the picture`, wrong.flat().join("\n"));
+  }
 }
 
 // --- the page ------------------------------------------------------------------------------------
@@ -327,6 +388,7 @@ async function loop_follows_the_steps(browser) {
 async function main() {
   module_draws_like_the_drivers();
   module_prints_like_the_drivers();
+  every_control_does_something();
   if (!pandoc || !chromium) {
     console.log(`ok ${++count} - pages # SKIP ${pandoc ? "Chromium is missing: ./bootstrap --pdf" : "pandoc is missing: ./bootstrap"}`);
     await loop_shows_each_save();

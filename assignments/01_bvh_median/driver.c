@@ -12,7 +12,7 @@ static const rk_option options[] = {
     {"steps", RK_FIELD(choices, steps), "N",
      "how many steps of --debug traversal are drawn: boxes tested and leaves visited; by default "
      "all",
-     1, UINT32_MAX - 1, RK_TREE_VIEW_NOT_GIVEN},
+     1, UINT32_MAX - 1, RK_TREE_VIEW_NOT_GIVEN, .views = "traversal"},
     {0},
 };
 

@@ -19,7 +19,7 @@ static const rk_option options[] = {
     {"candidate", RK_FIELD(choices, candidate), "K",
      "split drawn by --debug bad-split, as --debug candidates numbers them; by default the most "
      "expensive",
-     0, RK_SAH_CANDIDATES_MAX - 1, RK_TREE_VIEW_NOT_GIVEN},
+     0, RK_SAH_CANDIDATES_MAX - 1, RK_TREE_VIEW_NOT_GIVEN, .views = "bad-split"},
     {"splits", RK_FIELD(choices, splits), NULL,
      "put the splits and the triangles of --node into tables instead of drawing a picture"},
     {0},
@@ -32,8 +32,6 @@ static bool prepare(rk_driver *driver, rk_error *error)
         return rk_fail(error, "--debug %s goes with --split sah or sah3", driver->debug);
     if (c->splits && driver->split == RK_ACCEL_MEDIAN)
         return rk_fail(error, "--splits goes with --split sah or sah3");
-    if (c->candidate != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "bad-split"))
-        return rk_fail(error, "--candidate goes with --debug bad-split");
     return true;
 }
 

@@ -18,33 +18,18 @@ enum { usual_level = 1, usual_most = 40 };
 static const rk_option options[] = {
     {"node", RK_FIELD(choices, node), "N",
      "node drawn by --debug node: 0 is the root, parents come before children", 0, UINT32_MAX - 1,
-     0},
+     0, .views = "node"},
     {"level", RK_FIELD(choices, level), "N",
      "level drawn by --debug level: 0 is the root, 1 are its children", 0, RK_BVH_LEVELS_MAX - 1,
-     usual_level},
+     usual_level, .views = "level"},
     {"most", RK_FIELD(choices, most), "N", "visits of the brightest pixels of --debug visits", 1,
-     UINT32_MAX - 1, usual_most},
+     UINT32_MAX - 1, usual_most, .views = "visits"},
     {"steps", RK_FIELD(choices, steps), NULL,
      "write tables: time per ray and memory, step by step"},
     {"occupancy", RK_FIELD(choices, occupancy), NULL,
      "write a table: how full nodes and blocks are"},
     {0},
 };
-
-static bool prepare(rk_driver *driver, rk_error *error)
-{
-    const choices *c = driver->choices;
-    const struct {
-        const char *option, *view;
-        bool is_given;
-    } needs[] = {{"--node", "node", c->node != 0},
-                 {"--level", "level", c->level != usual_level},
-                 {"--most", "visits", c->most != usual_most}};
-    for (size_t i = 0; i < sizeof needs / sizeof *needs; i++)
-        if (needs[i].is_given && !rk_driver_debug(driver, needs[i].view))
-            return rk_fail(error, "%s goes with --debug %s", needs[i].option, needs[i].view);
-    return true;
-}
 
 static void set_defaults(rk_driver *driver)
 {
@@ -105,7 +90,6 @@ int main(int argc, char **argv)
         .options = options,
         .choices = &c,
         .set_defaults = set_defaults,
-        .prepare = prepare,
         .views = views,
         .studies = studies,
         .check_tree = check_view,

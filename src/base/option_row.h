@@ -44,6 +44,8 @@ typedef struct rk_option {
                               `high` stands for "not given" */
     const char *initial_text; /* the default of texts; NULL: none */
     const char *alias;        /* an older spelling, still read but not listed; NULL: none */
+    const char *views; /* the values of --debug with which it goes, "node" or "split bad-split";
+                          NULL: with all, and without --debug */
 } rk_option;
 
 /* clang-format off */

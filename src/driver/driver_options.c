@@ -195,6 +195,31 @@ static bool check_pixel(const rk_driver *driver, rk_error *error)
     return true;
 }
 
+static bool goes_with(const char *views, const char *debug)
+{
+    if (!views)
+        return true;
+    for (const char *view = debug ? strstr(views, debug) : NULL; view;
+         view = strstr(view + 1, debug)) {
+        const char after = view[strlen(debug)];
+        if ((view == views || view[-1] == ' ') && (after == ' ' || after == '\0'))
+            return true;
+    }
+    return false;
+}
+
+/* Options of a view are refused in others, where they would change nothing. */
+static bool check_options_of_views(const rk_driver *driver, const rk_option *rows, rk_error *error)
+{
+    const rk_option_table table = {rows, NULL};
+    for (char **argument = driver->argv; rows && *argument; argument++) {
+        const rk_option *row = rk_options_find(&table, 1, *argument);
+        if (row && !goes_with(row->views, driver->debug))
+            return rk_fail(error, "--%s goes with --debug %s", row->name, row->views);
+    }
+    return true;
+}
+
 static bool check(const rk_driver *driver, const rk_driver_view *views, const char *usual_scene,
                   rk_error *error)
 {
@@ -251,7 +276,8 @@ rk_options_result rk_driver_read_options(rk_driver *driver, const rk_driver_spec
     rk_options_result result =
         rk_options_parse(argc, argv, driver->summary, all.tables, all.count, error);
     rk_driver_note_command(driver, &all);
-    if (result == RK_OPTIONS_OK && !check(driver, spec->views, usual_scene, error))
+    if (result == RK_OPTIONS_OK && (!check(driver, spec->views, usual_scene, error) ||
+                                    !check_options_of_views(driver, spec->options, error)))
         return RK_OPTIONS_BAD;
     return result;
 }

@@ -47,9 +47,6 @@ bool rk_tree_view_choose(rk_tree_view *view, const rk_driver *driver, rk_error *
         return rk_fail(error,
                        "--split: this driver shows binary trees; choose median, sah or sah3");
     rk_bvh_measures tree = rk_bvh_measure(rk_driver_tree(driver));
-    if ((view->level != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "level")) ||
-        (view->leaf != RK_TREE_VIEW_NOT_GIVEN && !rk_driver_debug(driver, "leaf")))
-        return rk_fail(error, "--level goes with --debug level, --leaf with --debug leaf");
     if (tree.levels == 0) /* moving objects have trees of their own */
         return !driver->debug ||
                rk_fail(error,

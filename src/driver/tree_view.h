@@ -19,11 +19,12 @@ typedef struct rk_tree_view {
      "level drawn by --debug level; 0 is the root; by default 4, or the deepest",                  \
      0,                                                                                            \
      RK_BVH_LEVELS_MAX - 1,                                                                        \
-     RK_TREE_VIEW_NOT_GIVEN},                                                                      \
+     RK_TREE_VIEW_NOT_GIVEN,                                                                       \
+     .views = "level"},                                                                            \
     {                                                                                              \
         "leaf", RK_FIELD(type, view.leaf), "N",                                                    \
             "leaf drawn by --debug leaf, counted from the left; by default 0", 0, UINT32_MAX - 1,  \
-            RK_TREE_VIEW_NOT_GIVEN                                                                 \
+            RK_TREE_VIEW_NOT_GIVEN, .views = "leaf"                                                \
     }
 
 /* Chooses the level and the leaf to draw. Errors name the tree's range. */

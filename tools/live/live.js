@@ -18,6 +18,7 @@
     .live .controls input, .live .controls select { width: 100%; margin: 0; font: inherit; }
     .live .controls input[type=checkbox] { width: auto; justify-self: start; }
     .live .controls select { grid-column: 2 / 4; }
+    .live .controls .off { opacity: .45; }
     .live output { text-align: right; font-variant-numeric: tabular-nums; }
     .live .line { display: flex; gap: .6rem; align-items: baseline; margin-top: .9rem; }
     .live .line code { flex: 1; overflow-wrap: anywhere; font-size: .72rem; background: var(--panel); padding: .25rem .5rem; border-radius: 3px; }
@@ -130,20 +131,6 @@
     }
   }
 
-  // --- arguments --------------------------------------------------------------------------------
-
-  // "--scene teapot --shadows" as a map in order; a switch has the value true.
-  function parse(args) {
-    const map = new Map();
-    const words = args.split(/\s+/).filter((word) => word);
-    for (let i = 0; i < words.length; i++) {
-      const value = words[i + 1] !== undefined && !words[i + 1].startsWith("--") ? words[++i] : true;
-      map.set(words[i - (value === true ? 0 : 1)].slice(2), value);
-    }
-    return map;
-  }
-  const words = (map) => [...map].flatMap(([name, value]) => value === true ? [`--${name}`] : [`--${name}`, String(value)]);
-
   // --- controls ---------------------------------------------------------------------------------
 
   // A slider's 0 to 1000 and a number; over two decades or more it is logarithmic.
@@ -163,14 +150,14 @@
   };
 
   // The label, the control and the value of one option; changed(value, done): null stands for the default.
-  function control(word, rows, args, changed) {
-    const [name, limits] = word.split("=");
+  function control({name, limits, views}, rows, args, changed) {
     const row = rows[name];
     const given = args.has(name) ? args.get(name) : row.value;
     const label = make("label", {textContent: name.replaceAll("-", " "), title: row.help});
+    if (views) label.title += `; goes with debug ${views.map((view) => view || "none").join(" or ")}`;
     const finish = (element) => {
       element.name = name;
-      element.title = row.help;
+      element.title = label.title;
       label.htmlFor = element.id = `live-${++control.count}`;
       return element;
     };
@@ -223,7 +210,7 @@
     // Once per change of what it asks. A short answer is awaited first; a long run, which tells its parts, is ended.
     async ask() {
       const asked = this.part.asks ? this.part.asks(this.figure.args) : null;
-      const args = asked && words(new Map(asked));
+      const args = asked && this.figure.wordsOf(new Map(asked));
       if (!args || args.join(" ") === this.asked) return;
       if (this.waits && !this.part.tell) return;
       if (this.waits) this.runner.stop();
@@ -248,7 +235,7 @@
     constructor(element) {
       this.element = element;
       this.driver = element.dataset.driver;
-      this.args = parse(element.dataset.args);
+      this.args = parseArguments(element.dataset.args);
       this.wanted = null; // {args, preview} that waits for the runner
       this.busy = null;   // the one that runs
       this.stays = null;  // where the steps of a pixel stay beside its picture: who is told which one is read
@@ -261,12 +248,44 @@
       this.runner = new Runner(kit);
       const help = await this.runner.run([this.driver, "--help"]);
       this.rows = JSON.parse(help.printed);
-      const first = await this.runner.run([this.driver, ...words(this.args)]);
+      this.offers = this.element.dataset.options.split(/\s+/).map((word) => parseOffer(word, this.rows));
+      const first = await this.runner.run([this.driver, ...this.wordsOf(this.args)]);
       if (first.status !== 0) throw new Error(first.said);
       this.camera = first.finish;
       if (this.element.dataset.widget) this.widget = new Widget(this, kit, this.element.dataset.widget);
       this.build();
       this.show(first, {preview: false, args: new Map(this.args)});
+    }
+
+    // What the driver is given: no options of other views.
+    wordsOf(args) {
+      return wordsOf(belonging(args, this.offers, this.rows));
+    }
+
+    // The controls of the present options; those of other views cannot be moved.
+    offer() {
+      this.controls.replaceChildren(...this.offers.flatMap((offer) => {
+        const parts = control(offer, this.rows, this.args, (...change) => this.change(...change));
+        parts[1].dataset.views = offer.views ? offer.views.join("|") : "all";
+        return parts;
+      }));
+      this.grey();
+    }
+
+    grey() {
+      const parts = [...this.controls.children];
+      parts.forEach((part, i) => {
+        const control = part.matches("label") ? parts[i + 1] : part.matches("output") ? parts[i - 1] : part;
+        const off = control.dataset.views !== "all" && !control.dataset.views.split("|").includes(this.args.get("debug") || "");
+        part.classList.toggle("off", off);
+        if (part === control) part.disabled = off;
+      });
+    }
+
+    reset() {
+      this.args = parseArguments(this.element.dataset.args);
+      this.offer();
+      this.changed(true);
     }
 
     build() {
@@ -276,8 +295,7 @@
       this.canvas.setAttribute("aria-label", image.alt);
       this.mark = make("div", {className: "mark", hidden: true});
       this.controls = make("div", {className: "controls"});
-      for (const word of this.element.dataset.options.split(/\s+/))
-        this.controls.append(...control(word, this.rows, this.args, (...change) => this.change(...change)));
+      this.offer();
       this.steps = make("pre", {tabIndex: 0});
       this.steps.setAttribute("aria-label", "how the pixel gets its colour");
       this.code = make("pre", {tabIndex: 0, className: "code"});
@@ -289,8 +307,9 @@
       const copy = make("button", {type: "button", textContent: "Copy", title: "copy the command"});
       copy.onclick = () => navigator.clipboard.writeText(this.command.textContent).then(() => { copy.textContent = "Copied"; });
       this.says = make("p", {className: "says"});
+      const reset = make("button", {type: "button", textContent: "Reset", title: "the options as they were", onclick: () => this.reset()});
       const screen = make("div", {className: "screen"}, this.canvas, this.mark);
-      const below = [this.controls, make("div", {className: "line"}, this.command, copy), this.says];
+      const below = [this.controls, make("div", {className: "line"}, this.command, copy, reset), this.says];
       image.replaceWith(make("div", {className: "stage"}, ...(this.widget
         ? [make("div", {className: "left"}, screen, make("div", {className: "below"}, ...below)), make("div", {}, this.widget.box, this.story)]
         : [screen, make("div", {}, ...below, this.story)])));
@@ -344,6 +363,7 @@
       this.story.hidden = !this.stays;
       this.mark.hidden = true;
       this.done = done;
+      this.grey();
       const args = new Map(this.args);
       const preview = !done && this.lasts > 200;
       if (preview) { // so small that it takes about 100 ms
@@ -362,7 +382,7 @@
       this.args.set(name, String(value));
       this.print();
       this.draw(picture);
-      this.element.dataset.drawn = words(this.args).join(" ");
+      this.element.dataset.drawn = this.wordsOf(this.args).join(" ");
       return true;
     }
 
@@ -373,7 +393,7 @@
       while (this.wanted) {
         const job = this.busy = this.wanted;
         this.wanted = null;
-        const result = await this.runner.run([this.driver, ...words(job.args)]);
+        const result = await this.runner.run([this.driver, ...this.wordsOf(job.args)]);
         if (this.busy !== job) return;
         this.show(result, job);
       }
@@ -381,7 +401,7 @@
     }
 
     print() {
-      const parts = words(this.args).join(" ").split(/ (?=--)/); // an option and its value stay on one line
+      const parts = this.wordsOf(this.args).join(" ").split(/ (?=--)/); // an option and its value stay on one line
       this.command.replaceChildren(this.element.dataset.program, ...parts.flatMap((part) => [" ", make("span", {textContent: part})]));
     }
 
@@ -400,7 +420,7 @@
       this.says.textContent = `${width} x ${height} pixels, drawn here in ${result.ms.toFixed(0)} ms by one thread. ` +
         (drag === "no" ? "" : "Drag the picture to turn the camera. ") + (click === "no" ? "" : click === "draw" ?
         "Click a pixel to see its rays." : "Click a pixel to see how it gets its colour.");
-      if (!job.preview) this.element.dataset.drawn = words(job.args).join(" ");
+      if (!job.preview) this.element.dataset.drawn = this.wordsOf(job.args).join(" ");
       if (this.widget && this.widget.part.follow) this.widget.part.follow(this.args, result, job.preview);
     }
 
@@ -419,7 +439,7 @@
       const job = this.busy = {preview: false};
       const args = new Map([...this.args, ["pixel", place.join()], ["pixel-code", true]]);
       args.delete("debug");
-      const result = await this.runner.run([this.driver, ...words(args)]);
+      const result = await this.runner.run([this.driver, ...this.wordsOf(args)]);
       if (this.busy !== job) return;
       this.busy = null;
       const said = result.status === 0 ? result.printed.split("\n").filter((line) => !/^\S+\.png: /.test(line)).join("\n") : result.said;

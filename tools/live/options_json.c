@@ -50,6 +50,10 @@ static void print_option(rk_bound_option option)
     const char *const *text = option.value;
     printf("\"%s\": {\"kind\": \"%s\", \"help\": ", row->name, kinds[row->kind]);
     print_text(row->help);
+    if (row->views) {
+        printf(", \"views\": ");
+        print_text(row->views);
+    }
     if (row->kind == RK_OPTION_FLAG)
         printf(", \"value\": %s", *(const bool *)option.value ? "true" : "false");
     else if (row->kind == RK_OPTION_UINT)

@@ -6,8 +6,10 @@
 -- becomes the driver's picture, as .figure does. Where the page can run the drivers' WebAssembly module
 -- (RAYKIT_LIVE; empty: there is none), each of the options gets a control: its kind, default and help are
 -- those of the driver; a text may narrow a range (radius=1..100) or choices (scene=teapot|cornell,
--- debug=|mask, the empty one for none). Dragging the picture turns the camera, unless drag=no; a click
--- explains a pixel, unless click=no. widget=sah adds what this figure alone has: tools/live/widgets/sah.js.
+-- debug=|mask, the empty one for none). leaf=0..255@leaf goes with --debug leaf alone, and is left out
+-- otherwise; so are the driver's own options of views. Dragging the picture turns the camera, unless
+-- drag=no; a click explains a pixel, unless click=no. widget=sah adds what this figure alone has:
+-- tools/live/widgets/sah.js.
 
 local drive = require("drive")
 local steps = require("steps")
@@ -23,11 +25,11 @@ local function check_options(div, options)
   local name = div.attributes.driver
   known[name] = known[name] or drive.help(div)
   for _, word in ipairs(drive.words(options)) do
-    local option = word:match("^[^=]+")
+    local option = word:match("^[^=@]+")
     if not known[name]:find("\n  %-%-" .. option:gsub("%W", "%%%0") .. "%f[^%w-]") then
       drive.fail_at(div, "the driver %s has no option --%s", name, option)
     end
-    local low, high = word:match("=([-%d.]*)%.%.([-%d.]*)$")
+    local low, high = word:match("=([-%d.]*)%.%.([-%d.]*)@?")
     if low and not (tonumber(low) and tonumber(high) and tonumber(low) < tonumber(high)) then
       drive.fail_at(div, "%s is no range; write it as in radius=1..100", word)
     end
@@ -102,9 +104,10 @@ function live.script(solutions)
   local parts = {}
   for name, text in pairs(widgets) do parts[#parts + 1] = name .. ": " .. text end
   table.sort(parts)
-  return "(" .. read("live.js"):gsub(";%s*$", "") .. ")({" .. table.concat(modules, ", ") .. "},\n" ..
+  local page = read("arguments.js") .. "const figures = " .. read("live.js")
+  return "{\n" .. page .. "figures({" .. table.concat(modules, ", ") .. "},\n" ..
     quote(read("run.js") .. read("worker.js")) .. ",\n{" .. table.concat(parts, ", ") .. "},\n" ..
-    steps.script(solutions) .. ");\n"
+    steps.script(solutions) .. ");\n}\n"
 end
 
 return live
