@@ -172,9 +172,33 @@ function press_all({driver, rows, args, offers, widget, clicks}) {
   return wrong;
 }
 
+// All live figures of a chapter.
+function figures_of(name) {
+  return [...fs.readFileSync(`${source}/docs/${name}`, "utf8").matchAll(/^:+ \{\.live .*\}$/gm)].map(([text]) => figure_of(text));
+}
+
+// Frames whose scene has the same options are drawn by the instance that has it, unless the driver looks from a place of its own.
+function a_scene_is_kept_between_frames() {
+  const wrong = [], kept = {};
+  let count = 0;
+  for (const name of fs.readdirSync(`${source}/docs`).filter((entry) => entry.endsWith(".md")).sort()) for (const {driver, args} of figures_of(name)) {
+    args.delete("pixel"); // not in each frame
+    if (args.get("debug") === "rays") continue;
+    for (const more of [[], ["--yaw", "25", "--pitch", "10"], ["--yaw", "50"], ["--width", "70", "--height", "50"]]) {
+      const line = [driver, ...wordsOf(new Map([...args, ...parseArguments(more.join(" "))]))], drawn = runDriver(module_, line, undefined, kept), fresh = runDriver(module_, line);
+      count += drawn.kept ? 1 : 0;
+      if (drawn.status !== 0 || !drawn.picture || Buffer.compare(drawn.picture.rgba, fresh.picture.rgba) !== 0) wrong.push(line.join(" "));
+    }
+  }
+  check(wrong.length === 0, "a kept scene is drawn from elsewhere, and in another size, to the bit as a new one", wrong.join("\n"));
+  check(count >= 3 * 15, "it is kept for nearly all figures", `${count} of the frames had a kept scene`);
+  const other = runDriver(module_, ["bloom", "--scene", "no-such"], undefined, kept), after = runDriver(module_, ["bloom", "--width", "20", "--height", "20"], undefined, kept);
+  check(other.status === 1 && after.status === 0 && !after.kept, "after an error nothing is kept", JSON.stringify([other.status, after.status, after.kept]));
+}
+
 function every_control_does_something() {
   for (const name of fs.readdirSync(`${source}/docs`).filter((entry) => entry.endsWith(".md")).sort()) {
-    const wrong = [...fs.readFileSync(`${source}/docs/${name}`, "utf8").matchAll(/^:+ \{\.live .*\}$/gm)].map(([text]) => press_all(figure_of(text)));
+    const wrong = figures_of(name).map(press_all);
     if (wrong.length) check(wrong.flat().length === 0, `${name}: each control draws at each of its values, in each view, and changes the picture`, wrong.flat().join("\n"));
   }
 }
@@ -389,6 +413,7 @@ async function main() {
   module_draws_like_the_drivers();
   module_prints_like_the_drivers();
   every_control_does_something();
+  a_scene_is_kept_between_frames();
   if (!pandoc || !chromium) {
     console.log(`ok ${++count} - pages # SKIP ${pandoc ? "Chromium is missing: ./bootstrap --pdf" : "pandoc is missing: ./bootstrap"}`);
     await loop_shows_each_save();

@@ -44,7 +44,8 @@ typedef struct rk_driver {
 
     /* from rk_driver_start on */
     rk_scene scene;
-    rk_framed framed; /* of the mesh file */
+    rk_camera camera_own; /* the scene's, without the command line */
+    rk_framed framed;     /* of the mesh file */
     rk_accel accel;
     rk_accel unfinished; /* its trees find nothing: `accel` has others, see rk_driver_build */
     rk_pool *pool;
@@ -58,6 +59,9 @@ rk_driver rk_driver_default(const char *feature, const char *summary);
 
 /* Loads the scene and starts the threads by the options. */
 bool rk_driver_start(rk_driver *driver, rk_error *error);
+
+/* Points the scene's camera as the options say, and for the rest as the scene has it. */
+void rk_driver_aim(rk_driver *driver);
 
 /* Tries to begin a file in the output folder, so that an error comes before the rendering. */
 bool rk_driver_try_folder(const rk_driver *driver, rk_error *error);

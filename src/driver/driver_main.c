@@ -31,17 +31,31 @@ static bool save(const rk_driver_spec *spec, rk_driver *driver, rk_error *error)
     return spec->save ? spec->save(driver, error) : rk_driver_save(driver, NULL, error);
 }
 
-/* From a scene to a study, a debug view, timing rows or the picture. */
-static bool work(const rk_driver_spec *spec, rk_driver *driver, rk_error *error)
+static bool build(const rk_driver_spec *spec, rk_driver *driver, rk_error *error)
 {
     const rk_driver_study *study = find_study(spec);
     const rk_driver_view *view = study ? NULL : find_view(spec, driver);
-    bool without_tree = (study && study->without_tree) || (view && view->without_tree);
-    if (!run_step(spec->prepare, driver, error))
-        return false;
-    if (!without_tree &&
-        !(rk_driver_build(driver, error) && run_step(spec->check_tree, driver, error)))
-        return false;
+    const bool without_tree = (study && study->without_tree) || (view && view->without_tree);
+    return run_step(spec->prepare, driver, error) &&
+           (without_tree ||
+            (rk_driver_build(driver, error) && run_step(spec->check_tree, driver, error)));
+}
+
+rk_options_result rk_driver_begin(const rk_driver_spec *spec, rk_driver *driver, int argc,
+                                  char **argv, rk_error *error)
+{
+    *driver = rk_driver_default(spec->feature, spec->summary);
+    rk_driver_set_defaults(driver, spec);
+    const rk_options_result result = rk_driver_read_options(driver, spec, argc, argv, error);
+    if (result == RK_OPTIONS_OK && !(rk_driver_start(driver, error) && build(spec, driver, error)))
+        return RK_OPTIONS_BAD;
+    return result;
+}
+
+bool rk_driver_draw(const rk_driver_spec *spec, rk_driver *driver, rk_error *error)
+{
+    const rk_driver_study *study = find_study(spec);
+    const rk_driver_view *view = find_view(spec, driver);
     if (study)
         return study->put(driver, error);
     if (view)
@@ -55,10 +69,9 @@ static bool work(const rk_driver_spec *spec, rk_driver *driver, rk_error *error)
 int rk_driver_main(const rk_driver_spec *spec, int argc, char **argv)
 {
     rk_error error = {""};
-    rk_driver driver = rk_driver_default(spec->feature, spec->summary);
-    rk_driver_set_defaults(&driver, spec);
-    rk_options_result result = rk_driver_read_options(&driver, spec, argc, argv, &error);
-    bool ok =
-        result == RK_OPTIONS_OK && rk_driver_start(&driver, &error) && work(spec, &driver, &error);
-    return rk_driver_finish(&driver, ok || result == RK_OPTIONS_DONE, &error);
+    rk_driver driver;
+    const rk_options_result result = rk_driver_begin(spec, &driver, argc, argv, &error);
+    const bool ok = result == RK_OPTIONS_DONE ||
+                    (result == RK_OPTIONS_OK && rk_driver_draw(spec, &driver, &error));
+    return rk_driver_finish(&driver, ok, &error);
 }

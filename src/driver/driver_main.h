@@ -3,6 +3,7 @@
 #ifndef RK_DRIVER_DRIVER_MAIN_H
 #define RK_DRIVER_DRIVER_MAIN_H
 
+#include "base/options.h"
 #include "driver/driver.h"
 
 /* A driver's own step; its options are in driver->choices. */
@@ -42,8 +43,14 @@ typedef struct rk_driver_spec {
     rk_driver_step *save; /* a picture, driver->debug's or the plain one; NULL: without label */
 } rk_driver_spec;
 
-/* Defaults, options, scene, tree; then a study, a debug view, timing rows, or the picture. Returns
- * the exit status. */
+/* Defaults, options, scene and tree. RK_OPTIONS_BAD, with an error, if any of these fails. */
+rk_options_result rk_driver_begin(const rk_driver_spec *spec, rk_driver *driver, int argc,
+                                  char **argv, rk_error *error);
+
+/* A study, a debug view, timing rows, or the picture. */
+bool rk_driver_draw(const rk_driver_spec *spec, rk_driver *driver, rk_error *error);
+
+/* Both, and rk_driver_finish. Returns the exit status. */
 int rk_driver_main(const rk_driver_spec *spec, int argc, char **argv);
 
 #endif

@@ -70,6 +70,16 @@ static bool load_mesh(rk_driver *driver, rk_error *error)
     return true;
 }
 
+void rk_driver_aim(rk_driver *driver)
+{
+    const rk_camera *own = &driver->camera_own, *given = &driver->camera_given;
+    driver->scene.camera.distance = or_own(given->distance, own->distance);
+    driver->scene.camera.fov = or_own(given->fov, own->fov);
+    driver->scene.camera.rotation =
+        rk_vec(or_own(given->rotation.x, own->rotation.x),
+               or_own(given->rotation.y, own->rotation.y), own->rotation.z);
+}
+
 static bool load_scene(rk_driver *driver, rk_error *error)
 {
     rk_error why = {""};
@@ -80,12 +90,8 @@ static bool load_scene(rk_driver *driver, rk_error *error)
     if (driver->move && driver->scene.moving_count == 0)
         rk_scene_move_mesh(&driver->scene, driver->motion);
     driver->scene.background = driver->background;
-    rk_camera *own = &driver->scene.camera;
-    const rk_camera *given = &driver->camera_given;
-    own->distance = or_own(given->distance, own->distance);
-    own->fov = or_own(given->fov, own->fov);
-    own->rotation = rk_vec(or_own(given->rotation.x, own->rotation.x),
-                           or_own(given->rotation.y, own->rotation.y), own->rotation.z);
+    driver->camera_own = driver->scene.camera;
+    rk_driver_aim(driver);
     return true;
 }
 

@@ -1,12 +1,15 @@
 /* All drivers as one WebAssembly module: argv[0] is the driver's name, such as bloom. What a page
  * needs beside the printed text goes to functions of the page, imported from the module raykit. */
-#include "driver/driver.h"
+#include "driver/driver_main.h"
+#include "driver/driver_options.h"
+#include "driver/unsolved.h"
 #include "io/png.h"
 #include "io/srgb8.h"
 
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <wasi/api.h>
 
 #define IMPORT(name) __attribute__((import_module("raykit"), import_name(name)))
 
@@ -16,6 +19,10 @@ IMPORT("picture") void raykit_picture(const uint8_t *rgba, size_t width, size_t 
 /* How the run ended: the camera, in the units of its options, and the time. */
 IMPORT("finish")
 void raykit_finish(double yaw, double pitch, double distance, double build_ms, double render_ms);
+
+/* Scene and tree are made: a copy of the memory at this moment can draw further pictures of them.
+ */
+IMPORT("keep") void raykit_keep(void);
 
 /* A cell of a table's row. */
 IMPORT("cell") void raykit_cell(const char *column, const char *text, bool last);
@@ -32,6 +39,111 @@ int main(int argc, char **argv)
 #include "features/list.h"
     fprintf(stderr, "%s: there is no such driver\n", argv[0]);
     return 2;
+}
+
+/* --- pictures of a scene that is kept ----------------------------------------------------------
+ */
+
+static struct {
+    const rk_driver_spec *spec;
+    rk_driver driver, begun; /* the one that draws, and as it was when scene and tree were made */
+} kept;
+
+/* Is the camera where the options and the scene say, or has the driver a view of its own? */
+static bool follows_options(rk_driver *driver)
+{
+    const rk_camera now = driver->scene.camera;
+    rk_driver_aim(driver);
+    const bool follows = memcmp(&now, &driver->scene.camera, sizeof now) == 0;
+    driver->scene.camera = now;
+    return follows;
+}
+
+static void tell_camera(const rk_driver *driver)
+{
+    const rk_camera *camera = &driver->scene.camera;
+    raykit_finish(camera->rotation.y, camera->rotation.x, camera->distance, driver->build_ms.median,
+                  driver->render_ms.median);
+}
+
+/* As rk_driver_finish, but nothing is freed: the page may ask for a further picture. */
+static int finish_kept(void)
+{
+    const rk_image image = kept.driver.image;
+    tell_camera(&kept.driver);
+    rk_driver_note_unsolved(&kept.driver);
+    fflush(stdout);
+    kept.driver = kept.begun;
+    kept.driver.image = image;
+    raykit_keep();
+    return 0;
+}
+
+int __wrap_rk_driver_main(const rk_driver_spec *spec, int argc, char **argv);
+
+/* As rk_driver_main, but the driver outlives it. */
+int __wrap_rk_driver_main(const rk_driver_spec *spec, int argc, char **argv)
+{
+    rk_error error = {""};
+    rk_driver *driver = &kept.driver;
+    const rk_options_result result = rk_driver_begin(spec, driver, argc, argv, &error);
+    kept.spec = spec;
+    kept.begun = *driver;
+    const bool keeps = result == RK_OPTIONS_OK && follows_options(driver);
+    const bool ok = result == RK_OPTIONS_DONE ||
+                    (result == RK_OPTIONS_OK && rk_driver_draw(spec, driver, &error));
+    return ok && keeps ? finish_kept() : rk_driver_finish(driver, ok, &error);
+}
+
+/* The words of the page's command line, NULL without memory. */
+static char **read_arguments(int *count)
+{
+    size_t words, size;
+    if (__wasi_args_sizes_get(&words, &size) != 0)
+        return NULL;
+    char **argv = malloc((words + 1) * sizeof *argv + size);
+    if (!argv || __wasi_args_get((uint8_t **)argv, (uint8_t *)(argv + words + 1)) != 0)
+        return NULL;
+    argv[words] = NULL;
+    *count = (int)words;
+    return argv;
+}
+
+/* The camera and the size by the command line; the other options hold as they were. */
+static bool aim_again(rk_driver *driver, int argc, char **argv, rk_error *error)
+{
+    const rk_driver_spec plain = {.feature = kept.spec->feature, .summary = kept.spec->summary};
+    rk_driver now = rk_driver_default(plain.feature, plain.summary);
+    if (!argv || rk_driver_read_options(&now, &plain, argc, argv, error) != RK_OPTIONS_OK)
+        return false;
+    driver->camera_given = now.camera_given;
+    driver->render.width = now.render.width, driver->render.height = now.render.height;
+    rk_driver_aim(driver);
+    rk_image_free(&driver->image);
+    return rk_image_init(&driver->image, now.render.width, now.render.height, error);
+}
+
+/* `above` is not used: the driver's main has returned, and its variables, which the spec names, are
+ * still where it had them on the stack. */
+__attribute__((noinline)) static int draw_below(char *above)
+{
+    above[0] = 0; /* or nothing would be reserved */
+    rk_error error = {""};
+    int argc = 0;
+    char **argv = read_arguments(&argc);
+    const bool ok = aim_again(&kept.driver, argc, argv, &error) &&
+                    rk_driver_draw(kept.spec, &kept.driver, &error);
+    free(argv);
+    return ok ? finish_kept() : rk_driver_finish(&kept.driver, false, &error);
+}
+
+__attribute__((export_name("draw_kept"))) int draw_kept(void);
+
+/* Draws the scene that is kept from elsewhere, or in another size. Anything but 0: it is freed. */
+int draw_kept(void)
+{
+    char above[1 << 18];
+    return draw_below(above);
 }
 
 /* --- in place of src/io/png_read.c and png_write.c -------------------------------------------- */
@@ -92,9 +204,7 @@ int __wrap_rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error);
 
 int __wrap_rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error)
 {
-    const rk_camera *camera = &driver->scene.camera;
-    raykit_finish(camera->rotation.y, camera->rotation.x, camera->distance, driver->build_ms.median,
-                  driver->render_ms.median);
+    tell_camera(driver);
     return __real_rk_driver_finish(driver, ok, error);
 }
 
