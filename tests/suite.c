@@ -1,8 +1,11 @@
 /* The main of every suite. Runs all tests, those that match a pattern, or exactly one; the last
  * form can attest its verdict to the calling program, so that printing "ok" proves nothing. */
+#define _DEFAULT_SOURCE /* for MAP_ANONYMOUS */
 #include "test.h"
 
 #include <fnmatch.h>
+#include <signal.h>
+#include <sys/mman.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -81,6 +84,56 @@ void rk_claim_of_value_failed(const char *file, int line, const char *what, doub
         snprintf(within, sizeof within, " within %.3g", tolerance);
     rk_claim_failed(file, line, "%s%sgot %.9g, want %.9g%s%s%s", is_named ? what : "",
                     is_named ? ": " : "", got, want, within, hint ? ": " : "", hint ? hint : "");
+}
+
+static struct {
+    char *start;
+    size_t size;
+    const char *name;
+} read_only[8];
+static int read_only_count;
+static struct sigaction before_read_only[2];
+static const int faults[2] = {SIGSEGV, SIGBUS};
+
+/* cmocka's own handler leaves the test in the same way. */
+static void tell_of_a_write(int signal, siginfo_t *info, void *context)
+{
+    (void)context;
+    for (int i = 0; i < read_only_count; i++)
+        if ((char *)info->si_addr >= read_only[i].start &&
+            (char *)info->si_addr < read_only[i].start + read_only[i].size)
+            rk_claim_failed(
+                __FILE__, __LINE__,
+                "a write to the caller's %s, which is constant: other threads read it at "
+                "the same time, so putting it back is too late",
+                read_only[i].name);
+    sigaction(signal, &before_read_only[signal == faults[1]], NULL); /* the fault comes again */
+}
+
+const void *rk_read_only(const void *value, size_t size, const char *name)
+{
+    rk_check(read_only_count < (int)(sizeof read_only / sizeof *read_only), "too many copies");
+    char *start = mmap(NULL, size, PROT_READ | PROT_WRITE, MAP_PRIVATE | MAP_ANONYMOUS, -1, 0);
+    rk_check(start != MAP_FAILED, "no memory for %zu bytes", size);
+    memcpy(start, value, size);
+    rk_check(mprotect(start, size, PROT_READ) == 0, "%zu bytes cannot be made read-only", size);
+    struct sigaction tell = {.sa_sigaction = tell_of_a_write, .sa_flags = SA_SIGINFO | SA_NODEFER};
+    for (int i = 0; i < 2 && read_only_count == 0; i++)
+        sigaction(faults[i], &tell, &before_read_only[i]);
+    read_only[read_only_count].start = start;
+    read_only[read_only_count].size = size;
+    read_only[read_only_count++].name = name;
+    return start;
+}
+
+void rk_read_only_free(void)
+{
+    for (int i = 0; i < 2 && read_only_count > 0; i++)
+        sigaction(faults[i], &before_read_only[i], NULL);
+    while (read_only_count > 0) {
+        read_only_count--;
+        munmap(read_only[read_only_count].start, read_only[read_only_count].size);
+    }
 }
 
 static int list_tests(const struct CMUnitTest *tests, size_t count)

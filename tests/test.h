@@ -95,6 +95,12 @@ void *rk_scarce_calloc(size_t count, size_t size);
 void *rk_scarce_realloc(void *old, size_t size);
 void *rk_scarce_aligned_alloc(size_t alignment, size_t size);
 
+/* A copy of an argument that is constant, in memory that can only be read: where it is written,
+ * even if it is put back, the test fails and names it. Others, such as threads, read it at the same
+ * time. Release all copies with rk_read_only_free. */
+const void *rk_read_only(const void *value, size_t size, const char *name);
+void rk_read_only_free(void);
+
 typedef struct rk_suite {
     const char *name;
     const struct CMUnitTest *tests;

@@ -784,9 +784,32 @@ static void all_lines_are_summed(void **state)
     check_sum_of(1, UINT32_MAX, 1366 * RK_BLOOM_BLOCK, "lines of more than 65536 floats");
 }
 
+/* Weights of 0, and equal ones, times lines as bright as may be: a sum of four is infinite. */
+static void check_box_filter(void)
+{
+    enum { reach = 4 };
+    float weights[reach + 1] = {0.2f, 0.2f, 0.2f}, line[RK_BLOOM_BLOCK], sum[RK_BLOOM_BLOCK];
+    const float *lines[2 * reach + 1];
+    for (size_t i = 0; i < RK_BLOOM_BLOCK; i++)
+        line[i] = RK_BLOOM_BRIGHTEST;
+    for (size_t k = 0; k <= 2 * reach; k++)
+        lines[k] = line;
+    const rk_bloom_filter filter = filter_of(weights, reach, RK_BLOOM_ZERO);
+    uint32_t taps = rk_bloom_blur_lines(&filter, lines, RK_BLOOM_BLOCK, sum);
+    rk_check(
+        taps == 2 * reach + 1,
+        "four of nine lines have the weight 0: returned %u, want 9: the lines that are not NULL",
+        taps);
+    rk_check_near(
+        sum[0] / RK_BLOOM_BRIGHTEST, 1, 16 * 0x1p-24,
+        "five lines of 2^126, each of weight 1/5, over 2^126: two may be added before their "
+        "weight, and no more");
+}
+
 static void lines_that_are_null_are_zeros(void **state)
 {
     (void)state;
+    check_box_filter();
     for (uint32_t i = 0; i < 200; i++) {
         char hint[64];
         uint32_t present = rk_hash(i, 0, 0, 4);
@@ -830,16 +853,18 @@ static void lines_that_are_null_cost_nothing(void **state)
         lines[k] = line;
     double all = seconds_of_sum(&filter, lines, count, sum);
     memset(lines, 0, sizeof lines);
-    lines[reach] = line;
     line[0] = 1;
-    double one = seconds_of_sum(&filter, lines, count, sum);
-    rk_check(sum[0] == 1, "the only line that is not NULL is 1: got %g", (double)sum[0]);
-    /* About a thousandth: looking at the pointers is left. */
-    rk_check(
-        one <= all / 20,
-        "one of %d lines is not NULL: the sum took %.3g ms, and %.3g ms with all lines; want a "
-        "twentieth of that at most",
-        2 * reach + 1, 1000 * one, 1000 * all);
+    /* The first one alone, then the one in the middle. */
+    for (size_t at = 0; at <= reach; at += reach) {
+        lines[0] = NULL, lines[at] = line;
+        double one = seconds_of_sum(&filter, lines, count, sum);
+        rk_check(sum[0] == 1, "the only line that is not NULL is 1: got %g", (double)sum[0]);
+        /* About a thousandth: looking at the pointers is left. */
+        rk_check(one <= all / 20,
+                 "line %zu alone of %d is not NULL: the sum took %.3g ms, and %.3g ms with all "
+                 "lines; want a twentieth of that at most",
+                 at, 2 * reach + 1, 1000 * one, 1000 * all);
+    }
 }
 
 static void blurring_allocates_no_memory(void **state)

@@ -158,6 +158,13 @@ static uint32_t check_against_brute_force(const rk_mesh *mesh, uint32_t rays, ui
     rk_check(tree_checksum(&bvh) == before,
              "rays changed the tree over %u triangles, which is constant: threads share it",
              mesh->triangle_count);
+    rk_ray ray = make_ray_of_any_length(0, seed, bounds);
+    const rk_ray *constant = rk_read_only(&ray, sizeof ray, "ray");
+    if (queries & CLOSEST)
+        rk_bvh_closest(&bvh, constant, &counters);
+    if (queries & OCCLUSION)
+        rk_bvh_occluded(&bvh, constant, &counters);
+    rk_read_only_free();
     rk_bvh_free(&bvh);
     return hits;
 }
@@ -499,6 +506,42 @@ static rk_bvh build_deepest(deep_builder *deep, bool one_goes_left, uint32_t odd
     return bvh;
 }
 
+/* Halves six levels of as many triangles as there may be, none of which is looked at. */
+static uint32_t split_six_levels(void *context, uint32_t begin, uint32_t count, uint32_t depth_left,
+                                 rk_box *box)
+{
+    (void)context, (void)begin;
+    *box = rk_box_empty();
+    return depth_left > RK_BVH_LEVELS_MAX - 1 - 6 ? count - count / 2 : 0;
+}
+
+static void check_range(const rk_bvh *bvh, uint32_t node, uint32_t begin, uint32_t count,
+                        uint32_t levels)
+{
+    const rk_bvh_node *n = &bvh->nodes[node];
+    if (levels == 0) {
+        rk_check(
+            n->first == begin && n->count == count,
+            "2^32 - 1 triangles, halved six times: got a leaf of %u triangles from %u on, want "
+            "%u from %u on: all numbers of triangles have 32 bits",
+            n->count, n->first, count, begin);
+        return;
+    }
+    rk_check(n->count == 0 && n->first >= 2 && n->first < 2 * 64,
+             "2^32 - 1 triangles, halved six times: node %u is not an inner one", node);
+    uint32_t left = count - count / 2;
+    check_range(bvh, n->first, begin, left, levels - 1);
+    check_range(bvh, n->first + 1, begin + left, count - left, levels - 1);
+}
+
+static void check_all_triangles_that_32_bits_count(void)
+{
+    rk_bvh_node nodes[2 * 64];
+    rk_bvh bvh = {.triangle_count = UINT32_MAX, .nodes = nodes};
+    rk_bvh_build_nodes(&bvh, split_six_levels, NULL);
+    check_range(&bvh, 0, 0, UINT32_MAX, 6);
+}
+
 static void each_split_is_told_how_many_levels_may_follow(void **state)
 {
     (void)state;
@@ -508,6 +551,7 @@ static void each_split_is_told_how_many_levels_may_follow(void **state)
         rk_bvh_free(&bvh);
         rk_mesh_free(&deep.mesh);
     }
+    check_all_triangles_that_32_bits_count();
 }
 
 /* Halves each node down to leaves of this many triangles at most, in the order of the mesh. */
@@ -1250,6 +1294,30 @@ static void check_occlusion_in_one_leaf(void)
     }
 }
 
+/* A leaf as large as may be, of which a builder's own split decides. The first triangle is hit, so
+ * nothing is looked at behind the first four, which may be tested at once. */
+static void check_occlusion_in_a_large_leaf(void)
+{
+    const size_t page = (size_t)sysconf(_SC_PAGESIZE);
+    char *pages = guarded_pages(2 * page);
+    rk_triangle *triangles = (rk_triangle *)(void *)(pages + page - 4 * sizeof(rk_triangle));
+    for (uint32_t i = 0; i < RK_BVH_LEAF_MAX; i++)
+        triangles[i] = (rk_triangle){{-1, -1, 1}, {1, -1, 1}, {0, 1, 1}, i};
+    rk_bvh_node root = {rk_box_empty(), 0, RK_BVH_LEAF_MAX};
+    root.box = rk_box_add(rk_box_add(root.box, rk_vec(-1, -1, 1)), rk_vec(1, 1, 1));
+    const rk_bvh bvh = {1, RK_BVH_LEAF_MAX, &root, triangles};
+    rk_ray ray = {rk_vec(0, 0, 0), rk_vec(0, 0, 1), INFINITY};
+    rk_counters counters = {0};
+    guard_close(pages + page, page);
+    check_occluded(rk_bvh_occluded(&bvh, &ray, &counters), true,
+                   "a leaf of 64 triangles, all of which the ray hits");
+    check_counts(counters, (rk_counters){.box_tests = 1, .triangle_tests = 1},
+                 "an occlusion test through all 64 triangles of a leaf",
+                 "the root's box, and the first triangle, which is hit");
+    guard_open(pages + page, page);
+    munmap(pages, 2 * page);
+}
+
 static void occlusion_tests_stop_at_the_first_hit(void **state)
 {
     (void)state;
@@ -1282,6 +1350,7 @@ static void occlusion_tests_stop_at_the_first_hit(void **state)
     rk_bvh_free(&bvh);
     rk_mesh_free(&mesh);
     check_occlusion_in_one_leaf();
+    check_occlusion_in_a_large_leaf();
 }
 
 static void counts_of_several_rays_add_up(void **state)
@@ -1316,14 +1385,16 @@ static void large_counts_do_not_wrap_around(void **state)
     rk_ray ray = {rk_vec(0.75f, 0.75f, -1), rk_vec(0, 0, 1), INFINITY};
     for (int occlusion = 0; occlusion < 2; occlusion++) {
         const uint64_t before = UINT32_MAX;
-        rk_counters counters = {.box_tests = before, .triangle_tests = before};
+        rk_counters counters, want;
+        memset(&counters, 5, sizeof counters); /* all others, too, which are kept */
+        counters.box_tests = counters.triangle_tests = before;
+        want = counters;
+        want.box_tests += bvh.node_count - 1, want.triangle_tests += mesh.triangle_count;
         if (occlusion)
             rk_bvh_occluded(&bvh, &ray, &counters);
         else
             rk_bvh_closest(&bvh, &ray, &counters);
-        check_counts(counters,
-                     (rk_counters){.box_tests = before + bvh.node_count - 1,
-                                   .triangle_tests = before + mesh.triangle_count},
+        check_counts(counters, want,
                      occlusion ? "an occlusion test that looks at everything, after others"
                                : "a ray that looks at everything, after others",
                      "counters have 64 bits; 16 or 32 are too few, for one ray or for many");

@@ -349,8 +349,10 @@ static void diffuse_part_and_highlight_add_up(void **state)
     rk_vec3 kd = rk_vec(0.5f, 0, 0.25f), ks = rk_vec(0, 0.25f, 0.5f), light = rk_vec(2, 4, 8);
     for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
         rk_shading shading = shading_of((rk_shading_model)model, false);
-        check_colour(rk_shade(&shading, kd, ks, 5, up, l, v, light), rk_vec(0.5f, 1, 5),
-                     8 * few_roundings, "I (kd n.l + ks lobe): the classic lobe has no factor n.l");
+        check_colour(
+            rk_shade(&shading, kd, ks, 5, up, l, v, light), rk_vec(0.5f, 1, 5), 8 * few_roundings,
+            "I (kd n.l + ks lobe): the light, here of three different channels, times both parts; "
+            "the classic lobe has no factor n.l");
     }
 }
 
@@ -429,6 +431,17 @@ static void a_gradient_is_linear_between_its_stops(void **state)
     const rk_gradient bright = {2, {{0, {0, 8, 1e20f}}, {1, {16, 0, 3e20f}}}};
     check_relative(rk_gradient_at(&bright, 0.5f), rk_vec(8, 4, 2e20f),
                    "linear between colours brighter than white, too");
+    const rk_gradient far_apart = {2, {{0, {3e38f, -3e38f, 0}}, {1, {-3e38f, 3e38f, 3e38f}}}};
+    for (int k = 0; k <= 4; k++) {
+        const double part = k / 4.0, want = 3e38 * (1 - 2 * part);
+        rk_vec3 got = rk_gradient_at(&far_apart, (float)part);
+        rk_check(
+            fabs((double)got.x - want) <= 3e38 * few_roundings &&
+                fabs((double)got.y + want) <= 3e38 * few_roundings,
+            "stops of 3e38 and -3e38, at %g: got %g and %g, want %g and %g: their difference is "
+            "no float",
+            part, (double)got.x, (double)got.y, want, -want);
+    }
     /* Four floats apart. */
     const rk_gradient narrow = {2, {{0.5f, {0, 0, 1}}, {0.5f + 0x1p-22f, {1, 0, 0}}}};
     check_colour(rk_gradient_at(&narrow, 0.5f + 0x1p-23f), rk_vec(0.5f, 0, 0.5f), 0, hint);
@@ -438,6 +451,10 @@ static void a_gradient_is_read_at_each_call(void **state)
 {
     (void)state;
     rk_gradient gradient = {2, {{-1, {0, 0, 1}}, {1, {1, 0, 0}}, {0, {0, 1, 0}}}};
+    rk_gradient unsorted = {3, {{1, {1, 0, 0}}, {-1, {0, 0, 1}}, {0, {0, 1, 0}}}};
+    const rk_gradient *constant = rk_read_only(&unsorted, sizeof unsorted, "gradient");
+    check_colour(rk_gradient_at(constant, 0.5f), rk_vec(0.5f, 0.5f, 0), 0, "stops in any order");
+    rk_read_only_free();
     const char *hint = "the same gradient in memory, changed between two calls";
     check_colour(rk_gradient_at(&gradient, 0), rk_vec(0.5f, 0, 0.5f), 0, hint);
     gradient.stops[1].colour = rk_vec(0, 1, 0);
@@ -787,6 +804,24 @@ static void each_input_counts_at_each_call(void **state)
         }
 }
 
+/* Far sharper ones, with vectors whose difference is exact: x^2 / 2 short of 1 for Phong, a quarter
+ * of that for the half vector. */
+static void check_needles(void)
+{
+    const double sharpness[] = {1e8, 1e8, 1e12, 1e12}, x[] = {0x1p-13, 0x1p-14, 0x1p-20, 0x1p-21};
+    for (int i = 0; i < 4; i++)
+        for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
+            double short_of_one = x[i] * x[i] / (model == RK_SHADING_PHONG ? 2 : 8);
+            double s = (double)(float)sharpness[i], want = exp(s * log1p(-short_of_one));
+            rk_vec3 v = rk_vec((float)x[i], 0, 1);
+            double got = (double)highlight((rk_shading_model)model, (float)s, up, v);
+            rk_check(fabs(got - want) <= 8 * few_roundings,
+                     "%s, shininess %g, %g from the mirror direction: got %.7g, want %.7g: the "
+                     "shininess has no limit",
+                     model_names[model], s, x[i], got, want);
+        }
+}
+
 /* Here a power of a float dot product is off by 1e-2. */
 static void the_sharpest_highlights_keep_three_digits(void **state)
 {
@@ -795,6 +830,7 @@ static void the_sharpest_highlights_keep_three_digits(void **state)
     for (uint32_t i = 0; i < sizeof shininess / sizeof shininess[0]; i++)
         check_highlights(false, shininess[i], highlight_tolerance(shininess[i]), 100 + i);
     rk_check(highlight_tolerance(1e6) < 1e-3, "the tolerance is too large for three digits");
+    check_needles();
 }
 
 /* --- Energy --------------------------------------------------------------------------------- */

@@ -908,11 +908,12 @@ static void each_part_of_a_ray_absorbs_by_the_media_around_it(void **state)
          * exp(-d) by d exp(-d) < 0.37 times as much. expf is off by two units in the last place. */
         double tolerance = (0.37 * (count + 4) + 4) * 0x1p-24;
         for (int axis = 0; axis < 3; axis++)
-            rk_check_near(rk_axis(got, axis), exp(-depth[axis] * (double)length), tolerance,
-                          "trial %u, %u faces, %s, many at one t: colour %d, exp of minus the sum "
-                          "of sigma times thickness, each medium by its own faces",
-                          trial, count, is_long ? "of 200 media" : "of media from 0 to 4294967295",
-                          axis);
+            rk_check_near(
+                rk_axis(got, axis), exp(-depth[axis] * (double)length), tolerance,
+                "trial %u, %u faces, the first of alpha %g, %s, many at one t: colour %d, exp "
+                "of minus the sum of sigma times thickness, each medium by its own faces",
+                trial, count, (double)before[0].alpha,
+                is_long ? "of 200 media" : "of media from 0 to 4294967295", axis);
         for (uint32_t k = 0; k < count; k++)
             rk_check(is_same(&crossings[k], &before[k]), "crossing %u was changed", k);
         free(crossings);

@@ -22,7 +22,8 @@
 
 /* Maps the sample xi to a direction. */
 typedef enum rk_ambient_map {
-    RK_AMBIENT_UNIFORM, /* uniform in solid angle: z = 1 - xi.x, at the angle 2 pi xi.y around it */
+    RK_AMBIENT_UNIFORM, /* uniform in solid angle: z = 1 - xi.x, at the angle 2 pi xi.y around it,
+                          from x towards y */
     RK_AMBIENT_COSINE,  /* cosine-distributed: above rk_disk_at(RK_DISK_CONCENTRIC, xi) */
 } rk_ambient_map;
 

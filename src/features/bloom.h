@@ -73,7 +73,8 @@ bool rk_bloom_is_bright(rk_vec3 colour, float threshold);
  * none. Reads no pixel between the two. */
 rk_bloom_span rk_bloom_bright_span(const rk_vec3 *row, size_t width, float threshold);
 
-/* Fills in w_0 .. w_radius: radius + 1 values, each the float nearest to the binomial weight. */
+/* Fills in w_0 .. w_radius: radius + 1 values, each the float nearest to the binomial weight,
+ * of two equally near ones the even one. */
 void rk_bloom_weights(uint32_t radius, float *weights);
 
 /* Returns the smallest reach at which the weights left out, of both sides together, sum to at most
