@@ -266,8 +266,11 @@ static void a_point_light_falls_off_with_the_square_of_the_distance(void **state
         light.edge01 = rk_vec(unread[i / 2], 0, 0);
         light.edge02 = light.colours[1] = light.colours[2] = light.colours[3] =
             rk_vec(0, unread[i / 2], 0);
-        rk_check_close(weight_at(&light, domain, rk_vec(0, 0, 0), 0.5f, 0.5f), 0.5, 1e-7,
-                       "intensity over r^2: 4.5 / 9; a point light has no edges, don't read them");
+        rk_check_near(
+            weight_at(&light, domain, rk_vec(0, 0, 0), 0.5f, 0.5f), 0.5, 1e-7,
+            "the domain is %s: intensity over r^2, 4.5 / 9, in either; a point light has no "
+            "edges, don't read them",
+            domain == RK_LIGHT_DOMAIN_AREA ? "the area" : "the solid angle");
         rk_check_close(weight_at(&light, domain, rk_vec(-1, -2, -2), 0.5f, 0.5f), 0.125, 1e-7,
                        "twice as far, a quarter");
         rk_light_sample sample = rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, domain,
@@ -291,8 +294,9 @@ static void a_segment_is_foreshortened(void **state)
         rk_light light = make_light(RK_LIGHT_SEGMENT, rk_vec(0, 0, 0), rk_vec(2, 0, 0),
                                     rk_vec(0, unread[i / 2], 1));
         light.colours[2] = light.colours[3] = rk_vec(unread[i / 2], 0, 0);
-        rk_check_close(weight_at(&light, domain, rk_vec(1, 0, 2), 0.5f, 0), 0.5, 1e-7,
-                       "perpendicular: length / r^2 = 2 / 4");
+        rk_check_near(weight_at(&light, domain, rk_vec(1, 0, 2), 0.5f, 0), 0.5, 1e-7,
+                      "the domain is %s, perpendicular: length / r^2 = 2 / 4, in either",
+                      domain == RK_LIGHT_DOMAIN_AREA ? "the area" : "the solid angle");
         /* 3 before the end and 4 aside: r = 5, sin' = 4 / 5. */
         rk_check_close(weight_at(&light, domain, rk_vec(-3, 4, 0), 0, 0.5f), 2 * 0.8 / 25, 1e-8,
                        "length x sin' / r^2, sin' of the angle between segment and direction; a "
