@@ -916,6 +916,11 @@ static void ply_mistakes_are_found_with_their_place(void **state)
                   ":7: ", "4000000000 rows of face");
     check_refused("a.ply", HEADER("9999999999", "1") "0 0 0\n", ":3: ", "32-bit");
     check_refused("a.ply", HEADER("3", "0") "0 0 0\n1 0 0\n0 1 0\n", ": ", "no triangles");
+    check_refused("a.ply",
+                  "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"
+                  "property float z\nelement tristrips 1\nproperty list int int vertex_indices\n"
+                  "end_header\n0 0 0\n1 0 0\n0 1 0\n1 1 0\n4 0 1 2 3\n",
+                  ":7: ", "triangle strips");
     check_refused("a.ply", "ply\nformat ascii 1.0\nelement vertex 3\n",
                   ":4: ", "within the header");
     check_refused("a.ply", "solid cube\n", ":1: ", "begins with the line ply");

@@ -105,6 +105,9 @@ static bool read_element(ply_parser *s, text_cursor *c, rk_error *error)
     if (e->count > UINT32_MAX)
         return rk_fail(error, "%s:%zu: %lld rows of %s exceed 32-bit indices: %s", s->path, c->line,
                        e->count, e->name, remedy);
+    if (strcmp(e->name, "tristrips") == 0 && e->count > 0) /* Assimp makes one triangle of them */
+        return rk_fail(error, "%s:%zu: has triangle strips, which are not read: save it with faces",
+                       s->path, c->line);
     if (strcmp(e->name, "vertex") == 0)
         s->vertices = e->count;
     return true;
