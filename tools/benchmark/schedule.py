@@ -136,7 +136,8 @@ class Schedule:
         pace = max(self._waited / self._measured, 1) if self._measured > 0 else 1  # other programs run, too
         left = sum(self._left()) * pace / self._processors
         text = f"about {left / 60:.0f} min left" if left > 90 else f"about {left:.0f} s left"
-        print(f"bench: {len(self.kept.rows)} pictures measured, {text}", file=sys.stderr, flush=True)
+        done = len(self.kept.rows)
+        print(f"bench: {done} picture{'s' * (done != 1)} measured, {text}", file=sys.stderr, flush=True)
 
     def _measure_case(self, case):
         if self._stopped.is_set():

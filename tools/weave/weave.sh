@@ -20,7 +20,8 @@ give_up() {
 }
 
 interrupted() {
-    say "interrupted; an older $RAYKIT_WEAVES, if there is one, is untouched"
+    say "interrupted; what is drawn is kept, and the same command goes on with it. An older $RAYKIT_WEAVES, if there is" \
+        "one, is untouched"
     exit 130
 }
 

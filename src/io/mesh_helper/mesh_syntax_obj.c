@@ -268,8 +268,7 @@ static bool parse_pass(obj_parser *s, const char *text, size_t size, rk_error *e
         return rk_fail(error, "%s:%zu: a face has %zu corners, but needs three: %s", s->path,
                        s->first[SHORT_FACE], s->short_corners, remedy);
     return s->faces > 0 ||
-           rk_fail(error, "%s: has no face in its %zu lines: is it an OBJ file with f lines?",
-                   s->path, c.line);
+           rk_fail(error, "%s: has no face: is it an OBJ file with f lines?", s->path);
 }
 
 static void note_faults(const obj_parser *s)
