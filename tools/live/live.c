@@ -197,6 +197,15 @@ bool rk_png_read_shaped(rk_image *image, const char *path, size_t most_pixels, r
     return no_file(path, error);
 }
 
+bool rk_png_read_opacity(rk_image *image, const char *path, size_t most_pixels, bool alpha_only,
+                         rk_error *error)
+{
+    (void)image;
+    (void)most_pixels;
+    (void)alpha_only;
+    return no_file(path, error);
+}
+
 /* --- around functions of the kit (wasm-ld --wrap) --------------------------------------------- */
 
 int __real_rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error);
