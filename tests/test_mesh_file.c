@@ -272,7 +272,8 @@ static void points_and_lines_are_dropped(void **state)
 {
     (void)state;
     rk_mesh mesh =
-        load(write_text("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1\nl 1 2\nf 1 2 3\n"));
+        load_with_note(write_text("lines.obj", "v 0 0 0\nv 1 0 0\nv 0 1 0\np 1\nl 1 2\nf 1 2 3\n"),
+                       "has points or lines, which the picture does not show");
     rk_check_equal(mesh.triangle_count, 1, "the one face");
     rk_mesh_free(&mesh);
 }
@@ -409,9 +410,11 @@ static void a_scans_picture_is_not_multiplied_by_its_vertices_colours(void **sta
     (void)state;
     write_quarters(&folder, "quarters.png");
     write_text("both.mtl", "newmtl a\nmap_Kd quarters.png\nnewmtl b\nKd 0 1 0\n");
-    rk_mesh mesh = load(write_text(
-        "both.obj", "mtllib both.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\n"
-                    "vt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 3/1 2/2 1/3\n"));
+    rk_mesh mesh = load_with_note(
+        write_text("both.obj",
+                   "mtllib both.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\n"
+                   "vt 0 0\nvt 1 0\nvt 0 1\nusemtl a\nf 1/1 2/2 3/3\nusemtl b\nf 3/1 2/2 1/3\n"),
+        "has colours of vertices where there are pictures");
     assert_non_null(mesh.colours);
     check_point(mesh.colours[mesh.triangles[0][0]], 1, 1, 1);
     check_point(mesh.colours[mesh.triangles[1][0]], 1, 0, 0);
@@ -422,7 +425,9 @@ static void a_scans_picture_is_not_multiplied_by_its_vertices_colours(void **sta
 static void colours_of_only_some_vertices_are_not_drawn(void **state)
 {
     (void)state;
-    rk_mesh mesh = load(write_text("some.obj", "v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3\n"));
+    rk_mesh mesh =
+        load_with_note(write_text("some.obj", "v 0 0 0\nv 1 0 0 1 0 0\nv 0 1 0\nf 1 2 3\n"),
+                       "has colours of only some vertices");
     rk_check(!mesh.colours, "whose they are is not known");
     check_point(mesh.materials[0].kd, 0.8f, 0.8f, 0.8f);
     rk_mesh_free(&mesh);
@@ -785,7 +790,7 @@ static void check_far(const char *name, const char *format)
 static void details_far_from_the_origin_survive(void **state)
 {
     (void)state;
-    check_far("far.obj", "v %.4f %.4f %.4f\nv %.4f %.4f %.4f 1 0 0\nv %.4f %.4f %.4f\nf 1 2 3\n");
+    check_far("far.obj", "v %.4f %.4f %.4f\nv %.4f %.4f %.4f\nv %.4f %.4f %.4f\nf 1 2 3\n");
     check_far("far.off", "OFF\n3 1 0\n%.4f %.4f %.4f\n%.4f %.4f %.4f\n%.4f %.4f %.4f\n3 0 1 2\n");
 #define PLY                                                                                        \
     "element vertex 3\nproperty double x\nproperty double y\nproperty double z\n"                  \
@@ -873,6 +878,107 @@ static void line_ends_of_old_macintoshs_are_read_or_told(void **state)
     check_refused("mac.off", "OFF\r3 1 0\r0 0 0\r1 0 0\r0 1 0\r3 0 1 2\r", ": ", "line feeds");
     rk_mesh mesh = load(write_text("mac.obj", "v 0 0 0\rv 1 0 0\rv 0 1 0\rf 1 2 3\r"));
     rk_check_equal(mesh.triangle_count, 1, "the one face");
+    rk_mesh_free(&mesh);
+}
+
+/* --- what moves or is left out --------------------------------------------------------------- */
+
+static void check_texcoord(const rk_mesh *mesh, rk_vec3 at, double u, double v)
+{
+    for (uint32_t i = 0; i < mesh->vertex_count; i++) {
+        rk_vec3 p = mesh->positions[i];
+        if (!(p.x == at.x && p.y == at.y))
+            continue;
+        rk_check_close(mesh->texcoords[i].x, u, 2e-6, "float's digits in the file");
+        rk_check_close(mesh->texcoords[i].y, v, 2e-6, "float's digits in the file");
+    }
+}
+
+static void an_mtl_tiles_and_moves_its_picture(void **state)
+{
+    (void)state;
+    write_quarters(&folder, "quarters.png");
+    rk_mesh mesh = load(write_textured_obj(
+        "newmtl a\nmap_Kd -s 4 2 1 -o 0.5 -0.25 0 -clamp off quarters.png\n", "a"));
+    check_texcoord(&mesh, rk_vec(0, 0, 0), 4 * 0.25 + 0.5, 2 * 0.25 - 0.25);
+    check_texcoord(&mesh, rk_vec(1, 1, 0), 4 * 0.75 + 0.5, 2 * 0.75 - 0.25);
+    rk_mesh_free(&mesh);
+}
+
+/* By the extension: scaled, turned, moved, in coordinates whose v goes down; a turn of a quarter
+ * takes u from v. */
+static void a_gltf_moves_its_picture_by_the_extension(void **state)
+{
+    (void)state;
+    mesh_seed seed = {0}, changed = {0};
+    seed_append_textured_gltf(&seed, seed_picture, "");
+    seed.bytes[seed.size] = '\0';
+    char *place = strstr((char *)seed.bytes, "{\"index\":0,\"texCoord\":1}");
+    assert_non_null(place);
+    seed_append_text(&changed, "{\"extensionsUsed\":[\"KHR_texture_transform\"],");
+    seed_append(&changed, seed.bytes + 1, (size_t)(place - (char *)seed.bytes) - 1);
+    seed_append_text(&changed,
+                     "{\"index\":0,\"texCoord\":1,\"extensions\":{\"KHR_texture_transform\":{"
+                     "\"offset\":[0.125,0.5],\"rotation\":1.5707963,\"scale\":[2,4]}}}");
+    seed_append_text(&changed, strchr(place, '}') + 1);
+    rk_mesh mesh =
+        load(test_folder_write(&folder, "moved.gltf", changed.bytes, changed.size, 0600));
+    for (int x = 0; x < 2; x++)
+        for (int y = 0; y < 2; y++) {
+            const double u = x ? 0.75 : 0.25, down = y ? 0.25 : 0.75;
+            check_texcoord(&mesh, rk_vec((float)x, (float)y, 0), 0.125 + 4 * down,
+                           1 - (0.5 - 2 * u));
+        }
+    rk_mesh_free(&mesh);
+}
+
+static void an_mtl_with_tr_1_alone_is_drawn_with_a_note(void **state)
+{
+    (void)state;
+    write_text("tr.mtl",
+               "newmtl a\nKd 1 0 0\nTr 1.000000\nnewmtl b\nTr 1\nd 0\nnewmtl c\nd 0\nTr 1\n");
+    rk_mesh mesh = load_with_note(
+        write_text("tr.obj", "mtllib tr.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n"
+                             "usemtl b\nf 1 2 3\nusemtl c\nf 1 2 3\n"),
+        "Tr 1 makes a material invisible; it is drawn as opaque");
+    const float want[3] = {1, 0, 0};
+    for (int i = 0; i < 3; i++)
+        rk_check_close(mesh.materials[mesh.triangle_materials[i]].alpha, (double)want[i], 0,
+                       "d says what is meant");
+    rk_mesh_free(&mesh);
+}
+
+static void specular_glossiness_gives_its_diffuse_colour(void **state)
+{
+    (void)state;
+    mesh_seed seed = make_seed(seed_gltf), changed = {0};
+    seed.bytes[seed.size] = '\0';
+    char *place = strstr((char *)seed.bytes, "{\"pbrMetallicRoughness\"");
+    assert_non_null(place);
+    seed_append_text(&changed, "{\"extensionsUsed\":[\"KHR_materials_pbrSpecularGlossiness\"],");
+    seed_append(&changed, seed.bytes + 1, (size_t)(place - (char *)seed.bytes) - 1);
+    seed_append_text(&changed, "{\"extensions\":{\"KHR_materials_pbrSpecularGlossiness\":{"
+                               "\"diffuseFactor\":[0,0.25,1,1]}},\"emissiveFactor\":[1,0,0]},");
+    seed_append_text(&changed, strstr(place, "},{") + 2);
+    rk_mesh mesh =
+        load_with_note(test_folder_write(&folder, "gloss.gltf", changed.bytes, changed.size, 0600),
+                       "has surfaces that emit light, which the picture does not show");
+    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 0, 0.25f, 1);
+    rk_mesh_free(&mesh);
+}
+
+static void several_notes_are_in_one_line(void **state)
+{
+    (void)state;
+    write_text("notes.mtl", "newmtl a\nKe 1 1 1\nmap_Kd gone.png\nmap_bump b.png\nTr 1\n");
+    test_path path = write_text("notes.obj", "mtllib notes.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\n"
+                                             "usemtl a\nf 1/1 2/1 3/1\nl 1 2\n");
+    rk_mesh mesh = load_with_note(
+        path, "has points or lines, bump or normal maps and surfaces that emit light");
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(path, "; ");
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(path, "gone.png: No such file");
     rk_mesh_free(&mesh);
 }
 
@@ -1280,6 +1386,11 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(materials_are_found_as_people_name_them),
     cmocka_unit_test(pictures_are_found_beside_their_material_file),
     cmocka_unit_test(line_ends_of_old_macintoshs_are_read_or_told),
+    cmocka_unit_test(an_mtl_tiles_and_moves_its_picture),
+    cmocka_unit_test(a_gltf_moves_its_picture_by_the_extension),
+    cmocka_unit_test(an_mtl_with_tr_1_alone_is_drawn_with_a_note),
+    cmocka_unit_test(specular_glossiness_gives_its_diffuse_colour),
+    cmocka_unit_test(several_notes_are_in_one_line),
     cmocka_unit_test(obj_mistakes_are_found_with_their_line),
     cmocka_unit_test(ply_mistakes_are_found_with_their_place),
     cmocka_unit_test(binary_ply_mistakes_are_found_with_their_place),

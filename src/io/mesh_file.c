@@ -2,6 +2,7 @@
 #include "io/mesh_file.h"
 
 #include "io/helper.h"
+#include "io/mesh_note.h"
 #include "io/mesh_stream.h"
 #include "io/texture_file.h"
 
@@ -215,7 +216,8 @@ static bool read_textures(rk_mesh *mesh, const rk_mesh_stream_header *header, co
     if (header->texture_count == 0)
         return true;
     if (!mesh->texcoords) {
-        rk_fail(note, "%s: has textures but no texture coordinates: surfaces are plain", path);
+        rk_mesh_note_add(note, "%s: has textures but no texture coordinates: surfaces are plain",
+                         path);
         return true;
     }
     mesh->textures = /* each may be a colour and, in two ways, an opacity */
@@ -224,11 +226,10 @@ static bool read_textures(rk_mesh *mesh, const rk_mesh_stream_header *header, co
         return false;
     rk_error why;
     uint32_t lost = read_each(mesh, header, rest, path, &why);
-    bool has_note = note && *note->text; /* raykit-mesh's own */
-    if (lost > 0 && !has_note)
-        rk_fail(note,
-                "%s: %u of %u textures cannot be read, their surfaces are plain; the first: %s",
-                path, lost, header->texture_count, why.text);
+    if (lost > 0)
+        rk_mesh_note_add(
+            note, "%s: %u of %u textures cannot be read, their surfaces are plain; the first: %s",
+            path, lost, header->texture_count, why.text);
     return true;
 }
 

@@ -35,6 +35,7 @@ bool rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene,
         const struct aiMesh *mesh = scene->mMeshes[i];
         for (uint32_t k = 0; mesh->mColors[0] && k < mesh->mNumVertices; k++) {
             see(colours, rk_mesh_colours_rgb(&mesh->mColors[0][k]));
+            colours->is_clear |= colours->is_linear && mesh->mColors[0][k].a < 1;
             colours->torn |= is_obj && !(mesh->mColors[0][k].a > 0);
         }
     }

@@ -16,6 +16,7 @@ typedef struct rk_mesh_colours_face {
 
 typedef struct rk_mesh_colours {
     bool any;       /* some colour is not white */
+    bool is_clear;  /* some colour is transparent, in glTF */
     bool torn;      /* only some vertices of an OBJ file have one: whose they are is then lost */
     bool is_linear; /* else sRGB-encoded */
     bool replace;   /* they are the diffuse colours, where no picture is; else they multiply them */

@@ -4,6 +4,7 @@
 #include "io/mesh_helper/mesh_gather.h"
 
 #include "io/mesh_helper/mesh_colours.h"
+#include "io/mesh_helper/mesh_left_out.h"
 #include "io/mesh_helper/mesh_material.h"
 #include "io/mesh_helper/polygon.h"
 #include "io/mesh_helper/vertex_pool.h"
@@ -28,6 +29,9 @@ typedef struct gather {
     bool plain;
     bool any_normals, any_texcoords;
     rk_mesh_colours colours;
+    rk_mesh_mtl mtl;
+    rk_mesh_left_out left;
+    bool drew_tr_one;
     rk_vertex_pool pool;
     uint32_t (*triangles)[3];
     uint16_t *triangle_materials;
@@ -42,9 +46,10 @@ typedef struct gather {
 typedef struct part {
     const struct aiMesh *mesh;
     const placement *place;
-    const struct aiVector3D *texcoords; /* or NULL */
-    const struct aiColor4D *colours;    /* of vertices, or NULL */
-    rk_vec3 face_colour;                /* white unless faces have colours */
+    const struct aiVector3D *texcoords;  /* or NULL */
+    rk_mesh_texture_transform transform; /* of these */
+    const struct aiColor4D *colours;     /* of vertices, or NULL */
+    rk_vec3 face_colour;                 /* white unless faces have colours */
     uint32_t
         *numbers; /* the pool's index plus 1 of each of the part's vertices; 0: not yet in it */
     uint16_t material;
@@ -161,6 +166,13 @@ static rk_vec3 position_of(const part *p, uint32_t vertex)
     return move_point(p->place, rk_vec((float)v->x, (float)v->y, (float)v->z));
 }
 
+static rk_vec2 move_texcoord(const rk_mesh_texture_transform *t, const struct aiVector3D *at)
+{
+    const double u = (double)at->x, v = (double)at->y;
+    return (rk_vec2){(float)(t->m[0][0] * u + t->m[0][1] * v + t->m[0][2]),
+                     (float)(t->m[1][0] * u + t->m[1][1] * v + t->m[1][2])};
+}
+
 /* A vertex with a normal of its own, or in a mesh without normals, is the same for all its faces
  * and is looked up once; one that takes its face's normal belongs to that face. */
 static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, uint32_t *index,
@@ -179,7 +191,7 @@ static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, ui
         vertex.normal = face_normal(position_of(p, corners[0]), position_of(p, corners[1]),
                                     position_of(p, corners[2]));
     if (p->texcoords)
-        vertex.texcoord = (rk_vec2){(float)p->texcoords[source].x, (float)p->texcoords[source].y};
+        vertex.texcoord = move_texcoord(&p->transform, &p->texcoords[source]);
     vertex.colour = p->colours
                         ? rk_mesh_colour(&g->colours, rk_mesh_colours_rgb(&p->colours[source]))
                         : p->face_colour;
@@ -258,11 +270,22 @@ static bool check_face(const gather *g, const part *p, uint32_t number, rk_error
     return true;
 }
 
+static const rk_mesh_mtl_material *mtl_of(const gather *g, const struct aiMaterial *material)
+{
+    struct aiString name;
+    return g->mtl.count > 0 &&
+                   aiGetMaterialString(material, AI_MATKEY_NAME, &name) == aiReturn_SUCCESS
+               ? rk_mesh_mtl_find(&g->mtl, name.data)
+               : NULL;
+}
+
 /* A picture of a scan repeats the colours of its vertices. */
 static void find_colours(gather *g, part *p, bool textured)
 {
     p->face_colour = rk_vec(1, 1, 1);
-    p->colours = g->colours.any && !(textured && g->colours.replace) ? p->mesh->mColors[0] : NULL;
+    const bool hidden = textured && g->colours.replace;
+    p->colours = g->colours.any && !hidden ? p->mesh->mColors[0] : NULL;
+    g->left.has[RK_MESH_LEFT_OUT_HIDDEN_COLOURS] |= g->colours.any && hidden && p->mesh->mColors[0];
 }
 
 static bool find_material(gather *g, part *p, rk_error *error)
@@ -278,6 +301,10 @@ static bool find_material(gather *g, part *p, rk_error *error)
     if (textured && !p->texcoords && g->any_texcoords)
         key += WITHOUT_TEXTURE;
     find_colours(g, p, textured && p->texcoords);
+    if (textured && p->texcoords) {
+        const struct aiMaterial *material = g->scene->mMaterials[source];
+        p->transform = rk_mesh_texture_transform_of(material, mtl_of(g, material));
+    }
     if (p->colours || g->colours.face_count > 0)
         key += COLOURED;
     if (g->material_numbers[key] == 0) {
@@ -316,7 +343,7 @@ static bool emit_part(gather *g, const struct aiMesh *mesh, const placement *pla
 {
     if (!mesh->mVertices || !mesh->mFaces)
         return true;
-    part p = {.mesh = mesh, .place = place};
+    part p = {.mesh = mesh, .place = place, .transform = {{{1, 0, 0}, {0, 1, 0}}}};
     p.numbers = rk_allocate(mesh->mNumVertices, sizeof *p.numbers, g->path, error);
     bool ok = p.numbers && emit_faces(g, &p, error);
     free(p.numbers);
@@ -349,7 +376,17 @@ static bool emit_node(gather *g, const struct aiNode *node, const placement *par
 
 /* --- the whole ----------------------------------------------------------------------------- */
 
-static void set_material(const gather *g, rk_mesh *mesh, rk_mesh_textures *textures, uint32_t i)
+/* Some exporters write Tr 1 for opaque. */
+static void draw_tr_one(gather *g, const struct aiMaterial *source, rk_material *material)
+{
+    const rk_mesh_mtl_material *mtl = mtl_of(g, source);
+    if (!mtl || !mtl->is_tr_one || material->alpha > 0)
+        return;
+    material->alpha = 1;
+    g->drew_tr_one = true;
+}
+
+static void set_material(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, uint32_t i)
 {
     const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i] / variants];
     const uint32_t variant = g->material_sources[i] % variants;
@@ -358,6 +395,8 @@ static void set_material(const gather *g, rk_mesh *mesh, rk_mesh_textures *textu
     bool varies = textures->of_material[i] != 0 || variant & COLOURED;
     if (!g->plain)
         mesh->materials[i] = rk_mesh_material(source, varies);
+    draw_tr_one(g, source, &mesh->materials[i]);
+    rk_mesh_left_out_of_material(&g->left, source);
     if (variant & COLOURED ? g->colours.replace : g->plain && varies)
         mesh->materials[i].kd = rk_vec(1, 1, 1);
 }
@@ -395,10 +434,22 @@ static bool finish(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, rk_erro
     return true;
 }
 
-bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiScene *scene,
-                    bool plain, const char *path, rk_error *error)
+static void tell(gather *g, rk_mesh_hints *hints)
 {
-    gather g = {.path = path, .scene = scene, .plain = plain, .pool.name = path};
+    rk_mesh_left_out_of_scene(&g->left, g->scene);
+    g->left.has[RK_MESH_LEFT_OUT_TORN_COLOURS] = g->colours.torn;
+    g->left.has[RK_MESH_LEFT_OUT_CLEAR_COLOURS] = g->colours.is_clear;
+    if (g->drew_tr_one)
+        rk_mesh_hints_note(hints, g->path,
+                           "Tr 1 makes a material invisible; it is drawn as opaque, because some "
+                           "programs mean that: write d 0 for an invisible one");
+    rk_mesh_left_out_tell(&g->left, g->path, hints);
+}
+
+bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiScene *scene,
+                    const char *path, rk_mesh_hints *hints, rk_error *error)
+{
+    gather g = {.path = path, .scene = scene, .plain = hints->plain, .pool.name = path};
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
         g.any_normals |= scene->mMeshes[i]->mNormals != NULL;
         g.any_texcoords |= scene->mMeshes[i]->mTextureCoords[0] != NULL;
@@ -408,10 +459,14 @@ bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiSc
     g.material_numbers = rk_allocate(keys, sizeof *g.material_numbers, path, error);
     g.material_sources = rk_allocate(keys, sizeof *g.material_sources, path, error);
     bool ok = g.material_numbers && g.material_sources && scene->mRootNode &&
-              rk_mesh_colours_init(&g.colours, scene, path, error);
+              rk_mesh_colours_init(&g.colours, scene, path, error) &&
+              rk_mesh_mtl_read(&g.mtl, error);
     g.pool.coloured = g.colours.any;
     ok = ok && emit_node(&g, scene->mRootNode, &world, 0, error) &&
          finish(&g, mesh, textures, error);
+    if (ok)
+        tell(&g, hints);
+    rk_mesh_mtl_free(&g.mtl);
     rk_mesh_colours_free(&g.colours);
     rk_vertex_pool_free(&g.pool);
     free(g.triangles);

@@ -76,6 +76,22 @@ static bool is_text_with_mark(FILE *stream, const char *path)
            fread(first, 1, 3, stream) == 3 && memcmp(first, "\xef\xbb\xbf", 3) == 0;
 }
 
+enum { most_mtls = 16 };
+static char mtls[most_mtls][4096];
+static int mtl_count;
+
+static void keep_mtl(const char *path)
+{
+    const char *ending = strrchr(path, '.');
+    if (ending && strcasecmp(ending, ".mtl") == 0 && mtl_count < most_mtls)
+        snprintf(mtls[mtl_count++], sizeof *mtls, "%s", path);
+}
+
+const char *rk_mesh_io_mtl(int i)
+{
+    return i < mtl_count ? mtls[i] : NULL;
+}
+
 static struct aiFile *open_file(struct aiFileIO *io, const char *path, const char *mode)
 {
     (void)io;
@@ -94,6 +110,7 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
     }
     long skipped = is_text_with_mark(stream, path) ? 3 : 0;
     fseek(stream, skipped, SEEK_SET);
+    keep_mtl(path);
     *o = (opened){{read_items, write_nothing, tell, size_of, seek, flush, NULL},
                   stream,
                   skipped,

@@ -37,6 +37,18 @@ static bool is_made_up(rk_vec3 kd)
     return kd.x == 0.6f && kd.y == 0.6f && kd.z == 0.6f;
 }
 
+/* With KHR_materials_pbrSpecularGlossiness the base colour is only a default, white. */
+static void take_diffuse(const struct aiMaterial *material, rk_vec3 *kd, float *alpha)
+{
+    rk_vec3 diffuse;
+    float diffuse_alpha;
+    const bool is_white = kd->x == 1 && kd->y == 1 && kd->z == 1 && *alpha == 1;
+    if (!is_white || !read_colour(material, AI_MATKEY_COLOR_DIFFUSE, &diffuse, &diffuse_alpha))
+        return;
+    *kd = diffuse;
+    *alpha = diffuse_alpha;
+}
+
 rk_material rk_mesh_material(const struct aiMaterial *material, bool varies)
 {
     rk_material m = {.kd = rk_vec(0.8f, 0.8f, 0.8f), .alpha = 1};
@@ -48,6 +60,7 @@ rk_material rk_mesh_material(const struct aiMaterial *material, bool varies)
     float base_alpha, unused;
     bool is_gltf = read_colour(material, AI_MATKEY_BASE_COLOR, &m.kd, &base_alpha);
     if (is_gltf) {
+        take_diffuse(material, &m.kd, &base_alpha);
         bool is_mask = has_text(material, AI_MATKEY_GLTF_ALPHAMODE, "MASK");
         if (is_mask || has_text(material, AI_MATKEY_GLTF_ALPHAMODE, "BLEND"))
             m.alpha = base_alpha;

@@ -6,7 +6,8 @@
 
 #include <assimp/material.h>
 
-/* MTL: Kd, Ks, Ns, and d or Tr. glTF: the base colour, with its alpha if alphaMode is BLEND or
+/* MTL: Kd, Ks, Ns, and d or Tr. glTF: the base colour, or the diffuse
+ * colour of specular-glossiness, with its alpha if alphaMode is BLEND or
  * MASK, and the cutoff of MASK. The grey that Assimp gives surfaces without a material becomes
  * rk_mesh_init's default. Colours are clamped to [0, 1]; where the colour `varies`, by a texture or
  * by colours of vertices, a material without Kd does not darken it by Assimp's grey. Values that

@@ -5,6 +5,7 @@
 #include "io/mesh_stream.h"
 
 #include <assimp/GltfMaterial.h>
+#include <math.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -34,12 +35,13 @@ typedef struct named_picture {
     struct aiString name;
     unsigned set;
     enum aiTextureMapMode modes[2];
+    enum aiTextureType type;
 } named_picture;
 
 static bool find_typed(const struct aiMaterial *material, enum aiTextureType type,
                        named_picture *found)
 {
-    *found = (named_picture){.modes = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap}};
+    *found = (named_picture){.modes = {aiTextureMapMode_Wrap, aiTextureMapMode_Wrap}, .type = type};
     return aiGetMaterialTexture(material, type, 0, &found->name, NULL, &found->set, NULL, NULL,
                                 found->modes, NULL) == aiReturn_SUCCESS &&
            found->name.length > 0;
@@ -123,6 +125,43 @@ void rk_mesh_textures_find(rk_mesh_textures *textures, uint32_t number, const st
         textures->alpha_of_material[number] = textures->of_material[number];
     if (find_typed(material, aiTextureType_OPACITY, &picture))
         textures->alpha_of_material[number] = add_entry(textures, scene, &picture);
+}
+
+/* glTF turns, after scaling, about the picture's top left corner, v down, and Assimp has changed
+ * the offset as if it turned about the centre; this takes the change back. The sense of the turn is
+ * that of Khronos's sample viewer. */
+static rk_mesh_texture_transform transform_of_gltf(const struct aiUVTransform *t)
+{
+    const double c = cos((double)-t->mRotation), s = sin((double)-t->mRotation);
+    const double x = (double)t->mScaling.x, y = (double)t->mScaling.y;
+    const double offset_u = (double)t->mTranslation.x - 0.5 * x * (1 - c + s);
+    const double offset_v = 0.5 * y * (s + c - 1) + 1 - y - (double)t->mTranslation.y;
+    return (rk_mesh_texture_transform){
+        {{c * x, -s * y, offset_u + s * y}, {s * x, c * y, 1 - offset_v - c * y}}};
+}
+
+static rk_mesh_texture_transform scale_and_offset(double x, double y, double u, double v)
+{
+    return (rk_mesh_texture_transform){{{x, 0, u}, {0, y, v}}};
+}
+
+rk_mesh_texture_transform rk_mesh_texture_transform_of(const struct aiMaterial *material,
+                                                       const rk_mesh_mtl_material *mtl)
+{
+    named_picture picture;
+    struct aiUVTransform t = {.mScaling = {1, 1}};
+    if (mtl)
+        return scale_and_offset((double)mtl->scale[0], (double)mtl->scale[1],
+                                (double)mtl->offset[0], (double)mtl->offset[1]);
+    if (!find_picture(material, &picture) ||
+        aiGetMaterialUVTransform(material, AI_MATKEY_UVTRANSFORM(picture.type, 0), &t) !=
+            aiReturn_SUCCESS)
+        return scale_and_offset(1, 1, 0, 0);
+    struct aiString mode;
+    if (aiGetMaterialString(material, AI_MATKEY_GLTF_ALPHAMODE, &mode) == aiReturn_SUCCESS)
+        return transform_of_gltf(&t);
+    return scale_and_offset((double)t.mScaling.x, (double)t.mScaling.y, (double)t.mTranslation.x,
+                            (double)t.mTranslation.y);
 }
 
 bool rk_mesh_texture_set(const struct aiMaterial *material, uint32_t *set)

@@ -3,6 +3,7 @@
 #define RK_IO_MESH_HELPER_MESH_TEXTURE_H
 
 #include "base/error.h"
+#include "io/mesh_helper/mesh_mtl.h"
 
 #include <assimp/scene.h>
 #include <stdint.h>
@@ -33,6 +34,17 @@ void rk_mesh_textures_free(rk_mesh_textures *textures);
  * of its colour, which glTF may forbid. Materials that name the same picture share one entry. */
 void rk_mesh_textures_find(rk_mesh_textures *textures, uint32_t number, const struct aiScene *scene,
                            const struct aiMaterial *material);
+
+/* From a file's texture coordinates to those of its picture: u' = m[0][0] u + m[0][1] v + m[0][2],
+ * and v' by m[1]. */
+typedef struct rk_mesh_texture_transform {
+    double m[2][3];
+} rk_mesh_texture_transform;
+
+/* Returns the transform of the material's picture: KHR_texture_transform in glTF, scale and offset
+ * in other formats. `mtl`: what Assimp leaves out of an MTL file, or NULL. */
+rk_mesh_texture_transform rk_mesh_texture_transform_of(const struct aiMaterial *material,
+                                                       const rk_mesh_mtl_material *mtl);
 
 /* Does the material name a picture? `set` is then the set of texture coordinates that it uses: 0
  * except in glTF. */

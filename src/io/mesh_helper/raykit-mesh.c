@@ -176,7 +176,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
     compare_counts(hints, scene, path);
     rk_mesh mesh = {0};
     rk_mesh_textures textures = {0};
-    bool ok = rk_mesh_gather(&mesh, &textures, scene, hints->plain, path, error) &&
+    bool ok = rk_mesh_gather(&mesh, &textures, scene, path, hints, error) &&
               rk_mesh_validate(&mesh, path, error);
     if (ok) {
         find_pictures(&textures, hints, path);

@@ -1,0 +1,28 @@
+/* What Assimp leaves out of MTL files. Part of raykit-mesh. */
+#ifndef RK_IO_MESH_HELPER_MESH_MTL_H
+#define RK_IO_MESH_HELPER_MESH_MTL_H
+
+#include "base/error.h"
+
+#include <stdint.h>
+
+typedef struct rk_mesh_mtl_material {
+    char name[256];
+    float scale[2], offset[2]; /* of the texture coordinates, by map_Kd -s and -o */
+    bool is_tr_one;            /* Tr 1 and no d: some exporters mean opaque */
+} rk_mesh_mtl_material;
+
+typedef struct rk_mesh_mtl {
+    uint32_t count, room;
+    rk_mesh_mtl_material *materials;
+} rk_mesh_mtl;
+
+/* Reads the MTL files that Assimp has opened (io/mesh_helper/mesh_io.h). False when memory is
+ * short. */
+bool rk_mesh_mtl_read(rk_mesh_mtl *mtl, rk_error *error);
+void rk_mesh_mtl_free(rk_mesh_mtl *mtl);
+
+/* Returns the first material of that name, as Assimp does, or NULL. */
+const rk_mesh_mtl_material *rk_mesh_mtl_find(const rk_mesh_mtl *mtl, const char *name);
+
+#endif
