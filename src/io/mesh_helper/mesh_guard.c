@@ -85,6 +85,12 @@ static void limit(int resource, uint64_t value)
 }
 
 /* Sanitizers reserve terabytes, and are several times slower. */
+#ifdef BUILT_WITH_SHADOW_MEMORY
+enum { sanitized = 1 };
+#else
+enum { sanitized = 0 };
+#endif
+
 static void set_limits(void)
 {
     guard.memory = memory_base + memory_per_byte * guard.bytes;
@@ -94,10 +100,10 @@ static void set_limits(void)
         "%.900s: takes more than %llu s of processor time, which is too much for a file of "
         "%llu bytes: it has too many parts or materials: join some, or export it as glTF or PLY\n",
         guard.path, (unsigned long long)guard.seconds, (unsigned long long)guard.bytes);
-#ifndef BUILT_WITH_SHADOW_MEMORY
-    limit(RLIMIT_AS, guard.memory);
-    limit(RLIMIT_CPU, guard.seconds);
-#endif
+    if (!sanitized) {
+        limit(RLIMIT_AS, guard.memory);
+        limit(RLIMIT_CPU, guard.seconds);
+    }
 }
 
 void rk_mesh_guard_begin(const char *path)
