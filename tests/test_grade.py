@@ -266,6 +266,20 @@ def reports_can_be_read(suites):
           "the text says what to work on first and where to read", text)
 
 
+def headers_of_ones_own_are_told(folder):
+    feature = read_features(SOURCE)["normals"]
+    text = '#include "more/my.h"\n#include "features/normals.h"\n#include "missing.h"\n'
+    tap.write(text, folder, "normals.c")
+    tap.write('#include "other.h"\n', folder, "more", "my.h")
+    tap.write("\n", folder, "more", "other.h")
+    unit = Unit(feature, os.path.join(folder, "normals.c"), "normals.c", False)
+    said = grade._not_handed_in(unit)
+    check(len(said) == 1 and "more/my.h and more/other.h: where only normals.c is handed in" in said[0],
+          "headers of one's own are told: they are not handed in", said)
+    tap.write('#include "features/normals.h"\n', folder, "normals.c")
+    check(not grade._not_handed_in(unit), "the kit's are not")
+
+
 def a_woven_page_is_read_where_there_is_one(folder):
     feature = Feature(os.path.join(folder, "a kit"), "bvh_median", "01_bvh_median", "")
     for name, text in ((feature.chapter, "# Boxes {#boxes-of-all}\n"), ("docs/handout/book/other.html", "")):
@@ -895,6 +909,7 @@ def main():
         right, starter = units_are_judged(toolchain, folder)
         graded = [suite for suite in (right, starter) if suite]
         reports_can_be_read(graded)
+        headers_of_ones_own_are_told(os.path.join(folder, "headers"))
         a_woven_page_is_read_where_there_is_one(os.path.join(folder, "kit"))
         a_report_is_written_whole(graded, folder)
         a_workbook_is_the_students(folder)

@@ -351,6 +351,17 @@ def _arguments():
     return parser.parse_args()
 
 
+def _not_handed_in(unit):
+    """Says which files a right solution would miss where only its .c is handed in."""
+    try:
+        headers = private_copy.own_headers(unit) if unit.path and not unit.is_reference else []
+    except OSError:  # told when the unit is copied
+        headers = []
+    file = os.path.basename(unit.path or "")
+    return [f"it includes {' and '.join(headers)}: where only {file} is handed in, that is missing and "
+            "nothing compiles; move these lines into it"] if headers else []
+
+
 def _prepare_suite(feature, impl, own, only):
     """Returns the suite of one feature; one that has given up where there is nothing to judge."""
     listed = [KEEPS_NOTHING, *read_points(feature), FREES_ALL]
@@ -368,7 +379,7 @@ def _prepare_suite(feature, impl, own, only):
         if not own and not unit.is_reference:
             unit.shown = results.name_of(unit.path)
         suite = Suite(feature, unit, tests)
-        suite.remarks += remarks
+        suite.remarks += remarks + (_not_handed_in(unit) if own else [])
         return suite
     except UnitError as error:
         suite = Suite(feature, Unit(feature, None, feature.stem + ".c", False), tests)

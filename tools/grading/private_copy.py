@@ -99,26 +99,41 @@ def copy_unit(unit, folder):
         raise UnitError(f"{unit.shown} is larger than {_UNIT_BYTES_MAX >> 20} MB")
     with open(path, "wb") as file:
         file.write(text)
-    _copy_headers(os.path.realpath(os.path.dirname(unit.path)), "", text, own)
+    _copy_headers(os.path.realpath(os.path.dirname(unit.path)), text, own)
     return Unit(unit.feature, path, unit.shown, False)
 
 
-def _copy_headers(source, place, text, own):
-    """Copies headers that a text in the subfolder `place` includes, and those that they include."""
+def _headers_beside(source, text, place="", seen=None):
+    """Yields the names and bytes of headers below `source` that a text in the subfolder `place` includes, and
+    of those that they include."""
+    seen = set() if seen is None else seen
     for name in re.findall(rb'^\s*#\s*include\s*"([^"\n]+\.h)"', text, re.MULTILINE):
         relative = os.path.normpath(os.path.join(place, os.fsdecode(name)))
         path = os.path.join(source, relative)
-        copied = os.path.join(own, relative)
-        if os.path.lexists(copied) or not os.path.isfile(path) or not _is_below(path, source):
+        if relative in seen or not os.path.isfile(path) or not _is_below(path, source):
             continue
+        seen.add(relative)
         with open(path, "rb") as file:
             header = file.read(_HEADER_BYTES_MAX)
-        if b"\0" in header or not _is_below(copied, own):
+        yield relative, header
+        yield from _headers_beside(source, header, os.path.dirname(relative), seen)
+
+
+def own_headers(unit):
+    """Returns the names of headers beside a student's unit without which it does not compile."""
+    with open(unit.path, "rb") as file:
+        text = file.read(_UNIT_BYTES_MAX)
+    return [name for name, _ in _headers_beside(os.path.realpath(os.path.dirname(unit.path)), text)]
+
+
+def _copy_headers(source, text, own):
+    for relative, header in _headers_beside(source, text):
+        copied = os.path.join(own, relative)
+        if b"\0" in header or os.path.lexists(copied) or not _is_below(copied, own):
             continue
         os.makedirs(os.path.dirname(copied), exist_ok=True)
         with open(copied, "wb") as file:
             file.write(header)
-        _copy_headers(source, os.path.dirname(relative), header, own)
 
 
 def _is_below(path, folder):
