@@ -45,7 +45,7 @@ function tell(good, number, what, said) {
 // than 4 of 255.
 function pairs_alike(page) {
   return fs.readFileSync(page, "utf8").split('class="row compare"').slice(1).flatMap((part) => {
-    const pair = [...part.matchAll(/<img[^>]*? src="([^"]+\.png)"/g)].slice(0, 2).map((found) => found[1]);
+    const pair = [...part.matchAll(/<img[^>]*?\ssrc="([^"]+\.png)"/g)].slice(0, 2).map((found) => found[1]);
     const differ = partThatDiffers(...pair.map((name) => decode(path.join(path.dirname(page), name))), 4);
     return differ === null || differ < 1e-3 ? [`${page}: ${pair.join(" and ")}: ${(100 * differ).toFixed(3)} % of the pixels differ visibly`] : [];
   });

@@ -158,13 +158,15 @@ static void the_bar_is_drawn_at_most_ten_times_a_second(void **state)
     double begin = rk_clock_wall();
     while (rk_clock_wall() - begin < 0.25)
         rk_progress_step(&progress);
+    const double tenths = 10 * (rk_clock_wall() - begin);
     read_screen(&screen);
     close_screen(&screen);
     int draws = 0;
     for (const char *c = screen.text; *c; c++)
         draws += *c == '\r';
-    /* At 0, .1 and .2 s; fewer on a machine that stalls. */
-    rk_check(draws >= 1 && draws <= 3, "drawn %d times in a quarter of a second", draws);
+    /* At 0, .1 and .2 s; fewer, or later ones, on a machine that stalls. */
+    rk_check(draws >= 1 && (double)draws <= 1 + tenths, "drawn %d times in %.2g s", draws,
+             tenths / 10);
 }
 
 static void pipes_and_quiet_terminals_stay_silent(void **state)

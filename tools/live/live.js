@@ -19,6 +19,7 @@
     .live .controls input[type=checkbox] { width: auto; justify-self: start; }
     .live .controls select { grid-column: 2 / 4; }
     .live .controls .off { opacity: .45; }
+    .live .controls output.off { visibility: hidden; }
     .live output { text-align: right; font-variant-numeric: tabular-nums; }
     .live .line { display: flex; gap: .6rem; align-items: baseline; margin-top: .9rem; }
     .live .line code { flex: 1; overflow-wrap: anywhere; font-size: .72rem; background: var(--panel); padding: .25rem .5rem; border-radius: 3px; }
