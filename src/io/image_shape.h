@@ -1,5 +1,5 @@
 /* Shapes of pictures that a reader may ask for, so that others are refused by their header, before
- * they are decoded. Common to the library (C) and raykit-image (C++); not installed. */
+ * they are decoded. Common to the library (C) and raykit-image (C++). */
 #ifndef RK_IO_IMAGE_SHAPE_H
 #define RK_IO_IMAGE_SHAPE_H
 
