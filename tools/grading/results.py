@@ -119,7 +119,7 @@ def _text_of_failures(suite, brief):
     lines.append(f"      work on this one first: {first.name} ({_worth(first)})")
     explained = _explained(suite, first)
     if brief and first.step:
-        explained[-1] += f"; a hint: make hint-{suite.feature.stem} STEP={first.step}"
+        explained.append(f"a hint: make hint-{suite.feature.stem} STEP={first.step}")
     for line in explained:
         lines += _wrapped(line, " " * 10)
     return lines
