@@ -292,7 +292,7 @@ def _not_linked(toolchain, said, units):
     ))
     for unit in units:
         interface = global_symbols(toolchain, toolchain.built(f"src/features/{unit.feature.stem}.o"))
-        missing = [name for name in names if name in interface]
+        missing = sorted(name for name in names if name in interface)  # the linker's order tells nothing
         if missing:
             whose = "your file" if unit is units[0] else unit.shown
             return BuildError(f"{whose} does not define {_some(missing)}, which the suite calls")
