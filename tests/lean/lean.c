@@ -74,7 +74,7 @@ static void queue_shadow_rays(lean_tile *t, const rk_light *light)
         t->contributions[t->contribution_count++] = rk_mul(light->colours[0], rk_scale(kd, cos_i));
         if (!t->options->shadows)
             continue;
-        rk_vec3 start = rk_surface_spawn(surface, to_light);
+        rk_vec3 start = rk_surface_spawn_to_light(surface, to_light);
         rk_ray ray = {start, rk_sub(light->position, start), 1};
         rk_batch_push(&t->shadow, &ray);
     }
