@@ -881,7 +881,7 @@ static void line_ends_of_old_macintoshs_are_read_or_told(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* --- what moves or is left out --------------------------------------------------------------- */
+/* --- moved or left out ------------------------------------------------------------------------ */
 
 static void check_texcoord(const rk_mesh *mesh, rk_vec3 at, double u, double v)
 {

@@ -20,8 +20,7 @@ IMPORT("picture") void raykit_picture(const uint8_t *rgba, size_t width, size_t 
 IMPORT("finish")
 void raykit_finish(double yaw, double pitch, double distance, double build_ms, double render_ms);
 
-/* Scene and tree are made: a copy of the memory at this moment can draw further pictures of them.
- */
+/* Scene and tree are kept: draw_kept draws further pictures of them. */
 IMPORT("keep") void raykit_keep(void);
 
 /* A cell of a table's row. */
@@ -102,8 +101,10 @@ static char **read_arguments(int *count)
     if (__wasi_args_sizes_get(&words, &size) != 0)
         return NULL;
     char **argv = malloc((words + 1) * sizeof *argv + size);
-    if (!argv || __wasi_args_get((uint8_t **)argv, (uint8_t *)(argv + words + 1)) != 0)
+    if (!argv || __wasi_args_get((uint8_t **)argv, (uint8_t *)(argv + words + 1)) != 0) {
+        free(argv);
         return NULL;
+    }
     argv[words] = NULL;
     *count = (int)words;
     return argv;
