@@ -3,7 +3,9 @@
 #include "test_folder.h"
 
 #include "io/helper.h"
+#include "io/helper_answer.h"
 
+#include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
 #include <pthread.h>
@@ -355,6 +357,88 @@ static void memory_is_limited_and_core_files_are_off(void **state)
     free(got.output);
 }
 
+/* --- helpers that stay --------------------------------------------------------------------- */
+
+/* Answers each word of the input; "bye" ends it. printf writes an rk_helper_answer, little-endian.
+ */
+static const char patient[] =
+    "echo >>starts\n"
+    "while read word; do\n"
+    "  [ $word = bye ] && { echo it was bye >&2; exit 3; }\n"
+    "  [ $word = half ] && { printf '\\005\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0ab'; exit "
+    "0; }\n"
+    "  [ $word = bad ] && { printf '\\003\\0\\0\\0\\0\\0\\0\\0\\001\\0\\0\\0\\0\\0\\0\\0why'; "
+    "continue; }\n"
+    "  printf '\\002\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0\\0ok'\n"
+    "done\n";
+
+static bool ask(rk_helper **helper, const char *word, size_t most, rk_error *error)
+{
+    char text[2 * sizeof patient + sizeof folder];
+    int length = snprintf(text, sizeof text, "#!/bin/sh\ncd '%s'\n%s", folder.path, patient);
+    if (!*helper) /* a file that runs cannot be written */
+        test_folder_write(&folder, "patient", text, (size_t)length, 0700);
+    const rk_helper_call call = {.program = "patient",
+                                 .subject = word,
+                                 .input = word,
+                                 .input_size = strlen(word),
+                                 .output_max = most};
+    unsigned char *output;
+    size_t size;
+    bool ok = rk_helper_ask(helper, &call, &output, &size, error);
+    rk_check(ok || !output, "a failed call left a block behind");
+    if (ok)
+        rk_check(size == 2 && memcmp(output, "ok", 2) == 0, "%zu other bytes came back", size);
+    free(output);
+    return ok;
+}
+
+static size_t count_starts(void)
+{
+    size_t size = 0;
+    free(test_folder_read(test_folder_path(&folder, "starts"), &size));
+    return size;
+}
+
+static void a_helper_that_stays_is_started_once(void **state)
+{
+    (void)state;
+    rk_helper *helper = NULL;
+    rk_error error;
+    for (int i = 0; i < 5; i++)
+        rk_check(ask(&helper, "word\n", 100, &error), "%s", error.text);
+    rk_check(!ask(&helper, "bad\n", 100, &error), "a reason was taken for an answer");
+    rk_check(strcmp(error.text, "why") == 0, "not its reason: %s", error.text);
+    rk_check(helper, "it has answered, so it stays");
+    rk_check(!ask(&helper, "bad\n", 1, &error), "a reason was taken for an answer");
+    rk_check(strcmp(error.text, "why") == 0, "a reason may be longer than an answer: %s",
+             error.text);
+    rk_check(ask(&helper, "word\n", 100, &error), "%s", error.text);
+    rk_check_equal(count_starts(), 1, "for eight calls");
+    rk_helper_end(&helper);
+    rk_check(!helper, "it has ended");
+    rk_check(waitpid(-1, NULL, WNOHANG) < 0 && errno == ECHILD, "a child is left");
+    rk_helper_end(&helper);
+}
+
+static void a_helper_that_ends_too_early_is_started_again(void **state)
+{
+    (void)state;
+    rk_helper *helper = NULL;
+    rk_error error;
+    const size_t before = count_starts();
+    rk_check(ask(&helper, "word\n", 100, &error), "%s", error.text);
+    rk_check(!ask(&helper, "bye\n", 100, &error), "it did not answer");
+    rk_check_error_names(error, "it was bye");
+    rk_check(!helper, "it has ended");
+    rk_check(!ask(&helper, "half\n", 100, &error), "half an answer was accepted");
+    rk_check_error_names(error, ": patient ended without a whole answer");
+    rk_check(ask(&helper, "word\n", 100, &error), "%s", error.text);
+    rk_check_equal(count_starts() - before, 3, "one start for each end, and the first");
+    rk_helper_end(&helper);
+    rk_check(waitpid(-1, NULL, WNOHANG) < 0 && errno == ECHILD, "a child is left");
+}
+
 static int make_folder(void **state)
 {
     (void)state;
@@ -392,6 +476,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_helper_ends_with_a_caller_that_is_killed),
 #endif
     cmocka_unit_test(memory_is_limited_and_core_files_are_off),
+    cmocka_unit_test(a_helper_that_stays_is_started_once),
+    cmocka_unit_test(a_helper_that_ends_too_early_is_started_again),
 };
 
 RK_SUITE_IN("helper", tests, make_folder, remove_folder)

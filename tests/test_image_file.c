@@ -1,12 +1,13 @@
 /* Pictures in formats other than PNG, through the real helper and through fake ones.
  *
- * Each start of the real helper loads OpenImageIO with its 260 libraries, a quarter of a second, so
- * a test starts it as few times as its claim allows. */
+ * Each start of the real helper loads OpenImageIO with its 260 libraries, a quarter of a second or
+ * more, so tests share one where their claim allows. */
 #include "test.h"
 #include "test_picture_file.h"
 
 #include "base/random.h"
 #include "io/helper.h"
+#include "io/helper_answer.h"
 #include "io/image_file.h"
 #include "io/image_stream.h"
 
@@ -20,6 +21,22 @@ static const char *helper_folder = RK_BUILD_FOLDER;
 const char *rk_helper_folder(void)
 {
     return helper_folder;
+}
+
+/* The suite's own, for claims about what is read and not about starting. */
+static rk_image_file_reader reader;
+
+static int end_reader(void **state)
+{
+    (void)state;
+    rk_image_file_reader_end(&reader);
+    return 0;
+}
+
+static bool read_shared(rk_image *image, test_path path, rk_error *error)
+{
+    const rk_image_file_wish wish = {.most_pixels = RK_IMAGE_PIXELS_MAX, .reader = &reader};
+    return rk_image_file_read_wished(image, path.text, &wish, error);
 }
 
 static rk_image make_noise(size_t width, size_t height)
@@ -56,7 +73,7 @@ static rk_image read_image(test_path path)
 {
     rk_image image;
     rk_error error;
-    rk_check_ok(rk_image_file_read(&image, path.text, &error), error);
+    rk_check_ok(read_shared(&image, path, &error), error);
     return image;
 }
 
@@ -64,7 +81,7 @@ static void check_refused(test_path path, const char *part)
 {
     rk_image image;
     rk_error error;
-    rk_check(!rk_image_file_read(&image, path.text, &error), "%s was accepted", path.text);
+    rk_check(!read_shared(&image, path, &error), "%s was accepted", path.text);
     rk_check(!image.pixels, "%s: pixels were left behind", path.text);
     rk_check_error_names(error, path.text);
     rk_check_error_names(error, part);
@@ -325,7 +342,7 @@ static void check_broken_kind(const test_folder *folder, const char *name)
     test_path path = test_folder_write(folder, name, bytes, size, 0600);
     free(bytes);
     rk_error error;
-    if (rk_image_file_read(&image, path.text, &error))
+    if (read_shared(&image, path, &error))
         rk_image_free(&image);
     else
         rk_check_error_names(error, name);
@@ -391,7 +408,8 @@ static void absurd_sizes_are_refused(void **state)
     check_refused(path, "");
     rk_image image;
     rk_error error = {""};
-    rk_check(!rk_image_file_read_within(&image, path.text, 1 << 20, &error), "it was accepted");
+    const rk_image_file_wish wish = {.most_pixels = 1 << 20, .reader = &reader};
+    rk_check(!rk_image_file_read_wished(&image, path.text, &wish, &error), "it was accepted");
     rk_check_error_names(error, "32768 x 32768 pixels, more than the 1048576 allowed");
 }
 
@@ -494,6 +512,7 @@ static void other_endings_are_not_written(void **state)
 /* From here until the end of the test, only the test's folder is searched for helpers. */
 static void use_helpers_of(const test_folder *folder)
 {
+    rk_image_file_reader_end(&reader);
     setenv("RAYKIT_HELPERS", folder->path, 1);
     helper_folder = folder->path;
 }
@@ -515,16 +534,24 @@ static int teardown_false(void **state)
         unsetenv("RAYKIT_HELPERS");
     free(named_folder);
     helper_folder = RK_BUILD_FOLDER;
+    rk_image_file_reader_end(&reader);
     return test_folder_teardown(state);
 }
 
 #define test_with_false_helper(name)                                                               \
     cmocka_unit_test_setup_teardown(name, setup_false, teardown_false)
 
-/* A helper that always gives this answer. */
+/* A helper that always gives this answer, and ends. */
 static void install_answer(const test_folder *folder, const void *bytes, size_t size)
 {
-    test_path answer = test_folder_write(folder, "answer", bytes, size, 0600);
+    rk_image_file_reader_end(&reader);
+    unsigned char *whole = malloc(sizeof(rk_helper_answer) + size);
+    rk_check(whole, "no memory");
+    memcpy(whole, &(rk_helper_answer){.size = size}, sizeof(rk_helper_answer));
+    memcpy(whole + sizeof(rk_helper_answer), bytes, size);
+    test_path answer =
+        test_folder_write(folder, "answer", whole, sizeof(rk_helper_answer) + size, 0600);
+    free(whole);
     char script[1000];
     int length = snprintf(script, sizeof script, "#!/bin/sh\nexec cat '%s'\n", answer.text);
     test_folder_write(folder, "raykit-image", script, (size_t)length, 0700);
@@ -590,6 +617,107 @@ static void a_helper_that_dies_is_an_error_with_the_files_name(void **state)
     check_refused(test_folder_path(*state, "a.exr"), "signal");
 }
 
+/* --- one start for several pictures ---------------------------------------------------------- */
+
+/* A helper that counts its starts, and is the real one. */
+static void count_starts(const test_folder *folder)
+{
+    char script[2 * sizeof(test_path) + 100];
+    int length = snprintf(script, sizeof script,
+                          "#!/bin/sh\necho >>'%s/starts'\nexec '%s/raykit-image' \"$@\"\n",
+                          folder->path, RK_BUILD_FOLDER);
+    test_folder_write(folder, "raykit-image", script, (size_t)length, 0700);
+    use_helpers_of(folder);
+}
+
+static size_t starts(const test_folder *folder)
+{
+    size_t size = 0;
+    free(test_folder_read(test_folder_path(folder, "starts"), &size));
+    return size;
+}
+
+static void a_reader_starts_the_helper_once_whatever_the_files_are(void **state)
+{
+    const unsigned char grey[] = {0, 128, 255};
+    const char text[] = "hello\n";
+    count_starts(*state);
+    test_path good = write_tiff(*state, 3, 1, 8, 1, 1, grey),
+              bad = test_folder_write(*state, "bad.jpg", text, sizeof text - 1, 0600);
+    for (int i = 0; i < 3; i++) {
+        rk_image image = read_image(good);
+        rk_check_close(image.pixels[2].y, 1, 0, "the picture is whole");
+        rk_image_free(&image);
+        check_refused(bad, "cannot be read");
+    }
+    rk_check_equal(starts(*state), 1, "six pictures, three of them broken");
+}
+
+static void a_helper_that_has_died_is_started_again(void **state)
+{
+    const unsigned char grey[] = {0, 128, 255};
+    test_path good = write_tiff(*state, 3, 1, 8, 1, 1, grey);
+    char script[2 * sizeof(test_path) + 200];
+    int length =
+        snprintf(script, sizeof script,
+                 "#!/bin/sh\nif [ -e '%s/once' ]; then exec '%s/raykit-image' \"$@\"; fi\n"
+                 "touch '%s/once'\nkill -SEGV $$\n",
+                 ((test_folder *)*state)->path, RK_BUILD_FOLDER, ((test_folder *)*state)->path);
+    test_folder_write(*state, "raykit-image", script, (size_t)length, 0700);
+    use_helpers_of(*state);
+    check_refused(good, "signal");
+    rk_image image = read_image(good);
+    rk_image_free(&image);
+}
+
+#if defined(__linux__) && !defined(BUILT_WITH_SHADOW_MEMORY)
+/* The number after this name in /proc/PID/limits; 0 if unlimited. */
+static double limit_of(long process, const char *name)
+{
+    test_path path;
+    char line[200];
+    double limit = -1;
+    snprintf(path.text, sizeof path.text, "/proc/%ld/limits", process);
+    FILE *file = fopen(path.text, "r");
+    rk_check(file, "%s cannot be read", path.text);
+    while (fgets(line, sizeof line, file))
+        if (strncmp(line, name, strlen(name)) == 0)
+            limit = strtod(line + strlen(name), NULL);
+    fclose(file);
+    return limit;
+}
+
+/* The only child of this process. */
+static long find_child(void)
+{
+    test_path path;
+    long child = 0;
+    snprintf(path.text, sizeof path.text, "/proc/self/task/%ld/children", (long)getpid());
+    FILE *file = fopen(path.text, "r");
+    if (file && fscanf(file, "%ld", &child) != 1)
+        child = 0;
+    if (file)
+        fclose(file);
+    return child;
+}
+
+/* Three pixels may take what 2^24 may, because the header could claim as many: 1 GB for these, 1 GB
+ * for what is fixed, and OpenImageIO's own addresses. */
+static void a_small_picture_may_cost_little(void **state)
+{
+    const unsigned char grey[] = {0, 128, 255};
+    rk_image image = read_image(write_tiff(*state, 3, 1, 8, 1, 1, grey));
+    rk_image_free(&image);
+    const long child = find_child();
+    if (!child) /* this kernel does not tell */
+        skip();
+    const double memory = limit_of(child, "Max address space"),
+                 time = limit_of(child, "Max cpu time");
+    rk_check(memory > 2e9 && memory < 6e9, "%.3g bytes of addresses", memory);
+    rk_check(time >= 20 && time < 60, "%g s of processor time", time);
+}
+#endif
+
 static const struct CMUnitTest tests[] = {
     test_in_folder(exr_keeps_every_bit_of_every_float),
     test_in_folder(the_same_picture_gives_the_same_exr),
@@ -618,6 +746,11 @@ static const struct CMUnitTest tests[] = {
     test_with_false_helper(a_missing_helper_names_the_package_but_png_needs_none),
     test_with_false_helper(invalid_answers_are_refused),
     test_with_false_helper(a_helper_that_dies_is_an_error_with_the_files_name),
+    test_with_false_helper(a_reader_starts_the_helper_once_whatever_the_files_are),
+    test_with_false_helper(a_helper_that_has_died_is_started_again),
+#if defined(__linux__) && !defined(BUILT_WITH_SHADOW_MEMORY)
+    test_in_folder(a_small_picture_may_cost_little),
+#endif
 };
 
-RK_SUITE("image_file", tests)
+RK_SUITE_IN("image_file", tests, NULL, end_reader)

@@ -590,6 +590,56 @@ static void a_missing_or_damaged_picture_is_a_note_not_an_error(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* Puts this helper's real program, with a count of its starts, into the folder. False if there is
+ * none: raykit can be built without it. */
+static bool install_counted(const char *program)
+{
+    const char *named = getenv("RAYKIT_HELPERS");
+    char script[3 * sizeof folder + 500];
+    int length = snprintf(script, sizeof script, "%s/%s", named ? named : ".", program);
+    if (access(script, X_OK) != 0)
+        return false;
+    length =
+        snprintf(script, sizeof script, "#!/bin/sh\necho >>'%s/%s-starts'\nexec '%s/%s' \"$@\"\n",
+                 folder.path, program, named ? named : ".", program);
+    test_folder_write(&folder, program, script, (size_t)length, 0700);
+    return true;
+}
+
+/* A picture of one colour that only raykit-image reads. */
+static void write_ppm(const char *name, unsigned char r, unsigned char g, unsigned char b)
+{
+    unsigned char bytes[] = "P6\n1 1\n255\nrgb";
+    bytes[11] = r, bytes[12] = g, bytes[13] = b;
+    test_folder_write(&folder, name, bytes, sizeof bytes - 1, 0600);
+}
+
+static void the_pictures_of_a_mesh_start_their_helper_once(void **state)
+{
+    (void)state;
+    if (!install_counted("raykit-mesh") || !install_counted("raykit-image"))
+        skip();
+    write_ppm("red.ppm", 255, 0, 0);
+    write_text("broken.ppm", "P6\n900 900\n255\n");
+    write_ppm("blue.ppm", 0, 0, 255);
+    test_path path = write_textured_obj("newmtl a\nmap_Kd red.ppm\n"
+                                        "newmtl b\nmap_Kd broken.ppm\n"
+                                        "newmtl c\nmap_Kd blue.ppm\n",
+                                        "abc");
+    char *before = strdup(getenv("RAYKIT_HELPERS"));
+    setenv("RAYKIT_HELPERS", folder.path, 1);
+    rk_mesh mesh = load_with_note(path, "1 of 3 textures cannot be read");
+    setenv("RAYKIT_HELPERS", before, 1);
+    free(before);
+    check_texel(texture_of(&mesh, 0), 0.5f, 0.5f, rk_vec(1, 0, 0));
+    rk_check(texture_of(&mesh, 2) == NULL, "the broken picture costs only itself");
+    check_texel(texture_of(&mesh, 4), 0.5f, 0.5f, rk_vec(0, 0, 1));
+    rk_mesh_free(&mesh);
+    size_t starts = 0;
+    free(test_folder_read(test_folder_path(&folder, "raykit-image-starts"), &starts));
+    rk_check_equal(starts, 1, "starts for three pictures");
+}
+
 static void pictures_without_texture_coordinates_are_a_note(void **state)
 {
     (void)state;
@@ -1375,6 +1425,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(options_and_blanks_around_a_pictures_name_are_not_part_of_it),
     cmocka_unit_test(materials_that_name_the_same_picture_share_it),
     cmocka_unit_test(a_missing_or_damaged_picture_is_a_note_not_an_error),
+    cmocka_unit_test(the_pictures_of_a_mesh_start_their_helper_once),
     cmocka_unit_test(pictures_without_texture_coordinates_are_a_note),
     cmocka_unit_test(a_part_without_texture_coordinates_shows_its_colour_alone),
     cmocka_unit_test(more_pictures_than_1024_are_a_note),

@@ -157,8 +157,9 @@ static bool convert(rk_cubemap *map, const rk_image *image, const char *path, rk
 static bool read_one(rk_cubemap *map, const char *path, rk_error *error)
 {
     rk_image image;
-    if (!rk_image_file_read_shaped(&image, path, RK_ENVIRONMENT_FILE_PIXELS_MAX,
-                                   RK_IMAGE_ENVIRONMENT, error))
+    const rk_image_file_wish wish = {.most_pixels = RK_ENVIRONMENT_FILE_PIXELS_MAX,
+                                     .shape = RK_IMAGE_ENVIRONMENT};
+    if (!rk_image_file_read_wished(&image, path, &wish, error))
         return false;
     bool ok = convert(map, &image, path, error);
     rk_image_free(&image);
@@ -193,11 +194,12 @@ static bool fits(const rk_image *image, const rk_cubemap *map, const char *path,
 }
 
 /* The first face decides the size of all. */
-static bool read_face(rk_cubemap *map, rk_cube_face face, const char *path, rk_error *error)
+static bool read_face(rk_cubemap *map, rk_cube_face face, const char *path,
+                      rk_image_file_reader *reader, rk_error *error)
 {
     rk_image image;
-    if (!rk_image_file_read_shaped(&image, path, RK_ENVIRONMENT_FILE_PIXELS_MAX, RK_IMAGE_SQUARE,
-                                   error))
+    const rk_image_file_wish wish = {RK_ENVIRONMENT_FILE_PIXELS_MAX, RK_IMAGE_SQUARE, reader};
+    if (!rk_image_file_read_wished(&image, path, &wish, error))
         return false;
     bool ok = fits(&image, map, path, error) &&
               (map->side > 0 || make_map(map, image.width, path, error));
@@ -287,12 +289,14 @@ static bool read_six(rk_cubemap *map, const char *where, find_face *find, rk_err
     for (int i = 0; i < RK_FACES; i++)
         if (!find(&paths[i], where, (*chosen)[i], error))
             return false;
-    for (int i = 0; i < RK_FACES; i++)
-        if (!read_face(map, order[i], paths[i].text, error)) {
-            rk_cubemap_free(map);
-            return false;
-        }
-    return true;
+    rk_image_file_reader reader = {0};
+    bool ok = true;
+    for (int i = 0; i < RK_FACES && ok; i++)
+        ok = read_face(map, order[i], paths[i].text, &reader, error);
+    rk_image_file_reader_end(&reader);
+    if (!ok)
+        rk_cubemap_free(map);
+    return ok;
 }
 
 bool rk_environment_file_read(rk_cubemap *map, const char *path, rk_error *error)

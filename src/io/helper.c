@@ -7,6 +7,8 @@
  * we wait for it. Calls and their guarantees: POSIX.1-2017. */
 #include "io/helper.h"
 
+#include "io/helper_answer.h"
+
 #include <errno.h>
 #include <fcntl.h>
 #include <poll.h>
@@ -36,10 +38,12 @@
 
 enum { INPUT, OUTPUT, REASON, streams }; /* the helper's standard input, output and error */
 enum { first_block = 1 << 16 };          /* of output: a small mesh fits */
+enum { longest_reason = 4096 };          /* of a helper that stays */
 static const double default_timeout = 60;
 
-typedef struct session {
+typedef struct rk_helper {
     const rk_helper_call *call;
+    bool stays; /* it answers more than one input */
     const char *subject;
     pid_t process;
     int ends[streams]; /* ours; -1 when closed */
@@ -233,8 +237,26 @@ static void send_input(session *s)
     bool again = n < 0 && (errno == EINTR || errno == EAGAIN);
     /* A helper may close its input early: it needs no more, or has failed, as its exit status
      * says. */
-    if ((n < 0 && !again) || s->sent == s->call->input_size)
+    if ((n < 0 && !again) || (s->sent == s->call->input_size && !s->stays))
         close_end(&s->ends[INPUT]);
+}
+
+/* Of a helper that stays: false until the answer's beginning is there. */
+static bool read_answer(const session *s, rk_helper_answer *answer)
+{
+    if (s->output_size < sizeof *answer)
+        return false;
+    memcpy(answer, s->output, sizeof *answer);
+    return true;
+}
+
+/* The longest output: an answer, or the reason for none. */
+static size_t most_output(const session *s)
+{
+    const size_t most = s->call->output_max;
+    if (!s->stays)
+        return most;
+    return sizeof(rk_helper_answer) + (most > longest_reason ? most : longest_reason);
 }
 
 /* Room for one byte more than allowed, so that an excess is noticed. */
@@ -242,7 +264,7 @@ static bool grow_output(session *s, rk_error *error)
 {
     if (s->output_size < s->output_room)
         return true;
-    size_t most = s->call->output_max < SIZE_MAX ? s->call->output_max + 1 : SIZE_MAX;
+    size_t most = most_output(s) < SIZE_MAX ? most_output(s) + 1 : SIZE_MAX;
     size_t room = s->output_room ? s->output_room : first_block / 2;
     room = room < most / 2 ? room * 2 : most;
     unsigned char *output = realloc(s->output, room);
@@ -263,7 +285,7 @@ static bool read_output(session *s, rk_error *error)
         s->output_size += (size_t)n;
     else if (n == 0 || errno != EINTR)
         close_end(&s->ends[OUTPUT]);
-    if (s->output_size > s->call->output_max)
+    if (s->output_size > most_output(s))
         return rk_fail(error,
                        "%s: %s sent more than the allowed %zu bytes: the file "
                        "is damaged or too large",
@@ -306,15 +328,22 @@ static bool fail_silent(const session *s, rk_error *error)
         s->subject, s->call->program, timeout_of(s->call));
 }
 
-/* Runs until the helper has closed its output and its error stream. */
+static bool has_answered(const session *s)
+{
+    rk_helper_answer answer;
+    return s->stays && s->sent == s->call->input_size && read_answer(s, &answer) &&
+           s->output_size - sizeof answer == answer.size;
+}
+
+/* Runs until the helper has answered, or has closed its output and its error stream. */
 static bool talk(session *s, rk_error *error)
 {
-    if (s->call->input_size == 0)
+    if (s->call->input_size == 0 && !s->stays)
         close_end(&s->ends[INPUT]);
-    while (s->ends[OUTPUT] >= 0 || s->ends[REASON] >= 0) {
-        struct pollfd polled[streams] = {{s->ends[INPUT], POLLOUT, 0},
-                                         {s->ends[OUTPUT], POLLIN, 0},
-                                         {s->ends[REASON], POLLIN, 0}};
+    while (!has_answered(s) && (s->ends[OUTPUT] >= 0 || s->ends[REASON] >= 0)) {
+        const int input = s->sent < s->call->input_size ? s->ends[INPUT] : -1;
+        struct pollfd polled[streams] = {
+            {input, POLLOUT, 0}, {s->ends[OUTPUT], POLLIN, 0}, {s->ends[REASON], POLLIN, 0}};
         double left = s->deadline - seconds_now();
         int wait_ms = left <= 0 ? 0 : left > 1e6 ? 1000000000 : (int)(left * 1e3) + 1;
         int ready = poll(polled, streams, wait_ms);
@@ -383,6 +412,12 @@ static bool judge(const session *s, int status, rk_error *error)
     return rk_fail(error, "%s", s->line);
 }
 
+static void close_all(session *s)
+{
+    for (int i = 0; i < streams; i++)
+        close_end(&s->ends[i]);
+}
+
 bool rk_helper_run(const rk_helper_call *call, unsigned char **output, size_t *output_size,
                    rk_error *error)
 {
@@ -394,8 +429,7 @@ bool rk_helper_run(const rk_helper_call *call, unsigned char **output, size_t *o
     int status = 0;
     bool started = start(&s, error);
     bool talked = started && talk(&s, error);
-    for (int i = 0; i < streams; i++)
-        close_end(&s.ends[i]);
+    close_all(&s);
     if (started && !talked)
         stop(&s);
     if (!talked || !reap(&s, &status, error) || !judge(&s, status, error)) {
@@ -405,4 +439,97 @@ bool rk_helper_run(const rk_helper_call *call, unsigned char **output, size_t *o
     *output = s.output;
     *output_size = s.output_size;
     return true;
+}
+
+/* --- staying ------------------------------------------------------------------------------- */
+
+void rk_helper_end(rk_helper **helper)
+{
+    session *s = *helper;
+    *helper = NULL;
+    if (!s)
+        return;
+    close_all(s);
+    if (s->process > 0)
+        stop(s); /* rather than wait until it has unloaded its libraries */
+    free(s->output);
+    free(s);
+}
+
+static bool start_staying(session **helper, const rk_helper_call *call, rk_error *error)
+{
+    session *s = rk_allocate(1, sizeof *s, call->program, error);
+    if (!s)
+        return false;
+    *s = (session){.call = call, .stays = true, .ends = {-1, -1, -1}};
+    s->subject = call->subject ? call->subject : call->program;
+    if (!start(s, error)) {
+        close_all(s);
+        free(s);
+        return false;
+    }
+    *helper = s;
+    return true;
+}
+
+static void begin_call(session *s, const rk_helper_call *call)
+{
+    s->call = call;
+    s->subject = call->subject ? call->subject : call->program;
+    s->sent = s->output_size = s->output_room = s->line_length = 0;
+    s->output = NULL;
+    s->line[0] = '\0';
+    s->line_ended = false;
+    s->deadline = seconds_now() + timeout_of(call);
+}
+
+/* Of one that has closed its streams. */
+static bool fail_ended(session *s, rk_error *error)
+{
+    int status = 0;
+    close_all(s);
+    const bool known = reap(s, &status, error);
+    s->process = 0;
+    if (!known || !judge(s, status, error))
+        return false;
+    return rk_fail(error, "%s: %s ended without a whole answer: run make again", s->subject,
+                   s->call->program);
+}
+
+/* Hands the answer's bytes over, or makes them the error. */
+static bool take_answer(session *s, unsigned char **output, size_t *output_size, rk_error *error)
+{
+    rk_helper_answer answer;
+    read_answer(s, &answer);
+    if (answer.failed) {
+        const size_t length = answer.size < longest_reason ? (size_t)answer.size : longest_reason;
+        return rk_fail(error, "%.*s", (int)length, (const char *)s->output + sizeof answer);
+    }
+    memmove(s->output, s->output + sizeof answer, (size_t)answer.size);
+    *output = s->output;
+    *output_size = (size_t)answer.size;
+    s->output = NULL;
+    return true;
+}
+
+bool rk_helper_ask(rk_helper **helper, const rk_helper_call *call, unsigned char **output,
+                   size_t *output_size, rk_error *error)
+{
+    *output = NULL;
+    *output_size = 0;
+    if (!*helper && !start_staying(helper, call, error))
+        return false;
+    session *s = *helper;
+    begin_call(s, call);
+    bool talked = talk(s, error), answered = talked && has_answered(s);
+    bool ok = answered && take_answer(s, output, output_size, error);
+    if (!answered) {
+        if (talked)
+            fail_ended(s, error);
+        rk_helper_end(helper);
+        return false;
+    }
+    free(s->output);
+    s->output = NULL;
+    return ok;
 }

@@ -28,6 +28,20 @@ typedef struct rk_helper_call {
 bool rk_helper_run(const rk_helper_call *call, unsigned char **output, size_t *output_size,
                    rk_error *error);
 
+/* A helper that stays, so that several calls start it once: it answers each input by an
+ * rk_helper_answer and that many bytes, and waits for the next. */
+typedef struct rk_helper rk_helper;
+
+/* Sends the call's input and returns the answer, in a new block to free(). Starts the helper, with
+ * the call's arguments, where *helper is NULL. False with the reason that it answers, and for all
+ * that makes rk_helper_run fail; a helper that has ended is NULL again, so the next call starts
+ * another. One thread at a time. */
+bool rk_helper_ask(rk_helper **helper, const rk_helper_call *call, unsigned char **output,
+                   size_t *output_size, rk_error *error);
+
+/* Ends it; NULL is accepted. */
+void rk_helper_end(rk_helper **helper);
+
 /* The folder where this copy of the library expects its helpers: the build folder in the source
  * tree, the package's libexec folder once installed. */
 const char *rk_helper_folder(void);

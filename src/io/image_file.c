@@ -7,7 +7,6 @@
 #include "io/image_stream.h"
 #include "io/png.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <strings.h>
@@ -88,40 +87,77 @@ static bool unpack(rk_image *image, const unsigned char *reply, size_t size, con
     return false;
 }
 
-/* `part` is a word of raykit-image. */
-static bool read_by_helper(rk_image *image, const char *part, const char *path, size_t most_pixels,
-                           rk_image_shape shape, rk_error *error)
+void rk_image_file_reader_end(rk_image_file_reader *reader)
 {
-    if (most_pixels > RK_IMAGE_PIXELS_MAX)
-        most_pixels = RK_IMAGE_PIXELS_MAX;
-    char digits[24], number[12];
-    snprintf(digits, sizeof digits, "%zu", most_pixels);
-    snprintf(number, sizeof number, "%d", (int)shape);
-    rk_helper_call call = make_call(path, (const char *[]){part, path, digits, number, NULL},
-                                    sizeof(head) + sizeof(rk_vec3) * most_pixels);
-    unsigned char *reply;
-    size_t size;
-    if (!rk_helper_run(&call, &reply, &size, error))
+    rk_helper_end(&reader->helper);
+}
+
+/* The request and the file's name, to free(). */
+static unsigned char *make_request(const char *path, rk_image_stream_part part,
+                                   const rk_image_file_wish *wish, size_t *size, rk_error *error)
+{
+    const rk_image_stream_request request = {
+        .magic = RK_IMAGE_STREAM_MAGIC,
+        .version = RK_IMAGE_STREAM_VERSION,
+        .part = part,
+        .shape = wish->shape,
+        .most_pixels = wish->most_pixels,
+        .name_size = strlen(path),
+    };
+    *size = sizeof request + request.name_size;
+    unsigned char *bytes = rk_allocate(*size, 1, path, error);
+    if (!bytes)
+        return NULL;
+    memcpy(bytes, &request, sizeof request);
+    memcpy(bytes + sizeof request, path, request.name_size);
+    return bytes;
+}
+
+static bool read_by(rk_image_file_reader *reader, rk_image *image, const char *path,
+                    rk_image_stream_part part, const rk_image_file_wish *wish, rk_error *error)
+{
+    size_t request_size, size;
+    unsigned char *request = make_request(path, part, wish, &request_size, error), *reply;
+    if (!request)
         return false;
-    bool ok = unpack(image, reply, size, path, error);
+    rk_helper_call call = make_call(path, (const char *[]){"read", NULL},
+                                    sizeof(head) + sizeof(rk_vec3) * wish->most_pixels);
+    call.input = request;
+    call.input_size = request_size;
+    bool ok = rk_helper_ask(&reader->helper, &call, &reply, &size, error);
+    free(request);
+    if (ok)
+        ok = unpack(image, reply, size, path, error);
     free(reply);
     return ok;
 }
 
-static bool read_limited(rk_image *image, const char *path, size_t most_pixels,
-                         rk_image_shape shape, rk_error *error)
+static bool read_by_helper(rk_image *image, const char *path, rk_image_stream_part part,
+                           const rk_image_file_wish *wish, rk_error *error)
+{
+    if (wish->reader)
+        return read_by(wish->reader, image, path, part, wish, error);
+    rk_image_file_reader reader = {0};
+    bool ok = read_by(&reader, image, path, part, wish, error);
+    rk_image_file_reader_end(&reader);
+    return ok;
+}
+
+static bool read_limited(rk_image *image, const char *path, const rk_image_file_wish *wish,
+                         rk_error *error)
 {
     *image = (rk_image){0};
     if (!check_kind(path, error))
         return false;
     if (has_ending(path, ".png"))
-        return rk_png_read_shaped(image, path, most_pixels, shape, error);
-    return read_by_helper(image, "read", path, most_pixels, shape, error);
+        return rk_png_read_shaped(image, path, wish->most_pixels, wish->shape, error);
+    return read_by_helper(image, path, RK_IMAGE_STREAM_COLOUR, wish, error);
 }
 
 bool rk_image_file_read(rk_image *image, const char *path, rk_error *error)
 {
-    return read_limited(image, path, RK_IMAGE_PIXELS_MAX, RK_IMAGE_ANY, error);
+    const rk_image_file_wish any = {.most_pixels = RK_IMAGE_PIXELS_MAX};
+    return read_limited(image, path, &any, error);
 }
 
 /* Photos take a twentieth of a byte per pixel or more; a surface of one colour, a thousandth. */
@@ -132,43 +168,44 @@ size_t rk_image_file_budget(size_t most_pixels, size_t bytes)
     return budget < most_pixels ? budget : most_pixels;
 }
 
-bool rk_image_file_read_shaped(rk_image *image, const char *path, size_t most_pixels,
-                               rk_image_shape shape, rk_error *error)
+static rk_image_file_wish bounded(const rk_image_file_wish *wish, const char *path)
 {
+    rk_image_file_wish result = *wish;
     struct stat status;
+    if (result.most_pixels > RK_IMAGE_PIXELS_MAX)
+        result.most_pixels = RK_IMAGE_PIXELS_MAX;
     if (stat(path, &status) == 0)
-        most_pixels = rk_image_file_budget(most_pixels, (size_t)status.st_size);
-    return read_limited(image, path, most_pixels, shape, error);
+        result.most_pixels = rk_image_file_budget(result.most_pixels, (size_t)status.st_size);
+    return result;
 }
 
-bool rk_image_file_read_within(rk_image *image, const char *path, size_t most_pixels,
+bool rk_image_file_read_wished(rk_image *image, const char *path, const rk_image_file_wish *wish,
                                rk_error *error)
 {
-    return rk_image_file_read_shaped(image, path, most_pixels, RK_IMAGE_ANY, error);
+    const rk_image_file_wish within = bounded(wish, path);
+    return read_limited(image, path, &within, error);
 }
 
-/* These formats have no alpha; starting the helper to learn it would take a quarter of a second. */
+/* These formats have no alpha, so the file need not be read to learn it. */
 static bool is_opaque_format(const char *path)
 {
     return has_ending(path, ".jpg") || has_ending(path, ".jpeg") || has_ending(path, ".hdr") ||
            has_ending(path, ".pnm") || has_ending(path, ".ppm") || has_ending(path, ".pgm");
 }
 
-bool rk_image_file_read_opacity(rk_image *image, const char *path, size_t most_pixels,
+bool rk_image_file_read_opacity(rk_image *image, const char *path, const rk_image_file_wish *wish,
                                 bool alpha_only, rk_error *error)
 {
-    struct stat status;
+    const rk_image_file_wish within = bounded(wish, path);
     *image = (rk_image){0};
     if (!check_kind(path, error))
         return false;
-    if (stat(path, &status) == 0)
-        most_pixels = rk_image_file_budget(most_pixels, (size_t)status.st_size);
     if (has_ending(path, ".png"))
-        return rk_png_read_opacity(image, path, most_pixels, alpha_only, error);
+        return rk_png_read_opacity(image, path, within.most_pixels, alpha_only, error);
     if (!alpha_only)
-        return read_by_helper(image, "opacity", path, most_pixels, RK_IMAGE_ANY, error);
+        return read_by_helper(image, path, RK_IMAGE_STREAM_OPACITY, &within, error);
     return is_opaque_format(path) ||
-           read_by_helper(image, "alpha", path, most_pixels, RK_IMAGE_ANY, NULL) || true;
+           read_by_helper(image, path, RK_IMAGE_STREAM_ALPHA, &within, NULL) || true;
 }
 
 /* --- writing --------------------------------------------------------------------------------- */

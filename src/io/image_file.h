@@ -12,20 +12,32 @@
  * is a path that is not a regular file. */
 bool rk_image_file_read(rk_image *image, const char *path, rk_error *error);
 
-/* The same, but refuses a picture of more than `most_pixels` before it takes memory for them; and,
- * so that a small file costs little, one of more than 2^24 + 32 for each byte of the file. */
-bool rk_image_file_read_within(rk_image *image, const char *path, size_t most_pixels,
-                               rk_error *error);
+/* Keeps raykit-image between pictures: it takes a quarter of a second or more to start. All its
+ * members are zero before the first picture. */
+typedef struct rk_image_file_reader {
+    struct rk_helper *helper;
+} rk_image_file_reader;
 
-/* And one of another shape. */
-bool rk_image_file_read_shaped(rk_image *image, const char *path, size_t most_pixels,
-                               rk_image_shape shape, rk_error *error);
+void rk_image_file_reader_end(rk_image_file_reader *reader);
+
+/* What is asked of a picture. */
+typedef struct rk_image_file_wish {
+    size_t most_pixels;   /* one of more is refused before memory is taken for it; so is, because
+                             a small file should cost little, one of more than 2^24 + 32 for each
+                             byte of the file */
+    rk_image_shape shape; /* others are refused */
+    rk_image_file_reader *reader; /* or NULL */
+} rk_image_file_wish;
+
+/* The same as rk_image_file_read, for a picture that is as wished. */
+bool rk_image_file_read_wished(rk_image *image, const char *path, const rk_image_file_wish *wish,
+                               rk_error *error);
 
 /* The pixels that a picture file of this many bytes may have, `most_pixels` or fewer. */
 size_t rk_image_file_budget(size_t most_pixels, size_t bytes);
 
-/* Reads the opacity instead; see rk_png_read_opacity. */
-bool rk_image_file_read_opacity(rk_image *image, const char *path, size_t most_pixels,
+/* Reads the opacity instead, of any shape; see rk_png_read_opacity. */
+bool rk_image_file_read_opacity(rk_image *image, const char *path, const rk_image_file_wish *wish,
                                 bool alpha_only, rk_error *error);
 
 /* Writes .png (8 bits, sRGB-encoded) or .exr (32-bit float, linear; NaN and infinity are kept), by

@@ -2,6 +2,7 @@
 #include "io/mesh_file.h"
 
 #include "io/helper.h"
+#include "io/image_file.h"
 #include "io/mesh_note.h"
 #include "io/mesh_stream.h"
 #include "io/texture_file.h"
@@ -115,6 +116,7 @@ typedef struct picture_reader {
     const tail *rest;
     const char *path;
     size_t texels_left;
+    rk_image_file_reader images;
 } picture_reader;
 
 /* `from` points to the name, which a picture may follow. */
@@ -126,8 +128,8 @@ static bool read_texture(picture_reader *reader, rk_texture *texture, uint32_t n
     if (!name)
         return false;
     const unsigned char *data = take(name, from, row.name_size);
-    rk_texture_file_source source = {name, row.data_size ? data : NULL, row.data_size,
-                                     row.clamps != 0, part};
+    rk_texture_file_source source = {
+        name, row.data_size ? data : NULL, row.data_size, row.clamps != 0, part, &reader->images};
     bool ok = rk_texture_file_read(texture, &source, reader->path, &reader->texels_left, error);
     free(name);
     return ok;
@@ -194,7 +196,7 @@ static bool read_part(picture_reader *reader, uint32_t number, const unsigned ch
 static uint32_t read_each(rk_mesh *mesh, const rk_mesh_stream_header *header, const tail *rest,
                           const char *path, rk_error *why)
 {
-    picture_reader reader = {mesh, rest, path, most_texels};
+    picture_reader reader = {mesh, rest, path, most_texels, {0}};
     const unsigned char *from = rest->texture_bytes;
     uint32_t lost = 0;
     for (uint32_t i = 0; i < header->texture_count; i++) {
@@ -205,6 +207,7 @@ static uint32_t read_each(rk_mesh *mesh, const rk_mesh_stream_header *header, co
         lost += !ok;
         from += (size_t)row.name_size + row.data_size;
     }
+    rk_image_file_reader_end(&reader.images);
     return lost;
 }
 

@@ -100,11 +100,12 @@ static bool read_part(rk_image *image, const rk_texture_file_source *source, con
                       bool is_png, size_t most_texels, rk_error *error)
 {
     const bool alpha_only = source->part == RK_TEXTURE_ALPHA;
+    const rk_image_file_wish wish = {.most_pixels = most_texels, .reader = source->reader};
     if (source->part == RK_TEXTURE_COLOUR)
         return is_png ? rk_png_read_within(image, path, most_texels, error)
-                      : rk_image_file_read_within(image, path, most_texels, error);
+                      : rk_image_file_read_wished(image, path, &wish, error);
     return is_png ? rk_png_read_opacity(image, path, most_texels, alpha_only, error)
-                  : rk_image_file_read_opacity(image, path, most_texels, alpha_only, error);
+                  : rk_image_file_read_opacity(image, path, &wish, alpha_only, error);
 }
 
 /* A picture that is opaque everywhere need not be looked up. */

@@ -17,6 +17,7 @@ typedef struct rk_texture_file_source {
     size_t data_size;
     bool clamps; /* else it repeats */
     rk_texture_file_part part;
+    struct rk_image_file_reader *reader; /* of io/image_file.h, or NULL */
 } rk_texture_file_source;
 
 /* Reads a mesh file's picture as a bilinear texture. Its texels are subtracted from `texels_left`;

@@ -51,3 +51,15 @@ bool rk_helper_run(const rk_helper_call *call, unsigned char **output, size_t *o
     return rk_fail(error, "%s: a page reads no files; run the driver itself",
                    call->subject ? call->subject : call->program);
 }
+
+bool rk_helper_ask(rk_helper **helper, const rk_helper_call *call, unsigned char **output,
+                   size_t *output_size, rk_error *error)
+{
+    (void)helper;
+    return rk_helper_run(call, output, output_size, error);
+}
+
+void rk_helper_end(rk_helper **helper)
+{
+    (void)helper;
+}

@@ -1,15 +1,14 @@
 // raykit-image: pictures in every format of OpenImageIO, for the library, which does not link it (a
 // process that does takes a quarter of a second to start).
 //
-//   raykit-image read FILE MOST SHAPE   picture of up to MOST pixels, and of this shape (its number
-//                                 in image_shape.h), to standard output
-//   raykit-image alpha FILE MOST SHAPE  its alpha channel, as a grey picture of the stored values
-//   raykit-image opacity FILE MOST SHAPE  the same, or its grey values if it has no alpha
+//   raykit-image read             pictures to standard output, one for each request on standard
+//                                 input; each a picture or a reason, after an rk_helper_answer
 //   raykit-image write FILE       picture from standard input, in the format of FILE's ending
 //   raykit-image --version        the version, that of the drivers
 //
 // Pictures in streams have the format of image_stream.h.
-// Errors are one line on standard error that begins with the file's name, and exit status 1.
+// Errors of `write`, and those that end `read`, are one line on standard error that begins with the file's name, and exit status 1.
+#include "io/helper_answer.h"
 #include "io/image_shape.h"
 #include "io/image_stream.h"
 
@@ -31,6 +30,8 @@
 #include <new>
 #include <stdexcept>
 #include <string>
+#include <sys/resource.h>
+#include <sys/stat.h>
 #include <unistd.h>
 #include <vector>
 
@@ -70,6 +71,8 @@ struct Picture {
     Floats rgb; // linear, row by row from the top
 };
 
+const char *const no_memory = "no memory for its pixels: choose a smaller picture";
+
 [[noreturn]] void fail(const std::string &path, const std::string &what)
 {
     throw std::runtime_error(path + ": " + what);
@@ -84,6 +87,82 @@ std::string first_line(const std::string &text)
 std::string size_text(const Picture &picture)
 {
     return std::to_string(picture.width) + " x " + std::to_string(picture.height);
+}
+
+// --- limits -------------------------------------------------------------------------------------
+
+#if defined(__has_feature)
+#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
+#define BUILT_WITH_SHADOW_MEMORY 1
+#endif
+#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#define BUILT_WITH_SHADOW_MEMORY 1
+#endif
+
+// Sanitizers reserve terabytes, and are several times slower.
+#ifdef BUILT_WITH_SHADOW_MEMORY
+const bool sanitized = true;
+#else
+const bool sanitized = false;
+#endif
+
+char time_line[1400]; // written beforehand: a signal handler may make system calls only
+
+void on_time(int)
+{
+    if (::write(STDERR_FILENO, time_line, std::strlen(time_line)) < 0)
+        ::_exit(1);
+    ::_exit(1);
+}
+
+void limit(int resource, uint64_t value)
+{
+    struct rlimit now;
+    if (::getrlimit(resource, &now) != 0)
+        return;
+    now.rlim_cur = now.rlim_max == RLIM_INFINITY || value < now.rlim_max ? value : now.rlim_max;
+    ::setrlimit(resource, &now);
+}
+
+uint64_t seconds_used()
+{
+    struct rusage usage;
+    return ::getrusage(RUSAGE_SELF, &usage) == 0
+               ? uint64_t(usage.ru_utime.tv_sec + usage.ru_stime.tv_sec) + 1
+               : 0;
+}
+
+// Addresses that the libraries take, which grow with the machine's cores.
+uint64_t addresses_used()
+{
+    unsigned long long pages = 0;
+    std::FILE *file = std::fopen("/proc/self/statm", "r");
+    if (file && std::fscanf(file, "%llu", &pages) != 1)
+        pages = 0;
+    if (file)
+        std::fclose(file);
+    return pages * uint64_t(::sysconf(_SC_PAGESIZE));
+}
+
+// A picture takes memory for its pixels, in the file's form, as floats and turned upright, and time
+// for its bytes and pixels. One that takes more is damaged, or made to harm.
+void limit_cost(const std::string &path, uint64_t most_pixels)
+{
+    struct stat status = {};
+    ::stat(path.c_str(), &status);
+    const uint64_t bytes = uint64_t(status.st_size), megabyte = 1 << 20;
+    const uint64_t seconds = 20 + bytes / megabyte + most_pixels / (4 * megabyte);
+    std::snprintf(time_line, sizeof time_line,
+                  "%.900s: takes more than %llu s of processor time, which is too much for a "
+                  "picture of %llu bytes: it is damaged: save or download it again\n",
+                  path.c_str(), static_cast<unsigned long long>(seconds),
+                  static_cast<unsigned long long>(bytes));
+    std::signal(SIGXCPU, on_time);
+    if (sanitized)
+        return;
+    static const uint64_t base = addresses_used() + 1024 * megabyte;
+    limit(RLIMIT_AS, base + 64 * most_pixels + 128 * bytes);
+    limit(RLIMIT_CPU, seconds_used() + seconds);
 }
 
 // --- reading ------------------------------------------------------------------------------------
@@ -129,14 +208,11 @@ Channels colour_channels(const std::string &path, const OIIO::ImageSpec &spec)
     return {0, spec.nchannels >= 3 ? 3 : 1};
 }
 
-// What to read: colours, the alpha channel, or an opacity: the alpha channel, or else the colours.
-enum class Part { colour, alpha, opacity };
-
-Channels channels_of(const std::string &path, const OIIO::ImageSpec &spec, Part part)
+Channels channels_of(const std::string &path, const OIIO::ImageSpec &spec, rk_image_stream_part part)
 {
-    if (part != Part::colour && spec.alpha_channel >= 0)
+    if (part != RK_IMAGE_STREAM_COLOUR && spec.alpha_channel >= 0)
         return {spec.alpha_channel, 1};
-    if (part == Part::alpha)
+    if (part == RK_IMAGE_STREAM_ALPHA)
         fail(path, "has no alpha channel");
     return colour_channels(path, spec);
 }
@@ -245,7 +321,7 @@ void check_readable(const std::string &path)
 }
 
 Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
-                     rk_image_shape shape = RK_IMAGE_ANY, Part part = Part::colour)
+                     rk_image_shape shape = RK_IMAGE_ANY, rk_image_stream_part part = RK_IMAGE_STREAM_COLOUR)
 {
     check_readable(path);
     // Alpha is dropped, so colours must not be multiplied by it.
@@ -265,7 +341,7 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
                            OIIO::TypeDesc::FLOAT, values.data()) ||
         input->has_error())
         fail_damaged(path, first_line(input->geterror()));
-    if (part == Part::colour)
+    if (part == RK_IMAGE_STREAM_COLOUR)
         make_linear(values, spec);
     else if (channels.count == 3)
         values = mean(values), channels.count = 1;
@@ -275,7 +351,7 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
     return picture;
 }
 
-Picture load(const std::string &path, size_t most_pixels, rk_image_shape shape, Part part)
+Picture load(const std::string &path, size_t most_pixels, rk_image_shape shape, rk_image_stream_part part)
 {
     Picture picture = read_picture(path, most_pixels, shape, part);
     check_finite(path, picture);
@@ -411,29 +487,75 @@ void store(const std::string &path, Picture picture)
     unfinished = {};
 }
 
-bool is_part(const std::string &word, Part *part)
+std::string one_line(std::string text)
 {
-    *part = word == "alpha" ? Part::alpha : word == "opacity" ? Part::opacity : Part::colour;
-    return *part != Part::colour || word == "read";
+    std::replace(text.begin(), text.end(), '\n', ' ');
+    return text;
+}
+
+// --- requests -----------------------------------------------------------------------------------
+
+// False at the end of the input.
+bool receive_request(rk_image_stream_request *request, std::string *path)
+{
+    if (std::fread(request, sizeof *request, 1, stdin) != 1)
+        return false;
+    if (request->magic != RK_IMAGE_STREAM_MAGIC || request->version != RK_IMAGE_STREAM_VERSION ||
+        request->name_size > 1 << 16)
+        fail("standard input", "is not a request from this version of raykit");
+    path->resize(request->name_size);
+    return std::fread(&(*path)[0], 1, path->size(), stdin) == path->size();
+}
+
+void send_answer(bool failed, size_t size)
+{
+    rk_helper_answer answer = {size, failed};
+    std::fwrite(&answer, sizeof answer, 1, stdout);
+}
+
+void send_reason(const std::string &reason)
+{
+    const std::string line = one_line(reason).substr(0, 4000);
+    send_answer(true, line.size());
+    std::fwrite(line.data(), 1, line.size(), stdout);
+    std::fflush(stdout);
+}
+
+// What was wrong with this picture is not wrong with the next.
+void answer(const rk_image_stream_request &request, const std::string &path)
+{
+    try {
+        limit_cost(path, request.most_pixels);
+        const Picture picture = load(path, request.most_pixels, rk_image_shape(request.shape),
+                                     rk_image_stream_part(request.part));
+        send_answer(false, sizeof(rk_image_stream_head) + picture.rgb.size() * sizeof(float));
+        send(picture);
+    } catch (const std::bad_alloc &) {
+        send_reason(path + ": " + no_memory);
+    } catch (const std::exception &error) {
+        send_reason(error.what());
+    }
+}
+
+void serve()
+{
+    OIIO::attribute("threads", 4); // each reserves addresses
+    rk_image_stream_request request;
+    std::string path;
+    while (receive_request(&request, &path))
+        answer(request, path);
 }
 
 void run(const std::vector<std::string> &words)
 {
-    Part part;
-    if (words.size() == 4 && is_part(words[0], &part))
-        send(load(words[1], std::stoull(words[2]), rk_image_shape(std::stoi(words[3])), part));
+    if (words.size() == 1 && words[0] == "read")
+        serve();
     else if (words.size() == 2 && words[0] == "write")
         store(words[1], receive());
     else if (words.size() == 1 && words[0] == "--version")
         std::printf("raykit-image %s\n", PACKAGE_VERSION);
     else
-        fail("raykit-image", "usage: raykit-image read|alpha|opacity FILE MOST SHAPE | write FILE | --version");
-}
-
-std::string one_line(std::string text)
-{
-    std::replace(text.begin(), text.end(), '\n', ' ');
-    return text;
+        fail("raykit-image", "usage: raykit-image read | write FILE | --version");
 }
 
 } // namespace
@@ -445,8 +567,8 @@ int main(int argc, char **argv)
         run(words);
         return 0;
     } catch (const std::bad_alloc &) {
-        std::fprintf(stderr, "%s: no memory for its pixels: choose a smaller picture\n",
-                     words.size() > 1 ? words[1].c_str() : "raykit-image");
+        std::fprintf(stderr, "%s: %s\n", words.size() > 1 ? words[1].c_str() : "raykit-image",
+                     no_memory);
     } catch (const std::exception &error) {
         std::fprintf(stderr, "%s\n", one_line(error.what()).c_str());
     }
