@@ -681,6 +681,53 @@ static void debug_rays_draws_the_pixel_and_names_the_picture_by_it(void **state)
     }
 }
 
+static void check_shadow_rays(void **state, const char *options)
+{
+    char arguments[256];
+    unsigned drawn[2] = {0, 0}, explained[2] = {1, 1};
+    snprintf(arguments, sizeof arguments, "--width 40 --height 40 --pixel 34,35 %s", options);
+    run text = run_feature("04_parallelogram_light/parallelogram_light", *state, arguments);
+    rk_check_equal(text.status, 0, text.err);
+    const char *line = strstr(text.out, " shadow rays, ");
+    while (line && line > text.out && line[-1] >= '0' && line[-1] <= '9')
+        line--;
+    rk_check(line && sscanf(line, "%u shadow rays, %u", &explained[0], &explained[1]) == 2,
+             "no shadow rays in:\n%s", text.out);
+    strcat(arguments, " --debug rays");
+    run view = run_feature("04_parallelogram_light/parallelogram_light", *state, arguments);
+    rk_check_equal(view.status, 0, view.err);
+    rk_check(sscanf(view.out, "pixel 34,35: %u shadow rays, %u", &drawn[0], &drawn[1]) == 2,
+             "no shadow rays in:\n%s", view.out);
+    rk_check(drawn[0] == explained[0] && drawn[1] == explained[1],
+             "%s: the view draws %u rays, %u unoccluded; the explanation has %u and %u", options,
+             drawn[0], drawn[1], explained[0], explained[1]);
+    run_free(&text);
+    run_free(&view);
+}
+
+/* The explanation runs the light's stage for this pixel, the view records it in its tile. */
+static void debug_rays_draws_as_many_shadow_rays_as_the_pixel_is_explained_with(void **state)
+{
+    check_shadow_rays(state, "--light-samples 64");
+    check_shadow_rays(state, "--light-samples 64 --early-out 8");
+    check_shadow_rays(state, "--light-samples 64 --seed 7 --light-sampling uniform");
+}
+
+static void debug_rays_says_why_there_are_none(void **state)
+{
+    const char *options = "--width 40 --height 40 --debug rays --pixel 4,38";
+    char all[128];
+    snprintf(all, sizeof all, "%s --light-visibility rays", options);
+    run none = run_feature("04_parallelogram_light/parallelogram_light", *state, options);
+    run some = run_feature("04_parallelogram_light/parallelogram_light", *state, all);
+    rk_check_equal(none.status, 0, none.err);
+    rk_check_equal(some.status, 0, some.err);
+    check_contains(none.out, "pixel 4,38: no shadow rays: ");
+    check_contains(some.out, "pixel 4,38: 16 shadow rays, 16 unoccluded");
+    run_free(&none);
+    run_free(&some);
+}
+
 /* The green of a pixel of the floor, which a coloured light's ends light differently. */
 static double explained_green(void **state, const char *options)
 {
@@ -962,6 +1009,8 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(quiet_says_nothing),
     test_in_folder(a_pixel_is_explained),
     test_in_folder(debug_rays_draws_the_pixel_and_names_the_picture_by_it),
+    test_in_folder(debug_rays_draws_as_many_shadow_rays_as_the_pixel_is_explained_with),
+    test_in_folder(debug_rays_says_why_there_are_none),
     test_in_folder(strips_give_the_light_of_the_whole),
     test_in_folder(pictures_of_a_map_are_named_by_the_map),
     test_in_folder(timings_become_rows_and_the_next_run_replaces_them),

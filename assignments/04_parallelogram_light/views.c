@@ -1,25 +1,46 @@
-/* The debug views: samples on the lights, and the shadow rays to them from the point that a pixel
- * sees. */
+/* The debug views: samples on the lights, and the shadow rays to them that the renderer traces from
+ * what the pixel's first ray hits. */
 #include "driver.h"
 
-#include "accel/trace_one.h"
+#include "render/ray_record.h"
+#include "render/stages/parallelogram_light_stage.h"
+
+#include <stdio.h>
+#include <stdlib.h>
 
 typedef struct drawing {
     rk_overlay overlay;
     const rk_driver *driver;
-    rk_surface surface; /* what the pixel sees */
+    rk_ray_record record;
+    rk_shading_point point; /* what the pixel's first ray hits */
 } drawing;
 
-/* Finds the surface at the pixel's centre. */
-static bool find_surface(drawing *d, rk_error *error)
+static uint32_t pixel_of(const rk_driver *driver)
 {
-    const rk_pixel pixel = d->driver->pixel;
-    rk_ray ray = rk_view_ray(&d->overlay.view, (float)pixel.x + 0.5f, (float)pixel.y + 0.5f);
-    return rk_trace_one_surface(&d->surface, &d->driver->accel, &ray) ||
-           rk_fail(error,
-                   "--debug %s: the pixel %u,%u sees no surface; choose one that does by "
-                   "--pixel X,Y",
-                   d->driver->debug, pixel.x, pixel.y);
+    return driver->pixel.y * driver->render.width + driver->pixel.x;
+}
+
+/* Ambient light has shadow rays, too, which are not drawn. */
+static bool record(drawing *d, rk_error *error)
+{
+    rk_render_options options = d->driver->render;
+    options.ambient_occlusion.intensity = 0;
+    d->record.pixel = pixel_of(d->driver);
+    return rk_ray_record_pixel(&d->record, &d->driver->scene, &d->driver->accel, &options,
+                               d->driver->pool, error);
+}
+
+static bool find_point(drawing *d, rk_error *error)
+{
+    const rk_ray_record_entry *first = d->record.rays;
+    d->point = (rk_shading_point){.path = rk_path_start(0, d->driver->render.max_depth)};
+    if (d->record.count == 0 || first->hit.triangle == RK_MISS)
+        return rk_fail(error,
+                       "--debug %s: the pixel %u,%u sees no surface; choose one that does by "
+                       "--pixel X,Y",
+                       d->driver->debug, d->driver->pixel.x, d->driver->pixel.y);
+    rk_scene_surface(&d->point.surface, &d->driver->scene, &first->ray, &first->hit);
+    return true;
 }
 
 static void draw_outline(drawing *d, const rk_light *light)
@@ -35,51 +56,92 @@ static void draw_outline(drawing *d, const rk_light *light)
         rk_overlay_line(&d->overlay, corner[k], corner[(k + 1) % 4], white, 2.5f);
 }
 
-static void draw_shadow_ray(drawing *d, rk_vec3 end)
+/* The colour of a sample without its weight: the brightest channel is 1. */
+static void draw_sample(drawing *d, const rk_light_sample *sample)
 {
-    rk_vec3 start = rk_surface_spawn_to_light(&d->surface, rk_sub(end, d->surface.point));
-    rk_ray ray = {start, rk_sub(end, start), 1};
-    bool occluded = rk_trace_one(&d->driver->accel, &ray).triangle != RK_MISS;
-    rk_overlay_shadow_ray(&d->overlay, start, end, occluded);
+    const rk_vec3 colour = sample->colour;
+    const float most = rk_max(colour.x, rk_max(colour.y, colour.z));
+    rk_overlay_point(&d->overlay, sample->position, most > 0 ? rk_scale(colour, 1 / most) : colour,
+                     3);
 }
 
-/* The samples that the renderer takes for the pixel's first ray. */
+/* The samples of one light, drawn as by its stage. */
 static void draw_light(drawing *d, uint32_t index)
 {
     const rk_driver *driver = d->driver;
     const rk_render_options *options = &driver->render;
+    const rk_rendering r = {.options = options, .joint_runs = rk_joint_runs_of()};
+    const rk_sample_pass pass = {.tile = {driver->pixel.x, driver->pixel.y, 1, 1},
+                                 .samples = options->samples};
     const rk_light *light = &driver->scene.lights[index];
-    uint32_t pixel = driver->pixel.y * options->width + driver->pixel.x;
     uint32_t count = light->kind == RK_LIGHT_POINT ? 1 : options->light.samples;
-    const rk_sampler sampler =
-        rk_render_sampler(options, options->light.sampling, options->samples * count);
     draw_outline(d, light);
     for (uint32_t i = 0; i < count; i++) {
-        rk_vec2 xi = rk_joint_2d(&sampler, pixel, i, RK_DIMENSION_LIGHT + 2 * index);
-        rk_light_sample sample = rk_light_sample_at(light, options->light.falloff,
-                                                    options->light.domain, d->surface.point, xi);
-        if (rk_driver_debug(driver, "rays"))
-            draw_shadow_ray(d, sample.position);
-        /* Colours without their weights: the brightest channel is 1. */
-        float most = rk_max(sample.colour.x, rk_max(sample.colour.y, sample.colour.z));
-        rk_overlay_point(&d->overlay, sample.position,
-                         most > 0 ? rk_scale(sample.colour, 1 / most) : sample.colour, 3);
+        rk_vec2 xi;
+        rk_light_random(&r, &pass, &d->point, index, RK_DIMENSION_LIGHT, count, i, 1, &xi);
+        rk_light_sample sample = rk_light_sample_at(
+            light, options->light.falloff, options->light.domain, d->point.surface.point, xi);
+        draw_sample(d, &sample);
     }
+}
+
+/* Those of the pixel's first sample, before any reflection. Returns how many were traced. */
+static uint32_t draw_shadow_rays(drawing *d, uint32_t *unoccluded)
+{
+    uint32_t traced = 0;
+    *unoccluded = 0;
+    for (size_t i = 0; i < d->record.count; i++) {
+        const rk_ray_record_entry *it = &d->record.rays[i];
+        if (it->kind != RK_RAY_SHADOW || it->bounce > 0 || it->sample > 0)
+            continue;
+        rk_overlay_shadow_ray(&d->overlay, it->ray.origin,
+                              rk_add(it->ray.origin, it->ray.direction), it->occluded);
+        *unoccluded += !it->occluded;
+        traced++;
+    }
+    return traced;
+}
+
+/* Where the renderer needs no ray, the picture has none; this says why. */
+static void print_rays(const rk_driver *driver, uint32_t traced, uint32_t unoccluded)
+{
+    const rk_pixel pixel = driver->pixel;
+    if (driver->quiet)
+        return;
+    if (traced > 0)
+        printf("pixel %u,%u: %u shadow rays, %u unoccluded\n", pixel.x, pixel.y, traced,
+               unoccluded);
+    else
+        printf("pixel %u,%u: no shadow rays: it faces away from the light, or nothing is between "
+               "them; --light-visibility rays traces them there, too\n",
+               pixel.x, pixel.y);
+}
+
+static void draw_all(drawing *d)
+{
+    const rk_driver *driver = d->driver;
+    uint32_t unoccluded;
+    for (size_t i = 0; i < driver->image.width * driver->image.height; i++)
+        driver->image.pixels[i] = rk_scale(driver->image.pixels[i], 0.4f); /* to the background */
+    if (rk_driver_debug(driver, "rays")) {
+        const uint32_t traced = draw_shadow_rays(d, &unoccluded);
+        print_rays(driver, traced, unoccluded);
+    }
+    for (uint32_t i = 0; i < driver->scene.light_count; i++)
+        draw_light(d, i);
 }
 
 bool draw_view(rk_driver *driver, rk_error *error)
 {
     drawing d = {.driver = driver};
     rk_driver_draw_pixel(driver);
-    if (!rk_driver_render(driver, error) ||
-        !rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
-                         error))
-        return false;
-    bool ok = find_surface(&d, error);
-    for (size_t i = 0; ok && i < driver->image.width * driver->image.height; i++)
-        driver->image.pixels[i] = rk_scale(driver->image.pixels[i], 0.4f); /* to the background */
-    for (uint32_t i = 0; ok && i < driver->scene.light_count; i++)
-        draw_light(&d, i);
-    rk_overlay_free(&d.overlay);
+    const bool ok = record(&d, error) && find_point(&d, error) && rk_driver_render(driver, error) &&
+                    rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel,
+                                    driver->pool, error);
+    if (ok) {
+        draw_all(&d);
+        rk_overlay_free(&d.overlay);
+    }
+    free(d.record.rays);
     return ok;
 }

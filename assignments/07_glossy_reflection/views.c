@@ -3,21 +3,34 @@
 #include "driver.h"
 
 #include "accel/trace_one.h"
+#include "render/ray_record.h"
 #include "render/stages/glossy_reflection_stage.h"
 #include "render/stages/reflection_stage.h"
+
+#include <stdlib.h>
 
 static const rk_vec3 red = {1, 0.1f, 0.05f}, blue = {0.1f, 0.4f, 1}, yellow = {1, 0.85f, 0.1f},
                      grey = {0.35f, 0.35f, 0.35f};
 
 /* --- The samples of a pixel ------------------------------------------------------------------- */
 
-/* Finds the mirror that a camera ray hits. */
-static bool find_mirror(const rk_driver *driver, const rk_ray *ray, rk_shading_point *point,
+/* The pixel's rays, and the mirror that the first one hits. */
+static bool record_rays(rk_driver *driver, rk_ray_record *record, rk_shading_point *point,
                         rk_error *error)
 {
-    *point =
-        (rk_shading_point){.path = rk_path_start(0, 1), .to_viewer = rk_negate(ray->direction)};
-    return (rk_trace_one_surface(&point->surface, &driver->accel, ray) && rk_is_specular(point)) ||
+    rk_driver_draw_pixel(driver);
+    record->pixel = driver->pixel.y * driver->render.width + driver->pixel.x;
+    if (!rk_ray_record_pixel(record, &driver->scene, &driver->accel, &driver->render, driver->pool,
+                             error))
+        return false;
+    const rk_ray_record_entry *first = record->rays;
+    const bool is_hit = record->count > 0 && first->hit.triangle != RK_MISS;
+    *point = (rk_shading_point){.path = rk_path_start(0, 1)};
+    if (is_hit) {
+        point->to_viewer = rk_negate(first->ray.direction);
+        rk_scene_surface(&point->surface, &driver->scene, &first->ray, &first->hit);
+    }
+    return (is_hit && rk_is_specular(point)) ||
            rk_fail(error,
                    "--debug %s: there is no mirror at the pixel %u,%u; choose one that shows a "
                    "mirror by --pixel X,Y",
@@ -80,31 +93,51 @@ static void draw_rim(drawing *d, const rk_glossy_disk *disk)
     }
 }
 
+/* The rays that the renderer traced for the pixel's first sample. */
+static void draw_reflected(drawing *d, const rk_glossy_disk *disk, const rk_ray_record *record)
+{
+    for (size_t i = 0; i < record->count; i++) {
+        const rk_ray_record_entry *it = &record->rays[i];
+        if (it->kind != RK_RAY_REFLECTED || it->bounce != 1 || it->sample > 0)
+            continue;
+        const float stretch = d->reach / rk_dot(it->ray.direction, disk->w);
+        draw_ray(d, it->ray.direction, red, 1);
+        rk_overlay_point(&d->overlay, rk_madd(d->start, it->ray.direction, stretch), red, 2.5f);
+    }
+}
+
+/* Samples below the surface have no ray. */
+static void draw_discarded(drawing *d, const rk_glossy_disk *disk)
+{
+    for (uint32_t i = 0; i < d->driver->render.glossy.samples; i++) {
+        rk_vec3 direction;
+        const rk_vec2 at = point_of(d->driver, disk, i);
+        if (!rk_glossy_direction(disk, at, &direction))
+            rk_overlay_point(&d->overlay, on_disk(d, disk, at), grey, 2.5f);
+    }
+}
+
 bool draw_rays(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     drawing d = {.driver = driver};
     rk_shading_point point;
-    rk_ray ray = rk_side_view_ray(driver);
-    if (!find_mirror(driver, &ray, &point, error) ||
-        !rk_side_view_render(&c->viewer, driver, &d.overlay, error))
-        return false;
-    rk_glossy_disk disk = rk_glossy_disk_at(&driver->render.glossy, &point);
-    d.start = rk_surface_spawn(&point.surface, disk.w);
-    d.reach = length_of(driver, d.start, disk.w) / 2;
-    for (uint32_t i = 0; i < driver->render.glossy.samples; i++) {
-        rk_vec3 direction;
-        rk_vec2 at = point_of(driver, &disk, i);
-        bool above = rk_glossy_direction(&disk, at, &direction);
-        if (above)
-            draw_ray(&d, direction, red, 1);
-        rk_overlay_point(&d.overlay, on_disk(&d, &disk, at), above ? red : grey, 2.5f);
+    rk_ray_record record = {.rays = NULL};
+    const bool ok = record_rays(driver, &record, &point, error) &&
+                    rk_side_view_render(&c->viewer, driver, &d.overlay, error);
+    if (ok) {
+        rk_glossy_disk disk = rk_glossy_disk_at(&driver->render.glossy, &point);
+        d.start = rk_surface_spawn(&point.surface, disk.w);
+        d.reach = length_of(driver, d.start, disk.w) / 2;
+        draw_reflected(&d, &disk, &record);
+        draw_discarded(&d, &disk);
+        draw_rim(&d, &disk);
+        rk_overlay_line(&d.overlay, record.rays[0].ray.origin, d.start, rk_vec(1, 1, 1), 1.5f);
+        draw_ray(&d, disk.w, blue, 3);
+        rk_overlay_free(&d.overlay);
     }
-    draw_rim(&d, &disk);
-    rk_overlay_line(&d.overlay, ray.origin, d.start, rk_vec(1, 1, 1), 1.5f);
-    draw_ray(&d, disk.w, blue, 3);
-    rk_overlay_free(&d.overlay);
-    return true;
+    free(record.rays);
+    return ok;
 }
 
 /* --- Dots ------------------------------------------------------------------------------------- */
@@ -132,8 +165,10 @@ bool draw_dots(rk_driver *driver, rk_error *error)
     rk_shading_point point;
     rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 0, 1), 1, rk_vec(0, 0, 1));
     if (driver->pixel.given) {
-        rk_ray ray = rk_side_view_ray(driver);
-        if (!find_mirror(driver, &ray, &point, error))
+        rk_ray_record record = {.rays = NULL};
+        const bool ok = record_rays(driver, &record, &point, error);
+        free(record.rays);
+        if (!ok)
             return false;
         disk = rk_glossy_disk_at(&driver->render.glossy, &point);
     }

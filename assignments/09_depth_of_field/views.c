@@ -2,9 +2,10 @@
  * take lens samples. */
 #include "driver.h"
 
-#include "accel/trace_one.h"
 #include "render/blurred_pixels.h"
+#include "render/ray_record.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 
 static const rk_vec3 white = {1, 1, 1}, orange = {1, 0.35f, 0}, blue = {0.1f, 0.4f, 1};
@@ -64,23 +65,22 @@ static void draw_lens(rk_overlay *overlay, const rk_lens *lens, const rk_view *v
     }
 }
 
-/* From the lens through the focus to each ray's hit, or to twice the distance of the focus. */
-static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_view *view)
+/* The pixel's camera rays, from the lens through the focus, each to its hit or to twice the
+ * distance of the focus. */
+static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_view *view,
+                      const rk_ray_record *record)
 {
-    const rk_render_options *options = &driver->render;
-    const rk_sampler sampler =
-        rk_render_sampler(options, options->lens_sampling, options->lens_samples);
     float x = (float)driver->pixel.x + 0.5f, y = (float)driver->pixel.y + 0.5f;
-    uint32_t pixel = driver->pixel.y * options->width + driver->pixel.x;
-    rk_vec3 focus = focus_of(&options->lens, view, x, y);
+    rk_vec3 focus = focus_of(&driver->render.lens, view, x, y);
     float far = 2 * rk_length(rk_sub(focus, view->position));
-    for (uint32_t i = 0; i < options->lens_samples; i++) {
-        rk_ray ray = rk_lens_ray(&options->lens, view, x, y,
-                                 rk_joint_2d(&sampler, pixel, i, RK_DIMENSION_LENS));
-        rk_hit hit = rk_trace_one(&driver->accel, &ray);
-        bool is_hit = hit.triangle != RK_MISS;
-        rk_vec3 end = rk_madd(ray.origin, ray.direction, is_hit ? hit.t : far);
-        rk_overlay_line(overlay, ray.origin, end, is_hit ? orange : rk_scale(white, 0.6f), 1.5f);
+    for (size_t i = 0; i < record->count; i++) {
+        const rk_ray_record_entry *it = &record->rays[i];
+        if (it->kind != RK_RAY_CAMERA)
+            continue;
+        bool is_hit = it->hit.triangle != RK_MISS;
+        rk_vec3 end = rk_madd(it->ray.origin, it->ray.direction, is_hit ? it->hit.t : far);
+        rk_overlay_line(overlay, it->ray.origin, end, is_hit ? orange : rk_scale(white, 0.6f),
+                        1.5f);
         if (is_hit)
             rk_overlay_point(overlay, end, orange, 3);
     }
@@ -96,32 +96,65 @@ static void look_from_the_side(rk_camera *camera, const rk_view *view, const cho
     camera->distance *= c->viewer_far;
 }
 
-/* The scene through a pinhole, from the side of the lens, which is where the camera was. */
-bool draw_from_the_side(rk_driver *driver, rk_error *error)
+/* The scene through a pinhole. */
+static bool render_from_the_side(rk_driver *driver, const rk_view *view, rk_overlay *overlay,
+                                 rk_error *error)
 {
-    bool rays = rk_driver_debug(driver, "rays");
-    rk_view view = view_of(driver);
-    rk_overlay overlay;
-    rk_driver_draw_pixel(driver);
-    look_from_the_side(&driver->scene.camera, &view, driver->choices);
-    uint32_t lens_samples = driver->render.lens_samples;
+    const uint32_t lens_samples = driver->render.lens_samples;
+    look_from_the_side(&driver->scene.camera, view, driver->choices);
     driver->render.lens_samples = 0;
-    if (!rk_driver_render(driver, error) ||
-        !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
-                         error))
-        return false;
+    const bool ok =
+        rk_driver_render(driver, error) && rk_overlay_init(overlay, &driver->image, &driver->scene,
+                                                           &driver->accel, driver->pool, error);
     driver->render.lens_samples = lens_samples;
-    /* Nothing hides the rays, not even the scene. */
-    for (size_t i = 0; rays && i < driver->image.width * driver->image.height; i++) {
-        overlay.depth[i] = INFINITY;
+    return ok;
+}
+
+/* Nothing hides the rays, not even the scene. */
+static void dim(const rk_driver *driver, rk_overlay *overlay)
+{
+    for (size_t i = 0; i < driver->image.width * driver->image.height; i++) {
+        overlay->depth[i] = INFINITY;
         driver->image.pixels[i] = rk_scale(driver->image.pixels[i], 0.4f);
     }
-    draw_focal_surface(&overlay, &driver->render.lens, &view, rays ? 0.1f : 0.4f);
-    draw_lens(&overlay, &driver->render.lens, &view);
-    if (rays)
-        draw_rays(driver, &overlay, &view);
-    rk_overlay_free(&overlay);
-    return true;
+}
+
+/* A pixel in focus has a ray through the middle of the lens alone. */
+static void print_rays(const rk_driver *driver, const rk_ray_record *record)
+{
+    const size_t count = rk_ray_record_count(record, RK_RAY_CAMERA, 0);
+    if (!driver->quiet)
+        printf("pixel %u,%u: %zu camera ray%s%s\n", driver->pixel.x, driver->pixel.y, count,
+               count == 1 ? "" : "s",
+               count == driver->render.samples ? ": it is in focus, and takes no lens samples"
+                                               : "");
+}
+
+/* From the side of the lens, which is where the camera was. */
+bool draw_from_the_side(rk_driver *driver, rk_error *error)
+{
+    const bool rays = rk_driver_debug(driver, "rays");
+    const rk_view view = view_of(driver);
+    rk_overlay overlay;
+    rk_driver_draw_pixel(driver);
+    rk_ray_record record = {.pixel = driver->pixel.y * driver->render.width + driver->pixel.x};
+    const bool ok = (!rays || rk_ray_record_pixel(&record, &driver->scene, &driver->accel,
+                                                  &driver->render, driver->pool, error)) &&
+                    render_from_the_side(driver, &view, &overlay, error);
+    if (ok && rays)
+        dim(driver, &overlay);
+    if (ok) {
+        draw_focal_surface(&overlay, &driver->render.lens, &view, rays ? 0.1f : 0.4f);
+        draw_lens(&overlay, &driver->render.lens, &view);
+    }
+    if (ok && rays) {
+        draw_rays(driver, &overlay, &view, &record);
+        print_rays(driver, &record);
+    }
+    if (ok)
+        rk_overlay_free(&overlay);
+    free(record.rays);
+    return ok;
 }
 
 /* --- Pixels that take lens samples ------------------------------------------------------------ */

@@ -9,7 +9,7 @@
 static const char summary[] =
     "Renders a moving scene with --time-samples rays per pixel; a mesh moves as a whole.\n"
     "--single-time K shows one of the times, also before the first or after the last.\n"
-    "--debug path draws the path, each of the times on it, and the swept box.\n"
+    "--debug path draws the path, equidistant times on it, and the swept box.\n"
     "--convergence puts errors against many more samples into a table.\n"
     "--positions puts where each object is by time, and while the shutter is open, into the tables "
     "motion_blur_path and motion_blur_shutter.";

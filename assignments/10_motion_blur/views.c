@@ -8,6 +8,13 @@ static float single_time_or(const rk_motion_options *motion, float x)
                : rk_shutter_equidistant(&motion->shutter, motion->single_time, motion->samples);
 }
 
+/* Random times differ from pixel to pixel, and more than a hundred dots would be a line. */
+static bool has_times(const rk_motion_options *motion)
+{
+    return (motion->sampling == RK_TIME_EQUIDISTANT || !isnan(motion->single_time)) &&
+           motion->samples <= 100;
+}
+
 static void draw_path(rk_overlay *overlay, const rk_motion_options *motion, const rk_box *rest,
                       const rk_motion *path)
 {
@@ -27,7 +34,7 @@ static void draw_path(rk_overlay *overlay, const rk_motion_options *motion, cons
     }
     rk_box swept = rk_motion_sweep(path, &motion->shutter, rest);
     rk_overlay_wireframe(overlay, &swept, orange, 2.5f);
-    for (uint32_t k = 1; k <= motion->samples && motion->samples <= 100; k++) {
+    for (uint32_t k = 1; has_times(motion) && k <= motion->samples; k++) {
         float x = rk_shutter_equidistant(&motion->shutter, (float)k, motion->samples);
         rk_overlay_point(overlay, rk_add(centre, rk_motion_offset(path, x)), orange, 3.5f);
     }

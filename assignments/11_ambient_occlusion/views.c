@@ -2,6 +2,10 @@
 #include "driver.h"
 
 #include "accel/trace_one.h"
+#include "render/ray_record.h"
+
+#include <stdio.h>
+#include <stdlib.h>
 
 static const rk_vec3 white = {1, 1, 1}, purple = {0.5f, 0.05f, 0.6f};
 
@@ -33,53 +37,69 @@ bool draw_visibility(rk_driver *driver, rk_error *error)
 
 /* --- Rays ------------------------------------------------------------------------------------- */
 
-/* Traces a camera ray; returns its shading point and the renderer's samples there. */
-static bool trace_pixel(const rk_driver *driver, const rk_ray *ray, rk_shading_point *point,
-                        rk_ambient_samples *samples, rk_error *error)
+/* Without lights, all shadow rays are those of ambient light. At --ambient 0 they are drawn, too:
+ * where they go does not depend on its intensity. */
+static bool record_rays(const rk_driver *driver, rk_ray_record *record, rk_error *error)
 {
-    const rk_rendering r = {.options = &driver->render};
-    const rk_sample_pass pass = {.tile = {driver->pixel.x, driver->pixel.y, 1, 1},
-                                 .samples = driver->render.samples};
-    *point = (rk_shading_point){.path = rk_path_start(0, driver->render.max_depth)};
-    if (!rk_trace_one_surface(&point->surface, &driver->accel, ray))
-        return rk_fail(error,
-                       "--debug %s: there is no surface at pixel %u,%u; choose another one by "
-                       "--pixel X,Y",
-                       driver->debug, driver->pixel.x, driver->pixel.y);
-    rk_ambient_samples_start(samples, &r, &pass, point);
-    return true;
+    rk_scene scene = driver->scene;
+    rk_render_options options = driver->render;
+    scene.light_count = 0;
+    options.ambient_occlusion.intensity = 1;
+    if (!rk_ray_record_pixel(record, &scene, &driver->accel, &options, driver->pool, error))
+        return false;
+    return (record->count > 0 && record->rays[0].hit.triangle != RK_MISS) ||
+           rk_fail(error,
+                   "--debug %s: there is no surface at pixel %u,%u; choose another one by "
+                   "--pixel X,Y",
+                   driver->debug, driver->pixel.x, driver->pixel.y);
 }
 
 /* An occluded ray ends at its hit; an unoccluded one is drawn for a short distance. */
-static void draw_ray(const rk_driver *driver, rk_overlay *overlay, const rk_ray *ray)
+static void draw_ray(const rk_driver *driver, rk_overlay *overlay, const rk_ray_record_entry *it)
 {
     const float shown = 0.6f;
-    rk_hit hit = rk_trace_one(&driver->accel, ray);
-    bool unoccluded = hit.triangle == RK_MISS;
-    float t = unoccluded ? rk_min(shown / rk_length(ray->direction), 1) : hit.t;
+    const rk_ray *ray = &it->ray;
+    float t = it->occluded ? rk_min(rk_trace_one(&driver->accel, ray).t, 1)
+                           : rk_min(shown / rk_length(ray->direction), 1);
     rk_vec3 end = rk_madd(ray->origin, ray->direction, t);
-    rk_overlay_shadow_ray(overlay, ray->origin, end, !unoccluded);
+    rk_overlay_shadow_ray(overlay, ray->origin, end, it->occluded);
+}
+
+/* Of the pixel's first sample, before any reflection. */
+static void draw_all(const rk_driver *driver, rk_overlay *overlay, const rk_ray_record *record)
+{
+    const rk_ray_record_entry *first = &record->rays[0];
+    uint32_t traced = 0, unoccluded = 0;
+    rk_surface surface;
+    rk_scene_surface(&surface, &driver->scene, &first->ray, &first->hit);
+    for (size_t i = 0; i < record->count; i++) {
+        const rk_ray_record_entry *it = &record->rays[i];
+        if (it->kind != RK_RAY_SHADOW || it->bounce > 0 || it->sample > 0)
+            continue;
+        draw_ray(driver, overlay, it);
+        traced++;
+        unoccluded += !it->occluded;
+    }
+    rk_vec3 tip = rk_madd(surface.point, surface.normal, 0.3f);
+    rk_overlay_line(overlay, first->ray.origin, surface.point, white, 1.5f);
+    rk_overlay_line(overlay, surface.point, tip, purple, 3);
+    if (!driver->quiet)
+        printf("pixel %u,%u: %u ambient rays, %u unoccluded\n", driver->pixel.x, driver->pixel.y,
+               traced, unoccluded);
 }
 
 bool draw_rays(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     rk_overlay overlay;
-    rk_shading_point point;
-    rk_ambient_samples samples;
-    rk_ray ray = rk_side_view_ray(driver);
-    if (!trace_pixel(driver, &ray, &point, &samples, error) ||
-        !rk_side_view_render(&c->viewer, driver, &overlay, error))
-        return false;
-    for (uint32_t i = 0; i < samples.count; i++) {
-        rk_ray sample;
-        float weight;
-        if (rk_ambient_ray(&samples, i, &sample, &weight))
-            draw_ray(driver, &overlay, &sample);
+    rk_driver_draw_pixel(driver);
+    rk_ray_record record = {.pixel = driver->pixel.y * driver->render.width + driver->pixel.x};
+    const bool ok = record_rays(driver, &record, error) &&
+                    rk_side_view_render(&c->viewer, driver, &overlay, error);
+    if (ok) {
+        draw_all(driver, &overlay, &record);
+        rk_overlay_free(&overlay);
     }
-    rk_vec3 tip = rk_madd(point.surface.point, point.surface.normal, 0.3f);
-    rk_overlay_line(&overlay, ray.origin, point.surface.point, white, 1.5f);
-    rk_overlay_line(&overlay, point.surface.point, tip, purple, 3);
-    rk_overlay_free(&overlay);
-    return true;
+    free(record.rays);
+    return ok;
 }

@@ -51,6 +51,7 @@ void rk_trace_paths(const rk_rendering *r, rk_sample_pass *pass, rk_path_workspa
     rk_path_queue *queue = &w->queue;
     while (queue->depth > 0) {
         rk_path_level *level = &queue->levels[queue->depth - 1];
+        pass->bounce = queue->depth - 1;
         if (has_specular(level)) {
             rk_glossy_reflection_stage(r, pass, level->specular, &rk_path_queue_push(queue)->paths);
         } else if (!is_shaded(level)) {

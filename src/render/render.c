@@ -6,6 +6,7 @@
 
 #include "render/feature_hooks.h"
 #include "render/lens_passes.h"
+#include "render/ray_record.h"
 #include "render/render_sample.h"
 #include "render/stages/adaptive_sampling_stage.h"
 #include "render/stages/camera_stage.h"
@@ -106,6 +107,40 @@ static bool render_picture(render_job *job, rk_pool *pool, rk_counters *counters
         rk_counters_add(counters, &job->counters[i]);
     return ok;
 }
+
+/* --- One pixel -------------------------------------------------------------------------------- */
+
+static bool render_pixel(render_job *job, uint32_t pixel, rk_pool *pool, rk_error *error)
+{
+    const rk_render_options *options = job->rendering.options;
+    const uint32_t x = pixel % options->width, y = pixel / options->width;
+    if (job->rendering.plan.adaptive_sampling)
+        return rk_adaptive_sampling_stage(&job->rendering, job->workspaces, job->counters,
+                                          job->image, pool, error);
+    render_tile(y / RK_TILE_SIDE * rk_tiles_along(options->width) + x / RK_TILE_SIDE, 0, job);
+    return true;
+}
+
+bool rk_ray_record_pixel(rk_ray_record *record, const rk_scene *scene, const rk_accel *accel,
+                         const rk_render_options *options, rk_pool *pool, rk_error *error)
+{
+    rk_image image = {0};
+    if (!rk_render_check(scene, options, error) ||
+        !rk_image_init(&image, options->width, options->height, error))
+        return false;
+    const rk_render_options adapted = rk_adaptive_sampling_options_of(options);
+    render_job job = {.rendering = rk_rendering_of(scene, accel, &adapted), .image = &image};
+    job.rendering.record = record;
+    const bool ok =
+        prepare_job(&job, pool, error) && render_pixel(&job, record->pixel, pool, error);
+    free_job(&job, rk_pool_threads(pool));
+    rk_image_free(&image);
+    return ok && (!record->is_short ||
+                  rk_fail(error, "no memory for the rays of a pixel: take fewer samples, or close "
+                                 "other programs"));
+}
+
+/* --- Tiles ------------------------------------------------------------------------------------ */
 
 uint32_t rk_render_tiles(const rk_render_options *options)
 {

@@ -33,6 +33,7 @@ typedef struct rk_sample_pass {
     uint16_t camera_objects[RK_BATCH_MAX]; /* those that its camera ray may hit, a bit each */
     bool has_time[RK_BATCH_MAX];           /* is `time` drawn in this pass? */
     float time[RK_BATCH_MAX];              /* of all rays of the pixel's sample */
+    uint32_t bounce;                       /* reflections before the rays that are traced now */
     uint32_t wanted_count;                 /* 0 without plan.adaptive_sampling */
     rk_wanted_sample wanted[RK_BATCH_MAX];
     rk_counters *counters; /* the thread's */

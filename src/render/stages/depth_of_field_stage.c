@@ -221,6 +221,7 @@ bool rk_depth_of_field_prepass(rk_rendering *r, rk_pool *pool, rk_counters *coun
     coc_job job = {
         .wide = *r, .options = *r->options, .margin = margin_of(r), .counters = counters};
     job.wide.options = &job.options;
+    job.wide.record = NULL;
     /* Equidistant times would show moving objects to all centre rays at the same place. */
     if (job.options.motion.sampling == RK_TIME_EQUIDISTANT)
         job.options.motion.sampling = RK_TIME_STRATIFIED;

@@ -4,6 +4,7 @@
 
 #include "accel/trace.h"
 #include "accel/trace_moving.h"
+#include "render/ray_record.h"
 #include "render/stages/motion_blur_stage.h"
 #include "render/stages/trace_transparent.h"
 
@@ -41,4 +42,6 @@ void rk_shadow_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_shado
         attenuate(r, pass, queue, answers);
     else
         trace_occlusion(r, pass, &queue->rays, queue->pixel, &answers->occlusion);
+    if (r->record)
+        rk_ray_record_shadow_rays(r, pass, &queue->rays, queue->pixel, answers->occlusion.occluded);
 }

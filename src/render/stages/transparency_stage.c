@@ -2,6 +2,7 @@
  * light that arrive from each. */
 #include "render/stages/transparency_stage.h"
 
+#include "render/ray_record.h"
 #include "render/stages/trace_transparent.h"
 
 void rk_transparency_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_path_batch *paths,
@@ -15,6 +16,9 @@ void rk_transparency_stage(const rk_rendering *r, rk_sample_pass *pass, const rk
     visible->count = list.count;
     for (uint32_t k = 0; k < list.count; k++)
         visible->hits[k] = rk_crossing_hit(&list.crossings[k]);
+    if (r->record)
+        rk_ray_record_path(r, pass, paths, i,
+                           list.count ? visible->hits[0] : (rk_hit){.triangle = RK_MISS});
 }
 
 /* --- The feature ----------------------------------------------------------------------------- */
