@@ -280,12 +280,12 @@ folder=${*##*--out }/tables
 mkdir -p "$folder" && {
     echo method,samples,seconds,rmse,rmse_low,rmse_high,seeds
     printf 'uniform,%s,8\n' 1,1,8,7,9 4,2,1,0.75,1.5 16,4,0.5,0.25,0.75 64,8,0.25,0.125,0.5
-    printf 'grid,%s,8\n' 1,1,4,4,4 4,2,2,2,2
-    printf 'luck,%s,8\n' 4,2,4,4,4 16,4,4,1,5 64,8,4,2,4
+    printf 'sobol,%s,8\n' 1,1,4,4,4 4,2,2,2,2
+    printf 'zsobol,%s,8\n' 4,2,4,4,4 16,4,4,1,5 64,8,4,2,4
 } >"$folder/errors.csv"
 {
     echo method,samples,step
-    printf '%s\n' steep,1,8 steep,64,1.1 flat,1,9.9 flat,64,9.5 flatwithanameoffortylettersormoreinplots,1,9.9 flatwithanameoffortylettersormoreinplots,64,9.5
+    printf '%s\n' nearest,1,8 nearest,64,1.1 bilinear,1,9.9 bilinear,64,9.5 best,1,2 best,64,1
 } >"$folder/steps.csv"
 END
     cat >"$folder/gnuplot" <<'END'
@@ -303,10 +303,10 @@ END
         tr '\n' ' ' <"$page" | grep -q 'RMS over 8 seeds, band: from the least to the largest of one; in brackets: slope over samples, from 4 on'
     verdict errors_of_several_seeds_have_a_band
 
-    grep -qF "title 'uniform (−0.50)'" "$folder/script" && grep -qF "title 'grid' " "$folder/script"
+    grep -qF "title 'uniform (−0.50)'" "$folder/script" && grep -qF "title 'sobol' " "$folder/script"
     verdict the_legend_has_slopes_of_three_points_or_more_from_four_samples_on
 
-    grep -qF "title 'luck' " "$folder/script"
+    grep -qF "title 'zsobol' " "$folder/script"
     verdict where_seeds_differ_much_there_is_no_slope
 
     grep -qF '* (x / 1) ** (-0.5) with lines' "$folder/script" && grep -qF "set label '−1/2'" "$folder/script" && grep -qF "set label '−1'" "$folder/script"
@@ -322,16 +322,34 @@ END
     ! curve 'x=samples guides=steep' && grep -q '01_one.md:3: guides: steep is not a slope' "$folder/said1"
     verdict a_guide_is_a_number
 
-    stepped() { # stepped METHOD
-        printf '# One\n\n::: {.plot driver=errors args="" table=steps x=samples y=step by=method where="method=%s"}\nOne.\n:::\n' "$1" >"$texts/01_one.md"
+    stepped() { # stepped METHOD [ATTRIBUTES]
+        printf '# One\n\n::: {.plot driver=errors args="" table=steps x=samples y=step by=method where="method=%s" %s}\nOne.\n:::\n' "$@" >"$texts/01_one.md"
         gnuplot=$folder/gnuplot report said1 "$folder/texts" "$pandoc"
     }
-    stepped steep && grep -q '^set key top right' "$folder/script" && stepped flat && grep -q '^set key bmargin' "$folder/script"
+    stepped nearest '' && grep -q '^set key top right' "$folder/script" && stepped bilinear '' && grep -q '^set key bmargin' "$folder/script"
     verdict a_legend_covers_no_curve
 
-    grep -q '^set terminal svg size 600,' "$folder/script" && stepped flatwithanameoffortylettersormoreinplots &&
-        grep -q '^set terminal svg size 744,' "$folder/script"
+    grep -q '^set terminal svg size 600,' "$folder/script" && stepped bilinear 'labels="bilinear: a flat line with a name of 40 letters ..."' &&
+        grep -q '^set terminal svg size 756,' "$folder/script"
     verdict a_plot_is_as_wide_as_its_legend
+
+    # look_of METHOD: colour and marker of its line, whose number is that of its title
+    look_of() {
+        number=$(sed -n "s/.*linestyle \([0-9]*\) title '$1[ ']*.*/\1/p" "$folder/script")
+        sed -n "s/^set style line $number \(lc rgb '[^']*' pt [0-9]*\).*/\1/p" "$folder/script"
+    }
+    curve 'x=samples only=sobol' && alone=$(look_of sobol) && curve 'x=samples only="uniform; sobol"' &&
+        [ -n "$alone" ] && grep -qF "set style line 2 $alone " "$folder/script" && ! grep -qF "set style line 1 $alone " "$folder/script"
+    verdict a_method_has_its_colour_and_marker_in_any_place
+
+    tr '\n' ' ' <"$page" | grep -q '2 of 3 methods; RMS over'
+    verdict a_plot_of_some_methods_says_so
+
+    ! curve 'x=samples only="uniform; sobl"' && grep -q '01_one.md:3: only: the table has no method sobl' "$folder/said1"
+    verdict a_method_that_is_not_measured_cannot_be_plotted
+
+    ! stepped best '' && grep -q '01_one.md:3: best has no colour and marker: give it some in tools/weave/methods.lua' "$folder/said1"
+    verdict a_method_without_colour_and_marker_is_a_mistake
 
     figure() { # figure ATTRIBUTES
         printf '# One\n\n::: {.figure driver=copies args="%s left" %s}\nOne.\n:::\n' "$look/1.png" "$1" >"$texts/01_one.md"

@@ -3,16 +3,11 @@
 
 local drive = require("drive")
 local fit = require("fit")
+local style_of = require("methods")
 local tables = require("tables")
 local fail_at, need, words = drive.fail_at, drive.need, drive.words
 
 local gnuplot = os.getenv("RAYKIT_GNUPLOT") or ""
-
--- Colours that people with any colour vision can distinguish (after M. Okabe and K. Ito, 2008, all with a
--- contrast of 3 : 1 to white and to the dark page, where plots are inverted), and points of different shapes
--- for print.
-local styles = {{"#0072b2", 7}, {"#d55e00", 5}, {"#00875f", 9}, {"#b8578e", 13}, {"#2a8fc4", 11},
-  {"#a87400", 6}, {"#000000", 4}, {"#777777", 8}, {"#6a3d9a", 15}}
 
 local function quote(text) return "'" .. text:gsub("'", "''") .. "'" end
 
@@ -57,8 +52,55 @@ local function lines_of(div, rows, x, y, by, band)
     end
   end
   if #lines == 0 then drive.fail_by_driver(div, "tables/%s.csv has nothing to plot", tables.name(div)) end
-  if #lines > #styles then fail_at(div, "%d lines are too many to distinguish", #lines) end
   return lines, left_out, back
+end
+
+-- The rows of some lines alone, from only="sobol, polar; sobol, concentric", and what the caption says of it.
+-- from=4 leaves out what has fewer samples.
+local function some_of(div, rows, by)
+  local wanted, chosen, all, here = {}, {}, 0, 0
+  for title in (div.attributes.only or ""):gmatch("[^;]+") do wanted[title:match("^%s*(.-)%s*$")] = 0 end
+  if not next(wanted) then return rows end
+  local seen = {}
+  for _, row in ipairs(rows) do
+    local title = tables.cell(row, by)
+    if not seen[title] then seen[title], all, here = true, all + 1, here + (wanted[title] and 1 or 0) end
+    local is_within = tonumber(row.samples or 1) >= tonumber(div.attributes.from or 0)
+    if wanted[title] and is_within then wanted[title], chosen[#chosen + 1] = 1, row end
+  end
+  for title, found in pairs(wanted) do
+    if found == 0 then fail_at(div, "only: the table has no %s %s", by, title) end
+  end
+  return chosen, here < all and here .. " of " .. all .. " methods" or nil
+end
+
+-- A method's colour and marker, and whether it is dashed.
+local function need_style(div, name, place)
+  local colour, marker, is_dashed = style_of(name, place)
+  if not colour then
+    fail_at(div, "%s has no colour and marker: give it some in tools/weave/methods.lua", name)
+  end
+  return colour, marker, is_dashed
+end
+
+-- Gives each line its method's colour and marker: a single line those of the method that it is about, lines
+-- of numbers, such as shininesses, the first ones in their order. labels="sah50_3: SAH, all axes" renames
+-- lines.
+local function style(div, rows, lines, by)
+  local seen, labels = {}, {}
+  for part in (div.attributes.labels or ""):gmatch("[^;]+") do
+    local name, label = part:match("^%s*([^:]+)%s*:%s*(.-)%s*$")
+    labels[name:gsub("_", " ")] = label
+  end
+  for place, line in ipairs(lines) do
+    local is_alone = #lines == 1 and (by or "metric") == "metric"
+    local name = is_alone and (rows[1].method or "1") or line.title
+    line.colour, line.marker, line.is_dashed = need_style(div, name, place)
+    local look = line.colour .. line.marker
+    if seen[look] then fail_at(div, "%s and %s look the same (tools/weave/methods.lua)", seen[look], name) end
+    seen[look] = name
+    line.title = labels[line.title] or line.title
+  end
 end
 
 -- Powers of ten if the numbers span two of them or more, else the numbers themselves.
@@ -70,6 +112,24 @@ local function tics(lines, axis, i, linear)
     end
   end
   return "set format " .. axis .. (not linear and most / least >= 100 and " '10^{%L}'" or " '%g'")
+end
+
+-- Ticks at the points themselves, where all lines have the same few with room between them.
+local function tics_at_points(lines, linear)
+  local places, seen = {}, {}
+  for _, line in ipairs(lines) do
+    for _, point in ipairs(line.points) do
+      if not seen[point[1]] then seen[point[1]], places[#places + 1] = true, point[1] end
+    end
+  end
+  table.sort(places)
+  local least, most = places[1], places[#places]
+  if linear or #places > 8 or least < 1 or most >= 1e4 then return "" end
+  for i = 2, #places do
+    if places[i] / places[i - 1] < (most / least) ^ (1 / 12) then return "" end
+  end
+  for i, place in ipairs(places) do places[i] = string.format("'%g' %.9g", place, place) end
+  return "set xtics (" .. table.concat(places, ", ") .. ")"
 end
 
 -- Where guides begin and end: at the smallest x and the largest y of all points; rising ones at the smallest
@@ -105,15 +165,16 @@ local function longest_title(lines)
   return longest
 end
 
--- Would a legend at the lower left, or else at the upper right, cover a curve? Its size is about that of its
+-- Would a legend in this corner, such as "bottom left", cover a curve? Its size is about that of its
 -- letters, in a plot of 500 x 290; the y axis reaches to powers of ten.
-local function covers(lines, at_upper_right)
+local function covers(lines, place)
   local left, right, top, bottom = corner(lines)
   bottom, top = math.floor(math.log(bottom, 10)), math.ceil(math.log(top, 10))
   local longest = longest_title(lines)
   local width, height = (70 + 8 * longest) / 500, (10 + 20 * #lines) / 290
   local function is_within(x, y) -- fractions of the plot
-    if at_upper_right then x, y = 0.95 - x, 0.95 - y end -- gnuplot keeps a margin there
+    if place:find("right") then x = 0.95 - x end -- gnuplot keeps a margin there
+    if place:find("top") then y = 0.95 - y end
     return x < width and y < height
   end
   local function is_covered(point, next_point)
@@ -133,18 +194,18 @@ local function covers(lines, at_upper_right)
   return false
 end
 
--- The legend is placed where falling or rising lines leave room; for many lines, or where errors leave none,
+-- The legend is placed where falling or rising lines leave room; for many lines, or where they leave none,
 -- below the plot.
 local many = 4
 
-local function falls(lines)
+local function place_of_legend(lines)
   local points = lines[1].points
-  return #points > 1 and points[#points][2] < points[1][2]
+  local falls = #points > 1 and points[#points][2] < points[1][2]
+  return falls and (points[1].low and "bottom left" or "top right") or "top left"
 end
 
 local function is_legend_below(lines, linear)
-  if #lines > many then return true end
-  return not linear and falls(lines) and covers(lines, not lines[1].points[1].low)
+  return #lines > many or not linear and covers(lines, place_of_legend(lines))
 end
 
 local function legend(lines, linear)
@@ -155,8 +216,8 @@ local function legend(lines, linear)
       " horizontal Left reverse maxcols 2 samplen 2 height 0.6 font ',13' " ..
       "width " .. width -- gnuplot takes letters to be wider than they are
   end
-  if lines[1].points[1].low and falls(lines) then return "bottom left Left reverse" end
-  return falls(lines) and "top right" or "top left Left reverse"
+  local place = place_of_legend(lines)
+  return place:find("left") and place .. " Left reverse" or place
 end
 
 -- "-0.5" or "-1/2"
@@ -183,14 +244,14 @@ end
 
 -- Names the least value of each line at its place.
 local function mark_least(script, lines)
-  for i, line in ipairs(lines) do
+  for _, line in ipairs(lines) do
     local least = line.points[1]
     for _, point in ipairs(line.points) do
       if point[2] < least[2] then least = point end
     end
     script[#script + 1] = string.format(
       "set label 'least: %.4g' at %.9g, %.9g center offset 0, 1.2 point pt 6 ps 2 lw 2 lc rgb '%s'",
-      least[2], least[1], least[2], styles[i][1])
+      least[2], least[1], least[2], line.colour)
   end
 end
 
@@ -205,7 +266,7 @@ local function band_of(script, line, i)
   if #points < 2 then return nil end
   script[#script + 1] = "$band" .. i .. " << EOD\n" .. table.concat(points, "\n") .. "\nEOD"
   return string.format("$band%d using 1:2:3 with filledcurves lc rgb '%s' fs transparent solid 0.25 notitle",
-    i, styles[i][1])
+    i, line.colour)
 end
 
 -- Puts the slope of each curve of errors over the number of samples into the legend: that of a table with a
@@ -257,7 +318,7 @@ end
 
 local drawn = {} -- pictures
 
-local function draw(div, name, xlabel, ylabel, lines, left_out, back, note)
+local function draw(div, name, xlabel, ylabel, lines, left_out, back, choice, note)
   local linear = div.attributes.linear
   drawn[name] = (drawn[name] or 0) + 1
   local path = "figures/" .. name .. (drawn[name] > 1 and "_" .. drawn[name] or "") .. ".svg"
@@ -268,7 +329,7 @@ local function draw(div, name, xlabel, ylabel, lines, left_out, back, note)
       " font 'Helvetica,15' background 'white'",
     "set output " .. quote(drive.out .. "/" .. path),
     linear and "unset logscale" or "set logscale xy",
-    tics(lines, "x", 1, linear), tics(lines, "y", 2, linear), "set grid",
+    tics(lines, "x", 1, linear), tics(lines, "y", 2, linear), tics_at_points(lines, linear), "set grid",
     x_range(lines, linear),
     div.attributes.yrange and "set yrange [" .. div.attributes.yrange:gsub(" ", ":") .. "]" or "",
     div.attributes.guides and "set rmargin 7" or "set rmargin 2",
@@ -278,8 +339,8 @@ local function draw(div, name, xlabel, ylabel, lines, left_out, back, note)
   local parts = guides(div, script, lines)
   if div.attributes.mark == "least" then mark_least(script, lines) end
   for i, line in ipairs(lines) do
-    script[#script + 1] = string.format("set style line %d lc rgb '%s' pt %d lw 2.5 %s",
-      i, styles[i][1], styles[i][2], markers(line))
+    script[#script + 1] = string.format("set style line %d lc rgb '%s' pt %d lw 2.5 %s%s",
+      i, line.colour, line.marker, line.is_dashed and "dt 2 " or "", markers(line))
     script[#script + 1] = "$data" .. i .. " << EOD"
     for _, point in ipairs(line.points) do
       script[#script + 1] = string.format("%.9g %.9g", point[1], point[2])
@@ -294,7 +355,8 @@ local function draw(div, name, xlabel, ylabel, lines, left_out, back, note)
   local pipe = io.popen(drive.quote(gnuplot), "w")
   pipe:write(table.concat(script, "\n"))
   if not pipe:close() then fail_at(div, "gnuplot failed (its reason is above)") end
-  local notes = {note}
+  local notes = {choice}
+  notes[#notes + 1] = note
   if left_out > 0 then
     notes[#notes + 1] = "left out: values of 0 or less, which have no logarithm (" .. left_out .. ")"
   end
@@ -352,7 +414,10 @@ local function draw_bars(div, name, xlabel, ylabel, rows, x, y, by)
   script[#script + 1] = "EOD"
   for i, group in ipairs(groups) do
     parts[i] = string.format("$data using %d:xtic(1) lc rgb '%s' title %s noenhanced",
-      i + 1, styles[i][1], quote(group))
+      i + 1, (need_style(div, group, i)), quote(group))
+  end
+  if div.attributes.line then
+    parts[#parts + 1] = need(div, "line") .. " with lines dt 2 lw 2 lc rgb '#000000' notitle"
   end
   script[#script + 1] = "plot " .. table.concat(parts, ", ") .. "\n"
   local pipe = io.popen(drive.quote(gnuplot), "w")
@@ -378,12 +443,15 @@ return function(div)
   if #metrics > 0 then
     drive.measure(div, drive.timing)
     local rows, columns = tables.read_metrics(div, metrics)
-    local x = given.x or "triangles"
+    local x, by = given.x or "triangles", given.by or "metric"
     is_rough = tables.has_rough(div, rows, {"median"})
     for _, column in ipairs({x, given.by}) do tables.check_column(div, columns, column) end
+    rows = some_of(div, rows, by)
     local ylabel = (given.ylabel or "time") .. ", " .. unit_of(div, rows)
-    return draw(div, tables.name(div) .. "_" .. metrics[1], given.xlabel or tables.label(x), ylabel,
-      lines_of(div, rows, x, "median", given.by or "metric"))
+    local lines, left_out, back = lines_of(div, rows, x, "median", by)
+    style(div, rows, lines, by)
+    return draw(div, tables.name(div) .. "_" .. metrics[1], given.xlabel or tables.label(x), ylabel, lines,
+      left_out, back)
   end
   local x, y = need(div, "x"), need(div, "y")
   if given.driver then drive.measure(div, "--quiet") end
@@ -394,11 +462,14 @@ return function(div)
     return draw_bars(div, given.name or tables.name(div) .. "_bars", given.xlabel or tables.label(x),
       given.ylabel or tables.label(y), rows, x, y, need(div, "by"))
   end
+  local chosen, choice = some_of(div, rows, given.by)
+  rows = chosen
   local band = columns[y .. "_low"] and columns[y .. "_high"] and y or nil
   local has_slopes = band and columns.samples and (x == "samples" or x == "seconds")
   local lines, left_out, back = lines_of(div, rows, x, y, given.by, band)
+  style(div, rows, lines, given.by)
   if has_slopes then name_slopes(div, lines, rows[1].feature) end
   local name = given.name or tables.name(div) .. "_" .. y .. "_over_" .. x
   return draw(div, name, given.xlabel or tables.label(x), given.ylabel or tables.label(y), lines, left_out,
-    back, band and explain(div, rows, has_slopes))
+    back, choice, band and explain(div, rows, has_slopes))
 end
