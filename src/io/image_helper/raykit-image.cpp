@@ -7,7 +7,8 @@
 //   raykit-image --version        the version, that of the drivers
 //
 // Pictures in streams have the format of image_stream.h.
-// Errors of `write`, and those that end `read`, are one line on standard error that begins with the file's name, and exit status 1.
+// Errors of `write`, and those that end `read`, are one line on standard error that begins with the
+// file's name, and exit status 1.
 #include "io/helper_answer.h"
 #include "io/image_shape.h"
 #include "io/image_stream.h"
@@ -208,7 +209,8 @@ Channels colour_channels(const std::string &path, const OIIO::ImageSpec &spec)
     return {0, spec.nchannels >= 3 ? 3 : 1};
 }
 
-Channels channels_of(const std::string &path, const OIIO::ImageSpec &spec, rk_image_stream_part part)
+Channels channels_of(const std::string &path, const OIIO::ImageSpec &spec,
+                     rk_image_stream_part part)
 {
     if (part != RK_IMAGE_STREAM_COLOUR && spec.alpha_channel >= 0)
         return {spec.alpha_channel, 1};
@@ -296,8 +298,7 @@ Floats mean(const Floats &rgb)
 {
     Floats grey(rgb.size() / 3);
     for (size_t i = 0; i < grey.size(); i++)
-        grey.data()[i] =
-            (rgb.data()[3 * i] + rgb.data()[3 * i + 1] + rgb.data()[3 * i + 2]) / 3;
+        grey.data()[i] = (rgb.data()[3 * i] + rgb.data()[3 * i + 1] + rgb.data()[3 * i + 2]) / 3;
     return grey;
 }
 
@@ -321,7 +322,8 @@ void check_readable(const std::string &path)
 }
 
 Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
-                     rk_image_shape shape = RK_IMAGE_ANY, rk_image_stream_part part = RK_IMAGE_STREAM_COLOUR)
+                     rk_image_shape shape = RK_IMAGE_ANY,
+                     rk_image_stream_part part = RK_IMAGE_STREAM_COLOUR)
 {
     check_readable(path);
     // Alpha is dropped, so colours must not be multiplied by it.
@@ -351,7 +353,8 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
     return picture;
 }
 
-Picture load(const std::string &path, size_t most_pixels, rk_image_shape shape, rk_image_stream_part part)
+Picture load(const std::string &path, size_t most_pixels, rk_image_shape shape,
+             rk_image_stream_part part)
 {
     Picture picture = read_picture(path, most_pixels, shape, part);
     check_finite(path, picture);
