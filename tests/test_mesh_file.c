@@ -1032,16 +1032,86 @@ static void several_notes_are_in_one_line(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* A quadrilateral as two triangles, a third triangle with a corner "nan", and a vertex "inf" that
+ * no face uses; in `format` %s stands for the words. */
+static void check_unfinite(const char *name, const char *format, const char *nan, const char *inf)
+{
+    char text[1000];
+    snprintf(text, sizeof text, format, nan, inf);
+    rk_mesh mesh = load_with_note(write_text(name, text),
+                                  "1 face is left out: a corner is not a finite number");
+    rk_check_equal(mesh.triangle_count, 2, name);
+    for (uint32_t i = 0; i < 2; i++)
+        rk_check_close(vector_area(&mesh, i).z, 0.5f, 0, name);
+    rk_mesh_free(&mesh);
+}
+
+static void faces_with_a_corner_that_is_no_number_are_left_out(void **state)
+{
+    static const char *const words[][2] = {
+        {"nan", "inf"}, {"-NaN", "-Infinity"}, {"nan(ind)", "1e99"}, {"1.#QNAN", "-1.#IND"}};
+    static const char *const formats[][2] = {
+        {"a.obj", "v 0 0 0\nv 1 0 0\nv 1 1 0\nv 0 1 0\nv 1 %s 2\nv %s 0 0\n"
+                  "f 1 2 3\nf 1 2 5\nf 1 3 4\n"},
+        {"a.off", "OFF\n6 3 0\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n1 2 %s\n0 %s 0\n"
+                  "3 0 1 2\n3 0 1 4\n3 0 2 3\n"},
+        {"far.off", "OFF\n6 3 0\n9e5 0 0\n900001 0 0\n900001 1 0\n9e5 1 0\n9e5 2 %s\n0 %s 0\n"
+                    "3 0 1 2\n3 0 1 4\n3 0 2 3\n"},
+        {"a.ply", "ply\nformat ascii 1.0\nelement vertex 6\nproperty float x\nproperty double y\n"
+                  "property float z\nelement face 3\nproperty list uchar int vertex_indices\n"
+                  "end_header\n0 0 0\n1 0 0\n1 1 0\n0 1 0\n1 %s 0\n%s 0 0\n"
+                  "3 0 1 2\n3 0 1 4\n3 0 2 3\n"}};
+    (void)state;
+    for (size_t i = 0; i < sizeof formats / sizeof *formats; i++)
+        for (size_t k = 0; k < sizeof words / sizeof *words; k++)
+            check_unfinite(formats[i][0], formats[i][1], words[k][0], words[k][1]);
+    mesh_seed seed = make_seed(seed_ply_binary);
+    const float nan = NAN;
+    memcpy(seed.bytes + seed.size - (60 + 17 + 13) + 16, &nan, sizeof nan);
+    check_refused_path(test_folder_write(&folder, "nan.ply", seed.bytes, seed.size, 0600).text,
+                       ": ", "each face (2 in all) has a corner that is not a finite number");
+    check_refused("all.obj", "v nan 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ": ",
+                  "each face (1 in all) has a corner that is not a finite number");
+}
+
+/* MeshLab and CloudCompare write them. */
+static void faces_of_a_ply_file_have_colours_of_their_own(void **state)
+{
+    (void)state;
+#define HEADER(type)                                                                               \
+    "ply\nformat ascii 1.0\nelement vertex 4\nproperty float x\nproperty float y\n"                \
+    "property float z\nelement face 2\nproperty list uchar int vertex_indices\n"                   \
+    "property " type " red\nproperty " type " green\nproperty " type " blue\nend_header\n"         \
+    "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+    static const char *const texts[] = {HEADER("uchar") "3 0 1 2 255 0 0\n3 0 2 3 0 0 255\n",
+                                        HEADER("float") "3 0 1 2 1 0 0\n3 0 2 3 0 0 1\n",
+                                        HEADER("ushort") "3 0 1 2 65535 0 0\n3 0 2 3 0 0 65535\n"};
+    for (int i = 0; i < 3; i++) {
+        rk_mesh mesh = load(write_text("faces.ply", texts[i]));
+        assert_non_null(mesh.colours);
+        for (int k = 0; k < 3; k++) {
+            check_point(mesh.colours[mesh.triangles[0][k]], 1, 0, 0);
+            check_point(mesh.colours[mesh.triangles[1][k]], 0, 0, 1);
+        }
+        check_point(mesh.materials[0].kd, 1, 1, 1);
+        rk_mesh_free(&mesh);
+    }
+    rk_mesh mesh = load(write_text("dark.ply", HEADER("uchar") "3 0 1 2 1 0 0\n3 0 2 3 0 0 1\n"));
+    check_point(mesh.colours[mesh.triangles[1][0]], 0, 0, rk_srgb_decode(1 / 255.0f));
+    rk_mesh_free(&mesh);
+#undef HEADER
+}
+
 /* --- refusals ------------------------------------------------------------------------------- */
 
 static void obj_mistakes_are_found_with_their_line(void **state)
 {
     (void)state;
 #define CORNERS "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
-    check_refused("a.obj", "v 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ":1: ", "three finite numbers");
-    check_refused("a.obj", "v 0 0 0\n\n# c\nv 1 nan 0\nv 0 1 0\nf 1 2 3\n", ":4: ", "finite");
-    check_refused("a.obj", "v 0 0 0\nv 1 1e999 0\nv 0 1 0\nf 1 2 3\n", ":2: ", "finite");
-    check_refused("a.obj", "v 0 0 0\nv 1 0,5 0\nv 0 1 0\nf 1 2 3\n", ":2: ", "finite");
+    check_refused("a.obj", "v 0 0\nv 1 0 0\nv 0 1 0\nf 1 2 3\n", ":1: ", "three numbers");
+    check_refused("a.obj", "v 0 0 0\n\n# c\nv 1 none 0\nv 0 1 0\nf 1 2 3\n", ":4: ", "numbers");
+    check_refused("a.obj", "v 0 0 0\nv 1 1e999x 0\nv 0 1 0\nf 1 2 3\n", ":2: ", "numbers");
+    check_refused("a.obj", "v 0 0 0\nv 1 0,5 0\nv 0 1 0\nf 1 2 3\n", ":2: ", "numbers");
     check_refused("a.obj", CORNERS "f 1 2\n", ":4: ", "2 corners");
     check_refused("a.obj", CORNERS "f 1 2 0\n", ":4: ", "index 0");
     check_refused("a.obj", CORNERS "f 1 2 x\n", ":4: ", "not a number");
@@ -1062,7 +1132,8 @@ static void ply_mistakes_are_found_with_their_place(void **state)
     "ply\nformat ascii 1.0\nelement vertex " vertices "\nproperty float x\nproperty float y\n"     \
     "property float z\nelement face " faces                                                        \
     "\nproperty list uchar int vertex_indices\nend_header\n"
-    check_refused("a.ply", HEADER("3", "1") "0 0 0\n1 nan 0\n0 1 0\n3 0 1 2\n", ":11: ", "finite");
+    check_refused("a.ply", HEADER("3", "1") "0 0 0\n1 none 0\n0 1 0\n3 0 1 2\n",
+                  ":11: ", "is missing");
     check_refused("a.ply", HEADER("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":13: ", "vertex 3");
     check_refused("a.ply", HEADER("3", "1") "0 0 0\n1 0 0\n0 1 0\n3 0 1 -1\n",
                   ":13: ", "vertex -1");
@@ -1088,13 +1159,7 @@ static void binary_ply_mistakes_are_found_with_their_place(void **state)
     (void)state;
     mesh_seed seed = make_seed(seed_ply_binary);
     size_t body = seed.size - (60 + 17 + 13);
-    const float nan = NAN;
     mesh_seed damaged = seed;
-    memcpy(damaged.bytes + body + 16, &nan, sizeof nan);
-    check_refused_path(
-        test_folder_write(&folder, "nan.ply", damaged.bytes, damaged.size, 0600).text, ": ",
-        "vertex 1 is not finite");
-    damaged = seed;
     damaged.bytes[body + 60 + 17 + 1] = 200;
     check_refused_path(
         test_folder_write(&folder, "index.ply", damaged.bytes, damaged.size, 0600).text, ": ",
@@ -1108,7 +1173,8 @@ static void binary_ply_mistakes_are_found_with_their_place(void **state)
 static void off_mistakes_are_found_with_their_line(void **state)
 {
     (void)state;
-    check_refused("a.off", "OFF\n3 1 0\n0 0 0\n1 0 inf\n0 1 0\n3 0 1 2\n", ":4: ", "finite");
+    check_refused("a.off", "OFF\n3 1 0\n0 0 0\n1 0 info\n0 1 0\n3 0 1 2\n",
+                  ":4: ", "three numbers");
     check_refused("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 3\n", ":6: ", "vertex 3");
     check_refused("a.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n", ":6: ", "missing");
     check_refused("a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", ":2: ", "after 4 of");
@@ -1442,6 +1508,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_mtl_with_tr_1_alone_is_drawn_with_a_note),
     cmocka_unit_test(specular_glossiness_gives_its_diffuse_colour),
     cmocka_unit_test(several_notes_are_in_one_line),
+    cmocka_unit_test(faces_with_a_corner_that_is_no_number_are_left_out),
+    cmocka_unit_test(faces_of_a_ply_file_have_colours_of_their_own),
     cmocka_unit_test(obj_mistakes_are_found_with_their_line),
     cmocka_unit_test(ply_mistakes_are_found_with_their_place),
     cmocka_unit_test(binary_ply_mistakes_are_found_with_their_place),

@@ -23,8 +23,21 @@ static void see(rk_mesh_colours *colours, rk_vec3 rgb)
         colours->scale = 1 / 255.0f;
 }
 
+/* Faces of several materials are not in the file's order any more. */
+static void take_ply_faces(rk_mesh_colours *colours, const struct aiScene *scene,
+                           rk_mesh_hints *hints)
+{
+    if (scene->mNumMeshes != 1) {
+        colours->torn = true;
+        return;
+    }
+    colours->faces = hints->face_colours;
+    colours->face_count = (uint32_t)hints->face_colour_count;
+    hints->face_colours = NULL;
+}
+
 bool rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene, const char *path,
-                          rk_error *error)
+                          rk_mesh_hints *hints, rk_error *error)
 {
     *colours = (rk_mesh_colours){
         .is_linear = has_ending(path, (const char *const[]){"gltf", "glb", "vrm", NULL}),
@@ -43,6 +56,8 @@ bool rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene,
     if (!colours->any && has_ending(path, (const char *const[]){"off", NULL}) &&
         !rk_mesh_colours_read_off(colours, path, error))
         return false;
+    if (!colours->any && hints->face_colours)
+        take_ply_faces(colours, scene, hints);
     for (uint32_t i = 0; i < colours->face_count; i++)
         if (colours->faces[i].rgb.x >= 0)
             see(colours, colours->faces[i].rgb);

@@ -4,11 +4,12 @@
 
 #include "base/error.h"
 #include "base/vec3.h"
+#include "io/mesh_helper/mesh_syntax.h"
 
 #include <assimp/scene.h>
 #include <stdint.h>
 
-/* Of a face in OFF. */
+/* Of a face in OFF or PLY. */
 typedef struct rk_mesh_colours_face {
     uint32_t corners;
     rk_vec3 rgb; /* as in the file; negative: the face has none */
@@ -22,15 +23,16 @@ typedef struct rk_mesh_colours {
     bool replace;   /* they are the diffuse colours, where no picture is; else they multiply them */
     float scale;    /* to [0, 1] */
     uint32_t face_count, next_face;
-    rk_mesh_colours_face *faces; /* of an OFF file without colours of vertices, or NULL */
+    rk_mesh_colours_face *faces; /* of an OFF or PLY file without colours of vertices, or NULL */
 } rk_mesh_colours;
 
 /* Finds out which colours the file has, and how they are meant. glTF's are linear, by its
  * specification; those of other formats are sRGB-encoded, by custom (bytes from a scanner or a
  * painting program). Where one exceeds 1, all are taken to be from 0 to 255. In OBJ, PLY, OFF and
- * STL they are the diffuse colour itself; elsewhere they multiply the material's. */
+ * STL they are the diffuse colour itself; elsewhere they multiply the material's. Colours of a PLY
+ * file's faces are moved from the hints. */
 bool rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene, const char *path,
-                          rk_error *error);
+                          rk_mesh_hints *hints, rk_error *error);
 void rk_mesh_colours_free(rk_mesh_colours *colours);
 
 /* Returns the colour, linear and clamped to [0, 1]; NaN becomes 0. */

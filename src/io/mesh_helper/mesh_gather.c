@@ -32,6 +32,8 @@ typedef struct gather {
     rk_mesh_mtl mtl;
     rk_mesh_left_out left;
     bool drew_tr_one;
+    size_t unfinite_faces;
+    bool replaced; /* a normal or a texture coordinate that is not finite */
     rk_vertex_pool pool;
     uint32_t (*triangles)[3];
     uint16_t *triangle_materials;
@@ -107,11 +109,11 @@ static void cofactors(const placement *p, double c[3][3])
             c[i][k] = -c[i][k];
 }
 
-/* False for a vector without direction. NaN is kept, for the mesh's validation to refuse. */
+/* False for a vector without direction. */
 static bool make_unit(const double v[3], rk_vec3 *unit)
 {
     double length = sqrt(v[0] * v[0] + v[1] * v[1] + v[2] * v[2]);
-    if (length == 0)
+    if (!(length > 0 && isfinite(length)))
         return false;
     *unit = rk_vec((float)(v[0] / length), (float)(v[1] / length), (float)(v[2] / length));
     return true;
@@ -173,6 +175,22 @@ static rk_vec2 move_texcoord(const rk_mesh_texture_transform *t, const struct ai
                      (float)(t->m[1][0] * u + t->m[1][1] * v + t->m[1][2])};
 }
 
+static bool is_finite_vector(const struct aiVector3D *v)
+{
+    return isfinite(v->x) && isfinite(v->y) && isfinite(v->z);
+}
+
+/* The corners of a face whose coordinates are numbers, after they are moved, too. */
+static bool is_finite_face(const part *p, const struct aiFace *face)
+{
+    for (uint32_t i = 0; i < face->mNumIndices; i++) {
+        const rk_vec3 at = position_of(p, face->mIndices[i]);
+        if (!(isfinite(at.x) && isfinite(at.y) && isfinite(at.z)))
+            return false;
+    }
+    return true;
+}
+
 /* A vertex with a normal of its own, or in a mesh without normals, is the same for all its faces
  * and is looked up once; one that takes its face's normal belongs to that face. */
 static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, uint32_t *index,
@@ -185,13 +203,19 @@ static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, ui
     }
     rk_vertex vertex = {.position = position_of(p, source)};
     bool own = !g->any_normals;
-    if (!own && p->mesh->mNormals)
+    if (!own && p->mesh->mNormals) {
         own = move_normal(p->place, &p->mesh->mNormals[source], &vertex.normal);
+        g->replaced |= !is_finite_vector(&p->mesh->mNormals[source]);
+    }
     if (!own)
         vertex.normal = face_normal(position_of(p, corners[0]), position_of(p, corners[1]),
                                     position_of(p, corners[2]));
     if (p->texcoords)
         vertex.texcoord = move_texcoord(&p->transform, &p->texcoords[source]);
+    if (!isfinite(vertex.texcoord.x + vertex.texcoord.y)) {
+        vertex.texcoord = (rk_vec2){0, 0};
+        g->replaced = true;
+    }
     vertex.colour = p->colours
                         ? rk_mesh_colour(&g->colours, rk_mesh_colours_rgb(&p->colours[source]))
                         : p->face_colour;
@@ -332,6 +356,10 @@ static bool emit_faces(gather *g, part *p, rk_error *error)
         has_material = true;
         if (g->colours.face_count > 0)
             p->face_colour = rk_mesh_colours_next_face(&g->colours, face->mNumIndices);
+        if (!is_finite_face(p, face)) {
+            g->unfinite_faces++;
+            continue;
+        }
         if (face->mNumIndices == 3 ? !emit_triangle(g, p, face->mIndices, error)
                                    : !emit_polygon(g, p, face, error))
             return false;
@@ -403,6 +431,12 @@ static void set_material(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, u
 
 static bool finish(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, rk_error *error)
 {
+    if (g->triangle_count == 0 && g->unfinite_faces > 0)
+        return rk_fail(
+            error,
+            "%s: each face (%zu in all) has a corner that is not a finite number (nan or "
+            "inf): %s",
+            g->path, g->unfinite_faces, remedy);
     if (g->triangle_count == 0)
         return rk_fail(error, "%s: has no triangles: choose a mesh with faces", g->path);
     int optional = (g->any_normals ? RK_MESH_NORMALS : 0) |
@@ -439,6 +473,14 @@ static void tell(gather *g, rk_mesh_hints *hints)
     rk_mesh_left_out_of_scene(&g->left, g->scene);
     g->left.has[RK_MESH_LEFT_OUT_TORN_COLOURS] = g->colours.torn;
     g->left.has[RK_MESH_LEFT_OUT_CLEAR_COLOURS] = g->colours.is_clear;
+    if (g->unfinite_faces > 0)
+        rk_mesh_hints_note(hints, g->path,
+                           "%zu %s left out: a corner is not a finite number (nan or inf)",
+                           g->unfinite_faces, g->unfinite_faces == 1 ? "face is" : "faces are");
+    if (g->replaced)
+        rk_mesh_hints_note(hints, g->path,
+                           "some normals or texture coordinates are not finite numbers, and are "
+                           "replaced");
     if (g->drew_tr_one)
         rk_mesh_hints_note(hints, g->path,
                            "Tr 1 makes a material invisible; it is drawn as opaque, because some "
@@ -459,7 +501,7 @@ bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiSc
     g.material_numbers = rk_allocate(keys, sizeof *g.material_numbers, path, error);
     g.material_sources = rk_allocate(keys, sizeof *g.material_sources, path, error);
     bool ok = g.material_numbers && g.material_sources && scene->mRootNode &&
-              rk_mesh_colours_init(&g.colours, scene, path, error) &&
+              rk_mesh_colours_init(&g.colours, scene, path, hints, error) &&
               rk_mesh_mtl_read(&g.mtl, error);
     g.pool.coloured = g.colours.any;
     ok = ok && emit_node(&g, scene->mRootNode, &world, 0, error) &&

@@ -26,8 +26,11 @@ typedef struct mesh_extent {
     bool begun;
 } mesh_extent;
 
+/* Points that are not finite count for nothing. */
 static inline void extent_add(mesh_extent *e, const double at[3])
 {
+    if (!isfinite(at[0] + at[1] + at[2]))
+        return;
     for (int i = 0; i < 3; i++) {
         if (!e->begun)
             e->first[i] = e->low[i] = e->high[i] = at[i];
@@ -71,23 +74,66 @@ static inline bool text_read_number(text_cursor *c, double *value)
     return true;
 }
 
-static inline bool text_read_point(text_cursor *c, double at[3])
+/* Skips a number that is none, or none in single precision: nan, -inf, 1e99, or 1.#IND as old
+ * programs of Windows write it. */
+static inline bool text_skip_unfinite(text_cursor *c)
 {
-    return text_read_number(c, &at[0]) && text_read_number(c, &at[1]) &&
-           text_read_number(c, &at[2]);
+    char word[64] = "", *end;
+    size_t length = 0;
+    text_skip_blanks(c);
+    for (; c->at + length < c->end && !strchr(" \t\r\n", c->at[length]); length++)
+        if (length < sizeof word - 1)
+            word[length] = c->at[length];
+    const char *digits = word + (word[0] == '-' || word[0] == '+');
+    const double value = strtod(word, &end);
+    if (strncmp(digits, "1.#", 3) != 0 &&
+        (end == word || *end != '\0' || fabs(value) <= 0x1.fffffep127))
+        return false;
+    c->at += length;
+    return true;
 }
 
-/* Replaces the three numbers at the cursor by those relative to the first vertex. */
-static inline void rewrite_point(mesh_rewrite *r, text_cursor *c, const mesh_extent *e)
+/* Reads a number; NAN for one that is not finite. */
+static inline bool text_read_coordinate(text_cursor *c, double *value)
+{
+    const text_cursor from = *c;
+    if (text_read_number(c, value) && !(c->at < c->end && *c->at == '#' && c->at[-1] == '.'))
+        return true;
+    *c = from;
+    *value = (double)NAN;
+    return text_skip_unfinite(c);
+}
+
+static inline bool text_read_point(text_cursor *c, double at[3])
+{
+    return text_read_coordinate(c, &at[0]) && text_read_coordinate(c, &at[1]) &&
+           text_read_coordinate(c, &at[2]);
+}
+
+/* Of what is to be written relative to the first vertex, or as it is. */
+static inline const double *extent_origin(const mesh_extent *e)
+{
+    static const double none[3];
+    return extent_is_far(e) ? e->first : none;
+}
+
+/* Replaces the three numbers at the cursor by those relative to the origin, and numbers that are
+ * not finite by one that Assimp knows. */
+static inline void rewrite_point(mesh_rewrite *r, text_cursor *c, const double origin[3])
 {
     double at[3];
     text_skip_blanks(c);
     const char *from = c->at;
     if (!text_read_point(c, at))
         return;
+    const bool is_finite = isfinite(at[0] + at[1] + at[2]);
+    if (is_finite && origin[0] == 0 && origin[1] == 0 && origin[2] == 0)
+        return;
     rewrite_skip(r, from, c->at);
-    fprintf(r->out, "%.9g %.9g %.9g", at[0] - e->first[0], at[1] - e->first[1],
-            at[2] - e->first[2]);
+    if (is_finite)
+        fprintf(r->out, "%.9g %.9g %.9g", at[0] - origin[0], at[1] - origin[1], at[2] - origin[2]);
+    else
+        fputs("nan nan nan", r->out);
 }
 
 #endif

@@ -14,6 +14,9 @@ typedef struct rk_mesh_hints {
     char *text;            /* the corrected file, which Assimp is to read instead; or NULL */
     size_t size;           /* of the text */
     size_t faces, corners; /* that Assimp should find, faces of three or more; 0: not counted */
+    size_t vertices;       /* the same; 0 where Assimp makes one of each corner, as of OBJ */
+    struct rk_mesh_colours_face *face_colours; /* of a PLY file, one a face, or NULL */
+    size_t face_colour_count;
     char folders[RK_MESH_HINTS_FOLDERS][1024]; /* of material files, relative, with a slash */
     int folder_count;
 } rk_mesh_hints;

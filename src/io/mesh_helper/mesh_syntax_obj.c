@@ -32,6 +32,7 @@ typedef struct obj_parser {
     size_t faults[faults], first[faults]; /* their numbers, and the line of the first */
     size_t short_corners;                 /* of the first short face */
     mesh_extent extent;
+    bool has_unfinite; /* positions */
     bool renames_library;
     char lost[512]; /* a material file that is missing, or "" */
     size_t lost_line;
@@ -47,17 +48,22 @@ static void count_fault(obj_parser *s, int fault, size_t line)
         s->first[fault] = line;
 }
 
+static void note_position(obj_parser *s, const double at[3])
+{
+    s->has_unfinite |= !isfinite(at[0] + at[1] + at[2]);
+    extent_add(&s->extent, at);
+}
+
 static bool parse_position(obj_parser *s, text_cursor *c, rk_error *error)
 {
     size_t line = c->line;
     double at[3];
-    if (s->rewrite && extent_is_far(&s->extent))
-        rewrite_point(s->rewrite, c, &s->extent);
+    if (s->rewrite)
+        rewrite_point(s->rewrite, c, extent_origin(&s->extent));
     else if (!text_read_point(c, at))
-        return rk_fail(error, "%s:%zu: a v line needs three finite numbers: %s", s->path, line,
-                       remedy);
-    else if (!s->rewrite)
-        extent_add(&s->extent, at);
+        return rk_fail(error, "%s:%zu: a v line needs three numbers: %s", s->path, line, remedy);
+    else
+        note_position(s, at);
     s->count[POSITION]++;
     return true;
 }
@@ -316,7 +322,8 @@ bool rk_mesh_syntax_obj(const char *path, const char *text, size_t size, rk_mesh
                 path, s.lost_line, s.lost, hints->plain ? "all" : "its");
     hints->faces = s.faces;
     hints->corners = s.corners;
-    bool whole = s.faults[SHORT_FACE] + s.faults[LACKING_FACE] + s.faults[UNFINITE] == 0 &&
+    bool whole = !s.has_unfinite &&
+                 s.faults[SHORT_FACE] + s.faults[LACKING_FACE] + s.faults[UNFINITE] == 0 &&
                  !extent_is_far(&s.extent) && s.largest[TEXCOORD] <= s.count[TEXCOORD] &&
                  s.largest[NORMAL] <= s.count[NORMAL] && (!s.renames_library || hints->plain);
     return whole || write_corrected(&s, text, size, error);

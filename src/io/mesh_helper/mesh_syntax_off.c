@@ -28,17 +28,18 @@ static bool statue_counts(const char *path, text_cursor *c, long long counts[2],
     return true;
 }
 
-static bool parse_vertex(const char *path, text_cursor *c, mesh_extent *extent, rk_error *error)
+static bool parse_vertex(const char *path, text_cursor *c, mesh_extent *extent, bool *has_unfinite,
+                         rk_error *error)
 {
     double at[3];
     if (!text_read_point(c, at))
-        return rk_fail(error, "%s:%zu: a vertex needs three finite numbers: %s", path, c->line,
-                       remedy);
+        return rk_fail(error, "%s:%zu: a vertex needs three numbers: %s", path, c->line, remedy);
+    *has_unfinite |= !isfinite(at[0] + at[1] + at[2]);
     extent_add(extent, at);
     return true;
 }
 
-/* Vertices relative to the first. */
+/* Vertices relative to the first, if they are far away. */
 static bool write_moved(const char *path, text_cursor vertices, long long count, const char *text,
                         const mesh_extent *extent, rk_mesh_hints *hints, rk_error *error)
 {
@@ -46,7 +47,7 @@ static bool write_moved(const char *path, text_cursor vertices, long long count,
     if (!rewrite.out)
         return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
     for (long long row = 0; row < count && text_next_content(&vertices); row++) {
-        rewrite_point(&rewrite, &vertices, extent);
+        rewrite_point(&rewrite, &vertices, extent_origin(extent));
         text_next_line(&vertices);
     }
     rewrite_skip(&rewrite, vertices.end, vertices.end);
@@ -97,6 +98,7 @@ bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh
     size_t header_line = c.line - 1;
     const text_cursor rows = c;
     mesh_extent extent = {0};
+    bool has_unfinite = false;
     for (long long row = 0; row < counts[0] + counts[1]; row++) {
         if (!text_next_content(&c))
             return rk_fail(
@@ -104,11 +106,12 @@ bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh
                 "%s:%zu: %lld vertices and %lld faces are promised, but the file ends after "
                 "%lld of these lines: %s",
                 path, header_line, counts[0], counts[1], row, remedy);
-        if (row < counts[0] ? !parse_vertex(path, &c, &extent, error)
+        if (row < counts[0] ? !parse_vertex(path, &c, &extent, &has_unfinite, error)
                             : !parse_face(path, &c, counts[0], hints, error))
             return false;
         text_next_line(&c);
     }
-    return !extent_is_far(&extent) ||
+    hints->vertices = (size_t)counts[0];
+    return !(has_unfinite || extent_is_far(&extent)) ||
            write_moved(path, rows, counts[0], text, &extent, hints, error);
 }

@@ -1,11 +1,13 @@
 /* io/mesh_helper/mesh_syntax.h for PLY: a header that declares elements (vertex, face, ...) with
  * their counts and properties, then the rows, as text or binary. All counts are checked against the
  * rows. Format: Greg Turk, "The PLY Polygon File Format", Stanford University, 1994. */
+#include "io/mesh_helper/mesh_colours.h"
 #include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
 
 #include <stdint.h>
+#include <stdlib.h>
 
 enum { max_elements = 16, max_properties = 128 };
 
@@ -30,6 +32,7 @@ typedef struct ply_property {
     ply_type count_type, type;
     bool is_geometry; /* a coordinate that must be finite, or a list of vertex indices */
     int axis;         /* 0 to 2: x, y, z of a vertex; or -1 */
+    int channel;      /* 0 to 2: red, green, blue of a face; or -1 */
 } ply_property;
 
 typedef struct ply_element {
@@ -47,9 +50,12 @@ typedef struct ply_parser {
     ply_element elements[max_elements];
     long long vertices;
     mesh_extent extent;
-    double at[3]; /* of the vertex being read */
-    bool moving;  /* the second pass */
-    char *moved;  /* then of a binary file: a copy of its text */
+    double at[3];  /* of the vertex being read */
+    double rgb[3]; /* of the face being read, as sRGB from 0 to 1 if bytes */
+    uint32_t face_corners;
+    bool has_unfinite; /* coordinates */
+    bool moving;       /* the second pass */
+    char *moved;       /* then of a binary file: a copy of its text */
     const char *text;
     mesh_rewrite rewrite; /* or that of a text */
     rk_mesh_hints *hints;
@@ -144,6 +150,11 @@ static bool read_property(ply_parser *s, text_cursor *c, rk_error *error)
     p->is_geometry = is_geometry(e, p, word);
     bool is_axis = p->is_geometry && !p->is_list && strlen(word) == 1;
     p->axis = is_axis ? word[0] - 'x' : -1;
+    p->channel = p->is_list || strcmp(e->name, "face") != 0 ? -1
+                 : strcmp(word, "red") == 0                 ? 0
+                 : strcmp(word, "green") == 0               ? 1
+                 : strcmp(word, "blue") == 0                ? 2
+                                                            : -1;
     return true;
 }
 
@@ -214,35 +225,88 @@ static bool parse_text_index(ply_parser *s, text_cursor *c, bool is_vertex, rk_e
 
 static void count_face(ply_parser *s, size_t corners)
 {
+    s->face_corners = (uint32_t)corners;
     if (corners < 3 || s->moving)
         return;
     s->hints->faces++;
     s->hints->corners += corners;
 }
 
-/* In the second pass, coordinates are written relative to the first vertex. */
-static bool parse_text_number(ply_parser *s, text_cursor *c, const ply_property *p)
+/* In the second pass, coordinates are written relative to the first vertex if it is far away. */
+static bool parse_text_axis(ply_parser *s, text_cursor *c, int axis)
 {
-    char word[64];
-    if (!p->is_geometry)
-        return text_read_word(c, word, sizeof word);
-    if (p->axis < 0)
-        return text_read_finite(c);
     text_skip_blanks(c);
     const char *from = c->at;
-    if (!text_read_number(c, &s->at[p->axis]))
+    if (!text_read_coordinate(c, &s->at[axis]))
         return false;
-    if (s->moving) {
-        rewrite_skip(&s->rewrite, from, c->at);
-        fprintf(s->rewrite.out, "%.9g", s->at[p->axis] - s->extent.first[p->axis]);
-    }
+    const double moved = s->at[axis] - extent_origin(&s->extent)[axis];
+    if (!s->moving || moved == s->at[axis])
+        return true;
+    rewrite_skip(&s->rewrite, from, c->at);
+    if (isfinite(moved))
+        fprintf(s->rewrite.out, "%.9g", moved);
+    else
+        fputs("nan", s->rewrite.out);
     return true;
 }
 
-static void end_vertex(ply_parser *s, const ply_element *e)
+static double channel_scale(ply_type type)
 {
-    if (!s->moving && strcmp(e->name, "vertex") == 0)
-        extent_add(&s->extent, s->at);
+    return type == UINT8 ? 1 / 255.0 : type == UINT16 ? 1 / 65535.0 : 1;
+}
+
+static bool parse_text_number(ply_parser *s, text_cursor *c, const ply_property *p)
+{
+    char word[64];
+    double value;
+    if (p->axis >= 0)
+        return parse_text_axis(s, c, p->axis);
+    if (p->is_geometry)
+        return text_read_coordinate(c, &value);
+    if (!text_read_word(c, word, sizeof word))
+        return false;
+    if (p->channel >= 0)
+        s->rgb[p->channel] = strtod(word, NULL) * channel_scale(p->type);
+    return true;
+}
+
+static bool has_face_colours(const ply_element *e)
+{
+    int channels = 0;
+    for (int k = 0; k < e->property_count; k++)
+        channels |= e->properties[k].channel >= 0 ? 1 << e->properties[k].channel : 0;
+    return channels == 7;
+}
+
+/* Grows with the rows: the header may promise more than there are. */
+static bool keep_face_colour(ply_parser *s, rk_error *error)
+{
+    rk_mesh_hints *h = s->hints;
+    const size_t count = h->face_colour_count;
+    if ((count & (count - 1)) == 0) {
+        void *room = realloc(h->face_colours, (count ? 2 * count : 1) * sizeof *h->face_colours);
+        if (!room)
+            return rk_fail(error, "%s: no memory for the colours of its faces: simplify the mesh",
+                           s->path);
+        h->face_colours = room;
+    }
+    const rk_vec3 rgb = rk_vec((float)s->rgb[0], (float)s->rgb[1], (float)s->rgb[2]);
+    h->face_colours[h->face_colour_count++] = (rk_mesh_colours_face){s->face_corners, rgb};
+    return true;
+}
+
+/* A vertex, a face, or something else. */
+static bool end_row(ply_parser *s, const ply_element *e, rk_error *error)
+{
+    if (s->moving)
+        return true;
+    if (strcmp(e->name, "face") == 0 && has_face_colours(e))
+        return keep_face_colour(s, error);
+    if (strcmp(e->name, "vertex") != 0)
+        return true;
+    s->has_unfinite |= !isfinite(s->at[0] + s->at[1] + s->at[2]);
+    extent_add(&s->extent, s->at);
+    return true;
 }
 
 static bool parse_text_property(ply_parser *s, text_cursor *c, const ply_property *p,
@@ -250,8 +314,7 @@ static bool parse_text_property(ply_parser *s, text_cursor *c, const ply_propert
 {
     if (!p->is_list)
         return parse_text_number(s, c, p) ||
-               rk_fail(error, "%s:%zu: a number is missing or not finite: %s", s->path, c->line,
-                       remedy);
+               rk_fail(error, "%s:%zu: a number is missing: %s", s->path, c->line, remedy);
     long long count;
     text_skip_blanks(c);
     if (!text_read_integer(c, &count) || count < 0)
@@ -275,7 +338,8 @@ static bool parse_text(ply_parser *s, text_cursor *c, rk_error *error)
             for (int k = 0; k < e->property_count; k++)
                 if (!parse_text_property(s, c, &e->properties[k], error))
                     return false;
-            end_vertex(s, e);
+            if (!end_row(s, e, error))
+                return false;
             text_next_line(c);
         }
     }
@@ -369,15 +433,13 @@ static bool parse_binary_row(ply_parser *s, text_cursor *c, const ply_element *e
         }
         if (left < size)
             return fail_ended(s, e, row, error);
-        if (p->is_geometry && !isfinite(read_value(s, c->at, p->type)))
-            return rk_fail(error, "%s: a number of vertex %lld is not finite: %s", s->path, row,
-                           remedy);
         if (p->axis >= 0)
             take_binary(s, c->at, p);
+        if (p->channel >= 0)
+            s->rgb[p->channel] = read_value(s, c->at, p->type) * channel_scale(p->type);
         c->at += size;
     }
-    end_vertex(s, e);
-    return true;
+    return end_row(s, e, error);
 }
 
 static bool parse_binary(ply_parser *s, text_cursor *c, rk_error *error)
@@ -403,7 +465,7 @@ static bool is_movable(const ply_parser *s)
             if (p->axis >= 0 && s->encoding != ASCII && p->type < FLOAT32)
                 return false;
         }
-    return extent_is_far(&s->extent);
+    return extent_is_far(&s->extent) || (s->has_unfinite && s->encoding == ASCII);
 }
 
 static bool write_moved(ply_parser *s, text_cursor rows, const char *text, size_t size,
@@ -440,5 +502,6 @@ bool rk_mesh_syntax_ply(const char *path, const char *text, size_t size, rk_mesh
     for (int i = 0; i < s.element_count; i++)
         if (strcmp(s.elements[i].name, "tristrips") == 0)
             hints->faces = 0;
+    hints->vertices = (size_t)s.vertices;
     return !is_movable(&s) || write_moved(&s, c, text, size, error);
 }

@@ -127,21 +127,30 @@ static void find_pictures(rk_mesh_textures *textures, const rk_mesh_hints *hints
     }
 }
 
-/* What was checked must be what is drawn. */
+/* What was checked must be what is drawn. Vertices are compared where Assimp keeps the file's: in
+ * PLY and OFF, unless it copies them for parts of several materials; of an OBJ it makes one for
+ * each corner, and in other formats there is no count of our own. */
 static void compare_counts(rk_mesh_hints *hints, const struct aiScene *scene, const char *path)
 {
-    size_t faces = 0, corners = 0;
-    for (uint32_t i = 0; i < scene->mNumMeshes; i++)
+    size_t faces = 0, corners = 0, vertices = 0;
+    for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
+        vertices += scene->mMeshes[i]->mNumVertices;
         for (uint32_t k = 0; k < scene->mMeshes[i]->mNumFaces; k++) {
             uint32_t count = scene->mMeshes[i]->mFaces[k].mNumIndices;
             faces += count >= 3;
             corners += count >= 3 ? count : 0;
         }
+    }
     if (hints->faces && (faces != hints->faces || corners != hints->corners))
         rk_mesh_hints_note(hints, path,
                            "has %zu faces of %zu corners, but Assimp reads %zu of %zu: the picture "
                            "differs from the file; export it in another format",
                            hints->faces, hints->corners, faces, corners);
+    if (hints->vertices && scene->mNumMeshes == 1 && vertices != hints->vertices)
+        rk_mesh_hints_note(hints, path,
+                           "has %zu vertices, but Assimp reads %zu: the picture differs from the "
+                           "file; export it in another format",
+                           hints->vertices, vertices);
 }
 
 /* Of formats that only Assimp reads; OBJ, PLY and OFF were moved. */
@@ -212,5 +221,6 @@ int main(int argc, char **argv)
     const char *text = ok ? hints.note.text : error.text;
     if (*text)
         fprintf(stderr, "%s\n", text);
+    free(hints.face_colours);
     return ok ? EXIT_SUCCESS : EXIT_FAILURE;
 }
