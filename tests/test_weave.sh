@@ -247,6 +247,18 @@ END
     is_refused '01_one.md:3: old is neither true nor false'
     verdict a_sentence_is_true_or_false
 
+    printf '# One\n\n[2 and 2 are 4]{.worked that="2 + 2 == 4"}, [1 is lost]{.worked that="2^53 + 1 == 2^53"}.\n' >"$texts/01_one.md"
+    is_woven && grep -q '2 and 2 are 4, 1 is lost' "$page"
+    verdict an_example_worked_by_hand_is_woven
+
+    printf '# One\n\n[2 and 2 are 5]{.worked that="2 + 2 == 5"}.\n' >"$texts/01_one.md"
+    quick=1 is_refused '01_one.md:3: "2 and 2 are 5" needs 2 + 2 == 5'
+    verdict a_wrong_one_is_a_mistake
+
+    printf '# One\n\n[2 and 2 are a]{.worked that="2 + 2 == a"}.\n' >"$texts/01_one.md"
+    is_refused '01_one.md:3: a: a worked example has no names'
+    verdict it_has_numbers_alone
+
     # A driver whose runs take 3 ms, and a sentence that says otherwise.
     mkdir -p "$folder/assignments/04_clock"
     cat >"$folder/assignments/04_clock/clock" <<'END'

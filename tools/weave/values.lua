@@ -23,7 +23,11 @@
 --
 -- A number of .measured has the name that it gets by name=...
 --
--- Expressions are Lua's, with the names, and min, max, abs and sqrt.
+--   [1 + 2 + 4 is 7]{.worked that="1 + 2 + 4 == 7"}
+-- is the arithmetic of an example worked by hand, without names. It stays as it is, and is always judged.
+--
+-- Expressions are Lua's, with the names, and min, max, abs and sqrt. Lua's numbers are C's: 2^53 is a double,
+-- and ~ between whole numbers is xor.
 
 local drive = require("drive")
 local fit = require("fit")
@@ -138,20 +142,26 @@ local function list(used)
   return table.concat(parts, ", ")
 end
 
+local functions = {min = math.min, max = math.max, abs = math.abs, sqrt = math.sqrt}
+
+-- An expression's result; other names than these functions' are looked up.
+local function run(span, expression, look_up)
+  local names = setmetatable({}, {__index = function(_, name) return functions[name] or look_up(name) end})
+  local chunk, wrong = load("return " .. expression, "expression", "t", names)
+  if not chunk then fail_at(span, "this is not an expression: %s (%s)", expression, wrong) end
+  local done, result = pcall(chunk)
+  if not done then fail_at(span, "%s: %s", expression, result) end
+  return result
+end
+
 -- An expression's result, and the names that it uses; nil if one of these has no value.
 local function evaluate(span, expression)
   local used, missing = {}, false
-  local functions = {min = math.min, max = math.max, abs = math.abs, sqrt = math.sqrt}
-  local function look_up(_, name)
-    if functions[name] then return functions[name] end
+  local result = run(span, expression, function(name)
     if not named_at[name] then fail_at(span, "no value is called %s", name) end
     if not named[name] then missing = true else used[name] = true end
     return named[name] or 0
-  end
-  local run, wrong = load("return " .. expression, "expression", "t", setmetatable({}, {__index = look_up}))
-  if not run then fail_at(span, "this is not an expression: %s (%s)", expression, wrong) end
-  local done, result = pcall(run)
-  if not done then fail_at(span, "%s: %s", expression, result) end
+  end)
   if next(used) == nil and not missing then fail_at(span, "%s has no value in it", expression) end
   if missing then return nil end
   return result, used
@@ -221,6 +231,16 @@ local function check(span)
   return contradicted(span, title, numbers, is_judged)
 end
 
+-- An example worked by hand, which depends on no measurement.
+local function worked(span)
+  local that = need(span, "that")
+  local result = run(span, that, function(name) fail_at(span, "%s: a worked example has no names", name) end)
+  if type(result) ~= "boolean" then fail_at(span, "%s is neither true nor false", that) end
+  judge(span, "holds", not result and
+    string.format('"%s" needs %s', pandoc.utils.stringify(span.content), that) or nil)
+  return result and span.content or contradicted(span, that, that, true)
+end
+
 local function value(span)
   local result, used = evaluate(span, need(span, "is"))
   if not result then return pandoc.Emph("not measured here") end
@@ -230,7 +250,7 @@ local function value(span)
 end
 
 -- Classes that other filters leave alone.
-values.spans = {check = check, value = value}
+values.spans = {check = check, value = value, worked = worked}
 
 -- To be run after the directives, by which tables are made.
 values.filters = {
