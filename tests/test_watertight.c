@@ -351,12 +351,36 @@ static void check_certainty(const pair_of *p, uint32_t i)
         i, want ? "true" : "false", got ? "true" : "false", scene, along);
 }
 
+/* The example in the chapter. A ray through an edge has a determinant of 0, which no bound
+ * excludes. */
+static void check_certainty_by_hand(void)
+{
+    const rk_triangle triangle = {{0, 0, 1}, {4, 0, 1}, {0, 4, 1}, 0};
+    static const struct {
+        float y;
+        bool is_certain;
+        const char *why;
+    } rays[] = {{1, true, "u, v and w are -4, -4 and -8: certainly a hit"},
+                {-1, true, "u, v and w are -4, 4 and -16: certainly a miss"},
+                {0, false, "the ray passes through the edge ab, so v is 0"}};
+    for (int i = 0; i < 3; i++) {
+        rk_ray ray = {rk_vec(1, rays[i].y, 0), rk_vec(0, 0, 1), INFINITY};
+        bool got = rk_watertight_is_certain(&triangle, &ray);
+        rk_check(got == rays[i].is_certain,
+                 "from (1, %g, 0) along z, corners (0, 0, 1), (4, 0, 1) and (0, 4, 1): is_certain "
+                 "is %s, want %s: %s",
+                 (double)rays[i].y, got ? "true" : "false", rays[i].is_certain ? "true" : "false",
+                 rays[i].why);
+    }
+}
+
 /* Double is certain of all these rays even by a bound of 2^-24 in place of 2^-48; 1 % leaves room
  * for wider ones. */
 static void double_decides_away_from_the_edges(void **state)
 {
     (void)state;
     unsigned exact = 0;
+    check_certainty_by_hand();
     for (uint32_t i = 0; i < cases; i++) {
         pair_of p = random_pair(i);
         rk_triangle triangle = float_triangle(p.corner, 0, 7);

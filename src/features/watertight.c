@@ -47,18 +47,18 @@ typedef struct exact_sum {
 static inline vectors vectors_of(const rk_triangle *triangle, const rk_ray *ray);
 static inline determinants determinants_of(const vectors *x);
 static inline rk_hit hit_of(const determinants *m, uint32_t triangle);
+static pair two_sum(double a, double b);
+static void add(exact_sum *sum, double x);
+static double triple_product(pair3 a, pair3 b, pair3 c);
+static pair3 difference(rk_vec3 a, rk_vec3 b);
+static determinants exact_determinants(const rk_triangle *triangle, const rk_ray *ray);
+static pair two_product(double a, double b);
+static void add_product(exact_sum *sum, pair a, pair b, pair c, double sign);
 static inline double larger(double a, double b);
 static inline double smaller(double a, double b);
 static inline double size_of(rk_dvec3 a);
 static inline double longest_of(rk_dvec3 a);
 static inline bool is_certain(const determinants *m, const vectors *x);
-static pair two_sum(double a, double b);
-static pair two_product(double a, double b);
-static void add(exact_sum *sum, double x);
-static void add_product(exact_sum *sum, pair a, pair b, pair c, double sign);
-static double triple_product(pair3 a, pair3 b, pair3 c);
-static pair3 difference(rk_vec3 a, rk_vec3 b);
-static determinants exact_determinants(const rk_triangle *triangle, const rk_ray *ray);
 static double side_when_displaced(double side, rk_vec3 from, rk_vec3 to, rk_vec3 direction);
 static int sign_of(double x);
 static inline uint32_t may_hit(const rk_ray *ray, float t_max, const rk_triangle *triangles,
@@ -104,49 +104,7 @@ static inline rk_hit hit_of(const determinants *m, uint32_t triangle)
                     triangle};
 }
 
-/* --- Is the sign certain? --------------------------------------------------------------------- */
-
-static inline double larger(double a, double b)
-{
-    return a > b ? a : b;
-}
-
-static inline double smaller(double a, double b)
-{
-    return a < b ? a : b;
-}
-
-static inline double size_of(rk_dvec3 a)
-{
-    return fabs(a.x) + fabs(a.y) + fabs(a.z);
-}
-
-static inline double longest_of(rk_dvec3 a)
-{
-    return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
-}
-
-/* Is it certain that the exact ray hits, or that it misses? It is a miss if two determinants have
- * different signs beyond the bound of their errors; a hit or, behind the origin, a miss if all
- * three have the same sign, and t is not 0 within its own bound. */
-static inline bool is_certain(const determinants *m, const vectors *x)
-{
-    /* solution */
-    double edge = larger(size_of(x->ab), size_of(x->ac)), reach = size_of(x->s) + edge;
-    double bound = 0x1p-48 * edge * reach * longest_of(x->direction);
-    double lowest = smaller(m->u, smaller(m->v, m->w)), highest = larger(m->u, larger(m->v, m->w));
-    if (lowest < -bound && highest > bound)
-        return true;
-    bool passes = lowest > bound || highest < -bound;
-    return passes && fabs(m->t) > 0x1p-48 * edge * edge * reach;
-    /* starter
-    // Second step, when the exact numbers are right: until then they decide every time, slowly.
-    // larger, smaller, size_of and longest_of are above.
-    return false;
-    end */
-}
-
-/* --- Exactly ---------------------------------------------------------------------------------- */
+/* --- Sums ------------------------------------------------------------------------------------- */
 
 /* a + b (Knuth): low is what rounding took from high. */
 static pair two_sum(double a, double b)
@@ -157,18 +115,6 @@ static pair two_sum(double a, double b)
     /* starter
     // Second step: what did rounding take from the sum?
     return (pair){a + b, 0};
-    end */
-}
-
-/* a b: a fused multiply-add rounds once, so it finds the error of a product. */
-static pair two_product(double a, double b)
-{
-    /* solution */
-    double product = a * b;
-    return (pair){product, fma(a, b, -product)};
-    /* starter
-    // Second step: what did rounding take from the product?
-    return (pair){a * b, 0};
     end */
 }
 
@@ -193,22 +139,7 @@ static void add(exact_sum *sum, double x)
     end */
 }
 
-/* Adds a b c times 1 or -1. */
-static void add_product(exact_sum *sum, pair a, pair b, pair c, double sign)
-{
-    const double of_a[2] = {a.low, a.high}, of_b[2] = {b.low, b.high}, of_c[2] = {c.low, c.high};
-    for (int i = 0; i < 8; i++) {
-        double x = of_a[i & 1], y = of_b[i >> 1 & 1], z = sign * of_c[i >> 2];
-        if (x == 0 || y == 0 || z == 0)
-            continue;
-        pair product = two_product(x, y);
-        pair low = two_product(product.low, z), high = two_product(product.high, z);
-        add(sum, low.low);
-        add(sum, low.high);
-        add(sum, high.low);
-        add(sum, high.high);
-    }
-}
+/* --- Exact determinants ----------------------------------------------------------------------- */
 
 /* a . (b x c), rounded only in the end: sign and size are those of the exact number. */
 static double triple_product(pair3 a, pair3 b, pair3 c)
@@ -256,6 +187,79 @@ static determinants exact_determinants(const rk_triangle *triangle, const rk_ray
     end */
 }
 
+/* --- Products --------------------------------------------------------------------------------- */
+
+/* a b: a fused multiply-add rounds once, so it finds the error of a product. */
+static pair two_product(double a, double b)
+{
+    /* solution */
+    double product = a * b;
+    return (pair){product, fma(a, b, -product)};
+    /* starter
+    // Third step: what did rounding take from the product?
+    return (pair){a * b, 0};
+    end */
+}
+
+/* Adds a b c times 1 or -1. */
+static void add_product(exact_sum *sum, pair a, pair b, pair c, double sign)
+{
+    const double of_a[2] = {a.low, a.high}, of_b[2] = {b.low, b.high}, of_c[2] = {c.low, c.high};
+    for (int i = 0; i < 8; i++) {
+        double x = of_a[i & 1], y = of_b[i >> 1 & 1], z = sign * of_c[i >> 2];
+        if (x == 0 || y == 0 || z == 0)
+            continue;
+        pair product = two_product(x, y);
+        pair low = two_product(product.low, z), high = two_product(product.high, z);
+        add(sum, low.low);
+        add(sum, low.high);
+        add(sum, high.low);
+        add(sum, high.high);
+    }
+}
+
+/* --- Is the sign certain? --------------------------------------------------------------------- */
+
+static inline double larger(double a, double b)
+{
+    return a > b ? a : b;
+}
+
+static inline double smaller(double a, double b)
+{
+    return a < b ? a : b;
+}
+
+static inline double size_of(rk_dvec3 a)
+{
+    return fabs(a.x) + fabs(a.y) + fabs(a.z);
+}
+
+static inline double longest_of(rk_dvec3 a)
+{
+    return larger(fabs(a.x), larger(fabs(a.y), fabs(a.z)));
+}
+
+/* Is it certain that the exact ray hits, or that it misses? It is a miss if two determinants have
+ * different signs beyond the bound of their errors; a hit or, behind the origin, a miss if all
+ * three have the same sign, and t is not 0 within its own bound. */
+static inline bool is_certain(const determinants *m, const vectors *x)
+{
+    /* solution */
+    double edge = larger(size_of(x->ab), size_of(x->ac)), reach = size_of(x->s) + edge;
+    double bound = 0x1p-48 * edge * reach * longest_of(x->direction);
+    double lowest = smaller(m->u, smaller(m->v, m->w)), highest = larger(m->u, larger(m->v, m->w));
+    if (lowest < -bound && highest > bound)
+        return true;
+    bool passes = lowest > bound || highest < -bound;
+    return passes && fabs(m->t) > 0x1p-48 * edge * edge * reach;
+    /* starter
+    // Third step, when the exact numbers are right: until then they decide every time, slowly.
+    // larger, smaller, size_of and longest_of are above.
+    return false;
+    end */
+}
+
 /* --- The decision ----------------------------------------------------------------------------- */
 
 rk_hit rk_watertight_intersect(const rk_triangle *triangle, const rk_ray *ray)
@@ -288,7 +292,7 @@ static double side_when_displaced(double side, rk_vec3 from, rk_vec3 to, rk_vec3
                               difference(to, from));
     return side;
     /* starter
-    // Third step: for now a ray through an edge crosses neither of its triangles.
+    // Fourth step: for now a ray through an edge crosses neither of its triangles.
     return side;
     end */
 }
