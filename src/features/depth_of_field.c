@@ -115,7 +115,8 @@ void rk_lens_coc(const float *diameters, uint32_t width, uint32_t height, int32_
         for (size_t x = 0; x < width; x++)
             coc_count[y * stride + x] += coc_count[(y - 1) * stride + x];
     /* starter
-    // Fifth step: for each circle four numbers at its square's corners, then sums along rows, then
-    // along columns.
+    // Fourth step: add 1 to each pixel that a circle reaches, one pixel after the other.
+    // Fifth step, at the same cost for every circle: four numbers at its square's corners, then
+    // sums along rows, then along columns.
     end */
 }
