@@ -20,6 +20,21 @@ static rk_pixel_samples staircase(uint32_t count, float first)
     return pixel;
 }
 
+/* The pixel that the chapter computes by hand. */
+static rk_pixel_samples by_hand(void)
+{
+    const float values[] = {1, 3, 5, 7, 3, 5, 7, 9};
+    rk_pixel_samples pixel = {0};
+    rk_adaptive_extend(&pixel, 8);
+    for (uint32_t i = 0; i < 8; i++)
+        rk_adaptive_add(&pixel, i, grey(values[i]));
+    return pixel;
+}
+
+/* The chapter's row of eight pixels: the variance of each by itself, and pooled, in 12.125ths. */
+static const float row_own[8] = {0, 0, 0, 64, 16, 0, 0, 0};
+static const double row_pooled[8] = {1.25, 1.25, 129.25, 545.25, 257.25, 33.25, 1.25, 1.25};
+
 /* Uniform in [0, 1), with the variance 1/12; independent of all others. */
 static rk_pixel_samples noise(uint32_t pixel, uint32_t count)
 {
@@ -48,6 +63,8 @@ static void a_sample_is_added_to_the_block_of_its_quarter(void **state)
     check_blocks(&four, (float[]){1, 2, 3, 4}, "of 4 samples each block has one");
     check_blocks(&eight, (float[]){3, 7, 11, 15}, "of 8 samples each block has two in a row");
     check_blocks(&many, (float[]){136, 392, 648, 904}, "of 64 samples each block has 16 in a row");
+    const rk_pixel_samples pixel = by_hand();
+    check_blocks(&pixel, (float[]){4, 12, 8, 16}, "samples 1, 3, 5, 7, 3, 5, 7, 9");
     rk_pixel_samples colour = {0};
     rk_adaptive_extend(&colour, 4);
     rk_adaptive_add(&colour, 2, rk_vec(1, 2, 3));
@@ -64,6 +81,9 @@ static void the_samples_so_far_become_the_first_half(void **state)
     rk_adaptive_extend(&pixel, 16);
     check_blocks(&pixel, (float[]){10, 26, 0, 0}, "8 samples, room for 16");
     rk_check_equal(pixel.count, 16, "the number of samples that it will have");
+    pixel = by_hand();
+    rk_adaptive_extend(&pixel, 16);
+    check_blocks(&pixel, (float[]){16, 24, 0, 0}, "blocks of 4, 12, 8 and 16, room for 16 samples");
     pixel = staircase(8, 1);
     rk_adaptive_extend(&pixel, 32);
     check_blocks(&pixel, (float[]){36, 0, 0, 0}, "8 samples, room for 32");
@@ -104,6 +124,10 @@ static void the_mean_is_that_of_all_samples(void **state)
 static void differences_are_those_of_means(void **state)
 {
     (void)state;
+    const rk_pixel_samples pixel_by_hand = {{grey(4), grey(12), grey(8), grey(16)}, 0, 8};
+    const rk_adaptive_differences of_it = rk_adaptive_differences_of(&pixel_by_hand);
+    rk_check_close(of_it.quarters, 4, 1e-12, "sums of two samples: 4, 12, 8, 16; means 2, 6, 4, 8");
+    rk_check_close(of_it.halves, 1, 1e-12, "sums of two samples: 4, 12, 8, 16; halves 4 and 6");
     /* Quarters have the means 1, 2, 4, 8, so halves 1.5 and 6. */
     for (uint32_t count = 4; count <= 1u << 24; count *= 2) {
         const float n = (float)(count / 4);
@@ -173,6 +197,8 @@ static void variance_is_the_sum_of_the_series(void **state)
     (void)state;
     rk_check_close(rk_adaptive_variance((rk_adaptive_differences){6, 3}), 3, 1e-12,
                    "independent samples: V(n/2) - V(n) = V(n)");
+    rk_check_close(rk_adaptive_variance((rk_adaptive_differences){4, 1}), 0.5, 1e-12,
+                   "differences 4 and 1: r is 1/4, later 1/3");
     rk_check_close(rk_adaptive_variance((rk_adaptive_differences){8, 2}), 1, 1e-12,
                    "halves 2, a quarter of quarters: with r = (2/4 + 1/2) / 3");
     rk_check_close(rk_adaptive_variance((rk_adaptive_differences){80, 1}), 1 / 3.0, 1e-12,
@@ -210,6 +236,7 @@ static void error_is_relative_to_the_picture(void **state)
 {
     (void)state;
     rk_check_close(rk_adaptive_error(1, 101), 0.1, 1e-12, "V = 1, squares of means 100 + V");
+    rk_check_close(rk_adaptive_error(4, 200), 1 / 7.0, 1e-12, "V = 4, squares 200");
     rk_check_close(rk_adaptive_error(4e-8, 4e-8 + 1e-4), 0.02, 1e-9, "a dark picture");
     rk_check_close(rk_adaptive_error(0, 5), 0, 0, "no variance");
     rk_check_close(rk_adaptive_error(0, 0), 0, 0, "a black picture");
@@ -235,6 +262,9 @@ static void a_sample_adds_its_deviation(void **state)
 static void own_variance_is_that_of_the_samples(void **state)
 {
     (void)state;
+    const rk_pixel_samples pixel = by_hand();
+    rk_check_close(rk_adaptive_own_variance(&pixel), 48 / 7.0, 1e-5,
+                   "samples 1, 3, 5, 7, 3, 5, 7, 9: 48 / 7");
     for (uint32_t n = 4; n <= 1024; n *= 2) { /* of 1, 2, ... n it is n (n + 1) / 12 */
         const rk_pixel_samples once = staircase(n, 1);
         rk_check_near(rk_adaptive_own_variance(&once) / ((double)n * (n + 1) / 12), 1, 1e-5,
@@ -307,6 +337,10 @@ static void neighbours_are_those_inside_the_picture(void **state)
                       1e-4, "pixel (%u, %u)", at[i].x, at[i].y);
     rk_check_close(rk_adaptive_pooled_variance(variance, 0, 4, 9, 1, 8, 0), (36 + 32) / 8.125, 1e-5,
                    "the end of a picture of one row");
+    for (uint32_t x = 0; x < 8; x++)
+        rk_check_near(rk_adaptive_pooled_variance(row_own, 10, 8, 8, 1, x, 0),
+                      row_pooled[x] / 12.125, 1e-5 * 64,
+                      "a row of variances 0 0 0 64 16 0 0 0, from 8 samples each: pixel %u", x);
     rk_check_close(rk_adaptive_pooled_variance(variance, 1, 8, 1, 1, 0, 0), 1, 1e-6, "one pixel");
 }
 
@@ -437,9 +471,29 @@ static void check_large_prediction(void)
     rk_check_close(p.samples, 3 * 0x1p31, 0, "more samples than 32 bits can count");
 }
 
+/* The table in the chapter. */
+static void check_prediction_by_hand(void)
+{
+    const struct {
+        float lambda;
+        double samples, variance;
+    } at[] = {{0.01f, 192, 1.64}, {0.04f, 104, 3.18}, {0.08f, 88, 3.84}, {0.16f, 60, 6.26}};
+    rk_adaptive_estimate row[8];
+    for (int i = 0; i < 8; i++)
+        row[i] = (rk_adaptive_estimate){(float)(row_pooled[i] / 12.125), 8, 0};
+    for (int k = 0; k < 4; k++) {
+        rk_adaptive_prediction p = rk_adaptive_predict(row, 8, at[k].lambda, 64, 0.5);
+        rk_check_near(p.samples, at[k].samples, 0, "eight pixels, lambda %g: samples",
+                      (double)at[k].lambda);
+        rk_check_near(p.variance, at[k].variance, 0.005, "eight pixels, lambda %g: variance",
+                      (double)at[k].lambda);
+    }
+}
+
 static void a_prediction_adds_up_pixels(void **state)
 {
     (void)state;
+    check_prediction_by_hand();
     check_large_prediction();
     const rk_adaptive_estimate estimates[] = {{64, 8, 0}, {1024, 8, 0}, {0, 4, 0}, {4096, 64, 0}};
     const rk_adaptive_prediction p = rk_adaptive_predict(estimates, 4, 1, 32, 0.25);

@@ -119,6 +119,12 @@ static void dimension_1_is_pascals_triangle(void **state)
 static void further_numbers_follow_the_recurrence(void **state)
 {
     (void)state;
+    const double by_hand[] = {1 / 2., 3 / 4., 1 / 8., 5 / 16., 31 / 32.}; /* see the chapter */
+    uint32_t third[RK_SOBOL_DIGITS];
+    rk_sobol_directions(3, third);
+    for (uint32_t j = 0; j < 5; j++)
+        rk_check_near((double)third[j] * 0x1p-32, by_hand[j], 0,
+                      "dimension 3, x^3 + x + 1, after m = 1, 3, 1: v[%u]", j);
     for (uint32_t d = 1; d < RK_SOBOL_DIMENSIONS; d++) {
         uint32_t v[RK_SOBOL_DIGITS];
         const rk_sobol_initial *p = &rk_sobol_initials[d];
@@ -827,8 +833,10 @@ static void the_first_16_pixels_are_in_z_order(void **state)
     const uint32_t want[4][4] = {{0, 1, 4, 5}, {2, 3, 6, 7}, {8, 9, 12, 13}, {10, 11, 14, 15}};
     for (uint32_t y = 0; y < 4; y++)
         for (uint32_t x = 0; x < 4; x++)
-            rk_check(rk_morton_index(x, y) == want[y][x], "pixel (%u, %u): got %u, want %u", x, y,
-                     rk_morton_index(x, y), want[y][x]);
+            rk_check(rk_morton_index(x, y) == want[y][x],
+                     "pixel (%u, %u): got %u, want %u: the digits of x at even places, those of y "
+                     "at odd ones",
+                     x, y, rk_morton_index(x, y), want[y][x]);
 }
 
 static void digits_of_x_and_y_alternate(void **state)
