@@ -240,6 +240,7 @@ static inline const rk_bvh_node *push_far_return_near(rk_traversal_stack *stack,
     return enter_near < INFINITY ? near : NULL;
     /* starter
     // Fourth step: rk_box_enter returns the t at which a ray enters a box, INFINITY for a miss.
+    // Push one of two entered children and return the other. Fifth step: return the nearer.
     return NULL;
     end */
 }
@@ -253,7 +254,7 @@ static inline const rk_bvh_node *pop_nearer(rk_traversal_stack *stack, float t_m
             return stack->entries[stack->size].node;
     return NULL;
     /* starter
-    // Fourth step: nodes that the ray enters beyond t_max need no visit.
+    // Fourth step: pop a node. Fifth step: those that the ray enters beyond t_max need no visit.
     return NULL;
     end */
 }
@@ -318,7 +319,7 @@ bool rk_bvh_occluded(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters
     counters->triangle_tests += triangle_tests;
     return found;
     /* starter
-    // Fifth step: as above, by rk_triangles_first_hit. The first hit ends the search.
+    // Sixth step: as above, by rk_triangles_first_hit. The first hit ends the search.
     return false;
     end */
 }
