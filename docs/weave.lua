@@ -42,6 +42,7 @@ local hours = require("hours")
 local index = require("index")
 local listings = require("listings")
 local weave = require("weave")
+local wrong = require("wrong")
 local anchor, fail, fail_at, need, place = weave.anchor, drive.fail, drive.fail_at, drive.need, drive.place
 
 local solutions = true
@@ -291,6 +292,6 @@ return {
     Code = code_inline,
     CodeBlock = code_block,
     Para = lone_sketch,
-    late = {collect, {Pandoc = render_all}, {Math = render}},
+    late = {{Pandoc = wrong.mark_steps}, collect, {Pandoc = render_all}, {Math = render}},
   })),
 }

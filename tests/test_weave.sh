@@ -493,6 +493,14 @@ END
     prints -2.468 && grep -q 't = -2.468' "$pages/pixel.html"
     verdict a_text_may_repeat_what_a_driver_prints
 
+    steps=$folder/texts/assignments/02_two
+    mkdir -p "$steps"
+    printf '# Two\n\n| 2 | a | disks | b |\n| 3 | c | other, disks | d |\n' >"$steps/handout.md"
+    prints -2.468 && tr '\n' ' ' <"$pages/two.html" | grep -q 'id="disks".*</h2> *<div class="of-step">[^S]*Steps 2 and 3 of the assignment' &&
+        ! grep -q 'of-step' "$pages/one.html"
+    verdict a_section_names_the_steps_that_it_belongs_to
+    rm -r "$steps"
+
     # What was drawn is kept: the driver notes its calls.
     lens=$folder/assignments/01_lens/lens
     has_parts() { find "$folder/build/drawn" -name '*.part*' | grep -q .; }

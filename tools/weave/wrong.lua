@@ -145,6 +145,43 @@ end
 
 -- --- steps -----------------------------------------------------------------------------------
 
+-- The steps of sections, by their names: none for a chapter without an assignment, or whose assignment a pack
+-- does not hand out.
+local function steps_of_sections(stem)
+  local handout, steps = file_of(stem, "handout.md"), {}
+  local table_of_steps = handout and read_file(handout) or ""
+  for step, sections in table_of_steps:gmatch("\n| (%d+) | [^|]* | ([^|]*) |") do
+    for section in sections:gmatch("[%w-]+") do
+      steps[section] = steps[section] or {}
+      table.insert(steps[section], step)
+    end
+  end
+  return steps
+end
+
+local function named(steps)
+  local last = #steps
+  local said = last == 1 and "Step " .. steps[1] or
+    "Steps " .. table.concat(steps, ", ", 1, last - 1) .. " and " .. steps[last]
+  return pandoc.Div({pandoc.Plain({pandoc.Str(said .. " of the assignment")})}, {class = "of-step"})
+end
+
+-- Below the heading of a section stand the steps for which the handout names it.
+function tools.mark_steps(doc)
+  local blocks, known = pandoc.List(), {}
+  for _, block in ipairs(doc.blocks) do
+    blocks:insert(block)
+    local stem = block.t == "Header" and drive.place(block):match("%d%d_([^/]*)%.md:%d+$")
+    if stem then
+      known[stem] = known[stem] or steps_of_sections(stem)
+      local steps = known[stem][block.identifier]
+      if steps then blocks:insert(named(steps)) end
+    end
+  end
+  doc.blocks = blocks
+  return doc
+end
+
 -- The picture of each step, what was written, and the claims that hold since the picture before.
 function tools.steps(div)
   local stem = drive.need(div, "stem")
