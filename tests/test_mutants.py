@@ -86,10 +86,13 @@ def is_made(changes, old, new, name):
 
 def mutants_are_read():
     got = read("# A comment.\n\n" + HEAD + "in fog_at\n- depth\n+ t\n\n"
-               "mutant thin\nmistake: Two\n    lines.\nfails: a b\n  c\nin struct fog\n- x\n+\n")
+               "mutant thin\nmistake: Two\n    lines.\nfails: a b\n  c\nsays: it is\n  twice\n"
+               "in struct fog\n- x\n+\n")
     check([mutant.name for mutant in got] == ["thick", "thin"], "blocks come in the file's order", got)
     check(got[1].mistake == "Two lines." and got[1].fails == ["a", "b", "c"], "indented lines go on", got[1])
-    check((got[0].line, got[1].line, got[1].fails_line, got[1].changes[0].line) == (3, 10, 13, 16),
+    check(got[1].says == "it is twice" and got[0].says is None,
+          "what the first message says may stand there", got)
+    check((got[0].line, got[1].line, got[1].fails_line, got[1].changes[0].line) == (3, 10, 13, 18),
           "each thing knows its line", got)
 
 
@@ -141,6 +144,8 @@ def slips_in_writing_are_told():
                "a test that is named twice is refused")
     is_refused("fails: a_claim\n", 1, ["mutant NAME"], "a line before the first mutant is refused")
     is_refused(HEAD + "fails: another\n", 4, ["remove one"], "a second line of the same kind is refused")
+    is_refused(HEAD + "says:\nin fog_at\n- depth <= thin\n+ 1\n", 4, ["says:"],
+               "a message of nothing is refused")
     is_refused(HEAD + "Fails: another\n", 4, ["no line of a mutant"], "an unknown line is refused")
     is_refused(HEAD + "- depth\n+ t\n", 4, ["which function"], "a text without a place is refused")
     is_refused(HEAD + "in fog at\n", 4, ["names no place"], "what is no place's name is refused")

@@ -27,7 +27,10 @@ SUITE = """#include "features/fog.h"
 int main(int argc, char **argv)
 {
     if (argc == 2) { puts("doubles"); return 0; }
-    return argc == 3 && fog_at(3) != EXPECTED;
+    if (argc != 3 || fog_at(3) == EXPECTED)
+        return 0;
+    puts("got 9, want 6");
+    return 1;
 }
 """
 FILES = {"src/features/fog.c": UNIT, "src/features/fog.h": "int fog_at(int t);\nint base_of(int t);\n",
@@ -128,6 +131,24 @@ def verdicts_are_kept(root):
             check("survives" in str(fault), "a survivor is told each time", fault)
 
 
+def messages_are_compared(root):
+    put(root, "tests/suite.h", FILES["tests/suite.h"])
+    put(root, "assignments/01_fog/points.tsv", "test\tpoints\ndoubles\t100\n")
+    mutant = check_suites.read_mutants(root / "fog.mutants", "fog.mutants")[0]
+    store = verdict_store.Store(root / "store", is_fresh=True)
+    feature_of(root, store).check_mutant(mutant._replace(says="got 9"))
+    check(True, "a mutant whose first message says what it should is killed")
+    feature = feature_of(root, store)
+    try:
+        feature.check_mutant(mutant._replace(says="half the wanted"))
+        check(False, "another message is told")
+    except check_suites.Fault as fault:
+        check("should say \"half the wanted\", but says:\ngot 9" in str(fault),
+              "another message is told", fault)
+    found = [feature.verdict_of(mutant._replace(says=says), UNIT).text() for says in (None, "got 9", "half")]
+    check(len(set(found)) == 3, "another message is another question", found)
+
+
 def main():
     here = os.getcwd()
     with tempfile.TemporaryDirectory() as folder:
@@ -136,6 +157,7 @@ def main():
         first = every_input_is_seen(root)
         put(root, "fog.mutants", MUTANTS)
         verdicts_are_kept(root)
+        messages_are_compared(root)
         moved = root.with_name("kit-2")
         os.chdir(here)
         shutil.rmtree(root)

@@ -11,7 +11,8 @@ For each feature of assignments/features.tsv:
   and names for each a section that the handout names for its step or an earlier one;
 - the unit reads as its chapter (tools/grading/reading_order.py);
 - reference and starter keep the rules for units (tools/grading/unit_rules.py);
-- each mutant, a known mistake in tests/mutants/STEM.mutants, fails the tests that it names.
+- each mutant, a known mistake in tests/mutants/STEM.mutants, fails the tests that it names, and the first
+  claim that fails says what the mutant says that it should.
   tools/grading/mutants.py says how mutants are written.
 
 This is mutation testing (DeMillo, Lipton, Sayward, "Hints on test data selection", 1978) with
@@ -216,6 +217,9 @@ class Feature:
         digest = self.inputs.copy()
         digest.add("unit", text)
         digest.add("fails", " ".join(mutant.fails))
+        if mutant.says:
+            digest.add("says", mutant.says)
+            digest.add_file("points", self.points)
         return digest
 
     def compile_common(self, suffix, flags):
@@ -362,8 +366,18 @@ class Feature:
         if survived:
             raise Fault(f"{name} survives {' '.join(survived)}; "
                         "sharpen the test, or name another that fails for a good reason")
+        if mutant.says:
+            self.check_message(program, mutant, name)
         if verdict:
             self.builder.store.keep(verdict)
+
+    def check_message(self, program, mutant, name):
+        """What a student reads first names the mistake."""
+        order = [row["test"] for row in read_table(self.points)]
+        test, said = next((test, said) for test in order
+                          for status, said in [run_test(program, test)] if status != 0)
+        if mutant.says not in " ".join(said.split()):
+            raise Fault(f"{name}: {test}, which fails first, should say \"{mutant.says}\", but says:\n{said}")
 
     def read_mutants(self):
         """Returns the feature's mutants; none if one of them is not written as it should be."""

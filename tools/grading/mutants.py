@@ -10,11 +10,12 @@
     + count / 2
 
 Each block makes one mistake. `mistake` is a sentence, `fails` the tests that must fail, separated by
-spaces; either goes on in lines that are indented. Then come one or more changes: `in` the function
-in which the text stands, "- " before the text to find, "+ " before the text instead. Both may have
-several lines, each with its sign; a "+" alone stands for no text. A further change in the same place
-needs no `in` of its own. Instead of a function's name, `in` takes "struct NAME", "enum NAME", or
-"file" for all that stands outside of functions.
+spaces; either goes on in lines that are indented. A line `says: it is twice the wanted` may follow: these
+words stand in the message of the first claim of the assignment that fails. Then come one or more changes:
+`in` the function in which the text stands, "- " before the text to find, "+ " before the text instead.
+Both may have several lines, each with its sign; a "+" alone stands for no text. A further change in the
+same place needs no `in` of its own. Instead of a function's name, `in` takes "struct NAME", "enum NAME",
+or "file" for all that stands outside of functions.
 
 What counts is C's tokens, so line breaks, spaces and comments may differ from the source's. The text
 must stand exactly once in its place. "..." in it stands for anything up to the text that follows, so
@@ -26,7 +27,7 @@ import re
 
 from grading.c_source import closing, functions_of, line_of, tokens_of
 
-Mutant = collections.namedtuple("Mutant", "file line name mistake fails fails_line changes")
+Mutant = collections.namedtuple("Mutant", "file line name mistake fails fails_line says changes")
 Change = collections.namedtuple("Change", "line place find instead")
 
 
@@ -53,7 +54,7 @@ def _place(tokens, name):
 
 # --- Reading --------------------------------------------------------------------------------------
 
-_LINE = re.compile(r"(mutant|mistake:|fails:|in|-|\+)(?:$|\s+(.*))|(\s+)(\S.*)")
+_LINE = re.compile(r"(mutant|mistake:|fails:|says:|in|-|\+)(?:$|\s+(.*))|(\s+)(\S.*)")
 _PLACE = re.compile(r"file|(?:(?:struct|enum) )?[A-Za-z_]\w*")
 
 
@@ -70,7 +71,7 @@ class _Reader:
         match = _LINE.fullmatch(text)
         if not match:
             self.fault(number, f"\"{text}\" is no line of a mutant; begin it with \"mutant\", \"mistake:\", "
-                       "\"fails:\", \"in\", \"-\", \"+\" or, for a comment, with \"#\"")
+                       "\"fails:\", \"says:\", \"in\", \"-\", \"+\" or, for a comment, with \"#\"")
         word, rest, indented, more = match.groups()
         if indented:
             self.go_on(number, more)
@@ -102,10 +103,10 @@ class _Reader:
         self.block[key], self.block[key + "_line"] = text, number
 
     def go_on(self, number, text):
-        if self.last not in ("mistake:", "fails:"):
+        if self.last not in ("mistake:", "fails:", "says:"):
             self.fault(number,
-                       "only \"mistake:\" and \"fails:\" go on in indented lines; begin it with \"-\" or "
-                       "\"+\" if it is text of the unit")
+                       "only \"mistake:\", \"fails:\" and \"says:\" go on in indented lines; begin it with "
+                       "\"-\" or \"+\" if it is text of the unit")
         self.block[self.last.rstrip(":")] += " " + text
 
     def place(self, number, name):
@@ -134,13 +135,18 @@ class _Reader:
         for key, remedy in (("mistake", "one sentence"), ("fails", "the tests that must fail")):
             if not block.get(key, "").strip():
                 self.fault(block["line"], f"{block['name']} has no line \"{key}: {remedy}\"; write it")
+        if not block.get("says", "something").strip():
+            self.fault(block["says_line"],
+                       f"{block['name']} has a line \"says:\" of nothing; write the words of the message, or "
+                       "remove it")
         if not block["changes"]:
             self.fault(block["line"],
                        f"{block['name']} changes nothing; say where by \"in FUNCTION\", and what by "
                        "\"- text to find\" and \"+ text instead\"")
         self.mutants.append(Mutant(self.file, block["line"], block["name"], block["mistake"],
                                    self.claims(block),
-                                   block["fails_line"], [self.whole(change) for change in block["changes"]]))
+                                   block["fails_line"], block.get("says"),
+                                   [self.whole(change) for change in block["changes"]]))
 
     def claims(self, block):
         claims = block["fails"].split()
