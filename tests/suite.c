@@ -76,14 +76,15 @@ void rk_claim_failed(const char *file, int line, const char *format, ...)
 }
 
 void rk_claim_of_value_failed(const char *file, int line, const char *what, double got, double want,
-                              double tolerance, const char *hint)
+                              double tolerance, const char *hint, const rk_mistake *known)
 {
     bool is_named = strcmp(what, "got") != 0;
     char within[40] = "";
     if (tolerance != 0)
         snprintf(within, sizeof within, " within %.3g", tolerance);
-    rk_claim_failed(file, line, "%s%sgot %.9g, want %.9g%s%s%s", is_named ? what : "",
-                    is_named ? ": " : "", got, want, within, hint ? ": " : "", hint ? hint : "");
+    rk_claim_failed(file, line, "%s%sgot %.9g, want %.9g%s%s%s%s", is_named ? what : "",
+                    is_named ? ": " : "", got, want, within, hint ? ": " : "", hint ? hint : "",
+                    rk_mistake_in(got, want, tolerance, known));
 }
 
 static struct {

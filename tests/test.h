@@ -39,28 +39,63 @@
 void rk_claim_failed(const char *file, int line, const char *format, ...)
     __attribute__((format(printf, 3, 4)));
 
+/* A mistake that people make: the value that comes of it, and what is wrong, as a clause that goes
+ * on after "so it comes out if": "the aperture is taken as the radius". */
+typedef struct rk_mistake {
+    double value;
+    const char *said;
+} rk_mistake;
+
+typedef struct rk_vector_mistake {
+    double value[3];
+    const char *said;
+} rk_vector_mistake;
+
+/* Rows {value, said} for the functions below. */
+#define RK_MISTAKES(...) ((const rk_mistake[]){__VA_ARGS__, {0, NULL}})
+#define RK_VECTOR_MISTAKES(...) ((const rk_vector_mistake[]){__VA_ARGS__, {{0}, NULL}})
+
+/* The three components of an rk_vec3, as numbers. */
+#define RK_XYZ(v) ((const double[]){(double)(v).x, (double)(v).y, (double)(v).z})
+
+/* Return what a wrong value says of the mistake, for the end of a message: "; it is twice the
+ * wanted: ...", or "" where it says nothing. Known mistakes, which may be NULL, come before those
+ * that are common everywhere. The text holds until the next call. */
+const char *rk_mistake_in(double got, double want, double tolerance, const rk_mistake *known);
+const char *rk_mistake_in_whole(long long got, long long want, const rk_mistake *known);
+const char *rk_mistake_in_vector(const double *got, const double *want, double tolerance,
+                                 const rk_vector_mistake *known);
+
 /* The same for a value that is not within the tolerance of the wanted one. `what` describes it, and
- * is left out where it is only "got"; so is a tolerance of 0. The hint may be NULL. */
+ * is left out where it is only "got"; so is a tolerance of 0. The hint and the mistakes may be
+ * NULL.
+ */
 void rk_claim_of_value_failed(const char *file, int line, const char *what, double got, double want,
-                              double tolerance, const char *hint);
+                              double tolerance, const char *hint, const rk_mistake *known);
 
 /* |got - want| <= tolerance; NaN fails. */
 #define rk_check_close(got, want, tolerance, hint)                                                 \
     do {                                                                                           \
         double got_ = (double)(got), want_ = (double)(want), tolerance_ = (double)(tolerance);     \
         if (!(fabs(got_ - want_) <= tolerance_))                                                   \
-            rk_claim_of_value_failed(__FILE__, __LINE__, #got, got_, want_, tolerance_, hint);     \
+            rk_claim_of_value_failed(__FILE__, __LINE__, #got, got_, want_, tolerance_, hint,      \
+                                     NULL);                                                        \
     } while (0)
 
 /* The same for loops and helpers, where the expression says little: a printf format and its
  * arguments describe the compared value instead. */
 #define rk_check_near(got, want, tolerance, ...)                                                   \
+    rk_check_near_or(got, want, tolerance, NULL, __VA_ARGS__)
+
+/* The same with the suite's own table of likely mistakes, RK_MISTAKES(...). */
+#define rk_check_near_or(got, want, tolerance, known, ...)                                         \
     do {                                                                                           \
         double got_ = (double)(got), want_ = (double)(want), tolerance_ = (double)(tolerance);     \
         if (!(fabs(got_ - want_) <= tolerance_)) {                                                 \
             char where_[1000];                                                                     \
             snprintf(where_, sizeof where_, __VA_ARGS__);                                          \
-            rk_claim_of_value_failed(__FILE__, __LINE__, where_, got_, want_, tolerance_, NULL);   \
+            rk_claim_of_value_failed(__FILE__, __LINE__, where_, got_, want_, tolerance_, NULL,    \
+                                     known);                                                       \
         }                                                                                          \
     } while (0)
 
@@ -68,7 +103,8 @@ void rk_claim_of_value_failed(const char *file, int line, const char *what, doub
 #define rk_check_equal(got, want, hint)                                                            \
     do {                                                                                           \
         long long got_ = (long long)(got), want_ = (long long)(want);                              \
-        rk_check(got_ == want_, "%s: got %lld, want %lld: %s", #got, got_, want_, hint);           \
+        rk_check(got_ == want_, "%s: got %lld, want %lld: %s%s", #got, got_, want_, hint,          \
+                 rk_mistake_in_whole(got_, want_, NULL));                                          \
     } while (0)
 
 /* The call succeeds, or the test fails with the error's text. */

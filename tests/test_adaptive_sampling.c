@@ -115,7 +115,12 @@ static void the_mean_is_that_of_all_samples(void **state)
     rk_check_close(rk_adaptive_mean(&none).x, 0, 0, "no samples: black");
     for (uint32_t count = 4; count <= 1024; count *= 2) {
         const rk_pixel_samples pixel = staircase(count, 1);
-        rk_check_near(rk_adaptive_mean(&pixel).y, (count + 1) / 2.0, 0, "1, 2, ... %u", count);
+        rk_check_near_or(rk_adaptive_mean(&pixel).y, (count + 1) / 2.0, 0,
+                         RK_MISTAKES({(float)(count * (count + 1) / 2.0 / (count + 1)),
+                                      "the sum is divided by n + 1"},
+                                     {count * (count + 1) / 2.0, "the sum is not divided by n"},
+                                     {3 * (3.0 * count / 4 + 1) / 8, "the last block is left out"}),
+                         "1, 2, ... %u", count);
     }
 }
 
@@ -133,9 +138,20 @@ static void differences_are_those_of_means(void **state)
         const float n = (float)(count / 4);
         const rk_pixel_samples pixel = {{grey(n), grey(2 * n), grey(4 * n), grey(8 * n)}, 0, count};
         const rk_adaptive_differences d = rk_adaptive_differences_of(&pixel);
-        rk_check_near(d.quarters, (1.0 / 4 + 16.0 / 4) / 2, 1e-12,
-                      "%u samples, means 1, 2, 4, 8: |1 - 2|^2 / 4 and |4 - 8|^2 / 4", count);
-        rk_check_near(d.halves, 4.5 * 4.5 / 4, 1e-12, "%u samples, halves 1.5 and 6", count);
+        const double quarters = (1.0 / 4 + 16.0 / 4) / 2, halves = 4.5 * 4.5 / 4;
+        rk_check_near_or(
+            d.quarters, quarters, 1e-12,
+            RK_MISTAKES({2 * quarters, "both pairs are added, and not averaged"},
+                        {4 * quarters, "the squared difference of two means is not divided by 4"},
+                        {3 * quarters, "the channels' squares are added, and not averaged"},
+                        {(9.0 + 36) / 8, "quarters are compared with those of the other half"},
+                        {(1.0 / 4 + 16.0 / 4) / 2 * (n * n), "sums are compared, not means"}),
+            "%u samples, means 1, 2, 4, 8: the mean of |1 - 2|^2 / 4 and |4 - 8|^2 / 4", count);
+        rk_check_near_or(
+            d.halves, halves, 1e-12,
+            RK_MISTAKES({4 * halves, "the squared difference of two means is not divided by 4"},
+                        {halves / 4, "a half has two quarters, so its mean is half their sum"}),
+            "%u samples, halves 1.5 and 6", count);
     }
 }
 
@@ -144,7 +160,11 @@ static void differences_are_means_over_the_channels(void **state)
     (void)state;
     const rk_pixel_samples pixel = {{{2, 0, 0}, {0, 4, 0}, {0, 0, 6}, {0, 0, 0}}, 0, 4};
     const rk_adaptive_differences d = rk_adaptive_differences_of(&pixel);
-    rk_check_close(d.quarters, ((4.0 + 16) / 12 + 36.0 / 12) / 2, 1e-12, "quarters");
+    const double quarters = ((4.0 + 16) / 12 + 36.0 / 12) / 2;
+    rk_check_near_or(d.quarters, quarters, 1e-12,
+                     RK_MISTAKES({3 * quarters, "the channels' squares are added, not averaged"},
+                                 {(4.0 + 16) / 24, "the third channel is left out"}),
+                     "quarters, a third of the sum over three channels");
     rk_check_close(d.halves, (1.0 + 4 + 9) / 12, 1e-12, "halves (1, 2, 0) and (0, 0, 3)");
 }
 
@@ -175,11 +195,14 @@ static void a_sample_that_is_no_number_counts_as_no_difference(void **state)
 static void the_ratio_is_between_an_eighth_and_a_half(void **state)
 {
     (void)state;
-    const double ratios[][2] = {{0.5, 0.5}, {0.25, 0.25}, {0.125, 0.125}, {0.7, 0.5},
-                                {3, 0.5},   {0.3, 0.3},   {0.01, 0.125},  {0, 0.125}};
+    const double ratios[][2] = {{0.25, 0.25}, {0.5, 0.5}, {0.125, 0.125}, {0.7, 0.5},
+                                {3, 0.5},     {0.3, 0.3}, {0.01, 0.125},  {0, 0.125}};
     for (size_t i = 0; i < sizeof ratios / sizeof *ratios; i++)
-        rk_check_near(rk_adaptive_ratio((rk_adaptive_differences){4, 4 * ratios[i][0]}),
-                      ratios[i][1], 1e-15, "quarters 4, halves %g", 4 * ratios[i][0]);
+        rk_check_near_or(
+            rk_adaptive_ratio((rk_adaptive_differences){4, 4 * ratios[i][0]}), ratios[i][1], 1e-15,
+            RK_MISTAKES({fmin(1 / ratios[i][0], 0.5), "quarters are divided by halves"},
+                        {ratios[i][0], "the ratio is not limited to 1/8 .. 1/2"}),
+            "quarters 4, halves %g: halves over quarters", 4 * ratios[i][0]);
     rk_check_close(rk_adaptive_ratio((rk_adaptive_differences){0, 0}), 0.5, 0, "no differences");
 }
 
@@ -235,7 +258,10 @@ static void noise_of_known_variance_is_measured(void **state)
 static void error_is_relative_to_the_picture(void **state)
 {
     (void)state;
-    rk_check_close(rk_adaptive_error(1, 101), 0.1, 1e-12, "V = 1, squares of means 100 + V");
+    rk_check_near_or(rk_adaptive_error(1, 101), 0.1, 1e-12,
+                     RK_MISTAKES({0.01, "the root is missing"},
+                                 {sqrt(1 / 101.), "V is not subtracted from the squares of means"}),
+                     "rk_adaptive_error(1, 101): V = 1, squares of means 100 + V");
     rk_check_close(rk_adaptive_error(4, 200), 1 / 7.0, 1e-12, "V = 4, squares 200");
     rk_check_close(rk_adaptive_error(4e-8, 4e-8 + 1e-4), 0.02, 1e-9, "a dark picture");
     rk_check_close(rk_adaptive_error(0, 5), 0, 0, "no variance");
@@ -252,6 +278,13 @@ static void a_sample_adds_its_deviation(void **state)
     const rk_pixel_samples pixel = {{{1, 2, 3}, {1, 2, 3}, {1, 2, 3}, {0, 0, 0}}, 0, 4};
     rk_check_close(rk_adaptive_added_deviation(&pixel, 3, rk_vec(1, 2, 3)), 0, 1e-6,
                    "the mean of the three before");
+    rk_check_near_or(
+        rk_adaptive_added_deviation(&pixel, 3, rk_vec(5, 2, 3)), 0.75 * 16 / 3, 1e-6,
+        RK_MISTAKES({16 / 3., "the whole squared deviation is added, as if the mean stayed"},
+                    {0.75 * 16, "deviations are summed over the channels, not averaged"},
+                    {0.75 * 4 / 3, "the deviation is added, not its square"},
+                    {0.25 * 16 / 3, "it is multiplied by 1 / (n + 1), not by n / (n + 1)"}),
+        "the fourth sample, red 4 above the others' mean: 3/4 of 4^2, over three channels");
     rk_check_close(rk_adaptive_added_deviation(&pixel, 3, rk_vec(3, 2, 3)), 0.75 * 4 / 3, 1e-6,
                    "red 2 above their mean: 3/4 of 2^2, over three channels");
     rk_check_close(rk_adaptive_added_deviation(&pixel, 3, rk_vec(3, 0, 4)), 0.75 * 9 / 3, 1e-6,

@@ -151,6 +151,20 @@ static void the_uniform_map_is_uniform_in_solid_angle(void **state)
     check_ends(RK_AMBIENT_UNIFORM, false);
 }
 
+static const char *mistake_of_direction(rk_vec2 xi, rk_vec3 d)
+{
+    const double y = 1 - (double)xi.y, around = 2 * pi * (double)xi.x, s = sqrt(1 - y * y);
+    const double z = 1 - (double)xi.x, r = sqrt(1 - z * z), phi = 2 * pi * (double)xi.y;
+    return rk_mistake_in_vector(
+        RK_XYZ(d), (const double[]){r * cos(phi), r * sin(phi), z}, 1e-5,
+        RK_VECTOR_MISTAKES(
+            {{s * cos(around), s * sin(around), y}, "xi.x and xi.y are exchanged"},
+            {{r * cos(phi / 2), r * sin(phi / 2), z}, "the angle goes half around only"},
+            {{r * cos(phi * pi / 180), r * sin(phi * pi / 180), z}, "the angle is in degrees"},
+            {{cos(phi), sin(phi), z}, "x and y are not multiplied by the root of 1 - z^2"},
+            {{r * sin(phi), r * cos(phi), z}, "sine and cosine of the angle are exchanged"}));
+}
+
 static void check_height_and_angle(rk_vec2 xi)
 {
     rk_vec3 d = rk_ambient_hemisphere(RK_AMBIENT_UNIFORM, xi);
@@ -160,15 +174,16 @@ static void check_height_and_angle(rk_vec2 xi)
     double off = fmax(fabs((double)d.x - r * cos(phi)), fabs((double)d.y - r * sin(phi)));
     rk_check(fabs((double)d.z - z) <= length_rounding && off <= 1e-6,
              "xi (%.9g, %.9g): got (%.9g, %.9g, %.9g), want the height 1 - xi.x and the angle "
-             "2 pi xi.y, (%.9g, %.9g, %.9g)",
+             "2 pi xi.y, (%.9g, %.9g, %.9g)%s",
              (double)xi.x, (double)xi.y, (double)d.x, (double)d.y, (double)d.z, r * cos(phi),
-             r * sin(phi), z);
+             r * sin(phi), z, mistake_of_direction(xi, d));
 }
 
 static void a_uniform_direction_has_its_height_and_its_angle(void **state)
 {
     (void)state;
     enum { steps = 32 };
+    check_height_and_angle((rk_vec2){0.375f, 0.625f}); /* no two of its numbers are equal */
     for (int i = 0; i < steps * steps; i++)
         check_height_and_angle((rk_vec2){(float)(i % steps) / steps, (float)(i / steps) / steps});
     for (int e = 1; e <= 24; e++)
@@ -230,17 +245,31 @@ static const double few_roundings = 4 * 0x1p-24;
 static void the_uniform_weight_is_twice_the_cosine(void **state)
 {
     (void)state;
-    for (int i = 0; i <= 64; i++)
-        rk_check_near(rk_ambient_weight(RK_AMBIENT_UNIFORM, (float)i / 64), 2 * i / 64.0,
-                      few_roundings, "cosine %d / 64, density 1 / (2 pi)", i);
+    for (int i = 64; i >= 0; i--) {
+        int k = (i + 13) % 65; /* a cosine first that is neither 0 nor 1: 12 / 64 */
+        double cosine = k / 64.0;
+        rk_check_near_or(rk_ambient_weight(RK_AMBIENT_UNIFORM, (float)cosine), 2 * cosine,
+                         few_roundings,
+                         RK_MISTAKES({cosine, "the factor 2 is missing"},
+                                     {1, "the weight is that of cosine-distributed directions"},
+                                     {2, "the cosine is missing"},
+                                     {2 * cosine * cosine, "the cosine counts twice"}),
+                         "uniform directions, cosine %d / 64, density 1 / (2 pi)", k);
+    }
 }
 
 static void the_cosine_weight_is_1(void **state)
 {
     (void)state;
-    for (int i = 0; i <= 64; i++)
-        rk_check_near(rk_ambient_weight(RK_AMBIENT_COSINE, (float)i / 64), 1, few_roundings,
-                      "cosine %d / 64, density cos(theta) / pi", i);
+    for (int i = 64; i >= 0; i--) {
+        int k = (i + 13) % 65;
+        double cosine = k / 64.0;
+        rk_check_near_or(
+            rk_ambient_weight(RK_AMBIENT_COSINE, (float)cosine), 1, few_roundings,
+            RK_MISTAKES({cosine, "the cosine, which the density has already, counts once more"},
+                        {2 * cosine, "the weight is that of uniform directions"}),
+            "cosine-distributed directions, cosine %d / 64, density cos(theta) / pi", k);
+    }
 }
 
 /* The mean over the unit square of weight times a power of the cosine, at the cell centres of a
@@ -464,8 +493,14 @@ static void one_unoccluded_cosine_direction_is_exact(void **state)
         float w = rk_ambient_weight(RK_AMBIENT_COSINE, local.z);
         rk_vec3 got = rk_ambient_radiance(rk_vec(0.5f, 0.25f, 1), 2, rk_vec(w, w, w), 1);
         rk_check(got.x == 1 && got.y == 0.5f && got.z == 2,
-                 "got (%.9g, %.9g, %.9g), want ka kd, (1, 0.5, 2), to the bit", (double)got.x,
-                 (double)got.y, (double)got.z);
+                 "got (%.9g, %.9g, %.9g), want ka kd, (1, 0.5, 2), to the bit%s", (double)got.x,
+                 (double)got.y, (double)got.z,
+                 rk_mistake_in_vector(
+                     RK_XYZ(got), (const double[]){1, 0.5, 2}, 1e-6,
+                     RK_VECTOR_MISTAKES(
+                         {{1 / pi, 0.5 / pi, 2 / pi}, "it is divided by pi, which the weights are"},
+                         {{0.5, 0.25, 1}, "the intensity ka = 2 is left out"},
+                         {{2, 2, 2}, "the surface's colour kd is left out"})));
     }
 }
 

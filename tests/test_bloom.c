@@ -77,6 +77,18 @@ static rk_bloom_filter filter_of(const float *weights, uint32_t reach, rk_bloom_
 
 /* --- Luminance and threshold ------------------------------------------------------------------ */
 
+static const char *mistake_of_luminance(rk_vec3 colour, double got, double want, double tolerance)
+{
+    const double r = (double)colour.x, g = (double)colour.y, b = (double)colour.z;
+    return rk_mistake_in(
+        got, want, tolerance,
+        RK_MISTAKES({(r + g + b) / 3, "it is the mean of red, green and blue"},
+                    {0.299 * r + 0.587 * g + 0.114 * b,
+                     "the weights are those of BT.601, of old television"},
+                    {0.2126 * b + 0.7152 * g + 0.0722 * r, "red and blue are exchanged"},
+                    {fmax(r, fmax(g, b)), "it is the largest channel"}));
+}
+
 static void check_luminance(rk_vec3 colour, const char *name)
 {
     double want = 0.2126 * (double)colour.x + 0.7152 * (double)colour.y + 0.0722 * (double)colour.z;
@@ -85,17 +97,18 @@ static void check_luminance(rk_vec3 colour, const char *name)
     double tolerance = few_roundings * (double)rk_max(size.x, rk_max(size.y, size.z));
     rk_check(fabs(got - want) <= tolerance,
              "the luminance of %s, (%g, %g, %g): got %.9g, want %.9g within %.3g: the weights of "
-             "BT.709",
-             name, (double)colour.x, (double)colour.y, (double)colour.z, got, want, tolerance);
+             "BT.709%s",
+             name, (double)colour.x, (double)colour.y, (double)colour.z, got, want, tolerance,
+             mistake_of_luminance(colour, got, want, tolerance));
 }
 
 static void luminance_weighs_green_most(void **state)
 {
     (void)state;
+    check_luminance(rk_vec(3, 2, 1), "three red, two green and one blue");
     check_luminance(rk_vec(1, 0, 0), "red");
     check_luminance(rk_vec(0, 1, 0), "green");
     check_luminance(rk_vec(0, 0, 1), "blue");
-    check_luminance(rk_vec(3, 2, 1), "three red, two green and one blue");
     check_luminance(rk_vec(-1, 0.5f, 0), "minus red and half green, as filters give it");
     check_luminance(rk_vec(-1, -2, -3), "a colour below 0");
     check_luminance(rk_vec(0x1p120f, 0x1p119f, 0), "a very bright colour");
@@ -486,6 +499,22 @@ static void clamping_repeats_the_borders_own_pixel(void **state)
 
 /* --- Weights ---------------------------------------------------------------------------------- */
 
+static const char *mistake_of_weights(const float *got, const float *want, uint32_t radius)
+{
+    bool is_reversed = true, is_large = true, is_small = true;
+    for (uint32_t k = 0; k <= radius; k++) {
+        is_reversed &= got[k] == want[radius - k];
+        is_large &= got[k] == ldexpf(want[k], (int)radius);
+        is_small &= got[k] == ldexpf(want[k], -(int)radius);
+    }
+    if (is_large)
+        return "; so it comes out if the row is divided by 2^r, not by its sum 4^r";
+    if (is_reversed)
+        return "; so it comes out if the weights are in the opposite order: weight 0 is the "
+               "middle's";
+    return is_small ? "; so it comes out if the row is divided by 8^r, not by its sum 4^r" : "";
+}
+
 static void small_filters_are_rows_of_pascals_triangle(void **state)
 {
     (void)state;
@@ -500,8 +529,9 @@ static void small_filters_are_rows_of_pascals_triangle(void **state)
         for (uint32_t k = 0; k <= radius; k++)
             rk_check(weights[k] == want[radius][k],
                      "radius %u, weight %u: got %.9g, want %.9g: row %u of the triangle over its "
-                     "sum, from the middle on",
-                     radius, k, (double)weights[k], (double)want[radius][k], 2 * radius);
+                     "sum, from the middle on%s",
+                     radius, k, (double)weights[k], (double)want[radius][k], 2 * radius,
+                     mistake_of_weights(weights, want[radius], radius));
         check_fences(weights, radius + 1, "the weights");
     }
 }
@@ -566,7 +596,7 @@ static float nearest_float(const big *b, int radius)
 static void weights_are_pascals_rows_to_the_last_bit(void **state)
 {
     (void)state;
-    const uint32_t large[] = {100, 250, 513, 538, 1000, 2000, RK_BLOOM_RADIUS_MAX};
+    const uint32_t large[] = {100, 250, 513, 538, 1000, 1354, 2000, RK_BLOOM_RADIUS_MAX};
     float *room = exactly((RK_BLOOM_RADIUS_MAX + 1 + 2 * fence) * sizeof *room);
     for (uint32_t i = 0; i < 61 + sizeof large / sizeof *large; i++) {
         uint32_t radius = i < 61 ? i : large[i - 61];
@@ -735,10 +765,12 @@ static size_t check_sum_of(uint32_t reach, uint32_t present, size_t count, const
     for (size_t i = 0; i < s.count; i++) {
         double want = wanted[i], got = (double)sum[i];
         rk_check(fabs(got - want) <= tolerance,
-                 "%s, reach %u, float %zu of %zu: got %.9g, want %.9g within %.3g: %s", hint, reach,
-                 i, s.count, got, want, tolerance,
+                 "%s, reach %u, float %zu of %zu: got %.9g, want %.9g within %.3g: %s%s", hint,
+                 reach, i, s.count, got, want, tolerance,
                  isnan(got) ? "the memory for the sum holds NaN at first"
-                            : "entry reach + k of the lines has the weight |k|");
+                            : "entry reach + k of the lines has the weight |k|",
+                 rk_mistake_in(got, want, tolerance,
+                               RK_MISTAKES({2 * want, "the line is added twice"})));
         rk_check(plain_sum(&s, i) == want,
                  "%s, reach %u: a line or a weight was changed, and they are constant", hint,
                  reach);

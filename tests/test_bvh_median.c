@@ -285,6 +285,44 @@ static below merge(below a, const below *b)
     return a;
 }
 
+/* Triangles whose keys are compared as whole numbers have negative ones in the other order. */
+static bool are_bits_in_order(float a, float b)
+{
+    int32_t bits[2];
+    memcpy(&bits[0], &a, sizeof a);
+    memcpy(&bits[1], &b, sizeof b);
+    return bits[0] <= bits[1];
+}
+
+/* Of two halves that the wanted axis does not separate. */
+static const char *mistake_of_halves(const below *left, const below *right, int axis)
+{
+    static char said[200];
+    int longest = 0;
+    float extent = -1, low[3], high[3];
+    for (int k = 0; k < 3; k++) {
+        low[k] = rk_min(left->first[k].centroid, right->first[k].centroid);
+        high[k] = rk_max(left->last[k].centroid, right->last[k].centroid);
+        longest = high[k] - low[k] > extent ? k : longest;
+        extent = rk_max(extent, high[k] - low[k]);
+    }
+    for (int k = 0; k < 3; k++)
+        if (k != axis && left->last[k].centroid <= right->first[k].centroid) {
+            snprintf(said, sizeof said,
+                     "; %c separates the halves%s: take the axis on which the "
+                     "box is longest",
+                     "xyz"[k], k == longest ? ", on which the centroids' extent is longest" : "");
+            return said;
+        }
+    float a = left->last[axis].centroid, b = right->first[axis].centroid;
+    if (a - b < (high[axis] - low[axis]) * 0x1p-12f)
+        return "; these two differ little: does a key keep all digits of the centroid?";
+    if (b < 0 && are_bits_in_order(a, b))
+        return "; as whole numbers their bits are in order: negative floats are in the opposite "
+               "one";
+    return ": are centroids compared, (a + b + c) / 3 on this axis?";
+}
+
 /* Checks the subtree of a node against the definition; recursion is at most 31 deep here. */
 static below check_median(const rk_bvh *bvh, const rk_mesh *mesh, uint32_t index)
 {
@@ -310,9 +348,9 @@ static below check_median(const rk_bvh *bvh, const rk_mesh *mesh, uint32_t index
         spot low = left.last[axis], high = right.first[axis];
         rk_check(low.centroid <= high.centroid,
                  "node %u, %u triangles: on its box's longest axis, %c, want no centroid of the "
-                 "left half above one of the right, got %.9g above %.9g: is it the box's longest "
-                 "axis, are centroids compared, and negative ones correctly?",
-                 index, all.count, "xyz"[axis], (double)low.centroid, (double)high.centroid);
+                 "left half above one of the right, got %.9g above %.9g%s",
+                 index, all.count, "xyz"[axis], (double)low.centroid, (double)high.centroid,
+                 mistake_of_halves(&left, &right, axis));
         rk_check(comes_before(low, high),
                  "node %u, %u triangles: the centroids of the triangles %u and %u are equal on "
                  "axis %c, %g and %g: got %u in the left half and %u in the right one, want the "
@@ -1018,6 +1056,20 @@ static void a_ray_allocates_no_memory(void **state)
 
 /* Counts are what the code says of itself. So each claim below asks twice: once for the counts, and
  * once in a copy of the tree in which all that needs no look is closed (guarded_tree.h). */
+static const char *mistake_of_counts(rk_counters got, rk_counters want)
+{
+    if (got.box_tests == 0 && got.triangle_tests == 0)
+        return "; nothing is counted";
+    if (got.box_tests == want.box_tests)
+        return "; the box tests are right: are the triangles of each leaf counted, as many as are "
+               "tested?";
+    if (got.triangle_tests == want.triangle_tests && got.box_tests + 1 == want.box_tests)
+        return "; one box is missing: is the root's tested, and counted?";
+    return got.triangle_tests == want.triangle_tests
+               ? "; the triangle tests are right: which boxes are tested, and when?"
+               : "";
+}
+
 static void check_counts(rk_counters got, rk_counters want, const char *ray, const char *hint)
 {
     rk_counters others = got;
@@ -1025,9 +1077,10 @@ static void check_counts(rk_counters got, rk_counters want, const char *ray, con
     rk_check(memcmp(&others, &want, sizeof want) == 0,
              "%s: another counter than box_tests and triangle_tests was changed", ray);
     rk_check(got.box_tests == want.box_tests && got.triangle_tests == want.triangle_tests,
-             "%s: got %llu box tests and %llu triangle tests, want %llu and %llu: %s", ray,
+             "%s: got %llu box tests and %llu triangle tests, want %llu and %llu: %s%s", ray,
              (unsigned long long)got.box_tests, (unsigned long long)got.triangle_tests,
-             (unsigned long long)want.box_tests, (unsigned long long)want.triangle_tests, hint);
+             (unsigned long long)want.box_tests, (unsigned long long)want.triangle_tests, hint,
+             mistake_of_counts(got, want));
 }
 
 static void ask(int query, const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters)

@@ -142,9 +142,9 @@ check_colour(rk_vec3 got, rk_vec3 want, double tolerance, const char *format, ..
     vsnprintf(where, sizeof where, format, arguments);
     va_end(arguments);
     rk_check(distance(got, want) <= tolerance,
-             "%s: got (%g, %g, %g), want (%g, %g, %g) within %.3g", where, (double)got.x,
+             "%s: got (%g, %g, %g), want (%g, %g, %g) within %.3g%s", where, (double)got.x,
              (double)got.y, (double)got.z, (double)want.x, (double)want.y, (double)want.z,
-             tolerance);
+             tolerance, rk_mistake_in_vector(RK_XYZ(got), RK_XYZ(want), tolerance, NULL));
 }
 
 static const char *const filter_names[] = {"nearest", "bilinear", "seamless"};
@@ -196,6 +196,24 @@ static void on_edges_x_comes_before_y_before_z(void **state)
     }
 }
 
+/* For the place (.75, .375). */
+static const char *mistake_of_place(rk_cube_place place)
+{
+    const double length = sqrt(1 + 0.25 + 0.0625);
+    return rk_mistake_in_vector(
+        (const double[]){(double)place.u, (double)place.v, 0}, (const double[]){0.75, 0.375, 0},
+        1e-6,
+        RK_VECTOR_MISTAKES(
+            {{0.25, 0.375, 0}, "u runs to the left: the face is mirrored, as seen from outside"},
+            {{0.75, 0.625, 0}, "v runs downwards"},
+            {{0.25, 0.625, 0}, "the face is upside down: u to the left, v downwards"},
+            {{0.375, 0.75, 0}, "u and v are exchanged"},
+            {{0.5, -0.25, 0}, "places from -1 to 1 are not moved to 0 to 1"},
+            {{0.5, 0, 0}, "places from -1 to 1 are not moved to 0 to 1, only cut off"},
+            {{(1 + 0.5 / length) / 2, (1 - 0.25 / length) / 2, 0},
+             "the direction is divided by its length, not by its largest component"}));
+}
+
 static void u_runs_to_the_right_and_v_upwards(void **state)
 {
     (void)state;
@@ -208,8 +226,10 @@ static void u_runs_to_the_right_and_v_upwards(void **state)
     for (int face = 0; face < RK_FACES; face++) {
         rk_cube_place place = rk_cubemap_place(directions[face]);
         rk_check(place.face == (rk_cube_face)face && place.u == 0.75f && place.v == 0.375f,
-                 "got face %d, (%g, %g), want face %d (%s), (0.75, 0.375): mirrored or turned?",
-                 (int)place.face, (double)place.u, (double)place.v, face, cross[face].name);
+                 "got face %d, (%g, %g), want face %d (%s), (0.75, 0.375): u = 1/2 + 1/4 to the "
+                 "right, v = 1/2 - 1/8, as v grows upwards%s",
+                 (int)place.face, (double)place.u, (double)place.v, face, cross[face].name,
+                 (int)place.face == face ? mistake_of_place(place) : "");
     }
 }
 
@@ -325,10 +345,27 @@ static void radiance_above_1_is_kept(void **state)
     rk_cubemap_free(&map);
 }
 
+/* Of a place in columns and rows, and the texel got for it. */
+static const char *mistake_of_texel(uint32_t side, rk_vec3 got, double x, double y)
+{
+    const double column = floor(x), row = floor(y), top = side - 1, most = side - 1;
+    return rk_mistake_in_vector(
+        (const double[]){0, (double)got.y, (double)got.z}, (const double[]){0, column, row}, 0,
+        RK_VECTOR_MISTAKES(
+            {{0, top - row, top - column}, "u counts rows and v columns: they are exchanged"},
+            {{0, column, top - row}, "rows are counted from the bottom, but row 0 is at the top"},
+            {{0, top - column, row}, "columns are counted from the right"},
+            {{0, fmin(floor(x + 0.5), most), fmin(floor(y + 0.5), most)},
+             "places are rounded, not cut: texel 0 "
+             "reaches from 0 to 1"},
+            {{0, fmin(floor(x + 0.5), most), most - fmin(floor(side - y + 0.5), most)},
+             "places are rounded, not cut: texel 0 reaches from 0 to 1"}));
+}
+
 static void nearest_is_the_texel_that_the_direction_hits(void **state)
 {
     (void)state;
-    const uint32_t sides[] = {1, 2, 5, 16, 300};
+    const uint32_t sides[] = {5, 1, 2, 16, 300};
     for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
         uint32_t side = sides[k];
         rk_cubemap map = paint_map(side, texel_name);
@@ -338,11 +375,12 @@ static void nearest_is_the_texel_that_the_direction_hits(void **state)
             double x = column + 0.5 + 0.49 * (i % 3 - 1.0),
                    y = row + 0.5 + 0.49 * (i / 3 % 3 - 1.0);
             vec d = towards((int)face, 2 * x / side - 1, 1 - 2 * y / side);
-            check_colour(rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_NEAREST),
-                         rk_vec((float)face, (float)column, (float)row), 0,
+            rk_vec3 got = rk_cubemap_at(&map, narrow(d), RK_CUBEMAP_NEAREST);
+            check_colour(got, rk_vec((float)face, (float)column, (float)row), 0,
                          "side %u, face %s, %g columns from the left, %g rows from the top, as "
-                         "(face, column, row)",
-                         side, cross[face].name, x, y);
+                         "(face, column, row)%s",
+                         side, cross[face].name, x, y,
+                         side == 5 ? mistake_of_texel(side, got, x, y) : "");
         }
         rk_cubemap_free(&map);
     }

@@ -180,13 +180,23 @@ static void rays_start_on_a_disk_in_the_cameras_own_axes(void **state)
         rk_vec3 offset = rk_sub(ray.origin, view.position);
         /* Roundings of a position up to 5 from the origin. */
         const double tolerance = 2 * 5 * epsilon;
-        const rk_vec3 axes[] = {view.right, view.up, view.forward};
-        const char *const names[] = {"view.right", "view.up",
-                                     "view.forward, to which it is perpendicular"};
-        const double wanted[] = {0.2 * (double)disk.x, 0.2 * (double)disk.y, 0};
+        const rk_vec3 axes[] = {view.forward, view.right, view.up};
+        const char *const names[] = {"view.forward, to which it is perpendicular", "view.right",
+                                     "view.up"};
+        const double x = 0.2 * (double)disk.x, y = 0.2 * (double)disk.y;
+        const double wanted[] = {0, x, y}, exchanged[] = {0, y, x};
+        rk_check(rk_length(offset) > 0,
+                 "aperture 400: the ray starts at the lens's centre, want it at its lens point");
         for (int k = 0; k < 3; k++)
-            rk_check_near(
+            rk_check_near_or(
                 rk_dot(offset, axes[k]), wanted[k], tolerance,
+                RK_MISTAKES({2 * wanted[k], "the aperture is the lens's radius, not its diameter"},
+                            {10 * wanted[k], "the aperture is in hundredths of a unit"},
+                            {x * (double)axes[k].x + y * (double)axes[k].y,
+                             "the lens lies along x and y of the world, not of the view"},
+                            {k == 0 ? x : 0, "the lens lies along view.forward, not view.right"},
+                            {k == 0 ? y : 0, "the lens lies along view.forward, not view.up"},
+                            {exchanged[k], "x and y of the disk are exchanged"}),
                 "aperture 400, point (%g, %g) of the disk: its offset on the lens along %s",
                 (double)disk.x, (double)disk.y, names[k]);
     }
@@ -207,6 +217,28 @@ static void the_aperture_is_the_diameter_in_thousandths_of_a_unit(void **state)
     }
 }
 
+/* The mistake by which the ray misses its focus: other points that it may go through instead. */
+static const char *mistake_of_ray(const rk_lens *lens, const rk_view *view, rk_vec2 place,
+                                  const rk_ray *ray, double tolerance)
+{
+    bool is_plane = lens->focal == RK_FOCAL_PLANE;
+    rk_lens other = *lens;
+    other.focal = is_plane ? RK_FOCAL_SPHERE : RK_FOCAL_PLANE;
+    rk_dvec3 offset = from_to(rk_widen(view->position), rk_widen(ray->origin));
+    rk_dvec3 focus = focus_of(lens, view, place);
+    if (distance_to(ray, focus_of(&other, view, place)) <= 2 * tolerance)
+        return is_plane ? "; it meets the focal sphere there: is the focal distance measured along "
+                          "the ray, not along view.forward?"
+                        : "; it meets the focal plane there: is the focal distance measured along "
+                          "view.forward, not along the ray?";
+    if (distance_to(ray, rk_dmadd(focus, offset, 2)) <= 4 * tolerance)
+        return "; so it comes out if the offset on the lens is added to the way to the focus, not "
+               "subtracted";
+    if (distance_to(ray, rk_dmadd(focus, offset, 1)) <= 4 * tolerance)
+        return "; so it comes out if the ray keeps the pinhole's direction";
+    return "";
+}
+
 static void check_intersection(rk_focal_surface focal)
 {
     for (uint32_t i = 0; i < 2000; i++) {
@@ -225,9 +257,10 @@ static void check_intersection(rk_focal_surface focal)
             rk_check(
                 missed <= tolerance,
                 "point (%g, %g), focused at %g: the ray of xi (%g, %g) misses the focus by %g, "
-                "want %.3g at most",
+                "want %.3g at most%s",
                 (double)place.x, (double)place.y, (double)lens.focal_distance,
-                (double)random_xi(8 * i + k).x, (double)random_xi(8 * i + k).y, missed, tolerance);
+                (double)random_xi(8 * i + k).x, (double)random_xi(8 * i + k).y, missed, tolerance,
+                mistake_of_ray(&lens, &view, place, &ray, tolerance));
         }
         rk_check(apart > 0,
                  "point (%g, %g), focused at %g: all rays start at the lens's centre, want them "
@@ -328,9 +361,10 @@ static void rays_do_not_depend_on_the_cameras_place(void **state)
             (double)b.direction.x, (double)b.direction.y, (double)b.direction.z);
         rk_vec3 ahead = rk_view_ray(&near, place.x, place.y).direction;
         rk_vec3 direction = rk_normalize(a.direction);
-        rk_check(memcmp(&direction, &ahead, sizeof ahead) != 0,
-                 "control: the ray from a random point of the lens has the direction of the one "
-                 "through its centre");
+        rk_check(
+            memcmp(&direction, &ahead, sizeof ahead) != 0,
+            "the ray from a random point of the lens has the same direction as the one through "
+            "its centre: rays of a picture point meet in focus, they are not parallel");
     }
 }
 
@@ -474,14 +508,22 @@ static void a_point_in_focus_has_no_circle_of_confusion(void **state)
         rk_lens plane = lens_of(f, 50, RK_FOCAL_PLANE), sphere = lens_of(f, 50, RK_FOCAL_SPHERE);
         /* 1 / f and 1 / d are equal up to six roundings, also if d is a product with a length. */
         double infinitely_far = 0.05 / ((double)f * (double)view.pixel);
-        rk_check_near(rk_lens_coc_diameter(&plane, &view, &ray, f / (float)cosine_of(&view, &ray)),
-                      0, 6 * epsilon * infinitely_far,
-                      "point (%g, %g): circle of the point at the depth %g, on the focal plane",
-                      (double)place.x, (double)place.y, (double)f);
-        rk_check_near(rk_lens_coc_diameter(&sphere, &view, &ray, f), 0,
-                      6 * epsilon * infinitely_far / cosine_of(&view, &ray),
-                      "point (%g, %g): circle of the point at the distance %g, on the focal sphere",
-                      (double)place.x, (double)place.y, (double)f);
+        double cosine = cosine_of(&view, &ray);
+        rk_check_near_or(
+            rk_lens_coc_diameter(&plane, &view, &ray, f / (float)cosine), 0,
+            6 * epsilon * infinitely_far,
+            RK_MISTAKES({infinitely_far * (1 - cosine),
+                         "d is the distance along the ray, not the depth, which a plane needs"}),
+            "point (%g, %g): circle of the point at the depth %g, on the focal plane",
+            (double)place.x, (double)place.y, (double)f);
+        rk_check_near_or(
+            rk_lens_coc_diameter(&sphere, &view, &ray, f), 0, 6 * epsilon * infinitely_far / cosine,
+            RK_MISTAKES({infinitely_far * (1 / cosine - 1),
+                         "d is the depth, not the distance along the ray, which a sphere needs"},
+                        {infinitely_far * (1 / cosine - 1) / cosine,
+                         "d is the depth, not the distance along the ray, which a sphere needs"}),
+            "point (%g, %g): circle of the point at the distance %g, on the focal sphere",
+            (double)place.x, (double)place.y, (double)f);
     }
 }
 
@@ -517,11 +559,14 @@ static void the_circle_of_confusion_equals_the_closed_form(void **state)
             rk_lens lens = lens_of(1.8f, 50, (rk_focal_surface)focal);
             double d = (double)distances[i], f = (double)lens.focal_distance;
             double want = 0.05 * fabs(d - f) / d / (f * pixel);
-            rk_check_near(rk_lens_coc_diameter(&lens, &view, &ahead, distances[i]), want,
-                          1e-5 * want,
-                          "aperture 50, focal %s at 1.8: circle of a point %g straight ahead, %s "
-                          "the focus",
-                          focal_names[focal], d, d < f ? "before" : "behind");
+            rk_check_near_or(
+                rk_lens_coc_diameter(&lens, &view, &ahead, distances[i]), want, 1e-5 * want,
+                RK_MISTAKES({want / 2, "the circle's radius is returned, not its diameter"},
+                            {10 * want, "the aperture is in hundredths of a unit"},
+                            {want * f, "the pixel's size is that at the distance 1, not in focus"},
+                            {want * d / f, "|d - f| is divided by f, not by d"}),
+                "aperture 50, focal %s at 1.8: circle of a point %g straight ahead, %s the focus",
+                focal_names[focal], d, d < f ? "before" : "behind");
         }
 }
 
@@ -543,9 +588,14 @@ static void check_circle(const rk_lens *lens, const rk_view *view, const rk_ray 
         d *= cosine;
     else
         largest /= cosine;
+    double other = plane ? (double)t : (double)t * cosine;
     /* A few roundings of f / d, or of 1. */
-    rk_check_near(
+    rk_check_near_or(
         got, largest * fabs(1 - f / d), largest * (1 + f / d) * 0x1p-20,
+        RK_MISTAKES({largest * fabs(1 - f / other), plane ? "d is the distance, not the depth"
+                                                          : "d is the depth, not the distance"},
+                    {largest * (plane ? 1 : cosine) * fabs(1 - f / d),
+                     "a pixel on the sphere is as large as one straight ahead"}),
         "aperture %g, focal %s at %g, pixel %g: circle of a point %g away, in a direction "
         "whose cosine is %g: d is %g, its %s",
         (double)lens->aperture, focal_names[lens->focal], f, (double)view->pixel, (double)t, cosine,
@@ -732,6 +782,59 @@ static bool reaches(uint32_t from, uint32_t to, float diameter)
     return fabs((double)to - from) <= ceil((double)diameter / 2);
 }
 
+/* How circles are marked by mistake. */
+typedef enum marking {
+    ROWS_ALONE,
+    COLUMNS_ALONE,
+    ROUNDED_DOWN,
+    DIAMETER,
+    HALF_IS_SHARP,
+    MARKINGS
+} marking;
+
+static const char *const markings[] = {
+    [ROWS_ALONE] = "; so it comes out if sums run along rows alone, not along columns too",
+    [COLUMNS_ALONE] = "; so it comes out if sums run along columns alone, not along rows too",
+    [ROUNDED_DOWN] = "; so it comes out if half the diameter is rounded down, not up",
+    [DIAMETER] = "; so it comes out if circles reach as far as their diameter, not their radius",
+    [HALF_IS_SHARP] = "; so it comes out if a diameter of exactly half a pixel counts as a point",
+};
+
+/* What the circle of one pixel adds to another. */
+static int marked(const picture *p, uint32_t from, uint32_t x, uint32_t y, marking by)
+{
+    double diameter = (double)p->blur[from], reach = ceil(diameter / 2);
+    if (diameter < 0.5 || (by == HALF_IS_SHARP && diameter == 0.5))
+        return 0;
+    reach = by == ROUNDED_DOWN ? floor(diameter / 2) : by == DIAMETER ? ceil(diameter) : reach;
+    double left = from % p->width - reach, right = from % p->width + reach;
+    double top = from / p->width - reach, bottom = from / p->width + reach;
+    bool in_columns = left <= x && x <= right, in_rows = top <= y && y <= bottom;
+    if (by == ROWS_ALONE)
+        return in_columns * ((y == fmax(top, 0)) - (y == bottom + 1));
+    if (by == COLUMNS_ALONE)
+        return in_rows * ((x == fmax(left, 0)) - (x == right + 1));
+    return in_columns && in_rows;
+}
+
+/* The mistake that explains all numbers of the picture. */
+static const char *mistake_of_counts(const picture *p, const int32_t *counts)
+{
+    uint32_t pixels = p->width * p->height;
+    for (int by = 0; by < MARKINGS; by++) {
+        bool equal = pixels > 100; /* in few pixels several mistakes look alike */
+        for (uint32_t i = 0; i < pixels && equal; i++) {
+            int sum = 0;
+            for (uint32_t k = 0; k < pixels; k++)
+                sum += marked(p, k, i % p->width, i / p->width, (marking)by);
+            equal = counts[i / p->width * (p->width + 1) + i % p->width] == sum;
+        }
+        if (equal)
+            return markings[by];
+    }
+    return "";
+}
+
 static bool circle_reaches(const picture *p, uint32_t from, uint32_t x, uint32_t y)
 {
     float diameter = p->blur[from];
@@ -740,8 +843,9 @@ static bool circle_reaches(const picture *p, uint32_t from, uint32_t x, uint32_t
 }
 
 /* Names one circle that was missed or wrongly counted: the one whose rim is nearest. */
-static void fail_pixel(const picture *p, uint32_t x, uint32_t y, int got, int want)
+static void fail_pixel(const picture *p, const int32_t *counts, uint32_t x, uint32_t y, int want)
 {
+    int got = counts[y * (p->width + 1) + x];
     double least = INFINITY;
     uint32_t of = y * p->width + x;
     for (uint32_t i = 0; i < p->width * p->height; i++) {
@@ -756,11 +860,12 @@ static void fail_pixel(const picture *p, uint32_t x, uint32_t y, int got, int wa
     rk_check(
         false,
         "%u x %u pixels: pixel (%u, %u) got %d circles, want %d; the circle of pixel (%u, %u), "
-        "diameter %g, %s; before the call each number was 7",
+        "diameter %g, %s; before the call each number was 7%s",
         p->width, p->height, x, y, got, want, of % p->width, of / p->width, (double)p->blur[of],
         got < want           ? "reaches it"
         : p->blur[of] < 0.5f ? "is a point"
-                             : "does not reach it");
+                             : "does not reach it",
+        mistake_of_counts(p, counts));
 }
 
 /* Compares each pixel with each. Both arrays have `guard` more numbers at both ends. With 0,
@@ -788,7 +893,7 @@ static void check_guarded(const picture *p, size_t guard)
             for (uint32_t i = 0; i < pixels; i++)
                 want += circle_reaches(p, i, x, y);
             if (got != want)
-                fail_pixel(p, x, y, got, want);
+                fail_pixel(p, counts + guard, x, y, want);
         }
     for (size_t i = 0; i < guard; i++)
         rk_check(
@@ -882,10 +987,33 @@ static void every_pixel_counts_the_circles_that_reach_it(void **state)
     }
 }
 
+/* More circles than 16 bits count, with a sign, and as few as that takes: who marks pixel by pixel
+ * marks half a billion. */
+static void check_many_circles_in_a_pixel(void)
+{
+    enum { side = 182, pixels = side * side, middle = side / 2 };
+    float *blur = malloc(pixels * sizeof *blur);
+    int32_t *counts = malloc((side + 1) * (side + 1) * sizeof *counts);
+    rk_check(blur && counts, "there is memory");
+    for (int i = 0; i < pixels; i++)
+        blur[i] = side;
+    rk_lens_coc(blur, side, side, counts);
+    int got = counts[middle * (side + 1) + middle];
+    rk_check(got == pixels,
+             "%d x %d circles that reach pixel (%d, %d): it got %d circles, want %d%s", side, side,
+             middle, middle, got, pixels,
+             rk_mistake_in_whole(got, pixels,
+                                 RK_MISTAKES({(int16_t)pixels, "sums are kept in 16 bits"},
+                                             {INT16_MAX, "sums are kept in 16 bits"})));
+    free(counts);
+    free(blur);
+}
+
 /* Circles in the first of two rows, and in the first of two columns; they reach the second, too. */
 static void pictures_may_be_wider_or_higher_than_65536_pixels(void **state)
 {
     (void)state;
+    check_many_circles_in_a_pixel();
     enum { length = 70001, at = 66000, reach = 2, large = 66100 };
     int32_t *counts = malloc((size_t)3 * (length + 1) * sizeof *counts);
     for (int upright = 0; upright < 2; upright++) {
@@ -934,8 +1062,9 @@ static double seconds_of(uint32_t width, uint32_t height, float diameter, double
     double side = 2 * ceil((double)diameter / 2) + 1;
     int want = (int)(fmin(side, width) * fmin(side, height));
     rk_check(middle == want,
-             "%u x %u circles of diameter %g: the pixel in the middle got %d, want %d", width,
-             height, (double)diameter, middle, want);
+             "%u x %u circles of diameter %g: the pixel in the middle got %d, want %d%s", width,
+             height, (double)diameter, middle, want,
+             want > UINT16_MAX ? ": more than 16 bits count" : "");
     free(counts);
     free(blur);
     return fastest;

@@ -150,6 +150,25 @@ static const char *const map_names[] = {
 /* A few roundings of numbers up to 1, and of an angle up to 2 pi. */
 static const double disk_rounding = 0x1p-20;
 
+static const char *mistake_of_point(rk_disk_map map, rk_vec2 xi, rk_vec2 got, double x, double y)
+{
+    const double a = (double)xi.x, b = (double)xi.y, turn = 2 * pi * b, r = sqrt(a);
+    const double other = sqrt(b), degrees = (double)(360 * xi.y), radius = hypot(x, y);
+    const rk_vector_mistake *polar = RK_VECTOR_MISTAKES(
+        {{other * cos(2 * pi * a), other * sin(2 * pi * a), 0}, "xi.x and xi.y are exchanged"},
+        {{a * cos(turn), a * sin(turn), 0}, "the radius is xi.x, without its root"},
+        {{r * cos(degrees), r * sin(degrees), 0}, "the angle is in degrees, not in radians"},
+        {{r * cos(turn / 2), r * sin(turn / 2), 0}, "the angle goes half around only"},
+        {{r * sin(turn), r * cos(turn), 0}, "sine and cosine of the angle are exchanged"});
+    const rk_vector_mistake *concentric = RK_VECTOR_MISTAKES(
+        {{x, -y, 0}, "y points down"}, {{y, x, 0}, "x and y are exchanged"},
+        {{x * radius, y * radius, 0}, "the radius is squared"},
+        {{x / 2, y / 2, 0}, "the square is moved to [-1/2, 1/2], not to [-1, 1]"});
+    return rk_mistake_in_vector((const double[]){(double)got.x, (double)got.y, 0},
+                                (const double[]){x, y, 0}, disk_rounding * radius,
+                                map == RK_DISK_POLAR ? polar : concentric);
+}
+
 /* Near the middle points are as exact as at the rim, in proportion. */
 static void check_point(rk_disk_map map, rk_vec2 xi, double x, double y, const char *hint)
 {
@@ -158,9 +177,9 @@ static void check_point(rk_disk_map map, rk_vec2 xi, double x, double y, const c
     rk_vec2 got = rk_disk_at(map, xi);
     rk_check(fabs((double)got.x - x) <= tolerance && fabs((double)got.y - y) <= tolerance,
              "%s map of xi (%.9g, %.9g), after a call for the other map: got (%.9g, %.9g), want "
-             "(%.9g, %.9g) within %.3g: %s",
+             "(%.9g, %.9g) within %.3g: %s%s",
              map_names[map], (double)xi.x, (double)xi.y, (double)got.x, (double)got.y, x, y,
-             tolerance, hint);
+             tolerance, hint, mistake_of_point(map, xi, got, x, y));
 }
 
 static void the_polar_map_takes_a_root_and_an_angle(void **state)
@@ -182,6 +201,7 @@ static void the_concentric_map_keeps_the_middle_and_the_axes(void **state)
 {
     (void)state;
     check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.5f}, 0, 0, "the middle");
+    check_point(RK_DISK_CONCENTRIC, (rk_vec2){0.5f, 0.125f}, 0, -0.75, "on the y axis, below");
     for (int e = 2; e <= 24; e++)
         for (int sign = -1; sign <= 1; sign += 2) {
             float at = 0.5f + ldexpf((float)sign, -e);
@@ -338,8 +358,11 @@ static void radius_squared_and_angle_are_uniform(void **state)
 static void the_radius_is_half_over_the_shininess(void **state)
 {
     (void)state;
+    rk_check_near_or(rk_glossy_radius(8), 0.0625, 0,
+                     RK_MISTAKES({0.125, "the disk's diameter is returned, 1 / s"},
+                                 {1, "shininess is a factor, not a divisor"}),
+                     "rk_glossy_radius(8), 0.5 / s");
     rk_check_close(rk_glossy_radius(1), 0.5, 0, "0.5 / s");
-    rk_check_close(rk_glossy_radius(8), 0.0625, 0, "0.5 / s");
     rk_check_close(rk_glossy_radius(1000), 0.0005, 1e-10, "a shiny surface has a small disk");
     rk_check_close(rk_glossy_radius(INFINITY), 0, 0, "a perfect mirror");
     for (int i = 1; i <= 400; i++) { /* from 1/2, where the radius is 1, to 2^49 */

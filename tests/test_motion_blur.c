@@ -27,19 +27,33 @@ static void at_time_zero_everything_rests(void **state)
     }
 }
 
+static const char *mistake_of_offset(rk_motion motion, float x, rk_vec3 got, double y)
+{
+    const double a = (double)motion.a, b = (double)motion.b, c = (double)motion.c, k = (double)x;
+    return rk_mistake_in_vector(
+        RK_XYZ(got), (const double[]){k, y, 0}, 0,
+        RK_VECTOR_MISTAKES(
+            {{k, (c * k + b) * k * k + a * k, 0}, "a and c are exchanged: a belongs to x^3"},
+            {{k, (a * k + b) * k + c, 0}, "the last factor x is missing: a x^2 + b x + c"},
+            {{k, (a + b) * k * k + c * k, 0}, "the first term is a x^2, not a x^3"},
+            {{0, y, 0}, "nothing moves along x"}, {{y, k, 0}, "x and y are exchanged"},
+            {{-k, -y, 0}, "the offset has the other sign"}));
+}
+
 static void check_offset(rk_motion motion, float x, double y)
 {
     rk_vec3 got = rk_motion_offset(&motion, x);
     rk_check(got.x == x && (double)got.y == y && got.z == 0,
              "the path (a, b, c) = (%g, %g, %g) at x = %g: got the offset (%g, %g, %g), want (%g, "
-             "%g, 0): (x, a x^3 + b x^2 + c x, 0), which needs no rounding here",
+             "%g, 0): (x, a x^3 + b x^2 + c x, 0), which needs no rounding here%s",
              (double)motion.a, (double)motion.b, (double)motion.c, (double)x, (double)got.x,
-             (double)got.y, (double)got.z, (double)x, y);
+             (double)got.y, (double)got.z, (double)x, y, mistake_of_offset(motion, x, got, y));
 }
 
 static void the_offset_is_x_and_a_cubic_of_x(void **state)
 {
     (void)state;
+    check_offset((rk_motion){2, -3, 5}, 3, 42); /* in which no two mistakes look alike */
     check_offset((rk_motion){1, 0, 0}, 2, 8);
     check_offset((rk_motion){0, 1, 0}, 3, 9);
     check_offset((rk_motion){0, 0, 1}, 5, 5);
@@ -75,8 +89,11 @@ static void the_ray_moves_the_other_way(void **state)
     const rk_ray ray = {{1, 2, 3}, {0.5f, 0.25f, -1}, 7};
     rk_ray moved = rk_motion_ray(rk_vec(0.5f, -1, 0), &ray);
     rk_check(moved.origin.x == 0.5f && moved.origin.y == 3 && moved.origin.z == 3,
-             "got the origin (%g, %g, %g), want (0.5, 3, 3): the origin minus the offset",
-             (double)moved.origin.x, (double)moved.origin.y, (double)moved.origin.z);
+             "got the origin (%g, %g, %g), want (0.5, 3, 3): the origin minus the offset%s",
+             (double)moved.origin.x, (double)moved.origin.y, (double)moved.origin.z,
+             rk_mistake_in_vector(RK_XYZ(moved.origin), (const double[]){0.5, 3, 3}, 0,
+                                  RK_VECTOR_MISTAKES({{1.5, 1, 3}, "the offset is added"},
+                                                     {{1, 2, 3}, "the ray is not moved"})));
     rk_check(
         memcmp(&moved.direction, &ray.direction, sizeof ray.direction) == 0,
         "got the direction (%g, %g, %g), want (0.5, 0.25, -1): a direction has no position to move",
@@ -120,12 +137,29 @@ static void a_moved_ray_hits_the_object_at_rest_at_the_same_t(void **state)
 
 /* --- Times ------------------------------------------------------------------------------------ */
 
+/* At time 1.375 of 2, which each mistake changes in another way. */
+static const char *mistake_of_times(void)
+{
+    const rk_shutter shutter = {-1, 7};
+    const double k = 1.375;
+    return rk_mistake_in(
+        (double)rk_shutter_equidistant(&shutter, (float)k, 2), -1 + 4 * (k - 0.5), 0,
+        RK_MISTAKES({4 * (k - 0.5), "the shutter is taken to open at 0, not at -1"},
+                    {-1 + 7 * (k - 0.5) / 2, "the fraction is multiplied by the end of the "
+                                             "shutter, not by its length"},
+                    {-1 + 4 * k, "times are at the ends of the parts, not in their middles"},
+                    {-1 + 4 * (k - 1), "times are where the parts begin, not in their middles"},
+                    {-1 + 4 * (k + 0.5), "times are counted from 0, but the first has k = 1"},
+                    {-1 + 8 * (k - 1), "the first and the last time are the shutter's two ends"},
+                    {-1 + 4 * 0.5, "k is truncated to a whole number"}));
+}
+
 static void check_equidistant(float k, uint32_t samples, double want, const char *hint)
 {
     const rk_shutter shutter = {-1, 7};
     double got = (double)rk_shutter_equidistant(&shutter, k, samples);
-    rk_check(got == want, "shutter [-1, 7], time %g of %u: got %.9g, want %.9g: %s", (double)k,
-             samples, got, want, hint);
+    rk_check(got == want, "shutter [-1, 7], time %g of %u: got %.9g, want %.9g: %s%s", (double)k,
+             samples, got, want, hint, mistake_of_times());
 }
 
 static void equidistant_times_are_the_middles_of_equal_parts(void **state)

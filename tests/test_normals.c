@@ -4,12 +4,47 @@
 #include "base/random.h"
 #include "features/normals.h"
 
-static void check_vec3(rk_vec3 got, rk_vec3 want, float tolerance, const char *hint)
+static void check_vec3_or(rk_vec3 got, rk_vec3 want, float tolerance,
+                          const rk_vector_mistake *known, const char *hint)
 {
     rk_vec3 off = rk_abs3(rk_sub(got, want));
     rk_check(off.x <= tolerance && off.y <= tolerance && off.z <= tolerance,
-             "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g): %s", (double)got.x, (double)got.y,
-             (double)got.z, (double)want.x, (double)want.y, (double)want.z, hint);
+             "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g): %s%s", (double)got.x, (double)got.y,
+             (double)got.z, (double)want.x, (double)want.y, (double)want.z, hint,
+             rk_mistake_in_vector(RK_XYZ(got), RK_XYZ(want), (double)tolerance, known));
+}
+
+static void check_vec3(rk_vec3 got, rk_vec3 want, float tolerance, const char *hint)
+{
+    check_vec3_or(got, want, tolerance, NULL, hint);
+}
+
+static void check_colour(rk_vec3 n, rk_vec3 want, float tolerance, const char *hint)
+{
+    const double x = (double)n.x, y = (double)n.y, z = (double)n.z;
+    check_vec3_or(rk_normals_colour(n), want, tolerance,
+                  RK_VECTOR_MISTAKES(
+                      {{x + 1, y + 1, z + 1}, "1 is added, but the sum is not halved"},
+                      {{x / 2, y / 2, z / 2}, "coordinates are halved, but 1 is not added before"},
+                      {{fabs(x), fabs(y), fabs(z)}, "the absolute value is taken"},
+                      {{fmax(x, 0), fmax(y, 0), fmax(z, 0)}, "what is below 0 is cut off"},
+                      {{(z + 1) / 2, (y + 1) / 2, (x + 1) / 2}, "red and blue are exchanged"},
+                      {{(x + 1) / 2, (y + 1) / 2, (1 - z) / 2}, "z has the other sign"}),
+                  hint);
+}
+
+/* The normal of the triangle abc. */
+static void check_normal(rk_vec3 a, rk_vec3 b, rk_vec3 c, rk_vec3 want, const char *hint)
+{
+    const rk_vec3 cross = rk_cross(rk_sub(b, a), rk_sub(c, a));
+    const double *w = RK_XYZ(want), *all = RK_XYZ(cross);
+    check_vec3_or(
+        rk_normals_of_triangle(a, b, c), want, 0,
+        RK_VECTOR_MISTAKES({{-w[0], -w[1], -w[2]},
+                            "the edges are multiplied in the other order, not (b - a) x (c - a)"},
+                           {{all[0], all[1], all[2]},
+                            "the cross product is not normalized: it is as long as its area"}),
+        hint);
 }
 
 /* Coordinates from -1 to 1. */
@@ -45,7 +80,7 @@ static void each_axis_has_a_colour_of_its_own(void **state)
         {{0, 0, -1}, {0.5f, 0.5f, 0}, "of the normal (0, 0, -1)"},
     };
     for (size_t i = 0; i < sizeof axes / sizeof *axes; i++)
-        check_vec3(rk_normals_colour(axes[i].normal), axes[i].colour, 0, axes[i].hint);
+        check_colour(axes[i].normal, axes[i].colour, 0, axes[i].hint);
 }
 
 static void from_minus_1_to_1_becomes_from_0_to_1(void **state)
@@ -55,8 +90,8 @@ static void from_minus_1_to_1_becomes_from_0_to_1(void **state)
         rk_vec3 n = rk_normalize(random_point(i, 0));
         rk_vec3 want = rk_scale(rk_add(n, rk_vec(1, 1, 1)), 0.5f);
         /* Two orders of computing it differ by a rounding of a number up to 1. */
-        check_vec3(rk_normals_colour(n), want, 0x1p-23f,
-                   "-1 becomes 0, 0 becomes 1/2 and 1 becomes 1, in each channel");
+        check_colour(n, want, 0x1p-23f,
+                     "-1 becomes 0, 0 becomes 1/2 and 1 becomes 1, in each channel");
     }
     for (int e = 1; e <= 21; e++) {
         float s = ldexpf(1, -e), c = sqrtf(1 - 2 * s * s), half = 0.5f;
@@ -86,19 +121,17 @@ static void a_triangle_along_two_axes_has_the_third_as_its_normal(void **state)
 {
     (void)state;
     const rk_vec3 o = {0, 0, 0}, x = {2, 0, 0}, y = {0, 3, 0}, z = {0, 0, 4};
-    check_vec3(rk_normals_of_triangle(o, x, y), rk_vec(0, 0, 1), 0,
-               "the triangle (0, 0, 0), (2, 0, 0), (0, 3, 0): a normal has length 1, and from its "
-               "tip the corners run counterclockwise");
-    check_vec3(rk_normals_of_triangle(o, y, z), rk_vec(1, 0, 0), 0,
-               "the triangle (0, 0, 0), (0, 3, 0), (0, 0, 4)");
-    check_vec3(rk_normals_of_triangle(o, z, x), rk_vec(0, 1, 0), 0,
-               "the triangle (0, 0, 0), (0, 0, 4), (2, 0, 0)");
-    check_vec3(rk_normals_of_triangle(o, z, y), rk_vec(-1, 0, 0), 0,
-               "the triangle (0, 0, 0), (0, 0, 4), (0, 3, 0)");
-    check_vec3(rk_normals_of_triangle(o, x, y), rk_vec(0, 0, 1), 0,
-               "the triangle (0, 0, 0), (2, 0, 0), (0, 3, 0) once more");
-    check_vec3(rk_normals_of_triangle(rk_vec(2, 3, 0), x, y), rk_vec(0, 0, -1), 0,
-               "the triangle (2, 3, 0), (2, 0, 0), (0, 3, 0)");
+    check_normal(
+        o, x, y, rk_vec(0, 0, 1),
+        "the triangle (0, 0, 0), (2, 0, 0), (0, 3, 0): a normal has length 1, and from its "
+        "tip the corners run counterclockwise");
+    check_normal(o, y, z, rk_vec(1, 0, 0), "the triangle (0, 0, 0), (0, 3, 0), (0, 0, 4)");
+    check_normal(o, z, x, rk_vec(0, 1, 0), "the triangle (0, 0, 0), (0, 0, 4), (2, 0, 0)");
+    check_normal(o, z, y, rk_vec(-1, 0, 0), "the triangle (0, 0, 0), (0, 0, 4), (0, 3, 0)");
+    check_normal(o, x, y, rk_vec(0, 0, 1),
+                 "the triangle (0, 0, 0), (2, 0, 0), (0, 3, 0) once more");
+    check_normal(rk_vec(2, 3, 0), x, y, rk_vec(0, 0, -1),
+                 "the triangle (2, 3, 0), (2, 0, 0), (0, 3, 0)");
 }
 
 static void a_moved_triangle_has_the_same_normal(void **state)

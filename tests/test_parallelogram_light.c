@@ -110,15 +110,22 @@ static rk_light light_of(const configuration *c)
     return make_light(c->kind, c->position, c->edge01, c->edge02);
 }
 
-static void check_vec3(rk_vec3 got, rk_vec3 want, float tolerance, const char *hint)
+static void check_vec3_or(rk_vec3 got, rk_vec3 want, float tolerance,
+                          const rk_vector_mistake *known, const char *hint)
 {
     char within[40] = "";
     if (tolerance != 0)
         snprintf(within, sizeof within, " within %.3g", (double)tolerance);
     rk_check(fabsf(got.x - want.x) <= tolerance && fabsf(got.y - want.y) <= tolerance &&
                  fabsf(got.z - want.z) <= tolerance,
-             "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g)%s: %s", (double)got.x, (double)got.y,
-             (double)got.z, (double)want.x, (double)want.y, (double)want.z, within, hint);
+             "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g)%s: %s%s", (double)got.x,
+             (double)got.y, (double)got.z, (double)want.x, (double)want.y, (double)want.z, within,
+             hint, rk_mistake_in_vector(RK_XYZ(got), RK_XYZ(want), (double)tolerance, known));
+}
+
+static void check_vec3(rk_vec3 got, rk_vec3 want, float tolerance, const char *hint)
+{
+    check_vec3_or(got, want, tolerance, NULL, hint);
 }
 
 static rk_light_sample plain_sample(const rk_light *light, float x, float y)
@@ -147,7 +154,10 @@ static void a_segment_runs_from_corner_0_to_corner_1(void **state)
     rk_light_sample sample = plain_sample(&light, 0.75f, 0.5f);
     rk_check(!isnan(rk_dot(sample.position, rk_vec(1, 1, 1))),
              "got a position of NaN: a segment's edge02 is not read");
-    check_vec3(sample.position, rk_vec(2.5f, 2, 3), 0, "position + x edge01; a segment has no y");
+    check_vec3_or(sample.position, rk_vec(2.5f, 2, 3), 0,
+                  RK_VECTOR_MISTAKES({{2.5 - 9, 2 - 9, 3 - 9},
+                                      "the position is relative to the point, as a direction is"}),
+                  "position + x edge01; a segment has no y");
     rk_check(!isnan(rk_dot(sample.colour, rk_vec(1, 1, 1))),
              "got a colour of NaN: a segment's colours 2 and 3 are not read");
     check_vec3(sample.colour, rk_vec(0.75f, 0, 0), 0, "linear from corner 0's to corner 1's");
@@ -162,8 +172,11 @@ static void corners_have_their_own_colours(void **state)
         rk_light_sample sample = plain_sample(&light, x, y);
         check_vec3(sample.position, rk_vec(1 + 2 * x, 2 + 4 * y, 3), 0,
                    "position + x edge01 + y edge02");
-        check_vec3(sample.colour, light.colours[i], 0,
-                   "colour 1 is at the end of edge01, 2 at the end of edge02, 3 opposite to 0");
+        const rk_vec3 other = light.colours[i == 1 ? 2 : i == 2 ? 1 : i];
+        check_vec3_or(sample.colour, light.colours[i], 0,
+                      RK_VECTOR_MISTAKES({{(double)other.x, (double)other.y, (double)other.z},
+                                          "the colours of corners 1 and 2 are exchanged"}),
+                      "colour 1 is at the end of edge01, 2 at the end of edge02, 3 opposite to 0");
     }
     for (int e = -60; e <= 60; e += 20)
         for (int kind = 0; kind < 3; kind++) {
@@ -298,9 +311,14 @@ static void a_segment_is_foreshortened(void **state)
                       "the domain is %s, perpendicular: length / r^2 = 2 / 4, in either",
                       domain == RK_LIGHT_DOMAIN_AREA ? "the area" : "the solid angle");
         /* 3 before the end and 4 aside: r = 5, sin' = 4 / 5. */
-        rk_check_close(weight_at(&light, domain, rk_vec(-3, 4, 0), 0, 0.5f), 2 * 0.8 / 25, 1e-8,
-                       "length x sin' / r^2, sin' of the angle between segment and direction; a "
-                       "segment has no edge02");
+        rk_check_near_or(
+            weight_at(&light, domain, rk_vec(-3, 4, 0), 0, 0.5f), 2 * 0.8 / 25, 1e-8,
+            RK_MISTAKES({2 / 25., "the sine is missing: the whole length counts at any angle"},
+                        {2 * 0.6 / 25, "the cosine stands in place of the sine"},
+                        {0.8 / 25, "the length, 2, is missing"},
+                        {2 * 0.8 / 5, "it is divided by r, not by r^2"}),
+            "length 2 x sin' 0.8 / r^2 25, sin' of the angle between segment and direction; a "
+            "segment has no edge02");
         rk_check_close(weight_at(&light, domain, rk_vec(-3, 0, 0), 0.5f, 0), 0, 0,
                        "in line with the point it looks like a dot, and gives nothing");
         rk_light_sample sample = rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, domain,
@@ -315,10 +333,21 @@ static void a_parallelogram_is_foreshortened_and_two_sided(void **state)
     (void)state;
     rk_light light = make_parallelogram(rk_vec(0, 0, 0), rk_vec(2, 0, 0), rk_vec(1, 3, 0));
     for (float side = -1; side <= 1; side += 2) {
-        rk_check_close(weight_at(&light, RK_LIGHT_DOMAIN_AREA, rk_vec(0, 0, 2 * side), 0, 0),
-                       6.0 / 4, 1e-6, "facing it: area / r^2 = 6 / 4, on both sides");
-        rk_check_close(weight_at(&light, RK_LIGHT_DOMAIN_AREA, rk_vec(4, 0, 3 * side), 0, 0),
-                       6 * 0.6 / 25, 1e-7, "area x cos' / r^2, with |cos'|: it has two sides");
+        rk_check_near_or(
+            weight_at(&light, RK_LIGHT_DOMAIN_AREA, rk_vec(0, 0, 2 * side), 0, 0), 6.0 / 4, 1e-6,
+            RK_MISTAKES({1.0 / 4, "the area, 6, is missing"},
+                        {6.0 / 2, "it is divided by r, not by r^2"},
+                        {-6.0 / 4, "the cosine keeps its sign: a light has two sides"}),
+            "facing it from %s: area / r^2 = 6 / 4, on both sides", side > 0 ? "above" : "below");
+        rk_check_near_or(
+            weight_at(&light, RK_LIGHT_DOMAIN_AREA, rk_vec(4, 0, 3 * side), 0, 0), 6 * 0.6 / 25,
+            1e-7,
+            RK_MISTAKES({6 / 25., "the cosine at the light is missing"},
+                        {0.6 / 25, "the area, 6, is missing"},
+                        {6 * 0.8 / 25, "the sine stands in place of the cosine"},
+                        {6 * 0.6 / 5, "it is divided by r, not by r^2"},
+                        {-6 * 0.6 / 25, "the cosine keeps its sign: a light has two sides"}),
+            "%s its plane: area 6 x |cos'| 0.6 / r^2 25", side > 0 ? "above" : "below");
         for (int e = 1; e <= 100; e++) { /* from beside the corner, nearer and nearer its plane */
             double h = ldexp(1, -e), r2 = 16 + h * h;
             rk_check_near(

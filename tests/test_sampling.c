@@ -34,6 +34,29 @@ static void point_0_is_at_0(void **state)
     }
 }
 
+/* The xor of the numbers that an index selects. */
+static uint32_t selected(const uint32_t *v, uint32_t index)
+{
+    uint32_t bits = 0;
+    for (uint32_t j = 0; j < RK_SOBOL_DIGITS; j++)
+        bits ^= index >> j & 1 ? v[j] : 0;
+    return bits;
+}
+
+static const char *mistake_of_point(const uint32_t *v, uint32_t index, uint32_t got)
+{
+    if (got == selected(v, rk_reverse_bits(index)))
+        return "; so it comes out if the index's digits are read from the highest one";
+    if (got == selected(v, index ^ index >> 1))
+        return "; so it comes out if the index's Gray code selects the numbers: that is another "
+               "order of the points";
+    if (got == selected(v, ~index))
+        return "; so it comes out if the digits that are 0 select the numbers";
+    if (got == selected(v, index + 1) || got == selected(v, index - 1))
+        return "; it is the point of the index beside it";
+    return got == rk_reverse_bits(selected(v, index)) ? "; its digits are in reversed order" : "";
+}
+
 static void a_power_of_two_selects_one_direction_number(void **state)
 {
     (void)state;
@@ -42,8 +65,9 @@ static void a_power_of_two_selects_one_direction_number(void **state)
         fill_directions(v, which);
         for (uint32_t j = 0; j < RK_SOBOL_DIGITS; j++)
             rk_check(rk_sobol_bits(v, UINT32_C(1) << j) == v[j],
-                     "index 2^%u: got 0x%08x, want v[%u] = 0x%08x", j,
-                     rk_sobol_bits(v, UINT32_C(1) << j), j, v[j]);
+                     "index 2^%u: got 0x%08x, want v[%u] = 0x%08x%s", j,
+                     rk_sobol_bits(v, UINT32_C(1) << j), j, v[j],
+                     mistake_of_point(v, UINT32_C(1) << j, rk_sobol_bits(v, UINT32_C(1) << j)));
     }
 }
 
@@ -54,16 +78,21 @@ static void the_digits_of_the_index_combine_by_xor(void **state)
     for (uint32_t k = 0; k < 1000; k++) {
         fill_directions(v, k);
         uint32_t a = any_bits(k, 100), b = any_bits(k, 101);
-        uint32_t got = rk_sobol_bits(v, a ^ b), want = rk_sobol_bits(v, a) ^ rk_sobol_bits(v, b);
+        uint32_t got = rk_sobol_bits(v, a ^ b);
+        uint32_t want = v[0] ^ v[2] ^ v[3];
+        rk_check(rk_sobol_bits(v, 13) == want,
+                 "index 13 = 1101 in binary: got 0x%08x, want v[0] ^ "
+                 "v[2] ^ v[3] = 0x%08x%s",
+                 rk_sobol_bits(v, 13), want,
+                 rk_mistake_in_whole(
+                     rk_sobol_bits(v, 13), want,
+                     RK_MISTAKES({v[0] + v[2] + v[3], "the numbers are added"},
+                                 {v[0] | v[2] | v[3], "the numbers are combined by |, not ^"})));
+        want = rk_sobol_bits(v, a) ^ rk_sobol_bits(v, b);
         rk_check(got == want,
                  "point %u xor %u: got 0x%08x, want 0x%08x: points combine as their "
                  "indices do",
                  a, b, got, want);
-        want = v[0] ^ v[2] ^ v[3];
-        rk_check(rk_sobol_bits(v, 13) == want,
-                 "index 13 = 1101 in binary: got 0x%08x, want v[0] ^ "
-                 "v[2] ^ v[3] = 0x%08x",
-                 rk_sobol_bits(v, 13), want);
     }
 }
 
@@ -86,9 +115,14 @@ static void dimension_0_is_van_der_corputs(void **state)
     (void)state;
     uint32_t v[RK_SOBOL_DIGITS];
     rk_sobol_directions(0, v);
-    for (uint32_t j = 0; j < RK_SOBOL_DIGITS; j++)
-        rk_check(v[j] == UINT32_C(0x80000000) >> j, "v[%u]: got 0x%08x, want 2^-%u = 0x%08x", j,
-                 v[j], j + 1, UINT32_C(0x80000000) >> j);
+    for (uint32_t j = 0; j < RK_SOBOL_DIGITS; j++) {
+        uint32_t want = UINT32_C(0x80000000) >> j;
+        rk_check(v[j] == want, "v[%u]: got 0x%08x, want 2^-%u = 0x%08x%s", j, v[j], j + 1, want,
+                 rk_mistake_in_whole(
+                     v[j], want,
+                     RK_MISTAKES({2.0 * want, "v[j] is m / 2^j, one digit too far"},
+                                 {1, "v[j] is m itself, not the fraction m / 2^(j + 1) of 2^32"})));
+    }
 }
 
 static void the_given_numbers_come_first(void **state)
@@ -308,6 +342,23 @@ static void check_owen_keys(void)
     }
 }
 
+/* The node of a tree is the digits before, behind a 1. */
+static void name_digit(int node, char text[40])
+{
+    char digits[32] = "";
+    int count = 0;
+    while (node >> (count + 1))
+        count++;
+    for (int k = 0; k < count; k++)
+        digits[k] = node >> (count - 1 - k) & 1 ? '1' : '0';
+    snprintf(text, 40, count ? "after %s" : "before all others", digits);
+}
+
+static bool is_zeros_alone(int node)
+{
+    return (node & (node - 1)) == 0;
+}
+
 /* The coins of the 31 largest intervals, one bit per node of a tree: root 1, children 2n, 2n + 1.
  */
 static void all_coins_are_fair_and_independent(void **state)
@@ -329,12 +380,23 @@ static void all_coins_are_fair_and_independent(void **state)
                 sums[a][b] += a == b ? coin[a] : coin[a] * coin[b];
     }
     for (int a = 1; a < nodes; a++)
-        for (int b = 1; b <= a; b++)
-            rk_check(
-                abs(sums[a][b]) <= z_limit * sqrt(draws),
-                "the coins of intervals %d and %d (one coin: heads and tails) agree %+d times more "
-                "often than not in %d throws",
-                a, b, sums[a][b], draws);
+        for (int b = 1; b <= a; b++) {
+            char behind_a[40], behind_b[40];
+            name_digit(a, behind_a);
+            name_digit(b, behind_b);
+            rk_check(abs(sums[a][a]) <= z_limit * sqrt(draws),
+                     "the coin of the digit %s: heads %+d times more often than tails in %d throws",
+                     behind_a, sums[a][a], draws);
+            rk_check(abs(sums[a][b]) <= z_limit * sqrt(draws) || a == b,
+                     "the coins of the digit %s and of the digit %s agree in %d of %d throws, want "
+                     "about half%s",
+                     behind_a, behind_b, (draws + sums[a][b]) / 2, draws,
+                     abs(sums[a][b]) < draws ? ""
+                     : is_zeros_alone(a) && is_zeros_alone(b)
+                         ? ": they are one coin; does the hash see how many digits came before? 0 "
+                           "and 00 are the same number"
+                         : ": they are one coin; does the hash see all digits before?");
+        }
     check_owen_keys();
 }
 
@@ -448,6 +510,26 @@ static void numbers_are_multiples_of_2_to_the_minus_24_below_one(void **state)
         }
 }
 
+/* What pairs of samples have in common: in dimension 0, samples that differ by 2^20 have points of
+ * equal first 20 digits; in all dimensions, those that differ by 1 have points that differ in the
+ * first digit alone. By chance, 64 pairs never have it. */
+static const char *mistake_of_numbers(void)
+{
+    bool not_reversed = true, last_first = true;
+    for (uint32_t i = 0; i < 64; i++) {
+        uint32_t bits = (uint32_t)(coordinate(&joint, 0, i, 0) * 0x1p24f);
+        uint32_t far = (uint32_t)(coordinate(&joint, 0, i ^ 1u << 20, 0) * 0x1p24f);
+        uint32_t beside = (uint32_t)(coordinate(&joint, 0, i ^ 1, 0) * 0x1p24f);
+        not_reversed &= ((bits ^ far) & 0xfff) == 0;
+        last_first &= (bits ^ beside) == 1u << 23;
+    }
+    if (last_first)
+        return "; so it comes out if a number is scrambled from its last digit on: is it reversed "
+               "before?";
+    return not_reversed ? "; so it comes out if the bits are not reversed back after scrambling"
+                        : "";
+}
+
 static void every_samples_number_is_the_scrambled_point_of_its_index(void **state)
 {
     (void)state;
@@ -469,9 +551,9 @@ static void every_samples_number_is_the_scrambled_point_of_its_index(void **stat
             bool same = digits < 24 ? got >> (31 - digits) == 1 : got == 0;
             rk_check(same,
                      "joint dimension %u: samples %u and %u have numbers 0x%08x and 0x%08x, but "
-                     "points 0x%08x and 0x%08x, which agree in %u digits: as many "
-                     "as the numbers must",
-                     d, a, b, ys[0], ys[1], xs[0], xs[1], digits);
+                     "points 0x%08x and 0x%08x, which agree in the first %u digits: as "
+                     "many as the numbers must%s",
+                     d, a, b, ys[0], ys[1], xs[0], xs[1], digits, mistake_of_numbers());
         }
 }
 
@@ -827,6 +909,27 @@ static void errors_fall_faster_than_by_the_root_of_n(void **state)
 
 /* --- Z order ---------------------------------------------------------------------------------- */
 
+static const char *mistake_of_order(void)
+{
+    bool exchanged = true, along_rows = true, beside = true;
+    for (uint32_t k = 1; k < 256; k++) {
+        uint32_t x = k % 16, y = k / 16, alternating = 0;
+        for (uint32_t j = 0; j < 4; j++)
+            alternating |= (y >> j & 1) << 2 * j | (x >> j & 1) << (2 * j + 1);
+        exchanged &= rk_morton_index(x, y) == alternating;
+        along_rows &= rk_morton_index(x, 0) == x;
+        beside &= rk_morton_index(0, y) == y << 16;
+    }
+    if (exchanged)
+        return "; so it comes out if the digits of y come first, at even places: x and y are "
+               "exchanged";
+    if (along_rows)
+        return "; so it comes out if pixels follow one another along a row, as in memory";
+    if (beside)
+        return "; so it comes out if the digits of y stand beside those of x, and do not alternate";
+    return "";
+}
+
 static void the_first_16_pixels_are_in_z_order(void **state)
 {
     (void)state;
@@ -835,8 +938,8 @@ static void the_first_16_pixels_are_in_z_order(void **state)
         for (uint32_t x = 0; x < 4; x++)
             rk_check(rk_morton_index(x, y) == want[y][x],
                      "pixel (%u, %u): got %u, want %u: the digits of x at even places, those of y "
-                     "at odd ones",
-                     x, y, rk_morton_index(x, y), want[y][x]);
+                     "at odd ones%s",
+                     x, y, rk_morton_index(x, y), want[y][x], mistake_of_order());
 }
 
 static void digits_of_x_and_y_alternate(void **state)

@@ -169,14 +169,62 @@ static void light_from_behind_or_along_the_surface_gives_nothing(void **state)
             rk_shading shading = shading_of((rk_shading_model)model, k & 1);
             rk_vec3 got = rk_shade(&shading, white, white, k & 2 ? 4.0f : 0, up, lights[k / 4],
                                    direction(80, 180), white);
-            rk_check(equal_bits(got, black),
-                     "%s, light %d: got %g, want 0: n.l = %g is not above 0, so there is no "
-                     "highlight either",
-                     model_names[model], k / 4, (double)got.x, (double)lights[k / 4].z);
+            double cosine = (double)lights[k / 4].z;
+            rk_check(
+                equal_bits(got, black),
+                "%s, light %d: got %g, want 0: n.l = %g is not above 0, so there is no "
+                "highlight either%s",
+                model_names[model], k / 4, (double)got.x, cosine,
+                rk_mistake_in((double)got.x, 0, few_roundings,
+                              RK_MISTAKES({-cosine, "the absolute value of n.l is taken"},
+                                          {cosine, "n.l is not limited to 0 and above"},
+                                          {-cosine / pi, "the absolute value of n.l is taken"},
+                                          {cosine / pi, "n.l is not limited to 0 and above"})));
         }
 }
 
 /* --- Highlights ----------------------------------------------------------------------------- */
+
+/* The power of a cosine as it comes out for vectors that are not of unit length, by their product
+ * or by their distance. */
+static double by_product(rk_vec3 a, rk_vec3 b, double s)
+{
+    return pow(fmax(rk_ddot(rk_widen(a), rk_widen(b)), 0), s);
+}
+
+static double by_distance(rk_vec3 a, rk_vec3 b, double s)
+{
+    const rk_dvec3 apart = rk_dmadd(rk_widen(a), rk_widen(b), -1);
+    return pow(fmax(1 - rk_ddot(apart, apart) / 2, 0), s);
+}
+
+/* A lobe of the shininess s, compared with those that it may be by mistake. */
+static void check_lobe(rk_shading_model model, float s, rk_vec3 l, rk_vec3 v, double want,
+                       const char *hint)
+{
+    const rk_vec3 mirror = rk_sub(rk_scale(up, 2 * l.z), l), near = rk_sub(rk_scale(up, l.z), l);
+    const rk_vec3 sum = rk_add(l, v), mean = rk_scale(sum, 0.5f), half = rk_normalize(sum);
+    const double k = (double)s;
+    const char *const no_two = "the 2 of r = 2 (n.l) n - l is missing";
+    const char *const long_h = "h is l + v, not normalized: its length is not 1";
+    const char *const short_h = "h is (l + v) / 2, not normalized: its length is not 1";
+    rk_check_near_or(
+        highlight(model, s, l, v), want, few_roundings,
+        RK_MISTAKES({by_product(rk_negate(mirror), v, k), "r has the other sign: 2 (n.l) n - l"},
+                    {by_product(near, v, k), no_two}, {by_distance(near, v, k), no_two},
+                    {by_product(l, v, k), "the light's own direction is compared with v, not its "
+                                          "mirror direction r"},
+                    {want * want, "the shininess is doubled"},
+                    {pow(want, 4), "the shininess is taken four times"},
+                    {want * (double)l.z, "the lobe is multiplied by n.l"},
+                    {by_product(up, sum, k), long_h}, {by_distance(up, sum, k), long_h},
+                    {by_product(up, mean, k), short_h}, {by_distance(up, mean, k), short_h},
+                    {by_product(half, v, k), "h is compared with v, not with n"},
+                    {by_product(mirror, v, k), "the lobe is Phong's, around the mirror direction"},
+                    {by_product(half, up, k), "the lobe is Blinn-Phong's, around the normal"}),
+        "%s, shininess %g, l = (%g, %g, %g), v = (%g, %g, %g): %s", model_names[model], k,
+        (double)l.x, (double)l.y, (double)l.z, (double)v.x, (double)v.y, (double)v.z, hint);
+}
 
 static void phong_is_the_cosine_from_the_mirror_direction_to_a_power(void **state)
 {
@@ -184,15 +232,15 @@ static void phong_is_the_cosine_from_the_mirror_direction_to_a_power(void **stat
     /* The mirror direction of l, 30 degrees to one side, is 30 degrees to the other. */
     rk_vec3 l = direction(30, 180);
     const char *hint = "(r.v)^s with r = 2 (n.l) n - l, and not times n.l";
-    rk_check_close(highlight(RK_SHADING_PHONG, 7, l, direction(30, 0)), 1, few_roundings, hint);
-    rk_check_close(highlight(RK_SHADING_PHONG, 1, l, direction(90, 0)), 0.5, few_roundings, hint);
-    rk_check_close(highlight(RK_SHADING_PHONG, 2, l, direction(90, 0)), 0.25, few_roundings, hint);
-    rk_check_close(highlight(RK_SHADING_PHONG, 2, l, direction(-30, 0)), 0.25, few_roundings, hint);
-    rk_check_close(highlight(RK_SHADING_PHONG, 4, l, direction(75, 0)), 0.25, few_roundings, hint);
+    check_lobe(RK_SHADING_PHONG, 3, l, direction(-75, 0), 0, hint);
+    check_lobe(RK_SHADING_PHONG, 7, l, direction(30, 0), 1, hint);
+    check_lobe(RK_SHADING_PHONG, 1, l, direction(90, 0), 0.5, hint);
+    check_lobe(RK_SHADING_PHONG, 2, l, direction(90, 0), 0.25, hint);
+    check_lobe(RK_SHADING_PHONG, 2, l, direction(-30, 0), 0.25, hint);
+    check_lobe(RK_SHADING_PHONG, 4, l, direction(75, 0), 0.25, hint);
     /* Roots, where the shininess is below 1. */
     for (float s = 1; s > 1e-6f; s *= 0.5f)
-        rk_check_close(highlight(RK_SHADING_PHONG, s, l, direction(90, 0)), pow(0.5, (double)s),
-                       few_roundings, hint);
+        check_lobe(RK_SHADING_PHONG, s, l, direction(90, 0), pow(0.5, (double)s), hint);
 }
 
 static void blinn_phong_is_the_cosine_from_the_normal_to_the_half_vector_to_a_power(void **state)
@@ -201,14 +249,13 @@ static void blinn_phong_is_the_cosine_from_the_normal_to_the_half_vector_to_a_po
     /* Halfway between 75 degrees to one side and 15 to the other is 30 degrees from `up`. */
     rk_vec3 l = direction(75, 180), v = direction(15, 0);
     const char *hint = "(n.h)^s with h = (l + v) / |l + v|, and not times n.l";
-    rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, l, v), 0.75, few_roundings, hint);
-    rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 4, l, v), 0.5625, few_roundings, hint);
+    check_lobe(RK_SHADING_BLINN_PHONG, 2, l, v, 0.75, hint);
+    check_lobe(RK_SHADING_BLINN_PHONG, 4, l, v, 0.5625, hint);
     for (float s = 1; s > 1e-6f; s *= 0.5f)
-        rk_check_close(highlight(RK_SHADING_BLINN_PHONG, s, l, v), pow(0.75, (double)s / 2),
-                       few_roundings, hint);
+        check_lobe(RK_SHADING_BLINN_PHONG, s, l, v, pow(0.75, (double)s / 2), hint);
     /* Out of the plane: h = (1, 1, 1) / sqrt 3 between the middles of two sides of a cube. */
     rk_vec3 a = rk_vec(0.8944272f, 0, 0.4472136f), b = rk_vec(0, 0.8944272f, 0.4472136f);
-    rk_check_close(highlight(RK_SHADING_BLINN_PHONG, 2, a, b), 1.0 / 3, few_roundings, hint);
+    check_lobe(RK_SHADING_BLINN_PHONG, 2, a, b, 1.0 / 3, hint);
 }
 
 static void in_the_mirror_direction_both_highlights_are_one(void **state)
@@ -341,6 +388,25 @@ static void a_highlight_has_the_specular_colour_however_faint(void **state)
         }
 }
 
+/* Each channel has its own mistakes. */
+static void check_sum(rk_vec3 got, rk_vec3 kd, rk_vec3 ks, rk_vec3 light, float cosine)
+{
+    for (int k = 0; k < 3; k++) {
+        const double d = (double)rk_axis(kd, k), s = (double)rk_axis(ks, k),
+                     i = (double)rk_axis(light, k), c = (double)cosine;
+        rk_check_near_or(
+            rk_axis(got, k), i * (d * c + s), 8 * few_roundings,
+            RK_MISTAKES({i * d * c + s, "the highlight is not multiplied by the light"},
+                        {d * c + i * s, "the diffuse part is not multiplied by the light"},
+                        {i * (d * c + s * c), "the classic lobe is multiplied by n.l"},
+                        {i * (d * c + d * s), "the highlight is multiplied by kd as well"},
+                        {i * (d + s), "the diffuse part is not multiplied by n.l"}),
+            "channel %d: I (kd n.l + ks lobe), with I = %g, kd = %g, n.l = 0.5, ks = %g, lobe = 1: "
+            "the light times both parts; the classic lobe has no factor n.l",
+            k, i, d, s);
+    }
+}
+
 static void diffuse_part_and_highlight_add_up(void **state)
 {
     (void)state;
@@ -349,10 +415,7 @@ static void diffuse_part_and_highlight_add_up(void **state)
     rk_vec3 kd = rk_vec(0.5f, 0, 0.25f), ks = rk_vec(0, 0.25f, 0.5f), light = rk_vec(2, 4, 8);
     for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
         rk_shading shading = shading_of((rk_shading_model)model, false);
-        check_colour(
-            rk_shade(&shading, kd, ks, 5, up, l, v, light), rk_vec(0.5f, 1, 5), 8 * few_roundings,
-            "I (kd n.l + ks lobe): the light, here of three different channels, times both parts; "
-            "the classic lobe has no factor n.l");
+        check_sum(rk_shade(&shading, kd, ks, 5, up, l, v, light), kd, ks, light, 0.5f);
     }
 }
 

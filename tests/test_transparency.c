@@ -23,11 +23,21 @@ static rk_crossing face(float t, uint32_t medium, bool entering, rk_vec3 absorpt
         .t = t, .medium = medium, .entering = entering, .kd = white, .absorption = absorption};
 }
 
+static void check_colour_or(rk_vec3 got, rk_vec3 want, float tolerance,
+                            const rk_vector_mistake *known, const char *hint)
+{
+    const double *a = RK_XYZ(got), *b = RK_XYZ(want);
+    bool close = true;
+    for (int k = 0; k < 3; k++)
+        close = close && fabs(a[k] - b[k]) <= (double)tolerance;
+    rk_check(close, "got (%.9g, %.9g, %.9g), want (%.9g, %.9g, %.9g) within %.3g: %s%s", a[0], a[1],
+             a[2], b[0], b[1], b[2], (double)tolerance, hint,
+             rk_mistake_in_vector(a, b, (double)tolerance, known));
+}
+
 static void check_colour(rk_vec3 got, rk_vec3 want, float tolerance, const char *hint)
 {
-    rk_check_close(got.x, want.x, tolerance, hint);
-    rk_check_close(got.y, want.y, tolerance, hint);
-    rk_check_close(got.z, want.z, tolerance, hint);
+    check_colour_or(got, want, tolerance, NULL, hint);
 }
 
 /* The largest float below 1. */
@@ -320,7 +330,11 @@ static void one_surface_weighs_alpha_and_transmits_the_rest(void **state)
     rk_crossing crossing = pane(1, 0.25f, red);
     float weight, transmittance;
     rk_transparency_weights(&crossing, 1, &weight, &transmittance);
-    rk_check_close(weight, 0.25, 0, "alpha is opacity: the weight of the surface's own colour");
+    rk_check_near_or(
+        weight, 0.25, 0,
+        RK_MISTAKES({0.75, "alpha is taken for what is transmitted, 1 - alpha"},
+                    {0.25 * 0.75, "the surface's own 1 - alpha is in its weight, too"}),
+        "alpha 0.25 is opacity: the weight of the surface's own colour");
     rk_check_close(transmittance, 0.75, 0, "1 - alpha is transmitted");
 }
 
@@ -531,6 +545,13 @@ static void multiplicative_is_the_product_of_colours_and_one_minus_alpha(void **
     (void)state;
     const rk_crossing crossings[] = {pane(0.25f, 0.5f, rk_vec(1, 0.5f, 0.25f)),
                                      pane(0.5f, 0.75f, rk_vec(0.5f, 1, 0.5f))};
+    check_colour_or(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, crossings + 1, 1, 1),
+                    rk_vec(0.125f, 0.25f, 0.125f), 0,
+                    RK_VECTOR_MISTAKES(
+                        {{0.375, 0.75, 0.375}, "alpha lets light through, but it is the opacity"},
+                        {{0.25, 0.25, 0.25}, "the surface's colour kd is left out"},
+                        {{0.5, 1, 0.5}, "1 - alpha is left out"}),
+                    "kd (1 - alpha), with kd = (0.5, 1, 0.5) and alpha = 0.75");
     check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, crossings, 1, 1),
                  rk_vec(0.5f, 0.25f, 0.125f), 0, "kd (1 - alpha)");
     check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, crossings, 2, 1),
@@ -602,9 +623,12 @@ static void ordered_tells_red_then_yellow_from_yellow_then_red(void **state)
     (void)state;
     const rk_crossing red_first[] = {pane(0.25f, 0.5f, red), pane(0.5f, 0.5f, yellow)};
     const rk_crossing yellow_first[] = {pane(0.25f, 0.5f, yellow), pane(0.5f, 0.5f, red)};
-    check_colour(rk_transparency_transmit(RK_GLASS_ORDERED, red_first, 2, 1),
-                 rk_vec(1, 0.5f, 0.25f), 0,
-                 "red nearest to the point: red / 2 + yellow / 4 + white / 4");
+    check_colour_or(
+        rk_transparency_transmit(RK_GLASS_ORDERED, red_first, 2, 1), rk_vec(1, 0.5f, 0.25f), 0,
+        RK_VECTOR_MISTAKES({{1, 0.75, 0.25}, "the surface nearest to the light is in front"},
+                           {{0.25, 0, 0}, "surfaces multiply, as in the multiplicative model"},
+                           {{0.75, 0.25, 0}, "the white light behind all surfaces is left out"}),
+        "red nearest to the point: red / 2 + yellow / 4 + white / 4");
     check_colour(rk_transparency_transmit(RK_GLASS_ORDERED, yellow_first, 2, 1),
                  rk_vec(1, 0.75f, 0.25f), 0,
                  "yellow nearest to the point: yellow / 2 + red / 4 + white / 4");
@@ -651,10 +675,18 @@ static void check_thickness(const rk_crossing *crossings, uint32_t count, float 
                             double thickness, const char *hint)
 {
     rk_vec3 got = rk_transparency_transmit(RK_GLASS_BEER_LAMBERT, crossings, count, length);
-    check_colour(got,
-                 rk_vec((float)exp(-(double)sigma.x * thickness),
-                        (float)exp(-(double)sigma.y * thickness), 1),
-                 10 * 0x1p-23f, hint);
+    const double x = (double)sigma.x * thickness, y = (double)sigma.y * thickness;
+    check_colour_or(
+        got, rk_vec((float)exp(-x), (float)exp(-y), 1), 10 * 0x1p-23f,
+        RK_VECTOR_MISTAKES(
+            {{exp(-2 * x), exp(-2 * y), 1}, "each of the block's faces absorbs its thickness"},
+            {{exp(-x / (double)length), exp(-y / (double)length), 1},
+             "the thickness is left in units of t, not multiplied by the ray's length"},
+            {{1 - x, 1 - y, 1}, "absorption is linear, 1 - sigma thickness"},
+            {{exp(x), exp(y), 1}, "the exponent lacks its minus sign"},
+            {{1, 1, 1},
+             "nothing is absorbed: is the interval between entering and leaving found?"}),
+        hint);
 }
 
 static void a_block_absorbs_by_its_thickness(void **state)

@@ -88,6 +88,27 @@ static void check_decision(const pair_of *p, uint32_t i, const char *hint)
 
 /* --- In double -------------------------------------------------------------------------------- */
 
+/* A ray back and one beside the triangle tell which sign is wrong. */
+static const char *mistake_of_miss(const pair_of *p)
+{
+    rk_triangle triangle = float_triangle(p->corner, 0, 7);
+    rk_ray ray = ray_of(p, 0), back = {ray.origin, rk_negate(ray.direction), INFINITY};
+    if (rk_watertight_intersect(&triangle, &back).triangle != RK_MISS)
+        return "; the ray in the opposite direction hits, behind which the triangle is: t has the "
+               "other sign";
+    for (int k = 0; k < 3; k++) { /* across the edge opposite to corner k */
+        rk_vec3 a = float_of(p->corner[k], 0), b = float_of(p->corner[(k + 1) % 3], 0);
+        rk_vec3 c = float_of(p->corner[(k + 2) % 3], 0);
+        rk_vec3 beyond = rk_madd(rk_scale(rk_add(b, c), 0.625f), a, -0.25f);
+        rk_ray aside = {ray.origin, rk_sub(beyond, ray.origin), INFINITY};
+        if (rk_watertight_intersect(&triangle, &aside).triangle != RK_MISS)
+            return k == 0   ? "; rays beside edge bc hit, where w is below 0: w has the other sign"
+                   : k == 1 ? "; rays beside edge ca hit, where u is below 0: u has the other sign"
+                            : "; rays beside edge ab hit, where v is below 0: v has the other sign";
+    }
+    return "";
+}
+
 /* Far from the edges, where float is enough. */
 static void check_clear_hit(const pair_of *p, uint32_t i, bool got)
 {
@@ -98,8 +119,9 @@ static void check_clear_hit(const pair_of *p, uint32_t i, bool got)
     rk_check(
         !clear || got,
         "ray %u: got a miss, want a hit at t = %.3Lg, u = %.3Lg, v = %.3Lg, far from the edges: "
-        "do u, v, w and t have the right signs?",
-        i, (long double)m->t / det, (long double)m->u / det, (long double)m->v / det);
+        "do u, v, w and t have the right signs?%s",
+        i, (long double)m->t / det, (long double)m->u / det, (long double)m->v / det,
+        mistake_of_miss(p));
 }
 
 static void t_u_and_v_are_rounded_from_double(void **state)
@@ -114,10 +136,23 @@ static void t_u_and_v_are_rounded_from_double(void **state)
         check_clear_hit(&p, i, hit.triangle != RK_MISS);
         if (!whole_hits(&p.want) || hit.triangle == RK_MISS || det < 1e-4L * 0x1p69L)
             continue;
-        rk_check_near(hit.t, (double)((long double)p.want.t / det), (double)hit.t * 0x1p-23,
-                      "ray %u: t, rounded once to a float", i);
-        rk_check_near(hit.u, (double)((long double)p.want.u / det), 0x1p-24, "ray %u: u", i);
-        rk_check_near(hit.v, (double)((long double)p.want.v / det), 0x1p-24, "ray %u: v", i);
+        const double t = (double)((long double)p.want.t / det);
+        const double u = (double)((long double)p.want.u / det);
+        const double v = (double)((long double)p.want.v / det), w = 1 - u - v;
+        rk_check_near_or(
+            hit.t, t, (double)hit.t * 0x1p-23,
+            RK_MISTAKES({t / (u + v), "det is u + v, without w"},
+                        {t / (2 * u + v), "w is taken as u"}, {t / (u + 2 * v), "w is taken as v"},
+                        {t / (1 + v), "w is the determinant less u alone"},
+                        {t / (1 + u), "w is the determinant less v alone"},
+                        {-t, "t has the other sign"}),
+            "ray %u: t, rounded once to a float, with u = %.9g, v = %.9g, w = %.9g", i, u, v, w);
+        rk_check_near_or(hit.u, u, 0x1p-24,
+                         RK_MISTAKES({v, "u and v are exchanged"}, {w, "u and w are exchanged"}),
+                         "ray %u: u", i);
+        rk_check_near_or(hit.v, v, 0x1p-24,
+                         RK_MISTAKES({u, "u and v are exchanged"}, {w, "v and w are exchanged"}),
+                         "ray %u: v", i);
         hits++;
     }
     rk_check(hits > cases / 20, "%u hits were compared: too few", hits);
