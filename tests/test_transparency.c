@@ -111,6 +111,24 @@ static void check_unchanged(const rk_crossing *crossings, const rk_crossing *bef
                  "crossing %u of %u was changed: they are the caller's, and constant", k, count);
 }
 
+/* Lists are read by several threads at once. */
+static void check_constant_crossings(rk_glass_model model)
+{
+    const rk_crossing own[] = {face(0.25f, 1, true, rk_vec(1, 0.5f, 0)),
+                               face(0.75f, 1, false, rk_vec(1, 0.5f, 0))};
+    const rk_crossing *constant = rk_read_only(own, sizeof own, "crossings");
+    float weights[2], transmittance;
+    rk_transparency_weights(constant, 2, weights, &transmittance);
+    rk_vec3 got = rk_transparency_transmit(model, constant, 2, 3);
+    rk_vec3 want = rk_transparency_transmit(model, own, 2, 3);
+    check_colour(got, want, 0, "the same crossings at another place in memory");
+    rk_crossing_list list;
+    rk_transparency_start(&list, RK_CROSSINGS_MAX);
+    rk_transparency_insert(&list, &constant[1]);
+    rk_transparency_insert(&list, &constant[0]);
+    rk_read_only_free();
+}
+
 /* --- The list --------------------------------------------------------------------------------- */
 
 static void insert(rk_crossing_list *list, float t, uint32_t primitive, float alpha)
@@ -556,6 +574,7 @@ static void multiplicative_is_the_product_of_colours_and_one_minus_alpha(void **
                  rk_vec(0.5f, 0.25f, 0.125f), 0, "kd (1 - alpha)");
     check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, crossings, 2, 1),
                  rk_vec(0.0625f, 0.0625f, 0.015625f), 0, "the product over both panes");
+    check_constant_crossings(RK_GLASS_MULTIPLICATIVE);
     const rk_crossing clear = pane(0.5f, 0, rk_vec(1, 0.5f, 0.25f));
     check_colour(rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, &clear, 1, 1),
                  rk_vec(1, 0.5f, 0.25f), 0,
@@ -637,6 +656,7 @@ static void ordered_tells_red_then_yellow_from_yellow_then_red(void **state)
 static void ordered_equals_a_view_ray_towards_a_white_light(void **state)
 {
     (void)state;
+    check_constant_crossings(RK_GLASS_ORDERED);
     for (uint32_t trial = 0; trial < 1000; trial++) {
         rk_crossing crossings[RK_CROSSINGS_MAX], before[RK_CROSSINGS_MAX];
         uint32_t count = random_crossings(trial, crossings);
@@ -692,6 +712,7 @@ static void check_thickness(const rk_crossing *crossings, uint32_t count, float 
 static void a_block_absorbs_by_its_thickness(void **state)
 {
     (void)state;
+    check_constant_crossings(RK_GLASS_BEER_LAMBERT);
     const rk_crossing thin[] = {face(0.5f, 1, true, sigma), face(0.625f, 1, false, sigma)};
     const rk_crossing thick[] = {face(0.25f, 1, true, sigma), face(0.75f, 1, false, sigma)};
     check_thickness(thin, 2, 1, 0.125, "exp(-sigma thickness), from entering to leaving");

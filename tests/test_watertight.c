@@ -330,6 +330,18 @@ static void a_ray_that_starts_in_the_plane_misses(void **state)
                        "the ray starts in the triangle's plane: t is 0, which is no hit; the bound "
                        "of t's error has "
                        "the unit of t: edge times edge times distance, without the direction");
+        /* Powers of two change no digit: directions far longer, or shorter, than any edge. */
+        const int exponents[] = {20, -20, 60, -60, 100, -100};
+        for (int k = 0; k < 6 && i % 16 == 0; k++) {
+            rk_triangle triangle = float_triangle(p.corner, 0, 7);
+            rk_ray ray = ray_of(&p, 0);
+            ray.direction = rk_scale(ray.direction, ldexpf(1, exponents[k]));
+            rk_check(rk_watertight_intersect(&triangle, &ray).triangle == RK_MISS,
+                     "ray %u: got a hit, want a miss: the ray starts in the triangle's plane, and "
+                     "its direction is times 2^%d: the bound of t's error does not depend on it; "
+                     "%s",
+                     i, exponents[k], decided_by(&triangle, &ray));
+        }
     }
 }
 
