@@ -158,7 +158,7 @@ static void six_files_go_by_other_names_too(void **state)
         {"posx", "negx", "posy", "negy", "posz", "negz"},
         {"right", "left", "top", "bottom", "front", "back"},
         {"Right", "Left", "Up", "Down", "Front", "Back"},
-        {"sky_rt", "sky_lf", "sky_up", "sky_dn", "sky_ft", "sky_bk"},
+        {"sky_ft", "sky_bk", "sky_up", "sky_dn", "sky_rt", "sky_lf"},
         {"a-PX", "a-NX", "a-PY", "a-NY", "a-PZ", "a-NZ"},
     };
     const test_folder *folder = *state;
@@ -253,6 +253,40 @@ static void longitude_and_latitude_become_the_cube(void **state)
      * axis; 1 / 10 more at the poles, on the last ring of pixels. */
     double pixel = 2 * 3.1416 / 128;
     check_smooth(path.text, 2 * pixel * pixel / 8);
+}
+
+/* The direction at s (to the right) and t (upwards) of each picture: 1 is s, 2 is t, 3 is the
+ * distance; Quake's axes are forward, left and up. Source: st_to_vec in Quake II's gl_warp.c. */
+static const struct {
+    const char *name;
+    int axes[3];
+} quake[RK_FACES] = {
+    {"rt", {3, -1, 2}},  {"lf", {-3, 1, 2}},  {"bk", {1, 3, 2}},
+    {"ft", {-1, -3, 2}}, {"up", {-2, -1, 3}}, {"dn", {2, -1, -3}},
+};
+
+static rk_vec3 quake_direction(const int axes[3], float s, float t)
+{
+    const float b[3] = {s, t, 1};
+    float v[3];
+    for (int i = 0; i < 3; i++)
+        v[i] = axes[i] < 0 ? -b[-axes[i] - 1] : b[axes[i] - 1];
+    return rk_vec(-v[1], v[2], -v[0]); /* forward is our -z */
+}
+
+static void the_faces_of_quake_fit_at_their_edges(void **state)
+{
+    for (int face = 0; face < RK_FACES; face++) {
+        rk_image image = make_image(16, 16);
+        for (size_t i = 0; i < 256; i++) {
+            float s = ((float)(i % 16) + 0.5f) / 8 - 1, t = 1 - ((float)(i / 16) + 0.5f) / 8;
+            image.pixels[i] = smooth(quake_direction(quake[face].axes, s, t));
+        }
+        char name[20];
+        snprintf(name, sizeof name, "sky_%s.png", quake[face].name);
+        write_image(*state, name, &image);
+    }
+    check_smooth(((test_folder *)*state)->path, 0.5 / 255 * 2.3); /* as of a cross in a PNG */
 }
 
 /* Cropped or scaled. The rows still go from pole to pole. */
@@ -511,6 +545,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(six_files_go_by_other_names_too),
     test_in_folder(six_files_go_by_their_folder),
     test_in_folder(longitude_and_latitude_become_the_cube),
+    test_in_folder(the_faces_of_quake_fit_at_their_edges),
     test_in_folder(a_world_may_lack_a_row_or_a_column),
     test_in_folder(the_smallest_world_is_two_pixels),
     test_in_folder(every_format_arrives_linear),

@@ -171,7 +171,10 @@ static bool read_one(rk_cubemap *map, const char *path, rk_error *error)
 static const rk_cube_face order[RK_FACES] = {RK_FACE_X,       RK_FACE_MINUS_X, RK_FACE_Y,
                                              RK_FACE_MINUS_Y, RK_FACE_MINUS_Z, RK_FACE_Z};
 
-/* Each row in this order: of OpenGL, of its enumerators, of pages and engines. */
+/* Each row in this order: of OpenGL, of its enumerators, of pages and engines. The last is that of
+ * Quake and its successors (st_to_vec in Quake II's gl_warp.c), whose yaw 0 looks at rt: ft is to
+ * its right, lf behind, bk to the left; the edges of up and dn that touch rt are up's lowest and
+ * dn's highest. */
 typedef const char *const face_names[RK_FACES];
 static face_names names[] = {
     {"px", "nx", "py", "ny", "pz", "nz"},
@@ -180,7 +183,7 @@ static face_names names[] = {
     {"+x", "-x", "+y", "-y", "+z", "-z"},
     {"right", "left", "top", "bottom", "front", "back"},
     {"right", "left", "up", "down", "front", "back"},
-    {"rt", "lf", "up", "dn", "ft", "bk"},
+    {"ft", "bk", "up", "dn", "rt", "lf"},
 };
 
 static bool fits(const rk_image *image, const rk_cubemap *map, const char *path, rk_error *error)

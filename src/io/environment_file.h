@@ -20,9 +20,11 @@ enum { RK_ENVIRONMENT_FILE_PIXELS_MAX = 1 << 26 };
  * strip, are OpenGL's, whose cube is left-handed: it looks at its +z, which is our -z, while x and
  * y agree. So pz, and the fifth face in a strip, is the one ahead, with px to its right; each face
  * has the orientation that it has in the cross. Instead of px and so on, all six may be named posx,
- * negx ...; pos_x ...; +x, -x ...; right, left, top or up, bottom or down, front, back; or rt, lf,
- * up, dn, ft, bk; in upper case, too. In a folder their names may begin with one that all six have,
- * before a _ or a -.
+ * negx ...; pos_x ...; +x, -x ...; or right, left, top or up, bottom or down, front, back; in upper
+ * case, too. In a folder their names may begin with one that all six have, before a _ or a -.
+ *
+ * Faces named rt, lf, up, dn, ft, bk are oriented as in Quake and its successors, where these names
+ * are no directions: rt is ahead, with ft to its right, lf behind, and bk to its left.
  *
  * Colours are linear, as from rk_image_file_read. The empty parts of a cross are not read. False,
  * with an error that names the file, for other shapes, missing faces, faces of different sizes,
