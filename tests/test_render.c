@@ -183,6 +183,29 @@ static void where_a_picture_cuts_a_surface_out_there_is_none(void **state)
     rk_scene_free(&cut);
 }
 
+/* A debug view's ray goes on where the renderer's does, whatever the kind of tree is. */
+static void a_single_ray_passes_where_a_picture_cuts_out(void **state)
+{
+    (void)state;
+    rk_scene half = make_half_square(false), cut = make_half_square(true);
+    for (int kind = 0; kind <= RK_ACCEL_WIDE; kind++) {
+        rk_accel of_half, of_cut;
+        rk_error error;
+        rk_check_ok(rk_accel_build(&of_half, (rk_accel_kind)kind, &half, &error), error);
+        rk_check_ok(rk_accel_build(&of_cut, (rk_accel_kind)kind, &cut, &error), error);
+        for (int i = 0; i < 200; i++) {
+            const float x = ((float)i + 0.5f) / 100 - 1;
+            const rk_ray ray = {rk_vec(x, 0.1f, -2), rk_vec(0, 0, 1), INFINITY};
+            const rk_hit want = rk_trace_one(&of_half, &ray), got = rk_trace_one(&of_cut, &ray);
+            rk_check_close(got.t, want.t, 0, "the square's left half at 2, the wall elsewhere");
+        }
+        rk_accel_free(&of_half);
+        rk_accel_free(&of_cut);
+    }
+    rk_scene_free(&half);
+    rk_scene_free(&cut);
+}
+
 /* Without the option, materials that are not opaque are drawn as if they were. */
 static void a_cut_out_makes_nothing_else_transparent(void **state)
 {
@@ -733,6 +756,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_facing_triangle_shines_by_lamberts_law),
     cmocka_unit_test(colours_of_vertices_are_seen_also_through_transparency),
     cmocka_unit_test(where_a_picture_cuts_a_surface_out_there_is_none),
+    cmocka_unit_test(a_single_ray_passes_where_a_picture_cuts_out),
     cmocka_unit_test(a_cut_out_makes_nothing_else_transparent),
     cmocka_unit_test(a_point_light_is_shaded_as_by_its_unit_directions_to_the_bit),
     cmocka_unit_test(several_lights_add_up),

@@ -1,10 +1,33 @@
 /* A batch of one ray, so that a debug view sees what the renderer sees. */
 #include "accel/trace_one.h"
 
+#include "accel/crossings.h"
 #include "accel/trace.h"
+
+static bool has_cutouts(const rk_mesh *mesh)
+{
+    for (uint32_t i = 0; i < mesh->material_count; i++)
+        if (mesh->materials[i].alpha_texture)
+            return true;
+    return false;
+}
+
+/* Past what a picture cuts out, as the renderer goes. */
+static rk_hit first_crossing(const rk_accel *accel, const rk_ray *ray)
+{
+    const rk_crossings_wanted wanted = {.cutouts_only = true};
+    rk_counters counters = {0};
+    rk_crossing_list list;
+    rk_transparency_start(&list, 1);
+    rk_crossings_gather_static(accel, ray, wanted, &list, &counters);
+    rk_crossings_gather_at_rest(accel, ray, wanted, &list, &counters);
+    return list.count ? rk_crossing_hit(&list.crossings[0]) : (rk_hit){.triangle = RK_MISS};
+}
 
 rk_hit rk_trace_one(const rk_accel *accel, const rk_ray *ray)
 {
+    if (has_cutouts(&accel->scene->mesh))
+        return first_crossing(accel, ray);
     rk_ray_batch rays = {.count = 0};
     rk_hit_batch hits;
     rk_counters counters = {0};
