@@ -2,11 +2,13 @@
 """A student's commands, in a pack whose folder has a difficult name, and in a workbook of the whole kit.
 Speaks TAP, for make check-student; runs in a build folder."""
 
+import contextlib
 import io
 import json
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -24,7 +26,7 @@ from grading import originals, results, verdicts  # noqa: E402
 from grading.assignments import (DEDUCTION, ScoredTest, ToolError, Unit, read_features,  # noqa: E402
                                  read_looks, read_points)
 from grading.build import Toolchain  # noqa: E402
-from grading.starters import starter_of  # noqa: E402
+from grading.starters import read_regions, starter_of  # noqa: E402
 from handout_text import handout_of  # noqa: E402
 from tap import check, finish, read, run, start, write  # noqa: E402
 
@@ -182,7 +184,7 @@ def commands_without_a_name(folder):
         check(f"make {word}-STEM{more}, with STEM one of: " in said and STEM in said,
               f"make {command} says which names there are", said)
     status, said = make(folder, "help")
-    half_a_terminal = 12
+    half_a_terminal = 14
     check(status == 0 and len(said.splitlines()) <= half_a_terminal and "make hint-STEM" in said
           and STEM in said.splitlines()[-1],
           "make help is a short list", said)
@@ -230,6 +232,13 @@ def before_bootstrap(pack):
               f"make {' '.join(command)} before bootstrap says so", said)
     status, said = run(os.path.join(pack, "workbook"), MAKE, f"check-{STEM}")
     check(status != 0 and "run ./bootstrap first" in said, "so it does in the workbook", said)
+    folder = os.path.join(os.path.dirname(pack), "begun")
+    write("#!/bin/sh\nprintf 'abs_builddir = %s\\nstart:\\n\\t@echo begins\\n' \"$PWD\" >Makefile\n",
+          folder, "bootstrap")
+    os.chmod(os.path.join(folder, "bootstrap"), 0o755)
+    shutil.copy(os.path.join(pack, "GNUmakefile"), folder)
+    status, said = run(folder, MAKE, "start")
+    check(status == 0 and said.splitlines()[-1] == "begins", "make start runs it, and begins", said)
     for name in ("it's", 'a "b"', "a$b", "a#b", "a&b", "a\nb"):
         folder = os.path.join(os.path.dirname(pack), name)
         os.mkdir(folder)
@@ -243,10 +252,10 @@ def before_bootstrap(pack):
 def the_pack_builds(pack):
     compiler = " ".join(Toolchain(".").compiler)
     status, said = run(pack, "./bootstrap", "--no-install", f"CC={compiler}")
-    check(status == 0 and said.rstrip().splitlines()[-1].startswith(f"Now: make check-{STEM}"),
+    check(status == 0 and said.rstrip().splitlines()[-1].startswith("Now: make start"),
           "bootstrap ends with the first command of the pack", said)
     status, said = run(pack, "./bootstrap", "--no-install", f"CC={compiler}")
-    check(status == 0 and f"make check-{STEM}" in said, "so does a second one", said)
+    check(status == 0 and "make start" in said, "so does a second one", said)
     status, said = make(pack, f"check-{STEM}")
     check(status != 0 and f"first: {TESTS[0].name}" in said and "edited" not in said,
           "the starter is checked", said)
@@ -447,6 +456,77 @@ def a_renamed_file_stops_the_check(pack):
     os.rename(os.path.join(pack, "workbook", "gone"), os.path.join(pack, "workbook", STEM + ".c"))
 
 
+def solved_in_part(path, count):
+    """Returns a reference's text with the starters in place of all regions but the first `count`."""
+    text, number = "", 0
+    for kind, line in read_regions(path):
+        number += kind == "marker" and "/* solution */" in line
+        text += line if kind in ("common", "solution" if number <= count else "starter") else ""
+    return text
+
+
+class Started:
+    """make start in a pack, and what it says."""
+
+    def __init__(self, pack):
+        environment = {name: value for name, value in os.environ.items()
+                       if name not in ("MAKEFLAGS", "MAKELEVEL", "DISPLAY", "WAYLAND_DISPLAY", "BROWSER")}
+        self._process = subprocess.Popen([MAKE, "-s", "start"], cwd=pack, text=True, env=environment,
+                                         stdout=subprocess.PIPE, stderr=subprocess.STDOUT,
+                                         start_new_session=True)
+
+    def until(self, words):
+        """Returns what is said from now on up to the line that has these words, or to the end."""
+        said = ""
+        for line in self._process.stdout:
+            said += line
+            if words in line:
+                break
+        return said
+
+    def interrupted(self):
+        """Returns what is said after Ctrl-C."""
+        os.killpg(self._process.pid, signal.SIGINT)
+        return self._process.communicate(timeout=60)[0]
+
+    def end(self):
+        with contextlib.suppress(ProcessLookupError):
+            os.killpg(self._process.pid, signal.SIGKILL)
+
+
+def start_leads_through_the_course(pack):
+    write(STARTER, pack, "workbook", STEM + ".c")
+    loop, counts = Started(pack), [0]
+    try:
+        said = loop.until("Ctrl-C ends")
+        check(f"Assignment {int(FEATURE.folder[:2])}: " in said and f"edit  workbook/{STEM}.c" in said
+              and f"read  {FEATURE.chapter}{TESTS[0].section}" in said
+              and f"hint  make hint-{STEM} STEP={TESTS[0].step}" in said
+              and "page  http://127.0.0.1:" in said,
+              "make start says what to read, which file to edit, how to get a hint, and where the page is",
+              said)
+        check(f"work on this one first: {TESTS[0].name}" in said, "and it checks the starter", said)
+        gaps = read(FEATURE.reference).count("/* solution */")
+        for regions in (1, gaps // 2, gaps):
+            write(solved_in_part(FEATURE.reference, regions), pack, "workbook", STEM + ".c")
+            said = loop.until("Ctrl-C ends")
+            counts.append(int((re.search(r"(\d+) of 100 points", said) or [0, -1])[1]))
+        check(counts[-1] == 100 and counts == sorted(set(counts)), "gap by gap the points grow to 100",
+              [counts, *said.splitlines()])
+        check(f"edit  workbook/{OTHER}.c" in said and f"save {OTHER}.c to go on" in said,
+              "at 100 points it names the next assignment", said)
+        os.utime(os.path.join(pack, "workbook", OTHER + ".c"))
+        said = loop.until(f"save {OTHER}.c for")
+        check(f"FAIL  {OTHER}" in said, "saving that goes on to it", said)
+        said = loop.interrupted()
+        check("Traceback" not in said and "Interrupt" not in said and len(said.splitlines()) < 3,
+              "Ctrl-C ends it quietly", said)
+    finally:
+        loop.end()
+    status, said = make(os.path.join(pack, "workbook"), "start-median")
+    check(status != 0 and f"did you mean: {STEM}?" in said, "a slip in a name is understood", said)
+
+
 def the_pack_is_solved(pack):
     shutil.copyfile(FEATURE.reference, os.path.join(pack, "workbook", STEM + ".c"))
     status, said = make(pack, f"check-{STEM}")
@@ -504,7 +584,8 @@ def main():
         for part in (before_bootstrap, the_pack_builds, names_that_are_nearly_right,
                      warnings_tell_of_mistakes_alone, progress_tests_what_changed, drivers_are_built_alone,
                      the_debugger_stops_where_arguments_are, editors_find_headers, git_keeps_sources,
-                     a_renamed_file_stops_the_check, the_pack_is_solved, kit_files_are_put_back):
+                     a_renamed_file_stops_the_check, start_leads_through_the_course,
+                     the_pack_is_solved, kit_files_are_put_back):
             part(pack)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

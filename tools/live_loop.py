@@ -7,6 +7,7 @@ whenever something of it changes. A click on a picture asks both drivers to expl
 
 import http.server
 import json
+import mimetypes
 import os
 import shutil
 import signal
@@ -30,7 +31,7 @@ from watch import Check, state
 _LOOK_SECONDS = 0.05
 _PATIENCE = 20  # seconds of processor time for a picture, of 400 x 400 pixels and few samples
 _SOON = 3  # seconds in which most pictures are drawn
-_TEST_SECONDS = "3"  # for a claim, unless the student allows more: an endless loop should be told soon
+TEST_SECONDS = "3"  # for a claim, unless the student allows more: an endless loop should be told soon
 _SIDE = 400  # of a picture, as large as the page shows it
 _TOOLS = os.path.dirname(os.path.abspath(__file__))
 
@@ -106,7 +107,7 @@ class Loop:
         self._impl, self._feature, self._tests = impl, feature, {test.name: test
                                                                  for test in read_points(feature)}
         self._hints = hint.hints_of(handout_of(toolchain.source, feature))
-        self._is_step_chosen, self.asked = bool(step), None
+        self._is_step_chosen, self.asked, self.goes_on = bool(step), None, False
         self._own = os.path.join(folder, feature.stem)
         of_the_kit = f"assignments/{feature.folder}/{feature.stem}"
         self.kit = None if toolchain.handed_out else toolchain.built(of_the_kit)
@@ -117,7 +118,7 @@ class Loop:
         self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "",
                       "hints": [],
                       "seconds": 0, "held": 0, "broken": [], "of": len(self._tests), "drawn": False,
-                      "passed": "",
+                      "passed": "", "next": "", "read": "",
                       "looks": [[look.step, look.caption] for look in read_looks(feature)]}
         self._look_at(choose_look(feature, step) if step else read_looks(feature)[0])
 
@@ -140,6 +141,13 @@ class Loop:
         picture = ", and its picture is the wanted one" if is_right else ""
         self._look_at(look, f"all claims up to step {before} hold{picture}" if look.step > before else "")
         return True
+
+    def page_of_book(self, address):
+        """Returns the file of a book that the page may link to, None if there is none of this name."""
+        docs = os.path.realpath(os.path.join(self._feature.source, "docs"))
+        path = os.path.realpath(docs + urllib.parse.unquote(address[len("/docs"):]))
+        rooms = tuple(os.path.join(docs, room, "") for room in ("out", "handout"))
+        return path if path.startswith(rooms) and os.path.isfile(path) else None
 
     def drawing(self, name, driver=None):
         """Returns the command that draws the picture of this name."""
@@ -200,8 +208,15 @@ class Loop:
         """Tells the grader's verdict, with the hints to the step of the first broken claim; returns whether a
         further picture is to be drawn."""
         step = self._first_step()
-        self.tell(ends="checking the claims", claims=claims, seconds=seconds, hints=self._hints.get(step, []))
+        self.tell(ends="checking the claims", claims=claims, seconds=seconds, hints=self._hints.get(step, []),
+                  read=self._page_to_read())
         return bool(step or claims.startswith("ok")) and not self._loops_forever() and self._follow(step)
+
+    def _page_to_read(self):
+        """Returns the server's address of the section for the first broken claim, "" without a book."""
+        page, broken = self._feature.page(), self.known["broken"]
+        section = self._tests[broken[0]["name"]].section if broken else ""
+        return "/" + os.path.relpath(page, self._feature.source) + section if page else ""
 
     def _tell_claims_of(self, record):
         """Tells which claims have ended, from the grader's record: those that are broken with their reasons,
@@ -219,12 +234,22 @@ class Loop:
     def _loops_forever(self):
         return any(claim["reason"].startswith("did not end") for claim in self.known["broken"])
 
-    def run(self, grader, kept):
-        """Draws and checks at once and after every save, until interrupted."""
+    def _is_left(self, now, seen):
+        """Whether the student goes on to the next assignment: by the page's button, or by saving another
+        file."""
+        return self.known["next"] and (self.goes_on or now != seen and f"{self._feature.stem}.c" not in
+                                       {name for name, *_ in set(now) ^ set(seen)})
+
+    def run(self, grader, kept, judged=None):
+        """Draws and checks at once and after every save, until interrupted. `judged` is called with each
+        verdict; it returns the name of the next assignment once this one is done, and the loop ends when the
+        student goes on to that."""
         seen, check, picture, record = None, None, None, os.path.join(kept, "claims")
         try:
             while True:
                 now = state(self._impl)
+                if self._is_left(now, seen):
+                    return
                 if now != seen:
                     for work in filter(None, (check, picture)):
                         work.end()
@@ -232,7 +257,7 @@ class Loop:
                     before = _changed_at(record)
                     self.tell(begins=("drawing", "checking the claims"), failed="", held=0, broken=[],
                               drawn=False, same=False,
-                              compared="", says="", passed="")
+                              compared="", says="", passed="", next="")
                     check, picture = Check(grader), Picture(self)
                 elif self.asked is not None:
                     if self.look_asked():
@@ -249,6 +274,8 @@ class Loop:
                         picture.end()
                         self.tell(begins=["drawing"])
                         picture = Picture(self)
+                    if judged:
+                        self.tell(next=judged(claims))
                 elif check and _changed_at(record) != before:
                     self._tell_claims_of(record)
                     if self._loops_forever() and not picture.is_over() and time.monotonic() - saved > _SOON:
@@ -256,9 +283,11 @@ class Loop:
                         self.tell(ends="drawing",
                                   failed="no picture: a claim did not end, and the picture might not, either")
                 time.sleep(_LOOK_SECONDS)
-        finally:
+        except KeyboardInterrupt:
             for number in (signal.SIGINT, signal.SIGTERM):
                 signal.signal(number, signal.SIG_IGN)  # a second one changes nothing
+            raise
+        finally:
             for work in filter(None, (check, picture)):
                 work.end()
 
@@ -268,7 +297,7 @@ def _changed_at(path):
 
 
 class Page(http.server.BaseHTTPRequestHandler):
-    """Answers the page: /, /events, /picture/NAME, /pixel?X,Y and /look?STEP."""
+    """Answers the page: /, /events, /picture/NAME, /pixel?X,Y, /look?STEP, /next, and the book in /docs."""
 
     def log_message(self, *_):
         pass
@@ -290,31 +319,63 @@ class Page(http.server.BaseHTTPRequestHandler):
             with open(os.path.join(_TOOLS, "live", "loop.html"), "rb") as file:
                 self._answer(file.read(), "text/html; charset=utf-8")
         elif place.path == "/events":
-            self._send_events(loop)
+            self._send_events()
         elif place.path == "/pixel" and place.query.replace(",", "", 1).isdigit():
             self._answer(json.dumps(loop.explain(place.query)).encode(), "application/json")
         elif place.path == "/look" and place.query in ["", *(str(step) for step, _ in loop.known["looks"])]:
             loop.asked = place.query
             self._answer(b"", "text/plain")
+        elif place.path == "/next":
+            loop.goes_on = True
+            self._answer(b"", "text/plain")
+        elif place.path == "/favicon.ico":
+            self._answer(b"", "image/x-icon")
+        elif place.path.startswith("/docs/") and (path := loop.page_of_book(place.path)):
+            with open(path, "rb") as file:
+                self._answer(file.read(), mimetypes.guess_type(path)[0] or "application/octet-stream")
         elif place.path.startswith("/picture/") and os.path.isfile(loop.files.get(name, "")):
             with open(loop.files[name], "rb") as file:
                 self._answer(file.read(), "image/png")
         else:
             self.send_error(404)
 
-    def _send_events(self, loop):
+    def _send_events(self):
         self._answer(b"", "text/event-stream")
-        version = -1
+        sent = None
         try:
             while True:
+                loop = self.server.loop
                 with loop.changed:
-                    loop.changed.wait_for(lambda: loop.known["version"] != version, timeout=5)
-                    version, text = loop.known["version"], json.dumps({**loop.known, "pictures": {
+                    loop.changed.wait_for(lambda: self.server.loop is not loop  # noqa: B023
+                                          or (loop, loop.known["version"]) != sent, timeout=5)
+                    sent, text = (loop, loop.known["version"]), json.dumps({**loop.known, "pictures": {
                         name: str(_changed_at(path)) for name, path in loop.files.items() if path}})
                 self.wfile.write(f"data: {text}\n\n".encode())
                 self.wfile.flush()
         except OSError:
             pass  # the page is closed
+
+
+class Server:
+    """The page's server, for this machine alone; `show` turns it to a loop."""
+
+    def __init__(self):
+        self._server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Page)
+        self._server.daemon_threads, self._server.host = True, f"127.0.0.1:{self._server.server_port}"
+        self.url, self._is_shown = f"http://{self._server.host}/", False
+
+    def show(self, loop):
+        self._server.loop = loop
+        loop.tell()
+        if not self._is_shown:
+            threading.Thread(target=self._server.serve_forever, daemon=True).start()
+            self._is_shown = True
+
+
+def grader_of(stem, build, impl, kept):
+    """Returns the command that checks a unit, and keeps in a folder what makes the next check faster."""
+    return [sys.executable, "-X", f"pycache_prefix={os.path.join(kept, 'python')}",
+            os.path.join(_TOOLS, "grade.py"), stem, "--build", build, "--impl", impl, "--own", "--kept", kept]
 
 
 def main():
@@ -326,23 +387,19 @@ def main():
                         help="of the handout; the first that is not done for none")
     arguments = parser.parse_args()
     stop_on_signals()
-    os.environ.setdefault("RAYKIT_TEST_SECONDS", _TEST_SECONDS)
+    os.environ.setdefault("RAYKIT_TEST_SECONDS", TEST_SECONDS)
     kept = make_folder()
-    grader = [sys.executable, "-X", f"pycache_prefix={os.path.join(kept, 'python')}",
-              os.path.join(_TOOLS, "grade.py"),
-              arguments.stem, "--build", arguments.build, "--impl", arguments.impl, "--own", "--kept", kept]
     try:
         toolchain = Toolchain(arguments.build)
         feature = choose(read_features(toolchain.source), [arguments.stem])[0]
         require_units(arguments.build, [arguments.stem], arguments.impl)
         with private_folder(toolchain) as folder:
             loop = Loop(toolchain, feature, arguments.impl, arguments.step, folder)
-            server = http.server.ThreadingHTTPServer(("127.0.0.1", 0), Page)
-            server.daemon_threads, server.loop, server.host = True, loop, f"127.0.0.1:{server.server_port}"
-            threading.Thread(target=server.serve_forever, daemon=True).start()
-            print(f"open http://{server.host}/ in a browser of this machine, and edit {arguments.impl}; "
+            server = Server()
+            server.show(loop)
+            print(f"open {server.url} in a browser of this machine, and edit {arguments.impl}; "
                   "Ctrl-C ends", flush=True)
-            loop.run(grader, kept)
+            loop.run(grader_of(arguments.stem, arguments.build, arguments.impl, kept), kept)
     except ToolError as error:
         print(f"live: {error}", file=sys.stderr)
         return 1

@@ -60,14 +60,18 @@ class Feature:
         with open(os.path.join(self.source, self.chapter), encoding="utf-8") as file:
             return re.search(r"\{#([\w-]+)\}", file.readline())[1] + ".html"
 
+    def page(self):
+        """Returns the chapter's page in the book that `make book` has woven, or in a pack's; None without a
+        book."""
+        pages = (pathlib.Path(self.source, "docs", room, "book", self.page_name()).resolve()
+                 for room in ("out", "handout"))
+        return next((page for page in pages if page.is_file()), None)
+
     def where_to_read(self, section):
-        """Returns the address of a section in the book that `make book` has woven, or a pack's, for a click;
-        without a book, the chapter's text and the section."""
-        for room in ("out", "handout"):
-            page = pathlib.Path(self.source, "docs", room, "book", self.page_name()).resolve()
-            if page.is_file():
-                return page.as_uri() + section
-        return self.chapter + section
+        """Returns the address of a section in the book, for a click; without a book, the chapter's text and
+        the section."""
+        page = self.page()
+        return page.as_uri() + section if page else self.chapter + section
 
 
 class ScoredTest:

@@ -1,0 +1,161 @@
+#!/usr/bin/env python3
+"""Leads through the assignments: what to read, which file to edit, the picture in the browser, a verdict on
+each save, and then the next assignment. Ctrl-C ends it."""
+
+import os
+import re
+import shutil
+import subprocess
+import sys
+
+import live_loop
+from drivers import private_folder
+from grade import stop_on_signals
+from grading.assignments import Parser, ToolError, check_impl, choose, find_unit, read_features, read_points
+from grading.build import Toolchain
+from grading.private_copy import make_folder
+from grading.results import command_of
+from grading.starters import is_starter
+from handout_text import handout_of
+from progress import progress_of
+from watch import Screen
+
+_REASON = 20  # lines of a build that failed
+
+
+def make(build, target, what):
+    """Makes what a command needs, on all processors, with a line about it if that takes a while."""
+    processors = len(os.sched_getaffinity(0)) if hasattr(os, "sched_getaffinity") else os.cpu_count()
+    kept = {name: value for name, value in os.environ.items()
+            if name not in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL")}
+    command = [kept.get("MAKE", "make"), f"-j{processors}", "--no-print-directory", target]
+    said, told = [], False
+    with subprocess.Popen(command, cwd=build, env=kept, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                          stderr=subprocess.STDOUT, text=True, errors="replace") as process:
+        for line in process.stdout:
+            said.append(line)
+            if not told and line.startswith("  CC "):
+                told = True
+                print(f"building {what}, once ...", flush=True)
+    if process.returncode:
+        print("".join(said[-_REASON:]), end="", file=sys.stderr)
+        raise ToolError(f"{what} could not be built; the reason is above")
+
+
+class Course:
+    """The assignments that have a file in IMPL, in the course's order."""
+
+    def __init__(self, build, impl, stems):
+        self.build, self.impl, self.toolchain = build, impl, Toolchain(build)
+        self._all = read_features(self.toolchain.source)
+        self.features = choose(self._all, stems)
+        check_impl(self._all, impl, [feature.stem for feature in self.features])
+        self.features = [feature for feature in self.features if find_unit(feature, impl).path]
+
+    def chosen(self, stem):
+        """Returns the assignment of this name."""
+        check_impl(self._all, self.impl, [stem])
+        return choose(self._all, [stem])[0]
+
+    def first_claim(self, feature):
+        """Returns the first claim that fails, None if none does."""
+        tests = [test for test in read_points(feature) if test.points]
+        if is_starter(find_unit(feature, self.impl)):
+            return tests[0]
+        make(self.build, f"grade-ready-{feature.stem}", f"what checks {feature.stem}")
+        suite = progress_of(self.build, [feature.stem], self.impl)[0][0]
+        return next((test for test in suite.tests if not suite.verdicts[test.name].passed), None)
+
+    def next(self):
+        """Returns the first assignment that is not done, None if all are."""
+        return next((feature for feature in self.features if self.first_claim(feature)), None)
+
+    def lines(self, feature, claim):
+        """Returns what to do for a claim: its assignment, what to read, which file to edit, how to get a
+        hint."""
+        text = handout_of(self.toolchain.source, feature)
+        time = re.search(r"^\*\*Time:\*\* (about .*)\.$", text, re.MULTILINE)
+        step = f", step {claim.step}" if claim and claim.step else ""
+        hint = command_of("hint", feature) + (f" STEP={claim.step}" if claim and claim.step else "")
+        return [text.splitlines()[0].lstrip("# ") + (f" ({time[1]})" if time else "") + step,
+                f"    read  {feature.where_to_read(claim.section if claim else '')}",
+                f"    edit  {os.path.relpath(find_unit(feature, self.impl).path)}",
+                f"    hint  {hint}"]
+
+
+def browse(url):
+    """Opens the page, where there is a screen for a browser; its own messages are nobody's concern."""
+    if sys.platform == "darwin" or any(map(os.environ.get, ("BROWSER", "DISPLAY", "WAYLAND_DISPLAY"))):
+        subprocess.Popen([sys.executable, "-m", "webbrowser", url], stdin=subprocess.DEVNULL,
+                         stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL, start_new_session=True)
+
+
+def work_on(course, feature, server, screen):
+    """Shows one assignment until the student goes on; returns the next one."""
+    kept, following = make_folder(), []
+
+    def judged(verdict):
+        if not verdict.startswith("ok"):
+            screen.verdict(verdict)
+            screen.status(f"save {feature.stem}.c for the next verdict; the page: {server.url} ; Ctrl-C ends")
+            return ""
+        following[:] = filter(None, [course.next()])
+        lines = course.lines(following[0], course.first_claim(following[0])) if following else []
+        screen.verdict("\n".join([verdict, *lines, ""]))
+        screen.status(f"save {following[0].stem}.c to go on, or press the page's button; Ctrl-C ends"
+                      if following else f"all assignments are done; the page: {server.url} ; Ctrl-C ends")
+        return following[0].stem if following else ""
+
+    try:
+        with private_folder(course.toolchain) as folder:
+            loop = live_loop.Loop(course.toolchain, feature, course.impl, "", folder)
+            server.show(loop)
+            loop.run(live_loop.grader_of(feature.stem, course.build, course.impl, kept), kept, judged)
+            loop.tell(begins=[f"building what {following[0].stem} needs"])
+            make(course.build, f"live-ready-{following[0].stem}", f"what {following[0].stem} needs")
+    finally:
+        shutil.rmtree(kept, ignore_errors=True)
+    return following[0]
+
+
+def start(course, first):
+    """Goes through the assignments, from this one on."""
+    feature = course.chosen(first) if first else course.next()
+    if not feature:
+        print("all assignments have all their points; make start-STEM shows one again")
+        return
+    print("\n".join(course.lines(feature, course.first_claim(feature))), flush=True)
+    make(course.build, f"live-ready-{feature.stem}", f"what {feature.stem} needs")
+    server, screen = live_loop.Server(), Screen()
+    print(f"    page  {server.url}", flush=True)
+    browse(server.url)
+    while True:
+        feature = work_on(course, feature, server, screen)
+        print("\n".join(["", *course.lines(feature, course.first_claim(feature))]), flush=True)
+
+
+def main():
+    parser = Parser(description=__doc__.split("\n\n")[0])
+    parser.add_argument("stems", nargs="*", metavar="STEM", help="assignments; default: all")
+    parser.add_argument("--impl", required=True, metavar="DIR")
+    parser.add_argument("--build", default=".", metavar="DIR")
+    parser.add_argument("--first", default="", metavar="STEM", help="default: the first that is not done")
+    arguments = parser.parse_args()
+    stop_on_signals()
+    os.environ.setdefault("RAYKIT_TEST_SECONDS", live_loop.TEST_SECONDS)
+    try:
+        stems = [arguments.first] if os.path.isfile(arguments.impl) and arguments.first else arguments.stems
+        start(Course(arguments.build, arguments.impl, stems), arguments.first)
+    except ToolError as error:
+        print(f"start: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"start: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
+        return 1
+    except KeyboardInterrupt:
+        print()
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
