@@ -1014,7 +1014,7 @@ static void pictures_may_be_wider_or_higher_than_65536_pixels(void **state)
 {
     (void)state;
     check_many_circles_in_a_pixel();
-    enum { length = 70001, at = 66000, reach = 2, large = 66100 };
+    enum { length = 1000001, at = 999000, reach = 2, large = 999100 };
     int32_t *counts = malloc((size_t)3 * (length + 1) * sizeof *counts);
     for (int upright = 0; upright < 2; upright++) {
         float *blur = calloc((size_t)2 * length, sizeof *blur);

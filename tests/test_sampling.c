@@ -400,6 +400,24 @@ static void all_coins_are_fair_and_independent(void **state)
     check_owen_keys();
 }
 
+/* A digit's coin is another one where the digit before it differs, down to the last. */
+static void check_neighbouring_digits(void)
+{
+    for (uint32_t k = 1; k < 32; k++) {
+        int alike = 0;
+        const int draws = 256;
+        for (uint32_t i = 0; i < (uint32_t)draws; i++) {
+            uint32_t x = any_bits(i, k), key = any_bits(i, 5), y = x ^ 1u << (32 - k);
+            uint32_t flips = rk_owen_scramble(x, key) ^ x ^ rk_owen_scramble(y, key) ^ y;
+            alike += !(flips >> (31 - k) & 1);
+        }
+        rk_check(fabs(alike - 0.5 * draws) <= z_limit * sqrt(draws) / 2,
+                 "digit %u: two numbers that differ in digit %u toss the same coin for it in %d of "
+                 "%d cases, want about half: does the hash see all digits before?",
+                 k + 1, k, alike, draws);
+    }
+}
+
 static void late_digits_are_scrambled_too(void **state)
 {
     (void)state;
@@ -413,6 +431,7 @@ static void late_digits_are_scrambled_too(void **state)
         rk_check(fabs(flipped - 0.5 * draws) <= z_limit * sqrt(draws) / 2,
                  "digit %u is flipped in %d of %d cases, want about half", k + 1, flipped, draws);
     }
+    check_neighbouring_digits();
 }
 
 static void scrambling_keeps_every_elementary_interval(void **state)

@@ -641,6 +641,16 @@ static void stops_at_one_place_make_a_step(void **state)
     check_colour(rk_gradient_at(&gradient, 0), rk_vec(0, 1, 0), 0, "at the step: the last of them");
     check_colour(rk_gradient_at(&gradient, 0.5f), rk_vec(0.5f, 1, 0.5f), 0,
                  "above the step: linear from the last of them on");
+    for (uint32_t n = 1; n <= RK_GRADIENT_STOPS_MAX; n++) { /* any number at one place */
+        rk_gradient many = {n, {{0, {0, 0, 0}}}};
+        for (uint32_t i = 0; i < n; i++)
+            many.stops[i].colour = rk_vec((float)i, 1, 0);
+        check_colour(rk_gradient_at(&many, 0), rk_vec((float)(n - 1), 1, 0), 0,
+                     "1 to 16 stops at 0, their red 0, 1, 2 ...: at the step, the last of them");
+        check_colour(
+            rk_gradient_at(&many, -1), rk_vec(0, 1, 0), 0,
+            "1 to 16 stops at 0, their red 0, 1, 2 ...: below the step, the first of them");
+    }
     const rk_gradient zeros = {2, {{0, {1, 0, 0}}, {-0.0f, {0, 1, 0}}}};
     check_colour(rk_gradient_at(&zeros, 0), rk_vec(0, 1, 0), 0, "0 and -0 are one place");
     check_colour(rk_gradient_at(&zeros, -0.0f), rk_vec(0, 1, 0), 0, "0 and -0 are one place");
@@ -936,6 +946,25 @@ static double furnace(const rk_shading *shading, double s, double degrees)
 
 static const double furnace_shininess[] = {1, 2, 5, 10, 30, 100, 1e3, 1e4, 1e5};
 
+/* In the mirror direction of light that grazes the surface, however sharp the lobe. */
+static void check_grazing_lobes(void)
+{
+    const float shininess[] = {1, 100, 1e4f, 1e6f, 1e8f};
+    for (int k = 0; k < 5 * grazing_count; k++)
+        for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
+            const float s = shininess[k / grazing_count], z = grazing[k % grazing_count];
+            const rk_shading shading = shading_of((rk_shading_model)model, true);
+            rk_vec3 l = at_cosine(z, -1), v = at_cosine(z, 1);
+            double want =
+                exact_highlight((rk_shading_model)model, true, (double)s, up, up, up) * (double)z;
+            double got = (double)rk_shade(&shading, black, white, s, up, l, v, white).x;
+            rk_check(fabs(got - want) <= 4 * few_roundings * want,
+                     "%s, normalized, shininess %g, light at the cosine %g and its mirror "
+                     "direction: got %.9g, want N n.l = %.9g: the lobe is 1 there",
+                     model_names[model], (double)s, (double)z, got, want);
+        }
+}
+
 static void normalized_highlights_reflect_all_light_along_the_normal(void **state)
 {
     (void)state;
@@ -948,6 +977,7 @@ static void normalized_highlights_reflect_all_light_along_the_normal(void **stat
                      "by this model's factor",
                      model_names[model], s, got);
         }
+    check_grazing_lobes();
     const double any[] = {0, 1e-30, 1e-6, 0.5, 60, 250, 300, 1e6, 1e7, 1e10, 1e19, 1e30, 3.4e38};
     for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++)
         for (size_t i = 0; i < sizeof any / sizeof *any; i++) {

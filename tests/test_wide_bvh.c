@@ -132,9 +132,29 @@ static void no_triangles_give_a_tree_without_nodes(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* The index is the binary tree's, of 32 bits; the mesh is not looked at. */
+static void check_large_indices(void)
+{
+    rk_mesh mesh = make_coincident(1);
+    rk_bvh bvh;
+    rk_error error;
+    rk_check_ok(rk_bvh_build_median(&bvh, &mesh, &error), error);
+    for (int bit = 0; bit < 32; bit++) {
+        bvh.triangles[0].index = 1u << bit;
+        rk_wide_bvh wide = collapse(&bvh);
+        rk_check(wide.blocks[0].index[0] == 1u << bit,
+                 "a triangle of index 2^%d: its block has the index %u: all 32 bits count", bit,
+                 wide.blocks[0].index[0]);
+        rk_wide_bvh_free(&wide);
+    }
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
 static void up_to_four_triangles_are_one_block(void **state)
 {
     (void)state;
+    check_large_indices();
     for (uint32_t n = 1; n <= 4; n++) {
         rk_mesh mesh = make_soup(n, 0.5f, 1);
         rk_bvh bvh;
