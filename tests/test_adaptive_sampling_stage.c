@@ -3,6 +3,7 @@
  * it without --error. */
 #include "test_scene.h"
 
+#include "features/shading.h"
 #include "render/stages/adaptive_sampling_stage.h"
 
 enum { side = 32 };
@@ -161,6 +162,11 @@ static void samples_are_shown_where_the_noise_is(void **state)
     }
     rk_check(least < 0.1f && most > 0.4f, "red from %g to %g: few samples and many", (double)least,
              (double)most);
+    const rk_gradient gradient = rk_gradient_cool_to_warm();
+    rk_check(shown.counters.most_samples < options.adaptive_sampling.max_samples,
+             "no pixel needs the largest number");
+    rk_check_near(most, rk_gradient_at(&gradient, 1).x, 1e-6,
+                  "the warmest colour is that of the most samples in the picture");
     rk_image_free(&shown.image);
     rk_image_free(&usual.image);
     rk_scene_free(&scene);

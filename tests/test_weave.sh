@@ -120,6 +120,18 @@ END
     report said1 "$folder/texts" "$pandoc"
     verdict a_row_of_two_pictures_is_woven
 
+    # A text in a picture, after its header; its sum is not read.
+    {
+        head -c 33 "$look/1.png"
+        printf '\000\000\000\066tEXtraykit:scale\0004 256 log clipped #000000 #ffffff samplesSUM!'
+        tail -c +34 "$look/1.png"
+    } >"$folder/scaled.png"
+    row "$folder/scaled.png" "$look/2.png" >"$texts/01_one.md"
+    report said1 "$folder/texts" "$pandoc" && [ "$(grep -c 'class="scale"' "$folder/build/reports/out/report.html")" = 1 ] &&
+        tr '\n' ' ' <"$folder/build/reports/out/report.html" |
+        grep -q 'tick">4</span> *<span class="tick">32</span> *<span class="tick">256 *and *more</span>'
+    verdict a_picture_with_a_scale_has_a_bar_and_others_have_none
+
     row "$look/1.png" "$look/1.png" >"$texts/01_one.md"
     ! report said1 "$folder/texts" "$pandoc" &&
         grep -q '01_one.md:3: figures/left.png and figures/right.png are equal, pixel for pixel' "$folder/said1"

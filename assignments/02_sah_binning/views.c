@@ -69,15 +69,20 @@ static void draw_split(rk_overlay *overlay, const rk_sah_split *split)
     rk_overlay_wireframe(overlay, &split->box[1], red, 1.5f);
 }
 
+/* From cheap to expensive. */
+static rk_vec3 colour_of_cost(float fraction)
+{
+    return rk_mix(rk_vec(0.09f, 0.46f, 0.81f), rk_vec(0.79f, 0.35f, 0), fraction);
+}
+
 static void draw_all(rk_overlay *overlay, const splits *c)
 {
-    const rk_vec3 cheap = rk_vec(0.09f, 0.46f, 0.81f), expensive = rk_vec(0.79f, 0.35f, 0);
     const rk_sah_split *best = rk_sah_cheapest(c->list, c->count), *worst = most_expensive(c);
     double range = worst->cost > best->cost ? worst->cost - best->cost : 1;
     for (uint32_t k = 0; k < 2 * c->count; k++) {
         const rk_sah_split *split = &c->list[k / 2];
         float fraction = (float)((split->cost - best->cost) / range);
-        rk_overlay_wireframe(overlay, &split->box[k % 2], rk_mix(cheap, expensive, fraction), 1);
+        rk_overlay_wireframe(overlay, &split->box[k % 2], colour_of_cost(fraction), 1);
     }
     for (int side = 0; side < 2; side++)
         rk_overlay_wireframe(overlay, &best->box[side], rk_vec(1, 1, 1), 2);
@@ -152,9 +157,12 @@ bool draw_splits(rk_driver *driver, rk_error *error)
         !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
                          error))
         return false;
-    if (rk_driver_debug(driver, "candidates"))
+    if (rk_driver_debug(driver, "candidates")) {
         draw_all(&overlay, &c);
-    else
+        driver->scale = rk_driver_scale_of("expected cost of a ray, by the split",
+                                           rk_sah_cheapest(c.list, c.count)->cost,
+                                           most_expensive(&c)->cost, colour_of_cost);
+    } else
         draw_split(&overlay, shown_of(&c, driver));
     rk_overlay_free(&overlay);
     return true;

@@ -143,6 +143,14 @@ bool draw_order(rk_driver *driver, rk_error *error)
 
 /* --- Errors ----------------------------------------------------------------------------------- */
 
+/* Where errors of 0 are grey. */
+static const float grey = 0.2f;
+
+static rk_vec3 colour_of_error(float fraction)
+{
+    return rk_vec(fraction, fraction, fraction);
+}
+
 bool draw_error(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
@@ -158,9 +166,12 @@ bool draw_error(rk_driver *driver, rk_error *error)
         ok = ok && blur_image(&driver->image, c->blur, error);
     for (size_t i = 0; ok && i < want.width * want.height; i++) {
         rk_vec3 *pixel = &driver->image.pixels[i];
-        *pixel = rk_madd(rk_vec(0.2f, 0.2f, 0.2f), *pixel, c->gain);
+        *pixel = rk_madd(rk_vec(grey, grey, grey), *pixel, c->gain);
         *pixel = rk_vec(rk_max(pixel->x, 0), rk_max(pixel->y, 0), rk_max(pixel->z, 0));
     }
+    if (c->gain > 0)
+        driver->scale = rk_driver_scale_of("error of the radiance", -(double)grey / (double)c->gain,
+                                           (1 - (double)grey) / (double)c->gain, colour_of_error);
     rk_image_free(&want);
     return ok;
 }

@@ -2,6 +2,7 @@
  * numbers of samples per pixel, and the samples that they save. */
 #include "driver.h"
 
+#include "features/shading.h"
 #include "render/stages/adaptive_sampling_stage.h"
 
 #include <stdio.h>
@@ -9,14 +10,26 @@
 static const char summary[] =
     "Renders a scene with as many samples as an error needs (--error), where the picture is "
     "noisy.\n"
-    "--show samples shows the number of samples per pixel, from blue (4) to orange "
-    "(--max-samples).\n"
+    "--show samples shows the number of samples per pixel, from blue (4) to orange (the most "
+    "that a pixel of the picture takes), by its logarithm.\n"
     "--efficiency writes a table: samples for the same error, evenly, adaptively, and the fewest.";
+
+static rk_vec3 colour_of_samples(float fraction)
+{
+    const rk_gradient gradient = rk_gradient_cool_to_warm();
+    return rk_gradient_at(&gradient, 2 * fraction - 1);
+}
 
 static bool save(rk_driver *driver, rk_error *error)
 {
     const rk_adaptive_sampling_options *o = &driver->render.adaptive_sampling;
     char label[64] = "even";
+    if (o->error > 0 && o->shown == RK_ADAPTIVE_SAMPLES) {
+        driver->scale =
+            rk_driver_scale_of("samples per pixel", RK_ADAPTIVE_BLOCKS,
+                               (double)driver->counters.most_samples, colour_of_samples);
+        driver->scale.logarithmic = true;
+    }
     if (o->error > 0)
         snprintf(label, sizeof label, "%s_%g", rk_adaptive_shown_names.items[o->shown],
                  (double)o->error);

@@ -181,6 +181,9 @@ bool draw_visits(rk_driver *driver, rk_error *error)
             sum += visits;
             c->most_visits = visits > c->most_visits ? visits : c->most_visits;
         }
+    driver->scale =
+        rk_driver_scale_of("nodes visited per camera ray", 0, c->most, colour_of_visits);
+    driver->scale.clipped = c->most_visits > c->most;
     c->mean_visits = sum / ((double)width * height);
     return true;
 }

@@ -9,6 +9,17 @@
 #include "render/render.h"
 #include "scene/framing.h"
 
+/* What a picture's false colours mean. The book shows it as a bar below the picture. */
+enum { RK_DRIVER_SCALE_COLOURS = 9 };
+
+typedef struct rk_driver_scale {
+    const char *unit; /* such as "samples per pixel"; NULL: the colours are no numbers */
+    double least, most;
+    bool logarithmic;
+    bool clipped;                             /* some values are beyond `most` */
+    rk_vec3 colours[RK_DRIVER_SCALE_COLOURS]; /* linear, from `least` to `most` at equal steps */
+} rk_driver_scale;
+
 typedef struct rk_driver {
     const char *feature; /* "bvh_median": begins the names of pictures and tables */
     const char *summary; /* the first lines of --help */
@@ -50,6 +61,7 @@ typedef struct rk_driver {
     rk_accel unfinished; /* its trees find nothing: `accel` has others, see rk_driver_build */
     rk_pool *pool;
     rk_image image;
+    rk_driver_scale scale;
     rk_counters counters;
     rk_timing build_ms, render_ms;
 } rk_driver;
@@ -86,6 +98,10 @@ bool rk_driver_debug(const rk_driver *driver, const char *view);
 /* Sets driver->pixel to the pixel whose rays a debug view draws: --pixel, or the one at drawn_x and
  * drawn_y. Its rays are drawn, not explained. */
 void rk_driver_draw_pixel(rk_driver *driver);
+
+/* A scale by a function from [0, 1] to linear colours. */
+rk_driver_scale rk_driver_scale_of(const char *unit, double least, double most,
+                                   rk_vec3 (*colour)(float fraction));
 
 /* Writes the picture to OUT/figures/FEATURE_SCENE[_LABEL].png, with the debug view and its number
  * as label, or NULL, and prints its caption. Compares it with the picture of --compare. */

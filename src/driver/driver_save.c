@@ -9,6 +9,7 @@
 #include "io/png.h"
 
 #include <ctype.h>
+#include <math.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -46,6 +47,44 @@ static void append_name(char *path, size_t size, const char *name)
     path[used] = '\0';
 }
 
+rk_driver_scale rk_driver_scale_of(const char *unit, double least, double most,
+                                   rk_vec3 (*colour)(float fraction))
+{
+    rk_driver_scale scale = {.unit = unit, .least = least, .most = most};
+    for (int i = 0; i < RK_DRIVER_SCALE_COLOURS; i++)
+        scale.colours[i] = colour((float)i / (RK_DRIVER_SCALE_COLOURS - 1));
+    return scale;
+}
+
+typedef struct scale_text {
+    char text[256];
+} scale_text;
+
+static unsigned byte_of(float linear)
+{
+    return (unsigned)lroundf(255 * rk_srgb_encode(rk_min(rk_max(linear, 0), 1)));
+}
+
+/* "4 256 log exact #0044cc ... samples per pixel"; empty without a scale. */
+static scale_text text_of(const rk_driver_scale *scale)
+{
+    scale_text shown = {""};
+    if (!scale->unit)
+        return shown;
+    char *text = shown.text;
+    const size_t size = sizeof shown.text;
+    snprintf(text, size, "%.4g %.4g %s %s", scale->least, scale->most,
+             scale->logarithmic ? "log" : "linear", scale->clipped ? "clipped" : "exact");
+    for (int i = 0; i < RK_DRIVER_SCALE_COLOURS; i++) {
+        const rk_vec3 c = scale->colours[i];
+        const size_t used = strlen(text);
+        snprintf(text + used, size - used, " #%02x%02x%02x", byte_of(c.x), byte_of(c.y),
+                 byte_of(c.z));
+    }
+    snprintf(text + strlen(text), size - strlen(text), " %s", scale->unit);
+    return shown;
+}
+
 static bool write_picture(const rk_driver *driver, const char *path, const char *seconds,
                           rk_error *error)
 {
@@ -55,7 +94,8 @@ static bool write_picture(const rk_driver *driver, const char *path, const char 
     snprintf(frame, sizeof frame, "%.3f", subject.frame);
     snprintf(samples, sizeof samples, "%u", driver->render.samples);
     snprintf(triangles, sizeof triangles, "%u", driver->scene.mesh.triangle_count);
-    const rk_png_text texts[] = {
+    const scale_text scale = text_of(&driver->scale);
+    const rk_png_text all[] = {
         {"Software", "raykit " PACKAGE_VERSION},
         {"raykit:command", driver->parameters},
         {"raykit:scene", driver->scene.name},
@@ -65,8 +105,13 @@ static bool write_picture(const rk_driver *driver, const char *path, const char 
         {"raykit:black", black}, /* weaving refuses pictures of which little can be seen */
         {"raykit:frame", frame},
         {"raykit:units", rk_implementation_note},
+        {"raykit:scale", scale.text},
     };
-    size_t count = sizeof texts / sizeof *texts - (*rk_implementation_note ? 0 : 1);
+    rk_png_text texts[sizeof all / sizeof *all];
+    size_t count = 0;
+    for (size_t i = 0; i < sizeof all / sizeof *all; i++)
+        if (*all[i].value)
+            texts[count++] = all[i];
     return rk_png_write(path, &driver->image, texts, count, error);
 }
 

@@ -33,6 +33,27 @@ function pictures.size(path)
   return head:match('<svg.-%swidth="([%d.]+)"'), head:match('<svg.-%sheight="([%d.]+)"')
 end
 
+-- The bar of a picture with false colours, by what the driver says of them (rk_driver_scale), or nil.
+function pictures.scale(path)
+  local _, texts = read_png(path)
+  local least, most, how, ends, rest = (texts["raykit:scale"] or ""):match("^(%S+) (%S+) (%a+) (%a+) (.*)$")
+  if not least then return nil end
+  local colours, unit = rest:match("^([#%x ]-) ([^#]*)$")
+  local from, to = tonumber(least), tonumber(most)
+  local middle = how == "log" and (from * to) ^ 0.5 or (from + to) / 2
+  local function number(value) return (string.format("%.3g", value):gsub("^-", "−")) end
+  local values = {}
+  local last = number(to) .. (ends == "clipped" and " and more" or "")
+  for i, text in ipairs({number(from), number(middle), last}) do
+    values[i] = pandoc.Span(text, {class = "tick"})
+  end
+  local ramp = "background: linear-gradient(to right, " .. colours:gsub(" ", ", ") .. ")"
+  return pandoc.Div({pandoc.Plain({
+    pandoc.Span("", {class = "ramp", style = ramp}),
+    pandoc.Span(values, {class = "ticks"}), pandoc.Span(unit, {class = "unit"}),
+  })}, {class = "scale"})
+end
+
 local most_black, least_frame = 0.7, 0.4
 local users_most_black, users_least_frame = 0.97, 0.02
 local dark = 0 -- pictures

@@ -161,7 +161,10 @@ local function figure(div, args, mesh)
     caption.content:insert(2, pandoc.Plain({pandoc.Span(note, {class = "parameters"})}))
   end
   caption.content:insert(drive.command(div, args))
-  return pandoc.Div({shown(div, path), caption}, {class = "picture"})
+  local blocks = pandoc.List({shown(div, path)})
+  blocks:extend({pictures.scale(path)})
+  blocks:insert(caption)
+  return pandoc.Div(blocks, {class = "picture"})
 end
 
 -- In the place of a picture.

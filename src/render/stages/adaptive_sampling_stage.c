@@ -95,11 +95,11 @@ static void render_rounds(adaptive_job *job, rk_pool *pool)
 
 /* --- The picture ------------------------------------------------------------------------------ */
 
-/* From few samples to many, by their logarithm. */
+/* From few samples to the most of a pixel, by their logarithm. */
 static rk_vec3 colour_of_count(const adaptive_job *job, uint32_t count)
 {
     const rk_gradient gradient = rk_gradient_cool_to_warm();
-    float most = log2f((float)job->options.adaptive_sampling.max_samples / RK_ADAPTIVE_BLOCKS);
+    float most = log2f((float)job->counters[0].most_samples / RK_ADAPTIVE_BLOCKS);
     return rk_gradient_at(&gradient,
                           2 * log2f((float)count / RK_ADAPTIVE_BLOCKS) / fmaxf(most, 1) - 1);
 }
