@@ -343,9 +343,8 @@ static void colours_of_vertices_are_srgb_in_scans(void **state)
 }
 
 /* By the specification COLOR_0 is linear, and multiplies the base colour. */
-static void colours_of_vertices_are_linear_in_gltf_and_multiply_the_base_colour(void **state)
+static void check_gltf_colours(const char *type, const char *stride)
 {
-    (void)state;
     mesh_seed seed = {0}, buffer = {0};
     const unsigned char colours[12] = {255, 0, 0, 255, 0, 128, 0, 255, 255, 255, 255, 255};
     const float points[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
@@ -363,9 +362,13 @@ static void colours_of_vertices_are_linear_in_gltf_and_multiply_the_base_colour(
         "[1,0.5,0.25,1]}}],\"accessors\":["
         "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
         "{\"bufferView\":1,\"componentType\":5121,\"normalized\":true,\"count\":3,"
-        "\"type\":\"VEC4\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},"
-        "{\"buffer\":0,\"byteOffset\":36,\"byteLength\":12}],\"buffers\":[{"
-        "\"byteLength\":48,\"uri\":\"data:application/octet-stream;base64,");
+        "\"type\":\"");
+    seed_append_text(&seed, type);
+    seed_append_text(&seed, "\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},"
+                            "{\"buffer\":0,\"byteOffset\":36,\"byteLength\":12");
+    seed_append_text(&seed, stride);
+    seed_append_text(&seed, "}],\"buffers\":[{"
+                            "\"byteLength\":48,\"uri\":\"data:application/octet-stream;base64,");
     seed_append_base64(&seed, buffer.bytes, buffer.size);
     seed_append_text(&seed, "\"}]}\n");
     rk_mesh mesh = load(test_folder_write(&folder, "v.gltf", seed.bytes, seed.size, 0600));
@@ -373,6 +376,14 @@ static void colours_of_vertices_are_linear_in_gltf_and_multiply_the_base_colour(
     mesh.materials[0].kd = rk_vec(1, 1, 1);
     check_coloured_corners(&mesh, 128 / 255.0);
     rk_mesh_free(&mesh);
+}
+
+/* Of three numbers they are opaque. */
+static void colours_of_vertices_are_linear_in_gltf_and_multiply_the_base_colour(void **state)
+{
+    (void)state;
+    check_gltf_colours("VEC4", "");
+    check_gltf_colours("VEC3", ",\"byteStride\":4");
 }
 
 /* Two triangles of a square; a quadrilateral and one that Assimp drops, of ten corners, follow. */
@@ -1099,6 +1110,17 @@ static void faces_of_a_ply_file_have_colours_of_their_own(void **state)
     rk_mesh mesh = load(write_text("dark.ply", HEADER("uchar") "3 0 1 2 1 0 0\n3 0 2 3 0 0 1\n"));
     check_point(mesh.colours[mesh.triangles[1][0]], 0, 0, rk_srgb_decode(1 / 255.0f));
     rk_mesh_free(&mesh);
+    mesh = load(write_text("white.ply", /* MeshLab adds white vertices */
+                           "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                           "property float y\nproperty float z\nproperty uchar red\n"
+                           "property uchar green\nproperty uchar blue\nelement face 1\n"
+                           "property list uchar int vertex_indices\nproperty uchar red\n"
+                           "property uchar green\nproperty uchar blue\nend_header\n"
+                           "0 0 0 255 255 255\n1 0 0 255 255 255\n1 1 0 255 255 255\n"
+                           "3 0 1 2 0 255 0\n"));
+    assert_non_null(mesh.colours);
+    check_point(mesh.colours[mesh.triangles[0][0]], 0, 1, 0);
+    rk_mesh_free(&mesh);
 #undef HEADER
 }
 
@@ -1206,7 +1228,7 @@ static void files_that_are_not_meshes_are_refused(void **state)
     check_refused_path(test_folder_path(&folder, "nowhere.obj").text, ": ", "No such file");
     check_refused("empty.obj", "", ": ", "is empty");
     check_refused("empty.ply", "", ": ", "is empty");
-    check_refused("a.txt", "v 0 0 0\n", ": ", "cannot read it");
+    check_refused("a.txt", "v 0 0 0\n", ": ", "has a format that Assimp does not read");
     test_path inner = test_folder_path(&folder, "folder.obj");
     mkdir(inner.text, 0700);
     check_refused_path(inner.text, ": ", "is a folder");

@@ -400,7 +400,8 @@ static bool judge(const session *s, int status, rk_error *error)
 {
     if (WIFSIGNALED(status))
         return rk_fail(error,
-                       "%s: %s was ended by signal %d (%s): the file is damaged or too large",
+                       "%s: %s was ended by signal %d (%s): the file is damaged or too large, or "
+                       "its reader fails on it: save it again, or in another format",
                        s->subject, s->call->program, WTERMSIG(status), strsignal(WTERMSIG(status)));
     if (WEXITSTATUS(status) == 0) {
         rk_fail(error, "%s", s->line);

@@ -44,15 +44,18 @@ bool rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene,
         .replace = has_ending(path, (const char *const[]){"obj", "ply", "off", "stl", NULL}),
         .scale = 1};
     const bool is_obj = has_ending(path, (const char *const[]){"obj", NULL});
+    bool has_alpha = false;
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
         const struct aiMesh *mesh = scene->mMeshes[i];
         for (uint32_t k = 0; mesh->mColors[0] && k < mesh->mNumVertices; k++) {
             see(colours, rk_mesh_colours_rgb(&mesh->mColors[0][k]));
             colours->is_clear |= colours->is_linear && mesh->mColors[0][k].a < 1;
+            has_alpha |= mesh->mColors[0][k].a > 0;
             colours->torn |= is_obj && !(mesh->mColors[0][k].a > 0);
         }
     }
     colours->any &= !colours->torn;
+    colours->is_clear &= has_alpha; /* Assimp makes it 0 where colours have three numbers */
     if (!colours->any && has_ending(path, (const char *const[]){"off", NULL}) &&
         !rk_mesh_colours_read_off(colours, path, error))
         return false;

@@ -308,7 +308,8 @@ static void find_colours(gather *g, part *p, bool textured)
 {
     p->face_colour = rk_vec(1, 1, 1);
     const bool hidden = textured && g->colours.replace;
-    p->colours = g->colours.any && !hidden ? p->mesh->mColors[0] : NULL;
+    const bool by_vertex = g->colours.any && g->colours.face_count == 0;
+    p->colours = by_vertex && !hidden ? p->mesh->mColors[0] : NULL;
     g->left.has[RK_MESH_LEFT_OUT_HIDDEN_COLOURS] |= g->colours.any && hidden && p->mesh->mColors[0];
 }
 

@@ -169,6 +169,22 @@ static void note_distance(rk_mesh_hints *hints, const rk_mesh *mesh, const char 
                            1 / share);
 }
 
+/* Assimp tries all its readers on an unknown file, and gives the last one's reason. */
+static bool fail_unread(const char *path, rk_error *error)
+{
+    const char *dot = strrchr(path, '.'), *reason = aiGetErrorString();
+    if (!dot || !aiIsExtensionSupported(dot))
+        return rk_fail(
+            error, "%s: has a format that Assimp does not read: export it as glTF or OBJ", path);
+    if (strstr(reason, "No suitable reader"))
+        return rk_fail(
+            error,
+            "%s: Assimp cannot read it, because it is damaged or breaks the rules of its "
+            "format: export it again, or in another format",
+            path);
+    return rk_fail(error, "%s: Assimp cannot read it: %s", path, reason);
+}
+
 /* No post-processing: Assimp's triangulation aborts on some broken files, and its joining of
  * vertices is slow. */
 static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
@@ -181,7 +197,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
     if (!scene && strstr(aiGetErrorString(), "bad_alloc"))
         return rk_mesh_guard_fail_memory(error);
     if (!scene)
-        return rk_fail(error, "%s: Assimp cannot read it: %s", path, aiGetErrorString());
+        return fail_unread(path, error);
     compare_counts(hints, scene, path);
     rk_mesh mesh = {0};
     rk_mesh_textures textures = {0};
