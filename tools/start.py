@@ -79,7 +79,7 @@ class Course:
         hint = command_of("hint", feature) + (f" STEP={claim.step}" if claim and claim.step else "")
         return [text.splitlines()[0].lstrip("# ") + (f" ({time[1]})" if time else "") + step,
                 f"    read  {feature.where_to_read(claim.section if claim else '')}",
-                f"    edit  {os.path.relpath(find_unit(feature, self.impl).path)}",
+                f"    edit  {find_unit(feature, self.impl).path}",
                 f"    hint  {hint}"]
 
 
