@@ -10,6 +10,7 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
 import xml.etree.ElementTree as ElementTree
 
 SOURCE = os.path.abspath(os.environ.get("srcdir", "."))
@@ -18,7 +19,7 @@ sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 from by_address import by_address  # noqa: E402
 from tap import check, finish, run, start  # noqa: E402
-from grading import build, results, sandbox, unit_rules  # noqa: E402
+from grading import build, c_source, private_copy, results, sandbox, unit_rules  # noqa: E402
 from grading.assignments import (  # noqa: E402
     DEDUCTION, FREES_ALL, KEEPS_NOTHING, ScoredTest, Unit, read_features, read_points,
 )
@@ -73,6 +74,8 @@ class Grader:
 # claim: (unit, part of the reason)
 REFUSED = {
     "exit": (unit("exit(0);"), "uses exit (line "),
+    "exit, with what to do instead": (unit("exit(0);"), "return false"),
+    "rand, with what to do instead": (unit("if (rand() < 0) return false;"), "rk_hash"),
     "fork": (unit("fork();"), "uses fork"),
     "a function that is called at exit": (unit("atexit(abort);"), "uses atexit"),
     "a shell": (unit('if (system("true")) return false;'), "uses system"),
@@ -122,6 +125,23 @@ REFUSED = {
         unit("", '__attribute__((section(".text\\n.incbin \\"/etc/passwd\\"\\n#"))) int odd(void);\n'),
         "uses the attribute section",
     ),
+    "a section's name in parentheses": (
+        unit("", '__attribute__((section((".text")))) int odd(void);\n'), "uses the attribute section (line "
+    ),
+    "a section's name in brackets that are written otherwise": (
+        unit("", '<:<:gnu::section(".text"):>:> int odd(void);\n'), "uses the attribute section"
+    ),
+    "a section within an attribute that is allowed": (
+        unit("", "__attribute__((aligned(sizeof(struct { int x; } __attribute__((section(\"a\")))))))\n"
+             "extern int odd;\n"), "uses the attribute section"
+    ),
+    "an alias": (unit("", 'int odd(void) __attribute__((alias(("rk_bvh_closest"))));\n'),
+                 "uses the attribute alias"),
+    "a function that is chosen while loading": (
+        unit("", '__attribute__((target_clones("avx2", "default"))) int odd(void);\n'
+             "int odd(void)\n{\n    return 1;\n}\n"), "chosen while the program is loaded"
+    ),
+    "a pragma that places": (unit("", "#pragma weak rk_bvh_closest\n"), "uses #pragma weak"),
     "a constructor": (
         unit("", "__attribute__((constructor)) static void early(void)\n{\n    abort();\n}\n"), REFUSED_EARLY
     ),
@@ -141,11 +161,14 @@ OBJECTS = {
         f'__attribute__((section("{section}"), used)) static void (*entry)(void) = early;\n', REFUSED_EARLY
     ) for section in (".init_array", ".fini_array", ".preinit_array", ".ctors", ".dtors",
                       ".init_array.00099")},
+    **{f"a number in {section}": (
+        f'__attribute__((section("{section}"), used)) static unsigned long entry = 4096;\n', REFUSED_EARLY
+    ) for section in (".init_array", ".fini_array.5")},
     "code in .init": ('__attribute__((section(".init"))) void early(void)\n{\n}\n', REFUSED_EARLY),
     "a function chosen while loading": (
         "static int plain(void)\n{\n    return 1;\n}\n"
         "static int (*choose(void))(void)\n{\n    return plain;\n}\n"
-        'int chosen(void) __attribute__((ifunc("choose")));\n', REFUSED_EARLY
+        'int chosen(void) __attribute__((ifunc("choose")));\n', "chosen while the program is loaded"
     ),
     "a section of another name": (
         '__attribute__((section("mine"), used)) static const int odd = 1;\n', "has a section mine"
@@ -190,6 +213,31 @@ HONEST = {
                               "    if (strtol(text, NULL, 10) && errno) return false;"),
     "all of math.h": unit("volatile double x = 2;\n    x = lgamma(x) + tgamma(x) + fma(x, x, x) + erf(x);\n"
                           "    x = remquo(x, x, &(int){0});"),
+    "the less known of math.h, and complex.h": unit(
+        "volatile double x = j0(2) + y1(2) + lgamma_r(3, &(int){0});\n    double complex z = cexp(I * x);\n"
+        "    x = cabs(z) + carg(z) + creal(csqrt(z));",
+        "#include <complex.h>\ndouble lgamma_r(double, int *);\n"
+    ),
+    "ctype.h": unit("volatile int c = 'a';\n    if (!isalpha(toupper(c)) || isdigit(c)) return false;",
+                    "#include <ctype.h>\n"),
+    "the less known of string.h, and numbers in text": unit(
+        'char text[] = "1 2", *word = strtok(text, " ");\n    int number;\n'
+        '    if (!word || sscanf(word, "%d", &number) != 1) return false;'
+    ),
+    "functions called as attributes are": unit(
+        'if (section("x") + alias("y") > 5) return false;',
+        "static int section(const char *name)\n{\n    return name[0] == 'z';\n}\n"
+        "static int alias(const char *name)\n{\n    return name[0] == 'z';\n}\n"),
+    "a variable called nearly as an attribute is": unit("volatile int no_sanitized_input = 1;\n"
+                                                        "    if (!no_sanitized_input) return false;"),
+    "attributes that say something": unit(
+        "", "[[maybe_unused]] __attribute__((const, noinline, aligned(16))) static int odd(int x)\n"
+        "{\n    return x;\n}\n"),
+    "pragmas that say something": unit("", "#pragma omp declare simd\nstatic int odd(int x);\n"
+                                       "#pragma GCC diagnostic push\n#pragma GCC diagnostic pop\n"
+                                       "static int odd(int x)\n{\n    return x;\n}\n"),
+    "what a second look at the source would see": unit(
+        "", '#if __has_include("../../bvh_median.included")\n#error the source was read again\n#endif\n'),
     "wide arithmetic": unit("volatile unsigned __int128 x = 5;\n    x = x / (x - 1);"),
     "intrinsics": unit("", "#if defined(__SSE__)\n#include <immintrin.h>\n#endif\n"),
     "the kit's own functions": unit("if (rk_sample_1d(&(rk_sampler){0}, 1, 2, 3) > 2) return false;",
@@ -207,6 +255,29 @@ def honest_code_is_not_refused(grader):
     for claim, suite in suites.items():
         check(not suite.problem and suite.verdicts[KEEPS_NOTHING.name].passed, f"{claim}: allowed",
               results.text([suite], ""))
+
+
+def long_texts_take_little(grader):
+    """A pass over a text of a megabyte that is quadratic takes half an hour, and a linear one a second or
+    two."""
+    million = 1 << 20
+    parts = {"blank lines": "\n", "comments that do not end": "//\\\n/*",
+             "attributes that do not end": "__attribute__((", "brackets": "[[", "quotes": "'", "braces": "{",
+             "directives": "#\\\n", "assembly": "asm("}
+    for name, part in parts.items():
+        text = part * (million // len(part))
+        began = time.process_time()
+        unit_rules.fault_in_source(text)
+        unit_rules.fault_in_assembly(text)
+        list(c_source.functions_of(c_source.tokens_of(text)))
+        list(private_copy._headers_beside(SOURCE, text.encode()))
+        took = time.process_time() - began
+        check(took < 60, f"a megabyte of {name} is read at once", f"{took:.0f} s of processor time")
+    longest = grader.add(unit("", "\n" * (million - len(unit()) - 1)), (KEEPS_NOTHING, EMPTY))
+    longer = grader.add(unit("", "\n" * million), (KEEPS_NOTHING, EMPTY))
+    grader.grade()
+    check(not longest.problem, "a unit of 1 MB is read", longest.problem)
+    check("larger than 1 MB" in longer.problem, "a larger one is refused, with the limit", longer.problem)
 
 
 def reasons_fit(grader):
@@ -239,6 +310,9 @@ def what_is_kept_is_named(grader):
     count, keep = "static int calls;\n    calls += 1;\n    if (calls > 1 << 20) return false;", "last = mesh;"
     cases = {
         "a static variable": (count, "", "`calls`"),
+        "one that is called as the sanitizer's are": (
+            "asan_calls += 1;\n    if (asan_calls > 1 << 20) return false;", "static int asan_calls;\n",
+            "`asan_calls`"),
         "a variable beside the functions": (keep, "static const void *volatile last;\n", "`last`"),
         "a variable of each thread": (keep, "static _Thread_local const void *volatile last;\n", "`last`"),
         "one that has a value": ("seed *= 3;", "static volatile unsigned seed = 7;\n", "`seed`"),
@@ -421,6 +495,7 @@ def main():
         what_reaches_around_the_suite_is_refused(grader)
         objects_are_looked_at(toolchain, folder)
         honest_code_is_not_refused(grader)
+        long_texts_take_little(grader)
         reasons_fit(grader)
         what_is_kept_is_named(grader)
         if toolchain.finds_leaks():

@@ -216,6 +216,7 @@ def _run(toolchain, suite, arguments, limit, megabytes, decoy=False, options="")
         ["test_" + suite.feature.stem, *arguments], seconds=limit, megabytes=megabytes, folder=folder,
         environment=environment, witnessed=suite.program, secret=make_secret(decoy),
         enclose=toolchain.sandbox and toolchain.sandbox.around,
+        system_calls=toolchain.sandbox.filter if toolchain.sandbox else b"",
     )
 
 
@@ -362,6 +363,13 @@ def _not_handed_in(unit):
             "nothing compiles; move these lines into it"] if headers else []
 
 
+def _other_names(unit):
+    """A hard link to another's file is that file."""
+    names = os.stat(unit.path).st_nlink if unit.path and not unit.is_reference else 1
+    return [f"{unit.feature.stem}.c has {names} names on this disk (hard links): is it another's file?"] if (
+        names > 1) else []
+
+
 def _prepare_suite(feature, impl, own, only):
     """Returns the suite of one feature; one that has given up where there is nothing to judge."""
     listed = [KEEPS_NOTHING, *read_points(feature), FREES_ALL]
@@ -379,6 +387,7 @@ def _prepare_suite(feature, impl, own, only):
         if not own and not unit.is_reference:
             unit.shown = results.name_of(unit.path)
         suite = Suite(feature, unit, tests)
+        remarks += _other_names(unit) if not own else []
         suite.remarks += remarks + (_not_handed_in(unit) if own else [])
         return suite
     except UnitError as error:
@@ -494,8 +503,10 @@ def _grade_apart(toolchain, features, suites, impl, decoys, progress):
             for suite in suites:
                 _grade_apart(toolchain, features, [suite], impl, decoys, progress)
         else:
-            suites[0].give_up(f"ended its grader, by {ended}, so no claim has a verdict: "
-                              "does the code send signals?")
+            suites[0].give_up("takes the grader too long to read, so no claim has a verdict"
+                              if str(ended) == "SIGXCPU" else
+                              f"ended its grader, by {ended}, so no claim has a verdict: does the code send "
+                              "signals?")
     except (ValueError, TypeError, KeyError) as error:
         raise ToolError("the grader's answer is damaged, "
                         "so no verdict on this submission is believed") from error
@@ -505,6 +516,7 @@ def grade_submission(toolchain, stems, impl, only=None, progress=None):
     """Returns the suites of somebody else's work, which runs in the toolchain's sandbox."""
     features = read_features(toolchain.source)
     suites = prepare_suites(features, choose(features, stems), impl, False, only)
+    suites[0].remarks += ["graded " + toolchain.remark] if toolchain.remark else []
     _grade_apart(toolchain, features, suites, impl, 0 if only else DECOYS, progress)
     return suites
 
@@ -542,15 +554,15 @@ def main():
         else:
             sandbox.prepare()
             toolchain = build.Toolchain(arguments.build)
-            toolchain.sandbox, remark = bubblewrap.find(toolchain)
+            toolchain.sandbox, toolchain.remark = bubblewrap.find(toolchain)
+            if toolchain.remark:
+                print(f"grade: {toolchain.remark}", file=sys.stderr)
             watch = None if toolchain.sandbox else integrity.Watch(toolchain)
             suites = grade_submission(toolchain, arguments.stems, arguments.impl, arguments.test, progress)
             changed = watch.changed() if watch else ""
             if changed:
                 raise ToolError(f"meanwhile, {changed} changed, so no verdict is believed; "
                                 "bring it back, and grade again")
-            if remark:
-                print(f"grade: {remark}", file=sys.stderr)
         results.write(suites, arguments.format, arguments.impl, arguments.out,
                       arguments.own and not arguments.all)
     except ToolError as error:

@@ -183,7 +183,9 @@ def grade_class(build_folder, stems, submissions, out, format_name):
         raise cannot_write(out, error) from error
     table = Table(os.path.join(out, "class.csv"), [feature.stem for feature in features])
     sandbox.prepare()
-    toolchain.sandbox, remark = bubblewrap.find(toolchain)
+    toolchain.sandbox, toolchain.remark = bubblewrap.find(toolchain)
+    if toolchain.remark:
+        print(f"grade-class: {toolchain.remark}", flush=True)
     watch = None if toolchain.sandbox else integrity.Watch(toolchain, submissions, out)
     if strays:
         print("grade-class: no submissions, so ignored: " + ", ".join(map(results.name_of, strays)))
@@ -216,8 +218,6 @@ def grade_class(build_folder, stems, submissions, out, format_name):
         ungraded += not was_graded or bool(doubts)
         said = f"{results.total(suites):>12} points" if was_graded else "   " + suites[0].problem
         print("; ".join([said, *doubts]), flush=True)
-    if remark:
-        print(f"grade-class: {remark}")
     if failed:
         print("grade-class: failed most often: " + ", ".join(f"{claim} ({count} of {judged[claim]})"
                                                              for claim, count in failed.most_common(_SHOWN)))

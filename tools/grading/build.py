@@ -51,7 +51,7 @@ class Toolchain:
         self.libraries = shlex.split(values["libraries"])
         self.tools = {name: values[name] for name in ("ar", "nm", "objcopy", "objdump")}
         self.kit = self.source  # where it stands; in a private copy, `source` is the copy
-        self.sandbox = None  # or a Bubblewrap
+        self.sandbox, self.remark = None, ""  # or a Bubblewrap; what is to be said without one
         tools = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
         if os.path.realpath(self.source) != tools:
             raise ToolError(f"{path} was made for the kit in {self.source}, but this one stands in {tools}: "
@@ -84,6 +84,12 @@ def _run_tool(toolchain, command, folder):
         raise ToolError(f"{command[0]} cannot be run: {error.strerror}") from error
 
 
+def _around_tool(toolchain, path):
+    """Returns the function that puts a tool which reads or changes this object into the sandbox, or None."""
+    return toolchain.sandbox and functools.partial(toolchain.sandbox.around_compiler,
+                                                   folder=os.path.dirname(path), kit=toolchain.source)
+
+
 def global_symbols(toolchain, path):
     """Returns the global names that an object defines."""
     return unit_rules.global_names(toolchain.tools["objdump"], path)
@@ -98,15 +104,16 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
     base = os.path.join(folder, unit.feature.stem)
     # An object for link-time optimization would not tell what it uses.
     flags = [*toolchain.flags, *extra_flags, "-fno-lto", "-Werror=implicit-function-declaration"]
+    source = unit.path
     if not unit.is_reference:
         _check_text(unit)
         _check_no_header_hides(toolchain, unit)
-        listing = base + ".included"
-        _compile(toolchain, unit, folder,
-                 [*flags, "-E", "-P", "-MD", "-MF", listing, unit.path, "-o", base + ".i"])
+        # What is checked is what is compiled: a second look at the source could see another text.
+        listing, source = base + ".included", base + ".i"
+        _compile(toolchain, unit, folder, [*flags, "-E", "-MD", "-MF", listing, unit.path, "-o", source])
         _check_included(toolchain, unit, listing)
-        _refuse(unit, unit_rules.fault_in_source(_read(base + ".i")))
-    warnings = _compile(toolchain, unit, folder, [*flags, "-S", unit.path, "-o", base + ".s"])
+        _refuse(unit, unit_rules.fault_in_source(_read(source), lambda name: _with_line(unit, name)))
+    warnings = _compile(toolchain, unit, folder, [*flags, "-S", source, "-o", base + ".s"])
     if not unit.is_reference:
         _refuse(unit, unit_rules.fault_in_assembly(_read(base + ".s")))
     _compile(toolchain, unit, folder, [*flags, "-c", base + ".s", "-o", base + ".o"])
@@ -217,7 +224,7 @@ def _not_to_include(unit, name):
 def check_object(toolchain, unit, path):
     """Raises BuildError if the unit's object has more than functions and data. Returns what it has, a
     unit_rules.Object."""
-    found = unit_rules.Object(toolchain.tools["objdump"], path)
+    found = unit_rules.Object(toolchain.tools["objdump"], path, _around_tool(toolchain, path))
     _refuse(unit, unit_rules.fault_in_object(found, toolchain.finds_leaks()))
     return found
 
@@ -247,6 +254,8 @@ def keep_interface(toolchain, feature, path, for_suite=False):
     scarce = [f"--redefine-sym={name}=rk_scarce_{name}"
               for name in ("malloc", "calloc", "realloc", "aligned_alloc")]
     command = [toolchain.tools["objcopy"], *keep, *(scarce if for_suite else []), path]
+    around = _around_tool(toolchain, path)
+    command = around(command) if around else command
     answer = subprocess.run(command, capture_output=True, text=True, check=False)
     if answer.returncode:
         raise ToolError(f"{command[0]} failed on {path}: {answer.stderr.strip()}")

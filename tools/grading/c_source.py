@@ -5,7 +5,7 @@ import re
 
 Token = collections.namedtuple("Token", "text start end")
 
-_TOKEN = re.compile(r"""(?P<skipped> \s+ | /\*.*?\*/ | //[^\n]* )
+_TOKEN = re.compile(r"""(?P<skipped> \s+ | /\*(?:[^*]|\*(?!/))*(?:\*/|\Z) | //[^\n]* )
     | \#(?:[^\n/\\]|\\\n|/(?![/*]))*                       # a directive
     | "(?:\\.|[^"\\\n])*" | '(?:\\.|[^'\\\n])*'
     | \.?[0-9](?:[eEpP][+-]|[\w.])* | [A-Za-z_]\w*

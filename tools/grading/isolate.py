@@ -4,6 +4,7 @@ write into its place, it is data."""
 
 import json
 import os
+import resource
 import select
 import shutil
 import signal
@@ -18,6 +19,7 @@ from grading.private_copy import make_folder
 _PATIENCE = 5  # seconds to clean up after an interrupt
 _LOOKS = 20  # so many times, 0.1 s apart, a process may be found stopped, as it is between Ctrl-Z and fg
 _ANSWER_BYTES_MAX = 1 << 28
+_SECONDS = 120  # of the process itself, without its children: what it reads of one submission takes a few
 
 
 class Ended(Exception):
@@ -64,6 +66,8 @@ def _answer(writing, function, arguments):
     status = 1
     try:
         sandbox.end_with_parent(signal.SIGTERM)
+        # Its children begin with this limit, too, and those that run units set their own.
+        resource.setrlimit(resource.RLIMIT_CPU, (_SECONDS, resource.getrlimit(resource.RLIMIT_CPU)[1]))
         try:
             answer = {"result": function(*arguments), "error": None}
         except Exception as error:  # the caller knows what to do with it

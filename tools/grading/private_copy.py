@@ -11,7 +11,7 @@ import time
 
 from grading.assignments import Unit, UnitError
 
-_UNIT_BYTES_MAX = 256 << 20
+_UNIT_BYTES_MAX = 1 << 20
 _HEADER_BYTES_MAX = 1 << 20
 _STALE = 3600  # seconds
 
@@ -107,7 +107,7 @@ def _headers_beside(source, text, place="", seen=None):
     """Yields the names and bytes of headers below `source` that a text in the subfolder `place` includes, and
     of those that they include."""
     seen = set() if seen is None else seen
-    for name in re.findall(rb'^\s*#\s*include\s*"([^"\n]+\.h)"', text, re.MULTILINE):
+    for name in re.findall(rb'^[ \t]*#[ \t]*include[ \t]*"([^"\n]+\.h)"', text, re.MULTILINE):
         relative = os.path.normpath(os.path.join(place, os.fsdecode(name)))
         path = os.path.join(source, relative)
         if relative in seen or not os.path.isfile(path) or not _is_below(path, source):

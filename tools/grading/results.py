@@ -17,9 +17,14 @@ from grading.verdicts import printed_lines
 _DETAILS_MAX = 10000  # characters of a program's output that go into a report
 
 
+# Of all characters those that XML allows, without those that end a line or turn its direction.
+_SHOWN = ("\\x20-\\x7e\\xa0-\\u061b\\u061d-\\u200d\\u2010-\\u2027\\u202f-\\u205f\\u2070-\\ud7ff"
+          "\\ue000-\\ufefe\\uff00-\\ufffd\\U00010000-\\U000dffff\\U000e0100-\\U0010ffff")
+
+
 def printable(text):
     """Control characters are not allowed in XML, and unwanted on a terminal."""
-    return re.sub(r"[^\t\n\x20-\x7e\x85\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]", "?", text)
+    return re.sub(rf"[^\t\n{_SHOWN}]", "?", text)
 
 
 def _details(verdict):
@@ -43,7 +48,7 @@ def name_of(impl):
     """The name of the work, without the path to it, which is the grader's. Different names stay different:
     bytes that cannot be shown become \\xfc."""
     name = os.path.basename(os.path.normpath(impl)).replace("\\", "\\\\")
-    return re.sub(r"[^\x20-\x7e\xa0-\ud7ff\ue000-\ufffd\U00010000-\U0010ffff]",
+    return re.sub(f"[^{_SHOWN}]",
                   lambda found: "".join(f"\\x{byte:02x}" for byte in os.fsencode(found[0])), name)
 
 

@@ -218,14 +218,14 @@ def _limit_process(seconds):
 
 
 def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, witnessed=None,
-        secret=b"",
-        enclose=None):
+        secret=b"", enclose=None, system_calls=b""):
     """Runs the command in `folder` and returns its Outcome. A Program as `witnessed` is
     run instead; in RAYKIT_ATTEST it gets a descriptor from which it reads a fresh secret, and
     outcome.attested tells whether that came back; outcome.testimony is what else came. `enclose` puts
     a command into bubblewrap."""
     outcome, kept = Outcome(), _Tail()
     descriptors, options = (), {}
+    status = os.pipe() if enclose else ()
     if witnessed:
         ours, theirs = socket.socketpair()
         ours.send(secret)
@@ -235,16 +235,32 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
             command = [witnessed.path, *command[1:]]
         else:
             options = {"executable": witnessed.path}
+    if enclose:
+        wrapper, *rest = enclose(command)
+        command = [wrapper, "--json-status-fd", str(status[1]), *rest]
+        descriptors += (status[1],)
+    if enclose and system_calls:
+        listed = _pipe_with(system_calls)
+        command[1:1] = ["--seccomp", str(listed)]
+        descriptors += (listed,)
     began = time.monotonic()
     try:
         process = subprocess.Popen(
-            enclose(command) if enclose else command, cwd=folder, env=environment, stdin=subprocess.DEVNULL,
+            command, cwd=folder, env=environment, stdin=subprocess.DEVNULL,
             stdout=subprocess.PIPE, stderr=subprocess.STDOUT, start_new_session=True, pass_fds=descriptors,
             preexec_fn=lambda: _limit_process(seconds), **options,
         )
+    except BaseException:
+        if enclose:
+            os.close(status[0])
+        raise
     finally:
         if witnessed:
             theirs.close()
+        if enclose:
+            os.close(status[1])
+        if enclose and system_calls:
+            os.close(listed)
     try:
         _watch(process, outcome, kept, began, seconds, megabytes << 20, output_bytes, bool(enclose))
     finally:
@@ -252,6 +268,7 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
         outcome.status = process.wait()
         _drain(process.stdout, kept)
         process.stdout.close()
+        has_run = not enclose or _tells_of_an_end(status[0])
     if witnessed:
         with ours:
             ours.setblocking(False)
@@ -265,9 +282,25 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
     outcome.output = kept.text()
     if enclose and outcome.status > _ENDED_BY_SIGNAL:
         outcome.status = _ENDED_BY_SIGNAL - outcome.status
-    if enclose and outcome.status == 1 and not outcome.attested and outcome.output.startswith("bwrap: "):
+    if not has_run and not outcome.limit and outcome.status >= 0:
         raise ToolError(f"the sandbox cannot be made: {outcome.output.strip()}")
     return outcome
+
+
+def _pipe_with(data):
+    """Returns a descriptor that these bytes, few enough for a pipe, can be read from."""
+    reading, writing = os.pipe()
+    os.write(writing, data)
+    os.close(writing)
+    return reading
+
+
+def _tells_of_an_end(descriptor):
+    """Whether bubblewrap tells how the program ended, which it does only if it began. Not guessed from what
+    is printed: that may be the program's."""
+    with os.fdopen(descriptor, "rb") as pipe:
+        os.set_blocking(pipe.fileno(), False)
+        return b'"exit-code"' in (pipe.read(1 << 16) or b"")
 
 
 def _drain(pipe, kept):

@@ -1,0 +1,76 @@
+"""The system calls that a unit's program may make: a filter for bubblewrap's --seccomp, which the kernel runs
+at each call. All others fail with "Operation not permitted".
+
+The list is of what the suites, the sanitizers and the C library use. A new process is none of it, nor a
+socket, a namespace, shared memory or memory without a size; threads are: the leak sanitizer looks from one.
+Source: Linux, Documentation/userspace-api/seccomp_filter.rst.
+"""
+
+import platform
+import re
+import struct
+import subprocess
+
+_ALLOWED = """
+    access arch_prctl brk clock_getres clock_gettime clock_nanosleep close dup dup2 dup3 execve exit
+    exit_group faccessat faccessat2 fcntl fstat fstatfs ftruncate futex getcwd getdents getdents64 getegid
+    geteuid getgid getpgid getpgrp getpid getppid getpriority getrandom getrlimit getrusage getsid gettid
+    gettimeofday getuid kill lseek lstat madvise membarrier mincore mmap mprotect mremap munmap nanosleep
+    newfstatat open openat pause personality pipe2 poll ppoll prctl pread64 prlimit64 process_vm_readv
+    pselect6 ptrace read readlink readlinkat readv rseq rt_sigaction rt_sigpending rt_sigprocmask
+    rt_sigreturn rt_sigsuspend rt_sigtimedwait sched_getaffinity sched_yield select set_robust_list
+    set_tid_address setrlimit sigaltstack stat statfs statx sysinfo tgkill time times tkill uname wait4
+    waitid write writev"""
+_ARCHITECTURES = {"x86_64": 0xC000003E, "aarch64": 0xC00000B7}  # AUDIT_ARCH_... of <linux/audit.h>
+_X32 = 0x40000000  # numbers from here on are another interface to the same calls
+_CLONE_VM = 0x100  # a thread, not a process
+_TCGETS = 0x5401  # is it a terminal?
+
+# Of <linux/bpf_common.h> and <linux/seccomp.h>.
+_LOAD, _EQUAL, _AT_LEAST, _ANY_BIT, _RETURN = 0x20, 0x15, 0x35, 0x45, 0x06
+_KILL, _ALLOW, _FAIL = 0x80000000, 0x7FFF0000, 0x00050000
+_NUMBER, _ARCHITECTURE, _ARGUMENTS = 0, 4, 16  # offsets in struct seccomp_data
+_EPERM, _ENOSYS = 1, 38
+
+
+def _instruction(code, value, if_true=0, if_false=0):
+    return struct.pack("=HBBI", code, if_true, if_false, value)
+
+
+def _numbers(compiler):
+    """Returns the system's numbers by name, as its headers have them."""
+    answer = subprocess.run([*compiler, "-E", "-dM", "-x", "c", "-"], input="#include <sys/syscall.h>\n",
+                            capture_output=True, text=True, check=False)
+    defined = dict(re.findall(r"^#define (__NR\w*) (\w+)$", answer.stdout, re.MULTILINE))
+    numbers = {}
+    for name, value in defined.items():
+        while value in defined:
+            value = defined[value]
+        if value.isdigit():
+            numbers[name.removeprefix("__NR_")] = int(value)
+    return numbers
+
+
+def _where(number, checks):
+    """Instructions that end with a verdict for this call, and are skipped for others."""
+    return _instruction(_EQUAL, number, 0, len(checks) // 8) + checks
+
+
+def program(compiler):
+    """Returns the filter's bytes, empty where the machine is none of those above."""
+    architecture, numbers = _ARCHITECTURES.get(platform.machine()), _numbers(compiler)
+    if not architecture or "read" not in numbers:
+        return b""
+    allow, fail = _instruction(_RETURN, _ALLOW), _instruction(_RETURN, _FAIL | _EPERM)
+    text = (_instruction(_LOAD, _ARCHITECTURE) + _instruction(_EQUAL, architecture, 1, 0)
+            + _instruction(_RETURN, _KILL) + _instruction(_LOAD, _NUMBER)
+            + _instruction(_AT_LEAST, _X32, 0, 1) + fail)
+    # The C library then takes clone, whose flags can be looked at.
+    text += _where(numbers["clone3"], _instruction(_RETURN, _FAIL | _ENOSYS)) if "clone3" in numbers else b""
+    text += _where(numbers["clone"], _instruction(_LOAD, _ARGUMENTS) + _instruction(_ANY_BIT, _CLONE_VM, 0, 1)
+                   + allow + fail)
+    text += _where(numbers["ioctl"], _instruction(_LOAD, _ARGUMENTS + 8) + _instruction(_EQUAL, _TCGETS, 0, 1)
+                   + allow + fail)
+    for name in _ALLOWED.split():
+        text += _where(numbers[name], allow) if name in numbers else b""
+    return text + fail
