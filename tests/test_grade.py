@@ -555,6 +555,15 @@ def the_editors_files_name_what_there_is(folder):
           "F5 in an editor finds the program and the script that its task builds", said)
     status, said = run(os.environ.get("MAKE", "make"), "-s", *tasks["check this unit"]["args"])
     check("bvh_median" in said and "points" in said, "so does the task that checks the open file", said)
+    # The pattern of VS Code's $gcc.
+    pattern = r"^(.*?):(\d+):(\d*):?\s+(?:fatal\s+)?(warning|error):\s+(.*)$"
+    with mock.patch.dict(os.environ, tasks["check this unit"]["options"]["env"]):
+        _, said = run(os.environ.get("MAKE", "make"), "-s", *tasks["check this unit"]["args"])
+    found = [match for line in said.splitlines() if (match := re.match(pattern, line))]
+    names = {test.name for test in read_points(FEATURE)}
+    check(not SOLVED or found and all(os.path.isfile(os.path.join(SOURCE, match[1]))
+                                      and match[5].partition(":")[0] in names for match in found),
+          "and lists each claim that fails as a problem, at its place", said)
 
 
 def what_held_is_watched(toolchain, folder):

@@ -152,6 +152,20 @@ def command_of(does, feature, impl=None):
     return f"make {does}-{feature.stem}" + ("" if own else f" IMPL={shlex.quote(impl)}")
 
 
+def problems(suites):
+    """Each claim that failed as a line that editors know from compilers, at its place in the suite or in the
+    unit: VS Code lists them."""
+    lines = []
+    for suite in suites:
+        for test in suite.tests if not suite.problem else []:
+            verdict = suite.verdicts[test.name]
+            place = re.match(r"(\S+):(\d+)", verdict.place)
+            if not verdict.passed and place:
+                reason = " ".join(printable(verdict.reason).split())
+                lines.append(f"{place[1]}:{place[2]}:1: error: {test.name}: {reason}\n")
+    return "".join(lines)
+
+
 def text(suites, impl, colours=False, brief=False):
     """In the format of `make check`: one line per suite, and the next step. What is brief fits on a
     small terminal."""
@@ -352,7 +366,9 @@ def check_place(path):
 def write(suites, format_name, impl, path=None, brief=False):
     """Writes the report in this format to a file, or to standard output."""
     if format_name == "text" and not path:
-        report = text(suites, impl, sys.stdout.isatty(), brief)
+        # An editor's task asks for lines that it can list.
+        listed = problems(suites) if os.environ.get("RAYKIT_PROBLEMS") else ""
+        report = listed + text(suites, impl, sys.stdout.isatty(), brief)
     else:
         report = FORMATS[format_name](suites, impl)
     if path:
