@@ -88,6 +88,13 @@ def a_verdict_fits_on_a_screen():
     told = results.text([Suite(FEATURE, kept, ["it_held"])], "mine")
     check(f"{100 - DEDUCTION} of 100 points" in told and f"costs {DEDUCTION}" in told,
           "no failure stands beside full points", told)
+    long = "what_held_with_the_starter_and_is_broken_now_by_a_name_as_long_as_this"
+    kept = [ScoredTest(long, 0, "#"), ScoredTest("it_counts", 50, "#", 1), ScoredTest("half", 30, "#", 2),
+            ScoredTest("other_half", 20, "#", 2)]
+    told = results.text([Suite(FEATURE, kept, [long, "half"])], "mine", brief=True).splitlines()
+    check(told[1].strip() == f"less {DEDUCTION} for {long}", "what costs points has a line of its own", told)
+    check(told[2].strip() == "steps  1 [######]  2 [###...]", "each step has a bar of its claims that hold",
+          told)
 
 
 def what_is_printed_is_shown():

@@ -36,12 +36,33 @@ def _details(verdict):
 
 def _counts(suite):
     passed = sum(suite.verdicts[test.name].passed for test in suite.tests)
+    return f"{passed} of {len(suite.tests)} claims, {suite.points()} of {suite.points_max()} points"
+
+
+def _lost(suite):
+    """Says which claims cost points."""
     scores = suite.scores()
     lost = [name for name, score in scores.items() if score < 0]
     more = ", ..." if len(lost) > 2 else ""
-    minus = f" (less {-sum(scores[name] for name in lost)} for {', '.join(lost[:2])}{more})"
-    return (f"{passed} of {len(suite.tests)} claims, {suite.points()} of {suite.points_max()} points"
-            f"{minus if lost else ''}")
+    return f"less {-sum(scores[name] for name in lost)} for {', '.join(lost[:2])}{more}" if lost else ""
+
+
+_BAR = 6  # characters for all claims of a step
+
+
+def _steps(suite):
+    """A bar for each step of the assignment: how many of its claims hold."""
+    steps = {}
+    for test in suite.claims():
+        if test.step:
+            steps.setdefault(test.step, []).append(suite.verdicts[test.name].passed)
+    if suite.problem or len(steps) < 2:
+        return []
+    bars = []
+    for step, held in sorted(steps.items()):
+        full = sum(held) * _BAR // len(held)
+        bars.append(f"{step} [{'#' * full}{'.' * (_BAR - full)}]")
+    return _wrapped("steps  " + "  ".join(bars), " " * 6)
 
 
 def name_of(impl):
@@ -177,6 +198,8 @@ def text(suites, impl, colours=False, brief=False):
         whose = f"  ({_whose(suite)})" if _whose(suite) else ""
         said = _text_of_prints(suite) if brief else []
         said.append(f"{word}{suite.feature.stem:<24}{_counts(suite)}{whose}")
+        said += _wrapped(_lost(suite), " " * 6) if _lost(suite) else []
+        said += _steps(suite) if brief and not suite.passed() else []
         said += [line for remark in suite.remarks for line in _wrapped(printable(remark), " " * 6)]
         said += _text_of_failures(suite, brief)
         warnings = printable(suite.warnings).split("\n") if suite.warnings else []
