@@ -539,6 +539,24 @@ def start_leads_through_the_course(pack):
     check(status != 0 and f"did you mean: {STEM}?" in said, "a slip in a name is understood", said)
 
 
+def the_album_grows(pack):
+    status, said = make(pack, "album", f"ASSIGNMENTS={STEM}")
+    page = os.path.join(pack, "impl", "out", "album", "index.html")
+    steps = len(read_looks(FEATURE))
+    check(status == 0 and f"album: {steps} pictures: file://" in said
+          and read(page).count('alt="yours"') == steps,
+          "the album has a picture of each step that has something to see", said)
+    status, said = make(pack, "album", f"ASSIGNMENTS={STEM}")
+    check(status == 0 and "step" not in said, "a picture whose unit has not changed is not drawn again", said)
+    unit = os.path.join(pack, "workbook", STEM + ".c")
+    solved = read(unit)
+    write(starter_of(FEATURE.reference), pack, "workbook", STEM + ".c")
+    status, said = make(pack, "album", f"ASSIGNMENTS={STEM}")
+    check(status == 0 and "album: 0 pictures" in said and "still the starter" in read(page),
+          "and says of a starter that it is one", said)
+    write(solved, pack, "workbook", STEM + ".c")
+
+
 def the_pack_is_solved(pack):
     shutil.copyfile(FEATURE.reference, os.path.join(pack, "workbook", STEM + ".c"))
     status, said = make(pack, f"check-{STEM}")
@@ -555,6 +573,7 @@ def the_pack_is_solved(pack):
         process.terminate()
         process.wait()
     check("100 of 100 points" in said, "watch shows the same", said)
+    the_album_grows(pack)
     status, said = make(pack, "report", f"ONLY={STEM}", "QUICK=1")
     page = os.path.join(pack, "reports", "out.some", "report.html")
     if Toolchain(".").source and shutil.which("pandoc"):
