@@ -372,7 +372,7 @@ async function loop_follows_the_steps(browser) {
     check(begun && !begun.passed, "the live loop begins with the first step that is broken", JSON.stringify(begun));
     fs.writeFileSync(unit, first);
     const passed = await told(url, (known) => known.step === 2 && known.drawn && !known.busy);
-    check(passed && passed.passed === "all claims up to step 1 hold, and its picture is the wanted one" && !passed.same,
+    check(passed && passed.passed === "all claims up to step 1 hold, and the picture of step 1 is the wanted one" && !passed.same,
       "once its claims hold, it turns to the next, and says that the picture before was right", JSON.stringify(passed));
     fs.writeFileSync(unit, solution.replace(/rk_sub\(b, a\), rk_sub\(c, a\)/, "rk_sub(c, a), rk_sub(b, a)"));
     const turned = await told(url, (known) => known.same && known.broken.length && !known.busy);

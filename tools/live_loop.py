@@ -138,8 +138,9 @@ class Loop:
         if self._is_step_chosen or look.step == self.known["step"]:
             return False
         before, is_right = self.known["step"], self.known["same"]
-        picture = ", and its picture is the wanted one" if is_right else ""
-        self._look_at(look, f"all claims up to step {before} hold{picture}" if look.step > before else "")
+        held = int(step) - 1 if step else looks[-1].step
+        picture = f", and the picture of step {before} is the wanted one" if is_right else ""
+        self._look_at(look, f"all claims up to step {held} hold{picture}" if look.step > before else "")
         return True
 
     def page_of_book(self, address):
