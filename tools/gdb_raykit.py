@@ -8,12 +8,28 @@ the frame of the unit that called it is selected.
                                  [0] from t 2.5: leaf, triangles 0 to 3, box ...
 """
 
+import struct
+
 import gdb
 import gdb.printing
 
 
+def _as_float(number):
+    try:
+        return struct.unpack("f", struct.pack("f", number))[0]
+    except OverflowError:  # rounded up from the largest one
+        return float("inf")
+
+
 def _number(value):
-    return f"{float(value):.6g}"
+    """The fewest digits that no other number of its type has: what differs looks different."""
+    number, is_float = float(value), value.type.strip_typedefs().sizeof == 4
+    for digits in range(1, 17):
+        text = f"{number:.{digits}g}"
+        read = float(text)
+        if number == (_as_float(read) if is_float else read):
+            return f"{read:.0f}" if 1 <= abs(read) < 1e9 and read == int(read) else text
+    return f"{number:.17g}"
 
 
 def _vector(value):
