@@ -427,6 +427,18 @@ def editors_find_headers(pack):
           "and has a task for each command of the loop", made)
 
 
+def a_folder_that_is_read_only_is_told(pack):
+    place = os.path.join(pack, "impl")
+    kept = place + "-kept"
+    os.rename(place, kept)
+    write("", place)  # a file: no folder can be made here, whoever asks
+    status, said = make(pack, f"check-{STEM}")
+    os.unlink(place)
+    os.rename(kept, place)
+    check(status != 0 and "cannot be written to" in said and "run ./bootstrap in the copy" in said,
+          "a pack that cannot be written to says what to do", said)
+
+
 def git_keeps_sources(pack):
     git = shutil.which("git")
     workbook = os.path.join(pack, "workbook")
@@ -614,7 +626,8 @@ def main():
             handout.make_handout(SOURCE, [STEM, OTHER], folder=pack, book=False)
         for part in (before_bootstrap, the_pack_builds, names_that_are_nearly_right,
                      warnings_tell_of_mistakes_alone, progress_tests_what_changed, drivers_are_built_alone,
-                     the_debugger_stops_where_arguments_are, editors_find_headers, git_keeps_sources,
+                     the_debugger_stops_where_arguments_are, editors_find_headers,
+                     a_folder_that_is_read_only_is_told, git_keeps_sources,
                      a_renamed_file_stops_the_check, start_leads_through_the_course,
                      the_pack_is_solved, kit_files_are_put_back):
             part(pack)
