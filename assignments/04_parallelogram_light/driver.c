@@ -137,6 +137,22 @@ static bool set_lights(rk_driver *driver, rk_error *error)
 /* --- Saving ---------------------------------------------------------------------------------- */
 
 /* Names the picture by every option of this driver that changes it. */
+/* Where the renderer needs no ray, the picture has none; this says why. */
+static void print_rays(const rk_driver *driver)
+{
+    const choices *c = driver->choices;
+    const rk_pixel pixel = driver->pixel;
+    if (driver->quiet || !rk_driver_debug(driver, "rays"))
+        return;
+    if (c->traced > 0)
+        printf("pixel %u,%u: %u shadow rays, %u unoccluded\n", pixel.x, pixel.y, c->traced,
+               c->unoccluded);
+    else
+        printf("pixel %u,%u: no shadow rays: it faces away from the light, or nothing is between "
+               "them; --light-visibility rays traces them there, too\n",
+               pixel.x, pixel.y);
+}
+
 static bool save(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
@@ -154,7 +170,10 @@ static bool save(rk_driver *driver, rk_error *error)
              light->falloff == RK_FALLOFF_PHYSICAL ? "_physical" : "", light->ratio ? "_ratio" : "",
              light->highlights == RK_HIGHLIGHT_LIGHT ? "_by-light" : "",
              light->visibility == RK_LIGHT_RAYS ? "_rays" : "", pixel);
-    return rk_driver_save(driver, label, error);
+    if (!rk_driver_save(driver, label, error))
+        return false;
+    print_rays(driver);
+    return true;
 }
 
 /* The render, with samples and shadow rays per pixel; under names of its own for each way to decide

@@ -12,6 +12,7 @@ typedef struct choices {
     float brightness;
     uint32_t most, reference; /* samples */
     uint32_t seeds;
+    uint32_t traced, unoccluded; /* the rays that --debug rays has drawn */
 } choices;
 
 /* Renders, and draws driver->debug over the picture: "rays" or "samples". */

@@ -5,7 +5,6 @@
 #include "render/ray_record.h"
 #include "render/stages/parallelogram_light_stage.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 typedef struct drawing {
@@ -102,31 +101,14 @@ static uint32_t draw_shadow_rays(drawing *d, uint32_t *unoccluded)
     return traced;
 }
 
-/* Where the renderer needs no ray, the picture has none; this says why. */
-static void print_rays(const rk_driver *driver, uint32_t traced, uint32_t unoccluded)
-{
-    const rk_pixel pixel = driver->pixel;
-    if (driver->quiet)
-        return;
-    if (traced > 0)
-        printf("pixel %u,%u: %u shadow rays, %u unoccluded\n", pixel.x, pixel.y, traced,
-               unoccluded);
-    else
-        printf("pixel %u,%u: no shadow rays: it faces away from the light, or nothing is between "
-               "them; --light-visibility rays traces them there, too\n",
-               pixel.x, pixel.y);
-}
-
 static void draw_all(drawing *d)
 {
     const rk_driver *driver = d->driver;
-    uint32_t unoccluded;
+    choices *c = driver->choices;
     for (size_t i = 0; i < driver->image.width * driver->image.height; i++)
         driver->image.pixels[i] = rk_scale(driver->image.pixels[i], 0.4f); /* to the background */
-    if (rk_driver_debug(driver, "rays")) {
-        const uint32_t traced = draw_shadow_rays(d, &unoccluded);
-        print_rays(driver, traced, unoccluded);
-    }
+    if (rk_driver_debug(driver, "rays"))
+        c->traced = draw_shadow_rays(d, &c->unoccluded);
     for (uint32_t i = 0; i < driver->scene.light_count; i++)
         draw_light(d, i);
 }

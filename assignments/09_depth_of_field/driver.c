@@ -27,6 +27,17 @@ static bool prepare(rk_driver *driver, rk_error *error)
     return true;
 }
 
+/* A pixel in focus has a ray through the middle of the lens alone. */
+static void print_rays(const rk_driver *driver)
+{
+    const choices *c = driver->choices;
+    if (driver->quiet || !rk_driver_debug(driver, "rays"))
+        return;
+    printf("pixel %u,%u: %u camera ray%s%s\n", driver->pixel.x, driver->pixel.y, c->rays,
+           c->rays == 1 ? "" : "s",
+           c->rays == driver->render.samples ? ": it is in focus, and takes no lens samples" : "");
+}
+
 static bool save(rk_driver *driver, rk_error *error)
 {
     const rk_render_options *o = &driver->render;
@@ -37,7 +48,10 @@ static bool save(rk_driver *driver, rk_error *error)
         snprintf(label, sizeof label, "%s%s%s_%g_%g_%u%s", driver->debug ? driver->debug : "",
                  driver->debug ? "_" : "", rk_focal_surface_names.items[o->lens.focal],
                  (double)o->lens.focal_distance, (double)o->lens.aperture, o->lens_samples, pixel);
-    return rk_driver_save(driver, label, error);
+    if (!rk_driver_save(driver, label, error))
+        return false;
+    print_rays(driver);
+    return true;
 }
 
 static bool put_rows(rk_driver *driver, rk_error *error)

@@ -5,7 +5,6 @@
 #include "render/blurred_pixels.h"
 #include "render/ray_record.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 static const rk_vec3 white = {1, 1, 1}, orange = {1, 0.35f, 0}, blue = {0.1f, 0.4f, 1};
@@ -119,21 +118,11 @@ static void dim(const rk_driver *driver, rk_overlay *overlay)
     }
 }
 
-/* A pixel in focus has a ray through the middle of the lens alone. */
-static void print_rays(const rk_driver *driver, const rk_ray_record *record)
-{
-    const size_t count = rk_ray_record_count(record, RK_RAY_CAMERA, 0);
-    if (!driver->quiet)
-        printf("pixel %u,%u: %zu camera ray%s%s\n", driver->pixel.x, driver->pixel.y, count,
-               count == 1 ? "" : "s",
-               count == driver->render.samples ? ": it is in focus, and takes no lens samples"
-                                               : "");
-}
-
 /* From the side of the lens, which is where the camera was. */
 bool draw_from_the_side(rk_driver *driver, rk_error *error)
 {
     const bool rays = rk_driver_debug(driver, "rays");
+    choices *c = driver->choices;
     const rk_view view = view_of(driver);
     rk_overlay overlay;
     rk_driver_draw_pixel(driver);
@@ -149,7 +138,7 @@ bool draw_from_the_side(rk_driver *driver, rk_error *error)
     }
     if (ok && rays) {
         draw_rays(driver, &overlay, &view, &record);
-        print_rays(driver, &record);
+        c->rays = (uint32_t)rk_ray_record_count(&record, RK_RAY_CAMERA, 0);
     }
     if (ok)
         rk_overlay_free(&overlay);

@@ -25,6 +25,7 @@ static bool prepare(rk_driver *driver, rk_error *error)
 
 static bool save(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     const rk_ambient_occlusion_options *ambient = &driver->render.ambient_occlusion;
     char label[160], distance[32] = "", pixel[32] = "";
     if (rk_driver_debug(driver, "rays"))
@@ -35,7 +36,12 @@ static bool save(rk_driver *driver, rk_error *error)
              driver->debug ? "_" : "", (double)ambient->intensity, ambient->samples,
              rk_ambient_map_names.items[ambient->map], rk_sampler_name(ambient->sampling), distance,
              pixel);
-    return rk_driver_save(driver, label, error);
+    if (!rk_driver_save(driver, label, error))
+        return false;
+    if (rk_driver_debug(driver, "rays") && !driver->quiet)
+        printf("pixel %u,%u: %u ambient rays, %u unoccluded\n", driver->pixel.x, driver->pixel.y,
+               c->traced, c->unoccluded);
+    return true;
 }
 
 /* The number of samples is part of the metrics' names. */

@@ -12,6 +12,7 @@ typedef struct choices {
     bool convergence, closed_forms;
     uint32_t most, reference; /* samples */
     uint32_t seeds;
+    uint32_t traced, unoccluded; /* the rays that --debug rays has drawn */
 } choices;
 
 /* Ambient light alone, on white surfaces: a pixel's colour is A. */

@@ -4,7 +4,6 @@
 #include "accel/trace_one.h"
 #include "render/ray_record.h"
 
-#include <stdio.h>
 #include <stdlib.h>
 
 static const rk_vec3 white = {1, 1, 1}, purple = {0.5f, 0.05f, 0.6f};
@@ -69,23 +68,21 @@ static void draw_ray(const rk_driver *driver, rk_overlay *overlay, const rk_ray_
 static void draw_all(const rk_driver *driver, rk_overlay *overlay, const rk_ray_record *record)
 {
     const rk_ray_record_entry *first = &record->rays[0];
-    uint32_t traced = 0, unoccluded = 0;
+    choices *c = driver->choices;
     rk_surface surface;
+    c->traced = c->unoccluded = 0;
     rk_scene_surface(&surface, &driver->scene, &first->ray, &first->hit);
     for (size_t i = 0; i < record->count; i++) {
         const rk_ray_record_entry *it = &record->rays[i];
         if (it->kind != RK_RAY_SHADOW || it->bounce > 0 || it->sample > 0)
             continue;
         draw_ray(driver, overlay, it);
-        traced++;
-        unoccluded += !it->occluded;
+        c->traced++;
+        c->unoccluded += !it->occluded;
     }
     rk_vec3 tip = rk_madd(surface.point, surface.normal, 0.3f);
     rk_overlay_line(overlay, first->ray.origin, surface.point, white, 1.5f);
     rk_overlay_line(overlay, surface.point, tip, purple, 3);
-    if (!driver->quiet)
-        printf("pixel %u,%u: %u ambient rays, %u unoccluded\n", driver->pixel.x, driver->pixel.y,
-               traced, unoccluded);
 }
 
 bool draw_rays(rk_driver *driver, rk_error *error)

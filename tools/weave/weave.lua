@@ -126,7 +126,7 @@ local weave = {}
 
 -- "out/figures/x.png: its contents" -> "figures/x.png", "its contents"
 local function split_line(div, line)
-  local path, parameters = line:match("^(.-%.png): ([^\n]*)")
+  local path, parameters = line:match("^([^\n]-%.png): ([^\n]*)")
   if not path then
     drive.fail_by_driver(div, "the driver printed no line with its picture's path: %s", line)
   end
