@@ -191,9 +191,9 @@ static void the_polar_map_takes_a_root_and_an_angle(void **state)
             xi.x = ldexpf(1, -(int)(i % 100));
         if (i % 4 == 3) /* near the rim */
             xi.x = 1 - ldexpf(1, -(int)(i % 24) - 1);
-        double r = sqrt((double)xi.x), theta = 2 * pi * (double)xi.y;
-        check_point(RK_DISK_POLAR, xi, r * cos(theta), r * sin(theta),
-                    "r = sqrt(xi.x), theta = 2 pi xi.y");
+        double r = sqrt((double)xi.x), phi = 2 * pi * (double)xi.y;
+        check_point(RK_DISK_POLAR, xi, r * cos(phi), r * sin(phi),
+                    "r = sqrt(xi.x), phi = 2 pi xi.y");
     }
 }
 

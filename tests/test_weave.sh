@@ -436,8 +436,8 @@ END
     printf '# Start {.unnumbered #start}\n\n[One](#one)\n' >"$docs/book.md"
     printf '# Pixel {.unnumbered #pixel}\n\nOne.\n' >"$docs/one_pixel.md"
     printf '# One {#one}\n\n``` {.code file=src/x.c name=half}\n```\n\n[code](file:src/x.c)\n' >"$docs/01_one.md"
-    printf '# Two {#two}\n\n## Disks {#disks}\n\nAll *unit disks*. One unit disk.\n\n``` {.code file=src/x.c name=rk_quarter}\n```\n' >"$docs/02_two.md"
-    printf '# Glossary {.unnumbered #glossary}\n\n| term | means |\n|---|---|\n| unit disk | a disk |\n' >"$docs/glossary.md"
+    printf '# Two {#two}\n\n## Disks {#disks}\n\nAll *unit disks*. One unit disk.\n\nNo symbol.\n\n``` {.code file=src/x.c name=rk_quarter}\n```\n' >"$docs/02_two.md"
+    printf '# Glossary {.unnumbered #glossary}\n\n| symbol | means |\n|---|---|\n| $x$ | a number |\n\n| term | means |\n|---|---|\n| unit disk | a disk |\n' >"$docs/glossary.md"
     printf '# Index {.unnumbered #book-index}\n\n::: {.index of=terms}\n:::\n\n::: {.index of=functions}\n:::\n' >"$docs/index_page.md"
     printf '# House {.unnumbered #house}\n\n[terms](glossary.md#glossary), [one](01_one.md)\n\n![Its rooms](sketches/house.svg)\n' \
         >"$docs/architecture.md"

@@ -55,7 +55,7 @@ static rk_vec2 concentric(float x, float y)
     /* solution */
     if (fabsf(x) > fabsf(y))
         return polar(x, RK_PI / 4 * (y / x));
-    /* Above and below with both axes swapped, because pi / 2 - theta would be rounded. */
+    /* Above and below with both axes swapped, because pi / 2 - phi would be rounded. */
     rk_vec2 swapped = y == 0 ? (rk_vec2){0, 0} : polar(y, RK_PI / 4 * (x / y));
     return (rk_vec2){swapped.y, swapped.x};
     /* starter

@@ -15,7 +15,7 @@ void rk_basis_of(rk_vec3 w, rk_vec3 *u, rk_vec3 *v);
 /* How xi becomes a point of the unit disk. Both are uniform over its area; the concentric map keeps
  * neighbours together, so that well-spread xi stay well spread. */
 typedef enum rk_disk_map {
-    RK_DISK_POLAR,      /* r = sqrt(xi.x), theta = 2 pi xi.y */
+    RK_DISK_POLAR,      /* r = sqrt(xi.x), phi = 2 pi xi.y */
     RK_DISK_CONCENTRIC, /* squares around the middle of the unit square become circles */
 } rk_disk_map;
 

@@ -20,8 +20,8 @@ end
 local function read_terms()
   local terms = {}
   for line in io.lines(drive.source .. "/docs/glossary.md") do
-    local cell = line:match("^| ([^|`(]-) |") -- names of functions are linked to their listings
-    for term in (cell ~= "term" and cell or ""):gmatch("[^,]+") do
+    local cell = line:match("^| ([^|`($]-) |") -- no symbol; names of functions are linked to their listings
+    for term in (cell ~= "term" and cell ~= "symbol" and cell or ""):gmatch("[^,]+") do
       local words = {}
       for word in term:gmatch("%S+") do words[#words + 1] = (word:lower():gsub("'", "’")) end
       if not everyday[table.concat(words, " ")] then

@@ -13,7 +13,8 @@ local symbols = {cdot = "·", times = "×", le = "≤", leq = "≤", ge = "≥",
   infty = "∞", sum = "sum of", int = "integral of", prod = "product of", sqrt = "√", pm = "±", to = "→",
   ldots = "…", dots = "…", alpha = "α", beta = "β", gamma = "γ", delta = "δ", epsilon = "ε",
   varepsilon = "ε", eta = "η", theta = "θ", lambda = "λ", mu = "μ", pi = "π", rho = "ρ", sigma = "σ",
-  tau = "τ", phi = "φ", omega = "ω", Omega = "Ω", Delta = "Δ"}
+  tau = "τ", phi = "φ", varphi = "φ", psi = "ψ", xi = "ξ", ell = "ℓ", oplus = "⊕",
+  omega = "ω", Omega = "Ω", Delta = "Δ"}
 
 -- A formula as it could be read aloud, not set.
 local function text_of_formula(tex)
