@@ -313,7 +313,9 @@ def progress_tests_what_changed(pack):
     check(status == 0 and TESTS[0].name in said and list(before) == sorted([STEM + ".json", OTHER + ".json"]),
           "progress shows points, and keeps verdicts", said)
     status, again, after = told()
-    check(again == said and after == before, "what has not changed is not tested again", again)
+    # What the first run compiled is of no interest.
+    table = [line for line in said.splitlines() if not line.startswith("  ")]
+    check(again.splitlines() == table and after == before, "what has not changed is not tested again", again)
     unit = read(pack, "workbook", OTHER + ".c")
     write(unit + "\nint broken = ;\n", pack, "workbook", OTHER + ".c")
     status, said, _ = told()

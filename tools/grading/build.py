@@ -110,7 +110,9 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
         _check_no_header_hides(toolchain, unit)
         # What is checked is what is compiled: a second look at the source could see another text.
         listing, source = base + ".included", base + ".i"
-        _compile(toolchain, unit, folder, [*flags, "-E", "-MD", "-MF", listing, unit.path, "-o", source])
+        # -g0: with -g3, macros would be defined again in the text, for the debugger.
+        _compile(toolchain, unit, folder,
+                 [*flags, "-g0", "-E", "-MD", "-MF", listing, unit.path, "-o", source])
         _check_included(toolchain, unit, listing)
         _refuse(unit, unit_rules.fault_in_source(_read(source), lambda name: _with_line(unit, name)))
     warnings = _compile(toolchain, unit, folder, [*flags, "-S", source, "-o", base + ".s"])
