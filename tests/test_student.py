@@ -377,9 +377,9 @@ def the_debugger_stops_where_arguments_are(pack):
                             check=False,
                             env={name: value for name, value in os.environ.items()
                                  if name not in ("MAKEFLAGS", "MAKELEVEL")})
-    check("rk_bloom_luminance (colour=(1, 0, 0))" in answer.stdout, "the first stop shows true arguments",
+    check("rk_bloom_luminance (colour=(3, 2, 1))" in answer.stdout, "the first stop shows true arguments",
           answer.stdout)
-    check("$1 = (1, 0, 0)" in answer.stdout, "values are printed as vectors", answer.stdout)
+    check("$1 = (3, 2, 1)" in answer.stdout, "values are printed as vectors", answer.stdout)
     check("No breakpoints" in answer.stdout and "y or n" not in answer.stdout,
           "gdb does not ask before it deletes or quits", answer.stdout)
 
