@@ -87,6 +87,22 @@ local function arranged(tabular)
   return first == "term" and name_terms(simple) or tabular
 end
 
+-- A column that is called by a formula alone: its name is said in words, as not all readers of screens take a
+-- formula for text.
+local function say_formula(cell)
+  local function said(formula)
+    local tex = formula.t == "Math" and formula.text or
+      formula.text:match('class="katex".-application/x%-tex">(.-)</annotation>')
+    if not tex then return nil end
+    tex = tex:gsub("&lt;", "<"):gsub("&gt;", ">"):gsub("&amp;", "&")
+    return {pandoc.Span(text_of_formula(tex), {class = "said"}),
+      pandoc.Span({formula}, {["aria-hidden"] = "true"})}
+  end
+  if text_of(pandoc.utils.blocks_to_inlines(cell.contents)) == "" then
+    cell.contents = cell.contents:walk({Math = said, RawInline = said})
+  end
+end
+
 -- A group, because regions are landmarks, and a page has too many tables for that.
 local function scrollable(label)
   return {class = "wide", tabindex = "0", role = "group", ["aria-label"] = label}
@@ -97,6 +113,9 @@ function present.table(tabular)
   for _, cell in ipairs(pandoc.utils.to_simple_table(tabular).headers) do
     local title = text_of(pandoc.utils.blocks_to_inlines(cell))
     if title ~= "" then columns:insert(title) end
+  end
+  for _, row in ipairs(tabular.head.rows) do
+    for _, cell in ipairs(row.cells) do say_formula(cell) end
   end
   local label = "Table" .. (#columns > 0 and " of " .. table.concat(columns, ", ") or "")
   return pandoc.Div({arranged(tabular)}, scrollable(label))
