@@ -129,10 +129,6 @@ static void the_mean_is_that_of_all_samples(void **state)
 static void differences_are_those_of_means(void **state)
 {
     (void)state;
-    const rk_pixel_samples pixel_by_hand = {{grey(4), grey(12), grey(8), grey(16)}, 0, 8};
-    const rk_adaptive_differences of_it = rk_adaptive_differences_of(&pixel_by_hand);
-    rk_check_close(of_it.quarters, 4, 1e-12, "sums of two samples: 4, 12, 8, 16; means 2, 6, 4, 8");
-    rk_check_close(of_it.halves, 1, 1e-12, "sums of two samples: 4, 12, 8, 16; halves 4 and 6");
     /* Quarters have the means 1, 2, 4, 8, so halves 1.5 and 6. */
     for (uint32_t count = 4; count <= 1u << 24; count *= 2) {
         const float n = (float)(count / 4);
@@ -153,6 +149,10 @@ static void differences_are_those_of_means(void **state)
                         {halves / 4, "a half has two quarters, so its mean is half their sum"}),
             "%u samples, halves 1.5 and 6", count);
     }
+    const rk_pixel_samples pixel_by_hand = {{grey(4), grey(12), grey(8), grey(16)}, 0, 8};
+    const rk_adaptive_differences of_it = rk_adaptive_differences_of(&pixel_by_hand);
+    rk_check_close(of_it.quarters, 4, 1e-12, "sums of two samples: 4, 12, 8, 16; means 2, 6, 4, 8");
+    rk_check_close(of_it.halves, 1, 1e-12, "sums of two samples: 4, 12, 8, 16; halves 4 and 6");
 }
 
 static void differences_are_means_over_the_channels(void **state)
