@@ -18,6 +18,7 @@ from grading.assignments import (Parser, ToolError, check_impl, choose, find_uni
 from grading.processor_time import limited
 from grading.results import command_of, write_whole
 from grading.starters import unsolved_steps
+from handout_text import handout_of
 
 _SIDE = 256  # of a picture
 
@@ -32,11 +33,6 @@ figure { margin: 0; width: 16rem; }
 .none { display: grid; place-items: center; box-sizing: border-box; width: 100%; }
 figcaption { font-size: .85rem; }
 """
-
-
-def _title(source, feature):
-    with open(os.path.join(source, "assignments", feature.folder, "handout.md"), encoding="utf-8") as file:
-        return file.readline().lstrip("# ").partition(" {")[0].strip()
 
 
 def _key(unit, look):
@@ -100,7 +96,7 @@ class Album:
 
     def row(self, feature, unit):
         """Returns the assignment's part of the page, and how many pictures are in it."""
-        title = html.escape(_title(self._toolchain.source, feature))
+        title = html.escape(handout_of(self._toolchain.source, feature).splitlines()[0].lstrip("# "))
         found = list(self.pictures(feature, unit)) if unit.path else []
         figures = "".join(self._figure(feature, *one) for one in found) or (
             f"<p>Not begun: <code>{html.escape(command_of('start', feature, self._impl))}</code></p>")
