@@ -24,12 +24,7 @@ static bool is_left(void)
     return false;
 }
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define RK_MALLOC_HAS_HOOK
-#endif
-#endif
-#if defined(RK_MALLOC_HAS_HOOK) || defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
+#ifdef RK_SANITIZED
 void __sanitizer_malloc_hook(const volatile void *memory, size_t size);
 void __sanitizer_malloc_hook(const volatile void *memory, size_t size)
 {

@@ -18,14 +18,7 @@
 
 #include <cmocka.h>
 
-/* By sanitizers, with which memory takes long. */
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define BUILT_WITH_SHADOW_MEMORY 1
-#endif
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define BUILT_WITH_SHADOW_MEMORY 1
-#endif
+#include "base/sanitized.h"
 
 /* Fails the test with the hint (a printf format and its arguments) unless true. */
 #define rk_check(condition, ...)                                                                   \

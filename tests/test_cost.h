@@ -56,7 +56,7 @@ static inline test_cost test_cost_of(bool (*read_file)(const char *path, rk_erro
 static inline void test_check_cost(const char *path, const test_cost *cost, double megabytes,
                                    double seconds)
 {
-#ifndef BUILT_WITH_SHADOW_MEMORY
+#ifndef RK_SANITIZED
     rk_check(cost->megabytes <= megabytes, "%s: took %.0f MB, at most %.0f are allowed", path,
              cost->megabytes, megabytes);
 #else

@@ -974,7 +974,7 @@ static void starting_up_takes_milliseconds(void **state)
         best = fmin(best, children_seconds() - middle);
         run_free(&r);
     }
-#if defined(BUILT_WITH_SHADOW_MEMORY)
+#if defined(RK_SANITIZED)
     const double allowed = 1; /* setting up the shadow alone takes many milliseconds */
 #else
     const double allowed = fmax(0.010, 10 * shell);

@@ -670,7 +670,7 @@ static void a_helper_that_has_died_is_started_again(void **state)
     rk_image_free(&image);
 }
 
-#if defined(__linux__) && !defined(BUILT_WITH_SHADOW_MEMORY)
+#if defined(__linux__) && !defined(RK_SANITIZED)
 /* The number after this name in /proc/PID/limits; 0 if unlimited. */
 static double limit_of(long process, const char *name)
 {
@@ -748,7 +748,7 @@ static const struct CMUnitTest tests[] = {
     test_with_false_helper(a_helper_that_dies_is_an_error_with_the_files_name),
     test_with_false_helper(a_reader_starts_the_helper_once_whatever_the_files_are),
     test_with_false_helper(a_helper_that_has_died_is_started_again),
-#if defined(__linux__) && !defined(BUILT_WITH_SHADOW_MEMORY)
+#if defined(__linux__) && !defined(RK_SANITIZED)
     test_in_folder(a_small_picture_may_cost_little),
 #endif
 };

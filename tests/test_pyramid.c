@@ -112,7 +112,7 @@ static const place places[] = {{"cornell-light", {0, 0, 0}, 1},
                                {"moving", {0, 0, 0}, 1}};
 enum { PLACES = sizeof places / sizeof *places, TRIED = 6000 };
 /* Each has a tree of its own, for whose memory sanitizers take several hundred times as long. */
-#ifdef BUILT_WITH_SHADOW_MEMORY
+#ifdef RK_SANITIZED
 enum { GRAZED = 2000 };
 #else
 enum { GRAZED = 60000 };

@@ -5,6 +5,7 @@
 #ifndef RK_BASE_SIMD_H
 #define RK_BASE_SIMD_H
 
+#include "base/sanitized.h"
 #include "base/simd4.h"
 
 #include <math.h>
@@ -14,14 +15,7 @@
 /* Inlined even into large functions: a call would spill the registers. Plain numbers have none to
  * spill, and there are sixteen times as many of them to compile. With sanitizers compilers would
  * take minutes: there each function stays by itself. */
-#if defined __SANITIZE_ADDRESS__
-#define RK_SIMD_CALLS
-#elif defined __has_feature
-#if __has_feature(address_sanitizer)
-#define RK_SIMD_CALLS
-#endif
-#endif
-#ifdef RK_SIMD_CALLS
+#ifdef RK_SANITIZED
 #define RK_INLINE __attribute__((noinline, unused)) static
 #elif defined RK_SIMD_SCALAR || !defined __SSE2__
 #define RK_INLINE static inline
@@ -29,7 +23,7 @@
 #define RK_INLINE __attribute__((always_inline)) static inline
 #endif
 
-#ifdef RK_SIMD_CALLS
+#ifdef RK_SANITIZED
 #define RK_SIMD_UNROLL
 #else
 #define RK_SIMD_UNROLL _Pragma("GCC unroll 16")

@@ -7,6 +7,7 @@
  * we wait for it. Calls and their guarantees: POSIX.1-2017. */
 #include "io/helper.h"
 
+#include "base/sanitized.h"
 #include "io/helper_answer.h"
 
 #include <errno.h>
@@ -27,14 +28,6 @@
 #include <sys/wait.h>
 #include <time.h>
 #include <unistd.h>
-
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define BUILT_WITH_SHADOW_MEMORY 1
-#endif
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define BUILT_WITH_SHADOW_MEMORY 1
-#endif
 
 enum { INPUT, OUTPUT, REASON, streams }; /* the helper's standard input, output and error */
 enum { first_block = 1 << 16 };          /* of output: a small mesh fits */
@@ -130,7 +123,7 @@ static bool make_stream(int ends[2])
  * builds with them have no limit. */
 static rlim_t memory_limit(void)
 {
-#ifndef BUILT_WITH_SHADOW_MEMORY
+#ifndef RK_SANITIZED
     long pages = sysconf(_SC_PHYS_PAGES), page_size = sysconf(_SC_PAGESIZE);
     if (pages > 0 && page_size > 0)
         return (rlim_t)pages / 4 * 3 * (rlim_t)page_size;

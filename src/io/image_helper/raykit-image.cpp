@@ -9,6 +9,7 @@
 // Pictures in streams have the format of image_stream.h.
 // Errors of `write`, and those that end `read`, are one line on standard error that begins with the
 // file's name, and exit status 1.
+#include "base/sanitized.h"
 #include "io/helper_answer.h"
 #include "io/image_shape.h"
 #include "io/image_stream.h"
@@ -92,16 +93,8 @@ std::string size_text(const Picture &picture)
 
 // --- limits -------------------------------------------------------------------------------------
 
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define BUILT_WITH_SHADOW_MEMORY 1
-#endif
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define BUILT_WITH_SHADOW_MEMORY 1
-#endif
-
 // Sanitizers reserve terabytes, and are several times slower.
-#ifdef BUILT_WITH_SHADOW_MEMORY
+#ifdef RK_SANITIZED
 const bool sanitized = true;
 #else
 const bool sanitized = false;

@@ -3,6 +3,8 @@
  * written beforehand. Source: POSIX.1-2017, setrlimit, sigaltstack. */
 #include "io/mesh_helper/mesh_guard.h"
 
+#include "base/sanitized.h"
+
 #include <signal.h>
 #include <stdint.h>
 #include <stdio.h>
@@ -10,14 +12,6 @@
 #include <string.h>
 #include <sys/resource.h>
 #include <unistd.h>
-
-#if defined(__has_feature)
-#if __has_feature(address_sanitizer) || __has_feature(thread_sanitizer)
-#define BUILT_WITH_SHADOW_MEMORY 1
-#endif
-#elif defined(__SANITIZE_ADDRESS__) || defined(__SANITIZE_THREAD__)
-#define BUILT_WITH_SHADOW_MEMORY 1
-#endif
 
 /* Assimp takes 10 to 20 bytes for each of a text, 40 for one of compressed triangles, and 200 in
  * files of thousands of parts; it reads 5 MB a second or more. */
@@ -85,7 +79,7 @@ static void limit(int resource, uint64_t value)
 }
 
 /* Sanitizers reserve terabytes, and are several times slower. */
-#ifdef BUILT_WITH_SHADOW_MEMORY
+#ifdef RK_SANITIZED
 enum { sanitized = 1 };
 #else
 enum { sanitized = 0 };
