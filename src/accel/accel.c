@@ -111,7 +111,10 @@ rk_accel_options rk_accel_options_default(void)
 bool rk_accel_build_with(rk_accel *accel, const rk_accel_options *options, const rk_scene *scene,
                          rk_error *error)
 {
-    *accel = (rk_accel){.kind = options->kind, .bins = options->bins, .scene = scene};
+    *accel = (rk_accel){.kind = options->kind,
+                        .bins = options->bins,
+                        .scene = scene,
+                        .has_cutouts = rk_mesh_has_cutouts(&scene->mesh)};
     uint32_t still = 0;
     bool ok = check_method(accel, error) && check_moving(scene, &still, error);
     if (options->kind == RK_ACCEL_COLLAPSED)

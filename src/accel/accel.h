@@ -25,6 +25,7 @@ typedef struct rk_accel {
     rk_bvh bvh;    /* over static triangles; empty from RK_ACCEL_MORTON on */
     rk_bvh moving[RK_MOVING_MAX]; /* over each moving object at rest */
     const rk_scene *scene;        /* for its spheres, which are in no tree */
+    bool has_cutouts;             /* rk_mesh_has_cutouts */
     /* From RK_ACCEL_COLLAPSED on, over the same triangles; else empty, and the kernel NULL. */
     rk_wide_bvh wide;
     rk_wide_bvh wide_moving[RK_MOVING_MAX];

@@ -4,14 +4,6 @@
 #include "accel/crossings.h"
 #include "accel/trace.h"
 
-static bool has_cutouts(const rk_mesh *mesh)
-{
-    for (uint32_t i = 0; i < mesh->material_count; i++)
-        if (mesh->materials[i].alpha_texture)
-            return true;
-    return false;
-}
-
 /* Past what a picture cuts out, as the renderer goes. */
 static rk_hit first_crossing(const rk_accel *accel, const rk_ray *ray)
 {
@@ -26,7 +18,7 @@ static rk_hit first_crossing(const rk_accel *accel, const rk_ray *ray)
 
 rk_hit rk_trace_one(const rk_accel *accel, const rk_ray *ray)
 {
-    if (has_cutouts(&accel->scene->mesh))
+    if (accel->has_cutouts)
         return first_crossing(accel, ray);
     rk_ray_batch rays = {.count = 0};
     rk_hit_batch hits;

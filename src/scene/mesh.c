@@ -134,6 +134,14 @@ bool rk_mesh_validate(const rk_mesh *mesh, const char *name, rk_error *error)
            validate_materials(mesh, name, error);
 }
 
+bool rk_mesh_has_cutouts(const rk_mesh *mesh)
+{
+    for (uint32_t i = 0; i < mesh->material_count; i++)
+        if (mesh->materials[i].alpha_texture)
+            return true;
+    return false;
+}
+
 rk_box rk_mesh_bounds(const rk_mesh *mesh)
 {
     rk_box box = rk_box_empty();

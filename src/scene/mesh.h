@@ -50,6 +50,9 @@ void rk_mesh_free(rk_mesh *mesh);
  * texture that is not the mesh's. The error begins with `name`, followed by the place. */
 bool rk_mesh_validate(const rk_mesh *mesh, const char *name, rk_error *error);
 
+/* Is there a material with an alpha_texture? Rays go on through what it cuts out. */
+bool rk_mesh_has_cutouts(const rk_mesh *mesh);
+
 /* Appends a part that has normals and nothing else that is optional, scaled by `scale` and moved by
  * `shift`; its materials take the numbers from `material` on. The mesh has normals and enough
  * memory: its counts say how far the arrays are filled. */

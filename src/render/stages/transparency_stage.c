@@ -39,16 +39,11 @@ static bool is_transparent(const rk_material *material)
     return material->alpha < 1;
 }
 
-static bool is_cut_out(const rk_material *material)
-{
-    return material->alpha_texture != NULL;
-}
-
 /* Rays go on through what is cut out, also where all else is opaque. */
 static bool wanted(const rk_scene *scene, const rk_render_options *options)
 {
     return (options->transparency && rk_plan_any_material(scene, is_transparent)) ||
-           rk_plan_any_material(scene, is_cut_out);
+           rk_mesh_has_cutouts(&scene->mesh);
 }
 
 const rk_feature rk_transparency_feature = {
