@@ -2,38 +2,28 @@
  * what the pixel's first ray hits. */
 #include "driver.h"
 
-#include "render/ray_record.h"
 #include "render/stages/parallelogram_light_stage.h"
-
-#include <stdlib.h>
 
 typedef struct drawing {
     rk_overlay overlay;
-    const rk_driver *driver;
-    rk_ray_record record;
+    rk_driver *driver;
     rk_shading_point point; /* what the pixel's first ray hits */
 } drawing;
 
-static uint32_t pixel_of(const rk_driver *driver)
-{
-    return driver->pixel.y * driver->render.width + driver->pixel.x;
-}
-
 /* Ambient light has shadow rays, too, which are not drawn. */
-static bool record(drawing *d, rk_error *error)
+static bool record(rk_driver *driver, rk_error *error)
 {
-    rk_render_options options = d->driver->render;
+    rk_render_options options = driver->render;
     options.ambient_occlusion.intensity = 0;
-    d->record.pixel = pixel_of(d->driver);
-    return rk_ray_record_pixel(&d->record, &d->driver->scene, &d->driver->accel, &options,
-                               d->driver->pool, error);
+    return rk_driver_record_pixel(driver, &driver->scene, &options, error);
 }
 
 static bool find_point(drawing *d, rk_error *error)
 {
-    const rk_ray_record_entry *first = d->record.rays;
+    const rk_ray_record *record = &d->driver->record;
+    const rk_ray_record_entry *first = record->rays;
     d->point = (rk_shading_point){.path = rk_path_start(0, d->driver->render.max_depth)};
-    if (d->record.count == 0 || first->hit.triangle == RK_MISS)
+    if (record->count == 0 || first->hit.triangle == RK_MISS)
         return rk_fail(error,
                        "--debug %s: the pixel %u,%u sees no surface; choose one that does by "
                        "--pixel X,Y",
@@ -87,10 +77,11 @@ static void draw_light(drawing *d, uint32_t index)
 /* Those of the pixel's first sample, before any reflection. Returns how many were traced. */
 static uint32_t draw_shadow_rays(drawing *d, uint32_t *unoccluded)
 {
+    const rk_ray_record *record = &d->driver->record;
     uint32_t traced = 0;
     *unoccluded = 0;
-    for (size_t i = 0; i < d->record.count; i++) {
-        const rk_ray_record_entry *it = &d->record.rays[i];
+    for (size_t i = 0; i < record->count; i++) {
+        const rk_ray_record_entry *it = &record->rays[i];
         if (it->kind != RK_RAY_SHADOW || it->bounce > 0 || it->sample > 0)
             continue;
         rk_overlay_shadow_ray(&d->overlay, it->ray.origin,
@@ -117,13 +108,13 @@ bool draw_view(rk_driver *driver, rk_error *error)
 {
     drawing d = {.driver = driver};
     rk_driver_draw_pixel(driver);
-    const bool ok = record(&d, error) && find_point(&d, error) && rk_driver_render(driver, error) &&
+    const bool ok = record(driver, error) && find_point(&d, error) &&
+                    rk_driver_render(driver, error) &&
                     rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel,
                                     driver->pool, error);
     if (ok) {
         draw_all(&d);
         rk_overlay_free(&d.overlay);
     }
-    free(d.record.rays);
     return ok;
 }

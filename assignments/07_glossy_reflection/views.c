@@ -3,11 +3,8 @@
 #include "driver.h"
 
 #include "accel/trace_one.h"
-#include "render/ray_record.h"
 #include "render/stages/glossy_reflection_stage.h"
 #include "render/stages/reflection_stage.h"
-
-#include <stdlib.h>
 
 static const rk_vec3 red = {1, 0.1f, 0.05f}, blue = {0.1f, 0.4f, 1}, yellow = {1, 0.85f, 0.1f},
                      grey = {0.35f, 0.35f, 0.35f};
@@ -15,16 +12,13 @@ static const rk_vec3 red = {1, 0.1f, 0.05f}, blue = {0.1f, 0.4f, 1}, yellow = {1
 /* --- The samples of a pixel ------------------------------------------------------------------- */
 
 /* The pixel's rays, and the mirror that the first one hits. */
-static bool record_rays(rk_driver *driver, rk_ray_record *record, rk_shading_point *point,
-                        rk_error *error)
+static bool record_rays(rk_driver *driver, rk_shading_point *point, rk_error *error)
 {
     rk_driver_draw_pixel(driver);
-    record->pixel = driver->pixel.y * driver->render.width + driver->pixel.x;
-    if (!rk_ray_record_pixel(record, &driver->scene, &driver->accel, &driver->render, driver->pool,
-                             error))
+    if (!rk_driver_record_pixel(driver, &driver->scene, &driver->render, error))
         return false;
-    const rk_ray_record_entry *first = record->rays;
-    const bool is_hit = record->count > 0 && first->hit.triangle != RK_MISS;
+    const rk_ray_record_entry *first = driver->record.rays;
+    const bool is_hit = driver->record.count > 0 && first->hit.triangle != RK_MISS;
     *point = (rk_shading_point){.path = rk_path_start(0, 1)};
     if (is_hit) {
         point->to_viewer = rk_negate(first->ray.direction);
@@ -94,8 +88,9 @@ static void draw_rim(drawing *d, const rk_glossy_disk *disk)
 }
 
 /* The rays that the renderer traced for the pixel's first sample. */
-static void draw_reflected(drawing *d, const rk_glossy_disk *disk, const rk_ray_record *record)
+static void draw_reflected(drawing *d, const rk_glossy_disk *disk)
 {
+    const rk_ray_record *record = &d->driver->record;
     for (size_t i = 0; i < record->count; i++) {
         const rk_ray_record_entry *it = &record->rays[i];
         if (it->kind != RK_RAY_REFLECTED || it->bounce != 1 || it->sample > 0)
@@ -122,22 +117,19 @@ bool draw_rays(rk_driver *driver, rk_error *error)
     const choices *c = driver->choices;
     drawing d = {.driver = driver};
     rk_shading_point point;
-    rk_ray_record record = {.rays = NULL};
-    const bool ok = record_rays(driver, &record, &point, error) &&
-                    rk_side_view_render(&c->viewer, driver, &d.overlay, error);
-    if (ok) {
-        rk_glossy_disk disk = rk_glossy_disk_at(&driver->render.glossy, &point);
-        d.start = rk_surface_spawn(&point.surface, disk.w);
-        d.reach = length_of(driver, d.start, disk.w) / 2;
-        draw_reflected(&d, &disk, &record);
-        draw_discarded(&d, &disk);
-        draw_rim(&d, &disk);
-        rk_overlay_line(&d.overlay, record.rays[0].ray.origin, d.start, rk_vec(1, 1, 1), 1.5f);
-        draw_ray(&d, disk.w, blue, 3);
-        rk_overlay_free(&d.overlay);
-    }
-    free(record.rays);
-    return ok;
+    if (!record_rays(driver, &point, error) ||
+        !rk_side_view_render(&c->viewer, driver, &d.overlay, error))
+        return false;
+    rk_glossy_disk disk = rk_glossy_disk_at(&driver->render.glossy, &point);
+    d.start = rk_surface_spawn(&point.surface, disk.w);
+    d.reach = length_of(driver, d.start, disk.w) / 2;
+    draw_reflected(&d, &disk);
+    draw_discarded(&d, &disk);
+    draw_rim(&d, &disk);
+    rk_overlay_line(&d.overlay, driver->record.rays[0].ray.origin, d.start, rk_vec(1, 1, 1), 1.5f);
+    draw_ray(&d, disk.w, blue, 3);
+    rk_overlay_free(&d.overlay);
+    return true;
 }
 
 /* --- Dots ------------------------------------------------------------------------------------- */
@@ -165,10 +157,7 @@ bool draw_dots(rk_driver *driver, rk_error *error)
     rk_shading_point point;
     rk_glossy_disk disk = rk_glossy_disk_of(rk_vec(0, 0, 1), 1, rk_vec(0, 0, 1));
     if (driver->pixel.given) {
-        rk_ray_record record = {.rays = NULL};
-        const bool ok = record_rays(driver, &record, &point, error);
-        free(record.rays);
-        if (!ok)
+        if (!record_rays(driver, &point, error))
             return false;
         disk = rk_glossy_disk_at(&driver->render.glossy, &point);
     }

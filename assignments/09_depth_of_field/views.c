@@ -3,7 +3,6 @@
 #include "driver.h"
 
 #include "render/blurred_pixels.h"
-#include "render/ray_record.h"
 
 #include <stdlib.h>
 
@@ -66,9 +65,9 @@ static void draw_lens(rk_overlay *overlay, const rk_lens *lens, const rk_view *v
 
 /* The pixel's camera rays, from the lens through the focus, each to its hit or to twice the
  * distance of the focus. */
-static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_view *view,
-                      const rk_ray_record *record)
+static void draw_rays(const rk_driver *driver, rk_overlay *overlay, const rk_view *view)
 {
+    const rk_ray_record *record = &driver->record;
     float x = (float)driver->pixel.x + 0.5f, y = (float)driver->pixel.y + 0.5f;
     rk_vec3 focus = focus_of(&driver->render.lens, view, x, y);
     float far = 2 * rk_length(rk_sub(focus, view->position));
@@ -126,24 +125,19 @@ bool draw_from_the_side(rk_driver *driver, rk_error *error)
     const rk_view view = view_of(driver);
     rk_overlay overlay;
     rk_driver_draw_pixel(driver);
-    rk_ray_record record = {.pixel = driver->pixel.y * driver->render.width + driver->pixel.x};
-    const bool ok = (!rays || rk_ray_record_pixel(&record, &driver->scene, &driver->accel,
-                                                  &driver->render, driver->pool, error)) &&
-                    render_from_the_side(driver, &view, &overlay, error);
-    if (ok && rays)
+    if ((rays && !rk_driver_record_pixel(driver, &driver->scene, &driver->render, error)) ||
+        !render_from_the_side(driver, &view, &overlay, error))
+        return false;
+    if (rays)
         dim(driver, &overlay);
-    if (ok) {
-        draw_focal_surface(&overlay, &driver->render.lens, &view, rays ? 0.1f : 0.4f);
-        draw_lens(&overlay, &driver->render.lens, &view);
+    draw_focal_surface(&overlay, &driver->render.lens, &view, rays ? 0.1f : 0.4f);
+    draw_lens(&overlay, &driver->render.lens, &view);
+    if (rays) {
+        draw_rays(driver, &overlay, &view);
+        c->rays = (uint32_t)rk_ray_record_count(&driver->record, RK_RAY_CAMERA, 0);
     }
-    if (ok && rays) {
-        draw_rays(driver, &overlay, &view, &record);
-        c->rays = (uint32_t)rk_ray_record_count(&record, RK_RAY_CAMERA, 0);
-    }
-    if (ok)
-        rk_overlay_free(&overlay);
-    free(record.rays);
-    return ok;
+    rk_overlay_free(&overlay);
+    return true;
 }
 
 /* --- Pixels that take lens samples ------------------------------------------------------------ */

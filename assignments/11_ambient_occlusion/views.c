@@ -2,9 +2,6 @@
 #include "driver.h"
 
 #include "accel/trace_one.h"
-#include "render/ray_record.h"
-
-#include <stdlib.h>
 
 static const rk_vec3 white = {1, 1, 1}, purple = {0.5f, 0.05f, 0.6f};
 
@@ -38,15 +35,15 @@ bool draw_visibility(rk_driver *driver, rk_error *error)
 
 /* Without lights, all shadow rays are those of ambient light. At --ambient 0 they are drawn, too:
  * where they go does not depend on its intensity. */
-static bool record_rays(const rk_driver *driver, rk_ray_record *record, rk_error *error)
+static bool record_rays(rk_driver *driver, rk_error *error)
 {
     rk_scene scene = driver->scene;
     rk_render_options options = driver->render;
     scene.light_count = 0;
     options.ambient_occlusion.intensity = 1;
-    if (!rk_ray_record_pixel(record, &scene, &driver->accel, &options, driver->pool, error))
+    if (!rk_driver_record_pixel(driver, &scene, &options, error))
         return false;
-    return (record->count > 0 && record->rays[0].hit.triangle != RK_MISS) ||
+    return (driver->record.count > 0 && driver->record.rays[0].hit.triangle != RK_MISS) ||
            rk_fail(error,
                    "--debug %s: there is no surface at pixel %u,%u; choose another one by "
                    "--pixel X,Y",
@@ -65,8 +62,9 @@ static void draw_ray(const rk_driver *driver, rk_overlay *overlay, const rk_ray_
 }
 
 /* Of the pixel's first sample, before any reflection. */
-static void draw_all(const rk_driver *driver, rk_overlay *overlay, const rk_ray_record *record)
+static void draw_all(const rk_driver *driver, rk_overlay *overlay)
 {
+    const rk_ray_record *record = &driver->record;
     const rk_ray_record_entry *first = &record->rays[0];
     choices *c = driver->choices;
     rk_surface surface;
@@ -90,13 +88,9 @@ bool draw_rays(rk_driver *driver, rk_error *error)
     const choices *c = driver->choices;
     rk_overlay overlay;
     rk_driver_draw_pixel(driver);
-    rk_ray_record record = {.pixel = driver->pixel.y * driver->render.width + driver->pixel.x};
-    const bool ok = record_rays(driver, &record, error) &&
-                    rk_side_view_render(&c->viewer, driver, &overlay, error);
-    if (ok) {
-        draw_all(driver, &overlay, &record);
-        rk_overlay_free(&overlay);
-    }
-    free(record.rays);
-    return ok;
+    if (!record_rays(driver, error) || !rk_side_view_render(&c->viewer, driver, &overlay, error))
+        return false;
+    draw_all(driver, &overlay);
+    rk_overlay_free(&overlay);
+    return true;
 }

@@ -6,6 +6,7 @@
 #include "driver/explain_pixel.h"
 #include "driver/unsolved.h"
 
+#include <stdlib.h>
 #include <string.h>
 
 /* Which features' work the missing tree is; rays traverse binary trees by bvh_median's functions.
@@ -108,11 +109,21 @@ void rk_driver_draw_pixel(rk_driver *driver)
     pixel->given = false;
 }
 
+bool rk_driver_record_pixel(rk_driver *driver, const rk_scene *scene,
+                            const rk_render_options *options, rk_error *error)
+{
+    rk_ray_record *record = &driver->record;
+    record->pixel = driver->pixel.y * options->width + driver->pixel.x;
+    record->count = 0;
+    return rk_ray_record_pixel(record, scene, &driver->accel, options, driver->pool, error);
+}
+
 int rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error)
 {
     if (ok)
         rk_driver_note_unsolved(driver);
     rk_pool_stop(driver->pool);
+    free(driver->record.rays);
     rk_image_free(&driver->image);
     rk_accel_free(&driver->accel);
     rk_accel_free(&driver->unfinished);

@@ -6,6 +6,7 @@
 #include "base/options.h"
 #include "base/table.h"
 #include "driver/overlay.h"
+#include "render/ray_record.h"
 #include "render/render.h"
 #include "scene/framing.h"
 
@@ -63,6 +64,7 @@ typedef struct rk_driver {
     rk_image image;
     rk_driver_scale scale;
     rk_counters counters;
+    rk_ray_record record; /* of rk_driver_record_pixel */
     rk_timing build_ms, render_ms;
 } rk_driver;
 
@@ -98,6 +100,11 @@ bool rk_driver_debug(const rk_driver *driver, const char *view);
 /* Sets driver->pixel to the pixel whose rays a debug view draws: --pixel, or the one at drawn_x and
  * drawn_y. Its rays are drawn, not explained. */
 void rk_driver_draw_pixel(rk_driver *driver);
+
+/* Records the rays of that pixel in driver->record, of the driver's scene and options or of some
+ * with less light. */
+bool rk_driver_record_pixel(rk_driver *driver, const rk_scene *scene,
+                            const rk_render_options *options, rk_error *error);
 
 /* A scale by a function from [0, 1] to linear colours. */
 rk_driver_scale rk_driver_scale_of(const char *unit, double least, double most,
