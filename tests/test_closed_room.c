@@ -1,5 +1,6 @@
 /* Rays spawned on the walls of closed rooms: none leaves through an edge or a corner, none enters
  * from outside, at any scale and at any distance from the origin, where floats are coarse. */
+#include "noise.h"
 #include "test.h"
 
 #include "base/interpolate.h"
@@ -9,21 +10,6 @@
 #include "scene/surface.h"
 
 enum { corners_max = 8, walls_max = 12, rays_per_room = 120, spawned_per_ray = 8 };
-
-typedef struct noise {
-    uint32_t key, drawn;
-} noise;
-
-static float between(noise *n, float low, float high)
-{
-    return low + (high - low) * rk_unit_float(rk_hash(n->key, n->drawn++, 3, 4));
-}
-
-static rk_vec3 in_cube(noise *n)
-{
-    float x = between(n, -1, 1), y = between(n, -1, 1);
-    return rk_vec(x, y, between(n, -1, 1));
-}
 
 /* --- Rooms ------------------------------------------------------------------------------------ */
 

@@ -1,5 +1,6 @@
 /* Surfaces at a hit: the point within its error bound, the normals on the right side, and spawned
  * rays that do not hit their triangle again, so that shadows have no specks. */
+#include "noise.h"
 #include "test.h"
 
 #include "base/interpolate.h"
@@ -8,21 +9,6 @@
 #include "scene/surface.h"
 
 /* --- triangles and rays ----------------------------------------------------------------------- */
-
-typedef struct noise {
-    uint32_t key, drawn;
-} noise;
-
-static float between(noise *n, float low, float high)
-{
-    return low + (high - low) * rk_unit_float(rk_hash(n->key, n->drawn++, 3, 4));
-}
-
-static rk_vec3 in_cube(noise *n)
-{
-    float x = between(n, -1, 1), y = between(n, -1, 1);
-    return rk_vec(x, y, between(n, -1, 1));
-}
 
 static rk_mesh make_triangle(int optional_arrays)
 {
