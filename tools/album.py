@@ -7,14 +7,14 @@ import contextlib
 import hashlib
 import html
 import os
-import shlex
 import subprocess
 import sys
 
 from draw import SECONDS, small
 from drivers import Drivers, private_folder
 from grading import build
-from grading.assignments import (Parser, ToolError, check_impl, choose, find_unit, read_features, read_looks)
+from grading.assignments import (Parser, check_impl, choose, find_unit, read_features, read_looks,
+                                 run_command)
 from grading.processor_time import limited
 from grading.results import command_of, write_whole
 from grading.starters import unsolved_steps
@@ -129,18 +129,8 @@ def main():
     parser.add_argument("--impl", required=True, metavar="DIR", help="the folder with the units")
     parser.add_argument("--build", default=".", metavar="DIR", help="where raykit was built (default: here)")
     arguments = parser.parse_args()
-    try:
-        make_album(arguments.build, arguments.stems, arguments.impl)
-    except ToolError as error:
-        print(f"album: {error}", file=sys.stderr)
-        return 2
-    except subprocess.CalledProcessError as error:
-        print(f"album: {shlex.join(map(str, error.cmd[:1]))} failed; its reason is above", file=sys.stderr)
-        return 2
-    except KeyboardInterrupt:
-        print("album: stopped; finished pictures are kept", file=sys.stderr)
-        return 130
-    return 0
+    return run_command("album", lambda: make_album(arguments.build, arguments.stems, arguments.impl),
+                       2, "; finished pictures are kept")
 
 
 if __name__ == "__main__":

@@ -18,7 +18,7 @@ import zlib
 
 from drivers import Drivers, driver_of, private_folder
 from grading import build
-from grading.assignments import Parser, ToolError, choose, find_unit, read_features, read_looks
+from grading.assignments import Parser, ToolError, choose, find_unit, read_features, read_looks, run_command
 from grading.processor_time import limited
 from grading.results import command_of
 from grading.starters import unsolved_steps
@@ -167,6 +167,15 @@ def draw_wanted(toolchain, stems):
 # --- The command ----------------------------------------------------------------------------------
 
 
+def _work(arguments):
+    if arguments.source:
+        choose_look(choose(read_features(arguments.source), arguments.stems)[0], arguments.step)
+    elif arguments.wanted:
+        draw_wanted(build.Toolchain(arguments.build), arguments.stems)
+    else:
+        draw(build.Toolchain(arguments.build), arguments.impl, arguments.stems[0], arguments.step)
+
+
 def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stems", nargs="*", metavar="STEM")
@@ -178,22 +187,7 @@ def main():
                         "something to see, and draw nothing")
     parser.add_argument("--wanted", action="store_true", help="draw the wanted pictures")
     arguments = parser.parse_args()
-    try:
-        if arguments.source:
-            choose_look(choose(read_features(arguments.source), arguments.stems)[0], arguments.step)
-            return 0
-        toolchain = build.Toolchain(arguments.build)
-        if arguments.wanted:
-            draw_wanted(toolchain, arguments.stems)
-        else:
-            draw(toolchain, arguments.impl, arguments.stems[0], arguments.step)
-    except ToolError as error:
-        print(f"draw: {error}", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("draw: stopped", file=sys.stderr)
-        return 130
-    return 0
+    return run_command("draw", lambda: _work(arguments))
 
 
 if __name__ == "__main__":

@@ -16,8 +16,8 @@ import sys
 import tempfile
 
 from grading import build
-from grading.assignments import (Parser, ToolError, check_impl, find_unit, read_features, reference_unit,
-                                 unit_beside)
+from grading.assignments import (Parser, check_impl, find_unit, read_features, reference_unit,
+                                 unit_beside, run_command)
 from grading.results import cannot_write, write_whole
 from grading.starters import is_left_open, is_starter
 
@@ -202,6 +202,17 @@ def _make_one(toolchain, impl, stem, folder):
     return bool(path)
 
 
+def _work(arguments):
+    """Returns whether the only driver is missing."""
+    toolchain = build.Toolchain(arguments.build)
+    if not arguments.only:
+        print(f"report: {link_drivers(toolchain, arguments.impl)}", file=sys.stderr)
+        return False
+    folder = contextlib.nullcontext(arguments.into) if arguments.into else private_folder(toolchain)
+    with folder as place:
+        return not _make_one(toolchain, arguments.impl, arguments.only, place)
+
+
 def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--impl", required=True, metavar="FILE_OR_DIR")
@@ -209,25 +220,7 @@ def main():
     parser.add_argument("--only", metavar="STEM", help="make only this driver, and print its path")
     parser.add_argument("--into", metavar="DIR", help="with --only: keep it there, too, with its objects")
     arguments = parser.parse_args()
-    try:
-        toolchain = build.Toolchain(arguments.build)
-        if not arguments.only:
-            print(f"report: {link_drivers(toolchain, arguments.impl)}", file=sys.stderr)
-        elif arguments.into:
-            return not _make_one(toolchain, arguments.impl, arguments.only, arguments.into)
-        else:
-            with private_folder(toolchain) as folder:
-                return not _make_one(toolchain, arguments.impl, arguments.only, folder)
-    except ToolError as error:
-        print(f"drivers: {error}", file=sys.stderr)
-        return 1
-    except subprocess.CalledProcessError as error:
-        print(f"drivers: {error.cmd[0]} failed; its reason is above", file=sys.stderr)
-        return 1
-    except KeyboardInterrupt:
-        print("drivers: stopped", file=sys.stderr)
-        return 130
-    return 0
+    return run_command("drivers", lambda: _work(arguments))
 
 
 if __name__ == "__main__":

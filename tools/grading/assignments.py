@@ -13,6 +13,8 @@ import os
 import pathlib
 import re
 import shlex
+import subprocess
+import sys
 
 
 class ToolError(Exception):
@@ -34,6 +36,22 @@ class Parser(argparse.ArgumentParser):
     def error(self, message):
         name = os.path.splitext(self.prog)[0].replace("_", "-")
         self.exit(2, f"{name}: {message}; see --help\n")
+
+
+def run_command(name, work, status=1, kept=""):
+    """Does a command's work and returns its exit status. An error is said in one line, and so is Ctrl-C, with
+    what is kept of the work."""
+    try:
+        return int(work() or 0)
+    except ToolError as error:
+        print(f"{name}: {error}", file=sys.stderr)
+        return status
+    except subprocess.CalledProcessError as error:
+        print(f"{name}: {shlex.join(map(str, error.cmd[:1]))} failed; its reason is above", file=sys.stderr)
+        return status
+    except KeyboardInterrupt:
+        print(f"{name}: stopped{kept}", file=sys.stderr)
+        return 130
 
 
 def choose_format(name, formats):
