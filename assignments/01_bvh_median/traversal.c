@@ -85,9 +85,7 @@ static bool draw(rk_driver *driver, const traversal *t, const rk_ray *ray, rk_er
 {
     const choices *c = driver->choices;
     rk_overlay overlay;
-    if (!rk_driver_render(driver, error) ||
-        !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
-                         error))
+    if (!rk_driver_render_overlay(driver, &overlay, error))
         return false;
     rk_tree_view_dim(&driver->image);
     for (size_t i = 0; i < driver->image.width * driver->image.height; i++)

@@ -153,9 +153,7 @@ bool draw_splits(rk_driver *driver, rk_error *error)
 {
     splits c;
     rk_overlay overlay;
-    if (!list_chosen(&c, driver, error) || !rk_driver_render(driver, error) ||
-        !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
-                         error))
+    if (!list_chosen(&c, driver, error) || !rk_driver_render_overlay(driver, &overlay, error))
         return false;
     if (rk_driver_debug(driver, "candidates")) {
         draw_all(&overlay, &c);

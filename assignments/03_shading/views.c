@@ -62,9 +62,7 @@ bool draw_view(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     rk_overlay overlay;
-    if (!rk_driver_render(driver, error) ||
-        !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
-                         error))
+    if (!rk_driver_render_overlay(driver, &overlay, error))
         return false;
     draw_lobes(&overlay, driver->render.shading.model, c->incidence);
     rk_overlay_free(&overlay);

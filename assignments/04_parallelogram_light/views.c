@@ -109,9 +109,7 @@ bool draw_view(rk_driver *driver, rk_error *error)
     drawing d = {.driver = driver};
     rk_driver_draw_pixel(driver);
     const bool ok = record(driver, error) && find_point(&d, error) &&
-                    rk_driver_render(driver, error) &&
-                    rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel,
-                                    driver->pool, error);
+                    rk_driver_render_overlay(driver, &d.overlay, error);
     if (ok) {
         draw_all(&d);
         rk_overlay_free(&d.overlay);

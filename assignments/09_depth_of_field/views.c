@@ -101,9 +101,7 @@ static bool render_from_the_side(rk_driver *driver, const rk_view *view, rk_over
     const uint32_t lens_samples = driver->render.lens_samples;
     look_from_the_side(&driver->scene.camera, view, driver->choices);
     driver->render.lens_samples = 0;
-    const bool ok =
-        rk_driver_render(driver, error) && rk_overlay_init(overlay, &driver->image, &driver->scene,
-                                                           &driver->accel, driver->pool, error);
+    const bool ok = rk_driver_render_overlay(driver, overlay, error);
     driver->render.lens_samples = lens_samples;
     return ok;
 }

@@ -126,9 +126,7 @@ bool draw_tree(rk_driver *driver, rk_error *error)
     const choices *c = driver->choices;
     const rk_wide_bvh *wide = wide_tree(driver);
     rk_overlay overlay;
-    if (!rk_driver_render(driver, error) ||
-        !rk_overlay_init(&overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
-                         error))
+    if (!rk_driver_render_overlay(driver, &overlay, error))
         return false;
     level_drawing level = {&overlay, c->level, 0};
     if (rk_driver_debug(driver, "blocks")) {

@@ -95,6 +95,13 @@ bool rk_driver_render(rk_driver *driver, rk_error *error)
     return true;
 }
 
+bool rk_driver_render_overlay(rk_driver *driver, rk_overlay *overlay, rk_error *error)
+{
+    return rk_driver_render(driver, error) &&
+           rk_overlay_init(overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
+                           error);
+}
+
 bool rk_driver_debug(const rk_driver *driver, const char *view)
 {
     return driver->debug && strcmp(driver->debug, view) == 0;

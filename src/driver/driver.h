@@ -94,6 +94,9 @@ bool rk_driver_has_stand_in(const rk_driver *driver);
 /* Explains --pixel, and renders into driver->image, `runs` times. */
 bool rk_driver_render(rk_driver *driver, rk_error *error);
 
+/* The same, and begins an overlay on the picture, which the caller frees. */
+bool rk_driver_render_overlay(rk_driver *driver, rk_overlay *overlay, rk_error *error);
+
 /* Is this the view of --debug? */
 bool rk_driver_debug(const rk_driver *driver, const char *view);
 

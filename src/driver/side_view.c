@@ -16,9 +16,7 @@ bool rk_side_view_render(const rk_side_view *view, rk_driver *driver, rk_overlay
     camera->rotation.x += view->pitch;
     camera->rotation.y += view->yaw;
     camera->distance *= view->far;
-    if (!rk_driver_render(driver, error) ||
-        !rk_overlay_init(overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
-                         error))
+    if (!rk_driver_render_overlay(driver, overlay, error))
         return false;
     for (size_t i = 0; i < driver->image.width * driver->image.height; i++) {
         overlay->depth[i] = INFINITY;

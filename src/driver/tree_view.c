@@ -75,9 +75,7 @@ bool rk_tree_view_draw(const rk_tree_view *view, rk_driver *driver, rk_error *er
 {
     bool is_level = rk_driver_debug(driver, "level");
     drawing d = {.driver = driver, .wanted = *view};
-    if (!rk_driver_render(driver, error) ||
-        !rk_overlay_init(&d.overlay, &driver->image, &driver->scene, &driver->accel, driver->pool,
-                         error))
+    if (!rk_driver_render_overlay(driver, &d.overlay, error))
         return false;
     if (!is_level)
         rk_tree_view_dim(&driver->image);
