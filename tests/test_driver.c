@@ -716,6 +716,37 @@ static void debug_rays_draws_as_many_shadow_rays_as_the_pixel_is_explained_with(
     check_shadow_rays(state, "--light-samples 64 --seed 7 --light-sampling uniform");
 }
 
+static unsigned occurrences(const char *text, const char *word)
+{
+    unsigned count = 0;
+    for (const char *at = text; (at = strstr(at, word)) != NULL; at += strlen(word))
+        count++;
+    return count;
+}
+
+static void debug_rays_draws_the_crossings_that_the_pixel_is_explained_with(void **state)
+{
+    const char *const pixels[] = {"13,11", "10,12", "8,14"};
+    for (size_t i = 0; i < sizeof pixels / sizeof *pixels; i++) {
+        char arguments[256];
+        snprintf(arguments, sizeof arguments,
+                 "--transparency --shadows --width 20 --height 20 --pixel %s", pixels[i]);
+        run text = run_feature("05_transparency/transparency", *state, arguments);
+        strcat(arguments, " --debug rays");
+        run view = run_feature("05_transparency/transparency", *state, arguments);
+        rk_check_equal(view.status, 0, view.err);
+        char want[128];
+        snprintf(want, sizeof want, "pixel %s: %u crossings, %u shadow rays, %u unoccluded",
+                 pixels[i], occurrences(text.out, "    hit "),
+                 occurrences(text.out, "shadow ray origin"),
+                 occurrences(text.out, "unoccluded\n") + occurrences(text.out, "attenuated by"));
+        check_contains(view.out, want);
+        rk_check(!strstr(want, " 0 crossings"), "pixel %s sees no surface", pixels[i]);
+        run_free(&text);
+        run_free(&view);
+    }
+}
+
 static void debug_rays_says_why_there_are_none(void **state)
 {
     const char *options = "--width 40 --height 40 --debug rays --pixel 4,38";
@@ -1013,6 +1044,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_pixel_is_explained),
     test_in_folder(debug_rays_draws_the_pixel_and_names_the_picture_by_it),
     test_in_folder(debug_rays_draws_as_many_shadow_rays_as_the_pixel_is_explained_with),
+    test_in_folder(debug_rays_draws_the_crossings_that_the_pixel_is_explained_with),
     test_in_folder(debug_rays_says_why_there_are_none),
     test_in_folder(strips_give_the_light_of_the_whole),
     test_in_folder(pictures_of_a_map_are_named_by_the_map),

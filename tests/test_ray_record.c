@@ -5,10 +5,8 @@
 #include "render/ray_record.h"
 #include "scenes/sky.h"
 
-#include <stdlib.h>
-
 typedef struct totals {
-    uint64_t camera, reflected, shadow, unoccluded;
+    uint64_t camera, reflected, shadow, unoccluded, crossings;
 } totals;
 
 static void add(totals *sum, const rk_ray_record_entry *ray)
@@ -17,6 +15,7 @@ static void add(totals *sum, const rk_ray_record_entry *ray)
     sum->reflected += ray->kind == RK_RAY_REFLECTED;
     sum->shadow += ray->kind == RK_RAY_SHADOW;
     sum->unoccluded += ray->kind == RK_RAY_SHADOW && !ray->occluded;
+    sum->crossings += ray->crossing_count;
     rk_check((ray->bounce == 0) == (ray->kind == RK_RAY_CAMERA) || ray->kind == RK_RAY_SHADOW,
              "a ray of kind %d after %u reflections", (int)ray->kind, ray->bounce);
 }
@@ -57,10 +56,12 @@ static totals recorded(const rk_scene *scene, const rk_render_options *options)
     recorder w = recorder_of(scene);
     totals sum = {0};
     for (uint32_t pixel = 0; pixel < options->width * options->height; pixel++) {
+        const uint64_t before = sum.crossings;
         rk_ray_record record = record_of(&w, options, pixel);
         for (size_t i = 0; i < record.count; i++)
             add(&sum, &record.rays[i]);
-        free(record.rays);
+        rk_check_equal(sum.crossings - before, record.crossing_count, "each crossing has its ray");
+        rk_ray_record_free(&record);
     }
     recorder_free(&w);
     return sum;
@@ -76,6 +77,7 @@ static totals check_sums(const rk_scene *scene, rk_render_options options, uint6
     rk_check_equal(sum.camera + before, counters->primary_rays, what);
     rk_check_equal(sum.reflected, counters->reflected_rays, what);
     rk_check_equal(sum.shadow, counters->shadow_rays, what);
+    rk_check_equal(sum.crossings, counters->crossings, what);
     rk_image_free(&picture.image);
     return sum;
 }
@@ -150,9 +152,13 @@ static void transparent_surfaces_and_their_shadows_are_recorded(void **state)
     rk_scene scene = test_scene_builtin("cornell-glass");
     rk_render_options options = small();
     options.transparency = true;
-    check_sums(&scene, options, 0, "glass");
+    const totals all = check_sums(&scene, options, 0, "glass");
     options.max_depth = 1;
-    check_sums(&scene, options, 0, "glass, one surface passed");
+    const totals one = check_sums(&scene, options, 0, "glass, one surface passed");
+    rk_check(one.crossings < all.crossings,
+             "fewer surfaces are passed than some rays have in their way");
+    options.transparency = false;
+    rk_check_equal(check_sums(&scene, options, 0, "opaque").crossings, 0, "all is opaque");
     rk_scene_free(&scene);
 }
 
@@ -208,7 +214,7 @@ static void a_hit_of_the_record_is_what_the_pixel_sees(void **state)
              "one sample passes through the pixel's centre");
     rk_check(record.rays[0].hit.triangle != RK_MISS && record.rays[0].hit.t > 0,
              "the wall of the box is hit");
-    free(record.rays);
+    rk_ray_record_free(&record);
     recorder_free(&w);
     rk_scene_free(&scene);
 }
@@ -226,7 +232,7 @@ static void options_that_the_renderer_refuses_record_nothing(void **state)
                  *error.text,
              "no samples, but no error");
     rk_check_equal(record.count, 0, "nothing was traced");
-    free(record.rays);
+    rk_ray_record_free(&record);
     recorder_free(&w);
     rk_scene_free(&scene);
 }

@@ -15,21 +15,14 @@ static bool record(rk_driver *driver, rk_error *error)
 {
     rk_render_options options = driver->render;
     options.ambient_occlusion.intensity = 0;
-    return rk_driver_record_pixel(driver, &driver->scene, &options, error);
+    return rk_driver_record_surface(driver, &driver->scene, &options, error);
 }
 
-static bool find_point(drawing *d, rk_error *error)
+static void find_point(drawing *d)
 {
-    const rk_ray_record *record = &d->driver->record;
-    const rk_ray_record_entry *first = record->rays;
+    const rk_ray_record_entry *first = d->driver->record.rays;
     d->point = (rk_shading_point){.path = rk_path_start(0, d->driver->render.max_depth)};
-    if (record->count == 0 || first->hit.triangle == RK_MISS)
-        return rk_fail(error,
-                       "--debug %s: the pixel %u,%u sees no surface; choose one that does by "
-                       "--pixel X,Y",
-                       d->driver->debug, d->driver->pixel.x, d->driver->pixel.y);
     rk_scene_surface(&d->point.surface, &d->driver->scene, &first->ray, &first->hit);
-    return true;
 }
 
 static void draw_outline(drawing *d, const rk_light *light)
@@ -108,11 +101,10 @@ bool draw_view(rk_driver *driver, rk_error *error)
 {
     drawing d = {.driver = driver};
     rk_driver_draw_pixel(driver);
-    const bool ok = record(driver, error) && find_point(&d, error) &&
-                    rk_driver_render_overlay(driver, &d.overlay, error);
-    if (ok) {
-        draw_all(&d);
-        rk_overlay_free(&d.overlay);
-    }
-    return ok;
+    if (!record(driver, error) || !rk_driver_render_overlay(driver, &d.overlay, error))
+        return false;
+    find_point(&d);
+    draw_all(&d);
+    rk_overlay_free(&d.overlay);
+    return true;
 }

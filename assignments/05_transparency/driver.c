@@ -61,6 +61,7 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 
 static bool save(rk_driver *driver, rk_error *error)
 {
+    const choices *c = driver->choices;
     const char *model = model_name(driver);
     char label[64];
     if (driver->debug)
@@ -69,7 +70,12 @@ static bool save(rk_driver *driver, rk_error *error)
         snprintf(label, sizeof label, "%s_depth%u", model, driver->render.max_depth);
     else
         snprintf(label, sizeof label, "%s", model);
-    return rk_driver_save(driver, label, error);
+    if (!rk_driver_save(driver, label, error))
+        return false;
+    if (driver->debug && !driver->quiet)
+        printf("pixel %u,%u: %u crossings, %u shadow rays, %u unoccluded\n", driver->pixel.x,
+               driver->pixel.y, c->crossed, c->traced, c->unoccluded);
+    return true;
 }
 
 static const rk_option options[] = {

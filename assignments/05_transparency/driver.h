@@ -11,6 +11,7 @@ typedef struct choices {
     float alpha, absorption; /* of all materials; NaN: their own */
     rk_side_view viewer;     /* where --debug rays is seen from */
     bool models;
+    uint32_t crossed, traced, unoccluded; /* crossings and shadow rays of the view */
 } choices;
 
 /* Renders from beside the camera and draws driver->debug over it. */

@@ -41,13 +41,7 @@ static bool record_rays(rk_driver *driver, rk_error *error)
     rk_render_options options = driver->render;
     scene.light_count = 0;
     options.ambient_occlusion.intensity = 1;
-    if (!rk_driver_record_pixel(driver, &scene, &options, error))
-        return false;
-    return (driver->record.count > 0 && driver->record.rays[0].hit.triangle != RK_MISS) ||
-           rk_fail(error,
-                   "--debug %s: there is no surface at pixel %u,%u; choose another one by "
-                   "--pixel X,Y",
-                   driver->debug, driver->pixel.x, driver->pixel.y);
+    return rk_driver_record_surface(driver, &scene, &options, error);
 }
 
 /* An occluded ray ends at its hit; an unoccluded one is drawn for a short distance. */

@@ -11,6 +11,7 @@ typedef struct rk_counters {
     uint64_t glossy_samples; /* directions drawn around reflected ones, including discarded ones */
     uint64_t light_samples;  /* random points drawn on lights with an extent */
     uint64_t lobe_samples;   /* directions drawn in highlights, towards such lights or past them */
+    uint64_t crossings; /* of rays with transparent surfaces: those that light passes or ends at */
     uint64_t box_tests;
     uint64_t triangle_tests;
     uint64_t sphere_tests;
@@ -41,6 +42,7 @@ static inline void rk_counters_add(rk_counters *sum, const rk_counters *part)
     sum->glossy_samples += part->glossy_samples;
     sum->light_samples += part->light_samples;
     sum->lobe_samples += part->lobe_samples;
+    sum->crossings += part->crossings;
     sum->box_tests += part->box_tests;
     sum->triangle_tests += part->triangle_tests;
     sum->sphere_tests += part->sphere_tests;

@@ -6,7 +6,6 @@
 #include "driver/explain_pixel.h"
 #include "driver/unsolved.h"
 
-#include <stdlib.h>
 #include <string.h>
 
 /* Which features' work the missing tree is; rays traverse binary trees by bvh_median's functions.
@@ -120,9 +119,21 @@ bool rk_driver_record_pixel(rk_driver *driver, const rk_scene *scene,
                             const rk_render_options *options, rk_error *error)
 {
     rk_ray_record *record = &driver->record;
+    rk_ray_record_free(record);
     record->pixel = driver->pixel.y * options->width + driver->pixel.x;
-    record->count = 0;
     return rk_ray_record_pixel(record, scene, &driver->accel, options, driver->pool, error);
+}
+
+bool rk_driver_record_surface(rk_driver *driver, const rk_scene *scene,
+                              const rk_render_options *options, rk_error *error)
+{
+    if (!rk_driver_record_pixel(driver, scene, options, error))
+        return false;
+    return (driver->record.count > 0 && driver->record.rays[0].hit.triangle != RK_MISS) ||
+           rk_fail(error,
+                   "--debug %s: the pixel %u,%u sees no surface; choose one that does by "
+                   "--pixel X,Y",
+                   driver->debug, driver->pixel.x, driver->pixel.y);
 }
 
 int rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error)
@@ -130,7 +141,7 @@ int rk_driver_finish(rk_driver *driver, bool ok, const rk_error *error)
     if (ok)
         rk_driver_note_unsolved(driver);
     rk_pool_stop(driver->pool);
-    free(driver->record.rays);
+    rk_ray_record_free(&driver->record);
     rk_image_free(&driver->image);
     rk_accel_free(&driver->accel);
     rk_accel_free(&driver->unfinished);

@@ -109,6 +109,10 @@ void rk_driver_draw_pixel(rk_driver *driver);
 bool rk_driver_record_pixel(rk_driver *driver, const rk_scene *scene,
                             const rk_render_options *options, rk_error *error);
 
+/* The same, but a pixel whose first ray hits nothing is an error. */
+bool rk_driver_record_surface(rk_driver *driver, const rk_scene *scene,
+                              const rk_render_options *options, rk_error *error);
+
 /* A scale by a function from [0, 1] to linear colours. */
 rk_driver_scale rk_driver_scale_of(const char *unit, double least, double most,
                                    rk_vec3 (*colour)(float fraction));

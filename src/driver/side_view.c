@@ -1,13 +1,5 @@
-/* The ray is taken before the camera turns aside. The picture is darkened, and its depths are
- * infinite, so that no line drawn over it is hidden. */
+/* The picture is darkened, and its depths are infinite, so that no line drawn over it is hidden. */
 #include "driver/side_view.h"
-
-rk_ray rk_side_view_ray(rk_driver *driver)
-{
-    rk_view view = rk_view_of(&driver->scene.camera, driver->render.width, driver->render.height);
-    rk_driver_draw_pixel(driver);
-    return rk_view_ray(&view, (float)driver->pixel.x + 0.5f, (float)driver->pixel.y + 0.5f);
-}
 
 bool rk_side_view_render(const rk_side_view *view, rk_driver *driver, rk_overlay *overlay,
                          rk_error *error)

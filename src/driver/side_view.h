@@ -24,10 +24,6 @@ typedef struct rk_side_view {
         "viewer-far", RK_FIELD(type, view.far), "F", "and F times as far away", 0.01, 100, 1       \
     }
 
-/* Returns the camera's ray through the centre of the drawn pixel (rk_driver_draw_pixel). Called
- * before the camera moves. */
-rk_ray rk_side_view_ray(rk_driver *driver);
-
 /* Moves the camera, renders, darkens the picture and starts an overlay that no surface hides. The
  * caller frees it. */
 bool rk_side_view_render(const rk_side_view *view, rk_driver *driver, rk_overlay *overlay,

@@ -3,35 +3,54 @@
 #include "render/ray_record.h"
 
 #include <stdlib.h>
+#include <string.h>
 
 static bool is_recorded(const rk_rendering *r, const rk_sample_pass *pass, uint32_t pixel)
 {
     return rk_picture_pixel(pass, r->options->width, pixel) == r->record->pixel;
 }
 
-/* Twice as much each time, so that a ray costs O(1) on average. */
-static bool make_room(rk_ray_record *record)
+/* Twice as many each time, so that one costs O(1) on average. Returns the array, or NULL. */
+static void *with_room(rk_ray_record *record, void *array, size_t *capacity, size_t count,
+                       size_t size)
 {
-    if (record->count < record->capacity)
-        return true;
-    const size_t capacity = record->capacity ? 2 * record->capacity : 64;
-    rk_ray_record_entry *rays = realloc(record->rays, capacity * sizeof *rays);
-    record->is_short |= !rays;
+    if (count <= *capacity)
+        return array;
+    array = realloc(array, 2 * count * size);
+    record->is_short |= !array;
+    *capacity = array ? 2 * count : *capacity;
+    return array;
+}
+
+static void put_crossings(rk_ray_record *record, const rk_crossing_list *list)
+{
+    const size_t count = record->crossing_count + list->count;
+    rk_crossing *crossings =
+        with_room(record, record->crossings, &record->crossing_capacity, count, sizeof *crossings);
+    if (!crossings)
+        return;
+    memcpy(&crossings[record->crossing_count], list->crossings, list->count * sizeof *crossings);
+    record->crossings = crossings;
+    record->crossing_count = count;
+}
+
+/* `list`: NULL without transparent surfaces. */
+static void put(rk_ray_record *record, rk_ray_record_entry ray, const rk_crossing_list *list)
+{
+    ray.first_crossing = record->crossing_count;
+    if (list)
+        put_crossings(record, list);
+    ray.crossing_count = (uint32_t)(record->crossing_count - ray.first_crossing);
+    rk_ray_record_entry *rays =
+        with_room(record, record->rays, &record->capacity, record->count + 1, sizeof *rays);
     if (!rays)
-        return false;
+        return;
     record->rays = rays;
-    record->capacity = capacity;
-    return true;
+    rays[record->count++] = ray;
 }
 
-static void put(rk_ray_record *record, rk_ray_record_entry ray)
-{
-    if (make_room(record))
-        record->rays[record->count++] = ray;
-}
-
-void rk_ray_record_path(const rk_rendering *r, const rk_sample_pass *pass,
-                        const rk_path_batch *paths, uint32_t i, rk_hit hit)
+static void put_path(const rk_rendering *r, const rk_sample_pass *pass, const rk_path_batch *paths,
+                     uint32_t i, rk_hit hit, const rk_crossing_list *list)
 {
     if (!is_recorded(r, pass, paths->pixel[i]))
         return;
@@ -40,27 +59,52 @@ void rk_ray_record_path(const rk_rendering *r, const rk_sample_pass *pass,
                               .kind = pass->bounce > 0 ? RK_RAY_REFLECTED : RK_RAY_CAMERA,
                               .sample = rk_sample_at(pass, paths->pixel[i]).sample,
                               .bounce = pass->bounce,
-                              .hit = hit});
+                              .hit = hit},
+        list);
+}
+
+void rk_ray_record_path(const rk_rendering *r, const rk_sample_pass *pass,
+                        const rk_path_batch *paths, uint32_t i, const rk_crossing_list *list)
+{
+    const rk_hit miss = {.triangle = RK_MISS};
+    put_path(r, pass, paths, i, list->count ? rk_crossing_hit(&list->crossings[0]) : miss, list);
 }
 
 void rk_ray_record_paths(const rk_rendering *r, const rk_sample_pass *pass,
                          const rk_path_batch *paths, const rk_hit_batch *hits)
 {
     for (uint32_t i = 0; i < paths->rays.count; i++)
-        rk_ray_record_path(r, pass, paths, i, rk_batch_hit(hits, i));
+        put_path(r, pass, paths, i, rk_batch_hit(hits, i), NULL);
+}
+
+void rk_ray_record_shadow_ray(const rk_rendering *r, const rk_sample_pass *pass, const rk_ray *ray,
+                              uint32_t pixel, bool occluded, const rk_crossing_list *list)
+{
+    if (is_recorded(r, pass, pixel))
+        put(r->record,
+            (rk_ray_record_entry){.ray = *ray,
+                                  .kind = RK_RAY_SHADOW,
+                                  .sample = rk_sample_at(pass, pixel).sample,
+                                  .bounce = pass->bounce,
+                                  .occluded = occluded},
+            list);
 }
 
 void rk_ray_record_shadow_rays(const rk_rendering *r, const rk_sample_pass *pass,
                                const rk_ray_batch *rays, const uint16_t *pixels,
                                const bool *occluded)
 {
-    for (uint32_t i = 0; i < rays->count; i++)
-        if (is_recorded(r, pass, pixels[i]))
-            put(r->record, (rk_ray_record_entry){.ray = rk_batch_ray(rays, i),
-                                                 .kind = RK_RAY_SHADOW,
-                                                 .sample = rk_sample_at(pass, pixels[i]).sample,
-                                                 .bounce = pass->bounce,
-                                                 .occluded = occluded[i]});
+    for (uint32_t i = 0; i < rays->count; i++) {
+        const rk_ray ray = rk_batch_ray(rays, i);
+        rk_ray_record_shadow_ray(r, pass, &ray, pixels[i], occluded[i], NULL);
+    }
+}
+
+void rk_ray_record_free(rk_ray_record *record)
+{
+    free(record->rays);
+    free(record->crossings);
+    *record = (rk_ray_record){.pixel = record->pixel};
 }
 
 size_t rk_ray_record_count(const rk_ray_record *record, rk_ray_record_kind kind, uint32_t bounce)

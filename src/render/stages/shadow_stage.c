@@ -28,9 +28,13 @@ static void attenuate(const rk_rendering *r, rk_sample_pass *pass, const rk_shad
                       rk_shadow_answers *answers)
 {
     for (uint32_t k = 0; k < queue->rays.count; k++) {
-        rk_ray ray = rk_batch_ray(&queue->rays, k);
-        answers->transmittance[k] = rk_trace_transmittance(r, pass, &ray, queue->pixel[k]);
-        answers->occlusion.occluded[k] = rk_is_black(answers->transmittance[k]);
+        const rk_ray ray = rk_batch_ray(&queue->rays, k);
+        rk_crossing_list list;
+        answers->transmittance[k] = rk_trace_transmittance(r, pass, &ray, queue->pixel[k], &list);
+        const bool occluded = rk_is_black(answers->transmittance[k]);
+        answers->occlusion.occluded[k] = occluded;
+        if (r->record)
+            rk_ray_record_shadow_ray(r, pass, &ray, queue->pixel[k], occluded, &list);
     }
 }
 
@@ -42,6 +46,6 @@ void rk_shadow_stage(const rk_rendering *r, rk_sample_pass *pass, const rk_shado
         attenuate(r, pass, queue, answers);
     else
         trace_occlusion(r, pass, &queue->rays, queue->pixel, &answers->occlusion);
-    if (r->record)
+    if (r->record && !r->plan.transparency)
         rk_ray_record_shadow_rays(r, pass, &queue->rays, queue->pixel, answers->occlusion.occluded);
 }

@@ -28,18 +28,21 @@ rk_ray_time rk_trace_crossings(const rk_rendering *r, rk_sample_pass *pass,
     const rk_crossings_wanted wanted = {.cutouts_only = !r->options->transparency};
     rk_transparency_start(list, path->bounces_left + 1u);
     rk_crossings_gather_static(r->accel, &ray, wanted, list, pass->counters);
-    return gather_moving(r, pass, &ray, paths->pixel[i],
-                         rk_path_is_from_camera(path, r->options->max_depth), wanted, list);
+    const rk_ray_time when =
+        gather_moving(r, pass, &ray, paths->pixel[i],
+                      rk_path_is_from_camera(path, r->options->max_depth), wanted, list);
+    pass->counters->crossings += list->count;
+    return when;
 }
 
 rk_vec3 rk_trace_transmittance(const rk_rendering *r, rk_sample_pass *pass, const rk_ray *ray,
-                               uint32_t pixel)
+                               uint32_t pixel, rk_crossing_list *list)
 {
-    rk_crossing_list list;
     const rk_crossings_wanted wanted = {true, !r->options->transparency};
-    rk_transparency_start(&list, RK_CROSSINGS_MAX);
-    rk_crossings_gather_static(r->accel, ray, wanted, &list, pass->counters);
-    if (!rk_crossings_are_opaque(&list))
-        gather_moving(r, pass, ray, pixel, false, wanted, &list);
-    return rk_crossings_transmittance(&list, ray, r->options->glass);
+    rk_transparency_start(list, RK_CROSSINGS_MAX);
+    rk_crossings_gather_static(r->accel, ray, wanted, list, pass->counters);
+    if (!rk_crossings_are_opaque(list))
+        gather_moving(r, pass, ray, pixel, false, wanted, list);
+    pass->counters->crossings += list->count;
+    return rk_crossings_transmittance(list, ray, r->options->glass);
 }

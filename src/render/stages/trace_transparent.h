@@ -13,8 +13,9 @@
 rk_ray_time rk_trace_crossings(const rk_rendering *r, rk_sample_pass *pass,
                                const rk_path_batch *paths, uint32_t i, rk_crossing_list *list);
 
-/* Returns the transmittance along a shadow ray. */
+/* Returns the transmittance along a shadow ray, and its crossings: those found before an opaque
+ * one, and that one. */
 rk_vec3 rk_trace_transmittance(const rk_rendering *r, rk_sample_pass *pass, const rk_ray *ray,
-                               uint32_t pixel);
+                               uint32_t pixel, rk_crossing_list *list);
 
 #endif

@@ -17,8 +17,7 @@ void rk_transparency_stage(const rk_rendering *r, rk_sample_pass *pass, const rk
     for (uint32_t k = 0; k < list.count; k++)
         visible->hits[k] = rk_crossing_hit(&list.crossings[k]);
     if (r->record)
-        rk_ray_record_path(r, pass, paths, i,
-                           list.count ? visible->hits[0] : (rk_hit){.triangle = RK_MISS});
+        rk_ray_record_path(r, pass, paths, i, &list);
 }
 
 /* --- The feature ----------------------------------------------------------------------------- */
