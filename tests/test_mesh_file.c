@@ -5,79 +5,15 @@
 #include "mesh_seeds.h"
 #include "quarters.h"
 #include "test_cost.h"
-#include "test_folder.h"
+#include "test_mesh_reading.h"
 
-#include "io/mesh_file.h"
 #include "io/mesh_stream.h"
-
-static test_folder folder;
-
-static test_path write_text(const char *name, const char *text)
-{
-    return test_folder_write(&folder, name, text, strlen(text), 0600);
-}
 
 static test_path write_seed(int format)
 {
     mesh_seed seed = make_seed(format);
     test_folder_write(&folder, "seed.mtl", seed_mtl, sizeof seed_mtl - 1, 0600);
     return test_folder_write(&folder, seed.name, seed.bytes, seed.size, 0600);
-}
-
-static rk_mesh load(test_path path)
-{
-    rk_mesh mesh;
-    rk_error error;
-    rk_check_ok(rk_mesh_file_read(&mesh, path.text, &error), error);
-    rk_check(error.text[0] == '\0', "an unexpected note: %s", error.text);
-    return mesh;
-}
-
-static rk_mesh load_with_note(test_path path, const char *note)
-{
-    rk_mesh mesh;
-    rk_error error;
-    rk_check_ok(rk_mesh_file_read(&mesh, path.text, &error), error);
-    rk_check_error_names(error, path.text);
-    rk_check_error_names(error, note);
-    return mesh;
-}
-
-static void check_refused_path(const char *path, const char *place, const char *what)
-{
-    rk_mesh mesh;
-    rk_error error;
-    rk_check(!rk_mesh_file_read(&mesh, path, &error), "%s was accepted", path);
-    rk_check(mesh.triangle_count == 0 && !mesh.positions, "a failed read left a mesh behind");
-    char begin[1000];
-    snprintf(begin, sizeof begin, "%s%s", path, place);
-    rk_check(strncmp(error.text, begin, strlen(begin)) == 0,
-             "the error should begin with \"%s\", but says: %s", begin, error.text);
-    rk_check_error_names(error, what);
-}
-
-/* The file is refused with "PATHPLACE ...": `place` follows the file's name. */
-static void check_refused(const char *name, const char *text, const char *place, const char *what)
-{
-    check_refused_path(write_text(name, text).text, place, what);
-}
-
-static rk_vec3 corner(const rk_mesh *mesh, uint32_t triangle, int k)
-{
-    return mesh->positions[mesh->triangles[triangle][k]];
-}
-
-static rk_vec3 vector_area(const rk_mesh *mesh, uint32_t triangle)
-{
-    rk_vec3 a = corner(mesh, triangle, 0);
-    return rk_scale(
-        rk_cross(rk_sub(corner(mesh, triangle, 1), a), rk_sub(corner(mesh, triangle, 2), a)), 0.5f);
-}
-
-static void check_point(rk_vec3 got, float x, float y, float z)
-{
-    rk_check(got.x == x && got.y == y && got.z == z, "got (%g, %g, %g), want (%g, %g, %g)",
-             (double)got.x, (double)got.y, (double)got.z, (double)x, (double)y, (double)z);
 }
 
 /* --- loading -------------------------------------------------------------------------------- */
@@ -1470,19 +1406,6 @@ static void textures_are_accepted_only_if_consistent(void **state)
     bad = good;
     bad.header.texture_count = 1025;
     check_stream_refused(&bad, triangle_stream_size, "sent 1025 textures, more than 1024");
-}
-
-static int make_folder(void **state)
-{
-    (void)state;
-    return !test_folder_make(&folder);
-}
-
-static int remove_folder(void **state)
-{
-    (void)state;
-    test_folder_remove(&folder);
-    return 0;
 }
 
 static const struct CMUnitTest tests[] = {

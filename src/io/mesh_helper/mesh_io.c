@@ -1,8 +1,10 @@
 /* Assimp reads through callbacks. Only regular files are opened, because a pipe would block for
- * ever; a byte order mark is skipped by an offset that all positions leave out. */
+ * ever; a byte order mark is skipped by an offset that all positions leave out. Of material files
+ * it is given the lines that it understands. */
 #include "io/mesh_helper/mesh_io.h"
 
 #include "io/mesh_helper/mesh_guard.h"
+#include "io/mesh_helper/mesh_mtl.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -17,6 +19,7 @@ typedef struct opened {
     FILE *stream;
     long skipped; /* bytes before the text */
     size_t size;
+    char *text; /* that the stream reads, if it is no file; or NULL */
 } opened;
 
 static struct {
@@ -68,11 +71,16 @@ static void flush(struct aiFile *file)
     (void)file;
 }
 
+static bool has_ending(const char *path, const char *ending)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && strcasecmp(dot, ending) == 0;
+}
+
 static bool is_text_with_mark(FILE *stream, const char *path)
 {
-    const char *ending = strrchr(path, '.');
     char first[3];
-    return ending && (strcasecmp(ending, ".obj") == 0 || strcasecmp(ending, ".mtl") == 0) &&
+    return (has_ending(path, ".obj") || has_ending(path, ".mtl")) &&
            fread(first, 1, 3, stream) == 3 && memcmp(first, "\xef\xbb\xbf", 3) == 0;
 }
 
@@ -82,14 +90,39 @@ static int mtl_count;
 
 static void keep_mtl(const char *path)
 {
-    const char *ending = strrchr(path, '.');
-    if (ending && strcasecmp(ending, ".mtl") == 0 && mtl_count < most_mtls)
+    if (has_ending(path, ".mtl") && mtl_count < most_mtls)
         snprintf(mtls[mtl_count++], sizeof *mtls, "%s", path);
 }
 
 const char *rk_mesh_io_mtl(int i)
 {
     return i < mtl_count ? mtls[i] : NULL;
+}
+
+/* The stream is closed; NULL if memory is short. */
+static FILE *open_known_lines(FILE *file, opened *o)
+{
+    FILE *stream = NULL;
+    if (rk_mesh_mtl_copy_known(file, &o->text, &o->size))
+        stream = fmemopen(o->text, o->size, "rb");
+    fclose(file);
+    return stream;
+}
+
+static FILE *open_stream(const char *path, opened *o)
+{
+    const bool is_replaced = replaced.path && strcmp(path, replaced.path) == 0;
+    if (is_replaced)
+        o->size = replaced.size;
+    FILE *stream = is_replaced ? fmemopen(replaced.text, replaced.size, "rb") : fopen(path, "rb");
+    if (!stream)
+        return NULL;
+    o->skipped = is_text_with_mark(stream, path) ? 3 : 0;
+    fseek(stream, o->skipped, SEEK_SET);
+    if (!has_ending(path, ".mtl"))
+        return stream;
+    o->skipped = 0;
+    return open_known_lines(stream, o);
 }
 
 static struct aiFile *open_file(struct aiFileIO *io, const char *path, const char *mode)
@@ -100,29 +133,27 @@ static struct aiFile *open_file(struct aiFileIO *io, const char *path, const cha
         return NULL;
     rk_mesh_guard_allow(&status);
     opened *o = malloc(sizeof *o);
-    bool is_replaced = replaced.path && strcmp(path, replaced.path) == 0;
-    FILE *stream = !o            ? NULL
-                   : is_replaced ? fmemopen(replaced.text, replaced.size, "rb")
-                                 : fopen(path, "rb");
-    if (!stream) {
+    if (!o)
+        return NULL;
+    *o = (opened){{read_items, write_nothing, tell, size_of, seek, flush, NULL},
+                  .size = (size_t)status.st_size};
+    o->stream = open_stream(path, o);
+    if (!o->stream) {
+        free(o->text);
         free(o);
         return NULL;
     }
-    long skipped = is_text_with_mark(stream, path) ? 3 : 0;
-    fseek(stream, skipped, SEEK_SET);
     keep_mtl(path);
-    *o = (opened){{read_items, write_nothing, tell, size_of, seek, flush, NULL},
-                  stream,
-                  skipped,
-                  is_replaced ? replaced.size : (size_t)status.st_size};
     return &o->file;
 }
 
 static void close_file(struct aiFileIO *io, struct aiFile *file)
 {
     (void)io;
-    fclose(((opened *)file)->stream);
-    free(file);
+    opened *o = (opened *)file;
+    fclose(o->stream);
+    free(o->text);
+    free(o);
 }
 
 struct aiFileIO rk_mesh_io = {open_file, close_file, NULL};

@@ -118,6 +118,42 @@ static bool read_file(rk_mesh_mtl *mtl, const char *file_path, rk_error *error)
     return ok;
 }
 
+/* A name follows, or at least one number. */
+static bool is_known(const char *line)
+{
+    static const char *const with_name[] = {"newmtl", "bump", "disp", "refl", "norm"};
+    static const char *const with_number[] = {"Ka", "Kd", "Ks", "Ke", "Ns",
+                                              "Ni", "d",  "Tr", "Tf", "illum"};
+    const size_t length = strcspn(line, blanks);
+    char *end;
+    if (length > 4 && strncasecmp(line, "map_", 4) == 0)
+        return true;
+    for (size_t i = 0; i < sizeof with_name / sizeof *with_name; i++)
+        if (is_word(line, length, with_name[i]))
+            return true;
+    for (size_t i = 0; i < sizeof with_number / sizeof *with_number; i++)
+        if (is_word(line, length, with_number[i]))
+            return strtof(line + length, &end), end != line + length;
+    return false;
+}
+
+bool rk_mesh_mtl_copy_known(FILE *file, char **text, size_t *size)
+{
+    FILE *out = open_memstream(text, size);
+    char *line = NULL;
+    size_t room = 0;
+    if (!out)
+        return false;
+    fputc('\n', out); /* never empty */
+    while (getline(&line, &room, file) >= 0) {
+        const char *start = line + strspn(line, blanks);
+        if (is_known(start))
+            fprintf(out, "%s", start);
+    }
+    free(line);
+    return fclose(out) == 0;
+}
+
 bool rk_mesh_mtl_read(rk_mesh_mtl *mtl, rk_error *error)
 {
     bool ok = true;

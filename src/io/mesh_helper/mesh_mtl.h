@@ -5,6 +5,7 @@
 #include "base/error.h"
 
 #include <stdint.h>
+#include <stdio.h>
 
 typedef struct rk_mesh_mtl_material {
     char name[256];
@@ -21,6 +22,10 @@ typedef struct rk_mesh_mtl {
  * short. */
 bool rk_mesh_mtl_read(rk_mesh_mtl *mtl, rk_error *error);
 void rk_mesh_mtl_free(rk_mesh_mtl *mtl);
+
+/* Copies the lines of an MTL file that Assimp understands into `text`, to free(): it refuses a file
+ * for one other line, such as aniso, which Blender writes. False when memory is short. */
+bool rk_mesh_mtl_copy_known(FILE *file, char **text, size_t *size);
 
 /* Returns the first material of that name, as Assimp does, or NULL. */
 const rk_mesh_mtl_material *rk_mesh_mtl_find(const rk_mesh_mtl *mtl, const char *name);

@@ -19,6 +19,17 @@ static inline void rewrite_skip(mesh_rewrite *r, const char *from, const char *t
     r->copied = to;
 }
 
+/* Writes a zero before each number of the text that begins with its point, which Assimp does not
+ * take for one. */
+static inline void rewrite_points_of_numbers(mesh_rewrite *r, const char *from, const char *to)
+{
+    for (const char *at = from; at < to; at++)
+        if (*at == '.' && (at == from || strchr(" \t+-", at[-1]))) {
+            rewrite_skip(r, at, at);
+            fputc('0', r->out);
+        }
+}
+
 /* Coordinates in single precision keep 1 / 16,777,216 of their distance from the origin, so those
  * of a mesh that is far away are taken from its first vertex. */
 typedef struct mesh_extent {

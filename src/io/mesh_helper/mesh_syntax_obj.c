@@ -1,9 +1,10 @@
 /* io/mesh_helper/mesh_syntax.h for Wavefront OBJ, in two passes: the first checks and counts; if
  * something is to be left out, moved or found elsewhere, the second writes a corrected text. An
  * index of a vertex that is not there ends the first: a line is lost, so others may be wrong, too.
- * One statement per line: v and vn with three numbers, vt with one to three, f with corners v,
- * v/vt, v//vn or v/vt/vn, whose indices count from 1, or backwards from the latest. Format:
- * Wavefront's Advanced Visualizer manual, appendix B1. */
+ * One statement per line: v and vn with three numbers (after v, a fourth is the weight of a curve's
+ * point, which faces do not use, and three more are its colour), vt with one to three, f with
+ * corners v, v/vt, v//vn or v/vt/vn, whose indices count from 1, or backwards from the latest.
+ * Format: Wavefront's Advanced Visualizer manual, appendix B1. */
 #include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
@@ -33,6 +34,8 @@ typedef struct obj_parser {
     size_t short_corners;                 /* of the first short face */
     mesh_extent extent;
     bool has_unfinite; /* positions */
+    bool has_weights;  /* a fourth number of a vertex, by which Assimp would divide */
+    bool has_points;   /* numbers that begin with one, which Assimp does not read */
     bool renames_library;
     char lost[512]; /* a material file that is missing, or "" */
     size_t lost_line;
@@ -54,9 +57,45 @@ static void note_position(obj_parser *s, const double at[3])
     extent_add(&s->extent, at);
 }
 
+static bool begins_with_point(const char *from, const char *to)
+{
+    for (const char *at = from; at < to && (at = memchr(at, '.', (size_t)(to - at))); at++)
+        if (at == from || strchr(" \t+-", at[-1]))
+            return true;
+    return false;
+}
+
+/* Numbers that begin with their point are told, or mended. */
+static void mend_points(obj_parser *s, const char *from, const char *to)
+{
+    if (!s->rewrite)
+        s->has_points |= begins_with_point(from, to);
+    else if (s->rewrite->copied < to)
+        rewrite_points_of_numbers(s->rewrite, s->rewrite->copied > from ? s->rewrite->copied : from,
+                                  to);
+}
+
+static const char *line_end(const text_cursor *c)
+{
+    const char *newline = memchr(c->at, '\n', (size_t)(c->end - c->at));
+    return newline ? newline : c->end;
+}
+
+static void skip_weight(obj_parser *s, text_cursor *c)
+{
+    text_cursor next = *c;
+    if (!text_read_finite(&next) || !text_line_ended(&next))
+        return;
+    s->has_weights = true;
+    if (s->rewrite)
+        rewrite_skip(s->rewrite, c->at, next.at);
+    *c = next;
+}
+
 static bool parse_position(obj_parser *s, text_cursor *c, rk_error *error)
 {
     size_t line = c->line;
+    const char *from = c->at;
     double at[3];
     if (s->rewrite)
         rewrite_point(s->rewrite, c, extent_origin(&s->extent));
@@ -64,6 +103,9 @@ static bool parse_position(obj_parser *s, text_cursor *c, rk_error *error)
         return rk_fail(error, "%s:%zu: a v line needs three numbers: %s", s->path, line, remedy);
     else
         note_position(s, at);
+    mend_points(s, from, c->at);
+    skip_weight(s, c);
+    mend_points(s, c->at, line_end(c));
     s->count[POSITION]++;
     return true;
 }
@@ -78,8 +120,10 @@ static void parse_attribute(obj_parser *s, text_cursor *c, int kind)
     while (found < needed && text_read_finite(c))
         found++;
     s->count[kind]++;
-    if (found == needed)
+    if (found == needed) {
+        mend_points(s, from, line_end(c));
         return;
+    }
     count_fault(s, UNFINITE, line);
     if (!s->rewrite)
         return;
@@ -322,7 +366,7 @@ bool rk_mesh_syntax_obj(const char *path, const char *text, size_t size, rk_mesh
                 path, s.lost_line, s.lost, hints->plain ? "all" : "its");
     hints->faces = s.faces;
     hints->corners = s.corners;
-    bool whole = !s.has_unfinite &&
+    bool whole = !s.has_unfinite && !s.has_weights && !s.has_points &&
                  s.faults[SHORT_FACE] + s.faults[LACKING_FACE] + s.faults[UNFINITE] == 0 &&
                  !extent_is_far(&s.extent) && s.largest[TEXCOORD] <= s.count[TEXCOORD] &&
                  s.largest[NORMAL] <= s.count[NORMAL] && (!s.renames_library || hints->plain);
