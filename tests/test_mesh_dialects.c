@@ -64,10 +64,191 @@ static void a_line_that_assimp_does_not_know_costs_no_material(void **state)
     }
 }
 
+/* --- PLY ------------------------------------------------------------------------------------ */
+
+#define PLY(encoding, count) "ply\nformat " encoding " 1.0\nelement vertex " #count "\n"
+#define XYZ "property float x\nproperty float y\nproperty float z\n"
+#define FACES(count) "element face " #count "\nproperty list uchar int vertex_indices\n"
+#define SQUARE "0 0 0\n1 0 0\n1 1 0\n0 1 0\n"
+
+static void check_texcoord_at(const rk_mesh *mesh, uint32_t triangle, int k, float u, float v)
+{
+    const rk_vec2 got = mesh->texcoords[mesh->triangles[triangle][k]];
+    rk_check(got.x == u && got.y == v, "triangle %u, corner %d: got (%g, %g), want (%g, %g)",
+             triangle, k, (double)got.x, (double)got.y, (double)u, (double)v);
+}
+
+static void write_picture(const char *name)
+{
+    test_folder_write(&folder, name, "P6\n1 1\n255\n\377\0\0", 14, 0600);
+}
+
+static void comments_of_a_ply_may_stand_anywhere(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text(
+        "remarks.ply",
+        "ply\ncomment a\nformat ascii 1.0\nelement vertex 4\ncomment b\n"
+        "property float x\nobj_info c\nproperty float y\nproperty float z\n"
+        "comment d\nelement face 1\ncomment e\n"
+        "property list uchar int vertex_indices\ncomment f\nend_header\n" SQUARE "4 0 1 2 3\n"));
+    rk_check_equal(mesh.triangle_count, 2, "a square");
+    check_point(vector_area(&mesh, 1), 0, 0, 0.5f);
+    rk_mesh_free(&mesh);
+}
+
+/* Two faces that share an edge, on which they have different texture coordinates; the second has
+ * none in the last file. MeshLab writes these lists. */
+static void texture_coordinates_of_a_plys_corners_are_their_own(void **state)
+{
+    (void)state;
+    write_picture("a.ppm");
+#define WEDGES                                                                                     \
+    PLY("ascii", 5)                                                                                \
+    "comment TextureFile a.ppm\n" XYZ FACES(                                                       \
+        2) "property list uchar float texcoord\nend_header\n" SQUARE "2 0 0\n"
+    rk_mesh mesh = load(write_text("wedges.ply", WEDGES "4 0 1 2 3 8 0 0 1 0 1 1 0 1\n"
+                                                        "3 1 4 2 6 0.25 0 0.5 0 0.75 1\n"));
+    rk_check_equal(mesh.triangle_count, 3, "a square and a triangle");
+    for (uint32_t i = 0; i < 2; i++)
+        for (int k = 0; k < 3; k++) {
+            const rk_vec3 at = corner(&mesh, i, k);
+            check_texcoord_at(&mesh, i, k, at.x, at.y);
+        }
+    check_texcoord_at(&mesh, 2, 0, 0.25f, 0);
+    check_texcoord_at(&mesh, 2, 1, 0.5f, 0);
+    check_texcoord_at(&mesh, 2, 2, 0.75f, 1);
+    rk_mesh_free(&mesh);
+    mesh = load(write_text("some.ply", WEDGES "4 0 1 2 3 0\n3 1 4 2 6 .25 0 .5 0 .75 1\n"));
+    check_texcoord_at(&mesh, 0, 1, 0, 0);
+    check_texcoord_at(&mesh, 2, 2, 0.75f, 1);
+    rk_mesh_free(&mesh);
+#undef WEDGES
+}
+
+static rk_mesh load_binary(const char *name, const char *header, const void *rows, size_t size)
+{
+    char bytes[1000];
+    const size_t length = strlen(header);
+    memcpy(bytes, header, length);
+    memcpy(bytes + length, rows, size);
+    return load(test_folder_write(&folder, name, bytes, length + size, 0600));
+}
+
+/* The first number's lowest byte, and its highest, is each of the bytes that text has between
+ * lines and words. */
+static void rows_of_a_binary_ply_may_begin_with_any_byte(void **state)
+{
+    (void)state;
+    static const char bytes[] = "\n\r \t";
+    for (int i = 0; i < 4; i++)
+        for (int big = 0; big < 2; big++) {
+            const char first = bytes[i];
+            char rows[9 * 4 + 13] = {0};
+            memcpy(rows, big ? (char[]){first, 0, 0, 0} : (char[]){first, 0, (char)0x80, 63}, 4);
+            memcpy(rows + 12, big ? "\77\200\0" : "\0\0\200\77", 4); /* 1 */
+            memcpy(rows + 28, big ? "\77\200\0" : "\0\0\200\77", 4);
+            memcpy(rows + 36, big ? "\3\0\0\0\0\0\0\0\1\0\0\0\2" : "\3\0\0\0\0\1\0\0\0\2\0\0", 13);
+            rk_mesh mesh =
+                load_binary("first.ply",
+                            big ? PLY("binary_big_endian", 3) XYZ FACES(1) "end_header\n"
+                                : PLY("binary_little_endian", 3) XYZ FACES(1) "end_header\n",
+                            rows, sizeof rows);
+            uint32_t bits = big ? (uint32_t)first << 24 : 0x3f800000u + (uint32_t)first;
+            float x;
+            memcpy(&x, &bits, sizeof x);
+            check_point(corner(&mesh, 0, 0), x, 0, 0);
+            check_point(corner(&mesh, 0, 1), 1, 0, 0);
+            check_point(corner(&mesh, 0, 2), 0, 1, 0);
+            rk_mesh_free(&mesh);
+        }
+}
+
+static void what_a_plys_faces_look_like_is_drawn_or_told(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text, *note;
+    } files[] = {
+        {PLY("ascii", 4) "comment TextureFile a.ppm\ncomment TextureFile b.ppm\n" XYZ FACES(
+             2) "property list uchar float texcoord\nproperty int texnumber\nend_header\n" SQUARE
+                "3 0 1 2 6 0 0 1 0 1 1 0\n3 0 2 3 6 0 0 1 1 0 1 1\n",
+         "has several pictures for its faces (texnumber)"},
+        {PLY("ascii", 4) XYZ FACES(2) "property int material_index\n"
+                                      "element material 2\nproperty uchar diffuse_red\n"
+                                      "end_header\n" SQUARE "3 0 1 2 0\n3 0 2 3 1\n255\n0\n",
+         "has several materials for its faces (material_index)"},
+        {PLY("ascii", 4) XYZ FACES(1) "element edge 1\nproperty int vertex1\n"
+                                      "end_header\n" SQUARE "3 0 1 2\n0\n",
+         "has \"edge\" elements, which the picture does not show"},
+        {PLY("ascii", 4) XYZ
+         "property uchar diffuse_red\n" FACES(1) "end_header\n"
+                                                 "0 0 0 1\n1 0 0 1\n1 1 0 1\n0 1 0 1\n3 0 1 2\n",
+         "has colours of vertices as diffuse_red"},
+    };
+    write_picture("a.ppm");
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        rk_mesh mesh = load_with_note(write_text("told.ply", files[i].text), files[i].note);
+        rk_mesh_free(&mesh);
+    }
+    rk_mesh mesh = load(write_text(
+        "one.ply", PLY("ascii", 4) XYZ FACES(2) "property int material_index\nelement edge 0\n"
+                                                "property int vertex1\nend_header\n" SQUARE
+                                                "3 0 1 2 7\n3 0 2 3 7\n"));
+    rk_mesh_free(&mesh);
+}
+
+/* --- colours -------------------------------------------------------------------------------- */
+
+/* A square of vertices of which one has no number as its red; of a fan of two, one face has it. */
+static void colours_that_are_no_numbers_are_counted_and_drawn_as_0(void **state)
+{
+    static const struct {
+        const char *name, *text, *count;
+    } files[] = {
+        {"nan.obj",
+         "v 0 0 0 .5 .5 .5\nv 1 0 0 nan .5 .5\nv 1 1 0 .5 .5 .5\nv 0 1 0 .5 .5 .5\n"
+         "f 1 2 3\nf 1 3 4\n",
+         "1 face has"},
+        {"nan.ply",
+         PLY("ascii", 4) XYZ
+         "property float red\nproperty float green\n"
+         "property float blue\n" FACES(2) "end_header\n"
+                                          "0 0 0 nan .5 .5\n1 0 0 .5 .5 .5\n1 1 0 .5 .5 .5\n"
+                                          "0 1 0 .5 .5 .5\n3 0 1 2\n3 0 2 3\n",
+         "2 faces have"},
+        {"faces.ply",
+         PLY("ascii", 4) XYZ FACES(2) "property float red\nproperty float green\n"
+                                      "property float blue\nend_header\n" SQUARE
+                                      "3 0 1 2 inf .5 .5\n3 0 2 3 .5 .5 .5\n",
+         "1 face has"},
+    };
+    (void)state;
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        rk_mesh mesh = load_with_note(write_text(files[i].name, files[i].text), files[i].count);
+        float least = 1, most = 0;
+        for (uint32_t k = 0; k < mesh.vertex_count; k++) {
+            least = fminf(least, mesh.colours[k].x);
+            most = fmaxf(most, mesh.colours[k].x);
+        }
+        rk_check(least == 0, "%s: nan is drawn as %g, want 0", files[i].name, (double)least);
+        rk_check_close(most, rk_srgb_decode(0.5f), 1e-6, "the others keep theirs");
+        rk_mesh_free(&mesh);
+        mesh = load_with_note(write_text(files[i].name, files[i].text),
+                              "a colour that is not a finite number (nan or inf)");
+        rk_mesh_free(&mesh);
+    }
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(numbers_of_an_obj_may_begin_with_their_point),
     cmocka_unit_test(a_vertex_weight_moves_nothing),
     cmocka_unit_test(a_line_that_assimp_does_not_know_costs_no_material),
+    cmocka_unit_test(comments_of_a_ply_may_stand_anywhere),
+    cmocka_unit_test(texture_coordinates_of_a_plys_corners_are_their_own),
+    cmocka_unit_test(rows_of_a_binary_ply_may_begin_with_any_byte),
+    cmocka_unit_test(what_a_plys_faces_look_like_is_drawn_or_told),
+    cmocka_unit_test(colours_that_are_no_numbers_are_counted_and_drawn_as_0),
 };
 
 RK_SUITE_IN("mesh_dialects", tests, make_folder, remove_folder)

@@ -19,7 +19,7 @@ static bool has_ending(const char *path, const char *const *endings)
 static void see(rk_mesh_colours *colours, rk_vec3 rgb)
 {
     colours->any |= !(rgb.x == 1 && rgb.y == 1 && rgb.z == 1);
-    if (rgb.x > 1 || rgb.y > 1 || rgb.z > 1)
+    if (isfinite(rgb.x + rgb.y + rgb.z) && (rgb.x > 1 || rgb.y > 1 || rgb.z > 1))
         colours->scale = 1 / 255.0f;
 }
 
@@ -75,7 +75,7 @@ void rk_mesh_colours_free(rk_mesh_colours *colours)
 
 static float linear(const rk_mesh_colours *colours, float value)
 {
-    value *= colours->scale;
+    value = isfinite(value) ? value * colours->scale : 0;
     if (!colours->is_linear)
         return rk_srgb_decode(value);
     return value > 0 ? (value < 1 ? value : 1) : 0;
@@ -91,8 +91,11 @@ rk_vec3 rk_mesh_colours_next_face(rk_mesh_colours *colours, uint32_t corners)
 {
     while (colours->next_face < colours->face_count) {
         const rk_mesh_colours_face *face = &colours->faces[colours->next_face++];
-        if (face->corners == corners)
-            return face->rgb.x >= 0 ? rk_mesh_colour(colours, face->rgb) : rk_vec(1, 1, 1);
+        if (face->corners != corners)
+            continue;
+        colours->is_unfinite = !isfinite(face->rgb.x + face->rgb.y + face->rgb.z);
+        return face->rgb.x >= 0 || colours->is_unfinite ? rk_mesh_colour(colours, face->rgb)
+                                                        : rk_vec(1, 1, 1);
     }
     return rk_vec(1, 1, 1);
 }

@@ -22,6 +22,7 @@ typedef struct rk_mesh_colours {
     bool is_linear; /* else sRGB-encoded */
     bool replace;   /* they are the diffuse colours, where no picture is; else they multiply them */
     float scale;    /* to [0, 1] */
+    bool is_unfinite; /* the face that was taken last has nan or inf in its colour */
     uint32_t face_count, next_face;
     rk_mesh_colours_face *faces; /* of an OFF or PLY file without colours of vertices, or NULL */
 } rk_mesh_colours;
@@ -35,7 +36,8 @@ bool rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene,
                           rk_mesh_hints *hints, rk_error *error);
 void rk_mesh_colours_free(rk_mesh_colours *colours);
 
-/* Returns the colour, linear and clamped to [0, 1]; NaN becomes 0. */
+/* Returns the colour, linear and clamped to [0, 1]; NaN and infinities
+ * become 0. */
 rk_vec3 rk_mesh_colour(const rk_mesh_colours *colours, rk_vec3 rgb);
 
 static inline rk_vec3 rk_mesh_colours_rgb(const struct aiColor4D *colour)

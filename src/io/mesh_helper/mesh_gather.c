@@ -32,8 +32,9 @@ typedef struct gather {
     rk_mesh_mtl mtl;
     rk_mesh_left_out left;
     bool drew_tr_one;
-    size_t unfinite_faces;
-    bool replaced; /* a normal or a texture coordinate that is not finite */
+    size_t unfinite_faces, black_faces;
+    float (*wedges)[2]; /* of the faces from here on, or NULL */
+    bool replaced;      /* a normal or a texture coordinate that is not finite */
     rk_vertex_pool pool;
     uint32_t (*triangles)[3];
     uint16_t *triangle_materials;
@@ -193,8 +194,8 @@ static bool is_finite_face(const part *p, const struct aiFace *face)
 
 /* A vertex with a normal of its own, or in a mesh without normals, is the same for all its faces
  * and is looked up once; one that takes its face's normal belongs to that face. */
-static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, uint32_t *index,
-                        rk_error *error)
+static bool emit_corner(gather *g, part *p, const uint32_t corners[3], const uint32_t places[3],
+                        int k, uint32_t *index, rk_error *error)
 {
     uint32_t source = corners[k];
     if (p->numbers[source]) {
@@ -210,7 +211,9 @@ static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, ui
     if (!own)
         vertex.normal = face_normal(position_of(p, corners[0]), position_of(p, corners[1]),
                                     position_of(p, corners[2]));
-    if (p->texcoords)
+    if (p->texcoords && g->wedges)
+        vertex.texcoord = (rk_vec2){g->wedges[places[k]][0], g->wedges[places[k]][1]};
+    else if (p->texcoords)
         vertex.texcoord = move_texcoord(&p->transform, &p->texcoords[source]);
     if (!isfinite(vertex.texcoord.x + vertex.texcoord.y)) {
         vertex.texcoord = (rk_vec2){0, 0};
@@ -219,7 +222,7 @@ static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, ui
     vertex.colour = p->colours
                         ? rk_mesh_colour(&g->colours, rk_mesh_colours_rgb(&p->colours[source]))
                         : p->face_colour;
-    own &= g->colours.face_count == 0;
+    own &= g->colours.face_count == 0 && !g->wedges;
     if (!rk_vertex_pool_add(&g->pool, &vertex, index, error))
         return false;
     if (own)
@@ -227,12 +230,14 @@ static bool emit_corner(gather *g, part *p, const uint32_t corners[3], int k, ui
     return true;
 }
 
-static bool emit_triangle(gather *g, part *p, const uint32_t corners[3], rk_error *error)
+/* `places` are the corners' numbers within their face. */
+static bool emit_triangle(gather *g, part *p, const uint32_t corners[3], const uint32_t places[3],
+                          rk_error *error)
 {
     if (g->triangle_count == g->triangle_room && !grow_triangles(g, error))
         return false;
     for (int k = 0; k < 3; k++)
-        if (!emit_corner(g, p, corners, k, &g->triangles[g->triangle_count][k], error))
+        if (!emit_corner(g, p, corners, places, k, &g->triangles[g->triangle_count][k], error))
             return false;
     g->triangle_materials[g->triangle_count++] = p->material;
     return true;
@@ -271,7 +276,7 @@ static bool emit_polygon(gather *g, part *p, const struct aiFace *face, rk_error
         const uint32_t *corner = p->triangles[i];
         uint32_t triangle[3] = {face->mIndices[corner[0]], face->mIndices[corner[1]],
                                 face->mIndices[corner[2]]};
-        if (!emit_triangle(g, p, triangle, error))
+        if (!emit_triangle(g, p, triangle, corner, error))
             return false;
     }
     return true;
@@ -343,6 +348,18 @@ static bool find_material(gather *g, part *p, rk_error *error)
     return true;
 }
 
+static bool has_unfinite_colour(const gather *g, const part *p, const struct aiFace *face)
+{
+    if (g->colours.face_count > 0)
+        return g->colours.is_unfinite;
+    for (uint32_t i = 0; p->colours && i < face->mNumIndices; i++) {
+        const struct aiColor4D *c = &p->colours[face->mIndices[i]];
+        if (!(isfinite(c->r) && isfinite(c->g) && isfinite(c->b)))
+            return true;
+    }
+    return false;
+}
+
 static bool emit_faces(gather *g, part *p, rk_error *error)
 {
     bool has_material = false;
@@ -357,13 +374,15 @@ static bool emit_faces(gather *g, part *p, rk_error *error)
         has_material = true;
         if (g->colours.face_count > 0)
             p->face_colour = rk_mesh_colours_next_face(&g->colours, face->mNumIndices);
-        if (!is_finite_face(p, face)) {
+        g->black_faces += has_unfinite_colour(g, p, face);
+        if (!is_finite_face(p, face))
             g->unfinite_faces++;
-            continue;
-        }
-        if (face->mNumIndices == 3 ? !emit_triangle(g, p, face->mIndices, error)
-                                   : !emit_polygon(g, p, face, error))
+        else if (face->mNumIndices == 3
+                     ? !emit_triangle(g, p, face->mIndices, (const uint32_t[3]){0, 1, 2}, error)
+                     : !emit_polygon(g, p, face, error))
             return false;
+        if (g->wedges)
+            g->wedges += face->mNumIndices;
     }
     return true;
 }
@@ -478,6 +497,11 @@ static void tell(gather *g, rk_mesh_hints *hints)
         rk_mesh_hints_note(hints, g->path,
                            "%zu %s left out: a corner is not a finite number (nan or inf)",
                            g->unfinite_faces, g->unfinite_faces == 1 ? "face is" : "faces are");
+    if (g->black_faces > 0)
+        rk_mesh_hints_note(hints, g->path,
+                           "%zu %s a colour that is not a finite number (nan or inf), which is "
+                           "drawn as 0",
+                           g->black_faces, g->black_faces == 1 ? "face has" : "faces have");
     if (g->replaced)
         rk_mesh_hints_note(hints, g->path,
                            "some normals or texture coordinates are not finite numbers, and are "
@@ -497,6 +521,8 @@ bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiSc
         g.any_normals |= scene->mMeshes[i]->mNormals != NULL;
         g.any_texcoords |= scene->mMeshes[i]->mTextureCoords[0] != NULL;
     }
+    if (scene->mNumMeshes == 1 && hints->wedge_count == hints->corners)
+        g.wedges = hints->wedges;
     const placement world = {{{1, 0, 0, 0}, {0, 1, 0, 0}, {0, 0, 1, 0}}, true};
     const size_t keys = variants * ((size_t)scene->mNumMaterials + 1);
     g.material_numbers = rk_allocate(keys, sizeof *g.material_numbers, path, error);

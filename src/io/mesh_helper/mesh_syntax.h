@@ -17,6 +17,9 @@ typedef struct rk_mesh_hints {
     size_t vertices;       /* the same; 0 where Assimp makes one of each corner, as of OBJ */
     struct rk_mesh_colours_face *face_colours; /* of a PLY file, one a face, or NULL */
     size_t face_colour_count;
+    float (*wedges)[2]; /* texture coordinates of a PLY file's corners, face by face of three or
+                           more; or NULL */
+    size_t wedge_count;
     char folders[RK_MESH_HINTS_FOLDERS][1024]; /* of material files, relative, with a slash */
     int folder_count;
 } rk_mesh_hints;

@@ -2,6 +2,7 @@
  * their counts and properties, then the rows, as text or binary. All counts are checked against the
  * rows. Format: Greg Turk, "The PLY Polygon File Format", Stanford University, 1994. */
 #include "io/mesh_helper/mesh_colours.h"
+#include "io/mesh_helper/mesh_ply_header.h"
 #include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
@@ -33,7 +34,14 @@ typedef struct ply_property {
     bool is_geometry; /* a coordinate that must be finite, or a list of vertex indices */
     int axis;         /* 0 to 2: x, y, z of a vertex; or -1 */
     int channel;      /* 0 to 2: red, green, blue of a face; or -1 */
+    int label;        /* that divides the faces, see labels; or -1 */
+    bool is_wedge;    /* a list of texture coordinates, a pair for each corner of the face */
 } ply_property;
+
+/* Numbers of a face by which some programs say what it looks like. */
+enum { PICTURE, MATERIAL, labels };
+static const char *const label_names[labels] = {"texnumber", "material_index"};
+static const char *const label_meanings[labels] = {"several pictures", "several materials"};
 
 typedef struct ply_element {
     char name[32];
@@ -53,6 +61,14 @@ typedef struct ply_parser {
     double at[3];  /* of the vertex being read */
     double rgb[3]; /* of the face being read, as sRGB from 0 to 1 if bytes */
     uint32_t face_corners;
+    float *wedges; /* of the face being read: at most two for each corner */
+    size_t wedge_values, wedge_room;
+    double label[labels];      /* of the first face */
+    bool differs[labels];      /* some face has another */
+    bool labelled[labels];     /* a face was read */
+    bool has_misplaced_remark; /* a comment before the format or after an element */
+    bool has_format;
+    bool has_diffuse;  /* colours of vertices by names that Assimp does not know */
     bool has_unfinite; /* coordinates */
     bool moving;       /* the second pass */
     char *moved;       /* then of a binary file: a copy of its text */
@@ -92,6 +108,7 @@ static bool read_format(ply_parser *s, text_cursor *c, rk_error *error)
         for (int i = ASCII; i <= BIG; i++)
             if (strcmp(word, names[i]) == 0) {
                 s->encoding = i;
+                s->has_format = true;
                 return true;
             }
     return fail_header(s, c->line,
@@ -155,6 +172,12 @@ static bool read_property(ply_parser *s, text_cursor *c, rk_error *error)
                  : strcmp(word, "green") == 0               ? 1
                  : strcmp(word, "blue") == 0                ? 2
                                                             : -1;
+    p->label = -1;
+    for (int i = 0; i < labels && !p->is_list && strcmp(e->name, "face") == 0; i++)
+        if (strcmp(word, label_names[i]) == 0)
+            p->label = i;
+    p->is_wedge = p->is_list && strcmp(e->name, "face") == 0 && strcmp(word, "texcoord") == 0;
+    s->has_diffuse |= strcmp(e->name, "vertex") == 0 && strcmp(word, "diffuse_red") == 0;
     return true;
 }
 
@@ -172,6 +195,8 @@ static bool read_header(ply_parser *s, text_cursor *c, rk_error *error)
             text_next_line(c);
             return true;
         }
+        const bool is_remark = strcmp(word, "comment") == 0 || strcmp(word, "obj_info") == 0;
+        s->has_misplaced_remark |= is_remark && (s->element_count > 0 || !s->has_format);
         if (strcmp(word, "format") == 0)
             ok = read_format(s, c, error);
         else if (strcmp(word, "element") == 0)
@@ -223,6 +248,38 @@ static bool parse_text_index(ply_parser *s, text_cursor *c, bool is_vertex, rk_e
     return true;
 }
 
+static void see_label(ply_parser *s, int label, double value)
+{
+    if (!s->labelled[label])
+        s->label[label] = value;
+    s->differs[label] |= value != s->label[label];
+    s->labelled[label] = true;
+}
+
+static bool keep_wedge_value(ply_parser *s, double value, rk_error *error)
+{
+    if (s->wedge_values == s->wedge_room) {
+        const size_t room = s->wedge_room ? 2 * s->wedge_room : 64;
+        void *larger = realloc(s->wedges, room * sizeof *s->wedges);
+        if (!larger)
+            return rk_fail(error, "%s: no memory for its texture coordinates: simplify the mesh",
+                           s->path);
+        s->wedges = larger;
+        s->wedge_room = room;
+    }
+    s->wedges[s->wedge_values++] = (float)value;
+    return true;
+}
+
+static bool parse_text_wedge(ply_parser *s, text_cursor *c, rk_error *error)
+{
+    double value;
+    if (!text_read_coordinate(c, &value))
+        return rk_fail(error, "%s:%zu: a list's value is missing or not a number: %s", s->path,
+                       c->line, remedy);
+    return keep_wedge_value(s, value, error);
+}
+
 static void count_face(ply_parser *s, size_t corners)
 {
     s->face_corners = (uint32_t)corners;
@@ -267,6 +324,8 @@ static bool parse_text_number(ply_parser *s, text_cursor *c, const ply_property 
         return false;
     if (p->channel >= 0)
         s->rgb[p->channel] = strtod(word, NULL) * channel_scale(p->type);
+    if (p->label >= 0)
+        see_label(s, p->label, strtod(word, NULL));
     return true;
 }
 
@@ -295,11 +354,43 @@ static bool keep_face_colour(ply_parser *s, rk_error *error)
     return true;
 }
 
+static bool has_wedges(const ply_element *e)
+{
+    for (int k = 0; k < e->property_count; k++)
+        if (e->properties[k].is_wedge)
+            return true;
+    return false;
+}
+
+/* A face without texture coordinates takes the picture's corner. */
+static bool end_wedges(ply_parser *s, rk_error *error)
+{
+    rk_mesh_hints *h = s->hints;
+    const bool fits = s->wedge_values == 2 * (size_t)s->face_corners;
+    for (uint32_t i = 0; i < s->face_corners && s->face_corners >= 3; i++) {
+        if ((h->wedge_count & (h->wedge_count - 1)) == 0) {
+            void *room =
+                realloc(h->wedges, (h->wedge_count ? 2 * h->wedge_count : 1) * sizeof *h->wedges);
+            if (!room)
+                return rk_fail(
+                    error, "%s: no memory for its texture coordinates: simplify the mesh", s->path);
+            h->wedges = room;
+        }
+        for (int k = 0; k < 2; k++)
+            h->wedges[h->wedge_count][k] = fits ? s->wedges[2 * i + (uint32_t)k] : 0;
+        h->wedge_count++;
+    }
+    s->wedge_values = 0;
+    return true;
+}
+
 /* A vertex, a face, or something else. */
 static bool end_row(ply_parser *s, const ply_element *e, rk_error *error)
 {
     if (s->moving)
         return true;
+    if (strcmp(e->name, "face") == 0 && has_wedges(e) && !end_wedges(s, error))
+        return false;
     if (strcmp(e->name, "face") == 0 && has_face_colours(e))
         return keep_face_colour(s, error);
     if (strcmp(e->name, "vertex") != 0)
@@ -321,7 +412,8 @@ static bool parse_text_property(ply_parser *s, text_cursor *c, const ply_propert
         return rk_fail(error, "%s:%zu: a list's count is missing or not a number: %s", s->path,
                        c->line, remedy);
     for (long long i = 0; i < count; i++)
-        if (!parse_text_index(s, c, p->is_geometry, error))
+        if (p->is_wedge && !s->moving ? !parse_text_wedge(s, c, error)
+                                      : !parse_text_index(s, c, p->is_geometry, error))
             return false;
     if (p->is_geometry)
         count_face(s, (size_t)count);
@@ -428,6 +520,9 @@ static bool parse_binary_row(ply_parser *s, text_cursor *c, const ply_element *e
                 return false;
             if (p->is_geometry)
                 count_face(s, (size_t)count);
+            for (size_t i = 0; p->is_wedge && !s->moving && i < (size_t)count; i++)
+                if (!keep_wedge_value(s, read_value(s, c->at + i * size, p->type), error))
+                    return false;
             c->at += (size_t)count * size;
             continue;
         }
@@ -437,6 +532,8 @@ static bool parse_binary_row(ply_parser *s, text_cursor *c, const ply_element *e
             take_binary(s, c->at, p);
         if (p->channel >= 0)
             s->rgb[p->channel] = read_value(s, c->at, p->type) * channel_scale(p->type);
+        if (p->label >= 0)
+            see_label(s, p->label, read_value(s, c->at, p->type));
         c->at += size;
     }
     return end_row(s, e, error);
@@ -454,6 +551,36 @@ static bool parse_binary(ply_parser *s, text_cursor *c, rk_error *error)
 static bool parse_rows(ply_parser *s, text_cursor c, rk_error *error)
 {
     return s->encoding == ASCII ? parse_text(s, &c, error) : parse_binary(s, &c, error);
+}
+
+/* A name from the file, fit to be printed. */
+static const char *printable(char name[32])
+{
+    for (char *at = name; *at; at++)
+        if (*at < '!' || *at > '~')
+            *at = '?';
+    return name;
+}
+
+static void tell_what_is_not_drawn(ply_parser *s)
+{
+    for (int i = 0; i < labels; i++)
+        if (s->differs[i])
+            rk_mesh_hints_note(s->hints, s->path, "has %s for its faces (%s): the picture shows %s",
+                               label_meanings[i], label_names[i],
+                               i == PICTURE ? "one of them everywhere" : "none of them");
+    if (s->has_diffuse)
+        rk_mesh_hints_note(s->hints, s->path,
+                           "has colours of vertices as diffuse_red, diffuse_green and "
+                           "diffuse_blue, which the picture does not show: name them red, green "
+                           "and blue");
+    for (int i = 0; i < s->element_count; i++) {
+        ply_element *e = &s->elements[i];
+        if (e->count > 0 && strcmp(e->name, "vertex") != 0 && strcmp(e->name, "face") != 0)
+            rk_mesh_hints_note(s->hints, s->path,
+                               "has \"%s\" elements, which the picture does not show",
+                               printable(e->name));
+    }
 }
 
 /* Integers stay as they are. */
@@ -491,17 +618,31 @@ static bool write_moved(ply_parser *s, text_cursor rows, const char *text, size_
     return ok || rk_fail(error, "%s: no memory for its text: simplify the mesh", s->path);
 }
 
+static bool mend_header(const ply_parser *s, size_t rows, const char *text, size_t size,
+                        rk_error *error)
+{
+    const char *from = s->hints->text ? s->hints->text : text;
+    const bool begins_with_feed = s->encoding != ASCII && rows < size && from[rows] == '\n';
+    return rk_mesh_ply_header_mend(s->hints, text, size, rows, s->has_misplaced_remark,
+                                   begins_with_feed) ||
+           rk_fail(error, "%s: no memory for its text: simplify the mesh", s->path);
+}
+
 bool rk_mesh_syntax_ply(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error)
 {
     hints->plain = true;
     ply_parser s = {.path = path, .hints = hints};
     text_cursor c = text_begin(text, size);
-    if (!read_header(&s, &c, error) || !check_header(&s, error) || !parse_rows(&s, c, error))
+    bool ok = read_header(&s, &c, error) && check_header(&s, error) && parse_rows(&s, c, error);
+    free(s.wedges);
+    if (!ok)
         return false;
     for (int i = 0; i < s.element_count; i++)
         if (strcmp(s.elements[i].name, "tristrips") == 0)
             hints->faces = 0;
     hints->vertices = (size_t)s.vertices;
-    return !is_movable(&s) || write_moved(&s, c, text, size, error);
+    tell_what_is_not_drawn(&s);
+    return (!is_movable(&s) || write_moved(&s, c, text, size, error)) &&
+           mend_header(&s, (size_t)(c.at - text), text, size, error);
 }

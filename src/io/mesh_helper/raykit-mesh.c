@@ -238,5 +238,6 @@ int main(int argc, char **argv)
     if (*text)
         fprintf(stderr, "%s\n", text);
     free(hints.face_colours);
+    free(hints.wedges);
     return ok ? EXIT_SUCCESS : EXIT_FAILURE;
 }
