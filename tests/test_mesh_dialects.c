@@ -198,6 +198,63 @@ static void what_a_plys_faces_look_like_is_drawn_or_told(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* --- glTF ----------------------------------------------------------------------------------- */
+
+/* The common triangle, with these lines in the outermost object. */
+static test_path write_gltf(const char *lines)
+{
+    static char text[2000];
+    snprintf(
+        text, sizeof text,
+        "{\"asset\":{\"version\":\"2.0\",\"extras\":{\"extensionsRequired\":[\"OTHER_one\"],"
+        "\"note\":\"\\\"extensionsRequired\\\": [\"}},%s\"scene\":0,"
+        "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
+        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+        "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
+        "\"min\":[0,0,0],\"max\":[1,1,0]}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+        "\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64,"
+        "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}]}",
+        lines);
+    return write_text("extensions.gltf", text);
+}
+
+static void a_gltf_that_needs_what_is_not_read_is_refused(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"KHR_mesh_quantization", "EXT_meshopt_compression",
+                                        "EXT_mesh_gpu_instancing", "VENDOR_other"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
+        char lines[300];
+        snprintf(
+            lines, sizeof lines,
+            "\"extensionsUsed\":[\"%s\"], \"extensionsRequired\" :\n[\"KHR_texture_transform\", "
+            "\"%s\"],",
+            names[i], names[i]);
+        check_refused_path(write_gltf(lines).text, ": needs the glTF extension ", names[i]);
+    }
+    check_refused_path(write_gltf("\"extensionsUsed\":[\"KHR_mesh_quantization\"],").text,
+                       ": needs the glTF extension ", "KHR_mesh_quantization");
+}
+
+static void extensions_of_a_gltf_that_are_not_drawn_are_told(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load_with_note(
+        write_gltf("\"extensionsUsed\":[\"KHR_materials_transmission\",\"KHR_texture_transform\","
+                   "\"KHR_texture_basisu\"],\"extensionsRequired\":[\"KHR_texture_basisu\"],"),
+        "uses KHR_materials_transmission, KHR_texture_basisu, which the picture does not show");
+    rk_check_equal(mesh.triangle_count, 1, "it is drawn");
+    rk_mesh_free(&mesh);
+    mesh = load(write_gltf("\"extensionsUsed\":[\"KHR_texture_transform\"],"));
+    rk_mesh_free(&mesh);
+    mesh = load(write_gltf(""));
+    rk_mesh_free(&mesh);
+    rk_error error;
+    rk_check(!rk_mesh_file_read(&mesh, write_text("cut.gltf", "{\"extensionsUsed\":[\"a\\").text,
+                                &error),
+             "a file that is cut off was accepted");
+}
+
 /* --- colours -------------------------------------------------------------------------------- */
 
 /* A square of vertices of which one has no number as its red; of a fan of two, one face has it. */
@@ -248,6 +305,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(texture_coordinates_of_a_plys_corners_are_their_own),
     cmocka_unit_test(rows_of_a_binary_ply_may_begin_with_any_byte),
     cmocka_unit_test(what_a_plys_faces_look_like_is_drawn_or_told),
+    cmocka_unit_test(a_gltf_that_needs_what_is_not_read_is_refused),
+    cmocka_unit_test(extensions_of_a_gltf_that_are_not_drawn_are_told),
     cmocka_unit_test(colours_that_are_no_numbers_are_counted_and_drawn_as_0),
 };
 

@@ -88,7 +88,9 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
     if (has_ending(path, "off"))
         return rk_mesh_syntax_off(path, text, size, hints, error);
     if (has_ending(path, "glb"))
-        return rk_mesh_syntax_glb(path, text, size, error);
+        return rk_mesh_syntax_glb(path, text, size, hints, error);
+    if (has_ending(path, "gltf"))
+        return rk_mesh_syntax_gltf(path, text, size, hints, error);
     return true;
 }
 

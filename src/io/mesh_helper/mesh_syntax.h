@@ -39,6 +39,9 @@ bool rk_mesh_syntax_ply(const char *path, const char *text, size_t size, rk_mesh
                         rk_error *error);
 bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
-bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_error *error);
+bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error);
+bool rk_mesh_syntax_gltf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                         rk_error *error);
 
 #endif

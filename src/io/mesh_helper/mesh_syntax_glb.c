@@ -23,7 +23,8 @@ static bool check_chunk(const char *path, uint32_t claimed, size_t left, rk_erro
                    path, claimed, left);
 }
 
-bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_error *error)
+bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error)
 {
     if (size < 20 || memcmp(text, "glTF", 4) != 0)
         return rk_fail(error, "%s: is not a binary glTF file: does it have another format?", path);
@@ -40,5 +41,5 @@ bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_erro
             return false;
         at += claimed;
     }
-    return true;
+    return rk_mesh_syntax_gltf(path, text + 20, word_at(text, 12), hints, error);
 }
