@@ -363,6 +363,138 @@ static void every_format_arrives_linear(void **state)
     rk_cubemap_free(&map);
 }
 
+/* --- OpenEXR's own kinds ---------------------------------------------------------------------- */
+
+typedef struct exr_bytes {
+    unsigned char bytes[8192];
+    size_t size;
+} exr_bytes;
+
+static void put(exr_bytes *e, const void *bytes, size_t size)
+{
+    assert_true(e->size + size <= sizeof e->bytes);
+    memcpy(e->bytes + e->size, bytes, size);
+    e->size += size;
+}
+
+static void put_word(exr_bytes *e, uint32_t word)
+{
+    put(e,
+        (const unsigned char[]){word & 255, word >> 8 & 255, word >> 16 & 255,
+                                (unsigned char)(word >> 24)},
+        4);
+}
+
+static void put_float(exr_bytes *e, float value)
+{
+    uint32_t bits;
+    memcpy(&bits, &value, sizeof bits);
+    put_word(e, bits);
+}
+
+static void put_attribute(exr_bytes *e, const char *name, const char *type, uint32_t size)
+{
+    put(e, name, strlen(name) + 1);
+    put(e, type, strlen(type) + 1);
+    put_word(e, size);
+}
+
+static void put_box(exr_bytes *e, const char *name, uint32_t width, uint32_t height)
+{
+    put_attribute(e, name, "box2i", 16);
+    put_word(e, 0);
+    put_word(e, 0);
+    put_word(e, width - 1);
+    put_word(e, height - 1);
+}
+
+/* Uncompressed floats: "OpenEXR File Layout". An environment has its kind as an attribute. */
+static void put_header(exr_bytes *e, const rk_image *image, uint32_t shown_width, bool is_cube)
+{
+    put(e, "\x76\x2f\x31\x01\2\0\0", 8);
+    put_attribute(e, "channels", "chlist", 3 * 18 + 1);
+    for (int i = 0; i < 3; i++) {
+        put(e, &"B\0G\0R"[2 * i], 2);
+        put_word(e, 2);
+        put_word(e, 0);
+        put_word(e, 1);
+        put_word(e, 1);
+    }
+    put(e, "", 1);
+    put_attribute(e, "compression", "compression", 1);
+    put(e, "", 1);
+    put_box(e, "dataWindow", (uint32_t)image->width, (uint32_t)image->height);
+    put_box(e, "displayWindow", shown_width, (uint32_t)image->height);
+    put_attribute(e, "lineOrder", "lineOrder", 1);
+    put(e, "", 1);
+    put_attribute(e, "pixelAspectRatio", "float", 4);
+    put_float(e, 1);
+    put_attribute(e, "screenWindowCenter", "v2f", 8);
+    put_float(e, 0);
+    put_float(e, 0);
+    put_attribute(e, "screenWindowWidth", "float", 4);
+    put_float(e, 1);
+    if (is_cube) {
+        put_attribute(e, "envmap", "envmap", 1);
+        put(e, "\1", 1);
+    }
+    put(e, "", 1);
+}
+
+static test_path write_exr(const test_folder *folder, const rk_image *image, uint32_t shown_width,
+                           bool is_cube)
+{
+    static exr_bytes e;
+    e.size = 0;
+    put_header(&e, image, shown_width, is_cube);
+    const uint32_t row = 12 * (uint32_t)image->width;
+    const uint32_t first = (uint32_t)(e.size + 8 * image->height);
+    for (uint32_t y = 0; y < image->height; y++) {
+        put_word(&e, first + y * (row + 8));
+        put_word(&e, 0);
+    }
+    for (uint32_t y = 0; y < image->height; y++) {
+        put_word(&e, y);
+        put_word(&e, row);
+        for (int c = 2; c >= 0; c--)
+            for (size_t x = 0; x < image->width; x++)
+                put_float(&e, rk_axis(*rk_image_at(image, x, y), c));
+    }
+    return test_folder_write(folder, "own.exr", e.bytes, e.size, 0600);
+}
+
+/* Of the face's texel at (u, v), from -1 to 1, to the right and down; in ours, which looks along
+ * its -z (ImfEnvmap.h, CubeMap::pixelPosition). */
+static rk_vec3 openexr_direction(int face, float u, float v)
+{
+    const rk_vec3 theirs[] = {{1, -v, u}, {-1, -v, -u}, {u, 1, -v},
+                              {u, -1, v}, {-u, -v, 1},  {u, -v, -1}};
+    return rk_normalize(rk_vec(-theirs[face].x, theirs[face].y, -theirs[face].z));
+}
+
+static void a_cube_of_openexr_has_its_own_order(void **state)
+{
+    enum { side = 6 };
+    rk_image image = make_image(side, 6 * side);
+    for (int k = 0; k < 6 * side * side; k++) {
+        const float u = ((float)(k % side) + 0.5f) / side * 2 - 1;
+        const float v = ((float)(k / side % side) + 0.5f) / side * 2 - 1;
+        image.pixels[k] = smooth(openexr_direction(k / (side * side), u, v));
+    }
+    check_smooth(write_exr(*state, &image, side, true).text, 1e-6);
+    rk_image_free(&image);
+}
+
+static void a_part_of_a_picture_is_no_environment(void **state)
+{
+    rk_image image = make_image(4, 2);
+    rk_cubemap map = read_map(write_exr(*state, &image, 4, false).text);
+    rk_cubemap_free(&map);
+    check_refused(write_exr(*state, &image, 8, false).text,
+                  "stores 4 x 2 pixels of a picture of 8 x 2");
+    rk_image_free(&image);
+}
+
 static void one_pixel_faces_are_a_map(void **state)
 {
     const size_t sizes[][2] = {{4, 3}, {3, 4}, {6, 1}, {1, 6}};
@@ -549,6 +681,8 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_world_may_lack_a_row_or_a_column),
     test_in_folder(the_smallest_world_is_two_pixels),
     test_in_folder(every_format_arrives_linear),
+    test_in_folder(a_cube_of_openexr_has_its_own_order),
+    test_in_folder(a_part_of_a_picture_is_no_environment),
     test_in_folder(one_pixel_faces_are_a_map),
     test_in_folder(other_shapes_are_refused_with_their_size),
     test_in_folder(a_missing_face_is_named),

@@ -304,17 +304,40 @@ static void sixteen_bits_are_decoded_and_alpha_is_dropped(void **state)
     rk_image_free(&image);
 }
 
-static void a_photo_taken_sideways_is_turned_upright(void **state)
+/* The picture 0 1 2 / 3 4 5 in steps of a 51st, as the file stores it in each orientation:
+ * TIFF 6.0, page 36. */
+static void photos_in_all_orientations_are_turned_upright(void **state)
 {
-    /* Orientation 6: the first row of the file is the right side of the picture. */
-    const unsigned char pixels[] = {0, 255, 128, 0, 0, 0};
-    rk_image image = read_image(write_tiff(*state, 3, 2, 8, 1, 6, pixels));
-    rk_check_equal(image.width, 2, "width and height change places");
-    rk_check_equal(image.height, 3, "width and height change places");
-    rk_check_close(rk_image_at(&image, 1, 1)->x, 1, 0, "the second pixel is right, in the middle");
-    rk_check_close(rk_image_at(&image, 1, 2)->x, half, 1e-7,
-                   "the third pixel is at the lower right");
-    rk_image_free(&image);
+    static const unsigned char stored[8][6] = {
+        {0, 1, 2, 3, 4, 5}, {2, 1, 0, 5, 4, 3}, {5, 4, 3, 2, 1, 0}, {3, 4, 5, 0, 1, 2},
+        {0, 3, 1, 4, 2, 5}, {2, 5, 1, 4, 0, 3}, {5, 2, 4, 1, 3, 0}, {3, 0, 4, 1, 5, 2}};
+    for (uint16_t i = 0; i < 8; i++) {
+        unsigned char pixels[6];
+        for (int k = 0; k < 6; k++)
+            pixels[k] = (unsigned char)(51 * stored[i][k]);
+        const uint16_t width = i < 4 ? 3 : 2;
+        rk_image image = read_image(write_tiff(*state, width, 5 - width, 8, 1, i + 1, pixels));
+        rk_check_equal(image.width, 3, "width");
+        rk_check_equal(image.height, 2, "height");
+        for (int k = 0; k < 6; k++)
+            rk_check_close(255 * rk_srgb_encode(image.pixels[k].x), 51 * k, 0.01, "turned upright");
+        rk_image_free(&image);
+    }
+}
+
+/* The format's manual: values are those of the scene times the exposure. */
+static void the_exposure_of_an_hdr_is_taken_back(void **state)
+{
+    static const char *const lines[] = {"", "EXPOSURE=4\n", "EXPOSURE= 0.5\n", "EXPOSURE=0\n"};
+    static const double want[] = {1, 0.25, 2, 1};
+    for (int i = 0; i < 4; i++) {
+        char text[200];
+        snprintf(text, sizeof text, "#?RADIANCE\n%sFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n%s",
+                 lines[i], "\x80\x80\x80\x81");
+        rk_image image = read_image(test_folder_write(*state, "e.hdr", text, strlen(text), 0600));
+        rk_check_close(image.pixels[0].y, want[i], 0.01, "divided by it");
+        rk_image_free(&image);
+    }
 }
 
 /* --- broken files ---------------------------------------------------------------------------- */
@@ -728,7 +751,8 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(jpeg_is_srgb_encoded),
     test_in_folder(eight_bit_grey_is_decoded_and_replicated),
     test_in_folder(sixteen_bits_are_decoded_and_alpha_is_dropped),
-    test_in_folder(a_photo_taken_sideways_is_turned_upright),
+    test_in_folder(photos_in_all_orientations_are_turned_upright),
+    test_in_folder(the_exposure_of_an_hdr_is_taken_back),
     test_in_folder(a_pixel_that_is_not_a_number_is_named),
     test_in_folder(a_broken_jpeg_is_refused),
     test_in_folder(a_broken_tiff_is_refused),

@@ -263,20 +263,82 @@ void check_finite(const std::string &path, const Picture &picture)
                    " is not a finite number; repair it, for instance by oiiotool --fixnan box3");
 }
 
-// Cameras store the sensor's picture and a note on the camera's orientation.
+// Of the picture as it is stored, the pixel of number x + width * y that is upright at (x, y).
+size_t stored_pixel(int orientation, int width, int height, int x, int y)
+{
+    const bool lies = orientation >= 5;
+    int across = lies ? y : x, down = lies ? x : y;
+    if (orientation == 2 || orientation == 3 || orientation == 7 || orientation == 8)
+        across = width - 1 - across;
+    if (orientation == 3 || orientation == 4 || orientation == 6 || orientation == 7)
+        down = height - 1 - down;
+    return size_t(down) * size_t(width) + size_t(across);
+}
+
+// Cameras store the sensor's picture and a note on the camera's orientation. OpenImageIO 2.4 turns
+// two of the eight upside down.
 void turn_upright(Picture &picture, int orientation)
 {
     if (orientation <= 1 || orientation > 8)
         return;
-    OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT);
-    OIIO::ImageBuf lying(spec, picture.rgb.data());
-    lying.set_orientation(orientation);
-    OIIO::ImageBuf upright = OIIO::ImageBufAlgo::reorient(lying);
+    const bool lies = orientation >= 5;
+    const int width = lies ? picture.height : picture.width;
+    const int height = lies ? picture.width : picture.height;
     Floats rgb(picture.rgb.size());
-    upright.get_pixels(OIIO::ROI(), OIIO::TypeDesc::FLOAT, rgb.data());
-    picture.width = upright.spec().width;
-    picture.height = upright.spec().height;
-    picture.rgb = std::move(rgb);
+    float *to = rgb.data();
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++, to += 3)
+            std::copy_n(picture.rgb.data() +
+                            3 * stored_pixel(orientation, picture.width, picture.height, x, y),
+                        3, to);
+    picture = Picture{width, height, std::move(rgb)};
+}
+
+bool is_openexr_cube(const OIIO::ImageSpec &spec)
+{
+    return spec.get_string_attribute("textureformat") == "CubeFace Environment" &&
+           spec.height == 6 * spec.width;
+}
+
+// OpenEXR's cube is right-handed and looks along its +z, so +x is on the left, and the faces above
+// and below are turned by 180 degrees (ImfEnvmap.h). This makes the strip of other programs, as
+// io/environment_file.h describes it.
+void order_openexr_cube(Picture &strip)
+{
+    static const int from[6] = {1, 0, 2, 3, 4, 5};
+    const size_t side = size_t(strip.width), face = 3 * side * side;
+    Floats rgb(strip.rgb.size());
+    for (size_t i = 0; i < 6; i++) {
+        const float *stored = strip.rgb.data() + size_t(from[i]) * face;
+        for (size_t k = 0; k < side * side; k++)
+            std::copy_n(stored + 3 * (i == 2 || i == 3 ? side * side - 1 - k : k), 3,
+                        rgb.data() + i * face + 3 * k);
+    }
+    strip.rgb = std::move(rgb);
+}
+
+// An EXR file may store a part of its picture, or more than it.
+void check_window(const std::string &path, const OIIO::ImageSpec &spec, rk_image_shape shape)
+{
+    if (shape != RK_IMAGE_ENVIRONMENT || is_openexr_cube(spec) ||
+        (spec.full_width == spec.width && spec.full_height == spec.height) ||
+        std::min(spec.full_width, spec.full_height) < 1 ||
+        !spec.get_string_attribute("textureformat").empty())
+        return;
+    fail(path, "stores " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
+                   " pixels of a picture of " + std::to_string(spec.full_width) + " x " +
+                   std::to_string(spec.full_height) +
+                   ": save it whole, for instance by oiiotool --croptofull");
+}
+
+// Radiance multiplies pixels by their exposure and writes it down.
+void divide_by_exposure(const Floats &values, const OIIO::ImageSpec &spec)
+{
+    const float exposure = spec.get_float_attribute("hdr:exposure", 1);
+    if (!(exposure > 0) || !std::isfinite(exposure) || exposure == 1)
+        return;
+    for (float &value : values)
+        value /= exposure;
 }
 
 Floats replicate(const Floats &grey)
@@ -328,6 +390,7 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
     OIIO::ImageSpec spec = input->spec();
     check_size(path, spec, most_pixels);
     check_shape(path, spec, shape);
+    check_window(path, spec, shape);
     Channels channels = channels_of(path, spec, part);
     size_t pixels = size_t(spec.width) * size_t(spec.height);
     Floats values(pixels * size_t(channels.count));
@@ -336,13 +399,17 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
                            OIIO::TypeDesc::FLOAT, values.data()) ||
         input->has_error())
         fail_damaged(path, first_line(input->geterror()));
-    if (part == RK_IMAGE_STREAM_COLOUR)
+    if (part == RK_IMAGE_STREAM_COLOUR) {
         make_linear(values, spec);
-    else if (channels.count == 3)
+        divide_by_exposure(values, spec);
+    } else if (channels.count == 3) {
         values = mean(values), channels.count = 1;
+    }
     Picture picture{spec.width, spec.height,
                     channels.count == 3 ? std::move(values) : replicate(values)};
     turn_upright(picture, spec.get_int_attribute("Orientation", 1));
+    if (shape == RK_IMAGE_ENVIRONMENT && is_openexr_cube(spec))
+        order_openexr_cube(picture);
     return picture;
 }
 
