@@ -36,12 +36,18 @@ static rk_scene make_ball(uint32_t slices, uint32_t stacks, int arrays)
     return scene;
 }
 
-static test_picture draw(const rk_scene *scene, bool shadows)
+static test_picture draw_with(const rk_scene *scene, bool shadows, bool face_shadows)
 {
     rk_render_options options = rk_render_options_default();
+    options.face_shadows = face_shadows;
     options.width = options.height = side;
     options.shadows = shadows;
     return test_render(scene, options, 1);
+}
+
+static test_picture draw(const rk_scene *scene, bool shadows)
+{
+    return draw_with(scene, shadows, false);
 }
 
 /* A ball that nothing else shades is lit wherever its normals face the light. */
@@ -72,6 +78,24 @@ static void a_ball_of_few_faces_has_no_black_faces_on_its_lit_side(void **state)
     check_lit_side(rk_vec(4, 3, 1));
     check_lit_side(rk_vec(-2, -3, -2));
     check_lit_side(rk_vec(0.5f, 4, 0));
+}
+
+static void an_option_keeps_the_black_faces_and_nothing_else_differs(void **state)
+{
+    (void)state;
+    rk_scene scene = make_ball(10, 6, RK_MESH_NORMALS);
+    test_scene_light(&scene, rk_vec(5, 2, 0), rk_vec(1, 1, 1));
+    test_picture shaded = draw(&scene, true), faces = draw_with(&scene, true, true);
+    uint32_t black = 0;
+    for (uint32_t i = 0; i < side * side; i++) {
+        const rk_vec3 *was = &faces.image.pixels[i], *is = &shaded.image.pixels[i];
+        black += !(was->x > 0) && is->x > 0;
+        rk_check(!(was->x > 0) || memcmp(was, is, sizeof *is) == 0, "pixel %u is lit by both", i);
+    }
+    rk_check(black > 100, "with the option, %u pixels are black that are not without it", black);
+    rk_image_free(&shaded.image);
+    rk_image_free(&faces.image);
+    rk_scene_free(&scene);
 }
 
 /* With an area light, whose shadow rays are grouped: as without shadows, but for the quadrature. */
@@ -216,6 +240,7 @@ static void a_surface_seen_from_its_hollow_side_is_as_before(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_ball_of_few_faces_has_no_black_faces_on_its_lit_side),
+    cmocka_unit_test(an_option_keeps_the_black_faces_and_nothing_else_differs),
     cmocka_unit_test(an_area_light_has_no_black_faces_either),
     cmocka_unit_test(the_error_of_a_ball_of_few_faces_falls),
     cmocka_unit_test(flat_meshes_are_as_before_to_the_bit),

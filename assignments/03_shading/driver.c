@@ -3,6 +3,7 @@
 #include "driver.h"
 
 #include <stdio.h>
+#include <string.h>
 
 static const char summary[] =
     "Renders a scene by one of the shading models (--shading).\n"
@@ -42,6 +43,8 @@ static bool prepare(rk_driver *driver, rk_error *error)
     if (rk_driver_debug(driver, "lobe") && (!has_lobe || shading->normalized))
         return rk_fail(error, "--debug lobe goes with --shading phong or blinn-phong, and without "
                               "--normalized, which changes a lobe's size and not its shape");
+    if (c->terminator && strncmp(driver->scene_name, "sphere:", 7) != 0)
+        return rk_fail(error, "--terminator goes with --scene sphere:N: it compares with a sphere");
     rk_scene *scene = &driver->scene;
     for (uint32_t i = 0; i < scene->mesh.material_count; i++)
         set_material(&scene->mesh.materials[i], c);
@@ -74,8 +77,8 @@ static bool save(rk_driver *driver, rk_error *error)
     if (driver->debug)
         snprintf(label, sizeof label, "%s_%g", model, (double)c->incidence);
     else
-        snprintf(label, sizeof label, "%s%s%s", model, shading->normalized ? "_normalized" : "",
-                 c->bands ? "_bands" : "");
+        snprintf(label, sizeof label, "%s%s%s%s", model, shading->normalized ? "_normalized" : "",
+                 c->bands ? "_bands" : "", driver->render.face_shadows ? "_faces" : "");
     return rk_driver_save(driver, label, error);
 }
 
@@ -98,6 +101,9 @@ static const rk_option options[] = {
     {"radiance", RK_FIELD(choices, radiance), NULL,
      "put what a surface reflects by the viewer's angle into DIR/tables/shading_radiance.csv "
      "instead of drawing a picture"},
+    {"terminator", RK_FIELD(choices, terminator), NULL,
+     "put the error along the edge of a ball's shadow into DIR/tables/shading_terminator.csv; with "
+     "--scene sphere:N"},
     {0},
 };
 
@@ -113,6 +119,7 @@ int main(int argc, char **argv)
         .views = (rk_driver_view[]){{"lobe", draw_view, false}, {0}},
         .studies = (rk_driver_study[]){{&c.lobes, put_study, true},
                                        {&c.radiance, put_radiance, true},
+                                       {&c.terminator, put_terminator, true},
                                        {0}},
         .prepare = prepare,
         .put_rows = put_rows,

@@ -12,7 +12,7 @@ typedef struct choices {
     float ks, shininess; /* of all materials; NaN: their own */
     float incidence;     /* degrees from the normal */
     uint32_t bands;      /* of the gradient; 0: smooth */
-    bool lobes, radiance;
+    bool lobes, radiance, terminator;
 } choices;
 
 static const rk_vec3 up = {0, 1, 0};
@@ -35,5 +35,8 @@ bool put_study(rk_driver *driver, rk_error *error);
 
 /* Puts the table of --radiance. */
 bool put_radiance(rk_driver *driver, rk_error *error);
+
+/* Puts the table of --terminator. */
+bool put_terminator(rk_driver *driver, rk_error *error);
 
 #endif

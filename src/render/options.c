@@ -14,6 +14,9 @@ static const rk_option rows[] = {
     {"seed", RK_FIELD(rk_render_options, seed), "N",
      "seed of the random samples: another seed gives other noise", 0, UINT32_MAX, 0},
     {"shadows", RK_FIELD(rk_render_options, shadows), NULL, "test whether lights are occluded"},
+    {"face-shadows", RK_FIELD(rk_render_options, face_shadows), NULL,
+     "start shadow rays on the faces of smooth meshes, too: faces at the edge of a shadow are "
+     "black"},
     {"reflections", RK_FIELD(rk_render_options, reflections), NULL,
      "trace reflected rays from surfaces with a specular colour"},
     {"max-depth", RK_FIELD(rk_render_options, max_depth), "N",

@@ -68,6 +68,8 @@ typedef struct rk_render_options {
     rk_sampler_kind sampling;
     uint32_t seed;
     bool shadows;
+    bool face_shadows; /* shadow rays start on the faces of smooth meshes, see
+                          rk_surface_spawn_above */
     rk_shading shading;
     bool reflections;  /* of surfaces with ks > 0 */
     bool transparency; /* surfaces with alpha < 1 transmit light, and colour their shadows */

@@ -20,6 +20,8 @@ shading_point_at(rk_shading_point *point, const rk_rendering *r, const rk_path_b
 {
     rk_ray ray = rk_batch_ray(&paths->rays, i);
     rk_scene_surface(&point->surface, r->scene, &ray, hit);
+    if (r->options->face_shadows)
+        point->surface.smooth = NULL;
     if (r->plan.motion_blur)
         move_surface(r->scene, *time, hit->triangle, &point->surface);
     point->kd = point->surface.material->kd;
