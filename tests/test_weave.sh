@@ -123,13 +123,13 @@ END
     # A text in a picture, after its header; its sum is not read.
     {
         head -c 33 "$look/1.png"
-        printf '\000\000\000\066tEXtraykit:scale\0004 256 log clipped #000000 #ffffff samplesSUM!'
+        printf '\000\000\000\066tEXtraykit:scale\000-4@0 0@0.25 12+@1 #000000 #ffffff samplesSUM!'
         tail -c +34 "$look/1.png"
     } >"$folder/scaled.png"
     row "$folder/scaled.png" "$look/2.png" >"$texts/01_one.md"
     report said1 "$folder/texts" "$pandoc" && [ "$(grep -c 'class="scale"' "$folder/build/reports/out/report.html")" = 1 ] &&
         tr '\n' ' ' <"$folder/build/reports/out/report.html" |
-        grep -q 'tick">4</span> *<span class="tick">32</span> *<span class="tick">256 *and *more</span>'
+        sed 's/  */ /g' | grep -q 'place: 0">−4</span> *<span class="tick" style="--place: 0.25">0</span> *<span class="tick" style="--place: 1">12 and more</span>'
     verdict a_picture_with_a_scale_has_a_bar_and_others_have_none
 
     row "$look/1.png" "$look/1.png" >"$texts/01_one.md"

@@ -10,6 +10,7 @@
 
 #include <ctype.h>
 #include <math.h>
+#include <stdarg.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -65,23 +66,43 @@ static unsigned byte_of(float linear)
     return (unsigned)lroundf(255 * rk_srgb_encode(rk_min(rk_max(linear, 0), 1)));
 }
 
-/* "4 256 log exact #0044cc ... samples per pixel"; empty without a scale. */
+static void append(scale_text *shown, const char *format, ...)
+    __attribute__((format(printf, 2, 3)));
+
+static void append(scale_text *shown, const char *format, ...)
+{
+    const size_t used = strlen(shown->text);
+    va_list arguments;
+    va_start(arguments, format);
+    vsnprintf(shown->text + used, sizeof shown->text - used, format, arguments);
+    va_end(arguments);
+}
+
+/* Both ends, and between them 0, if it lies there, or else the middle. */
+static void append_ticks(scale_text *shown, const rk_driver_scale *scale)
+{
+    const double least = scale->least, most = scale->most;
+    const bool changes_sign = least < 0 && most > 0;
+    const double middle = changes_sign         ? 0
+                          : scale->logarithmic ? sqrt(least * most)
+                                               : (least + most) / 2;
+    append(shown, "%.3g@0 %.3g@%.3g %.3g%s@1", least, middle,
+           changes_sign ? -least / (most - least) : 0.5, most, scale->clipped ? "+" : "");
+}
+
+/* "4@0 32@0.5 256+@1 #0044cc ... samples per pixel": ticks with their places, 256 and more at the
+ * end; colours; the unit. Empty without a scale. */
 static scale_text text_of(const rk_driver_scale *scale)
 {
     scale_text shown = {""};
     if (!scale->unit)
         return shown;
-    char *text = shown.text;
-    const size_t size = sizeof shown.text;
-    snprintf(text, size, "%.4g %.4g %s %s", scale->least, scale->most,
-             scale->logarithmic ? "log" : "linear", scale->clipped ? "clipped" : "exact");
+    append_ticks(&shown, scale);
     for (int i = 0; i < RK_DRIVER_SCALE_COLOURS; i++) {
         const rk_vec3 c = scale->colours[i];
-        const size_t used = strlen(text);
-        snprintf(text + used, size - used, " #%02x%02x%02x", byte_of(c.x), byte_of(c.y),
-                 byte_of(c.z));
+        append(&shown, " #%02x%02x%02x", byte_of(c.x), byte_of(c.y), byte_of(c.z));
     }
-    snprintf(text + strlen(text), size - strlen(text), " %s", scale->unit);
+    append(&shown, " %s", scale->unit);
     return shown;
 }
 

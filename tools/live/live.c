@@ -16,6 +16,9 @@
 /* Four bytes per pixel, encoded as the driver's PNG would be. */
 IMPORT("picture") void raykit_picture(const uint8_t *rgba, size_t width, size_t height);
 
+/* Of the next picture's false colours: text_of in driver/driver_save.c. */
+IMPORT("scale") void raykit_scale(const char *text);
+
 /* How the run ended: the camera, in the units of its options, and the time. */
 IMPORT("finish")
 void raykit_finish(double yaw, double pitch, double distance, double build_ms, double render_ms);
@@ -152,8 +155,9 @@ int draw_kept(void)
 bool rk_png_write(const char *path, const rk_image *image, const rk_png_text *texts,
                   size_t text_count, rk_error *error)
 {
-    (void)texts;
-    (void)text_count;
+    for (size_t i = 0; i < text_count; i++)
+        if (strcmp(texts[i].key, "raykit:scale") == 0)
+            raykit_scale(texts[i].value);
     rk_srgb8 table;
     rk_srgb8_init(&table);
     size_t count = image->width * image->height;

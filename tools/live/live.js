@@ -310,7 +310,8 @@
       this.says = make("p", {className: "says"});
       const reset = make("button", {type: "button", textContent: "Reset", title: "the options as they were", onclick: () => this.reset()});
       const screen = make("div", {className: "screen"}, this.canvas, this.mark);
-      const below = [this.controls, make("div", {className: "line"}, this.command, copy, reset), this.says];
+      this.bar = make("div", {className: "scale", hidden: true});
+      const below = [this.bar, this.controls, make("div", {className: "line"}, this.command, copy, reset), this.says];
       image.replaceWith(make("div", {className: "stage"}, ...(this.widget
         ? [make("div", {className: "left"}, screen, make("div", {className: "below"}, ...below)), make("div", {}, this.widget.box, this.story)]
         : [screen, make("div", {}, ...below, this.story)])));
@@ -416,6 +417,7 @@
       if (!job.preview) this.lasts = result.ms;
       if (result.finish) this.camera = result.finish;
       if (result.picture) this.draw(result.picture);
+      this.showScale(result.scale);
       const {width, height} = result.picture || {};
       const {drag, click} = this.element.dataset;
       this.says.textContent = `${width} x ${height} pixels, drawn here in ${result.ms.toFixed(0)} ms by one thread. ` +
@@ -423,6 +425,22 @@
         "Click a pixel to see its rays." : "Click a pixel to see how it gets its colour.");
       if (!job.preview) this.element.dataset.drawn = this.wordsOf(job.args).join(" ");
       if (this.widget && this.widget.part.follow) this.widget.part.follow(this.args, result, job.preview);
+    }
+
+    // The bar of false colours, as the weaver draws it below a still figure (pictures.lua).
+    showScale(text) {
+      const [, marks, colours, unit] = text.match(/^([^#]*) (#[#\da-f ]*) ([^#]*)$/) || [];
+      this.bar.hidden = !marks;
+      if (!marks) return;
+      const ramp = make("span", {className: "ramp"}), ticks = make("span", {className: "ticks"});
+      ramp.style.background = `linear-gradient(to right, ${colours.replaceAll(" ", ", ")})`;
+      for (const mark of marks.split(" ")) {
+        const [value, place] = mark.split("@");
+        const tick = make("span", {className: "tick", textContent: value.replace(/^-/, "−").replace(/\+$/, " and more")});
+        tick.style.setProperty("--place", place);
+        ticks.append(tick);
+      }
+      this.bar.replaceChildren(ramp, ticks, make("span", {className: "unit", textContent: unit}));
     }
 
     draw({width, height, rgba}) {

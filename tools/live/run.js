@@ -20,13 +20,13 @@ function partsOf([driver, ...words]) {
 }
 
 // args: ["bloom", "--bloom-radius", "3"]. Returns the exit status, what the driver printed and said, the rows of its
-// tables as texts by column, its picture (width, height, rgba; the last one if there are several) or null, and how it
-// ended (see live.c) or null. tell(part) gets each row, {row}, and each picture, {picture}, while the driver runs.
+// tables as texts by column, its picture (width, height, rgba; the last one if there are several) or null, the scale of
+// its false colours or "", and how it ended (see live.c) or null. tell(part) gets each row, {row}, and each picture, {picture}, while the driver runs.
 // kept, an object of the caller, takes the instance with its scene and tree: the next run whose scene has the same
 // options draws these again.
 function runDriver(module, args, tell = () => {}, kept = {}) {
   const {scene, frame} = partsOf(args), again = kept.module === module && kept.scene === scene;
-  const result = {status: 0, printed: "", said: "", rows: [], picture: null, finish: null, kept: again};
+  const result = {status: 0, printed: "", said: "", rows: [], picture: null, scale: "", finish: null, kept: again};
   const encoded = (again ? frame : args).map((arg) => new TextEncoder().encode(arg + "\0"));
   const run = {result, encoded, tell, texts: {1: new TextDecoder(), 2: new TextDecoder()}, row: {}, keeps: false};
   const program = again ? kept.program : instantiate(module);
@@ -99,6 +99,7 @@ function instantiate(module) {
     proc_exit(status) { throw new Exit(status); },
   };
   const raykit = {
+    scale(shown) { now.result.scale = text(shown); },
     picture(rgba, width, height) {
       now.result.picture = {width, height, rgba: bytes(rgba, 4 * width * height).slice()};
       now.tell({picture: now.result.picture});

@@ -36,16 +36,12 @@ end
 -- The bar of a picture with false colours, by what the driver says of them (rk_driver_scale), or nil.
 function pictures.scale(path)
   local _, texts = read_png(path)
-  local least, most, how, ends, rest = (texts["raykit:scale"] or ""):match("^(%S+) (%S+) (%a+) (%a+) (.*)$")
-  if not least then return nil end
-  local colours, unit = rest:match("^([#%x ]-) ([^#]*)$")
-  local from, to = tonumber(least), tonumber(most)
-  local middle = how == "log" and (from * to) ^ 0.5 or (from + to) / 2
-  local function number(value) return (string.format("%.3g", value):gsub("^-", "−")) end
+  local marks, colours, unit = (texts["raykit:scale"] or ""):match("^([^#]*) (#[#%x ]-) ([^#]*)$")
+  if not marks then return nil end
   local values = {}
-  local last = number(to) .. (ends == "clipped" and " and more" or "")
-  for i, text in ipairs({number(from), number(middle), last}) do
-    values[i] = pandoc.Span(text, {class = "tick"})
+  for value, place in marks:gmatch("(%S+)@(%S+)") do
+    values[#values + 1] = pandoc.Span(value:gsub("^-", "−"):gsub("%+$", " and more"),
+      {class = "tick", style = "--place: " .. place})
   end
   local ramp = "background: linear-gradient(to right, " .. colours:gsub(" ", ", ") .. ")"
   return pandoc.Div({pandoc.Plain({
