@@ -10,6 +10,7 @@
     .live .screen { position: relative; }
     .live .below { margin-top: var(--gap); }
     @media (max-width: 36rem) { .live .left { display: contents; } .live .below { order: 1; margin: 0; } }
+    .live .scale { margin-bottom: .6rem; }
     .live canvas { display: block; width: 100%; border-radius: 3px; touch-action: pan-y; cursor: grab; }
     .live canvas.still { cursor: crosshair; }
     .live canvas:focus-visible { outline: 2px solid var(--link); outline-offset: 2px; }

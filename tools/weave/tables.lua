@@ -148,7 +148,7 @@ local function minus(digits) return (digits:gsub("^-", "−")) end
 -- Some significant digits (3), or all of a larger number with thousands separated; inlines.
 local function show(text, significant)
   local value = tonumber(text)
-  if not value then return pandoc.List({pandoc.Str(text)}) end
+  if not value then return pandoc.List({pandoc.Str((text:gsub(" ± ", "\u{a0}±\u{a0}")))}) end
   local places = (significant or 3) - 1
   local exponent = tonumber(string.format("%." .. places .. "e", value):match("e(.*)$")) or 0
   if value ~= 0 and exponent < -3 then
