@@ -387,6 +387,17 @@ async function loop_follows_the_steps(browser) {
   }
 }
 
+// The driver says where the ticks are: 0 lies a fifth from the left, where errors are grey.
+async function false_colours_have_a_bar(browser) {
+  const ticks = '[...document.querySelectorAll(".live .scale .tick")].map((tick) => [tick.textContent, tick.style.getPropertyValue("--place")].join(" at ")).join()';
+  await browser.open(`file://${weave({driver: "sampling", args: "--debug error --samples 2 --reference 8 --gain 4 --width 40 --height 40"}, "samples=1..4 debug=|error")}`);
+  await browser.until('document.querySelector(".live").dataset.drawn');
+  const shown = await browser.value(`${ticks} + document.querySelector(".live .scale .unit").textContent`);
+  check(shown === "−0.05 at 0,0 at 0.2,0.2 at 1error of the radiance", "false colours have the bar of the still picture", shown);
+  await browser.value('(() => { const view = [...document.querySelectorAll(".live select")].find((one) => [...one.options].some((option) => option.value === "error")); view.value = ""; view.dispatchEvent(new Event("change", {bubbles: true})); view.dispatchEvent(new Event("input", {bubbles: true})); })()');
+  check(await browser.until('document.querySelector(".live .scale").hidden'), "the bar goes with them");
+}
+
 async function main() {
   module_draws_like_the_drivers();
   module_prints_like_the_drivers();
@@ -400,6 +411,7 @@ async function main() {
     const page = weave(FIGURE, OPTIONS), browser = new Browser(chromium, folder);
     try {
       await page_is_live(browser, page);
+      await false_colours_have_a_bar(browser);
       await page_stays_without_webassembly(browser, page);
       await require("./test_live_widgets.js")({check, native, weave, differs, browser});
       const lint = script && require("./test_live_axe.js")({check, browser, source, folder, script});
