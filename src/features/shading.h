@@ -39,7 +39,7 @@ typedef enum rk_shading_model {
 enum { RK_GRADIENT_STOPS_MAX = 16 };
 
 typedef struct rk_gradient_stop {
-    float at; /* a value of n.l, finite */
+    float at; /* a value of n.l, or any other finite number */
     rk_vec3 colour;
 } rk_gradient_stop;
 
