@@ -120,6 +120,17 @@ def _hand_out(pack, features, later):
     write_whole(os.path.join(pack, "assignments", "starters.txt"), sums)
 
 
+def _configurable(pack):
+    """Makes what ./bootstrap would make on each student's machine."""
+    for command in (["sh", "tools/features.sh"], ["autoreconf", "--install"],
+                    ["touch", "Makefile.in", "configure"]):
+        status, said = _run(command, dict(os.environ, PWD=pack), cwd=pack, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT)
+        if status:
+            raise ToolError(f"{command[0]} failed in the pack:\n{said}")
+    shutil.rmtree(os.path.join(pack, "autom4te.cache"))
+
+
 def _adapt_texts(source, pack, features, chosen):
     """Adapts chapters and handouts to the workbook; removes assignments that are not handed out."""
     for name in ("handout_common.md", "handout_page.md"):
@@ -303,6 +314,7 @@ def make_handout(source, stems, out="", folder="", book=True, later=""):
         _write_handout(source, pack, chosen, [feature.stem for feature in left_open], book)
         proof = prove(source, pack, features, [*chosen, *left_open])
         keep_originals(pack)
+        _configurable(pack)
         if not folder:
             with tarfile.open(pack + ".tar.gz", "w:gz") as archive:
                 archive.add(pack, name, filter=_anonymous)

@@ -2,6 +2,8 @@
  * or the one that RAYKIT_ISA names. */
 #include "accel/wide_kernel.h"
 
+#include "accel/machine.h"
+
 #include <stdlib.h>
 #include <string.h>
 
@@ -16,17 +18,10 @@ enum { choices = 4 };
 /* The fastest first. */
 static const rk_wide_kernel *pick(const char *isa, bool *is_name)
 {
-    choice all[choices] = {{"avx512", rk_wide_kernel_avx512, false},
-                           {"avx2", rk_wide_kernel_avx2, false},
-                           {"sse2", rk_wide_kernel_sse2, true},
-                           {"scalar", rk_wide_kernel_scalar, true}};
-#if defined __x86_64__ || defined __i386__
-    __builtin_cpu_init();
-    all[1].is_known = __builtin_cpu_supports("avx2") && __builtin_cpu_supports("fma");
-    all[0].is_known = all[1].is_known && __builtin_cpu_supports("avx512f") &&
-                      __builtin_cpu_supports("avx512vl") && __builtin_cpu_supports("avx512dq") &&
-                      __builtin_cpu_supports("avx512bw");
-#endif
+    const choice all[choices] = {{"avx512", rk_wide_kernel_avx512, rk_machine_has_avx512()},
+                                 {"avx2", rk_wide_kernel_avx2, rk_machine_has_avx2()},
+                                 {"sse2", rk_wide_kernel_sse2, true},
+                                 {"scalar", rk_wide_kernel_scalar, true}};
     *is_name = false;
     for (int i = 0; i < choices; i++) {
         if (isa && strcmp(isa, all[i].isa) != 0)

@@ -33,7 +33,7 @@ typedef struct rk_wide_kernel {
  */
 const rk_wide_kernel *rk_wide_kernel_plain(void);
 
-/* NULL where the compiler does not know the instruction set. */
+/* NULL where the compiler does not know the instruction set, or configure left it out. */
 const rk_wide_kernel *rk_wide_kernel_scalar(void);
 const rk_wide_kernel *rk_wide_kernel_sse2(void);
 const rk_wide_kernel *rk_wide_kernel_avx2(void);

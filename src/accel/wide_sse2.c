@@ -1,7 +1,7 @@
 /* Registers of four floats, which every x86-64 has (accel/wide_kernel.h). */
 #include "accel/wide_kernel.h"
 
-#if defined __SSE2__
+#if defined __SSE2__ && !defined RK_WITHOUT_SSE2
 #include "accel/wide_trace.h"
 
 static const rk_wide_kernel kernel = {RK_SIMD_ISA, closest_of_batch, occluded_of_batch,
