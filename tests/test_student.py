@@ -197,6 +197,51 @@ def commands_without_a_name(folder):
           "make help is a short list", said)
 
 
+def interrupted(folder, module, *command):
+    """Returns the status and what is said, where Ctrl-C comes as this text of a module argparse does it."""
+    write(module, folder, "interrupts", "argparse.py")
+    environment = dict(os.environ, PYTHONPATH=os.path.join(folder, "interrupts"))
+    for name in ("MAKEFLAGS", "MFLAGS", "MAKELEVEL"):
+        environment.pop(name, None)
+    answer = subprocess.run(command, env=environment, stdin=subprocess.DEVNULL, stdout=subprocess.PIPE,
+                            stderr=subprocess.STDOUT, text=True, check=False,
+                            preexec_fn=lambda: signal.signal(signal.SIGINT, signal.default_int_handler))
+    return answer.returncode, answer.stdout
+
+
+def ctrl_c_is_quiet_at_any_moment(folder):
+    comes = "os.kill(os.getpid(), 2)\n"
+    real = ("import os, sys\nsys.path.remove(os.path.dirname(__file__))\ndel sys.modules['argparse']\n"
+            "import argparse\n")
+    now, late = f"import os\n{comes}", f"{real}import atexit\natexit.register(os.kill, os.getpid(), 2)\n"
+    within = f"{real}def parse_args(*_):\n    {comes}argparse.ArgumentParser.parse_args = parse_args\n"
+    tools = os.path.join(SOURCE, "tools")
+    launched = [sys.executable, "-B", "-S", os.path.join(tools, "launch.py")]
+    names = [name for name in sorted(os.listdir(tools))
+             if name.endswith(".py") and "Parser(" in read(tools, name)]
+    told = {name: interrupted(folder, now, *launched, os.path.join(tools, name)) for name in names}
+    wrong = {name: said for name, said in told.items() if said != (-signal.SIGINT, "")}
+    check("start.py" in told and not wrong, "Ctrl-C while a tool is still being read ends it without a word",
+          wrong)
+    for moment, module, status in (("it has ended", late, -signal.SIGINT), ("its main begins", within, 130)):
+        told = interrupted(folder, module, *launched, os.path.join(tools, "hint.py"), STEM, "--step", "1",
+                           "--source", SOURCE)
+        check(told[0] == status and "Traceback" not in told[1], f"so does Ctrl-C when {moment}", told)
+    status, said = interrupted(folder, now, MAKE, "-s", f"hint-{STEM}", "STEP=1")
+    check(status != 0 and len(said.splitlines()) <= 1 and "Traceback" not in said, "make starts them so",
+          said)
+    targets = ("start", "progress", f"hint-{STEM}", f"draw-{STEM}", "album")
+    said = make(".", "-n", *targets, f"IMPL={folder}")[1]
+    lines = [line for line in said.splitlines() if re.search(r"tools/\w+\.py ", line)]
+    check(len(lines) > 3 and all("tools/launch.py" in line for line in lines), "all of them", lines)
+
+
+def a_dry_run_starts_nothing(folder):
+    status, said = make(".", "-n", "start", f"IMPL={os.path.join(folder, 'none')}")
+    check(status == 0 and "tools/start.py" in said and "start: " not in said,
+          "make -n start only prints", said)
+
+
 def hints_come_one_at_a_time():
     hints = hint.hints_of(handout_of(SOURCE, FEATURE))
     check(len(hints) >= 4 and "2" in hints, "a handout's hints are found by their steps", list(hints))
@@ -244,6 +289,9 @@ def before_bootstrap(pack):
           folder, "bootstrap")
     os.chmod(os.path.join(folder, "bootstrap"), 0o755)
     shutil.copy(os.path.join(pack, "GNUmakefile"), folder)
+    status, said = run(folder, MAKE, "-n", "start")
+    check(status == 0 and not os.path.exists(os.path.join(folder, "Makefile")),
+          "make -n start only prints, there, too", said)
     status, said = run(folder, MAKE, "start")
     check(status == 0 and said.splitlines()[-1] == "begins", "make start runs it, and begins", said)
     for name in ("it's", 'a "b"', "a$b", "a#b", "a&b", "a\nb"):
@@ -258,8 +306,13 @@ def before_bootstrap(pack):
 
 def the_pack_builds(pack):
     compiler = " ".join(Toolchain(".").compiler)
-    status, said = run(pack, "./bootstrap", "--no-install", f"CC={compiler}")
-    check(status == 0 and said.rstrip().splitlines()[-1].startswith("Now: make start"),
+    broken = os.path.join(os.path.dirname(pack), "broken")
+    write("#!/bin/sh\nexit 1\n", broken, "autoreconf")
+    os.chmod(os.path.join(broken, "autoreconf"), 0o755)
+    status, said = run(pack, "env", f"PATH={broken}:{os.environ['PATH']}", "./bootstrap", "--no-install",
+                       f"CC={compiler}")
+    check(status == 0, "its configure is ready; no student's machine makes it again", said)
+    check(said.rstrip().splitlines()[-1].startswith("Now: make start"),
           "bootstrap ends with the first command of the pack", said)
     status, said = run(pack, "./bootstrap", "--no-install", f"CC={compiler}")
     check(status == 0 and "make start" in said, "so does a second one", said)
@@ -347,6 +400,14 @@ def drivers_are_built_alone(pack):
     told = said.rstrip().splitlines()[-1]
     check(told.startswith(f"run {path} (--help lists its options); units: workbook") and OTHER not in told,
           "the driver's command is told, without a list of units that are all in one folder", said)
+    sets = ("avx512", "avx2", "sse2", "scalar")
+    compiled = [isa for isa in sets if " kernel\n" in run(pack, "nm", f"src/accel/wide_{isa}.o")[1]]
+    small = ("--width", "8", "--height", "8", "--quiet", "--out", os.path.join(pack, "small"))
+    taken = {place: [isa for isa in sets if run(place, "env", f"RAYKIT_ISA={isa}", where, *small)[0] == 0]
+             for place, where in ((pack, driver), (".", "assignments/00_normals/normals"))}
+    check(taken["."] and compiled == list(dict.fromkeys([taken["."][0], "scalar"])) == taken[pack],
+          "of the traversals it has compiled this machine's fastest and the one in plain C",
+          (compiled, taken))
     others = [feature.folder for feature in FEATURES.values() if feature.stem != STEM]
     built = [folder for folder in others for name in os.listdir(os.path.join(pack, "assignments", folder))
              if name.endswith(".o")]
@@ -617,6 +678,8 @@ def main():
         what_is_printed_is_shown()
         progress_names_the_next_claim()
         a_starter_blames_no_needed_unit(folder)
+        ctrl_c_is_quiet_at_any_moment(folder)
+        a_dry_run_starts_nothing(folder)
         hints_come_one_at_a_time()
         added_files_are_named(folder)
         nothing_waits_for_a_test_that_is_not_there(folder)

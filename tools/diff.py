@@ -29,6 +29,14 @@ def difference(source, stem, impl):
     )
 
 
+def _show(lines, sentence):
+    colours = {"+": 32, "-": 31, "@": 36} if sys.stdout.isatty() else {}
+    for line in lines:
+        colour = colours.get(line[:1])
+        print(f"\033[{colour}m{line}\033[m" if colour else line)
+    print(sentence, flush=True)
+
+
 def main():
     parser = Parser(description=__doc__)
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
@@ -40,16 +48,12 @@ def main():
     except (ToolError, RegionError) as error:
         print(f"diff: {error}", file=sys.stderr)
         return 1
-    colours = {"+": 32, "-": 31, "@": 36} if sys.stdout.isatty() else {}
-    for line in lines:
-        colour = colours.get(line[:1])
-        print(f"\033[{colour}m{line}\033[m" if colour else line)
-    print(sentence)
+    try:
+        _show(lines, sentence)
+    except BrokenPipeError:  # a pager that was left
+        sys.stderr.close()
     return 0
 
 
 if __name__ == "__main__":
-    try:
-        sys.exit(main())
-    except BrokenPipeError:  # a pager that was left
-        sys.stderr.close()
+    sys.exit(main())

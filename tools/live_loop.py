@@ -26,7 +26,7 @@ from grading.build import Toolchain
 from grading.private_copy import make_folder
 from grading.processor_time import limited
 from handout_text import handout_of
-from watch import Check, state
+from watch import Check, command_of_tool, state
 
 _LOOK_SECONDS = 0.05
 _PATIENCE = 20  # seconds of processor time for a picture, of 400 x 400 pixels and few samples
@@ -112,8 +112,8 @@ class Loop:
         of_the_kit = f"assignments/{feature.folder}/{feature.stem}"
         self.kit = None if toolchain.handed_out else toolchain.built(of_the_kit)
         self.out = os.path.join(toolchain.build, "impl", "loop")
-        self.building = [sys.executable, "-B", os.path.join(_TOOLS, "drivers.py"), "--build", toolchain.build,
-                         "--impl", impl, "--only", feature.stem, "--into", folder]
+        self.building = [*command_of_tool("drivers", "-B"), "--build", toolchain.build, "--impl", impl,
+                         "--only", feature.stem, "--into", folder]
         self.files, self.changed, self._doing = {}, threading.Condition(), set()
         self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "",
                       "hints": [],
@@ -375,8 +375,8 @@ class Server:
 
 def grader_of(stem, build, impl, kept):
     """Returns the command that checks a unit, and keeps in a folder what makes the next check faster."""
-    return [sys.executable, "-X", f"pycache_prefix={os.path.join(kept, 'python')}",
-            os.path.join(_TOOLS, "grade.py"), stem, "--build", build, "--impl", impl, "--own", "--kept", kept]
+    return [*command_of_tool("grade", "-X", f"pycache_prefix={os.path.join(kept, 'python')}"), stem,
+            "--build", build, "--impl", impl, "--own", "--kept", kept]
 
 
 def main():

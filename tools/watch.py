@@ -112,6 +112,13 @@ def watch(command, impl):
             check.end()
 
 
+def command_of_tool(stem, *options):
+    """Returns the command that starts another tool, with options for Python, as make does."""
+    folder = os.path.dirname(os.path.abspath(__file__))
+    return [sys.executable, "-S", *options, os.path.join(folder, "launch.py"),
+            os.path.join(folder, stem + ".py")]
+
+
 def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stem", metavar="STEM")
@@ -121,11 +128,10 @@ def main():
     arguments = parser.parse_args()
     stop_on_signals()
     cache = f"pycache_prefix={os.path.join(arguments.build, 'impl', 'python')}"
-    grader = os.path.join(os.path.dirname(__file__), "grade.py")
-    command = [sys.executable, "-X", cache, grader, arguments.stem, "--build", arguments.build,
-               "--impl", arguments.impl, "--own"]
     kept = make_folder()
-    command += ["--kept", kept, *(["--test", arguments.test] if arguments.test else [])]
+    command = [*command_of_tool("grade", "-X", cache), arguments.stem, "--build", arguments.build,
+               "--impl", arguments.impl, "--own", "--kept", kept,
+               *(["--test", arguments.test] if arguments.test else [])]
     try:
         features = read_features(Toolchain(arguments.build).source)
         require_units(arguments.build, [arguments.stem], arguments.impl)
