@@ -17,6 +17,18 @@ static float or_own(float given, float own)
 /* Texels; so fine that the sun looks round. */
 enum { SKY_SIDE = 256 };
 
+/* Texels per side of a face that are half as wide as the picture's pixels in the middle of the
+ * view: a face's middle has side / 2 of them per unit of tangent. All of them if they are to be
+ * seen. */
+static uint32_t needed_side(const rk_driver *driver)
+{
+    const double tangent = tan((double)driver->scene.camera.fov * (double)RK_PI / 360);
+    const double side = 2 * (double)driver->render.height / tangent;
+    return driver->render.environment_filter == RK_CUBEMAP_NEAREST || side > 1e6
+               ? 0
+               : (uint32_t)ceil(side);
+}
+
 /* The middle of a picture is in direction -z. A mesh file has made half a turn, and its environment
  * does, too: the viewer then sees the middle, and not the seam. */
 static bool load_environment(rk_driver *driver, rk_error *error)
@@ -29,7 +41,7 @@ static bool load_environment(rk_driver *driver, rk_error *error)
         return rk_fail(error, "--environment: names no picture; give it a file's name, or sky");
     if (strcmp(name, "sky") == 0)
         return rk_sky_make(environment, SKY_SIDE, error);
-    if (!rk_environment_file_read(environment, name, error))
+    if (!rk_environment_file_read_for(environment, name, needed_side(driver), error))
         return false;
     if (driver->mesh_path)
         rk_cubemap_turn(environment);

@@ -3,6 +3,7 @@
 #include "io/environment_file.h"
 
 #include "io/image_file.h"
+#include "io/image_world.h"
 
 #include <dirent.h>
 #include <stdio.h>
@@ -154,13 +155,35 @@ static bool convert(rk_cubemap *map, const rk_image *image, const char *path, rk
     return convert_world(map, image, path, error);
 }
 
-static bool read_one(rk_cubemap *map, const char *path, rk_error *error)
+/* In place; pictures that raykit-image has read are small already. */
+static void reduce_world(rk_image *world, size_t least_width)
+{
+    const size_t width = world->width, height = world->height;
+    const size_t factor = rk_image_world_factor(width, height, least_width);
+    double shares[4096];
+    if (factor == 1 || factor > sizeof shares / sizeof *shares ||
+        !rk_image_shape_has_world(width, height))
+        return;
+    float *pixels = &world->pixels->x;
+    for (size_t y = 0; y < height / factor; y++) {
+        rk_image_world_shares(shares, factor, y * factor, height);
+        rk_image_world_average(pixels + 3 * y * (width / factor), pixels + 3 * y * factor * width,
+                               width, factor, shares);
+    }
+    world->width = width / factor;
+    world->height = height / factor;
+}
+
+static bool read_one(rk_cubemap *map, const char *path, uint32_t least_side, rk_error *error)
 {
     rk_image image;
     const rk_image_file_wish wish = {.most_pixels = RK_ENVIRONMENT_FILE_PIXELS_MAX,
-                                     .shape = RK_IMAGE_ENVIRONMENT};
+                                     .shape = RK_IMAGE_ENVIRONMENT,
+                                     .least_width =
+                                         (size_t)ceil((double)least_side * (double)RK_PI)};
     if (!rk_image_file_read_wished(&image, path, &wish, error))
         return false;
+    reduce_world(&image, wish.least_width);
     bool ok = convert(map, &image, path, error);
     rk_image_free(&image);
     return ok;
@@ -201,7 +224,8 @@ static bool read_face(rk_cubemap *map, rk_cube_face face, const char *path,
                       rk_image_file_reader *reader, rk_error *error)
 {
     rk_image image;
-    const rk_image_file_wish wish = {RK_ENVIRONMENT_FILE_PIXELS_MAX, RK_IMAGE_SQUARE, reader};
+    const rk_image_file_wish wish = {
+        .most_pixels = RK_ENVIRONMENT_FILE_PIXELS_MAX, .shape = RK_IMAGE_SQUARE, .reader = reader};
     if (!rk_image_file_read_wished(&image, path, &wish, error))
         return false;
     bool ok = fits(&image, map, path, error) &&
@@ -304,11 +328,17 @@ static bool read_six(rk_cubemap *map, const char *where, find_face *find, rk_err
 
 bool rk_environment_file_read(rk_cubemap *map, const char *path, rk_error *error)
 {
+    return rk_environment_file_read_for(map, path, 0, error);
+}
+
+bool rk_environment_file_read_for(rk_cubemap *map, const char *path, uint32_t least_side,
+                                  rk_error *error)
+{
     struct stat status;
     *map = (rk_cubemap){0};
     if (strstr(path, "%s"))
         return read_six(map, path, name_in_pattern, error);
     if (stat(path, &status) == 0 && S_ISDIR(status.st_mode))
         return read_six(map, path, name_in_folder, error);
-    return read_one(map, path, error);
+    return read_one(map, path, least_side, error);
 }

@@ -32,4 +32,10 @@ enum { RK_ENVIRONMENT_FILE_PIXELS_MAX = 1 << 26 };
  * that rk_image_file_read refuses. */
 bool rk_environment_file_read(rk_cubemap *map, const char *path, rk_error *error);
 
+/* The same for a view that needs no more than `least_side` texels per side of a face: of a larger
+ * picture by longitude and latitude, squares of pixels are averaged, which keeps the mean radiance.
+ * It costs a fraction of the time and the memory. */
+bool rk_environment_file_read_for(rk_cubemap *map, const char *path, uint32_t least_side,
+                                  rk_error *error);
+
 #endif

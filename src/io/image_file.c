@@ -102,6 +102,7 @@ static unsigned char *make_request(const char *path, rk_image_stream_part part,
         .part = part,
         .shape = wish->shape,
         .most_pixels = wish->most_pixels,
+        .least_width = wish->least_width,
         .name_size = strlen(path),
     };
     *size = sizeof request + request.name_size;

@@ -27,6 +27,8 @@ typedef struct rk_image_file_wish {
                              byte of the file */
     rk_image_shape shape; /* others are refused */
     rk_image_file_reader *reader; /* or NULL */
+    size_t least_width; /* or 0: a world by longitude and latitude may come as means of squares of
+                           pixels if it keeps this many columns */
 } rk_image_file_wish;
 
 /* The same as rk_image_file_read, for a picture that is as wished. */

@@ -9,7 +9,7 @@
 #define RK_IMAGE_STREAM_MAGIC 0x4d496b72u /* "rkIM" */
 
 enum {
-    RK_IMAGE_STREAM_VERSION = 2,
+    RK_IMAGE_STREAM_VERSION = 3,
     RK_IMAGE_STREAM_SIDE_MAX = 32768,
 };
 
@@ -29,6 +29,7 @@ typedef struct rk_image_stream_request {
     uint32_t part;        /* rk_image_stream_part */
     uint32_t shape;       /* rk_image_shape: others are refused */
     uint64_t most_pixels; /* pictures of more are refused */
+    uint64_t least_width; /* see rk_image_file_wish */
     uint64_t name_size;   /* of the file's name, which follows */
 } rk_image_stream_request;
 

@@ -13,6 +13,7 @@
 #include "io/helper_answer.h"
 #include "io/image_shape.h"
 #include "io/image_stream.h"
+#include "io/image_world.h"
 
 #include <OpenImageIO/color.h>
 #include <OpenImageIO/imagebuf.h>
@@ -235,21 +236,38 @@ std::function<float(double)> curve_of(const OIIO::ImageSpec &spec)
     return decode_srgb;
 }
 
-// Integers by a table: there are fewer stored values than pixels.
-void make_linear(const Floats &values, const OIIO::ImageSpec &spec)
-{
-    auto curve = curve_of(spec);
-    if (!curve)
-        return;
-    int levels = spec.format == OIIO::TypeDesc::UINT8    ? 256
+// The curve, for integers as a table: there are fewer stored values than pixels.
+class Linearizer {
+  public:
+    explicit Linearizer(const OIIO::ImageSpec &spec) : curve(curve_of(spec))
+    {
+        levels = spec.format == OIIO::TypeDesc::UINT8    ? 256
                  : spec.format == OIIO::TypeDesc::UINT16 ? 65536
                                                          : 0;
+        for (int i = 0; curve && i < levels; i++)
+            table.push_back(curve(double(i) / (levels - 1)));
+        const float exposure = spec.get_float_attribute("hdr:exposure", 1);
+        if (exposure > 0 && std::isfinite(exposure)) // Radiance multiplies by it and writes it down
+            divisor = exposure;
+    }
+
+    void apply(const Floats &values) const
+    {
+        if (curve)
+            for (float &value : values)
+                value =
+                    levels ? table[size_t(std::lrint(value * float(levels - 1)))] : curve(value);
+        if (divisor != 1)
+            for (float &value : values)
+                value /= divisor;
+    }
+
+  private:
+    std::function<float(double)> curve;
+    int levels;
     std::vector<float> table;
-    for (int i = 0; i < levels; i++)
-        table.push_back(curve(double(i) / (levels - 1)));
-    for (float &value : values)
-        value = levels ? table[size_t(std::lrint(value * float(levels - 1)))] : curve(value);
-}
+    float divisor = 1;
+};
 
 void check_finite(const std::string &path, const Picture &picture)
 {
@@ -331,16 +349,6 @@ void check_window(const std::string &path, const OIIO::ImageSpec &spec, rk_image
                    ": save it whole, for instance by oiiotool --croptofull");
 }
 
-// Radiance multiplies pixels by their exposure and writes it down.
-void divide_by_exposure(const Floats &values, const OIIO::ImageSpec &spec)
-{
-    const float exposure = spec.get_float_attribute("hdr:exposure", 1);
-    if (!(exposure > 0) || !std::isfinite(exposure) || exposure == 1)
-        return;
-    for (float &value : values)
-        value /= exposure;
-}
-
 Floats replicate(const Floats &grey)
 {
     Floats rgb(grey.size() * 3);
@@ -376,9 +384,46 @@ void check_readable(const std::string &path)
          "is damaged" + (reason.empty() ? reason : ": " + reason) + "; save or download it again");
 }
 
+// 1 for pictures that must be read as a whole: those in tiles, and those to be turned.
+int world_factor(const OIIO::ImageSpec &spec, rk_image_shape shape, rk_image_stream_part part,
+                 size_t least_width)
+{
+    if (shape != RK_IMAGE_ENVIRONMENT || part != RK_IMAGE_STREAM_COLOUR || spec.tile_width > 0 ||
+        spec.get_int_attribute("Orientation", 1) > 1 ||
+        !rk_image_shape_has_world(size_t(spec.width), size_t(spec.height)))
+        return 1;
+    return int(rk_image_world_factor(size_t(spec.width), size_t(spec.height), least_width));
+}
+
+// Reads as many rows at a time as become one.
+Picture read_means(const std::string &path, OIIO::ImageInput &input, const OIIO::ImageSpec &spec,
+                   Channels channels, int factor)
+{
+    Picture picture{spec.width / factor, spec.height / factor,
+                    Floats(size_t(spec.width / factor) * size_t(spec.height / factor) * 3)};
+    Floats rows(size_t(spec.width) * size_t(factor) * size_t(channels.count));
+    std::vector<double> shares(static_cast<size_t>(factor));
+    const Linearizer linearizer(spec);
+    for (int y = 0; y < picture.height; y++) {
+        const int first = y * factor;
+        if (!input.read_scanlines(0, 0, spec.y + first, spec.y + first + factor, 0, channels.first,
+                                  channels.first + channels.count, OIIO::TypeDesc::FLOAT,
+                                  rows.data()) ||
+            input.has_error())
+            fail_damaged(path, first_line(input.geterror()));
+        linearizer.apply(rows);
+        rk_image_world_shares(shares.data(), size_t(factor), size_t(first), size_t(spec.height));
+        const Floats grey = channels.count == 3 ? Floats(0) : replicate(rows);
+        rk_image_world_average(picture.rgb.data() + 3 * size_t(y) * size_t(picture.width),
+                               channels.count == 3 ? rows.data() : grey.data(), size_t(spec.width),
+                               size_t(factor), shares.data());
+    }
+    return picture;
+}
+
 Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
                      rk_image_shape shape = RK_IMAGE_ANY,
-                     rk_image_stream_part part = RK_IMAGE_STREAM_COLOUR)
+                     rk_image_stream_part part = RK_IMAGE_STREAM_COLOUR, size_t least_width = 0)
 {
     check_readable(path);
     // Alpha is dropped, so colours must not be multiplied by it.
@@ -392,6 +437,9 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
     check_shape(path, spec, shape);
     check_window(path, spec, shape);
     Channels channels = channels_of(path, spec, part);
+    const int factor = world_factor(spec, shape, part, least_width);
+    if (factor > 1)
+        return read_means(path, *input, spec, channels, factor);
     size_t pixels = size_t(spec.width) * size_t(spec.height);
     Floats values(pixels * size_t(channels.count));
     // Some readers fill missing parts with grey and report success, but leave an error message.
@@ -400,8 +448,7 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
         input->has_error())
         fail_damaged(path, first_line(input->geterror()));
     if (part == RK_IMAGE_STREAM_COLOUR) {
-        make_linear(values, spec);
-        divide_by_exposure(values, spec);
+        Linearizer(spec).apply(values);
     } else if (channels.count == 3) {
         values = mean(values), channels.count = 1;
     }
@@ -414,9 +461,9 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
 }
 
 Picture load(const std::string &path, size_t most_pixels, rk_image_shape shape,
-             rk_image_stream_part part)
+             rk_image_stream_part part, size_t least_width)
 {
-    Picture picture = read_picture(path, most_pixels, shape, part);
+    Picture picture = read_picture(path, most_pixels, shape, part, least_width);
     check_finite(path, picture);
     return picture;
 }
@@ -590,7 +637,7 @@ void answer(const rk_image_stream_request &request, const std::string &path)
     try {
         limit_cost(path, request.most_pixels);
         const Picture picture = load(path, request.most_pixels, rk_image_shape(request.shape),
-                                     rk_image_stream_part(request.part));
+                                     rk_image_stream_part(request.part), request.least_width);
         send_answer(false, sizeof(rk_image_stream_head) + picture.rgb.size() * sizeof(float));
         send(picture);
     } catch (const std::bad_alloc &) {
