@@ -698,6 +698,19 @@ static void check_larger_than_a_leaf(const rk_bvh *bvh, const rk_bvh_node *node,
              count, RK_BVH_LEVELS_MAX - 1 - level, got, smaller);
 }
 
+static bool is_side_of(const comparison *c, const rk_bvh_node *node, const trial *t, int side)
+{
+    uint32_t child = node->first + (uint32_t)side;
+    return rk_bvh_range_of(c->bvh, child).count == t->triangles[side] &&
+           is_box_of_side(&c->bvh->nodes[child].box, t, side);
+}
+
+static bool is_split_so(const comparison *c, const rk_bvh_node *node, const trial *t)
+{
+    return is_side_of(c, node, t, 0) && is_side_of(c, node, t, 1);
+}
+
+/* Where two splits cost the same, roundings decide which is the cheapest: either will do. */
 static void compare_with_brute_force(const rk_bvh_node *node, uint32_t level, void *context)
 {
     comparison *c = context;
@@ -737,13 +750,12 @@ static void compare_with_brute_force(const rk_bvh_node *node, uint32_t level, vo
              "want %s",
              range.count, RK_BVH_LEVELS_MAX - 1 - level, best.cost,
              node->count ? "a leaf" : "an inner node", is == CHEAPEST ? "an inner node" : "a leaf");
-    if (is != CHEAPEST)
-        return;
-    for (int side = 0; side < 2; side++) {
-        uint32_t child = node->first + (uint32_t)side;
-        uint32_t got = rk_bvh_range_of(c->bvh, child).count;
-        rk_check(got == best.triangles[side] &&
-                     is_box_of_side(&c->bvh->nodes[child].box, &best, side),
+    for (uint32_t k = 0; k < found && is == CHEAPEST; k++)
+        if (all[k].cost <= (1 + 2 * cost_tolerance) * best.cost && is_split_so(c, node, &all[k]))
+            return;
+    for (int side = 0; side < 2 && is == CHEAPEST; side++) {
+        uint32_t got = rk_bvh_range_of(c->bvh, node->first + (uint32_t)side).count;
+        rk_check(is_side_of(c, node, &best, side),
                  "a node of %u triangles: its %s child has %u of them, want the %u, and their box, "
                  "of the cheapest split, on axis %c at boundary %u: a triangle goes to the side on "
                  "which its bin was counted",
