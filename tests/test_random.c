@@ -32,6 +32,37 @@ static void unit_floats_cover_0_to_1_evenly_and_never_are_1(void **state)
     }
 }
 
+/* How often a bit of the hash changes with a bit of an argument, of 1,024 times. */
+static unsigned changes_of(int bit, int argument, int by)
+{
+    unsigned changes = 0;
+    for (uint32_t i = 0; i < 1024; i++) {
+        uint32_t of[4] = {i * 2654435761u, ~i, i << 16 ^ 77, i * 40503};
+        uint32_t before = rk_hash(of[0], of[1], of[2], of[3]);
+        of[argument] ^= 1u << by;
+        changes += (before ^ rk_hash(of[0], of[1], of[2], of[3])) >> bit & 1;
+    }
+    return changes;
+}
+
+static void the_upper_half_of_the_hash_depends_on_all_bits(void **state)
+{
+    (void)state;
+    for (int bit = 0; bit < 32; bit++)
+        for (int argument = 0; argument < 4; argument++)
+            for (int by = 0; by < 32; by++) {
+                unsigned changes = changes_of(bit, argument, by);
+                if (bit < 16)
+                    rk_check(by <= bit + 16 || changes == 0,
+                             "bit %d changes with bit %d of argument %d: random.h says never", bit,
+                             by, argument);
+                else
+                    rk_check(changes > 256 && changes < 768,
+                             "bit %d changes with bit %d of argument %d in %u of 1024 cases", bit,
+                             by, argument, changes);
+            }
+}
+
 /* --- one number ------------------------------------------------------------------------------ */
 
 enum { draws = 1 << 16, bins = 64, side = 16 };
@@ -179,6 +210,7 @@ static void the_same_place_gives_the_same_number(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_hash_is_the_published_one),
+    cmocka_unit_test(the_upper_half_of_the_hash_depends_on_all_bits),
     cmocka_unit_test(unit_floats_cover_0_to_1_evenly_and_never_are_1),
     cmocka_unit_test(a_pair_of_numbers_is_its_two_dimensions),
     cmocka_unit_test(the_same_place_gives_the_same_number),

@@ -337,7 +337,7 @@ static void check_owen_keys(void)
         rk_check(
             abs(2 * alike - throws) <= z_limit * sqrt(throws),
             "two keys that differ in bit %u toss the same coin for %d of %d digits, want about "
-            "half: does the whole key enter the hash?",
+            "half: does the whole key enter the hash, and is the coin one of its upper 16 bits?",
             bit, alike, throws);
     }
 }
@@ -576,26 +576,37 @@ static void every_samples_number_is_the_scrambled_point_of_its_index(void **stat
         }
 }
 
+/* Runs of up to 97 pairs, and one of none before each: they write their own pairs and no other. */
+static void check_runs(const rk_sampler *sampler, uint32_t pixel, uint32_t n, uint32_t dimension)
+{
+    enum { most = 600 };
+    static rk_vec2 run[most + 1], before[most];
+    for (uint32_t i = n; i-- > 0;)
+        before[i] = rk_joint_2d(sampler, pixel, i, dimension);
+    for (uint32_t i = 0; i <= n; i++)
+        run[i] = (rk_vec2){-1, -1};
+    for (uint32_t first = 0, count; first < n; first += count) {
+        count = first % 97 + 1 < n - first ? first % 97 + 1 : n - first;
+        for (uint32_t pairs = 0; pairs <= count; pairs += count) {
+            rk_joint_2d_run(sampler, pixel, first, pairs, dimension, run + first);
+            rk_check(
+                run[first + pairs].x == -1 && run[first + pairs].y == -1,
+                "dimension %u: a run of %u pair%s, from sample %u on, wrote another one behind "
+                "them",
+                dimension, pairs, pairs == 1 ? "" : "s", first);
+        }
+    }
+    for (uint32_t i = 0; i < n; i++)
+        rk_check(run[i].x == before[i].x && run[i].y == before[i].y,
+                 "dimension %u: sample %u of the run differs", dimension, i);
+}
+
 static void a_run_is_its_samples_one_by_one_in_any_order(void **state)
 {
     (void)state;
-    enum { n = 600 };
-    static rk_vec2 run[n], before[n];
-    for (uint32_t k = 0; k < DECISIONS; k++) {
-        if (decisions[k].count == 1)
-            continue;
-        for (uint32_t i = n; i-- > 0;)
-            before[i] = rk_joint_2d(&joint, 5, i, decisions[k].dimension);
-        for (uint32_t first = 0, count; first < n; first += count) {
-            count = first % 97 + 1 < n - first ? first % 97 + 1 : n - first;
-            rk_joint_2d_run(&joint, 5, first, count, decisions[k].dimension, run + first);
-        }
-        for (uint32_t i = 0; i < n; i++)
-            rk_check(run[i].x == before[i].x && run[i].y == before[i].y,
-                     "%s: sample %u of the run "
-                     "differs",
-                     decisions[k].name, i);
-    }
+    for (uint32_t k = 0; k < DECISIONS; k++)
+        if (decisions[k].count == 2)
+            check_runs(&joint, 5, 600, decisions[k].dimension);
 }
 
 static void the_number_of_samples_changes_none_of_them(void **state)
@@ -754,10 +765,12 @@ static void check_unrelated(uint32_t d, uint32_t e, uint32_t sample, uint32_t pi
         : pixels_on != 0u ? "is the pixel in the key?"
                           : "is the seed in the key?");
     double z = deviate(counts, side * side, draws);
-    rk_check(z <= z_limit,
-             "sample %u in joint dimensions %u and %u, %u pixels and %u seeds on: related "
-             "by %.2f standard deviations of chi-squared, limit %.2f",
-             sample, d, e, pixels_on, seeds_on, z, z_limit);
+    rk_check(
+        z <= z_limit,
+        "sample %u in joint dimensions %u and %u, %u pixels and %u seeds on: related "
+        "by %.2f standard deviations of chi-squared, limit %.2f; does the key depend on all of "
+        "them? Hash it once more, rk_hash(key, 0, 0, 0), which separates related keys",
+        sample, d, e, pixels_on, seeds_on, z, z_limit);
 }
 
 /* Whose two first numbers these are. Those of two owners agree by chance once in 2^47 times. */
@@ -1317,22 +1330,11 @@ static void padded_pairs_are_in_an_order_of_their_own(void **state)
 static void a_shared_run_is_its_samples_one_by_one_in_any_order(void **state)
 {
     (void)state;
-    enum { n = 300 };
-    static rk_vec2 run[n], before[n];
-    const rk_sampler sampler = shared_by(3, n);
+    const rk_sampler sampler = shared_by(3, 300);
     const uint32_t dimensions[] = {RK_DIMENSION_PIXEL, RK_DIMENSION_LENS, RK_DIMENSION_LIGHT,
                                    RK_DIMENSION_GLOSSY, RK_DIMENSION_FEATURES + 2};
-    for (uint32_t k = 0; k < 5; k++) {
-        for (uint32_t i = n; i-- > 0;)
-            before[i] = rk_joint_2d(&sampler, 5555, i, dimensions[k]);
-        for (uint32_t first = 0, count; first < n; first += count) {
-            count = first % 97 + 1 < n - first ? first % 97 + 1 : n - first;
-            rk_joint_2d_run(&sampler, 5555, first, count, dimensions[k], run + first);
-        }
-        for (uint32_t i = 0; i < n; i++)
-            rk_check(run[i].x == before[i].x && run[i].y == before[i].y,
-                     "dimension %u: sample %u of the run differs", dimensions[k], i);
-    }
+    for (uint32_t k = 0; k < 5; k++)
+        check_runs(&sampler, 5555, 300, dimensions[k]);
 }
 
 /* A penumbra: in a pixel, the part of the unit square below a line, which moves slowly over the

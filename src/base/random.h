@@ -6,7 +6,9 @@
 
 #include <stdint.h>
 
-/* Returns 32 well-mixed bits of the four numbers. */
+/* Returns 32 random bits of the four numbers. The upper 16 depend on all bits of each, bit k of the
+ * lower ones on no bit of theirs above k + 16: as a coin take the highest. In some orders of small
+ * numbers a few results are related; rk_hash(result, 0, 0, 0) separates them. */
 static inline uint32_t rk_hash(uint32_t a, uint32_t b, uint32_t c, uint32_t d)
 {
     a = a * 1664525u + 1013904223u;

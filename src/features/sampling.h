@@ -31,7 +31,8 @@ void rk_sobol_directions(uint32_t dimension, uint32_t v[RK_SOBOL_DIGITS]);
 uint32_t rk_sobol_bits(const uint32_t v[RK_SOBOL_DIGITS], uint32_t index);
 
 /* Owen scrambling by its definition. Each binary digit is flipped, or not: a fair coin that depends
- * on the key and on the digits before it, as they were. The coin is any bit of a hash. */
+ * on the key and on the digits before it, as they were. The coin is a bit of a hash, of rk_hash one
+ * of the upper 16. */
 uint32_t rk_owen_scramble(uint32_t bits, uint32_t key);
 
 /* The sequence's dimension for one of the renderer's (base/sampler.h), the first of two where these
