@@ -1,9 +1,13 @@
 /* Environment lookups: the cube against a second definition of its faces, filters against a search
  * through all texels and against maps of smooth functions, and continuity at edges and corners. */
+#define _DEFAULT_SOURCE /* MAP_ANONYMOUS */
+
 #include "test.h"
 
 #include "base/random.h"
 #include "features/cubemap.h"
+
+#include <sys/mman.h>
 
 /* --- A second definition of the cube, in double ----------------------------------------------- */
 
@@ -575,17 +579,19 @@ static void bilinear_mixes_the_faces_own_texels_up_to_its_edges(void **state)
 
 /* --- Seamless --------------------------------------------------------------------------------- */
 
-/* The mean of the `count` texels whose centres are nearest to a direction, by a search of all. */
-static rk_vec3 mean_of_nearest(const rk_cubemap *map, vec d, int count)
+/* The mean of the `count` texels whose centres are nearest to a direction, by a search of all in
+ * these columns and rows. */
+static rk_vec3 mean_of_nearest_at(const rk_cubemap *map, const uint32_t *places, uint32_t n, vec d,
+                                  int count)
 {
     rk_vec3 colours[4];
     double cosines[4];
     uint32_t side = map->side;
     int found = 0;
     d = unit(d);
-    for (uint32_t i = 0; i < RK_FACES * side * side; i++) {
-        uint32_t column = i % side, row = i / side % side;
-        int face = (int)(i / side / side), place = found;
+    for (uint32_t i = 0; i < RK_FACES * n * n; i++) {
+        uint32_t column = places[i % n], row = places[i / n % n];
+        int face = (int)(i / n / n), place = found;
         vec centre = towards(face, (2 * column + 1.0) / side - 1, 1 - (2 * row + 1.0) / side);
         double cosine = dot(unit(centre), d);
         for (; place > 0 && cosines[place - 1] < cosine; place--)
@@ -603,6 +609,15 @@ static rk_vec3 mean_of_nearest(const rk_cubemap *map, vec d, int count)
     for (int i = 0; i < count; i++)
         sum = rk_add(sum, rk_scale(colours[i], 1 / (float)count));
     return sum;
+}
+
+static rk_vec3 mean_of_nearest(const rk_cubemap *map, vec d, int count)
+{
+    uint32_t all[16];
+    rk_check(map->side <= 16, "a map of %u texels per side takes long to search", map->side);
+    for (uint32_t i = 0; i < map->side; i++)
+        all[i] = i;
+    return mean_of_nearest_at(map, all, map->side, d, count);
 }
 
 static void within_a_face_seamless_is_bilinear(void **state)
@@ -947,6 +962,88 @@ static void invalid_directions_have_a_colour(void **state)
     rk_cubemap_free(&map);
 }
 
+/* --- The largest maps ---------------------------------------------------------------------------
+ */
+
+/* Some columns or rows, the first and the last among them; the last minus any of them is another
+ * one, so that neighbours across an edge are among them, too. */
+enum { PLACES = 6 };
+
+static void fill_places(uint32_t side, uint32_t places[PLACES])
+{
+    const uint32_t some[] = {0, 1, side / 3};
+    for (int k = 0; k < PLACES; k++)
+        places[k] = k < PLACES / 2 ? some[k] : side - 1 - some[k - PLACES / 2];
+}
+
+/* A map of which only the texels at those places have memory: the rest is mapped, but never
+ * touched. All faces share one, or they would not fit into the memory that a test may map. */
+static rk_cubemap sparse_map(uint32_t side, const uint32_t places[PLACES])
+{
+    size_t size = (size_t)side * side * sizeof(rk_vec3);
+    int flags = MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE;
+    void *memory = mmap(NULL, size, PROT_READ | PROT_WRITE, flags, -1, 0);
+    rk_check(memory != MAP_FAILED, "no addresses for %zu bytes", size);
+    rk_cubemap map = {.side = side};
+    for (int face = 0; face < RK_FACES; face++)
+        map.faces[face] = memory;
+    for (uint32_t k = 0; k < PLACES * PLACES; k++) {
+        uint32_t column = places[k % PLACES], row = places[k / PLACES];
+        *rk_cubemap_texel(&map, RK_FACE_X, column, row) = noise(side, 0, column, row);
+    }
+    return map;
+}
+
+static void check_centres(const rk_cubemap *map, const uint32_t places[PLACES], int face,
+                          int filter)
+{
+    const uint32_t side = map->side;
+    for (uint32_t k = 0; k < PLACES * PLACES; k++) {
+        uint32_t column = places[k % PLACES], row = places[k / PLACES];
+        rk_vec3 d = rk_cubemap_texel_direction(side, (rk_cube_face)face, column, row);
+        check_colour(rk_cubemap_at(map, d, (rk_cubemap_filter)filter), noise(side, 0, column, row),
+                     filter == RK_CUBEMAP_NEAREST ? 0 : side * few_roundings,
+                     "%s, side %u, face %s, at the centre of texel (%u, %u)", filter_names[filter],
+                     side, cross[face].name, column, row);
+    }
+}
+
+/* In the middle of texels at an edge, and in the corners at its ends. */
+static void check_an_edge(const rk_cubemap *map, const uint32_t places[PLACES], int face, int edge)
+{
+    const uint32_t side = map->side;
+    for (uint32_t k = 0; k < PLACES + 2; k++) {
+        bool corner = k >= PLACES;
+        double along = corner ? 2.0 * (k - PLACES) - 1 : (2.0 * places[k] + 1) / side - 1;
+        double across = edge & 1 ? 1 : -1;
+        vec d = edge < 2 ? towards(face, across, along) : towards(face, along, across);
+        check_colour(rk_cubemap_at(map, narrow(d), RK_CUBEMAP_SEAMLESS),
+                     mean_of_nearest_at(map, places, PLACES, d, corner ? 3 : 2),
+                     side * few_roundings,
+                     "seamless, side %u, at (%g, %g, %g) on %s of the cube: the mean of the texels "
+                     "around it",
+                     side, d.x, d.y, d.z, corner ? "a corner" : "an edge");
+    }
+}
+
+static void the_largest_maps_have_all_their_texels(void **state)
+{
+    (void)state;
+    const uint32_t sides[] = {2049, 4100, RK_CUBEMAP_SIDE_MAX};
+    for (size_t k = 0; k < sizeof sides / sizeof *sides; k++) {
+        uint32_t places[PLACES];
+        fill_places(sides[k], places);
+        rk_cubemap map = sparse_map(sides[k], places);
+        for (int face = 0; face < RK_FACES; face++) {
+            for (int filter = RK_CUBEMAP_NEAREST; filter <= RK_CUBEMAP_SEAMLESS; filter++)
+                check_centres(&map, places, face, filter);
+            for (int edge = 0; edge < 4; edge++)
+                check_an_edge(&map, places, face, edge);
+        }
+        munmap(map.faces[0], (size_t)sides[k] * sides[k] * sizeof(rk_vec3));
+    }
+}
+
 static void lookups_allocate_no_memory(void **state)
 {
     (void)state;
@@ -1084,6 +1181,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_texels_solid_angle_is_its_integral),
     cmocka_unit_test(solid_angles_weight_integrals_over_the_sphere),
     cmocka_unit_test(invalid_directions_have_a_colour),
+    cmocka_unit_test(the_largest_maps_have_all_their_texels),
     cmocka_unit_test(lookups_allocate_no_memory),
 };
 
