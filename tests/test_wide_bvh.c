@@ -327,11 +327,13 @@ static void check_cost(const rk_bvh *bvh, const char *name)
     double want = cheapest_child(bvh, 0), got = cost_of(&wide), area = rk_box_area(wide.box);
     if (children_of(&wide.nodes[0]) == 1) /* a leaf as the root's child costs the root, too */
         want += area;
-    rk_check_near(
-        got / area, want / area, 1e-12 * want / area,
-        "%u triangles%s: the expected cost of a ray that enters the root, by trying every "
-        "choice; the root has %u children, and all leaves %u blocks",
-        bvh->triangle_count, name, children_of(&wide.nodes[0]), wide.block_count);
+    rk_check(fabs(got - want) <= 1e-12 * want,
+             "%u triangles%s: a ray that enters the root is expected to visit %.9g nodes and "
+             "blocks, want %.9g, the fewest of all choices: a node counts its area over the "
+             "root's, a leaf this times its number of blocks; your root has %u children, and all "
+             "leaves have %u blocks",
+             bvh->triangle_count, name, got / area, want / area, children_of(&wide.nodes[0]),
+             wide.block_count);
     rk_wide_bvh_free(&wide);
 }
 
@@ -652,6 +654,62 @@ static void rays_along_a_grid_find_the_same_hits(void **state)
         check_grid(turns, CLOSEST);
 }
 
+/* Eight groups of four triangles in the plane z = 0, two of which overlap at x = 0, so that a ray
+ * there enters both boxes at the same t and intersects all eight triangles at that t. It is 2^-146,
+ * 8 times the smallest float: there floats are so coarse that a box's entry cannot be moved towards
+ * the ray against rounding. */
+static rk_mesh make_tied_groups(bool second_first)
+{
+    rk_mesh mesh = make_mesh(4 * 8);
+    for (uint32_t i = 0; i < mesh.triangle_count; i++) {
+        uint32_t group = i / 4 < 2 ? (i / 4) ^ second_first : i / 4;
+        float x = group < 2 ? 6 * (float)group - 3 : 20 * (float)group;
+        mesh.positions[3 * i] = rk_vec(x - 4, -4, 0);
+        mesh.positions[3 * i + 1] = rk_vec(x + 4, -4, 0);
+        mesh.positions[3 * i + 2] = rk_vec(x, 4, 0);
+    }
+    return mesh;
+}
+
+static const rk_ray tied_ray = {{0, -3, -0x1p-26f}, {0, 0, 0x1p120f}, INFINITY};
+
+static void a_box_that_begins_at_the_nearest_hit_is_visited(void **state)
+{
+    (void)state;
+    for (int second_first = 0; second_first < 2; second_first++) {
+        rk_mesh mesh = make_tied_groups(second_first);
+        rk_wide_bvh wide = build(&mesh);
+        rk_check_equal(children_of(&wide.nodes[0]), 8, "each group is a child of the root");
+        rk_counters counters = {0};
+        rk_hit want = closest_by_brute_force(&mesh, &tied_ray);
+        rk_check(want.t == 0x1p-146f && want.triangle == 0,
+                 "brute force got triangle %u at t = %g: this test cannot tell", want.triangle,
+                 (double)want.t);
+        check_hit(rk_wide_bvh_closest(&wide, &tied_ray, &counters), want,
+                  "a ray that enters two boxes and intersects all of their triangles at one t, of "
+                  "which the smallest index wins");
+        rk_wide_bvh_free(&wide);
+        rk_mesh_free(&mesh);
+    }
+}
+
+/* All boxes that the ray enters begin at its end. */
+static void check_boxes_at_t_max(void)
+{
+    rk_mesh mesh = make_tied_groups(false);
+    rk_wide_bvh wide = build(&mesh);
+    rk_ray ray = tied_ray;
+    ray.t_max = 0x1p-146f;
+    rk_counters counters = {0};
+    const char *name = "a ray whose t_max is the t at which it enters the boxes";
+    check_hit(rk_wide_bvh_closest(&wide, &ray, &counters), closest_by_brute_force(&mesh, &ray),
+              name);
+    rk_check(rk_wide_bvh_occluded(&wide, &ray, &counters),
+             "%s: is it occluded? got no, want yes: a hit at t_max counts", name);
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+}
+
 static void rays_are_occluded_where_brute_force_hits(void **state)
 {
     (void)state;
@@ -678,6 +736,7 @@ static void hits_count_up_to_t_max_and_not_behind_the_origin(void **state)
         }
     rk_wide_bvh_free(&wide);
     rk_mesh_free(&mesh);
+    check_boxes_at_t_max();
 }
 
 static void rays_of_nan_and_infinity_miss(void **state)
@@ -960,6 +1019,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(every_triangle_is_in_exactly_one_leaf),
     cmocka_unit_test(rays_find_the_same_hits_as_brute_force),
     cmocka_unit_test(rays_along_a_grid_find_the_same_hits),
+    cmocka_unit_test(a_box_that_begins_at_the_nearest_hit_is_visited),
     cmocka_unit_test(identical_triangles_share_leaves_of_many_blocks),
     cmocka_unit_test(walls_behind_the_nearest_hit_are_not_visited),
     cmocka_unit_test(a_ray_that_misses_all_boxes_tests_eight),
