@@ -533,6 +533,10 @@ static void a_prediction_adds_up_pixels(void **state)
     rk_check_close(p.samples, 8 + 32 + 4 + 32, 0, "counts");
     rk_check_close(p.variance, 64 / 8.0 + 1024 / 8.0 / 16 + 0 + 4096 / 64.0 * 4, 1e-9,
                    "each doubling multiplies by 1/4, each halving by 4");
+    const rk_adaptive_prediction none = rk_adaptive_predict(estimates, 0, 1, 32, 0.25);
+    rk_check(none.samples == 0 && none.variance == 0,
+             "no pixels: got %g samples and the variance %g, want 0 of both", none.samples,
+             none.variance);
     const rk_adaptive_prediction half = rk_adaptive_predict(estimates, 4, 1, 32, 0.5);
     rk_check_close(half.variance, 8 + 32 + 0 + 128, 1e-9, "independent samples: sigma^2 / n");
     const rk_adaptive_estimate sums[] = {{1000, 20, 0}, {20, 20, 0}};

@@ -170,6 +170,12 @@ static void equidistant_times_are_the_middles_of_equal_parts(void **state)
                           "four parts of length 2 have their middles at 0, 2, 4, 6");
     check_equidistant(1, 1, 3, "the middle of the shutter");
     check_equidistant(2e9f, 4000000000u, 3, "half of so many parts have passed");
+    const rk_shutter shutter = {-1, 0};
+    double got = (double)rk_shutter_equidistant(&shutter, 0x1p24f, RK_SAMPLES_MAX);
+    rk_check(got == -0x1p-25,
+             "shutter [-1, 0], the last of 2^24 times: got %.9g, want -2^-25 = %.9g, the middle of "
+             "the last part: k - 1/2 takes 25 digits, and a float has 24",
+             got, -0x1p-25);
 }
 
 static void times_before_and_after_the_shutter_continue_the_sequence(void **state)
@@ -223,9 +229,25 @@ static void check_one_in_each_part(rk_time_sampling sampling, uint32_t pixel, ui
     }
 }
 
+/* Near time 0, where floats are fine, the last of the most parts that there can be. */
+static void check_last_of_most_parts(void)
+{
+    const rk_shutter shutter = {-1, 0};
+    for (uint32_t pixel = 0; pixel < 100; pixel++) {
+        double x = (double)rk_shutter_time(&shutter, RK_TIME_STRATIFIED, 5, pixel,
+                                           RK_SAMPLES_MAX - 1, RK_SAMPLES_MAX);
+        rk_check(x >= -0x1p-24 && x < 0,
+                 "shutter [-1, 0], pixel %u, the last of 2^24 stratified times: got %.9g, want one "
+                 "in the last part, from -2^-24 = %.9g to before 0: a part and a position in it "
+                 "take more digits than a float has",
+                 pixel, x, -0x1p-24);
+    }
+}
+
 static void stratified_times_lie_one_in_each_part(void **state)
 {
     (void)state;
+    check_last_of_most_parts();
     const rk_shutter shutter = {0, 1};
     for (uint32_t pixel = 0; pixel < 50; pixel++)
         for (uint32_t samples = 1; samples <= 64; samples++)
@@ -287,9 +309,10 @@ static void random_times_are_drawn_from_the_dimension_of_time(void **state)
             off = fmin(off, fabs(x * samples - i -
                                  number_of((rk_sampler_kind)kind, seed, pixel, i, samples)));
         want = (i + number_of(RK_SAMPLER_UNIFORM, seed, pixel, i, samples)) / samples;
-        rk_check(off <= samples * 0x1p-24,
+        /* Of times up to 1, rounded to floats twice: part and position together, and the time. */
+        rk_check(off <= 2 * samples * 0x1p-24,
                  "shutter [0, 1], seed %u, pixel %u, sample %u of %u: got the stratified time "
-                 "%.7f, want %.7f: its position in its part is rk_sample_1d's number of that "
+                 "%.9g, want %.9g: its position in its part is rk_sample_1d's number of that "
                  "seed, pixel, sample and RK_DIMENSION_TIME (here the uniform one; other "
                  "kinds pass)",
                  seed, pixel, i, samples, x, want);

@@ -124,7 +124,8 @@ float rk_adaptive_pooled_variance(const float *variance, float picture, uint32_t
                                   uint32_t width, uint32_t height, uint32_t x, uint32_t y);
 
 /* Returns Neyman's n for the pixel, rounded by logarithm to the nearest power of two (sqrt(2) to 2,
- * what is less to 1), from RK_ADAPTIVE_BLOCKS to `most`, which is one, too. */
+ * what is less to 1), from RK_ADAPTIVE_BLOCKS to `most`, which is one, too. A variance of NaN gets
+ * RK_ADAPTIVE_BLOCKS. */
 uint32_t rk_adaptive_count(float variance, float lambda, uint32_t most);
 
 /* A picture, before it is rendered. */

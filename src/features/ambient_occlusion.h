@@ -60,7 +60,8 @@ bool rk_ambient_direction(const rk_ambient_frame *frame, rk_vec3 local, rk_vec3 
  * For intensities of at most 2^40 (1e12). */
 rk_vec3 rk_ambient_radiance(rk_vec3 kd, float intensity, rk_vec3 sum, uint32_t samples);
 
-/* A in closed form, with a single occluder. Lengths are in any unit: only their ratio counts. */
+/* A in closed form, with a single occluder. Lengths are in any unit, up to the largest float: only
+ * their ratio counts. To a few ulps of 1; below the disk, to a few ulps of A, however small. */
 
 /* Below the centre of a disk that is parallel to the surface; height > 0. */
 float rk_ambient_below_disk(float radius, float height);
