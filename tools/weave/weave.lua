@@ -321,12 +321,12 @@ end
 
 -- Directives that ask for drivers' runs.
 local asking = {figure = true, timings = true, table = true, plot = true, live = true, wrong = true,
-  output = true, measured = true}
+  output = true, measured = true, steps = true}
 
 local function note(directives)
   return function(element)
     local class = element.classes[1]
-    local is_asked = element.attributes.driver or class == "wrong"
+    local is_asked = element.attributes.driver or class == "wrong" or class == "steps"
     if is_asked and asking[class] and directives[class] then drive.note(directives[class], element) end
   end
 end

@@ -182,6 +182,42 @@ function tools.mark_steps(doc)
   return doc
 end
 
+local side = 400 -- pixels, of a square picture of a step; others are as large
+
+-- A look's options for a picture of that size.
+local function sized(options)
+  local size, scale = {width = 800, height = 800}
+  for name in pairs(size) do
+    options = options:gsub(" ?%-%-" .. name .. " (%d+)", function(number)
+      size[name] = tonumber(number)
+      return ""
+    end)
+  end
+  scale = side / math.sqrt(size.width * size.height)
+  return string.format("%s --width %.0f --height %.0f", options, scale * size.width, scale * size.height)
+end
+
+-- Draws a step's picture; returns its path.
+local function drawn(div, stem, look)
+  local folder = "figures/look_" .. stem .. "_" .. look[1]
+  local line = drive.run(div, sized(look[2]), drive.out .. "/" .. folder)
+  local name = line:match("/figures/([^/\n]*%.png): ")
+  if not name then
+    drive.fail_by_driver(div, "the driver printed no line with its picture's path: %s", line)
+  end
+  return folder .. "/figures/" .. name
+end
+
+-- The small one that students compare theirs with: in trials, and where the driver has a student's unit.
+local function wanted(div, stem, looks, step)
+  local path = "figures/look_" .. stem .. "_" .. step .. ".png"
+  local from = looks:gsub("%.tsv$", "/" .. step .. ".png")
+  local copy = io.open(drive.out .. "/" .. path, "wb")
+  copy:write(read_file(from) or fail_at(div, "there is no %s; make look FEATURES=%s draws it", from, stem))
+  copy:close()
+  return path
+end
+
 -- The picture of each step, what was written, and the claims that hold since the picture before.
 function tools.steps(div)
   local stem = drive.need(div, "stem")
@@ -192,8 +228,11 @@ function tools.steps(div)
   for step, cell in (handout and read_file(handout) or ""):gmatch("\n| (%d+) | (.-) | ") do
     written[tonumber(step)] = cell
   end
-  local blocks, before = pandoc.List(), 0
-  for at, look in ipairs(read_rows(read_file(looks))) do
+  local blocks, before, rows = pandoc.List(), 0, read_rows(read_file(looks))
+  local is_drawn = drive.units == "" and drive.runs ~= "1"
+  div.attributes.driver = stem
+  if is_drawn then drive.each({table.unpack(rows, 2)}, function(look) drawn(div, stem, look) end) end
+  for at, look in ipairs(rows) do
     local step = tonumber(look[1])
     if at > 1 then
       local claims = pandoc.List()
@@ -203,12 +242,7 @@ function tools.steps(div)
           claims:insert({pandoc.Plain({test_link(div, {test = test[1]}, true)})})
         end
       end
-      local path = "figures/look_" .. stem .. "_" .. step .. ".png"
-      local wanted = looks:gsub("%.tsv$", "/" .. step .. ".png")
-      local copy = io.open(drive.out .. "/" .. path, "wb")
-      copy:write(read_file(wanted) or
-        fail_at(div, "there is no %s; make look FEATURES=%s draws it", wanted, stem))
-      copy:close()
+      local path = is_drawn and drawn(div, stem, look) or wanted(div, stem, looks, step)
       local seen = look[3]:gsub("^%l", string.upper)
       local caption = pandoc.List({sentence("**Step " .. step .. ".** " .. seen .. ".")})
       if written[step] then caption:insert(sentence("Written: " .. written[step] .. ".")) end
