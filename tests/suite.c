@@ -1,6 +1,7 @@
 /* The main of every suite. Runs all tests, those that match a pattern, or exactly one; the last
  * form can attest its verdict to the calling program, so that printing "ok" proves nothing. */
 #define _DEFAULT_SOURCE /* for MAP_ANONYMOUS */
+#include "judge_hooks.h"
 #include "test.h"
 
 #include <fnmatch.h>
@@ -50,6 +51,8 @@ static void run_and_attest(void **state)
 {
     size_t kept = rk_allocations_kept;
     only->test_func(state);
+    if (rk_judge_end_of_test)
+        rk_judge_end_of_test();
     rk_check(!is_decoy(), "a claim that never holds");
     if (witness.file < 0)
         return;
@@ -63,6 +66,8 @@ static void run_and_attest(void **state)
 
 void rk_claim_failed(const char *file, int line, const char *format, ...)
 {
+    if (rk_judge_end_of_test)
+        rk_judge_end_of_test();
     char message[2000];
     va_list arguments;
     va_start(arguments, format);
@@ -153,8 +158,12 @@ static int run_only(const rk_suite *suite, char *name)
             memset(name, 'x', strlen(name));
             struct CMUnitTest one = *only;
             one.test_func = run_and_attest;
+            if (rk_judge_connect)
+                rk_judge_connect();
             int failures =
                 _cmocka_run_group_tests(suite->name, &one, 1, suite->set_up, suite->tear_down);
+            if (rk_judge_disconnect)
+                rk_judge_disconnect();
             if (failures && witness.file >= 0 && !a_claim_was_told)
                 dprintf(witness.file, ":0\nfailed");
             return failures;

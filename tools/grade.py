@@ -23,6 +23,7 @@ from grading import bubblewrap
 from grading import build
 from grading import integrity
 from grading import isolate
+from grading import judged
 from grading import private_copy
 from grading import results
 from grading import sandbox
@@ -51,6 +52,7 @@ class Suite:
         self.feature, self.unit, self.tests = feature, unit, tests
         self.verdicts, self.warnings, self.problem, self.beside = {}, "", "", ""
         self.program, self.folder, self.source = None, None, ""
+        self.unit_program, self.claims_together = None, []
         self.finds_leaks, self.is_own, self.remarks = False, True, []
 
     def passed(self):
@@ -145,6 +147,19 @@ def _object_of(toolchain, unit, folder):
     return path, warnings, found
 
 
+def _link(toolchain, suite, units, objects):
+    """Returns the programs of the suite with its unit, and of the unit alone, for a judge; None for what no
+    claim needs."""
+    stem, apart = suite.feature.stem, None
+    if toolchain.judges and judged.is_possible(toolchain, stem):
+        suite.claims_together = judged.claims_together(toolchain, stem)
+        apart = judged.link_unit(toolchain, units, objects, suite.folder)
+    together = None
+    if not apart or any(claim.name in suite.claims_together for claim in suite.claims()):
+        together = build.link_suite(toolchain, units, objects, suite.folder, toolchain.sanitize)
+    return together, apart
+
+
 def build_suite(toolchain, suite, needed_units):
     """Builds the suite's program around the unit, or gives up with the reason."""
     units, objects = [suite.unit, *needed_units], []
@@ -157,14 +172,13 @@ def build_suite(toolchain, suite, needed_units):
             objects.append((path, found))
             suite.warnings += warnings if unit is suite.unit else ""
         suite.source = os.path.join(toolchain.source, "tests", f"test_{suite.feature.stem}.c")
-        program = build.link_suite(toolchain, units, [path for path, _ in objects], suite.folder,
-                                   toolchain.sanitize)
+        programs = _link(toolchain, suite, units, [path for path, _ in objects])
         for unit, (_, found) in zip(units, objects):
             if found:
                 build.check_names(toolchain, unit, found)
         kept = unit_rules.kept_data(objects[0][1]) if objects[0][1] else []
         suite.verdicts[KEEPS_NOTHING.name] = judge_kept_data(kept)
-        suite.program = sandbox.Program(program)
+        suite.program, suite.unit_program = [path and sandbox.Program(path) for path in programs]
     except build.BuildError as error:
         suite.give_up(error.reason, error.details)
     except UnitError as error:
@@ -207,25 +221,36 @@ def _with_lines(toolchain, program, text):
     return re.sub(unnamed, lambda match: f"{match[1]} in {names.get(match[2], '?')}", text)
 
 
-def _run(toolchain, suite, arguments, limit, megabytes, decoy=False, options=""):
-    """Runs the suite's program, with these options for the address sanitizer beside the usual ones."""
+def _options(toolchain, suite, limit, megabytes, options=""):
+    """How a program runs, with these options for the address sanitizer beside the usual ones."""
     folder = tempfile.mkdtemp(dir=suite.folder)
     environment = _environment("/tmp" if toolchain.sandbox else folder, suite.finds_leaks, megabytes)
     environment["ASAN_OPTIONS"] += options
-    return sandbox.run(
-        ["test_" + suite.feature.stem, *arguments], seconds=limit, megabytes=megabytes, folder=folder,
-        environment=environment, witnessed=suite.program, secret=make_secret(decoy),
-        enclose=toolchain.sandbox and toolchain.sandbox.around,
-        system_calls=toolchain.sandbox.filter if toolchain.sandbox else b"",
-    )
+    return {"seconds": limit, "megabytes": megabytes, "folder": folder, "environment": environment,
+            "enclose": toolchain.sandbox and toolchain.sandbox.around,
+            "system_calls": toolchain.sandbox.filter if toolchain.sandbox else b""}
+
+
+def _run(toolchain, suite, name, limit, megabytes, decoy=False):
+    """Runs one claim: with the unit in a process of its own where that can be."""
+    options, secret = _options(toolchain, suite, limit, megabytes), make_secret(decoy)
+    if _is_apart(suite, name):
+        return judged.run(toolchain, suite.feature.stem, name, suite.unit_program, secret, **options)
+    return sandbox.run(["test_" + suite.feature.stem, "--only", name], program=suite.program, secret=secret,
+                       **options)
+
+
+def _is_apart(suite, name):
+    return suite.unit_program and name not in suite.claims_together
 
 
 def run_test(toolchain, suite, test, seconds, megabytes, usual=None):
     """Runs one scored test and returns its Verdict. `usual` is how long it took when it last passed, None if
     unknown."""
     limit, phrase = suite.limit_of_next_test(seconds, usual)
-    outcome = _run(toolchain, suite, ["--only", test.name], limit, megabytes)
-    outcome.output = build.plain(toolchain, suite.unit, _with_lines(toolchain, suite.program, outcome.output))
+    outcome = _run(toolchain, suite, test.name, limit, megabytes)
+    program = suite.unit_program if _is_apart(suite, test.name) else suite.program
+    outcome.output = build.plain(toolchain, suite.unit, _with_lines(toolchain, program, outcome.output))
     verdict = judge(outcome, suite, test.name, phrase, megabytes)
     if len(verdict.reason) > REASON_MAX:
         verdict.reason = verdict.reason[:REASON_MAX] + " ..."
@@ -247,11 +272,12 @@ def _about_needs(suite, units):
 def _can_find_leaks(toolchain, suites, seconds, megabytes):
     """Whether the leak sanitizer works here: it fails where processes may not be traced. Asked of a run
     that calls no unit's code."""
-    suite = next((suite for suite in suites if suite.program), None)
+    suite = next(iter(suites), None)
     if not suite or not toolchain.finds_leaks():
         return False
-    return _run(toolchain, suite, ["--list"], seconds, megabytes,
-                options=":detect_leaks=1:leak_check_at_exit=1").status == 0
+    options = _options(toolchain, suite, seconds, megabytes, ":detect_leaks=1:leak_check_at_exit=1")
+    program = suite.program or suite.unit_program
+    return sandbox.run(["program", "--list"], program=program, **options).status == 0
 
 
 def _judge_leaks(suite):
@@ -272,9 +298,10 @@ def _judge_leaks(suite):
 def _run_decoys(toolchain, suite, count, seconds, megabytes):
     """Runs some of the passed claims again, as decoys: after the claim the suite fails, whatever the unit
     did. A unit that sends the secret in place of the suite passes these, too, and loses everything."""
-    passed = [test for test in suite.claims() if suite.verdicts[test.name].passed]
+    passed = [test for test in suite.claims()
+              if suite.verdicts[test.name].passed and not _is_apart(suite, test.name)]
     for test in random.SystemRandom().sample(passed, min(count, len(passed))):
-        if _run(toolchain, suite, ["--only", test.name], seconds, megabytes, decoy=True).attested:
+        if _run(toolchain, suite, test.name, seconds, megabytes, decoy=True).attested:
             suite.give_up("attests a claim that cannot hold, so none of its verdicts counts: "
                           "the code sends them in place of the suite")
             return
@@ -302,7 +329,7 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
         try:
             finish([pool.submit(build_suite, toolchain, suite, units_of_suite(suite.feature, units))
                     for suite in suites if not suite.problem])
-            built = [suite for suite in suites if suite.program]
+            built = [suite for suite in suites if suite.program or suite.unit_program]
             finds_leaks = _can_find_leaks(toolchain, built, seconds, megabytes)
             for suite in built:
                 suite.finds_leaks = finds_leaks
@@ -323,9 +350,9 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
             pool.shutdown(cancel_futures=True)
             raise
         finally:
-            for suite in suites:
-                if suite.program:
-                    suite.program.close()
+            for program in [program for suite in suites for program in (suite.program, suite.unit_program)]:
+                if program:
+                    program.close()
 
 
 # --- The command --------------------------------------------------------------------------------
@@ -514,6 +541,7 @@ def _grade_apart(toolchain, features, suites, impl, decoys, progress):
 
 def grade_submission(toolchain, stems, impl, only=None, progress=None):
     """Returns the suites of somebody else's work, which runs in the toolchain's sandbox."""
+    toolchain.judges = True
     features = read_features(toolchain.source)
     suites = prepare_suites(features, choose(features, stems), impl, False, only)
     suites[0].remarks += ["graded " + toolchain.remark] if toolchain.remark else []

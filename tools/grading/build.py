@@ -52,6 +52,7 @@ class Toolchain:
         self.tools = {name: values[name] for name in ("ar", "nm", "objcopy", "objdump")}
         self.kit = self.source  # where it stands; in a private copy, `source` is the copy
         self.sandbox, self.remark = None, ""  # or a Bubblewrap; what is to be said without one
+        self.judges = False  # whether units run apart from their suites: at home they need not
         tools = os.path.realpath(os.path.join(os.path.dirname(__file__), "..", ".."))
         if os.path.realpath(self.source) != tools:
             raise ToolError(f"{path} was made for the kit in {self.source}, but this one stands in {tools}: "
@@ -278,13 +279,18 @@ def link_suite(toolchain, units, objects, folder, sanitize):
     """Links the suite of the first unit's feature with the units' objects. Returns the program's
     path."""
     stem = units[0].feature.stem
-    output = os.path.join(folder, "test_" + stem)
+    parts = [toolchain.built(f"tests/test_{stem}.o"), *objects]
+    return link_program(toolchain, units, parts, os.path.join(folder, "test_" + stem), sanitize)
+
+
+def link_program(toolchain, units, parts, output, sanitize):
+    """Links a program of these parts and the libraries of suites. Returns its path."""
     # The allocation counter must be built like the program, so the archive's copy will not do.
     counter = toolchain.built("impl/count_allocations.o")
     command = [*toolchain.compiler, *sanitize, *toolchain.grade_link, *toolchain.flags, *toolchain.link_flags,
-               toolchain.built(f"tests/test_{stem}.o"), *objects, counter, toolchain.built("librktest.a"),
+               *parts, counter, toolchain.built("librktest.a"),
                toolchain.built("librkbase.a"), *toolchain.libraries, "-o", output]
-    outcome = _run_tool(toolchain, command, folder)
+    outcome = _run_tool(toolchain, command, os.path.dirname(output))
     if outcome.status != 0 or outcome.limit:
         raise _not_linked(toolchain, outcome.output, units)
     return output

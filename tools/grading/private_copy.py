@@ -9,6 +9,7 @@ import shutil
 import tempfile
 import time
 
+from grading import judged
 from grading.assignments import Unit, UnitError
 
 _UNIT_BYTES_MAX = 1 << 20
@@ -44,13 +45,15 @@ def _files_of_kit(toolchain, features, stems):
     for room in ("src", "tests"):
         for where, _, names in os.walk(os.path.join(toolchain.source, room)):
             for name in names:
-                if name.endswith(".h") or room == "tests" and name.endswith(".c"):
+                if name.endswith(".h") or room == "tests" and name.endswith((".c", ".calls")):
                     path = os.path.join(where, name)
                     yield path, os.path.join("kit", os.path.relpath(path, toolchain.source))
     needed = ["librktest.a", "librkbase.a", "impl/count_allocations.o",
               *[f"tests/test_{stem}.o" for stem in stems],
               *[f"src/features/{stem}.o" for stem in features]]
-    for path in needed:
+    for stem in stems if toolchain.judges else []:
+        needed += judged.files(stem) if judged.is_possible(toolchain, stem) else []
+    for path in dict.fromkeys(needed):
         yield toolchain.built(path), os.path.join("objects", path)
 
 
@@ -68,7 +71,7 @@ def copy_kit(toolchain, features, stems, folder):
     for path, place in _files_of_kit(toolchain, features, stems):
         place = os.path.join(folder, place)
         os.makedirs(os.path.dirname(place), exist_ok=True)
-        shutil.copyfile(path, place)
+        shutil.copy(path, place)
     return _copied(toolchain, folder)
 
 

@@ -27,7 +27,7 @@ _PAGE = os.sysconf("SC_PAGE_SIZE")
 _PROCESSES_MAX = 64
 _FILE_BYTES_MAX = 256 << 20
 _LOOK = 0.02  # seconds from one look at a program's memory to the next
-_PATIENCE = 4  # so many times its seconds may pass for a program that did not work all of the time
+_PATIENCE = 4  # so many times its seconds may pass for a program that does not work all of the time
 _KEPT = 64 << 10  # bytes of the output's beginning, and as many of its end
 _ENDED_BY_SIGNAL = 128  # bubblewrap's exit status is then this and the signal's number
 
@@ -217,24 +217,27 @@ def _limit_process(seconds):
             pass
 
 
-def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, witnessed=None,
-        secret=b"", enclose=None, system_calls=b""):
-    """Runs the command in `folder` and returns its Outcome. A Program as `witnessed` is
-    run instead; in RAYKIT_ATTEST it gets a descriptor from which it reads a fresh secret, and
-    outcome.attested tells whether that came back; outcome.testimony is what else came. `enclose` puts
-    a command into bubblewrap."""
+def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, program=None,
+        secret=b"", enclose=None, system_calls=b"", descriptors=(), when_begun=None, patience=_PATIENCE):
+    """Runs the command in `folder` and returns its Outcome. A Program as `program` is run instead; if there
+    is a secret, in RAYKIT_ATTEST it gets a descriptor from which it reads that, and outcome.attested tells
+    whether it came back; outcome.testimony is what else came. `enclose` puts a command into bubblewrap.
+    `when_begun` is called when the program has its descriptors. One that does not work all of the time may
+    take `patience` times its seconds."""
     outcome, kept = Outcome(), _Tail()
-    descriptors, options = (), {}
+    descriptors, options = tuple(descriptors), {}
     status = os.pipe() if enclose else ()
-    if witnessed:
+    if secret:
         ours, theirs = socket.socketpair()
         ours.send(secret)
         environment = dict(environment, RAYKIT_ATTEST=str(theirs.fileno()))
-        descriptors = tuple(d for d in (theirs.fileno(), witnessed.descriptor) if d is not None)
+        descriptors += (theirs.fileno(),)
+    if program:
+        descriptors += (program.descriptor,) if program.descriptor is not None else ()
         if enclose:
-            command = [witnessed.path, *command[1:]]
+            command = [program.path, *command[1:]]
         else:
-            options = {"executable": witnessed.path}
+            options = {"executable": program.path}
     if enclose:
         wrapper, *rest = enclose(command)
         command = [wrapper, "--json-status-fd", str(status[1]), *rest]
@@ -255,28 +258,31 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
             os.close(status[0])
         raise
     finally:
-        if witnessed:
+        if secret:
             theirs.close()
+        if when_begun:
+            when_begun()
         if enclose:
             os.close(status[1])
         if enclose and system_calls:
             os.close(listed)
     try:
-        _watch(process, outcome, kept, began, seconds, megabytes << 20, output_bytes, bool(enclose))
+        _watch(process, outcome, kept, (began, seconds, patience), megabytes << 20, output_bytes,
+               bool(enclose))
     finally:
         _kill(process.pid)
         outcome.status = process.wait()
         _drain(process.stdout, kept)
         process.stdout.close()
         has_run = not enclose or _tells_of_an_end(status[0])
-    if witnessed:
+    if secret:
         with ours:
             ours.setblocking(False)
             try:
                 answer = ours.recv(4096)
             except (BlockingIOError, ConnectionResetError):
                 answer = b""
-        outcome.attested = bool(secret) and answer.startswith(secret)
+        outcome.attested = answer.startswith(secret)
         outcome.testimony = answer.removeprefix(secret).decode("utf-8", "replace")
     outcome.seconds = time.monotonic() - began
     outcome.output = kept.text()
@@ -316,8 +322,9 @@ def _drain(pipe, kept):
         pass
 
 
-def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes, is_enclosed):
+def _watch(process, outcome, kept, times, memory_bytes, output_bytes, is_enclosed):
     """Reads until the program ends or is ended, with the reason in outcome.limit."""
+    began, seconds, patience = times
     next_look = 0.0
     with selectors.DefaultSelector() as selector:
         selector.register(process.stdout, selectors.EVENT_READ)
@@ -343,7 +350,7 @@ def _watch(process, outcome, kept, began, seconds, memory_bytes, output_bytes, i
                 outcome.limit = "memory"
             elif processes > _PROCESSES_MAX:
                 outcome.limit = "processes"
-            elif now - began > seconds and (now - began > _PATIENCE * seconds
+            elif now - began > seconds and (now - began > patience * seconds
                                             or _worked(process.pid) > seconds):
                 outcome.limit = "seconds"
                 _ask_where(process, kept, is_enclosed)

@@ -67,6 +67,17 @@ def _place_in_unit(text, unit):
     return f"{unit.shown}:{line}, in {inner}{led}"
 
 
+def _misuse_of_arguments(text, what):
+    """Returns what was done to memory that the caller gave, which lies in a certain place (RK_JUDGE_PLACE and
+    RK_JUDGE_ROOMS of tests/judge/protocol.h) where a judge asks; or ""."""
+    if re.match(r"use-after-poison on address 0x0*5[01]0\w{9}\b", what):
+        return "goes beyond the end, or before the beginning, of an array that it was given"
+    if re.match(r"SEGV on unknown address 0x0*500\w{9}\b", what) and "caused by a WRITE" in text:
+        return ("a write to the caller's data, which is constant: other threads read it at the same time, so "
+                "putting it back is too late")
+    return ""
+
+
 def _crash(text, unit):
     """Returns (reason, place) for a sanitizer's report, or None."""
     behaviour = re.search(r"^(.+?):(\d+):\d+: runtime error: (.*)$", text, re.MULTILINE)
@@ -81,6 +92,9 @@ def _crash(text, unit):
     if not report:
         return None
     what = report.group(1)
+    given = _misuse_of_arguments(text, what)
+    if given:
+        return given, _place_in_unit(text, unit)
     words = next((words for name, words in _CRASHES if what.startswith(name)), None)
     if what.startswith("SEGV"):
         null = re.search(r"address 0x0000000000[0-9a-f]{2}\b|zero page", text)

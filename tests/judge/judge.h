@@ -1,0 +1,78 @@
+/* The judge's side of calls to a unit that runs in another process. Stubs, which stand in the
+ * unit's place (tools/judge_calls.py writes them), put a call's arguments into a request
+ * and take its results from the answer.
+ *
+ * To wait for each answer would take microseconds for each of millions of calls. So a predictor, a
+ * fork of the judge, runs the test ahead with the reference in the unit's place, and publishes the
+ * requests that come of it. The judge takes the answers of those that turn out to be its own. One
+ * that was not predicted depends on an answer that is not the reference's; then another predictor
+ * begins there, and takes the unit's answers where they are known. So it needs one for each step of
+ * a chain of calls, not for each call. */
+#ifndef RK_TESTS_JUDGE_H
+#define RK_TESTS_JUDGE_H
+
+#include "judge/protocol.h"
+
+#include <stdbool.h>
+#include <string.h>
+
+/* The request that is being made, and what is left of the answer. */
+extern struct rk_judge_call {
+    unsigned char *request;
+    size_t size, room;
+    const unsigned char *answer;
+} rk_judge_call;
+
+/* Makes room for so many more bytes, or fails the test. */
+void rk_judge_grow(size_t bytes);
+
+/* Begins a request; rk_judge_put adds values to it. */
+void rk_judge_ask(int function);
+
+/* Returns where the next value of the request stands until the next call. With no data its bytes
+ * are zeros. */
+static inline void *rk_judge_put(const void *data, size_t bytes)
+{
+    size_t begin = rk_judge_call.size, end = begin + rk_judge_aligned(bytes);
+    if (end > rk_judge_call.room)
+        rk_judge_grow(end);
+    rk_judge_call.size = end;
+    unsigned char *place = rk_judge_call.request + begin;
+    memset(place, 0, end - begin);
+    if (data && bytes)
+        memcpy(place, data, bytes);
+    return place;
+}
+
+/* Puts whether there is something, and returns it. */
+static inline bool rk_judge_put_whether(const void *pointer)
+{
+    bool is_there = pointer != NULL;
+    rk_judge_put(&is_there, sizeof is_there);
+    return is_there;
+}
+
+/* Puts what a pointer points to, which rk_judge_put_whether has said. Nothing stands behind it. */
+static inline void *rk_judge_put_array(const void *data, size_t bytes)
+{
+    size_t begin = rk_judge_call.size;
+    rk_judge_put(data, bytes);
+    rk_judge_put(NULL, RK_JUDGE_ALIGNMENT);
+    return rk_judge_call.request + begin;
+}
+
+/* Ends the request, and waits for its answer of at most so many bytes; true in the predictor,
+ * where the reference gives the results instead. */
+bool rk_judge_predicts(size_t bytes_max);
+
+/* Takes the next value of the answer. */
+static inline void rk_judge_get(void *data, size_t bytes)
+{
+    memcpy(data, rk_judge_call.answer, bytes);
+    rk_judge_call.answer += rk_judge_aligned(bytes);
+}
+
+/* Adds the allocations that the call made to those of this process: the answer's last value. */
+void rk_judge_get_allocations(void);
+
+#endif

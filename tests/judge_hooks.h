@@ -1,0 +1,14 @@
+/* What tests/suite.c calls where a judge is linked with it; elsewhere these are NULL. */
+#ifndef RK_TESTS_JUDGE_HOOKS_H
+#define RK_TESTS_JUDGE_HOOKS_H
+
+/* Before any call of the unit: maps the memory that the environment's RAYKIT_JUDGE names. */
+void rk_judge_connect(void) __attribute__((weak));
+
+/* A predictor's work ends with the test's function, or with a failed claim. */
+void rk_judge_end_of_test(void) __attribute__((weak));
+
+/* Tells the unit's process that no more calls will come. */
+void rk_judge_disconnect(void) __attribute__((weak));
+
+#endif

@@ -1,0 +1,172 @@
+#!/usr/bin/env python3
+"""Units in a process of their own: the same verdicts as beside their suite, and nothing to earn but by right
+answers. Speaks TAP, for make check-judge; runs in a build folder."""
+
+import os
+import shutil
+import sys
+import tempfile
+
+SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), ".."))
+sys.dont_write_bytecode = True
+sys.path.insert(0, os.path.join(SOURCE, "tools"))
+
+from by_address import by_address  # noqa: E402
+from tap import check, finish, start  # noqa: E402
+from grading import build, bubblewrap, judged, sandbox  # noqa: E402
+from grading.assignments import read_features  # noqa: E402
+from grading.starters import starter_of  # noqa: E402
+import grade  # noqa: E402
+
+FEATURES = read_features(SOURCE)
+APART = [stem for stem in FEATURES
+         if os.path.exists(os.path.join(SOURCE, "tests", "judge", stem + ".calls"))]
+CALLED = "rk_vec3 rk_normals_colour(rk_vec3 n)\n{\n"  # by every second claim of normals
+
+
+def text_of(stem):
+    with open(FEATURES[stem].reference, encoding="utf-8") as file:
+        return file.read()
+
+
+class Grader:
+    """Grades texts of units in the sandbox, apart from their suites or not."""
+
+    def __init__(self, folder):
+        self._folder = folder
+
+    def verdicts(self, stem, text, apart, only=None):
+        """Returns passed and reason of each claim by its name, and the points."""
+        toolchain = build.Toolchain(".")
+        toolchain.sandbox, _ = bubblewrap.find(toolchain)
+        toolchain.judges = apart
+        path = os.path.join(tempfile.mkdtemp(dir=self._folder), stem + ".c")
+        with open(path, "w", encoding="utf-8") as file:
+            file.write(text)
+        suites = grade.prepare_suites(FEATURES, [FEATURES[stem]], path, False, only)
+        suites[0].take(grade._grade_here(toolchain, FEATURES, suites, path, 0)[0])
+        return ({test.name: (suites[0].verdicts[test.name].passed, suites[0].verdicts[test.name].reason)
+                 for test in suites[0].tests}, suites[0].points())
+
+
+def every_suite_can_be_judged_apart_or_says_why():
+    toolchain = build.Toolchain(".")
+    for stem in APART:
+        check(judged.is_possible(toolchain, stem), f"{stem} has a judge", "make judges-ready makes it")
+        claims = [test.name for test in grade.read_points(FEATURES[stem])]
+        unknown = set(judged.claims_together(toolchain, stem)) - set(claims)
+        check(not unknown, f"{stem}: what its judge leaves out are claims", str(unknown))
+
+
+def right_units_pass_apart(grader):
+    for stem in APART:
+        verdicts, points = grader.verdicts(stem, text_of(stem), True)
+        failed = {name: reason for name, (passed, reason) in verdicts.items() if not passed}
+        check(not failed and points == 100, f"the right {stem} has 100 points", str(failed))
+
+
+# Of each kind of call one: values, arrays, structures that are changed.
+WRONG = {
+    "normals": ("rk_normals_colour", "return", "n = (rk_vec3){n.y, n.x, n.z};\n    return"),
+    "transparency": ("rk_transparency_weights", "transmitted *= 1 - crossings[k].alpha;",
+                     "transmitted *= k < 3 ? 1 - crossings[k].alpha : 0.999f;"),
+    "depth_of_field": ("rk_lens_ray", "0.5f * diameter_of(lens)", "diameter_of(lens)"),
+}
+
+
+def starters_and_mistakes_get_the_same_verdicts(grader):
+    for stem, (function, old, new) in WRONG.items():
+        text = text_of(stem)
+        at = text.index(old, text.index(f" {function}("))
+        wrong = text[:at] + new + text[at + len(old):]
+        for what, unit in (("starter", starter_of(FEATURES[stem].reference)), ("mistake", wrong)):
+            apart, together = (grader.verdicts(stem, unit, where) for where in (True, False))
+            differ = {name: (apart[0][name], together[0][name]) for name in apart[0]
+                      if apart[0][name] != together[0][name]}
+            check(not differ and apart[1] == together[1] < 100,
+                  f"{stem}: a {what} has the same verdicts, reasons and points",
+                  f"{differ} {apart[1]} {together[1]}")
+
+
+# Each begins a function of the starter, which goes on as it is. FIND gets the addresses of both memories, as
+# an attacker may read them: from the system's list.
+FIND = """
+static unsigned char *memory_of(const char *what)
+{
+    static char text[1 << 16];
+    int file = open("/proc/self/maps", 0);
+    long size = 0, more;
+    while ((more = read(file, text + size, sizeof text - 1 - size)) > 0)
+        size += more;
+    text[size] = 0;
+    char *found = strstr(text, what);
+    while (found > text && found[-1] != '\\n')
+        found--;
+    return (unsigned char *)strtoul(found, NULL, 16);
+}
+"""
+ATTACKS = {
+    "ends with success": ("_exit(0);", "", ["_exit"]),
+    "says that all is answered":
+        ("*(unsigned *)memory_of(\"memfd:answers\") = 1u << 30;", FIND, ["open", "read"]),
+    "makes the requests writable":
+        ("mprotect(memory_of(\"memfd:requests\"), 4096, 3);\n"
+         "    *(unsigned *)memory_of(\"memfd:requests\") = 1;", FIND, ["open", "read", "mprotect"]),
+    "opens the requests again":
+        ("for (int i = 3; i < 64; i++) {\n"
+         "        char name[] = \"/proc/self/fd/00\";\n"
+         "        name[14] += i / 10;\n        name[15] += i % 10;\n"
+         "        unsigned *at = mmap(NULL, 4096, 3, 1, open(name + 0, 2), 0);\n"
+         "        if (at != (void *)-1)\n            at[2] = 1;\n    }", "", ["open", "mmap"]),
+    "answers with a verdict":
+        ("for (int i = 3; i < 64; i++)\n        write(i, \"0246802468\", 10);", "", ["write"]),
+    "asks a child for the wanted value": ("if (fork() == 0)\n        _exit(0);", "", ["fork", "_exit"]),
+    "ends its parents": ("kill(getppid(), 9);\n    kill(1, 9);\n    kill(-1, 9);", "", ["kill", "getppid"]),
+    "fills its stack with returns":
+        ("volatile long *at = (volatile long *)__builtin_frame_address(0);\n"
+         "    for (int i = 1; i < 3; i++)\n        at[i] += 5;", "", []),
+}
+DECLARED = """
+#include <stdint.h>
+#include <stdlib.h>
+#include <string.h>
+#include <sys/types.h>
+int open(const char *, int, ...); ssize_t read(int, void *, size_t); ssize_t write(int, const void *, size_t);
+int mprotect(void *, size_t, int); void *mmap(void *, size_t, int, int, int, long); pid_t fork(void);
+pid_t getppid(void); int kill(pid_t, int); void _exit(int);
+"""
+
+
+def forgeries_earn_no_more_than_their_code(grader):
+    starter = starter_of(FEATURES["normals"].reference)
+    honest = grader.verdicts("normals", starter, True)[1]
+    first = starter.index("#include")
+    for what, (statement, before, names) in ATTACKS.items():
+        at = starter.index(CALLED) + len(CALLED)
+        unit = (starter[:first] + DECLARED + by_address(*names) + before + starter[first:at] + "    "
+                + statement + "\n" + starter[at:])
+        verdicts, points = grader.verdicts("normals", unit, True)
+        check(points <= honest, f"a unit that {what} earns nothing by it",
+              f"{points} points, {honest} without it: {verdicts}")
+
+
+def main():
+    if not judged.is_possible(build.Toolchain("."), "normals"):
+        check(False, "there are judges", "make judges-ready")
+        return finish()
+    sandbox.prepare()
+    folder = tempfile.mkdtemp(prefix="raykit-judge-")
+    try:
+        every_suite_can_be_judged_apart_or_says_why()
+        grader = Grader(folder)
+        right_units_pass_apart(grader)
+        starters_and_mistakes_get_the_same_verdicts(grader)
+        forgeries_earn_no_more_than_their_code(grader)
+    finally:
+        sandbox.end_strays()
+        shutil.rmtree(folder, ignore_errors=True)
+    return finish()
+
+
+if __name__ == "__main__":
+    start(main)

@@ -1,0 +1,319 @@
+"""Writes the C of calls to a unit that runs in another process: for the judge, functions that stand in the
+unit's place; for the unit's process, what calls the unit's functions in turn (tests/judge/judge.h).
+
+Prototypes and structures are read from the kit's headers. What these do not say stands in
+tests/judge/STEM.calls, a line for each pointer that is more than one constant value:
+
+    FUNCTION PARAMETER in|out|inout [NUMBER]  so many values: an expression in C with the other parameters
+    FUNCTION PARAMETER rows NUMBER of LENGTH  pointers to so many rows, which may be NULL
+    STRUCTURE MEMBER in NUMBER                a pointer within a structure, with its other members
+    together CLAIM                            what needs unit and suite in one process, and why: # ...
+
+What is `out` begins with bytes that are no value; what is to keep its contents is `inout`.
+"""
+
+import argparse
+import os
+import re
+import sys
+
+_PROTOTYPE = re.compile(r"^([A-Za-z_][\w ]*?[ *]+)(rk_\w+)\(([^()]*)\);", re.MULTILINE)
+_STRUCTURE = re.compile(r"typedef struct (\w+) \{(.*?)\} (\w+);", re.DOTALL)
+_INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
+_INLINE = re.compile(r"^(?:__attribute__\(\(\w+\)\) )?static inline.*?^\}", re.DOTALL | re.MULTILINE)
+_VALUE = re.compile(r"((?:const |unsigned )*\w+)( |[ *]*\*(?:const \*)?)(\w+)(?:\[(.*)\])?")
+_WAYS = ("in", "out", "inout", "rows")
+
+
+class CallsError(Exception):
+    """What cannot be written, as a sentence."""
+
+
+class Value:
+    """A parameter or a member: its type without const, its name, how many stars it has, and an array's
+    length, or None. `way` is one of _WAYS, or "" if it is not known yet; `number` an expression, "" for one.
+    """
+
+    def __init__(self, text):
+        found = _VALUE.fullmatch(text.strip())
+        if not found:
+            raise CallsError(f"'{text}' is no declaration that is understood")
+        kind, stars, self.name, self.length = found.groups()
+        self.is_const = kind.startswith("const ")
+        self.type, self.stars = kind.removeprefix("const "), stars.count("*")
+        self.way, self.number, self.row = "in" if self.is_const else "", "", ""
+
+    def is_pointer(self):
+        return bool(self.stars or self.length)
+
+    def is_out(self):
+        return self.way in ("out", "inout")
+
+    def count(self):
+        """An expression: how many values a pointer points to."""
+        return f"(size_t)({self.number or self.length or 1})"
+
+    def declaration(self):
+        stars = "*const *" if self.way == "rows" else "*" * self.stars
+        length = f"[{self.length}]" if self.length else ""
+        return f"{'const ' if self.is_const else ''}{self.type} {stars}{self.name}{length}"
+
+
+# --- What the headers and the file of calls say -------------------------------------------------------
+
+
+def _plain(text):
+    """The text without comments and directives but includes."""
+    text = re.sub(r"/\*.*?\*/", " ", text, flags=re.DOTALL)
+    return re.sub(r"^#(?!include)(?:.*\\\n)*.*$", "", text, flags=re.MULTILINE)
+
+
+def _members(body):
+    members = []
+    for declaration in filter(None, (" ".join(part.split()) for part in body.split(";"))):
+        kind, names = re.match(r"((?:const )?\w+(?: \*)?) ?(.*)", declaration).groups()
+        members += [Value(f"{kind} {name}".replace("* ", "*")) for name in names.split(", ")]
+    return members
+
+
+def _parameters(text):
+    text = " ".join(text.split())
+    return [] if text == "void" else [Value(part) for part in text.split(",")]
+
+
+class Headers:
+    """What a header declares, and the structures of those that it includes."""
+
+    def __init__(self, source, name):
+        self._source, self._seen, self.structures = source, set(), {}
+        text = _INLINE.sub("", self._read(name))
+        self.functions = [(kind.strip(), function, _parameters(parameters))
+                          for kind, function, parameters in _PROTOTYPE.findall(text)]
+
+    def _read(self, name):
+        if name in self._seen:
+            return ""
+        self._seen.add(name)
+        with open(os.path.join(self._source, "src", name), encoding="utf-8") as file:
+            text = _plain(file.read())
+        for included in _INCLUDE.findall(text):
+            self._read(included)
+        for tag, body, structure in _STRUCTURE.findall(text):
+            if tag == structure:
+                self.structures[structure] = _members(body)
+        return text
+
+    def apply(self, path):
+        """Adds what a file of calls says, and checks that all is said."""
+        owners = [*self.structures.items(), *((name, values) for _, name, values in self.functions)]
+        known = {(owner, value.name): value for owner, values in owners for value in values}
+        with open(path, encoding="utf-8") as file:
+            for number, line in enumerate(file, 1):
+                words = line.split("#")[0].split(None, 3)
+                if not words or words[0] == "together":
+                    continue
+                value = known.get(tuple(words[:2]))
+                if not value or len(words) < 3 or words[2] not in _WAYS:
+                    raise CallsError(f"{path}:{number}: there is no such parameter or member, or its way is "
+                                     f"none of {', '.join(_WAYS)}")
+                value.way = words[2]
+                value.number, _, value.row = ("".join(words[3:]).strip()).partition(" of ")
+        for kind, function, values in self.functions:
+            if "*" in kind:
+                raise CallsError(f"{function} returns a pointer, which means nothing in another process")
+            for value in values:
+                if value.is_pointer() and not value.way:
+                    raise CallsError(f"{path}: say whether {function}'s {value.name} is out or inout")
+
+    def pointers(self, value):
+        """The pointers in a value's structure: each with the bytes that it points to."""
+        for member in self.structures.get(value.type, []):
+            if member.stars:
+                pointer = f"{value.name}->{member.name}"
+                number = re.sub(r"\b([a-z]\w*)\b", rf"{value.name}->\1", member.number)
+                yield pointer, f"(size_t)({number}) * sizeof(*{pointer})"
+
+    def structures_used(self):
+        """Structures of parameters and results, those within others first."""
+        ordered = []
+
+        def visit(name):
+            if name in self.structures and name not in ordered:
+                for member in self.structures[name]:
+                    visit(member.type)
+                ordered.append(name)
+
+        for kind, _, values in self.functions:
+            for name in (kind, *(value.type for value in values)):
+                visit(name)
+        return ordered
+
+
+# --- The judge's side: functions in place of the unit's -----------------------------------------------
+
+
+def _copier(headers, name):
+    """A function that copies a structure member by member. What lies between them is whatever the judge had
+    there before; and a bool from the unit's process can have other bits than 0 and 1."""
+    yield f"static void copy_{name}({name} *to, const {name} *from)\n{{"
+    for member in headers.structures[name]:
+        place, each = member.name, ""
+        if member.length:
+            place, each = f"{member.name}[i]", f"for (size_t i = 0; i < {member.length}; i++)\n        "
+        if member.stars:
+            yield f"    to->{place} = NULL;"
+        elif member.type in headers.structures:
+            yield f"    {each}copy_{member.type}(&to->{place}, &from->{place});"
+        elif member.type == "bool":
+            yield f"    {each}to->{place} = *(const unsigned char *)&from->{place} != 0;"
+        else:
+            yield f"    {each}to->{place} = from->{place};"
+    yield "}\n"
+
+
+def _put(headers, kind, source, number, function):
+    if kind not in headers.structures:
+        yield f"    {function}({source}, {number} * sizeof *({source}));"
+        return
+    yield f"    {{\n        {kind} *to = {function}(NULL, {number} * sizeof *to);"
+    yield f"        for (size_t i = 0; i < {number}; i++)"
+    yield f"            copy_{kind}(&to[i], {source} + i);\n    }}"
+
+
+def _put_pointer(headers, value):
+    name = value.name
+    if value.way == "rows":
+        yield f"    for (size_t row = 0; row < {value.count()}; row++)"
+        yield f"        if (rk_judge_put_whether({name}[row]))"
+        yield f"            rk_judge_put_array({name}[row], (size_t)({value.row}) * sizeof *{name}[row]);"
+        return
+    yield f"    if (rk_judge_put_whether({name})) {{"
+    if value.way != "out":
+        yield from _put(headers, value.type, name, value.count(), "rk_judge_put_array")
+        for pointer, size in headers.pointers(value):
+            yield f"    rk_judge_put_array({pointer}, {size});"
+    yield "    }"
+
+
+def _get(headers, kind, target, number):
+    yield f"    rk_judge_get({target}, {number} * sizeof *({target}));"
+    if kind in headers.structures:
+        yield f"    for (size_t i = 0; i < {number}; i++)"
+        yield f"        copy_{kind}({target} + i, {target} + i);"
+
+
+def _bytes_of_answer(kind, outs):
+    """An expression: at most so many, with the allocations, and each value aligned."""
+    parts = ["32", *(f"{out.count()} * sizeof *{out.name} + 16" for out in outs)]
+    return " + ".join(parts + ([f"sizeof({kind}) + 16"] if kind != "void" else []))
+
+
+def _stub(headers, number, kind, name, values):
+    outs = [value for value in values if value.is_out()]
+    declared = ", ".join(value.declaration() for value in values) or "void"
+    arguments = ", ".join(value.name for value in values)
+    yield f"{kind} rk_reference_{name}({declared});"
+    yield f"{kind} {name}({declared})\n{{\n    rk_judge_ask({number});"
+    for value in values:  # before what pointers point to: they may say how much that is
+        if not value.is_pointer():
+            yield from _put(headers, value.type, f"&{value.name}", "(size_t)1", "rk_judge_put")
+    for value in values:
+        if value.is_pointer():
+            yield from _put_pointer(headers, value)
+    yield f"    if (rk_judge_predicts({_bytes_of_answer(kind, outs)})) {{"
+    yield f"        {'return ' if kind != 'void' else ''}rk_reference_{name}({arguments});"
+    yield "        return;\n    }" if kind == "void" else "    }"
+    for out in outs:
+        yield f"    if ({out.name}) {{"
+        yield from _get(headers, out.type, out.name, out.count())
+        yield "    }"
+    if kind != "void":
+        yield f"    {kind} result;"
+        yield from _get(headers, kind, "&result", "(size_t)1")
+    if kind == "bool":
+        yield "    result = *(const unsigned char *)&result != 0;"
+    yield "    rk_judge_get_allocations();"
+    yield "}\n" if kind == "void" else "    return result;\n}\n"
+
+
+def judge(headers):
+    yield '#include "judge/judge.h"\n'
+    for name in headers.structures_used():
+        yield from _copier(headers, name)
+    for number, (kind, name, values) in enumerate(headers.functions):
+        yield from _stub(headers, number, kind, name, values)
+
+
+# --- The unit's side ----------------------------------------------------------------------------------
+
+
+def _take_pointer(headers, value):
+    kind, name, size = value.type, value.name, f"{value.count()} * sizeof(*{value.name})"
+    if value.way == "rows":
+        row = f"rk_unit_take_array((size_t)({value.row}) * sizeof(**{name}))"
+        yield f"    const {kind} **{name} = rk_unit_room(NULL, {size});"
+        yield f"    for (size_t row = 0; row < {value.count()}; row++)"
+        yield f"        {name}[row] = rk_unit_takes() ? {row} : NULL;"
+        return
+    pointers = list(headers.pointers(value))
+    if value.way == "in" and not pointers:
+        yield f"    const {kind} *{name} = rk_unit_takes() ? rk_unit_take_array({size}) : NULL;"
+        return
+    contents = "NULL" if value.way == "out" else f"rk_unit_take_array({size})"
+    yield f"    {kind} *{name} = rk_unit_takes() ? rk_unit_room({contents}, {size}) : NULL;"
+    for pointer, bytes_ in pointers:
+        yield f"    if ({name})\n        {pointer} = rk_unit_take_array({bytes_});"
+
+
+def _server(headers, kind, name, values):
+    yield f"static void serve_{name}(void)\n{{"
+    for value in values:
+        if not value.is_pointer():
+            type_ = f"const {value.type}"
+            yield f"    {type_} {value.name} = *({type_} *)rk_unit_take(sizeof {value.name});"
+    for value in values:
+        if value.is_pointer():
+            yield from _take_pointer(headers, value)
+    call = f"{name}({', '.join(value.name for value in values)});"
+    yield "    rk_unit_begin_call();"
+    yield f"    {kind} result = {call}" if kind != "void" else f"    {call}"
+    yield "    rk_unit_end_call();"
+    for value in values:
+        if value.is_out():
+            yield f"    if ({value.name})"
+            yield f"        rk_unit_give({value.name}, {value.count()} * sizeof(*{value.name}));"
+    if kind != "void":
+        yield "    rk_unit_give(&result, sizeof result);"
+    yield "    rk_unit_give_allocations();\n}\n"
+
+
+def unit(headers):
+    yield '#include "judge/unit.h"\n'
+    for kind, name, values in headers.functions:
+        yield from _server(headers, kind, name, values)
+    yield "void (*const rk_unit_functions[])(void) = {"
+    yield from (f"    serve_{name}," for _, name, _ in headers.functions)
+    yield "};"
+
+
+def main():
+    parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
+    parser.add_argument("stem", metavar="STEM", help="the feature")
+    parser.add_argument("side", choices=("judge", "unit"))
+    parser.add_argument("--source", default=".", metavar="DIR", help="the kit's top folder (default: here)")
+    arguments = parser.parse_args()
+    stem, header = arguments.stem, f"features/{arguments.stem}.h"
+    try:
+        headers = Headers(arguments.source, header)
+        headers.apply(os.path.join(arguments.source, "tests", "judge", stem + ".calls"))
+        text = "\n".join({"judge": judge, "unit": unit}[arguments.side](headers))
+    except (CallsError, OSError) as error:
+        print(f"judge_calls: {error}", file=sys.stderr)
+        return 1
+    print(f'/* Made by tools/judge_calls.py from {header}. */\n#include "{header}"\n\n'
+          f"#include <stdbool.h>\n#include <string.h>\n\n{text}")
+    return 0
+
+
+if __name__ == "__main__":
+    sys.exit(main())
