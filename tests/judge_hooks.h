@@ -8,6 +8,9 @@ void rk_judge_connect(void) __attribute__((weak));
 /* A predictor's work ends with the test's function, or with a failed claim. */
 void rk_judge_end_of_test(void) __attribute__((weak));
 
+/* Before memory is freed, or moved. */
+void rk_judge_forget(const void *memory) __attribute__((weak));
+
 /* Tells the unit's process that no more calls will come. */
 void rk_judge_disconnect(void) __attribute__((weak));
 

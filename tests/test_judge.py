@@ -12,7 +12,7 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 from by_address import by_address  # noqa: E402
-from tap import check, finish, start  # noqa: E402
+from tap import check, finish, read, start  # noqa: E402
 from grading import build, bubblewrap, judged, sandbox  # noqa: E402
 from grading.assignments import read_features  # noqa: E402
 from grading.starters import starter_of  # noqa: E402
@@ -50,12 +50,17 @@ class Grader:
 
 
 def every_suite_can_be_judged_apart_or_says_why():
-    toolchain = build.Toolchain(".")
+    toolchain, count, worth = build.Toolchain("."), 0, 0
     for stem in APART:
         check(judged.is_possible(toolchain, stem), f"{stem} has a judge", "make judges-ready makes it")
-        claims = [test.name for test in grade.read_points(FEATURES[stem])]
-        unknown = set(judged.claims_together(toolchain, stem)) - set(claims)
+        points = {test.name: test.points for test in grade.read_points(FEATURES[stem])}
+        together = judged.claims_together(toolchain, stem)
+        unknown = [name for name in together if name not in points]
         check(not unknown, f"{stem}: what its judge leaves out are claims", str(unknown))
+        count, worth = count + len(together), worth + sum(points.get(name, 0) for name in together)
+    told = f"{count} claims, worth {worth} of {100 * len(FEATURES):,} points"
+    check(told in read(SOURCE, "docs", "tools.md") and f"of {count} claims" in read(SOURCE, "README.md"),
+          "the texts say how many claims are not judged apart", told)
 
 
 def right_units_pass_apart(grader):

@@ -6,7 +6,14 @@ tests/judge/STEM.calls, a line for each pointer that is more than one constant v
 
     FUNCTION PARAMETER in|out|inout [NUMBER]  so many values: an expression in C with the other parameters
     FUNCTION PARAMETER rows NUMBER of LENGTH  pointers to so many rows, which may be NULL
+    FUNCTION PARAMETER kept                   a structure with pointers that many calls read
+    FUNCTION PARAMETER made MEMBER NUMBER, .. a structure that the call allocates; its pointers, and at most
+                                              how many values each has
+    FUNCTION returns PARAMETER                a pointer into this array
+    FUNCTION together                         no judge can call it
     STRUCTURE MEMBER in NUMBER                a pointer within a structure, with its other members
+    STRUCTURE MEMBER none                     one that is NULL for the unit
+    include NAME                              the lines of tests/judge/NAME.shared
     together CLAIM                            what needs unit and suite in one process, and why: # ...
 
 What is `out` begins with bytes that are no value; what is to keep its contents is `inout`.
@@ -22,7 +29,8 @@ _STRUCTURE = re.compile(r"typedef struct (\w+) \{(.*?)\} (\w+);", re.DOTALL)
 _INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 _INLINE = re.compile(r"^(?:__attribute__\(\(\w+\)\) )?static inline.*?^\}", re.DOTALL | re.MULTILINE)
 _VALUE = re.compile(r"((?:const |unsigned )*\w+)( |[ *]*\*(?:const \*)?)(\w+)(?:\[(.*)\])?")
-_WAYS = ("in", "out", "inout", "rows")
+_ROWS = re.compile(r"(\w+) ?\(\*(\w+)\)\[\w+\]")  # a pointer to arrays
+_WAYS = ("in", "out", "inout", "rows", "kept", "made", "none")
 
 
 class CallsError(Exception):
@@ -35,19 +43,23 @@ class Value:
     """
 
     def __init__(self, text):
-        found = _VALUE.fullmatch(text.strip())
+        found = _VALUE.fullmatch(_ROWS.sub(r"\1 *\2", text.strip()))
         if not found:
             raise CallsError(f"'{text}' is no declaration that is understood")
         kind, stars, self.name, self.length = found.groups()
         self.is_const = kind.startswith("const ")
         self.type, self.stars = kind.removeprefix("const "), stars.count("*")
-        self.way, self.number, self.row = "in" if self.is_const else "", "", ""
+        self.way, self.number, self.row, self.slot = "in" if self.is_const else "", "", "", 0
 
     def is_pointer(self):
         return bool(self.stars or self.length)
 
     def is_out(self):
         return self.way in ("out", "inout")
+
+    def most(self):
+        """Of what is made: an expression for each member, of how many values it has at most."""
+        return dict(part.strip().split(" ", 1) for part in self.number.split(","))
 
     def count(self):
         """An expression: how many values a pointer points to."""
@@ -86,6 +98,7 @@ class Headers:
 
     def __init__(self, source, name):
         self._source, self._seen, self.structures = source, set(), {}
+        self.returned, self.together = {}, set()  # parameters that functions return pointers into
         text = _INLINE.sub("", self._read(name))
         self.functions = [(kind.strip(), function, _parameters(parameters))
                           for kind, function, parameters in _PROTOTYPE.findall(text)]
@@ -99,12 +112,12 @@ class Headers:
         for included in _INCLUDE.findall(text):
             self._read(included)
         for tag, body, structure in _STRUCTURE.findall(text):
-            if tag == structure:
+            if tag == structure and "{" not in body:
                 self.structures[structure] = _members(body)
         return text
 
     def apply(self, path):
-        """Adds what a file of calls says, and checks that all is said."""
+        """Adds what a file of calls says."""
         owners = [*self.structures.items(), *((name, values) for _, name, values in self.functions)]
         known = {(owner, value.name): value for owner, values in owners for value in values}
         with open(path, encoding="utf-8") as file:
@@ -112,26 +125,46 @@ class Headers:
                 words = line.split("#")[0].split(None, 3)
                 if not words or words[0] == "together":
                     continue
+                if words[0] == "include":
+                    self.apply(os.path.join(os.path.dirname(path), words[1] + ".shared"))
+                    continue
+                if words[1:2] == ["returns"]:
+                    self.returned[words[0]] = words[2]
+                    continue
+                if words[1:] == ["together"]:
+                    self.together.add(words[0])
+                    continue
                 value = known.get(tuple(words[:2]))
                 if not value or len(words) < 3 or words[2] not in _WAYS:
                     raise CallsError(f"{path}:{number}: there is no such parameter or member, or its way is "
                                      f"none of {', '.join(_WAYS)}")
                 value.way = words[2]
                 value.number, _, value.row = ("".join(words[3:]).strip()).partition(" of ")
+
+    def finish(self, path):
+        """Checks that all is said, and numbers what is kept."""
+        kept = [value for _, _, values in self.functions for value in values if value.way == "kept"]
+        for slot, value in enumerate(kept):
+            value.slot = slot
+        for value in (value for _, _, values in self.functions for value in values if value.way == "made"):
+            value.counts = {member.name: member.number for member in self.structures[value.type]}
         for kind, function, values in self.functions:
-            if "*" in kind:
+            if "*" in kind and function not in self.returned:
                 raise CallsError(f"{function} returns a pointer, which means nothing in another process")
             for value in values:
-                if value.is_pointer() and not value.way:
+                if value.is_pointer() and not value.way and function not in self.together:
                     raise CallsError(f"{path}: say whether {function}'s {value.name} is out or inout")
 
     def pointers(self, value):
-        """The pointers in a value's structure: each with the bytes that it points to."""
+        """The pointers in a value's structure: a loop if it is an array of them, the pointer, and the bytes
+        that it points to."""
         for member in self.structures.get(value.type, []):
-            if member.stars:
+            if member.stars and member.way != "none":
                 pointer = f"{value.name}->{member.name}"
-                number = re.sub(r"\b([a-z]\w*)\b", rf"{value.name}->\1", member.number)
-                yield pointer, f"(size_t)({number}) * sizeof(*{pointer})"
+                number = re.sub(r"(?<!\()\b([a-z]\w*)\b", rf"{value.name}->\1", member.number)
+                each = f"for (size_t i = 0; i < {member.length}; i++)\n        " if member.length else ""
+                pointer += "[i]" if member.length else ""
+                yield each, pointer, f"(size_t)({number}) * sizeof(*{pointer})"
 
     def structures_used(self):
         """Structures of parameters and results, those within others first."""
@@ -140,12 +173,13 @@ class Headers:
         def visit(name):
             if name in self.structures and name not in ordered:
                 for member in self.structures[name]:
-                    visit(member.type)
+                    if not member.stars:
+                        visit(member.type)
                 ordered.append(name)
 
         for kind, _, values in self.functions:
             for name in (kind, *(value.type for value in values)):
-                visit(name)
+                visit(name.removeprefix("const ").rstrip(" *"))
         return ordered
 
 
@@ -161,7 +195,7 @@ def _copier(headers, name):
         if member.length:
             place, each = f"{member.name}[i]", f"for (size_t i = 0; i < {member.length}; i++)\n        "
         if member.stars:
-            yield f"    to->{place} = NULL;"
+            yield f"    {each}to->{place} = NULL;"
         elif member.type in headers.structures:
             yield f"    {each}copy_{member.type}(&to->{place}, &from->{place});"
         elif member.type == "bool":
@@ -188,9 +222,20 @@ def _put_pointer(headers, value):
         yield f"            rk_judge_put_array({name}[row], (size_t)({value.row}) * sizeof *{name}[row]);"
         return
     yield f"    if (rk_judge_put_whether({name})) {{"
-    if value.way != "out":
+    if value.way == "kept":
+        pointers = list(headers.pointers(value))
+        yield f"        {value.type} part;\n        memset(&part, 0, sizeof part);"
+        yield f"        copy_{value.type}(&part, {name});"
+        yield "        rk_judge_piece pieces[RK_JUDGE_PIECES] = {{&part, sizeof part}};"
+        yield "        size_t count = 1;"
+        for each, pointer, size in pointers:
+            yield f"    {each}    if ({pointer}) {{ /* whether there is one is sent in its place */"
+            yield f"            {pointer.replace(name + '->', 'part.')} = (void *)1;"
+            yield f"            pieces[count++] = (rk_judge_piece){{{pointer}, {size}}};\n        }}"
+        yield f"        rk_judge_put_kept({value.slot}, pieces, count);"
+    elif value.way not in ("out", "made"):
         yield from _put(headers, value.type, name, value.count(), "rk_judge_put_array")
-        for pointer, size in headers.pointers(value):
+        for _, pointer, size in headers.pointers(value):
             yield f"    rk_judge_put_array({pointer}, {size});"
     yield "    }"
 
@@ -202,16 +247,36 @@ def _get(headers, kind, target, number):
         yield f"        copy_{kind}({target} + i, {target} + i);"
 
 
-def _bytes_of_answer(kind, outs):
+def _get_made(value):
+    """The structure, then what its pointers point to, in memory of the judge's own."""
+    name = value.name
+    yield f"        {value.type} got;\n        rk_judge_get(&got, sizeof got);"
+    yield f"        copy_{value.type}({name}, &got);"
+    for member, most in value.most().items():
+        yield f"        if (got.{member})"
+        yield (f"            {name}->{member} = rk_judge_get_made((size_t)(got.{value.counts[member]}), "
+               f"(size_t)({most}), sizeof *{name}->{member});")
+
+
+def _bytes_of_answer(kind, outs, made):
     """An expression: at most so many, with the allocations, and each value aligned."""
     parts = ["32", *(f"{out.count()} * sizeof *{out.name} + 16" for out in outs)]
+    parts += [f"sizeof *{value.name} + 16" for value in made]
+    parts += [f"(size_t)({most}) * sizeof *{value.name}->{member} + 48"
+              for value in made for member, most in value.most().items()]
     return " + ".join(parts + ([f"sizeof({kind}) + 16"] if kind != "void" else []))
 
 
 def _stub(headers, number, kind, name, values):
     outs = [value for value in values if value.is_out()]
+    made = [value for value in values if value.way == "made"]
     declared = ", ".join(value.declaration() for value in values) or "void"
     arguments = ", ".join(value.name for value in values)
+    if name in headers.together:
+        yield f"{kind} {name}({declared})\n{{"
+        yield from (f"    (void){value.name};" for value in values)
+        yield f'    rk_judge_cannot_ask("{name}");\n}}\n'
+        return
     yield f"{kind} rk_reference_{name}({declared});"
     yield f"{kind} {name}({declared})\n{{\n    rk_judge_ask({number});"
     for value in values:  # before what pointers point to: they may say how much that is
@@ -220,14 +285,22 @@ def _stub(headers, number, kind, name, values):
     for value in values:
         if value.is_pointer():
             yield from _put_pointer(headers, value)
-    yield f"    if (rk_judge_predicts({_bytes_of_answer(kind, outs)})) {{"
+    yield f"    if (rk_judge_predicts({_bytes_of_answer(kind, outs, made)})) {{"
     yield f"        {'return ' if kind != 'void' else ''}rk_reference_{name}({arguments});"
     yield "        return;\n    }" if kind == "void" else "    }"
     for out in outs:
         yield f"    if ({out.name}) {{"
         yield from _get(headers, out.type, out.name, out.count())
         yield "    }"
-    if kind != "void":
+    for value in made:
+        yield f"    if ({value.name}) {{"
+        yield from _get_made(value)
+        yield "    }"
+    if name in headers.returned:
+        array = next(value for value in values if value.name == headers.returned[name])
+        yield "    size_t at;\n    rk_judge_get(&at, sizeof at);"
+        yield f"    {kind} result = at < {array.count()} ? {array.name} + at : NULL;"
+    elif kind != "void":
         yield f"    {kind} result;"
         yield from _get(headers, kind, "&result", "(size_t)1")
     if kind == "bool":
@@ -256,16 +329,47 @@ def _take_pointer(headers, value):
         yield f"        {name}[row] = rk_unit_takes() ? {row} : NULL;"
         return
     pointers = list(headers.pointers(value))
+    if value.way == "kept":
+        yield (f"    const {kind} *{name} = rk_unit_takes() ? "
+               f"rk_unit_take_kept(sizeof *{name}, open_{kind}) : NULL;")
+        return
+    if value.way == "made":
+        yield f"    bool has_{name} = rk_unit_takes();\n    {kind} made_{name};"
+        yield f"    memset(&made_{name}, 0, sizeof made_{name});"
+        yield f"    {kind} *{name} = has_{name} ? &made_{name} : NULL;"
+        return
     if value.way == "in" and not pointers:
         yield f"    const {kind} *{name} = rk_unit_takes() ? rk_unit_take_array({size}) : NULL;"
         return
     contents = "NULL" if value.way == "out" else f"rk_unit_take_array({size})"
     yield f"    {kind} *{name} = rk_unit_takes() ? rk_unit_room({contents}, {size}) : NULL;"
-    for pointer, bytes_ in pointers:
+    for _, pointer, bytes_ in pointers:
         yield f"    if ({name})\n        {pointer} = rk_unit_take_array({bytes_});"
 
 
+def _opener(headers, kind):
+    """A function that sets the pointers of a structure that is kept, where there are any."""
+    value = Value(f"const {kind} *it")
+    yield f"static void open_{kind}(void *structure)\n{{\n    {kind} *it = structure;"
+    for each, pointer, size in headers.pointers(value):
+        yield f"    {each}if ({pointer})\n            {pointer} = rk_unit_kept_piece({size});"
+    yield "}\n"
+
+
+def _give_made(value):
+    name = value.name
+    yield f"    if ({name}) {{\n        rk_unit_give({name}, sizeof *{name});"
+    for member, most in value.most().items():
+        yield f"        if ({name}->{member})"
+        yield (f"            rk_unit_give_made({name}->{member}, (size_t)({name}->{value.counts[member]}), "
+               f"(size_t)({most}), sizeof *{name}->{member});")
+    yield "    }"
+
+
 def _server(headers, kind, name, values):
+    if name in headers.together:
+        yield f"static void serve_{name}(void)\n{{\n}}\n"
+        return
     yield f"static void serve_{name}(void)\n{{"
     for value in values:
         if not value.is_pointer():
@@ -282,13 +386,23 @@ def _server(headers, kind, name, values):
         if value.is_out():
             yield f"    if ({value.name})"
             yield f"        rk_unit_give({value.name}, {value.count()} * sizeof(*{value.name}));"
-    if kind != "void":
+    for value in values:
+        if value.way == "made":
+            yield from _give_made(value)
+    if name in headers.returned:
+        array = headers.returned[name]
+        yield f"    size_t at = result ? (size_t)(result - {array}) : SIZE_MAX;"
+        yield "    rk_unit_give(&at, sizeof at);"
+    elif kind != "void":
         yield "    rk_unit_give(&result, sizeof result);"
     yield "    rk_unit_give_allocations();\n}\n"
 
 
 def unit(headers):
     yield '#include "judge/unit.h"\n'
+    for kind in dict.fromkeys(value.type for _, _, values in headers.functions for value in values
+                              if value.way == "kept"):
+        yield from _opener(headers, kind)
     for kind, name, values in headers.functions:
         yield from _server(headers, kind, name, values)
     yield "void (*const rk_unit_functions[])(void) = {"
@@ -305,7 +419,9 @@ def main():
     stem, header = arguments.stem, f"features/{arguments.stem}.h"
     try:
         headers = Headers(arguments.source, header)
-        headers.apply(os.path.join(arguments.source, "tests", "judge", stem + ".calls"))
+        calls = os.path.join(arguments.source, "tests", "judge", stem + ".calls")
+        headers.apply(calls)
+        headers.finish(calls)
         text = "\n".join({"judge": judge, "unit": unit}[arguments.side](headers))
     except (CallsError, OSError) as error:
         print(f"judge_calls: {error}", file=sys.stderr)

@@ -3,6 +3,7 @@
  * has taken. */
 #define _GNU_SOURCE /* for F_SEAL_FUTURE_WRITE */
 #include "judge/judge.h"
+#include "base/error.h"
 #include "judge/protocol.h"
 #include "judge_hooks.h"
 #include "test.h"
@@ -42,6 +43,7 @@ static struct {
     uint32_t lap, lap_begin; /* the number of its first request */
     uint32_t known;          /* requests so far, as this process knows them */
     size_t end;              /* their end */
+    size_t objects;          /* bytes of this lap that are objects */
     size_t next;             /* where the next one is expected */
     bool lap_is_over;
 } judge;
@@ -63,6 +65,30 @@ static uint32_t taken_in[LAP_REQUESTS]; /* the lap in which each was taken */
 
 struct rk_judge_call rk_judge_call;
 
+/* The objects that are kept: of this call, and the last ones of each slot. */
+enum {
+    KEPT_SLOTS = 8,
+    KEPT_MAX = 2 * LAP_REQUESTS,
+    GUARDED_AFTER = 8, /* calls with the same object */
+    GUARDED_BYTES = 1 << 15,
+};
+static int of_call[KEPT_SLOTS]; /* slots */
+static size_t of_call_count;
+static struct last_object {
+    uint64_t id;
+    unsigned char *bytes;
+    size_t size, room;
+    rk_judge_piece pieces[RK_JUDGE_PIECES];
+    size_t count;
+    int seen;        /* so many times the same */
+    bool is_guarded; /* whole pages of its pieces cannot be written to: so they are unchanged */
+} last_of_slot[KEPT_SLOTS];
+/* What the unit's process has, until the next lap. */
+static struct kept_id {
+    uint64_t id;
+    uint32_t lap;
+} kept_ids[KEPT_MAX];
+
 /* --- Requests -------------------------------------------------------------------------------- */
 
 void rk_judge_grow(size_t bytes)
@@ -81,6 +107,7 @@ void rk_judge_ask(int function)
 {
     rk_check(judge.asked, "the unit is called before the judge is connected");
     rk_judge_call.size = 0;
+    of_call_count = 0;
     rk_judge_put(&(rk_judge_request){.function = function}, sizeof(rk_judge_request));
 }
 
@@ -130,13 +157,15 @@ static void begin_lap(void)
         judge.asked->lap = judge.lap;
     judge.lap_begin = judge.known;
     judge.end = judge.next = RK_JUDGE_FIRST;
+    judge.objects = 0;
     judge.lap_is_over = false;
 }
 
-static void publish(rk_judge_request *head)
+/* Copies the first bytes of a request, whose others stand there already. */
+static void publish(rk_judge_request *head, size_t bytes)
 {
     head->number = judge.known++;
-    memcpy(judge.asked_memory + judge.end, head, head->bytes);
+    memcpy(judge.asked_memory + judge.end, head, bytes);
     judge.end += head->span;
     atomic_store_explicit(&judge.asked->published, judge.known, memory_order_release);
     if (!judge.predicts || judge.known % RK_JUDGE_BATCH == 0)
@@ -146,27 +175,230 @@ static void publish(rk_judge_request *head)
 static void publish_end_of_lap(void)
 {
     rk_judge_request turn = {RK_JUDGE_FROM_FRONT, sizeof turn, sizeof turn, 0};
-    publish(&turn);
+    publish(&turn, sizeof turn);
     wake_readers();
 }
 
 static bool lap_is_full(size_t requests)
 {
-    return judge.end > RK_JUDGE_FIRST + LAP_BYTES ||
+    return judge.end - judge.objects > RK_JUDGE_FIRST + LAP_BYTES ||
+           judge.end > RK_JUDGE_BYTES / 2 ||
            judge.known - judge.lap_begin + requests >= LAP_REQUESTS;
 }
 
-static void publish_request(rk_judge_request *head)
+static void make_room_in_lap(size_t bytes)
 {
-    if (lap_is_full(1)) {
+    if (lap_is_full(1 + KEPT_SLOTS)) {
         publish_end_of_lap();
         for (uint32_t lap; judge.predicts && (lap = judge.asked->lap) == judge.lap;)
             rk_judge_wait(&judge.asked->lap, lap, &judge.asked->predictor_waits);
         begin_lap();
     }
-    rk_check(judge.end + head->span + sizeof *head <= RK_JUDGE_BYTES,
-             "a call of %u MB is more than a judge can ask", head->span >> 20);
-    publish(head);
+    rk_check(judge.end + bytes + sizeof(rk_judge_request) <= RK_JUDGE_BYTES,
+             "a call of %zu MB is more than a judge can ask", bytes >> 20);
+}
+
+/* --- Objects that are kept ------------------------------------------------------------------- */
+
+static size_t size_of(const rk_judge_piece *pieces, size_t count)
+{
+    size_t size = 0;
+    for (size_t i = 0; i < count; i++)
+        size += rk_judge_kept_aligned(pieces[i].bytes + RK_JUDGE_ALIGNMENT);
+    return size;
+}
+
+static void copy_pieces(unsigned char *to, const rk_judge_piece *pieces, size_t count)
+{
+    for (size_t i = 0; i < count; i++) {
+        size_t size = rk_judge_kept_aligned(pieces[i].bytes + RK_JUDGE_ALIGNMENT);
+        if (pieces[i].bytes)
+            memcpy(to, pieces[i].data, pieces[i].bytes);
+        memset(to + pieces[i].bytes, 0, size - pieces[i].bytes);
+        to += size;
+    }
+}
+
+/* The whole pages of a piece. */
+static rk_judge_piece pages_of(rk_judge_piece piece)
+{
+    uintptr_t page = (uintptr_t)sysconf(_SC_PAGESIZE), begin = (uintptr_t)piece.data;
+    uintptr_t end = (begin + piece.bytes) / page * page;
+    begin = (begin + page - 1) / page * page;
+    return (rk_judge_piece){(void *)begin, begin < end ? end - begin : 0};
+}
+
+/* The first piece is the structure, which is a copy of the caller's. */
+static void guard(struct last_object *last, int protection)
+{
+    for (size_t i = 1; i < last->count; i++) {
+        rk_judge_piece pages = pages_of(last->pieces[i]);
+        if (pages.bytes)
+            mprotect((void *)(uintptr_t)pages.data, pages.bytes, protection);
+    }
+    last->is_guarded = protection == PROT_READ;
+}
+
+static struct sigaction before_guards;
+
+static void note_a_write(int signal, siginfo_t *info, void *context)
+{
+    (void)context;
+    uintptr_t at = (uintptr_t)info->si_addr;
+    for (int slot = 0; slot < KEPT_SLOTS; slot++) {
+        struct last_object *last = &last_of_slot[slot];
+        for (size_t i = 1; i < last->count && last->is_guarded; i++) {
+            rk_judge_piece pages = pages_of(last->pieces[i]);
+            if (at - (uintptr_t)pages.data < pages.bytes) {
+                guard(last, PROT_READ | PROT_WRITE);
+                last->seen = 0;
+                return;
+            }
+        }
+    }
+    sigaction(signal, &before_guards, NULL); /* the fault comes again */
+}
+
+static void begin_to_guard(struct last_object *last)
+{
+    struct sigaction note = {.sa_sigaction = note_a_write, .sa_flags = SA_SIGINFO}, now;
+    sigaction(SIGSEGV, NULL, &now);
+    if (!(now.sa_flags & SA_SIGINFO) || now.sa_sigaction != note_a_write)
+        sigaction(SIGSEGV, &note, &before_guards);
+    guard(last, PROT_READ);
+}
+
+static bool is_same_piece(const unsigned char *bytes, rk_judge_piece piece, bool is_guarded)
+{
+    rk_judge_piece pages = is_guarded ? pages_of(piece) : (rk_judge_piece){0};
+    if (pages.bytes == 0)
+        return piece.bytes == 0 || memcmp(bytes, piece.data, piece.bytes) == 0;
+    const unsigned char *data = piece.data, *end = data + piece.bytes;
+    size_t head = (size_t)((const unsigned char *)pages.data - data);
+    size_t tail = (size_t)(end - ((const unsigned char *)pages.data + pages.bytes));
+    return memcmp(bytes, data, head) == 0 &&
+           memcmp(bytes + piece.bytes - tail, end - tail, tail) == 0;
+}
+
+static bool is_same_object(struct last_object *last, const rk_judge_piece *pieces, size_t count)
+{
+    if (last->size != size_of(pieces, count) || last->count != count)
+        return false;
+    for (size_t i = 1; i < count && last->is_guarded; i++)
+        if (pieces[i].data != last->pieces[i].data || pieces[i].bytes != last->pieces[i].bytes)
+            guard(last, PROT_READ | PROT_WRITE);
+    const unsigned char *bytes = last->bytes;
+    for (size_t i = 0; i < count; i++) {
+        if (!is_same_piece(bytes, pieces[i], last->is_guarded && i > 0))
+            return false;
+        bytes += rk_judge_kept_aligned(pieces[i].bytes + RK_JUDGE_ALIGNMENT);
+    }
+    return true;
+}
+
+static uint64_t id_of(const unsigned char *bytes, size_t size)
+{
+    uint64_t hash = size, word;
+    for (size_t i = 0; i < size; i += sizeof word) {
+        memcpy(&word, bytes + i, sizeof word);
+        hash = (hash ^ word) * 0x9e3779b97f4a7c15;
+        hash ^= hash >> 32;
+    }
+    return hash ? hash : 1;
+}
+
+static void keep_copy(struct last_object *last, const rk_judge_piece *pieces, size_t count)
+{
+    size_t size = size_of(pieces, count), made = rk_allocations, kept = rk_allocations_kept;
+    if (last->is_guarded)
+        guard(last, PROT_READ | PROT_WRITE);
+    if (size > last->room) {
+        free(last->bytes);
+        last->bytes = malloc(size);
+        last->room = size;
+    }
+    rk_allocations = made; /* the unit's are counted */
+    rk_allocations_kept = kept;
+    rk_check(last->bytes, "no memory for an object of %zu bytes", size);
+    copy_pieces(last->bytes, pieces, count);
+    last->size = size;
+    last->id = id_of(last->bytes, size);
+    last->seen = 0;
+}
+
+/* Other memory could come to the same place. */
+void rk_judge_forget(const void *memory)
+{
+    for (int slot = 0; slot < KEPT_SLOTS; slot++)
+        for (size_t i = 1; i < last_of_slot[slot].count && last_of_slot[slot].is_guarded; i++)
+            if (last_of_slot[slot].pieces[i].data == memory)
+                guard(&last_of_slot[slot], PROT_READ | PROT_WRITE);
+}
+
+void rk_judge_put_kept(int slot, const rk_judge_piece *pieces, size_t count)
+{
+    struct last_object *last = &last_of_slot[slot];
+    if (!is_same_object(last, pieces, count))
+        keep_copy(last, pieces, count);
+    memcpy(last->pieces, pieces, count * sizeof *pieces);
+    last->count = count;
+    if (++last->seen == GUARDED_AFTER && last->size >= GUARDED_BYTES)
+        begin_to_guard(last);
+    rk_judge_put(&last->id, sizeof last->id);
+    of_call[of_call_count++] = slot;
+}
+
+static struct kept_id *place_of_id(uint64_t id)
+{
+    uint32_t i = (uint32_t)id % KEPT_MAX;
+    while (kept_ids[i].lap == judge.lap && kept_ids[i].id != id)
+        i = (i + 1) % KEPT_MAX;
+    return &kept_ids[i];
+}
+
+static void remember(uint64_t id, size_t bytes)
+{
+    *place_of_id(id) = (struct kept_id){id, judge.lap};
+    judge.objects += bytes;
+}
+
+static void publish_object(uint64_t id, const unsigned char *bytes, size_t size)
+{
+    struct {
+        rk_judge_request head;
+        rk_judge_kept kept;
+    } begin = {{.function = RK_JUDGE_KEEP}, {.id = id, .bytes = size}};
+    size_t all = sizeof begin + size;
+    begin.head.bytes = begin.head.span = (uint32_t)all;
+    memcpy(judge.asked_memory + judge.end + sizeof begin, bytes, size);
+    publish(&begin.head, sizeof begin);
+    remember(id, all);
+}
+
+/* Sends the objects of this call that the unit's process lacks. */
+static void publish_objects(void)
+{
+    for (size_t i = 0; i < of_call_count; i++) {
+        uint64_t id = last_of_slot[of_call[i]].id;
+        if (place_of_id(id)->lap == judge.lap)
+            continue;
+        publish_object(id, last_of_slot[of_call[i]].bytes, last_of_slot[of_call[i]].size);
+    }
+}
+
+static void publish_request(rk_judge_request *head)
+{
+    size_t bytes = head->span;
+    for (size_t i = 0; i < of_call_count; i++)
+        bytes += last_of_slot[of_call[i]].size + RK_JUDGE_KEPT_ALIGNMENT;
+    make_room_in_lap(bytes);
+    publish_objects();
+    publish(head, head->bytes);
+}
+
+static uint64_t id_at(size_t place)
+{
+    return ((const rk_judge_kept *)(request_at(place) + 1))->id;
 }
 
 /* --- Requests that were published ------------------------------------------------------------ */
@@ -208,7 +440,9 @@ static void learn_all(void)
     while (judge.known != published && !judge.lap_is_over) {
         const rk_judge_request *head = request_at(judge.end);
         judge.lap_is_over = head->function == RK_JUDGE_FROM_FRONT;
-        if (!judge.lap_is_over && is_open(judge.end))
+        if (head->function == RK_JUDGE_KEEP)
+            remember(id_at(judge.end), head->span);
+        else if (!judge.lap_is_over && is_open(judge.end))
             learn(judge.end);
         judge.end += head->span;
         judge.known++;
@@ -227,10 +461,24 @@ static bool find_learnt(const rk_judge_request *head, size_t *place)
     return false;
 }
 
+static void pass_objects(uint32_t published)
+{
+    while (judge.next < judge.end && request_at(judge.next)->function == RK_JUDGE_KEEP)
+        judge.next += request_at(judge.next)->span;
+    while (judge.next == judge.end && judge.known != published && !judge.lap_is_over &&
+           request_at(judge.end)->function == RK_JUDGE_KEEP) {
+        remember(id_at(judge.end), request_at(judge.end)->span);
+        judge.end += request_at(judge.end)->span;
+        judge.next = judge.end;
+        judge.known++;
+    }
+}
+
 /* Finds a request that was published, and that no call has taken. In most cases it is the next. */
 static bool find(const rk_judge_request *head, size_t *place)
 {
     uint32_t published = atomic_load_explicit(&judge.asked->published, memory_order_acquire);
+    pass_objects(published);
     *place = judge.next;
     if (judge.next == judge.end && judge.known != published && !judge.lap_is_over) {
         bool is_over = request_at(judge.end)->function == RK_JUDGE_FROM_FRONT;
@@ -387,6 +635,24 @@ bool rk_judge_predicts(size_t bytes_max)
     wait_for_answer(request_at(place)->number);
     take(place);
     return false;
+}
+
+void *rk_judge_get_made(size_t count, size_t most, size_t size)
+{
+    rk_check(count <= most, "%zu values were allocated, want at most %zu", count, most);
+    size_t made = rk_allocations, kept = rk_allocations_kept;
+    void *memory = rk_allocate_unset(count, size, "tree", NULL);
+    rk_allocations = made; /* the unit's are counted */
+    rk_allocations_kept = kept;
+    rk_check(memory, "no memory for %zu values", count);
+    rk_judge_get(memory, count * size);
+    return memory;
+}
+
+void rk_judge_cannot_ask(const char *function)
+{
+    rk_claim_failed(__FILE__, __LINE__, "%s cannot be asked in another process", function);
+    abort();
 }
 
 void rk_judge_get_allocations(void)

@@ -61,6 +61,19 @@ static inline void *rk_judge_put_array(const void *data, size_t bytes)
     return rk_judge_call.request + begin;
 }
 
+/* A piece of an object that is kept: trees, meshes and maps, which many calls read. The first is
+ * its structure. */
+enum { RK_JUDGE_PIECES = 16 }; /* that an object has at most */
+typedef struct rk_judge_piece {
+    const void *data;
+    size_t bytes;
+} rk_judge_piece;
+
+/* Puts the id of an object, which is sent if it is not there yet. `slot` numbers the parameters
+ * that take such objects, from 0: to look whether the object is still the same, the last one is
+ * kept. The pieces hold until the call has been answered. */
+void rk_judge_put_kept(int slot, const rk_judge_piece *pieces, size_t count);
+
 /* Ends the request, and waits for its answer of at most so many bytes; true in the predictor,
  * where the reference gives the results instead. */
 bool rk_judge_predicts(size_t bytes_max);
@@ -71,6 +84,13 @@ static inline void rk_judge_get(void *data, size_t bytes)
     memcpy(data, rk_judge_call.answer, bytes);
     rk_judge_call.answer += rk_judge_aligned(bytes);
 }
+
+/* Takes values that the call has allocated into memory of this process, to be freed by free().
+ * Fails the test if they are more than `most`. */
+void *rk_judge_get_made(size_t count, size_t most, size_t size);
+
+/* Fails the test: its claim should be one of those with unit and suite in one process. */
+_Noreturn void rk_judge_cannot_ask(const char *function);
 
 /* Adds the allocations that the call made to those of this process: the answer's last value. */
 void rk_judge_get_allocations(void);

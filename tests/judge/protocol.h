@@ -15,13 +15,16 @@ enum {
     RK_JUDGE_ALIGNMENT = 16,    /* of all values in requests and answers */
     RK_JUDGE_BATCH = 256,       /* requests or answers after which a reader that sleeps is woken */
     RK_JUDGE_FROM_FRONT = -1,   /* in place of a function: the next request is the first again */
-    RK_JUDGE_LEAKS = 23,        /* exit status of the unit's process: memory was lost */
+    RK_JUDGE_KEEP = -2,         /* the same: an object that later calls name by its id */
+    RK_JUDGE_KEPT_ALIGNMENT = 64,
+    RK_JUDGE_LEAKS = 23, /* exit status of the unit's process: memory was lost */
 };
 
 /* Where the unit's process has requests, and memory for what it writes to: in every run the same,
  * so that a sanitizer's report tells which of them it is (tools/grading/verdicts.py). */
 #define RK_JUDGE_PLACE 0x500000000000
 #define RK_JUDGE_ROOMS 0x510000000000
+#define RK_JUDGE_OBJECTS 0x520000000000
 
 /* The judge's side. */
 typedef struct rk_judge_asked {
@@ -44,6 +47,19 @@ typedef struct rk_judge_request {
     uint32_t span;  /* to the next request; the answer fits, too */
     uint32_t number;
 } rk_judge_request;
+
+/* What follows the head of RK_JUDGE_KEEP; the object begins at the next RK_JUDGE_KEPT_ALIGNMENT. */
+typedef struct rk_judge_kept {
+    uint64_t id;
+    uint64_t bytes;
+    unsigned char unused[RK_JUDGE_KEPT_ALIGNMENT - 32]; /* with the head, 64 bytes */
+} rk_judge_kept;
+
+static inline size_t rk_judge_kept_aligned(size_t bytes)
+{
+    return (bytes + RK_JUDGE_KEPT_ALIGNMENT - 1) / RK_JUDGE_KEPT_ALIGNMENT *
+           RK_JUDGE_KEPT_ALIGNMENT;
+}
 
 static inline size_t rk_judge_aligned(size_t bytes)
 {

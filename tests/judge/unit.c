@@ -6,6 +6,7 @@
 #include "test.h"
 
 #include <sys/mman.h>
+#include <unistd.h>
 
 enum { BETWEEN_ROOMS = 64, CLOSED_AT_ONCE = 65536 };
 
@@ -14,6 +15,8 @@ static struct {
     rk_judge_answered *answered;
     unsigned char *rooms;
     size_t rooms_end, closed_end;
+    unsigned char *kept;
+    size_t kept_end;
 } unit;
 
 struct rk_unit_call rk_unit_call;
@@ -66,6 +69,85 @@ const void *rk_unit_take_array(size_t bytes)
     return value;
 }
 
+void rk_unit_give_made(void *values, size_t count, size_t most, size_t size)
+{
+    if (count > most) {
+        fprintf(stderr, "%zu values were made, want at most %zu\n", count, most);
+        exit(1);
+    }
+    rk_unit_give(values, count * size);
+    free(values);
+}
+
+/* --- Objects that are kept --- */
+
+enum { KEPT_MAX = 1 << 15 };
+static struct kept {
+    uint64_t id;
+    unsigned char *bytes;
+    size_t size;
+    bool is_open;
+} all_kept[KEPT_MAX];
+static size_t kept_count, kept_places[KEPT_MAX];
+static unsigned char *piece; /* of the object that is being opened */
+
+static struct kept *place_of_id(uint64_t id)
+{
+    uint32_t i = (uint32_t)id % KEPT_MAX;
+    while (all_kept[i].id && all_kept[i].id != id)
+        i = (i + 1) % KEPT_MAX;
+    return &all_kept[i];
+}
+
+static void keep(const rk_judge_request *head)
+{
+    const rk_judge_kept *sent = (const rk_judge_kept *)(head + 1);
+    struct kept *kept = place_of_id(sent->id);
+    if (kept->id)
+        return;
+    size_t page = (size_t)sysconf(_SC_PAGESIZE), pages = (sent->bytes + page - 1) / page * page;
+    if (unit.kept_end + pages > RK_JUDGE_BYTES)
+        exit(1);
+    kept->bytes = unit.kept + unit.kept_end;
+    unit.kept_end += pages;
+    memcpy(kept->bytes, sent + 1, sent->bytes);
+    kept->id = sent->id;
+    kept->size = sent->bytes;
+    kept_places[kept_count++] = (size_t)(kept - all_kept);
+}
+
+/* At the end of a lap: what is needed again is sent again. */
+static void forget_all(void)
+{
+    while (kept_count > 0)
+        all_kept[kept_places[--kept_count]] = (struct kept){0};
+    if (__asan_unpoison_memory_region)
+        __asan_unpoison_memory_region(unit.kept, unit.kept_end);
+    mprotect(unit.kept, unit.kept_end, PROT_READ | PROT_WRITE);
+    unit.kept_end = 0;
+}
+
+void *rk_unit_kept_piece(size_t bytes)
+{
+    unsigned char *begin = piece;
+    piece += rk_judge_kept_aligned(bytes + RK_JUDGE_ALIGNMENT);
+    if (__asan_poison_memory_region)
+        __asan_poison_memory_region(begin + bytes, (size_t)(piece - begin) - bytes);
+    return begin;
+}
+
+const void *rk_unit_take_kept(size_t bytes, void (*open)(void *structure))
+{
+    struct kept *kept = place_of_id(*(const uint64_t *)rk_unit_take(sizeof(uint64_t)));
+    if (!kept->is_open) {
+        piece = kept->bytes;
+        open(rk_unit_kept_piece(bytes));
+        mprotect(kept->bytes, kept->size, PROT_READ);
+        kept->is_open = true;
+    }
+    return kept->bytes;
+}
+
 static void open_request(const rk_judge_request *head)
 {
     if (__asan_unpoison_memory_region)
@@ -91,7 +173,11 @@ static void serve(const unsigned char *requests, unsigned char *answers)
         if (unit.asked->ended)
             return;
         const rk_judge_request *head = (const rk_judge_request *)(requests + place);
-        if (head->function != RK_JUDGE_FROM_FRONT)
+        if (head->function == RK_JUDGE_KEEP)
+            keep(head);
+        else if (head->function == RK_JUDGE_FROM_FRONT)
+            forget_all();
+        else
             answer_request(requests, answers, place);
         place = head->function == RK_JUDGE_FROM_FRONT ? RK_JUDGE_FIRST : place + head->span;
         atomic_store_explicit(&unit.answered->answered, count + 1, memory_order_release);
@@ -100,6 +186,12 @@ static void serve(const unsigned char *requests, unsigned char *answers)
         if (is_all || count % RK_JUDGE_BATCH == 0)
             rk_judge_wake(&unit.answered->answered, &unit.asked->is_waiting);
     }
+}
+
+static void *memory_at(uintptr_t place)
+{
+    return mmap((void *)place, RK_JUDGE_BYTES, PROT_READ | PROT_WRITE,
+                MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
 }
 
 /* --list is for a grader that tries how the sanitizers work. */
@@ -115,9 +207,10 @@ int main(int argc, char **argv)
         mmap((void *)RK_JUDGE_PLACE, RK_JUDGE_BYTES, PROT_READ, MAP_SHARED, asked, 0);
     unsigned char *answers =
         mmap(NULL, RK_JUDGE_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_NORESERVE, answered, 0);
-    unit.rooms = mmap((void *)RK_JUDGE_ROOMS, RK_JUDGE_BYTES, PROT_READ | PROT_WRITE,
-                      MAP_PRIVATE | MAP_ANONYMOUS | MAP_NORESERVE, -1, 0);
-    if (requests == MAP_FAILED || answers == MAP_FAILED || unit.rooms == MAP_FAILED) {
+    unit.rooms = memory_at(RK_JUDGE_ROOMS);
+    unit.kept = memory_at(RK_JUDGE_OBJECTS);
+    if (requests == MAP_FAILED || answers == MAP_FAILED || unit.rooms == MAP_FAILED ||
+        unit.kept == MAP_FAILED) {
         perror("the memory that a unit shares with its judge cannot be seen");
         return 2;
     }

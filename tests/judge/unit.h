@@ -31,6 +31,11 @@ static inline bool rk_unit_takes(void)
 /* The same for what a pointer points to: the address sanitizer sees what goes beyond it. */
 const void *rk_unit_take_array(size_t bytes);
 
+/* Takes an object that is kept: its structure, whose pointers `open` sets, each to what
+ * rk_unit_kept_piece returns, in order. It cannot be written to. */
+const void *rk_unit_take_kept(size_t bytes, void (*open)(void *structure));
+void *rk_unit_kept_piece(size_t bytes);
+
 /* Returns memory of just so many bytes, with these contents, or, where they are NULL, with bytes
  * that are no value. The address sanitizer sees what goes beyond. It holds until the call is
  * answered. */
@@ -41,6 +46,9 @@ static inline void rk_unit_give(const void *data, size_t bytes)
     memcpy(rk_unit_call.answer, data, bytes);
     rk_unit_call.answer += rk_judge_aligned(bytes);
 }
+
+/* Gives values that the call has allocated, and frees them; ends the process if they are more. */
+void rk_unit_give_made(void *values, size_t count, size_t most, size_t size);
 
 /* Around the call: counts its allocations, which are the answer's last value. */
 static inline void rk_unit_begin_call(void)

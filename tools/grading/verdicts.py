@@ -68,11 +68,11 @@ def _place_in_unit(text, unit):
 
 
 def _misuse_of_arguments(text, what):
-    """Returns what was done to memory that the caller gave, which lies in a certain place (RK_JUDGE_PLACE and
-    RK_JUDGE_ROOMS of tests/judge/protocol.h) where a judge asks; or ""."""
-    if re.match(r"use-after-poison on address 0x0*5[01]0\w{9}\b", what):
+    """Returns what was done to memory that the caller gave, which lies in certain places (RK_JUDGE_PLACE and
+    the like of tests/judge/protocol.h) where a judge asks; or ""."""
+    if re.match(r"use-after-poison on address 0x0*5[012]0\w{9}\b", what):
         return "goes beyond the end, or before the beginning, of an array that it was given"
-    if re.match(r"SEGV on unknown address 0x0*500\w{9}\b", what) and "caused by a WRITE" in text:
+    if re.match(r"SEGV on unknown address 0x0*5[02]0\w{9}\b", what) and "caused by a WRITE" in text:
         return ("a write to the caller's data, which is constant: other threads read it at the same time, so "
                 "putting it back is too late")
     return ""
