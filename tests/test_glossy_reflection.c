@@ -733,17 +733,31 @@ static double area_beyond(double height)
     return 2 / pi * half * sum;
 }
 
-static part part_of(const setting *s, float radius)
+static part part_of_disk(rk_glossy_disk disk, double radius)
 {
-    part p = {.disk = rk_glossy_disk_of(s->reflected, radius, s->face_normal)};
-    rk_dvec3 n = rk_widen(s->face_normal);
+    part p = {.disk = disk};
+    rk_dvec3 n = rk_widen(disk.face_normal);
     rk_dvec3 up = {rk_ddot(rk_widen(p.disk.u), n), rk_ddot(rk_widen(p.disk.v), n), 0};
-    double height = fmax(rk_ddot(rk_widen(p.disk.w), n), 0),
-           reach = (double)radius * rk_dlength(up);
+    double height = fmax(rk_ddot(rk_widen(p.disk.w), n), 0), reach = radius * rk_dlength(up);
     p.up = rk_dscale(up, 1 / rk_dlength(up));
     p.line = height < reach ? -height / reach : -1;
     p.fraction = area_beyond(p.line);
     return p;
+}
+
+static part part_of(const setting *s, float radius)
+{
+    return part_of_disk(rk_glossy_disk_of(s->reflected, radius, s->face_normal), (double)radius);
+}
+
+/* The same disk, with its axes turned by a third of a right angle. */
+static part with_other_axes(part p)
+{
+    rk_glossy_disk disk = p.disk;
+    const float c = 0.8660254f, s = 0.5f;
+    disk.u = rk_madd(rk_scale(p.disk.u, c), p.disk.v, s);
+    disk.v = rk_madd(rk_scale(p.disk.v, c), p.disk.u, -s);
+    return part_of_disk(disk, (double)disk.radius);
 }
 
 static void the_fraction_above_equals_quadrature(void **state)
@@ -875,6 +889,10 @@ static void a_halved_disk_moves_its_points_up(void **state)
         /* A point this near the top has an area of 5e-5 beyond it. */
         check_moved(&p, point_upright(&p, 0.999, 0), 0.99937, 0, 1e-5, "almost the top");
         check_moved(&p, point_upright(&p, 1, 0), 1, 0, disk_rounding, "the top stays the top");
+        part turned = with_other_axes(p);
+        check_moved(&turned, point_upright(&turned, 0, 0.5), quarter, end / 2, disk_rounding,
+                    "points are in the disk's own axes, u and v, which may be others than those of "
+                    "rk_basis_of");
     }
 }
 

@@ -207,8 +207,15 @@ static void check_leaves(rk_mesh mesh, bool by_median)
         rk_check_ok(rk_bvh_build_median(&bvh, &mesh, &error), error);
     else
         bvh = build_binary(&mesh);
+    rk_triangle *triangles = malloc((size_t)bvh.triangle_count * sizeof *triangles);
+    rk_check(triangles, "no memory for %u triangles", bvh.triangle_count);
+    memcpy(triangles, bvh.triangles, (size_t)bvh.triangle_count * sizeof *triangles);
     rk_wide_bvh wide = widen(&bvh, &mesh);
     check_mesh_unchanged(&mesh, checksum);
+    for (uint32_t i = 0; i < bvh.triangle_count; i++)
+        rk_check(memcmp(&triangles[i], &bvh.triangles[i], sizeof *triangles) == 0,
+                 "triangle %u of the binary tree was changed, which is only read", i);
+    free(triangles);
     rk_check_equal(wide.triangle_count, mesh.triangle_count, "the tree's triangles");
     rk_wide_bvh_free(&wide);
     rk_bvh_free(&bvh);
