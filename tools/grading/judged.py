@@ -28,7 +28,8 @@ def files(stem):
 
 def is_possible(toolchain, stem):
     """Whether the build has a judge of this feature."""
-    return all(os.path.exists(os.path.join(toolchain.build, path)) for path in files(stem))
+    parts = [os.path.join(toolchain.build, path) for path in files(stem)]
+    return all(map(os.path.exists, [calls_file(toolchain, stem), *parts]))
 
 
 def calls_file(toolchain, stem):
