@@ -1,5 +1,5 @@
 /* Which instruction sets with a kernel (accel/wide_kernel.h) this machine has besides those of its
- * whole family. configure asks, too. Not installed. */
+ * whole family. configure asks, too; not installed. */
 #ifndef RK_ACCEL_MACHINE_H
 #define RK_ACCEL_MACHINE_H
 
