@@ -188,7 +188,7 @@ class Headers:
 
 def _copier(headers, name):
     """A function that copies a structure member by member. What lies between them is whatever the judge had
-    there before; and a bool from the unit's process can have other bits than 0 and 1."""
+    there before; a bool from the unit's process can have other bits than 0 and 1, and a text no end."""
     yield f"static void copy_{name}({name} *to, const {name} *from)\n{{"
     for member in headers.structures[name]:
         place, each = member.name, ""
@@ -202,6 +202,8 @@ def _copier(headers, name):
             yield f"    {each}to->{place} = *(const unsigned char *)&from->{place} != 0;"
         else:
             yield f"    {each}to->{place} = from->{place};"
+        if member.type == "char" and member.length:
+            yield f"    to->{member.name}[{member.length} - 1] = '\\0';"
     yield "}\n"
 
 
@@ -343,6 +345,8 @@ def _take_pointer(headers, value):
         return
     contents = "NULL" if value.way == "out" else f"rk_unit_take_array({size})"
     yield f"    {kind} *{name} = rk_unit_takes() ? rk_unit_room({contents}, {size}) : NULL;"
+    if value.way == "out" and any(member.type == "char" for member in headers.structures.get(kind, [])):
+        yield f"    if ({name})\n        memset({name}, 0, {size}); /* an empty text */"
     for _, pointer, bytes_ in pointers:
         yield f"    if ({name})\n        {pointer} = rk_unit_take_array({bytes_});"
 
