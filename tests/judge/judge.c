@@ -91,13 +91,39 @@ static struct kept_id {
 
 /* --- Requests -------------------------------------------------------------------------------- */
 
+/* The judge's own memory is none of the unit's, whose allocations are counted. */
+static size_t own_made, own_kept;
+
+static void begin_own_memory(void)
+{
+    own_made = rk_allocations;
+    own_kept = rk_allocations_kept;
+}
+
+static void end_own_memory(void)
+{
+    rk_allocations = own_made;
+    rk_allocations_kept = own_kept;
+}
+
+/* Of whole words of 8 bytes. */
+static uint64_t hash_of_words(const void *bytes, size_t size, uint64_t hash)
+{
+    for (size_t i = 0; i < size; i += sizeof hash) {
+        uint64_t word;
+        memcpy(&word, (const unsigned char *)bytes + i, sizeof word);
+        hash = (hash ^ word) * 0x9e3779b97f4a7c15;
+        hash ^= hash >> 32;
+    }
+    return hash;
+}
+
 void rk_judge_grow(size_t bytes)
 {
     size_t room = 2 * bytes > 65536 ? 2 * bytes : 65536;
-    size_t made = rk_allocations, kept = rk_allocations_kept;
+    begin_own_memory();
     unsigned char *request = realloc(rk_judge_call.request, room);
-    rk_allocations = made; /* the unit's are counted */
-    rk_allocations_kept = kept;
+    end_own_memory();
     rk_check(request, "no memory for a request of %zu bytes", bytes);
     rk_judge_call.request = request;
     rk_judge_call.room = room;
@@ -136,8 +162,8 @@ static bool is_answered(uint32_t number)
 
 static void wait_for_answer(uint32_t number)
 {
-    while (!is_answered(number)) {
-        uint32_t answered = judge.answered->answered;
+    for (;;) {
+        uint32_t answered = atomic_load_explicit(&judge.answered->answered, memory_order_acquire);
         if ((int32_t)(answered - number) > 0)
             return;
         rk_judge_wait(&judge.answered->answered, answered, &judge.asked->is_waiting);
@@ -296,33 +322,22 @@ static bool is_same_object(struct last_object *last, const rk_judge_piece *piece
     return true;
 }
 
-static uint64_t id_of(const unsigned char *bytes, size_t size)
-{
-    uint64_t hash = size, word;
-    for (size_t i = 0; i < size; i += sizeof word) {
-        memcpy(&word, bytes + i, sizeof word);
-        hash = (hash ^ word) * 0x9e3779b97f4a7c15;
-        hash ^= hash >> 32;
-    }
-    return hash ? hash : 1;
-}
-
 static void keep_copy(struct last_object *last, const rk_judge_piece *pieces, size_t count)
 {
-    size_t size = size_of(pieces, count), made = rk_allocations, kept = rk_allocations_kept;
+    size_t size = size_of(pieces, count);
     if (last->is_guarded)
         guard(last, PROT_READ | PROT_WRITE);
+    begin_own_memory();
     if (size > last->room) {
         free(last->bytes);
         last->bytes = malloc(size);
         last->room = size;
     }
-    rk_allocations = made; /* the unit's are counted */
-    rk_allocations_kept = kept;
+    end_own_memory();
     rk_check(last->bytes, "no memory for an object of %zu bytes", size);
     copy_pieces(last->bytes, pieces, count);
     last->size = size;
-    last->id = id_of(last->bytes, size);
+    last->id = hash_of_words(last->bytes, size, size);
     last->seen = 0;
 }
 
@@ -405,13 +420,9 @@ static uint64_t id_at(size_t place)
 
 static uint32_t hash_of(const rk_judge_request *head)
 {
-    uint64_t hash = (uint32_t)head->function, word;
-    for (size_t i = sizeof *head; i < head->bytes; i += sizeof word) {
-        memcpy(&word, (const unsigned char *)head + i, sizeof word);
-        hash = (hash ^ word) * 0x9e3779b97f4a7c15;
-        hash ^= hash >> 29;
-    }
-    return (uint32_t)(hash >> 32);
+    return (
+        uint32_t)(hash_of_words(head + 1, head->bytes - sizeof *head, (uint32_t)head->function) >>
+                  32);
 }
 
 static bool is_open(size_t place)
@@ -640,10 +651,9 @@ bool rk_judge_predicts(size_t bytes_max)
 void *rk_judge_get_made(size_t count, size_t most, size_t size)
 {
     rk_check(count <= most, "%zu values were allocated, want at most %zu", count, most);
-    size_t made = rk_allocations, kept = rk_allocations_kept;
+    begin_own_memory();
     void *memory = rk_allocate_unset(count, size, "tree", NULL);
-    rk_allocations = made; /* the unit's are counted */
-    rk_allocations_kept = kept;
+    end_own_memory();
     rk_check(memory, "no memory for %zu values", count);
     rk_judge_get(memory, count * size);
     return memory;
