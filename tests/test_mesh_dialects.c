@@ -64,6 +64,249 @@ static void a_line_that_assimp_does_not_know_costs_no_material(void **state)
     }
 }
 
+/* By hand in both: each character is below 128. */
+static test_path write_utf16(const char *name, const char *text, bool big, bool has_mark)
+{
+    char bytes[1000];
+    size_t size = 0;
+    if (has_mark) {
+        memcpy(bytes, big ? "\xfe\xff" : "\xff\xfe", 2);
+        size = 2;
+    }
+    for (; *text; text++) {
+        bytes[size++] = big ? '\0' : *text;
+        bytes[size++] = big ? *text : '\0';
+    }
+    return test_folder_write(&folder, name, bytes, size, 0600);
+}
+
+static void text_in_utf16_is_read_like_utf8(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *text;
+    } files[] = {
+        {"wide.obj", "mtllib wide.mtl\r\nv 0 0 0\r\nv 1 0 0\r\nv 0 1 0\r\nusemtl a\r\n"
+                     "f 1 2 3\r\n"},
+        {"wide.ply", "ply\nformat ascii 1.0\nelement vertex 3\nproperty float x\n"
+                     "property float y\nproperty float z\nelement face 1\n"
+                     "property list uchar int vertex_indices\nend_header\n0 0 0\n1 0 0\n0 1 0\n"
+                     "3 0 1 2\n"},
+        {"wide.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"},
+        {"wide.stl", "solid a\nfacet normal 0 0 1\nouter loop\nvertex 0 0 0\nvertex 1 0 0\n"
+                     "vertex 0 1 0\nendloop\nendfacet\nendsolid a\n"},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+        for (int kind = 0; kind < 4; kind++) { /* ends, with a mark or without */
+            write_utf16("wide.mtl", "newmtl a\r\nKd 1 .5 0\r\n", kind & 1, kind & 2);
+            rk_mesh mesh = load(write_utf16(files[i].name, files[i].text, kind & 1, kind & 2));
+            rk_check_equal(mesh.triangle_count, 1, files[i].name);
+            check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
+            if (i == 0)
+                check_point(mesh.materials[mesh.triangle_materials[0]].kd, 1, 0.5f, 0);
+            rk_mesh_free(&mesh);
+        }
+    rk_mesh mesh = load(write_text("mark.ply", "\xef\xbb\xbf"
+                                               "ply\nformat ascii 1.0\nelement vertex 3\n"
+                                               "property float x\nproperty float y\n"
+                                               "property float z\nelement face 1\n"
+                                               "property list uchar int vertex_indices\n"
+                                               "end_header\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+    rk_mesh_free(&mesh);
+    check_refused_path(test_folder_write(&folder, "half.obj", "\xff\xfev\0\0\xd8 \0", 8, 0600).text,
+                       ": its text is in UTF-16, but damaged: save it as UTF-8", "");
+}
+
+static void a_material_file_without_a_known_line_costs_no_mesh(void **state)
+{
+    (void)state;
+    static const char *const files[] = {"", "# none\n"};
+    for (size_t i = 0; i < 2; i++) {
+        write_text("none.mtl", files[i]);
+        rk_mesh mesh = load(write_text("none.obj", "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
+                                                   "usemtl a\n" FACE));
+        rk_check_equal(mesh.triangle_count, 1, "it is drawn");
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void what_an_obj_has_beside_faces_is_told(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *line, *note;
+    } lines[] = {
+        {"curv 0 1 1 2 3", "has curves or curved surfaces"},
+        {"curv2 1 2 3", "has curves or curved surfaces"},
+        {"surf 0 1 0 1 1 2 3", "has curves or curved surfaces"},
+        {"bzp 1 2 3", "has curves or curved surfaces"},
+        {"l 1 2", "has points or lines, which the picture does not show"},
+        {"p 1 2", "has points or lines, which the picture does not show"},
+        {"call other.obj", "calls other files (call or csh lines), which are not read"},
+    };
+    for (size_t i = 0; i < sizeof lines / sizeof *lines; i++) {
+        char text[200];
+        snprintf(text, sizeof text, "v 0 0 0\nv 1 0 0\nv 0 1 0\n" FACE "%s\n", lines[i].line);
+        rk_mesh mesh = load_with_note(write_text("beside.obj", text), lines[i].note);
+        rk_check_equal(mesh.triangle_count, 1, lines[i].line);
+        rk_mesh_free(&mesh);
+    }
+    check_refused("only.obj", "v 0 0 0\nv 1 0 0\nsurf 0 1 0 1 1 2\n",
+                  ": has no face, only points, lines, curves or curved surfaces, which are not "
+                  "drawn",
+                  "export it as polygons");
+}
+
+#define MRGB "v 0 0 0\r\nv 1.5 0 0 # b\r\nv 0 1 0\r\n#MRGB ffFF8000ff00ff00\r\n"
+
+static void colours_of_an_obj_as_zbrush_writes_them_are_drawn(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text("zbrush.obj", MRGB "#MRGB 000000ff\r\nf 3 1 2\r\n"));
+    const uint32_t *corners = mesh.triangles[0];
+    check_point(mesh.colours[corners[0]], 0, 0, 1);
+    rk_check_close(mesh.colours[corners[1]].y, rk_srgb_decode(128 / 255.0f), 1e-6,
+                   "green, of six digits");
+    check_point(mesh.colours[corners[2]], 0, 1, 0);
+    check_point(corner(&mesh, 0, 2), 1.5f, 0, 0);
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(write_text("zbrush.obj", MRGB "f 3 1 2\r\n"),
+                          "has 2 colours (#MRGB) for 3 vertices, which the picture does not show");
+    rk_check(!mesh.colours, "colours of two of three vertices were drawn");
+    rk_mesh_free(&mesh);
+}
+
+/* --- OFF ------------------------------------------------------------------------------------ */
+
+/* A triangle whose vertices have these numbers after their positions. */
+static test_path write_off(const char *word, const char *a, const char *b, const char *c)
+{
+    char text[400];
+    snprintf(text, sizeof text, "%s\n3 1 0\n0 0 0 %s\n1 0 0 %s\n0 1 0 %s\n3 0 1 2\n", word, a, b,
+             c);
+    return write_text("prefix.off", text);
+}
+
+/* Normals (0, 0, 1), (0, .6, .8), (.6, 0, .8), colours red, green, blue, coordinates (0, 0), (1,
+ * 0), (0, 1). */
+static void an_offs_vertices_have_what_its_first_word_announces(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *word, *a, *b, *c;
+        bool normals, colours, texcoords;
+    } files[] = {
+        {"NOFF", "0 0 1", "0 .6 .8", ".6 0 .8", true, false, false},
+        {"COFF", "255 0 0 255", "0 255 0 255", "0 0 255 255", false, true, false},
+        {"COFF", "1 0 0", "0 1 0", "0 0 1", false, true, false},
+        {"STOFF", "0 0", "1 0", "0 1", false, false, true},
+        {"CNOFF", "0 0 1 1 0 0 1", "0 .6 .8 0 1 0 1", ".6 0 .8 0 0 1 1", true, true, false},
+        {"NCOFF", "255 0 0 255 0 0 1", "0 255 0 255 0 .6 .8", "0 0 255 255 .6 0 .8", true, true,
+         false},
+        {"STCOFF", "1 0 0 1 0 0", "0 1 0 1 1 0", "0 0 1 1 0 1", false, true, true},
+        {"STCNOFF", "0 0 1 1 0 0 0 0", "0 .6 .8 0 1 0 1 0", ".6 0 .8 0 0 1 0 1", true, true, true},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        rk_mesh mesh = load(write_off(files[i].word, files[i].a, files[i].b, files[i].c));
+        rk_check(!mesh.normals != files[i].normals && !mesh.colours != files[i].colours &&
+                     !mesh.texcoords != files[i].texcoords,
+                 "%s: normals %d, colours %d, texture coordinates %d", files[i].word,
+                 !!mesh.normals, !!mesh.colours, !!mesh.texcoords);
+        for (int k = 0; k < 3; k++) {
+            const uint32_t at = mesh.triangles[0][k];
+            if (mesh.normals)
+                rk_check_close(mesh.normals[at].z, k == 0 ? 1 : 0.8, 1e-6, files[i].word);
+            if (mesh.normals)
+                rk_check_close(mesh.normals[at].y, k == 1 ? 0.6 : 0, 1e-6, files[i].word);
+            if (mesh.colours)
+                check_point(mesh.colours[at], k == 0, k == 1, k == 2);
+            if (mesh.texcoords)
+                rk_check(mesh.texcoords[at].x == (k == 1) && mesh.texcoords[at].y == (k == 2),
+                         "%s: corner %d at (%g, %g)", files[i].word, k,
+                         (double)mesh.texcoords[at].x, (double)mesh.texcoords[at].y);
+        }
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void an_off_that_is_not_shown_as_it_is_says_so(void **state)
+{
+    (void)state;
+    rk_mesh mesh =
+        load_with_note(write_off("OFF", "1 0 0", "1 0 0", "1 0 0"),
+                       "has numbers in its vertices' lines that the first line does not announce");
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(write_off("COFF", "", "", ""),
+                          "announces colours of vertices (C), but their lines have none");
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(
+        write_text("map.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 1\n"),
+        "has colours of faces as numbers of a colour map, which the picture does not show");
+    rk_mesh_free(&mesh);
+    mesh = load(write_text("two.off", "OFF\n3 1\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n"));
+    rk_check_equal(mesh.triangle_count, 1, "the number of edges is missing");
+    rk_mesh_free(&mesh);
+    check_refused("binary.off", "OFF BINARY\n\1\2\3", ":1: is a binary OFF file",
+                  "save it as text");
+    check_refused("four.off", "4OFF\n3 1 0\n", ":1: OFF in four or more dimensions", "");
+    check_refused("n.off", "nOFF\n3\n3 1 0\n", ":1: OFF in four or more dimensions", "");
+    check_refused_path(write_off("NOFF", "0 0 1", "0 1", "0 0 1").text, ":4: a vertex needs 6", "");
+}
+
+/* --- STL ------------------------------------------------------------------------------------ */
+
+/* A triangle for each of these sixteen bits. */
+static test_path write_stl(const char *head, size_t head_size, const uint16_t *bits, uint32_t count)
+{
+    char bytes[84 + 50 * 8] = {0};
+    memcpy(bytes, head, head_size);
+    bytes[80] = (char)count;
+    for (uint32_t i = 0; i < count; i++) {
+        const float x = (float)i, one = 1;
+        char *row = bytes + 84 + (size_t)50 * i;
+        for (size_t k = 0; k < 3; k++)
+            memcpy(row + 12 + 12 * k, &x, 4);
+        memcpy(row + 28, &one, 4);
+        memcpy(row + 44, &one, 4);
+        row[48] = (char)bits[i];
+        row[49] = (char)(bits[i] >> 8);
+    }
+    return test_folder_write(&folder, "bits.stl", bytes, 84 + (size_t)50 * count, 0600);
+}
+
+static void check_stl_colours(const rk_mesh *mesh, const rk_vec3 *want)
+{
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        for (int k = 0; k < 3; k++)
+            check_point(mesh->colours[mesh->triangles[i][k]], want[i].x, want[i].y, want[i].z);
+}
+
+/* Red of VisCAM is in bits 10 to 14, of Magics in bits 0 to 4. */
+static void colours_of_an_stl_are_in_its_programs_order(void **state)
+{
+    (void)state;
+    static const uint16_t own_by_set[] = {0x801f, 0x83e0, 0xfc00}, own[] = {31, 0x3e0, 0x7c00};
+    static const rk_vec3 rgb[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}},
+                         bgr[] = {{0, 0, 1}, {0, 1, 0}, {1, 0, 0}};
+    static const char magics[] = "a part COLOR=\xff\0\xff\xff,MATERIAL=";
+    static const char meshlab[] = "COLOR=\x7f\x7f\x7f MATERIAL=\x7f\x7f\x7f \x7f\x7f\x7f ";
+    rk_mesh mesh = load(write_stl("", 0, own_by_set, 3));
+    check_stl_colours(&mesh, bgr);
+    rk_mesh_free(&mesh);
+    mesh = load(write_stl(meshlab, sizeof meshlab - 1, own_by_set, 3));
+    check_stl_colours(&mesh, rgb);
+    rk_mesh_free(&mesh);
+    mesh = load(write_stl(magics, sizeof magics - 1, own, 3));
+    check_stl_colours(&mesh, rgb);
+    rk_mesh_free(&mesh);
+    mesh = load(write_stl(magics, sizeof magics - 1, (const uint16_t[]){0x8000, 31, 0xffff}, 3));
+    check_stl_colours(&mesh, (const rk_vec3[]){{1, 0, 1}, {1, 0, 0}, {1, 0, 1}});
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(write_stl("COLOR=\xff\0\0\x80", 10, own, 3),
+                          "has a transparent colour, which is drawn as opaque");
+    rk_mesh_free(&mesh);
+}
+
 /* --- PLY ------------------------------------------------------------------------------------ */
 
 #define PLY(encoding, count) "ply\nformat " encoding " 1.0\nelement vertex " #count "\n"
@@ -301,6 +544,13 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(numbers_of_an_obj_may_begin_with_their_point),
     cmocka_unit_test(a_vertex_weight_moves_nothing),
     cmocka_unit_test(a_line_that_assimp_does_not_know_costs_no_material),
+    cmocka_unit_test(text_in_utf16_is_read_like_utf8),
+    cmocka_unit_test(a_material_file_without_a_known_line_costs_no_mesh),
+    cmocka_unit_test(what_an_obj_has_beside_faces_is_told),
+    cmocka_unit_test(colours_of_an_obj_as_zbrush_writes_them_are_drawn),
+    cmocka_unit_test(an_offs_vertices_have_what_its_first_word_announces),
+    cmocka_unit_test(an_off_that_is_not_shown_as_it_is_says_so),
+    cmocka_unit_test(colours_of_an_stl_are_in_its_programs_order),
     cmocka_unit_test(comments_of_a_ply_may_stand_anywhere),
     cmocka_unit_test(texture_coordinates_of_a_plys_corners_are_their_own),
     cmocka_unit_test(rows_of_a_binary_ply_may_begin_with_any_byte),

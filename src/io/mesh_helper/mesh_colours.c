@@ -24,8 +24,7 @@ static void see(rk_mesh_colours *colours, rk_vec3 rgb)
 }
 
 /* Faces of several materials are not in the file's order any more. */
-static void take_ply_faces(rk_mesh_colours *colours, const struct aiScene *scene,
-                           rk_mesh_hints *hints)
+static void take_faces(rk_mesh_colours *colours, const struct aiScene *scene, rk_mesh_hints *hints)
 {
     if (scene->mNumMeshes != 1) {
         colours->torn = true;
@@ -36,14 +35,15 @@ static void take_ply_faces(rk_mesh_colours *colours, const struct aiScene *scene
     hints->face_colours = NULL;
 }
 
-bool rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene, const char *path,
-                          rk_mesh_hints *hints, rk_error *error)
+void rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene, const char *path,
+                          rk_mesh_hints *hints)
 {
     *colours = (rk_mesh_colours){
         .is_linear = has_ending(path, (const char *const[]){"gltf", "glb", "vrm", NULL}),
         .replace = has_ending(path, (const char *const[]){"obj", "ply", "off", "stl", NULL}),
         .scale = 1};
     const bool is_obj = has_ending(path, (const char *const[]){"obj", NULL});
+    const bool is_stl = has_ending(path, (const char *const[]){"stl", NULL});
     bool has_alpha = false;
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
         const struct aiMesh *mesh = scene->mMeshes[i];
@@ -56,15 +56,11 @@ bool rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene,
     }
     colours->any &= !colours->torn;
     colours->is_clear &= has_alpha; /* Assimp makes it 0 where colours have three numbers */
-    if (!colours->any && has_ending(path, (const char *const[]){"off", NULL}) &&
-        !rk_mesh_colours_read_off(colours, path, error))
-        return false;
-    if (!colours->any && hints->face_colours)
-        take_ply_faces(colours, scene, hints);
+    if ((!colours->any || is_stl) && hints->face_colour_count > 0)
+        take_faces(colours, scene, hints);
     for (uint32_t i = 0; i < colours->face_count; i++)
         if (colours->faces[i].rgb.x >= 0)
             see(colours, colours->faces[i].rgb);
-    return true;
 }
 
 void rk_mesh_colours_free(rk_mesh_colours *colours)

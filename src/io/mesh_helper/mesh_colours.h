@@ -9,7 +9,7 @@
 #include <assimp/scene.h>
 #include <stdint.h>
 
-/* Of a face in OFF or PLY. */
+/* Of a face in OFF, PLY or STL. */
 typedef struct rk_mesh_colours_face {
     uint32_t corners;
     rk_vec3 rgb; /* as in the file; negative: the face has none */
@@ -24,16 +24,16 @@ typedef struct rk_mesh_colours {
     float scale;    /* to [0, 1] */
     bool is_unfinite; /* the face that was taken last has nan or inf in its colour */
     uint32_t face_count, next_face;
-    rk_mesh_colours_face *faces; /* of an OFF or PLY file without colours of vertices, or NULL */
+    rk_mesh_colours_face *faces; /* of a file without colours of vertices, or NULL */
 } rk_mesh_colours;
 
 /* Finds out which colours the file has, and how they are meant. glTF's are linear, by its
  * specification; those of other formats are sRGB-encoded, by custom (bytes from a scanner or a
  * painting program). Where one exceeds 1, all are taken to be from 0 to 255. In OBJ, PLY, OFF and
- * STL they are the diffuse colour itself; elsewhere they multiply the material's. Colours of a PLY
- * file's faces are moved from the hints. */
-bool rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene, const char *path,
-                          rk_mesh_hints *hints, rk_error *error);
+ * STL they are the diffuse colour itself; elsewhere they multiply the material's. Colours of faces
+ * are moved from the hints. */
+void rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene, const char *path,
+                          rk_mesh_hints *hints);
 void rk_mesh_colours_free(rk_mesh_colours *colours);
 
 /* Returns the colour, linear and clamped to [0, 1]; NaN and infinities
@@ -47,9 +47,5 @@ static inline rk_vec3 rk_mesh_colours_rgb(const struct aiColor4D *colour)
 
 /* The colour of the scene's next face, which has this many corners: white if it has none. */
 rk_vec3 rk_mesh_colours_next_face(rk_mesh_colours *colours, uint32_t corners);
-
-/* Reads the colours of an OFF file's faces, in the file's order; the file has passed
- * rk_mesh_syntax_off. No faces if none has a colour. False when memory is short. */
-bool rk_mesh_colours_read_off(rk_mesh_colours *colours, const char *path, rk_error *error);
 
 #endif

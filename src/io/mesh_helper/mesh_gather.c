@@ -527,8 +527,8 @@ bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiSc
     const size_t keys = variants * ((size_t)scene->mNumMaterials + 1);
     g.material_numbers = rk_allocate(keys, sizeof *g.material_numbers, path, error);
     g.material_sources = rk_allocate(keys, sizeof *g.material_sources, path, error);
+    rk_mesh_colours_init(&g.colours, scene, path, hints);
     bool ok = g.material_numbers && g.material_sources && scene->mRootNode &&
-              rk_mesh_colours_init(&g.colours, scene, path, hints, error) &&
               rk_mesh_mtl_read(&g.mtl, error);
     g.pool.coloured = g.colours.any;
     ok = ok && emit_node(&g, scene->mRootNode, &world, 0, error) &&

@@ -5,6 +5,7 @@
 
 #include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/mesh_mtl.h"
+#include "io/mesh_helper/text_encoding.h"
 
 #include <stdbool.h>
 #include <stdio.h>
@@ -80,7 +81,7 @@ static bool has_ending(const char *path, const char *ending)
 static bool is_text_with_mark(FILE *stream, const char *path)
 {
     char first[3];
-    return (has_ending(path, ".obj") || has_ending(path, ".mtl")) &&
+    return (has_ending(path, ".obj") || has_ending(path, ".mtl") || has_ending(path, ".ply")) &&
            fread(first, 1, 3, stream) == 3 && memcmp(first, "\xef\xbb\xbf", 3) == 0;
 }
 
@@ -102,10 +103,12 @@ const char *rk_mesh_io_mtl(int i)
 /* The stream is closed; NULL if memory is short. */
 static FILE *open_known_lines(FILE *file, opened *o)
 {
-    FILE *stream = NULL;
-    if (rk_mesh_mtl_copy_known(file, &o->text, &o->size))
+    FILE *stream = NULL, *text = rk_text_encoding_open(file);
+    if (!text)
+        return NULL;
+    if (rk_mesh_mtl_copy_known(text, &o->text, &o->size))
         stream = fmemopen(o->text, o->size, "rb");
-    fclose(file);
+    fclose(text);
     return stream;
 }
 

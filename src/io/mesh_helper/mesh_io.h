@@ -6,7 +6,8 @@
 #include <stddef.h>
 
 /* Opens regular files only, because a pipe or a device may never end; others are as missing. Skips
- * a byte order mark before OBJ and MTL, which Assimp would take for a part of the first line. */
+ * a byte order mark before OBJ, MTL and PLY, which Assimp would take for a part of the first line.
+ */
 extern struct aiFileIO rk_mesh_io;
 
 /* From now on, reading the file of this path gives these bytes, which must outlive it. */

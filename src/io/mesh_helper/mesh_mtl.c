@@ -3,6 +3,7 @@
 #include "io/mesh_helper/mesh_mtl.h"
 
 #include "io/mesh_helper/mesh_io.h"
+#include "io/mesh_helper/text_encoding.h"
 
 #include <stdio.h>
 #include <stdlib.h>
@@ -100,6 +101,7 @@ static bool read_file(rk_mesh_mtl *mtl, const char *file_path, rk_error *error)
     rk_mesh_mtl_material *material = NULL;
     char line[4096];
     bool has_d = false, ok = true;
+    file = file ? rk_text_encoding_open(file) : NULL;
     while (file && ok && fgets(line, sizeof line, file)) {
         const char *start = line + (strncmp(line, "\xef\xbb\xbf", 3) == 0 ? 3 : 0);
         start += strspn(start, blanks);
@@ -144,7 +146,7 @@ bool rk_mesh_mtl_copy_known(FILE *file, char **text, size_t *size)
     size_t room = 0;
     if (!out)
         return false;
-    fputc('\n', out); /* never empty */
+    fputs("# lines that Assimp knows\n", out); /* it refuses files of a few bytes */
     while (getline(&line, &room, file) >= 0) {
         const char *start = line + strspn(line, blanks);
         if (is_known(start))

@@ -1,8 +1,9 @@
 /* Checks that it is a regular file of a readable size, maps it, and passes its bytes to the checker
- * of its format: OBJ, PLY, OFF or GLB. */
+ * of its format. */
 #include "io/mesh_helper/mesh_syntax.h"
 
 #include "io/mesh_helper/mesh_guard.h"
+#include "io/mesh_helper/text_encoding.h"
 
 #include <errno.h>
 #include <fcntl.h>
@@ -36,24 +37,6 @@ static bool ends_lines_by_returns(const char *text, size_t size)
     return memchr(text, '\r', size) && !memchr(text, '\n', size);
 }
 
-static bool parse_returns(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
-                          rk_error *error)
-{
-    char *turned = rk_allocate_unset(size, 1, path, error);
-    if (!turned)
-        return false;
-    for (size_t i = 0; i < size; i++)
-        turned[i] = text[i] == '\r' ? '\n' : text[i];
-    bool ok = rk_mesh_syntax_obj(path, turned, size, hints, error);
-    if (hints->text) {
-        free(turned);
-    } else {
-        hints->text = turned;
-        hints->size = size;
-    }
-    return ok;
-}
-
 static bool has_ending(const char *path, const char *ending)
 {
     const char *dot = strrchr(path, '.');
@@ -73,11 +56,50 @@ static bool check_kind(const char *path, const struct stat *status, rk_error *er
     return true;
 }
 
+static bool is_text(const char *path)
+{
+    static const char *const endings[] = {"obj", "ply", "off", "stl", "gltf"};
+    for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
+        if (has_ending(path, endings[i]))
+            return true;
+    return false;
+}
+
+static char *copy_with_feeds(const char *path, const char *text, size_t size, rk_error *error)
+{
+    char *turned = rk_allocate_unset(size, 1, path, error);
+    for (size_t i = 0; turned && i < size; i++)
+        turned[i] = text[i] == '\r' ? '\n' : text[i];
+    return turned;
+}
+
+static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error);
+
+/* `changed` may be NULL after an error. */
+static bool parse_changed(const char *path, char *changed, size_t size, rk_mesh_hints *hints,
+                          rk_error *error)
+{
+    bool ok = changed && parse_bytes(path, changed, size, hints, error);
+    if (hints->text) {
+        free(changed);
+    } else {
+        hints->text = changed;
+        hints->size = size;
+    }
+    return ok;
+}
+
 static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error)
 {
+    size_t utf8_size = 0;
+    if (is_text(path) && rk_text_encoding_is_utf16(text, size)) {
+        char *utf8 = rk_text_encoding_to_utf8(path, text, size, &utf8_size, error);
+        return parse_changed(path, utf8, utf8_size, hints, error);
+    }
     if (has_ending(path, "obj") && ends_lines_by_returns(text, size))
-        return parse_returns(path, text, size, hints, error);
+        return parse_changed(path, copy_with_feeds(path, text, size, error), size, hints, error);
     if (has_ending(path, "obj"))
         return rk_mesh_syntax_obj(path, text, size, hints, error);
     if ((has_ending(path, "ply") || has_ending(path, "off")) && ends_lines_by_returns(text, size))
@@ -87,6 +109,8 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
         return rk_mesh_syntax_ply(path, text, size, hints, error);
     if (has_ending(path, "off"))
         return rk_mesh_syntax_off(path, text, size, hints, error);
+    if (has_ending(path, "stl"))
+        return rk_mesh_syntax_stl(path, text, size, hints, error);
     if (has_ending(path, "glb"))
         return rk_mesh_syntax_glb(path, text, size, hints, error);
     if (has_ending(path, "gltf"))

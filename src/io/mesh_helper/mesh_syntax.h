@@ -15,7 +15,9 @@ typedef struct rk_mesh_hints {
     size_t size;           /* of the text */
     size_t faces, corners; /* that Assimp should find, faces of three or more; 0: not counted */
     size_t vertices;       /* the same; 0 where Assimp makes one of each corner, as of OBJ */
-    struct rk_mesh_colours_face *face_colours; /* of a PLY file, one a face, or NULL */
+    /* Of vertices in the file's order, where Assimp does not read them; or NULL. */
+    float (*normals)[3], (*colours)[4], (*texcoords)[3];
+    struct rk_mesh_colours_face *face_colours; /* of OFF, PLY and STL, one a face, or NULL */
     size_t face_colour_count;
     float (*wedges)[2]; /* texture coordinates of a PLY file's corners, face by face of three or
                            more; or NULL */
@@ -38,6 +40,8 @@ bool rk_mesh_syntax_obj(const char *path, const char *text, size_t size, rk_mesh
 bool rk_mesh_syntax_ply(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
 bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error);
+bool rk_mesh_syntax_stl(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
 bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);

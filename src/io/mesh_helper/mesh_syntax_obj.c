@@ -6,11 +6,13 @@
  * corners v, v/vt, v//vn or v/vt/vn, whose indices count from 1, or backwards from the latest.
  * Format: Wavefront's Advanced Visualizer manual, appendix B1. */
 #include "io/mesh_helper/mesh_files.h"
+#include "io/mesh_helper/mesh_obj_colours.h"
 #include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
 
 #include <stdio.h>
+#include <stdlib.h>
 
 enum { POSITION, TEXCOORD, NORMAL, kinds };
 
@@ -37,7 +39,11 @@ typedef struct obj_parser {
     bool has_weights;  /* a fourth number of a vertex, by which Assimp would divide */
     bool has_points;   /* numbers that begin with one, which Assimp does not read */
     bool renames_library;
-    char lost[512]; /* a material file that is missing, or "" */
+    bool has_curves;                    /* or curved surfaces */
+    bool has_lines;                     /* or points */
+    bool calls_files;                   /* that are to be read in the line's place */
+    const rk_mesh_obj_colours *colours; /* of its vertices, one each, or NULL */
+    char lost[512];                     /* a material file that is missing, or "" */
     size_t lost_line;
     mesh_rewrite *rewrite; /* in the second pass */
     rk_mesh_hints *hints;
@@ -92,6 +98,18 @@ static void skip_weight(obj_parser *s, text_cursor *c)
     *c = next;
 }
 
+/* Unless the line has more than a position. */
+static void write_colour(obj_parser *s, const text_cursor *c)
+{
+    text_cursor rest = *c;
+    if (!s->rewrite || !s->colours || !text_line_ended(&rest))
+        return;
+    const uint32_t mrgb = s->colours->mrgb[s->count[POSITION]];
+    rewrite_skip(s->rewrite, c->at, c->at);
+    fprintf(s->rewrite->out, " %.6g %.6g %.6g ", (mrgb >> 16 & 255) / 255.0,
+            (mrgb >> 8 & 255) / 255.0, (mrgb & 255) / 255.0);
+}
+
 static bool parse_position(obj_parser *s, text_cursor *c, rk_error *error)
 {
     size_t line = c->line;
@@ -106,6 +124,7 @@ static bool parse_position(obj_parser *s, text_cursor *c, rk_error *error)
     mend_points(s, from, c->at);
     skip_weight(s, c);
     mend_points(s, c->at, line_end(c));
+    write_colour(s, c);
     s->count[POSITION]++;
     return true;
 }
@@ -289,6 +308,24 @@ static void parse_library(obj_parser *s, text_cursor *c)
         use_each_library(s, name, length, c->line);
 }
 
+static bool is_one_of(const char *word, size_t length, const char *const *words)
+{
+    for (; *words; words++)
+        if (strlen(*words) == length && memcmp(*words, word, length) == 0)
+            return true;
+    return false;
+}
+
+/* What the picture does not show, by the manual's words. */
+static void see_word(obj_parser *s, const char *word, size_t length)
+{
+    static const char *const curves[] = {"curv", "curv2", "surf", "bsp", "bzp", "cdc", "cdp", NULL};
+    static const char *const lines[] = {"l", "p", NULL}, *const calls[] = {"call", "csh", NULL};
+    s->has_curves |= is_one_of(word, length, curves);
+    s->has_lines |= is_one_of(word, length, lines);
+    s->calls_files |= is_one_of(word, length, calls);
+}
+
 static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
 {
     const char *word = c->at;
@@ -305,6 +342,7 @@ static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
         parse_attribute(s, c, TEXCOORD);
     if (length == 6 && memcmp(word, "mtllib", 6) == 0)
         parse_library(s, c);
+    see_word(s, word, length);
     return true;
 }
 
@@ -317,8 +355,24 @@ static bool parse_pass(obj_parser *s, const char *text, size_t size, rk_error *e
     if (s->faces == 0 && s->faults[SHORT_FACE] > 0)
         return rk_fail(error, "%s:%zu: a face has %zu corners, but needs three: %s", s->path,
                        s->first[SHORT_FACE], s->short_corners, remedy);
+    if (s->faces == 0 && (s->has_curves || s->has_lines))
+        return rk_fail(error,
+                       "%s: has no face, only points, lines, curves or curved surfaces, which are "
+                       "not drawn: export it as polygons",
+                       s->path);
     return s->faces > 0 ||
            rk_fail(error, "%s: has no face: is it an OBJ file with f lines?", s->path);
+}
+
+static void note_words(const obj_parser *s)
+{
+    if (s->has_curves)
+        rk_mesh_hints_note(s->hints, s->path,
+                           "has curves or curved surfaces (such as curv or surf lines), which the "
+                           "picture does not show: export them as polygons");
+    if (s->calls_files)
+        rk_mesh_hints_note(s->hints, s->path,
+                           "calls other files (call or csh lines), which are not read");
 }
 
 static void note_faults(const obj_parser *s)
@@ -335,7 +389,10 @@ static void note_faults(const obj_parser *s)
 
 static bool write_corrected(const obj_parser *first, const char *text, size_t size, rk_error *error)
 {
-    obj_parser s = {.path = first->path, .extent = first->extent, .hints = first->hints};
+    obj_parser s = {.path = first->path,
+                    .extent = first->extent,
+                    .colours = first->colours,
+                    .hints = first->hints};
     mesh_rewrite rewrite = {open_memstream(&s.hints->text, &s.hints->size), text};
     if (!rewrite.out)
         return rk_fail(error, "%s: no memory for its text: simplify the mesh", s.path);
@@ -350,10 +407,10 @@ static bool write_corrected(const obj_parser *first, const char *text, size_t si
     return ok;
 }
 
-bool rk_mesh_syntax_obj(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
-                        rk_error *error)
+static bool parse_coloured(const char *path, const char *text, size_t size,
+                           const rk_mesh_obj_colours *colours, rk_mesh_hints *hints,
+                           rk_error *error)
 {
-    hints->plain = true;
     obj_parser s = {.path = path, .hints = hints};
     if (!parse_pass(&s, text, size, error))
         return false;
@@ -364,11 +421,30 @@ bool rk_mesh_syntax_obj(const char *path, const char *text, size_t size, rk_mesh
     if (s.lost[0])
         rk_fail(&hints->note, "%s:%zu: the material file %.500s is missing: %s surfaces are grey",
                 path, s.lost_line, s.lost, hints->plain ? "all" : "its");
+    note_words(&s);
     hints->faces = s.faces;
     hints->corners = s.corners;
-    bool whole = !s.has_unfinite && !s.has_weights && !s.has_points &&
+    if (colours->count == (size_t)s.count[POSITION])
+        s.colours = colours;
+    else if (colours->count > 0)
+        rk_mesh_hints_note(hints, path,
+                           "has %zu colours (#MRGB) for %lld vertices, which the picture does not "
+                           "show",
+                           colours->count, s.count[POSITION]);
+    bool whole = !s.has_unfinite && !s.has_weights && !s.has_points && !s.colours &&
                  s.faults[SHORT_FACE] + s.faults[LACKING_FACE] + s.faults[UNFINITE] == 0 &&
                  !extent_is_far(&s.extent) && s.largest[TEXCOORD] <= s.count[TEXCOORD] &&
                  s.largest[NORMAL] <= s.count[NORMAL] && (!s.renames_library || hints->plain);
     return whole || write_corrected(&s, text, size, error);
+}
+
+bool rk_mesh_syntax_obj(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error)
+{
+    hints->plain = true;
+    rk_mesh_obj_colours colours = {0};
+    bool ok = rk_mesh_obj_colours_find(&colours, path, text, size, error) &&
+              parse_coloured(path, text, size, &colours, hints, error);
+    free(colours.mrgb);
+    return ok;
 }

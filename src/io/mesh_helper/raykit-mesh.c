@@ -2,6 +2,7 @@
  * mesh_stream.h. On failure the exit status is 1 and the last line on standard error is the reason.
  * raykit-mesh --version: prints the version, which is that of the drivers.
  * rk_mesh_file_read starts it; a file that makes Assimp crash ends only this process. */
+#include "io/mesh_helper/mesh_attributes.h"
 #include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_gather.h"
 #include "io/mesh_helper/mesh_guard.h"
@@ -199,6 +200,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
     if (!scene)
         return fail_unread(path, error);
     compare_counts(hints, scene, path);
+    rk_mesh_attributes_lend(scene, hints);
     rk_mesh mesh = {0};
     rk_mesh_textures textures = {0};
     bool ok = rk_mesh_gather(&mesh, &textures, scene, path, hints, error) &&
@@ -214,8 +216,18 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
                            RK_MESH_STREAM_TEXTURES_MAX);
     rk_mesh_textures_free(&textures);
     rk_mesh_free(&mesh);
+    rk_mesh_attributes_take_back(scene, hints);
     aiReleaseImport(scene);
     return ok;
+}
+
+static void free_hints(rk_mesh_hints *hints)
+{
+    free(hints->normals);
+    free(hints->colours);
+    free(hints->texcoords);
+    free(hints->face_colours);
+    free(hints->wedges);
 }
 
 int main(int argc, char **argv)
@@ -237,7 +249,6 @@ int main(int argc, char **argv)
     const char *text = ok ? hints.note.text : error.text;
     if (*text)
         fprintf(stderr, "%s\n", text);
-    free(hints.face_colours);
-    free(hints.wedges);
+    free_hints(&hints);
     return ok ? EXIT_SUCCESS : EXIT_FAILURE;
 }

@@ -1,0 +1,86 @@
+/* io/mesh_helper/mesh_syntax.h for binary STL: 80 bytes, a count of triangles, and 50 bytes for
+ * each, of which the last two are its colour. VisCAM's way, which Assimp reads, has bit 15 set, and
+ * blue in the lowest bits. In Magics's way the 80 bytes hold COLOR= and four bytes, the whole
+ * part's colour; red is in the lowest bits, and bit 15 is clear where a triangle has a colour of
+ * its own. MeshLab writes the same with bit 15 set. Sources: Wikipedia, "STL (file format)";
+ * VCGlib, wrap/io_trimesh/export_stl.h. */
+#include "io/mesh_helper/mesh_colours.h"
+#include "io/mesh_helper/mesh_syntax.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+enum { head_size = 80, rows_begin = 84, row_size = 50 };
+
+typedef struct stl_colour {
+    rk_vec3 whole; /* as sRGB from 0 to 1 */
+    unsigned char alpha;
+    unsigned own_bit; /* bit 15 of a triangle with a colour of its own */
+} stl_colour;
+
+static uint32_t unsigned_at(const char *text, size_t offset, size_t bytes)
+{
+    uint32_t value = 0;
+    for (size_t i = 0; i < bytes; i++)
+        value |= (uint32_t)(unsigned char)text[offset + i] << 8 * i;
+    return value;
+}
+
+static bool is_binary(const char *text, size_t size, uint32_t *count)
+{
+    *count = size >= rows_begin ? unsigned_at(text, head_size, 4) : 0;
+    return size >= rows_begin && size - rows_begin == (size_t)*count * row_size;
+}
+
+/* Without a terminating NUL. */
+static const char *find_word(const char *text, size_t size, const char *word)
+{
+    const size_t length = strlen(word);
+    for (size_t i = 0; i + length <= size; i++)
+        if (memcmp(text + i, word, length) == 0)
+            return text + i;
+    return NULL;
+}
+
+static bool find_colour(const char *text, stl_colour *colour)
+{
+    const char *word = find_word(text, head_size, "COLOR=");
+    if (!word || text + head_size - word < 10)
+        return false;
+    const unsigned char *bytes = (const unsigned char *)word + 6;
+    const bool is_meshlab = find_word((const char *)bytes + 3, 10, " MATERIAL=") != NULL;
+    *colour =
+        (stl_colour){rk_vec((float)bytes[0] / 255, (float)bytes[1] / 255, (float)bytes[2] / 255),
+                     is_meshlab ? 255 : bytes[3], is_meshlab};
+    return true;
+}
+
+static rk_vec3 colour_of_triangle(const stl_colour *colour, uint32_t bits)
+{
+    if (bits >> 15 != colour->own_bit)
+        return colour->whole;
+    return rk_vec((float)(bits & 31) / 31, (float)(bits >> 5 & 31) / 31,
+                  (float)(bits >> 10 & 31) / 31);
+}
+
+bool rk_mesh_syntax_stl(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error)
+{
+    uint32_t count;
+    stl_colour colour;
+    if (!is_binary(text, size, &count) || count == 0 || !find_colour(text, &colour))
+        return true;
+    hints->face_colours = rk_allocate(count, sizeof *hints->face_colours, path, error);
+    if (!hints->face_colours)
+        return false;
+    hints->face_colour_count = hints->faces = count;
+    hints->corners = 3 * (size_t)count;
+    for (uint32_t i = 0; i < count; i++) {
+        const size_t row = rows_begin + (size_t)i * row_size;
+        hints->face_colours[i] = (rk_mesh_colours_face){
+            3, colour_of_triangle(&colour, unsigned_at(text, row + row_size - 2, 2))};
+    }
+    if (colour.alpha < 255)
+        rk_mesh_hints_note(hints, path, "has a transparent colour, which is drawn as opaque");
+    return true;
+}
