@@ -340,6 +340,38 @@ static void the_exposure_of_an_hdr_is_taken_back(void **state)
     }
 }
 
+/* A red and three green pixels: as runs of 4 bytes, as channels, and flat. */
+static void an_hdr_that_is_not_read_has_its_reason(void **state)
+{
+    static const struct {
+        const char *format, *rows, *what;
+        size_t size;
+    } files[] = {
+        {"32-bit_rle_rgbe", "\x80\0\0\x81\0\x80\0\x81\1\1\1\2", "old run-length encoding", 12},
+        {"32-bit_rle_rgbe", "\x80\0\0\x81\0\x80\0\x81\1\1\1\1\0\x80\0\x81",
+         "old run-length encoding", 16},
+        {"32-bit_rle_xyze", "\x80\0\0\x81\0\x80\0\x81\0\x80\0\x81\0\x80\0\x81", "colours in XYZ",
+         16},
+        {"32-bit_rle_rgbe", "\x80\0\0\x81\0\x80\0\x81\0\x80\0\x81\0\x80\0\x81", NULL, 16},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char bytes[200];
+        const int head =
+            snprintf(bytes, sizeof bytes, "#?RADIANCE\nFORMAT=%s\n\n-Y 1 +X 4\n", files[i].format);
+        memcpy(bytes + head, files[i].rows, files[i].size);
+        const test_path path =
+            test_folder_write(*state, "old.hdr", bytes, (size_t)head + files[i].size, 0600);
+        if (files[i].what) {
+            check_refused(path, files[i].what);
+            continue;
+        }
+        rk_image image = read_image(path);
+        rk_check_close(image.pixels[0].x, 1, 0.01, "red");
+        rk_check_close(image.pixels[3].y, 1, 0.01, "green");
+        rk_image_free(&image);
+    }
+}
+
 /* --- broken files ---------------------------------------------------------------------------- */
 
 static void a_pixel_that_is_not_a_number_is_named(void **state)
@@ -753,6 +785,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(sixteen_bits_are_decoded_and_alpha_is_dropped),
     test_in_folder(photos_in_all_orientations_are_turned_upright),
     test_in_folder(the_exposure_of_an_hdr_is_taken_back),
+    test_in_folder(an_hdr_that_is_not_read_has_its_reason),
     test_in_folder(a_pixel_that_is_not_a_number_is_named),
     test_in_folder(a_broken_jpeg_is_refused),
     test_in_folder(a_broken_tiff_is_refused),

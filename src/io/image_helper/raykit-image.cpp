@@ -28,6 +28,7 @@
 #include <cstdio>
 #include <cstdlib>
 #include <cstring>
+#include <fstream>
 #include <functional>
 #include <memory>
 #include <new>
@@ -421,11 +422,54 @@ Picture read_means(const std::string &path, OIIO::ImageInput &input, const OIIO:
     return picture;
 }
 
+// Leaves the file after the empty line that ends Radiance's header. The last FORMAT, or "".
+std::string radiance_format(std::istream &file)
+{
+    std::string line, format;
+    while (std::getline(file, line) && !line.empty())
+        if (line.rfind("FORMAT=", 0) == 0)
+            format = line.substr(7);
+    return format;
+}
+
+// In a picture that begins without the mark of the newer encoding: is a pixel a run of the one
+// before it, as no flat picture has? Its mantissas would have to be 128 or more.
+bool has_old_runs(std::istream &file)
+{
+    unsigned char pixel[4];
+    bool is_first = true;
+    while (file.read(reinterpret_cast<char *>(pixel), sizeof pixel)) {
+        if (is_first && pixel[0] == 2 && pixel[1] == 2 && pixel[2] < 128)
+            return false;
+        if (!is_first && pixel[0] == 1 && pixel[1] == 1 && pixel[2] == 1)
+            return true;
+        is_first = false;
+    }
+    return false;
+}
+
+// OpenImageIO calls what it does not know of Radiance's format damaged, or reads runs as pixels.
+// Source: Radiance, ray/src/common/color.c.
+void check_radiance(const std::string &path)
+{
+    std::ifstream file(path, std::ios::binary);
+    std::string line;
+    if (!std::getline(file, line) || line.rfind("#?", 0) != 0)
+        return;
+    if (radiance_format(file).find("xyze") != std::string::npos)
+        fail(path, "has colours in XYZ, which are not read: convert it to RGB, for instance by "
+                   "Radiance's ra_xyze -r");
+    if (std::getline(file, line) && has_old_runs(file))
+        fail(path, "has Radiance's old run-length encoding, which is not read: save it again, "
+                   "for instance by Radiance's ra_xyze -r");
+}
+
 Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
                      rk_image_shape shape = RK_IMAGE_ANY,
                      rk_image_stream_part part = RK_IMAGE_STREAM_COLOUR, size_t least_width = 0)
 {
     check_readable(path);
+    check_radiance(path);
     // Alpha is dropped, so colours must not be multiplied by it.
     OIIO::ImageSpec wishes;
     wishes["oiio:UnassociatedAlpha"] = 1;
