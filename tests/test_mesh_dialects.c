@@ -464,8 +464,8 @@ static test_path write_gltf(const char *lines)
 static void a_gltf_that_needs_what_is_not_read_is_refused(void **state)
 {
     (void)state;
-    static const char *const names[] = {"KHR_mesh_quantization", "EXT_meshopt_compression",
-                                        "EXT_mesh_gpu_instancing", "VENDOR_other"};
+    static const char *const names[] = {"EXT_meshopt_compression", "EXT_mesh_gpu_instancing",
+                                        "VENDOR_other"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++) {
         char lines[300];
         snprintf(
@@ -475,8 +475,6 @@ static void a_gltf_that_needs_what_is_not_read_is_refused(void **state)
             names[i], names[i]);
         check_refused_path(write_gltf(lines).text, ": needs the glTF extension ", names[i]);
     }
-    check_refused_path(write_gltf("\"extensionsUsed\":[\"KHR_mesh_quantization\"],").text,
-                       ": needs the glTF extension ", "KHR_mesh_quantization");
 }
 
 static void extensions_of_a_gltf_that_are_not_drawn_are_told(void **state)
@@ -496,6 +494,139 @@ static void extensions_of_a_gltf_that_are_not_drawn_are_told(void **state)
     rk_check(!rk_mesh_file_read(&mesh, write_text("cut.gltf", "{\"extensionsUsed\":[\"a\\").text,
                                 &error),
              "a file that is cut off was accepted");
+}
+
+/* Three vertices, whose positions are the first `size` bytes. `line` is the accessors 1 and 2,
+ * whose bytes are in bufferView 1; `part` is of the primitive. */
+typedef struct gltf_bytes {
+    const char *positions;
+    int size, stride, kind; /* componentType */
+    const char *rest;
+    int rest_size, rest_stride;
+    const char *part, *line;
+} gltf_bytes;
+
+static test_path write_gltf_bytes(const gltf_bytes *g)
+{
+    char bytes[200], text[2000];
+    memcpy(bytes, g->positions, (size_t)g->size);
+    memcpy(bytes + g->size, g->rest, (size_t)g->rest_size);
+    test_folder_write(&folder, "bytes.bin", bytes, (size_t)(g->size + g->rest_size), 0600);
+    snprintf(text, sizeof text,
+             "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+             "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{%s}]}],"
+             "\"accessors\":[{\"bufferView\":0,\"componentType\":%d,\"count\":3,\"type\":\"VEC3\"},"
+             "%s],\"bufferViews\":[{\"buffer\":0,\"byteLength\":%d,\"byteStride\":%d},"
+             "{\"buffer\":0,\"byteOffset\":%d,\"byteLength\":%d%s%.0d}],"
+             "\"buffers\":[{\"byteLength\":%d,\"uri\":\"bytes.bin\"}]}",
+             g->part, g->kind, g->line, g->size, g->stride, g->size, g->rest_size,
+             g->rest_stride ? ",\"byteStride\":" : "", g->rest_stride, g->size + g->rest_size);
+    return write_text("bytes.gltf", text);
+}
+
+static const float corner_positions[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+#define FLOAT_POSITIONS (const char *)corner_positions, 36, 12, 5126
+
+/* Corners at (0, 0), (1, 0) and about (1/2, 1), v down, of which 1/2 is 128 or 32768 of the largest
+ * integer, or -1/2 of a signed one. */
+static void texture_coordinates_of_a_gltf_may_be_integers(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *bytes, *accessor;
+        int size, stride;
+        double half;
+    } kinds[] = {
+        {"\0\0\0\0\xff\0\0\0\x80\xff\0\0", "5121,\"normalized\":true", 12, 4, 128 / 255.0},
+        {"\0\0\xff\0\x80\xff", "5121,\"normalized\" : true", 6, 0, 128 / 255.0},
+        {"\0\0\0\0\xff\xff\0\0\0\x80\xff\xff", "5123,\"normalized\":true", 12, 4, 32768 / 65535.0},
+        {"\0\0\0\0\xff\x7f\0\0\0\xc0\xff\x7f", "5122,\"normalized\":true", 12, 4, -16384 / 32767.0},
+        {"\0\0\0\0\1\0\0\0\7\1\0\0", "5121,\"normalized\":false", 12, 4, 7},
+    };
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        char line[200];
+        snprintf(line, sizeof line,
+                 "{\"count\":3,\"type\":\"VEC2\",\"bufferView\":1,\"componentType\":%s}",
+                 kinds[i].accessor);
+        rk_mesh mesh = load(write_gltf_bytes(
+            &(gltf_bytes){FLOAT_POSITIONS, kinds[i].bytes, kinds[i].size, kinds[i].stride,
+                          "\"attributes\":{\"TEXCOORD_0\":1,\"POSITION\":0}", line}));
+        const rk_vec2 *t = mesh.texcoords;
+        const uint32_t *at = mesh.triangles[0];
+        rk_check(t[at[0]].x == 0 && t[at[0]].y == 1 && t[at[1]].x == 1 && t[at[1]].y == 1 &&
+                     t[at[2]].y == 0,
+                 "%s: (%g, %g), (%g, %g), (.., %g)", kinds[i].accessor, (double)t[at[0]].x,
+                 (double)t[at[0]].y, (double)t[at[1]].x, (double)t[at[1]].y, (double)t[at[2]].y);
+        rk_check_close(t[at[2]].x, kinds[i].half, 1e-6, kinds[i].accessor);
+        rk_mesh_free(&mesh);
+    }
+}
+
+/* KHR_mesh_quantization, as gltfpack writes it: positions of 16 bits, normals of 8. */
+static void positions_and_normals_of_a_gltf_may_be_integers(void **state)
+{
+    (void)state;
+    gltf_bytes g = {"\0\0\0\0\0\0\0\0\x40\x9c\0\0\0\0\0\0\0\0\xf4\1\7\0\0\0",
+                    24,
+                    8,
+                    5123,
+                    "\0\0\x7f\0\0\0\x7f\0\0\x81\0\0",
+                    12,
+                    4,
+                    "\"attributes\":{\"POSITION\":0,\"NORMAL\":1}",
+                    "{\"bufferView\":1,\"componentType\":5120,\"normalized\":true,\"count\":3,"
+                    "\"type\":\"VEC3\"}"};
+    rk_mesh mesh = load(write_gltf_bytes(&g));
+    check_point(corner(&mesh, 0, 0), 0, 0, 0);
+    check_point(corner(&mesh, 0, 1), 40000, 0, 0);
+    check_point(corner(&mesh, 0, 2), 0, 500, 7);
+    check_point(mesh.normals[mesh.triangles[0][1]], 0, 0, 1);
+    check_point(mesh.normals[mesh.triangles[0][2]], 0, -1, 0);
+    rk_mesh_free(&mesh);
+    g.kind = 5122;
+    mesh = load(write_gltf_bytes(&g));
+    check_point(corner(&mesh, 0, 1), 40000 - 65536, 0, 0);
+    rk_mesh_free(&mesh);
+}
+
+static void indices_of_a_gltf_that_are_out_of_range_are_refused(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *indices, *mode, *what;
+        int size;
+    } files[] = {
+        {"\0\1\2", "", NULL, 3},
+        {"\0\1\2\0", "", NULL, 4}, /* the fourth is of no triangle */
+        {"\0\1\3", "", ": all triangles of a part use vertices that are not there", 3},
+        {"\0\1\2\0\1\3", "", ": 1 of 2 triangles of part 0", 6},
+        {"\0\1\2\1", ",\"mode\":5", NULL, 4},
+        {"\0\1\2\3", ",\"mode\":5", ": 1 of 2 triangles of part 0", 4},
+        {"\0\1\2\3", ",\"mode\":6", ": 1 of 2 triangles of part 0", 4},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char line[200], part[100];
+        snprintf(line, sizeof line,
+                 "{\"bufferView\":1,\"componentType\":5121,\"count\":%d,\"type\":\"SCALAR\"}",
+                 files[i].size);
+        snprintf(part, sizeof part, "\"attributes\":{\"POSITION\":0},\"indices\":1%s",
+                 files[i].mode);
+        const test_path path = write_gltf_bytes(
+            &(gltf_bytes){FLOAT_POSITIONS, files[i].indices, files[i].size, 0, part, line});
+        if (files[i].what) {
+            check_refused_path(path.text, files[i].what, "export it again");
+            continue;
+        }
+        rk_mesh mesh = load(path);
+        rk_mesh_free(&mesh);
+    }
+    rk_mesh mesh = load_with_note(
+        write_gltf_bytes(&(gltf_bytes){
+            FLOAT_POSITIONS, (const char *)corner_positions, 24, 12,
+            "\"attributes\":{\"POSITION\":0,\"NORMAL\":1}",
+            "{\"bufferView\":1,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"}"}),
+        "has normals or texture coordinates of another number than vertices");
+    rk_mesh_free(&mesh);
 }
 
 /* --- colours -------------------------------------------------------------------------------- */
@@ -557,6 +688,9 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(what_a_plys_faces_look_like_is_drawn_or_told),
     cmocka_unit_test(a_gltf_that_needs_what_is_not_read_is_refused),
     cmocka_unit_test(extensions_of_a_gltf_that_are_not_drawn_are_told),
+    cmocka_unit_test(texture_coordinates_of_a_gltf_may_be_integers),
+    cmocka_unit_test(positions_and_normals_of_a_gltf_may_be_integers),
+    cmocka_unit_test(indices_of_a_gltf_that_are_out_of_range_are_refused),
     cmocka_unit_test(colours_that_are_no_numbers_are_counted_and_drawn_as_0),
 };
 

@@ -22,6 +22,8 @@ typedef struct rk_mesh_hints {
     float (*wedges)[2]; /* texture coordinates of a PLY file's corners, face by face of three or
                            more; or NULL */
     size_t wedge_count;
+    struct rk_mesh_gltf_parts_one *parts; /* of a glTF file, in its order, or NULL */
+    size_t part_count;
     char folders[RK_MESH_HINTS_FOLDERS][1024]; /* of material files, relative, with a slash */
     int folder_count;
 } rk_mesh_hints;

@@ -1,6 +1,8 @@
 /* io/mesh_helper/mesh_syntax.h for the extensions that a glTF file names: Assimp reads the file as
  * if those that it does not know were not there, which shows another mesh, or none. Format:
  * Khronos, "glTF 2.0 Specification", section 3.12. */
+#include "io/mesh_helper/json_cursor.h"
+#include "io/mesh_helper/mesh_gltf_parts.h"
 #include "io/mesh_helper/mesh_syntax.h"
 
 #include <stdio.h>
@@ -13,6 +15,7 @@ static const char *const drawn[] = {
     "KHR_lights_punctual",
     "KHR_materials_emissive_strength",
     "KHR_materials_pbrSpecularGlossiness",
+    "KHR_mesh_quantization",
     "KHR_texture_transform",
     "KHR_xmp",
     "KHR_xmp_json_ld",
@@ -22,25 +25,10 @@ static const char *const drawn[] = {
 static const char *const looks[] = {"KHR_materials_", "KHR_texture_", "EXT_texture_",
                                     "MSFT_texture_", "KHR_techniques_webgl"};
 
-/* Of JSON; `at` stays within the text. */
-typedef struct json_cursor {
-    const char *at, *end;
-} json_cursor;
-
-typedef struct json_string {
-    const char *begin;
-    size_t length;
-} json_string;
-
-static bool is_extension(const json_string *name, const char *other)
-{
-    return name->length == strlen(other) && memcmp(name->begin, other, name->length) == 0;
-}
-
 static bool is_drawn(const json_string *name)
 {
     for (size_t i = 0; i < sizeof drawn / sizeof *drawn; i++)
-        if (is_extension(name, drawn[i]))
+        if (json_equals(name, drawn[i]))
             return true;
     return false;
 }
@@ -54,42 +42,6 @@ static bool is_look(const json_string *name)
     return false;
 }
 
-/* From one quotation mark to the other. */
-static json_string read_string(json_cursor *c)
-{
-    const char *begin = ++c->at;
-    while (c->at < c->end && *c->at != '"')
-        c->at += *c->at == '\\' && c->end - c->at > 1 ? 2 : 1;
-    const json_string string = {begin, (size_t)(c->at - begin)};
-    c->at += c->at < c->end;
-    return string;
-}
-
-static bool next_is(const json_cursor *c, char wanted)
-{
-    const char *at = c->at;
-    while (at < c->end && strchr(" \t\r\n", *at))
-        at++;
-    return at < c->end && *at == wanted;
-}
-
-/* Moves to the value of this key of the outermost object. Assimp checks the rest of the syntax. */
-static bool find_key(json_cursor *c, const char *key)
-{
-    for (int depth = 0; c->at < c->end;) {
-        if (*c->at == '"') {
-            const json_string string = read_string(c);
-            if (depth == 1 && is_extension(&string, key) && next_is(c, ':'))
-                return true;
-            continue;
-        }
-        depth += *c->at == '{' || *c->at == '[';
-        depth -= *c->at == '}' || *c->at == ']';
-        c->at++;
-    }
-    return false;
-}
-
 /* Moves to the next string of a list; false at its end. */
 static bool next_string(json_cursor *c, json_string *string)
 {
@@ -97,7 +49,7 @@ static bool next_string(json_cursor *c, json_string *string)
         c->at++;
     if (c->at == c->end || *c->at == ']')
         return false;
-    *string = read_string(c);
+    *string = json_read_string(c);
     for (size_t i = 0; i < string->length; i++)
         if (string->begin[i] < ' ' || string->begin[i] > '~' || string->length > 100)
             string->length = 0;
@@ -111,22 +63,13 @@ static void add_name(char *list, size_t size, const json_string *name)
              name->begin);
 }
 
-/* Coordinates as small integers are in the list of required extensions, if the file is right. */
-static bool is_needed(const json_string *name, bool required)
-{
-    if (!required)
-        return is_extension(name, "KHR_mesh_quantization");
-    return !is_drawn(name) && !is_look(name);
-}
-
-static bool check_list(const char *path, json_cursor c, const char *key, bool required,
-                       rk_error *error)
+static bool check_required(const char *path, json_cursor c, rk_error *error)
 {
     json_string name;
-    if (!find_key(&c, key))
+    if (!json_find_key(&c, "extensionsRequired"))
         return true;
     while (next_string(&c, &name))
-        if (name.length > 0 && is_needed(&name, required))
+        if (name.length > 0 && !is_drawn(&name) && !is_look(&name))
             return rk_fail(error,
                            "%s: needs the glTF extension %.*s, which is not read: export it "
                            "without",
@@ -138,7 +81,7 @@ static void note_used(const char *path, json_cursor c, rk_mesh_hints *hints)
 {
     char list[600] = "";
     json_string name;
-    if (!find_key(&c, "extensionsUsed"))
+    if (!json_find_key(&c, "extensionsUsed"))
         return;
     while (next_string(&c, &name))
         if (name.length > 0 && !is_drawn(&name))
@@ -151,8 +94,7 @@ bool rk_mesh_syntax_gltf(const char *path, const char *text, size_t size, rk_mes
                          rk_error *error)
 {
     const json_cursor all = {text, text + size};
-    if (!check_list(path, all, "extensionsRequired", true, error) ||
-        !check_list(path, all, "extensionsUsed", false, error))
+    if (!check_required(path, all, error) || !rk_mesh_gltf_parts_read(hints, path, all, error))
         return false;
     note_used(path, all, hints);
     return true;

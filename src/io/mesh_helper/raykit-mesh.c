@@ -5,6 +5,7 @@
 #include "io/mesh_helper/mesh_attributes.h"
 #include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_gather.h"
+#include "io/mesh_helper/mesh_gltf_parts.h"
 #include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/mesh_io.h"
 #include "io/mesh_helper/mesh_rewrite.h"
@@ -171,12 +172,17 @@ static void note_distance(rk_mesh_hints *hints, const rk_mesh *mesh, const char 
 }
 
 /* Assimp tries all its readers on an unknown file, and gives the last one's reason. */
-static bool fail_unread(const char *path, rk_error *error)
+static bool fail_unread(const char *path, const rk_mesh_hints *hints, rk_error *error)
 {
     const char *dot = strrchr(path, '.'), *reason = aiGetErrorString();
     if (!dot || !aiIsExtensionSupported(dot))
         return rk_fail(
             error, "%s: has a format that Assimp does not read: export it as glTF or OBJ", path);
+    if (hints->parts && strstr(reason, "has no faces"))
+        return rk_fail(error,
+                       "%s: all triangles of a part use vertices that are not there: export it "
+                       "again",
+                       path);
     if (strstr(reason, "No suitable reader"))
         return rk_fail(
             error,
@@ -198,12 +204,13 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
     if (!scene && strstr(aiGetErrorString(), "bad_alloc"))
         return rk_mesh_guard_fail_memory(error);
     if (!scene)
-        return fail_unread(path, error);
+        return fail_unread(path, hints, error);
     compare_counts(hints, scene, path);
     rk_mesh_attributes_lend(scene, hints);
     rk_mesh mesh = {0};
     rk_mesh_textures textures = {0};
-    bool ok = rk_mesh_gather(&mesh, &textures, scene, path, hints, error) &&
+    bool ok = rk_mesh_gltf_parts_mend(scene, hints, path, error) &&
+              rk_mesh_gather(&mesh, &textures, scene, path, hints, error) &&
               rk_mesh_validate(&mesh, path, error);
     if (ok) {
         find_pictures(&textures, hints, path);
@@ -228,6 +235,7 @@ static void free_hints(rk_mesh_hints *hints)
     free(hints->texcoords);
     free(hints->face_colours);
     free(hints->wedges);
+    free(hints->parts);
 }
 
 int main(int argc, char **argv)
