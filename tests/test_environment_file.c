@@ -161,6 +161,15 @@ static void six_files_go_by_other_names_too(void **state)
         {"Right", "Left", "Up", "Down", "Front", "Back"},
         {"sky_ft", "sky_bk", "sky_up", "sky_dn", "sky_rt", "sky_lf"},
         {"a-PX", "a-NX", "a-PY", "a-NY", "a-PZ", "a-NZ"},
+        {"a.px", "a.nx", "a.py", "a.ny", "a.pz", "a.nz"},
+        {"a px", "a nx", "a py", "a ny", "a pz", "a nz"},
+        {"x+", "x-", "y+", "y-", "z+", "z-"},
+        {"xp", "xn", "yp", "yn", "zp", "zn"},
+        {"XPos", "XNeg", "YPos", "YNeg", "ZPos", "ZNeg"},
+        {"PositiveX", "NegativeX", "PositiveY", "NegativeY", "PositiveZ", "NegativeZ"},
+        {"positive_x", "negative_x", "positive_y", "negative_y", "positive_z", "negative_z"},
+        {"pano_r", "pano_l", "pano_u", "pano_d", "pano_f", "pano_b"},
+        {"face_0", "face_1", "face_2", "face_3", "face_4", "face_5"},
     };
     const test_folder *folder = *state;
     for (size_t k = 0; k < sizeof others / sizeof *others; k++) {

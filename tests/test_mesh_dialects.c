@@ -417,6 +417,9 @@ static void what_a_plys_faces_look_like_is_drawn_or_told(void **state)
              2) "property list uchar float texcoord\nproperty int texnumber\nend_header\n" SQUARE
                 "3 0 1 2 6 0 0 1 0 1 1 0\n3 0 2 3 6 0 0 1 1 0 1 1\n",
          "has several pictures for its faces (texnumber)"},
+        {PLY("ascii", 4) "comment TextureFile a.ppm\ncomment TextureFile a.ppm\n" XYZ FACES(
+             1) "property list uchar float texcoord\nend_header\n" SQUARE "3 0 1 2 6 0 0 1 0 1 1\n",
+         "names 2 pictures (comment TextureFile): the picture shows one of them everywhere"},
         {PLY("ascii", 4) XYZ FACES(2) "property int material_index\n"
                                       "element material 2\nproperty uchar diffuse_red\n"
                                       "end_header\n" SQUARE "3 0 1 2 0\n3 0 2 3 1\n255\n0\n",
@@ -629,6 +632,41 @@ static void indices_of_a_gltf_that_are_out_of_range_are_refused(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* A picture whose coordinates go from 0 to this u, with these ways to continue it. */
+static test_path write_wrapped(float u, int wrap_u, int wrap_v)
+{
+    static const char attributes[] =
+        "\"material\":0,\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1}}]}],"
+        "\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":{\"index\":0}}}],"
+        "\"textures\":[{\"source\":0,\"sampler\":0}],\"images\":[{\"uri\":\"a.ppm\"}],";
+    const float texcoords[6] = {0, 0, u, 0, 0, 1};
+    char part[600];
+    write_picture("a.ppm");
+    snprintf(part, sizeof part, "%s\"samplers\":[{\"wrapS\":%d,\"wrapT\":%d}],\"x\":[{\"y\":[{",
+             attributes, wrap_u, wrap_v);
+    return write_gltf_bytes(
+        &(gltf_bytes){FLOAT_POSITIONS, (const char *)texcoords, 24, 8, part,
+                      "{\"bufferView\":1,\"componentType\":5126,\"count\":3,\"type\":\"VEC2\"}"});
+}
+
+static void a_picture_that_does_not_continue_as_it_should_is_told(void **state)
+{
+    (void)state;
+    enum { REPEAT = 10497, CLAMP = 33071, MIRROR = 33648 };
+    static const int told[][2] = {{MIRROR, MIRROR}, {REPEAT, CLAMP}, {CLAMP, MIRROR}};
+    for (size_t i = 0; i < sizeof told / sizeof *told; i++) {
+        rk_mesh mesh = load_with_note(write_wrapped(2, told[i][0], told[i][1]),
+                                      "has pictures that are mirrored or repeat in one direction");
+        rk_mesh_free(&mesh);
+        mesh = load(write_wrapped(1, told[i][0], told[i][1]));
+        rk_mesh_free(&mesh);
+    }
+    rk_mesh mesh = load(write_wrapped(2, REPEAT, REPEAT));
+    rk_mesh_free(&mesh);
+    mesh = load(write_wrapped(2, CLAMP, CLAMP));
+    rk_mesh_free(&mesh);
+}
+
 /* --- colours -------------------------------------------------------------------------------- */
 
 /* A square of vertices of which one has no number as its red; of a fan of two, one face has it. */
@@ -691,6 +729,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(texture_coordinates_of_a_gltf_may_be_integers),
     cmocka_unit_test(positions_and_normals_of_a_gltf_may_be_integers),
     cmocka_unit_test(indices_of_a_gltf_that_are_out_of_range_are_refused),
+    cmocka_unit_test(a_picture_that_does_not_continue_as_it_should_is_told),
     cmocka_unit_test(colours_that_are_no_numbers_are_counted_and_drawn_as_0),
 };
 

@@ -204,8 +204,15 @@ static face_names names[] = {
     {"posx", "negx", "posy", "negy", "posz", "negz"},
     {"pos_x", "neg_x", "pos_y", "neg_y", "pos_z", "neg_z"},
     {"+x", "-x", "+y", "-y", "+z", "-z"},
+    {"x+", "x-", "y+", "y-", "z+", "z-"},
+    {"xp", "xn", "yp", "yn", "zp", "zn"},
+    {"xpos", "xneg", "ypos", "yneg", "zpos", "zneg"},
+    {"positivex", "negativex", "positivey", "negativey", "positivez", "negativez"},
+    {"positive_x", "negative_x", "positive_y", "negative_y", "positive_z", "negative_z"},
     {"right", "left", "top", "bottom", "front", "back"},
     {"right", "left", "up", "down", "front", "back"},
+    {"r", "l", "u", "d", "f", "b"},
+    {"0", "1", "2", "3", "4", "5"},
     {"ft", "bk", "up", "dn", "rt", "lf"},
 };
 
@@ -250,12 +257,13 @@ static bool name_in_pattern(long_path *path, const char *pattern, const char *na
            rk_fail(error, "%.800s: the name is too long", pattern);
 }
 
-/* Is the file's name, without its ending, this one, or does it end with it after _ or -? */
+/* Is the file's name, without its ending, this one, or does it end with it after one of _-. and a
+ * blank? */
 static bool is_named(const char *file, const char *name, bool at_end)
 {
     const char *dot = strrchr(file, '.');
     size_t length = strlen(name), stem = dot ? (size_t)(dot - file) : 0;
-    if (at_end ? stem <= length || !strchr("_-", file[stem - length - 1]) : stem != length)
+    if (at_end ? stem <= length || !strchr("_-. ", file[stem - length - 1]) : stem != length)
         return false;
     return strncasecmp(dot - length, name, length) == 0;
 }

@@ -318,6 +318,18 @@ static void find_colours(gather *g, part *p, bool textured)
     g->left.has[RK_MESH_LEFT_OUT_HIDDEN_COLOURS] |= g->colours.any && hidden && p->mesh->mColors[0];
 }
 
+/* By more than rounding. */
+static bool leaves_picture(const part *p)
+{
+    const float slack = 1e-3f;
+    for (uint32_t i = 0; i < p->mesh->mNumVertices; i++) {
+        const rk_vec2 at = move_texcoord(&p->transform, &p->texcoords[i]);
+        if (at.x < -slack || at.x > 1 + slack || at.y < -slack || at.y > 1 + slack)
+            return true;
+    }
+    return false;
+}
+
 static bool find_material(gather *g, part *p, rk_error *error)
 {
     uint32_t source = g->plain ? 0 : p->mesh->mMaterialIndex;
@@ -334,6 +346,8 @@ static bool find_material(gather *g, part *p, rk_error *error)
     if (textured && p->texcoords) {
         const struct aiMaterial *material = g->scene->mMaterials[source];
         p->transform = rk_mesh_texture_transform_of(material, mtl_of(g, material));
+        g->left.has[RK_MESH_LEFT_OUT_WRAPS] |=
+            rk_mesh_texture_wraps_otherwise(material) && leaves_picture(p);
     }
     if (p->colours || g->colours.face_count > 0)
         key += COLOURED;

@@ -66,6 +66,7 @@ typedef struct ply_parser {
     double label[labels];      /* of the first face */
     bool differs[labels];      /* some face has another */
     bool labelled[labels];     /* a face was read */
+    int pictures;              /* that comments name */
     bool has_misplaced_remark; /* a comment before the format or after an element */
     bool has_format;
     bool has_diffuse;  /* colours of vertices by names that Assimp does not know */
@@ -197,6 +198,8 @@ static bool read_header(ply_parser *s, text_cursor *c, rk_error *error)
         }
         const bool is_remark = strcmp(word, "comment") == 0 || strcmp(word, "obj_info") == 0;
         s->has_misplaced_remark |= is_remark && (s->element_count > 0 || !s->has_format);
+        s->pictures +=
+            is_remark && text_read_word(c, word, sizeof word) && strcmp(word, "TextureFile") == 0;
         if (strcmp(word, "format") == 0)
             ok = read_format(s, c, error);
         else if (strcmp(word, "element") == 0)
@@ -564,6 +567,11 @@ static const char *printable(char name[32])
 
 static void tell_what_is_not_drawn(ply_parser *s)
 {
+    if (s->pictures > 1 && !s->differs[PICTURE])
+        rk_mesh_hints_note(s->hints, s->path,
+                           "names %d pictures (comment TextureFile): the picture shows one of them "
+                           "everywhere",
+                           s->pictures);
     for (int i = 0; i < labels; i++)
         if (s->differs[i])
             rk_mesh_hints_note(s->hints, s->path, "has %s for its faces (%s): the picture shows %s",

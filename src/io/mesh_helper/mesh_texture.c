@@ -172,3 +172,10 @@ bool rk_mesh_texture_set(const struct aiMaterial *material, uint32_t *set)
     *set = picture.set < AI_MAX_NUMBER_OF_TEXTURECOORDS ? picture.set : 0;
     return true;
 }
+
+bool rk_mesh_texture_wraps_otherwise(const struct aiMaterial *material)
+{
+    named_picture picture;
+    return find_picture(material, &picture) &&
+           (picture.modes[0] != picture.modes[1] || picture.modes[0] == aiTextureMapMode_Mirror);
+}

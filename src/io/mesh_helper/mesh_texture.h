@@ -50,4 +50,7 @@ rk_mesh_texture_transform rk_mesh_texture_transform_of(const struct aiMaterial *
  * except in glTF. */
 bool rk_mesh_texture_set(const struct aiMaterial *material, uint32_t *set);
 
+/* Does its picture continue in a way that is not drawn: mirrored, or differently in u and v? */
+bool rk_mesh_texture_wraps_otherwise(const struct aiMaterial *material);
+
 #endif

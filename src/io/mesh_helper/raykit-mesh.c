@@ -17,6 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 static bool write_bytes(const void *bytes, uint64_t size, rk_error *error)
@@ -171,6 +172,16 @@ static void note_distance(rk_mesh_hints *hints, const rk_mesh *mesh, const char 
                            1 / share);
 }
 
+/* Assimp reads one material for each part of a 3MF file, and nothing of the extensions. */
+static void note_colours_of_3mf(rk_mesh_hints *hints, const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    if (dot && strcasecmp(dot, ".3mf") == 0)
+        rk_mesh_hints_note(hints, path,
+                           "of a 3MF file each part shows one material: colours of triangles, "
+                           "colour groups, textures and painting, if it has any, are not drawn");
+}
+
 /* Assimp tries all its readers on an unknown file, and gives the last one's reason. */
 static bool fail_unread(const char *path, const rk_mesh_hints *hints, rk_error *error)
 {
@@ -215,6 +226,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
     if (ok) {
         find_pictures(&textures, hints, path);
         note_distance(hints, &mesh, path);
+        note_colours_of_3mf(hints, path);
         ok = write_mesh(&mesh, &textures, path, error);
     }
     if (textures.too_many)
