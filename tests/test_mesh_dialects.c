@@ -115,6 +115,8 @@ static void text_in_utf16_is_read_like_utf8(void **state)
     rk_mesh_free(&mesh);
     check_refused_path(test_folder_write(&folder, "half.obj", "\xff\xfev\0\0\xd8 \0", 8, 0600).text,
                        ": its text is in UTF-16, but damaged: save it as UTF-8", "");
+    check_refused_path(write_utf16("short.obj", "v 0\n", false, true).text,
+                       ":1: a v line needs three numbers", "");
 }
 
 static void a_material_file_without_a_known_line_costs_no_mesh(void **state)

@@ -242,6 +242,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
 
 static void free_hints(rk_mesh_hints *hints)
 {
+    free(hints->text);
     free(hints->normals);
     free(hints->colours);
     free(hints->texcoords);
