@@ -9,6 +9,8 @@ For each feature of assignments/features.tsv:
   that held no longer does;
 - points.tsv lists the tests that carry points in the order of the steps of the assignment's handout.md,
   and names for each a section that the handout names for its step or an earlier one;
+- after each of these steps, with the reference in its gaps and in those of earlier ones, the tests of all
+  these steps pass; those of the next step fail, but for those that points.tsv says are green already;
 - the unit reads as its chapter (tools/grading/reading_order.py);
 - reference and starter keep the rules for units (tools/grading/unit_rules.py);
 - each mutant, a known mistake in tests/mutants/STEM.mutants, fails the tests that it names, and the first
@@ -349,6 +351,41 @@ class Feature:
                 self.faults.append(f"the starter does not run {test} safely (status {got} with "
                                    f"sanitizers, {status[test]} without):\n{said}")
 
+    def unit_of_step(self, step, decides):
+        """Returns the program of the unit as it is after a step, see solved_until()."""
+        name = f"step-{step}-{decides.__name__}"
+        text = self.builder.folder / f"{self.stem}-{name}.c"
+        text.write_text(starters.solved_until(self.source, step, decides), encoding="utf-8")
+        return self.program(text, name, f"{self.stem}'s reference up to step {step}", QUICKLY)
+
+    def check_step(self, step):
+        """Each test is green after its step, and no sooner than points.tsv says."""
+        verdict = self.verdict_of_step(step)
+        if verdict and self.builder.store.has(verdict):
+            return
+        reached = [test for test in self.listed if test.points and (test.green_since or test.step) <= step]
+        following = [test for test in self.listed if test.step == step + 1 and not test.green_since]
+        most, least = self.unit_of_step(step, min), self.unit_of_step(step, max)
+        faults = [f"{test.name} of step {test.step} fails after step {step}, though it should be green since "
+                  f"step {test.green_since or test.step}; correct the step"
+                  for test in reached if run_test(most, test.name)[0] != 0]
+        faults += [f"{test.name} of step {test.step} passes after step {step}; say since when it is green"
+                   for test in following if run_test(least, test.name)[0] == 0]
+        if faults:
+            raise Fault("\n".join(f"{self.points.relative_to(self.root)}: {fault}" for fault in faults))
+        if verdict:
+            self.builder.store.keep(verdict)
+
+    def verdict_of_step(self, step):
+        """Returns the digest of what decides whether the tests of a step are green when they should be."""
+        if not self.inputs:
+            return None
+        digest = self.inputs.copy()
+        digest.add("step", str(step))
+        digest.add_file("unit", self.source)
+        digest.add_file("points", self.points)
+        return digest
+
     def check_mutant(self, mutant):
         for test in mutant.fails:
             if test not in self.tests:
@@ -396,9 +433,13 @@ class Feature:
 
     def jobs(self):
         """Returns the functions that check this feature, in any order and at once."""
-        self.mutants = self.read_mutants()
+        self.mutants, self.listed = self.read_mutants(), []
+        if self.points.exists():
+            self.listed = assignments.read_points(assignments.read_features(str(self.root))[self.stem])
         jobs = [self.check_starter, self.check_handout, self.check_order]
         jobs += [lambda mutant=mutant: self.check_mutant(mutant) for mutant in self.mutants]
+        jobs += [lambda step=step: self.check_step(step)
+                 for step in range(1, max((test.step for test in self.listed), default=0))]
         jobs += [lambda test=test: self.check_reference(test) for test in self.tests]
         self.progress.add(len(jobs), 0)
         return jobs

@@ -104,6 +104,29 @@ def is_left_open(path):
     return _begins_with(path, _LEFT_OPEN)
 
 
+def _steps_named(starter):
+    """Returns the numbers of the steps that a starter names: "// Second step: ..."."""
+    return [ORDINALS.index(word) + 1 for word in re.findall(r"(\w+) step\b", starter) if word in ORDINALS]
+
+
+def solved_until(path, step, decides=min):
+    """Returns the file's text after this step: the solutions of the regions whose step is reached, the
+    starters of the others. Of the steps that a region names, `decides` chooses the one: min, so that it has
+    more than was asked for, or max, less."""
+    text, solution, starter = [], [], []
+    for kind, line in read_regions(path):
+        if kind == "solution":
+            solution.append(line)
+        elif kind == "starter":
+            starter.append(line)
+        elif kind == "common":
+            text.append(line)
+        elif line.strip() == "end */":
+            text += solution if decides(_steps_named("".join(starter))) <= step else starter
+            solution, starter = [], []
+    return "".join(text)
+
+
 def is_starter(unit):
     """Whether a unit's code is still the starter's, apart from blanks."""
     with open(unit.path, encoding="utf-8", errors="replace") as file:
@@ -120,9 +143,8 @@ def unsolved_steps(unit):
     kept = {}
     for starter in (" ".join("".join(line for _, line in lines).split()) for kind, lines in regions
                     if kind == "starter"):
-        for word in re.findall(r"(\w+) step\b", starter):
-            if word in ORDINALS:
-                kept.setdefault(ORDINALS.index(word) + 1, []).append(starter in written)
+        for step in _steps_named(starter):
+            kept.setdefault(step, []).append(starter in written)
     return sorted(step for step, is_kept in kept.items() if all(is_kept))
 
 
