@@ -44,6 +44,15 @@ static uint32_t list(const rk_bvh_reference *references, uint32_t count, uint32_
     return rk_sah_candidates(references, count, &options, candidates);
 }
 
+/* The node of so many triangles has this number of candidates. */
+static void check_found(const rk_bvh_reference *references, uint32_t count, uint32_t bins,
+                        bool all_axes, uint32_t want, const char *hint)
+{
+    uint32_t got = list(references, count, bins, all_axes);
+    rk_check(got == want, "%u triangles, %u bins%s: got %u candidates, want %u: %s", count, bins,
+             all_axes ? " on each axis" : "", got, want, hint);
+}
+
 static void check_counts(const rk_sah_split *split, uint32_t left, uint32_t right, const char *hint)
 {
     rk_check(split->count[0] == left && split->count[1] == right,
@@ -190,7 +199,7 @@ static void a_split_costs_as_computed_by_hand(void **state)
      * right one cube, area 6. */
     const rk_bvh_reference row[] = {cube_at(0, 0, 0), cube_at(9, 0, 0), cube_at(1, 0, 0),
                                     cube_at(2, 0, 0)};
-    rk_check_equal(list(row, 4, 2, false), 1, "two bins have one boundary");
+    check_found(row, 4, 2, false, 1, "two bins have one boundary");
     rk_check_equal(candidates[0].axis, 0, "the row is along x");
     check_counts(&candidates[0], 3, 1,
                  "three cubes lie in the lower half of the centroids' extent");
@@ -214,7 +223,7 @@ static void no_centroid_is_beyond_the_last_bin(void **state)
         const rk_bvh_reference row[] = {cube_at(noise(1, i, 0), 0, 0),
                                         cube_at(3 + noise(2, i, 0), 0, 0),
                                         cube_at(1 + noise(3, i, 0), 0, 0)};
-        rk_check_equal(list(row, 3, 2, false), 1, "three different centroids, two bins");
+        check_found(row, 3, 2, false, 1, "three different centroids, two bins");
         rk_check_equal(candidates[0].count[0] + candidates[0].count[1], 3,
                        "the highest centroid is in the last bin, and in no other");
     }
@@ -227,14 +236,14 @@ static void without_area_a_split_costs_all_its_triangles(void **state)
     rk_bvh_reference row[7];
     for (uint32_t i = 0; i < 7; i++)
         row[i] = box_at(rk_vec((float)i * 2, 1, 1), rk_vec(1, 0, 0));
-    rk_check_equal(list(row, 7, 2, false), 1, "two bins have one boundary");
+    check_found(row, 7, 2, false, 1, "two bins have one boundary");
     rk_check_close(
         candidates[0].cost, 1.5 + 7, 0,
         "areas of 0 cannot be divided: both sides count as if they were as large as the node");
     /* Two upright lines, with a node of area 4 around them. */
     const rk_bvh_reference lines[] = {box_at(rk_vec(0, 0, 0), rk_vec(0, 1, 0)),
                                       box_at(rk_vec(2, 0, 0), rk_vec(0, 1, 0))};
-    rk_check_equal(list(lines, 2, 2, false), 1, "two bins have one boundary");
+    check_found(lines, 2, 2, false, 1, "two bins have one boundary");
     rk_check_close(candidates[0].cost, 1.5, 0,
                    "where the node has an area, a side without one costs nothing");
 }
@@ -246,13 +255,13 @@ static void coinciding_centroids_have_no_candidate(void **state)
     for (uint32_t i = 0; i < 20; i++)
         same[i] =
             (rk_bvh_reference){cube_at(1, 2, 3).box, rk_vec(1.1f, 2.2f, i < 10 ? 0.0f : -0.0f), i};
-    rk_check_equal(list(same, 20, 2, false), 0, "an extent of 0 has no bins: do not divide by it");
-    rk_check_equal(list(same, 20, 50, true), 0, "nor on any other axis, with any number of bins");
+    check_found(same, 20, 2, false, 0, "an extent of 0 has no bins: do not divide by it");
+    check_found(same, 20, 50, true, 0, "nor on any other axis, with any number of bins");
     rk_check(rk_sah_cheapest(candidates, 0) == NULL, "without candidates there is no cheapest");
-    rk_check_equal(list(same, 1, 2, true), 0, "a single triangle cannot be split");
+    check_found(same, 1, 2, true, 0, "a single triangle cannot be split");
     /* Finding none counts only if candidates are found elsewhere. */
     same[7].centroid.x = 3;
-    rk_check_equal(list(same, 20, 2, false), 1, "one centroid apart from the others: one split");
+    check_found(same, 20, 2, false, 1, "one centroid apart from the others: one split");
     check_counts(&candidates[0], 19, 1, "the one apart is alone");
 }
 
@@ -266,7 +275,7 @@ static void bins_divide_the_extent_of_the_centroids_equally(void **state)
     rk_bvh_reference row[9];
     for (uint32_t i = 0; i < 9; i++)
         row[i] = cube_at((float)(i * 4 % 9), 0, 0);
-    rk_check_equal(list(row, 9, 4, false), 3, "four bins have three boundaries");
+    check_found(row, 9, 4, false, 3, "four bins have three boundaries");
     for (uint32_t k = 0; k < 3; k++) {
         rk_check_equal(candidates[k].boundary, k + 1,
                        "boundaries 1, 2, 3: the number of bins to the left");
@@ -294,7 +303,7 @@ static void no_node_has_more_bins_than_triangles(void **state)
 {
     (void)state;
     const rk_bvh_reference row[] = {cube_at(0, 0, 0), cube_at(4, 0, 0), cube_at(10, 0, 0)};
-    rk_check_equal(list(row, 3, 50, false), 2, "three bins with one cube each");
+    check_found(row, 3, 50, false, 2, "three bins with one cube each");
     rk_check_equal(candidates[1].boundary, 2, "more bins than triangles would mostly be empty");
 }
 
@@ -446,14 +455,14 @@ static void candidates_are_on_the_longest_axis_of_the_centroids(void **state)
         rk_check_equal(candidates[k].axis, 1, "0, 1, 2: the longest axis of the centroids' box");
     for (int axis = 0; axis < 3; axis++) {
         const rk_bvh_reference pair[] = {cube_at(0, 0, 0), cube_at(axis == 0, axis <= 1, 1)};
-        rk_check_equal(list(pair, 2, 2, false), 1, "two cubes");
+        check_found(pair, 2, 2, false, 1, "two cubes");
         rk_check_equal(candidates[0].axis, axis, "among equal extents x before y before z");
         /* All three extents overflow a float. */
         const float half[] = {axis == 0 ? 3e38f : 2e38f, axis == 1 ? 3e38f : 2e38f,
                               axis == 2 ? 3e38f : 2e38f};
         rk_vec3 high = rk_vec(half[0], half[1], half[2]), low = rk_negate(high);
         const rk_bvh_reference far[] = {{{{low, low}}, low, 0}, {{{high, high}}, high, 1}};
-        rk_check_equal(list(far, 2, 2, false), 1, "two points");
+        check_found(far, 2, 2, false, 1, "two points");
         rk_check_equal(candidates[0].axis, axis,
                        "-3e38 to 3e38 on one axis, -2e38 to 2e38 on the others");
     }
@@ -493,8 +502,8 @@ static void all_axes_are_tried_on_request(void **state)
     rk_bvh_reference diagonal[RK_SAH_BINS_MAX];
     for (uint32_t i = 0; i < RK_SAH_BINS_MAX; i++)
         diagonal[i] = cube_at((float)i, (float)i, (float)i);
-    rk_check_equal(list(diagonal, RK_SAH_BINS_MAX, RK_SAH_BINS_MAX, true), RK_SAH_CANDIDATES_MAX,
-                   "256 bins, none of them empty, have 255 boundaries on each of three axes");
+    check_found(diagonal, RK_SAH_BINS_MAX, RK_SAH_BINS_MAX, true, RK_SAH_CANDIDATES_MAX,
+                "256 bins, none of them empty, have 255 boundaries on each of three axes");
 }
 
 static void the_first_of_equally_cheap_splits_is_taken(void **state)
@@ -600,7 +609,7 @@ static void a_node_is_a_leaf_where_no_split_pays(void **state)
     for (uint32_t i = 0; i < 20; i++)
         place_across(&mesh, i, (float)i / 19);
     rk_bvh_reference *references = references_of(&mesh);
-    rk_check_equal(list(references, 20, 20, false), 19, "one centroid per bin");
+    check_found(references, 20, 20, false, 19, "one centroid per bin");
     for (uint32_t k = 0; k < 19; k++)
         rk_check_close(candidates[k].cost, 21.5, 0, "both boxes are as large as the node's");
     free(references);
@@ -617,7 +626,7 @@ static void a_node_is_a_leaf_where_no_split_pays(void **state)
         mesh.positions[3 * i + 2] = rk_vec(x + 1, 1, 0);
     }
     references = references_of(&mesh);
-    rk_check_equal(list(references, 3, 3, false), 1, "two places of centroids");
+    check_found(references, 3, 3, false, 1, "two places of centroids");
     rk_check_close(candidates[0].cost, 3, 0, "1.5 + (4 x 1 + 4 x 2) / 8");
     free(references);
     bvh = build(&mesh);
@@ -1159,11 +1168,11 @@ static void more_than_65535_triangles_are_counted(void **state)
     rk_check(row != NULL, "no memory for %u references", n);
     for (uint32_t i = 0; i < n; i++)
         row[i] = cube_at(i % 3 ? 0 : 9, 0, 0);
-    rk_check_equal(list(row, n, 2, false), 1, "two bins have one boundary");
+    check_found(row, n, 2, false, 1, "two bins have one boundary");
     for (uint32_t i = 0; i < 60000; i++)
         row[i] = cube_at((float)(2 * i), 0, 0);
-    rk_check_equal(list(row, 60000, 50, false), 49,
-                   "60,000 cubes in a row: all 50 bins are taken, in large nodes, too");
+    check_found(row, 60000, 50, false, 49,
+                "60,000 cubes in a row: all 50 bins are taken, in large nodes, too");
     for (uint32_t i = 0; i < n; i++)
         row[i] = cube_at(i % 3 ? 0 : 9, 0, 0);
     list(row, n, 2, false);
