@@ -67,9 +67,9 @@ def the_goal_is_one_of_the_course():
     check("shading" not in order and "--scene" not in order and "table of steps" in order,
           "a course that the picture at the top does not use has another goal", order)
     order = handout._order(SOURCE, [STEM, "shading", "sampling"])
-    check("first steps of `shading` early" in order and f"uses `{STEM}` and `shading`:" in order
+    check("`make start-shading` begins with another" in order and f"uses `{STEM}` and `shading`:" in order
           and "--scene cover" in order,
-          "a course that it uses is told by which assignments, and to light pictures early", order)
+          "a course that it uses is told by which assignments, and how to take another order", order)
     check("table's order" not in handout._order(SOURCE, [STEM]), "a single assignment has no order")
     order = handout._order(SOURCE, ["bloom"], ["cubemap", "sampling"])
     check("pictures/bloom.png" in order

@@ -154,7 +154,8 @@ def main():
         return 1
     except KeyboardInterrupt:
         return 130
-    keys = "n(ext), s(tep), p(rint) NAME, bt, c(ontinue to the next function of yours), q(uit)"
+    keys = ("n(ext), s(tep), p(rint) NAME, bt, c(ontinue to the next function of yours), q(uit); "
+            "if it crashes: c until it does, then bt")
     print(f"{unit.shown}, test {test}; in gdb: {keys}", flush=True)
     os.environ["CMOCKA_MESSAGE_OUTPUT"] = "TAP"
     # set startup-with-shell off: avoids quoting and a shell's start files.

@@ -65,14 +65,21 @@ def _run(command, name=None):
 # --- The student's picture ------------------------------------------------------------------------
 
 
+def _nothing_to_see(feature, step):
+    """Returns after which steps there is something to see, if there is nothing after this one; or ""."""
+    steps = [str(look.step) for look in read_looks(feature)]
+    if not step or step in steps:
+        return ""
+    where = f"steps {', '.join(steps[:-1])} and {steps[-1]}" if len(steps) > 1 else f"step {steps[0]}"
+    return f"STEP={step}: {feature.stem} has something to see only after {where}"
+
+
 def choose_look(feature, step):
     """Returns the row of a step, the last one for none."""
-    looks = read_looks(feature)
-    steps = [str(look.step) for look in looks]
-    if step and step not in steps:
-        where = f"steps {', '.join(steps[:-1])} and {steps[-1]}" if len(steps) > 1 else f"step {steps[0]}"
-        raise ToolError(f"STEP={step}: {feature.stem} has something to see only after {where}")
-    return looks[steps.index(step)] if step else looks[-1]
+    missing = _nothing_to_see(feature, step)
+    if missing:
+        raise ToolError(missing)
+    return next(look for look in reversed(read_looks(feature)) if step in ("", str(look.step)))
 
 
 def _unsolved(feature, impl):
@@ -91,7 +98,7 @@ def _driver(toolchain, impl, feature, stack):
     driver, reason = drivers.link(feature)
     drivers.publish(feature, driver, reason)
     if not driver:
-        raise ToolError(f"there is no driver: {reason}")
+        raise ToolError("there is no driver, for the reason above")
     return driver, driver_of(feature)
 
 
@@ -169,7 +176,12 @@ def draw_wanted(toolchain, stems):
 
 def _work(arguments):
     if arguments.source:
-        choose_look(choose(read_features(arguments.source), arguments.stems)[0], arguments.step)
+        feature = choose(read_features(arguments.source), arguments.stems)[0]
+        is_one = arguments.step in [str(step) for step in range(1, read_looks(feature)[-1].step)]
+        if arguments.say and is_one:
+            print(_nothing_to_see(feature, arguments.step))
+        else:
+            choose_look(feature, arguments.step)
     elif arguments.wanted:
         draw_wanted(build.Toolchain(arguments.build), arguments.stems)
     else:
@@ -185,6 +197,8 @@ def main():
     parser.add_argument("--source", default="", metavar="DIR",
                         help="raykit's source folder: say whether the step has "
                         "something to see, and draw nothing")
+    parser.add_argument("--say", action="store_true",
+                        help="with --source: print it, and a step that has nothing to see is no error")
     parser.add_argument("--wanted", action="store_true", help="draw the wanted pictures")
     arguments = parser.parse_args()
     return run_command("draw", lambda: _work(arguments))

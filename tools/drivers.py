@@ -110,7 +110,7 @@ class Drivers:
         own = {stem: find_unit(self._all[stem], impl) for stem in stems}
         self._own = {stem: unit for stem, unit in own.items() if unit.path}
         for unit in self._own.values():
-            unit.shown = os.path.basename(unit.path)
+            unit.shown = unit.path
         self._beside = {stem: unit_beside(feature, impl, toolchain.handed_out)
                         for stem, feature in self._all.items()}
         self.features = [self._all[only]] if only else list(self._all.values())
@@ -119,8 +119,11 @@ class Drivers:
 
     def _told(self, error, in_full=True):
         """Shows why a driver cannot be made, and returns it for the page."""
-        details = error.details if in_full else ""
-        print(f"{details}\ndrivers: {error.reason}".strip(), file=sys.stderr)
+        reason, details = error.reason, error.details.strip() if in_full else ""
+        beginning, _, line = reason.partition(": ")
+        if details and line in details:
+            reason = f"it {beginning}; the errors are above"  # each once
+        print(f"{details}\ndrivers: {reason}".strip(), file=sys.stderr)
         return error.reason
 
     def _compile(self):

@@ -67,6 +67,11 @@ def _run(command, environment, **pipes):
     return process.returncode, (said or wrong or "").strip()
 
 
+def _tell(phase):
+    """Says what takes the next seconds or minutes."""
+    print(f"handout: {phase}", file=sys.stderr, flush=True)
+
+
 # --- The pack -------------------------------------------------------------------------------------
 
 
@@ -161,8 +166,7 @@ def _weave_book(pack):
     environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(),
                        RAYKIT_STORE=kept, MESHES="", CHROMIUM="", FEATURES="", SOLUTIONS="yes", ANSWERS="",
                        RAYKIT_LIVE="", RAYKIT_JUDGES="no", RAYKIT_SOURCES="linked", RAYKIT_RECORD="")
-    print("handout: weaving the book; figures that this build has not drawn yet are drawn now",
-          file=sys.stderr)
+    _tell("weaving the book; figures that this build has not drawn yet are drawn now")
     status, _ = _run(["sh", os.path.join(pack, "docs", "make_book")], environment)
     if status:
         raise ToolError("the book could not be woven (its reason is above); BOOK=no leaves it out")
@@ -217,11 +221,10 @@ def _goal(source, stems, left_open):
 
 def _order(source, stems, left_open=()):
     """In which order these assignments are written, and what for."""
-    early = [f"`{stem}`" for stem in ("shading", "parallelogram_light") if stem in stems]
-    but = (f", with one exception: write the\nfirst steps of {_and(early)} early, "
-           "because they light all pictures") if early else ""
-    table = f"The table's order is a good one{but}.\n" if len(stems) > 1 else ""
-    looks = "In each task the table of steps has pictures of what you should see after a step."
+    first = next((stem for stem in ("shading", "parallelogram_light") if stem in stems), stems[-1])
+    table = ("`make start` follows the table's order, which is a good one. "
+             f"`make start-{first}` begins with another task.\n" if len(stems) > 1 else "")
+    looks = "In each task the table of steps has pictures of what you should see after most steps."
     return "\n\n".join([table + looks, *_goal(source, stems, left_open)])
 
 
@@ -252,8 +255,8 @@ def _write_handout(source, pack, features, left_open, has_book):
                "`make book` makes `docs/out/book.html`, with your own functions in it."
                if has_book else
                "**The book is missing from this pack**, which was made for a trial; "
-               "ask for one with the book. Until then,\n"
-               "`make book` makes `docs/out/book.html`, with figures by your code, "
+               "ask for one with the book. Until then, `make start` names chapters as\n"
+               "text, in `docs`, and `make book` makes `docs/out/book.html`, with figures by your code, "
                "which are wrong until it is solved.")
     with open(os.path.join(source, "assignments", "commands.txt"), encoding="utf-8") as file:
         commands = [re.split("  +", line.replace("STEM", first)) for line in file.read().splitlines()]
@@ -306,16 +309,19 @@ def make_handout(source, stems, out="", folder="", book=True, later=""):
         raise cannot_write(place, error) from error
     try:
         pack = os.path.join(work, name)
+        _tell("copying the kit")
         _release(source, pack)
         _hand_out(pack, chosen, left_open)
         _adapt_texts(source, pack, features.values(), chosen)
         if book:
             _weave_book(pack)
         _write_handout(source, pack, chosen, [feature.stem for feature in left_open], book)
+        _tell("looking for lines of the solutions")
         proof = prove(source, pack, features, [*chosen, *left_open])
         keep_originals(pack)
         _configurable(pack)
         if not folder:
+            _tell("packing")
             with tarfile.open(pack + ".tar.gz", "w:gz") as archive:
                 archive.add(pack, name, filter=_anonymous)
         os.rename(pack + ("" if folder else ".tar.gz"), place)

@@ -21,7 +21,7 @@ import hint
 from draw import choose_look, small
 from drivers import driver_of, private_folder
 from grade import require_units, stop_on_signals
-from grading.assignments import Parser, ToolError, choose, read_features, read_looks, read_points
+from grading.assignments import Parser, ToolError, cause_of, choose, read_features, read_looks, read_points
 from grading.build import Toolchain
 from grading.private_copy import make_folder
 from grading.processor_time import limited
@@ -389,7 +389,7 @@ def main():
     arguments = parser.parse_args()
     stop_on_signals()
     os.environ.setdefault("RAYKIT_TEST_SECONDS", TEST_SECONDS)
-    kept = make_folder()
+    kept, build = make_folder(), os.path.abspath(arguments.build)
     try:
         toolchain = Toolchain(arguments.build)
         feature = choose(read_features(toolchain.source), [arguments.stem])[0]
@@ -403,6 +403,9 @@ def main():
             loop.run(grader_of(arguments.stem, arguments.build, arguments.impl, kept), kept)
     except ToolError as error:
         print(f"live: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"live: {cause_of(error, build)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print()

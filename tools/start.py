@@ -11,7 +11,8 @@ import sys
 import live_loop
 from drivers import private_folder
 from grade import stop_on_signals
-from grading.assignments import Parser, ToolError, check_impl, choose, find_unit, read_features, read_points
+from grading.assignments import (Parser, ToolError, cause_of, check_impl, choose, find_unit, read_features,
+                                 read_points)
 from grading.build import Toolchain
 from grading.private_copy import make_folder
 from grading.results import command_of
@@ -101,6 +102,7 @@ def work_on(course, feature, server, screen):
             return ""
         following[:] = filter(None, [course.next()])
         lines = course.lines(following[0], course.first_claim(following[0])) if following else []
+        verdict = re.sub("^ +next: make start.*\n", "", verdict, flags=re.MULTILINE)  # it has begun
         screen.verdict("\n".join([verdict, *lines, ""]))
         screen.status(f"save {following[0].stem}.c to go on, or press the page's button; Ctrl-C ends"
                       if following else f"all assignments are done; the page: {server.url} ; Ctrl-C ends")
@@ -142,6 +144,7 @@ def main():
     parser.add_argument("--first", default="", metavar="STEM", help="default: the first that is not done")
     arguments = parser.parse_args()
     stop_on_signals()
+    build = os.path.abspath(arguments.build)
     os.environ.setdefault("RAYKIT_TEST_SECONDS", live_loop.TEST_SECONDS)
     try:
         stems = [arguments.first] if os.path.isfile(arguments.impl) and arguments.first else arguments.stems
@@ -150,7 +153,7 @@ def main():
         print(f"start: {error}", file=sys.stderr)
         return 1
     except OSError as error:
-        print(f"start: {error.filename or 'the system'}: {error.strerror}", file=sys.stderr)
+        print(f"start: {cause_of(error, build)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print()

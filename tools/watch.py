@@ -13,7 +13,7 @@ import sys
 import tempfile
 import time
 
-from grading.assignments import Parser, ToolError, choose, read_features
+from grading.assignments import Parser, ToolError, cause_of, choose, read_features
 from grading.build import Toolchain
 from grading.private_copy import make_folder
 from grade import prepare_suites, require_units, stop_on_signals
@@ -128,7 +128,7 @@ def main():
     arguments = parser.parse_args()
     stop_on_signals()
     cache = f"pycache_prefix={os.path.join(arguments.build, 'impl', 'python')}"
-    kept = make_folder()
+    kept, build = make_folder(), os.path.abspath(arguments.build)
     command = [*command_of_tool("grade", "-X", cache), arguments.stem, "--build", arguments.build,
                "--impl", arguments.impl, "--own", "--kept", kept,
                *(["--test", arguments.test] if arguments.test else [])]
@@ -139,6 +139,9 @@ def main():
         watch(command, arguments.impl)
     except ToolError as error:
         print(f"watch: {error}", file=sys.stderr)
+        return 1
+    except OSError as error:
+        print(f"watch: {cause_of(error, build)}", file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         print()

@@ -87,9 +87,10 @@ class Feature:
 
     def where_to_read(self, section):
         """Returns the address of a section in the book, for a click; without a book, the chapter's text and
-        the section."""
+        the section, and how to get pages."""
         page = self.page()
-        return page.as_uri() + section if page else self.chapter + section
+        return page.as_uri() + section if page else (
+            f"{self.chapter}{section} (source text: there is no book here; make book weaves it)")
 
 
 class ScoredTest:
@@ -106,6 +107,13 @@ DEDUCTION = 5
 # Claims that the grader judges itself, for every assignment.
 KEEPS_NOTHING = ScoredTest("no_data_is_kept_between_calls", 0, "")
 FREES_ALL = ScoredTest("all_memory_is_freed", 0, "")
+
+
+def cause_of(error, build):
+    """Returns what an OSError says: that the build folder is gone, if it is."""
+    if not os.path.isdir(build):
+        return "this folder was moved or removed; run the same command in the new place"
+    return f"{error.filename or 'the system'}: {error.strerror}"
 
 
 def read_table(path, columns):

@@ -167,10 +167,11 @@ def _whose(suite):
 
 def command_of(does, feature, impl=None):
     """Returns "make DOES-STEM IMPL=mine"; in a pack for students the workbook is meant without a word."""
+    command = f"make {does}-{feature.stem}"
     if impl is None:
-        return f"make {does}-{feature.stem}"
+        return command
     own = os.path.basename(os.path.normpath(impl)) == "workbook" and is_handed_out(feature.reference)
-    return f"make {does}-{feature.stem}" + ("" if own else f" IMPL={shlex.quote(impl)}")
+    return command + ("" if own else f" IMPL={shlex.quote(impl)}")
 
 
 def problems(suites):
@@ -210,6 +211,9 @@ def text(suites, impl, colours=False, brief=False):
             # A folder of submissions is the grader's: the student has another.
             own = impl if suite.is_own else None
             lines.append(f"      draw it: {command_of('draw', suite.feature, own)}")
+            if own and os.path.isdir(own):
+                begin = command_of("start", suite.feature, own).replace(f"-{suite.feature.stem}", "", 1)
+                lines.append(f"      next: {begin}")
     if len(suites) > 1:
         lines.append(f"in all {total(suites)} points")
     return "\n".join(lines) + "\n"
@@ -248,7 +252,7 @@ def _next(suite, suites):
 
 def table(suites, impl):
     """One line for each assignment: the student's progress."""
-    name = "total, " + name_of(impl)
+    name = f"total ({name_of(impl)})"
     width = 2 + max(len(name), *(len(suite.feature.folder) for suite in suites))
     lines = [f"{'assignment':<{width}}{'claims':>10}{'points':>14}  next"]
     for suite in suites:
