@@ -28,8 +28,8 @@ import grade  # noqa: E402
 from grading import sandbox  # noqa: E402
 from grading import results  # noqa: E402
 from grading import verdicts  # noqa: E402
-from grading.assignments import (Feature, ScoredTest, ToolError, Unit, check_impl,  # noqa: E402
-                                 read_features, read_points)
+from grading.assignments import (DEDUCTION, Feature, ScoredTest, ToolError, Unit,  # noqa: E402
+                                 cause_of, check_impl, read_features, read_points)
 from grading.starters import is_handed_out, starter_of  # noqa: E402
 from workbook import make_workbook  # noqa: E402
 from by_address import by_address  # noqa: E402
@@ -668,6 +668,27 @@ def hanging_does_not_last(toolchain, folder):
           "what fails for the same reason is told together", text)
 
 
+def who_hangs_loses_nothing_twice(folder):
+    late = verdicts.Verdict(False, "did not end", seconds=10)
+    late.timed_out = True
+    tests = [ScoredTest("held", 0, "#"), ScoredTest("hangs", 20, "#"), ScoredTest("slow", 10, "#")]
+    suite = make_suite(folder, "late", unit(""), tests)
+    suite.verdicts = {"held": late, "hangs": late, "slow": verdicts.Verdict(True, seconds=5)}
+    check((suite.points(), suite.limit_of_next_test(10)[0]) == (10, 2),
+          "at home a claim that hangs costs no points beside its own, and others are waited for 2 s",
+          (suite.points(), suite.limit_of_next_test(10)))
+    suite.is_own = False
+    check((suite.points(), suite.limit_of_next_test(10)[0]) == (10 - DEDUCTION, 10),
+          "a grader gives what may be right its time, and counts all",
+          (suite.points(), suite.limit_of_next_test(10)))
+
+
+def a_moved_folder_is_told(folder):
+    gone = FileNotFoundError(2, "No such file or directory", "x")
+    check("moved" in cause_of(gone, os.path.join(folder, "before")) and cause_of(gone, folder).startswith("x:"),
+          "a file that is missing because the folder was moved is no surprise", cause_of(gone, folder))
+
+
 def grade_class(place, out, *more):
     """Returns the exit status, what was said, and the rows of class.csv by name."""
     status, said = run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
@@ -948,6 +969,8 @@ def main():
         a_students_report_names_no_folder_of_the_grader(folder)
         who_fills_memory_slowly_is_told(toolchain, folder)
         hanging_does_not_last(toolchain, folder)
+        who_hangs_loses_nothing_twice(folder)
+        a_moved_folder_is_told(folder)
         the_editors_files_name_what_there_is(folder)
         who_ends_the_grader_is_named(folder)
         a_class_is_graded(folder)
