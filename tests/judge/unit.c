@@ -46,8 +46,8 @@ void *rk_unit_room(const void *contents, size_t bytes)
         __asan_unpoison_memory_region(unit.rooms + begin, bytes);
     if (contents)
         memcpy(unit.rooms + begin, contents, bytes);
-    else
-        memset(unit.rooms + begin, 0xa5, bytes);
+    else /* NaN as floats: what is not written is not taken for a small number */
+        memset(unit.rooms + begin, 0xff, bytes);
     return unit.rooms + begin;
 }
 
