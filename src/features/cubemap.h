@@ -28,12 +28,12 @@ typedef struct rk_cube_place {
     float u, v; /* in [0, 1], to the right and upwards */
 } rk_cube_place;
 
-/* Returns the place where a direction of any length hits the cube. On an edge x comes before y
- * before z, so (1, -1, -1) is on +x. The zero vector and NaN have no direction, but give a valid
+/* Returns the place where a direction of any finite length hits the cube. On an edge x comes before
+ * y before z, so (1, -1, -1) is on +x. The zero vector and NaN have no direction, but give a valid
  * place. */
 rk_cube_place rk_cubemap_place(rk_vec3 direction);
 
-/* Returns the map's colour in a direction of any length. The map must not be empty. */
+/* Returns the map's colour in a direction of any finite length. The map must not be empty. */
 rk_vec3 rk_cubemap_at(const rk_cubemap *map, rk_vec3 direction, rk_cubemap_filter filter);
 
 /* Returns a texel's solid angle, in steradians, the same on every face; over all six faces they sum
