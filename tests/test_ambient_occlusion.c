@@ -312,11 +312,24 @@ static void both_maps_estimate_the_same_integrals(void **state)
 /* The basis' own error, 8 units of 2^-24, for each of three terms, and their sum. */
 static const double rotation_rounding = 32 * 0x1p-24;
 
+/* The memory of what is to be filled in holds NaN at first. */
+static rk_vec3 direction_of(const rk_ambient_frame *frame, rk_vec3 local)
+{
+    rk_vec3 got = {NAN, NAN, NAN};
+    bool above = rk_ambient_direction(frame, local, &got);
+    rk_check(!isnan(got.x) && !isnan(got.y) && !isnan(got.z),
+             "the local direction (%.9g, %.9g, %.9g), reported %s the face: got (%g, %g, %g), and "
+             "its memory holds NaN before the call: the direction is to be filled in, above the "
+             "face or not",
+             (double)local.x, (double)local.y, (double)local.z, above ? "above" : "not above",
+             (double)got.x, (double)got.y, (double)got.z);
+    return got;
+}
+
 static void check_rotated(rk_vec3 normal, rk_vec3 local)
 {
     rk_ambient_frame frame = rk_ambient_frame_of(normal, normal);
-    rk_vec3 got = {NAN, NAN, NAN};
-    rk_ambient_direction(&frame, local, &got);
+    rk_vec3 got = direction_of(&frame, local);
     rk_dvec3 d = rk_widen(got);
     rk_check_near(rk_dlength(d), 1, rotation_rounding,
                   "normal (%.9g, %.9g, %.9g): length of the direction", (double)normal.x,
@@ -355,12 +368,11 @@ static void the_frame_is_a_rotation(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 10000; i++) {
-        rk_vec3 normal = noise_direction(9, i), a, b, c;
+        rk_vec3 normal = noise_direction(9, i);
         rk_ambient_frame frame = rk_ambient_frame_of(normal, normal);
         rk_vec3 p = noise_local(10, i), q = noise_local(11, i), r = noise_local(12, i);
-        rk_ambient_direction(&frame, p, &a);
-        rk_ambient_direction(&frame, q, &b);
-        rk_ambient_direction(&frame, r, &c);
+        rk_vec3 a = direction_of(&frame, p), b = direction_of(&frame, q),
+                c = direction_of(&frame, r);
         rk_check_near(rk_dot(a, b), rk_dot(p, q), 4 * rotation_rounding,
                       "the cosine between two directions");
         rk_check_near(rk_dot(rk_cross(a, b), c), rk_dot(rk_cross(p, q), r), 8 * rotation_rounding,
@@ -374,8 +386,8 @@ static void the_frame_is_a_rotation(void **state)
         static const char *const names[] = {"x and u", "y and v", "z and normal"};
         rk_ambient_frame turned = {frame.v, rk_negate(frame.u), normal, face};
         for (int k = 0; k < 3; k++) {
-            rk_ambient_direction(&frame, rk_vec(k == 0, k == 1, k == 2), &a);
-            rk_ambient_direction(&turned, rk_vec(k == 0, k == 1, k == 2), &b);
+            a = direction_of(&frame, rk_vec(k == 0, k == 1, k == 2));
+            b = direction_of(&turned, rk_vec(k == 0, k == 1, k == 2));
             rk_check_near(rk_length(rk_sub(a, axis[k])), 0, rotation_rounding,
                           "the distance between the direction of the local axis and the frame's: "
                           "%s",
@@ -422,6 +434,7 @@ static void directions_into_the_surface_are_reported_and_filled_in(void **state)
         if (rk_dot(normal, face) < 0)
             face = rk_negate(face);
         rk_ambient_frame frame = rk_ambient_frame_of(normal, face);
+        direction_of(&frame, local);
         bool above_face = rk_ambient_direction(&frame, local, &got);
         double height = rk_ddot(rk_widen(got), rk_widen(face));
         /* Three products and two sums of numbers up to 1. */
@@ -548,6 +561,11 @@ static void colour_intensity_and_visibility_multiply_per_channel(void **state)
     rk_check_close(got.z, 0.5625, 1e-6, "blue: 3 x 0.75 x 1 / 4");
     got = rk_ambient_radiance(rk_vec(0.5f, 0.5f, 0.5f), 64, rk_vec(1, 1, 1), 1);
     rk_check_close(got.x, 32, 1e-5, "bright light, of intensity 64");
+    got = rk_ambient_radiance(rk_vec(1, 1, 1), 1, rk_vec(1.5f, 0.5f, 1.5f), 1);
+    rk_check_near_or(got.x, 1.5, 1e-6,
+                     RK_MISTAKES({1, "the mean of the weights is clamped to 1, but weights of the "
+                                     "uniform map go up to 2"}),
+                     "one sample of the weight 1.5");
     for (int e = -100; e <= 40; e++) {
         got = rk_ambient_radiance(rk_vec(0.5f, 0.25f, 0.75f), ldexpf(1, e), rk_vec(2, 1, 4), 4);
         check_scaled(got, e, "light of the intensity 2^%d on a surface of (0.5, 0.25, 0.75)");

@@ -117,6 +117,26 @@ static void opposite_normals_have_complementary_colours(void **state)
 
 /* --- Triangles -------------------------------------------------------------------------------- */
 
+/* Facing each way along each axis, and with each of the corners first. */
+static void check_triangles_along_axes(void)
+{
+    const rk_vec3 axes[] = {{1, 0, 0}, {0, 1, 0}, {0, 0, 1}};
+    for (int i = 0; i < 18; i++) {
+        int axis = i % 3, first = i / 3 % 3;
+        bool backward = i >= 9;
+        rk_vec3 u = axes[(axis + 1) % 3], v = axes[(axis + 2) % 3];
+        const rk_vec3 corner[] = {{0, 0, 0}, backward ? v : u, backward ? u : v};
+        rk_vec3 a = corner[first], b = corner[(first + 1) % 3], c = corner[(first + 2) % 3];
+        char hint[120];
+        snprintf(hint, sizeof hint,
+                 "the triangle (%g, %g, %g), (%g, %g, %g), (%g, %g, %g), which faces along %s%c",
+                 (double)a.x, (double)a.y, (double)a.z, (double)b.x, (double)b.y, (double)b.z,
+                 (double)c.x, (double)c.y, (double)c.z, backward ? "-" : "", "xyz"[axis]);
+        rk_vec3 none = {0, 0, 0}, want = backward ? rk_sub(none, axes[axis]) : axes[axis];
+        check_vec3(rk_normals_of_triangle(a, b, c), want, 0, hint);
+    }
+}
+
 static void a_triangle_along_two_axes_has_the_third_as_its_normal(void **state)
 {
     (void)state;
@@ -132,6 +152,7 @@ static void a_triangle_along_two_axes_has_the_third_as_its_normal(void **state)
                  "the triangle (0, 0, 0), (2, 0, 0), (0, 3, 0) once more");
     check_normal(rk_vec(2, 3, 0), x, y, rk_vec(0, 0, -1),
                  "the triangle (2, 3, 0), (2, 0, 0), (0, 3, 0)");
+    check_triangles_along_axes();
 }
 
 static void a_moved_triangle_has_the_same_normal(void **state)

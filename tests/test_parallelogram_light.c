@@ -426,6 +426,17 @@ static void a_square_above_the_point_has_the_textbook_form_factor(void **state)
     rk_check_close(got, want / 2, 1e-7, "pi times the form factor; all of it is above the horizon");
 }
 
+/* A wall from the horizon up is what is seen of a wall through the horizon. */
+static void check_wall_on_the_horizon(void)
+{
+    const rk_vec3 o = {0, 0, 0}, up = {0, 0, 1};
+    rk_light standing = make_parallelogram(rk_vec(1, -1, 0), rk_vec(0, 2, 0), rk_vec(0, 0, 1));
+    rk_light through = make_parallelogram(rk_vec(1, -1, -1), rk_vec(0, 2, 0), rk_vec(0, 0, 2));
+    rk_check_near(rk_light_irradiance(&standing, o, up), rk_light_irradiance(&through, o, up), 1e-6,
+                  "a light that stands on the horizon, against one that goes on below it: two "
+                  "corners are exactly on the horizon, n . p = 0, and clipping keeps them");
+}
+
 static void a_light_all_around_gives_pi_and_half_of_it_half(void **state)
 {
     (void)state;
@@ -438,6 +449,7 @@ static void a_light_all_around_gives_pi_and_half_of_it_half(void **state)
                    "for a wall, the half below its horizon is cut off");
     rk_check_close(rk_light_irradiance(&sky, rk_vec(0, 0, 0), rk_vec(0, 0, -1)), 0, 0,
                    "behind the surface there is no light");
+    check_wall_on_the_horizon();
     for (int i = 0; i < 25; i++) { /* on corners, edges, inside and outside */
         rk_vec3 on = rk_vec(1e6f * (float)(i % 5 - 2), 1e6f * (float)(i / 5 - 2), 1);
         for (int k = 0; k < 3; k++)
@@ -1227,6 +1239,8 @@ static void no_light_and_no_point_give_nan(void **state)
 
 /* --- The ratio estimator --------------------------------------------------------------------- */
 
+static const char *const channels[] = {"red", "green", "blue"};
+
 static void the_ratio_is_exact_where_nothing_or_everything_is_occluded(void **state)
 {
     (void)state;
@@ -1236,6 +1250,16 @@ static void the_ratio_is_exact_where_nothing_or_everything_is_occluded(void **st
                "none is unoccluded");
     check_vec3(rk_light_ratio(unshadowed, rk_scale(all, 0.25f), all), rk_scale(unshadowed, 0.25f),
                0, "a quarter");
+    for (int k = 0; k < 3; k++) {
+        rk_vec3 one = rk_vec(k == 0, k == 1, k == 2);
+        char hint[120];
+        snprintf(hint, sizeof hint,
+                 "all samples are unoccluded in %s, and none in the others: each channel has its "
+                 "own fraction",
+                 channels[k]);
+        check_vec3(rk_light_ratio(unshadowed, rk_mul(all, one), all), rk_mul(unshadowed, one), 0,
+                   hint);
+    }
     for (uint32_t i = 0; i < 1000; i++) {
         /* From 1e-37 to 1e37, where a product of two leaves the range of a float. */
         float e = powf(10, 37 * (2 * noise(75, i, 0) - 1)),
@@ -1256,10 +1280,14 @@ static void a_channel_without_light_has_the_ratio_0(void **state)
                rk_vec(0.5f, 0, 0), 0, "each channel is divided separately, and 0 / 0 is 0");
     for (int i = 0; i < 8; i++) { /* red, green and blue are there or not */
         rk_vec3 some = rk_vec((float)(i & 1), (float)(i / 2 & 1), (float)(i / 4));
+        char hint[120];
+        snprintf(hint, sizeof hint,
+                 "there is%s red,%s green and%s blue light: a channel has its own ratio, and a "
+                 "black one leaves the others alone",
+                 i & 1 ? "" : " no", i & 2 ? "" : " no", i & 4 ? "" : " no");
         check_vec3(rk_light_ratio(rk_vec(3, 5, 7), rk_mul(some, rk_vec(1, 1, 6)),
                                   rk_mul(some, rk_vec(2, 4, 8))),
-                   rk_mul(some, rk_vec(1.5f, 1.25f, 5.25f)), 0,
-                   "a channel has its own ratio, and a black one leaves the others alone");
+                   rk_mul(some, rk_vec(1.5f, 1.25f, 5.25f)), 0, hint);
     }
 }
 

@@ -342,12 +342,31 @@ static void the_list_does_not_depend_on_the_order_of_insertion(void **state)
 
 /* --- View rays -------------------------------------------------------------------------------- */
 
+/* The memory of what is to be written holds NaN at first. */
+static void weigh(const rk_crossing *crossings, uint32_t count, float *weights,
+                  float *transmittance)
+{
+    for (uint32_t k = 0; k < count; k++)
+        weights[k] = NAN;
+    *transmittance = NAN;
+    rk_transparency_weights(crossings, count, weights, transmittance);
+    for (uint32_t k = 0; k < count; k++)
+        rk_check(!isnan(weights[k]),
+                 "weight %u of %u is NaN, which its memory holds before the call: is each weight "
+                 "written, also of a surface of alpha 0, and of those behind an opaque one?",
+                 k, count);
+    rk_check(!isnan(*transmittance),
+             "the transmittance of %u surfaces is NaN, which its memory holds before the call: is "
+             "it written?",
+             count);
+}
+
 static void one_surface_weighs_alpha_and_transmits_the_rest(void **state)
 {
     (void)state;
     rk_crossing crossing = pane(1, 0.25f, red);
     float weight, transmittance;
-    rk_transparency_weights(&crossing, 1, &weight, &transmittance);
+    weigh(&crossing, 1, &weight, &transmittance);
     rk_check_near_or(
         weight, 0.25, 0,
         RK_MISTAKES({0.75, "alpha is taken for what is transmitted, 1 - alpha"},
@@ -363,7 +382,7 @@ static void weights_are_alpha_times_the_transmittance_before(void **state)
                                      pane(4, 0.75f, red)};
     const float want[] = {0.5f, 0.125f, 0, 0.28125f};
     float weights[4], transmittance;
-    rk_transparency_weights(crossings, 4, weights, &transmittance);
+    weigh(crossings, 4, weights, &transmittance);
     for (int k = 0; k < 4; k++)
         rk_check(weights[k] == want[k], "pane %d: got %g, want %g: alpha_k prod (1 - alpha_j)", k,
                  (double)weights[k], (double)want[k]);
@@ -395,14 +414,41 @@ static void weights_are_alpha_times_the_transmittance_before(void **state)
     }
 }
 
+/* Many surfaces of alpha 0 and of alpha 1, and others. */
+static void check_clear_and_opaque(uint32_t trial)
+{
+    rk_crossing crossings[8];
+    float weights[8], transmittance;
+    uint32_t count = 1 + trial % 8;
+    double behind = 1;
+    for (uint32_t k = 0; k < count; k++) {
+        uint32_t kind = rk_hash(trial, k, 44, 0) % 4;
+        float alpha = kind < 2 ? (float)kind : rk_unit_float(rk_hash(trial, k, 45, 0));
+        crossings[k] = pane((float)(k + 1), alpha, white);
+    }
+    weigh(crossings, count, weights, &transmittance);
+    for (uint32_t k = 0; k < count; k++) {
+        double want = (double)crossings[k].alpha * behind;
+        /* Two roundings per surface. */
+        rk_check_near(weights[k], want, 2 * (k + 1) * want * 0x1p-24,
+                      "weight of surface %u of %u, of alpha %g, behind surfaces that transmit %g",
+                      k, count, (double)crossings[k].alpha, behind);
+        behind *= 1 - (double)crossings[k].alpha;
+    }
+}
+
 static void nothing_is_seen_behind_an_opaque_surface(void **state)
 {
     (void)state;
-    const rk_crossing crossings[] = {pane(1, 0.5f, red), pane(2, 1, red)};
-    float weights[2], transmittance;
-    rk_transparency_weights(crossings, 2, weights, &transmittance);
+    const rk_crossing crossings[] = {pane(1, 0.5f, red), pane(2, 1, red), pane(3, 0.5f, red)};
+    float weights[3], transmittance;
+    weigh(crossings, 2, weights, &transmittance);
     rk_check_close(weights[1], 0.5, 0, "opaque: all of the remaining transmittance");
     rk_check_close(transmittance, 0, 0, "nothing is transmitted");
+    weigh(crossings, 3, weights, &transmittance);
+    rk_check_close(weights[2], 0, 0, "behind an opaque surface: 0, and written, too");
+    for (uint32_t trial = 0; trial < 400; trial++)
+        check_clear_and_opaque(trial);
 }
 
 static void without_crossings_the_transmittance_is_1(void **state)
@@ -925,10 +971,27 @@ static void optical_depth(const rk_crossing *crossings, uint32_t count, double *
     }
 }
 
+/* A block in another one. */
+static void check_two_media(uint32_t a, uint32_t b)
+{
+    const rk_crossing faces[] = {face(0.125f, a, true, sigma), face(0.25f, b, true, sigma),
+                                 face(0.5f, b, false, sigma), face(0.875f, a, false, sigma)};
+    char hint[160];
+    snprintf(hint, sizeof hint,
+             "a block of medium %u in a block of medium %u: two media, which absorb by 0.25 and by "
+             "0.75 units; all 32 bits of their numbers tell them apart",
+             b, a);
+    check_thickness(faces, 4, 1, 0.25 + 0.75, hint);
+}
+
 /* Faces at random places, many at the same, of few media or of one for each. */
 static void each_part_of_a_ray_absorbs_by_the_media_around_it(void **state)
 {
     (void)state;
+    for (int bit = 1; bit < 32; bit++) {
+        check_two_media(1, 1 + (1u << bit));
+        check_two_media(0, 1u << bit);
+    }
     for (uint32_t trial = 0; trial < 1000; trial++) {
         bool is_long = trial % 100 == 0;
         uint32_t count = is_long ? RK_CROSSINGS_MAX : 1 + rk_hash(trial, 0, 24, 0) % 12;

@@ -327,10 +327,23 @@ static double cheapest_children(const rk_bvh *bvh, uint32_t node, uint32_t child
     return best;
 }
 
+static void check_box(const rk_wide_bvh *wide, const rk_bvh *bvh)
+{
+    for (int i = 0; i < 2 && bvh->node_count > 0; i++) {
+        rk_vec3 got = wide->box.corner[i], want = bvh->nodes[0].box.corner[i];
+        rk_check(got.x == want.x && got.y == want.y && got.z == want.z,
+                 "the wide tree's box, wide->box: its %s corner is (%.9g, %.9g, %.9g), want (%.9g, "
+                 "%.9g, %.9g), the one of the binary tree's root, around all of its triangles",
+                 i ? "upper" : "lower", (double)got.x, (double)got.y, (double)got.z, (double)want.x,
+                 (double)want.y, (double)want.z);
+    }
+}
+
 /* `name` has a printf format for the number of triangles. */
 static void check_cost(const rk_bvh *bvh, const char *name)
 {
     rk_wide_bvh wide = collapse(bvh);
+    check_box(&wide, bvh);
     double want = cheapest_child(bvh, 0), got = cost_of(&wide), area = rk_box_area(wide.box);
     if (children_of(&wide.nodes[0]) == 1) /* a leaf as the root's child costs the root, too */
         want += area;
@@ -582,9 +595,78 @@ static void check_rays(int queries)
     rk_mesh_free(&large);
 }
 
+/* Components are whole numbers. */
+static rk_vec3 whole3(uint32_t a, uint32_t b, float size)
+{
+    rk_vec3 v = rk_scale(noise3(a, b), size);
+    return rk_vec(rintf(v.x), rintf(v.y), rintf(v.z));
+}
+
+/* From 1 to `size` + 1, with these signs. */
+static rk_vec3 whole_steps(uint32_t a, uint32_t b, float size, rk_vec3 signs)
+{
+    return rk_mul(rk_add(rk_abs3(whole3(a, b, size)), rk_vec(1, 1, 1)), signs);
+}
+
+/* The first corner is one of the box, which spreads from there with these signs. */
+static rk_mesh make_corner(uint32_t i, rk_vec3 signs)
+{
+    rk_mesh mesh = make_mesh(1);
+    mesh.positions[0] = whole3(81, i, 1000);
+    for (uint32_t k = 1; k < 3; k++)
+        mesh.positions[k] = rk_add(mesh.positions[0], whole_steps(81 + k, i, 50, signs));
+    return mesh;
+}
+
+static const char *name_of_corner_ray(const rk_ray *ray, rk_vec3 corner)
+{
+    static char name[320];
+    snprintf(
+        name, sizeof name,
+        "a ray from (%g, %g, %g) along (%g, %g, %g), which only touches the box, in its corner "
+        "(%g, %g, %g): is a near side times inverse_near, and a far one times inverse_far?",
+        (double)ray->origin.x, (double)ray->origin.y, (double)ray->origin.z,
+        (double)ray->direction.x, (double)ray->direction.y, (double)ray->direction.z,
+        (double)corner.x, (double)corner.y, (double)corner.z);
+    return name;
+}
+
+/* Returns whether the ray hits the triangle. It enters the box along one axis where it leaves it
+ * along another, so nothing but the widening of the slabs keeps it from being lost to rounding. */
+static bool check_corner_ray(uint32_t i, int queries)
+{
+    const rk_vec3 spreads[] = {{1, -1, 0}, {0, 1, -1}, {-1, 0, 1}, {1, -1, 1}};
+    const rk_vec3 signs = {i & 1 ? -1.0f : 1, i & 2 ? -1.0f : 1, i & 4 ? -1.0f : 1};
+    rk_mesh mesh = make_corner(i, rk_mul(spreads[i / 8 % 4], signs));
+    rk_vec3 corner = mesh.positions[0], along = whole_steps(84, i, 96, signs);
+    float steps = (float)(1 + i % 7);
+    rk_ray ray = {rk_madd(corner, along, -steps), along, i & 32 ? steps : INFINITY};
+    rk_wide_bvh wide = build(&mesh);
+    rk_hit want = closest_by_brute_force(&mesh, &ray);
+    const char *name = name_of_corner_ray(&ray, corner);
+    rk_counters counters = {0};
+    if (queries & CLOSEST)
+        check_hit(rk_wide_bvh_closest(&wide, &ray, &counters), want, name);
+    if (queries & OCCLUSION)
+        check_occlusion(&wide, &mesh, &ray, &want, name);
+    rk_wide_bvh_free(&wide);
+    rk_mesh_free(&mesh);
+    return want.triangle == 0 && want.t == steps;
+}
+
+static void check_corner_rays(int queries)
+{
+    enum { rays = 500 };
+    int hits = 0;
+    for (uint32_t i = 0; i < rays; i++)
+        hits += check_corner_ray(i, queries);
+    rk_check(hits > rays * 9 / 10, "%d of %d rays hit a corner: this test cannot tell", hits, rays);
+}
+
 static void rays_find_the_same_hits_as_brute_force(void **state)
 {
     (void)state;
+    check_corner_rays(CLOSEST);
     check_rays(CLOSEST);
     check_slivers();
 }
@@ -712,7 +794,8 @@ static void check_boxes_at_t_max(void)
     check_hit(rk_wide_bvh_closest(&wide, &ray, &counters), closest_by_brute_force(&mesh, &ray),
               name);
     rk_check(rk_wide_bvh_occluded(&wide, &ray, &counters),
-             "%s: is it occluded? got no, want yes: a hit at t_max counts", name);
+             "%s: is it occluded? got no, want yes: a hit at t = t_max counts, 0 < t <= t_max",
+             name);
     rk_wide_bvh_free(&wide);
     rk_mesh_free(&mesh);
 }
@@ -720,6 +803,7 @@ static void check_boxes_at_t_max(void)
 static void rays_are_occluded_where_brute_force_hits(void **state)
 {
     (void)state;
+    check_corner_rays(OCCLUSION);
     check_rays(OCCLUSION);
     for (int turns = 0; turns < 3; turns++)
         check_grid(turns, OCCLUSION);
@@ -737,9 +821,10 @@ static void hits_count_up_to_t_max_and_not_behind_the_origin(void **state)
                           0.25f * (float)(reach + 1)};
             rk_hit want = closest_by_brute_force(&mesh, &ray);
             check_hit(rk_wide_bvh_closest(&wide, &ray, &counters), want, "a ray between walls");
-            rk_check(rk_wide_bvh_occluded(&wide, &ray, &counters) == (want.triangle != RK_MISS),
-                     "from z = %g to %g: is it occluded?", (double)ray.origin.z,
-                     (double)(ray.origin.z + ray.t_max));
+            char name[80];
+            snprintf(name, sizeof name, "a ray along z between walls, from z = %g",
+                     (double)ray.origin.z);
+            check_occlusion(&wide, &mesh, &ray, &want, name);
         }
     rk_wide_bvh_free(&wide);
     rk_mesh_free(&mesh);
