@@ -685,7 +685,8 @@ def who_hangs_loses_nothing_twice(folder):
 
 def a_moved_folder_is_told(folder):
     gone = FileNotFoundError(2, "No such file or directory", "x")
-    check("moved" in cause_of(gone, os.path.join(folder, "before")) and cause_of(gone, folder).startswith("x:"),
+    check("moved" in cause_of(gone, os.path.join(folder, "before"))
+          and cause_of(gone, folder).startswith("x:"),
           "a file that is missing because the folder was moved is no surprise", cause_of(gone, folder))
 
 
