@@ -2,11 +2,15 @@
 #ifndef RK_TESTS_JUDGE_HOOKS_H
 #define RK_TESTS_JUDGE_HOOKS_H
 
-/* Before any call of the unit: maps the memory that the environment's RAYKIT_JUDGE names. */
-void rk_judge_connect(void) __attribute__((weak));
+#include <stdbool.h>
 
-/* A predictor's work ends with the test's function, or with a failed claim. */
-void rk_judge_end_of_test(void) __attribute__((weak));
+/* Before any call of the unit: maps the memory that the environment's RAYKIT_JUDGE names, for this
+ * test. */
+void rk_judge_connect(const char *test) __attribute__((weak));
+
+/* A predictor's work ends with the test's function, or with a failed claim. Returns whether the
+ * test goes on though a claim failed. */
+bool rk_judge_end_of_test(void) __attribute__((weak));
 
 /* Before memory is freed, or moved. */
 void rk_judge_forget(const void *memory) __attribute__((weak));

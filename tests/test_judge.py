@@ -4,6 +4,7 @@ answers. Speaks TAP, for make check-judge; runs in a build folder."""
 
 import os
 import shutil
+import subprocess
 import sys
 import tempfile
 
@@ -17,10 +18,12 @@ from grading import build, bubblewrap, judged, sandbox  # noqa: E402
 from grading.assignments import read_features  # noqa: E402
 from grading.starters import starter_of  # noqa: E402
 import grade  # noqa: E402
+import judge_calls  # noqa: E402
 
 FEATURES = read_features(SOURCE)
 APART = [stem for stem in FEATURES
          if os.path.exists(os.path.join(SOURCE, "tests", "judge", stem + ".calls"))]
+FIRST_AHEAD = 200  # calls before which no predictor begins: DIRECT_FIRST of tests/judge/judge.c
 CALLED = "rk_vec3 rk_normals_colour(rk_vec3 n)\n{\n"  # by every second claim of normals
 
 
@@ -61,6 +64,40 @@ def every_suite_can_be_judged_apart_or_says_why():
     told = f"{count} claims, worth {worth} of {100 * len(FEATURES):,} points"
     check(told in read(SOURCE, "docs", "tools.md") and f"of {count} claims" in read(SOURCE, "README.md"),
           "the texts say how many claims are not judged apart", told)
+
+
+def _traced(stem, test, folder, disturbed):
+    """Returns count and hash of the requests of each function that the test asks."""
+    path = os.path.join(folder, "trace")
+    environment = {**os.environ, "RAYKIT_TRACE": path, "RAYKIT_DISTURB": str(disturbed)}
+    ended = subprocess.run([f"impl/judge/{stem}-trace", "--only", test], env=environment, check=False,
+                           stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
+    if not os.path.exists(path):
+        return None, ended.returncode
+    with open(path, encoding="ascii") as file:
+        lines = [line.split() for line in file]
+    os.remove(path)
+    return {int(function): (int(count), hash_) for function, count, hash_ in lines}, 0
+
+
+def requests_tell_no_answers(folder):
+    """What is published ahead is the same if the answers are others: those that its line does not name."""
+    for stem in APART:
+        headers = judge_calls.headers_of(SOURCE, stem)
+        differ = []
+        for test in (test.name for test in grade.read_points(FEATURES[stem])):
+            if test in judged.claims_together(build.Toolchain("."), stem):
+                continue
+            right, _ = _traced(stem, test, folder, 0)
+            ahead = {function: headers.after(function) for function, (_, claims) in headers.ahead.items()
+                     if function in right and test not in claims}
+            if sum(count for count, _ in right.values()) < FIRST_AHEAD:
+                continue
+            for after in set(ahead.values()):
+                other, status = _traced(stem, test, folder, ~after & (1 << 64) - 1)
+                differ += [(test, headers.functions[function][1], status) for function in ahead
+                           if ahead[function] == after and (other or {}).get(function) != right[function]]
+        check(not differ, f"{stem}: no answer can be read in a request that is published ahead", str(differ))
 
 
 def right_units_pass_apart(grader):
@@ -163,6 +200,7 @@ def main():
     folder = tempfile.mkdtemp(prefix="raykit-judge-")
     try:
         every_suite_can_be_judged_apart_or_says_why()
+        requests_tell_no_answers(folder)
         grader = Grader(folder)
         right_units_pass_apart(grader)
         starters_and_mistakes_get_the_same_verdicts(grader)

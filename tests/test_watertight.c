@@ -502,7 +502,7 @@ static void check_steep_corners(void)
         for (int k = 0; k < 4; k++) {
             const whole3 face[3] = {corner[faces[k][0]], corner[faces[k][1]], corner[faces[k][2]]};
             rk_triangle triangle = float_triangle(face, 0, 0);
-            rk_hit hit;
+            rk_hit hit = {0};
             sum += rk_watertight_cross(&triangle, &ray, &hit);
         }
         rk_check(
@@ -540,7 +540,7 @@ static void a_closed_surface_is_entered_as_often_as_left(void **state)
         int entered = 0, left = 0;
         for (uint32_t k = 0; k < count; k++) {
             rk_triangle triangle = float_triangle(ball[k], 0, k);
-            rk_hit hit;
+            rk_hit hit = {0};
             int side = rk_watertight_cross(&triangle, &ray, &hit);
             entered += side > 0, left += side < 0;
         }
@@ -564,7 +564,7 @@ static void a_closed_surface_is_entered_as_often_as_left(void **state)
 
 static void check_miss(rk_triangle triangle, rk_ray ray, const char *hint)
 {
-    rk_hit hit;
+    rk_hit hit = {0};
     rk_check(rk_watertight_intersect(&triangle, &ray).triangle == RK_MISS, "%s: a miss", hint);
     rk_check(rk_watertight_cross(&triangle, &ray, &hit) == 0, "%s: no crossing", hint);
 }

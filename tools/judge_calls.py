@@ -5,6 +5,7 @@ Prototypes and structures are read from the kit's headers. What these do not say
 tests/judge/STEM.calls, a line for each pointer that is more than one constant value:
 
     FUNCTION PARAMETER in|out|inout [NUMBER]  so many values: an expression in C with the other parameters
+    FUNCTION PARAMETER added                  counts that the call adds to, whatever they are
     FUNCTION PARAMETER rows NUMBER of LENGTH  pointers to so many rows, which may be NULL
     FUNCTION PARAMETER kept                   a structure with pointers that many calls read
     FUNCTION PARAMETER made MEMBER NUMBER, .. a structure that the call allocates; its pointers, and at most
@@ -13,6 +14,10 @@ tests/judge/STEM.calls, a line for each pointer that is more than one constant v
     FUNCTION together                         no judge can call it
     STRUCTURE MEMBER in NUMBER                a pointer within a structure, with its other members
     STRUCTURE MEMBER none                     one that is NULL for the unit
+    ahead FUNCTION [after FUNCTION..] [but CLAIM..]
+                                              no answers can be read in its requests, except those of the
+                                              functions after which they come: so they may be published
+                                              before the answers are known; not in these claims
     include NAME                              the lines of tests/judge/NAME.shared
     together CLAIM                            what needs unit and suite in one process, and why: # ...
 
@@ -30,7 +35,7 @@ _INCLUDE = re.compile(r'^#include "([^"]+)"', re.MULTILINE)
 _INLINE = re.compile(r"^(?:__attribute__\(\(\w+\)\) )?static inline.*?^\}", re.DOTALL | re.MULTILINE)
 _VALUE = re.compile(r"((?:const |unsigned )*\w+)( |[ *]*\*(?:const \*)?)(\w+)(?:\[(.*)\])?")
 _ROWS = re.compile(r"(\w+) ?\(\*(\w+)\)\[\w+\]")  # a pointer to arrays
-_WAYS = ("in", "out", "inout", "rows", "kept", "made", "none")
+_WAYS = ("in", "out", "inout", "added", "rows", "kept", "made", "none")
 
 
 class CallsError(Exception):
@@ -98,6 +103,7 @@ class Headers:
 
     def __init__(self, source, name):
         self._source, self._seen, self.structures = source, set(), {}
+        self.ahead = {}  # functions, with those that their requests depend on, and exceptions
         self.returned, self.together = {}, set()  # parameters that functions return pointers into
         text = _INLINE.sub("", self._read(name))
         self.functions = [(kind.strip(), function, _parameters(parameters))
@@ -128,6 +134,9 @@ class Headers:
                 if words[0] == "include":
                     self.apply(os.path.join(os.path.dirname(path), words[1] + ".shared"))
                     continue
+                if words[0] == "ahead":
+                    self._apply_ahead(" ".join(words[1:]), f"{path}:{number}")
+                    continue
                 if words[1:2] == ["returns"]:
                     self.returned[words[0]] = words[2]
                     continue
@@ -140,6 +149,24 @@ class Headers:
                                      f"none of {', '.join(_WAYS)}")
                 value.way = words[2]
                 value.number, _, value.row = ("".join(words[3:]).strip()).partition(" of ")
+
+    def _apply_ahead(self, text, where):
+        text, _, claims = text.partition(" but ")
+        function, _, after = text.partition(" after ")
+        numbers = {name: number for number, (_, name, _) in enumerate(self.functions)}
+        unknown = [name for name in [function, *after.split()] if name not in numbers]
+        if unknown:
+            raise CallsError(f"{where}: there is no function {unknown[0]}")
+        self.ahead[numbers[function]] = [numbers[name] for name in after.split()], claims.split()
+
+    def after(self, number):
+        """Returns a bit for each function whose answers may be read in requests of this one."""
+        if number not in self.ahead:
+            return (1 << 64) - 1
+        taken = {value.type for value in self.functions[number][2]}
+        made = [maker for maker, (_, _, values) in enumerate(self.functions)
+                if any(value.way == "made" and value.type in taken for value in values)]
+        return sum(1 << other for other in {*self.ahead[number][0], *made})
 
     def finish(self, path):
         """Checks that all is said, and numbers what is kept."""
@@ -178,7 +205,7 @@ class Headers:
                 ordered.append(name)
 
         for kind, _, values in self.functions:
-            for name in (kind, *(value.type for value in values)):
+            for name in (kind, *(value.type for value in values if value.way != "added")):
                 visit(name.removeprefix("const ").rstrip(" *"))
         return ordered
 
@@ -235,7 +262,7 @@ def _put_pointer(headers, value):
             yield f"            {pointer.replace(name + '->', 'part.')} = (void *)1;"
             yield f"            pieces[count++] = (rk_judge_piece){{{pointer}, {size}}};\n        }}"
         yield f"        rk_judge_put_kept({value.slot}, pieces, count);"
-    elif value.way not in ("out", "made"):
+    elif value.way not in ("out", "made", "added"):
         yield from _put(headers, value.type, name, value.count(), "rk_judge_put_array")
         for _, pointer, size in headers.pointers(value):
             yield f"    rk_judge_put_array({pointer}, {size});"
@@ -269,8 +296,20 @@ def _bytes_of_answer(kind, outs, made):
     return " + ".join(parts + ([f"sizeof({kind}) + 16"] if kind != "void" else []))
 
 
-def _stub(headers, number, kind, name, values):
+def _disturbed(headers, kind, name, outs, arguments):
+    """The reference's answer, made wrong: to see what depends on it."""
+    yield f"        {kind + ' result = ' if kind != 'void' else ''}rk_reference_{name}({arguments});"
+    for out in outs:
+        yield f"        if ({out.name})"
+        yield f"            rk_judge_disturb({out.name}, {out.count()} * sizeof *{out.name});"
+    if kind != "void" and name not in headers.returned:
+        yield "        rk_judge_disturb(&result, sizeof result);"
+    yield "        return;\n    }" if kind == "void" else "        return result;\n    }"
+
+
+def _stub(headers, number, kind, name, values, disturbs):
     outs = [value for value in values if value.is_out()]
+    added = [value for value in values if value.way == "added"]
     made = [value for value in values if value.way == "made"]
     declared = ", ".join(value.declaration() for value in values) or "void"
     arguments = ", ".join(value.name for value in values)
@@ -287,12 +326,20 @@ def _stub(headers, number, kind, name, values):
     for value in values:
         if value.is_pointer():
             yield from _put_pointer(headers, value)
-    yield f"    if (rk_judge_predicts({_bytes_of_answer(kind, outs, made)})) {{"
-    yield f"        {'return ' if kind != 'void' else ''}rk_reference_{name}({arguments});"
-    yield "        return;\n    }" if kind == "void" else "    }"
+    yield f"    if (rk_judge_predicts({_bytes_of_answer(kind, outs + added, made)})) {{"
+    if disturbs:
+        yield from _disturbed(headers, kind, name, outs, arguments)
+    else:
+        yield f"        {'return ' if kind != 'void' else ''}rk_reference_{name}({arguments});"
+        yield "        return;\n    }" if kind == "void" else "    }"
     for out in outs:
         yield f"    if ({out.name}) {{"
         yield from _get(headers, out.type, out.name, out.count())
+        yield "    }"
+    for value in added:
+        yield f"    if ({value.name}) {{\n        {value.type} got;\n        rk_judge_get(&got, sizeof got);"
+        yield from (f"        {value.name}->{member.name} += got.{member.name};"
+                    for member in headers.structures[value.type])
         yield "    }"
     for value in made:
         yield f"    if ({value.name}) {{"
@@ -311,12 +358,28 @@ def _stub(headers, number, kind, name, values):
     yield "}\n" if kind == "void" else "    return result;\n}\n"
 
 
-def judge(headers):
+def _ahead(headers):
+    yield "const uint64_t rk_judge_after[RK_JUDGE_FUNCTIONS] = {"
+    for number, (_, name, _) in enumerate(headers.functions):
+        after = headers.after(number)
+        yield f"    UINT64_C({after:#x}), /* {name} */"
+    yield "};\n\nconst rk_judge_exception rk_judge_exceptions[] = {"
+    for number, (_, claims) in headers.ahead.items():
+        yield from (f'    {{{number}, "{claim}"}},' for claim in claims)
+    yield "    {0, NULL},\n};\n"
+
+
+def judge(headers, disturbs=False):
     yield '#include "judge/judge.h"\n'
+    yield from _ahead(headers)
     for name in headers.structures_used():
         yield from _copier(headers, name)
     for number, (kind, name, values) in enumerate(headers.functions):
-        yield from _stub(headers, number, kind, name, values)
+        yield from _stub(headers, number, kind, name, values, disturbs)
+
+
+def trace(headers):
+    return judge(headers, True)
 
 
 # --- The unit's side ----------------------------------------------------------------------------------
@@ -334,6 +397,12 @@ def _take_pointer(headers, value):
     if value.way == "kept":
         yield (f"    const {kind} *{name} = rk_unit_takes() ? "
                f"rk_unit_take_kept(sizeof *{name}, open_{kind}) : NULL;")
+        return
+    if value.way == "added":  # not from 0: a call that sets counts, or narrows them, is found out
+        yield f"    static const {kind} before_{name} = {{"
+        yield from (f"        .{member.name} = UINT64_C({number}00000000007),"
+                    for number, member in enumerate(headers.structures[kind], 1) if member.type == "uint64_t")
+        yield f"    }};\n    {kind} *{name} = rk_unit_takes() ? rk_unit_room(&before_{name}, {size}) : NULL;"
         return
     if value.way == "made":
         yield f"    bool has_{name} = rk_unit_takes();\n    {kind} made_{name};"
@@ -391,6 +460,13 @@ def _server(headers, kind, name, values):
             yield f"    if ({value.name})"
             yield f"        rk_unit_give({value.name}, {value.count()} * sizeof(*{value.name}));"
     for value in values:
+        if value.way == "added":
+            name = value.name
+            yield f"    if ({name}) {{\n        {value.type} added = *{name};"
+            yield from (f"        added.{member.name} -= before_{name}.{member.name};"
+                        for member in headers.structures[value.type])
+            yield "        rk_unit_give(&added, sizeof added);\n    }"
+    for value in values:
         if value.way == "made":
             yield from _give_made(value)
     if name in headers.returned:
@@ -414,19 +490,25 @@ def unit(headers):
     yield "};"
 
 
+def headers_of(source, stem):
+    """Returns what a feature's header and its file of calls say."""
+    headers = Headers(source, f"features/{stem}.h")
+    calls = os.path.join(source, "tests", "judge", stem + ".calls")
+    headers.apply(calls)
+    headers.finish(calls)
+    return headers
+
+
 def main():
     parser = argparse.ArgumentParser(description=__doc__.split("\n\n", maxsplit=1)[0])
     parser.add_argument("stem", metavar="STEM", help="the feature")
-    parser.add_argument("side", choices=("judge", "unit"))
+    parser.add_argument("side", choices=("judge", "trace", "unit"))
     parser.add_argument("--source", default=".", metavar="DIR", help="the kit's top folder (default: here)")
     arguments = parser.parse_args()
     stem, header = arguments.stem, f"features/{arguments.stem}.h"
     try:
-        headers = Headers(arguments.source, header)
-        calls = os.path.join(arguments.source, "tests", "judge", stem + ".calls")
-        headers.apply(calls)
-        headers.finish(calls)
-        text = "\n".join({"judge": judge, "unit": unit}[arguments.side](headers))
+        headers = headers_of(arguments.source, stem)
+        text = "\n".join({"judge": judge, "trace": trace, "unit": unit}[arguments.side](headers))
     except (CallsError, OSError) as error:
         print(f"judge_calls: {error}", file=sys.stderr)
         return 1

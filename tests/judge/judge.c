@@ -21,14 +21,17 @@
 #endif
 
 enum {
-    LAP_BYTES = 4 << 20,
-    LAP_REQUESTS = 1 << 13,
+    LAP_BYTES = 16 << 20,
+    LAP_REQUESTS = 1 << 17,
     SLOTS = 2 * LAP_REQUESTS,
     BATCH_MIN = 32, /* requests that a predictor makes at least, once one was wrong */
-    BATCH_MAX = 1 << 11,
+    BATCH_MAX = 1 << 14,
+    MAPPED_BYTES = 1 << 20,
+    AHEAD_MAX = 1 << 14,   /* requests of a predictor that has to leave others out */
     JUDGED_PREDICTORS = 4, /* after so many it is seen whether they are worth it: */
     USED_MIN = 400,        /* to begin one costs as much as some 100 calls without one */
-    DIRECT_MIN = 64,       /* calls without a predictor, if they are not */
+    DIRECT_FIRST = 200,    /* calls without a predictor: at the beginning, */
+    DIRECT_MIN = 64,       /* and where predictors are not worth it */
     DIRECT_MAX = 1 << 20,
 };
 
@@ -44,8 +47,11 @@ static struct {
     uint32_t known;          /* requests so far, as this process knows them */
     size_t end;              /* their end */
     size_t objects;          /* bytes of this lap that are objects */
-    size_t next;             /* where the next one is expected */
+    size_t learnt;           /* those before it are in the table below */
     bool lap_is_over;
+    uint64_t after[RK_JUDGE_FUNCTIONS]; /* as rk_judge_after, in this test */
+    uint64_t given; /* a bit for each function of which the predictor used the reference's answer */
+    bool leaves_out; /* requests that would tell one */
 } judge;
 
 static struct {
@@ -61,7 +67,8 @@ static struct {
 static struct slot {
     uint32_t lap, hash, place;
 } slots[SLOTS];
-static uint32_t taken_in[LAP_REQUESTS]; /* the lap in which each was taken */
+static size_t next_of[RK_JUDGE_FUNCTIONS]; /* where that of a function is expected */
+static uint32_t taken_in[LAP_REQUESTS];    /* the lap in which each was taken */
 
 struct rk_judge_call rk_judge_call;
 
@@ -174,6 +181,13 @@ static void wait_for_answer(uint32_t number)
 
 /* --- Laps ------------------------------------------------------------------------------------ */
 
+static void begin_at_front(void)
+{
+    judge.end = judge.learnt = RK_JUDGE_FIRST;
+    for (int i = 0; i < RK_JUDGE_FUNCTIONS; i++)
+        next_of[i] = RK_JUDGE_FIRST;
+}
+
 /* The judge begins first, when it is past all that a predictor will then overwrite. */
 static void begin_lap(void)
 {
@@ -182,7 +196,7 @@ static void begin_lap(void)
     if (!judge.predicts)
         judge.asked->lap = judge.lap;
     judge.lap_begin = judge.known;
-    judge.end = judge.next = RK_JUDGE_FIRST;
+    begin_at_front();
     judge.objects = 0;
     judge.lap_is_over = false;
 }
@@ -444,24 +458,48 @@ static void learn(size_t place)
     slots[i] = (struct slot){judge.lap, hash, (uint32_t)place};
 }
 
-/* Looks at what the predictor has published. */
 static void learn_all(void)
 {
-    uint32_t published = atomic_load_explicit(&judge.asked->published, memory_order_acquire);
-    while (judge.known != published && !judge.lap_is_over) {
-        const rk_judge_request *head = request_at(judge.end);
-        judge.lap_is_over = head->function == RK_JUDGE_FROM_FRONT;
-        if (head->function == RK_JUDGE_KEEP)
-            remember(id_at(judge.end), head->span);
-        else if (!judge.lap_is_over && is_open(judge.end))
-            learn(judge.end);
-        judge.end += head->span;
-        judge.known++;
+    for (; judge.learnt != judge.end; judge.learnt += request_at(judge.learnt)->span)
+        if (request_at(judge.learnt)->function >= 0 && is_open(judge.learnt))
+            learn(judge.learnt);
+}
+
+/* Looks at the next request that the predictor has published; false if there is none. */
+static bool look_at_next(void)
+{
+    if (judge.lap_is_over ||
+        judge.known == atomic_load_explicit(&judge.asked->published, memory_order_acquire))
+        return false;
+    const rk_judge_request *head = request_at(judge.end);
+    judge.known++;
+    judge.end += head->span;
+    judge.lap_is_over = head->function == RK_JUDGE_FROM_FRONT;
+    if (head->function == RK_JUDGE_KEEP)
+        remember(id_at(judge.end - head->span), head->span);
+    return !judge.lap_is_over;
+}
+
+/* In most cases it is the next one of its function. */
+static bool find_in_order(const rk_judge_request *head, size_t *place)
+{
+    size_t *next = &next_of[head->function];
+    for (;;) {
+        if (*next == judge.end && !look_at_next())
+            return false;
+        const rk_judge_request *request = request_at(*next);
+        *place = *next;
+        if (request->function == head->function && is_open(*next))
+            return is_same(request, head);
+        *next += request->span;
     }
 }
 
 static bool find_learnt(const rk_judge_request *head, size_t *place)
 {
+    while (look_at_next()) {
+    }
+    learn_all();
     uint32_t hash = hash_of(head);
     for (uint32_t i = hash % SLOTS; slots[i].lap == judge.lap; i = (i + 1) % SLOTS)
         if (slots[i].hash == hash && is_open(slots[i].place) &&
@@ -472,53 +510,36 @@ static bool find_learnt(const rk_judge_request *head, size_t *place)
     return false;
 }
 
-static void pass_objects(uint32_t published)
-{
-    while (judge.next < judge.end && request_at(judge.next)->function == RK_JUDGE_KEEP)
-        judge.next += request_at(judge.next)->span;
-    while (judge.next == judge.end && judge.known != published && !judge.lap_is_over &&
-           request_at(judge.end)->function == RK_JUDGE_KEEP) {
-        remember(id_at(judge.end), request_at(judge.end)->span);
-        judge.end += request_at(judge.end)->span;
-        judge.next = judge.end;
-        judge.known++;
-    }
-}
-
-/* Finds a request that was published, and that no call has taken. In most cases it is the next. */
+/* Finds a request that was published, and that no call has taken. */
 static bool find(const rk_judge_request *head, size_t *place)
 {
-    uint32_t published = atomic_load_explicit(&judge.asked->published, memory_order_acquire);
-    pass_objects(published);
-    *place = judge.next;
-    if (judge.next == judge.end && judge.known != published && !judge.lap_is_over) {
-        bool is_over = request_at(judge.end)->function == RK_JUDGE_FROM_FRONT;
-        if (is_over) {
-            judge.known++;
-            begin_lap();
-            rk_judge_wake(&judge.asked->lap, &judge.asked->predictor_waits);
-            return find(head, place);
-        }
-        if (is_same(request_at(judge.end), head)) { /* nobody has to learn it */
-            judge.end += request_at(judge.end)->span;
-            judge.known++;
-            return true;
-        }
-    } else if (judge.next < judge.end && is_open(judge.next) &&
-               is_same(request_at(judge.next), head))
+    if (find_in_order(head, place))
         return true;
-    learn_all();
-    return find_learnt(head, place);
+    if (judge.lap_is_over && judge.asked->predicted < judge.calls) { /* it waits to go on */
+        begin_lap();
+        rk_judge_wake(&judge.asked->lap, &judge.asked->predictor_waits);
+        return find(head, place);
+    }
+    return next_of[head->function] != judge.end && find_learnt(head, place);
 }
 
 static void take(size_t place)
 {
     taken_in[request_at(place)->number - judge.lap_begin] = judge.lap;
-    judge.next = place + request_at(place)->span;
     rk_judge_call.answer = judge.answered_memory + place;
 }
 
 /* --- The predictor --------------------------------------------------------------------------- */
+
+/* Of pages that a fork has not mapped, each one would be a fault. */
+static void map_what_comes(void)
+{
+#if defined(MADV_POPULATE_WRITE) && defined(MADV_POPULATE_READ)
+    size_t page = (size_t)sysconf(_SC_PAGESIZE), begin = judge.end / page * page;
+    madvise(judge.asked_memory + begin, MAPPED_BYTES, MADV_POPULATE_WRITE);
+    madvise((unsigned char *)judge.answered_memory + begin, MAPPED_BYTES, MADV_POPULATE_READ);
+#endif
+}
 
 /* Its output is not the judge's, and neither are its verdicts. */
 static void become_predictor(void)
@@ -528,6 +549,7 @@ static void become_predictor(void)
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
     judge.predicts = true;
+    map_what_comes();
 }
 
 static void begin_prediction(void)
@@ -580,7 +602,8 @@ static void stop_predictor(void)
 static void end_prediction(void)
 {
     stop_predictor();
-    learn_all();
+    while (look_at_next()) {
+    }
     wait_for_answer(judge.known - 1);
     predictor.asked += judge.known - predictor.begin;
     weigh_predictors();
@@ -607,18 +630,32 @@ static void look_at_predictor(void)
         rk_judge_wait(&judge.asked->published, published, &judge.asked->is_waiting);
 }
 
+/* The unit's process could read in a request what the reference answered before. */
+static bool would_tell_an_answer(const rk_judge_request *head)
+{
+    return (judge.after[head->function] & judge.given) != 0;
+}
+
 /* In the predictor: true where the reference is to be called. */
 static bool predict(rk_judge_request *head)
 {
     size_t place;
     bool is_known = find(head, &place);
-    if (!is_known) {
+    if (is_known)
+        take(place);
+    else if (would_tell_an_answer(head))
+        judge.leaves_out = true;
+    else {
         publish_request(head);
-        place = judge.end - head->span;
+        take(judge.end - head->span);
     }
-    take(place);
     atomic_store_explicit(&judge.asked->predicted, judge.calls, memory_order_release);
-    return !is_known || !is_answered(request_at(place)->number);
+    if (judge.leaves_out && judge.known - predictor.begin >= AHEAD_MAX)
+        _exit(0); /* the next one knows the answers of these */
+    bool is_answer_known = is_known && is_answered(request_at(place)->number);
+    if (!is_answer_known)
+        judge.given |= UINT64_C(1) << head->function;
+    return !is_answer_known;
 }
 
 bool rk_judge_predicts(size_t bytes_max)
@@ -637,7 +674,6 @@ bool rk_judge_predicts(size_t bytes_max)
         else {
             predictor.direct--;
             publish_request(head);
-            judge.next = judge.end - head->span;
         }
     }
     if (judge.predicts)
@@ -677,7 +713,7 @@ void rk_judge_get_allocations(void)
 
 /* RAYKIT_JUDGE names three descriptors: of both memories, and of the pipe. The unit's process gets
  * the first as well, but can write to it no more. */
-void rk_judge_connect(void)
+void rk_judge_connect(const char *test)
 {
     int asked, answered;
     const char *value = getenv("RAYKIT_JUDGE");
@@ -695,17 +731,22 @@ void rk_judge_connect(void)
     }
     judge.asked = (rk_judge_asked *)judge.asked_memory;
     judge.answered = (const rk_judge_answered *)judge.answered_memory;
-    judge.end = judge.next = RK_JUDGE_FIRST;
+    begin_at_front();
     judge.asked->lap = judge.lap = 1; /* 0 is that of slots without a request */
     predictor.batch = BATCH_MAX;
+    predictor.direct = DIRECT_FIRST;
     predictor.direct_most = DIRECT_MIN;
+    memcpy(judge.after, rk_judge_after, sizeof judge.after);
+    for (const rk_judge_exception *it = rk_judge_exceptions; it->test; it++)
+        if (strcmp(it->test, test) == 0)
+            judge.after[it->function] = UINT64_MAX;
 }
 
 /* The predictor's work ends here. */
-void rk_judge_end_of_test(void)
+bool rk_judge_end_of_test(void)
 {
     if (!judge.predicts)
-        return;
+        return false;
     wake_readers();
     _exit(0);
 }

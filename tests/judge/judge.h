@@ -7,7 +7,12 @@
  * requests that come of it. The judge takes the answers of those that turn out to be its own. One
  * that was not predicted depends on an answer that is not the reference's; then another predictor
  * begins there, and takes the unit's answers where they are known. So it needs one for each step of
- * a chain of calls, not for each call. */
+ * a chain of calls, not for each call.
+ *
+ * The unit's process can read what is published. So a request in which the reference's answers
+ * could be read is not published ahead: it waits until the unit has given these answers itself.
+ * Which requests depend on no answers is said in the files of calls, and checked
+ * (tests/judge/trace.c). */
 #ifndef RK_TESTS_JUDGE_H
 #define RK_TESTS_JUDGE_H
 
@@ -74,9 +79,22 @@ typedef struct rk_judge_piece {
  * kept. The pieces hold until the call has been answered. */
 void rk_judge_put_kept(int slot, const rk_judge_piece *pieces, size_t count);
 
+/* For each function a bit for each one whose answers can be read in its requests (all, unless the
+ * file of calls says less), and the tests in which it is all nevertheless; the last has none. */
+enum { RK_JUDGE_FUNCTIONS = 64 };
+typedef struct rk_judge_exception {
+    int function;
+    const char *test;
+} rk_judge_exception;
+extern const uint64_t rk_judge_after[RK_JUDGE_FUNCTIONS];
+extern const rk_judge_exception rk_judge_exceptions[];
+
 /* Ends the request, and waits for its answer of at most so many bytes; true in the predictor,
  * where the reference gives the results instead. */
 bool rk_judge_predicts(size_t bytes_max);
+
+/* In a trace (trace.c): makes an answer wrong. */
+void rk_judge_disturb(void *data, size_t bytes);
 
 /* Takes the next value of the answer. */
 static inline void rk_judge_get(void *data, size_t bytes)
