@@ -127,7 +127,7 @@ static void check_triangles_along_axes(void)
         rk_vec3 u = axes[(axis + 1) % 3], v = axes[(axis + 2) % 3];
         const rk_vec3 corner[] = {{0, 0, 0}, backward ? v : u, backward ? u : v};
         rk_vec3 a = corner[first], b = corner[(first + 1) % 3], c = corner[(first + 2) % 3];
-        char hint[120];
+        char hint[300];
         snprintf(hint, sizeof hint,
                  "the triangle (%g, %g, %g), (%g, %g, %g), (%g, %g, %g), which faces along %s%c",
                  (double)a.x, (double)a.y, (double)a.z, (double)b.x, (double)b.y, (double)b.z,
