@@ -49,7 +49,7 @@ def _sentence(units, impl):
     work, own, others = os.path.realpath(impl), {}, set()
     for unit in units:
         if unit.is_reference:
-            others.add("left open" if is_left_open(unit.path) else "reference")
+            others.add("not asked for yet" if is_left_open(unit.path) else "the kit's")
         else:
             is_named = os.path.realpath(unit.path).startswith(work)
             author = os.path.basename(os.path.normpath(impl)) if is_named else "workbook"

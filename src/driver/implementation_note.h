@@ -2,7 +2,7 @@
 #ifndef RK_DRIVER_IMPLEMENTATION_NOTE_H
 #define RK_DRIVER_IMPLEMENTATION_NOTE_H
 
-/* Empty if all units are the kit's own; else "units: mine (bvh_median), others: reference". It is
+/* Empty if all units are the kit's own; else "units: mine (bvh_median), others: the kit's". It is
  * in an object file of its own, which drivers that are linked with other units replace. */
 extern const char rk_implementation_note[];
 

@@ -441,8 +441,10 @@ function drive.draw()
   for _, jobs in ipairs(by_turns) do count = count + drive.runs * #jobs end -- or more rounds
   local progress = drive.progress(count)
   if #beside > 0 then run_jobs(beside, math.min(processors, most_beside), progress) end
+  if #alone > 0 or #by_turns > 0 then drive.say("measuring times, one command after the other") end
   if #alone > 0 then run_jobs(alone, 1, progress) end
   for _, jobs in ipairs(by_turns) do measure_by_turns(jobs, progress) end
+  if count > 0 then drive.say("all is drawn; making the pages") end
 end
 
 -- One configuration's times: those measured by turns, or of one run.
