@@ -122,7 +122,10 @@ def solved_until(path, step, decides=min):
         elif kind == "common":
             text.append(line)
         elif line.strip() == "end */":
-            text += solution if decides(_steps_named("".join(starter))) <= step else starter
+            named = _steps_named("".join(starter))
+            if not named:
+                raise RegionError(f"{path}: a starter names no step; begin its comment with \"First step: ...\"")
+            text += solution if decides(named) <= step else starter
             solution, starter = [], []
     return "".join(text)
 
