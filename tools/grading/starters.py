@@ -124,7 +124,8 @@ def solved_until(path, step, decides=min):
         elif line.strip() == "end */":
             named = _steps_named("".join(starter))
             if not named:
-                raise RegionError(f"{path}: a starter names no step; begin its comment with \"First step: ...\"")
+                raise RegionError(f"{path}: a starter names no step; "
+                                  "begin its comment with \"First step: ...\"")
             text += solution if decides(named) <= step else starter
             solution, starter = [], []
     return "".join(text)
