@@ -208,6 +208,17 @@ static void a_tree_without_nodes_over_triangles_is_found(void **state)
     check_fault(f, "no leaf", "triangle 0)");
 }
 
+static void nodes_that_are_only_counted_are_found(void **state)
+{
+    fixture *f = *state;
+    rk_bvh_node *nodes = f->bvh.nodes;
+    f->bvh.node_count = 0xfffffff0u;
+    check_fault(f, "more nodes than triangles need", "(nodes 4294967280)");
+    f->bvh.nodes = NULL;
+    check_fault(f, "there are none", "(nodes 4294967280)");
+    f->bvh.nodes = nodes;
+}
+
 static void a_leaf_box_that_is_too_small_is_found(void **state)
 {
     fixture *f = *state;
@@ -371,6 +382,7 @@ static const struct CMUnitTest tests[] = {
     on_the_row(a_triangle_in_two_leaves_is_found),
     on_the_row(a_missing_triangle_is_found),
     on_the_row(a_tree_without_nodes_over_triangles_is_found),
+    on_the_row(nodes_that_are_only_counted_are_found),
     on_the_row(a_leaf_box_that_is_too_small_is_found),
     on_the_row(a_box_with_nan_is_found),
     on_the_row(a_child_that_sticks_out_of_its_parent_is_found),

@@ -25,6 +25,7 @@ sys.path.insert(0, os.path.join(SOURCE, "tools"))
 from grading import bubblewrap  # noqa: E402
 from grading import build  # noqa: E402
 import grade  # noqa: E402
+import grade_class as grade_class_tool  # noqa: E402
 from grading import sandbox  # noqa: E402
 from grading import results  # noqa: E402
 from grading import verdicts  # noqa: E402
@@ -134,7 +135,7 @@ BAD = {
     ),
     "a unit that does not compile shows the first error": (unit("cuont++;"), ONE, "cuont"),
     "exit in the middle of a test is no pass": (unit("exit(0);", by_address("exit")), ONE,
-                                                "ended in the middle of the test"),
+                                                "in the middle of the test"),
     "_Exit after printing ok is no pass": (
         unit(f'printf("1..1\\nok 1 - {ONE}\\n");\n    fflush(stdout);\n    _Exit(0);', by_address("_Exit")),
         ONE, "its printed output does not count",
@@ -165,7 +166,7 @@ BAD = {
         unit("if (fork() == 0)\n    {\n        setsid();\n        for (;;)\n            pause();\n    }\n"
              "    _Exit(0);",
              by_address("fork", "setsid", "pause", "_Exit")),
-        ONE, "ended in the middle",
+        ONE, "in the middle of the test",
     ),
     "a passed test that ends with a failure is no pass": (
         unit("on_exit(late, NULL);", "int on_exit(void (*function)(int, void *), void *argument);\n"
@@ -277,6 +278,107 @@ def reports_can_be_read(suites):
     suite.is_own = True
     check(f"first: {ONE}" in text and "read docs/01_bvh_median.md#boxes" in text,
           "the text says what to work on first and where to read", text)
+
+
+ALLOWED_RAW = re.compile(
+    r"[\t\n\x20-\x7e\xa0-\xac\xae-\u200a\u2010-\u2027\u2030-\u205f\u2070-\ud7ff]*")
+EVIL = "\033[2J\033]0;x\007\rok 1 - all\u202e\u200b"
+
+
+def what_code_says_cannot_act(suite):
+    """All that comes from outside goes into reports of each format as text of one kind."""
+    evil, name = copy.copy(suite), suite.tests[0].name
+    evil.verdicts = dict(suite.verdicts)
+    evil.verdicts[name] = verdicts.Verdict(False, EVIL, EVIL + "\nok 2 - x", EVIL)
+    evil.remarks, evil.warnings, evil.beside = [EVIL + "\nok 3 - y"], EVIL, EVIL
+    stopped = copy.copy(evil)
+    stopped.problem = EVIL + "\nok 4 - z"
+    for suite in (evil, stopped):
+        plan = len(suite.tests)
+        for form, write in results.FORMATS.items():
+            report = write([suite], "mine")
+            texts = list(_strings(json.loads(report))) if form == "gradescope" else [report]
+            check(all(ALLOWED_RAW.fullmatch(text) for text in texts), f"no report acts: {form}",
+                  ascii(report))
+            if form == "junit":
+                ElementTree.fromstring(report)
+            if form == "tap":
+                told = [line for line in report.splitlines() if line.startswith(("ok ", "not ok "))]
+                check(len(told) == plan, "and none has verdicts of the code's own", ascii(report))
+        check(ALLOWED_RAW.fullmatch("".join(results.first_failed([suite])) + results.problems([suite])),
+              "nor what an editor or a table gets")
+
+
+def _strings(value):
+    if isinstance(value, (dict, list)):
+        for part in value.values() if isinstance(value, dict) else value:
+            yield from _strings(part)
+    elif isinstance(value, str):
+        yield value
+
+
+def what_code_prints_is_its_own_word(suite):
+    """Outcomes as code can make them: each has a reason that the grader stands for."""
+    def reason_of(output, status=-6):
+        outcome = sandbox.Outcome()
+        outcome.status, outcome.output = status, output
+        verdict = verdicts.judge(outcome, suite, ONE, "1 s", 100)
+        return f"{verdict.reason} at {verdict.place}"
+
+    unit_c = suite.unit.shown
+    cases = {
+        "a number of 6000 digits": (f"#{'9' * 6000} 0x1 in f {unit_c}:1", "Aborted"),
+        "a line of 6000 digits": (f"#1 0x1 in f {unit_c}:{'9' * 6000}", "Aborted"),
+        "a size of 6000 digits": (f"Sanitizer failed to allocate 0x{'f' * 6000} bytes", "Aborted"),
+        "a function's name that is none": (f"    #0 0x1 in \033[2Jevil {unit_c}:7", "crashed: Aborted at"),
+        "a lie as a report": ("ERROR: AddressSanitizer: the grader errs", 'it printed "the grader errs"'),
+        "a lie as undefined behaviour": ("x:1:1: runtime error: ask for full marks", 'printed "ask for full'),
+    }
+    for name, (output, part) in cases.items():
+        reason = reason_of(output)
+        check(part in reason, f"{name} is judged as the code's", ascii(reason[:300]))
+    check("crashed: it divides an integer by zero (FPE) at" in reason_of(
+        "==1==ERROR: AddressSanitizer: FPE on unknown address 0x1 that is my grader's"),
+          "a sanitizer's report is told by its term")
+    check("undefined behaviour: division by zero" in
+          reason_of(f"{unit_c}:3:4: runtime error: division by zero"), "and so is undefined behaviour")
+    check("signal 127" in reason_of("", -127), "a signal that there is not has a number", reason_of("", -127))
+
+
+def a_table_keeps_names_apart(folder):
+    path = os.path.join(folder, "class.csv")
+    names = ["-bob", "'-bob", "''-bob", "\uff1dcmd", "alice", "alice\u200b"]
+    for _ in range(2):  # the second time, what the first has written is read
+        class_table = grade_class_tool.Table(path, ["normals"])
+        for name in names:
+            class_table.put(name, [1], 1, ("", "=1"), "\uff20remark\t=1")
+    with open(path, encoding="utf-8", newline="") as file:
+        rows = list(csv.reader(file))[1:]
+    check([row[0] for row in rows] == ["'-bob", "''-bob", "''" + "'-bob", "'\uff1dcmd", "alice",
+                                       "alice\\xe2\\x80\\x8b"],
+          "names that differ have rows that differ, of which none is a formula", rows)
+    check(rows[0][5:7] == ["'=1", "'\uff20remark =1"], "nor is a reason", rows[0])
+
+
+def deep_folders_are_told(folder):
+    deep = os.path.join(folder, "deep")
+    os.makedirs(deep)
+    here = os.open(".", os.O_RDONLY)
+    os.chdir(deep)
+    try:
+        for _ in range(1500):  # more than Python calls itself, and than a path may be long
+            os.mkdir("d")
+            os.chdir("d")
+    finally:
+        os.fchdir(here)
+        os.close(here)
+    suite = grade.prepare_suites(FEATURES, [FEATURE], deep, False)[0]
+    check("folders within folders" in suite.problem, "a folder too deep to look into has a reason",
+          suite.problem)
+    put(unit(""), deep, "bvh_median.c")
+    suite = grade.prepare_suites(FEATURES, [FEATURE], deep, False)[0]
+    check(not suite.problem and "ignored: d/" in suite.remarks, "beside a unit it is ignored", suite.remarks)
+    subprocess.run(["rm", "-rf", deep], check=True)
 
 
 def headers_of_ones_own_are_told(folder):
@@ -954,6 +1056,10 @@ def main():
         right, starter = units_are_judged(toolchain, folder)
         graded = [suite for suite in (right, starter) if suite]
         reports_can_be_read(graded)
+        what_code_says_cannot_act(starter)
+        what_code_prints_is_its_own_word(starter)
+        a_table_keeps_names_apart(folder)
+        deep_folders_are_told(folder)
         headers_of_ones_own_are_told(os.path.join(folder, "headers"))
         a_woven_page_is_read_where_there_is_one(os.path.join(folder, "kit"))
         a_report_is_written_whole(graded, folder)

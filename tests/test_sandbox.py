@@ -13,6 +13,7 @@ import socket
 import subprocess
 import sys
 import tempfile
+import threading
 import time
 from unittest import mock
 
@@ -113,6 +114,7 @@ def nothing_is_reached(toolchain, folder):
 
 SYSTEM_CALLS = {
     "makes a process": "fork() >= 0",
+    "makes a process that shares its memory": "syscall(SYS_clone, 0x100 | 17, room + 8192, 0, 0, 0) >= 0",
     "makes a process without memory of its own": "syscall(SYS_vfork) >= 0",
     "holds memory that no file and no process has": 'syscall(SYS_memfd_create, "x", 0) >= 0',
     "makes shared memory": "syscall(SYS_shmget, 0, 4096, 01600) >= 0",
@@ -127,13 +129,19 @@ SYSTEM_CALLS = {
 def few_system_calls_are_answered(toolchain, folder):
     """Without the list, the kernel answers some of them here, and others elsewhere."""
     before = HEADERS + "#include <sys/syscall.h>\nlong syscall(long number, ...);\n" + by_address("syscall")
-    units = {name: unit(f"if ({call}) abort();", before) for name, call in SYSTEM_CALLS.items()}
+    room = "static char room[8192];\n    memset(room, 0, sizeof room);\n"
+    units = {name: unit(f"{room}    if ({call}) abort();", before) for name, call in SYSTEM_CALLS.items()}
     inside = verdicts_on(toolchain, folder, units)
     toolchain.sandbox.filter, kept = b"", toolchain.sandbox.filter
     outside = verdicts_on(toolchain, folder, units)
     toolchain.sandbox.filter = kept
     for name in units:
         check(inside[name].passed(), f"no unit {name}", said_of(inside[name]))
+    threads = "#include <threads.h>\n" + by_address("thrd_create", "thrd_join")
+    work = "static int work(void *nothing)\n{\n    return nothing != NULL;\n}"
+    make = "thrd_t one;\n    if (thrd_create(&one, work, NULL)) abort();\n    thrd_join(one, NULL);"
+    thread = verdicts_on(toolchain, folder, {"": unit(make, threads + work)})[""]
+    check(thread.passed(), "but threads are made", said_of(thread))
     answered = [name for name in units if not outside[name].passed()]
     check("makes a process" in answered and "makes shared memory" in answered and len(answered) >= 4,
           "without the list of system calls, units do", answered)
@@ -237,7 +245,8 @@ def ends_are_told(toolchain, folder):
             unit('puts("bwrap: no");\n    fflush(stdout);\n    _exit(2);', HEADERS), "exit status 2"),
         "that makes up a long reason": (unit(
             'printf("x.c:1:1: runtime error: ");\n    for (int k = 0; k < 5000; k++) putchar(\'x\');\n'
-            "    putchar('\\n');\n    fflush(stdout);\n    _exit(1);", HEADERS), "undefined behaviour: xxx"),
+            "    putchar('\\n');\n    fflush(stdout);\n    _exit(1);", HEADERS),
+            "the code ended the program, after it printed \"xxx"),
     }
     suites = verdicts_on(toolchain, folder, {name: text for name, (text, _) in cases.items()}, seconds=3)
     for name, suite in suites.items():
@@ -258,6 +267,33 @@ def ends_are_told(toolchain, folder):
         check(False, "a sandbox that cannot be made is nobody's mistake")
     except ToolError as error:
         check("no more namespaces" in str(error), "a sandbox that cannot be made is nobody's mistake", error)
+
+
+def children_of_threads_are_seen():
+    """The kernel lists a process under the thread that made it."""
+    made, done = [], threading.Event()
+
+    def make():
+        made.append(subprocess.Popen(["sleep", "60"]))
+        done.wait()
+
+    thread = threading.Thread(target=make)
+    thread.start()
+    while not made:
+        time.sleep(0.001)
+    check(made[0].pid in sandbox._children(os.getpid()), "a process that a thread has made is seen")
+    done.set()
+    thread.join()
+    made[0].kill()
+    made[0].wait()
+
+
+def who_has_nobody_to_answer_is_ended(folder):
+    began = time.monotonic()
+    outcome = sandbox.run(["sleep", "60"], seconds=30, megabytes=100, folder=folder,
+                          environment=dict(os.environ), is_needless=lambda: time.monotonic() > began + 0.1)
+    check(outcome.limit == "needless" and outcome.seconds < 20, "a unit ends when its judge has failed",
+          [outcome.limit, str(outcome.seconds)])
 
 
 def only_data_is_believed():
@@ -474,6 +510,8 @@ def main():
             check(True, f"what graded code can reach # SKIP {test_grade.NO_SANDBOX}")
         own_headers_are_there(toolchain, place())
         only_data_is_believed()
+        children_of_threads_are_seen()
+        who_has_nobody_to_answer_is_ended(place())
         what_was_left_is_removed(place())
         who_works_meanwhile_is_not_blamed(place())
         without_a_sandbox_this_is_said(place())

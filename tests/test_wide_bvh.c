@@ -170,6 +170,40 @@ static void up_to_four_triangles_are_one_block(void **state)
     }
 }
 
+static bool is_a_node_of(const rk_bvh *bvh, rk_box box)
+{
+    for (uint32_t i = 0; i < bvh->node_count; i++)
+        if (memcmp(&bvh->nodes[i].box, &box, sizeof box) == 0)
+            return true;
+    return false;
+}
+
+/* What can be said before the blocks are filled: each node and each block has one place in the
+ * tree, and each of the root's boxes is a node's of the binary tree. */
+static void check_places(const rk_wide_bvh *wide, const rk_bvh *bvh)
+{
+    uint32_t nodes = 1, blocks = 0;
+    rk_check(wide->nodes && wide->blocks, "nodes and blocks are counted, but there are none");
+    for (uint32_t i = 0; i < wide->node_count; i++)
+        for (uint32_t k = 0; k < RK_WIDE_CHILDREN; k++) {
+            uint32_t child = wide->nodes[i].child[k];
+            if (child == rk_wide_leaf(0, 0))
+                continue;
+            rk_check(i > 0 || is_a_node_of(bvh, rk_wide_box(&wide->nodes[0], k)),
+                     "the box of the root's child %u is no node's of the binary tree", k);
+            if (!(child & RK_WIDE_LEAF)) {
+                nodes++;
+                continue;
+            }
+            rk_check_equal(rk_wide_leaf_first(child) + rk_wide_leaf_count(child) <=
+                               wide->block_count,
+                           true, "a leaf points past the blocks");
+            blocks += rk_wide_leaf_count(child);
+        }
+    rk_check_equal(nodes, wide->node_count, "nodes that are the root or a child");
+    rk_check_equal(blocks, wide->block_count, "blocks in leaves");
+}
+
 /* Clusters of four triangles, far from each other. */
 static rk_mesh make_clusters(uint32_t clusters)
 {
@@ -189,6 +223,7 @@ static void eight_groups_of_four_triangles_are_one_node(void **state)
         rk_mesh mesh = make_clusters(clusters);
         rk_bvh bvh = build_binary(&mesh);
         rk_wide_bvh wide = collapse(&bvh);
+        check_places(&wide, &bvh);
         rk_check_equal(wide.node_count, 1, "up to eight leaves fit one node");
         rk_check_equal(children_of(&wide.nodes[0]), clusters, "each group is a child of the root");
         rk_check_equal(wide.block_count, clusters, "each group is one block");
@@ -479,6 +514,7 @@ static void nodes_and_blocks_are_nearly_full(void **state)
     rk_mesh mesh = make_soup(20000, 0.02f, 5);
     rk_bvh bvh = build_binary(&mesh);
     rk_wide_bvh wide = collapse(&bvh);
+    check_places(&wide, &bvh);
     double children = 0;
     for (uint32_t i = 0; i < wide.node_count; i++)
         children += children_of(&wide.nodes[i]);

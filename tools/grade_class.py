@@ -121,13 +121,14 @@ class Table:
             raise ToolError(f"{path} cannot be read ({error}); choose another folder for OUT") from error
         if rows and rows[0] != self._heading:
             raise ToolError(f"{path} has other columns ({', '.join(rows[0])}); choose another folder for OUT")
-        self._rows = {row[0]: row for row in rows[1:] if row}
+        self._rows = {results.text_of_cell(row[0]): row for row in rows[1:] if row}
 
     def put(self, name, points, most, first, remarks):
         """Adds or replaces a row, and rewrites the file."""
-        texts = [results.csv_cell(results.printable(text)) for text in (*first, remarks)]
-        name = results.csv_cell(results.name_of(name))
-        self._rows[name] = [name, *points, sum(points), most, *texts, time.strftime("%Y-%m-%d %H:%M:%S %z")]
+        name = results.name_of(name)
+        first, reason, remarks = map(results.csv_cell, (*first, remarks))
+        self._rows[name] = [results.csv_cell(name), *points, sum(points), most, first, reason, remarks,
+                            time.strftime("%Y-%m-%d %H:%M:%S %z")]
         text = io.StringIO()
         csv.writer(text, lineterminator="\n").writerows([self._heading, *self._rows.values()])
         results.write_whole(self.path, text.getvalue())
@@ -217,7 +218,7 @@ def grade_class(build_folder, stems, submissions, out, format_name):
         failed.update(claim for claim, passed in verdicts.items() if not passed)
         ungraded += not was_graded or bool(doubts)
         said = f"{results.total(suites):>12} points" if was_graded else "   " + suites[0].problem
-        print("; ".join([said, *doubts]), flush=True)
+        print(results.printable("; ".join([said, *doubts])), flush=True)
     if failed:
         print("grade-class: failed most often: " + ", ".join(f"{claim} ({count} of {judged[claim]})"
                                                              for claim, count in failed.most_common(_SHOWN)))

@@ -16,8 +16,15 @@ typedef struct validation {
     bool sound;
 } validation;
 
-static bool begin(validation *v, uint32_t node_count)
+/* A sound tree has at most two nodes per triangle. What counts more is no tree, and asks for memory
+ * that the machine may not have. */
+static bool begin(validation *v, const void *nodes, uint32_t node_count)
 {
+    if ((node_count && !nodes) || node_count / 2 > v->mesh->triangle_count + 1)
+        return rk_fail(v->error, "%s: %s (nodes %u)", v->tree,
+                       nodes ? "there are more nodes than triangles need"
+                             : "nodes are counted, but there are none",
+                       node_count);
     v->reached = rk_allocate(node_count, 1, "tree check", v->error);
     v->seen = rk_allocate(v->mesh->triangle_count, 1, "tree check", v->error);
     v->sound = v->reached && v->seen;
@@ -134,7 +141,7 @@ static void check_node(const rk_bvh_node *node, uint32_t level, void *context)
 bool rk_bvh_validate(const rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)
 {
     validation v = {.tree = "tree", .bvh = bvh, .mesh = mesh, .error = error};
-    if (begin(&v, bvh->node_count))
+    if (begin(&v, bvh->nodes, bvh->node_count))
         rk_bvh_visit(bvh, check_node, &v);
     return end(&v);
 }
@@ -192,7 +199,7 @@ bool rk_wide_bvh_validate(const rk_wide_bvh *wide, const rk_mesh *mesh, rk_error
 {
     const rk_box everything = {{{-INFINITY, -INFINITY, -INFINITY}, {INFINITY, INFINITY, INFINITY}}};
     validation v = {.tree = "wide tree", .wide = wide, .mesh = mesh, .error = error};
-    if (begin(&v, wide->node_count) && wide->node_count)
+    if (begin(&v, wide->nodes, wide->node_count) && wide->node_count)
         check_wide_node(&v, 0, &everything, 0);
     return end(&v);
 }

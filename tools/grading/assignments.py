@@ -218,10 +218,25 @@ def is_misnamed_c(name):
     return name.endswith(".C") or name.lower().endswith((".cpp", ".cc", ".cxx", ".c.txt"))
 
 
+_DEEPEST = 30  # folders in folders; Python would not come out of a thousand
+
+
+def walk(folder):
+    """os.walk without what lies too deep for a person to have put it there. Such a folder is named as a file
+    "..." in it."""
+    for where, folders, names in os.walk(folder):
+        if os.path.relpath(where, folder).count(os.sep) >= _DEEPEST and folders:
+            folders[:], names = [], [*names, _TOO_DEEP]
+        yield where, folders, names
+
+
+_TOO_DEEP = " ..."
+
+
 def _files_below(folder):
     """Returns the files below a folder as paths from there, without hidden ones, those at the top first."""
     found = []
-    for where, folders, names in os.walk(folder):
+    for where, folders, names in walk(folder):
         # macOS puts a folder of this name into archives.
         folders[:] = [name for name in folders if name[0] != "." and name != "__MACOSX"]
         found += [os.path.relpath(os.path.join(where, name), folder) for name in names if name[0] != "."]
@@ -259,7 +274,11 @@ def _place_below(feature, impl):
     """Returns the path from a folder of the only STEM.c below it, None if there is none. In a whole pack it
     is the one in the workbook."""
     name = feature.stem + ".c"
-    places = [path for path in _files_below(impl) if os.path.basename(path) == name]
+    files = _files_below(impl)
+    places = [path for path in files if os.path.basename(path) == name]
+    if not places and any(os.path.basename(path) == _TOO_DEEP for path in files):
+        raise UnitError(f"there is no {name} in the first {_DEEPEST} folders within folders; move it to the "
+                        "top of the folder")
     in_workbooks = [path for path in places if os.path.basename(os.path.dirname(path)) == "workbook"]
     chosen = in_workbooks if len(in_workbooks) == 1 else places
     if len(chosen) > 1:

@@ -3,6 +3,8 @@ write every file that the grader can. A change says nothing about who made it.""
 
 import os
 
+from grading.assignments import walk
+
 _FOLDERS = ("tools", "tests", "assignments", "src")
 _FILES = ("Makefile", "config.status", "impl/toolchain", "librktest.a", "librkbase.a")
 _ENDINGS = (".c", ".h", ".o", ".py", ".tsv", ".sh")  # an editor's own files have others
@@ -28,7 +30,7 @@ class Watch:
         paths = [os.path.join(top, name) for top in self._tops for name in _FILES]
         watched = [os.path.join(top, name) for top in self._tops for name in _FOLDERS]
         for folder in [*watched, *self._folders]:
-            for where, folders, names in os.walk(folder):
+            for where, folders, names in walk(folder):
                 paths += [os.path.join(where, name) for name in [*names, *folders]
                           if not name.startswith(".")
                           and (folder in self._folders or name.endswith(_ENDINGS))]

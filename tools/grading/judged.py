@@ -18,6 +18,9 @@ _BYTES = 256 << 20  # RK_JUDGE_BYTES of tests/judge/protocol.h
 _LEAKS = 23  # RK_JUDGE_LEAKS there
 _GET_SEALS, _SEAL_FUTURE_WRITE = 1034, 0x10  # of <linux/fcntl.h>
 _WAITS = 12  # so many times its seconds a unit's process may wait for the judge's next call
+_JUDGES_WORDS = "the process that runs the unit has ended"  # in tests/judge/judge.c
+_FOR_STUDENTS = "the code ended the program in the middle of the test: does it call exit, or _Exit?"
+_GRACE = 1  # seconds that a unit's process may need to end when its judge has failed
 _PATIENCE = 20  # seconds that a judge may work on when the unit's process has ended
 
 
@@ -64,7 +67,7 @@ class _Judge:
     def __init__(self, toolchain, stem, name, descriptors, secret):
         asked, answered, alive = descriptors
         self._ours, theirs = socket.socketpair()
-        self._secret = secret
+        self._secret, self._failed_at = secret, None
         self._ours.send(secret)
         self._said = tempfile.TemporaryFile()
         environment = dict(sandbox.bare_environment("/"), CMOCKA_MESSAGE_OUTPUT="TAP",
@@ -76,6 +79,14 @@ class _Judge:
                 pass_fds=(*descriptors, theirs.fileno()), preexec_fn=sandbox.end_with_parent)
         while not fcntl.fcntl(asked, _GET_SEALS) & _SEAL_FUTURE_WRITE and self.process.poll() is None:
             time.sleep(0.0005)
+
+    def has_failed(self):
+        """Whether it ended some time ago, so that nobody will ever ask the unit again: a judge that crashed
+        told it nothing."""
+        if self.process.poll() in (None, 0):
+            return False
+        self._failed_at = self._failed_at or time.monotonic()
+        return time.monotonic() > self._failed_at + _GRACE
 
     def finish(self):
         """Returns the exit status, whether the secret came back, what came beside it, and the output."""
@@ -113,17 +124,21 @@ def run(toolchain, stem, name, program, secret, **options):
         options["environment"] = dict(options["environment"], RAYKIT_JUDGE=f"{asked},{answered}")
         # The judge sees by the pipe that the unit's process has ended.
         outcome = sandbox.run(["unit_" + stem], program=program, descriptors=(asked, answered, held),
-                              when_begun=lambda: os.close(descriptors.pop()), patience=_WAITS, **options)
+                              when_begun=lambda: os.close(descriptors.pop()), patience=_WAITS,
+                              is_needless=judge.has_failed, **options)
         status, attested, testimony, said = judge.finish()
     finally:
         if judge:
             judge.end()
         for descriptor in descriptors:
             os.close(descriptor)
+    if outcome.limit == "needless":
+        outcome.limit, outcome.status = None, 0
     if outcome.limit or outcome.status not in (0, _LEAKS):
         return outcome
     leaks = outcome.status == _LEAKS
-    outcome.status, outcome.attested, outcome.testimony = status, attested, testimony
+    outcome.status, outcome.attested = status, attested
+    outcome.testimony = testimony.replace(_JUDGES_WORDS, _FOR_STUDENTS)
     if leaks and attested:
         outcome.testimony = "leaks"
     outcome.output = said + outcome.output

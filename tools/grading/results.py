@@ -1,6 +1,8 @@
 """Reports of graded suites: for people (text, table), for test tools (TAP, JUnit XML), and for
 Gradescope (results.json). Files are written whole or not at all."""
 
+import copy
+import functools
 import json
 import os
 import re
@@ -17,9 +19,12 @@ from grading.verdicts import printed_lines
 _DETAILS_MAX = 10000  # characters of a program's output that go into a report
 
 
-# Of all characters those that XML allows, without those that end a line or turn its direction.
-_SHOWN = ("\\x20-\\x7e\\xa0-\\u061b\\u061d-\\u200d\\u2010-\\u2027\\u202f-\\u205f\\u2070-\\ud7ff"
-          "\\ue000-\\ufefe\\uff00-\\ufffd\\U00010000-\\U000dffff\\U000e0100-\\U0010ffff")
+# Of all characters those that XML allows, without those that end a line, turn its direction, or take no room:
+# two names that look alike would be two students.
+_SHOWN = ("\\x20-\\x7e\\xa0-\\xac\\xae-\\u034e\\u0350-\\u061b\\u061d-\\u115e\\u1161-\\u17b3\\u17b6-\\u180a"
+          "\\u1810-\\u200a\\u2010-\\u2027\\u202f-\\u205f\\u2070-\\u3163\\u3165-\\ud7ff\\ue000-\\ufdff"
+          "\\ufe10-\\ufefe\\uff00-\\uff9f\\uffa1-\\uffef\\ufffc-\\ufffd\\U00010000-\\U000dffff"
+          "\\U000e1000-\\U0010ffff")
 
 
 def printable(text):
@@ -27,8 +32,34 @@ def printable(text):
     return re.sub(rf"[^\t\n{_SHOWN}]", "?", text)
 
 
+def _in_a_line(text):
+    return re.sub("[\t\n]", " ", printable(text))
+
+
+def _shown(suite):
+    """Returns a suite of which all that comes from outside can be shown: what code and its compiler print,
+    what the code tells of itself, names of files."""
+    suite = copy.copy(suite)
+    suite.problem, suite.warnings = printable(suite.problem), printable(suite.warnings)
+    suite.beside, suite.remarks = _in_a_line(suite.beside), list(map(_in_a_line, suite.remarks))
+    suite.verdicts = {name: copy.copy(verdict) for name, verdict in suite.verdicts.items()}
+    for verdict in suite.verdicts.values():
+        verdict.reason, verdict.place = printable(verdict.reason), _in_a_line(verdict.place)
+        verdict.details = printable(verdict.details)
+    return suite
+
+
+def _report(function):
+    """A function of suites that tells of them: it gets them as they can be shown."""
+    @functools.wraps(function)
+    def of_shown(suites, *arguments, **options):
+        return function([_shown(suite) for suite in suites], *arguments, **options)
+
+    return of_shown
+
+
 def _details(verdict):
-    text = printable(verdict.details)
+    text = verdict.details
     if len(text) > _DETAILS_MAX:
         text = text[:_DETAILS_MAX // 2] + "\n[...]\n" + text[-_DETAILS_MAX // 2:]
     return text
@@ -83,8 +114,9 @@ def _explained(suite, test):
     """The reason, the place and the section to read, one line each. The whole unit's reason appears once."""
     verdict = suite.verdicts[test.name]
     if suite.problem:
-        return [printable(suite.problem)] if test is suite.tests[0] else ["not run, for the reason above"]
-    lines = printable(verdict.reason).split("\n") + ([verdict.place] if verdict.place else [])
+        first = test is suite.tests[0]
+        return suite.problem.split("\n") if first else ["not run, for the reason above"]
+    lines = verdict.reason.split("\n") + ([verdict.place] if verdict.place else [])
     beside = [suite.beside] if suite.beside else []
     feature = suite.feature
     place = feature.where_to_read(test.section) if suite.is_own else feature.chapter + test.section
@@ -116,10 +148,10 @@ def _all_others(suite, failed, first):
     """All claims that failed beside the first, those with the same reason together."""
     lines, groups = ["      then:"], {}
     for test in failed:
-        groups.setdefault(printable(suite.verdicts[test.name].reason).split("\n")[0], []).append(test)
+        groups.setdefault(suite.verdicts[test.name].reason.split("\n")[0], []).append(test)
     for reason, tests in groups.items():
         lines += [f"          {test.name} ({test.points or f'costs {DEDUCTION}'})" for test in tests]
-        same = reason == printable(suite.verdicts[first.name].reason).split("\n")[0]
+        same = reason == suite.verdicts[first.name].reason.split("\n")[0]
         lines += _wrapped("for the same reason as the first" if same else reason, " " * 14)
     return lines
 
@@ -139,7 +171,7 @@ def _text_of_failures(suite, brief):
     if suite.problem:
         details = [line for line in _details(suite.verdicts[first.name]).strip().split("\n") if line]
         said = [f"          {line}" for line in _some(details, 15 if brief else 20, "and {} more lines")]
-        return [*said, *_wrapped(printable(suite.problem), " " * 6)]
+        return [*said, *_wrapped(suite.problem, " " * 6)]
     lines = (_next_ones(suite, failed[1:])
              if brief else _all_others(suite, failed[1:], first)) if failed[1:] else []
     lines.append(f"      work on this one first: {first.name} ({_worth(first)})")
@@ -156,7 +188,7 @@ def _text_of_prints(suite):
     if len(suite.claims()) != 1:
         return []
     verdict = suite.verdicts[suite.claims()[0].name]
-    printed = [printable(line)[:200] for line in printed_lines(verdict.details) if line not in verdict.reason]
+    printed = [line[:200] for line in printed_lines(verdict.details) if line not in verdict.reason]
     return ["      your code printed:",
             *(f"          {line}" for line in _some(printed, 40, "and {} more lines"))] if printed else []
 
@@ -174,6 +206,7 @@ def command_of(does, feature, impl=None):
     return command + ("" if own else f" IMPL={shlex.quote(impl)}")
 
 
+@_report
 def problems(suites):
     """Each claim that failed as a line that editors know from compilers, at its place in the suite or in the
     unit: VS Code lists them."""
@@ -183,11 +216,12 @@ def problems(suites):
             verdict = suite.verdicts[test.name]
             place = re.match(r"(\S+):(\d+)", verdict.place)
             if not verdict.passed and place:
-                reason = " ".join(printable(verdict.reason).split())
+                reason = " ".join(verdict.reason.split())
                 lines.append(f"{place[1]}:{place[2]}:1: error: {test.name}: {reason}\n")
     return "".join(lines)
 
 
+@_report
 def text(suites, impl, colours=False, brief=False):
     """In the format of `make check`: one line per suite, and the next step. What is brief fits on a
     small terminal."""
@@ -201,9 +235,9 @@ def text(suites, impl, colours=False, brief=False):
         said.append(f"{word}{suite.feature.stem:<24}{_counts(suite)}{whose}")
         said += _wrapped(_lost(suite), " " * 6) if _lost(suite) else []
         said += _steps(suite) if brief and not suite.passed() else []
-        said += [line for remark in suite.remarks for line in _wrapped(printable(remark), " " * 6)]
+        said += [line for remark in suite.remarks for line in _wrapped(remark, " " * 6)]
         said += _text_of_failures(suite, brief)
-        warnings = printable(suite.warnings).split("\n") if suite.warnings else []
+        warnings = suite.warnings.split("\n") if suite.warnings else []
         room = max(4, _SCREEN - len(said)) if brief else 60
         lines += [*_some(warnings, room,
                          f"and {{}} more lines of warnings: make check-{suite.feature.stem} ALL=1"), *said]
@@ -224,13 +258,14 @@ def total(suites):
     return f"{sum(suite.points() for suite in suites)} of {sum(suite.points_max() for suite in suites)}"
 
 
+@_report
 def first_failed(suites):
     """Returns the claim to work on first, as "STEM: NAME", and why; ("", "") where all hold."""
     for suite in suites:
         for test in suite.tests:
             verdict = suite.verdicts[test.name]
             if not verdict.passed:
-                reason = printable(verdict.reason).split("\n")[0]
+                reason = verdict.reason.split("\n")[0]
                 if not suite.problem:
                     return f"{suite.feature.stem}: {test.name}", reason
                 same = all(other.problem == suite.problem for other in suites)
@@ -243,13 +278,14 @@ def _next(suite, suites):
     points."""
     failed = [test.name for test in suite.tests if not suite.verdicts[test.name].passed]
     if suite.problem or not failed:
-        return textwrap.shorten(printable(suite.problem), 80, placeholder=" ...") or _whose(suite) or "done"
+        return textwrap.shorten(suite.problem, 80, placeholder=" ...") or _whose(suite) or "done"
     solved = {other.feature.stem for other in suites if other.passed()}
     if not suite.beside or solved.issuperset(suite.feature.needs):
         return failed[0]
     return f"{failed[0]}; {suite.beside}"
 
 
+@_report
 def table(suites, impl):
     """One line for each assignment: the student's progress."""
     name = f"total ({name_of(impl)})"
@@ -266,11 +302,12 @@ def table(suites, impl):
 # --- For machines -------------------------------------------------------------------------------
 
 
+@_report
 def tap(suites, _impl):
     """Test Anything Protocol 12."""
     lines = [f"1..{sum(len(suite.tests) for suite in suites)}"]
     for suite in suites:
-        lines += [f"# {suite.feature.stem}: {printable(remark)}" for remark in suite.remarks]
+        lines += [f"# {suite.feature.stem}: {remark}" for remark in suite.remarks]
         for test in suite.tests:
             word = "ok" if suite.verdicts[test.name].passed else "not ok"
             lines.append(f"{word} {len([l for l in lines if not l.startswith('# ')])} - "
@@ -282,6 +319,7 @@ def tap(suites, _impl):
     return "\n".join(lines) + "\n"
 
 
+@_report
 def junit(suites, impl):
     """JUnit XML, a test case for each claim."""
     import xml.etree.ElementTree as ElementTree  # takes 20 ms, which only this report should pay
@@ -299,7 +337,7 @@ def junit(suites, impl):
         ElementTree.SubElement(properties, "property", name="points", value=str(suite.points()))
         ElementTree.SubElement(properties, "property", name="points_max", value=str(suite.points_max()))
         for remark in filter(None, [_whose(suite), *suite.remarks]):
-            ElementTree.SubElement(properties, "property", name="remark", value=printable(remark))
+            ElementTree.SubElement(properties, "property", name="remark", value=remark)
         for test in suite.tests:
             verdict = suite.verdicts[test.name]
             case = ElementTree.SubElement(
@@ -315,6 +353,7 @@ def junit(suites, impl):
     return '<?xml version="1.0" encoding="UTF-8"?>\n' + ElementTree.tostring(root, encoding="unicode") + "\n"
 
 
+@_report
 def gradescope(suites, impl):
     """Gradescope's results.json (its manual, "Autograder Specifications")."""
     tests = []
@@ -324,7 +363,7 @@ def gradescope(suites, impl):
             tests.append({
                 "name": f"{suite.feature.stem}: can be graded", "number": f"{first}.0",
                 "tags": [suite.feature.stem],
-                "score": 0, "max_score": 0, "status": "failed", "output": printable(suite.problem),
+                "score": 0, "max_score": 0, "status": "failed", "output": suite.problem,
             })
         for second, test in enumerate(suite.tests, 1):
             verdict = suite.verdicts[test.name]
@@ -351,10 +390,16 @@ def gradescope(suites, impl):
     return json.dumps(report, indent=1) + "\n"
 
 
-def csv_cell(value):
-    """Returns a value as spreadsheets show it: they take text that begins so for a formula, and run it."""
-    return "'" + value if isinstance(value,
-                                     str) and value.startswith(("=", "+", "-", "@", "\t", "\r")) else value
+def csv_cell(text):
+    """Returns a text as spreadsheets show it: what begins so they take for a formula, and run it. Different
+    texts of one line stay different."""
+    text = _in_a_line(text)
+    return "'" + text if text.startswith(tuple("=+-@＝＋－＠'")) else text
+
+
+def text_of_cell(cell):
+    """Returns the text that csv_cell made this cell of."""
+    return cell.removeprefix("'")
 
 
 FORMATS = {"text": text, "table": table, "tap": tap, "junit": junit, "gradescope": gradescope}

@@ -34,8 +34,8 @@ _ENDED_BY_SIGNAL = 128  # bubblewrap's exit status is then this and the signal's
 
 class Outcome:
     """How a run went. `status` is the exit status, negative for a signal; `limit` is None or the
-    limit that ended the run: "seconds", "memory", "output", "processes" or "stopped". `testimony` is
-    the witness's answer beside the secret: the claim that failed, or that memory leaks. `occupied` is the
+    limit that ended the run: "seconds", "memory", "output", "processes", "needless" or "stopped". `testimony`
+    is the witness's answer beside the secret: the claim that failed, or that memory leaks. `occupied` is the
     largest number of bytes of memory that was seen."""
 
     def __init__(self):
@@ -89,10 +89,21 @@ def end_with_parent(number=signal.SIGKILL):
 
 
 def _children(pid):
+    """Returns the processes that any of its threads has made, or got as a reaper."""
+    children = []
+    for thread in _listed(f"/proc/{pid}/task"):
+        try:
+            with open(f"/proc/{pid}/task/{thread}/children", encoding="ascii") as file:
+                children += map(int, file.read().split())
+        except (OSError, ValueError):  # it has ended meanwhile
+            continue
+    return children
+
+
+def _listed(folder):
     try:
-        with open(f"/proc/{pid}/task/{pid}/children", encoding="ascii") as file:
-            return [int(word) for word in file.read().split()]
-    except (OSError, ValueError):
+        return os.listdir(folder)
+    except OSError:
         return []
 
 
@@ -218,12 +229,13 @@ def _limit_process(seconds):
 
 
 def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, program=None,
-        secret=b"", enclose=None, system_calls=b"", descriptors=(), when_begun=None, patience=_PATIENCE):
+        secret=b"", enclose=None, system_calls=b"", descriptors=(), when_begun=None, patience=_PATIENCE,
+        is_needless=lambda: False):
     """Runs the command in `folder` and returns its Outcome. A Program as `program` is run instead; if there
     is a secret, in RAYKIT_ATTEST it gets a descriptor from which it reads that, and outcome.attested tells
     whether it came back; outcome.testimony is what else came. `enclose` puts a command into bubblewrap.
     `when_begun` is called when the program has its descriptors. One that does not work all of the time may
-    take `patience` times its seconds."""
+    take `patience` times its seconds, and it ends when it `is_needless`."""
     outcome, kept = Outcome(), _Tail()
     descriptors, options = tuple(descriptors), {}
     status = os.pipe() if enclose else ()
@@ -268,7 +280,7 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
             os.close(listed)
     try:
         _watch(process, outcome, kept, (began, seconds, patience), megabytes << 20, output_bytes,
-               bool(enclose))
+               bool(enclose), is_needless)
     finally:
         _kill(process.pid)
         outcome.status = process.wait()
@@ -322,7 +334,7 @@ def _drain(pipe, kept):
         pass
 
 
-def _watch(process, outcome, kept, times, memory_bytes, output_bytes, is_enclosed):
+def _watch(process, outcome, kept, times, memory_bytes, output_bytes, is_enclosed, is_needless):
     """Reads until the program ends or is ended, with the reason in outcome.limit."""
     began, seconds, patience = times
     next_look = 0.0
@@ -344,6 +356,8 @@ def _watch(process, outcome, kept, times, memory_bytes, output_bytes, is_enclose
                 outcome.occupied = max(outcome.occupied, occupied)
             if stop.is_set():
                 outcome.limit = "stopped"
+            elif is_needless():
+                outcome.limit = "needless"
             elif kept.total > output_bytes:
                 outcome.limit = "output"
             elif occupied > memory_bytes:

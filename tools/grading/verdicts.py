@@ -26,6 +26,14 @@ class Verdict:
 
 PRINTED = "\nyour code printed: "
 
+# How the undefined behaviour sanitizer begins its reports, whose places in the text are the program's.
+_UNDEFINED = re.compile(
+    r"(signed|unsigned) integer overflow: |negation of |division (of|by) |(left )?shift (exponent|of) "
+    r"|index -?\d+ out"
+    r"|(load|store) (of|to) (null|misaligned|address|value)|load of value |member (access|call) |applying "
+    r"|(addition|subtraction) of |pointer index |null pointer |reference binding |call to |passing "
+    r"|execution reached |variable length array |assumption of |control flow "
+    r"|[-+\w.]{1,60} is outside the range ")
 # The sanitizers' terms, and explanations.
 _CRASHES = [
     ("stack-overflow", "ran out of stack: endless recursion, or a very large local array?"),
@@ -50,12 +58,15 @@ _CRASHES = [
 ]
 
 
+_TERM = re.compile(r"[a-z]{1,20}(-[a-z]{1,20}){1,3}(?![^ :])")  # another of theirs
+
+
 def _place_in_unit(text, unit):
     """Returns "file:line, in function" of the innermost place in the unit, with the function of the
     unit that led there, or ""."""
     name = "(?:" + "|".join(re.escape(os.path.basename(path)) for path in (unit.path, unit.shown)) + ")"
     frames = []
-    own_frame = rf"^ *#(\d+) 0x[0-9a-f]+ in (\S+) (?:[^\n]*/)?{name}:(\d+)"
+    own_frame = rf"^ *#(\d{{1,4}}) 0x[0-9a-f]+ in ([\w.$]{{1,200}}) (?:[^\n]*/)?{name}:(\d{{1,6}})\b"
     for number, function, line in re.findall(own_frame, text, re.MULTILINE):
         if frames and int(number) <= frames[-1][0]:
             break  # another trace
@@ -78,11 +89,18 @@ def _misuse_of_arguments(text, what):
     return ""
 
 
+def _printed(what):
+    """What pretends to be a sanitizer's report is told as what the code says, not as the grader's words."""
+    return f"the code ended the program, after it printed \"{what[:200]}\"", ""
+
+
 def _crash(text, unit):
     """Returns (reason, place) for a sanitizer's report, or None."""
-    behaviour = re.search(r"^(.+?):(\d+):\d+: runtime error: (.*)$", text, re.MULTILINE)
+    behaviour = re.search(r"^(.+?):(\d{1,6}):\d+: runtime error: (.*)$", text, re.MULTILINE)
     if behaviour:
         path, line, what = behaviour.groups()
+        if not _UNDEFINED.match(what):
+            return _printed(what)
         if "null pointer" in what:
             what = f"it uses a NULL pointer ({what})"
         elif "insufficient space" in what:
@@ -95,13 +113,15 @@ def _crash(text, unit):
     given = _misuse_of_arguments(text, what)
     if given:
         return given, _place_in_unit(text, unit)
-    words = next((words for name, words in _CRASHES if what.startswith(name)), None)
+    term, words = next(((name.split(" on ")[0], words) for name, words in _CRASHES if what.startswith(name)),
+                       ("", ""))
     if what.startswith("SEGV"):
-        null = re.search(r"address 0x0000000000[0-9a-f]{2}\b|zero page", text)
+        term, null = "SEGV", re.search(r"address 0x0000000000[0-9a-f]{2}\b|zero page", text)
         words = "uses a NULL pointer" if null else "uses a pointer to nowhere"
-    return f"crashed: it {words} ({what.split(' on ')[0]})" if words else f"crashed: {what}", (
-        _place_in_unit(text, unit)
-    )
+    other = _TERM.match(what)
+    if not words and not other:
+        return _printed(what)
+    return f"crashed: it {words} ({term})" if words else f"crashed: {other[0]}", _place_in_unit(text, unit)
 
 
 def printed_lines(output):
@@ -114,7 +134,7 @@ def printed_lines(output):
 def _failed_claim(outcome, name, suite_source):
     """Returns (message, place) of a claim that failed, or None. If a helper of the suite detected it,
     the place is the beginning of the claim."""
-    told = re.match(r"([^\n]*):(\d+)\n(.*)", outcome.testimony, re.DOTALL)
+    told = re.match(r"([^\n]*):(\d{1,6})\n(.*)", outcome.testimony, re.DOTALL)
     if not told:
         return None
     file, line, message = told.groups()
@@ -183,28 +203,32 @@ def judge(outcome, suite, name, limit, megabytes):
     if claim and outcome.status and not outcome.attested:
         return fail(without + claim[0], claim[1])
     if outcome.status < 0:
-        return fail(f"crashed: {signal.strsignal(-outcome.status) or -outcome.status}")
+        return fail(f"crashed: {_name_of_signal(-outcome.status)}")
     if outcome.attested:
         return fail(f"the test was passed, but then the program ended with exit status {outcome.status}")
     pretends = "; its printed output does not count" if re.search(r"^ok\b", text, re.MULTILINE) else ""
     return fail(
-        f"the program ended in the middle of the test, with exit status {outcome.status}: does your "
-        f"code call exit?{pretends}"
+        f"the code ended the program in the middle of the test, with exit status {outcome.status}: does it "
+        f"call exit?{pretends}"
     )
+
+
+def _name_of_signal(number):
+    return signal.strsignal(number) if number < signal.NSIG else f"signal {number}"
 
 
 def _refused(text, megabytes):
     """Returns the beginning of the reason for what fails after an allocation was refused for its size, or
     ""."""
     sizes = [int(size, 16) >> 20
-             for size in re.findall(r"Sanitizer failed to allocate 0x([0-9a-f]+) bytes", text)]
+             for size in re.findall(r"Sanitizer failed to allocate 0x([0-9a-f]{1,16}) bytes", text)]
     size = max(sizes, default=0)
     return (f"asks for {size} MB of memory at once, and gets NULL, because {megabytes} MB are allowed; then "
             if size >= megabytes else "")
 
 
 def _leak(text, unit):
-    size = re.search(r"SUMMARY: \w+Sanitizer: (\d+) byte\(s\) leaked in (\d+) alloc", text)
+    size = re.search(r"SUMMARY: \w+Sanitizer: (\d{1,15}) byte\(s\) leaked in (\d{1,9}) alloc", text)
     what = f"{size[1]} bytes in {size[2]} allocations were never freed" if size else "not all of it was freed"
     place = _place_in_unit(text, unit)
     return f"leaks memory: {what}", place and f"allocated at {place}"
