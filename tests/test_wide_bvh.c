@@ -173,7 +173,7 @@ static void up_to_four_triangles_are_one_block(void **state)
 static bool is_a_node_of(const rk_bvh *bvh, rk_box box)
 {
     for (uint32_t i = 0; i < bvh->node_count; i++)
-        if (memcmp(&bvh->nodes[i].box, &box, sizeof box) == 0)
+        if (i != 1 && memcmp(&bvh->nodes[i].box, &box, sizeof box) == 0) /* 1 is unused */
             return true;
     return false;
 }
