@@ -5,6 +5,7 @@
 
 #include "base/random.h"
 #include "features/watertight.h"
+#include "test.h"
 
 __extension__ typedef __int128 whole;
 
@@ -71,7 +72,7 @@ static inline rk_triangle float_triangle(const whole3 corner[3], int exponent, u
 /* From -below to below. */
 static inline int64_t random_whole(uint32_t key, uint32_t dimension, int64_t below)
 {
-    uint64_t bits = (uint64_t)rk_hash(key, dimension, 1, 7) << 20 ^ rk_hash(key, dimension, 2, 7);
+    uint64_t bits = (uint64_t)rk_case(key, dimension, 1, 7) << 20 ^ rk_case(key, dimension, 2, 7);
     return (int64_t)(bits % (uint64_t)(2 * below + 1)) - below;
 }
 
@@ -122,7 +123,7 @@ static inline uint32_t make_ball(whole3 (*triangles)[3], int rows, double radius
 /* A direction from the origin exactly through an edge or a corner of a triangle, or just beside. */
 static inline whole3 aimed(uint32_t key, const whole3 corner[3], whole3 origin)
 {
-    uint32_t kind = rk_hash(key, 1, 1, 9) % 4, k = rk_hash(key, 2, 1, 9) % 3;
+    uint32_t kind = rk_case(key, 1, 1, 9) % 4, k = rk_case(key, 2, 1, 9) % 3;
     whole3 a = whole_madd(corner[k], origin, -1), b = whole_madd(corner[(k + 1) % 3], origin, -1);
     whole3 direction = kind == 0 ? a : whole_madd(a, b, 1); /* to the corner, the edge's middle */
     if (kind == 3)

@@ -4,6 +4,7 @@
 
 #include "base/random.h"
 #include "base/vec3.h"
+#include "test.h"
 
 typedef struct noise {
     uint32_t key, drawn;
@@ -11,7 +12,7 @@ typedef struct noise {
 
 static inline float between(noise *n, float low, float high)
 {
-    return low + (high - low) * rk_unit_float(rk_hash(n->key, n->drawn++, 3, 4));
+    return low + (high - low) * rk_unit_float(rk_case(n->key, n->drawn++, 3, 4));
 }
 
 /* In [-1, 1] along each axis. */

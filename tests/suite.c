@@ -256,9 +256,19 @@ static int run_matching(const rk_suite *suite, const char *pattern)
                                    suite->tear_down);
 }
 
+uint32_t rk_case_seed;
+
+static void take_seed(void)
+{
+    const char *value = getenv("RAYKIT_SEED");
+    uint32_t seed = value ? (uint32_t)strtoul(value, NULL, 10) : 0;
+    rk_case_seed = seed ? rk_hash(seed, 0, 0, 0) : 0; /* not the cases of 0 in another order */
+}
+
 int rk_suite_main(const rk_suite *suite, int argc, char **argv)
 {
     take_attestation();
+    take_seed();
     if (argc == 2 && strcmp(argv[1], "--list") == 0)
         return list_tests(suite->tests, suite->count);
     if (argc == 3 && strcmp(argv[1], "--only") == 0)

@@ -18,6 +18,7 @@
 
 #include <cmocka.h>
 
+#include "base/random.h"
 #include "base/sanitized.h"
 
 /* Fails the test with the hint (a printf format and its arguments) unless true. */
@@ -27,6 +28,13 @@
             rk_claim_failed(__FILE__, __LINE__, __VA_ARGS__);                                      \
     } while (0)
 
+/* 32 random bits for a test's inputs, by rk_hash. They are the same in each run, unless RAYKIT_SEED
+ * is another number than 0. */
+extern uint32_t rk_case_seed;
+static inline uint32_t rk_case(uint32_t a, uint32_t b, uint32_t c, uint32_t d)
+{
+    return rk_hash(a + rk_case_seed, b, c, d);
+}
 /* Ends the test: prints the hint, and sends it to a grader, which then need not guess it from the
  * printed lines. */
 void rk_claim_failed(const char *file, int line, const char *format, ...)

@@ -42,9 +42,9 @@ static rk_pixel_samples noise(uint32_t pixel, uint32_t count)
     rk_adaptive_extend(&samples, count);
     for (uint32_t i = 0; i < count; i++)
         rk_adaptive_add(&samples, i,
-                        rk_vec(rk_unit_float(rk_hash(pixel, i, 0, 7)),
-                               rk_unit_float(rk_hash(pixel, i, 1, 7)),
-                               rk_unit_float(rk_hash(pixel, i, 2, 7))));
+                        rk_vec(rk_unit_float(rk_case(pixel, i, 0, 7)),
+                               rk_unit_float(rk_case(pixel, i, 1, 7)),
+                               rk_unit_float(rk_case(pixel, i, 2, 7))));
     return samples;
 }
 
@@ -572,7 +572,7 @@ enum { many = 500 };
 static void make_estimates(rk_adaptive_estimate *estimates)
 {
     for (uint32_t i = 0; i < many; i++)
-        estimates[i] = (rk_adaptive_estimate){exp2f(20 * rk_unit_float(rk_hash(i, 3, 0, 0)) - 20),
+        estimates[i] = (rk_adaptive_estimate){exp2f(20 * rk_unit_float(rk_case(i, 3, 0, 0)) - 20),
                                               4u << i % 5, 0};
 }
 

@@ -13,7 +13,7 @@ static const double pi = RK_PI_DOUBLE;
 /* A number in [0, 1), the same for the same three keys. */
 static float noise(uint32_t a, uint32_t b, uint32_t c)
 {
-    return rk_unit_float(rk_hash(a, b, c, 11));
+    return rk_unit_float(rk_case(a, b, c, 11));
 }
 
 static rk_vec2 noise2(uint32_t a, uint32_t b)

@@ -21,8 +21,8 @@ static const double few_roundings = 8 * 0x1p-24;
 
 static rk_vec3 random_colour(uint32_t i)
 {
-    return rk_vec(rk_unit_float(rk_hash(i, 0, 0, 1)), rk_unit_float(rk_hash(i, 1, 0, 1)),
-                  rk_unit_float(rk_hash(i, 2, 0, 1)));
+    return rk_vec(rk_unit_float(rk_case(i, 0, 0, 1)), rk_unit_float(rk_case(i, 1, 0, 1)),
+                  rk_unit_float(rk_case(i, 2, 0, 1)));
 }
 
 /* Memory of exactly this size: sanitizers know where allocated memory ends, but not where an array
@@ -126,7 +126,7 @@ static void the_luminance_of_a_grey_is_the_grey(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 10000; i++) {
-        float grey = i == 0 ? 1 : 2 * rk_unit_float(rk_hash(i, 0, 0, 2));
+        float grey = i == 0 ? 1 : 2 * rk_unit_float(rk_case(i, 0, 0, 2));
         if (i > 5000) /* of any size, and below 0 */
             grey = ldexpf(grey - 1, (int)(i % 250) - 125);
         float got = rk_bloom_luminance(rk_vec(grey, grey, grey));
@@ -149,7 +149,7 @@ static void a_pixel_at_the_threshold_is_bright(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
-        float grey = i == 0 ? 1 : rk_unit_float(rk_hash(i, 0, 0, 6));
+        float grey = i == 0 ? 1 : rk_unit_float(rk_case(i, 0, 0, 6));
         rk_vec3 colour = rk_vec(grey, grey, grey);
         check_bright(colour, grey, true, "only pixels below the threshold are dark");
         check_bright(colour, nextafterf(grey, 2), false, "it is below, by one step of a float");
@@ -719,13 +719,13 @@ static line_sum make_lines(uint32_t reach, uint32_t present, size_t count)
     line_sum s = {reach, 0, count, exactly((reach + 1) * sizeof *s.weights),
                   exactly((2 * reach + 1) * sizeof *s.lines)};
     for (uint32_t k = 0; k <= reach; k++)
-        s.weights[k] = 1 + rk_unit_float(rk_hash(k, reach, present, 3));
+        s.weights[k] = 1 + rk_unit_float(rk_case(k, reach, present, 3));
     for (uint32_t k = 0; k <= 2 * reach; k++) {
         bool there = present >> k % 32 & 1;
         s.lines[k] = there ? exactly(count * sizeof *s.lines[k]) : NULL;
         s.taps += there;
         for (uint32_t i = 0; there && i < count; i++)
-            s.lines[k][i] = 2 * rk_unit_float(rk_hash(k, reach ^ present, i, 4)) - 1;
+            s.lines[k][i] = 2 * rk_unit_float(rk_case(k, reach ^ present, i, 4)) - 1;
     }
     return s;
 }
@@ -845,7 +845,7 @@ static void lines_that_are_null_are_zeros(void **state)
     check_box_filter();
     for (uint32_t i = 0; i < 200; i++) {
         char hint[64];
-        uint32_t present = rk_hash(i, 0, 0, 4);
+        uint32_t present = rk_case(i, 0, 0, 4);
         snprintf(hint, sizeof hint, "line k is NULL unless bit k of 0x%x is set", present);
         check_sum(i % 16, present, hint);
     }
@@ -1044,7 +1044,7 @@ static picture random_picture(uint32_t seed)
     picture p;
     for (uint32_t y = 0; y < height; y++)
         for (uint32_t x = 0; x < width; x++)
-            p.pixels[y][x] = random_colour(rk_hash(x, y, seed, 5));
+            p.pixels[y][x] = random_colour(rk_case(x, y, seed, 5));
     return p;
 }
 
@@ -1186,7 +1186,7 @@ static void check_weights_inside(uint32_t reach, size_t place, size_t length)
     for (uint32_t call = 0; call < 6; call++) {
         double want = 0;
         for (uint32_t k = 0; k <= reach; k++)
-            weights[k] = (float)(1 + rk_hash(k, reach, call % 2, 7) % 64) / 64;
+            weights[k] = (float)(1 + rk_case(k, reach, call % 2, 7) % 64) / 64;
         for (size_t i = 0; i < length; i++) {
             size_t away = i < place ? place - i : i - place;
             want += away <= reach ? (double)weights[away] : 0;

@@ -776,7 +776,7 @@ static double seconds_to_sort(uint32_t count, uint32_t times)
     double start = rk_clock_thread();
     for (uint32_t k = 0; k < times; k++) {
         for (uint32_t i = 0; i < count; i++)
-            ranks[i] = (uint64_t)rk_hash(i, k, 0, 2) << 32 | i;
+            ranks[i] = (uint64_t)rk_case(i, k, 0, 2) << 32 | i;
         qsort(ranks, count, sizeof *ranks, compare_keys);
     }
     double seconds = rk_clock_thread() - start;
@@ -799,7 +799,7 @@ static void no_order_of_the_mesh_makes_building_slow(void **state)
         rk_mesh mesh = make_mesh(n);
         for (uint32_t i = 0; i < n; i++) {
             const uint32_t x[] = {i,        n - i, i < n / 2 ? i : n - i,
-                                  i % 1000, 0,     rk_hash(i, 0, 0, 3) % n};
+                                  i % 1000, 0,     rk_case(i, 0, 0, 3) % n};
             for (uint32_t k = 0; k < 3; k++)
                 mesh.positions[3 * i + k] =
                     rk_vec((float)x[order], (float)(k == 1), (float)(k == 2));

@@ -67,8 +67,8 @@ static vec towards(int k, double a, double b)
 
 static rk_vec3 random_direction(uint32_t n)
 {
-    double z = 2 * (double)rk_unit_float(rk_hash(n, 0, 0, 7)) - 1, r = sqrt(1 - z * z);
-    double phi = 2 * pi * (double)rk_unit_float(rk_hash(n, 1, 0, 7));
+    double z = 2 * (double)rk_unit_float(rk_case(n, 0, 0, 7)) - 1, r = sqrt(1 - z * z);
+    double phi = 2 * pi * (double)rk_unit_float(rk_case(n, 1, 0, 7));
     return rk_vec((float)(r * cos(phi)), (float)(r * sin(phi)), (float)z);
 }
 
@@ -105,8 +105,8 @@ static rk_vec3 texel_name(uint32_t side, int face, uint32_t column, uint32_t row
 static rk_vec3 noise(uint32_t side, int face, uint32_t column, uint32_t row)
 {
     uint32_t n = ((uint32_t)face * side + row) * side + column;
-    return rk_vec(rk_unit_float(rk_hash(n, 0, 0, 3)), rk_unit_float(rk_hash(n, 1, 0, 3)),
-                  rk_unit_float(rk_hash(n, 2, 0, 3)));
+    return rk_vec(rk_unit_float(rk_case(n, 0, 0, 3)), rk_unit_float(rk_case(n, 1, 0, 3)),
+                  rk_unit_float(rk_case(n, 2, 0, 3)));
 }
 
 static rk_vec3 one_colour_per_face(uint32_t side, int face, uint32_t column, uint32_t row)

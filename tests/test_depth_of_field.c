@@ -12,7 +12,7 @@ static const double epsilon = 0x1p-24; /* half an ulp of 1: one rounding to floa
 
 static float unit_float(uint32_t i, uint32_t which)
 {
-    return rk_unit_float(rk_hash(i, which, 0, 9));
+    return rk_unit_float(rk_case(i, which, 0, 9));
 }
 
 /* A camera that is rotated about all axes, differently for each i. */
@@ -981,7 +981,7 @@ static void every_pixel_counts_the_circles_that_reach_it(void **state)
     for (uint32_t i = 0; i < 30; i++) {
         picture p = i % 2 ? sharp_picture(37, 23) : sharp_picture(23, 37);
         for (uint32_t k = 0; k < 37 * 23; k++)
-            if (rk_hash(i, k, 0, 1) % 64 <= i)
+            if (rk_case(i, k, 0, 1) % 64 <= i)
                 p.blur[k] = exp2f(8 * unit_float(k, i) - 3);
         check_counts(&p);
     }

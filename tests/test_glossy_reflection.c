@@ -12,7 +12,7 @@ static const double pi = 3.14159265358979323846;
 /* A number in [0, 1), the same for the same three keys. */
 static float noise(uint32_t a, uint32_t b, uint32_t c)
 {
-    return rk_unit_float(rk_hash(a, b, c, 7));
+    return rk_unit_float(rk_case(a, b, c, 7));
 }
 
 static rk_vec2 noise2(uint32_t a, uint32_t b)

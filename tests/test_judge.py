@@ -66,10 +66,10 @@ def every_suite_can_be_judged_apart_or_says_why():
           "the texts say how many claims are not judged apart", told)
 
 
-def _traced(stem, test, folder, disturbed):
+def _traced(stem, test, folder, disturbed, seed=""):
     """Returns count and hash of the requests of each function that the test asks."""
     path = os.path.join(folder, "trace")
-    environment = {**os.environ, "RAYKIT_TRACE": path, "RAYKIT_DISTURB": str(disturbed)}
+    environment = {**os.environ, "RAYKIT_TRACE": path, "RAYKIT_DISTURB": str(disturbed), "RAYKIT_SEED": seed}
     ended = subprocess.run([f"impl/judge/{stem}-trace", "--only", test], env=environment, check=False,
                            stdout=subprocess.DEVNULL, stderr=subprocess.DEVNULL)
     if not os.path.exists(path):
@@ -98,6 +98,15 @@ def requests_tell_no_answers(folder):
                 differ += [(test, headers.functions[function][1], status) for function in ahead
                            if ahead[function] == after and (other or {}).get(function) != right[function]]
         check(not differ, f"{stem}: no answer can be read in a request that is published ahead", str(differ))
+
+
+def another_seed_asks_other_things(folder):
+    for stem in APART:
+        together = judged.claims_together(build.Toolchain("."), stem)
+        tests = [test.name for test in grade.read_points(FEATURES[stem]) if test.name not in together]
+        others = (test for test in tests
+                  if _traced(stem, test, folder, 0) != _traced(stem, test, folder, 0, "7"))
+        check(next(others, None), f"{stem}: SEED=7 draws other random cases")
 
 
 def right_units_pass_apart(grader):
@@ -201,6 +210,7 @@ def main():
     try:
         every_suite_can_be_judged_apart_or_says_why()
         requests_tell_no_answers(folder)
+        another_seed_asks_other_things(folder)
         grader = Grader(folder)
         right_units_pass_apart(grader)
         starters_and_mistakes_get_the_same_verdicts(grader)

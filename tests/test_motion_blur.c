@@ -9,7 +9,7 @@
 
 static float random_float(uint32_t i, uint32_t key, float low, float high)
 {
-    return low + (high - low) * rk_unit_float(rk_hash(i, key, 10, 0));
+    return low + (high - low) * rk_unit_float(rk_case(i, key, 10, 0));
 }
 
 /* --- Paths and moved rays --------------------------------------------------------------------- */

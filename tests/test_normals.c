@@ -50,9 +50,9 @@ static void check_normal(rk_vec3 a, rk_vec3 b, rk_vec3 c, rk_vec3 want, const ch
 /* Coordinates from -1 to 1. */
 static rk_vec3 random_point(uint32_t i, uint32_t k)
 {
-    return rk_vec(2 * rk_unit_float(rk_hash(i, k, 0, 0)) - 1,
-                  2 * rk_unit_float(rk_hash(i, k, 1, 0)) - 1,
-                  2 * rk_unit_float(rk_hash(i, k, 2, 0)) - 1);
+    return rk_vec(2 * rk_unit_float(rk_case(i, k, 0, 0)) - 1,
+                  2 * rk_unit_float(rk_case(i, k, 1, 0)) - 1,
+                  2 * rk_unit_float(rk_case(i, k, 2, 0)) - 1);
 }
 
 /* Whole numbers up to 64. */
@@ -267,8 +267,8 @@ static void a_triangle_without_area_has_the_normal_0(void **state)
         rk_vec3 from = random_whole(i, 11), along = random_whole(i, 12);
         along = rk_scale(along, ldexpf(1, (int)(i % 3) * 20 - 20));
         from = rk_scale(from, ldexpf(1, (int)(i % 3) * 20 - 20));
-        float s = (float)(rk_hash(i, 13, 0, 0) % 31) - 15,
-              t = (float)(rk_hash(i, 13, 1, 0) % 31) - 15;
+        float s = (float)(rk_case(i, 13, 0, 0) % 31) - 15,
+              t = (float)(rk_case(i, 13, 1, 0) % 31) - 15;
         check_vec3(rk_normals_of_triangle(from, rk_madd(from, along, s), rk_madd(from, along, t)),
                    rk_vec(0, 0, 0), 0, "all corners on one line through a");
     }

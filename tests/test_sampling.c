@@ -15,7 +15,7 @@ static const double ks_limit = 3.33; /* sqrt(n) D: sqrt(ln(2 / 5e-10) / 2), Mass
 
 static uint32_t any_bits(uint32_t a, uint32_t b)
 {
-    return rk_hash(a, b, 77, 3);
+    return rk_case(a, b, 77, 3);
 }
 
 static void fill_directions(uint32_t v[RK_SOBOL_DIGITS], uint32_t which)

@@ -27,14 +27,14 @@ static rk_vec3 direction(double degrees_from_up, double degrees_around)
 
 static rk_vec3 random_direction(uint32_t a, uint32_t b)
 {
-    double z = 2 * (double)rk_unit_float(rk_hash(a, b, 0, 1)) - 1;
-    return direction(acos(z) * 180 / pi, 360 * (double)rk_unit_float(rk_hash(a, b, 1, 1)));
+    double z = 2 * (double)rk_unit_float(rk_case(a, b, 0, 1)) - 1;
+    return direction(acos(z) * 180 / pi, 360 * (double)rk_unit_float(rk_case(a, b, 1, 1)));
 }
 
 static rk_vec3 random_colour(uint32_t a, uint32_t b)
 {
-    return rk_vec(rk_unit_float(rk_hash(a, b, 0, 2)), rk_unit_float(rk_hash(a, b, 1, 2)),
-                  rk_unit_float(rk_hash(a, b, 2, 2)));
+    return rk_vec(rk_unit_float(rk_case(a, b, 0, 2)), rk_unit_float(rk_case(a, b, 1, 2)),
+                  rk_unit_float(rk_case(a, b, 2, 2)));
 }
 
 /* The shading of a model, with a gradient of one stop, which is grey everywhere. */
@@ -736,11 +736,11 @@ static void check_highlights(bool normalized, double s, double tolerance_of_one,
     /* Viewers around the mirror direction, from the lobe's middle to where it has vanished. */
     double spread = 6 / sqrt(s + 1) * 180 / pi;
     for (uint32_t i = 0; i < 2000; i++) {
-        double theta = 89 * (double)rk_unit_float(rk_hash(seed, i, 0, 3));
-        double around = 360 * (double)rk_unit_float(rk_hash(seed, i, 1, 3));
+        double theta = 89 * (double)rk_unit_float(rk_case(seed, i, 0, 3));
+        double around = 360 * (double)rk_unit_float(rk_case(seed, i, 1, 3));
         rk_vec3 l = direction(theta, around);
         rk_vec3 v = direction(
-            theta + spread * (2 * (double)rk_unit_float(rk_hash(seed, i, 2, 3)) - 1), around + 180);
+            theta + spread * (2 * (double)rk_unit_float(rk_case(seed, i, 2, 3)) - 1), around + 180);
         rk_vec3 n = turned(up, i);
         l = turned(l, i), v = turned(v, i);
         for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {

@@ -23,7 +23,7 @@ static inline rk_mesh make_mesh(uint32_t triangles)
 /* A number in [-1, 1), the same for the same three keys. */
 static inline float noise(uint32_t a, uint32_t b, uint32_t c)
 {
-    return 2 * rk_unit_float(rk_hash(a, b, c, 1)) - 1;
+    return 2 * rk_unit_float(rk_case(a, b, c, 1)) - 1;
 }
 
 static inline rk_vec3 noise3(uint32_t a, uint32_t b)

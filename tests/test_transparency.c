@@ -62,16 +62,16 @@ static bool is_same(const rk_crossing *a, const rk_crossing *b)
 
 static rk_vec3 random_colour(uint32_t a, uint32_t b, uint32_t c)
 {
-    return rk_vec(rk_unit_float(rk_hash(a, b, c, 0)), rk_unit_float(rk_hash(a, b, c + 1, 0)),
-                  rk_unit_float(rk_hash(a, b, c + 2, 0)));
+    return rk_vec(rk_unit_float(rk_case(a, b, c, 0)), rk_unit_float(rk_case(a, b, c + 1, 0)),
+                  rk_unit_float(rk_case(a, b, c + 2, 0)));
 }
 
 /* Any alpha below 1, most of them small enough for some light to pass many surfaces. */
 static float random_alpha(uint32_t a, uint32_t b)
 {
     const float special[] = {0, 1e-30f, 1e-8f, 0.5f, nearly_opaque};
-    uint32_t kind = rk_hash(a, b, 41, 0) % 40;
-    float any = rk_unit_float(rk_hash(a, b, 42, 0));
+    uint32_t kind = rk_case(a, b, 41, 0) % 40;
+    float any = rk_unit_float(rk_case(a, b, 42, 0));
     return kind < 5 ? special[kind] : any * any;
 }
 
@@ -79,11 +79,11 @@ static float random_alpha(uint32_t a, uint32_t b)
 static rk_crossing random_crossing(uint32_t trial, uint32_t k, uint32_t count)
 {
     return (rk_crossing){.t = (float)(k / 2 + 1) / (float)(count + 1),
-                         .u = rk_unit_float(rk_hash(trial, k, 11, 0)),
-                         .v = rk_unit_float(rk_hash(trial, k, 12, 0)),
+                         .u = rk_unit_float(rk_case(trial, k, 11, 0)),
+                         .v = rk_unit_float(rk_case(trial, k, 12, 0)),
                          .primitive = k,
-                         .medium = rk_hash(trial, k, 13, 0) % 3,
-                         .entering = rk_hash(trial, k, 14, 0) % 2,
+                         .medium = rk_case(trial, k, 13, 0) % 3,
+                         .entering = rk_case(trial, k, 14, 0) % 2,
                          .alpha = random_alpha(trial, k),
                          .kd = random_colour(trial, k, 15),
                          .absorption = random_colour(trial, k, 18)};
@@ -93,7 +93,7 @@ static rk_crossing random_crossing(uint32_t trial, uint32_t k, uint32_t count)
 static uint32_t random_crossings(uint32_t trial, rk_crossing *crossings)
 {
     uint32_t count =
-        trial % 50 == 49 ? RK_CROSSINGS_MAX - trial / 50 % 2 : rk_hash(trial, 0, 43, 0) % 16;
+        trial % 50 == 49 ? RK_CROSSINGS_MAX - trial / 50 % 2 : rk_case(trial, 0, 43, 0) % 16;
     for (uint32_t k = 0; k < count; k++) {
         crossings[k] = random_crossing(trial, k, count);
         if (count > 16) {
@@ -296,7 +296,7 @@ static void the_list_does_not_depend_on_the_order_of_insertion(void **state)
         INT32_MAX, 1u << 31, UINT32_MAX};
     for (uint32_t trial = 0; trial < 2000; trial++) {
         float unit = units[trial % 5];
-        uint32_t count = rk_hash(trial, 0, 1, 0) % 12, limit = 1 + rk_hash(trial, 0, 2, 0) % 8;
+        uint32_t count = rk_case(trial, 0, 1, 0) % 12, limit = 1 + rk_case(trial, 0, 2, 0) % 8;
         rk_crossing all[12];
         char inserted[640] = "", hint[768];
         size_t said = 0;
@@ -304,10 +304,10 @@ static void the_list_does_not_depend_on_the_order_of_insertion(void **state)
         rk_transparency_start(&list, limit);
         for (uint32_t i = 0; i < count; i++) {
             all[i] = random_crossing(trial, i, count);
-            all[i].t = unit * (float)(1 + rk_hash(trial, i, 3, 0) % 8);
+            all[i].t = unit * (float)(1 + rk_case(trial, i, 3, 0) % 8);
             all[i].primitive = primitives[(5 * i + 7) % 12]; /* comes in any order */
-            all[i].medium = rk_hash(trial, i, 13, 0);
-            if (rk_hash(trial, i, 4, 0) % 6 == 0)
+            all[i].medium = rk_case(trial, i, 13, 0);
+            if (rk_case(trial, i, 4, 0) % 6 == 0)
                 all[i].alpha = 1;
             rk_crossing inserted_one = all[i];
             rk_transparency_insert(&list, &inserted_one);
@@ -422,8 +422,8 @@ static void check_clear_and_opaque(uint32_t trial)
     uint32_t count = 1 + trial % 8;
     double behind = 1;
     for (uint32_t k = 0; k < count; k++) {
-        uint32_t kind = rk_hash(trial, k, 44, 0) % 4;
-        float alpha = kind < 2 ? (float)kind : rk_unit_float(rk_hash(trial, k, 45, 0));
+        uint32_t kind = rk_case(trial, k, 44, 0) % 4;
+        float alpha = kind < 2 ? (float)kind : rk_unit_float(rk_case(trial, k, 45, 0));
         crossings[k] = pane((float)(k + 1), alpha, white);
     }
     weigh(crossings, count, weights, &transmittance);
@@ -471,7 +471,7 @@ static void weights_and_transmittance_sum_to_one(void **state)
         float weights[16], transmittance;
         double sum = 0;
         for (uint32_t k = 0; k < 16; k++)
-            crossings[k] = pane((float)k, rk_unit_float(rk_hash(trial, k, 5, 0)), white);
+            crossings[k] = pane((float)k, rk_unit_float(rk_case(trial, k, 5, 0)), white);
         rk_transparency_weights(crossings, 16, weights, &transmittance);
         for (uint32_t k = 0; k < 16; k++)
             sum += (double)weights[k];
@@ -494,7 +494,7 @@ static void the_transmittance_is_a_product(void **state)
         uint32_t count = 1 + trial % 16;
         double want = 1;
         for (uint32_t k = 0; k < count; k++) {
-            crossings[k] = pane((float)k, rk_unit_float(rk_hash(trial, k, 10, 0)), white);
+            crossings[k] = pane((float)k, rk_unit_float(rk_case(trial, k, 10, 0)), white);
             want *= 1 - (double)crossings[k].alpha;
         }
         rk_transparency_weights(crossings, count, weights, &transmittance);
@@ -994,20 +994,20 @@ static void each_part_of_a_ray_absorbs_by_the_media_around_it(void **state)
     }
     for (uint32_t trial = 0; trial < 1000; trial++) {
         bool is_long = trial % 100 == 0;
-        uint32_t count = is_long ? RK_CROSSINGS_MAX : 1 + rk_hash(trial, 0, 24, 0) % 12;
+        uint32_t count = is_long ? RK_CROSSINGS_MAX : 1 + rk_case(trial, 0, 24, 0) % 12;
         rk_crossing *crossings = malloc(count * sizeof *crossings), before[RK_CROSSINGS_MAX];
         rk_check(crossings != NULL, "no memory for %u crossings", count);
         memset(before, 0, sizeof before);
         for (uint32_t k = 0; k < count; k++) {
             uint32_t cell = is_long ? 1 + k * (ray_cells - 1) / count
-                                    : 1 + rk_hash(trial, k, 25, 0) % (ray_cells - 1);
+                                    : 1 + rk_case(trial, k, 25, 0) % (ray_cells - 1);
             uint32_t medium =
                 is_long ? 7 * (k % 200)
-                        : some_media[rk_hash(trial, k, 26, 0) % (1 + trial % media_count)];
-            before[k] = face((float)cell / ray_cells, medium, rk_hash(trial, k, 27, 0) % 2,
+                        : some_media[rk_case(trial, k, 26, 0) % (1 + trial % media_count)];
+            before[k] = face((float)cell / ray_cells, medium, rk_case(trial, k, 27, 0) % 2,
                              sigma_of(medium));
             before[k].kd = random_colour(trial, k, 28);
-            before[k].alpha = rk_unit_float(rk_hash(trial, k, 31, 0));
+            before[k].alpha = rk_unit_float(rk_case(trial, k, 31, 0));
             before[k].primitive = k;
             for (uint32_t j = k; j > 0 && before[j].t < before[j - 1].t; j--) {
                 rk_crossing swapped = before[j];

@@ -46,7 +46,7 @@ static pair_of edge_pair_within(uint32_t key, int64_t below)
     p.corner[1] = whole_madd(p.corner[0], part, 8);
     p.corner[2] = random_point(key, 6, below);
     p.origin = random_point(key, 9, below);
-    whole3 at = whole_madd(p.corner[0], part, 1 + (int64_t)(rk_hash(key, 1, 2, 3) % 7));
+    whole3 at = whole_madd(p.corner[0], part, 1 + (int64_t)(rk_case(key, 1, 2, 3) % 7));
     p.direction = whole_madd(at, p.origin, -1);
     p.want = whole_determinants_of(p.corner, p.origin, p.direction);
     return p;
@@ -175,7 +175,7 @@ static void tiny_and_huge_scenes_have_the_same_hits(void **state)
         pair_of p = random_pair(i);
         check_decision(&p, i, "at its own size: do u, v, w and t have the right signs?");
         rk_hit want = intersect(&p, 0);
-        int exponent = (int)(rk_hash(i, 4, 4, 4) % 141) - 100;
+        int exponent = (int)(rk_case(i, 4, 4, 4) % 141) - 100;
         rk_hit got = intersect(&p, exponent);
         rk_check(got.triangle == want.triangle,
                  "ray %u, everything times 2^%d: got %s, want %s: products of three floats fit a "
@@ -243,8 +243,8 @@ static void sums_keep_the_smallest_part(void **state)
 {
     (void)state;
     for (uint32_t i = 0; i < 1000; i++) {
-        float size = ldexpf(1, 20 + (int)(rk_hash(i, 0, 0, 9) % 30));
-        float near = ldexpf(1, -40 - (int)(rk_hash(i, 1, 0, 9) % 30));
+        float size = ldexpf(1, 20 + (int)(rk_case(i, 0, 0, 9) % 30));
+        float near = ldexpf(1, -40 - (int)(rk_case(i, 1, 0, 9) % 30));
         int beside = (int)(i / 3 % 3) - 1; /* the triangle's side, the diagonal, the other one */
         float across = ldexpf(near, beside);
         rk_triangle triangle = {{-size, -size, 1}, {size, size, 1}, {size, -size, 1}, 0};
@@ -351,8 +351,8 @@ static rk_vec3 wild_point(uint32_t key, uint32_t dimension)
 {
     float c[3];
     for (uint32_t k = 0; k < 3; k++) {
-        int exponent = (int)(rk_hash(key, dimension, k, 5) % 141) - 80;
-        c[k] = ldexpf(2 * rk_unit_float(rk_hash(key, dimension, k, 6)) - 1, exponent);
+        int exponent = (int)(rk_case(key, dimension, k, 5) % 141) - 80;
+        c[k] = ldexpf(2 * rk_unit_float(rk_case(key, dimension, k, 6)) - 1, exponent);
     }
     return rk_vec(c[0], c[1], c[2]);
 }
@@ -384,8 +384,8 @@ static void the_order_of_the_corners_does_not_matter(void **state)
 /* Powers of two change no digit, neither of a determinant nor of its bound. */
 static void check_certainty(const pair_of *p, uint32_t i)
 {
-    int scene = (int)(rk_hash(i, 5, 5, 5) % 121) - 80,
-        along = (int)(rk_hash(i, 6, 5, 5) % 121) - 80;
+    int scene = (int)(rk_case(i, 5, 5, 5) % 121) - 80,
+        along = (int)(rk_case(i, 6, 5, 5) % 121) - 80;
     rk_triangle triangle = float_triangle(p->corner, 0, 7);
     rk_ray ray = ray_of(p, 0);
     bool want = rk_watertight_is_certain(&triangle, &ray);
@@ -455,7 +455,7 @@ static void check_ball(int exponent, whole3 centre, double radius, uint32_t key)
     for (uint32_t i = 0; i < 400; i++) {
         uint32_t ray_key = key * 1000 + i;
         whole3 origin = whole_madd(centre, random_point(ray_key, 30, (int64_t)(radius / 4)), 1);
-        whole3 direction = aimed(ray_key, ball[rk_hash(ray_key, 0, 0, 8) % count], origin);
+        whole3 direction = aimed(ray_key, ball[rk_case(ray_key, 0, 0, 8) % count], origin);
         rk_ray ray = {float_of(origin, exponent), float_of(direction, 0), INFINITY};
         unsigned hits = 0;
         for (uint32_t k = 0; k < count; k++) {
@@ -521,7 +521,7 @@ static void a_closed_surface_is_entered_as_often_as_left(void **state)
     uint32_t count = make_ball(ball, rows, radius, whole_of(0, 0, 0));
     unsigned tested = 0;
     for (uint32_t i = 0; i < 2000; i++) {
-        const whole3 *target = ball[rk_hash(i, 0, 0, 8) % count];
+        const whole3 *target = ball[rk_case(i, 0, 0, 8) % count];
         whole3 origin = random_point(i, 30, 1 << 21), direction = aimed(i, target, origin);
         if (i % 4 == 0) { /* along an axis, through a corner */
             direction = whole_of(i % 3 == 0, i % 3 == 1, i % 3 == 2);
@@ -642,8 +642,8 @@ static void four_at_once_are_decided_as_one_by_one(void **state)
     (void)state;
     for (uint32_t i = 0; i < cases; i++) {
         check_leaf(i, 0, 0);
-        check_leaf(i, (int)(rk_hash(i, 1, 8, 8) % 227) - 140,
-                   (int)(rk_hash(i, 2, 8, 8) % 227) - 140);
+        check_leaf(i, (int)(rk_case(i, 1, 8, 8) % 227) - 140,
+                   (int)(rk_case(i, 2, 8, 8) % 227) - 140);
     }
 }
 

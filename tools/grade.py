@@ -549,8 +549,16 @@ def grade_submission(toolchain, stems, impl, only=None, progress=None):
     features = read_features(toolchain.source)
     suites = prepare_suites(features, choose(features, stems), impl, False, only)
     suites[0].remarks += ["graded " + toolchain.remark] if toolchain.remark else []
+    suites[0].remarks += [f"random cases of SEED={sandbox.seed()}"] if sandbox.seed() else []
     _grade_apart(toolchain, features, suites, impl, 0 if only else DECOYS, progress)
     return suites
+
+
+def check_seed():
+    """Raises ToolError if SEED is no number that the suites can take."""
+    if not re.fullmatch(r"[0-9]{0,10}", sandbox.seed()) or int(sandbox.seed() or 0) >= 1 << 32:
+        raise ToolError(f"SEED: {sandbox.seed()} is no whole number from 0 to 4294967295; the suites' random cases "
+                        "come of it")
 
 
 def stop_on_signals():
@@ -577,6 +585,7 @@ def main():
     progress = show_progress if sys.stderr.isatty() else None
     try:
         choose_format(arguments.format, results.FORMATS)
+        check_seed()
         results.check_place(arguments.out)
         if arguments.own:
             require_units(arguments.build, arguments.stems, arguments.impl)

@@ -25,7 +25,7 @@ from grading.assignments import (
 )
 from grading.c_source import tokens_of
 from grading.starters import is_handed_out
-from grade import Suite, grade_submission, stop_on_signals
+from grade import Suite, check_seed, grade_submission, stop_on_signals
 
 _ENDINGS = {"text": ".txt", "table": ".txt", "tap": ".tap", "junit": ".xml", "gradescope": ".json"}
 _SHOWN = 3  # claims that the class failed most often
@@ -170,6 +170,7 @@ def _write_report(suites, name, out, format_name):
 
 def grade_class(build_folder, stems, submissions, out, format_name):
     """Grades all; returns how many could not be graded."""
+    check_seed()
     toolchain = build.Toolchain(build_folder)
     features = choose(read_features(toolchain.source), stems)
     found, strays = submissions_in(submissions)

@@ -65,9 +65,15 @@ class Program:
             self.descriptor = None
 
 
+def seed():
+    """Returns what SEED says: the number of the suites' random cases."""
+    return os.environ.get("RAYKIT_SEED", "")
+
+
 def bare_environment(folder):
-    """Of the caller's environment only the paths of libraries, and this folder to write to."""
-    kept = ("LD_LIBRARY_PATH", "RAYKIT_ISA")
+    """Of the caller's environment only the paths of libraries and what suites look at, and this folder to
+    write to."""
+    kept = ("LD_LIBRARY_PATH", "RAYKIT_ISA", "RAYKIT_SEED")
     environment = {name: os.environ[name] for name in kept if name in os.environ}
     return dict(environment, HOME=folder, TMPDIR=folder, LC_ALL="C")
 
