@@ -557,8 +557,8 @@ def grade_submission(toolchain, stems, impl, only=None, progress=None):
 def check_seed():
     """Raises ToolError if SEED is no number that the suites can take."""
     if not re.fullmatch(r"[0-9]{0,10}", sandbox.seed()) or int(sandbox.seed() or 0) >= 1 << 32:
-        raise ToolError(f"SEED: {sandbox.seed()} is no whole number from 0 to 4294967295; the suites' random cases "
-                        "come of it")
+        raise ToolError(f"SEED: {sandbox.seed()} is no whole number from 0 to 4294967295, from which the "
+                        "suites draw their random cases")
 
 
 def stop_on_signals():

@@ -55,6 +55,7 @@ rk_watertight_may_hit(rk_simd4x3 s, rk_simd4x3 direction, rk_simd4 longest, rk_s
                       rk_simd4x3 ab, rk_simd4x3 ac)
 {
     const rk_simd4 tiny = rk_simd4_all(0x1p-41f), half = rk_simd4_all(0.5f);
+    t_max = rk_simd4_max(t_max, rk_simd4_all(0x1p-126f)); /* smaller ones are rounded coarsely */
     rk_simd4x3 p = rk_simd4x3_cross(direction, ac);
     rk_simd4 half_det = half * rk_simd4x3_dot(ab, p), u = rk_simd4x3_dot(s, p);
     rk_simd4 edge = rk_simd4_max(rk_simd4x3_size(ab), rk_simd4x3_size(ac)) + tiny;
