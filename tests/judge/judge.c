@@ -21,13 +21,13 @@
 #endif
 
 enum {
-    LAP_BYTES = 16 << 20,
-    LAP_REQUESTS = 1 << 17,
+    LAP_BYTES = 8 << 20,
+    LAP_REQUESTS = 1 << 16,
     SLOTS = 2 * LAP_REQUESTS,
     BATCH_MIN = 32, /* requests that a predictor makes at least, once one was wrong */
-    BATCH_MAX = 1 << 14,
-    MAPPED_BYTES = 1 << 20,
-    AHEAD_MAX = 1 << 14,   /* requests of a predictor that has to leave others out */
+    BATCH_MAX = 1 << 13,
+    MAPPED_BYTES = 2 << 20,
+    AHEAD_MAX = 1 << 13,   /* requests of a predictor that has to leave others out */
     JUDGED_PREDICTORS = 4, /* after so many it is seen whether they are worth it: */
     USED_MIN = 400,        /* to begin one costs as much as some 100 calls without one */
     DIRECT_FIRST = 200,    /* calls without a predictor: at the beginning, */
