@@ -698,6 +698,30 @@ static void an_alpha_channel_or_map_d_is_the_opacity(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* Green beside magenta, which is transparent if the file has the control block. */
+static void the_transparent_colour_of_a_gif_is_its_opacity(void **state)
+{
+    (void)state;
+    static const char head[] = "GIF89a\2\0\1\0\200\0\0\0\377\0\377\0\377";
+    static const char block[] = "\41\371\4\1\0\0\1\0";
+    static const char rest[] = ",\0\0\0\0\2\0\1\0\0\2\2\104\12\0;";
+    for (int is_clear = 0; is_clear < 2; is_clear++) {
+        char bytes[60];
+        const size_t begin = sizeof head - 1, size = is_clear ? sizeof block - 1 : 0;
+        memcpy(bytes, head, begin);
+        memcpy(bytes + begin, block, size);
+        memcpy(bytes + begin + size, rest, sizeof rest - 1);
+        test_folder_write(&folder, "two.gif", bytes, begin + size + sizeof rest - 1, 0600);
+        rk_mesh mesh = load(write_textured_obj("newmtl a\nmap_Kd two.gif\n", "a"));
+        check_texel(texture_of(&mesh, 0), 0.25f, 0.5f, rk_vec(0, 1, 0));
+        if (is_clear)
+            check_alpha(&mesh, 0, 1, 0);
+        else
+            rk_check(!mesh.materials[0].alpha_texture, "a GIF without it is opaque");
+        rk_mesh_free(&mesh);
+    }
+}
+
 /* Cut at one half, nothing of it would be left. */
 static void a_picture_that_is_faint_all_over_is_not_cut_out(void **state)
 {
@@ -1441,6 +1465,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_part_without_texture_coordinates_shows_its_colour_alone),
     cmocka_unit_test(more_pictures_than_1024_are_a_note),
     cmocka_unit_test(an_alpha_channel_or_map_d_is_the_opacity),
+    cmocka_unit_test(the_transparent_colour_of_a_gif_is_its_opacity),
     cmocka_unit_test(a_picture_that_is_faint_all_over_is_not_cut_out),
     cmocka_unit_test(gltf_says_by_its_mode_whether_alpha_cuts_out),
     cmocka_unit_test(a_bad_face_costs_itself),

@@ -204,11 +204,18 @@ Channels colour_channels(const std::string &path, const OIIO::ImageSpec &spec)
     return {0, spec.nchannels >= 3 ? 3 : 1};
 }
 
+// -1 if there is none. Of a GIF, OpenImageIO 2.4 gives a number one too high.
+int alpha_channel(const OIIO::ImageSpec &spec)
+{
+    return spec.alpha_channel < spec.nchannels ? spec.alpha_channel : spec.nchannels - 1;
+}
+
 Channels channels_of(const std::string &path, const OIIO::ImageSpec &spec,
                      rk_image_stream_part part)
 {
-    if (part != RK_IMAGE_STREAM_COLOUR && spec.alpha_channel >= 0)
-        return {spec.alpha_channel, 1};
+    const int alpha = alpha_channel(spec);
+    if (part != RK_IMAGE_STREAM_COLOUR && alpha >= 0)
+        return {alpha, 1};
     if (part == RK_IMAGE_STREAM_ALPHA)
         fail(path, "has no alpha channel");
     return colour_channels(path, spec);
