@@ -119,6 +119,14 @@ static void text_in_utf16_is_read_like_utf8(void **state)
                        ":1: a v line needs three numbers", "");
 }
 
+static void a_mesh_in_gzip_names_the_program(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"a.obj", "a.ply", "a.off", "a.stl", "a.glb", "a.fbx"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        check_refused(names[i], "\x1f\x8b\10 \r 3", ": is compressed by gzip", "gunzip");
+}
+
 static void a_material_file_without_a_known_line_costs_no_mesh(void **state)
 {
     (void)state;
@@ -253,6 +261,60 @@ static void an_off_that_is_not_shown_as_it_is_says_so(void **state)
     check_refused("four.off", "4OFF\n3 1 0\n", ":1: OFF in four or more dimensions", "");
     check_refused("n.off", "nOFF\n3\n3 1 0\n", ":1: OFF in four or more dimensions", "");
     check_refused_path(write_off("NOFF", "0 0 1", "0 1", "0 0 1").text, ":4: a vertex needs 6", "");
+}
+
+/* Geomview's manual: lines mean nothing, but that a face's colour ends with its line. */
+static void rows_of_an_off_may_go_over_several_lines(void **state)
+{
+    (void)state;
+    static const char *const rows[] = {
+        "0 0 0\n1 0 0\n1 1 0\n0 1 0\n\n4 0 \n1 \n2 \n3 \n\n3 0\n1 2 1 0 0\n",
+        "0 0 0 1 0 0\n1 1\n0 # third\n0 1 0\n4\n0 1 2\n3\n3 0 1 2 1 0 0\n",
+        "90000 0 0\n90001 0 0\n90001 1 0\n90000 1 0\n4 0 1\n2 3\n3 0 1 2 1 0 0\n",
+    };
+    for (size_t i = 0; i < sizeof rows / sizeof *rows; i++) {
+        char text[200];
+        snprintf(text, sizeof text, "OFF\n4 2 0\n%s", rows[i]);
+        rk_mesh mesh = load(write_text("loose.off", text));
+        rk_check_equal(mesh.triangle_count, 3, "a square and a triangle");
+        for (uint32_t k = 0; k < 3; k++)
+            check_point(vector_area(&mesh, k), 0, 0, 0.5f);
+        check_point(mesh.colours[mesh.triangles[1][0]], 1, 1, 1);
+        check_point(mesh.colours[mesh.triangles[2][0]], 1, 0, 0);
+        rk_mesh_free(&mesh);
+    }
+    rk_mesh mesh = load(write_text("loose.off", "COFF\n3 1 0\n0 0 0 1 0 0\n1 0 0 1 0 0\n"
+                                                "0 1 0 1 0 0\n3 0 1\n2\n"));
+    check_point(mesh.colours[mesh.triangles[0][2]], 1, 0, 0);
+    rk_mesh_free(&mesh);
+    check_refused("short.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n3 0 1 2\n",
+                  ":6: a face's index is missing", "");
+    check_refused("more.off", "OFF\n3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1\n2\n9\n",
+                  ":6: a face's index is missing", "");
+}
+
+static void transparent_faces_of_an_off_are_told(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *colours[2];
+        bool is_clear;
+    } files[] = {{{"255 0 0 128", "0 0 255 255"}, true},
+                 {{"255 0 0 255", "0 0 255"}, false},
+                 {{"1 0 0 .5", "1 1 1"}, true},
+                 {{"1 0 0 1", "0 0 1 1"}, false},
+                 {{"1 0 0", "0 0 1"}, false}};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        char text[200];
+        snprintf(text, sizeof text, "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2 %s\n3 0 2 1 %s\n",
+                 files[i].colours[0], files[i].colours[1]);
+        test_path path = write_text("clear.off", text);
+        rk_mesh mesh = files[i].is_clear
+                           ? load_with_note(path, "has transparent colours of faces, which are "
+                                                  "drawn as opaque")
+                           : load(path);
+        rk_mesh_free(&mesh);
+    }
 }
 
 /* --- STL ------------------------------------------------------------------------------------ */
@@ -407,6 +469,49 @@ static void rows_of_a_binary_ply_may_begin_with_any_byte(void **state)
             check_point(corner(&mesh, 0, 2), 0, 1, 0);
             rk_mesh_free(&mesh);
         }
+}
+
+/* Cameras, as VCGLIB writes them, and lists; before the vertices, between them and the faces, and
+ * after them. The vertices of the second file are far from the origin. */
+static void elements_of_a_ply_may_precede_its_vertices(void **state)
+{
+    (void)state;
+#define CAMERA "element camera 2\nproperty double at\ncomment c\nproperty list uchar short sizes\n"
+#define TAG(name) "element " name " 1\nproperty uchar tag\n"
+#define ELEMENTS(encoding)                                                                         \
+    "ply\nformat " encoding " 1.0\n" CAMERA "element vertex 3\n" XYZ TAG("a") FACES(1)             \
+        TAG("b") "end_header\n"
+    static const char *const note = "has \"camera\" elements, which the picture does not show";
+    for (int is_far = 0; is_far < 2; is_far++) {
+        char text[600];
+        const int x = is_far ? 9000 : 0;
+        snprintf(text, sizeof text,
+                 ELEMENTS("ascii") "1 2 3 4\n5 0\n%d 0 0\n%d 0 0\n\n%d 1 0\n7\n3 0 1 2\n8\n", x,
+                 x + 1, x);
+        rk_mesh mesh = load_with_note(write_text("camera.ply", text), note);
+        check_point(corner(&mesh, 0, 0), 0, 0, 0);
+        check_point(corner(&mesh, 0, 1), 1, 0, 0);
+        check_point(corner(&mesh, 0, 2), 0, 1, 0);
+        rk_mesh_free(&mesh);
+    }
+    for (int is_far = 0; is_far < 2; is_far++) {
+        const float x = is_far ? 9000 : 10;
+        const float points[9] = {x, 0, 0, x + 1, 0, 0, x, 1, 0};
+        char bytes[600] = ELEMENTS("binary_little_endian");
+        size_t size = strlen(bytes);
+        memcpy(bytes + size, "........\2\1\2\3\4........\0", 22);
+        memcpy(bytes + size + 22, points, sizeof points);
+        memcpy(bytes + size + 58, "\7\3\0\0\0\0\1\0\0\0\2\0\0\0\10", 15);
+        rk_mesh mesh =
+            load_with_note(test_folder_write(&folder, "camera.ply", bytes, size + 73, 0600), note);
+        check_point(corner(&mesh, 0, 0), is_far ? 0 : x, 0, 0);
+        check_point(corner(&mesh, 0, 1), is_far ? 1 : x + 1, 0, 0);
+        check_point(corner(&mesh, 0, 2), is_far ? 0 : x, 1, 0);
+        rk_mesh_free(&mesh);
+    }
+#undef ELEMENTS
+#undef TAG
+#undef CAMERA
 }
 
 static void what_a_plys_faces_look_like_is_drawn_or_told(void **state)
@@ -814,15 +919,19 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_vertex_weight_moves_nothing),
     cmocka_unit_test(a_line_that_assimp_does_not_know_costs_no_material),
     cmocka_unit_test(text_in_utf16_is_read_like_utf8),
+    cmocka_unit_test(a_mesh_in_gzip_names_the_program),
     cmocka_unit_test(a_material_file_without_a_known_line_costs_no_mesh),
     cmocka_unit_test(what_an_obj_has_beside_faces_is_told),
     cmocka_unit_test(colours_of_an_obj_as_zbrush_writes_them_are_drawn),
     cmocka_unit_test(an_offs_vertices_have_what_its_first_word_announces),
     cmocka_unit_test(an_off_that_is_not_shown_as_it_is_says_so),
+    cmocka_unit_test(rows_of_an_off_may_go_over_several_lines),
+    cmocka_unit_test(transparent_faces_of_an_off_are_told),
     cmocka_unit_test(colours_of_an_stl_are_in_its_programs_order),
     cmocka_unit_test(comments_of_a_ply_may_stand_anywhere),
     cmocka_unit_test(texture_coordinates_of_a_plys_corners_are_their_own),
     cmocka_unit_test(rows_of_a_binary_ply_may_begin_with_any_byte),
+    cmocka_unit_test(elements_of_a_ply_may_precede_its_vertices),
     cmocka_unit_test(what_a_plys_faces_look_like_is_drawn_or_told),
     cmocka_unit_test(a_gltf_that_needs_what_is_not_read_is_refused),
     cmocka_unit_test(extensions_of_a_gltf_that_are_not_drawn_are_told),

@@ -94,6 +94,9 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
                         rk_error *error)
 {
     size_t utf8_size = 0;
+    if (size >= 2 && memcmp(text, "\x1f\x8b", 2) == 0)
+        return rk_fail(error, "%s: is compressed by gzip: rename it to end in .gz and gunzip it",
+                       path);
     if (is_text(path) && rk_text_encoding_is_utf16(text, size)) {
         char *utf8 = rk_text_encoding_to_utf8(path, text, size, &utf8_size, error);
         return parse_changed(path, utf8, utf8_size, hints, error);

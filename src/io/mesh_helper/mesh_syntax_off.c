@@ -27,6 +27,9 @@ typedef struct off_parser {
     bool has_map;      /* colours of faces as one number */
     bool no_edges;     /* the third count is missing */
     bool has_unfinite; /* coordinates */
+    bool is_loose;     /* lines end anywhere within a face, or a vertex without attributes */
+    float top;         /* the largest number of a face's colour */
+    float alpha;       /* the smallest opacity of a face */
     mesh_extent extent;
     rk_mesh_hints *hints;
 } off_parser;
@@ -140,14 +143,29 @@ static bool keep_attributes(off_parser *s, const float *numbers, size_t row, rk_
     return true;
 }
 
+static bool has_loose_vertices(const off_parser *s)
+{
+    return s->is_loose && !s->has_normals && !s->has_colours && !s->has_texcoords;
+}
+
+static bool read_point(const off_parser *s, text_cursor *c, double at[3])
+{
+    for (int i = 0; i < 3; i++)
+        if ((has_loose_vertices(s) && !text_next_content(c)) || !text_read_coordinate(c, &at[i]))
+            return false;
+    return true;
+}
+
 static bool parse_vertex(off_parser *s, text_cursor *c, size_t row, rk_error *error)
 {
     double at[3];
     float numbers[most_numbers] = {0};
-    if (!text_read_point(c, at))
+    if (!read_point(s, c, at))
         return rk_fail(error, "%s:%zu: a vertex needs three numbers: %s", s->path, c->line, remedy);
     s->has_unfinite |= !isfinite(at[0] + at[1] + at[2]);
     extent_add(&s->extent, at);
+    if (has_loose_vertices(s))
+        return true;
     const int count = read_further(c, numbers);
     if (row == 0)
         see_first(s, count);
@@ -167,6 +185,10 @@ static bool keep_face_colour(off_parser *s, text_cursor *c, long long corners, r
     const bool has_colour = count == 3 || count == 4;
     s->any_colour |= has_colour;
     s->has_map |= count > 0 && !has_colour;
+    for (int i = 0; has_colour && i < count; i++)
+        s->top = fmaxf(s->top, numbers[i]);
+    if (count == 4)
+        s->alpha = fminf(s->alpha, numbers[3]);
     void *room = row_of(h->face_colours, h->face_colour_count, sizeof *h->face_colours);
     if (!room)
         return rk_fail(error, "%s: no memory for the colours of its faces: simplify the mesh",
@@ -187,6 +209,8 @@ static bool parse_face(off_parser *s, text_cursor *c, rk_error *error)
                        c->line, remedy);
     for (long long i = 0; i < corners; i++) {
         text_skip_blanks(c);
+        if (s->is_loose)
+            text_next_content(c);
         if (!text_read_integer(c, &index) || !text_is_separator(c))
             return rk_fail(error, "%s:%zu: a face's index is missing or not a number: %s", s->path,
                            c->line, remedy);
@@ -199,6 +223,12 @@ static bool parse_face(off_parser *s, text_cursor *c, rk_error *error)
     return keep_face_colour(s, c, corners, error);
 }
 
+static void end_row(const off_parser *s, text_cursor *c, bool is_vertex)
+{
+    if (!is_vertex || !has_loose_vertices(s))
+        text_next_line(c);
+}
+
 static bool parse_rows(off_parser *s, text_cursor c, rk_error *error)
 {
     const size_t header_line = c.line - 1;
@@ -209,11 +239,28 @@ static bool parse_rows(off_parser *s, text_cursor c, rk_error *error)
                 "%s:%zu: %lld vertices and %lld faces are promised, but the file ends after "
                 "%lld of these lines: %s",
                 s->path, header_line, s->vertices, s->faces, row, remedy);
-        if (row < s->vertices ? !parse_vertex(s, &c, (size_t)row, error)
-                              : !parse_face(s, &c, error))
+        const bool is_vertex = row < s->vertices;
+        if (is_vertex ? !parse_vertex(s, &c, (size_t)row, error) : !parse_face(s, &c, error))
             return false;
-        text_next_line(&c);
+        end_row(s, &c, is_vertex);
     }
+    return !s->is_loose || !text_next_content(&c);
+}
+
+/* Nearly all files have a line for each row, by which a mistake is found where it is. Only what
+ * has not, and fits to the last number, is read as numbers between any white space. */
+static bool parse_rows_or_numbers(off_parser *s, text_cursor c, rk_error *error)
+{
+    const off_parser begun = *s;
+    rk_error ignored;
+    if (parse_rows(s, c, error))
+        return true;
+    *s = begun;
+    s->is_loose = true;
+    s->hints->faces = s->hints->corners = s->hints->face_colour_count = 0;
+    if (!parse_rows(s, c, &ignored))
+        return false;
+    *error = (rk_error){0};
     return true;
 }
 
@@ -232,6 +279,42 @@ static void note_rows(const off_parser *s)
         rk_mesh_hints_note(s->hints, s->path,
                            "has colours of faces as numbers of a colour map, which the picture "
                            "does not show");
+    if (s->alpha < (s->top > 1 ? 255 : 1))
+        rk_mesh_hints_note(s->hints, s->path,
+                           "has transparent colours of faces, which are drawn as opaque");
+}
+
+static void write_face(FILE *out, text_cursor *c)
+{
+    long long corners = 0, index = 0;
+    text_next_content(c);
+    text_read_integer(c, &corners);
+    fprintf(out, "%lld", corners);
+    for (long long i = 0; i < corners; i++) {
+        text_next_content(c);
+        text_read_integer(c, &index);
+        fprintf(out, " %lld", index);
+    }
+    fputc('\n', out);
+    text_next_line(c);
+}
+
+/* A line for each row, without what Assimp does not read. */
+static void write_lines(FILE *out, const off_parser *s, text_cursor c)
+{
+    const double *origin = extent_origin(&s->extent);
+    double at[3];
+    for (long long row = 0; row < s->vertices && text_next_content(&c); row++) {
+        read_point(s, &c, at);
+        if (isfinite(at[0] + at[1] + at[2]))
+            fprintf(out, "%.9g %.9g %.9g\n", at[0] - origin[0], at[1] - origin[1],
+                    at[2] - origin[2]);
+        else
+            fputs("nan nan nan\n", out);
+        end_row(s, &c, true);
+    }
+    for (long long row = 0; row < s->faces; row++)
+        write_face(out, &c);
 }
 
 /* Vertices relative to the first, if they are far away, and a header that announces nothing. */
@@ -241,11 +324,15 @@ static bool write_corrected(const off_parser *s, text_cursor vertices, rk_error 
     if (!rewrite.out)
         return rk_fail(error, "%s: no memory for its text: simplify the mesh", s->path);
     fprintf(rewrite.out, "OFF\n%lld %lld 0\n", s->vertices, s->faces);
-    for (long long row = 0; row < s->vertices && text_next_content(&vertices); row++) {
+    if (s->is_loose)
+        write_lines(rewrite.out, s, vertices);
+    for (long long row = 0; !s->is_loose && row < s->vertices && text_next_content(&vertices);
+         row++) {
         rewrite_point(&rewrite, &vertices, extent_origin(&s->extent));
         text_next_line(&vertices);
     }
-    rewrite_skip(&rewrite, vertices.end, vertices.end);
+    if (!s->is_loose)
+        rewrite_skip(&rewrite, vertices.end, vertices.end);
     return fclose(rewrite.out) == 0 ||
            rk_fail(error, "%s: no memory for its text: simplify the mesh", s->path);
 }
@@ -254,15 +341,16 @@ bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh
                         rk_error *error)
 {
     hints->plain = true;
-    off_parser s = {.path = path, .hints = hints};
+    off_parser s = {.path = path, .hints = hints, .alpha = INFINITY};
     text_cursor c = text_begin(text, size);
-    if (!read_word(&s, &c, error) || !read_counts(&s, &c, error) || !parse_rows(&s, c, error))
+    if (!read_word(&s, &c, error) || !read_counts(&s, &c, error) ||
+        !parse_rows_or_numbers(&s, c, error))
         return false;
     if (!s.any_colour)
         hints->face_colour_count = 0;
     hints->vertices = (size_t)s.vertices;
     note_rows(&s);
     const bool announces = s.has_normals || s.has_colours || s.has_texcoords;
-    return !(announces || s.no_edges || s.has_unfinite || extent_is_far(&s.extent)) ||
+    return !(announces || s.no_edges || s.is_loose || s.has_unfinite || extent_is_far(&s.extent)) ||
            write_corrected(&s, c, error);
 }

@@ -46,7 +46,8 @@ static const char *const label_meanings[labels] = {"several pictures", "several 
 typedef struct ply_element {
     char name[32];
     long long count;
-    size_t line; /* of the header */
+    size_t line;           /* of the header */
+    const char *from, *to; /* its rows */
     int property_count;
     ply_property properties[max_properties];
 } ply_element;
@@ -72,6 +73,8 @@ typedef struct ply_parser {
     bool has_diffuse;  /* colours of vertices by names that Assimp does not know */
     bool has_unfinite; /* coordinates */
     bool moving;       /* the second pass */
+    bool drops;        /* then of elements other than vertices and faces */
+    double origin[3];  /* then of the vertices' coordinates */
     char *moved;       /* then of a binary file: a copy of its text */
     const char *text;
     mesh_rewrite rewrite; /* or that of a text */
@@ -292,6 +295,23 @@ static void count_face(ply_parser *s, size_t corners)
     s->hints->corners += corners;
 }
 
+static bool is_foreign(const ply_element *e)
+{
+    return strcmp(e->name, "vertex") != 0 && strcmp(e->name, "face") != 0;
+}
+
+/* Assimp does not skip elements that precede vertices or faces. */
+static bool has_foreign_before_ours(const ply_parser *s)
+{
+    bool has_foreign = false;
+    for (int i = 0; i < s->element_count; i++) {
+        if (has_foreign && !is_foreign(&s->elements[i]))
+            return true;
+        has_foreign |= is_foreign(&s->elements[i]);
+    }
+    return false;
+}
+
 /* In the second pass, coordinates are written relative to the first vertex if it is far away. */
 static bool parse_text_axis(ply_parser *s, text_cursor *c, int axis)
 {
@@ -299,7 +319,7 @@ static bool parse_text_axis(ply_parser *s, text_cursor *c, int axis)
     const char *from = c->at;
     if (!text_read_coordinate(c, &s->at[axis]))
         return false;
-    const double moved = s->at[axis] - extent_origin(&s->extent)[axis];
+    const double moved = s->at[axis] - s->origin[axis];
     if (!s->moving || moved == s->at[axis])
         return true;
     rewrite_skip(&s->rewrite, from, c->at);
@@ -423,20 +443,30 @@ static bool parse_text_property(ply_parser *s, text_cursor *c, const ply_propert
     return true;
 }
 
+static bool parse_text_row(ply_parser *s, text_cursor *c, const ply_element *e, long long row,
+                           rk_error *error)
+{
+    if (!text_next_content(c))
+        return fail_ended(s, e, row, error);
+    for (int k = 0; k < e->property_count; k++)
+        if (!parse_text_property(s, c, &e->properties[k], error))
+            return false;
+    if (!end_row(s, e, error))
+        return false;
+    text_next_line(c);
+    return true;
+}
+
 static bool parse_text(ply_parser *s, text_cursor *c, rk_error *error)
 {
     for (int i = 0; i < s->element_count; i++) {
-        const ply_element *e = &s->elements[i];
-        for (long long row = 0; row < e->count; row++) {
-            if (!text_next_content(c))
-                return fail_ended(s, e, row, error);
-            for (int k = 0; k < e->property_count; k++)
-                if (!parse_text_property(s, c, &e->properties[k], error))
-                    return false;
-            if (!end_row(s, e, error))
+        ply_element *e = &s->elements[i];
+        const char *from = c->at;
+        for (long long row = 0; row < e->count; row++)
+            if (!parse_text_row(s, c, e, row, error))
                 return false;
-            text_next_line(c);
-        }
+        if (s->moving && s->drops && is_foreign(e))
+            rewrite_skip(&s->rewrite, from, c->at);
     }
     return true;
 }
@@ -494,9 +524,9 @@ static void write_bits(const ply_parser *s, size_t offset, uint64_t bits, size_t
 static void take_binary(ply_parser *s, const char *from, const ply_property *p)
 {
     s->at[p->axis] = read_value(s, from, p->type);
-    if (!s->moving)
+    if (!s->moving || s->origin[p->axis] == 0)
         return;
-    double moved = s->at[p->axis] - s->extent.first[p->axis];
+    double moved = s->at[p->axis] - s->origin[p->axis];
     float single = (float)moved;
     uint64_t bits = 0;
     uint32_t low;
@@ -544,11 +574,28 @@ static bool parse_binary_row(ply_parser *s, text_cursor *c, const ply_element *e
 
 static bool parse_binary(ply_parser *s, text_cursor *c, rk_error *error)
 {
-    for (int i = 0; i < s->element_count; i++)
-        for (long long row = 0; row < s->elements[i].count; row++)
-            if (!parse_binary_row(s, c, &s->elements[i], row, error))
+    for (int i = 0; i < s->element_count; i++) {
+        ply_element *e = &s->elements[i];
+        e->from = c->at;
+        for (long long row = 0; row < e->count; row++)
+            if (!parse_binary_row(s, c, e, row, error))
                 return false;
+        e->to = c->at;
+    }
     return true;
+}
+
+/* Of the copy. */
+static void drop_foreign_rows(ply_parser *s)
+{
+    size_t kept = (size_t)(s->elements[0].from - s->text);
+    for (int i = 0; i < s->element_count; i++) {
+        const ply_element *e = &s->elements[i];
+        const size_t size = is_foreign(e) ? 0 : (size_t)(e->to - e->from);
+        memmove(s->moved + kept, s->moved + (e->from - s->text), size);
+        kept += size;
+    }
+    s->hints->size = kept;
 }
 
 static bool parse_rows(ply_parser *s, text_cursor c, rk_error *error)
@@ -584,7 +631,7 @@ static void tell_what_is_not_drawn(ply_parser *s)
                            "and blue");
     for (int i = 0; i < s->element_count; i++) {
         ply_element *e = &s->elements[i];
-        if (e->count > 0 && strcmp(e->name, "vertex") != 0 && strcmp(e->name, "face") != 0)
+        if (e->count > 0 && is_foreign(e))
             rk_mesh_hints_note(s->hints, s->path,
                                "has \"%s\" elements, which the picture does not show",
                                printable(e->name));
@@ -609,13 +656,18 @@ static bool write_moved(ply_parser *s, text_cursor rows, const char *text, size_
     rk_mesh_hints *h = s->hints;
     s->moving = true;
     s->text = text;
+    if (is_movable(s))
+        memcpy(s->origin, extent_origin(&s->extent), sizeof s->origin);
     if (s->encoding != ASCII) {
         h->text = s->moved = rk_allocate_unset(size, 1, s->path, error);
         h->size = size;
         if (!s->moved)
             return false;
         memcpy(s->moved, text, size);
-        return parse_rows(s, rows, error);
+        const bool ok = parse_rows(s, rows, error);
+        if (ok && s->drops)
+            drop_foreign_rows(s);
+        return ok;
     }
     s->rewrite = (mesh_rewrite){open_memstream(&h->text, &h->size), text};
     bool ok = s->rewrite.out && parse_rows(s, rows, error);
@@ -630,9 +682,10 @@ static bool mend_header(const ply_parser *s, size_t rows, const char *text, size
                         rk_error *error)
 {
     const char *from = s->hints->text ? s->hints->text : text;
-    const bool begins_with_feed = s->encoding != ASCII && rows < size && from[rows] == '\n';
+    const size_t left = s->hints->text ? s->hints->size : size;
+    const bool begins_with_feed = s->encoding != ASCII && rows < left && from[rows] == '\n';
     return rk_mesh_ply_header_mend(s->hints, text, size, rows, s->has_misplaced_remark,
-                                   begins_with_feed) ||
+                                   begins_with_feed, s->drops) ||
            rk_fail(error, "%s: no memory for its text: simplify the mesh", s->path);
 }
 
@@ -651,6 +704,7 @@ bool rk_mesh_syntax_ply(const char *path, const char *text, size_t size, rk_mesh
             hints->faces = 0;
     hints->vertices = (size_t)s.vertices;
     tell_what_is_not_drawn(&s);
-    return (!is_movable(&s) || write_moved(&s, c, text, size, error)) &&
+    s.drops = has_foreign_before_ours(&s);
+    return ((!is_movable(&s) && !s.drops) || write_moved(&s, c, text, size, error)) &&
            mend_header(&s, (size_t)(c.at - text), text, size, error);
 }
