@@ -553,8 +553,8 @@ static void what_a_plys_faces_look_like_is_drawn_or_told(void **state)
 
 /* --- glTF ----------------------------------------------------------------------------------- */
 
-/* The common triangle, with these lines in the outermost object. */
-static test_path write_gltf(const char *lines)
+/* The common triangle, with these lines in its part and in the outermost object. */
+static test_path write_gltf_of(const char *part, const char *lines)
 {
     static char text[2000];
     snprintf(
@@ -562,13 +562,18 @@ static test_path write_gltf(const char *lines)
         "{\"asset\":{\"version\":\"2.0\",\"extras\":{\"extensionsRequired\":[\"OTHER_one\"],"
         "\"note\":\"\\\"extensionsRequired\\\": [\"}},%s\"scene\":0,"
         "\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],"
-        "\"meshes\":[{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]}],"
+        "\"meshes\":[{\"primitives\":[{%s\"attributes\":{\"POSITION\":0}}]}],"
         "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
         "\"min\":[0,0,0],\"max\":[1,1,0]}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
         "\"buffers\":[{\"byteLength\":36,\"uri\":\"data:application/octet-stream;base64,"
         "AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA\"}]}",
-        lines);
+        lines, part);
     return write_text("extensions.gltf", text);
+}
+
+static test_path write_gltf(const char *lines)
+{
+    return write_gltf_of("", lines);
 }
 
 static void a_gltf_that_needs_what_is_not_read_is_refused(void **state)
@@ -736,6 +741,132 @@ static void indices_of_a_gltf_that_are_out_of_range_are_refused(void **state)
             "\"attributes\":{\"POSITION\":0,\"NORMAL\":1}",
             "{\"bufferView\":1,\"componentType\":5126,\"count\":2,\"type\":\"VEC3\"}"}),
         "has normals or texture coordinates of another number than vertices");
+    rk_mesh_free(&mesh);
+}
+
+/* Two meshes: of 3 and 6 vertices, floats; or both of 3, the first floats, the second int16. Their
+ * names and the scene's nodes vary. */
+static test_path write_two_meshes(const char *nodes, const char *name_a, const char *name_b,
+                                  bool is_short)
+{
+    static const float floats[18] = {0, 0, 0, 1, 0, 0, 0, 1, 0, 5, 0, 0, 6, 0, 0, 5, 1, 0};
+    static const int16_t shorts[12] = {5, 0, 0, 0, 6, 0, 0, 0, 5, 1, 0, 0}; /* 8 bytes a vertex */
+    char bytes[96], text[2000];
+    memcpy(bytes, floats, 72);
+    memcpy(bytes + 72, shorts, 24);
+    test_folder_write(&folder, "two.bin", bytes, sizeof bytes, 0600);
+    snprintf(text, sizeof text,
+             "\xef\xbb\xbf{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":%s}],"
+             "\"nodes\":[{\"mesh\":0},{\"mesh\":1},{\"mesh\":1,\"children\":[0]}],\"meshes\":["
+             "{\"primitives\":[{\"attributes\":{\"POSITION\":0}}]%s},"
+             "{%s\"primitives\":[{\"attributes\":{\"POSITION\":%d}}]}],\"accessors\":["
+             "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
+             "{\"bufferView\":0,\"componentType\":5126,\"count\":6,\"type\":\"VEC3\"},"
+             "{\"bufferView\":1,\"componentType\":5122,\"count\":3,\"type\":\"VEC3\"}],"
+             "\"bufferViews\":[{\"buffer\":0,\"byteLength\":72},"
+             "{\"buffer\":0,\"byteOffset\":72,\"byteLength\":24,\"byteStride\":8}],"
+             "\"buffers\":[{\"byteLength\":96,\"uri\":\"two.bin\"}]}",
+             nodes, name_a, name_b, is_short ? 2 : 1);
+    return write_text("two.gltf", text);
+}
+
+static float most_x(const rk_mesh *mesh)
+{
+    float most = 0;
+    for (uint32_t i = 0; i < mesh->vertex_count; i++)
+        most = fmaxf(most, mesh->positions[i].x);
+    return most;
+}
+
+/* Assimp's parts are in the order in which the scene reaches them, children first; those that it
+ * does not reach are left out. The text begins with a byte order mark. */
+static void meshes_of_a_gltf_may_be_in_any_order(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *nodes;
+        uint32_t triangles[2]; /* of each kind of file */
+    } scenes[] = {{"[0,1]", {3, 2}}, {"[1,0]", {3, 2}}, {"[1]", {2, 1}},
+                  {"[2]", {3, 2}},   {"[1,2]", {5, 3}}, {"[2,1]", {5, 3}}};
+    static const char *const names[][2] = {{"", ""},
+                                           {",\"name\":\"b\"", "\"name\":\"a\","},
+                                           {",\"name\":\"\\u00e9\"", "\"name\":\"\\\"\","}};
+    for (size_t i = 0; i < sizeof scenes / sizeof *scenes; i++)
+        for (size_t k = 0; k < 6; k++) {
+            const bool is_short = k & 1;
+            if (is_short && k / 2 == 2)
+                continue; /* see below */
+            rk_mesh mesh =
+                load(write_two_meshes(scenes[i].nodes, names[k / 2][0], names[k / 2][1], is_short));
+            rk_check_equal(mesh.triangle_count, scenes[i].triangles[is_short], scenes[i].nodes);
+            rk_check(most_x(&mesh) == 6, "nodes %s, case %zu: x reaches %g, want 6",
+                     scenes[i].nodes, k, (double)most_x(&mesh));
+            rk_mesh_free(&mesh);
+        }
+}
+
+static void meshes_of_a_gltf_that_cannot_be_told_apart_are_named(void **state)
+{
+    (void)state;
+    static const char a[] = ",\"name\":\"twin\"", b[] = "\"name\":\"twin\",";
+    rk_mesh mesh = load_with_note(write_two_meshes("[1,0]", a, b, true),
+                                  "has several parts named \"twin\" with coordinates of different "
+                                  "kinds");
+    rk_check_equal(mesh.triangle_count, 2, "both are kept");
+    rk_mesh_free(&mesh);
+    mesh = load(write_two_meshes("[1,0]", a, b, false)); /* by their vertices */
+    rk_mesh_free(&mesh);
+}
+
+/* The same triangle, encoded in sequence by Draco 1.5.5. */
+static test_path write_draco(const char *kind, const char *parts)
+{
+    char text[2000];
+    snprintf(
+        text, sizeof text,
+        "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_draco_mesh_compression\"],"
+        "\"extensionsRequired\":[\"KHR_draco_mesh_compression\"],\"scene\":0,\"scenes\":[{"
+        "\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{"
+        "\"attributes\":{\"POSITION\":0},\"indices\":1,\"extensions\":{"
+        "\"KHR_draco_mesh_compression\":{\"bufferView\":0,\"attributes\":{\"POSITION\":0}}}}%s"
+        "]}],\"accessors\":[{\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"},"
+        "{\"count\":3,\"componentType\" : %s,\"type\":\"SCALAR\"}],"
+        "\"bufferViews\":[{\"buffer\":0,\"byteLength\":61}],"
+        "\"buffers\":[{\"byteLength\":61,\"uri\":\"data:application/octet-stream;base64,"
+        "RFJBQ08CAgEAAAABAwEAAQIBAQAJAwAAAAAAAAAAAAAAAAAAAAAAgD8AAAAAAAAAAAAAAAAAAIA/AAAAAA==\"}"
+        "]}",
+        parts, kind);
+    return write_text("draco.gltf", text);
+}
+
+static void indices_that_draco_compresses_may_have_32_bits(void **state)
+{
+    (void)state;
+    static const char *const kinds[] = {"5121", "5123", "5125"};
+    for (size_t i = 0; i < sizeof kinds / sizeof *kinds; i++) {
+        rk_mesh mesh = load(write_draco(kinds[i], ""));
+        rk_check_equal(mesh.triangle_count, 1, kinds[i]);
+        check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
+        rk_mesh_free(&mesh);
+    }
+    check_refused_path(/* a part without compression may need the 32 bits */
+                       write_draco("5125", ",{\"attributes\":{\"POSITION\":0},\"indices\":1}").text,
+                       ": is compressed by Draco with 32-bit indices, which Assimp does not decode",
+                       "export it uncompressed");
+}
+
+/* Its factor, which is 0 unless it is given, multiplies the picture. */
+static void a_gltf_emits_light_by_its_factor_alone(void **state)
+{
+    (void)state;
+    static const char texture[] = "\"materials\":[{\"emissiveTexture\":{\"index\":0}%s}],"
+                                  "\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"a.ppm\"}],";
+    char lines[300];
+    snprintf(lines, sizeof lines, texture, ",\"emissiveFactor\":[0,0,0]");
+    rk_mesh mesh = load(write_gltf_of("\"material\":0,", lines));
+    rk_mesh_free(&mesh);
+    snprintf(lines, sizeof lines, texture, ",\"emissiveFactor\":[0,0,0.5]");
+    mesh = load_with_note(write_gltf_of("\"material\":0,", lines), "has surfaces that emit light");
     rk_mesh_free(&mesh);
 }
 
@@ -938,6 +1069,10 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(texture_coordinates_of_a_gltf_may_be_integers),
     cmocka_unit_test(positions_and_normals_of_a_gltf_may_be_integers),
     cmocka_unit_test(indices_of_a_gltf_that_are_out_of_range_are_refused),
+    cmocka_unit_test(meshes_of_a_gltf_may_be_in_any_order),
+    cmocka_unit_test(meshes_of_a_gltf_that_cannot_be_told_apart_are_named),
+    cmocka_unit_test(indices_that_draco_compresses_may_have_32_bits),
+    cmocka_unit_test(a_gltf_emits_light_by_its_factor_alone),
     cmocka_unit_test(a_picture_that_does_not_continue_as_it_should_is_told),
     cmocka_unit_test(what_a_3mf_does_not_show_is_told),
     cmocka_unit_test(colours_that_are_no_numbers_are_counted_and_drawn_as_0),

@@ -5,13 +5,16 @@
 #include "io/mesh_helper/mesh_gltf_parts.h"
 
 #include <math.h>
+#include <stdio.h>
 #include <stdlib.h>
 
-enum { INT8 = 5120, UINT8, INT16, UINT16, POINTS = 0, TRIANGLES = 4, FAN = 6 };
+enum { INT8 = 5120, UINT8, INT16, UINT16, UINT32 = 5125, POINTS = 0, TRIANGLES = 4, FAN = 6 };
 
 typedef struct accessor {
     rk_mesh_gltf_parts_numbers numbers;
     long long count;
+    const char *kind; /* where componentType is, or NULL */
+    bool has_bytes, is_draco, keeps_kind;
 } accessor;
 
 typedef struct reader {
@@ -42,10 +45,12 @@ static accessor read_accessor(json_cursor *c)
         return json_skip(c), a;
     while (json_next_key(c, &key)) {
         if (json_equals(&key, "componentType")) {
+            a.kind = c->at;
             a.numbers.kind = (uint16_t)json_read_index(c, 0);
         } else if (json_equals(&key, "count")) {
             a.count = json_read_index(c, 0);
         } else {
+            a.has_bytes |= json_equals(&key, "bufferView") || json_equals(&key, "sparse");
             a.numbers.is_fraction |= json_equals(&key, "normalized") && *c->at == 't';
             json_skip(c);
         }
@@ -114,28 +119,42 @@ static bool names_draco(json_cursor c)
     return json_find_key(&c, "KHR_draco_mesh_compression");
 }
 
+/* Indices of up to 65,535 vertices fit 16 bits. */
+static void note_indices(reader *r, long long indices, bool is_draco, long long vertices)
+{
+    if (indices < 0 || (size_t)indices >= r->accessor_count)
+        return;
+    accessor *a = &r->accessors[indices];
+    a->is_draco |= is_draco;
+    a->keeps_kind |= !is_draco || vertices < 0 || vertices > 65535;
+}
+
 static rk_mesh_gltf_parts_one read_part(reader *r, json_cursor *c)
 {
-    rk_mesh_gltf_parts_one part = {.triangles = -1};
-    long long mode = TRIANGLES, corners = -1, vertices = -1;
+    rk_mesh_gltf_parts_one part = {
+        .number = (uint32_t)r->hints->part_count, .vertices = -1, .triangles = -1};
+    long long mode = TRIANGLES, corners = -1;
+    long long indices = -1;
     bool has_indices = false, has_draco = false;
     json_string key;
     if (!json_enter(c, '{'))
         return json_skip(c), part;
     while (json_next_key(c, &key)) {
         if (json_equals(&key, "attributes")) {
-            vertices = read_attributes(r, c, &part);
+            part.vertices = read_attributes(r, c, &part);
         } else if (json_equals(&key, "mode")) {
             mode = json_read_index(c, FAN + 1);
         } else if (json_equals(&key, "indices")) {
             has_indices = true;
-            corners = accessor_at(r, json_read_index(c, -1)).count;
+            indices = json_read_index(c, -1);
+            corners = accessor_at(r, indices).count;
         } else {
             has_draco |= json_equals(&key, "extensions") && names_draco(*c);
             json_skip(c);
         }
     }
-    part.triangles = has_draco ? -1 : triangles_of(has_indices ? corners : vertices, mode);
+    note_indices(r, indices, has_draco, part.vertices);
+    part.triangles = has_draco ? -1 : triangles_of(has_indices ? corners : part.vertices, mode);
     return part;
 }
 
@@ -149,8 +168,48 @@ static bool read_primitives(reader *r, json_cursor *c, rk_error *error)
         if (!room)
             return fail_memory(r, error);
         h->parts = room;
-        h->parts[h->part_count++] = read_part(r, c);
+        h->parts[h->part_count] = read_part(r, c);
+        h->part_count++;
     }
+    return true;
+}
+
+/* Assimp names an unnamed mesh by its number, and numbers the parts of a mesh that has several. */
+static void name_parts(rk_mesh_gltf_parts_one *parts, size_t count, const json_string *name,
+                       uint32_t mesh)
+{
+    char text[sizeof parts->name];
+    if (name->length > 90 || memchr(name->begin, '\\', name->length))
+        return;
+    if (name->length > 0)
+        snprintf(text, sizeof text, "%.*s", (int)name->length, name->begin);
+    else
+        snprintf(text, sizeof text, "meshes[%u]", mesh);
+    for (size_t i = 0; i < count; i++)
+        if (count == 1)
+            snprintf(parts[i].name, sizeof text, "%s", text);
+        else
+            snprintf(parts[i].name, sizeof text, "%.91s-%u", text, (uint32_t)i);
+}
+
+static bool read_mesh(reader *r, json_cursor *c, uint32_t number, rk_error *error)
+{
+    const size_t before = r->hints->part_count;
+    json_string key, name = {"", 0};
+    if (!json_enter(c, '{'))
+        return json_skip(c), true;
+    while (json_next_key(c, &key)) {
+        if (json_equals(&key, "primitives")) {
+            if (!read_primitives(r, c, error))
+                return false;
+        } else if (json_equals(&key, "name") && *c->at == '"') {
+            name = json_read_string(c);
+        } else {
+            json_skip(c);
+        }
+    }
+    if (r->hints->part_count > before)
+        name_parts(r->hints->parts + before, r->hints->part_count - before, &name, number);
     return true;
 }
 
@@ -158,26 +217,42 @@ static bool read_meshes(reader *r, json_cursor c, rk_error *error)
 {
     if (!json_find_key(&c, "meshes") || !json_enter(&c, '['))
         return true;
-    while (json_next(&c)) {
-        json_string key;
-        if (!json_enter(&c, '{')) {
-            json_skip(&c);
+    for (uint32_t i = 0; json_next(&c); i++)
+        if (!read_mesh(r, &c, i, error))
+            return false;
+    return true;
+}
+
+/* Assimp decodes the indices of a Draco part, and loses those of 32 bits; its other widths are made
+ * from the same numbers. */
+static bool narrow_draco_indices(const reader *r, json_cursor file, rk_error *error)
+{
+    rk_mesh_hints *h = r->hints;
+    for (size_t i = 0; i < r->accessor_count; i++) {
+        const accessor *a = &r->accessors[i];
+        if (!a->is_draco || a->numbers.kind != UINT32 || a->has_bytes)
             continue;
-        }
-        while (json_next_key(&c, &key))
-            if (!json_equals(&key, "primitives"))
-                json_skip(&c);
-            else if (!read_primitives(r, &c, error))
+        h->has_wide_draco |= a->keeps_kind;
+        if (a->keeps_kind)
+            continue;
+        if (!h->text) {
+            h->size = (size_t)(file.end - file.at);
+            h->text = rk_allocate_unset(h->size, 1, r->path, error);
+            if (!h->text)
                 return false;
+            memcpy(h->text, file.at, h->size);
+        }
+        h->text[a->kind - file.at + 3] = '3';
     }
     return true;
 }
 
 bool rk_mesh_gltf_parts_read(rk_mesh_hints *hints, const char *path, json_cursor text,
-                             rk_error *error)
+                             json_cursor file, rk_error *error)
 {
     reader r = {.path = path, .hints = hints};
-    bool ok = read_accessors(&r, text, error) && read_meshes(&r, text, error);
+    bool ok = read_accessors(&r, text, error) && read_meshes(&r, text, error) &&
+              narrow_draco_indices(&r, file, error);
     if (r.differ)
         rk_mesh_hints_note(hints, path,
                            "has normals or texture coordinates of another number than vertices, "
@@ -187,6 +262,13 @@ bool rk_mesh_gltf_parts_read(rk_mesh_hints *hints, const char *path, json_cursor
 }
 
 /* --- mending ------------------------------------------------------------------------------- */
+
+/* 0 for floats. */
+static int integer_kind(rk_mesh_gltf_parts_numbers numbers)
+{
+    const bool is_integer = numbers.kind >= INT8 && numbers.kind <= UINT16;
+    return is_integer ? 2 * numbers.kind + numbers.is_fraction : 0;
+}
 
 static float integer_at(const unsigned char *bytes, int i, rk_mesh_gltf_parts_numbers numbers)
 {
@@ -215,8 +297,7 @@ static bool is_packed(const struct aiVector3D *rows, uint32_t count, int size, b
 static void unpack(struct aiVector3D *rows, uint32_t count, int size,
                    rk_mesh_gltf_parts_numbers numbers)
 {
-    if (!rows || numbers.kind < INT8 || numbers.kind > UINT16 ||
-        !is_packed(rows, count, size, numbers.kind >= INT16))
+    if (!rows || !integer_kind(numbers) || !is_packed(rows, count, size, numbers.kind >= INT16))
         return;
     for (uint32_t i = 0; i < count; i++) {
         unsigned char bytes[sizeof *rows];
@@ -229,8 +310,65 @@ static void unpack(struct aiVector3D *rows, uint32_t count, int size,
     }
 }
 
+/* --- pairing ------------------------------------------------------------------------------- */
+
+static int by_vertices(const void *a, const void *b)
+{
+    const rk_mesh_gltf_parts_one *x = a, *y = b;
+    if (x->vertices != y->vertices)
+        return x->vertices < y->vertices ? -1 : 1;
+    return x->number < y->number ? -1 : x->number > y->number;
+}
+
+/* The first of the sorted parts that has as many vertices, or more. */
+static size_t first_of(const rk_mesh_hints *hints, int64_t vertices)
+{
+    size_t low = 0, high = hints->part_count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (hints->parts[middle].vertices < vertices)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+static bool is_same_kind(const rk_mesh_gltf_parts_one *a, const rk_mesh_gltf_parts_one *b)
+{
+    bool same = integer_kind(a->positions) == integer_kind(b->positions) &&
+                integer_kind(a->normals) == integer_kind(b->normals);
+    for (int k = 0; k < AI_MAX_NUMBER_OF_TEXTURECOORDS; k++)
+        same &= integer_kind(a->texcoords[k]) == integer_kind(b->texcoords[k]);
+    return same;
+}
+
+/* Returns NULL if no part has the name and the number of vertices. Prefers one of which no triangle
+ * is missing. `differ` tells that others fit as well, with other kinds of numbers. */
+static const rk_mesh_gltf_parts_one *part_of(const struct aiMesh *mesh, const rk_mesh_hints *hints,
+                                             bool *differ)
+{
+    const rk_mesh_gltf_parts_one *best = NULL;
+    *differ = false;
+    for (size_t i = first_of(hints, mesh->mNumVertices); i < hints->part_count; i++) {
+        const rk_mesh_gltf_parts_one *part = &hints->parts[i];
+        if (part->vertices != mesh->mNumVertices)
+            break;
+        if (*part->name && strcmp(part->name, mesh->mName.data) != 0)
+            continue;
+        const bool is_whole = part->triangles <= mesh->mNumFaces;
+        if (!best || (is_whole && best->triangles > mesh->mNumFaces)) {
+            best = part;
+            *differ = false;
+        } else if (is_whole || best->triangles > mesh->mNumFaces) {
+            *differ |= !is_same_kind(best, part);
+        }
+    }
+    return best;
+}
+
 static bool check_triangles(const struct aiMesh *mesh, const rk_mesh_gltf_parts_one *part,
-                            uint32_t number, const char *path, rk_error *error)
+                            const char *path, rk_error *error)
 {
     const long long lost = part->triangles - (long long)mesh->mNumFaces;
     if (part->triangles < 0 || lost <= 0)
@@ -238,23 +376,40 @@ static bool check_triangles(const struct aiMesh *mesh, const rk_mesh_gltf_parts_
     return rk_fail(error,
                    "%s: %lld of %lld triangles of part %u (\"%.100s\") use vertices that are not "
                    "there: export it again",
-                   path, lost, (long long)part->triangles, number, mesh->mName.data);
+                   path, lost, (long long)part->triangles, part->number, mesh->mName.data);
 }
 
-bool rk_mesh_gltf_parts_mend(const struct aiScene *scene, const rk_mesh_hints *hints,
-                             const char *path, rk_error *error)
+static void unpack_part(struct aiMesh *mesh, const rk_mesh_gltf_parts_one *part)
 {
-    if (hints->part_count != scene->mNumMeshes)
-        return true;
+    unpack(mesh->mVertices, mesh->mNumVertices, 3, part->positions);
+    unpack(mesh->mNormals, mesh->mNumVertices, 3, part->normals);
+    for (int k = 0; k < AI_MAX_NUMBER_OF_TEXTURECOORDS; k++)
+        unpack(mesh->mTextureCoords[k], mesh->mNumVertices, 2, part->texcoords[k]);
+}
+
+bool rk_mesh_gltf_parts_mend(const struct aiScene *scene, rk_mesh_hints *hints, const char *path,
+                             rk_error *error)
+{
+    const char *unclear = NULL;
+    if (hints->part_count > 0)
+        qsort(hints->parts, hints->part_count, sizeof *hints->parts, by_vertices);
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
         struct aiMesh *mesh = scene->mMeshes[i];
-        const rk_mesh_gltf_parts_one *part = &hints->parts[i];
-        if (!check_triangles(mesh, part, i, path, error))
+        bool differ;
+        const rk_mesh_gltf_parts_one *part = part_of(mesh, hints, &differ);
+        if (differ)
+            unclear = mesh->mName.data;
+        if (!part)
+            continue;
+        if (!check_triangles(mesh, part, path, error))
             return false;
-        unpack(mesh->mVertices, mesh->mNumVertices, 3, part->positions);
-        unpack(mesh->mNormals, mesh->mNumVertices, 3, part->normals);
-        for (int k = 0; k < AI_MAX_NUMBER_OF_TEXTURECOORDS; k++)
-            unpack(mesh->mTextureCoords[k], mesh->mNumVertices, 2, part->texcoords[k]);
+        if (!differ)
+            unpack_part(mesh, part);
     }
+    if (unclear)
+        rk_mesh_hints_note(hints, path,
+                           "has several parts named \"%.100s\" with coordinates of different "
+                           "kinds, which may be drawn wrongly: give them different names",
+                           unclear);
     return true;
 }

@@ -16,18 +16,24 @@ typedef struct rk_mesh_gltf_parts_numbers {
 } rk_mesh_gltf_parts_numbers;
 
 typedef struct rk_mesh_gltf_parts_one {
-    int64_t triangles; /* -1: not known */
+    char name[104];    /* that Assimp gives it, or "" if it is longer or has escapes */
+    uint32_t number;   /* in the file's order */
+    int64_t vertices;  /* -1: not known */
+    int64_t triangles; /* the same */
     rk_mesh_gltf_parts_numbers positions, normals, texcoords[AI_MAX_NUMBER_OF_TEXTURECOORDS];
 } rk_mesh_gltf_parts_one;
 
-/* Reads them from the text into the hints. Files of version 1 have none. False when memory is
- * short. */
+/* Reads them from the text, which is in the file, into the hints, and corrects the file where
+ * Assimp could not read Draco's indices. Files of version 1 have none. False when memory is short.
+ */
 bool rk_mesh_gltf_parts_read(rk_mesh_hints *hints, const char *path, json_cursor text,
-                             rk_error *error);
+                             json_cursor file, rk_error *error);
 
-/* Turns integers that Assimp took for floats into numbers. False if Assimp has dropped triangles:
- * their indices are out of range. */
-bool rk_mesh_gltf_parts_mend(const struct aiScene *scene, const rk_mesh_hints *hints,
-                             const char *path, rk_error *error);
+/* Turns integers that Assimp took for floats into numbers. Pairs the scene's parts with the file's
+ * by name and number of vertices, since Assimp orders them as their nodes; adds a note where that
+ * leaves two kinds of integers. False if Assimp has dropped triangles: their indices are out of
+ * range. */
+bool rk_mesh_gltf_parts_mend(const struct aiScene *scene, rk_mesh_hints *hints, const char *path,
+                             rk_error *error);
 
 #endif

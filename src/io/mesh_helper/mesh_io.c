@@ -81,7 +81,8 @@ static bool has_ending(const char *path, const char *ending)
 static bool is_text_with_mark(FILE *stream, const char *path)
 {
     char first[3];
-    return (has_ending(path, ".obj") || has_ending(path, ".mtl") || has_ending(path, ".ply")) &&
+    return (has_ending(path, ".obj") || has_ending(path, ".mtl") || has_ending(path, ".ply") ||
+            has_ending(path, ".gltf")) &&
            fread(first, 1, 3, stream) == 3 && memcmp(first, "\xef\xbb\xbf", 3) == 0;
 }
 

@@ -2,6 +2,7 @@
  */
 #include "io/mesh_helper/mesh_left_out.h"
 
+#include <assimp/GltfMaterial.h>
 #include <stdio.h>
 #include <string.h>
 
@@ -51,8 +52,11 @@ static bool emits(const struct aiMaterial *material)
     static const enum aiTextureType maps[] = {aiTextureType_EMISSIVE, aiTextureType_EMISSION_COLOR,
                                               aiTextureType_NONE};
     struct aiColor4D c = {0, 0, 0, 1};
+    struct aiString mode;
     aiGetMaterialColor(material, AI_MATKEY_COLOR_EMISSIVE, &c);
-    return c.r > 0 || c.g > 0 || c.b > 0 || has_picture(material, maps);
+    const bool multiplies = /* the picture, in glTF */
+        aiGetMaterialString(material, AI_MATKEY_GLTF_ALPHAMODE, &mode) == aiReturn_SUCCESS;
+    return c.r > 0 || c.g > 0 || c.b > 0 || (!multiplies && has_picture(material, maps));
 }
 
 void rk_mesh_left_out_of_material(rk_mesh_left_out *left, const struct aiMaterial *material)

@@ -4,6 +4,7 @@
 #define RK_IO_MESH_HELPER_MESH_SYNTAX_H
 
 #include "base/error.h"
+#include "io/mesh_helper/json_cursor.h"
 
 enum { RK_MESH_HINTS_FOLDERS = 8 };
 
@@ -24,6 +25,7 @@ typedef struct rk_mesh_hints {
     size_t wedge_count;
     struct rk_mesh_gltf_parts_one *parts; /* of a glTF file, in its order, or NULL */
     size_t part_count;
+    bool has_wide_draco; /* compressed indices of 32 bits, which Assimp does not decode */
     char folders[RK_MESH_HINTS_FOLDERS][1024]; /* of material files, relative, with a slash */
     int folder_count;
 } rk_mesh_hints;
@@ -49,5 +51,9 @@ bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_mesh
                         rk_error *error);
 bool rk_mesh_syntax_gltf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                          rk_error *error);
+
+/* The same for a part of the file. */
+bool rk_mesh_syntax_gltf_part(const char *path, json_cursor part, json_cursor file,
+                              rk_mesh_hints *hints, rk_error *error);
 
 #endif

@@ -41,5 +41,6 @@ bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_mesh
             return false;
         at += claimed;
     }
-    return rk_mesh_syntax_gltf(path, text + 20, word_at(text, 12), hints, error);
+    const json_cursor part = {text + 20, text + 20 + word_at(text, 12)};
+    return rk_mesh_syntax_gltf_part(path, part, (json_cursor){text, text + size}, hints, error);
 }

@@ -90,12 +90,20 @@ static void note_used(const char *path, json_cursor c, rk_mesh_hints *hints)
         rk_mesh_hints_note(hints, path, "uses %s, which the picture does not show", list);
 }
 
+bool rk_mesh_syntax_gltf_part(const char *path, json_cursor part, json_cursor file,
+                              rk_mesh_hints *hints, rk_error *error)
+{
+    if (!check_required(path, part, error) ||
+        !rk_mesh_gltf_parts_read(hints, path, part, file, error))
+        return false;
+    note_used(path, part, hints);
+    return true;
+}
+
 bool rk_mesh_syntax_gltf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                          rk_error *error)
 {
-    const json_cursor all = {text, text + size};
-    if (!check_required(path, all, error) || !rk_mesh_gltf_parts_read(hints, path, all, error))
-        return false;
-    note_used(path, all, hints);
-    return true;
+    const bool has_mark = size > 3 && memcmp(text, "\xef\xbb\xbf", 3) == 0;
+    const json_cursor all = {text, text + size}, json = {text + (has_mark ? 3 : 0), all.end};
+    return rk_mesh_syntax_gltf_part(path, json, all, hints, error);
 }

@@ -194,6 +194,11 @@ static bool fail_unread(const char *path, const rk_mesh_hints *hints, rk_error *
                        "%s: all triangles of a part use vertices that are not there: export it "
                        "again",
                        path);
+    if (hints->has_wide_draco && strstr(reason, "accessor without data"))
+        return rk_fail(error,
+                       "%s: is compressed by Draco with 32-bit indices, which Assimp does not "
+                       "decode: export it uncompressed",
+                       path);
     if (strstr(reason, "No suitable reader"))
         return rk_fail(
             error,
