@@ -454,6 +454,17 @@ static void a_fault_without_a_reason_is_still_a_sentence(void **state)
                   "x.pfm: is damaged; save or download it again");
 }
 
+/* The same for formats that the helper reads and for PNG. */
+static void a_pointer_of_git_lfs_is_no_picture(void **state)
+{
+    static const char text[] = "version https://git-lfs.github.com/spec/v1\n"
+                               "oid sha256:0123456789abcdef\nsize 12345\n";
+    static const char *const names[] = {"a.jpg", "a.exr", "a.hdr", "a.png"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        check_refused(test_folder_write(*state, names[i], text, sizeof text - 1, 0600),
+                      ": is a Git LFS pointer, not the file: run git lfs pull");
+}
+
 static void absurd_sizes_are_refused(void **state)
 {
     const char head[] = "#?RADIANCE\nFORMAT=32-bit_rle_rgbe\n\n-Y 2000000000 +X 2000000000\n";
@@ -792,6 +803,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_broken_exr_is_refused),
     test_in_folder(a_broken_hdr_is_refused),
     test_in_folder(missing_empty_and_foreign_files_are_refused),
+    test_in_folder(a_pointer_of_git_lfs_is_no_picture),
     test_in_folder(absurd_sizes_are_refused),
     test_in_folder(a_fault_without_a_reason_is_still_a_sentence),
     test_in_folder(folders_pipes_and_devices_are_refused_at_once),

@@ -1045,6 +1045,18 @@ static void colours_that_are_no_numbers_are_counted_and_drawn_as_0(void **state)
     }
 }
 
+static void a_pointer_of_git_lfs_is_no_mesh(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"a.obj", "a.ply", "a.off",  "a.stl",
+                                        "a.glb", "a.3ds", "a.gltf", "a.fbx"};
+    for (size_t i = 0; i < sizeof names / sizeof *names; i++)
+        check_refused(names[i],
+                      "version https://git-lfs.github.com/spec/v1\n"
+                      "oid sha256:0123456789abcdef\nsize 12345\n",
+                      ": is a Git LFS pointer, not the file", "run git lfs pull");
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(numbers_of_an_obj_may_begin_with_their_point),
     cmocka_unit_test(a_vertex_weight_moves_nothing),
@@ -1075,6 +1087,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_gltf_emits_light_by_its_factor_alone),
     cmocka_unit_test(a_picture_that_does_not_continue_as_it_should_is_told),
     cmocka_unit_test(what_a_3mf_does_not_show_is_told),
+    cmocka_unit_test(a_pointer_of_git_lfs_is_no_mesh),
     cmocka_unit_test(colours_that_are_no_numbers_are_counted_and_drawn_as_0),
 };
 

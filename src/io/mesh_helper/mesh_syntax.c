@@ -2,6 +2,7 @@
  * of its format. */
 #include "io/mesh_helper/mesh_syntax.h"
 
+#include "io/lfs_pointer.h"
 #include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/text_encoding.h"
 
@@ -97,6 +98,8 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
     if (size >= 2 && memcmp(text, "\x1f\x8b", 2) == 0)
         return rk_fail(error, "%s: is compressed by gzip: rename it to end in .gz and gunzip it",
                        path);
+    if (!rk_lfs_pointer_check(path, text, size, error))
+        return false;
     if (is_text(path) && rk_text_encoding_is_utf16(text, size)) {
         char *utf8 = rk_text_encoding_to_utf8(path, text, size, &utf8_size, error);
         return parse_changed(path, utf8, utf8_size, hints, error);
