@@ -119,6 +119,31 @@ static void text_in_utf16_is_read_like_utf8(void **state)
                        ":1: a v line needs three numbers", "");
 }
 
+static void the_picture_of_a_black_material_is_drawn(void **state)
+{
+    (void)state;
+    test_folder_write(&folder, "a.ppm", "P6\n1 1\n255\n\377\0\0", 14, 0600);
+    write_text("black.mtl", "newmtl a\nKd 0 0 0\nmap_Kd a.ppm\nnewmtl b\nKd 0 0 0\n");
+    rk_mesh mesh = load_with_note(
+        write_text("black.obj", "mtllib black.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nusemtl a\n"
+                                "f 1/1 2/1 3/1\nusemtl b\nf 1/1 2/1 3/1\n"),
+        "Kd 0 0 0 makes a picture (map_Kd) black; the picture is drawn as it is");
+    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 1, 1, 1);
+    check_point(mesh.materials[mesh.triangle_materials[1]].kd, 0, 0, 0);
+    rk_mesh_free(&mesh);
+}
+
+static void a_mesh_without_any_area_says_so(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load_with_note(
+        write_text("line.obj", "v 0 0 0\nv .1 .2 .3\nv .3 .6 .9\nv 0 0 0\nf 1 2 3\nf 1 4 2\n"),
+        "the corners of each triangle are on a line");
+    rk_mesh_free(&mesh);
+    mesh = load(write_text("thin.obj", "v 0 0 0\nv 1 0 0\nv 0 1e-5 0\n" FACE "f 1 1 2\n"));
+    rk_mesh_free(&mesh);
+}
+
 static void a_mesh_in_gzip_names_the_program(void **state)
 {
     (void)state;
@@ -318,6 +343,23 @@ static void transparent_faces_of_an_off_are_told(void **state)
 }
 
 /* --- STL ------------------------------------------------------------------------------------ */
+
+static void an_stl_may_be_in_capitals(void **state)
+{
+    (void)state;
+    static const char *const begins[] = {"SOLID A", "solid A", " Solid"};
+    for (size_t i = 0; i < sizeof begins / sizeof *begins; i++) {
+        char text[300];
+        snprintf(text, sizeof text,
+                 "%s\r\nFACET NORMAL 0 0 1\r\nOUTER LOOP\r\nVERTEX 0 0 0\r\n"
+                 "VERTEX 1.0E+00 0 0\r\nVERTEX 0 1 0\r\nENDLOOP\r\nENDFACET\r\nENDSOLID\r\n",
+                 begins[i]);
+        rk_mesh mesh = load(write_text("capitals.stl", text));
+        rk_check_equal(mesh.triangle_count, 1, begins[i]);
+        check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
+        rk_mesh_free(&mesh);
+    }
+}
 
 /* A triangle for each of these sixteen bits. */
 static test_path write_stl(const char *head, size_t head_size, const uint16_t *bits, uint32_t count)
@@ -1062,6 +1104,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_vertex_weight_moves_nothing),
     cmocka_unit_test(a_line_that_assimp_does_not_know_costs_no_material),
     cmocka_unit_test(text_in_utf16_is_read_like_utf8),
+    cmocka_unit_test(the_picture_of_a_black_material_is_drawn),
+    cmocka_unit_test(a_mesh_without_any_area_says_so),
     cmocka_unit_test(a_mesh_in_gzip_names_the_program),
     cmocka_unit_test(a_material_file_without_a_known_line_costs_no_mesh),
     cmocka_unit_test(what_an_obj_has_beside_faces_is_told),
@@ -1070,6 +1114,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_off_that_is_not_shown_as_it_is_says_so),
     cmocka_unit_test(rows_of_an_off_may_go_over_several_lines),
     cmocka_unit_test(transparent_faces_of_an_off_are_told),
+    cmocka_unit_test(an_stl_may_be_in_capitals),
     cmocka_unit_test(colours_of_an_stl_are_in_its_programs_order),
     cmocka_unit_test(comments_of_a_ply_may_stand_anywhere),
     cmocka_unit_test(texture_coordinates_of_a_plys_corners_are_their_own),

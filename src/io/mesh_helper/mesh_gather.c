@@ -31,7 +31,7 @@ typedef struct gather {
     rk_mesh_colours colours;
     rk_mesh_mtl mtl;
     rk_mesh_left_out left;
-    bool drew_tr_one;
+    bool drew_tr_one, drew_black;
     size_t unfinite_faces, black_faces;
     float (*wedges)[2]; /* of the faces from here on, or NULL */
     bool replaced;      /* a normal or a texture coordinate that is not finite */
@@ -448,6 +448,15 @@ static void draw_tr_one(gather *g, const struct aiMaterial *source, rk_material 
     g->drew_tr_one = true;
 }
 
+/* Maya writes Kd 0 0 0 beside a picture that replaces it. */
+static void draw_picture_of_black(gather *g, const struct aiMaterial *source, rk_material *material)
+{
+    if (!mtl_of(g, source) || material->kd.x > 0 || material->kd.y > 0 || material->kd.z > 0)
+        return;
+    material->kd = rk_vec(1, 1, 1);
+    g->drew_black = true;
+}
+
 static void set_material(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, uint32_t i)
 {
     const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i] / variants];
@@ -458,6 +467,8 @@ static void set_material(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, u
     if (!g->plain)
         mesh->materials[i] = rk_mesh_material(source, varies);
     draw_tr_one(g, source, &mesh->materials[i]);
+    if (textures->of_material[i] != 0)
+        draw_picture_of_black(g, source, &mesh->materials[i]);
     rk_mesh_left_out_of_material(&g->left, source);
     if (variant & COLOURED ? g->colours.replace : g->plain && varies)
         mesh->materials[i].kd = rk_vec(1, 1, 1);
@@ -524,6 +535,10 @@ static void tell(gather *g, rk_mesh_hints *hints)
         rk_mesh_hints_note(hints, g->path,
                            "Tr 1 makes a material invisible; it is drawn as opaque, because some "
                            "programs mean that: write d 0 for an invisible one");
+    if (g->drew_black)
+        rk_mesh_hints_note(hints, g->path,
+                           "Kd 0 0 0 makes a picture (map_Kd) black; the picture is drawn as it "
+                           "is, because some programs mean that");
     rk_mesh_left_out_tell(&g->left, g->path, hints);
 }
 

@@ -1,4 +1,5 @@
-/* io/mesh_helper/mesh_syntax.h for binary STL: 80 bytes, a count of triangles, and 50 bytes for
+/* io/mesh_helper/mesh_syntax.h for STL. Text that is in capitals is given to Assimp in small
+ * letters, which alone it knows. Binary: 80 bytes, a count of triangles, and 50 bytes for
  * each, of which the last two are its colour. VisCAM's way, which Assimp reads, has bit 15 set, and
  * blue in the lowest bits. In Magics's way the 80 bytes hold COLOR= and four bytes, the whole
  * part's colour; red is in the lowest bits, and bit 15 is clear where a triangle has a colour of
@@ -9,6 +10,7 @@
 
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 enum { head_size = 80, rows_begin = 84, row_size = 50 };
 
@@ -63,11 +65,33 @@ static rk_vec3 colour_of_triangle(const stl_colour *colour, uint32_t bits)
                   (float)(bits >> 10 & 31) / 31);
 }
 
+static bool is_text_in_capitals(const char *text, size_t size)
+{
+    size_t begin = 0;
+    while (begin < size && strchr(" \t\r\n", text[begin]) && text[begin])
+        begin++;
+    const char *word = text + begin;
+    return size - begin >= 5 && strncasecmp(word, "solid", 5) == 0 && !memchr(text, 0, size) &&
+           (memcmp(word, "solid", 5) != 0 || find_word(text, size, "FACET"));
+}
+
+static bool write_small_letters(const char *path, const char *text, size_t size,
+                                rk_mesh_hints *hints, rk_error *error)
+{
+    hints->text = rk_allocate_unset(size, 1, path, error);
+    hints->size = size;
+    for (size_t i = 0; hints->text && i < size; i++)
+        hints->text[i] = text[i] >= 'A' && text[i] <= 'Z' ? (char)(text[i] - 'A' + 'a') : text[i];
+    return hints->text != NULL;
+}
+
 bool rk_mesh_syntax_stl(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error)
 {
     uint32_t count;
     stl_colour colour;
+    if (is_text_in_capitals(text, size))
+        return write_small_letters(path, text, size, hints, error);
     if (!is_binary(text, size, &count) || count == 0 || !find_colour(text, &colour))
         return true;
     hints->face_colours = rk_allocate(count, sizeof *hints->face_colours, path, error);

@@ -172,6 +172,34 @@ static void note_distance(rk_mesh_hints *hints, const rk_mesh *mesh, const char 
                            1 / share);
 }
 
+/* In double precision, in which the square of a float is not 0. */
+static bool has_area(const rk_mesh *mesh, const uint32_t corners[3])
+{
+    double e[2][3], n[3], edges = 0;
+    for (int k = 0; k < 2; k++) {
+        const rk_vec3 a = mesh->positions[corners[0]], b = mesh->positions[corners[k + 1]];
+        e[k][0] = (double)b.x - (double)a.x;
+        e[k][1] = (double)b.y - (double)a.y;
+        e[k][2] = (double)b.z - (double)a.z;
+        edges += e[k][0] * e[k][0] + e[k][1] * e[k][1] + e[k][2] * e[k][2];
+    }
+    for (int i = 0; i < 3; i++) {
+        const int j = (i + 1) % 3, k = (i + 2) % 3;
+        n[i] = e[0][j] * e[1][k] - e[0][k] * e[1][j];
+    }
+    return sqrt(n[0] * n[0] + n[1] * n[1] + n[2] * n[2]) > 0x1p-24 * edges;
+}
+
+static void note_area(rk_mesh_hints *hints, const rk_mesh *mesh, const char *path)
+{
+    for (uint32_t i = 0; i < mesh->triangle_count; i++)
+        if (has_area(mesh, mesh->triangles[i]))
+            return;
+    rk_mesh_hints_note(hints, path,
+                       "the corners of each triangle are on a line, so nothing of it is visible: "
+                       "export the mesh again");
+}
+
 /* Assimp reads one material for each part of a 3MF file, and nothing of the extensions. */
 static void note_colours_of_3mf(rk_mesh_hints *hints, const char *path)
 {
@@ -231,6 +259,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
     if (ok) {
         find_pictures(&textures, hints, path);
         note_distance(hints, &mesh, path);
+        note_area(hints, &mesh, path);
         note_colours_of_3mf(hints, path);
         ok = write_mesh(&mesh, &textures, path, error);
     }
