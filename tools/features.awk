@@ -67,8 +67,8 @@ function build_one(stem, folder, needs, uses, note, unit, driver, name) {
     print "\nunit_" stem " = " unit
     print name "_SOURCES =" only(seen, "^assignments/" folder "/")
     print name "_LDADD = $(driver_libs)"
-    print "driver-" stem " draw-" stem " live-ready-" stem ": $(" name "_OBJECTS)"
-    print "draw-" stem ": $(if $(impl),," driver "$(EXEEXT))"
+    print "driver-" stem " drawn-" stem " live-ready-" stem ": $(" name "_OBJECTS)"
+    print "drawn-" stem ": $(if $(impl),," driver "$(EXEEXT))"
     print "live-ready-" stem ": $(if $(handed_out),," driver "$(EXEEXT))"
     print "tests_test_" stem "_SOURCES = tests/test_" stem ".c $(unit_" stem ")" units_of(needs)
     print "uses_" stem " =" objects_of(uses)
