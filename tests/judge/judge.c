@@ -175,7 +175,9 @@ static void wait_for_answer(uint32_t number)
             return;
         rk_judge_wait(&judge.answered->answered, answered, &judge.asked->is_waiting);
         if (judge.answered->answered == answered && unit_has_ended())
-            rk_claim_failed(__FILE__, __LINE__, "the process that runs the unit has ended");
+            rk_claim_failed(__FILE__, __LINE__,
+                            "the code ended the program in the middle of the test: does it call "
+                            "exit, or _Exit?");
     }
 }
 
@@ -480,6 +482,12 @@ static bool look_at_next(void)
     return !judge.lap_is_over;
 }
 
+static void look_at_all(void)
+{
+    while (look_at_next()) {
+    }
+}
+
 /* In most cases it is the next one of its function. */
 static bool find_in_order(const rk_judge_request *head, size_t *place)
 {
@@ -497,8 +505,7 @@ static bool find_in_order(const rk_judge_request *head, size_t *place)
 
 static bool find_learnt(const rk_judge_request *head, size_t *place)
 {
-    while (look_at_next()) {
-    }
+    look_at_all();
     learn_all();
     uint32_t hash = hash_of(head);
     for (uint32_t i = hash % SLOTS; slots[i].lap == judge.lap; i = (i + 1) % SLOTS)
@@ -602,8 +609,7 @@ static void stop_predictor(void)
 static void end_prediction(void)
 {
     stop_predictor();
-    while (look_at_next()) {
-    }
+    look_at_all();
     wait_for_answer(judge.known - 1);
     predictor.asked += judge.known - predictor.begin;
     weigh_predictors();

@@ -18,8 +18,6 @@ _BYTES = 256 << 20  # RK_JUDGE_BYTES of tests/judge/protocol.h
 _LEAKS = 23  # RK_JUDGE_LEAKS there
 _GET_SEALS, _SEAL_FUTURE_WRITE = 1034, 0x10  # of <linux/fcntl.h>
 _WAITS = 12  # so many times its seconds a unit's process may wait for the judge's next call
-_JUDGES_WORDS = "the process that runs the unit has ended"  # in tests/judge/judge.c
-_FOR_STUDENTS = "the code ended the program in the middle of the test: does it call exit, or _Exit?"
 _GRACE = 1  # seconds that a unit's process may need to end when its judge has failed
 _PATIENCE = 20  # seconds that a judge may work on when the unit's process has ended
 
@@ -137,8 +135,7 @@ def run(toolchain, stem, name, program, secret, **options):
     if outcome.limit or outcome.status not in (0, _LEAKS):
         return outcome
     leaks = outcome.status == _LEAKS
-    outcome.status, outcome.attested = status, attested
-    outcome.testimony = testimony.replace(_JUDGES_WORDS, _FOR_STUDENTS)
+    outcome.status, outcome.attested, outcome.testimony = status, attested, testimony
     if leaks and attested:
         outcome.testimony = "leaks"
     outcome.output = said + outcome.output
