@@ -272,18 +272,22 @@ static void the_cosine_weight_is_1(void **state)
     }
 }
 
-/* The mean over the unit square of weight times a power of the cosine, at the cell centres of a
- * grid. */
-static double mean_of_power(rk_ambient_map map, double power)
+enum { powers = 5 };
+
+/* The means over the unit square of weight times each power of the cosine from 0 on, at the cell
+ * centres of a grid. */
+static void find_means_of_powers(rk_ambient_map map, double means[powers])
 {
     enum { grid = 512 };
-    double sum = 0;
+    for (int power = 0; power < powers; power++)
+        means[power] = 0;
     for (int i = 0; i < grid * grid; i++) {
         rk_vec2 xi = {((float)(i % grid) + 0.5f) / grid, ((float)(i / grid) + 0.5f) / grid};
         rk_vec3 d = rk_ambient_hemisphere(map, xi);
-        sum += (double)rk_ambient_weight(map, d.z) * pow((double)d.z, power);
+        double weight = (double)rk_ambient_weight(map, d.z);
+        for (int power = 0; power < powers; power++)
+            means[power] += weight * pow((double)d.z, power) / (grid * grid);
     }
-    return sum / (grid * grid);
 }
 
 /* Of the midpoint rule with cells of width h = 1 / 512: about h^1.5 / 2 for the root at the rim,
@@ -293,18 +297,24 @@ static const double grid_error = 1e-4;
 static void weights_are_1_on_average(void **state)
 {
     (void)state;
-    for (int m = 0; m < 2; m++)
-        rk_check_near(mean_of_power(maps[m], 0), 1, 1e-6,
+    for (int m = 0; m < 2; m++) {
+        double means[powers];
+        find_means_of_powers(maps[m], means);
+        rk_check_near(means[0], 1, 1e-6,
                       "%s map: the integral of cos(theta) / pi over the hemisphere", map_names[m]);
+    }
 }
 
 static void both_maps_estimate_the_same_integrals(void **state)
 {
     (void)state;
-    for (int m = 0; m < 2; m++)
-        for (int power = 1; power <= 4; power++)
-            rk_check_near(mean_of_power(maps[m], power), 2.0 / (power + 2), grid_error,
+    for (int m = 0; m < 2; m++) {
+        double means[powers];
+        find_means_of_powers(maps[m], means);
+        for (int power = 1; power < powers; power++)
+            rk_check_near(means[power], 2.0 / (power + 2), grid_error,
                           "%s map: the integral of cos(theta)^%d / pi", map_names[m], power + 1);
+    }
 }
 
 /* --- Around the normal ------------------------------------------------------------------------ */
@@ -471,18 +481,13 @@ static void directions_barely_above_the_face_are_not_into_it(void **state)
     int tried = 0;
     for (uint32_t i = 0; i < 10000; i++) {
         /* A direction at a height above the face of twice what a rotation is rounded by. */
-        rk_vec3 normal = noise_direction(18, i), face = noise_direction(19, i), axes_of[3], got;
+        rk_vec3 normal = noise_direction(18, i), face = noise_direction(19, i), got;
         face = rk_dot(normal, face) < 0 ? rk_negate(face) : face;
         rk_ambient_frame frame = rk_ambient_frame_of(normal, face);
         rk_vec3 along = rk_normalize(rk_cross(face, normal)),
                 up = rk_madd(rk_cross(along, face), face, 2 * (float)rotation_rounding);
         up = rk_dot(up, normal) < 0 ? rk_madd(up, rk_cross(along, face), -2) : up;
-        for (int k = 0; k < 3; k++) { /* where it turns the axes to */
-            rk_vec3 axis = rk_vec(k == 0, k == 1, k == 2);
-            rk_ambient_direction(&frame, axis, &axes_of[k]);
-        }
-        rk_vec3 local =
-            rk_vec(rk_dot(up, axes_of[0]), rk_dot(up, axes_of[1]), rk_dot(up, axes_of[2]));
+        rk_vec3 local = rk_vec(rk_dot(up, frame.u), rk_dot(up, frame.v), rk_dot(up, frame.normal));
         if (local.z < 0)
             continue;
         tried++;
@@ -615,10 +620,13 @@ static void an_estimate_of_the_visibility_may_exceed_1(void **state)
 
 /* --- Closed forms ----------------------------------------------------------------------------- */
 
-/* Occludes directions from the point 0 with the normal z. */
+/* Occludes directions from the point 0 with the normal z; your closed form for it. */
 typedef struct occluder {
     double size, distance, cosine;
+    float closed_form;
 } occluder;
+
+enum { occluders = 3 };
 
 typedef bool occludes(const occluder *o, rk_dvec3 d);
 
@@ -643,24 +651,29 @@ enum { estimates = 1 << 18 };
 
 /* The mean of weight times V. A weight's mean square is at most 4/3, and the mean is off by more
  * than 5 standard errors less than once in a million times. */
-static void check_estimate(const occluder *o, occludes *is_occluded, double closed_form,
-                           const char *name)
+static void check_estimate(const occluder *o, double estimate, rk_ambient_map map, const char *name)
+{
+    double tolerance = 5 * sqrt(4.0 / 3 / estimates);
+    rk_check(fabs((double)o->closed_form - estimate) <= tolerance,
+             "%s of size %g at the distance %g, cosine %g: your closed form says %.6f, but of %d "
+             "of your directions by the %s map those that miss it weigh %.6f, and both should be "
+             "equal within %.3g; the claim about the closed form tells which is wrong",
+             name, o->size, o->distance, o->cosine, (double)o->closed_form, estimates,
+             map_names[map], estimate, tolerance);
+}
+
+static void check_estimates(const occluder all[occluders], occludes *is_occluded, const char *name)
 {
     for (int m = 0; m < 2; m++) {
-        double sum = 0;
+        double sums[occluders] = {0};
         for (uint32_t i = 0; i < estimates; i++) {
             rk_vec3 d = rk_ambient_hemisphere(maps[m], noise2(20 + (uint32_t)m, i));
-            if (!is_occluded(o, rk_widen(d)))
-                sum += (double)rk_ambient_weight(maps[m], d.z);
+            double weight = (double)rk_ambient_weight(maps[m], d.z);
+            for (int k = 0; k < occluders; k++)
+                sums[k] += is_occluded(&all[k], rk_widen(d)) ? 0 : weight;
         }
-        double tolerance = 5 * sqrt(4.0 / 3 / estimates);
-        rk_check(
-            fabs(closed_form - sum / estimates) <= tolerance,
-            "%s of size %g at the distance %g, cosine %g: your closed form says %.6f, but of %d "
-            "of your directions by the %s map those that miss it weigh %.6f, and both should be "
-            "equal within %.3g; the claim about the closed form tells which is wrong",
-            name, o->size, o->distance, o->cosine, closed_form, estimates, map_names[m],
-            sum / estimates, tolerance);
+        for (int k = 0; k < occluders; k++)
+            check_estimate(&all[k], sums[k] / estimates, maps[m], name);
     }
 }
 
@@ -687,9 +700,10 @@ static void estimates_agree_with_the_disk(void **state)
 {
     (void)state;
     const double sizes[] = {0.25, 1, 4};
-    for (int i = 0; i < 3; i++)
-        check_estimate(&(occluder){sizes[i], 1, 1}, disk_occludes,
-                       (double)rk_ambient_below_disk((float)sizes[i], 1), "a disk");
+    occluder disks[occluders];
+    for (int i = 0; i < occluders; i++)
+        disks[i] = (occluder){sizes[i], 1, 1, rk_ambient_below_disk((float)sizes[i], 1)};
+    check_estimates(disks, disk_occludes, "a disk");
 }
 
 static void a_sphere_occludes_its_squared_sine_times_the_cosine(void **state)
@@ -716,11 +730,13 @@ static void a_sphere_occludes_its_squared_sine_times_the_cosine(void **state)
 static void estimates_agree_with_the_sphere(void **state)
 {
     (void)state;
-    for (int i = 0; i < 3; i++) {
-        const occluder o = {0.45, 1, 0.5 + 0.25 * i}; /* above the horizon, because 0.45 < 0.5 */
-        check_estimate(&o, sphere_occludes,
-                       (double)rk_ambient_below_sphere(0.45f, 1, (float)o.cosine), "a sphere");
+    occluder spheres[occluders];
+    for (int i = 0; i < occluders; i++) {
+        double cosine = 0.5 + 0.25 * i; /* above the horizon, because 0.45 < 0.5 */
+        float closed_form = rk_ambient_below_sphere(0.45f, 1, (float)cosine);
+        spheres[i] = (occluder){0.45, 1, cosine, closed_form};
     }
+    check_estimates(spheres, sphere_occludes, "a sphere");
 }
 
 static void a_wall_occludes_half_at_its_foot_and_less_farther_away(void **state)
@@ -738,9 +754,10 @@ static void estimates_agree_with_the_wall(void **state)
 {
     (void)state;
     const double distances[] = {0.1, 1, 3};
-    for (int i = 0; i < 3; i++)
-        check_estimate(&(occluder){1, distances[i], 0}, wall_occludes,
-                       (double)rk_ambient_beside_wall(1, (float)distances[i]), "a wall");
+    occluder walls[occluders];
+    for (int i = 0; i < occluders; i++)
+        walls[i] = (occluder){1, distances[i], 0, rk_ambient_beside_wall(1, (float)distances[i])};
+    check_estimates(walls, wall_occludes, "a wall");
 }
 
 static void closed_forms_do_not_depend_on_the_unit_of_length(void **state)

@@ -637,9 +637,9 @@ static void other_kinds_and_dimensions_are_as_before(void **state)
                     continue;
                 rk_vec2 got = rk_joint_2d(&sampler, 9, i, dimension);
                 rk_vec2 want = rk_sample_2d(&sampler, 9, i, dimension);
+                float got_one = rk_joint_1d(&sampler, 9, i, dimension);
                 rk_check(got.x == want.x && got.y == want.y &&
-                             rk_joint_1d(&sampler, 9, i, dimension) ==
-                                 rk_sample_1d(&sampler, 9, i, dimension),
+                             got_one == rk_sample_1d(&sampler, 9, i, dimension),
                          "kind %d, dimension %u, sample %u: want rk_sample_2d's numbers", kind,
                          dimension, i);
             }
@@ -1015,10 +1015,10 @@ static void permuting_keeps_every_square_together(void **state)
         uint32_t shift = 2 * (k % (RK_MORTON_DIGITS + 1)), key = any_bits(k, 30);
         uint32_t a = any_bits(k, 31) % PLACES;
         uint32_t b = (a >> shift << shift) | (any_bits(k, 32) & ((1u << shift) - 1));
-        rk_check(rk_permute_digits(a, key) >> shift == rk_permute_digits(b, key) >> shift,
+        uint32_t place_of_a = rk_permute_digits(a, key), place_of_b = rk_permute_digits(b, key);
+        rk_check(place_of_a >> shift == place_of_b >> shift,
                  "indices %u and %u are of one square of %u x %u pixels; got %u and %u", a, b,
-                 1u << shift / 2, 1u << shift / 2, rk_permute_digits(a, key),
-                 rk_permute_digits(b, key));
+                 1u << shift / 2, 1u << shift / 2, place_of_a, place_of_b);
     }
 }
 
@@ -1177,7 +1177,7 @@ static void any_number_of_samples_is_even_in_squares(void **state)
         for (uint32_t d = 0; d < RK_SOBOL_DIMENSIONS; d++)
             for (uint32_t parts = 2; parts <= 32; parts *= 2) {
                 const rk_sampler sampler = shared_by(c, numbers[c]);
-                uint32_t counts[32] = {0}, n = 16 * numbers[c], least = n, most = 0;
+                uint32_t counts[32 + 1] = {0}, n = 16 * numbers[c], least = n, most = 0;
                 for (uint32_t i = 0; i < 16; i++)
                     for (uint32_t sample = 0; sample < numbers[c]; sample++) {
                         uint32_t pixel = pixel_at(44 + i % 4, 300 + i / 4);

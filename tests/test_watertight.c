@@ -627,7 +627,8 @@ static void check_leaf(uint32_t key, int exponent, int direction_exponent)
     uint32_t first = count;
     for (uint32_t k = 0; k < count; k++) {
         rk_triangle_closest(&leaf[k], &ray, &want);
-        if (first == count && rk_triangle_occludes(&leaf[k], &ray))
+        bool occludes = rk_triangle_occludes(&leaf[k], &ray);
+        if (first == count && occludes)
             first = k;
     }
     rk_triangles_closest(leaf, count, &ray, &got);

@@ -21,17 +21,17 @@
 #endif
 
 enum {
-    LAP_BYTES = 8 << 20,
-    LAP_REQUESTS = 1 << 16,
+    LAP_BYTES = 16 << 20,
+    LAP_REQUESTS = 1 << 17,
     SLOTS = 2 * LAP_REQUESTS,
     BATCH_MIN = 32, /* requests that a predictor makes at least, once one was wrong */
     BATCH_MAX = 1 << 13,
-    MAPPED_BYTES = 2 << 20,
-    AHEAD_MAX = 1 << 13,   /* requests of a predictor that has to leave others out */
-    JUDGED_PREDICTORS = 4, /* after so many it is seen whether they are worth it: */
-    USED_MIN = 400,        /* to begin one costs as much as some 100 calls without one */
-    DIRECT_FIRST = 200,    /* calls without a predictor: at the beginning, */
-    DIRECT_MIN = 64,       /* and where predictors are not worth it */
+    MAPPED_BYTES = 1 << 20, /* at once */
+    AHEAD_MAX = 1 << 15,    /* requests of a predictor that has to leave others out */
+    JUDGED_PREDICTORS = 4,  /* after so many it is seen whether they are worth it: */
+    USED_MIN = 400,         /* to begin one costs as much as some 100 calls without one */
+    DIRECT_FIRST = 200,     /* calls without a predictor: at the beginning, */
+    DIRECT_MIN = 64,        /* and where predictors are not worth it */
     DIRECT_MAX = 1 << 20,
 };
 
@@ -46,8 +46,10 @@ static struct {
     uint32_t lap, lap_begin; /* the number of its first request */
     uint32_t known;          /* requests so far, as this process knows them */
     size_t end;              /* their end */
-    size_t objects;          /* bytes of this lap that are objects */
-    size_t learnt;           /* those before it are in the table below */
+    size_t mapped_end;       /* of this process, if it predicts */
+    size_t objects;          /* bytes of this lap that are objects, and their number: */
+    uint32_t object_count;
+    size_t learnt; /* those before it are in the table below */
     bool lap_is_over;
     uint64_t after[RK_JUDGE_FUNCTIONS]; /* as rk_judge_after, in this test */
     uint64_t given; /* a bit for each function of which the predictor used the reference's answer */
@@ -75,7 +77,7 @@ struct rk_judge_call rk_judge_call;
 /* The objects that are kept: of this call, and the last ones of each slot. */
 enum {
     KEPT_SLOTS = 8,
-    KEPT_MAX = 2 * LAP_REQUESTS,
+    KEPT_PLACES = 2 * RK_JUDGE_KEPT_MAX,
     GUARDED_AFTER = 8, /* calls with the same object */
     GUARDED_BYTES = 1 << 15,
 };
@@ -94,7 +96,7 @@ static struct last_object {
 static struct kept_id {
     uint64_t id;
     uint32_t lap;
-} kept_ids[KEPT_MAX];
+} kept_ids[KEPT_PLACES];
 
 /* --- Requests -------------------------------------------------------------------------------- */
 
@@ -199,14 +201,27 @@ static void begin_lap(void)
         judge.asked->lap = judge.lap;
     judge.lap_begin = judge.known;
     begin_at_front();
-    judge.objects = 0;
+    judge.objects = judge.object_count = 0;
     judge.lap_is_over = false;
+}
+
+/* Of pages that a fork has not mapped, each one would be a fault. */
+static void map_what_comes(void)
+{
+#if defined(MADV_POPULATE_WRITE) && defined(MADV_POPULATE_READ)
+    size_t page = (size_t)sysconf(_SC_PAGESIZE), begin = judge.end / page * page;
+    madvise(judge.asked_memory + begin, MAPPED_BYTES, MADV_POPULATE_WRITE);
+    madvise((unsigned char *)judge.answered_memory + begin, MAPPED_BYTES, MADV_POPULATE_READ);
+    judge.mapped_end = begin + MAPPED_BYTES;
+#endif
 }
 
 /* Copies the first bytes of a request, whose others stand there already. */
 static void publish(rk_judge_request *head, size_t bytes)
 {
     head->number = judge.known++;
+    if (judge.predicts && judge.end + head->span > judge.mapped_end)
+        map_what_comes();
     memcpy(judge.asked_memory + judge.end, head, bytes);
     judge.end += head->span;
     atomic_store_explicit(&judge.asked->published, judge.known, memory_order_release);
@@ -224,7 +239,7 @@ static void publish_end_of_lap(void)
 static bool lap_is_full(size_t requests)
 {
     return judge.end - judge.objects > RK_JUDGE_FIRST + LAP_BYTES ||
-           judge.end > RK_JUDGE_BYTES / 2 ||
+           judge.end > RK_JUDGE_BYTES / 2 || judge.object_count + KEPT_SLOTS > RK_JUDGE_KEPT_MAX ||
            judge.known - judge.lap_begin + requests >= LAP_REQUESTS;
 }
 
@@ -381,9 +396,9 @@ void rk_judge_put_kept(int slot, const rk_judge_piece *pieces, size_t count)
 
 static struct kept_id *place_of_id(uint64_t id)
 {
-    uint32_t i = (uint32_t)id % KEPT_MAX;
+    uint32_t i = (uint32_t)id % KEPT_PLACES;
     while (kept_ids[i].lap == judge.lap && kept_ids[i].id != id)
-        i = (i + 1) % KEPT_MAX;
+        i = (i + 1) % KEPT_PLACES;
     return &kept_ids[i];
 }
 
@@ -391,6 +406,7 @@ static void remember(uint64_t id, size_t bytes)
 {
     *place_of_id(id) = (struct kept_id){id, judge.lap};
     judge.objects += bytes;
+    judge.object_count++;
 }
 
 static void publish_object(uint64_t id, const unsigned char *bytes, size_t size)
@@ -538,16 +554,6 @@ static void take(size_t place)
 
 /* --- The predictor --------------------------------------------------------------------------- */
 
-/* Of pages that a fork has not mapped, each one would be a fault. */
-static void map_what_comes(void)
-{
-#if defined(MADV_POPULATE_WRITE) && defined(MADV_POPULATE_READ)
-    size_t page = (size_t)sysconf(_SC_PAGESIZE), begin = judge.end / page * page;
-    madvise(judge.asked_memory + begin, MAPPED_BYTES, MADV_POPULATE_WRITE);
-    madvise((unsigned char *)judge.answered_memory + begin, MAPPED_BYTES, MADV_POPULATE_READ);
-#endif
-}
-
 /* Its output is not the judge's, and neither are its verdicts. */
 static void become_predictor(void)
 {
@@ -557,6 +563,13 @@ static void become_predictor(void)
     dup2(nowhere, STDERR_FILENO);
     judge.predicts = true;
     map_what_comes();
+}
+
+static _Noreturn void end_as_predictor(void)
+{
+    judge.asked->predictor_ends = 1;
+    wake_readers();
+    _exit(0);
 }
 
 static void begin_prediction(void)
@@ -569,6 +582,7 @@ static void begin_prediction(void)
         predictor.used = 0; /* calls without a predictor say nothing of it */
     predictor.begin = judge.known;
     judge.asked->predicted = judge.calls - 1;
+    judge.asked->predictor_ends = 0;
     predictor.process = fork();
     if (predictor.process == 0)
         become_predictor();
@@ -622,7 +636,8 @@ static void end_prediction(void)
 static void look_at_predictor(void)
 {
     uint32_t published = judge.asked->published;
-    bool has_ended = waitpid(predictor.process, NULL, WNOHANG) != 0;
+    bool has_ended =
+        waitpid(predictor.process, NULL, judge.asked->predictor_ends ? 0 : WNOHANG) != 0;
     if (has_ended)
         predictor.process = 0;
     bool has_passed = judge.asked->predicted >= judge.calls;
@@ -642,6 +657,12 @@ static bool would_tell_an_answer(const rk_judge_request *head)
     return (judge.after[head->function] & judge.given) != 0;
 }
 
+/* A predictor could publish one such request and no other. */
+static bool may_be_ahead(const rk_judge_request *head)
+{
+    return judge.after[head->function] != UINT64_MAX;
+}
+
 /* In the predictor: true where the reference is to be called. */
 static bool predict(rk_judge_request *head)
 {
@@ -657,7 +678,7 @@ static bool predict(rk_judge_request *head)
     }
     atomic_store_explicit(&judge.asked->predicted, judge.calls, memory_order_release);
     if (judge.leaves_out && judge.known - predictor.begin >= AHEAD_MAX)
-        _exit(0); /* the next one knows the answers of these */
+        end_as_predictor(); /* the next one knows the answers of these */
     bool is_answer_known = is_known && is_answered(request_at(place)->number);
     if (!is_answer_known)
         judge.given |= UINT64_C(1) << head->function;
@@ -675,10 +696,10 @@ bool rk_judge_predicts(size_t bytes_max)
     while (!judge.predicts && !find(head, &place)) {
         if (predictor.process)
             look_at_predictor();
-        else if (predictor.direct == 0)
+        else if (predictor.direct == 0 && may_be_ahead(head))
             begin_prediction();
         else {
-            predictor.direct--;
+            predictor.direct -= predictor.direct > 0;
             publish_request(head);
         }
     }
@@ -751,10 +772,9 @@ void rk_judge_connect(const char *test)
 /* The predictor's work ends here. */
 bool rk_judge_end_of_test(void)
 {
-    if (!judge.predicts)
-        return false;
-    wake_readers();
-    _exit(0);
+    if (judge.predicts)
+        end_as_predictor();
+    return false;
 }
 
 /* Also after a test that has failed. */

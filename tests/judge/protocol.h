@@ -17,7 +17,8 @@ enum {
     RK_JUDGE_FROM_FRONT = -1,   /* in place of a function: the next request is the first again */
     RK_JUDGE_KEEP = -2,         /* the same: an object that later calls name by its id */
     RK_JUDGE_KEPT_ALIGNMENT = 64,
-    RK_JUDGE_LEAKS = 23, /* exit status of the unit's process: memory was lost */
+    RK_JUDGE_KEPT_MAX = 1 << 14, /* objects in a lap */
+    RK_JUDGE_LEAKS = 23,         /* exit status of the unit's process: memory was lost */
 };
 
 /* Where the unit's process has requests, and memory for what it writes to: in every run the same,
@@ -31,6 +32,7 @@ typedef struct rk_judge_asked {
     _Atomic uint32_t published; /* requests so far, by the judge or a predictor in its place */
     _Atomic uint32_t lap;       /* how often the judge has begun at the front */
     _Atomic uint32_t ended;     /* no more will come */
+    _Atomic uint32_t predictor_ends;
     _Atomic uint32_t is_waiting, predictor_waits;
     _Atomic uint64_t predicted; /* calls that the predictor has made */
 } rk_judge_asked;

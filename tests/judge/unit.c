@@ -81,21 +81,21 @@ void rk_unit_give_made(void *values, size_t count, size_t most, size_t size)
 
 /* --- Objects that are kept --- */
 
-enum { KEPT_MAX = 1 << 15 };
+enum { KEPT_PLACES = 2 * RK_JUDGE_KEPT_MAX };
 static struct kept {
     uint64_t id;
     unsigned char *bytes;
     size_t size;
     bool is_open;
-} all_kept[KEPT_MAX];
-static size_t kept_count, kept_places[KEPT_MAX];
+} all_kept[KEPT_PLACES];
+static size_t kept_count, kept_places[RK_JUDGE_KEPT_MAX];
 static unsigned char *piece; /* of the object that is being opened */
 
 static struct kept *place_of_id(uint64_t id)
 {
-    uint32_t i = (uint32_t)id % KEPT_MAX;
+    uint32_t i = (uint32_t)id % KEPT_PLACES;
     while (all_kept[i].id && all_kept[i].id != id)
-        i = (i + 1) % KEPT_MAX;
+        i = (i + 1) % KEPT_PLACES;
     return &all_kept[i];
 }
 
