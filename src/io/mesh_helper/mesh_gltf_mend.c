@@ -1,6 +1,6 @@
-/* io/mesh_helper/mesh_gltf_parts.h for what Assimp makes of them: version 5.2 copies the bytes of an
- * element into the first ones of its vector of floats, whatever they are, and then turns the second
- * coordinate v of textures into 1 - v; so the bytes are still there. Format: Khronos,
+/* io/mesh_helper/mesh_gltf_parts.h for what Assimp makes of them: version 5.2 copies the bytes of
+ * an element into the first ones of its vector of floats, whatever they are, and then turns the
+ * second coordinate v of textures into 1 - v; so the bytes are still there. Format: Khronos,
  * KHR_mesh_quantization. */
 #include "io/mesh_helper/mesh_gltf_parts.h"
 
@@ -61,28 +61,6 @@ static void unpack(struct aiVector3D *rows, uint32_t count, int size,
 
 /* --- pairing ------------------------------------------------------------------------------- */
 
-static int by_vertices(const void *a, const void *b)
-{
-    const rk_mesh_gltf_parts_one *x = a, *y = b;
-    if (x->vertices != y->vertices)
-        return x->vertices < y->vertices ? -1 : 1;
-    return x->number < y->number ? -1 : x->number > y->number;
-}
-
-/* The first of the sorted parts that has as many vertices, or more. */
-static size_t first_of(const rk_mesh_hints *hints, int64_t vertices)
-{
-    size_t low = 0, high = hints->part_count;
-    while (low < high) {
-        const size_t middle = low + (high - low) / 2;
-        if (hints->parts[middle].vertices < vertices)
-            low = middle + 1;
-        else
-            high = middle;
-    }
-    return low;
-}
-
 static bool is_same_kind(const rk_mesh_gltf_parts_one *a, const rk_mesh_gltf_parts_one *b)
 {
     bool same = integer_kind(a->positions) == integer_kind(b->positions) &&
@@ -92,28 +70,83 @@ static bool is_same_kind(const rk_mesh_gltf_parts_one *a, const rk_mesh_gltf_par
     return same;
 }
 
-/* Returns NULL if no part has the name and the number of vertices. Prefers one of which no triangle
- * is missing. `differ` tells that others fit as well, with other kinds of numbers. */
+static int by_fit(const void *a, const void *b)
+{
+    const rk_mesh_gltf_parts_one *x = a, *y = b;
+    const int names = strcmp(x->name, y->name);
+    if (x->vertices != y->vertices)
+        return x->vertices < y->vertices ? -1 : 1;
+    if (names != 0)
+        return names;
+    if (x->triangles != y->triangles)
+        return x->triangles < y->triangles ? -1 : 1;
+    return x->number < y->number ? -1 : x->number > y->number;
+}
+
+/* A file may have 65,536 parts, so each is looked up: those that may be the same one of Assimp's
+ * are neighbours. */
+static void sort_parts(rk_mesh_hints *hints)
+{
+    rk_mesh_gltf_parts_one *parts = hints->parts;
+    if (hints->part_count > 0)
+        qsort(parts, hints->part_count, sizeof *parts, by_fit);
+    for (size_t i = 1; i < hints->part_count; i++)
+        parts[i].differs = parts[i].vertices == parts[i - 1].vertices &&
+                           strcmp(parts[i].name, parts[i - 1].name) == 0 &&
+                           (parts[i - 1].differs || !is_same_kind(&parts[i - 1], &parts[i]));
+}
+
+/* The first of the sorted parts that does not come before the wanted one. */
+static size_t first_of(const rk_mesh_hints *hints, const rk_mesh_gltf_parts_one *wanted)
+{
+    size_t low = 0, high = hints->part_count;
+    while (low < high) {
+        const size_t middle = low + (high - low) / 2;
+        if (by_fit(&hints->parts[middle], wanted) < 0)
+            low = middle + 1;
+        else
+            high = middle;
+    }
+    return low;
+}
+
+/* Those of this name that fit, whole ones if there are any; or NULL. */
+typedef struct fit {
+    const rk_mesh_gltf_parts_one *first;
+    bool is_whole, differs;
+} fit;
+
+static fit fit_of(const struct aiMesh *mesh, const rk_mesh_hints *hints, const char *name)
+{
+    rk_mesh_gltf_parts_one wanted = {.vertices = mesh->mNumVertices, .triangles = INT64_MIN};
+    if (strlen(name) >= sizeof wanted.name)
+        return (fit){0};
+    strcpy(wanted.name, name);
+    const size_t first = first_of(hints, &wanted);
+    wanted.triangles = (int64_t)mesh->mNumFaces + 1;
+    size_t end = first_of(hints, &wanted);
+    const bool is_whole = end > first;
+    if (!is_whole) {
+        wanted.triangles = INT64_MAX;
+        end = first_of(hints, &wanted);
+    }
+    return end == first ? (fit){0}
+                        : (fit){&hints->parts[first], is_whole, hints->parts[end - 1].differs};
+}
+
+/* Returns NULL if no part has the name, or one that is not known, and the number of vertices.
+ * Prefers one of which no triangle is missing. `differ` tells that others fit as well, with other
+ * kinds of numbers. */
 static const rk_mesh_gltf_parts_one *part_of(const struct aiMesh *mesh, const rk_mesh_hints *hints,
                                              bool *differ)
 {
-    const rk_mesh_gltf_parts_one *best = NULL;
-    *differ = false;
-    for (size_t i = first_of(hints, mesh->mNumVertices); i < hints->part_count; i++) {
-        const rk_mesh_gltf_parts_one *part = &hints->parts[i];
-        if (part->vertices != mesh->mNumVertices)
-            break;
-        if (*part->name && strcmp(part->name, mesh->mName.data) != 0)
-            continue;
-        const bool is_whole = part->triangles <= mesh->mNumFaces;
-        if (!best || (is_whole && best->triangles > mesh->mNumFaces)) {
-            best = part;
-            *differ = false;
-        } else if (is_whole || best->triangles > mesh->mNumFaces) {
-            *differ |= !is_same_kind(best, part);
-        }
-    }
-    return best;
+    const fit named = fit_of(mesh, hints, mesh->mName.data), unnamed = fit_of(mesh, hints, "");
+    const bool has_both = named.first && unnamed.first && named.is_whole == unnamed.is_whole;
+    const bool takes_unnamed = !named.first || (unnamed.is_whole && !named.is_whole);
+    const fit *best = takes_unnamed ? &unnamed : &named;
+    *differ = best->differs ||
+              (has_both && (unnamed.differs || !is_same_kind(named.first, unnamed.first)));
+    return best->first;
 }
 
 static bool check_triangles(const struct aiMesh *mesh, const rk_mesh_gltf_parts_one *part,
@@ -140,8 +173,7 @@ bool rk_mesh_gltf_parts_mend(const struct aiScene *scene, rk_mesh_hints *hints, 
                              rk_error *error)
 {
     const char *unclear = NULL;
-    if (hints->part_count > 0)
-        qsort(hints->parts, hints->part_count, sizeof *hints->parts, by_vertices);
+    sort_parts(hints);
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
         struct aiMesh *mesh = scene->mMeshes[i];
         bool differ;

@@ -129,7 +129,7 @@ static void note_indices(reader *r, long long indices, bool is_draco, long long 
 static rk_mesh_gltf_parts_one read_part(reader *r, json_cursor *c)
 {
     rk_mesh_gltf_parts_one part = {
-        .number = (uint32_t)r->hints->part_count, .vertices = -1, .triangles = -1};
+        .number = (uint32_t)r->hints->part_count, .vertices = -1, .triangles = -1, .material = -1};
     long long mode = TRIANGLES, corners = -1;
     long long indices = -1;
     bool has_indices = false, has_draco = false;
@@ -139,6 +139,8 @@ static rk_mesh_gltf_parts_one read_part(reader *r, json_cursor *c)
     while (json_next_key(c, &key)) {
         if (json_equals(&key, "attributes")) {
             part.vertices = read_attributes(r, c, &part);
+        } else if (json_equals(&key, "material")) {
+            part.material = json_read_index(c, -1);
         } else if (json_equals(&key, "mode")) {
             mode = json_read_index(c, FAN + 1);
         } else if (json_equals(&key, "indices")) {
@@ -220,6 +222,33 @@ static bool read_meshes(reader *r, json_cursor c, rk_error *error)
     return true;
 }
 
+static int by_number(const void *a, const void *b)
+{
+    const int64_t x = *(const int64_t *)a, y = *(const int64_t *)b;
+    return x < y ? -1 : x > y;
+}
+
+/* Assimp takes long for so many, and 10 kB for each. */
+static bool check_materials(const reader *r, rk_error *error)
+{
+    const rk_mesh_hints *h = r->hints;
+    if (h->part_count <= UINT16_MAX)
+        return true;
+    int64_t *materials = rk_allocate(h->part_count, sizeof *materials, r->path, error);
+    if (!materials)
+        return false;
+    size_t count = 1;
+    for (size_t i = 0; i < h->part_count; i++)
+        materials[i] = h->parts[i].material;
+    qsort(materials, h->part_count, sizeof *materials, by_number);
+    for (size_t i = 1; i < h->part_count; i++)
+        count += materials[i] != materials[i - 1];
+    free(materials);
+    return count <= UINT16_MAX ||
+           rk_fail(error, "%s: uses %zu materials, more than %d: merge equal ones", r->path, count,
+                   UINT16_MAX);
+}
+
 /* Assimp decodes the indices of a Draco part, and loses those of 32 bits; its other widths are made
  * from the same numbers. */
 static bool narrow_draco_indices(const reader *r, json_cursor file, rk_error *error)
@@ -249,7 +278,7 @@ bool rk_mesh_gltf_parts_read(rk_mesh_hints *hints, const char *path, json_cursor
 {
     reader r = {.path = path, .hints = hints};
     bool ok = read_accessors(&r, text, error) && read_meshes(&r, text, error) &&
-              narrow_draco_indices(&r, file, error);
+              check_materials(&r, error) && narrow_draco_indices(&r, file, error);
     if (r.differ)
         rk_mesh_hints_note(hints, path,
                            "has normals or texture coordinates of another number than vertices, "
