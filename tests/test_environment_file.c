@@ -160,6 +160,7 @@ static void six_files_go_by_other_names_too(void **state)
         {"right", "left", "top", "bottom", "front", "back"},
         {"Right", "Left", "Up", "Down", "Front", "Back"},
         {"sky_ft", "sky_bk", "sky_up", "sky_dn", "sky_rt", "sky_lf"},
+        {"sky_rt", "sky_lf", "sky_up", "sky_dn", "sky_fr", "sky_bk"},
         {"a-PX", "a-NX", "a-PY", "a-NY", "a-PZ", "a-NZ"},
         {"a.px", "a.nx", "a.py", "a.ny", "a.pz", "a.nz"},
         {"a px", "a nx", "a py", "a ny", "a pz", "a nz"},

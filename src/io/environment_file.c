@@ -212,6 +212,7 @@ static face_names names[] = {
     {"right", "left", "top", "bottom", "front", "back"},
     {"right", "left", "up", "down", "front", "back"},
     {"r", "l", "u", "d", "f", "b"},
+    {"rt", "lf", "up", "dn", "fr", "bk"},
     {"0", "1", "2", "3", "4", "5"},
     {"ft", "bk", "up", "dn", "rt", "lf"},
 };

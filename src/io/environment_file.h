@@ -21,9 +21,9 @@ enum { RK_ENVIRONMENT_FILE_PIXELS_MAX = 1 << 26 };
  * y agree. So pz, and the fifth face in a strip, is the one ahead, with px to its right; each face
  * has the orientation that it has in the cross. Instead of px and so on, all six may be named posx,
  * negx ...; pos_x ...; positivex, negativex ...; positive_x ...; +x, -x ...; x+, x- ...; xp, xn
- * ...; xpos, xneg ...; right, left, top or up, bottom or down, front, back; r, l, u, d, f, b; or 0
- * to 5; in upper case, too. In a folder their names may begin with one that all six have, before
- * one of _-. or a blank.
+ * ...; xpos, xneg ...; right, left, top or up, bottom or down, front, back; r, l, u, d, f, b; rt,
+ * lf, up, dn, fr, bk, as OGRE names them; or 0 to 5; in upper case, too. In a folder their names
+ * may begin with one that all six have, before one of _-. or a blank.
  *
  * Faces named rt, lf, up, dn, ft, bk are oriented as in Quake and its successors, where these names
  * are no directions: rt is ahead, with ft to its right, lf behind, and bk to its left.
