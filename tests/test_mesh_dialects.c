@@ -318,6 +318,21 @@ static void rows_of_an_off_may_go_over_several_lines(void **state)
                   ":6: a face's index is missing", "");
 }
 
+/* Geomview's manual calls the word optional; some programs write it in small letters. */
+static void the_first_word_of_an_off_may_be_missing(void **state)
+{
+    (void)state;
+    static const char *const words[] = {"", "off\n", "\n \r\n\n  OFF\n", "\tOff # by hand\n\n",
+                                        "# by hand\n\n"};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++) {
+        char text[100];
+        snprintf(text, sizeof text, "%s3 1 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", words[i]);
+        rk_mesh mesh = load(write_text("words.off", text));
+        check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
+        rk_mesh_free(&mesh);
+    }
+}
+
 static void transparent_faces_of_an_off_are_told(void **state)
 {
     (void)state;
@@ -643,7 +658,8 @@ static void extensions_of_a_gltf_that_are_not_drawn_are_told(void **state)
         "uses KHR_materials_transmission, KHR_texture_basisu, which the picture does not show");
     rk_check_equal(mesh.triangle_count, 1, "it is drawn");
     rk_mesh_free(&mesh);
-    mesh = load(write_gltf("\"extensionsUsed\":[\"KHR_texture_transform\"],"));
+    mesh = load(write_gltf("\"extensionsUsed\":[\"KHR_texture_transform\",\"FB_ngon_encoding\","
+                           "\"EXT_meshopt_compression\"],"));
     rk_mesh_free(&mesh);
     mesh = load(write_gltf(""));
     rk_mesh_free(&mesh);
@@ -1113,6 +1129,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_offs_vertices_have_what_its_first_word_announces),
     cmocka_unit_test(an_off_that_is_not_shown_as_it_is_says_so),
     cmocka_unit_test(rows_of_an_off_may_go_over_several_lines),
+    cmocka_unit_test(the_first_word_of_an_off_may_be_missing),
     cmocka_unit_test(transparent_faces_of_an_off_are_told),
     cmocka_unit_test(an_stl_may_be_in_capitals),
     cmocka_unit_test(colours_of_an_stl_are_in_its_programs_order),

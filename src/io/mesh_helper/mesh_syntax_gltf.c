@@ -21,6 +21,14 @@ static const char *const drawn[] = {
     "KHR_xmp_json_ld",
 };
 
+/* What a picture shows does not depend on these: what faces were before they were triangles, what
+ * they mean, coarser copies, or a compression of what the file also has without. */
+static const char *const meanings[] = {
+    "EXT_feature_metadata",    "EXT_instance_features",   "EXT_mesh_features", "EXT_mesh_manifold",
+    "EXT_meshopt_compression", "EXT_structural_metadata", "FB_ngon_encoding",  "GODOT_single_root",
+    "KHR_animation_pointer",   "KHR_node_selectability",  "MSFT_lod",
+};
+
 /* These change how surfaces look, not where they are. */
 static const char *const looks[] = {"KHR_materials_", "KHR_texture_", "EXT_texture_",
                                     "MSFT_texture_", "KHR_techniques_webgl"};
@@ -29,6 +37,14 @@ static bool is_drawn(const json_string *name)
 {
     for (size_t i = 0; i < sizeof drawn / sizeof *drawn; i++)
         if (json_equals(name, drawn[i]))
+            return true;
+    return false;
+}
+
+static bool is_meaning(const json_string *name)
+{
+    for (size_t i = 0; i < sizeof meanings / sizeof *meanings; i++)
+        if (json_equals(name, meanings[i]))
             return true;
     return false;
 }
@@ -84,7 +100,7 @@ static void note_used(const char *path, json_cursor c, rk_mesh_hints *hints)
     if (!json_find_key(&c, "extensionsUsed"))
         return;
     while (next_string(&c, &name))
-        if (name.length > 0 && !is_drawn(&name))
+        if (name.length > 0 && !is_drawn(&name) && !is_meaning(&name))
             add_name(list, sizeof list, &name);
     if (*list)
         rk_mesh_hints_note(hints, path, "uses %s, which the picture does not show", list);

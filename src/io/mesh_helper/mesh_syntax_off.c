@@ -1,8 +1,9 @@
-/* io/mesh_helper/mesh_syntax.h for OFF: the word OFF with prefixes that announce texture
- * coordinates (ST), colours (C) and normals (N), three counts (vertices, faces, edges), one line
- * per vertex, one line per face: its number of corners, their indices from 0, optionally a colour.
- * Assimp reads no more than positions and corners: what else a line has is read here. Formats:
- * Geomview manual, "OFF files"; MeshLab's exporter writes NC, and colours before normals. */
+/* io/mesh_helper/mesh_syntax.h for OFF: the word OFF, which may be missing, with prefixes that
+ * announce texture coordinates (ST), colours (C) and normals (N), three counts (vertices, faces,
+ * edges), one line per vertex, one line per face: its number of corners, their indices from 0,
+ * optionally a colour. Assimp reads no more than positions and corners: what else a line has is
+ * read here. Formats: Geomview manual, "OFF files"; MeshLab's exporter writes NC, and colours
+ * before normals. */
 #include "io/mesh_helper/mesh_colours.h"
 #include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
@@ -10,6 +11,7 @@
 
 #include <stdint.h>
 #include <stdlib.h>
+#include <strings.h>
 
 static const char *const remedy = "export the mesh again";
 
@@ -25,6 +27,7 @@ typedef struct off_parser {
     bool has_further;  /* numbers in a vertex's line */
     bool any_colour;   /* of a face */
     bool has_map;      /* colours of faces as one number */
+    bool no_word;      /* or in small letters */
     bool no_edges;     /* the third count is missing */
     bool has_unfinite; /* coordinates */
     bool is_loose;     /* lines end anywhere within a face, or a vertex without attributes */
@@ -59,7 +62,18 @@ static bool read_counts(off_parser *s, text_cursor *c, rk_error *error)
 static bool read_word(off_parser *s, text_cursor *c, rk_error *error)
 {
     char word[16] = "", next[16] = "";
-    size_t length = text_next_content(c) && text_read_word(c, word, sizeof word) ? strlen(word) : 0;
+    text_next_content(c);
+    const text_cursor before = *c;
+    size_t length = text_read_word(c, word, sizeof word) ? strlen(word) : 0;
+    s->needed = 3;
+    s->no_word = length > 0 && strspn(word, "0123456789") == length;
+    if (s->no_word) {
+        *c = before;
+        return true;
+    }
+    s->no_word = strcasecmp(word, "off") == 0 && strcmp(word, "OFF") != 0;
+    if (s->no_word)
+        return true;
     if (length < 3 || strcmp(word + length - 3, "OFF") != 0)
         return rk_fail(error,
                        "%s:%zu: an OFF file begins with the word OFF: does it have another format?",
@@ -351,6 +365,7 @@ bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh
     hints->vertices = (size_t)s.vertices;
     note_rows(&s);
     const bool announces = s.has_normals || s.has_colours || s.has_texcoords;
-    return !(announces || s.no_edges || s.is_loose || s.has_unfinite || extent_is_far(&s.extent)) ||
+    return !(announces || s.no_word || s.no_edges || s.is_loose || s.has_unfinite ||
+             extent_is_far(&s.extent)) ||
            write_corrected(&s, c, error);
 }
