@@ -64,22 +64,6 @@ static void a_line_that_assimp_does_not_know_costs_no_material(void **state)
     }
 }
 
-/* By hand in both: each character is below 128. */
-static test_path write_utf16(const char *name, const char *text, bool big, bool has_mark)
-{
-    char bytes[1000];
-    size_t size = 0;
-    if (has_mark) {
-        memcpy(bytes, big ? "\xfe\xff" : "\xff\xfe", 2);
-        size = 2;
-    }
-    for (; *text; text++) {
-        bytes[size++] = big ? '\0' : *text;
-        bytes[size++] = big ? *text : '\0';
-    }
-    return test_folder_write(&folder, name, bytes, size, 0600);
-}
-
 static void text_in_utf16_is_read_like_utf8(void **state)
 {
     (void)state;
@@ -963,104 +947,6 @@ static void a_picture_that_does_not_continue_as_it_should_is_told(void **state)
     rk_mesh_free(&mesh);
 }
 
-/* --- 3MF ------------------------------------------------------------------------------------ */
-
-/* An archive whose files are stored as they are (APPNOTE.TXT, .ZIP File Format Specification). */
-typedef struct archive {
-    unsigned char bytes[4000], directory[400];
-    size_t size, directory_size;
-    unsigned count;
-} archive;
-
-static void put(unsigned char *to, size_t *size, uint32_t value, int bytes)
-{
-    for (int i = 0; i < bytes; i++)
-        to[(*size)++] = (unsigned char)(value >> 8 * i);
-}
-
-static uint32_t crc_of(const char *text)
-{
-    uint32_t crc = 0xffffffff;
-    for (; *text; text++) {
-        crc ^= (unsigned char)*text;
-        for (int bit = 0; bit < 8; bit++)
-            crc = crc >> 1 ^ (crc & 1 ? 0xedb88320 : 0);
-    }
-    return ~crc;
-}
-
-/* What a file has in common before its text and in the directory. */
-static void put_entry(unsigned char *to, size_t *size, const char *name, const char *text)
-{
-    put(to, size, 20, 2); /* version */
-    put(to, size, 0, 4);  /* flags, stored */
-    put(to, size, 0x210000, 4);
-    put(to, size, crc_of(text), 4);
-    put(to, size, (uint32_t)strlen(text), 4);
-    put(to, size, (uint32_t)strlen(text), 4);
-    put(to, size, (uint32_t)strlen(name), 2);
-    put(to, size, 0, 2);
-}
-
-static void add_file(archive *a, const char *name, const char *text)
-{
-    const uint32_t begin = (uint32_t)a->size;
-    put(a->bytes, &a->size, 0x04034b50, 4);
-    put_entry(a->bytes, &a->size, name, text);
-    a->size += (size_t)sprintf((char *)a->bytes + a->size, "%s%s", name, text);
-    put(a->directory, &a->directory_size, 0x02014b50, 4);
-    put(a->directory, &a->directory_size, 20, 2);
-    put_entry(a->directory, &a->directory_size, name, text);
-    put(a->directory, &a->directory_size, 0, 4); /* no comment, first disk */
-    put(a->directory, &a->directory_size, 0, 2);
-    put(a->directory, &a->directory_size, 0, 4);
-    put(a->directory, &a->directory_size, begin, 4);
-    a->directory_size += (size_t)sprintf((char *)a->directory + a->directory_size, "%s", name);
-    a->count++;
-}
-
-static test_path write_archive(archive *a, const char *name)
-{
-    const uint32_t begin = (uint32_t)a->size;
-    memcpy(a->bytes + a->size, a->directory, a->directory_size);
-    a->size += a->directory_size;
-    put(a->bytes, &a->size, 0x06054b50, 4);
-    put(a->bytes, &a->size, 0, 4);
-    put(a->bytes, &a->size, a->count, 2);
-    put(a->bytes, &a->size, a->count, 2);
-    put(a->bytes, &a->size, (uint32_t)a->directory_size, 4);
-    put(a->bytes, &a->size, begin, 4);
-    put(a->bytes, &a->size, 0, 2);
-    return test_folder_write(&folder, name, (const char *)a->bytes, a->size, 0600);
-}
-
-/* A part's material is drawn; those of its triangles are not. */
-static void what_a_3mf_does_not_show_is_told(void **state)
-{
-    (void)state;
-    archive a = {0};
-    add_file(
-        &a, "_rels/.rels",
-        "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">"
-        "<Relationship Target=\"/3D/3dmodel.model\" Id=\"rel0\" "
-        "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/>"
-        "</Relationships>");
-    add_file(&a, "3D/3dmodel.model",
-             "<model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\">"
-             "<resources><basematerials id=\"1\"><base name=\"r\" displaycolor=\"#FF0000\"/>"
-             "<base name=\"g\" displaycolor=\"#00FF00\"/></basematerials>"
-             "<object id=\"9\" type=\"model\" pid=\"1\" pindex=\"0\"><mesh><vertices>"
-             "<vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"0\"/>"
-             "<vertex x=\"0\" y=\"1\" z=\"0\"/></vertices><triangles>"
-             "<triangle v1=\"0\" v2=\"1\" v3=\"2\" pid=\"1\" p1=\"1\"/></triangles></mesh></object>"
-             "</resources><build><item objectid=\"9\"/></build></model>");
-    rk_mesh mesh = load_with_note(write_archive(&a, "part.3mf"),
-                                  "each part shows one material: colours of triangles");
-    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 1, 0, 0);
-    check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
-    rk_mesh_free(&mesh);
-}
-
 /* --- colours -------------------------------------------------------------------------------- */
 
 /* A square of vertices of which one has no number as its red; of a fan of two, one face has it. */
@@ -1148,7 +1034,6 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(indices_that_draco_compresses_may_have_32_bits),
     cmocka_unit_test(a_gltf_emits_light_by_its_factor_alone),
     cmocka_unit_test(a_picture_that_does_not_continue_as_it_should_is_told),
-    cmocka_unit_test(what_a_3mf_does_not_show_is_told),
     cmocka_unit_test(a_pointer_of_git_lfs_is_no_mesh),
     cmocka_unit_test(colours_that_are_no_numbers_are_counted_and_drawn_as_0),
 };

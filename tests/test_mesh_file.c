@@ -1162,7 +1162,7 @@ static void off_mistakes_are_found_with_their_line(void **state)
     check_refused("a.off", "OFF\n3 2 0\n0 0 0\n1 0 0\n0 1 0\n3 0 1 2\n", ":2: ", "after 4 of");
     check_refused("a.off", "OFF\n4000000000 1 0\n0 0 0\n", ":2: ", "after 1 of");
     check_refused("a.off", "OFF\nmany\n", ":2: ", "counts");
-    check_refused("a.off", "3 1 0\n0 0 0\n", ":1: ", "begins with the word OFF");
+    check_refused("a.off", "solid 3 1 0\n0 0 0\n", ":1: ", "begins with the word OFF");
 }
 
 static void gltf_mistakes_are_refused(void **state)

@@ -76,6 +76,22 @@ static inline void check_point(rk_vec3 got, float x, float y, float z)
              (double)got.x, (double)got.y, (double)got.z, (double)x, (double)y, (double)z);
 }
 
+/* By hand in both ends: each character is below 128. */
+static inline test_path write_utf16(const char *name, const char *text, bool big, bool has_mark)
+{
+    char bytes[4000];
+    size_t size = 0;
+    if (has_mark) {
+        memcpy(bytes, big ? "\xfe\xff" : "\xff\xfe", 2);
+        size = 2;
+    }
+    for (; *text; text++) {
+        bytes[size++] = big ? '\0' : *text;
+        bytes[size++] = big ? *text : '\0';
+    }
+    return test_folder_write(&folder, name, bytes, size, 0600);
+}
+
 static inline int make_folder(void **state)
 {
     (void)state;

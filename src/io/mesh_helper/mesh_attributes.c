@@ -19,16 +19,3 @@ void rk_mesh_attributes_lend(const struct aiScene *scene, const rk_mesh_hints *h
     if (hints->texcoords && !mesh->mTextureCoords[0])
         mesh->mTextureCoords[0] = (struct aiVector3D *)hints->texcoords;
 }
-
-void rk_mesh_attributes_take_back(const struct aiScene *scene, const rk_mesh_hints *hints)
-{
-    for (unsigned i = 0; i < scene->mNumMeshes; i++) {
-        struct aiMesh *mesh = scene->mMeshes[i];
-        if (mesh->mNormals == (struct aiVector3D *)hints->normals)
-            mesh->mNormals = NULL;
-        if (mesh->mColors[0] == (struct aiColor4D *)hints->colours)
-            mesh->mColors[0] = NULL;
-        if (mesh->mTextureCoords[0] == (struct aiVector3D *)hints->texcoords)
-            mesh->mTextureCoords[0] = NULL;
-    }
-}

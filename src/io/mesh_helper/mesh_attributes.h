@@ -7,10 +7,8 @@
 
 #include <assimp/scene.h>
 
-/* Lets the scene's only mesh use the hints' arrays, if it has their vertices. */
+/* Lets the scene's only mesh use the hints' arrays, if it has their vertices. Assimp must not free
+ * them. */
 void rk_mesh_attributes_lend(const struct aiScene *scene, const rk_mesh_hints *hints);
-
-/* Takes them back: Assimp must not free them. */
-void rk_mesh_attributes_take_back(const struct aiScene *scene, const rk_mesh_hints *hints);
 
 #endif

@@ -35,12 +35,18 @@ static void take_faces(rk_mesh_colours *colours, const struct aiScene *scene, rk
     hints->face_colours = NULL;
 }
 
+static bool lacks(const rk_mesh_colours *colours, const struct aiColor4D *c)
+{
+    return colours->may_lack && c->a == 0 && c->r == 0 && c->g == 0 && c->b == 0;
+}
+
 void rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene, const char *path,
                           rk_mesh_hints *hints)
 {
     *colours = (rk_mesh_colours){
         .is_linear = has_ending(path, (const char *const[]){"gltf", "glb", "vrm", NULL}),
         .replace = has_ending(path, (const char *const[]){"obj", "ply", "off", "stl", NULL}),
+        .may_lack = has_ending(path, (const char *const[]){"amf", NULL}),
         .scale = 1};
     const bool is_obj = has_ending(path, (const char *const[]){"obj", NULL});
     const bool is_stl = has_ending(path, (const char *const[]){"stl", NULL});
@@ -48,7 +54,8 @@ void rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene,
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
         const struct aiMesh *mesh = scene->mMeshes[i];
         for (uint32_t k = 0; mesh->mColors[0] && k < mesh->mNumVertices; k++) {
-            see(colours, rk_mesh_colours_rgb(&mesh->mColors[0][k]));
+            if (!lacks(colours, &mesh->mColors[0][k]))
+                see(colours, rk_mesh_colours_rgb(&mesh->mColors[0][k]));
             colours->is_clear |= colours->is_linear && mesh->mColors[0][k].a < 1;
             has_alpha |= mesh->mColors[0][k].a > 0;
             colours->torn |= is_obj && !(mesh->mColors[0][k].a > 0);
@@ -80,6 +87,13 @@ static float linear(const rk_mesh_colours *colours, float value)
 rk_vec3 rk_mesh_colour(const rk_mesh_colours *colours, rk_vec3 rgb)
 {
     return rk_vec(linear(colours, rgb.x), linear(colours, rgb.y), linear(colours, rgb.z));
+}
+
+/* Where there is none, the grey of a surface without material. */
+rk_vec3 rk_mesh_colours_vertex(const rk_mesh_colours *colours, const struct aiColor4D *colour)
+{
+    return lacks(colours, colour) ? rk_vec(0.8f, 0.8f, 0.8f)
+                                  : rk_mesh_colour(colours, rk_mesh_colours_rgb(colour));
 }
 
 /* Assimp leaves out some faces, such as those with more than nine corners. */

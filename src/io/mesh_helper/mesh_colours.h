@@ -21,6 +21,7 @@ typedef struct rk_mesh_colours {
     bool torn;      /* only some vertices of an OBJ file have one: whose they are is then lost */
     bool is_linear; /* else sRGB-encoded */
     bool replace;   /* they are the diffuse colours, where no picture is; else they multiply them */
+    bool may_lack;  /* in AMF, black with an opacity of 0 is Assimp's for a vertex without colour */
     float scale;    /* to [0, 1] */
     bool is_unfinite; /* the face that was taken last has nan or inf in its colour */
     uint32_t face_count, next_face;
@@ -39,6 +40,9 @@ void rk_mesh_colours_free(rk_mesh_colours *colours);
 /* Returns the colour, linear and clamped to [0, 1]; NaN and infinities
  * become 0. */
 rk_vec3 rk_mesh_colour(const rk_mesh_colours *colours, rk_vec3 rgb);
+
+/* The same of a vertex. */
+rk_vec3 rk_mesh_colours_vertex(const rk_mesh_colours *colours, const struct aiColor4D *colour);
 
 static inline rk_vec3 rk_mesh_colours_rgb(const struct aiColor4D *colour)
 {

@@ -27,6 +27,7 @@ typedef struct gather {
     const char *path;
     const struct aiScene *scene;
     bool plain;
+    size_t models; /* of a 3MF file; 0 of others */
     bool any_normals, any_texcoords;
     rk_mesh_colours colours;
     rk_mesh_mtl mtl;
@@ -219,9 +220,8 @@ static bool emit_corner(gather *g, part *p, const uint32_t corners[3], const uin
         vertex.texcoord = (rk_vec2){0, 0};
         g->replaced = true;
     }
-    vertex.colour = p->colours
-                        ? rk_mesh_colour(&g->colours, rk_mesh_colours_rgb(&p->colours[source]))
-                        : p->face_colour;
+    vertex.colour =
+        p->colours ? rk_mesh_colours_vertex(&g->colours, &p->colours[source]) : p->face_colour;
     own &= g->colours.face_count == 0 && !g->wedges;
     if (!rk_vertex_pool_add(&g->pool, &vertex, index, error))
         return false;
@@ -461,12 +461,14 @@ static void set_material(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, u
 {
     const struct aiMaterial *source = g->scene->mMaterials[g->material_sources[i] / variants];
     const uint32_t variant = g->material_sources[i] % variants;
-    if (!(variant & WITHOUT_TEXTURE))
+    if (!(variant & WITHOUT_TEXTURE) && g->models == 0)
         rk_mesh_textures_find(textures, i, g->scene, source);
     bool varies = textures->of_material[i] != 0 || variant & COLOURED;
     if (!g->plain)
         mesh->materials[i] = rk_mesh_material(source, varies);
     draw_tr_one(g, source, &mesh->materials[i]);
+    if (g->models > 0 && rk_mesh_texture_set(source, &(uint32_t){0}))
+        mesh->materials[i].kd = rk_vec(0.8f, 0.8f, 0.8f); /* Assimp's is black */
     if (textures->of_material[i] != 0)
         draw_picture_of_black(g, source, &mesh->materials[i]);
     rk_mesh_left_out_of_material(&g->left, source);
@@ -482,6 +484,11 @@ static bool finish(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, rk_erro
             "%s: each face (%zu in all) has a corner that is not a finite number (nan or "
             "inf): %s",
             g->path, g->unfinite_faces, remedy);
+    if (g->triangle_count == 0 && g->models > 1)
+        return rk_fail(error,
+                       "%s: has its parts in other models of its archive (production extension), "
+                       "which Assimp does not read: export it without, or as STL",
+                       g->path);
     if (g->triangle_count == 0)
         return rk_fail(error, "%s: has no triangles: choose a mesh with faces", g->path);
     int optional = (g->any_normals ? RK_MESH_NORMALS : 0) |
@@ -516,6 +523,8 @@ static bool finish(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, rk_erro
 static void tell(gather *g, rk_mesh_hints *hints)
 {
     rk_mesh_left_out_of_scene(&g->left, g->scene);
+    if (g->models > 0) /* thumbnails */
+        g->left.has[RK_MESH_LEFT_OUT_PICTURES] = false;
     g->left.has[RK_MESH_LEFT_OUT_TORN_COLOURS] = g->colours.torn;
     g->left.has[RK_MESH_LEFT_OUT_CLEAR_COLOURS] = g->colours.is_clear;
     if (g->unfinite_faces > 0)
@@ -542,10 +551,23 @@ static void tell(gather *g, rk_mesh_hints *hints)
     rk_mesh_left_out_tell(&g->left, g->path, hints);
 }
 
+static bool check_root(const gather *g, rk_error *error)
+{
+    return g->scene->mRootNode ||
+           rk_fail(error,
+                   "%s: Assimp finds nothing in it: it is damaged, or its text is in UTF-16: "
+                   "export it again, or in another format",
+                   g->path);
+}
+
 bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiScene *scene,
                     const char *path, rk_mesh_hints *hints, rk_error *error)
 {
-    gather g = {.path = path, .scene = scene, .plain = hints->plain, .pool.name = path};
+    gather g = {.path = path,
+                .scene = scene,
+                .plain = hints->plain,
+                .models = hints->models,
+                .pool.name = path};
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
         g.any_normals |= scene->mMeshes[i]->mNormals != NULL;
         g.any_texcoords |= scene->mMeshes[i]->mTextureCoords[0] != NULL;
@@ -557,7 +579,7 @@ bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiSc
     g.material_numbers = rk_allocate(keys, sizeof *g.material_numbers, path, error);
     g.material_sources = rk_allocate(keys, sizeof *g.material_sources, path, error);
     rk_mesh_colours_init(&g.colours, scene, path, hints);
-    bool ok = g.material_numbers && g.material_sources && scene->mRootNode &&
+    bool ok = g.material_numbers && g.material_sources && check_root(&g, error) &&
               rk_mesh_mtl_read(&g.mtl, error);
     g.pool.coloured = g.colours.any;
     ok = ok && emit_node(&g, scene->mRootNode, &world, 0, error) &&

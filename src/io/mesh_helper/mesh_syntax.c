@@ -59,7 +59,8 @@ static bool check_kind(const char *path, const struct stat *status, rk_error *er
 
 static bool is_text(const char *path)
 {
-    static const char *const endings[] = {"obj", "ply", "off", "stl", "gltf"};
+    static const char *const endings[] = {"obj", "ply", "off", "stl",     "gltf", "dae",
+                                          "x3d", "amf", "irr", "irrmesh", "xml",  "ac"};
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
         if (has_ending(path, endings[i]))
             return true;
@@ -95,7 +96,7 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
                         rk_error *error)
 {
     size_t utf8_size = 0;
-    if (size >= 2 && memcmp(text, "\x1f\x8b", 2) == 0)
+    if (size >= 2 && memcmp(text, "\x1f\x8b", 2) == 0 && !has_ending(path, "blend"))
         return rk_fail(error, "%s: is compressed by gzip: rename it to end in .gz and gunzip it",
                        path);
     if (!rk_lfs_pointer_check(path, text, size, error))
@@ -117,6 +118,10 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
         return rk_mesh_syntax_off(path, text, size, hints, error);
     if (has_ending(path, "stl"))
         return rk_mesh_syntax_stl(path, text, size, hints, error);
+    if (has_ending(path, "3mf"))
+        return rk_mesh_syntax_3mf(path, text, size, hints, error);
+    if (has_ending(path, "amf"))
+        return rk_mesh_syntax_amf(path, text, size, hints, error);
     if (has_ending(path, "glb"))
         return rk_mesh_syntax_glb(path, text, size, hints, error);
     if (has_ending(path, "gltf"))

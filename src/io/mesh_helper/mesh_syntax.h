@@ -25,6 +25,7 @@ typedef struct rk_mesh_hints {
     size_t wedge_count;
     struct rk_mesh_gltf_parts_one *parts; /* of a glTF file, in its order, or NULL */
     size_t part_count;
+    size_t models;       /* in the archive of a 3MF file, of which Assimp reads one */
     bool has_wide_draco; /* compressed indices of 32 bits, which Assimp does not decode */
     char folders[RK_MESH_HINTS_FOLDERS][1024]; /* of material files, relative, with a slash */
     int folder_count;
@@ -46,6 +47,10 @@ bool rk_mesh_syntax_ply(const char *path, const char *text, size_t size, rk_mesh
 bool rk_mesh_syntax_off(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
 bool rk_mesh_syntax_stl(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error);
+bool rk_mesh_syntax_3mf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error);
+bool rk_mesh_syntax_amf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
 bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);

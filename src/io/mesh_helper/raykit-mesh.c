@@ -17,7 +17,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 static bool write_bytes(const void *bytes, uint64_t size, rk_error *error)
@@ -201,13 +200,17 @@ static void note_area(rk_mesh_hints *hints, const rk_mesh *mesh, const char *pat
 }
 
 /* Assimp reads one material for each part of a 3MF file, and nothing of the extensions. */
-static void note_colours_of_3mf(rk_mesh_hints *hints, const char *path)
+static void note_rest_of_3mf(rk_mesh_hints *hints, const char *path)
 {
-    const char *dot = strrchr(path, '.');
-    if (dot && strcasecmp(dot, ".3mf") == 0)
+    if (hints->models > 0)
         rk_mesh_hints_note(hints, path,
                            "of a 3MF file each part shows one material: colours of triangles, "
                            "colour groups, textures and painting, if it has any, are not drawn");
+    if (hints->models > 1)
+        rk_mesh_hints_note(hints, path,
+                           "has %zu models in its archive, of which Assimp reads one: parts in the "
+                           "others (production extension) are not drawn",
+                           hints->models);
 }
 
 /* Assimp tries all its readers on an unknown file, and gives the last one's reason. */
@@ -237,14 +240,16 @@ static bool fail_unread(const char *path, const rk_mesh_hints *hints, rk_error *
 }
 
 /* No post-processing: Assimp's triangulation aborts on some broken files, and its joining of
- * vertices is slow. */
+ * vertices is slow. Its scene is not released: that crashes after some 3MF files with pictures, and
+ * the process ends anyway. */
 static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
 {
+    static const struct aiScene *scene;
     if (!rk_mesh_syntax_check(path, hints, error))
         return false;
     if (hints->text)
         rk_mesh_io_replace(path, hints->text, hints->size);
-    const struct aiScene *scene = aiImportFileEx(path, 0, &rk_mesh_io);
+    scene = aiImportFileEx(path, 0, &rk_mesh_io);
     if (!scene && strstr(aiGetErrorString(), "bad_alloc"))
         return rk_mesh_guard_fail_memory(error);
     if (!scene)
@@ -260,7 +265,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
         find_pictures(&textures, hints, path);
         note_distance(hints, &mesh, path);
         note_area(hints, &mesh, path);
-        note_colours_of_3mf(hints, path);
+        note_rest_of_3mf(hints, path);
         ok = write_mesh(&mesh, &textures, path, error);
     }
     if (textures.too_many)
@@ -269,8 +274,6 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
                            RK_MESH_STREAM_TEXTURES_MAX);
     rk_mesh_textures_free(&textures);
     rk_mesh_free(&mesh);
-    rk_mesh_attributes_take_back(scene, hints);
-    aiReleaseImport(scene);
     return ok;
 }
 

@@ -1,0 +1,75 @@
+/* io/mesh_helper/mesh_syntax.h for 3MF, an archive of ZIP's format whose models are XML. Assimp
+ * reads one model, and nothing of an archive whose sizes have 64 bits. The list of the archive's
+ * files is at its end. Formats: PKWARE, APPNOTE.TXT, sections 4.3.12 to 4.3.16; 3MF Consortium,
+ * "Core Specification" and "Production Extension". */
+#include "io/mesh_helper/mesh_syntax.h"
+
+#include <stdint.h>
+#include <string.h>
+#include <strings.h>
+
+enum { end_size = 22, entry_size = 46, longest_comment = 65535 };
+
+static uint32_t number_at(const char *at, int bytes)
+{
+    uint32_t number = 0;
+    for (int i = 0; i < bytes; i++)
+        number |= (uint32_t)(unsigned char)at[i] << 8 * i;
+    return number;
+}
+
+/* The record at the end of the archive, which a comment may follow; or NULL. */
+static const char *find_end(const char *text, size_t size)
+{
+    for (size_t back = end_size; back <= size && back <= end_size + longest_comment; back++)
+        if (memcmp(text + size - back, "PK\5\6", 4) == 0)
+            return text + size - back;
+    return NULL;
+}
+
+static bool has_wide_sizes(const char *text, const char *end)
+{
+    return number_at(end + 10, 2) == 0xffff || number_at(end + 12, 4) == 0xffffffff ||
+           number_at(end + 16, 4) == 0xffffffff ||
+           (end - text >= 20 && memcmp(end - 20, "PK\6\7", 4) == 0);
+}
+
+static bool is_model(const char *name, size_t length)
+{
+    static const char ending[] = ".model";
+    return length >= sizeof ending &&
+           strncasecmp(name + length - (sizeof ending - 1), ending, sizeof ending - 1) == 0;
+}
+
+static size_t count_models(const char *text, size_t size, const char *end)
+{
+    size_t models = 0, at = number_at(end + 16, 4);
+    for (uint32_t i = number_at(end + 10, 2); i > 0; i--) {
+        if (at > size || size - at < entry_size || memcmp(text + at, "PK\1\2", 4) != 0)
+            return models;
+        const size_t name = number_at(text + at + 28, 2);
+        if (size - at - entry_size < name)
+            return models;
+        models += is_model(text + at + entry_size, name);
+        at += entry_size + name + number_at(text + at + 30, 2) + number_at(text + at + 32, 2);
+    }
+    return models;
+}
+
+bool rk_mesh_syntax_3mf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error)
+{
+    const char *end = find_end(text, size);
+    if (size < 4 || memcmp(text, "PK", 2) != 0)
+        return rk_fail(
+            error, "%s: is not an archive, as a 3MF file is: does it have another format?", path);
+    if (!end)
+        return rk_fail(error, "%s: its archive has no end: download or export it again", path);
+    if (has_wide_sizes(text, end))
+        return rk_fail(error,
+                       "%s: its archive has sizes of 64 bits (ZIP64), which Assimp does not read: "
+                       "unzip it, and zip it again with Info-ZIP's zip",
+                       path);
+    hints->models = count_models(text, size, end);
+    return true;
+}

@@ -1,0 +1,93 @@
+/* io/mesh_helper/mesh_syntax.h for AMF, whose objects have vertices and volumes of triangles:
+ * Assimp 5.2 reads the first volume of an object, so the others are joined to it. Format: ISO/ASTM
+ * 52915, "Additive manufacturing file format (AMF)". */
+#include "io/mesh_helper/mesh_syntax.h"
+
+#include <stdlib.h>
+#include <string.h>
+
+typedef struct amf_parser {
+    char *text;     /* a copy, in which blanks replace what divides two volumes */
+    size_t volumes; /* of this object, so far */
+    char *blank;    /* from here to the volume's first triangle; or NULL */
+    size_t triangles;
+    bool joined, has_looks; /* of a volume that is joined: a material or a colour */
+} amf_parser;
+
+static bool is_tag(const char *tag, size_t length, const char *kind)
+{
+    const size_t size = strlen(kind);
+    return length > size && memcmp(tag, kind, size) == 0 && strchr(" \t\r\n/>", tag[size]);
+}
+
+static void blank_up_to(amf_parser *s, char *to)
+{
+    for (char *at = s->blank; at && at < to; at++)
+        if (*at != '\n')
+            *at = ' ';
+    s->blank = NULL;
+}
+
+static bool has_word(const char *text, size_t length, const char *word)
+{
+    for (size_t i = 0; i + strlen(word) <= length; i++)
+        if (memcmp(text + i, word, strlen(word)) == 0)
+            return true;
+    return false;
+}
+
+/* `length` includes both brackets. */
+static void see_tag(amf_parser *s, char *tag, size_t length, char **last_end)
+{
+    const bool is_empty = tag[length - 2] == '/';
+    if (is_tag(tag, length, "<mesh")) {
+        s->volumes = 0;
+    } else if (is_tag(tag, length, "<volume")) {
+        if (s->volumes > 0 || is_empty)
+            s->blank = is_empty ? tag : *last_end;
+        s->joined |= s->blank != NULL;
+        s->has_looks |= s->blank && has_word(tag, length, "materialid");
+        s->volumes += !is_empty;
+        if (is_empty)
+            blank_up_to(s, tag + length);
+    } else if (is_tag(tag, length, "</volume")) {
+        blank_up_to(s, tag);
+        *last_end = tag;
+    } else if (is_tag(tag, length, "<color")) {
+        s->has_looks |= s->blank != NULL;
+    } else if (is_tag(tag, length, "<triangle")) {
+        blank_up_to(s, tag);
+        s->triangles++;
+    }
+}
+
+bool rk_mesh_syntax_amf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error)
+{
+    if (size >= 2 && memcmp(text, "PK", 2) == 0)
+        return rk_fail(error, "%s: is compressed by ZIP: unzip it, and name the file in it", path);
+    amf_parser s = {.text = rk_allocate_unset(size, 1, path, error)};
+    if (!s.text)
+        return false;
+    memcpy(s.text, text, size);
+    char *const end = s.text + size, *last_end = NULL;
+    for (char *at = s.text, *close; (at = memchr(at, '<', (size_t)(end - at))); at = close) {
+        close = memchr(at, '>', (size_t)(end - at));
+        if (!close++)
+            break;
+        see_tag(&s, at, (size_t)(close - at), &last_end);
+    }
+    hints->faces = s.triangles;
+    hints->corners = 3 * s.triangles;
+    if (s.has_looks)
+        rk_mesh_hints_note(hints, path,
+                           "has objects of several volumes, which are drawn in the colour of their "
+                           "first one");
+    if (!s.joined) {
+        free(s.text);
+        return true;
+    }
+    hints->text = s.text;
+    hints->size = size;
+    return true;
+}

@@ -1,0 +1,306 @@
+/* Mesh files that are archives or XML: 3MF, AMF, Collada, X3D. */
+#include "test_mesh_reading.h"
+
+#include "base/image.h"
+
+/* --- archives ------------------------------------------------------------------------------- */
+
+/* An archive whose files are stored as they are (APPNOTE.TXT, .ZIP File Format Specification). */
+typedef struct archive {
+    unsigned char bytes[4000], directory[400];
+    size_t size, directory_size;
+    unsigned count;
+} archive;
+
+static void put(unsigned char *to, size_t *size, uint32_t value, int bytes)
+{
+    for (int i = 0; i < bytes; i++)
+        to[(*size)++] = (unsigned char)(value >> 8 * i);
+}
+
+static uint32_t crc_of(const char *text)
+{
+    uint32_t crc = 0xffffffff;
+    for (; *text; text++) {
+        crc ^= (unsigned char)*text;
+        for (int bit = 0; bit < 8; bit++)
+            crc = crc >> 1 ^ (crc & 1 ? 0xedb88320 : 0);
+    }
+    return ~crc;
+}
+
+/* What a file has in common before its text and in the directory. */
+static void put_entry(unsigned char *to, size_t *size, const char *name, const char *text)
+{
+    put(to, size, 20, 2); /* version */
+    put(to, size, 0, 4);  /* flags, stored */
+    put(to, size, 0x210000, 4);
+    put(to, size, crc_of(text), 4);
+    put(to, size, (uint32_t)strlen(text), 4);
+    put(to, size, (uint32_t)strlen(text), 4);
+    put(to, size, (uint32_t)strlen(name), 2);
+    put(to, size, 0, 2);
+}
+
+static void add_file(archive *a, const char *name, const char *text)
+{
+    const uint32_t begin = (uint32_t)a->size;
+    put(a->bytes, &a->size, 0x04034b50, 4);
+    put_entry(a->bytes, &a->size, name, text);
+    a->size += (size_t)sprintf((char *)a->bytes + a->size, "%s%s", name, text);
+    put(a->directory, &a->directory_size, 0x02014b50, 4);
+    put(a->directory, &a->directory_size, 20, 2);
+    put_entry(a->directory, &a->directory_size, name, text);
+    put(a->directory, &a->directory_size, 0, 4); /* no comment, first disk */
+    put(a->directory, &a->directory_size, 0, 2);
+    put(a->directory, &a->directory_size, 0, 4);
+    put(a->directory, &a->directory_size, begin, 4);
+    a->directory_size += (size_t)sprintf((char *)a->directory + a->directory_size, "%s", name);
+    a->count++;
+}
+
+static test_path write_archive(archive *a, const char *name)
+{
+    const uint32_t begin = (uint32_t)a->size;
+    memcpy(a->bytes + a->size, a->directory, a->directory_size);
+    a->size += a->directory_size;
+    put(a->bytes, &a->size, 0x06054b50, 4);
+    put(a->bytes, &a->size, 0, 4);
+    put(a->bytes, &a->size, a->count, 2);
+    put(a->bytes, &a->size, a->count, 2);
+    put(a->bytes, &a->size, (uint32_t)a->directory_size, 4);
+    put(a->bytes, &a->size, begin, 4);
+    put(a->bytes, &a->size, 0, 2);
+    return test_folder_write(&folder, name, (const char *)a->bytes, a->size, 0600);
+}
+
+/* --- 3MF ------------------------------------------------------------------------------------ */
+
+#define RELATIONS                                                                                  \
+    "<Relationships xmlns=\"http://schemas.openxmlformats.org/package/2006/relationships\">"       \
+    "<Relationship Target=\"/3D/3dmodel.model\" Id=\"rel0\" "                                      \
+    "Type=\"http://schemas.microsoft.com/3dmanufacturing/2013/01/3dmodel\"/></Relationships>"
+#define MODEL(resources, build)                                                                    \
+    "<model xmlns=\"http://schemas.microsoft.com/3dmanufacturing/core/2015/02\" "                  \
+    "xmlns:m=\"http://schemas.microsoft.com/3dmanufacturing/material/2015/02\" "                   \
+    "xmlns:p=\"http://schemas.microsoft.com/3dmanufacturing/production/2015/"                      \
+    "06\"><resources>" resources "</resources><build>" build "</build></model>"
+#define MESH(attributes)                                                                           \
+    "<mesh><vertices><vertex x=\"0\" y=\"0\" z=\"0\"/><vertex x=\"1\" y=\"0\" z=\"0\"/>"           \
+    "<vertex x=\"0\" y=\"1\" z=\"0\"/></vertices><triangles><triangle v1=\"0\" v2=\"1\" "          \
+    "v3=\"2\"" attributes "/></triangles></mesh>"
+#define ONE_PART                                                                                   \
+    MODEL("<object id=\"1\" type=\"model\">" MESH("") "</object>", "<item objectid=\"1\"/>")
+
+static archive begin_3mf(const char *model)
+{
+    archive a = {0};
+    add_file(&a, "_rels/.rels", RELATIONS);
+    add_file(&a, "3D/3dmodel.model", model);
+    return a;
+}
+
+/* A part's material is drawn; those of its triangles are not. */
+static void what_a_3mf_does_not_show_is_told(void **state)
+{
+    (void)state;
+    archive a =
+        begin_3mf(MODEL("<basematerials id=\"1\"><base name=\"r\" displaycolor=\"#FF0000\"/>"
+                        "<base name=\"g\" displaycolor=\"#00FF00\"/></basematerials>"
+                        "<object id=\"9\" type=\"model\" pid=\"1\" pindex=\"0\">" MESH(
+                            " pid=\"1\" p1=\"1\"") "</object>",
+                        "<item objectid=\"9\"/>"));
+    rk_mesh mesh = load_with_note(write_archive(&a, "part.3mf"),
+                                  "each part shows one material: colours of triangles");
+    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 1, 0, 0);
+    check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
+    rk_mesh_free(&mesh);
+}
+
+/* As it is told: Assimp gives its material black, and one place in the picture to each vertex. */
+static void a_3mf_with_a_texture_is_plain(void **state)
+{
+    (void)state;
+    archive a = begin_3mf(MODEL(
+        "<m:texture2d id=\"3\" path=\"/3D/Textures/a.png\" contenttype=\"image/png\"/>"
+        "<m:texture2dgroup id=\"4\" texid=\"3\"><m:tex2coord u=\"0\" v=\"0\"/></m:texture2dgroup>"
+        "<object id=\"1\" type=\"model\">" MESH(
+            " pid=\"4\" p1=\"0\" p2=\"0\" p3=\"0\"") "</object>",
+        "<item objectid=\"1\"/>"));
+    add_file(&a, "3D/Textures/a.png", "a picture");
+    rk_mesh mesh = load_with_note(write_archive(&a, "textured.3mf"), "textures and painting");
+    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 0.8f, 0.8f, 0.8f);
+    rk_check_equal(mesh.texture_count, 0, "textures");
+    rk_mesh_free(&mesh);
+}
+
+/* Slicers write one. */
+static void a_3mf_may_hold_a_thumbnail(void **state)
+{
+    (void)state;
+    archive a = begin_3mf(ONE_PART);
+    add_file(&a, "Metadata/thumbnail.png", "a picture");
+    const test_path path = write_archive(&a, "thumbnail.3mf");
+    rk_mesh mesh;
+    rk_error error;
+    rk_check_ok(rk_mesh_file_read(&mesh, path.text, &error), error);
+    rk_check(!strstr(error.text, "compression"), "a thumbnail is told: %s", error.text);
+    rk_check_equal(mesh.triangle_count, 1, "triangles");
+    rk_mesh_free(&mesh);
+}
+
+static void parts_of_a_3mf_in_other_models_are_told(void **state)
+{
+    (void)state;
+    static const char component[] =
+        "<object id=\"2\" type=\"model\"><components>"
+        "<component objectid=\"7\" p:path=\"/3D/Objects/a.model\"/></components></object>";
+    char model[2000];
+    snprintf(model, sizeof model, MODEL("%s", "<item objectid=\"2\"/>"), component);
+    archive a = begin_3mf(model);
+    add_file(&a, "3D/Objects/a.model",
+             MODEL("<object id=\"7\" type=\"model\">" MESH("") "</object>", ""));
+    check_refused_path(write_archive(&a, "other.3mf").text,
+                       ": has its parts in other models of its archive (production extension)", "");
+    a = begin_3mf(ONE_PART);
+    add_file(&a, "3D/Objects/a.model", MODEL("", ""));
+    rk_mesh mesh = load_with_note(write_archive(&a, "both.3mf"),
+                                  "has 2 models in its archive, of which Assimp reads one");
+    rk_mesh_free(&mesh);
+}
+
+static void a_3mf_that_cannot_be_read_has_a_true_reason(void **state)
+{
+    (void)state;
+    archive a = begin_3mf(ONE_PART);
+    test_path path = write_archive(&a, "wide.3mf");
+    memset(a.bytes + a.size - 12, 0xff, 10); /* sizes are in a record of 64 bits */
+    path = test_folder_write(&folder, "wide.3mf", (const char *)a.bytes, a.size, 0600);
+    check_refused_path(path.text, ": its archive has sizes of 64 bits (ZIP64)", "zip it again");
+    path = test_folder_write(&folder, "cut.3mf", (const char *)a.bytes, a.size - 1, 0600);
+    check_refused_path(path.text, ": its archive has no end", "");
+    check_refused("text.3mf", "solid a\n", ": is not an archive", "another format");
+    a = begin_3mf("\xff\xfe<");
+    check_refused_path(write_archive(&a, "utf16.3mf").text, ": Assimp finds nothing in it",
+                       "UTF-16");
+}
+
+/* --- AMF ------------------------------------------------------------------------------------ */
+
+#define POINT(x, y) "<vertex><coordinates><x>" #x "</x><y>" #y "</y><z>0</z></coordinates></vertex>"
+#define CORNERS(a, b, c) "<v1>" #a "</v1><v2>" #b "</v2><v3>" #c "</v3>"
+#define AMF(volumes)                                                                               \
+    "<?xml version=\"1.0\"?>\n<amf unit=\"millimeter\">\n<material "                               \
+    "id=\"2\"><color><r>1</r><g>0</g>"                                                             \
+    "<b>0</b></color></material><object id=\"1\"><mesh><vertices>" POINT(0, 0) POINT(1, 0)         \
+        POINT(1, 1) POINT(0, 1) "</vertices>\n" volumes "</mesh></object></amf>\n"
+
+static void every_volume_of_an_amf_is_drawn(void **state)
+{
+    (void)state;
+    static const char *const volumes[] = {
+        "<volume><triangle>" CORNERS(
+            0, 1, 2) "</triangle></volume>\n"
+                     "<volume >\n<metadata type=\"name\">b</metadata><triangle>" CORNERS(
+                         0, 2, 3) "</triangle></volume>",
+        "<volume/><volume><triangle>" CORNERS(
+            0, 1, 2) "</triangle>"
+                     "<triangle>" CORNERS(0, 2, 3) "</triangle></volume><volume />",
+    };
+    for (size_t i = 0; i < 2; i++) {
+        char text[2000];
+        snprintf(text, sizeof text, AMF("%s"), volumes[i]);
+        rk_mesh mesh = load(write_text("volumes.amf", text));
+        rk_check_equal(mesh.triangle_count, 2, "triangles");
+        for (uint32_t k = 0; k < mesh.triangle_count; k++)
+            check_point(vector_area(&mesh, k), 0, 0, 0.5f);
+        rk_mesh_free(&mesh);
+    }
+    rk_mesh mesh = load_with_note(
+        write_text("looks.amf", AMF("<volume><triangle>" CORNERS(
+                                    0, 1, 2) "</triangle></volume>"
+                                             "<volume materialid=\"2\"><triangle>" CORNERS(
+                                                 0, 2, 3) "</triangle></volume>")),
+        "objects of several volumes, which are drawn in the colour of their first one");
+    rk_check_equal(mesh.triangle_count, 2, "triangles");
+    rk_mesh_free(&mesh);
+}
+
+/* Assimp makes them black. */
+static void an_amf_without_colours_is_grey(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(
+        write_text("grey.amf", AMF("<volume><triangle>" CORNERS(0, 1, 2) "</triangle></volume>")));
+    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 0.8f, 0.8f, 0.8f);
+    rk_check(!mesh.colours, "has colours");
+    rk_mesh_free(&mesh);
+    mesh = load(write_text(
+        "red.amf", AMF("<volume><triangle><color><r>1</r><g>0</g><b>0</b></color>" CORNERS(
+                       0, 1, 2) "</triangle><triangle>" CORNERS(0, 2, 3) "</triangle></volume>")));
+    check_point(mesh.colours[mesh.triangles[0][0]], 1, 0, 0);
+    check_point(mesh.colours[mesh.triangles[1][0]], 0.8f, 0.8f, 0.8f);
+    rk_mesh_free(&mesh);
+}
+
+static void an_amf_in_an_archive_is_refused(void **state)
+{
+    (void)state;
+    archive a = {0};
+    add_file(&a, "a.amf", AMF(""));
+    check_refused_path(write_archive(&a, "packed.amf").text, ": is compressed by ZIP", "unzip");
+}
+
+/* --- XML ------------------------------------------------------------------------------------ */
+
+#define COLLADA                                                                                    \
+    "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset>"    \
+    "<up_axis>Y_UP</up_axis></asset><library_geometries><geometry id=\"g\"><mesh>"                 \
+    "<source id=\"p\"><float_array id=\"pa\" count=\"9\">0 0 0 1 0 0 0 1 0</float_array>"          \
+    "<technique_common><accessor source=\"#pa\" count=\"3\" stride=\"3\">"                         \
+    "<param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"                         \
+    "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source><vertices id=\"v\">" \
+    "<input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"1\">"               \
+    "<input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 1 2</p></triangles></mesh>"       \
+    "</geometry></library_geometries><library_visual_scenes><visual_scene id=\"s\"><node>"         \
+    "<instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes><scene>"         \
+    "<instance_visual_scene url=\"#s\"/></scene></COLLADA>"
+
+static void xml_may_be_in_utf16(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *name, *text;
+    } files[] = {
+        {"wide.dae", COLLADA},
+        {"wide.x3d",
+         "<X3D><Scene><Shape><IndexedFaceSet coordIndex=\"0 1 2 -1\">"
+         "<Coordinate point=\"0 0 0 1 0 0 0 1 0\"/></IndexedFaceSet></Shape></Scene></X3D>"},
+        {"wide.amf", "<amf><object id=\"1\"><mesh><vertices>" POINT(0, 0) POINT(1, 0)
+                         POINT(0, 1) "</vertices><volume><triangle>" CORNERS(
+                             0, 1, 2) "</triangle></volume></mesh></object></amf>"},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++)
+        for (int kind = 0; kind < 4; kind++) { /* ends, with a mark or without */
+            char text[2000];
+            snprintf(text, sizeof text, "<?xml version=\"1.0\" encoding=\"UTF-16\"?>\r\n%s",
+                     files[i].text);
+            rk_mesh mesh = load(write_utf16(files[i].name, text, kind & 1, kind & 2));
+            check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
+            rk_mesh_free(&mesh);
+        }
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(what_a_3mf_does_not_show_is_told),
+    cmocka_unit_test(a_3mf_with_a_texture_is_plain),
+    cmocka_unit_test(a_3mf_may_hold_a_thumbnail),
+    cmocka_unit_test(parts_of_a_3mf_in_other_models_are_told),
+    cmocka_unit_test(a_3mf_that_cannot_be_read_has_a_true_reason),
+    cmocka_unit_test(every_volume_of_an_amf_is_drawn),
+    cmocka_unit_test(an_amf_without_colours_is_grey),
+    cmocka_unit_test(an_amf_in_an_archive_is_refused),
+    cmocka_unit_test(xml_may_be_in_utf16),
+};
+
+RK_SUITE_IN("mesh_archives", tests, make_folder, remove_folder)
