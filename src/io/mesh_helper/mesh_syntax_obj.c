@@ -5,8 +5,8 @@
  * point, which faces do not use, and three more are its colour), vt with one to three, f with
  * corners v, v/vt, v//vn or v/vt/vn, whose indices count from 1, or backwards from the latest.
  * Format: Wavefront's Advanced Visualizer manual, appendix B1. */
-#include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_obj_colours.h"
+#include "io/mesh_helper/mesh_obj_libraries.h"
 #include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
 #include "io/mesh_helper/text_cursor.h"
@@ -38,13 +38,11 @@ typedef struct obj_parser {
     bool has_unfinite; /* positions */
     bool has_weights;  /* a fourth number of a vertex, by which Assimp would divide */
     bool has_points;   /* numbers that begin with one, which Assimp does not read */
-    bool renames_library;
-    bool has_curves;                    /* or curved surfaces */
-    bool has_lines;                     /* or points */
-    bool calls_files;                   /* that are to be read in the line's place */
+    bool has_curves;   /* or curved surfaces */
+    bool has_lines;    /* or points */
+    bool calls_files;  /* that are to be read in the line's place */
     const rk_mesh_obj_colours *colours; /* of its vertices, one each, or NULL */
-    char lost[512];                     /* a material file that is missing, or "" */
-    size_t lost_line;
+    rk_mesh_obj_libraries libraries;
     mesh_rewrite *rewrite; /* in the second pass */
     rk_mesh_hints *hints;
 } obj_parser;
@@ -247,67 +245,6 @@ static bool parse_face(obj_parser *s, text_cursor *c, rk_error *error)
     return true;
 }
 
-/* Keeps the folder, in which the pictures may be, and gives Assimp the name as it is. */
-static bool use_library(obj_parser *s, const char *name, size_t length)
-{
-    char found[RK_MESH_FILES_NAME];
-    if (!rk_mesh_files_find(found, s->path, "", name, length))
-        return false;
-    rk_mesh_hints *h = s->hints;
-    const char *slash = strrchr(found, '/');
-    if (!s->rewrite) {
-        s->renames_library |= strlen(found) != length || memcmp(found, name, length) != 0;
-        h->plain = false;
-        if (slash && h->folder_count < RK_MESH_HINTS_FOLDERS)
-            snprintf(h->folders[h->folder_count++], sizeof h->folders[0], "%.*s",
-                     (int)(slash - found) + 1, found);
-    } else {
-        fprintf(s->rewrite->out, "mtllib %s\n", found);
-    }
-    return true;
-}
-
-/* Assimp, too, looks for a material file with the mesh's own name. */
-static bool use_own_library(obj_parser *s)
-{
-    const char *slash = strrchr(s->path, '/'), *name = slash ? slash + 1 : s->path;
-    char own[RK_MESH_FILES_NAME];
-    int length = snprintf(own, sizeof own, "%.*s.mtl", (int)(strrchr(name, '.') - name), name);
-    return length > 0 && (size_t)length < sizeof own && use_library(s, own, (size_t)length);
-}
-
-static void use_each_library(obj_parser *s, const char *name, size_t length, size_t line)
-{
-    text_cursor c = {name, name + length, line};
-    char word[RK_MESH_FILES_NAME];
-    int used = 0, lost = 0;
-    while (text_read_word(&c, word, sizeof word)) {
-        bool there = use_library(s, word, strlen(word));
-        used += there, lost += !there;
-    }
-    s->renames_library = true;
-    if (lost == 0 || (used == 0 && use_own_library(s)) || s->lost[0])
-        return;
-    s->lost_line = line;
-    snprintf(s->lost, sizeof s->lost, "%.*s", (int)length, name);
-}
-
-/* The rest of the line is a name, which may hold spaces, or several. */
-static void parse_library(obj_parser *s, text_cursor *c)
-{
-    text_skip_blanks(c);
-    size_t length = 0;
-    while (c->at + length < c->end && c->at[length] != '\n')
-        length++;
-    const char *name = c->at;
-    if (s->rewrite)
-        rewrite_skip(s->rewrite, name - strlen("mtllib "), name + length);
-    while (length > 0 && strchr(" \t\r", name[length - 1]))
-        length--;
-    if (!use_library(s, name, length))
-        use_each_library(s, name, length, c->line);
-}
-
 static bool is_one_of(const char *word, size_t length, const char *const *words)
 {
     for (; *words; words++)
@@ -341,7 +278,7 @@ static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
     if (length == 2 && memcmp(word, "vt", 2) == 0)
         parse_attribute(s, c, TEXCOORD);
     if (length == 6 && memcmp(word, "mtllib", 6) == 0)
-        parse_library(s, c);
+        rk_mesh_obj_libraries_read(&s->libraries, c, s->rewrite);
     see_word(s, word, length);
     return true;
 }
@@ -390,6 +327,7 @@ static void note_faults(const obj_parser *s)
 static bool write_corrected(const obj_parser *first, const char *text, size_t size, rk_error *error)
 {
     obj_parser s = {.path = first->path,
+                    .libraries = {.path = first->path, .hints = first->hints},
                     .extent = first->extent,
                     .colours = first->colours,
                     .hints = first->hints};
@@ -411,16 +349,14 @@ static bool parse_coloured(const char *path, const char *text, size_t size,
                            const rk_mesh_obj_colours *colours, rk_mesh_hints *hints,
                            rk_error *error)
 {
-    obj_parser s = {.path = path, .hints = hints};
+    obj_parser s = {.path = path, .libraries = {.path = path, .hints = hints}, .hints = hints};
     if (!parse_pass(&s, text, size, error))
         return false;
     if (s.largest[POSITION] > s.count[POSITION])
         return rk_fail(error, "%s:%zu: a face uses index %lld, but the file has %lld vertices: %s",
                        path, s.largest_line[POSITION], s.largest[POSITION], s.count[POSITION],
                        remedy);
-    if (s.lost[0])
-        rk_fail(&hints->note, "%s:%zu: the material file %.500s is missing: %s surfaces are grey",
-                path, s.lost_line, s.lost, hints->plain ? "all" : "its");
+    rk_mesh_obj_libraries_note(&s.libraries);
     note_words(&s);
     hints->faces = s.faces;
     hints->corners = s.corners;
@@ -434,7 +370,7 @@ static bool parse_coloured(const char *path, const char *text, size_t size,
     bool whole = !s.has_unfinite && !s.has_weights && !s.has_points && !s.colours &&
                  s.faults[SHORT_FACE] + s.faults[LACKING_FACE] + s.faults[UNFINITE] == 0 &&
                  !extent_is_far(&s.extent) && s.largest[TEXCOORD] <= s.count[TEXCOORD] &&
-                 s.largest[NORMAL] <= s.count[NORMAL] && (!s.renames_library || hints->plain);
+                 s.largest[NORMAL] <= s.count[NORMAL] && (!s.libraries.renames || hints->plain);
     return whole || write_corrected(&s, text, size, error);
 }
 
