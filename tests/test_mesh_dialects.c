@@ -6,6 +6,7 @@
 
 /* --- OBJ ------------------------------------------------------------------------------------ */
 
+#define CORNERS "v 0 0 0\nv 1 0 0\nv 0 1 0\n"
 #define FACE "f 1 2 3\n"
 
 static void numbers_of_an_obj_may_begin_with_their_point(void **state)
@@ -117,6 +118,55 @@ static void the_picture_of_a_black_material_is_drawn(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void check_told(const char *obj, const char *note, float kd)
+{
+    rk_mesh mesh = load_with_note(write_text("told.obj", obj), note);
+    check_point(mesh.materials[mesh.triangle_materials[mesh.triangle_count - 1]].kd, kd, kd, kd);
+    rk_mesh_free(&mesh);
+}
+
+static void a_material_that_no_file_has_is_named(void **state)
+{
+    (void)state;
+    write_text("one.mtl", "newmtl red\nKd 1 0 0\n");
+    write_text("empty.mtl", "# none\n");
+    check_told("mtllib one.mtl\n" CORNERS "usemtl red\n" FACE "usemtl lost one\n" FACE,
+               "uses 1 material that no material file has (the first: lost one)", 0.8f);
+    check_told("mtllib empty.mtl\n" CORNERS "usemtl red\n" FACE,
+               "uses 1 material that no material file has (the first: red)", 0.8f);
+    check_told("mtllib one.mtl a.mtl b.mtl\n" CORNERS "usemtl red\n" FACE "usemtl blue\n" FACE,
+               ":1: the material file a.mtl, b.mtl is missing: surfaces of its materials are grey",
+               0.8f);
+    check_told(CORNERS "usemtl red\n" FACE,
+               "uses materials (usemtl red), but names no material file (mtllib)", 0.8f);
+    check_told(
+        "mtllib a.mtl\nv 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nusemtl red\n" FACE,
+        ": the material file a.mtl is missing: surfaces have only the colours of their vertices",
+        1);
+    static const char *const silent[] = {
+        CORNERS "usemtl None\n" FACE,
+        "v 0 0 0 1 0 0\nv 1 0 0 1 0 0\nv 0 1 0 1 0 0\nusemtl red\n" FACE,
+        "mtllib one.mtl\n" CORNERS FACE "usemtl red\n" FACE "usemtl (null)\n" FACE,
+    };
+    for (size_t i = 0; i < sizeof silent / sizeof *silent; i++) {
+        rk_mesh mesh = load(write_text("silent.obj", silent[i]));
+        rk_mesh_free(&mesh);
+    }
+}
+
+static void invisible_materials_are_told(void **state)
+{
+    (void)state;
+    write_text("clear.mtl", "newmtl a\nKd .5 .5 .5\nd 0\nnewmtl b\nKd 1 1 1\nd 0.5\n");
+    check_told("mtllib clear.mtl\n" CORNERS "usemtl a\n" FACE,
+               "1 of 1 materials are invisible (opacity 0, such as d 0): the picture is empty",
+               0.5f);
+    check_told("mtllib clear.mtl\n" CORNERS "usemtl a\n" FACE "usemtl b\n" FACE,
+               "1 of 2 materials are invisible", 1);
+    rk_mesh mesh = load(write_text("half.obj", "mtllib clear.mtl\n" CORNERS "usemtl b\n" FACE));
+    rk_mesh_free(&mesh);
+}
+
 static void a_mesh_without_any_area_says_so(void **state)
 {
     (void)state;
@@ -142,8 +192,9 @@ static void a_material_file_without_a_known_line_costs_no_mesh(void **state)
     static const char *const files[] = {"", "# none\n"};
     for (size_t i = 0; i < 2; i++) {
         write_text("none.mtl", files[i]);
-        rk_mesh mesh = load(write_text("none.obj", "mtllib none.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\n"
-                                                   "usemtl a\n" FACE));
+        rk_mesh mesh =
+            load_with_note(write_text("none.obj", "mtllib none.mtl\n" CORNERS "usemtl a\n" FACE),
+                           "(the first: a)");
         rk_check_equal(mesh.triangle_count, 1, "it is drawn");
         rk_mesh_free(&mesh);
     }
@@ -1007,6 +1058,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_line_that_assimp_does_not_know_costs_no_material),
     cmocka_unit_test(text_in_utf16_is_read_like_utf8),
     cmocka_unit_test(the_picture_of_a_black_material_is_drawn),
+    cmocka_unit_test(a_material_that_no_file_has_is_named),
+    cmocka_unit_test(invisible_materials_are_told),
     cmocka_unit_test(a_mesh_without_any_area_says_so),
     cmocka_unit_test(a_mesh_in_gzip_names_the_program),
     cmocka_unit_test(a_material_file_without_a_known_line_costs_no_mesh),

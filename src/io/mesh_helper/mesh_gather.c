@@ -4,11 +4,14 @@
 #include "io/mesh_helper/mesh_gather.h"
 
 #include "io/mesh_helper/mesh_colours.h"
+#include "io/mesh_helper/mesh_io.h"
 #include "io/mesh_helper/mesh_left_out.h"
 #include "io/mesh_helper/mesh_material.h"
+#include "io/mesh_helper/mesh_obj_libraries.h"
 #include "io/mesh_helper/polygon.h"
 #include "io/mesh_helper/vertex_pool.h"
 
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -33,6 +36,8 @@ typedef struct gather {
     rk_mesh_mtl mtl;
     rk_mesh_left_out left;
     bool drew_tr_one, drew_black;
+    char lost_material[100]; /* of an OBJ file, that no material file has; the first, or "" */
+    size_t lost_materials;
     size_t unfinite_faces, black_faces;
     float (*wedges)[2]; /* of the faces from here on, or NULL */
     bool replaced;      /* a normal or a texture coordinate that is not finite */
@@ -438,6 +443,23 @@ static bool emit_node(gather *g, const struct aiNode *node, const placement *par
 
 /* --- the whole ----------------------------------------------------------------------------- */
 
+/* Assimp makes one of the name, of another grey. Longer names are cut, and of many files not all
+ * are known. */
+static void see_lost(gather *g, const struct aiMaterial *source, rk_material *material)
+{
+    struct aiString name;
+    if (!rk_mesh_io_mtl(0) || rk_mesh_io_mtl(RK_MESH_IO_MTLS - 1) || mtl_of(g, source) ||
+        aiGetMaterialString(source, AI_MATKEY_NAME, &name) != aiReturn_SUCCESS ||
+        name.length >= sizeof((rk_mesh_mtl_material *)0)->name - 1 ||
+        strcmp(name.data, AI_DEFAULT_MATERIAL_NAME) == 0)
+        return;
+    material->kd = rk_vec(0.8f, 0.8f, 0.8f);
+    if (rk_mesh_obj_libraries_means_none(name.data))
+        return;
+    if (g->lost_materials++ == 0)
+        snprintf(g->lost_material, sizeof g->lost_material, "%.90s", name.data);
+}
+
 /* Some exporters write Tr 1 for opaque. */
 static void draw_tr_one(gather *g, const struct aiMaterial *source, rk_material *material)
 {
@@ -466,6 +488,8 @@ static void set_material(gather *g, rk_mesh *mesh, rk_mesh_textures *textures, u
     bool varies = textures->of_material[i] != 0 || variant & COLOURED;
     if (!g->plain)
         mesh->materials[i] = rk_mesh_material(source, varies);
+    if (!(variant & COLOURED && g->colours.replace))
+        see_lost(g, source, &mesh->materials[i]);
     draw_tr_one(g, source, &mesh->materials[i]);
     if (g->models > 0 && rk_mesh_texture_set(source, &(uint32_t){0}))
         mesh->materials[i].kd = rk_vec(0.8f, 0.8f, 0.8f); /* Assimp's is black */
@@ -540,6 +564,12 @@ static void tell(gather *g, rk_mesh_hints *hints)
         rk_mesh_hints_note(hints, g->path,
                            "some normals or texture coordinates are not finite numbers, and are "
                            "replaced");
+    if (g->lost_materials > 0)
+        rk_mesh_hints_note(hints, g->path,
+                           "uses %zu %s that no material file has (the first: %s), whose surfaces "
+                           "are grey",
+                           g->lost_materials, g->lost_materials == 1 ? "material" : "materials",
+                           g->lost_material);
     if (g->drew_tr_one)
         rk_mesh_hints_note(hints, g->path,
                            "Tr 1 makes a material invisible; it is drawn as opaque, because some "

@@ -86,13 +86,12 @@ static bool is_text_with_mark(FILE *stream, const char *path)
            fread(first, 1, 3, stream) == 3 && memcmp(first, "\xef\xbb\xbf", 3) == 0;
 }
 
-enum { most_mtls = 16 };
-static char mtls[most_mtls][4096];
+static char mtls[RK_MESH_IO_MTLS][4096];
 static int mtl_count;
 
 static void keep_mtl(const char *path)
 {
-    if (has_ending(path, ".mtl") && mtl_count < most_mtls)
+    if (has_ending(path, ".mtl") && mtl_count < RK_MESH_IO_MTLS)
         snprintf(mtls[mtl_count++], sizeof *mtls, "%s", path);
 }
 

@@ -13,6 +13,8 @@ extern struct aiFileIO rk_mesh_io;
 /* From now on, reading the file of this path gives these bytes, which must outlive it. */
 void rk_mesh_io_replace(const char *path, char *text, size_t size);
 
+enum { RK_MESH_IO_MTLS = 16 }; /* further ones are not known */
+
 /* Returns the path of the MTL file that was opened as number `i`, from 0 on, or NULL. */
 const char *rk_mesh_io_mtl(int i);
 

@@ -35,25 +35,38 @@ static bool use_own_library(rk_mesh_obj_libraries *s)
     return length > 0 && (size_t)length < sizeof own && use_library(s, own, (size_t)length);
 }
 
-static void use_each_library(rk_mesh_obj_libraries *s, const char *name, size_t length, size_t line)
+static void lose(rk_mesh_obj_libraries *s, const char *name, size_t length, size_t line)
 {
-    text_cursor c = {name, name + length, line};
-    char word[RK_MESH_FILES_NAME];
-    int used = 0, lost = 0;
-    while (text_read_word(&c, word, sizeof word)) {
-        bool there = use_library(s, word, strlen(word));
-        used += there, lost += !there;
-    }
-    s->renames = true;
-    if (lost == 0 || (used == 0 && use_own_library(s)) || s->lost[0])
+    const size_t before = strlen(s->lost);
+    if (before > 0 && s->lost_line != line)
         return;
     s->lost_line = line;
-    snprintf(s->lost, sizeof s->lost, "%.*s", (int)length, name);
+    snprintf(s->lost + before, sizeof s->lost - before, "%s%.*s", before ? ", " : "", (int)length,
+             name);
+}
+
+/* If none is there, the line may be one name. */
+static void use_each_library(rk_mesh_obj_libraries *s, const char *name, size_t length, size_t line)
+{
+    char word[RK_MESH_FILES_NAME];
+    int used = 0;
+    s->renames = true;
+    for (text_cursor c = {name, name + length, line}; text_read_word(&c, word, sizeof word);)
+        used += use_library(s, word, strlen(word));
+    if (used == 0 && !use_own_library(s))
+        lose(s, name, length, line);
+    for (text_cursor c = {name, name + length, line};
+         used > 0 && text_read_word(&c, word, sizeof word);) {
+        char found[RK_MESH_FILES_NAME];
+        if (!rk_mesh_files_find(found, s->path, "", word, strlen(word)))
+            lose(s, word, strlen(word), line);
+    }
 }
 
 void rk_mesh_obj_libraries_read(rk_mesh_obj_libraries *s, text_cursor *c, mesh_rewrite *rewrite)
 {
     s->rewrite = rewrite;
+    s->any = true;
     text_skip_blanks(c);
     size_t length = 0;
     while (c->at + length < c->end && c->at[length] != '\n')
@@ -67,10 +80,31 @@ void rk_mesh_obj_libraries_read(rk_mesh_obj_libraries *s, text_cursor *c, mesh_r
         use_each_library(s, name, length, c->line);
 }
 
-void rk_mesh_obj_libraries_note(const rk_mesh_obj_libraries *s)
+void rk_mesh_obj_libraries_use(rk_mesh_obj_libraries *s, const text_cursor *c)
 {
+    text_cursor at = *c;
+    if (!s->material[0])
+        text_read_word(&at, s->material, sizeof s->material);
+}
+
+bool rk_mesh_obj_libraries_means_none(const char *material)
+{
+    return strcmp(material, "None") == 0 || strcmp(material, "(null)") == 0;
+}
+
+void rk_mesh_obj_libraries_note(const rk_mesh_obj_libraries *s, bool coloured)
+{
+    const bool plain = s->hints->plain;
     if (s->lost[0])
-        rk_fail(&s->hints->note,
-                "%s:%zu: the material file %.500s is missing: %s surfaces are grey", s->path,
-                s->lost_line, s->lost, s->hints->plain ? "all" : "its");
+        rk_fail(&s->hints->note, "%s:%zu: the material file %.500s is missing: %s", s->path,
+                s->lost_line, s->lost,
+                !plain     ? "surfaces of its materials are grey"
+                : coloured ? "surfaces have only the colours of their vertices"
+                           : "all surfaces are grey");
+    else if (plain && !coloured && !s->any && s->material[0] &&
+             !rk_mesh_obj_libraries_means_none(s->material))
+        rk_mesh_hints_note(s->hints, s->path,
+                           "uses materials (usemtl %s), but names no material file (mtllib): all "
+                           "surfaces are grey",
+                           s->material);
 }

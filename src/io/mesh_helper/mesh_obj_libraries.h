@@ -10,14 +10,22 @@ typedef struct rk_mesh_obj_libraries {
     rk_mesh_hints *hints;
     mesh_rewrite *rewrite; /* or NULL */
     bool renames;          /* one has another name than the file says */
-    char lost[512];        /* one that is missing, or "" */
+    char lost[512];        /* those of the first line of which some are missing, or "" */
     size_t lost_line;
+    bool any;          /* some line names one */
+    char material[64]; /* the first that is used, or "" */
 } rk_mesh_obj_libraries;
 
 /* Reads the rest of a line after mtllib: a name, which may hold spaces, or several. */
 void rk_mesh_obj_libraries_read(rk_mesh_obj_libraries *s, text_cursor *c, mesh_rewrite *rewrite);
 
-/* Tells what is missing. */
-void rk_mesh_obj_libraries_note(const rk_mesh_obj_libraries *s);
+/* Reads the rest of a line after usemtl. */
+void rk_mesh_obj_libraries_use(rk_mesh_obj_libraries *s, const text_cursor *c);
+
+/* As programs write it that have no material. */
+bool rk_mesh_obj_libraries_means_none(const char *material);
+
+/* Tells what is missing; `coloured` vertices do without materials. */
+void rk_mesh_obj_libraries_note(const rk_mesh_obj_libraries *s, bool coloured);
 
 #endif

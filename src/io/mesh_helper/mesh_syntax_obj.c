@@ -37,6 +37,7 @@ typedef struct obj_parser {
     mesh_extent extent;
     bool has_unfinite; /* positions */
     bool has_weights;  /* a fourth number of a vertex, by which Assimp would divide */
+    bool has_colours;  /* three more numbers of a vertex */
     bool has_points;   /* numbers that begin with one, which Assimp does not read */
     bool has_curves;   /* or curved surfaces */
     bool has_lines;    /* or points */
@@ -121,6 +122,8 @@ static bool parse_position(obj_parser *s, text_cursor *c, rk_error *error)
         note_position(s, at);
     mend_points(s, from, c->at);
     skip_weight(s, c);
+    text_cursor rest = *c;
+    s->has_colours |= !text_line_ended(&rest);
     mend_points(s, c->at, line_end(c));
     write_colour(s, c);
     s->count[POSITION]++;
@@ -277,6 +280,8 @@ static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
         parse_attribute(s, c, NORMAL);
     if (length == 2 && memcmp(word, "vt", 2) == 0)
         parse_attribute(s, c, TEXCOORD);
+    if (length == 6 && memcmp(word, "usemtl", 6) == 0)
+        rk_mesh_obj_libraries_use(&s->libraries, c);
     if (length == 6 && memcmp(word, "mtllib", 6) == 0)
         rk_mesh_obj_libraries_read(&s->libraries, c, s->rewrite);
     see_word(s, word, length);
@@ -356,7 +361,7 @@ static bool parse_coloured(const char *path, const char *text, size_t size,
         return rk_fail(error, "%s:%zu: a face uses index %lld, but the file has %lld vertices: %s",
                        path, s.largest_line[POSITION], s.largest[POSITION], s.count[POSITION],
                        remedy);
-    rk_mesh_obj_libraries_note(&s.libraries);
+    rk_mesh_obj_libraries_note(&s.libraries, s.has_colours || colours->count > 0);
     note_words(&s);
     hints->faces = s.faces;
     hints->corners = s.corners;

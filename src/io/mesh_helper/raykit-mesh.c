@@ -199,6 +199,24 @@ static void note_area(rk_mesh_hints *hints, const rk_mesh *mesh, const char *pat
                        "export the mesh again");
 }
 
+/* By `d 0` or the like, which some programs write by mistake. */
+static void note_invisible(rk_mesh_hints *hints, const rk_mesh *mesh,
+                           const rk_mesh_textures *textures, const char *path)
+{
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < mesh->material_count; i++) {
+        const rk_material *m = &mesh->materials[i];
+        const bool is_cut = m->alpha < m->alpha_cutoff && textures->alpha_of_material[i] == 0;
+        count += m->alpha == 0 || is_cut;
+    }
+    if (count > 0)
+        rk_mesh_hints_note(hints, path,
+                           "%u of %u materials are invisible (opacity 0, such as d 0): %s", count,
+                           mesh->material_count,
+                           count == mesh->material_count ? "the picture is empty; make them opaque"
+                                                         : "make them opaque if they should not be");
+}
+
 /* Assimp reads one material for each part of a 3MF file, and nothing of the extensions. */
 static void note_rest_of_3mf(rk_mesh_hints *hints, const char *path)
 {
@@ -265,6 +283,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
         find_pictures(&textures, hints, path);
         note_distance(hints, &mesh, path);
         note_area(hints, &mesh, path);
+        note_invisible(hints, &mesh, &textures, path);
         note_rest_of_3mf(hints, path);
         ok = write_mesh(&mesh, &textures, path, error);
     }
