@@ -24,10 +24,15 @@ static bool grow_triangles(rk_mesh_emit_state *g, rk_error *error)
     return true;
 }
 
+static const rk_mesh_place *place_of(const rk_mesh_emit_part *p, uint32_t vertex)
+{
+    return p->places ? &p->places[vertex] : p->place;
+}
+
 static rk_vec3 position_of(const rk_mesh_emit_part *p, uint32_t vertex)
 {
     const struct aiVector3D *v = &p->mesh->mVertices[vertex];
-    return rk_mesh_place_point(p->place, rk_vec((float)v->x, (float)v->y, (float)v->z));
+    return rk_mesh_place_point(place_of(p, vertex), rk_vec((float)v->x, (float)v->y, (float)v->z));
 }
 
 rk_vec2 rk_mesh_emit_texcoord(const rk_mesh_texture_transform *t, const struct aiVector3D *at)
@@ -65,7 +70,7 @@ static bool emit_corner(rk_mesh_emit_state *g, rk_mesh_emit_part *p, const uint3
     rk_vertex vertex = {.position = position_of(p, source)};
     bool own = !g->any_normals;
     if (!own && p->mesh->mNormals) {
-        own = rk_mesh_place_normal(p->place, &p->mesh->mNormals[source], &vertex.normal);
+        own = rk_mesh_place_normal(place_of(p, source), &p->mesh->mNormals[source], &vertex.normal);
         g->replaced |= !is_finite_vector(&p->mesh->mNormals[source]);
     }
     if (!own)

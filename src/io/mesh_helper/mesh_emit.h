@@ -6,6 +6,7 @@
 #include "io/mesh_helper/mesh_left_out.h"
 #include "io/mesh_helper/mesh_mtl.h"
 #include "io/mesh_helper/mesh_place.h"
+#include "io/mesh_helper/mesh_skin.h"
 #include "io/mesh_helper/mesh_texture.h"
 #include "io/mesh_helper/vertex_pool.h"
 
@@ -17,6 +18,7 @@ typedef struct rk_mesh_emit_state {
     bool any_normals, any_texcoords;
     rk_mesh_colours colours;
     rk_mesh_mtl mtl;
+    rk_mesh_skin skin;
     rk_mesh_left_out left;
     bool drew_tr_one, drew_black;
     char lost_material[100]; /* of an OBJ file, that no material file has; the first, or "" */
@@ -38,7 +40,8 @@ typedef struct rk_mesh_emit_state {
 typedef struct rk_mesh_emit_part {
     const struct aiMesh *mesh;
     const rk_mesh_place *place;
-    const struct aiVector3D *texcoords;  /* or NULL */
+    rk_mesh_place *places;              /* of each vertex, if the part is posed by bones; or NULL */
+    const struct aiVector3D *texcoords; /* or NULL */
     rk_mesh_texture_transform transform; /* of these */
     const struct aiColor4D *colours;     /* of vertices, or NULL */
     rk_vec3 face_colour;                 /* white unless faces have colours */

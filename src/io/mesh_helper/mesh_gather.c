@@ -149,8 +149,10 @@ static bool emit_part(rk_mesh_emit_state *g, const struct aiMesh *mesh, const rk
         return true;
     rk_mesh_emit_part p = {.mesh = mesh, .place = place, .transform = {{{1, 0, 0}, {0, 1, 0}}}};
     p.numbers = rk_allocate(mesh->mNumVertices, sizeof *p.numbers, g->path, error);
-    bool ok = p.numbers && emit_faces(g, &p, error);
+    bool ok = p.numbers && rk_mesh_skin_pose(&g->skin, mesh, place, &p.places, g->path, error) &&
+              emit_faces(g, &p, error);
     free(p.numbers);
+    free(p.places);
     free(p.points);
     free(p.triangles);
     free(p.left);
@@ -311,6 +313,12 @@ static void tell(rk_mesh_emit_state *g, rk_mesh_hints *hints)
                            "are grey",
                            g->lost_materials, g->lost_materials == 1 ? "material" : "materials",
                            g->lost_material);
+    if (g->skin.lost[0])
+        rk_mesh_hints_note(
+            hints, g->path,
+            "has a skin that is not applied, because its joint \"%s\" is missing, or "
+            "has the name of another: give joints different names",
+            g->skin.lost);
     if (g->drew_tr_one)
         rk_mesh_hints_note(hints, g->path,
                            "Tr 1 makes a material invisible; it is drawn as opaque, because some "
@@ -351,13 +359,14 @@ bool rk_mesh_gather(rk_mesh *mesh, rk_mesh_textures *textures, const struct aiSc
     g.material_sources = rk_allocate(keys, sizeof *g.material_sources, path, error);
     rk_mesh_colours_init(&g.colours, scene, path, hints);
     bool ok = g.material_numbers && g.material_sources && check_root(&g, error) &&
-              rk_mesh_mtl_read(&g.mtl, error);
+              rk_mesh_mtl_read(&g.mtl, error) && rk_mesh_skin_begin(&g.skin, scene, path, error);
     g.pool.coloured = g.colours.any;
     ok = ok && emit_node(&g, scene->mRootNode, &world, 0, error) &&
          finish(&g, mesh, textures, error);
     if (ok)
         tell(&g, hints);
     rk_mesh_mtl_free(&g.mtl);
+    rk_mesh_skin_end(&g.skin);
     rk_mesh_colours_free(&g.colours);
     rk_vertex_pool_free(&g.pool);
     free(g.triangles);

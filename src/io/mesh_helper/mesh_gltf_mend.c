@@ -64,6 +64,7 @@ static void unpack(struct aiVector3D *rows, uint32_t count, int size,
 static bool is_same_kind(const rk_mesh_gltf_parts_one *a, const rk_mesh_gltf_parts_one *b)
 {
     bool same = integer_kind(a->positions) == integer_kind(b->positions) &&
+                integer_kind(a->weights) == integer_kind(b->weights) &&
                 integer_kind(a->normals) == integer_kind(b->normals);
     for (int k = 0; k < AI_MAX_NUMBER_OF_TEXTURECOORDS; k++)
         same &= integer_kind(a->texcoords[k]) == integer_kind(b->texcoords[k]);
@@ -173,6 +174,7 @@ bool rk_mesh_gltf_parts_mend(const struct aiScene *scene, rk_mesh_hints *hints, 
                              rk_error *error)
 {
     const char *unclear = NULL;
+    bool has_rigid = false;
     sort_parts(hints);
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
         struct aiMesh *mesh = scene->mMeshes[i];
@@ -186,7 +188,16 @@ bool rk_mesh_gltf_parts_mend(const struct aiScene *scene, rk_mesh_hints *hints, 
             return false;
         if (!differ)
             unpack_part(mesh, part);
+        if (mesh->mNumBones > 0 && integer_kind(part->weights)) {
+            mesh->mNumBones = 0;
+            has_rigid = true;
+        }
     }
+    if (has_rigid)
+        rk_mesh_hints_note(
+            hints, path,
+            "has a skin that is not applied, because its weights are integers, which "
+            "Assimp does not read: export them as floats");
     if (unclear)
         rk_mesh_hints_note(hints, path,
                            "has several parts named \"%.100s\" with coordinates of different "

@@ -90,6 +90,8 @@ static long long read_attributes(reader *r, json_cursor *c, rk_mesh_gltf_parts_o
         const int set = is_set ? key.begin[9] - '0' : -1;
         const bool is_position = json_equals(&key, "POSITION");
         const bool is_normal = json_equals(&key, "NORMAL");
+        if (json_equals(&key, "WEIGHTS_0"))
+            part->weights = a.numbers;
         const bool is_texcoord = set >= 0 && set < AI_MAX_NUMBER_OF_TEXTURECOORDS;
         if (!is_position && !is_normal && !is_texcoord)
             continue;

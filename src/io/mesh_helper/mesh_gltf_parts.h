@@ -20,7 +20,8 @@ typedef struct rk_mesh_gltf_parts_one {
     uint32_t number;   /* in the file's order */
     int64_t vertices;  /* -1: not known */
     int64_t triangles; /* the same */
-    rk_mesh_gltf_parts_numbers positions, normals, texcoords[AI_MAX_NUMBER_OF_TEXTURECOORDS];
+    rk_mesh_gltf_parts_numbers positions, normals, weights,
+        texcoords[AI_MAX_NUMBER_OF_TEXTURECOORDS];
     int64_t material; /* -1: none is named */
     bool differs;     /* has another kind of numbers than one before it that may be the same */
 } rk_mesh_gltf_parts_one;

@@ -93,6 +93,22 @@ static bool check_required(const char *path, json_cursor c, rk_error *error)
     return true;
 }
 
+/* Assimp crashes on a skin without the matrices, which may be missing if they change nothing. */
+static bool check_skins(const char *path, json_cursor c, rk_error *error)
+{
+    if (!json_find_key(&c, "skins") || !json_enter(&c, '['))
+        return true;
+    for (; json_next(&c); json_skip(&c)) {
+        json_cursor skin = c;
+        if (*c.at == '{' && !json_find_key(&skin, "inverseBindMatrices"))
+            return rk_fail(error,
+                           "%s: has a skin without inverse bind matrices, which Assimp does not "
+                           "read: export it with them, or without its skin",
+                           path);
+    }
+    return true;
+}
+
 static void note_used(const char *path, json_cursor c, rk_mesh_hints *hints)
 {
     char list[600] = "";
@@ -109,7 +125,7 @@ static void note_used(const char *path, json_cursor c, rk_mesh_hints *hints)
 bool rk_mesh_syntax_gltf_part(const char *path, json_cursor part, json_cursor file,
                               rk_mesh_hints *hints, rk_error *error)
 {
-    if (!check_required(path, part, error) ||
+    if (!check_required(path, part, error) || !check_skins(path, part, error) ||
         !rk_mesh_gltf_parts_read(hints, path, part, file, error))
         return false;
     note_used(path, part, hints);

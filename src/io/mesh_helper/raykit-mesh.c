@@ -257,6 +257,15 @@ static bool fail_unread(const char *path, const rk_mesh_hints *hints, rk_error *
     return rk_fail(error, "%s: Assimp cannot read it: %s", path, reason);
 }
 
+/* Assimp draws the nodes of some formats if the file has no mesh. */
+static bool is_skeleton(const struct aiScene *scene)
+{
+    struct aiString name;
+    return scene->mNumMeshes == 1 && scene->mNumMaterials == 1 &&
+           aiGetMaterialString(scene->mMaterials[0], AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
+           strcmp(name.data, "SkeletonMaterial") == 0;
+}
+
 /* No post-processing: Assimp's triangulation aborts on some broken files, and its joining of
  * vertices is slow. Its scene is not released: that crashes after some 3MF files with pictures, and
  * the process ends anyway. */
@@ -272,6 +281,8 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
         return rk_mesh_guard_fail_memory(error);
     if (!scene)
         return fail_unread(path, hints, error);
+    if (is_skeleton(scene))
+        return rk_fail(error, "%s: has no triangles: choose a mesh with faces", path);
     compare_counts(hints, scene, path);
     rk_mesh_attributes_lend(scene, hints);
     rk_mesh mesh = {0};
