@@ -253,18 +253,21 @@ static void an_amf_in_an_archive_is_refused(void **state)
 
 /* --- XML ------------------------------------------------------------------------------------ */
 
-#define COLLADA                                                                                    \
+#define COLLADA_OF(libraries, binding)                                                             \
     "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset>"    \
-    "<up_axis>Y_UP</up_axis></asset><library_geometries><geometry id=\"g\"><mesh>"                 \
+    "<up_axis>Y_UP</up_axis></asset>" libraries "<library_geometries><geometry id=\"g\"><mesh>"    \
     "<source id=\"p\"><float_array id=\"pa\" count=\"9\">0 0 0 1 0 0 0 1 0</float_array>"          \
     "<technique_common><accessor source=\"#pa\" count=\"3\" stride=\"3\">"                         \
     "<param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"                         \
     "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source><vertices id=\"v\">" \
-    "<input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles count=\"1\">"               \
+    "<input semantic=\"POSITION\" source=\"#p\"/></vertices><triangles material=\"s\" "            \
+    "count=\"1\">"                                                                                 \
     "<input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/><p>0 1 2</p></triangles></mesh>"       \
     "</geometry></library_geometries><library_visual_scenes><visual_scene id=\"s\"><node>"         \
-    "<instance_geometry url=\"#g\"/></node></visual_scene></library_visual_scenes><scene>"         \
+    "<instance_geometry url=\"#g\">" binding                                                       \
+    "</instance_geometry></node></visual_scene></library_visual_scenes><scene>"                    \
     "<instance_visual_scene url=\"#s\"/></scene></COLLADA>"
+#define COLLADA COLLADA_OF("", "")
 
 static void xml_may_be_in_utf16(void **state)
 {
@@ -291,6 +294,29 @@ static void xml_may_be_in_utf16(void **state)
         }
 }
 
+/* By the specification it is; some exporters mean the opposite. */
+static void a_transparency_of_0_in_collada_is_drawn_with_a_note(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load_with_note(
+        write_text(
+            "clear.dae",
+            COLLADA_OF("<library_effects><effect id=\"e\"><profile_COMMON>"
+                       "<technique sid=\"t\"><lambert><diffuse><color>1 0 0 1</color></diffuse>"
+                       "<transparent><color>1 1 1 1</color></transparent><transparency>"
+                       "<float>0</float></transparency></lambert></technique>"
+                       "</profile_COMMON></effect></library_effects><library_materials>"
+                       "<material id=\"m\"><instance_effect url=\"#e\"/></material>"
+                       "</library_materials>",
+                       "<bind_material><technique_common><instance_material symbol=\"s\" "
+                       "target=\"#m\"/></technique_common></bind_material>")),
+        "a transparency of 0 makes a material invisible; it is drawn as opaque");
+    const rk_material *material = &mesh.materials[mesh.triangle_materials[0]];
+    check_point(material->kd, 1, 0, 0);
+    rk_check_close(material->alpha, 1, 0, "opaque");
+    rk_mesh_free(&mesh);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(what_a_3mf_does_not_show_is_told),
     cmocka_unit_test(a_3mf_with_a_texture_is_plain),
@@ -301,6 +327,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_amf_without_colours_is_grey),
     cmocka_unit_test(an_amf_in_an_archive_is_refused),
     cmocka_unit_test(xml_may_be_in_utf16),
+    cmocka_unit_test(a_transparency_of_0_in_collada_is_drawn_with_a_note),
 };
 
 RK_SUITE_IN("mesh_archives", tests, make_folder, remove_folder)

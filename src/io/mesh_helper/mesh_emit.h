@@ -20,7 +20,7 @@ typedef struct rk_mesh_emit_state {
     rk_mesh_mtl mtl;
     rk_mesh_skin skin;
     rk_mesh_left_out left;
-    bool drew_tr_one, drew_black;
+    bool drew_tr_one, drew_clear, drew_black;
     char lost_material[100]; /* of an OBJ file, that no material file has; the first, or "" */
     size_t lost_materials;
     size_t unfinite_faces, black_faces;

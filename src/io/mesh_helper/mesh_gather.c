@@ -11,6 +11,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 
 enum { most_materials = UINT16_MAX, deepest_node = 1000 };
 
@@ -210,6 +211,16 @@ static void draw_tr_one(rk_mesh_emit_state *g, const struct aiMaterial *source,
     g->drew_tr_one = true;
 }
 
+/* Some exporters of Collada write a transparency of 0 for opaque. */
+static void draw_clear(rk_mesh_emit_state *g, rk_material *material)
+{
+    const char *dot = strrchr(g->path, '.');
+    if (!dot || strcasecmp(dot, ".dae") != 0 || material->alpha > 0)
+        return;
+    material->alpha = 1;
+    g->drew_clear = true;
+}
+
 /* Maya writes Kd 0 0 0 beside a picture that replaces it. */
 static void draw_picture_of_black(rk_mesh_emit_state *g, const struct aiMaterial *source,
                                   rk_material *material)
@@ -233,6 +244,7 @@ static void set_material(rk_mesh_emit_state *g, rk_mesh *mesh, rk_mesh_textures 
     if (!(variant & COLOURED && g->colours.replace))
         see_lost(g, source, &mesh->materials[i]);
     draw_tr_one(g, source, &mesh->materials[i]);
+    draw_clear(g, &mesh->materials[i]);
     if (g->models > 0 && rk_mesh_texture_set(source, &(uint32_t){0}))
         mesh->materials[i].kd = rk_vec(0.8f, 0.8f, 0.8f); /* Assimp's is black */
     if (textures->of_material[i] != 0)
@@ -323,6 +335,10 @@ static void tell(rk_mesh_emit_state *g, rk_mesh_hints *hints)
         rk_mesh_hints_note(hints, g->path,
                            "Tr 1 makes a material invisible; it is drawn as opaque, because some "
                            "programs mean that: write d 0 for an invisible one");
+    if (g->drew_clear)
+        rk_mesh_hints_note(hints, g->path,
+                           "a transparency of 0 makes a material invisible; it is drawn as opaque, "
+                           "because some programs mean that");
     if (g->drew_black)
         rk_mesh_hints_note(hints, g->path,
                            "Kd 0 0 0 makes a picture (map_Kd) black; the picture is drawn as it "

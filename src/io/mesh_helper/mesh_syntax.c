@@ -60,7 +60,8 @@ static bool check_kind(const char *path, const struct stat *status, rk_error *er
 static bool is_text(const char *path)
 {
     static const char *const endings[] = {"obj", "ply", "off", "stl",     "gltf", "dae",
-                                          "x3d", "amf", "irr", "irrmesh", "xml",  "ac"};
+                                          "x3d", "amf", "irr", "irrmesh", "xml",  "ac",
+                                          "ase", "ask", "dxf", "md5mesh", "nff",  "smd"};
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
         if (has_ending(path, endings[i]))
             return true;
