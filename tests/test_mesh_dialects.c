@@ -35,6 +35,18 @@ static void a_vertex_weight_moves_nothing(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* As scripts write it. */
+static void the_opacity_of_an_obj_vertex_is_left_out(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text("opacity.obj", "v 0 0 0 .5 .25 1 .5\nv 1 0 0 1 0 0 1.0\n"
+                                                  "v 0 1 0 0.5 1 1 0\n" FACE));
+    check_point(corner(&mesh, 0, 1), 1, 0, 0);
+    check_point(mesh.colours[mesh.triangles[0][1]], 1, 0, 0);
+    rk_check_close(mesh.colours[mesh.triangles[0][0]].y, rk_srgb_decode(0.25f), 1e-6, "green");
+    rk_mesh_free(&mesh);
+}
+
 static rk_material material_of(const char *lines)
 {
     write_text("lines.mtl", lines);
@@ -480,6 +492,55 @@ static void check_texcoord_at(const rk_mesh *mesh, uint32_t triangle, int k, flo
 static void write_picture(const char *name)
 {
     test_folder_write(&folder, name, "P6\n1 1\n255\n\377\0\0", 14, 0600);
+}
+
+/* Two triangles of 50 bytes after their count, and perhaps more. */
+static test_path write_counted(const char *name, uint32_t count, size_t size)
+{
+    static const float rows[2][12] = {{0, 0, 1, 0, 0, 0, 1, 0, 0, 0, 1, 0},
+                                      {0, 0, 1, 1, 0, 0, 1, 1, 0, 0, 1, 0}};
+    char bytes[300] = "solid by count";
+    memcpy(bytes + 80, &count, 4);
+    for (size_t i = 0; i < 2; i++)
+        memcpy(bytes + 84 + 50 * i, rows[i], 48);
+    return test_folder_write(&folder, name, bytes, size, 0600);
+}
+
+static void a_binary_stl_may_have_a_wrong_count(void **state)
+{
+    (void)state;
+    static const struct {
+        uint32_t count;
+        size_t size;
+        uint32_t drawn;
+    } files[] = {{0, 184, 2}, {UINT32_MAX, 184, 2}, {2, 250, 2}, {1, 184, 1}};
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        rk_mesh mesh = load_with_note(write_counted("count.stl", files[i].count, files[i].size),
+                                      " triangles, but has bytes of ");
+        rk_check_equal(mesh.triangle_count, files[i].drawn, "triangles");
+        check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
+        rk_mesh_free(&mesh);
+    }
+    check_refused_path(write_counted("cut.stl", 3, 184).text,
+                       ": claims 3 triangles, but has 2: download or export it again", "");
+    rk_mesh mesh = load(write_counted("right.stl", 2, 184));
+    rk_mesh_free(&mesh);
+}
+
+static void a_plys_properties_may_have_other_names(void **state)
+{
+    (void)state;
+    static const char properties[] =
+        "property float X\nproperty float Y\nproperty float Z\nproperty float normal_x\n"
+        "property float normal_y\nproperty float normal_z\n";
+    char text[1000];
+    snprintf(text, sizeof text,
+             "%s%s%send_header\n0 0 0 0 0 1\n1 0 0 0 0 1\n0 1 0 0 1 0\n3 0 1 2\n", PLY("ascii", 3),
+             properties, FACES(1));
+    rk_mesh mesh = load(write_text("names.ply", text));
+    check_point(corner(&mesh, 0, 1), 1, 0, 0);
+    check_point(mesh.normals[mesh.triangles[0][2]], 0, 1, 0);
+    rk_mesh_free(&mesh);
 }
 
 static void comments_of_a_ply_may_stand_anywhere(void **state)
@@ -1055,6 +1116,7 @@ static void a_pointer_of_git_lfs_is_no_mesh(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(numbers_of_an_obj_may_begin_with_their_point),
     cmocka_unit_test(a_vertex_weight_moves_nothing),
+    cmocka_unit_test(the_opacity_of_an_obj_vertex_is_left_out),
     cmocka_unit_test(a_line_that_assimp_does_not_know_costs_no_material),
     cmocka_unit_test(text_in_utf16_is_read_like_utf8),
     cmocka_unit_test(the_picture_of_a_black_material_is_drawn),
@@ -1072,6 +1134,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(transparent_faces_of_an_off_are_told),
     cmocka_unit_test(an_stl_may_be_in_capitals),
     cmocka_unit_test(colours_of_an_stl_are_in_its_programs_order),
+    cmocka_unit_test(a_binary_stl_may_have_a_wrong_count),
+    cmocka_unit_test(a_plys_properties_may_have_other_names),
     cmocka_unit_test(comments_of_a_ply_may_stand_anywhere),
     cmocka_unit_test(texture_coordinates_of_a_plys_corners_are_their_own),
     cmocka_unit_test(rows_of_a_binary_ply_may_begin_with_any_byte),

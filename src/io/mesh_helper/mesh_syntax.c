@@ -4,6 +4,7 @@
 
 #include "io/lfs_pointer.h"
 #include "io/mesh_helper/mesh_guard.h"
+#include "io/mesh_helper/mesh_ply_names.h"
 #include "io/mesh_helper/text_encoding.h"
 
 #include <errno.h>
@@ -96,7 +97,8 @@ static bool parse_changed(const char *path, char *changed, size_t size, rk_mesh_
 static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error)
 {
-    size_t utf8_size = 0;
+    size_t utf8_size = 0, named_size = 0;
+    char *named = NULL;
     if (size >= 2 && memcmp(text, "\x1f\x8b", 2) == 0 && !has_ending(path, "blend"))
         return rk_fail(error, "%s: is compressed by gzip: rename it to end in .gz and gunzip it",
                        path);
@@ -113,6 +115,10 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
     if ((has_ending(path, "ply") || has_ending(path, "off")) && ends_lines_by_returns(text, size))
         return rk_fail(
             error, "%s: its lines end in carriage returns alone: save it with line feeds", path);
+    if (has_ending(path, "ply") && !rk_mesh_ply_names_mend(text, size, &named, &named_size))
+        return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+    if (named)
+        return parse_changed(path, named, named_size, hints, error);
     if (has_ending(path, "ply"))
         return rk_mesh_syntax_ply(path, text, size, hints, error);
     if (has_ending(path, "off"))

@@ -36,12 +36,13 @@ typedef struct obj_parser {
     size_t short_corners;                 /* of the first short face */
     mesh_extent extent;
     bool has_unfinite; /* positions */
-    bool has_weights;  /* a fourth number of a vertex, by which Assimp would divide */
-    bool has_colours;  /* three more numbers of a vertex */
-    bool has_points;   /* numbers that begin with one, which Assimp does not read */
-    bool has_curves;   /* or curved surfaces */
-    bool has_lines;    /* or points */
-    bool calls_files;  /* that are to be read in the line's place */
+    bool
+        has_weights; /* a fourth number of a vertex, by which Assimp would divide, or of a colour */
+    bool has_colours; /* three more numbers of a vertex */
+    bool has_points;  /* numbers that begin with one, which Assimp does not read */
+    bool has_curves;  /* or curved surfaces */
+    bool has_lines;   /* or points */
+    bool calls_files; /* that are to be read in the line's place */
     const rk_mesh_obj_colours *colours; /* of its vertices, one each, or NULL */
     rk_mesh_obj_libraries libraries;
     mesh_rewrite *rewrite; /* in the second pass */
@@ -97,6 +98,23 @@ static void skip_weight(obj_parser *s, text_cursor *c)
     *c = next;
 }
 
+/* A colour's fourth number, which Assimp takes for a vertex of four. Returns the colour's end. */
+static const char *skip_opacity(obj_parser *s, const text_cursor *c)
+{
+    text_cursor at = *c;
+    for (int i = 0; i < 3; i++)
+        if (!text_read_finite(&at))
+            return line_end(c);
+    const char *end = at.at;
+    if (!text_read_finite(&at) || !text_line_ended(&at))
+        return line_end(c);
+    s->has_weights = true;
+    mend_points(s, c->at, end);
+    if (s->rewrite)
+        rewrite_skip(s->rewrite, end, at.at);
+    return end;
+}
+
 /* Unless the line has more than a position. */
 static void write_colour(obj_parser *s, const text_cursor *c)
 {
@@ -124,7 +142,7 @@ static bool parse_position(obj_parser *s, text_cursor *c, rk_error *error)
     skip_weight(s, c);
     text_cursor rest = *c;
     s->has_colours |= !text_line_ended(&rest);
-    mend_points(s, c->at, line_end(c));
+    mend_points(s, c->at, skip_opacity(s, c));
     write_colour(s, c);
     s->count[POSITION]++;
     return true;

@@ -85,6 +85,42 @@ static bool write_small_letters(const char *path, const char *text, size_t size,
     return hints->text != NULL;
 }
 
+/* Bytes of triangles. Programs that write them as they come leave the count at 0 or at its largest,
+ * and some write more behind them, while Assimp wants the file's size to be that of its count. */
+static bool mend_count(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                       rk_error *error)
+{
+    const uint32_t count = unsigned_at(text, head_size, 4);
+    const size_t left = size - rows_begin;
+    const bool is_unset = count == 0 || count == UINT32_MAX;
+    if (left < row_size || (is_unset && left % row_size != 0))
+        return true;
+    if (!is_unset && left / row_size < count)
+        return rk_fail(error, "%s: claims %u triangles, but has %zu: download or export it again",
+                       path, count, left / row_size);
+    const uint32_t kept = is_unset ? (uint32_t)(left / row_size) : count;
+    hints->size = rows_begin + (size_t)kept * row_size;
+    hints->text = rk_allocate_unset(hints->size, 1, path, error);
+    if (!hints->text)
+        return false;
+    memcpy(hints->text, text, hints->size);
+    for (int i = 0; i < 4; i++)
+        hints->text[head_size + i] = (char)(kept >> 8 * i);
+    rk_mesh_hints_note(hints, path, "claims %u triangles, but has bytes of %zu: %u are drawn",
+                       count, left / row_size, kept);
+    return true;
+}
+
+/* Assimp, too, takes a file for text that begins with solid, unless its size tells otherwise. */
+static bool may_be_text(const char *text, size_t size)
+{
+    size_t begin = 0;
+    while (begin < size && strchr(" \t\r\n", text[begin]) && text[begin])
+        begin++;
+    return size - begin >= 5 && strncasecmp(text + begin, "solid", 5) == 0 &&
+           find_word(text, size < 1000 ? size : 1000, "facet");
+}
+
 bool rk_mesh_syntax_stl(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error)
 {
@@ -92,6 +128,9 @@ bool rk_mesh_syntax_stl(const char *path, const char *text, size_t size, rk_mesh
     stl_colour colour;
     if (is_text_in_capitals(text, size))
         return write_small_letters(path, text, size, hints, error);
+    if (size >= rows_begin && !is_binary(text, size, &count) && memchr(text, 0, size) &&
+        !may_be_text(text, size))
+        return mend_count(path, text, size, hints, error);
     if (!is_binary(text, size, &count) || count == 0 || !find_colour(text, &colour))
         return true;
     hints->face_colours = rk_allocate(count, sizeof *hints->face_colours, path, error);
