@@ -975,6 +975,21 @@ static void strays_of_a_mesh_file_are_told(void **state)
     run_free(&r);
 }
 
+static void transparent_materials_that_are_drawn_as_opaque_are_told(void **state)
+{
+    static const char mtl[] = "newmtl a\nKd 1 0 0\nd 0.5\n";
+    static const char text[] = "mtllib half.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nusemtl a\nf 1 2 3\n";
+    test_folder_write(*state, "half.mtl", mtl, sizeof mtl - 1, 0600);
+    test_folder_write(*state, "half.obj", text, sizeof text - 1, 0600);
+    run r = run_driver(*state, "--mesh half.obj --width 9 --height 9");
+    check_contains(r.err, "half.obj: 1 of 1 materials are transparent, and drawn as opaque without "
+                          "--transparency");
+    run_free(&r);
+    r = run_driver(*state, "--mesh half.obj --width 9 --height 9 --transparency");
+    rk_check(!strstr(r.err, "transparent"), "told though it is shown: %s", r.err);
+    run_free(&r);
+}
+
 /* Quiet or not: the picture does not show the file as it is. */
 static void quiet_still_tells_what_a_picture_lacks(void **state)
 {
@@ -1054,6 +1069,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_mesh_file_is_seen_from_its_front),
     test_in_folder(walking_round_a_mesh_file_never_ends_in_the_dark),
     test_in_folder(strays_of_a_mesh_file_are_told),
+    test_in_folder(transparent_materials_that_are_drawn_as_opaque_are_told),
     test_in_folder(quiet_still_tells_what_a_picture_lacks),
     test_in_folder(starting_up_takes_milliseconds),
 };

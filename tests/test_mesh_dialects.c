@@ -170,11 +170,12 @@ static void invisible_materials_are_told(void **state)
 {
     (void)state;
     write_text("clear.mtl", "newmtl a\nKd .5 .5 .5\nd 0\nnewmtl b\nKd 1 1 1\nd 0.5\n");
-    check_told("mtllib clear.mtl\n" CORNERS "usemtl a\n" FACE,
-               "1 of 1 materials are invisible (opacity 0, such as d 0): the picture is empty",
-               0.5f);
+    check_told(
+        "mtllib clear.mtl\n" CORNERS "usemtl a\n" FACE,
+        "1 of 1 materials have an opacity of 0 (such as d 0), so that --transparency shows nothing",
+        0.5f);
     check_told("mtllib clear.mtl\n" CORNERS "usemtl a\n" FACE "usemtl b\n" FACE,
-               "1 of 2 materials are invisible", 1);
+               "1 of 2 materials have an opacity of 0", 1);
     rk_mesh mesh = load(write_text("half.obj", "mtllib clear.mtl\n" CORNERS "usemtl b\n" FACE));
     rk_mesh_free(&mesh);
 }

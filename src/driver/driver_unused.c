@@ -55,6 +55,20 @@ static void note_samples(const rk_driver *driver, const rk_plan *plan)
         note(driver, first_given_of_renderer(driver, "samples"), "a picture without --error");
 }
 
+/* The opposite: an option that is missing. */
+static void note_transparent(const rk_driver *driver, const rk_plan *plan)
+{
+    const rk_mesh *mesh = &driver->scene.mesh;
+    uint32_t count = 0;
+    for (uint32_t i = 0; i < mesh->material_count; i++)
+        count += mesh->materials[i].alpha < 1;
+    if (driver->mesh_path && count > 0 && !plan->transparency)
+        fprintf(stderr,
+                "%s: %s: %u of %u materials are transparent, and drawn as opaque without "
+                "--transparency\n",
+                driver->feature, driver->mesh_path, count, mesh->material_count);
+}
+
 /* Options of a feature that the command line turns off have an effect, too: it is in the usual
  * plan. */
 void rk_driver_note_unused(const rk_driver *driver)
@@ -65,6 +79,7 @@ void rk_driver_note_unused(const rk_driver *driver)
     const rk_plan usual = rk_plan_of(&driver->scene, &driver->render_usual);
     note_max_depth(driver, &usual);
     note_samples(driver, &plan);
+    note_transparent(driver, &plan);
     for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
         if (!rk_plan_has(&plan, i) && !rk_plan_has(&usual, i))
             note(driver, first_given(driver, rk_features[i]->options, NULL), rk_features[i]->takes);

@@ -211,10 +211,10 @@ static void note_invisible(rk_mesh_hints *hints, const rk_mesh *mesh,
     }
     if (count > 0)
         rk_mesh_hints_note(hints, path,
-                           "%u of %u materials are invisible (opacity 0, such as d 0): %s", count,
-                           mesh->material_count,
-                           count == mesh->material_count ? "the picture is empty; make them opaque"
-                                                         : "make them opaque if they should not be");
+                           "%u of %u materials have an opacity of 0 (such as d 0), so that "
+                           "--transparency shows nothing of them: make them opaque if they should "
+                           "not be",
+                           count, mesh->material_count);
 }
 
 /* Assimp reads one material for each part of a 3MF file, and nothing of the extensions. */
