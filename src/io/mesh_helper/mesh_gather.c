@@ -325,7 +325,11 @@ static void tell(rk_mesh_emit_state *g, rk_mesh_hints *hints)
                            "are grey",
                            g->lost_materials, g->lost_materials == 1 ? "material" : "materials",
                            g->lost_material);
-    if (g->skin.lost[0])
+    if (g->skin.is_unposed)
+        rk_mesh_hints_note(hints, g->path,
+                           "has a skin whose joints stand elsewhere than where it was bound to "
+                           "them, which the picture does not show");
+    if (g->skin.lost[0] && !g->skin.is_told)
         rk_mesh_hints_note(
             hints, g->path,
             "has a skin that is not applied, because its joint \"%s\" is missing, or "

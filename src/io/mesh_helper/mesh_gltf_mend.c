@@ -5,6 +5,7 @@
 #include "io/mesh_helper/mesh_gltf_parts.h"
 
 #include <math.h>
+#include <stddef.h>
 #include <stdlib.h>
 #include <string.h>
 
@@ -170,6 +171,36 @@ static void unpack_part(struct aiMesh *mesh, const rk_mesh_gltf_parts_one *part)
         unpack(mesh->mTextureCoords[k], mesh->mNumVertices, 2, part->texcoords[k]);
 }
 
+/* Adds the weighted differences of the morph targets' rows to the part's. */
+static void morph_rows(const struct aiMesh *mesh, size_t rows_of_target, struct aiVector3D *rows)
+{
+    for (uint32_t i = 0; rows && i < mesh->mNumVertices; i++) {
+        const struct aiVector3D base = rows[i];
+        for (uint32_t k = 0; k < mesh->mNumAnimMeshes; k++) {
+            const struct aiAnimMesh *target = mesh->mAnimMeshes[k];
+            struct aiVector3D *targets;
+            memcpy(&targets, (const char *)target + rows_of_target, sizeof targets);
+            if (!targets || target->mNumVertices != mesh->mNumVertices)
+                continue;
+            rows[i].x += target->mWeight * (targets[i].x - base.x);
+            rows[i].y += target->mWeight * (targets[i].y - base.y);
+            rows[i].z += target->mWeight * (targets[i].z - base.z);
+        }
+    }
+}
+
+/* To the shape that the file gives. */
+static void morph(struct aiMesh *mesh)
+{
+    bool any = false;
+    for (uint32_t k = 0; k < mesh->mNumAnimMeshes; k++)
+        any |= mesh->mAnimMeshes[k]->mWeight != 0;
+    if (!any)
+        return;
+    morph_rows(mesh, offsetof(struct aiAnimMesh, mVertices), mesh->mVertices);
+    morph_rows(mesh, offsetof(struct aiAnimMesh, mNormals), mesh->mNormals);
+}
+
 bool rk_mesh_gltf_parts_mend(const struct aiScene *scene, rk_mesh_hints *hints, const char *path,
                              rk_error *error)
 {
@@ -188,6 +219,8 @@ bool rk_mesh_gltf_parts_mend(const struct aiScene *scene, rk_mesh_hints *hints, 
             return false;
         if (!differ)
             unpack_part(mesh, part);
+        if (!integer_kind(part->positions) && !integer_kind(part->normals))
+            morph(mesh);
         if (mesh->mNumBones > 0 && integer_kind(part->weights)) {
             mesh->mNumBones = 0;
             has_rigid = true;

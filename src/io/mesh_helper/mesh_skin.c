@@ -1,7 +1,8 @@
 /* A vertex stands at the weighted mean of where its bones put it: each by its offset, from the
  * part's coordinates to the joint's as it was bound, and then by the joint's place. The part's node
- * does not move it. Only glTF says so: what the nodes of an FBX file say differs from what programs
- * show, and Assimp poses others itself. Formulas: Khronos, "glTF 2.0 Specification", section 3.7.3.
+ * does not move it. Only glTF says so clearly: what the nodes of an FBX or a Collada file say
+ * differs from what programs show, which is told, and Assimp poses others itself. Formulas:
+ * Khronos, "glTF 2.0 Specification", section 3.7.3.
  */
 #include "io/mesh_helper/mesh_skin.h"
 
@@ -13,11 +14,13 @@
 
 enum { deepest_node = 1000 };
 
-static bool is_gltf(const char *path)
+static bool has_ending(const char *path, const char *const *endings)
 {
     const char *dot = strrchr(path, '.');
-    return dot && (strcasecmp(dot, ".gltf") == 0 || strcasecmp(dot, ".glb") == 0 ||
-                   strcasecmp(dot, ".vrm") == 0);
+    for (; dot && *endings; endings++)
+        if (strcasecmp(dot, *endings) == 0)
+            return true;
+    return false;
 }
 
 static size_t count_nodes(const struct aiNode *node, int depth)
@@ -53,7 +56,9 @@ bool rk_mesh_skin_begin(rk_mesh_skin *skin, const struct aiScene *scene, const c
     *skin = (rk_mesh_skin){0};
     for (uint32_t i = 0; i < scene->mNumMeshes; i++)
         has_bones |= scene->mMeshes[i]->mNumBones > 0;
-    if (!has_bones || !is_gltf(path))
+    skin->is_told = has_ending(path, (const char *const[]){".dae", ".fbx", NULL});
+    if (!has_bones ||
+        !(skin->is_told || has_ending(path, (const char *const[]){".gltf", ".glb", ".vrm", NULL})))
         return true;
     skin->joints = rk_allocate(count_nodes(scene->mRootNode, 0), sizeof *skin->joints, path, error);
     if (!skin->joints)
@@ -174,7 +179,8 @@ bool rk_mesh_skin_pose(rk_mesh_skin *skin, const struct aiMesh *mesh, const rk_m
         settle(mesh, node, sums, weights);
     posed = posed && is_moved(mesh, node, sums);
     free(weights);
-    if (posed)
+    skin->is_unposed |= posed && skin->is_told;
+    if (posed && !skin->is_told)
         *places = sums;
     else
         free(sums);
