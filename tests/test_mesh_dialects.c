@@ -130,6 +130,15 @@ static void the_picture_of_a_black_material_is_drawn(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void words_of_an_mtl_may_be_in_capitals(void **state)
+{
+    (void)state;
+    rk_material material = material_of("NEWMTL a\nKD 1 .5 0\nKS 0 0 1\nD 0.5\n");
+    check_point(material.kd, 1, 0.5f, 0);
+    check_point(material.ks, 0, 0, 1);
+    rk_check_close(material.alpha, 0.5, 0, "D 0.5");
+}
+
 static void check_told(const char *obj, const char *note, float kd)
 {
     rk_mesh mesh = load_with_note(write_text("told.obj", obj), note);
@@ -493,6 +502,23 @@ static void check_texcoord_at(const rk_mesh *mesh, uint32_t triangle, int k, flo
 static void write_picture(const char *name)
 {
     test_folder_write(&folder, name, "P6\n1 1\n255\n\377\0\0", 14, 0600);
+}
+
+#define CORNER(x, y) "vertex " #x " " #y " 0\n"
+
+static void a_text_stl_with_larger_faces_is_told(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load_with_note(
+        write_text("square.stl",
+                   "solid a\nfacet normal 0 0 1\nouter loop\n" CORNER(0, 0) CORNER(1, 0)
+                       CORNER(1, 1) CORNER(0, 1) "endloop\nendfacet\nendsolid a\n"),
+        "has 1 faces of 4 corners, but Assimp reads 1 of 3");
+    rk_mesh_free(&mesh);
+    mesh = load(write_text("triangle.stl",
+                           "solid vertex\r\n  facet normal 0 0 1\r\n outer loop\r\n" CORNER(0, 0)
+                               CORNER(1, 0) CORNER(1, 1) "endloop\nendfacet\nendsolid vertex\n"));
+    rk_mesh_free(&mesh);
 }
 
 /* Two triangles of 50 bytes after their count, and perhaps more. */
@@ -1121,6 +1147,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_line_that_assimp_does_not_know_costs_no_material),
     cmocka_unit_test(text_in_utf16_is_read_like_utf8),
     cmocka_unit_test(the_picture_of_a_black_material_is_drawn),
+    cmocka_unit_test(words_of_an_mtl_may_be_in_capitals),
     cmocka_unit_test(a_material_that_no_file_has_is_named),
     cmocka_unit_test(invisible_materials_are_told),
     cmocka_unit_test(a_mesh_without_any_area_says_so),
@@ -1135,6 +1162,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(transparent_faces_of_an_off_are_told),
     cmocka_unit_test(an_stl_may_be_in_capitals),
     cmocka_unit_test(colours_of_an_stl_are_in_its_programs_order),
+    cmocka_unit_test(a_text_stl_with_larger_faces_is_told),
     cmocka_unit_test(a_binary_stl_may_have_a_wrong_count),
     cmocka_unit_test(a_plys_properties_may_have_other_names),
     cmocka_unit_test(comments_of_a_ply_may_stand_anywhere),

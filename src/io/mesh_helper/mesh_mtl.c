@@ -120,8 +120,9 @@ static bool read_file(rk_mesh_mtl *mtl, const char *file_path, rk_error *error)
     return ok;
 }
 
-/* A name follows, or at least one number. */
-static bool is_known(const char *line)
+/* The word as Assimp knows it, if a name follows, or at least one number; of a map as it is; or
+ * NULL. */
+static const char *known_word(const char *line)
 {
     static const char *const with_name[] = {"newmtl", "bump", "disp", "refl", "norm"};
     static const char *const with_number[] = {"Ka", "Kd", "Ks", "Ke", "Ns",
@@ -129,14 +130,14 @@ static bool is_known(const char *line)
     const size_t length = strcspn(line, blanks);
     char *end;
     if (length > 4 && strncasecmp(line, "map_", 4) == 0)
-        return true;
+        return "";
     for (size_t i = 0; i < sizeof with_name / sizeof *with_name; i++)
         if (is_word(line, length, with_name[i]))
-            return true;
+            return with_name[i];
     for (size_t i = 0; i < sizeof with_number / sizeof *with_number; i++)
         if (is_word(line, length, with_number[i]))
-            return strtof(line + length, &end), end != line + length;
-    return false;
+            return strtof(line + length, &end), end != line + length ? with_number[i] : NULL;
+    return NULL;
 }
 
 bool rk_mesh_mtl_copy_known(FILE *file, char **text, size_t *size)
@@ -149,8 +150,9 @@ bool rk_mesh_mtl_copy_known(FILE *file, char **text, size_t *size)
     fputs("# lines that Assimp knows\n", out); /* it refuses files of a few bytes */
     while (getline(&line, &room, file) >= 0) {
         const char *start = line + strspn(line, blanks);
-        if (is_known(start))
-            fprintf(out, "%s", start);
+        const char *word = known_word(start);
+        if (word)
+            fprintf(out, "%s%s", word, start + strlen(word));
     }
     free(line);
     return fclose(out) == 0;

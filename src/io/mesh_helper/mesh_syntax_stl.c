@@ -7,6 +7,7 @@
  * VCGlib, wrap/io_trimesh/export_stl.h. */
 #include "io/mesh_helper/mesh_colours.h"
 #include "io/mesh_helper/mesh_syntax.h"
+#include "io/mesh_helper/text_cursor.h"
 
 #include <stdlib.h>
 #include <string.h>
@@ -121,16 +122,32 @@ static bool may_be_text(const char *text, size_t size)
            find_word(text, size < 1000 ? size : 1000, "facet");
 }
 
+/* Assimp reads three corners of each face. */
+static void count_text(const char *text, size_t size, rk_mesh_hints *hints)
+{
+    for (text_cursor c = text_begin(text, size); text_next_content(&c); text_next_line(&c)) {
+        const size_t left = (size_t)(c.end - c.at);
+        hints->faces += left > 5 && memcmp(c.at, "outer", 5) == 0;
+        hints->corners += left > 6 && memcmp(c.at, "vertex", 6) == 0;
+    }
+}
+
 bool rk_mesh_syntax_stl(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error)
 {
     uint32_t count;
     stl_colour colour;
-    if (is_text_in_capitals(text, size))
-        return write_small_letters(path, text, size, hints, error);
+    if (is_text_in_capitals(text, size)) {
+        if (!write_small_letters(path, text, size, hints, error))
+            return false;
+        count_text(hints->text, size, hints);
+        return true;
+    }
     if (size >= rows_begin && !is_binary(text, size, &count) && memchr(text, 0, size) &&
         !may_be_text(text, size))
         return mend_count(path, text, size, hints, error);
+    if (!is_binary(text, size, &count) && may_be_text(text, size))
+        count_text(text, size, hints);
     if (!is_binary(text, size, &count) || count == 0 || !find_colour(text, &colour))
         return true;
     hints->face_colours = rk_allocate(count, sizeof *hints->face_colours, path, error);
