@@ -175,6 +175,24 @@ static void a_material_that_no_file_has_is_named(void **state)
     }
 }
 
+/* Assimp gives them a later one. */
+static void faces_before_the_first_material_have_none(void **state)
+{
+    (void)state;
+    write_text("later.mtl", "newmtl red\nKd 1 0 0\n");
+    static const char *const files[] = {
+        "mtllib later.mtl\n" CORNERS FACE "usemtl red\n" FACE,
+        "mtllib later.mtl\n" CORNERS "o a\n" FACE "g b\nusemtl red\n" FACE,
+    };
+    for (size_t i = 0; i < 2; i++) {
+        rk_mesh mesh = load(write_text("later.obj", files[i]));
+        rk_check_equal(mesh.triangle_count, 2, "triangles");
+        check_point(mesh.materials[mesh.triangle_materials[0]].kd, 0.8f, 0.8f, 0.8f);
+        check_point(mesh.materials[mesh.triangle_materials[1]].kd, 1, 0, 0);
+        rk_mesh_free(&mesh);
+    }
+}
+
 static void invisible_materials_are_told(void **state)
 {
     (void)state;
@@ -1149,6 +1167,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_picture_of_a_black_material_is_drawn),
     cmocka_unit_test(words_of_an_mtl_may_be_in_capitals),
     cmocka_unit_test(a_material_that_no_file_has_is_named),
+    cmocka_unit_test(faces_before_the_first_material_have_none),
     cmocka_unit_test(invisible_materials_are_told),
     cmocka_unit_test(a_mesh_without_any_area_says_so),
     cmocka_unit_test(a_mesh_in_gzip_names_the_program),

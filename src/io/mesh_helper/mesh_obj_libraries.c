@@ -80,16 +80,30 @@ void rk_mesh_obj_libraries_read(rk_mesh_obj_libraries *s, text_cursor *c, mesh_r
         use_each_library(s, name, length, c->line);
 }
 
-void rk_mesh_obj_libraries_use(rk_mesh_obj_libraries *s, const text_cursor *c)
+void rk_mesh_obj_libraries_use(rk_mesh_obj_libraries *s, const text_cursor *c, bool has_faces)
 {
     text_cursor at = *c;
-    if (!s->material[0])
-        text_read_word(&at, s->material, sizeof s->material);
+    if (!s->material[0] && text_read_word(&at, s->material, sizeof s->material))
+        s->begins_without |= has_faces;
+}
+
+void rk_mesh_obj_libraries_before_face(rk_mesh_obj_libraries *s, const char *line,
+                                       mesh_rewrite *rewrite)
+{
+    if (!s->begins_without)
+        return;
+    while (line > rewrite->copied && (line[-1] == ' ' || line[-1] == '\t'))
+        line--;
+    rewrite_skip(rewrite, line, line);
+    fputs("usemtl " RK_MESH_OBJ_NO_MATERIAL "\n", rewrite->out);
+    s->begins_without = false;
+    snprintf(s->material, sizeof s->material, RK_MESH_OBJ_NO_MATERIAL);
 }
 
 bool rk_mesh_obj_libraries_means_none(const char *material)
 {
-    return strcmp(material, "None") == 0 || strcmp(material, "(null)") == 0;
+    return strcmp(material, RK_MESH_OBJ_NO_MATERIAL) == 0 || strcmp(material, "None") == 0 ||
+           strcmp(material, "(null)") == 0;
 }
 
 void rk_mesh_obj_libraries_note(const rk_mesh_obj_libraries *s, bool coloured)

@@ -292,6 +292,8 @@ static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
     size_t length = (size_t)(c->at - word);
     if (length == 1 && word[0] == 'v')
         return parse_position(s, c, error);
+    if (length == 1 && word[0] == 'f' && s->rewrite)
+        rk_mesh_obj_libraries_before_face(&s->libraries, word, s->rewrite);
     if (length == 1 && word[0] == 'f')
         return parse_face(s, c, error);
     if (length == 2 && memcmp(word, "vn", 2) == 0)
@@ -299,7 +301,7 @@ static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
     if (length == 2 && memcmp(word, "vt", 2) == 0)
         parse_attribute(s, c, TEXCOORD);
     if (length == 6 && memcmp(word, "usemtl", 6) == 0)
-        rk_mesh_obj_libraries_use(&s->libraries, c);
+        rk_mesh_obj_libraries_use(&s->libraries, c, s->faces > 0);
     if (length == 6 && memcmp(word, "mtllib", 6) == 0)
         rk_mesh_obj_libraries_read(&s->libraries, c, s->rewrite);
     see_word(s, word, length);
@@ -350,7 +352,9 @@ static void note_faults(const obj_parser *s)
 static bool write_corrected(const obj_parser *first, const char *text, size_t size, rk_error *error)
 {
     obj_parser s = {.path = first->path,
-                    .libraries = {.path = first->path, .hints = first->hints},
+                    .libraries = {.path = first->path,
+                                  .hints = first->hints,
+                                  .begins_without = first->libraries.begins_without},
                     .extent = first->extent,
                     .colours = first->colours,
                     .hints = first->hints};
@@ -393,7 +397,8 @@ static bool parse_coloured(const char *path, const char *text, size_t size,
     bool whole = !s.has_unfinite && !s.has_weights && !s.has_points && !s.colours &&
                  s.faults[SHORT_FACE] + s.faults[LACKING_FACE] + s.faults[UNFINITE] == 0 &&
                  !extent_is_far(&s.extent) && s.largest[TEXCOORD] <= s.count[TEXCOORD] &&
-                 s.largest[NORMAL] <= s.count[NORMAL] && (!s.libraries.renames || hints->plain);
+                 s.largest[NORMAL] <= s.count[NORMAL] &&
+                 ((!s.libraries.renames && !s.libraries.begins_without) || hints->plain);
     return whole || write_corrected(&s, text, size, error);
 }
 
