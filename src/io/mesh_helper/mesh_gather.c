@@ -301,9 +301,8 @@ static bool finish(rk_mesh_emit_state *g, rk_mesh *mesh, rk_mesh_textures *textu
 
 static void tell(rk_mesh_emit_state *g, rk_mesh_hints *hints)
 {
-    rk_mesh_left_out_of_scene(&g->left, g->scene);
-    if (g->models > 0) /* thumbnails */
-        g->left.has[RK_MESH_LEFT_OUT_PICTURES] = false;
+    /* Assimp has freed a 3MF file's thumbnails. */
+    rk_mesh_left_out_of_scene(&g->left, g->scene, g->models == 0);
     g->left.has[RK_MESH_LEFT_OUT_TORN_COLOURS] = g->colours.torn;
     g->left.has[RK_MESH_LEFT_OUT_CLEAR_COLOURS] = g->colours.is_clear;
     if (g->unfinite_faces > 0)

@@ -26,7 +26,7 @@ static bool has_points(const struct aiMesh *mesh)
     return mesh->mPrimitiveTypes & (aiPrimitiveType_POINT | aiPrimitiveType_LINE);
 }
 
-void rk_mesh_left_out_of_scene(rk_mesh_left_out *left, const struct aiScene *scene)
+void rk_mesh_left_out_of_scene(rk_mesh_left_out *left, const struct aiScene *scene, bool pictures)
 {
     for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
         left->has[RK_MESH_LEFT_OUT_POINTS] |= has_points(scene->mMeshes[i]);
@@ -35,7 +35,7 @@ void rk_mesh_left_out_of_scene(rk_mesh_left_out *left, const struct aiScene *sce
     left->has[RK_MESH_LEFT_OUT_ANIMATION] |= scene->mNumAnimations > 0;
     left->has[RK_MESH_LEFT_OUT_CAMERAS] |= scene->mNumCameras > 0;
     left->has[RK_MESH_LEFT_OUT_LIGHTS] |= scene->mNumLights > 0;
-    for (uint32_t i = 0; i < scene->mNumTextures; i++)
+    for (uint32_t i = 0; pictures && i < scene->mNumTextures; i++)
         left->has[RK_MESH_LEFT_OUT_PICTURES] |= scene->mTextures[i]->mHeight > 0;
 }
 

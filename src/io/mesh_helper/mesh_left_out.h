@@ -28,7 +28,7 @@ typedef struct rk_mesh_left_out {
 } rk_mesh_left_out;
 
 /* Looks at the scene without its materials, and at a material that is in use. */
-void rk_mesh_left_out_of_scene(rk_mesh_left_out *left, const struct aiScene *scene);
+void rk_mesh_left_out_of_scene(rk_mesh_left_out *left, const struct aiScene *scene, bool pictures);
 void rk_mesh_left_out_of_material(rk_mesh_left_out *left, const struct aiMaterial *material);
 
 /* Adds one sentence to the note if anything is left out. */
