@@ -4,6 +4,7 @@ missing function is missing, and never silently taken from the reference.
 The build's compiler and flags are in DIR/impl/toolchain, which the Makefile writes.
 """
 
+import concurrent.futures
 import functools
 import os
 import re
@@ -116,11 +117,25 @@ def compile_unit(toolchain, unit, folder, extra_flags=()):
                  [*flags, "-g0", "-E", "-MD", "-MF", listing, unit.path, "-o", source])
         _check_included(toolchain, unit, listing)
         _refuse(unit, unit_rules.fault_in_source(_read(source), lambda name: _with_line(unit, name)))
-    warnings = _compile(toolchain, unit, folder, [*flags, "-S", source, "-o", base + ".s"])
+    warnings = _assemble(toolchain, unit, folder, [*flags, "-S", source], base)
     if not unit.is_reference:
         _refuse(unit, unit_rules.fault_in_assembly(_read(base + ".s")))
     _compile(toolchain, unit, folder, [*flags, "-c", base + ".s", "-o", base + ".o"])
     return base + ".o", warnings
+
+
+def _assemble(toolchain, unit, folder, arguments, base):
+    """Makes the unit's assembly; returns the compiler's warnings. With sanitizers, compilers do not see which
+    variables have no value: the warnings are then those of another run without, at the same time."""
+    plainly = [flag for flag in arguments if not flag.startswith(("-fsanitize", "-fno-sanitize"))]
+    if plainly == arguments:
+        return _compile(toolchain, unit, folder, [*arguments, "-o", base + ".s"])
+    with concurrent.futures.ThreadPoolExecutor(2) as pool:
+        read = pool.submit(_compile, toolchain, unit, folder, [*plainly, "-o", base + ".plain.s"])
+        made = pool.submit(_compile, toolchain, unit, folder, [*arguments, "-w", "-o", base + ".s"])
+        warnings = read.result()
+        made.result()
+    return warnings
 
 
 def _read(path):
