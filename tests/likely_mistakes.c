@@ -69,7 +69,7 @@ const char *rk_mistake_in(double got, double want, double tolerance, const rk_mi
 {
     for (; known && known->said && got != 0; known++)
         if (is_mistake(got, known->value, want, tolerance))
-            return sentence("; so it comes out if %s", known->said);
+            return sentence(RK_EXACTLY_IF "%s", known->said);
     if (!is_telling(got) || !is_telling(want) || !is_fine(want, tolerance))
         return "";
     return common_mistake(got, want, tolerance);
@@ -90,7 +90,7 @@ const char *rk_mistake_in_whole(long long got, long long want, const rk_mistake 
     enum { few = 8 }; /* small counts are often twice or half of one another */
     for (; known && known->said && got != 0; known++)
         if ((double)got == known->value && (double)want != known->value)
-            return sentence("; so it comes out if %s", known->said);
+            return sentence(RK_EXACTLY_IF "%s", known->said);
     bool is_32_bits = got == (long long)(uint32_t)got && want == (long long)(uint32_t)want;
     if (is_32_bits && want > 255 && got != want && (uint32_t)got == reversed_bits((uint32_t)want))
         return "; its 32 bits are those of the wanted in reversed order";
@@ -179,7 +179,7 @@ const char *rk_mistake_in_vector(const double *got, const double *want, double t
 {
     for (; known && known->said; known++)
         if (is_vector_mistake(got, known->value, want, tolerance))
-            return sentence("; so it comes out if %s", known->said);
+            return sentence(RK_EXACTLY_IF "%s", known->said);
     int telling = is_telling(want[0]) + is_telling(want[1]) + is_telling(want[2]);
     if (telling < 2 || !is_fine(length_of(want), tolerance))
         return "";

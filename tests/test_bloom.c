@@ -509,11 +509,11 @@ static const char *mistake_of_weights(const float *got, const float *want, uint3
         is_small &= got[k] == ldexpf(want[k], -(int)radius);
     }
     if (is_large)
-        return "; so it comes out if the row is divided by 2^r, not by its sum 4^r";
+        return RK_EXACTLY_IF "the row is divided by 2^r, not by its sum 4^r";
     if (is_reversed)
-        return "; so it comes out if the weights are in the opposite order: weight 0 is the "
-               "middle's";
-    return is_small ? "; so it comes out if the row is divided by 8^r, not by its sum 4^r" : "";
+        return RK_EXACTLY_IF "the weights are in the opposite order: weight 0 is the "
+                             "middle's";
+    return is_small ? RK_EXACTLY_IF "the row is divided by 8^r, not by its sum 4^r" : "";
 }
 
 static void small_filters_are_rows_of_pascals_triangle(void **state)

@@ -232,10 +232,10 @@ static const char *mistake_of_ray(const rk_lens *lens, const rk_view *view, rk_v
                         : "; it meets the focal plane there: is the focal distance measured along "
                           "view.forward, not along the ray?";
     if (distance_to(ray, rk_dmadd(focus, offset, 2)) <= 4 * tolerance)
-        return "; so it comes out if the offset on the lens is added to the way to the focus, not "
-               "subtracted";
+        return RK_EXACTLY_IF "the offset on the lens is added to the way to the focus, not "
+                             "subtracted";
     if (distance_to(ray, rk_dmadd(focus, offset, 1)) <= 4 * tolerance)
-        return "; so it comes out if the ray keeps the pinhole's direction";
+        return RK_EXACTLY_IF "the ray keeps the pinhole's direction";
     return "";
 }
 
@@ -497,6 +497,12 @@ static double cosine_of(const rk_view *view, const rk_ray *ray)
     return rk_ddot(rk_widen(ray->direction), rk_widen(view->forward));
 }
 
+/* Why a diameter is no number. */
+static const char *if_nan(float diameter)
+{
+    return isnan(diameter) ? "; inf / inf, inf - inf and 0 inf are not numbers: divide first" : "";
+}
+
 static void a_point_in_focus_has_no_circle_of_confusion(void **state)
 {
     (void)state;
@@ -538,9 +544,9 @@ static void a_pinhole_has_no_circles_of_confusion(void **state)
             rk_ray ray = rk_view_ray(&view, place.x, place.y);
             float t = distances[i % 7];
             rk_lens lens = lens_of(distances[i / 7], 0, (rk_focal_surface)focal);
-            rk_check_near(rk_lens_coc_diameter(&lens, &view, &ray, t), 0, 0,
-                          "aperture 0, focal %s at %g: circle of a point %g away",
-                          focal_names[focal], (double)lens.focal_distance, (double)t);
+            float got = rk_lens_coc_diameter(&lens, &view, &ray, t);
+            rk_check_near(got, 0, 0, "aperture 0, focal %s at %g: circle of a point %g away%s",
+                          focal_names[focal], (double)lens.focal_distance, (double)t, if_nan(got));
         }
 }
 
@@ -595,7 +601,9 @@ static void check_circle(const rk_lens *lens, const rk_view *view, const rk_ray 
         RK_MISTAKES({largest * fabs(1 - f / other), plane ? "d is the distance, not the depth"
                                                           : "d is the depth, not the distance"},
                     {largest * (plane ? 1 : cosine) * fabs(1 - f / d),
-                     "a pixel on the sphere is as large as one straight ahead"}),
+                     "a pixel on the sphere is as large as one straight ahead"},
+                    {largest * (plane ? 1 : cosine * cosine) * fabs(1 - f / d),
+                     "the circle is multiplied by the cosine, not divided"}),
         "aperture %g, focal %s at %g, pixel %g: circle of a point %g away, in a direction "
         "whose cosine is %g: d is %g, its %s",
         (double)lens->aperture, focal_names[lens->focal], f, (double)view->pixel, (double)t, cosine,
@@ -793,11 +801,11 @@ typedef enum marking {
 } marking;
 
 static const char *const markings[] = {
-    [ROWS_ALONE] = "; so it comes out if sums run along rows alone, not along columns too",
-    [COLUMNS_ALONE] = "; so it comes out if sums run along columns alone, not along rows too",
-    [ROUNDED_DOWN] = "; so it comes out if half the diameter is rounded down, not up",
-    [DIAMETER] = "; so it comes out if circles reach as far as their diameter, not their radius",
-    [HALF_IS_SHARP] = "; so it comes out if a diameter of exactly half a pixel counts as a point",
+    [ROWS_ALONE] = RK_EXACTLY_IF "sums run along rows alone, not along columns too (step 5)",
+    [COLUMNS_ALONE] = RK_EXACTLY_IF "sums run along columns alone, not along rows too (step 5)",
+    [ROUNDED_DOWN] = RK_EXACTLY_IF "half the diameter is rounded down, not up",
+    [DIAMETER] = RK_EXACTLY_IF "circles reach as far as their diameter, not their radius",
+    [HALF_IS_SHARP] = RK_EXACTLY_IF "a diameter of exactly half a pixel counts as a point",
 };
 
 /* What the circle of one pixel adds to another. */
@@ -817,6 +825,50 @@ static int marked(const picture *p, uint32_t from, uint32_t x, uint32_t y, marki
     return in_columns && in_rows;
 }
 
+/* A row is a number longer than the picture is wide. It may be forgotten in the first and the last
+ * row of a square, and in the sums. */
+enum { SHORT_FIRST_ROW = 1, SHORT_LAST_ROW = 2, SHORT_SUMS = 4, ALL_SHORT = 7 };
+
+static void sum_by_rows_too_short(const picture *p, int which, int32_t *sums)
+{
+    int width = (int)p->width, height = (int)p->height;
+    int first = width + !(which & SHORT_FIRST_ROW), last = width + !(which & SHORT_LAST_ROW);
+    int row = width + !(which & SHORT_SUMS);
+    for (int y = 0; y < height; y++)
+        for (int x = 0; x < width; x++) {
+            double diameter = (double)p->blur[y * width + x], reach = ceil(diameter / 2);
+            if (diameter < 0.5)
+                continue;
+            int left = (int)fmax(x - reach, 0), end = (int)fmin(x + reach + 1, width);
+            int top = (int)fmax(y - reach, 0), below = (int)fmin(y + reach + 1, height);
+            sums[top * first + left]++;
+            sums[top * first + end]--;
+            sums[below * last + left]--;
+            sums[below * last + end]++;
+        }
+    for (int y = 0; y < height; y++)
+        for (int x = 1; x < width; x++)
+            sums[y * row + x] += sums[y * row + x - 1];
+    for (int y = 1; y < height; y++)
+        for (int x = 0; x < width; x++)
+            sums[y * row + x] += sums[(y - 1) * row + x];
+}
+
+static bool rows_are_too_short(const picture *p, const int32_t *counts)
+{
+    uint32_t stride = p->width + 1;
+    for (int which = 1; which <= ALL_SHORT; which++) {
+        int32_t sums[2 * (40 * 24 + 1)] = {0};
+        bool equal = true;
+        sum_by_rows_too_short(p, which, sums);
+        for (uint32_t y = 0; y < p->height && equal; y++)
+            equal = memcmp(&sums[y * stride], &counts[y * stride], p->width * sizeof *sums) == 0;
+        if (equal)
+            return true;
+    }
+    return false;
+}
+
 /* The mistake that explains all numbers of the picture. */
 static const char *mistake_of_counts(const picture *p, const int32_t *counts)
 {
@@ -832,6 +884,8 @@ static const char *mistake_of_counts(const picture *p, const int32_t *counts)
         if (equal)
             return markings[by];
     }
+    if (pixels > 100 && rows_are_too_short(p, counts))
+        return RK_EXACTLY_IF "a row of coc_count is width long somewhere, not width + 1 (step 5)";
     return "";
 }
 
@@ -842,30 +896,35 @@ static bool circle_reaches(const picture *p, uint32_t from, uint32_t x, uint32_t
            reaches(from / p->width, y, diameter);
 }
 
-/* Names one circle that was missed or wrongly counted: the one whose rim is nearest. */
-static void fail_pixel(const picture *p, const int32_t *counts, uint32_t x, uint32_t y, int want)
+/* Names one circle that was missed or wrongly counted, if there is one: whose rim is nearest. */
+static const char *circle_to_blame(const picture *p, uint32_t x, uint32_t y, int got, int want)
 {
-    int got = counts[y * (p->width + 1) + x];
+    static char said[120];
     double least = INFINITY;
-    uint32_t of = y * p->width + x;
+    const char *does = got < want ? "reaches it" : "does not reach it";
+    snprintf(said, sizeof said, "%s", want ? "all circles reach it" : "no circle reaches it");
     for (uint32_t i = 0; i < p->width * p->height; i++) {
         double columns = fabs((double)(i % p->width) - x), rows = fabs((double)(i / p->width) - y);
         double beside = fabs(fmax(columns, rows) - ceil((double)p->blur[i] / 2));
         if (p->blur[i] > 0 && circle_reaches(p, i, x, y) == (got < want) &&
             (beside < least || least == (double)INFINITY)) {
             least = beside;
-            of = i;
+            snprintf(said, sizeof said, "the circle of pixel (%u, %u), diameter %g, %s",
+                     i % p->width, i / p->width, (double)p->blur[i],
+                     p->blur[i] < 0.5f ? "is a point" : does);
         }
     }
-    rk_check(
-        false,
-        "%u x %u pixels: pixel (%u, %u) got %d circles, want %d; the circle of pixel (%u, %u), "
-        "diameter %g, %s; before the call each number was 7%s",
-        p->width, p->height, x, y, got, want, of % p->width, of / p->width, (double)p->blur[of],
-        got < want           ? "reaches it"
-        : p->blur[of] < 0.5f ? "is a point"
-                             : "does not reach it",
-        mistake_of_counts(p, counts));
+    return said;
+}
+
+static void fail_pixel(const picture *p, const int32_t *counts, uint32_t x, uint32_t y, int want)
+{
+    int got = counts[y * (p->width + 1) + x];
+    rk_check(false,
+             "%u x %u pixels: pixel (%u, %u) got %d circles, want %d; %s; before the call each "
+             "number was 7%s",
+             p->width, p->height, x, y, got, want, circle_to_blame(p, x, y, got, want),
+             mistake_of_counts(p, counts));
 }
 
 /* Compares each pixel with each. Both arrays have `guard` more numbers at both ends. With 0,

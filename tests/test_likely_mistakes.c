@@ -59,9 +59,9 @@ static void a_suites_own_mistakes_come_first(void **state)
     (void)state;
     const rk_mistake *own = RK_MISTAKES({0.6, "the aperture is taken as the radius"}, {1, "all"});
     check_said(rk_mistake_in(0.6, 0.3, 1e-9, own),
-               "; so it comes out if the aperture is taken as the radius");
-    check_said(rk_mistake_in(1, 0.3, 1e-9, own), "comes out if all");
-    check_said(rk_mistake_in_whole(1, 3, own), "comes out if all");
+               RK_EXACTLY_IF "the aperture is taken as the radius");
+    check_said(rk_mistake_in(1, 0.3, 1e-9, own), RK_EXACTLY_IF "all");
+    check_said(rk_mistake_in_whole(1, 3, own), RK_EXACTLY_IF "all");
     check_said(rk_mistake_in(0.15, 0.3, 1e-9, own), "half the wanted");
 }
 
@@ -107,7 +107,7 @@ static void vectors_are_exchanged_turned_or_too_long(void **state)
         check_said(rk_mistake_in_vector(cases[i].got, cases[i].want, 1e-9, NULL), cases[i].part);
     check_said(rk_mistake_in_vector(bright, want, 1e-9,
                                     RK_VECTOR_MISTAKES({{4, 0.5, 0.25}, "the light is added"})),
-               "comes out if the light is added");
+               RK_EXACTLY_IF "the light is added");
 }
 
 /* Twelve mistakes, each with 2e-5 of the range of numbers around it: fewer than one in a thousand.
