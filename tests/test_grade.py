@@ -154,6 +154,7 @@ BAD = {
              "static int (*choose(void))(void)\n{\n    return plain;\n}\n"
              'int chosen(void) __attribute__((ifunc("choose"), used));'), ONE, "attribute ifunc"
     ),
+    "a header that is missing is told": ('#include "own.h"\n', ONE, "includes own.h, which "),
     "a unit may not include the reference": ('#include "features/bvh_median.c"\n', ONE, "includes"),
     "a print does not hide what the claim says": (
         unit('puts("I was here");\n    fputs("and here\\n", stderr);'), ONE, "is not sound"

@@ -150,7 +150,26 @@ def the_pack_holds_no_solution(pack):
           "HANDOUT.md names the file to hand in")
 
 
+def commands_exist(pack):
+    """Each command of README.md runs a file of the pack, or makes a target of it."""
+    text, rules = read(pack, "README.md"), "".join(read(pack, name) for name in os.listdir(pack)
+                                                   if name.endswith(".am"))
+    rules += "".join(read(pack, name) for name in leak_check._files(pack) if name.endswith(".am"))
+    commands = [command for line in re.findall(r"^    (.*)|`([^`\n]*)`", text, re.MULTILINE)
+                for command in re.split(r" && |; ", line[0] or line[1])]
+    files = [command.split()[0] for command in commands if re.match(r"[\w.]+/\S+( |$)", command)
+             and not command.startswith("../")]  # after cd
+    lost = [name for name in files if not os.path.exists(os.path.join(pack, name)) and name != "./configure"]
+    check(files and not lost, "the files that README.md's commands run are in the pack", lost)
+    made = {word for command in commands if command.startswith("make ")
+            for word in command.split()[1:] if re.fullmatch(r"[a-z][\w-]*", word)}
+    lost = [target for target in made - {"install", "distclean"}
+            if not re.search(rf"\b{re.sub('-NAME$', '-', target)}[^=\n]*:", rules)]
+    check(made and not lost, "and make has the targets of the others", lost)
+
+
 def texts_speak_of_the_pack(pack):
+    commands_exist(pack)
     task, chapter = read(pack, "assignments", FEATURE.folder, "handout.md"), read(pack, FEATURE.chapter)
     first_page = read(pack, "HANDOUT.md")
     for name, text in (("handout", task), ("chapter", chapter),

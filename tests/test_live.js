@@ -369,6 +369,7 @@ async function loop_follows_the_steps(browser) {
     }).on("end", resolve));
     const url = said.match(/http:\S+(?=\/)/)[0];
     const begun = await told(url, (known) => known.step === 1 && known.drawn && !known.busy);
+    check(begun && /rk_normals_colour/.test(begun.task.write) && begun.task.given.length, "it names what is to be written, and what is given for it", JSON.stringify(begun));
     check(begun && !begun.passed, "the live loop begins with the first step that is broken", JSON.stringify(begun));
     fs.writeFileSync(unit, first);
     const passed = await told(url, (known) => known.step === 2 && known.drawn && !known.busy);

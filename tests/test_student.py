@@ -27,7 +27,7 @@ from grading.assignments import (DEDUCTION, ScoredTest, ToolError, Unit, read_fe
                                  read_looks, read_points)
 from grading.build import Toolchain  # noqa: E402
 from grading.starters import read_regions, starter_of  # noqa: E402
-from handout_text import handout_of  # noqa: E402
+from handout_text import handout_of, task_of  # noqa: E402
 from tap import check, finish, read, run, start, write  # noqa: E402
 
 MAKE = os.environ.get("MAKE", "make")
@@ -597,8 +597,9 @@ def start_leads_through_the_course(pack):
         check(f"Assignment {int(FEATURE.folder[:2])}: " in said and f"edit  workbook/{STEM}.c" in said
               and f"read  {FEATURE.chapter}{TESTS[0].section}" in said
               and f"hint  make hint-{STEM} STEP={TESTS[0].step}" in said
+              and f"task  assignments/{FEATURE.folder}/handout.md" in said
               and "page  http://127.0.0.1:" in said,
-              "make start says what to read, which file to edit, how to get a hint, and where the page is",
+              "make start says what to read, the task, which file to edit, how to get a hint, and where the page is",
               said)
         check(f"work on this one first: {TESTS[0].name}" in said, "and it checks the starter", said)
         gaps = read(FEATURE.reference).count("/* solution */")
@@ -641,6 +642,31 @@ def the_album_grows(pack):
     write(solved, pack, "workbook", STEM + ".c")
 
 
+def what_to_hand_in_is_said(pack):
+    starter = read(pack, "workbook", OTHER + ".c")
+    write(read(FEATURES[OTHER].reference).replace("#include", '#include "own.h"\n#include', 1), pack,
+          "workbook", OTHER + ".c")
+    write("", pack, "workbook", "own.h")
+    for command in ("start", "progress"):
+        status, said = make(pack, command)
+        check(status == 0 and f"hand in workbook/{STEM}.c, workbook/{OTHER}.c and workbook/own.h, "
+              "nothing else" in said, f"make {command} says at last what to hand in", said)
+    os.unlink(os.path.join(pack, "workbook", "own.h"))
+    write(starter, pack, "workbook", OTHER + ".c")
+
+
+def the_tables_of_a_task_can_be_read():
+    for feature in FEATURES.values():
+        text = handout_of(SOURCE, feature)
+        steps = [int(number) for number in re.findall(r"^\| (\d+) \|", text, re.MULTILINE)]
+        read_out = [task_of(text, step) for step in steps]
+        check(all(write for write, _ in read_out) and any(given for _, given in read_out),
+              f"{feature.stem}: each step says what to write, and what is given", read_out)
+    write, given = task_of(handout_of(SOURCE, FEATURE), 5)
+    check("push_far_return_near" in write and any("rk_box_enter" in row[0] for row in given)
+          and not any("rk_hash" in row[0] for row in given), "a range of steps has those between", given)
+
+
 def the_pack_is_solved(pack):
     shutil.copyfile(FEATURE.reference, os.path.join(pack, "workbook", STEM + ".c"))
     status, said = make(pack, f"check-{STEM}")
@@ -658,6 +684,7 @@ def the_pack_is_solved(pack):
         process.wait()
     check("100 of 100 points" in said, "watch shows the same", said)
     the_album_grows(pack)
+    what_to_hand_in_is_said(pack)
     status, said = make(pack, "report", f"ONLY={STEM}", "QUICK=1")
     page = os.path.join(pack, "reports", "out.some", "report.html")
     if Toolchain(".").source and shutil.which("pandoc"):
@@ -690,6 +717,7 @@ def main():
         ctrl_c_is_quiet_at_any_moment(folder)
         a_dry_run_starts_nothing(folder)
         hints_come_one_at_a_time()
+        the_tables_of_a_task_can_be_read()
         added_files_are_named(folder)
         nothing_waits_for_a_test_that_is_not_there(folder)
         commands_without_a_name(".")

@@ -20,7 +20,7 @@ from grading.results import command_of, write_whole
 from grading.starters import unsolved_steps
 from handout_text import handout_of
 
-_SIDE = 256  # of a picture
+_SIDE = 128  # of a picture, as of the wanted one: larger ones would be shrunk, with thinner lines
 
 _STYLE = """
 :root { color-scheme: light dark; --line: #8884; }

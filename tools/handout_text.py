@@ -11,9 +11,11 @@ import os
 import re
 
 from grading.assignments import ToolError, read_looks, read_points
+from grading.starters import is_handed_out
 
 _LINK = re.compile(r"^\[[^]]*\]\(\.\./(handout_common\.md)#([\w-]+)\).*$", re.MULTILINE)
 _STEP = re.compile(r"^\| (\d+) \|.*\|$", re.MULTILINE)
+_ROW = re.compile(r"^\| (.*) \|$", re.MULTILINE)
 _KIT_OR_PACK = re.compile(r"^<!-- kit -->\n(.*?)^<!-- pack\n(.*?)^end -->\n", re.MULTILINE | re.DOTALL)
 _RUN = re.compile(r"( *)assignments/(\d+_(\w+))/\3 --")
 _OF_THE_KIT = re.compile(r"\b(IMPL|DIR)=mine\b|(?<![\w/])mine/|`mine`|<!-- (kit|pack)\b")
@@ -68,6 +70,31 @@ def handout_of(source, feature):
         return re.sub(r"\{(stem|folder|number|shown)\}", lambda word: filled[word[1]], shared[anchor])
 
     return _LINK.sub(section, own)
+
+
+def _counts_for(cell, step):
+    """Whether "2", "1, 2" or "4 to 6" has this step."""
+    first, _, last = cell.partition(" to ")
+    return int(first) <= step <= int(last) if last else str(step) in cell.split(", ")
+
+
+def task_of(text, step):
+    """Returns what a handout's tables say of a step: what to write, and what is given for it, as pairs of a
+    name and the file that declares it."""
+    rows = [re.sub(r"\[([^]]*)\]\([^)]*\)", r"\1", row[1]).split(" | ") for row in _ROW.finditer(text)]
+    write = next((row[1] for row in rows if len(row) == 5 and row[0] == str(step)), "")
+    given = [row[:2] for row in rows if len(row) == 3 and row[2][0].isdigit() and _counts_for(row[2], step)]
+    return write, given
+
+
+def sheet_of(feature, impl):
+    """Returns the path of the student's own task sheet: the workbook's, or the pack's; "" if neither is
+    there."""
+    kit = os.path.relpath(feature.source)
+    sheets = [os.path.join(impl, feature.stem + ".md")] if os.path.isdir(impl) else []
+    if is_handed_out(feature.reference):
+        sheets.append(os.path.join("" if kit == "." else kit, "assignments", feature.folder, "handout.md"))
+    return next(filter(os.path.isfile, sheets), "")
 
 
 def with_built_drivers(text):

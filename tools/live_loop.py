@@ -25,7 +25,7 @@ from grading.assignments import Parser, ToolError, cause_of, choose, read_featur
 from grading.build import Toolchain
 from grading.private_copy import make_folder
 from grading.processor_time import limited
-from handout_text import handout_of
+from handout_text import handout_of, task_of
 from watch import Check, command_of_tool, state
 
 _LOOK_SECONDS = 0.05
@@ -106,7 +106,8 @@ class Loop:
     def __init__(self, toolchain, feature, impl, step, folder):
         self._impl, self._feature, self._tests = impl, feature, {test.name: test
                                                                  for test in read_points(feature)}
-        self._hints = hint.hints_of(handout_of(toolchain.source, feature))
+        self._handout = handout_of(toolchain.source, feature)
+        self._hints = hint.hints_of(self._handout)
         self._is_step_chosen, self.asked, self.goes_on = bool(step), None, False
         self._own = os.path.join(folder, feature.stem)
         of_the_kit = f"assignments/{feature.folder}/{feature.stem}"
@@ -118,7 +119,7 @@ class Loop:
         self.known = {"version": 0, "stem": feature.stem, "claims": "", "busy": "", "says": "", "failed": "",
                       "hints": [],
                       "seconds": 0, "held": 0, "broken": [], "of": len(self._tests), "drawn": False,
-                      "passed": "", "next": "", "read": "",
+                      "passed": "", "next": "", "read": "", "task": {},
                       "looks": [[look.step, look.caption] for look in read_looks(feature)]}
         self._look_at(choose_look(feature, step) if step else read_looks(feature)[0])
 
@@ -126,9 +127,15 @@ class Loop:
         """Shows another step's picture from now on; `passed` tells why the one before is left."""
         self.files = {} if self.kit else {"wanted": look.picture}
         self._options = small(look.options, _SIDE) if self.kit else small(look.options)
+        self._tell_task(look.step)
         self.tell(step=look.step, caption=look.caption, command=f"{driver_of(self._feature)} {look.options}",
                   same=False,
                   compared="", says="", drawn=False, passed=passed)
+
+    def _tell_task(self, step):
+        """Tells what is to be written in a step, and what is given for it."""
+        write, given = task_of(self._handout, step)
+        self.tell(task={"step": step, "write": write, "given": given})
 
     def _follow(self, step):
         """Shows the next picture that the student can reach, unless one was asked for; returns whether it is
@@ -211,6 +218,8 @@ class Loop:
         step = self._first_step()
         self.tell(ends="checking the claims", claims=claims, seconds=seconds, hints=self._hints.get(step, []),
                   read=self._page_to_read())
+        if step and not self._is_step_chosen:
+            self._tell_task(int(step))  # which may have no picture of its own
         return bool(step or claims.startswith("ok")) and not self._loops_forever() and self._follow(step)
 
     def _page_to_read(self):

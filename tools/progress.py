@@ -16,6 +16,7 @@ from grading.assignments import (
     units_of_suite,
 )
 from grading.build import Toolchain
+from grading.private_copy import own_headers
 
 
 def _content(path):
@@ -101,6 +102,16 @@ def progress_of(build, stems, impl, show=None):
     return suites, due
 
 
+def hand_in(units):
+    """Returns the line about what to hand in: these units, with the headers beside them that they include."""
+    files = [unit.path for unit in units]
+    for unit in units:
+        headers = [os.path.join(os.path.dirname(unit.path), name) for name in own_headers(unit)]
+        files += [path for path in headers if path not in files]
+    named = " and ".join(filter(None, [", ".join(files[:-1]), files[-1]]))
+    return f"hand in {named}, nothing else"
+
+
 def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("stems", nargs="*", metavar="STEM", help="features; default: all")
@@ -112,6 +123,8 @@ def main():
         show = grade.show_progress if sys.stderr.isatty() else None
         suites, _ = progress_of(arguments.build, arguments.stems, arguments.impl, show)
         results.write(suites, "table", arguments.impl)
+        if all(suite.passed() and not suite.unit.is_reference for suite in suites):
+            print(hand_in([find_unit(suite.feature, arguments.impl) for suite in suites]))
     except ToolError as error:
         print(f"progress: {error}", file=sys.stderr)
         return 2

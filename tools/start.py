@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Leads through the assignments: what to read, which file to edit, the picture in the browser, a verdict on
-each save, and then the next assignment. Ctrl-C ends it."""
+each save, and then the next assignment; at last, what to hand in. Ctrl-C ends it."""
 
 import os
 import re
@@ -17,8 +17,8 @@ from grading.build import Toolchain
 from grading.private_copy import make_folder
 from grading.results import command_of
 from grading.starters import is_starter
-from handout_text import handout_of
-from progress import progress_of
+from handout_text import handout_of, sheet_of
+from progress import hand_in, progress_of
 from watch import Screen
 
 _REASON = 20  # lines of a build that failed
@@ -71,15 +71,21 @@ class Course:
         """Returns the first assignment that is not done, None if all are."""
         return next((feature for feature in self.features if self.first_claim(feature)), None)
 
+    def end(self):
+        """Returns what to do when all is done."""
+        return hand_in([find_unit(feature, self.impl) for feature in self.features])
+
     def lines(self, feature, claim):
         """Returns what to do for a claim: its assignment, what to read, which file to edit, how to get a
         hint."""
         text = handout_of(self.toolchain.source, feature)
         time = re.search(r"^\*\*Time:\*\* (about .*)\.$", text, re.MULTILINE)
         step = f", step {claim.step}" if claim and claim.step else ""
+        sheet = sheet_of(feature, self.impl)
         hint = command_of("hint", feature) + (f" STEP={claim.step}" if claim and claim.step else "")
         return [text.splitlines()[0].lstrip("# ") + (f" ({time[1]})" if time else "") + step,
                 f"    read  {feature.where_to_read(claim.section if claim else '')}",
+                *([f"    task  {sheet}"] if sheet else []),
                 f"    edit  {find_unit(feature, self.impl).path}",
                 f"    hint  {hint}"]
 
@@ -101,7 +107,7 @@ def work_on(course, feature, server, screen):
             screen.status(f"save {feature.stem}.c for the next verdict; the page: {server.url} ; Ctrl-C ends")
             return ""
         following[:] = filter(None, [course.next()])
-        lines = course.lines(following[0], course.first_claim(following[0])) if following else []
+        lines = course.lines(following[0], course.first_claim(following[0])) if following else [course.end()]
         verdict = re.sub("^ +next: make start.*\n", "", verdict, flags=re.MULTILINE)  # it has begun
         screen.verdict("\n".join([verdict, *lines, ""]))
         screen.status(f"save {following[0].stem}.c to go on, or press the page's button; Ctrl-C ends"
@@ -125,6 +131,7 @@ def start(course, first):
     feature = course.chosen(first) if first else course.next()
     if not feature:
         print("all assignments have all their points; make start-STEM shows one again")
+        print(course.end())
         return
     print("\n".join(course.lines(feature, course.first_claim(feature))), flush=True)
     make(course.build, f"live-ready-{feature.stem}", f"what {feature.stem} needs")

@@ -169,7 +169,8 @@ def _compile(toolchain, unit, folder, arguments):
     if outcome.status != 0:
         absent = re.search(r"fatal error: (.+): No such file", said)
         if absent:
-            raise BuildError(_not_to_include(unit, absent.group(1)), said)
+            name = f"{absent.group(1)}, which {'was not handed in' if toolchain.judges else 'is not there'}"
+            raise BuildError(_not_to_include(unit, name), said)
         first = next((line for line in said.splitlines() if "error:" in line), None)
         reason = f"does not compile: {first}{_header_to_include(toolchain, first)}" if first else (
             f"{unit.shown} does not compile")

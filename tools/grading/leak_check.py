@@ -80,7 +80,7 @@ def _is_the_kits(source, pack, name):
     return os.path.isfile(own) and filecmp.cmp(own, packed, shallow=False)
 
 
-_FEW = 2  # a solution line in more places of the kit tells nothing
+_FEW = 2  # a solution line in more places of the kit tells nothing, nor does one alone
 _PASSAGE = 4  # so many solution lines, at most so far apart, are no coincidence
 
 
@@ -127,6 +127,12 @@ def lines_elsewhere(pack, features, secrets):
                   key=lambda found: (found[3], found[:2]))
 
 
+def _beside_another(found):
+    """Returns those of lines_elsewhere that stand beside another."""
+    places = {(name, number) for name, number, *_ in found}
+    return [line for line in found if places & {(line[0], line[1] - 1), (line[0], line[1] + 1)}]
+
+
 def steps_elsewhere(pack, features):
     """Returns a list of (file, number, what) for the known steps of these features in other words."""
     chosen = {feature.stem for feature in features}
@@ -157,17 +163,17 @@ def prove(source, pack, all_features, features):
     if not lines and not steps:
         return [looked + "none found."]
     told = [f"  {name}:{number}: {what}, in other words" for name, number, what in steps]
-    rare = [found for found in lines if found[3] <= _FEW]
+    rare = _beside_another([found for found in lines if found[3] <= _FEW])
     told += [f"  {name}:{number}: {line}" for name, number, line, _ in rare]
     if len(rare) < len(lines):
         more = len(lines) - len(rare)
-        those = "line that occurs" if more == 1 else "lines that occur"
-        told.append(f"  and {more} {those} more often, such as {lines[-1][2]}")
+        alone = f"{more} line{'s' * (more > 1)}"
+        told.append(f"  and {alone} alone, which tell{'s' * (more == 1)} nothing, such as {lines[-1][2]}")
     holders = {f"src/features/{stem}.c": stem for stem in all_features}
     others = sorted({holders[name] for name, *_ in [*rare, *steps] if name in holders})
     remedy = "Check whether they give a step away."
     if others:
         remedy = (f"To leave them out as well, add {' and '.join(others)} to ASSIGNMENTS; otherwise check "
                   "whether they give a step away.")
-    return [f"{looked}no solution is left.", "These lines of the kit also occur in the solutions:", *told,
+    return [f"{looked}no solution is left.", "These places of the kit have something of the solutions:", *told,
             remedy]

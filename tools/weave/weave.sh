@@ -211,10 +211,14 @@ tidy_store() {
 publish() {
     tidy_store
     pdf="(no $RAYKIT_WEAVES.pdf: it needs chromium)"
-    if [ -n "${CHROMIUM-}" ]; then
+    case ${CHROMIUM-} in
+    '') ;;
+    unused) pdf="(no $RAYKIT_WEAVES.pdf, which is left out of packs)" ;;
+    *)
         print_pdf
         pdf="and $final/$RAYKIT_WEAVES.pdf"
-    fi
+        ;;
+    esac
     parts="the same as a page per chapter: $final/$RAYKIT_WEAVES/index.html"
     [ "$RAYKIT_WEAVES" = book ] || parts="with its pictures as files: $final/$RAYKIT_WEAVES/index.html"
     rm -rf "$final.old" "$RAYKIT_OUT/process" || give_up "$unwritable"
