@@ -175,5 +175,5 @@ def prove(source, pack, all_features, features):
     if others:
         remedy = (f"To leave them out as well, add {' and '.join(others)} to ASSIGNMENTS; otherwise check "
                   "whether they give a step away.")
-    return [f"{looked}no solution is left.", "These places of the kit have something of the solutions:", *told,
-            remedy]
+    return [f"{looked}no solution is left.", "These places of the kit have something of the solutions:",
+            *told, remedy]
