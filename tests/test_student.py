@@ -66,9 +66,10 @@ def a_verdict_fits_on_a_screen():
     lines = told.splitlines()
     check(len(lines) < SCREEN, "with every claim failing and 90 warnings the verdict fits on 24 lines", told)
     first = next((k for k, line in enumerate(lines) if f"work on this one first: {TESTS[0].name}" in line), 0)
-    check(first > next(k for k, line in enumerate(lines) if TESTS[1].name in line)
-          and lines[-1].strip() == f"a hint: make hint-{FEATURE.stem} STEP={TESTS[0].step}",
-          "the claim to work on stands last", told)
+    following = next(k for k, line in enumerate(lines) if f"then: {TESTS[1].name}" in line)
+    check(0 < first < following
+          and lines[following - 1].strip() == f"a hint: make hint-{FEATURE.stem} STEP={TESTS[0].step}",
+          "the claim to work on first stands first", told)
     check("ALL=1" in told and TESTS[-1].name not in told, "the others are counted, with the way to see them",
           told)
     check(f"STEP={TESTS[0].step}" in told, "the step's hints are named", told)
@@ -394,7 +395,7 @@ def drivers_are_built_alone(pack):
     write("int broken = ;\n", pack, "workbook", OTHER + ".c")
     step = next(step for step in range(1, 99) if step not in [look.step for look in read_looks(FEATURE)])
     status, said = run(pack, MAKE, "-s", f"draw-{STEM}", f"STEP={step}")
-    check(status == 0 and f"STEP={step}: {STEM} has something to see only after steps" in said
+    check(status == 0 and f"STEP={step}: {STEM} has no picture of this step; step" in said
           and "CC" not in said,
           "of a step with nothing to see this is said before anything is compiled, and it is no error", said)
     status, said = run(pack, MAKE, "-s", f"draw-{STEM}", "STEP=99")
@@ -599,7 +600,7 @@ def start_leads_through_the_course(pack):
               and f"hint  make hint-{STEM} STEP={TESTS[0].step}" in said
               and f"task  assignments/{FEATURE.folder}/handout.md" in said
               and "page  http://127.0.0.1:" in said,
-              "make start says what to read, the task, which file to edit, how to get a hint, and where the page is",
+              "make start says what to read, the task, the file to edit, how to get a hint, where the page is",
               said)
         check(f"work on this one first: {TESTS[0].name}" in said, "and it checks the starter", said)
         gaps = read(FEATURE.reference).count("/* solution */")

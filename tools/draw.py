@@ -50,7 +50,8 @@ def _run(command, name=None):
         try:
             process.wait(SILENT)
         except subprocess.TimeoutExpired:
-            print(f"still drawing; it is stopped after {SECONDS} s of processor time", flush=True)
+            print(f"still drawing; it may take {SECONDS} s of processor time, to which waiting does not add",
+                  flush=True)
         status = process.wait()
     if status == -signal.SIGXCPU:
         raise ToolError(f"{name} has drawn for {SECONDS} s of processor time and was stopped; does a loop in "
@@ -66,12 +67,14 @@ def _run(command, name=None):
 
 
 def _nothing_to_see(feature, step):
-    """Returns after which steps there is something to see, if there is nothing after this one; or ""."""
+    """Returns which steps have a picture, if this one has none; or ""."""
     steps = [str(look.step) for look in read_looks(feature)]
     if not step or step in steps:
         return ""
-    where = f"steps {', '.join(steps[:-1])} and {steps[-1]}" if len(steps) > 1 else f"step {steps[0]}"
-    return f"STEP={step}: {feature.stem} has something to see only after {where}"
+    others = f"step {steps[0]} has"
+    if len(steps) > 1:
+        others = f"steps {', '.join(steps[:-1])} and {steps[-1]} have"
+    return f"STEP={step}: {feature.stem} has no picture of this step; {others}"
 
 
 def choose_look(feature, step):

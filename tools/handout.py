@@ -165,7 +165,8 @@ def _weave_book(pack):
     kept = os.path.abspath("drawn")
     environment = dict(os.environ, RAYKIT_SOURCE=pack, RAYKIT_BUILD=pack, RAYKIT_DRIVERS=os.getcwd(),
                        RAYKIT_STORE=kept, MESHES="", CHROMIUM="unused", FEATURES="", SOLUTIONS="yes",
-                       ANSWERS="", RAYKIT_LIVE="", RAYKIT_JUDGES="no", RAYKIT_SOURCES="linked", RAYKIT_RECORD="")
+                       ANSWERS="",
+                       RAYKIT_LIVE="", RAYKIT_JUDGES="no", RAYKIT_SOURCES="linked", RAYKIT_RECORD="")
     if os.environ.get("QUICK"):
         _tell("QUICK=1 only makes its figures small; BOOK=no is the quick way to try a pack")
     _tell("weaving the book; figures that this build has not drawn yet are drawn now")

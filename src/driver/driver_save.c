@@ -238,7 +238,9 @@ static void print_place(const rk_driver *driver, const rk_picture_difference *d,
                         const rk_image *wanted, const char *shown)
 {
     const rk_unsolved unsolved = rk_driver_unsolved(driver);
-    printf("%s: the picture differs in ", driver->compared);
+    const bool is_of_others = *unsolved.text && !rk_is_starter(driver->feature);
+    printf("%s: %sthe picture differs in ", driver->compared,
+           is_of_others ? "as good as it can be here, if all your claims hold: " : "");
     print_per_cent(d->pixels, wanted->width * wanted->height);
     printf(" of the %zu x %zu pixels, most at %zu,%zu; %s shows where", wanted->width,
            wanted->height, d->x, d->y, shown);

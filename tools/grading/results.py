@@ -163,7 +163,7 @@ def _next_ones(suite, failed):
 
 
 def _text_of_failures(suite, brief):
-    """The claim to work on first stands last, where a terminal shows it."""
+    """What is brief fits on a terminal, so that it can be read in the order of work."""
     failed = [test for test in suite.tests if not suite.verdicts[test.name].passed]
     if not failed:
         return []
@@ -172,15 +172,14 @@ def _text_of_failures(suite, brief):
         details = [line for line in _details(suite.verdicts[first.name]).strip().split("\n") if line]
         said = [f"          {line}" for line in _some(details, 15 if brief else 20, "and {} more lines")]
         return [*said, *_wrapped(suite.problem, " " * 6)]
-    lines = (_next_ones(suite, failed[1:])
-             if brief else _all_others(suite, failed[1:], first)) if failed[1:] else []
-    lines.append(f"      work on this one first: {first.name} ({_worth(first)})")
+    lines = [f"      work on this one first: {first.name} ({_worth(first)})"]
     explained = _explained(suite, first)
     if brief and first.step:
         explained.append(f"a hint: make hint-{suite.feature.stem} STEP={first.step}")
     for line in explained:
         lines += _wrapped(line, " " * 10)
-    return lines
+    following = _next_ones(suite, failed[1:]) if brief else _all_others(suite, failed[1:], first)
+    return lines + (following if failed[1:] else [])
 
 
 def _text_of_prints(suite):
