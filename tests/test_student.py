@@ -600,7 +600,7 @@ def start_leads_through_the_course(pack):
               and f"hint  make hint-{STEM} STEP={TESTS[0].step}" in said
               and f"task  assignments/{FEATURE.folder}/handout.md" in said
               and "page  http://127.0.0.1:" in said,
-              "make start says what to read, the task, the file to edit, how to get a hint, where the page is",
+              "make start says what to read, the task, the file to edit, how to get a hint, and the page",
               said)
         check(f"work on this one first: {TESTS[0].name}" in said, "and it checks the starter", said)
         gaps = read(FEATURE.reference).count("/* solution */")
