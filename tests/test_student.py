@@ -354,8 +354,9 @@ def warnings_tell_of_mistakes_alone(pack):
     check("uninitialized" in said and said.index("uninitialized") < said.index("first:"),
           "what is probably a mistake is one, before the verdict", said)
     write(unit + "typedef struct pile {\n    int entries[8];\n    unsigned size;\n} pile;\nint odd(int a);\n"
-          "int odd(int a)\n{\n    pile p;\n    if (a > 1)\n        p.size = 0;\n"
-          "    p.entries[p.size++] = a;\n    return p.entries[0];\n}\n", pack, "workbook", OTHER + ".c")
+          "int odd(int a)\n{\n    pile p;\n    for (; a > 1; a /= 2)\n        if (a % 3 == 0)\n"
+          "            p.entries[p.size++] = a;\n    return p.entries[0];\n}\n",
+          pack, "workbook", OTHER + ".c")
     _, said = make(pack, f"check-{OTHER}")
     check(said.count("'p.size' may be used uninitialized") == 1 and
           said.index("uninitialized") < said.index("first:"),
