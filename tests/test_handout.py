@@ -405,6 +405,10 @@ def pictures_are_the_students(pack):
             names.append(re.search(rb"IDAT.*", file.read(), re.DOTALL).group())
     check(names[1] == names[3] and f"workbook ({STEM}" in names[2],
           "one file draws the pictures that it draws in the folder", [names[0], names[2]])
+    _, said = run(pack, make, "-s", f"draw-{STEM}")
+    check(": as good as it can be here, if all your claims hold: the picture differs" in said
+          and "shading is still the starter here" in said,
+          "a picture that lacks only what is not asked for yet is said to be as good as it can be", said)
 
 
 def the_students_code_is_in_the_book(pack):
