@@ -200,7 +200,7 @@ local function claims(div)
   local left = next(points)
   if left then fail_at(div, "points.tsv names a test that %s does not have: %s", file, left) end
   blocks:insert(1, pandoc.RawBlock("html", '<details class="list-of-claims"><summary>All ' .. #tests ..
-    " claims of the suite, each with its test; the check adds the two that all units have in common</summary>"))
+    " claims of the suite, each with its test; a check adds two that all units have in common</summary>"))
   blocks:insert(pandoc.RawBlock("html", "</details>"))
   return pandoc.Div(blocks, {class = "claims"})
 end
