@@ -911,6 +911,9 @@ def what_a_course_system_delivers(folder):
     put("", place, "07_zip.zip")
     put(unit(""), place, "08_again", "bvh_median.c")
     put("", place, "08_again", "bvh_median (1).c")
+    put(unit(""), place, "08_numbered", "bvh_median-1.c")
+    for number in (1, 2):
+        put(unit(""), place, "08_numbers", f"bvh_median ({number}).c")
     put("", place, "09_kit", "tests", "test_bvh_median.c")
     put("", place, "09_kit", "points.tsv")
     put('#include "own/a.h"\n' + unit(""), place, "09_kit", "bvh_median.c")
@@ -925,6 +928,7 @@ def what_a_course_system_delivers(folder):
         "03_two": "several bvh_median.c: a/bvh_median.c, b/bvh_median.c; move the right one",
         "04_case": "there is no bvh_median.c; rename BVH_Median.c to bvh_median.c",
         "05_plus": "there is no bvh_median.c; rename hw/bvh_median.cpp to bvh_median.c",
+        "08_numbers": "several bvh_median.c: bvh_median (1).c, bvh_median (2).c; move the right one",
         "06_packed": "there is no bvh_median.c; unpack work.zip",
         "07_zip.zip": "unpack 07_zip.zip into a folder 07_zip",
         "10 j.doe.cpp": "rename 10 j.doe.cpp to 10 j.doe.c", "11_dup.c": "11_dup.c is empty",
@@ -935,6 +939,7 @@ def what_a_course_system_delivers(folder):
              "02_pack": "taken from kit/workbook/bvh_median.c",
              "02_suite": "taken from kit/workbook/bvh_median.c; "
              "kit/tests/test_bvh_median.c differs from the kit's, which was run",
+             "08_numbered": "taken from bvh_median-1.c",
              "08_again": "ignored: bvh_median (1).c", "09_kit": "ignored: points.tsv, tests/",
              "11_dup": "another submission has the same name: 11_dup.c"}
     for name, remark in right.items():

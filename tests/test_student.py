@@ -116,7 +116,7 @@ def progress_names_the_next_claim():
         return results.table(suites, "workbook").splitlines()[2]
 
     first = read_points(using)[0].name
-    told = row("it uses your bvh_median, too: run make check-bvh_median first")
+    told = row("it calls your bvh_median, too: if make check-bvh_median fails, mend that first")
     check(told.endswith(f"  {first}"), "progress names the claim, and no needed unit that has all points",
           told)
     beside = "it needs bvh_median, which is still the starter: solve that first"

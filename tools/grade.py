@@ -269,7 +269,7 @@ def _about_needs(suite, units):
             continue
         if is_starter(unit):
             return f"it needs {stem}, which is still the starter: solve that first"
-        return f"it uses your {stem}, too: run make check-{stem} first"
+        return f"it calls your {stem}, too: if make check-{stem} fails, mend that first"
     return ""
 
 
@@ -433,9 +433,10 @@ def prepare_suites(features, chosen, impl, own, only=None):
     suites = [_prepare_suite(feature, impl, own, only) for feature in chosen]
     for suite in suites:
         suite.is_own = own
-    folders = {os.path.dirname(suite.unit.path) for suite in suites if suite.unit.path}
+    paths = [suite.unit.path for suite in suites if suite.unit.path]
+    folders = {os.path.dirname(path) for path in paths}
     if not own and os.path.isdir(impl) and len(folders) == 1:
-        suites[0].remarks += ignored_in(features, folders.pop())
+        suites[0].remarks += ignored_in(features, folders.pop(), map(os.path.basename, paths))
     return suites
 
 

@@ -279,11 +279,14 @@ def _place_below(feature, impl):
     if not places and any(os.path.basename(path) == _TOO_DEEP for path in files):
         raise UnitError(f"there is no {name} in the first {_DEEPEST} folders within folders; move it to the "
                         "top of the folder")
+    if not places:  # a browser numbers what was downloaded or handed in again
+        again = re.compile(rf"{feature.stem}(-[0-9]+| ?\([0-9]+\))\.c")
+        places = [path for path in files if again.fullmatch(os.path.basename(path))]
     in_workbooks = [path for path in places if os.path.basename(os.path.dirname(path)) == "workbook"]
     chosen = in_workbooks if len(in_workbooks) == 1 else places
     if len(chosen) > 1:
         raise UnitError(f"there are several {name}: {', '.join(chosen[:4])}; "
-                        "move the right one to the top of the folder")
+                        f"move the right one to the top of the folder, as {name}")
     return chosen[0] if chosen else None
 
 
@@ -318,9 +321,10 @@ def handed_in(feature, impl):
     return unit, remarks
 
 
-def ignored_in(features, folder):
-    """Returns remarks on what a folder holds beside units, headers, texts and pictures."""
-    units, names = {stem + ".c" for stem in features}, []
+def ignored_in(features, folder, taken):
+    """Returns remarks on what a folder holds beside the files that were taken, other units, headers, texts and
+    pictures."""
+    units, names = {*taken, *(stem + ".c" for stem in features)}, []
     for path in _files_below(folder):
         if path not in units and not path.lower().endswith((".h", ".md", ".txt", ".pdf", ".png", ".o")):
             top, below, _ = path.partition(os.sep)
