@@ -27,13 +27,4 @@ function decode(file) {
   return {width, height, rgb: out};
 }
 
-// The part of the pixels that differ by more than `most` in a channel; null if their sizes differ.
-function partThatDiffers(one, two, most) {
-  if (one.width !== two.width || one.height !== two.height) return null;
-  let differ = 0;
-  for (let i = 0; i < one.rgb.length; i += 3)
-    differ += [0, 1, 2].some((k) => Math.abs(one.rgb[i + k] - two.rgb[i + k]) > most) ? 1 : 0;
-  return differ / (one.width * one.height);
-}
-
-module.exports = {decode, partThatDiffers};
+module.exports = {decode};

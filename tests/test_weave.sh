@@ -35,7 +35,7 @@ chmod +x "$folder/pandoc"
 report() {
     RAYKIT_SOURCE=${2-$source} RAYKIT_BUILD=$folder/build RAYKIT_DRIVERS=$folder RAYKIT_VERSION=0 \
         RAYKIT_COMPILER=c RAYKIT_FLAGS=none PANDOC=${3-$folder/pandoc} GNUPLOT=${gnuplot-} CHROMIUM= QUICK=${quick-} FEATURES= \
-        MESHES= RAYKIT_WRONG="sh '$folder/wrong'" sh "$source/reports/make_report" >"$folder/$1" 2>&1
+        MESHES= RAYKIT_PAIR=$PWD/tools/pair/pair RAYKIT_WRONG="sh '$folder/wrong'" sh "$source/reports/make_report" >"$folder/$1" 2>&1
 }
 
 mkdir "$folder/build"
@@ -136,6 +136,33 @@ END
     ! report said1 "$folder/texts" "$pandoc" &&
         grep -q '01_one.md:3: figures/left.png and figures/right.png are equal, pixel for pixel' "$folder/said1"
     verdict equal_pictures_in_a_row_are_a_mistake
+
+    # Two grey squares of 100 x 100 pixels; the second has a field of 4 x 3 pixels, at 40, 50, that is brighter by 5.
+    look_alike() { ! report said1 "$folder/texts" "$pandoc" && grep -q "01_one.md:3: figures/left.png and figures/right.png look alike: $1 %" "$folder/said1"; }
+    grey() { # grey FILE PIXELS LEVEL: rows of text become a picture
+        python3 -c 'import sys, zlib, struct
+width, count, level = 100, int(sys.argv[2]), int(sys.argv[3])
+rows = [bytearray([0] + [128] * 300) for _ in range(100)]
+for i in range(count):
+    rows[50 + i // 4][1 + 3 * (40 + i % 4)] = level
+part = lambda kind, data: struct.pack(">I", len(data)) + kind + data + struct.pack(">I", zlib.crc32(kind + data))
+open(sys.argv[1], "wb").write(b"\x89PNG\r\n\x1a\n" + part(b"IHDR", struct.pack(">IIBBBBB", 100, 100, 8, 2, 0, 0, 0))
+    + part(b"IDAT", zlib.compress(b"".join(rows))) + part(b"IEND", b""))' "$@"
+    }
+    compared() { # compared ATTRIBUTES
+        row "$folder/grey.png" "$folder/greyer.png" | sed "s/driver=copies/& ${1-}/" >"$texts/01_one.md"
+    }
+    grey "$folder/grey.png" 0 128 && grey "$folder/greyer.png" 9 133 && compared && look_alike 0.090
+    verdict a_row_of_two_pictures_that_look_alike_is_a_mistake
+
+    compared 'crop="0.3 0.4 0.3 0.3"' && report said1 "$folder/texts" "$pandoc" && ! grep -q data-crop "$folder/build/reports/out/report.html"
+    verdict pictures_are_compared_as_they_are_shown
+
+    grey "$folder/greyer.png" 10 133 && compared && report said1 "$folder/texts" "$pandoc"
+    verdict a_thousandth_of_the_pixels_is_enough
+
+    grey "$folder/greyer.png" 12 132 && compared && look_alike 0.000
+    verdict a_difference_of_4_of_255_is_not_visible
 
     # In the place of Python: make bench, which has measured in full or in its quick form.
     printf '#!/bin/sh\nfolder=${*##*--out }\nprintf "gain\\n3\\n" >"$folder/tables/accuracy.csv"\ncat "%s/form"\n' "$folder" >"$folder/python"

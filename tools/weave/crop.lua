@@ -22,6 +22,7 @@ return function(div, image)
   local x, y, w, h = fractions(div)
   image.attributes.style = string.format("width: %.5g%%; margin: %.5g%% 0 0 %.5g%%",
     100 / w, -100 * y / w / ratio, -100 * x / w)
+  image.attributes["data-crop"] = div.attributes.crop -- for pictures.check_row
   local shape = w * ratio / h
   return pandoc.Div({pandoc.Plain({image})},
     {class = "crop", style = string.format("aspect-ratio: %.5g", shape)}), shape

@@ -99,6 +99,8 @@ local function answer_of(command)
   return nil, number
 end
 
+drive.answer_of = answer_of
+
 -- Returns a file's contents, or nil where there is none.
 drive.read_file = store.read
 

@@ -110,20 +110,40 @@ function pictures.finish()
     "or say dark=yes where it has to be so", dark)
 end
 
--- Pictures of a row are there to be compared. A student's unit may not make a difference yet, and users'
--- meshes may be equal.
+local least_visible = 1e-3 -- part of the pixels
+
+-- Which part of two pictures' pixels differ visibly, as they are shown, or nil if they are no pair.
+local function visible_difference(one, other)
+  local crop = one.attributes["data-crop"]
+  local program = os.getenv("RAYKIT_PAIR") or ""
+  if program == "" or crop ~= other.attributes["data-crop"] then return nil end
+  local said = drive.answer_of(table.concat({drive.quote(program), drive.quote(drive.out .. "/" .. one.src),
+    drive.quote(drive.out .. "/" .. other.src), crop or ""}, " "))
+  if not said then drive.fail("%s and %s cannot be compared (the reason is above)", one.src, other.src) end
+  return tonumber(said)
+end
+
+-- Pictures of a row are there to be compared: no two are equal, and if there are only two, their difference
+-- can be seen. A student's unit may not make a difference yet, and users' meshes may be equal.
 function pictures.check_row(div)
-  local seen = {}
-  local function compare(image)
-    local is_ours = image.src:find("^figures/.*%.png$") and not is_users[image.src]
-    local pixels = is_ours and read_png(image.src)
-    if pixels and seen[pixels] then
+  if drive.units ~= "" then return end
+  local seen, shown = {}, {}
+  div:walk({Image = function(image)
+    if not image.src:find("^figures/.*%.png$") or is_users[image.src] then return end
+    local pixels = read_png(image.src) .. (image.attributes["data-crop"] or "")
+    if seen[pixels] then
       fail_at(div, "%s and %s are equal, pixel for pixel; show something in which they differ",
         seen[pixels], image.src)
     end
-    if pixels then seen[pixels] = image.src end
+    seen[pixels] = image.src
+    shown[#shown + 1] = image
+  end})
+  local part = #shown == 2 and visible_difference(shown[1], shown[2])
+  if part and part < least_visible then
+    fail_at(div, "%s and %s look alike: %.3f %% of their pixels differ by more than 4 of 255, at least " ..
+      "%g %% should; show something in which they differ, or crop=... where they do",
+      shown[1].src, shown[2].src, 100 * part, 100 * least_visible)
   end
-  if drive.units == "" then div:walk({Image = compare}) end
 end
 
 return pictures

@@ -18,8 +18,9 @@
 --   ::: {.figure ...}
 --   ::::
 -- puts figures and plots side by side, two or three if the page is wide enough; .pair puts two per
--- row. On a phone they are one below the other. {.row .compare} makes one of two pictures of the same
--- view and size, with a slider between them, their difference and an enlargement, where scripts run.
+-- row. On a phone they are one below the other. Where there are two of equal size, they must differ visibly.
+-- {.row .compare} makes one of two pictures of the same view and size, with a slider between them, their
+-- difference and an enlargement, where scripts run.
 --
 -- Figures, plots, tables and displayed formulas have numbers within their chapter. With a name,
 -- {.figure #halo ...} or [$$...$$]{#halo}, an empty link gives the number: [](#halo). alt="..." says
@@ -99,7 +100,8 @@
 -- RAYKIT_TERMINAL (not empty: progress is told in one line), RAYKIT_ALONE (the features that are woven alone,
 -- empty for all), RAYKIT_UNITS (the name of their units' author, empty for the kit's own), RAYKIT_OUT,
 -- RAYKIT_SCRAPS (for temporary files), MESHES, RAYKIT_RUNS, RAYKIT_SIZE (pixels per side, empty for the
--- drivers' own), RAYKIT_GNUPLOT (empty: no plots).
+-- drivers' own), RAYKIT_PAIR (the program that compares two pictures, empty: none is compared),
+-- RAYKIT_GNUPLOT (empty: no plots).
 
 local drive = require("drive")
 local glossary = require("glossary")
@@ -334,7 +336,7 @@ end
 local function expand(directives)
   return function(element)
     local class = element.classes[1]
-    if class == "row" then pictures.check_row(element) end
+    if plain_classes[class] then pictures.check_row(element) end
     if not class or plain_classes[class] or values.spans[class] then return nil end
     if not directives[class] then fail_at(element, "there is no directive called .%s", class) end
     return inherit(drive.forgiving(directives[class], element) or missing(element), element)
@@ -352,6 +354,7 @@ end
 
 local function forget(element)
   while element.attributes["data-pos"] do element.attributes["data-pos"] = nil end -- lists have two
+  element.attributes["data-crop"] = nil
   return element
 end
 
