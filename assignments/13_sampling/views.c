@@ -2,9 +2,11 @@
 #include "driver.h"
 
 #include "base/scramble.h"
+#include "base/table.h"
 #include "driver/convergence.h"
 #include "features/shading.h"
 
+#include <math.h>
 #include <stdio.h>
 
 /* --- Points ----------------------------------------------------------------------------------- */
@@ -151,6 +153,21 @@ static rk_vec3 colour_of_error(float fraction)
     return rk_vec(fraction, fraction, fraction);
 }
 
+/* The root mean square of the picture of differences, as a row of a table. */
+static bool put_rmse(const rk_driver *driver, rk_error *error)
+{
+    static const char *const header[] = {"effect", "samples", "kind", "blur", "rmse", NULL};
+    const choices *c = driver->choices;
+    char path[4096], samples[16], blur[32], rmse[32];
+    snprintf(samples, sizeof samples, "%u", c->samples);
+    snprintf(blur, sizeof blur, "%g", (double)c->blur);
+    snprintf(rmse, sizeof rmse, "%.4g", sqrt(mean_square(&driver->image)));
+    const char *row[] = {effect_names.items[c->effect], samples, rk_sampler_name(c->kind), blur,
+                         rmse};
+    return rk_driver_table(driver, "sampling_error", path, error) &&
+           rk_table_put(path, header, row, 5, 4, error);
+}
+
 bool draw_error(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
@@ -164,6 +181,7 @@ bool draw_error(rk_driver *driver, rk_error *error)
         driver->image.pixels[i] = rk_sub(driver->image.pixels[i], want.pixels[i]);
     if (c->blur > 0)
         ok = ok && blur_image(&driver->image, c->blur, error);
+    ok = ok && put_rmse(driver, error);
     for (size_t i = 0; ok && i < want.width * want.height; i++) {
         rk_vec3 *pixel = &driver->image.pixels[i];
         *pixel = rk_madd(rk_vec(grey, grey, grey), *pixel, c->gain);
