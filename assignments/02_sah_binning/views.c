@@ -59,14 +59,14 @@ static const rk_sah_split *most_expensive(const splits *c)
     return worst;
 }
 
-/* The left part blue, the right part red, half transparent. */
+/* The left part blue, the right part green, half transparent. */
 static void draw_split(rk_overlay *overlay, const rk_sah_split *split)
 {
-    const rk_vec3 blue = rk_vec(0.02f, 0.15f, 0.9f), red = rk_vec(0.9f, 0.04f, 0.02f);
+    const rk_vec3 blue = rk_vec(0.02f, 0.15f, 0.9f), green = rk_vec(0.02f, 0.5f, 0.1f);
     rk_overlay_box(overlay, &split->box[0], blue, 0.3f);
-    rk_overlay_box(overlay, &split->box[1], red, 0.3f);
+    rk_overlay_box(overlay, &split->box[1], green, 0.3f);
     rk_overlay_wireframe(overlay, &split->box[0], blue, 1.5f);
-    rk_overlay_wireframe(overlay, &split->box[1], red, 1.5f);
+    rk_overlay_wireframe(overlay, &split->box[1], green, 1.5f);
 }
 
 /* From cheap to expensive. */
