@@ -405,6 +405,28 @@ static void check_metadata(test_path picture, const char *key, const char *want)
     free(value);
 }
 
+static void the_middle_of_a_scale_by_logarithms_is_a_round_number(void **state)
+{
+    const test_folder *folder = *state;
+    rk_error error;
+    run r = run_feature("14_adaptive_sampling/adaptive_sampling", folder,
+                        "--scene cornell-light --width 24 --height 24 --error 0.02 --show samples");
+    rk_check(r.status == 0, "the driver failed: %s", r.err);
+    run_free(&r);
+    char *value = rk_png_read_text(
+        test_folder_path(folder, "out/figures/adaptive_sampling_cornell-light_samples_0.02.png")
+            .text,
+        "raykit:scale", &error);
+    rk_check(value != NULL, "no scale: %s", error.text);
+    float least = 0, middle = 0, place = 0, most = 0;
+    const int read = sscanf(value, "%f@0 %f@%f %f", &least, &middle, &place, &most);
+    rk_check(read == 4 && least < middle && middle < most, "\"%s\" has no three ticks", value);
+    rk_check(exp2f(rintf(log2f(middle))) == middle, "%g is no power of two", middle);
+    const float want = logf(middle / least) / logf(most / least);
+    rk_check(fabsf(place - want) < 0.01f, "the tick is at %g, not at %g", place, want);
+    free(value);
+}
+
 static void a_picture_lands_in_figures_with_its_parameters(void **state)
 {
     const test_folder *folder = *state;
@@ -1046,6 +1068,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_missing_mesh_is_named),
     test_in_folder(an_impossible_out_folder_is_named_before_rendering),
     test_in_folder(a_picture_that_cannot_be_written_leaves_nothing),
+    test_in_folder(the_middle_of_a_scale_by_logarithms_is_a_round_number),
     test_in_folder(a_picture_lands_in_figures_with_its_parameters),
     test_in_folder(captions_do_not_contain_the_machines_folders),
     test_in_folder(captions_name_the_present_spelling),

@@ -78,16 +78,27 @@ static void append(scale_text *shown, const char *format, ...)
     va_end(arguments);
 }
 
-/* Both ends, and between them 0, if it lies there, or else the middle. */
+/* By logarithms the power of two next to the middle, if one lies between the ends. */
+static double middle_of(double least, double most, bool logarithmic)
+{
+    if (!logarithmic)
+        return (least + most) / 2;
+    const double middle = sqrt(least * most), round = exp2(rint(log2(middle)));
+    return round > least && round < most ? round : middle;
+}
+
+/* Both ends, and between them 0, if it lies there, or else a number in the middle. */
 static void append_ticks(scale_text *shown, const rk_driver_scale *scale)
 {
     const double least = scale->least, most = scale->most;
     const bool changes_sign = least < 0 && most > 0;
-    const double middle = changes_sign         ? 0
-                          : scale->logarithmic ? sqrt(least * most)
-                                               : (least + most) / 2;
-    append(shown, "%.3g@0 %.3g@%.3g %.3g%s@1", least, middle,
-           changes_sign ? -least / (most - least) : 0.5, most, scale->clipped ? "+" : "");
+    const double middle = changes_sign ? 0 : middle_of(least, most, scale->logarithmic);
+    double place = 0.5; /* if there is but one number */
+    if (least < most)
+        place = scale->logarithmic ? log(middle / least) / log(most / least)
+                                   : (middle - least) / (most - least);
+    append(shown, "%.3g@0 %.3g@%.3g %.3g%s@1", least, middle, place, most,
+           scale->clipped ? "+" : "");
 }
 
 /* "4@0 32@0.5 256+@1 #0044cc ... samples per pixel": ticks with their places, 256 and more at the
