@@ -23,9 +23,16 @@
   const modes = { slider: "slider", beside: "side by side", difference: "difference × 8", colours: "error in colours" };
   const notes = {
     difference: "Black where the pictures are equal; differences are eight times as bright.",
-    colours: "Black where the pictures are equal, then blue, red, yellow; white from a difference of an eighth on.",
+    colours: "Black where the pictures are equal.",
   };
   const magnification = 8;
+
+  // The bar of the false colours, as pictures of the drivers have one.
+  const bar = () => make("div", { class: "scale" },
+    make("span", { class: "ramp", style: "background: linear-gradient(to right, #000, rgb(26, 51, 230), rgb(217, 38, 64), rgb(255, 217, 0), #fff)" }),
+    make("span", { class: "ticks" }, ...[0, 8, 16, 24, 32].map((value, i) =>
+      make("span", { class: "tick", style: `--place: ${i / 4}` }, i < 4 ? String(value) : `${value} and more`))),
+    make("span", { class: "unit" }, "mean difference of red, green and blue, of 255"));
 
   const start = (row) => {
     const [first, second] = row.querySelectorAll("figure img");
@@ -50,7 +57,7 @@
       make("span", {}, name(second) + " →"));
     const label = `Compare ${name(first)} and ${name(second)}`;
     const comparison = make("div", { class: "comparison", role: "group", "aria-label": label }, stack, range,
-      sides, make("div", { class: "modes" }, ...buttons.map(([, button]) => button), zoom), note);
+      sides, make("div", { class: "modes" }, ...buttons.map(([, button]) => button), zoom), note, bar());
 
     const choose = (mode) => {
       comparison.dataset.mode = mode;
