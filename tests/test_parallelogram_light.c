@@ -136,9 +136,24 @@ static rk_light_sample plain_sample(const rk_light *light, float x, float y)
 
 /* --- Positions of samples -------------------------------------------------------------------- */
 
+/* Lights are read by several threads at once. */
+static void check_constant_light(void)
+{
+    const rk_light own = make_coloured(RK_LIGHT_PARALLELOGRAM);
+    const rk_light *light = rk_read_only(&own, sizeof own, "light");
+    const rk_vec3 point = {1, 2, 9}, normal = {0, 0, -1};
+    for (int domain = RK_LIGHT_DOMAIN_AREA; domain <= RK_LIGHT_DOMAIN_SOLID_ANGLE; domain++)
+        rk_light_sample_at(light, RK_FALLOFF_PHYSICAL, (rk_light_domain)domain, point,
+                           (rk_vec2){0.5f, 0.5f});
+    rk_light_solid_angle(light, point);
+    rk_light_irradiance(light, point, normal);
+    rk_read_only_free();
+}
+
 static void a_point_light_has_one_position_and_one_colour(void **state)
 {
     (void)state;
+    check_constant_light();
     rk_light light = rk_light_point(rk_vec(1, 2, 3), rk_vec(0.5f, 0.25f, 1));
     light.edge01 = light.edge02 = light.colours[1] = rk_vec(NAN, NAN, NAN);
     rk_light_sample sample = plain_sample(&light, 0.75f, 0.5f);
@@ -1097,7 +1112,7 @@ static void uniform_samples_are_unbiased(void **state)
 }
 
 /* The root of the mean squared error of 256 samples of a square overhead. */
-static double error_of_256(rk_sampler_kind kind)
+static double error_of_256(rk_light_domain domain, rk_sampler_kind kind)
 {
     enum { n = 256, sets = 64 };
     const configuration *c = &configurations[0];
@@ -1110,7 +1125,7 @@ static double error_of_256(rk_sampler_kind kind)
         for (uint32_t i = 0; i < n; i++) {
             rk_vec2 xi = rk_sample_2d(&sampler, 0, i, RK_DIMENSION_LIGHT);
             rk_light_sample sample =
-                rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, RK_LIGHT_DOMAIN_AREA, c->point, xi);
+                rk_light_sample_at(&light, RK_FALLOFF_PHYSICAL, domain, c->point, xi);
             rk_vec3 l = rk_normalize(rk_sub(sample.position, c->point));
             sum += (double)(sample.colour.x * rk_dot(l, c->normal)) / n;
         }
@@ -1121,21 +1136,21 @@ static double error_of_256(rk_sampler_kind kind)
 
 /* The reference: a tenth; strata whose order is lost, two thirds. 64 sets tell each error to 9 %.
  */
-static void check_strata(void)
+static void check_strata(rk_light_domain domain)
 {
-    double independent = error_of_256(RK_SAMPLER_UNIFORM);
-    double stratified = error_of_256(RK_SAMPLER_STRATIFIED);
+    double independent = error_of_256(domain, RK_SAMPLER_UNIFORM);
+    double stratified = error_of_256(domain, RK_SAMPLER_STRATIFIED);
     rk_check(
         stratified <= independent / 3,
-        "256 stratified samples of a square overhead are off by %.3g, independent ones by %.3g, "
-        "want at most a third: neighbouring xi are neighbouring points of the light",
-        stratified, independent);
+        "256 stratified samples of a square overhead, over its %s, are off by %.3g, independent "
+        "ones by %.3g, want at most a third: neighbouring xi are neighbouring points of the light",
+        domain == RK_LIGHT_DOMAIN_AREA ? "area" : "solid angle", stratified, independent);
 }
 
 static void stratified_samples_are_unbiased(void **state)
 {
     (void)state;
-    check_strata();
+    check_strata(RK_LIGHT_DOMAIN_AREA);
     check_unbiased(RK_LIGHT_DOMAIN_AREA, RK_SAMPLER_STRATIFIED, SETS, 0, CONFIGURATIONS);
 }
 
@@ -1148,6 +1163,7 @@ static void low_discrepancy_samples_are_unbiased(void **state)
 static void solid_angle_samples_are_unbiased(void **state)
 {
     (void)state;
+    check_strata(RK_LIGHT_DOMAIN_SOLID_ANGLE);
     check_unbiased(RK_LIGHT_DOMAIN_SOLID_ANGLE, RK_SAMPLER_LOW_DISCREPANCY, SETS / 2, 0,
                    CONFIGURATIONS / 3);
 }
