@@ -392,14 +392,20 @@ static void no_pixel_is_trusted_to_be_without_noise(void **state)
 
 /* --- Allocation ------------------------------------------------------------------------------- */
 
+static const char count_too_low[] = "n is rounded down, not to the nearest power of two";
+static const char count_too_high[] = "n is rounded up, not to the nearest power of two";
+
 static void the_count_is_the_ratio_of_deviations(void **state)
 {
     (void)state;
     const uint32_t most = 1u << 24;
     for (int k = 2; k <= 24; k++)
         for (int e = -60; e <= 60; e += 20)
-            rk_check_near(rk_adaptive_count(ldexpf(1, 2 * k + e), ldexpf(1, e), most), ldexp(1, k),
-                          0, "sigma 2^%d, lambda 2^%d: n = sigma / sqrt(lambda)", k, e);
+            rk_check_near_or(
+                rk_adaptive_count(ldexpf(1, 2 * k + e), ldexpf(1, e), most), ldexp(1, k), 0,
+                RK_MISTAKES({ldexp(1, k - 1), count_too_low}, {ldexp(1, k + 1), count_too_high},
+                            {ldexp(1, 2 * k), "the root is missing: sigma^2 / lambda"}),
+                "sigma^2 2^%d, lambda 2^%d: n = sigma / sqrt(lambda)", 2 * k + e, e);
 }
 
 static void the_count_is_the_nearest_power_of_two_by_logarithm(void **state)
@@ -407,14 +413,18 @@ static void the_count_is_the_nearest_power_of_two_by_logarithm(void **state)
     (void)state;
     const float below = 1.9999f, above = 2.0001f; /* of the squared number */
     for (int k = 2; k < 12; k++) {
-        rk_check_near(rk_adaptive_count(ldexpf(below, 2 * k), 1, 4096), ldexp(1, k), 0,
-                      "n = sqrt(%g) 2^%d; by logarithm the middle between 2^%d and 2^%d is sqrt(2) "
-                      "times the first",
-                      (double)below, k, k, k + 1);
-        rk_check_near(rk_adaptive_count(ldexpf(above, 2 * k), 1, 4096), ldexp(1, k + 1), 0,
-                      "n = sqrt(%g) 2^%d; by logarithm the middle between 2^%d and 2^%d is sqrt(2) "
-                      "times the first",
-                      (double)above, k, k, k + 1);
+        rk_check_near_or(
+            rk_adaptive_count(ldexpf(below, 2 * k), 1, 4096), ldexp(1, k), 0,
+            RK_MISTAKES({ldexp(1, k + 1), count_too_high}, {ldexp(1, k - 1), count_too_low}),
+            "n = sqrt(%g) 2^%d; by logarithm the middle between 2^%d and 2^%d is sqrt(2) "
+            "times the first",
+            (double)below, k, k, k + 1);
+        rk_check_near_or(
+            rk_adaptive_count(ldexpf(above, 2 * k), 1, 4096), ldexp(1, k + 1), 0,
+            RK_MISTAKES({ldexp(1, k), count_too_low}, {ldexp(1, k + 2), count_too_high}),
+            "n = sqrt(%g) 2^%d; by logarithm the middle between 2^%d and 2^%d is sqrt(2) "
+            "times the first",
+            (double)above, k, k, k + 1);
     }
 }
 

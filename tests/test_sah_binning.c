@@ -719,6 +719,33 @@ static bool is_split_so(const comparison *c, const rk_bvh_node *node, const tria
     return is_side_of(c, node, t, 0) && is_side_of(c, node, t, 1);
 }
 
+/* A triangle that is on the other side than in the cheapest split, as "; ..."; "" if there is none.
+ */
+static const char *strayed(const comparison *c, const rk_bvh_node *node, const trial *t,
+                           uint32_t count)
+{
+    static char text[400];
+    uint32_t left = rk_bvh_range_of(c->bvh, node->first).count;
+    uint32_t bins = c->options.bins < count ? c->options.bins : count;
+    double low = INFINITY, high = -INFINITY;
+    for (uint32_t i = 0; i < count; i++) {
+        low = fmin(low, (double)rk_axis(c->some[i].centroid, t->axis));
+        high = fmax(high, (double)rk_axis(c->some[i].centroid, t->axis));
+    }
+    text[0] = 0;
+    for (uint32_t i = 0; i < count && !text[0]; i++) {
+        double centroid = (double)rk_axis(c->some[i].centroid, t->axis);
+        double place = (centroid - low) * (bins / (high - low));
+        if ((place < t->boundary) != (i < left))
+            snprintf(text, sizeof text,
+                     "; one that went %s: centroid %.17g of low %.17g to high %.17g, %u bins, so "
+                     "in double at %.17g, bin %u",
+                     i < left ? "left" : "right", centroid, low, high, bins, place,
+                     place < bins ? (uint32_t)place : bins - 1);
+    }
+    return text;
+}
+
 /* Where two splits cost the same, roundings decide which is the cheapest: either will do. */
 static void compare_with_brute_force(const rk_bvh_node *node, uint32_t level, void *context)
 {
@@ -767,9 +794,9 @@ static void compare_with_brute_force(const rk_bvh_node *node, uint32_t level, vo
         rk_check(is_side_of(c, node, &best, side),
                  "a node of %u triangles: its %s child has %u of them, want the %u, and their box, "
                  "of the cheapest split, on axis %c at boundary %u: a triangle goes to the side on "
-                 "which its bin was counted",
+                 "which its bin was counted%s",
                  range.count, side ? "right" : "left", got, best.triangles[side], "xyz"[best.axis],
-                 best.boundary);
+                 best.boundary, strayed(c, node, &best, range.count));
     }
 }
 

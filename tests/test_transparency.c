@@ -761,7 +761,10 @@ static void a_block_absorbs_by_its_thickness(void **state)
     check_constant_crossings(RK_GLASS_BEER_LAMBERT);
     const rk_crossing thin[] = {face(0.5f, 1, true, sigma), face(0.625f, 1, false, sigma)};
     const rk_crossing thick[] = {face(0.25f, 1, true, sigma), face(0.75f, 1, false, sigma)};
-    check_thickness(thin, 2, 1, 0.125, "exp(-sigma thickness), from entering to leaving");
+    check_thickness(
+        thin, 2, 1, 0.125,
+        "exp(-sigma thickness), from entering to leaving; alpha is 0: glass absorbs whatever "
+        "its alpha");
     check_thickness(thick, 2, 1, 0.5, "four times as thick");
     check_thickness(thick, 2, 4, 2, "thickness is in world units: t times the ray's length");
     rk_vec3 a = rk_transparency_transmit(RK_GLASS_MULTIPLICATIVE, thin, 2, 1);
@@ -992,8 +995,12 @@ static void each_part_of_a_ray_absorbs_by_the_media_around_it(void **state)
         check_two_media(1, 1 + (1u << bit));
         check_two_media(0, 1u << bit);
     }
+    const rk_crossing left[] = {face(0.25f, 1, false, sigma), face(0.75f, 1, false, sigma)};
+    check_thickness(left, 2, 1, 0.75,
+                    "two faces are left, none is entered: a start in two blocks of a medium, of "
+                    "which the longer reaches to 0.75");
     for (uint32_t trial = 0; trial < 1000; trial++) {
-        bool is_long = trial % 100 == 0;
+        bool is_long = trial % 100 == 99; /* after short ones, whose messages are easier to read */
         uint32_t count = is_long ? RK_CROSSINGS_MAX : 1 + rk_case(trial, 0, 24, 0) % 12;
         rk_crossing *crossings = malloc(count * sizeof *crossings), before[RK_CROSSINGS_MAX];
         rk_check(crossings != NULL, "no memory for %u crossings", count);

@@ -20,10 +20,10 @@ void rk_bvh_build_nodes(rk_bvh *bvh, rk_bvh_split split, void *builder);
 
 /* Builds the tree over a valid mesh (rk_mesh_validate): each node is split on the longest axis of
  * its box, the ceil(N / 2) triangles with the lowest centroids to the left (of equal ones those
- * with the smaller indices; -0 is lower than 0), until RK_BVH_LEAF_TARGET or fewer remain. O(N log
- * N) time, at most 31 levels; the stack that it takes does not grow with the mesh. A mesh without
- * triangles gives a tree without nodes. False, with an empty tree, if memory runs out. Release with
- * rk_bvh_free. */
+ * with the smaller indices; -0 is lower than 0), until RK_BVH_LEAF_TARGET or fewer remain. O(N
+ * log^2 N) time at most, 31 levels at most; the stack that it takes does not grow with the mesh. A
+ * mesh without triangles gives a tree without nodes. False, with an empty tree, if memory runs out.
+ * Release with rk_bvh_free. */
 bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error);
 
 /* Returns the closest hit at 0 < t <= ray->t_max; at equal t the smallest triangle index. On a miss
