@@ -533,9 +533,19 @@ static void check_prediction_by_hand(void)
     }
 }
 
+/* Pictures' estimates are read by several threads at once. */
+static void check_constant_estimates(void)
+{
+    const rk_adaptive_estimate own[] = {{64, 8, 0}, {1024, 8, 0}};
+    const rk_adaptive_estimate *estimates = rk_read_only(own, sizeof own, "estimates");
+    rk_adaptive_predict(estimates, 2, 1, 32, 0.25);
+    rk_read_only_free();
+}
+
 static void a_prediction_adds_up_pixels(void **state)
 {
     (void)state;
+    check_constant_estimates();
     check_prediction_by_hand();
     check_large_prediction();
     const rk_adaptive_estimate estimates[] = {{64, 8, 0}, {1024, 8, 0}, {0, 4, 0}, {4096, 64, 0}};

@@ -766,9 +766,23 @@ static part with_other_axes(part p)
     return part_of_disk(disk, (double)disk.radius);
 }
 
+/* A disk is constant for all its directions. */
+static void check_constant_disk(void)
+{
+    const rk_vec3 up = {0, 0, 1};
+    const rk_glossy_disk own = rk_glossy_disk_of(up, 0.5f, up);
+    const rk_glossy_disk *disk = rk_read_only(&own, sizeof own, "disk");
+    rk_vec3 direction;
+    rk_glossy_direction(disk, (rk_vec2){0.25f, 0.25f}, &direction);
+    rk_glossy_fraction_above(disk);
+    rk_glossy_point_above(disk, 1, (rk_vec2){0.25f, 0.25f});
+    rk_read_only_free();
+}
+
 static void the_fraction_above_equals_quadrature(void **state)
 {
     (void)state;
+    check_constant_disk();
     const double radii[] = {0.02, 0.3, 1, 5}, large[] = {100, 1000};
     for (uint32_t i = 0; i < 100; i++) {
         double radius = i % 10 == 0 ? large[i / 10 % 2] : radii[i % 4];

@@ -62,9 +62,18 @@ static void the_offset_is_x_and_a_cubic_of_x(void **state)
     check_offset(rk_motion_default(), 1, -2);
 }
 
+/* Motions are read by several threads at once. */
+static void check_constant_motion(void)
+{
+    const rk_motion motion = rk_motion_default();
+    rk_motion_offset(rk_read_only(&motion, sizeof motion, "motion"), 0.5f);
+    rk_read_only_free();
+}
+
 static void the_offset_is_rounded_once(void **state)
 {
     (void)state;
+    check_constant_motion();
     for (uint32_t i = 0; i < 10000; i++) {
         /* Near a root of y, where the terms cancel. */
         float root = random_float(i, 0, 0.5f, 2), x = root * random_float(i, 1, 0.9999f, 1.0001f);
@@ -83,9 +92,18 @@ static void the_offset_is_rounded_once(void **state)
     }
 }
 
+/* Rays are read by several threads at once. */
+static void check_constant_ray(void)
+{
+    const rk_ray ray = {{1, 2, 3}, {0.5f, 0.25f, -1}, 7};
+    rk_motion_ray(rk_vec(0.5f, -1, 0), rk_read_only(&ray, sizeof ray, "ray"));
+    rk_read_only_free();
+}
+
 static void the_ray_moves_the_other_way(void **state)
 {
     (void)state;
+    check_constant_ray();
     const rk_ray ray = {{1, 2, 3}, {0.5f, 0.25f, -1}, 7};
     rk_ray moved = rk_motion_ray(rk_vec(0.5f, -1, 0), &ray);
     rk_check(moved.origin.x == 0.5f && moved.origin.y == 3 && moved.origin.z == 3,

@@ -125,9 +125,22 @@ static void check_clear_hit(const pair_of *p, uint32_t i, bool got)
         mistake_of_miss(p));
 }
 
+/* Triangles and rays are read by several threads at once. */
+static void check_constant_triangle(void)
+{
+    const rk_triangle corners = {{0, 0, 0}, {1, 0, 0}, {0, 1, 0}, 0};
+    const rk_ray down = {{0.25f, 0.25f, 1}, {0, 0, -1}, INFINITY};
+    const rk_triangle *triangle = rk_read_only(&corners, sizeof corners, "triangle");
+    const rk_ray *ray = rk_read_only(&down, sizeof down, "ray");
+    rk_watertight_intersect(triangle, ray);
+    rk_watertight_is_certain(triangle, ray);
+    rk_read_only_free();
+}
+
 static void t_u_and_v_are_rounded_from_double(void **state)
 {
     (void)state;
+    check_constant_triangle();
     unsigned hits = 0;
     for (uint32_t i = 0; i < cases; i++) {
         pair_of p = random_pair(i);
