@@ -174,6 +174,22 @@ function a_scene_is_kept_between_frames() {
   check(other.status === 1 && after.status === 0 && !after.kept, "after an error nothing is kept", JSON.stringify([other.status, after.status, after.kept]));
 }
 
+// Each option at each of its values, after the figure's own picture; the scene is made anew for those that --help says are of_scene.
+function each_option_draws_with_a_kept_scene() {
+  const wrong = [], sliders = [];
+  for (const name of fs.readdirSync(`${source}/docs`).filter((entry) => entry.endsWith(".md")).sort()) for (const {driver, args, offers, rows} of figures_of(name)) {
+    const kept = {}, run = (map, kept) => runDriver(module_, [driver, ...wordsOf(belonging(map, offers, rows))], undefined, kept);
+    for (const offer of offers) for (const value of values_of(offer, rows[offer.name])) {
+      const first = run(args, kept), map = changed(args, offer.name, value), drawn = run(map, kept), fresh = run(map), line = `${name}: ${offer.name} ${value}`;
+      if (drawn.status !== fresh.status || drawn.printed.replace(/\d+\.?\d* ms/g, "") !== fresh.printed.replace(/\d+\.?\d* ms/g, "") ||
+        (fresh.picture && Buffer.compare(drawn.picture.rgba, fresh.picture.rgba) !== 0)) wrong.push(line);
+      if (first.status === 0 && !rows[offer.name].of_scene && ["uint", "float"].includes(rows[offer.name].kind) && !drawn.kept) sliders.push(line);
+    }
+  }
+  check(wrong.length === 0, "each option of each figure draws with a kept scene as with a new one, to the bit", wrong.join("\n"));
+  check(sliders.length === 0, "a slider of the picture keeps the scene", sliders.join("\n"));
+}
+
 function every_control_does_something() {
   for (const name of fs.readdirSync(`${source}/docs`).filter((entry) => entry.endsWith(".md")).sort()) {
     const wrong = figures_of(name).map(press_all);
@@ -404,6 +420,7 @@ async function main() {
   module_prints_like_the_drivers();
   every_control_does_something();
   a_scene_is_kept_between_frames();
+  each_option_draws_with_a_kept_scene();
   if (!pandoc || !chromium) {
     console.log(`ok ${++count} - pages # SKIP ${pandoc ? "Chromium is missing: ./bootstrap --pdf" : "pandoc is missing: ./bootstrap"}`);
     await loop_shows_each_save();

@@ -27,7 +27,7 @@ static bool check_tree(rk_driver *driver, rk_error *error)
     return rk_tree_view_choose(&c->tree, driver, error);
 }
 
-static bool prepare(rk_driver *driver, rk_error *error)
+static bool choose(rk_driver *driver, rk_error *error)
 {
     if (rk_driver_debug(driver, "traversal") && driver->split >= RK_ACCEL_COLLAPSED)
         return rk_fail(error, "--debug traversal goes with a binary tree: --split median or sah");
@@ -60,7 +60,7 @@ int main(int argc, char **argv)
                                     {"leaf", draw_view, false},
                                     {"traversal", draw_traversal, false},
                                     {0}},
-        .prepare = prepare,
+        .choose = choose,
         .check_tree = check_tree,
         .put_rows = rk_tree_view_rows,
         .save = save,

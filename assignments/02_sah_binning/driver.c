@@ -25,7 +25,7 @@ static const rk_option options[] = {
     {0},
 };
 
-static bool prepare(rk_driver *driver, rk_error *error)
+static bool choose(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     if (wants_splits(driver) && driver->split == RK_ACCEL_MEDIAN)
@@ -75,7 +75,7 @@ int main(int argc, char **argv)
         .views = views,
         .studies = (rk_driver_study[]){{&c.splits, put_study, false}, {0}},
         .set_defaults = set_defaults,
-        .prepare = prepare,
+        .choose = choose,
         .check_tree = check_tree,
         .put_rows = rk_tree_view_rows,
         .save = save,

@@ -35,7 +35,7 @@ static void set_material(rk_material *material, const choices *c)
         material->shininess = c->shininess;
 }
 
-static bool prepare(rk_driver *driver, rk_error *error)
+static bool choose(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     rk_shading *shading = &driver->render.shading;
@@ -45,13 +45,20 @@ static bool prepare(rk_driver *driver, rk_error *error)
                               "--normalized, which changes a lobe's size and not its shape");
     if (c->terminator && strncmp(driver->scene_name, "sphere:", 7) != 0)
         return rk_fail(error, "--terminator goes with --scene sphere:N: it compares with a sphere");
+    if (c->bands)
+        shading->gradient = in_bands(&shading->gradient, c->bands);
+    return true;
+}
+
+static bool prepare(rk_driver *driver, rk_error *error)
+{
+    const choices *c = driver->choices;
+    const rk_shading *shading = &driver->render.shading;
     rk_scene *scene = &driver->scene;
     for (uint32_t i = 0; i < scene->mesh.material_count; i++)
         set_material(&scene->mesh.materials[i], c);
     for (uint32_t i = 0; i < scene->sphere_count; i++)
         set_material(&scene->sphere_materials[i], c);
-    if (c->bands)
-        shading->gradient = in_bands(&shading->gradient, c->bands);
     /* With pi times the light, diffuse surfaces of kd / pi look the same. */
     for (uint32_t i = 0; shading->normalized && i < scene->light_count; i++)
         for (uint32_t k = 0; k < 4; k++)
@@ -89,9 +96,9 @@ static void set_defaults(rk_driver *driver)
 
 static const rk_option options[] = {
     {"ks", RK_FIELD(choices, ks), "K",
-     "specular colour of all materials, a grey; by default their own", 0, 1, NAN},
+     "specular colour of all materials, a grey; by default their own", 0, 1, NAN, .of_scene = true},
     {"shininess", RK_FIELD(choices, shininess), "S",
-     "shininess of all materials; by default their own", 0, 1e6, NAN},
+     "shininess of all materials; by default their own", 0, 1e6, NAN, .of_scene = true},
     {"bands", RK_FIELD(choices, bands), "N", "the gradient in N equal steps; 0: smooth", 0,
      RK_GRADIENT_STOPS_MAX / 2, 0},
     {"incidence", RK_FIELD(choices, incidence), "DEG",
@@ -121,6 +128,7 @@ int main(int argc, char **argv)
                                        {&c.radiance, put_radiance, true},
                                        {&c.terminator, put_terminator, true},
                                        {0}},
+        .choose = choose,
         .prepare = prepare,
         .put_rows = put_rows,
         .save = save,

@@ -17,12 +17,18 @@ static void set_material(rk_material *material, const choices *c)
         material->absorption = rk_scale(rk_sub(rk_vec(1, 1, 1), material->kd), c->absorption);
 }
 
-static bool prepare(rk_driver *driver, rk_error *error)
+static bool choose(rk_driver *driver, rk_error *error)
 {
-    const choices *c = driver->choices;
     if (rk_driver_debug(driver, "rays") && !driver->render.transparency)
         return rk_fail(error,
                        "--debug rays goes with --transparency: without it no ray passes a surface");
+    return true;
+}
+
+static bool prepare(rk_driver *driver, rk_error *error)
+{
+    (void)error;
+    const choices *c = driver->choices;
     rk_scene *scene = &driver->scene;
     for (uint32_t i = 0; i < scene->mesh.material_count; i++)
         set_material(&scene->mesh.materials[i], c);
@@ -80,14 +86,15 @@ static bool save(rk_driver *driver, rk_error *error)
 
 static const rk_option options[] = {
     {"alpha", RK_FIELD(choices, alpha), "A",
-     "opacity of all materials, 1 is opaque; by default their own", 0, 1, NAN},
+     "opacity of all materials, 1 is opaque; by default their own", 0, 1, NAN, .of_scene = true},
     {"absorption", RK_FIELD(choices, absorption), "S",
      "absorption of all materials: white minus their colour, times S per world unit; by default "
      "their own",
      0, 1e6, NAN},
     RK_SIDE_VIEW_OPTIONS(choices, viewer),
     {"models", RK_FIELD(choices, models), NULL,
-     "put the light by each model into DIR/tables/transparency_models.csv instead of drawing"},
+     "put the light by each model into DIR/tables/transparency_models.csv instead of drawing",
+     .of_scene = true},
     {0},
 };
 
@@ -109,6 +116,7 @@ int main(int argc, char **argv)
         .set_defaults = set_defaults,
         .views = (rk_driver_view[]){{"rays", draw_view, false}, {0}},
         .studies = (rk_driver_study[]){{&c.models, put_study, true}, {0}},
+        .choose = choose,
         .prepare = prepare,
         .put_rows = put_rows,
         .save = save,

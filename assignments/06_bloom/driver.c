@@ -18,11 +18,18 @@ static const char summary[] =
 static bool prepare(rk_driver *driver, rk_error *error)
 {
     (void)error;
-    choices *c = driver->choices;
+    const choices *c = driver->choices;
     rk_scene *scene = &driver->scene;
     for (uint32_t i = 0; i < scene->light_count; i++)
         for (int k = 0; k < 4; k++)
             scene->lights[i].colours[k] = rk_scale(scene->lights[i].colours[k], c->light);
+    return true;
+}
+
+static bool choose(rk_driver *driver, rk_error *error)
+{
+    (void)error;
+    choices *c = driver->choices;
     c->bloom = driver->render.bloom;
     driver->render.bloom.on =
         c->bloom.on && !driver->debug && !driver->timing && !c->errors && !c->histogram;
@@ -88,7 +95,7 @@ static bool save(rk_driver *driver, rk_error *error)
 
 static const rk_option options[] = {
     {"light", RK_FIELD(choices, light), "F", "multiplies the colours of the scene's lights", 0, 1e6,
-     1},
+     1, .of_scene = true},
     {"errors", RK_FIELD(choices, errors), NULL,
      "put time and error of each method into DIR/tables/bloom_errors.csv instead of drawing"},
     {"histogram", RK_FIELD(choices, histogram), NULL,
@@ -118,6 +125,7 @@ int main(int argc, char **argv)
         .studies = (rk_driver_study[]){{&c.errors, put_study, false},
                                        {&c.histogram, put_histogram, false},
                                        {0}},
+        .choose = choose,
         .prepare = prepare,
         .put_rows = put_rows,
         .save = save,

@@ -15,7 +15,7 @@ static const char summary[] =
     "--policies puts the light that remains with each kind of weights into a table.";
 
 /* Remembers --pixel, which drawing resets. */
-static bool prepare(rk_driver *driver, rk_error *error)
+static bool choose(rk_driver *driver, rk_error *error)
 {
     (void)error;
     choices *c = driver->choices;
@@ -86,7 +86,7 @@ int main(int argc, char **argv)
         .studies = (rk_driver_study[]){{&c.convergence, put_convergence, false},
                                        {&c.policies, put_policies, false},
                                        {0}},
-        .prepare = prepare,
+        .choose = choose,
         .put_rows = put_rows,
         .save = save,
     };

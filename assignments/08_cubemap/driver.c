@@ -26,7 +26,7 @@ static void set_materials(rk_scene *scene, float mirror)
         set_material(&scene->sphere_materials[i], mirror);
 }
 
-static bool prepare(rk_driver *driver, rk_error *error)
+static bool choose(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     bool seam = rk_driver_debug(driver, "seam"), is_sky = strcmp(driver->environment, "sky") == 0;
@@ -38,6 +38,12 @@ static bool prepare(rk_driver *driver, rk_error *error)
                        "--debug %s shows the map and not the scene, so there is no pixel to "
                        "explain: leave it or --pixel out",
                        driver->debug);
+    return true;
+}
+
+static bool prepare(rk_driver *driver, rk_error *error)
+{
+    const choices *c = driver->choices;
     if (!isnan(c->mirror))
         set_materials(&driver->scene, c->mirror);
     return paint_environment(driver, error);
@@ -65,13 +71,13 @@ static const rk_option options[] = {
     {"mirror", RK_FIELD(choices, mirror), "K",
      "specular colour of all materials, a grey; their diffuse colour is scaled by 1 - K; by "
      "default their own",
-     0, 1, NAN},
+     0, 1, NAN, .of_scene = true},
     {"side", RK_FIELD(choices, side), "N",
      "texels per side of the built-in sky, --marked or --debug seam; 0: 256, and 8 for --debug "
      "seam",
-     0, RK_CUBEMAP_SIDE_MAX, 0},
+     0, RK_CUBEMAP_SIDE_MAX, 0, .of_scene = true},
     {"marked", RK_FIELD(choices, marked), NULL,
-     "use an environment of six colours, with an upright letter F on each face"},
+     "use an environment of six colours, with an upright letter F on each face", .of_scene = true},
     {"filters", RK_FIELD(choices, filters), NULL,
      "put errors and steps at edges, by the map's size, into DIR/tables/cubemap_filters.csv "
      "instead of drawing"},
@@ -96,6 +102,7 @@ int main(int argc, char **argv)
         .set_defaults = set_defaults,
         .views = (rk_driver_view[]){{"cross", draw_cross, true}, {"seam", draw_seam, true}, {0}},
         .studies = (rk_driver_study[]){{&c.filters, put_study, true}, {0}},
+        .choose = choose,
         .prepare = prepare,
         .put_rows = put_rows,
         .save = save,

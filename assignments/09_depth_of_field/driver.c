@@ -16,7 +16,7 @@ static const char summary[] =
     "column, "
     "into the tables depth_of_field_circles and depth_of_field_column.";
 
-static bool prepare(rk_driver *driver, rk_error *error)
+static bool choose(rk_driver *driver, rk_error *error)
 {
     if (rk_driver_debug(driver, "focus") && driver->pixel.given)
         return rk_fail(error, "--debug focus shows no pixel: --pixel goes without --debug, or with "
@@ -113,7 +113,7 @@ int main(int argc, char **argv)
         .studies = (rk_driver_study[]){{&c.convergence, put_study, true},
                                        {&c.circles, put_circles, false},
                                        {0}},
-        .prepare = prepare,
+        .choose = choose,
         .put_rows = put_rows,
         .save = save,
     };

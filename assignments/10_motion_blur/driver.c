@@ -14,7 +14,7 @@ static const char summary[] =
     "--positions puts where each object is by time, and while the shutter is open, into the tables "
     "motion_blur_path and motion_blur_shutter.";
 
-static bool prepare(rk_driver *driver, rk_error *error)
+static bool choose(rk_driver *driver, rk_error *error)
 {
     const choices *c = driver->choices;
     if (c->still && driver->debug)
@@ -27,6 +27,13 @@ static bool prepare(rk_driver *driver, rk_error *error)
     if (c->still && c->convergence)
         return rk_fail(error, "--convergence measures blur, and with --still there is none: choose "
                               "one of them");
+    return true;
+}
+
+static bool prepare(rk_driver *driver, rk_error *error)
+{
+    (void)error;
+    const choices *c = driver->choices;
     if (c->still)
         driver->scene.moving_count = 0;
     return true;
@@ -72,14 +79,15 @@ static bool save(rk_driver *driver, rk_error *error)
 
 static const rk_option driver_options[] = {
     {"path-a", RK_FIELD(rk_driver, motion.a), "A", "a mesh moves to (x, A x^3 + B x^2 + C x, 0)",
-     -1e3, 1e3},
-    {"path-b", RK_FIELD(rk_driver, motion.b), "B", "of this path", -1e3, 1e3},
-    {"path-c", RK_FIELD(rk_driver, motion.c), "C", "of this path", -1e3, 1e3},
+     -1e3, 1e3, .of_scene = true},
+    {"path-b", RK_FIELD(rk_driver, motion.b), "B", "of this path", -1e3, 1e3, .of_scene = true},
+    {"path-c", RK_FIELD(rk_driver, motion.c), "C", "of this path", -1e3, 1e3, .of_scene = true},
     {0},
 };
 
 static const rk_option options[] = {
-    {"still", RK_FIELD(choices, still), NULL, "keeps everything at rest, for comparison"},
+    {"still", RK_FIELD(choices, still), NULL, "keeps everything at rest, for comparison",
+     .of_scene = true},
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "put errors into DIR/tables/motion_blur_convergence.csv instead of drawing"},
     {"positions", RK_FIELD(choices, positions), NULL,
@@ -111,6 +119,7 @@ int main(int argc, char **argv)
         .studies = (rk_driver_study[]){{&c.convergence, put_study, false},
                                        {&c.positions, put_positions, true},
                                        {0}},
+        .choose = choose,
         .prepare = prepare,
         .put_rows = put_rows,
         .save = save,

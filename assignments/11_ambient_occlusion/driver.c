@@ -60,7 +60,8 @@ static bool put_rows(rk_driver *driver, rk_error *error)
 static const rk_option options[] = {
     RK_SIDE_VIEW_OPTIONS(choices, viewer),
     {"on-floor", RK_FIELD(choices, on_floor), NULL,
-     "instead of the scene, an exact sphere on an endless floor, seen from above"},
+     "instead of the scene, an exact sphere on an endless floor, seen from above",
+     .of_scene = true},
     {"convergence", RK_FIELD(choices, convergence), NULL,
      "write a table: error and time of each map, sampler and number of samples; with "
      "--on-floor the error against the closed form"},

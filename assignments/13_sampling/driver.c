@@ -66,7 +66,7 @@ void set_samples(rk_driver *driver, rk_sampler_kind kind, uint32_t samples)
     o->shadows = c->effect != EFFECT_PIXEL;
 }
 
-static bool prepare(rk_driver *driver, rk_error *error)
+static bool choose(rk_driver *driver, rk_error *error)
 {
     (void)error;
     choices *c = driver->choices;
@@ -134,7 +134,7 @@ int main(int argc, char **argv)
                                        {&c.blurred, put_blurred, false},
                                        {&c.spectrum, put_spectrum, false},
                                        {0}},
-        .prepare = prepare,
+        .choose = choose,
         .put_rows = put_rows,
         .save = save,
     };

@@ -46,6 +46,7 @@ typedef struct rk_option {
     const char *alias;        /* an older spelling, still read but not listed; NULL: none */
     const char *views; /* the values of --debug with which it goes, "node" or "split bad-split";
                           NULL: with all, and without --debug */
+    bool of_scene; /* scene or tree depend on it: live figures make these anew when it changes */
 } rk_option;
 
 /* clang-format off */

@@ -36,9 +36,16 @@ static bool build(const rk_driver_spec *spec, rk_driver *driver, rk_error *error
     const rk_driver_study *study = find_study(spec);
     const rk_driver_view *view = study ? NULL : find_view(spec, driver);
     const bool without_tree = (study && study->without_tree) || (view && view->without_tree);
-    return run_step(spec->prepare, driver, error) &&
+    return run_step(spec->choose, driver, error) && run_step(spec->prepare, driver, error) &&
            (without_tree ||
             (rk_driver_build(driver, error) && run_step(spec->check_tree, driver, error)));
+}
+
+bool rk_driver_begin_again(const rk_driver_spec *spec, rk_driver *driver, rk_error *error)
+{
+    rk_driver_aim(driver);
+    return rk_image_init(&driver->image, driver->render.width, driver->render.height, error) &&
+           run_step(spec->choose, driver, error) && run_step(spec->check_tree, driver, error);
 }
 
 rk_options_result rk_driver_begin(const rk_driver_spec *spec, rk_driver *driver, int argc,

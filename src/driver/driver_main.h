@@ -37,7 +37,8 @@ typedef struct rk_driver_spec {
     const rk_driver_study *studies;
 
     /* Each of these may be NULL. */
-    rk_driver_step *prepare;    /* checks options and changes the scene, before the tree is built */
+    rk_driver_step *choose;     /* checks options, and completes those of the picture */
+    rk_driver_step *prepare;    /* changes the scene, by options that are of_scene */
     rk_driver_step *check_tree; /* after it is built */
     rk_driver_step *put_rows;   /* of --timing, after the picture is rendered */
     rk_driver_step *save; /* a picture, driver->debug's or the plain one; NULL: without label */
@@ -46,6 +47,10 @@ typedef struct rk_driver_spec {
 /* Defaults, options, scene and tree. RK_OPTIONS_BAD, with an error, if any of these fails. */
 rk_options_result rk_driver_begin(const rk_driver_spec *spec, rk_driver *driver, int argc,
                                   char **argv, rk_error *error);
+
+/* The same for a driver that has read other options, and has scene and tree of another one already;
+ * their options that are of_scene are equal. */
+bool rk_driver_begin_again(const rk_driver_spec *spec, rk_driver *driver, rk_error *error);
 
 /* A study, a debug view, timing rows, or the picture. */
 bool rk_driver_draw(const rk_driver_spec *spec, rk_driver *driver, rk_error *error);

@@ -20,25 +20,28 @@ RK_NAMES(front_names, rk_front, RK_FRONT_MINUS_Z, "usual", "x", "y", "z", "-x", 
 /* The help of --scene, --debug and --pixel depends on the driver, and --move on its scene: see
  * make_common. */
 static const rk_option common_rows[] = {
-    {"scene", RK_FIELD(rk_driver, scene_name), "NAME", NULL, .initial_text = "cornell"},
+    {"scene", RK_FIELD(rk_driver, scene_name), "NAME", NULL, .initial_text = "cornell",
+     .of_scene = true},
     {"mesh", RK_FIELD(rk_driver, mesh_path), "FILE",
      "a mesh file in place of --scene (OBJ, PLY, OFF, glTF ...), seen from the front, which is +z; "
      "it fills two thirds of "
-     "the picture at the default --distance and --fov, and its light turns with the camera"},
+     "the picture at the default --distance and --fov, and its light turns with the camera",
+     .of_scene = true},
     {"up", RK_CHOICE(rk_driver, up, up_names),
      "the axis of the mesh file that points up: z in most scans and CAD files; its front is then "
      "-y",
-     .initial = RK_UP_Y},
+     .initial = RK_UP_Y, .of_scene = true},
     {"front", RK_CHOICE(rk_driver, front, front_names),
      "the axis of the mesh file that points to the viewer: usually z, or -y where z is up; -z in "
      "older OBJ files",
-     .initial = RK_FRONT_USUAL},
+     .initial = RK_FRONT_USUAL, .of_scene = true},
     {"environment", RK_FIELD(rk_driver, environment), "sky|FILE",
      "radiance of rays that hit nothing: the built-in sky, or a picture (JPG, PNG, EXR, HDR ...) "
      "that is a cross (4:3, 3:4), a strip (6:1, 1:6) or longitude and latitude (2:1), or six "
-     "pictures: a folder of px.*, nx.* ..., or a name with %s in place of px, nx ..."},
+     "pictures: a folder of px.*, nx.* ..., or a name with %s in place of px, nx ...",
+     .of_scene = true},
     {"background", RK_FIELD(rk_driver, background), "GREY",
-     "the same without --environment: one grey, linear; 0: black", 0, 1, 0},
+     "the same without --environment: one grey, linear; 0: black", 0, 1, 0, .of_scene = true},
     {"distance", RK_FIELD(rk_driver, camera_given.distance), "D",
      "distance of the camera from its target, world units; by default the scene's own", 1e-3, 1e6,
      NAN},
@@ -51,19 +54,19 @@ static const rk_option common_rows[] = {
      "rotation of the camera about y, degrees: how far it goes round; by default the scene's own",
      -360, 360, NAN},
     {"threads", RK_FIELD(rk_driver, threads), "N", "number of threads; 0: one per processor", 0,
-     RK_THREADS_MAX, 0},
+     RK_THREADS_MAX, 0, .of_scene = true},
     {"runs", RK_FIELD(rk_driver, runs), "N", "number of builds and renderings; timings are medians",
-     1, RK_RUNS_MAX, 1},
+     1, RK_RUNS_MAX, 1, .of_scene = true},
     {"split", RK_CHOICE(rk_driver, split, split_names),
      "the tree: binary, split at the median, or by the surface area heuristic on the longest axis "
      "(sah) or on all three (sah3), whose nodes may get eight children (collapsed); or built with "
      "eight, fast (morton) or fast to trace (wide)",
-     .initial = RK_ACCEL_WIDE},
+     .initial = RK_ACCEL_WIDE, .of_scene = true},
     {"bins", RK_FIELD(rk_driver, bins), "N", "bins per axis of sah, sah3 and collapsed", 2,
-     RK_SAH_BINS_MAX},
+     RK_SAH_BINS_MAX, .of_scene = true},
     {"timing", RK_FIELD(rk_driver, timing), NULL,
-     "put timings into DIR/tables instead of drawing a picture"},
-    {"debug", RK_FIELD(rk_driver, debug), "VIEW", NULL},
+     "put timings into DIR/tables instead of drawing a picture", .of_scene = true},
+    {"debug", RK_FIELD(rk_driver, debug), "VIEW", NULL, .of_scene = true},
     {"pixel", RK_FIELD(rk_driver, pixel), "X,Y", NULL},
     {"pixel-code", RK_FIELD(rk_driver, pixel_code), NULL,
      "name the lines of C that do what --pixel explains"},
@@ -73,7 +76,8 @@ static const rk_option common_rows[] = {
      "say in how many pixels the picture differs from this one, and draw where"},
     {"quiet", RK_FIELD(rk_driver, quiet), NULL, "no progress bar, no summary"},
     {"move", RK_FIELD(rk_driver, move), NULL,
-     "move the whole mesh (with --time-samples), if the scene has no moving object"},
+     "move the whole mesh (with --time-samples), if the scene has no moving object",
+     .of_scene = true},
     {0},
 };
 

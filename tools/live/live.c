@@ -61,6 +61,15 @@ static bool follows_options(rk_driver *driver)
     return follows;
 }
 
+/* A study may change the scene. */
+static bool wants_study(const rk_driver_spec *spec)
+{
+    for (const rk_driver_study *study = spec->studies; study && study->wanted; study++)
+        if (*study->wanted)
+            return true;
+    return false;
+}
+
 static void tell_camera(const rk_driver *driver)
 {
     const rk_camera *camera = &driver->scene.camera;
@@ -91,7 +100,7 @@ int __wrap_rk_driver_main(const rk_driver_spec *spec, int argc, char **argv)
     const rk_options_result result = rk_driver_begin(spec, driver, argc, argv, &error);
     kept.spec = spec;
     kept.begun = *driver;
-    const bool keeps = result == RK_OPTIONS_OK && follows_options(driver);
+    const bool keeps = result == RK_OPTIONS_OK && !wants_study(spec) && follows_options(driver);
     const bool ok = result == RK_OPTIONS_DONE ||
                     (result == RK_OPTIONS_OK && rk_driver_draw(spec, driver, &error));
     return ok && keeps ? finish_kept() : rk_driver_finish(driver, ok, &error);
@@ -113,18 +122,23 @@ static char **read_arguments(int *count)
     return argv;
 }
 
-/* The camera and the size by the command line; the other options hold as they were. */
-static bool aim_again(rk_driver *driver, int argc, char **argv, rk_error *error)
+/* Options by the command line; the scene and what is made of it are kept. */
+static bool begin_again(rk_driver *driver, int argc, char **argv, rk_error *error)
 {
-    const rk_driver_spec plain = {.feature = kept.spec->feature, .summary = kept.spec->summary};
-    rk_driver now = rk_driver_default(plain.feature, plain.summary);
-    if (!argv || rk_driver_read_options(&now, &plain, argc, argv, error) != RK_OPTIONS_OK)
-        return false;
-    driver->camera_given = now.camera_given;
-    driver->render.width = now.render.width, driver->render.height = now.render.height;
-    rk_driver_aim(driver);
+    const rk_driver made = *driver;
     rk_image_free(&driver->image);
-    return rk_image_init(&driver->image, now.render.width, now.render.height, error);
+    *driver = rk_driver_default(kept.spec->feature, kept.spec->summary);
+    rk_driver_set_defaults(driver, kept.spec);
+    const bool ok =
+        argv && rk_driver_read_options(driver, kept.spec, argc, argv, error) == RK_OPTIONS_OK;
+    driver->scene = made.scene, driver->camera_own = made.camera_own;
+    driver->accel = made.accel, driver->unfinished = made.unfinished;
+    driver->framed = made.framed, driver->build_ms = made.build_ms;
+    driver->pool = made.pool;
+    if (!ok || !rk_driver_begin_again(kept.spec, driver, error))
+        return false;
+    kept.begun = *driver;
+    return true;
 }
 
 /* `above` is not used: the driver's main has returned, and its variables, which the spec names, are
@@ -135,15 +149,18 @@ __attribute__((noinline)) static int draw_below(char *above)
     rk_error error = {""};
     int argc = 0;
     char **argv = read_arguments(&argc);
-    const bool ok = aim_again(&kept.driver, argc, argv, &error) &&
-                    rk_driver_draw(kept.spec, &kept.driver, &error);
+    const bool begun = begin_again(&kept.driver, argc, argv, &error);
+    const bool keeps = begun && !wants_study(kept.spec) && follows_options(&kept.driver);
+    const bool ok = begun && rk_driver_draw(kept.spec, &kept.driver, &error);
+    const int status = ok && keeps ? finish_kept() : rk_driver_finish(&kept.driver, ok, &error);
     free(argv);
-    return ok ? finish_kept() : rk_driver_finish(&kept.driver, false, &error);
+    return status;
 }
 
 __attribute__((export_name("draw_kept"))) int draw_kept(void);
 
-/* Draws the scene that is kept from elsewhere, or in another size. Anything but 0: it is freed. */
+/* Draws the scene that is kept, by a command line with the same options of_scene. Anything but 0:
+ * it is freed. */
 int draw_kept(void)
 {
     char above[1 << 18];

@@ -66,6 +66,8 @@ static void print_option(rk_bound_option option)
         printf(", \"value\": ");
         print_text(*text);
     }
+    if (row->of_scene)
+        printf(", \"of_scene\": true");
     printf("}");
 }
 

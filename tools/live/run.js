@@ -5,18 +5,20 @@ class Exit {
   constructor(status) { this.status = status; }
 }
 
-// What a scene and its tree do not depend on.
-const OF_FRAMES = ["--yaw", "--pitch", "--distance", "--fov", "--width", "--height"];
+// The options of each driver, by --help; by module.
+const optionsOf = new WeakMap();
 
-// The two parts of a command line: of the scene as one text, and of a frame.
-function partsOf([driver, ...words]) {
-  const scene = [driver], frame = [driver];
+// The part of a command line that scene and tree depend on, as one text.
+function sceneOf(module, [driver, ...words]) {
+  if (!optionsOf.has(module)) optionsOf.set(module, {});
+  const all = optionsOf.get(module), scene = [driver];
+  all[driver] = all[driver] || JSON.parse(start(module, [driver, "--help"]).printed);
   for (let i = 0; i < words.length; i++) {
-    const part = OF_FRAMES.includes(words[i]) ? frame : scene;
-    part.push(words[i]);
-    if (words[i + 1] !== undefined && !words[i + 1].startsWith("--")) part.push(words[++i]);
+    const option = all[driver][words[i].slice(2)], takes = words[i + 1] !== undefined && !words[i + 1].startsWith("--");
+    if (!option || option.of_scene) scene.push(words[i], ...(takes ? [words[i + 1]] : []));
+    i += takes ? 1 : 0;
   }
-  return {scene: scene.join("\n"), frame};
+  return scene.join("\n");
 }
 
 // args: ["bloom", "--bloom-radius", "3"]. Returns the exit status, what the driver printed and said, the rows of its
@@ -25,13 +27,20 @@ function partsOf([driver, ...words]) {
 // kept, an object of the caller, takes the instance with its scene and tree: the next run whose scene has the same
 // options draws these again.
 function runDriver(module, args, tell = () => {}, kept = {}) {
-  const {scene, frame} = partsOf(args), again = kept.module === module && kept.scene === scene;
-  const result = {status: 0, printed: "", said: "", rows: [], picture: null, scale: "", finish: null, kept: again};
-  const encoded = (again ? frame : args).map((arg) => new TextEncoder().encode(arg + "\0"));
-  const run = {result, encoded, tell, texts: {1: new TextDecoder(), 2: new TextDecoder()}, row: {}, keeps: false};
-  const program = again ? kept.program : instantiate(module);
-  Object.assign(program.now, run);
+  if (args.includes("--help")) return start(module, args, tell);
+  const scene = sceneOf(module, args), again = kept.module === module && kept.scene === scene;
+  const program = again ? kept.program : null;
   for (const name of Object.keys(kept)) delete kept[name];
+  return start(module, args, tell, program, (now) => Object.assign(kept, {module, scene, program: now}));
+}
+
+// program: that which draws again, or null. keep(program) gets one that could.
+function start(module, args, tell = () => {}, again = null, keep = () => {}) {
+  const result = {status: 0, printed: "", said: "", rows: [], picture: null, scale: "", finish: null, kept: again !== null};
+  const encoded = args.map((arg) => new TextEncoder().encode(arg + "\0"));
+  const run = {result, encoded, tell, texts: {1: new TextDecoder(), 2: new TextDecoder()}, row: {}, keeps: false};
+  const program = again || instantiate(module);
+  Object.assign(program.now, run);
   try {
     if (again) result.status = program.draw_kept();
     else program.start();
@@ -39,7 +48,7 @@ function runDriver(module, args, tell = () => {}, kept = {}) {
     if (!(error instanceof Exit)) throw error;
     result.status = error.status;
   }
-  if (result.status === 0 && program.now.keeps) Object.assign(kept, {module, scene, program});
+  if (result.status === 0 && program.now.keeps) keep(program);
   return result;
 }
 

@@ -34,7 +34,8 @@ RK_NAMES(rk_cubemap_filter_names, rk_cubemap_filter, RK_CUBEMAP_SEAMLESS, "neare
 static const rk_option rows[] = {
     {"environment-filter",
      RK_CHOICE(rk_render_options, environment_filter, rk_cubemap_filter_names),
-     "interpolation between the texels of --environment", .initial = RK_CUBEMAP_SEAMLESS},
+     "interpolation between the texels of --environment", .initial = RK_CUBEMAP_SEAMLESS,
+     .of_scene = true},
     {0},
 };
 

@@ -8,7 +8,8 @@ static const rk_option rows[] = {
     {"shading", RK_CHOICE(rk_render_options, shading.model, rk_shading_model_names),
      "how surfaces reflect light", .initial = RK_SHADING_LAMBERT},
     {"normalized", RK_FIELD(rk_render_options, shading.normalized), NULL,
-     "scale the model so that no surface reflects more than kd + ks of the light"},
+     "scale the model so that no surface reflects more than kd + ks of the light",
+     .of_scene = true},
     {0},
 };
 
