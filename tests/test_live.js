@@ -99,7 +99,7 @@ function module_prints_like_the_drivers() {
 // --- controls --------------------------------------------------------------------------------------
 
 // What a figure's widget alone shows, or shows once a widget has moved something.
-const BY_WIDGET = {lobes: {names: ["shininess", "ks"]}, motion: {moves: ["shutter-close", "500"]}, boxes: {moves: ["steps", "12"]}};
+const BY_WIDGET = {lobes: {names: ["shininess", "ks"]}, motion: {moves: ["shutter-close", "500"]}};
 
 const changed = (args, name, value) => {
   const map = new Map(args);

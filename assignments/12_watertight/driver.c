@@ -99,10 +99,11 @@ static rk_vec3 eye_of(const ball *b, float radius)
 /* --- Aiming ----------------------------------------------------------------------------------- */
 
 typedef void ray_visitor(void *context, const rk_ray *ray, bool leaves);
+typedef bool ray_choice(const void *context, rk_vec3 direction);
 
-/* Aims at 64 points of each edge, its ends among them. */
-static void aim_at_edges(const ball *b, rk_vec3 eye, first_hit_test *test, ray_visitor *visit,
-                         void *context)
+/* Aims at 64 points of each edge, its ends among them. Only rays that are `wanted` are traced. */
+static void aim_at_edges(const ball *b, rk_vec3 eye, first_hit_test *test, ray_choice *wanted,
+                         ray_visitor *visit, void *context)
 {
     for (uint32_t i = 0; i < 3 * triangles; i++) {
         const rk_vec3 *corner = &b->triangles[i / 3].a;
@@ -110,7 +111,8 @@ static void aim_at_edges(const ball *b, rk_vec3 eye, first_hit_test *test, ray_v
         for (uint32_t k = 0; k < parts_of_edge; k++) {
             rk_vec3 at = rk_mix(from, to, (float)k / parts_of_edge);
             rk_ray ray = {eye, rk_sub(at, eye), INFINITY};
-            visit(context, &ray, test(b, &ray) == triangles);
+            if (wanted(context, ray.direction))
+                visit(context, &ray, test(b, &ray) == triangles);
         }
     }
 }
@@ -151,10 +153,21 @@ static void draw_dot(const view *v, rk_vec2 at, int radius, rk_vec3 colour)
         }
 }
 
+/* Most rays of the ball lie outside the picture, and are not traced for it. */
+static bool is_seen(const void *context, rk_vec3 direction)
+{
+    const view *v = context;
+    const rk_vec2 at = on_plane(direction);
+    const float margin = 8, /* more than a dot's radius */
+        x = 0.5f * (float)v->image->width + margin, y = 0.5f * (float)v->image->height + margin;
+    return direction.z > 0 && fabsf(v->pixels * (at.x - v->middle.x)) < x &&
+           fabsf(v->pixels * (at.y - v->middle.y)) < y;
+}
+
 static void draw_ray(void *context, const rk_ray *ray, bool leaves)
 {
     const view *v = context;
-    if (leaves != v->leaks || !(ray->direction.z > 0))
+    if (leaves != v->leaks)
         return;
     if (leaves)
         draw_dot(v, on_plane(ray->direction), v->magnified ? 4 : 2, rk_vec(1, 1, 1));
@@ -174,12 +187,18 @@ static void draw_triangles(const view *v, const ball *b, rk_vec3 eye)
         }
 }
 
-/* The leak nearest to the middle, for both tests: their pictures show the same place. */
-static void keep_nearest_leak(void *context, const rk_ray *ray, bool leaves)
+static bool is_nearer(const void *context, rk_vec3 direction)
 {
-    rk_vec2 *nearest = context, at = on_plane(ray->direction);
-    if (leaves && ray->direction.z > 0 && hypotf(at.x, at.y) < hypotf(nearest->x, nearest->y))
-        *nearest = at;
+    const rk_vec2 *nearest = context, at = on_plane(direction);
+    return direction.z > 0 && hypotf(at.x, at.y) < hypotf(nearest->x, nearest->y);
+}
+
+/* The leak nearest to the middle, for both tests: their pictures show the same place. */
+static void keep_leak(void *context, const rk_ray *ray, bool leaves)
+{
+    rk_vec2 *nearest = context;
+    if (leaves)
+        *nearest = on_plane(ray->direction);
 }
 
 static bool draw_with(rk_driver *driver, first_hit_test *test)
@@ -194,14 +213,14 @@ static bool draw_with(rk_driver *driver, first_hit_test *test)
               .magnified = c->magnify > 1};
     if (v.magnified) {
         v.middle = (rk_vec2){1, 1};
-        aim_at_edges(&b, eye, classic_hit, keep_nearest_leak, &v.middle);
+        aim_at_edges(&b, eye, classic_hit, is_nearer, keep_leak, &v.middle);
     }
     draw_triangles(&v, &b, eye);
     if (v.magnified)
-        aim_at_edges(&b, eye, test, draw_ray, &v);
+        aim_at_edges(&b, eye, test, is_seen, draw_ray, &v);
     v.leaks = true;
     snprintf(driver->scene.name, sizeof driver->scene.name, "ball"); /* for names and captions */
-    aim_at_edges(&b, eye, test, draw_ray, &v);
+    aim_at_edges(&b, eye, test, is_seen, draw_ray, &v);
     return true;
 }
 
@@ -223,6 +242,13 @@ typedef struct leak_count {
     uint32_t rays, leaks;
 } leak_count;
 
+static bool is_any(const void *context, rk_vec3 direction)
+{
+    (void)context;
+    (void)direction;
+    return true;
+}
+
 static void count_ray(void *context, const rk_ray *ray, bool leaves)
 {
     (void)ray;
@@ -234,7 +260,7 @@ static void count_ray(void *context, const rk_ray *ray, bool leaves)
 static leak_count leaks_of(const ball *b, rk_vec3 eye, first_hit_test *test)
 {
     leak_count count = {0, 0};
-    aim_at_edges(b, eye, test, count_ray, &count);
+    aim_at_edges(b, eye, test, is_any, count_ray, &count);
     return count;
 }
 
