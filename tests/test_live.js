@@ -279,6 +279,29 @@ async function page_is_live(browser, page) {
   })()`);
   const third = turned ? await differs(browser) : "the command has no --yaw";
   check(!third, "dragging turns the camera", third);
+
+  // A click while the picture of another option is drawn.
+  await browser.value(`(() => {
+    delete document.querySelector(".live").dataset.explained;
+    const box = document.querySelector(".live canvas").getBoundingClientRect();
+    document.querySelector(".live input[name=bloom-radius]").dispatchEvent(new Event("change"));
+    for (const type of ["pointerdown", "pointerup"]) document.querySelector(".live canvas").dispatchEvent(new PointerEvent(type, {clientX: box.left + box.width / 2, clientY: box.top + box.height / 2}));
+  })()`);
+  check(await browser.until('document.querySelector(".live").dataset.explained'), "a click while the figure is drawn is answered afterwards");
+  for (const width of [1280, 390]) {
+    await browser.view(width, "light");
+    const cut = await browser.value('[...document.querySelectorAll(".live .story pre:not([hidden])")].filter((pre) => pre.scrollWidth > pre.clientWidth || pre.clientWidth === 0).length');
+    check(cut === 0, `at ${width} px no line of an explanation is cut`, cut);
+  }
+  await browser.view(1280, "light");
+}
+
+async function a_clicked_pixel_tells_its_fraction(browser) {
+  const args = "--debug rays --light-samples 16 --light-visibility rays --pixel 40,45 --width 60 --height 60";
+  await browser.open(`file://${weave({driver: "parallelogram_light", args}, "light-samples=1..64", "click=draw")}`);
+  await browser.until('document.querySelector(".live").dataset.drawn');
+  const said = await browser.value('document.querySelector(".live .says").textContent'), [wanted] = native("parallelogram_light", args.split(" ")).printed.match(/^pixel .*/m) || ["no line of the pixel"];
+  check(/unoccluded: a fraction of [\d.]+$/.test(wanted) && said.startsWith(wanted), "the fraction of the light that a pixel sees is told as a number", `${said}\n-- instead of --\n${wanted}`);
 }
 
 async function page_stays_without_webassembly(browser, page) {
@@ -429,6 +452,7 @@ async function main() {
     const page = weave(FIGURE, OPTIONS), browser = new Browser(chromium, folder);
     try {
       await page_is_live(browser, page);
+      await a_clicked_pixel_tells_its_fraction(browser);
       await false_colours_have_a_bar(browser);
       await page_stays_without_webassembly(browser, page);
       await require("./test_live_widgets.js")({check, native, weave, differs, browser});

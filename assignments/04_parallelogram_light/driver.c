@@ -148,8 +148,8 @@ static void print_rays(const rk_driver *driver)
     if (driver->quiet || !rk_driver_debug(driver, "rays"))
         return;
     if (c->traced > 0)
-        printf("pixel %u,%u: %u shadow rays, %u unoccluded\n", pixel.x, pixel.y, c->traced,
-               c->unoccluded);
+        printf("pixel %u,%u: %u shadow rays, %u unoccluded: a fraction of %.3g\n", pixel.x, pixel.y,
+               c->traced, c->unoccluded, (double)c->unoccluded / c->traced);
     else
         printf("pixel %u,%u: no shadow rays: it faces away from the light, or nothing is between "
                "them; --light-visibility rays traces them there, too\n",

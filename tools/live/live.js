@@ -27,7 +27,7 @@
     .live .line span { white-space: nowrap; }
     .live button { font: .75rem "Helvetica Neue", "Arial", sans-serif; color: var(--ink); background: var(--panel); border: 1px solid var(--line); border-radius: 3px; padding: .15rem .5rem; cursor: pointer; }
     .live .story { margin-top: .8rem; font: .75rem/1.4 "Helvetica Neue", "Arial", sans-serif; }
-    .live .story pre { margin: .4rem 0 0; max-height: 15rem; overflow: auto; font-size: .68rem; line-height: 1.45; padding: .5rem 0; }
+    .live .story pre { white-space: pre-wrap; overflow-wrap: anywhere; margin: .4rem 0 0; max-height: 15rem; overflow: auto; font-size: .68rem; line-height: 1.45; padding: .5rem 0; }
     .live .story pre span { display: block; padding: 0 .7rem; }
     .live .story .place { color: var(--soft); }
     .live .story .code .now { box-shadow: inset 3px 0 var(--link); }
@@ -241,6 +241,7 @@
       this.wanted = null; // {args, preview} that waits for the runner
       this.busy = null;   // the one that runs
       this.stays = null;  // where the steps of a pixel stay beside its picture: who is told which one is read
+      this.clicked = null; // a pixel that waits for the runner
       this.lasts = 0;     // ms of the last full picture
       this.done = true;   // false while something is dragged
     }
@@ -314,8 +315,8 @@
       this.bar = make("div", {className: "scale", hidden: true});
       const below = [this.bar, this.controls, make("div", {className: "line"}, this.command, copy, reset), this.says];
       image.replaceWith(make("div", {className: "stage"}, ...(this.widget
-        ? [make("div", {className: "left"}, screen, make("div", {className: "below"}, ...below)), make("div", {}, this.widget.box, this.story)]
-        : [screen, make("div", {}, ...below, this.story)])));
+        ? [make("div", {className: "left"}, screen, make("div", {className: "below"}, ...below)), make("div", {}, this.widget.box, ...(this.stays ? [this.story] : []))]
+        : [screen, make("div", {}, ...below)])), ...(this.stays ? [] : [this.story]));
       this.element.closest(".picture").querySelectorAll(".parameters").forEach((old) => old.remove());
       this.listen();
     }
@@ -365,6 +366,7 @@
     changed(done) {
       this.story.hidden = !this.stays;
       this.mark.hidden = true;
+      this.clicked = null;
       this.done = done;
       this.grey();
       const args = new Map(this.args);
@@ -400,7 +402,14 @@
         if (this.busy !== job) return;
         this.show(result, job);
       }
+      this.goOn();
+    }
+
+    // What came while something else was drawn.
+    goOn() {
       this.busy = null;
+      if (this.wanted) this.work();
+      else if (this.clicked) this.explain(this.clicked);
     }
 
     print() {
@@ -421,7 +430,8 @@
       this.showScale(result.scale);
       const {width, height} = result.picture || {};
       const {drag, click} = this.element.dataset;
-      this.says.textContent = `${width} x ${height} pixels, drawn here in ${result.ms.toFixed(0)} ms by one thread. ` +
+      const told = click === "draw" && !this.widget ? result.printed.split("\n").filter((line) => line && !/^\S+\.png: /.test(line)).join(" ") : "";
+      this.says.textContent = `${told && told + ". "}${width} x ${height} pixels, drawn here in ${result.ms.toFixed(0)} ms by one thread. ` +
         (drag === "no" ? "" : "Drag the picture to turn the camera. ") + (click === "no" ? "" : click === "draw" ?
         "Click a pixel to see its rays." : "Click a pixel to see how it gets its colour.");
       if (!job.preview) this.element.dataset.drawn = this.wordsOf(job.args).join(" ");
@@ -450,23 +460,28 @@
     }
 
     // The driver's own explanation, each ray and light a step; click=draw draws the pixel's rays instead.
-    async ask(event) {
+    ask(event) {
       const box = this.canvas.getBoundingClientRect();
       const place = [(event.clientX - box.left) / box.width * this.canvas.width,
         (event.clientY - box.top) / box.height * this.canvas.height].map(Math.floor);
       if (this.element.dataset.click === "draw" && this.args.has("debug")) return this.change("pixel", place.join(), true);
+      this.explain(place);
+    }
+
+    async explain(place) {
+      this.clicked = this.busy ? place : null;
       if (this.busy) return;
       const job = this.busy = {preview: false};
       const args = new Map([...this.args, ["pixel", place.join()], ["pixel-code", true]]);
       args.delete("debug");
       const result = await this.runner.run([this.driver, ...this.wordsOf(args)]);
       if (this.busy !== job) return;
-      this.busy = null;
       const said = result.status === 0 ? result.printed.split("\n").filter((line) => !/^\S+\.png: /.test(line)).join("\n") : result.said;
       this.tell(said.trimEnd().split("\n"));
       this.mark.hidden = false;
       Object.assign(this.mark.style, {left: `${100 * (place[0] + .5) / this.canvas.width}%`, top: `${100 * (place[1] + .5) / this.canvas.height}%`});
       this.element.dataset.explained = place.join();
+      this.goOn();
     }
 
     // Shows these lines as steps, and the first of them, or another one.
