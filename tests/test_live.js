@@ -297,7 +297,7 @@ async function page_is_live(browser, page) {
 }
 
 async function a_clicked_pixel_tells_its_fraction(browser) {
-  const args = "--debug rays --light-samples 16 --light-visibility rays --pixel 40,45 --width 60 --height 60";
+  const args = "--debug rays --light-samples 16 --light-visibility rays --pixel 51,52 --width 60 --height 60";
   await browser.open(`file://${weave({driver: "parallelogram_light", args}, "light-samples=1..64", "click=draw")}`);
   await browser.until('document.querySelector(".live").dataset.drawn');
   const said = await browser.value('document.querySelector(".live .says").textContent'), [wanted] = native("parallelogram_light", args.split(" ")).printed.match(/^pixel .*/m) || ["no line of the pixel"];
