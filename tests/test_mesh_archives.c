@@ -117,6 +117,30 @@ static void what_a_3mf_does_not_show_is_told(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void colours_of_a_3mf_are_srgb(void **state)
+{
+    (void)state;
+    archive a = begin_3mf(MODEL("<basematerials id=\"1\"><base name=\"a\" "
+                                "displaycolor=\"#60C000\"/></basematerials>"
+                                "<object id=\"9\" type=\"model\" pid=\"1\" "
+                                "pindex=\"0\">" MESH("") "</object>",
+                                "<item objectid=\"9\"/>"));
+    rk_mesh mesh;
+    rk_error error;
+    const test_path path = write_archive(&a, "srgb.3mf");
+    rk_check_ok(rk_mesh_file_read(&mesh, path.text, &error), error);
+    const rk_vec3 kd = mesh.materials[mesh.triangle_materials[0]].kd;
+    rk_check_close(kd.x, rk_srgb_decode(0x60 / 255.0f), 1e-6, "red");
+    rk_check_close(kd.y, rk_srgb_decode(0xc0 / 255.0f), 1e-6, "green");
+    rk_check_close(kd.z, 0, 0, "blue");
+    rk_mesh_free(&mesh);
+    a = begin_3mf(ONE_PART);
+    const test_path plain = write_archive(&a, "plain.3mf");
+    rk_check_ok(rk_mesh_file_read(&mesh, plain.text, &error), error);
+    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 0.8f, 0.8f, 0.8f);
+    rk_mesh_free(&mesh);
+}
+
 /* As it is told: Assimp gives its material black, and one place in the picture to each vertex. */
 static void a_3mf_with_a_texture_is_plain(void **state)
 {
@@ -319,6 +343,7 @@ static void a_transparency_of_0_in_collada_is_drawn_with_a_note(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(what_a_3mf_does_not_show_is_told),
+    cmocka_unit_test(colours_of_a_3mf_are_srgb),
     cmocka_unit_test(a_3mf_with_a_texture_is_plain),
     cmocka_unit_test(a_3mf_may_hold_a_thumbnail),
     cmocka_unit_test(parts_of_a_3mf_in_other_models_are_told),

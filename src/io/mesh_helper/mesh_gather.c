@@ -240,7 +240,7 @@ static void set_material(rk_mesh_emit_state *g, rk_mesh *mesh, rk_mesh_textures 
         rk_mesh_textures_find(textures, i, g->scene, source);
     bool varies = textures->of_material[i] != 0 || variant & COLOURED;
     if (!g->plain)
-        mesh->materials[i] = rk_mesh_material(source, varies);
+        mesh->materials[i] = rk_mesh_material(source, varies, g->models > 0);
     if (!(variant & COLOURED && g->colours.replace))
         see_lost(g, source, &mesh->materials[i]);
     draw_tr_one(g, source, &mesh->materials[i]);

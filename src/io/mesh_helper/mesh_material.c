@@ -2,6 +2,8 @@
  * shininess. Values that Assimp made up are told from those of the file where that is possible. */
 #include "io/mesh_helper/mesh_material.h"
 
+#include "base/image.h"
+
 #include <assimp/GltfMaterial.h>
 #include <string.h>
 
@@ -49,7 +51,7 @@ static void take_diffuse(const struct aiMaterial *material, rk_vec3 *kd, float *
     *alpha = diffuse_alpha;
 }
 
-rk_material rk_mesh_material(const struct aiMaterial *material, bool varies)
+rk_material rk_mesh_material(const struct aiMaterial *material, bool varies, bool is_encoded)
 {
     rk_material m = {.kd = rk_vec(0.8f, 0.8f, 0.8f), .alpha = 1};
     if (has_text(material, AI_MATKEY_NAME, AI_DEFAULT_MATERIAL_NAME)) {
@@ -69,7 +71,8 @@ rk_material rk_mesh_material(const struct aiMaterial *material, bool varies)
         m.alpha_cutoff = is_mask ? clamp_fraction((float)cutoff) : 0;
         return m;
     }
-    read_colour(material, AI_MATKEY_COLOR_DIFFUSE, &m.kd, &unused);
+    if (read_colour(material, AI_MATKEY_COLOR_DIFFUSE, &m.kd, &unused) && is_encoded)
+        m.kd = rk_vec(rk_srgb_decode(m.kd.x), rk_srgb_decode(m.kd.y), rk_srgb_decode(m.kd.z));
     if (varies && is_made_up(m.kd))
         m.kd = rk_vec(1, 1, 1);
     read_colour(material, AI_MATKEY_COLOR_SPECULAR, &m.ks, &unused);

@@ -11,7 +11,8 @@
  * MASK, and the cutoff of MASK. The grey that Assimp gives surfaces without a material becomes
  * rk_mesh_init's default. Colours are clamped to [0, 1]; where the colour `varies`, by a texture or
  * by colours of vertices, a material without Kd does not darken it by Assimp's grey. Values that
- * are not finite are kept, for rk_mesh_validate to refuse. */
-rk_material rk_mesh_material(const struct aiMaterial *material, bool varies);
+ * are not finite are kept, for rk_mesh_validate to refuse. `is_encoded`: the diffuse colour is in
+ * sRGB, as 3MF's. */
+rk_material rk_mesh_material(const struct aiMaterial *material, bool varies, bool is_encoded);
 
 #endif
