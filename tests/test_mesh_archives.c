@@ -341,6 +341,49 @@ static void a_transparency_of_0_in_collada_is_drawn_with_a_note(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* As OpenCOLLADA for 3ds Max counts. In `uv`, the second input of the triangles. */
+#define COLLADA_WITH_PICTURE(uv, corners)                                                          \
+    "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset>"    \
+    "<up_axis>Y_UP</up_axis></asset><library_images><image id=\"i\"><init_from>a.ppm</init_from>"  \
+    "</image></library_images><library_effects><effect id=\"e\"><profile_COMMON>"                  \
+    "<newparam sid=\"f\"><surface type=\"2D\"><init_from>i</init_from></surface></newparam>"       \
+    "<newparam sid=\"x\"><sampler2D><source>f</source></sampler2D></newparam>"                     \
+    "<technique sid=\"t\"><lambert><diffuse><texture texture=\"x\" texcoord=\"CHANNEL1\"/>"        \
+    "</diffuse></lambert></technique></profile_COMMON></effect></library_effects>"                 \
+    "<library_materials><material id=\"m\"><instance_effect url=\"#e\"/></material>"               \
+    "</library_materials><library_geometries><geometry id=\"g\"><mesh><source id=\"p\">"           \
+    "<float_array id=\"pa\" count=\"9\">0 0 0 1 0 0 0 1 0</float_array><technique_common>"         \
+    "<accessor source=\"#pa\" count=\"3\" stride=\"3\"><param name=\"X\" type=\"float\"/>"         \
+    "<param name=\"Y\" type=\"float\"/><param name=\"Z\" type=\"float\"/></accessor>"              \
+    "</technique_common></source><source id=\"u\"><float_array id=\"ua\" count=\"6\">0 0 1 0 0 1"  \
+    "</float_array><technique_common><accessor source=\"#ua\" count=\"3\" stride=\"2\">"           \
+    "<param name=\"S\" type=\"float\"/><param name=\"T\" type=\"float\"/></accessor>"              \
+    "</technique_common></source><vertices id=\"v\"><input semantic=\"POSITION\" "                 \
+    "source=\"#p\"/></vertices><triangles material=\"s\" count=\"1\"><input semantic=\"VERTEX\" "  \
+    "source=\"#v\" offset=\"0\"/>" uv "<p>" corners "</p></triangles></mesh></geometry>"           \
+    "</library_geometries><library_visual_scenes><visual_scene id=\"s\"><node>"                    \
+    "<instance_geometry url=\"#g\"><bind_material><technique_common><instance_material "           \
+    "symbol=\"s\" target=\"#m\"><bind_vertex_input semantic=\"CHANNEL1\" "                         \
+    "input_semantic=\"TEXCOORD\" input_set=\"0\"/></instance_material></technique_common>"         \
+    "</bind_material></instance_geometry></node></visual_scene></library_visual_scenes><scene>"    \
+    "<instance_visual_scene url=\"#s\"/></scene></COLLADA>"
+
+static void a_channel_that_a_collada_mesh_lacks_is_its_first(void **state)
+{
+    (void)state;
+    test_folder_write(&folder, "a.ppm", "P6\n1 1\n255\n\377\0\0", 14, 0600);
+    rk_mesh mesh = load(
+        write_text("channel.dae", COLLADA_WITH_PICTURE("<input semantic=\"TEXCOORD\" source=\"#u\" "
+                                                       "offset=\"1\" set=\"0\"/>",
+                                                       "0 0 1 1 2 2")));
+    rk_check_equal(mesh.texture_count, 1, "textures");
+    if (mesh.texcoords)
+        rk_check_close(mesh.texcoords[mesh.triangles[0][1]].x, 1, 0, "u of the second corner");
+    else
+        rk_check(false, "has no texture coordinates");
+    rk_mesh_free(&mesh);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(what_a_3mf_does_not_show_is_told),
     cmocka_unit_test(colours_of_a_3mf_are_srgb),
@@ -353,6 +396,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_amf_in_an_archive_is_refused),
     cmocka_unit_test(xml_may_be_in_utf16),
     cmocka_unit_test(a_transparency_of_0_in_collada_is_drawn_with_a_note),
+    cmocka_unit_test(a_channel_that_a_collada_mesh_lacks_is_its_first),
 };
 
 RK_SUITE_IN("mesh_archives", tests, make_folder, remove_folder)

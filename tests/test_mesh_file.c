@@ -605,9 +605,11 @@ static void a_part_without_texture_coordinates_shows_its_colour_alone(void **sta
     (void)state;
     write_quarters(&folder, "quarters.png");
     write_text("mixed.mtl", "newmtl a\nKd 1 0.5 1\nmap_Kd quarters.png\n");
-    rk_mesh mesh = load(write_text(
-        "mixed.obj", "mtllib mixed.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
-                     "o with\nusemtl a\nf 1/1 2/2 3/3\no without\nusemtl a\nf 3 2 1\n"));
+    rk_mesh mesh = load_with_note(
+        write_text("mixed.obj",
+                   "mtllib mixed.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+                   "o with\nusemtl a\nf 1/1 2/2 3/3\no without\nusemtl a\nf 3 2 1\n"),
+        "has pictures on parts without texture coordinates, which the picture does not show");
     assert_non_null(texture_of(&mesh, 0));
     rk_check(texture_of(&mesh, 1) == NULL, "there is no place for it");
     for (uint32_t i = 0; i < 2; i++)

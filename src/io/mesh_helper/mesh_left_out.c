@@ -12,6 +12,7 @@ static const char *const names[RK_MESH_LEFT_OUT_COUNT] = {
     [RK_MESH_LEFT_OUT_EMISSION] = "surfaces that emit light",
     [RK_MESH_LEFT_OUT_GLOSS] = "pictures of metalness, roughness, highlights or ambient light",
     [RK_MESH_LEFT_OUT_PICTURES] = "pictures without compression inside the file",
+    [RK_MESH_LEFT_OUT_UNPLACED] = "pictures on parts without texture coordinates",
     [RK_MESH_LEFT_OUT_WRAPS] = "pictures that are mirrored or repeat in one direction only",
     [RK_MESH_LEFT_OUT_HIDDEN_COLOURS] = "colours of vertices where there are pictures",
     [RK_MESH_LEFT_OUT_TORN_COLOURS] = "colours of only some vertices",

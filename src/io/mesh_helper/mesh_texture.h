@@ -47,7 +47,7 @@ rk_mesh_texture_transform rk_mesh_texture_transform_of(const struct aiMaterial *
                                                        const rk_mesh_mtl_material *mtl);
 
 /* Does the material name a picture? `set` is then the set of texture coordinates that it uses: 0
- * except in glTF. */
+ * except in glTF and Collada, whose channels Assimp may count from 1. */
 bool rk_mesh_texture_set(const struct aiMaterial *material, uint32_t *set);
 
 /* Does its picture continue in a way that is not drawn: mirrored, or differently in u and v? */
