@@ -341,6 +341,24 @@ static void a_transparency_of_0_in_collada_is_drawn_with_a_note(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* As Godot writes them; Assimp reads no number after them. */
+static void blanks_around_numbers_of_collada_are_skipped(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text(
+        "blanks.dae",
+        COLLADA_OF("<library_effects><effect id=\"e\"><profile_COMMON>"
+                   "<technique sid=\"t\"><lambert><diffuse><color>  1 0 .5 1 </color></diffuse>"
+                   "</lambert></technique></profile_COMMON></effect></library_effects>"
+                   "<library_materials><material id=\"m\"><instance_effect url=\"#e\"/>"
+                   "</material></library_materials>",
+                   "<bind_material><technique_common><instance_material symbol=\"s\" "
+                   "target=\"#m\"/></technique_common></bind_material>")));
+    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 1, 0, 0.5f);
+    check_point(vector_area(&mesh, 0), 0, 0, 0.5f);
+    rk_mesh_free(&mesh);
+}
+
 /* As OpenCOLLADA for 3ds Max counts. In `uv`, the second input of the triangles. */
 #define COLLADA_WITH_PICTURE(uv, corners)                                                          \
     "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset>"    \
@@ -396,6 +414,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_amf_in_an_archive_is_refused),
     cmocka_unit_test(xml_may_be_in_utf16),
     cmocka_unit_test(a_transparency_of_0_in_collada_is_drawn_with_a_note),
+    cmocka_unit_test(blanks_around_numbers_of_collada_are_skipped),
     cmocka_unit_test(a_channel_that_a_collada_mesh_lacks_is_its_first),
 };
 

@@ -223,7 +223,28 @@ static void a_mesh_in_gzip_names_the_program(void **state)
     (void)state;
     static const char *const names[] = {"a.obj", "a.ply", "a.off", "a.stl", "a.glb", "a.fbx"};
     for (size_t i = 0; i < sizeof names / sizeof *names; i++)
-        check_refused(names[i], "\x1f\x8b\10 \r 3", ": is compressed by gzip", "gunzip");
+        check_refused(names[i], "\x1f\x8b\10 \r 3", ": is compressed by gzip: rename it", "gunzip");
+    check_refused("a.obj.gz", "\x1f\x8b\10 \r 3", ": is compressed by gzip: gunzip it", "");
+    check_refused("a.blend", "\x28\xb5\x2f\xfd\xa0",
+                  ": is compressed by Zstandard: save it uncompressed", "");
+}
+
+/* Assimp takes the first for a mesh without faces. */
+static void a_refusal_names_the_true_reason_and_a_remedy(void **state)
+{
+    (void)state;
+    check_refused("a.egg",
+                  "<CoordinateSystem> { Z-Up }\n<VertexPool> p {\n<Vertex> 0 { 0 0 0 }\n}\n",
+                  ": has a format that Assimp does not read: export it as glTF or OBJ", "");
+    check_refused(
+        "splats.ply",
+        "ply\nformat ascii 1.0\nelement chunk 1\nproperty float min_x\nelement vertex 1\n"
+        "property uint packed_position\nelement sh 1\nproperty uchar f_rest_0\nend_header\n"
+        "0\n1\n2\n",
+        ": has only points and no faces", "surface");
+    check_refused("a.step",
+                  "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\n",
+                  ": Assimp cannot read it: ", "export it again, or as glTF or OBJ");
 }
 
 static void a_material_file_without_a_known_line_costs_no_mesh(void **state)
@@ -1171,6 +1192,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(invisible_materials_are_told),
     cmocka_unit_test(a_mesh_without_any_area_says_so),
     cmocka_unit_test(a_mesh_in_gzip_names_the_program),
+    cmocka_unit_test(a_refusal_names_the_true_reason_and_a_remedy),
     cmocka_unit_test(a_material_file_without_a_known_line_costs_no_mesh),
     cmocka_unit_test(what_an_obj_has_beside_faces_is_told),
     cmocka_unit_test(colours_of_an_obj_as_zbrush_writes_them_are_drawn),

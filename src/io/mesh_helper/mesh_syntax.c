@@ -77,6 +77,40 @@ static char *copy_with_feeds(const char *path, const char *text, size_t size, rk
     return turned;
 }
 
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
+
+/* Of XML, without the blanks between a tag and a number, at which Assimp gives up on Collada. */
+static char *copy_without_blanks(const char *path, const char *text, size_t size, size_t *copied,
+                                 rk_error *error)
+{
+    char *copy = rk_allocate_unset(size, 1, path, error);
+    *copied = 0;
+    for (size_t i = 0; copy && i < size; i++) {
+        copy[(*copied)++] = text[i];
+        size_t next = i + 1;
+        while (text[i] == '>' && next < size && is_blank(text[next]))
+            next++;
+        if (next > i + 1 && next < size && strchr("+-.0123456789", text[next]))
+            i = next - 1;
+    }
+    return copy;
+}
+
+static bool check_packing(const char *path, const char *text, size_t size, rk_error *error)
+{
+    if (size >= 4 && memcmp(text, "\x28\xb5\x2f\xfd", 4) == 0)
+        return rk_fail(error, "%s: is compressed by Zstandard: save it uncompressed", path);
+    if (size < 2 || memcmp(text, "\x1f\x8b", 2) != 0 || has_ending(path, "blend"))
+        return true;
+    if (has_ending(path, "gz"))
+        return rk_fail(
+            error, "%s: is compressed by gzip: gunzip it, and name the file that it makes", path);
+    return rk_fail(error, "%s: is compressed by gzip: rename it to end in .gz and gunzip it", path);
+}
+
 static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
 
@@ -99,9 +133,8 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
 {
     size_t utf8_size = 0, named_size = 0;
     char *named = NULL;
-    if (size >= 2 && memcmp(text, "\x1f\x8b", 2) == 0 && !has_ending(path, "blend"))
-        return rk_fail(error, "%s: is compressed by gzip: rename it to end in .gz and gunzip it",
-                       path);
+    if (!check_packing(path, text, size, error))
+        return false;
     if (!rk_lfs_pointer_check(path, text, size, error))
         return false;
     if (is_text(path) && rk_text_encoding_is_utf16(text, size)) {
@@ -129,6 +162,10 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
         return rk_mesh_syntax_3mf(path, text, size, hints, error);
     if (has_ending(path, "amf"))
         return rk_mesh_syntax_amf(path, text, size, hints, error);
+    if (has_ending(path, "dae")) {
+        hints->text = copy_without_blanks(path, text, size, &hints->size, error);
+        return hints->text != NULL;
+    }
     if (has_ending(path, "glb"))
         return rk_mesh_syntax_glb(path, text, size, hints, error);
     if (has_ending(path, "gltf"))

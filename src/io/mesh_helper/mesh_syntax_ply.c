@@ -220,11 +220,15 @@ static bool check_header(const ply_parser *s, rk_error *error)
         const ply_element *e = &s->elements[i];
         if (e->count > 0 && e->property_count == 0)
             return fail_header(s, e->line, "an element without properties", error);
-        has_faces |= e->count > 0 && strcmp(e->name, "vertex") != 0;
+        has_faces |= e->count > 0 && strcmp(e->name, "face") == 0;
     }
-    if (s->vertices == 0 || !has_faces)
-        return rk_fail(error, "%s: has no triangles: choose a mesh with faces, not a point cloud",
+    if (s->vertices > 0 && !has_faces)
+        return rk_fail(error,
+                       "%s: has only points and no faces: reconstruct its surface, for instance in "
+                       "MeshLab, and save that",
                        s->path);
+    if (s->vertices == 0)
+        return rk_fail(error, "%s: has no triangles: choose a mesh with faces", s->path);
     return true;
 }
 

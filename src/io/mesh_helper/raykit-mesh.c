@@ -231,13 +231,24 @@ static void note_rest_of_3mf(rk_mesh_hints *hints, const char *path)
                            hints->models);
 }
 
+static bool is_unknown(const char *path)
+{
+    const char *dot = strrchr(path, '.');
+    return !dot || !aiIsExtensionSupported(dot);
+}
+
+static bool fail_unknown(const char *path, rk_error *error)
+{
+    return rk_fail(error, "%s: has a format that Assimp does not read: export it as glTF or OBJ",
+                   path);
+}
+
 /* Assimp tries all its readers on an unknown file, and gives the last one's reason. */
 static bool fail_unread(const char *path, const rk_mesh_hints *hints, rk_error *error)
 {
-    const char *dot = strrchr(path, '.'), *reason = aiGetErrorString();
-    if (!dot || !aiIsExtensionSupported(dot))
-        return rk_fail(
-            error, "%s: has a format that Assimp does not read: export it as glTF or OBJ", path);
+    const char *reason = aiGetErrorString();
+    if (is_unknown(path))
+        return fail_unknown(path, error);
     if (hints->parts && strstr(reason, "has no faces"))
         return rk_fail(error,
                        "%s: all triangles of a part use vertices that are not there: export it "
@@ -254,7 +265,11 @@ static bool fail_unread(const char *path, const rk_mesh_hints *hints, rk_error *
             "%s: Assimp cannot read it, because it is damaged or breaks the rules of its "
             "format: export it again, or in another format",
             path);
-    return rk_fail(error, "%s: Assimp cannot read it: %s", path, reason);
+    size_t length = strlen(reason);
+    while (length > 0 && strchr(" .\n", reason[length - 1]))
+        length--;
+    return rk_fail(error, "%s: Assimp cannot read it: %.*s: export it again, or as glTF or OBJ",
+                   path, length < 600 ? (int)length : 600, reason);
 }
 
 /* Assimp draws the nodes of some formats if the file has no mesh. */
@@ -281,6 +296,8 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
         return rk_mesh_guard_fail_memory(error);
     if (!scene)
         return fail_unread(path, hints, error);
+    if (is_unknown(path) && (is_skeleton(scene) || scene->mNumMeshes == 0))
+        return fail_unknown(path, error);
     if (is_skeleton(scene))
         return rk_fail(error, "%s: has no triangles: choose a mesh with faces", path);
     compare_counts(hints, scene, path);
