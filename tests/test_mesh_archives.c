@@ -341,6 +341,22 @@ static void a_transparency_of_0_in_collada_is_drawn_with_a_note(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* Assimp draws the nodes. */
+static void a_collada_scene_without_its_geometry_is_refused(void **state)
+{
+    (void)state;
+    check_refused("unused.dae",
+                  "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" "
+                  "version=\"1.4.1\"><library_effects><effect id=\"e\"><profile_COMMON>"
+                  "<technique sid=\"t\"><lambert/></technique></profile_COMMON></effect>"
+                  "</library_effects><library_materials><material id=\"m\">"
+                  "<instance_effect url=\"#e\"/></material></library_materials>"
+                  "<library_visual_scenes><visual_scene id=\"s\"><node name=\"a\"/>"
+                  "</visual_scene></library_visual_scenes><scene>"
+                  "<instance_visual_scene url=\"#s\"/></scene></COLLADA>",
+                  ": has no triangles in its scene", "that a node shows");
+}
+
 /* As Godot writes them; Assimp reads no number after them. */
 static void blanks_around_numbers_of_collada_are_skipped(void **state)
 {
@@ -414,6 +430,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(an_amf_in_an_archive_is_refused),
     cmocka_unit_test(xml_may_be_in_utf16),
     cmocka_unit_test(a_transparency_of_0_in_collada_is_drawn_with_a_note),
+    cmocka_unit_test(a_collada_scene_without_its_geometry_is_refused),
     cmocka_unit_test(blanks_around_numbers_of_collada_are_skipped),
     cmocka_unit_test(a_channel_that_a_collada_mesh_lacks_is_its_first),
 };

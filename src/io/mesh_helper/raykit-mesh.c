@@ -17,6 +17,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <unistd.h>
 
 static bool write_bytes(const void *bytes, uint64_t size, rk_error *error)
@@ -231,6 +232,12 @@ static void note_rest_of_3mf(rk_mesh_hints *hints, const char *path)
                            hints->models);
 }
 
+static bool has_ending(const char *path, const char *ending)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && strcasecmp(dot + 1, ending) == 0;
+}
+
 static bool is_unknown(const char *path)
 {
     const char *dot = strrchr(path, '.');
@@ -273,9 +280,13 @@ static bool fail_unread(const char *path, const rk_mesh_hints *hints, rk_error *
 }
 
 /* Assimp draws the nodes of some formats if the file has no mesh. */
-static bool is_skeleton(const struct aiScene *scene)
+static bool is_skeleton(const struct aiScene *scene, const char *path)
 {
     struct aiString name;
+    /* Its own material is there only if the file has none; Collada's meshes have names. */
+    if (scene->mNumMeshes == 1 && scene->mMeshes[0]->mNumBones > 0 &&
+        scene->mMeshes[0]->mName.length == 0 && has_ending(path, "dae"))
+        return true;
     return scene->mNumMeshes == 1 && scene->mNumMaterials == 1 &&
            aiGetMaterialString(scene->mMaterials[0], AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
            strcmp(name.data, "SkeletonMaterial") == 0;
@@ -296,10 +307,13 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
         return rk_mesh_guard_fail_memory(error);
     if (!scene)
         return fail_unread(path, hints, error);
-    if (is_unknown(path) && (is_skeleton(scene) || scene->mNumMeshes == 0))
+    if (is_unknown(path) && (is_skeleton(scene, path) || scene->mNumMeshes == 0))
         return fail_unknown(path, error);
-    if (is_skeleton(scene))
-        return rk_fail(error, "%s: has no triangles: choose a mesh with faces", path);
+    if (is_skeleton(scene, path))
+        return rk_fail(error,
+                       "%s: has no triangles in its scene: export a mesh with faces that a node "
+                       "shows",
+                       path);
     compare_counts(hints, scene, path);
     rk_mesh_attributes_lend(scene, hints);
     rk_mesh mesh = {0};
