@@ -55,8 +55,8 @@ static void note_strays(const rk_driver *driver)
     if (framed < all)
         fprintf(
             stderr,
-            "%s: %s: %u of its %u triangles lie in %.2g %% of its extent; the picture shows these, "
-            "and leaves out the others, which are far away\n",
+            "%s: %s: %u of its %u triangles lie in %.2g %% of its extent; the picture is framed by "
+            "these, so that others may reach beyond its border\n",
             driver->feature, driver->scene.name, framed, all, 100 * driver->framed.extent);
 }
 
