@@ -357,6 +357,21 @@ static void a_collada_scene_without_its_geometry_is_refused(void **state)
                   ": has no triangles in its scene", "that a node shows");
 }
 
+static void what_an_x3d_does_not_show_is_told(void **state)
+{
+    (void)state;
+    const test_path path =
+        write_text("rest.x3d", "<X3D><Scene><Shape><Appearance><ProtoInstance name=\"red\" "
+                               "containerField=\"material\"/></Appearance><IndexedFaceSet "
+                               "creaseAngle=\"4\" coordIndex=\"0 1 2 -1\">"
+                               "<Coordinate point=\"0 0 0 1 0 0 0 1 0\"/></IndexedFaceSet>"
+                               "</Shape></Scene></X3D>");
+    rk_mesh mesh = load_with_note(path, "has creaseAngle, which Assimp does not read");
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(path, "has prototypes (ProtoInstance)");
+    rk_mesh_free(&mesh);
+}
+
 /* As Godot writes them; Assimp reads no number after them. */
 static void blanks_around_numbers_of_collada_are_skipped(void **state)
 {
@@ -431,6 +446,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(xml_may_be_in_utf16),
     cmocka_unit_test(a_transparency_of_0_in_collada_is_drawn_with_a_note),
     cmocka_unit_test(a_collada_scene_without_its_geometry_is_refused),
+    cmocka_unit_test(what_an_x3d_does_not_show_is_told),
     cmocka_unit_test(blanks_around_numbers_of_collada_are_skipped),
     cmocka_unit_test(a_channel_that_a_collada_mesh_lacks_is_its_first),
 };

@@ -99,6 +99,28 @@ static char *copy_without_blanks(const char *path, const char *text, size_t size
     return copy;
 }
 
+static bool has_word(const char *text, size_t size, const char *word)
+{
+    const size_t length = strlen(word);
+    for (const char *at = text, *end = text + size;
+         (at = memchr(at, *word, (size_t)(end - at))) && (size_t)(end - at) >= length; at++)
+        if (memcmp(at, word, length) == 0)
+            return true;
+    return false;
+}
+
+static void note_rest_of_x3d(const char *path, const char *text, size_t size, rk_mesh_hints *hints)
+{
+    if (has_word(text, size, "creaseAngle"))
+        rk_mesh_hints_note(hints, path,
+                           "has creaseAngle, which Assimp does not read: smooth faces without "
+                           "normals are drawn flat");
+    if (has_word(text, size, "<ProtoInstance"))
+        rk_mesh_hints_note(hints, path,
+                           "has prototypes (ProtoInstance), which Assimp does not read: what they "
+                           "stand for is not drawn");
+}
+
 static bool check_packing(const char *path, const char *text, size_t size, rk_error *error)
 {
     if (size >= 4 && memcmp(text, "\x28\xb5\x2f\xfd", 4) == 0)
@@ -162,6 +184,8 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
         return rk_mesh_syntax_3mf(path, text, size, hints, error);
     if (has_ending(path, "amf"))
         return rk_mesh_syntax_amf(path, text, size, hints, error);
+    if (has_ending(path, "x3d"))
+        note_rest_of_x3d(path, text, size, hints);
     if (has_ending(path, "dae")) {
         hints->text = copy_without_blanks(path, text, size, &hints->size, error);
         return hints->text != NULL;

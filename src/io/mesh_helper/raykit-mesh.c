@@ -218,24 +218,33 @@ static void note_invisible(rk_mesh_hints *hints, const rk_mesh *mesh,
                            count, mesh->material_count);
 }
 
+static bool has_ending(const char *path, const char *ending)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && strcasecmp(dot + 1, ending) == 0;
+}
+
+/* Assimp does not pass on which faces are flat. */
+static void note_flat_faces(rk_mesh_hints *hints, const char *path)
+{
+    if (has_ending(path, "blend") || has_ending(path, "3ds"))
+        rk_mesh_hints_note(hints, path,
+                           "flat faces may be drawn smooth: export it as glTF if they should not");
+}
+
 /* Assimp reads one material for each part of a 3MF file, and nothing of the extensions. */
 static void note_rest_of_3mf(rk_mesh_hints *hints, const char *path)
 {
     if (hints->models > 0)
         rk_mesh_hints_note(hints, path,
                            "of a 3MF file each part shows one material: colours of triangles, "
-                           "colour groups, textures and painting, if it has any, are not drawn");
+                           "colour groups (whose parts may show another part's colour), textures "
+                           "and painting, if it has any, are not drawn");
     if (hints->models > 1)
         rk_mesh_hints_note(hints, path,
                            "has %zu models in its archive, of which Assimp reads one: parts in the "
                            "others (production extension) are not drawn",
                            hints->models);
-}
-
-static bool has_ending(const char *path, const char *ending)
-{
-    const char *dot = strrchr(path, '.');
-    return dot && strcasecmp(dot + 1, ending) == 0;
 }
 
 static bool is_unknown(const char *path)
@@ -326,6 +335,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
         note_distance(hints, &mesh, path);
         note_area(hints, &mesh, path);
         note_invisible(hints, &mesh, &textures, path);
+        note_flat_faces(hints, path);
         note_rest_of_3mf(hints, path);
         ok = write_mesh(&mesh, &textures, path, error);
     }
