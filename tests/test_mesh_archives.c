@@ -433,6 +433,22 @@ static void a_channel_that_a_collada_mesh_lacks_is_its_first(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* --- 3DS ------------------------------------------------------------------------------------ */
+
+/* Chunks: a number of 2 bytes, the size of 4 with these six, and what they hold. */
+static void flat_faces_of_3ds_are_told(void **state)
+{
+    (void)state;
+    static const char bytes[] =
+        "\x4d\x4d\x56\0\0\0\x3d\x3d\x50\0\0\0\0\x40\x4a\0\0\0\x61\0\0\x41\x42\0\0\0"
+        "\x10\x41\x2c\0\0\0\3\0\0\0\0\0\0\0\0\0\0\0\0\0\0\0\x80\x3f\0\0\0\0\0\0\0\0"
+        "\0\0\0\0\0\0\x80\x3f\0\0\0\0\x20\x41\x10\0\0\0\1\0\0\0\1\0\2\0\0\0";
+    rk_mesh mesh = load_with_note(test_folder_write(&folder, "flat.3ds", bytes, 86, 0600),
+                                  "flat faces may be drawn smooth");
+    rk_check_equal(mesh.triangle_count, 1, "triangles");
+    rk_mesh_free(&mesh);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(what_a_3mf_does_not_show_is_told),
     cmocka_unit_test(colours_of_a_3mf_are_srgb),
@@ -448,6 +464,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_collada_scene_without_its_geometry_is_refused),
     cmocka_unit_test(what_an_x3d_does_not_show_is_told),
     cmocka_unit_test(blanks_around_numbers_of_collada_are_skipped),
+    cmocka_unit_test(flat_faces_of_3ds_are_told),
     cmocka_unit_test(a_channel_that_a_collada_mesh_lacks_is_its_first),
 };
 
