@@ -241,7 +241,7 @@ static void a_refusal_names_the_true_reason_and_a_remedy(void **state)
         "ply\nformat ascii 1.0\nelement chunk 1\nproperty float min_x\nelement vertex 1\n"
         "property uint packed_position\nelement sh 1\nproperty uchar f_rest_0\nend_header\n"
         "0\n1\n2\n",
-        ": has only points and no faces", "surface");
+        ": has no triangles, only points", "surface");
     check_refused("a.step",
                   "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\n",
                   ": Assimp cannot read it: ", "export it again, or as glTF or OBJ");

@@ -223,10 +223,11 @@ static bool check_header(const ply_parser *s, rk_error *error)
         has_faces |= e->count > 0 && strcmp(e->name, "face") == 0;
     }
     if (s->vertices > 0 && !has_faces)
-        return rk_fail(error,
-                       "%s: has only points and no faces: reconstruct its surface, for instance in "
-                       "MeshLab, and save that",
-                       s->path);
+        return rk_fail(
+            error,
+            "%s: has no triangles, only points: reconstruct its surface, for instance in "
+            "MeshLab, and save that",
+            s->path);
     if (s->vertices == 0)
         return rk_fail(error, "%s: has no triangles: choose a mesh with faces", s->path);
     return true;
