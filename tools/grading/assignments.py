@@ -322,8 +322,8 @@ def handed_in(feature, impl):
 
 
 def ignored_in(features, folder, taken):
-    """Returns remarks on what a folder holds beside the files that were taken, other units, headers, texts and
-    pictures."""
+    """Returns remarks on what a folder holds beside the files that were taken, other units, headers, texts
+    and pictures."""
     units, names = {*taken, *(stem + ".c" for stem in features)}, []
     for path in _files_below(folder):
         if path not in units and not path.lower().endswith((".h", ".md", ".txt", ".pdf", ".png", ".o")):
