@@ -137,7 +137,7 @@ def a_starter_blames_no_needed_unit(folder):
     suite.unit = units["sah_binning"]
     check(grade._about_needs(suite, units) == "", "a unit that is still the starter has no fault elsewhere")
     write(read(suite.unit.path) + "int mine;\n", suite.unit.path)
-    check("uses your bvh_median" in grade._about_needs(suite, units),
+    check("calls your bvh_median" in grade._about_needs(suite, units),
           "one that was begun may have it in a needed unit")
 
 
