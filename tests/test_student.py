@@ -652,7 +652,7 @@ def what_to_hand_in_is_said(pack):
     for command in ("start", "progress"):
         status, said = make(pack, command)
         check(status == 0 and f"hand in workbook/{STEM}.c, workbook/{OTHER}.c and workbook/own.h, "
-              "nothing else" in said, f"make {command} says at last what to hand in", said)
+              "nothing else" in said, f"make {command} says at the end what to hand in", said)
     os.unlink(os.path.join(pack, "workbook", "own.h"))
     write(starter, pack, "workbook", OTHER + ".c")
 

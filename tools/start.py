@@ -1,6 +1,6 @@
 #!/usr/bin/env python3
 """Leads through the assignments: what to read, which file to edit, the picture in the browser, a verdict on
-each save, and then the next assignment; at last, what to hand in. Ctrl-C ends it."""
+each save, and then the next assignment; at the end, what to hand in. Ctrl-C ends it."""
 
 import os
 import re

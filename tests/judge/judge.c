@@ -70,7 +70,7 @@ static void become_predictor(void)
     dup2(nowhere, STDOUT_FILENO);
     dup2(nowhere, STDERR_FILENO);
     rk_judge.predicts = true;
-    rk_judge_map_what_comes();
+    rk_judge_map_next_pages();
 }
 
 static _Noreturn void end_as_predictor(void)

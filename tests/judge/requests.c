@@ -81,7 +81,7 @@ void rk_judge_begin_lap(void)
 }
 
 /* Of pages that a fork has not mapped, each one would be a fault. */
-void rk_judge_map_what_comes(void)
+void rk_judge_map_next_pages(void)
 {
 #if defined(MADV_POPULATE_WRITE) && defined(MADV_POPULATE_READ)
     size_t page = (size_t)sysconf(_SC_PAGESIZE), begin = rk_judge.end / page * page;
@@ -95,7 +95,7 @@ void rk_judge_publish(rk_judge_request *head, size_t bytes)
 {
     head->number = rk_judge.known++;
     if (rk_judge.predicts && rk_judge.end + head->span > rk_judge.mapped_end)
-        rk_judge_map_what_comes();
+        rk_judge_map_next_pages();
     memcpy(rk_judge.asked_memory + rk_judge.end, head, bytes);
     rk_judge.end += head->span;
     atomic_store_explicit(&rk_judge.asked->published, rk_judge.known, memory_order_release);

@@ -47,7 +47,7 @@ void rk_judge_wait_for_answer(uint32_t number);
 void rk_judge_begin_lap(void);
 
 /* Has the next pages of both memories mapped. */
-void rk_judge_map_what_comes(void);
+void rk_judge_map_next_pages(void);
 
 bool rk_judge_lap_is_full(size_t requests);
 void rk_judge_make_room_in_lap(size_t bytes);

@@ -15,7 +15,7 @@ typedef struct rk_mesh_skin_joint {
 typedef struct rk_mesh_skin {
     rk_mesh_skin_joint *joints; /* all nodes, by name; NULL if no part is to be posed */
     size_t count;
-    bool is_told; /* of other formats, which say less clearly what moves a part */
+    bool is_told; /* of other formats, which say less clearly how a part moves */
     bool is_unposed;
     char lost[100]; /* the first joint by which a part could not be posed, or "" */
 } rk_mesh_skin;
