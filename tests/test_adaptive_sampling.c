@@ -231,12 +231,12 @@ static void variance_is_the_sum_of_the_series(void **state)
                    "quarters that happen to be equal");
 }
 
-/* Variances of independent samples, over so many pixels that 5 standard errors are 6 %: a squared
+/* Variances of independent samples, over so many pixels that 5 standard errors are 3 %: a squared
  * difference of three channels has a relative variance of 2/3. */
 static void noise_of_known_variance_is_measured(void **state)
 {
     (void)state;
-    enum { pixels = 1 << 12 };
+    enum { pixels = 1 << 14 };
     for (uint32_t count = 4; count <= 16; count *= 2) {
         rk_adaptive_differences sum = {0, 0};
         double own = 0;
