@@ -102,10 +102,10 @@ static struct sigaction before_read_only[2];
 static const int faults[2] = {SIGSEGV, SIGBUS};
 
 /* glibc's own name: graded, the address sanitizer ignores sigaction (handle_segv=2), so that
- * crashes are its to report; a write to a copy is the suite's. */
+ * crashes are its to report; faults that a test provokes are the suite's. */
 extern int __sigaction(int, const struct sigaction *, struct sigaction *) __attribute__((weak));
 
-static void handle_fault(int signal, const struct sigaction *now, struct sigaction *before)
+void rk_handle_fault(int signal, const struct sigaction *now, struct sigaction *before)
 {
     if (__sigaction)
         __sigaction(signal, now, before);
@@ -125,7 +125,8 @@ static void tell_of_a_write(int signal, siginfo_t *info, void *context)
                 "a write to the caller's %s, which is constant: other threads read it at "
                 "the same time, so putting it back is too late",
                 read_only[i].name);
-    handle_fault(signal, &before_read_only[signal == faults[1]], NULL); /* the fault comes again */
+    rk_handle_fault(signal, &before_read_only[signal == faults[1]],
+                    NULL); /* the fault comes again */
 }
 
 const void *rk_read_only(const void *value, size_t size, const char *name)
@@ -137,7 +138,7 @@ const void *rk_read_only(const void *value, size_t size, const char *name)
     rk_check(mprotect(start, size, PROT_READ) == 0, "%zu bytes cannot be made read-only", size);
     struct sigaction tell = {.sa_sigaction = tell_of_a_write, .sa_flags = SA_SIGINFO | SA_NODEFER};
     for (int i = 0; i < 2 && read_only_count == 0; i++)
-        handle_fault(faults[i], &tell, &before_read_only[i]);
+        rk_handle_fault(faults[i], &tell, &before_read_only[i]);
     read_only[read_only_count].start = start;
     read_only[read_only_count].size = size;
     read_only[read_only_count++].name = name;
@@ -147,7 +148,7 @@ const void *rk_read_only(const void *value, size_t size, const char *name)
 void rk_read_only_free(void)
 {
     for (int i = 0; i < 2 && read_only_count > 0; i++)
-        handle_fault(faults[i], &before_read_only[i], NULL);
+        rk_handle_fault(faults[i], &before_read_only[i], NULL);
     while (read_only_count > 0) {
         read_only_count--;
         munmap(read_only[read_only_count].start, read_only[read_only_count].size);

@@ -141,6 +141,11 @@ void *rk_scarce_aligned_alloc(size_t alignment, size_t size);
 const void *rk_read_only(const void *value, size_t size, const char *name);
 void rk_read_only_free(void);
 
+/* sigaction for SIGSEGV and SIGBUS that provoked faults reach, also beside the address sanitizer.
+ */
+struct sigaction;
+void rk_handle_fault(int signal, const struct sigaction *now, struct sigaction *before);
+
 typedef struct rk_suite {
     const char *name;
     const struct CMUnitTest *tests;

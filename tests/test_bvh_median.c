@@ -11,6 +11,8 @@
 #include "features/bvh_median.h"
 #include "scene/bvh_build.h"
 
+#include <signal.h>
+
 /* --- Meshes and rays to try ----------------------------------------------------------------- */
 
 /* Equal small triangles, one at each of the given positions. */
@@ -1150,6 +1152,75 @@ static rk_ray make_short_ray(uint32_t i, const rk_mesh *mesh)
     return ray;
 }
 
+/* Two pages, of which one is open at a time; `turns` counts how often the other one is wanted. */
+static struct {
+    char *start;
+    size_t page;
+    int turns;
+    struct sigaction before[2];
+} book;
+static const int page_faults[2] = {SIGSEGV, SIGBUS};
+
+static void turn_page(int signal, siginfo_t *info, void *context)
+{
+    (void)context;
+    size_t at = (size_t)((char *)info->si_addr - book.start), page = book.page;
+    if (at >= 2 * page) { /* another fault, which comes again */
+        rk_handle_fault(signal, &book.before[signal == SIGBUS], NULL);
+        return;
+    }
+    /* One instruction that reads from both would turn them for ever. */
+    bool too_often = ++book.turns > 100;
+    mprotect(book.start, 2 * page, too_often ? PROT_READ : PROT_NONE);
+    mprotect(book.start + at / page * page, page, PROT_READ);
+}
+
+static void open_book(void)
+{
+    struct sigaction turn = {.sa_sigaction = turn_page, .sa_flags = SA_SIGINFO};
+    for (int i = 0; i < 2; i++)
+        rk_handle_fault(page_faults[i], &turn, &book.before[i]);
+    book.turns = 0;
+    mprotect(book.start, 2 * book.page, PROT_NONE);
+}
+
+static void close_book(void)
+{
+    for (int i = 0; i < 2; i++)
+        rk_handle_fault(page_faults[i], &book.before[i], NULL);
+    mprotect(book.start, 2 * book.page, PROT_READ | PROT_WRITE);
+}
+
+/* A leaf of 64 triangles, half of them on each of two pages. A ray that passes beside all of them,
+ * or hits only the last, tests each once, so that both pages are wanted once. */
+static void check_leaves_are_tested_once(int query)
+{
+    book.page = (size_t)sysconf(_SC_PAGESIZE);
+    book.start = guarded_pages(2 * book.page);
+    const uint32_t half = RK_BVH_LEAF_MAX / 2;
+    rk_triangle *triangles =
+        (rk_triangle *)(void *)(book.start + book.page - half * sizeof(rk_triangle));
+    for (int hit = 0; hit < 2; hit++) {
+        for (uint32_t i = 0; i < RK_BVH_LEAF_MAX; i++)
+            triangles[i] = (rk_triangle){{-1, -1, 1}, {1, -1, 1}, {-1, 1, 1}, i};
+        if (hit)
+            triangles[RK_BVH_LEAF_MAX - 1].b = rk_vec(1, 1, 1);
+        rk_bvh_node root = {rk_box_empty(), 0, RK_BVH_LEAF_MAX};
+        root.box = rk_box_add(rk_box_add(root.box, rk_vec(-1, -1, 1)), rk_vec(1, 1, 1));
+        const rk_bvh bvh = {1, RK_BVH_LEAF_MAX, &root, triangles};
+        const rk_ray ray = {rk_vec(-0.1f, 0.5f, 0), rk_vec(0, 0, 1), INFINITY};
+        rk_counters counters = {0};
+        open_book();
+        ask(query, &bvh, &ray, &counters);
+        close_book();
+        rk_check(book.turns == 2,
+                 "a leaf of 64 triangles on two pages, %s: a page was wanted %d times, want 2: "
+                 "each triangle of a leaf is tested once",
+                 hit ? "of which the ray hits the last" : "none of which the ray hits", book.turns);
+    }
+    munmap(book.start, 2 * book.page);
+}
+
 /* A ray that hits nothing tests all boxes whose parents it enters before t_max, in any order.
  * Returns the number of such rays. */
 static uint32_t check_rays_without_a_hit_of(uint32_t triangles, float size, int query)
@@ -1192,6 +1263,7 @@ static void a_ray_without_a_hit_tests_only_boxes_before_t_max(void **state)
 {
     (void)state;
     check_rays_without_a_hit(CLOSEST);
+    check_leaves_are_tested_once(CLOSEST);
 }
 
 static void an_occlusion_test_looks_no_farther_than_t_max(void **state)
@@ -1199,6 +1271,7 @@ static void an_occlusion_test_looks_no_farther_than_t_max(void **state)
     (void)state;
     check_rays_that_miss_the_root(OCCLUSION);
     check_rays_without_a_hit(OCCLUSION);
+    check_leaves_are_tested_once(OCCLUSION);
 }
 
 /* A ray along the curtains, from in front of the first or from behind the last. */

@@ -28,7 +28,8 @@ bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error);
 
 /* Returns the closest hit at 0 < t <= ray->t_max; at equal t the smallest triangle index. On a miss
  * hit.triangle is RK_MISS. Visits the nearer child first, and no box that begins behind the nearest
- * hit so far. Adds the box and triangle tests to the counters. */
+ * hit so far, and tests each triangle of a leaf once. Adds the box and triangle tests to the
+ * counters. */
 rk_hit rk_bvh_closest(const rk_bvh *bvh, const rk_ray *ray, rk_counters *counters);
 
 /* Does the ray hit anything at 0 < t <= ray->t_max? Visits the nearer child first, and stops at the
