@@ -151,6 +151,8 @@ void rk_read_only_free(void)
         rk_handle_fault(faults[i], &before_read_only[i], NULL);
     while (read_only_count > 0) {
         read_only_count--;
+        if (rk_judge_forget)
+            rk_judge_forget(read_only[read_only_count].start);
         munmap(read_only[read_only_count].start, read_only[read_only_count].size);
     }
 }

@@ -359,6 +359,10 @@ static rk_vec3 noise_local(uint32_t a, uint32_t b)
 static void a_direction_keeps_its_cosine_around_any_normal(void **state)
 {
     (void)state;
+    const rk_ambient_frame frame = rk_ambient_frame_of(rk_vec(0, 0, 1), rk_vec(0, 0, 1));
+    rk_vec3 direction;
+    rk_ambient_direction(rk_read_only(&frame, sizeof frame, "frame"), rk_vec(0, 0, 1), &direction);
+    rk_read_only_free();
     for (uint32_t i = 0; i < 100000; i++)
         check_rotated(noise_direction(5, i), noise_local(6, i));
 }

@@ -334,9 +334,27 @@ static void check_dark_mask(size_t at)
                  at, i / 3, i % 3, (double)masked[i]);
 }
 
+static void check_constant_rows(void)
+{
+    enum { width = 8 };
+    const float weights[] = {0.5f, 0.25f};
+    rk_vec3 colours[width], masked[width + 2];
+    for (uint32_t x = 0; x < width; x++)
+        colours[x] = random_colour(x);
+    const rk_vec3 *row = rk_read_only(colours, sizeof colours, "row");
+    const rk_bloom_filter own =
+        filter_of(rk_read_only(weights, sizeof weights, "weights"), 1, RK_BLOOM_CLAMP);
+    const rk_bloom_filter *filter = rk_read_only(&own, sizeof own, "filter");
+    rk_bloom_span bright = rk_bloom_bright_span(row, width, 0.4f);
+    rk_bloom_bright_pass(filter, row, width, 0.4f, bright, 0, width, masked);
+    rk_bloom_weight_inside(filter, 0, width);
+    rk_read_only_free();
+}
+
 static void the_mask_keeps_bright_pixels_and_nothing_else(void **state)
 {
     (void)state;
+    check_constant_rows();
     enum { width = 50 };
     const rk_bloom_filter alone = filter_of((const float[]){1}, 0, RK_BLOOM_ZERO);
     float room[3 * width + 2 * fence], *masked = fenced(room, 3 * width);
@@ -665,9 +683,12 @@ static double left_out(const float *weights, uint32_t reach, uint32_t radius)
 
 static void check_reach(const float *weights, uint32_t radius, uint32_t want, const char *hint)
 {
-    float *own = exact_copy(weights, (radius + 1) * sizeof *weights);
+    const size_t size = (radius + 1) * sizeof *weights;
+    float *own = exact_copy(weights, size);
     uint32_t reach = rk_bloom_reach(radius, own);
     free(own);
+    rk_bloom_reach(radius, rk_read_only(weights, size, "weights"));
+    rk_read_only_free();
     rk_check(reach == want, "radius %u, weights of no binomial: got a reach of %u, want %u: %s",
              radius, reach, want, hint);
 }
@@ -807,9 +828,23 @@ static void a_single_line_is_weighted_by_its_distance(void **state)
              (double)sum[0], 0x1p-80);
 }
 
+static void check_constant_lines(void)
+{
+    const float weights[] = {0.5f, 0.25f}, zeros[RK_BLOOM_BLOCK] = {0};
+    float sum[RK_BLOOM_BLOCK];
+    const rk_bloom_filter own =
+        filter_of(rk_read_only(weights, sizeof weights, "weights"), 1, RK_BLOOM_ZERO);
+    const float *line = rk_read_only(zeros, sizeof zeros, "line"),
+                *own_lines[] = {line, NULL, line};
+    const float *const *lines = rk_read_only(own_lines, sizeof own_lines, "list of lines");
+    rk_bloom_blur_lines(rk_read_only(&own, sizeof own, "filter"), lines, RK_BLOOM_BLOCK, sum);
+    rk_read_only_free();
+}
+
 static void all_lines_are_summed(void **state)
 {
     (void)state;
+    check_constant_lines();
     for (uint32_t reach = 0; reach <= 15; reach++)
         check_sum(reach, UINT32_MAX, "no line is NULL");
     check_sum(RK_BLOOM_RADIUS_MAX, UINT32_MAX, "the longest filter, no line is NULL");
@@ -918,7 +953,8 @@ static void the_blurred_mask_is_added_times_the_gain(void **state)
     float dark[20] = {0}, faint[20];
     for (int k = 0; k < 20; k++)
         faint[k] = 0x1p-60f;
-    rk_bloom_composite(dark, faint, 20, 0.5f);
+    rk_bloom_composite(dark, rk_read_only(faint, sizeof faint, "blurred mask"), 20, 0.5f);
+    rk_read_only_free();
     for (int k = 0; k < 20; k++)
         rk_check(dark[k] == 0x1p-61f, "black plus 1/2 times 2^-60, float %d: got %g, want 2^-61", k,
                  (double)dark[k]);

@@ -75,6 +75,9 @@ static void the_digits_of_the_index_combine_by_xor(void **state)
 {
     (void)state;
     uint32_t v[RK_SOBOL_DIGITS];
+    fill_directions(v, 1);
+    rk_sobol_bits(rk_read_only(v, sizeof v, "direction numbers"), 3);
+    rk_read_only_free();
     for (uint32_t k = 0; k < 1000; k++) {
         fill_directions(v, k);
         uint32_t a = any_bits(k, 100), b = any_bits(k, 101);
@@ -600,9 +603,20 @@ static void check_runs(const rk_sampler *sampler, uint32_t pixel, uint32_t n, ui
                  "dimension %u: sample %u of the run differs", dimension, i);
 }
 
+static void check_constant_sampler(const rk_sampler *own)
+{
+    const rk_sampler *sampler = rk_read_only(own, sizeof *own, "sampler");
+    rk_vec2 pairs[4];
+    rk_joint_1d(sampler, 5, 1, RK_DIMENSION_TIME);
+    rk_joint_2d(sampler, 5, 1, RK_DIMENSION_LENS);
+    rk_joint_2d_run(sampler, 5, 0, 4, RK_DIMENSION_LENS, pairs);
+    rk_read_only_free();
+}
+
 static void a_run_is_its_samples_one_by_one_in_any_order(void **state)
 {
     (void)state;
+    check_constant_sampler(&joint);
     for (uint32_t k = 0; k < DECISIONS; k++)
         if (decisions[k].count == 2)
             check_runs(&joint, 5, 600, decisions[k].dimension);
@@ -1332,6 +1346,7 @@ static void a_shared_run_is_its_samples_one_by_one_in_any_order(void **state)
     const rk_sampler sampler = shared_by(3, 300);
     const uint32_t dimensions[] = {RK_DIMENSION_PIXEL, RK_DIMENSION_LENS, RK_DIMENSION_LIGHT,
                                    RK_DIMENSION_GLOSSY, RK_DIMENSION_FEATURES + 2};
+    check_constant_sampler(&sampler);
     for (uint32_t k = 0; k < 5; k++)
         check_runs(&sampler, 5555, 300, dimensions[k]);
 }

@@ -699,9 +699,36 @@ static void check_corner_rays(int queries)
     rk_check(hits > rays * 9 / 10, "%d of %d rays hit a corner: this test cannot tell", hits, rays);
 }
 
+/* A tree is traversed by several threads at once. */
+static void check_constant_trees(void)
+{
+    rk_mesh mesh = make_soup(40, 0.3f, 5);
+    rk_bvh binary = build_binary(&mesh), copy = binary;
+    copy.nodes = (rk_bvh_node *)rk_read_only(binary.nodes, binary.node_count * sizeof *copy.nodes,
+                                             "binary tree's nodes");
+    copy.triangles = (rk_triangle *)rk_read_only(
+        binary.triangles, binary.triangle_count * sizeof *copy.triangles, "triangles");
+    rk_wide_bvh own = widen(rk_read_only(&copy, sizeof copy, "binary tree"), &mesh), wide = own;
+    wide.nodes =
+        (rk_wide_node *)rk_read_only(own.nodes, own.node_count * sizeof *own.nodes, "nodes");
+    wide.blocks =
+        (rk_wide_block *)rk_read_only(own.blocks, own.block_count * sizeof *own.blocks, "blocks");
+    const rk_wide_bvh *constant = rk_read_only(&wide, sizeof wide, "tree");
+    rk_ray down = {rk_vec(0, 0, 5), rk_vec(0, 0, -1), INFINITY};
+    const rk_ray *ray = rk_read_only(&down, sizeof down, "ray");
+    rk_counters counters = {0};
+    rk_wide_bvh_closest(constant, ray, &counters);
+    rk_wide_bvh_occluded(constant, ray, &counters);
+    rk_read_only_free();
+    rk_wide_bvh_free(&own);
+    rk_bvh_free(&binary);
+    rk_mesh_free(&mesh);
+}
+
 static void rays_find_the_same_hits_as_brute_force(void **state)
 {
     (void)state;
+    check_constant_trees();
     check_corner_rays(CLOSEST);
     check_rays(CLOSEST);
     check_slivers();
