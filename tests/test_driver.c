@@ -263,7 +263,7 @@ static void every_bad_option_is_named_in_one_line(void **state)
         {"--background 2", "--background 2", "0 to 1"},
         {"--timing --debug leaf", "--timing and --debug", "choose one"},
         {"--threads 1025", "--threads 1025", "0 to 1024"},
-        {"--split half", "--split half", "median|sah|sah3|collapsed|morton|wide"},
+        {"--split morton", "--split morton", "median|sah|sah3|collapsed"},
         {"--light-map round", "--light-map round", "area|solid-angle"},
         {"--recursion 17", "--recursion 17", "0 to 16"},
         {"--bins 1", "--bins 1", "2 to 256"},
@@ -287,6 +287,7 @@ static void options_that_do_not_go_together_are_refused(void **state)
         {"10_motion_blur/motion_blur", "--debug path --still", "--debug path", "--still"},
         {"10_motion_blur/motion_blur", "--convergence --still", "--convergence", "--still"},
         {"10_motion_blur/motion_blur", "--move", "--move", "see --help"},
+        {"15_wide_bvh/wide_bvh", "--split half", "--split half", "collapsed|morton|wide"},
         {"15_wide_bvh/wide_bvh", "--debug node --split sah3", "--debug", "--split collapsed"},
         {"15_wide_bvh/wide_bvh", "--occupancy --split median", "--occupancy", "--split collapsed"},
         {"15_wide_bvh/wide_bvh", "--debug node --node 9", "--node 9", "0 to 1"},
@@ -581,8 +582,9 @@ static void a_traversal_takes_the_unit_s_steps(void **state)
         run_free(&r);
     }
     rk_check(is_there(folder, "out/figures/bvh_median_statue-500_traversal3.png"), "a picture");
-    check_feature_complaint("01_bvh_median/bvh_median", folder, "--debug traversal --split wide",
-                            "--debug traversal", "--split median");
+    check_feature_complaint("01_bvh_median/bvh_median", folder,
+                            "--debug traversal --split collapsed", "--debug traversal",
+                            "--split median");
 }
 
 static void wide_trees_are_drawn_and_printed(void **state)
@@ -987,6 +989,42 @@ static void walking_round_a_mesh_file_never_ends_in_the_dark(void **state)
     }
 }
 
+/* Red in its middle half, blue around its seam. */
+static void write_panorama(const test_folder *folder)
+{
+    rk_image world;
+    rk_error error;
+    rk_check_ok(rk_image_init(&world, 64, 32, &error), error);
+    for (size_t i = 0; i < 64 * 32; i++)
+        world.pixels[i] = i % 64 / 16 % 3 ? rk_vec(1, 0, 0) : rk_vec(0, 0, 1);
+    rk_check_ok(rk_png_write(test_folder_path(folder, "world.png").text, &world, NULL, 0, &error),
+                error);
+    rk_image_free(&world);
+}
+
+static void the_seam_of_a_panorama_is_behind_the_camera_of_open_scenes(void **state)
+{
+    write_panorama(*state);
+    const char *const open[] = {"teapot", "statue", "glass", "shininess", "cover", "moving"};
+    for (size_t at = 0; at < sizeof open / sizeof *open; at++) {
+        const char *name = open[at];
+        char options[120], file[120];
+        rk_image image;
+        rk_error error;
+        snprintf(options, sizeof options,
+                 "--scene %s --width 24 --height 24 --environment world.png", name);
+        snprintf(file, sizeof file, "out/figures/bvh_median_%s.png", name);
+        run r = run_well(*state, options);
+        run_free(&r);
+        rk_check_ok(rk_png_read(&image, test_folder_path(*state, file).text, &error), error);
+        int blue = 0;
+        for (int i = 0; i < 24 * 24; i++)
+            blue += image.pixels[i].z > 0.9f && image.pixels[i].x < 0.1f;
+        rk_check(blue == 0, "%s: %d pixels show the panorama's border", name, blue);
+        rk_image_free(&image);
+    }
+}
+
 static void strays_of_a_mesh_file_are_told(void **state)
 {
     write_box(*state, true);
@@ -1092,6 +1130,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(a_foreign_table_is_left_alone),
     test_in_folder(a_mesh_file_is_seen_from_its_front),
     test_in_folder(walking_round_a_mesh_file_never_ends_in_the_dark),
+    test_in_folder(the_seam_of_a_panorama_is_behind_the_camera_of_open_scenes),
     test_in_folder(strays_of_a_mesh_file_are_told),
     test_in_folder(transparent_materials_that_are_drawn_as_opaque_are_told),
     test_in_folder(quiet_still_tells_what_a_picture_lacks),

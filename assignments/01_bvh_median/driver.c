@@ -56,6 +56,7 @@ int main(int argc, char **argv)
         .options = options,
         .choices = &c,
         .set_defaults = set_defaults,
+        .is_of_binary_trees = true,
         .views = (rk_driver_view[]){{"level", draw_view, false},
                                     {"leaf", draw_view, false},
                                     {"traversal", draw_traversal, false},

@@ -75,6 +75,7 @@ int main(int argc, char **argv)
         .views = views,
         .studies = (rk_driver_study[]){{&c.splits, put_study, false}, {0}},
         .set_defaults = set_defaults,
+        .is_of_binary_trees = true,
         .choose = choose,
         .check_tree = check_tree,
         .put_rows = rk_tree_view_rows,

@@ -33,6 +33,7 @@ typedef struct rk_driver_spec {
     const rk_option *driver_options;
     void (*set_defaults)(rk_driver *driver); /* of common options that differ here */
 
+    bool is_of_binary_trees; /* --split names no other trees */
     const rk_driver_view *views;
     const rk_driver_study *studies;
 

@@ -17,8 +17,8 @@ RK_NAMES(split_names, rk_accel_kind, RK_ACCEL_WIDE, "median", "sah", "sah3", "co
 RK_NAMES(up_names, rk_up, RK_UP_Z, "x", "y", "z");
 RK_NAMES(front_names, rk_front, RK_FRONT_MINUS_Z, "usual", "x", "y", "z", "-x", "-y", "-z");
 
-/* The help of --scene, --debug and --pixel depends on the driver, and --move on its scene: see
- * make_common. */
+/* The help of --scene, --debug, --pixel and --split depends on the driver, and --move on its scene:
+ * see make_common. */
 static const rk_option common_rows[] = {
     {"scene", RK_FIELD(rk_driver, scene_name), "NAME", NULL, .initial_text = "cornell",
      .of_scene = true},
@@ -60,7 +60,7 @@ static const rk_option common_rows[] = {
     {"split", RK_CHOICE(rk_driver, split, split_names),
      "the tree: binary, split at the median, or by the surface area heuristic on the longest axis "
      "(sah) or on all three (sah3), whose nodes may get eight children (collapsed); or built with "
-     "eight, fast (morton) or fast to trace (wide)",
+     "eight, fast (morton) or fast to trace (wide)", /* see binary_help */
      .initial = RK_ACCEL_WIDE, .of_scene = true},
     {"bins", RK_FIELD(rk_driver, bins), "N", "bins per axis of sah, sah3 and collapsed", 2,
      RK_SAH_BINS_MAX, .of_scene = true},
@@ -119,14 +119,21 @@ static view_text pixel_help(const rk_driver *driver, const rk_driver_view *views
     return help;
 }
 
+static const char binary_help[] =
+    "the tree: split at the median, or by the surface area heuristic on the longest axis (sah) or "
+    "on all three (sah3), whose nodes may get eight children (collapsed)";
+
 typedef struct help_texts {
     view_text debug, pixel;
     char scene[2000];
+    rk_names split; /* of the trees that the driver shows */
 } help_texts;
 
-static help_texts help_for(const rk_driver *driver, const rk_driver_view *views)
+static help_texts help_for(const rk_driver *driver, const rk_driver_spec *spec)
 {
-    help_texts texts = {debug_help(views), pixel_help(driver, views), ""};
+    help_texts texts = {debug_help(spec->views), pixel_help(driver, spec->views), "", split_names};
+    if (spec->is_of_binary_trees)
+        texts.split.count = RK_ACCEL_COLLAPSED + 1;
     rk_builtin_help(texts.scene, sizeof texts.scene);
     return texts;
 }
@@ -144,6 +151,8 @@ static void make_common(rk_option rows[common_count], const rk_driver *driver,
             row->help = texts->debug.text;
         else if (strcmp(row->name, "pixel") == 0)
             row->help = texts->pixel.text;
+        else if (strcmp(row->name, "split") == 0 && texts->split.count < split_names.count)
+            row->names = &texts->split, row->help = binary_help;
         else if (strcmp(row->name, "move") == 0 && driver->move)
             row->name = NULL;
     }
@@ -271,7 +280,7 @@ rk_options_result rk_driver_read_options(rk_driver *driver, const rk_driver_spec
                                          char **argv, rk_error *error)
 {
     const char *usual_scene = driver->scene_name;
-    const help_texts texts = help_for(driver, spec->views);
+    const help_texts texts = help_for(driver, spec);
     rk_option common[common_count];
     make_common(common, driver, &texts);
     const rk_driver_tables all = all_tables(driver, spec, common);

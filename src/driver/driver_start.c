@@ -29,8 +29,8 @@ static uint32_t needed_side(const rk_driver *driver)
                : (uint32_t)ceil(side);
 }
 
-/* The middle of a picture is in direction -z. A mesh file has made half a turn, and its environment
- * does, too: the viewer then sees the middle, and not the seam. */
+/* The middle of a panorama is in direction -z, its seam at +z, where scenes' cameras look. Half a
+ * turn takes the seam behind the camera. */
 static bool load_environment(rk_driver *driver, rk_error *error)
 {
     const char *name = driver->environment;
@@ -43,8 +43,7 @@ static bool load_environment(rk_driver *driver, rk_error *error)
         return rk_sky_make(environment, SKY_SIDE, error);
     if (!rk_environment_file_read_for(environment, name, needed_side(driver), error))
         return false;
-    if (driver->mesh_path)
-        rk_cubemap_turn(environment);
+    rk_cubemap_turn(environment);
     return true;
 }
 

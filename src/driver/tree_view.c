@@ -43,9 +43,6 @@ void rk_tree_view_dim(const rk_image *image)
 
 bool rk_tree_view_choose(rk_tree_view *view, const rk_driver *driver, rk_error *error)
 {
-    if (driver->split > RK_ACCEL_COLLAPSED)
-        return rk_fail(error,
-                       "--split: this driver shows binary trees; choose median, sah or sah3");
     rk_bvh_measures tree = rk_bvh_measure(rk_driver_tree(driver));
     if (tree.levels == 0) /* moving objects have trees of their own */
         return !driver->debug ||
