@@ -23,13 +23,13 @@ from grading.processor_time import limited
 from grading.results import command_of
 from grading.starters import unsolved_steps
 
-_SIDE = 128  # of a square picture; others are as large
+SIDE = 128  # of a square picture; others are as large
 SECONDS = 120  # of processor time, four times what the slowest picture takes on an old laptop
 SILENT = 5  # seconds by the clock
 _MOST_BYTES = 15 << 10  # a pack holds some forty of them
 
 
-def small(options, side=_SIDE):
+def small(options, side=SIDE):
     """Returns the options for a small picture of the same shape, as large as a square of this side."""
     words, size = shlex.split(options), {"--width": 800, "--height": 800}
     for name in size:
@@ -97,7 +97,8 @@ def _driver(toolchain, impl, feature, stack):
         return os.path.join(toolchain.build, path), path
     folder = stack.enter_context(private_folder(toolchain))
     drivers = Drivers(toolchain, impl, folder, feature.stem)
-    print(drivers.sentence() or f"{impl} has no {feature.stem}.c: drawn by the kit's own units")
+    if not drivers.sentence():
+        print(f"{impl} has no {feature.stem}.c: drawn by the kit's own units")
     driver, reason = drivers.link(feature)
     drivers.publish(feature, driver, reason)
     if not driver:

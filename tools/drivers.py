@@ -44,8 +44,8 @@ def _objects_of_driver(toolchain, feature):
     return [toolchain.built(path) for path in toolchain.drivers if path.startswith(place)]
 
 
-def _sentence(units, impl):
-    """Names the units' authors, for captions; empty if all are the reference's."""
+def _authors_of(units, impl):
+    """Returns a dictionary from authors to the stems of their units, and what the other units are."""
     work, own, others = os.path.realpath(impl), {}, set()
     for unit in units:
         if unit.is_reference:
@@ -54,9 +54,18 @@ def _sentence(units, impl):
             is_named = os.path.realpath(unit.path).startswith(work)
             author = os.path.basename(os.path.normpath(impl)) if is_named else "workbook"
             own.setdefault(author, []).append(unit.feature.stem)
+    return own, " or ".join(sorted(others, reverse=True))
+
+
+def _sentence(units, impl):
+    """Names the units' authors, for captions; empty if all are the reference's."""
+    own, others = _authors_of(units, impl)
     names = [f"{author} ({', '.join(stems)})" for author, stems in own.items()]
-    rest = [f"others: {' or '.join(sorted(others, reverse=True))}"] if others else []
-    return "units: " + ", ".join(names + rest) if own else ""
+    return "units: " + ", ".join(names + [f"others: {others}"] * bool(others)) if own else ""
+
+
+def _literal(text):
+    return '"' + text.replace("\\", "\\\\").replace('"', '\\"') + '"'
 
 
 def _authors(sentence):
@@ -64,15 +73,19 @@ def _authors(sentence):
     return re.sub(r" \([^)]*\)(?=$|, others)", "", sentence) if sentence.count("(") == 1 else sentence
 
 
-def _object_that_says(toolchain, sentence, units, folder):
-    """Returns the object that brings the sentence into a driver, and the names of the starters."""
+def _object_that_says(toolchain, units, impl, folder):
+    """Returns the object that tells a driver the units' authors, and the names of the starters."""
+    sentence, (own, others) = _sentence(units, impl), _authors_of(units, impl)
     starters = " ".join(["", *(unit.feature.stem for unit in units if is_starter(unit)
                                or is_left_open(unit.path)), ""])
-    literal = sentence.replace("\\", "\\\\").replace('"', '\\"')
+    authors = "".join(f"{{{_literal(stem)}, {_literal(author)}}}, " for author, stems in own.items()
+                      for stem in stems)
     source = os.path.join(folder, "units.c")
     folder_of_pictures = "impl/out" if sentence else "out"
-    write_whole(source, '#include "driver/implementation_note.h"\n\n'
-                f'const char rk_implementation_note[] = "{literal}";\n'
+    write_whole(source, '#include "driver/implementation_note.h"\n\n#include <stddef.h>\n'
+                f'const char rk_implementation_note[] = {_literal(sentence)};\n'
+                f'const rk_unit_author rk_unit_authors[] = {{{authors}{{NULL, NULL}}}};\n'
+                f'const char rk_other_units[] = {_literal(others)};\n'
                 f'const char rk_pictures_folder[] = "{folder_of_pictures}";\n'
                 f'const char rk_unsolved_features[] = "{starters}";\n')
     output = os.path.join(folder, "units.o")
@@ -153,7 +166,7 @@ class Drivers:
         reason = next((self._unmade[key] for key in keys if key in self._unmade), None)
         if reason:
             return None, reason
-        says = _object_that_says(self._toolchain, _sentence(units, self._impl), units, self._folder)
+        says = _object_that_says(self._toolchain, units, self._impl, self._folder)
         path = os.path.join(self._folder, feature.stem)
         try:
             build.link(self._toolchain, path, [

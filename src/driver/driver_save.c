@@ -234,8 +234,8 @@ static void print_caption(const rk_driver *driver, const char *path)
         print_rendering(driver);
     else
         printf("%u x %u", driver->render.width, driver->render.height);
-    printf(", %s%sraykit %s\n", rk_implementation_note, *rk_implementation_note ? ", " : "",
-           PACKAGE_VERSION);
+    const rk_unsolved units = rk_driver_units(driver);
+    printf(", %s%sraykit %s\n", units.text, *units.text ? ", " : "", PACKAGE_VERSION);
 }
 
 /* With two digits, but not 1e+02. */

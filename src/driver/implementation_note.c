@@ -2,7 +2,11 @@
  * another object in the place of this one. */
 #include "driver/implementation_note.h"
 
+#include <stddef.h>
+
 const char rk_implementation_note[] = "";
+const rk_unit_author rk_unit_authors[] = {{NULL, NULL}};
+const char rk_other_units[] = "the kit's";
 const char rk_pictures_folder[] = "out";
 /* In a pack for students the build says which of its starters nobody has touched. */
 #ifndef RK_UNSOLVED_FEATURES

@@ -69,6 +69,48 @@ rk_unsolved rk_driver_unsolved(const rk_driver *driver)
     return unsolved_of(&plan, driver);
 }
 
+/* Of a driver whose picture has the plan. */
+static bool uses(const rk_driver *driver, const rk_plan *plan, const char *stem)
+{
+    const rk_accel_kind split = driver->split;
+    const bool has_tree = driver->build_ms.runs > 0;
+    for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++) {
+        if (strcmp(rk_features[i]->stem, stem) != 0)
+            continue;
+        return rk_plan_has(plan, i) || strcmp(stem, driver->feature) == 0 ||
+               (has_tree && i == RK_FEATURE_watertight) ||
+               (has_tree && i == RK_FEATURE_bvh_median && split <= RK_ACCEL_COLLAPSED) ||
+               (has_tree && i == RK_FEATURE_sah_binning && split >= RK_ACCEL_SAH &&
+                split <= RK_ACCEL_COLLAPSED) ||
+               (has_tree && i == RK_FEATURE_wide_bvh && split == RK_ACCEL_COLLAPSED);
+    }
+    return false;
+}
+
+rk_unsolved rk_driver_units(const rk_driver *driver)
+{
+    const rk_plan plan = rk_plan_of(&driver->scene, &driver->render);
+    const size_t size = sizeof(rk_unsolved);
+    const char *last = NULL; /* authors stand together */
+    rk_unsolved units = {""};
+    size_t length = 0;
+    for (const rk_unit_author *unit = rk_unit_authors; unit->stem && length < size; unit++)
+        if (uses(driver, &plan, unit->stem)) {
+            const bool same = last && strcmp(last, unit->author) == 0;
+            length += (size_t)snprintf(units.text + length, size - length, "%s%s%s%s",
+                                       same   ? ", "
+                                       : last ? "), "
+                                              : "units: ",
+                                       same ? "" : unit->author, same ? "" : " (", unit->stem);
+            last = unit->author;
+        }
+    if (rk_unit_authors->stem && length < size)
+        snprintf(units.text + length, size - length, "%s%s%s",
+                 last ? ")" : "units: ", last && *rk_other_units ? ", others: " : "",
+                 rk_other_units);
+    return units;
+}
+
 void rk_driver_note_unsolved(const rk_driver *driver)
 {
     if (driver->quiet || driver->image.pixels == NULL)

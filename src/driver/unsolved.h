@@ -7,7 +7,7 @@
 /* Is the feature's unit still the starter? */
 bool rk_is_starter(const char *stem);
 
-/* "shading and bloom are still the starters"; empty if this picture uses no starter. */
+/* A phrase about a picture's units: "shading and bloom are still the starters", or empty. */
 typedef struct rk_unsolved {
     char text[512];
 } rk_unsolved;
@@ -18,7 +18,11 @@ rk_unsolved rk_unsolved_features_of(const rk_plan *plan);
 /* The same of the driver's picture, and of the tree that it is a view of. */
 rk_unsolved rk_driver_unsolved(const rk_driver *driver);
 
-/* Prints it for the driver's picture, unless --quiet. */
+/* "units: mine (bvh_median), others: the kit's", with those units that the driver's picture uses;
+ * empty if all of the driver's units are the kit's. */
+rk_unsolved rk_driver_units(const rk_driver *driver);
+
+/* Prints the starters of the driver's picture, unless --quiet. */
 void rk_driver_note_unsolved(const rk_driver *driver);
 
 #endif
