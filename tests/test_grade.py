@@ -1054,6 +1054,35 @@ def a_used_unit_is_the_kits(toolchain, folder):
               [suite.problem, suite.beside, *(verdict.reason for verdict in suite.verdicts.values())])
 
 
+def a_needed_starter_costs_nothing(toolchain, folder):
+    """A claim without points that a needed starter breaks is not the fault of the unit that calls it."""
+    features = read_features(SOURCE)
+
+    def graded_in_pack(stem, unit, needed, text):
+        place = tempfile.mkdtemp(dir=folder)
+        put(unit, place, f"{stem}.c")
+        put(text, place, f"{needed}.c")
+        [suite] = grade.prepare_suites(features, [features[stem]], place, True)
+        in_pack = copy.copy(toolchain)
+        in_pack.handed_out = [stem, needed]
+        grade._grade_here(in_pack, features, [suite], place, decoys=0)
+        return suite
+
+    lens = features["depth_of_field"]
+    suite = graded_in_pack(lens.stem, read(lens.reference), "glossy_reflection",
+                           starter_of(features["glossy_reflection"].reference))
+    disks = [test.name for test in suite.tests if test.section == "#lens-disk"]
+    check(suite.excused == set(disks) and min(suite.scores().values()) == 0,
+          "what a needed starter breaks costs nothing", [suite.problem, suite.scores()])
+    report = results.text([suite], "mine")
+    check("costs 0" in report and "less" not in report, "and the report says so", report)
+    tree, unit = features["sah_binning"], read(features["sah_binning"].reference)
+    suite = graded_in_pack(tree.stem, unit.replace("        rk_bvh_free(bvh);\n", "", 1), "bvh_median",
+                           read(features["bvh_median"].reference) + "\n/* Mine. */\n")
+    check(suite.scores()["where_memory_runs_out_nothing_is_kept"] == -DEDUCTION and not suite.excused,
+          "what one's own unit breaks does, also beside another's", [suite.problem, suite.scores()])
+
+
 def main():
     sandbox.prepare()
     toolchain = build.Toolchain(".")
@@ -1095,6 +1124,7 @@ def main():
         what_changes_without_a_sandbox_is_told(folder)
         a_copied_build_is_told(folder)
         a_used_unit_is_the_kits(toolchain, folder)
+        a_needed_starter_costs_nothing(toolchain, folder)
         an_interrupt_ends_everything(folder)
     finally:
         shutil.rmtree(folder, ignore_errors=True)

@@ -7,6 +7,7 @@ crashes, endless loops, leaks and programs that end early are failed tests with 
 """
 
 import concurrent.futures
+import contextlib
 import difflib
 import json
 import os
@@ -45,8 +46,9 @@ DECOYS = 8  # so many passed claims of a suite run again with an end that cannot
 
 class Suite:
     """The result of one feature: its unit, its scored tests and a verdict for each. `problem` is the
-    reason why nothing ran, `beside` what is to be known of a student's units that it needs, `is_own` whether
-    who reads the report has graded the unit; `remarks` say what was found where, or ignored."""
+    reason why nothing ran, `beside` what is to be known of a student's units that it needs, `excused` names the
+    claims that fail by these, `is_own` whether who reads the report has graded the unit; `remarks` say what was
+    found where, or ignored."""
 
     def __init__(self, feature, unit, tests):
         self.feature, self.unit, self.tests = feature, unit, tests
@@ -54,6 +56,7 @@ class Suite:
         self.program, self.folder, self.source = None, None, ""
         self.unit_program, self.claims_together = None, []
         self.finds_leaks, self.is_own, self.remarks = False, True, []
+        self.needed_objects, self.excused = [], set()
 
     def passed(self):
         return all(self.verdicts[test.name].passed for test in self.tests)
@@ -68,7 +71,8 @@ class Suite:
         left = sum(scores.values())
         for test in self.tests:
             verdict = self.verdicts[test.name]
-            if test.points == 0 and not verdict.passed and not (self.is_own and verdict.timed_out):
+            if test.points == 0 and not verdict.passed and test.name not in self.excused and not (
+                    self.is_own and verdict.timed_out):
                 scores[test.name] = -min(DEDUCTION, left)
                 left += scores[test.name]
         return scores
@@ -80,6 +84,10 @@ class Suite:
     def claims(self):
         """The tests that a program runs; the others are the grader's own."""
         return [test for test in self.tests if test.name not in (KEEPS_NOTHING.name, FREES_ALL.name)]
+
+    def costly(self):
+        """The claims that failed although they held with the starter."""
+        return [test for test in self.claims() if test.points == 0 and not self.verdicts[test.name].passed]
 
     def points_max(self):
         return sum(test.points for test in self.tests)
@@ -95,12 +103,13 @@ class Suite:
         verdicts = {name: [verdict.passed, verdict.reason, verdict.place, verdict.details, verdict.seconds,
                            verdict.timed_out] for name, verdict in self.verdicts.items()}
         return {"problem": self.problem, "warnings": self.warnings, "beside": self.beside,
-                "verdicts": verdicts}
+                "verdicts": verdicts, "excused": sorted(self.excused)}
 
     def take(self, judged):
         """Takes over what judged() returned in another process."""
         self.problem, self.warnings, self.beside = (str(judged[key])
                                                     for key in ("problem", "warnings", "beside"))
+        self.excused = {str(name) for name in judged["excused"]}
         for test in self.tests:
             passed, reason, place, details, seconds, timed_out = judged["verdicts"][test.name]
             verdict = Verdict(passed is True, str(reason), str(place), str(details), float(seconds))
@@ -175,6 +184,7 @@ def build_suite(toolchain, suite, needed_units):
             path, warnings, found = _object_of(toolchain, unit, suite.folder)
             objects.append((path, found))
             suite.warnings += warnings if unit is suite.unit else ""
+        suite.needed_objects = [path for path, _ in objects[1:]]
         suite.source = os.path.join(toolchain.source, "tests", f"test_{suite.feature.stem}.c")
         programs = _link(toolchain, suite, units, [path for path, _ in objects])
         for unit, (_, found) in zip(units, objects):
@@ -273,6 +283,24 @@ def _about_needs(suite, units):
     return ""
 
 
+def _excuse(toolchain, suite, units, seconds, megabytes):
+    """What held with the starter is not this unit's fault where it fails with the starter, too: then a needed
+    unit that is the student's own breaks it. In a pack the starter is what stands in for the reference."""
+    needed = [unit for unit in units_of_suite(suite.feature, units) if not unit.is_reference]
+    if not needed or suite.problem or not suite.costly():
+        return
+    starter = os.path.join(suite.folder, "starter")
+    os.mkdir(starter)
+    objects = [toolchain.built(f"src/features/{suite.feature.stem}.o"), *suite.needed_objects]
+    program = build.link_suite(toolchain, [suite.unit, *needed], objects, starter, toolchain.sanitize)
+    with contextlib.closing(sandbox.Program(program)) as program:
+        for test in suite.costly():
+            outcome = sandbox.run(["test_" + suite.feature.stem, "--only", test.name], program=program,
+                                  secret=make_secret(False), **_options(toolchain, suite, seconds, megabytes))
+            if not outcome.attested:
+                suite.excused.add(test.name)
+
+
 def _can_find_leaks(toolchain, suites, seconds, megabytes):
     """Whether the leak sanitizer works here: it fails where processes may not be traced. Asked of a run
     that calls no unit's code."""
@@ -347,6 +375,7 @@ def grade(toolchain, suites, units, seconds, megabytes=MEGABYTES, progress=None,
                 _judge_leaks(suite)
             finish([pool.submit(_run_decoys, toolchain, suite, decoys, seconds, megabytes)
                     for suite in built])
+            finish([pool.submit(_excuse, toolchain, suite, units, seconds, megabytes) for suite in built])
             for suite in suites:
                 suite.beside = _about_needs(suite, units)
         except BaseException:

@@ -104,7 +104,9 @@ def name_of(impl):
                   lambda found: "".join(f"\\x{byte:02x}" for byte in os.fsencode(found[0])), name)
 
 
-def _worth(test):
+def _worth(suite, test):
+    if test.name in suite.excused:
+        return f"costs nothing: it fails with the starter, too, by {' or '.join(suite.feature.needs)}"
     if not test.points:
         return f"costs {DEDUCTION} points: it held with the starter"
     return f"{test.points} point{'s' * (test.points != 1)}"
@@ -144,20 +146,25 @@ def _some(lines, most, more):
     return lines if len(lines) <= most else [*lines[:most - 1], more.format(len(lines) - most + 1)]
 
 
+def _named(suite, test):
+    cost = 0 if test.name in suite.excused else DEDUCTION
+    return f"{test.name} ({test.points or f'costs {cost}'})"
+
+
 def _all_others(suite, failed, first):
     """All claims that failed beside the first, those with the same reason together."""
     lines, groups = ["      then:"], {}
     for test in failed:
         groups.setdefault(suite.verdicts[test.name].reason.split("\n")[0], []).append(test)
     for reason, tests in groups.items():
-        lines += [f"          {test.name} ({test.points or f'costs {DEDUCTION}'})" for test in tests]
+        lines += [f"          {_named(suite, test)}" for test in tests]
         same = reason == suite.verdicts[first.name].reason.split("\n")[0]
         lines += _wrapped("for the same reason as the first" if same else reason, " " * 14)
     return lines
 
 
 def _next_ones(suite, failed):
-    named = [f"{test.name} ({test.points or f'costs {DEDUCTION}'})" for test in failed]
+    named = [_named(suite, test) for test in failed]
     named = _some(named, _NEXT + 1, f"and {{}} more: make check-{suite.feature.stem} ALL=1")
     return [("      then: " if not number else " " * 12) + name for number, name in enumerate(named)]
 
@@ -172,7 +179,7 @@ def _text_of_failures(suite, brief):
         details = [line for line in _details(suite.verdicts[first.name]).strip().split("\n") if line]
         said = [f"          {line}" for line in _some(details, 15 if brief else 20, "and {} more lines")]
         return [*said, *_wrapped(suite.problem, " " * 6)]
-    lines = [f"      work on this one first: {first.name} ({_worth(first)})"]
+    lines = [f"      work on this one first: {first.name} ({_worth(suite, first)})"]
     explained = _explained(suite, first)
     if brief and first.step:
         explained.append(f"a hint: make hint-{suite.feature.stem} STEP={first.step}")
