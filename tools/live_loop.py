@@ -18,7 +18,7 @@ import time
 import urllib.parse
 
 import hint
-from draw import choose_look, small
+from draw import SIDE, choose_look, small
 from drivers import driver_of, private_folder
 from grade import require_units, stop_on_signals
 from grading.assignments import Parser, ToolError, cause_of, choose, read_features, read_looks, read_points
@@ -79,9 +79,11 @@ class Picture:
         if built and built[0]:
             loop.tell(ends="drawing", failed=built[1])
         elif built:
-            drawn = self._run(limited([*loop.drawing("own"), "--compare", loop.files["wanted"]], _PATIENCE))
-            if drawn:
-                loop.take_picture(*drawn)
+            commands = loop.commands()
+            drawn = self._run(limited(commands[0], _PATIENCE))
+            compared = self._run(limited(commands[1], _PATIENCE)) if drawn and commands[1:] else drawn
+            if drawn and compared:
+                loop.take_picture(*drawn, compared[1])
 
     def _kill(self):
         try:
@@ -120,13 +122,14 @@ class Loop:
                       "hints": [],
                       "seconds": 0, "held": 0, "broken": [], "of": len(self._tests), "drawn": False,
                       "passed": "", "next": "", "read": "", "task": {},
+                      "kit": bool(self.kit), "scale": 1 if self.kit else _SIDE / SIDE,
                       "looks": [[look.step, look.caption] for look in read_looks(feature)]}
         self._look_at(choose_look(feature, step) if step else read_looks(feature)[0])
 
     def _look_at(self, look, passed=""):
         """Shows another step's picture from now on; `passed` tells why the one before is left."""
         self.files = {} if self.kit else {"wanted": look.picture}
-        self._options = small(look.options, _SIDE) if self.kit else small(look.options)
+        self._options, self._small = small(look.options, _SIDE), small(look.options)
         self._tell_task(look.step)
         self.tell(step=look.step, caption=look.caption, command=f"{driver_of(self._feature)} {look.options}",
                   same=False,
@@ -161,17 +164,26 @@ class Loop:
         """Returns the command that draws the picture of this name."""
         return [driver or self._own, *self._options, "--out", os.path.join(self.out, name)]
 
+    def commands(self):
+        """Returns the commands that draw the student's picture and compare it. The wanted pictures of a pack are
+        small, and so is what is compared with them."""
+        compare = ["--compare", self.files["wanted"]]
+        if self.kit:
+            return [[*self.drawing("own"), *compare]]
+        compared = [self._own, *self._small, "--quiet", "--out", os.path.join(self.out, "compared"), *compare]
+        return [self.drawing("own"), compared]
+
     def tell(self, begins=(), ends="", **news):
         with self.changed:
             self._doing = (self._doing | set(begins)) - {ends}
             self.known.update(news, version=self.known["version"] + 1, busy=" and ".join(sorted(self._doing)))
             self.changed.notify_all()
 
-    def take_picture(self, status, said):
-        """Tells of a picture that was drawn, or why there is none."""
+    def take_picture(self, status, said, compared):
+        """Tells of a picture that was drawn, or why there is none, and what its comparison said."""
         path, caption = _shown(said, self.out)
-        comparison = next((line for line in said.splitlines() if ": the picture " in line), "")
-        difference = path[:-4] + "_difference.png"
+        comparison = next((line for line in compared.splitlines() if ": the picture " in line), "")
+        difference = _shown(compared, self.out)[0][:-4] + "_difference.png"
         self.files["own"] = path or self.files.get("own", "")
         self.files["difference"] = difference if os.path.exists(difference) else ""
         self.tell(ends="drawing", drawn=bool(path),
