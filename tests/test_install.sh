@@ -87,6 +87,13 @@ for compiler in ${compilers#|}; do
     [ "$answer" = 7 ] || fail "the program of $compiler says $answer, not 7"
 done
 
+kit=$(cd "$(dirname "$0")/.." && pwd)
+if [ -n "$compilers" ]; then
+    ! $CXX -std=c++17 -fsyntax-only -I"$kit/src" "$folder/user.cpp" >"$folder/said" 2>&1 &&
+        grep -q 'source folder.s headers are for C; after make install' "$folder/said" ||
+        fail "C++ is not told where its headers are: $(head -3 "$folder/said")"
+fi
+
 # All but the list of features, which is for a macro of whoever includes it.
 (cd "$staging$include" && find . -name '*.h' ! -path '*/features/list.h') >"$folder/headers"
 while read -r header; do

@@ -3,6 +3,7 @@
 Speaks TAP, for make check-student; runs in a build folder."""
 
 import contextlib
+import glob
 import io
 import json
 import os
@@ -256,6 +257,12 @@ def hints_come_one_at_a_time():
           "HINT=2 is the next", told)
     told = hint.said(STEM, hints, "", "1")
     check(text.split("\n")[0] not in told and first in told, "without a step the hints are only listed", told)
+    told = hint.said(STEM, hints, "", "1", ("some_claim", "2")).splitlines()
+    marked = [line for line in told if "STEP=2" in line]
+    check(marked and marked[0].endswith("<- some_claim fails first") and "".join(told).count("<-") == 1,
+          "the step of the first claim that failed is marked", told)
+    check(f"make check-{STEM}" in hint.said(STEM, hints, "", "1"), "before a check the list says how", hints)
+    check("All claims held" in hint.said(STEM, hints, "", "1", ("", "")), "or that nothing failed", hints)
     for step, number in (("99", "1"), ("2", "9"), ("2", "x")):
         try:
             hint.said(STEM, hints, step, number)
@@ -330,6 +337,17 @@ def the_pack_builds(pack):
           said)
 
 
+def two_checks_at_once_build_one_after_the_other(pack):
+    for path in glob.glob(os.path.join(pack, "src", "base", "*.o")):
+        os.unlink(path)
+    free = {key: value for key, value in os.environ.items() if key not in ("MAKEFLAGS", "MAKELEVEL")}
+    both = [subprocess.Popen([MAKE, "-s", f"check-{stem}"], cwd=pack, env=free, text=True,
+                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT) for stem in (STEM, OTHER)]
+    said = [process.communicate()[0] for process in both]
+    check(all("work on this one first" in text for text in said), "two checks at once both give a verdict",
+          said)
+
+
 def names_that_are_nearly_right(pack):
     for command in ("check-median", "check-1", "draw-bvh_med"):
         status, said = make(pack, command)
@@ -374,6 +392,7 @@ def progress_tests_what_changed(pack):
     status, said, before = told()
     check(status == 0 and TESTS[0].name in said and list(before) == sorted([STEM + ".json", OTHER + ".json"]),
           "progress shows points, and keeps verdicts", said)
+    check(re.search(r"^  TEST +0 of \d+$", said, re.MULTILINE), "in a pipe it says that it works", said)
     status, again, after = told()
     # What the first run compiled is of no interest.
     table = [line for line in said.splitlines() if not line.startswith("  ")]
@@ -673,6 +692,7 @@ def the_pack_is_solved(pack):
     shutil.copyfile(FEATURE.reference, os.path.join(pack, "workbook", STEM + ".c"))
     status, said = make(pack, f"check-{STEM}")
     check(status == 0 and "100 of 100 points" in said, "the solution has all points", said)
+    check(f"hand in workbook/{STEM}.c, nothing else" in said, "and the check says what to hand in", said)
     process = subprocess.Popen([MAKE, "-s", f"watch-{STEM}"], cwd=pack, text=True, stdout=subprocess.PIPE,
                                stderr=subprocess.STDOUT)
     try:
@@ -728,8 +748,8 @@ def main():
         pack = os.path.join(folder, NAME, "raykit")
         with redirect_stdout(io.StringIO()):
             handout.make_handout(SOURCE, [STEM, OTHER], folder=pack, book=False)
-        for part in (before_bootstrap, the_pack_builds, names_that_are_nearly_right,
-                     warnings_tell_of_mistakes_alone, progress_tests_what_changed, drivers_are_built_alone,
+        for part in (before_bootstrap, the_pack_builds, two_checks_at_once_build_one_after_the_other,
+                     names_that_are_nearly_right, warnings_tell_of_mistakes_alone, progress_tests_what_changed, drivers_are_built_alone,
                      the_debugger_stops_where_arguments_are, editors_find_headers,
                      a_folder_that_is_read_only_is_told, git_keeps_sources,
                      a_renamed_file_stops_the_check, start_leads_through_the_course,

@@ -25,6 +25,7 @@ from grading import build
 from grading import integrity
 from grading import isolate
 from grading import judged
+from grading import last_check
 from grading import private_copy
 from grading import results
 from grading import sandbox
@@ -46,9 +47,9 @@ DECOYS = 8  # so many passed claims of a suite run again with an end that cannot
 
 class Suite:
     """The result of one feature: its unit, its scored tests and a verdict for each. `problem` is the
-    reason why nothing ran, `beside` what is to be known of a student's units that it needs, `excused` names the
-    claims that fail by these, `is_own` whether who reads the report has graded the unit; `remarks` say what was
-    found where, or ignored."""
+    reason why nothing ran, `beside` what is to be known of a student's units that it needs, `excused` names
+    the claims that fail by these, `is_own` whether who reads the report has graded the unit; `remarks` say
+    what was found where, or ignored."""
 
     def __init__(self, feature, unit, tests):
         self.feature, self.unit, self.tests = feature, unit, tests
@@ -608,6 +609,24 @@ def show_progress(done, total):
     print(f"\r{text:<40}" + ("" if text else "\r"), end="", file=sys.stderr, flush=True)
 
 
+def tell_progress(done, total):
+    """For a pipe or a file: a line now and then, as the build has them."""
+    if done % 50 == 0 and done < total:
+        print(f"  TEST     {done} of {total}", file=sys.stderr, flush=True)
+
+
+def _check(arguments, progress):
+    """Grades one's own work; what fails first is kept for the list of hints."""
+    features = read_features(build.Toolchain(arguments.build).source)
+    states = [last_check.state_of(feature, arguments.impl) for feature in choose(features, arguments.stems)]
+    _, suites = grade_impl(arguments.build, arguments.stems, arguments.impl, True, arguments.test, progress,
+                           arguments.kept)
+    for suite, state in zip(suites, states):
+        if state and not arguments.test:
+            last_check.write(arguments.build, suite, state)
+    return suites
+
+
 def main():
     arguments = _arguments()
     sys.stdout.reconfigure(errors="backslashreplace")  # names of files can be any bytes
@@ -619,9 +638,7 @@ def main():
         results.check_place(arguments.out)
         if arguments.own:
             require_units(arguments.build, arguments.stems, arguments.impl)
-            _, suites = grade_impl(arguments.build, arguments.stems, arguments.impl, True, arguments.test,
-                                   progress,
-                                   arguments.kept)
+            suites = _check(arguments, progress)
         else:
             sandbox.prepare()
             toolchain = build.Toolchain(arguments.build)

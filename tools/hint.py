@@ -6,6 +6,7 @@ import re
 import sys
 import textwrap
 
+from grading import last_check
 from grading.assignments import Parser, ToolError, choose, read_features
 from handout_text import handout_of
 
@@ -22,13 +23,26 @@ def hints_of(text):
     return hints
 
 
-def said(stem, hints, step, number):
-    """Returns what is printed for these options."""
+def _listed(stem, hints, failed):
+    """Returns the list of hints, in which the step of the first claim that fails is marked."""
+    lines = [f"hints for {stem}: make hint-{stem} STEP=... prints the first of a step"]
+    claim, its_step = failed or ("", "")
+    for name, of_step in hints.items():
+        mark = f"  <- {claim} fails first" if claim and name == its_step else ""
+        lines.append(f"    STEP={name}  " + "; ".join(title for title, _ in of_step) + mark)
+    if failed is None:
+        lines.append(f"After make check-{stem} this list marks the step of the first claim that fails.")
+    elif claim and its_step not in hints:
+        lines.append(f"{claim} fails first; no hint is about it.")
+    elif not claim:
+        lines.append("All claims held at the last check.")
+    return "\n".join(lines)
+
+
+def said(stem, hints, step, number, failed=None):
+    """Returns what is printed for these options. `failed` is what last_check.read returns."""
     if not step:
-        lines = [f"hints for {stem}: make hint-{stem} STEP=... prints the first of a step"]
-        for name, of_step in hints.items():
-            lines.append(f"    STEP={name}  " + "; ".join(title for title, _ in of_step))
-        return "\n".join(lines)
+        return _listed(stem, hints, failed)
     if step not in hints:
         raise ToolError(f"STEP={step}: {stem} has hints for the steps {', '.join(hints)}")
     count = len(hints[step])
@@ -43,6 +57,8 @@ def said(stem, hints, step, number):
 def main():
     parser = Parser(description=__doc__.split("\n\n")[0])
     parser.add_argument("--source", required=True, metavar="DIR", help="raykit's source folder")
+    parser.add_argument("--build", default=".", metavar="DIR")
+    parser.add_argument("--impl", default="", metavar="FILE_OR_DIR")
     parser.add_argument("stem", metavar="STEM")
     parser.add_argument("--step", default="", metavar="N")
     parser.add_argument("--hint", default="", metavar="N")
@@ -52,7 +68,8 @@ def main():
         hints = hints_of(handout_of(arguments.source, feature))
         if not hints:
             raise ToolError(f"the task of {feature.stem} has no hints")
-        print(said(feature.stem, hints, arguments.step, arguments.hint or "1"))
+        failed = last_check.read(arguments.build, feature, arguments.impl)
+        print(said(feature.stem, hints, arguments.step, arguments.hint or "1", failed))
     except ToolError as error:
         print(f"hint: {error}", file=sys.stderr)
         return 1

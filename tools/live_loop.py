@@ -165,8 +165,8 @@ class Loop:
         return [driver or self._own, *self._options, "--out", os.path.join(self.out, name)]
 
     def commands(self):
-        """Returns the commands that draw the student's picture and compare it. The wanted pictures of a pack are
-        small, and so is what is compared with them."""
+        """Returns the commands that draw the student's picture and compare it. The wanted pictures of a pack
+        are small, and so is what is compared with them."""
         compare = ["--compare", self.files["wanted"]]
         if self.kit:
             return [[*self.drawing("own"), *compare]]

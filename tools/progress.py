@@ -120,7 +120,7 @@ def main():
     arguments = parser.parse_args()
     grade.stop_on_signals()
     try:
-        show = grade.show_progress if sys.stderr.isatty() else None
+        show = grade.show_progress if sys.stderr.isatty() else grade.tell_progress
         suites, _ = progress_of(arguments.build, arguments.stems, arguments.impl, show)
         results.write(suites, "table", arguments.impl)
         if all(suite.passed() and not suite.unit.is_reference for suite in suites):

@@ -5,6 +5,10 @@
 
 #include <math.h>
 
+#ifdef __cplusplus
+#error "raykit: the source folder's headers are for C; after make install, pkg-config --cflags raykit finds those for C++"
+#endif
+
 #define RK_PI 3.14159265f
 #define RK_PI_DOUBLE 3.14159265358979323846
 

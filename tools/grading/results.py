@@ -251,6 +251,8 @@ def text(suites, impl, colours=False, brief=False):
             # A folder of submissions is the grader's: the student has another.
             own = impl if suite.is_own else None
             lines.append(f"      draw it: {command_of('draw', suite.feature, own)}")
+            if own and is_handed_out(suite.feature.reference):
+                lines.append(f"      hand in {suite.unit.shown}, nothing else")
             if own and os.path.isdir(own):
                 begin = command_of("start", suite.feature, own).replace(f"-{suite.feature.stem}", "", 1)
                 lines.append(f"      next: {begin}")
