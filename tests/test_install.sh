@@ -90,7 +90,7 @@ done
 kit=$(cd "$(dirname "$0")/.." && pwd)
 if [ -n "$compilers" ]; then
     ! $CXX -std=c++17 -fsyntax-only -I"$kit/src" "$folder/user.cpp" >"$folder/said" 2>&1 &&
-        grep -q 'source folder.s headers are for C; after make install' "$folder/said" ||
+        grep -q 'source folder.s headers are for C; make install' "$folder/said" ||
         fail "C++ is not told where its headers are: $(head -3 "$folder/said")"
 fi
 

@@ -749,7 +749,8 @@ def main():
         with redirect_stdout(io.StringIO()):
             handout.make_handout(SOURCE, [STEM, OTHER], folder=pack, book=False)
         for part in (before_bootstrap, the_pack_builds, two_checks_at_once_build_one_after_the_other,
-                     names_that_are_nearly_right, warnings_tell_of_mistakes_alone, progress_tests_what_changed, drivers_are_built_alone,
+                     names_that_are_nearly_right, warnings_tell_of_mistakes_alone,
+                     progress_tests_what_changed, drivers_are_built_alone,
                      the_debugger_stops_where_arguments_are, editors_find_headers,
                      a_folder_that_is_read_only_is_told, git_keeps_sources,
                      a_renamed_file_stops_the_check, start_leads_through_the_course,

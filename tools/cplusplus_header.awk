@@ -11,7 +11,7 @@ NR == FNR {
     if (/^#endif/) last = FNR
     next
 }
-/^#error "raykit: the source folder/ { next }
+/^#error "the source folder/ { next }
 FNR == last { print "#ifdef __cplusplus\n}\n#endif\n" }
 { print }
 FNR == after { print "\n#ifdef __cplusplus\n#pragma GCC system_header\nextern \"C\" {\n#endif" }

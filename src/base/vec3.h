@@ -6,7 +6,7 @@
 #include <math.h>
 
 #ifdef __cplusplus
-#error "raykit: the source folder's headers are for C; after make install, pkg-config --cflags raykit finds those for C++"
+#error "the source folder's headers are for C; make install makes those for C++ (pkg-config raykit)"
 #endif
 
 #define RK_PI 3.14159265f

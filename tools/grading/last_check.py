@@ -1,5 +1,5 @@
-"""What the last check of one's own work has found first, in impl/checked of the build folder: hints are marked
-by it. Nothing else reads it."""
+"""What the last check of one's own work has found first, in impl/checked of the build folder: hints are
+marked by it. Nothing else reads it."""
 
 import hashlib
 import json
@@ -36,8 +36,8 @@ def write(build, suite, state):
 
 
 def read(build, feature, impl):
-    """Returns the claim that failed first and its step, both "" if all held, or None if this state of the unit
-    was not checked."""
+    """Returns the claim that failed first and its step, both "" if all held, or None if this state of the
+    unit was not checked."""
     try:
         with open(_path(build, feature), encoding="utf-8") as file:
             kept = json.load(file)

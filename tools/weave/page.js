@@ -1,5 +1,5 @@
-// Helps to read: contents that follow the reader, search, links to headings, copies of listings. The page is
-// complete without. `raykitIndex` has what can be searched for: [title, kind, anchor, page].
+// Helps to read: contents that follow the reader, search, colours, links to headings and figures, copies of listings.
+// The page is complete without. `raykitIndex` has what can be searched for: [title, kind, anchor, page].
 "use strict";
 (() => {
   const make = (name, attributes, ...children) => {
@@ -8,6 +8,28 @@
     element.append(...children);
     return element;
   };
+
+  // --- colours: the system's, unless the reader chooses ---------------------------------------
+
+  const root = document.documentElement;
+  const themes = ["auto", "light", "dark"].map((theme) => {
+    const button = make("button", { type: "button" }, theme);
+    button.addEventListener("click", () => {
+      if (theme === "auto") delete root.dataset.theme;
+      else root.dataset.theme = theme;
+      try {
+        if (theme === "auto") localStorage.removeItem("raykit-theme");
+        else localStorage.setItem("raykit-theme", theme);
+      } catch { /* it holds for this page alone */ }
+      press();
+    });
+    return button;
+  });
+  const press = () => {
+    for (const button of themes) button.setAttribute("aria-pressed", String(button.textContent === (root.dataset.theme || "auto")));
+  };
+  press();
+  document.querySelector("header").prepend(make("div", { class: "theme", role: "group", "aria-label": "Colours" }, ...themes));
 
   // --- contents ------------------------------------------------------------------------------
 
@@ -94,11 +116,17 @@
   addEventListener("hashchange", unfold);
   unfold();
 
-  // --- headings and listings -----------------------------------------------------------------
+  // --- headings, figures and listings --------------------------------------------------------
 
   for (const heading of document.querySelectorAll("main :is(h1, h2, h3)[id]")) {
     const title = heading.textContent.trim();
     heading.append(make("a", { class: "permalink", href: "#" + heading.id, "aria-label": "Link to " + title }, "#"));
+  }
+
+  for (const figure of document.querySelectorAll("main figure[id]")) {
+    const caption = figure.querySelector(".caption, figcaption");
+    const number = caption && caption.querySelector(".number");
+    if (caption) caption.append(make("a", { class: "permalink", href: "#" + figure.id, "aria-label": "Link to " + (number ? number.textContent.trim() : "this figure") }, "#"));
   }
 
   const copy = async (button, code) => {

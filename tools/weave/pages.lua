@@ -160,16 +160,28 @@ local function find_names(chapters)
   return page_of
 end
 
+-- The beginning of a chapter's first paragraph, for search engines and previews of links.
+local function description_of(chapter)
+  for _, block in ipairs(chapter.blocks) do
+    local text = block.t == "Para" and pandoc.utils.stringify(block) or ""
+    if #text > 40 then
+      local short = #text > 200 and text:sub(1, 200):match("^(.*)%s") .. " ..." or text
+      return (html_of({pandoc.Plain({pandoc.Str(short)})}):gsub('"', "&quot;"))
+    end
+  end
+end
+
 -- Live figures share a script, which only pages with some of them load.
 local function write_pages(doc, folder, chapters, page_of, live_script)
   local template, values = read(tools .. "template.html"), common_values(doc)
-  local book_title = values.pagetitle
+  local book_title, description = values.pagetitle, values.description
   local scripts = values.scripts
   for i, chapter in ipairs(chapters) do
     local is_live = live_script ~= "" and chapter.html:find("data-program=", 1, true)
     values.scripts = scripts .. (is_live and '\n<script src="live.js"></script>' or "")
     values.chapter = i > 1
     values.pagetitle = i > 1 and plain(chapter.title) .. " – " .. book_title or book_title
+    values.description = i > 1 and description_of(chapter) or description
     values.contents = relink(contents_of(chapters, #chapters > 1 and chapter), chapter, page_of)
     values.body = relink(chapter.html, chapter, page_of) .. (#chapters > 1 and steps(chapters, i) or "")
     drive.write_file(folder .. "/" .. chapter.page, fill(template, values))
