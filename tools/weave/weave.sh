@@ -45,7 +45,7 @@ RAYKIT_SIZE=
 note=
 if [ -n "${QUICK-}" ]; then # a trial of the text itself, not of speed
     # shellcheck disable=SC2034 # make_report and make_book use it
-    RAYKIT_RUNS=1 RAYKIT_SIZE=160 note=', a quick trial: pictures are small, times single runs, and texts describe the full-size ones'
+    RAYKIT_RUNS=1 RAYKIT_SIZE=160 note=', a quick trial: pictures are small and times are single runs, but the text describes full-size pictures'
 fi
 RAYKIT_GNUPLOT=${GNUPLOT-}
 
