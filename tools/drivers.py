@@ -84,8 +84,8 @@ def _object_that_says(toolchain, units, impl, folder):
     folder_of_pictures = "impl/out" if sentence else "out"
     write_whole(source, '#include "driver/implementation_note.h"\n\n#include <stddef.h>\n'
                 f'const char rk_implementation_note[] = {_literal(sentence)};\n'
-                f'const rk_unit_author rk_unit_authors[] = {{{authors}{{NULL, NULL}}}};\n'
-                f'const char rk_other_units[] = {_literal(others)};\n'
+                f'const rk_implementation_author rk_implementation_authors[] = {{{authors}{{NULL, NULL}}}};\n'
+                f'const char rk_implementation_others[] = {_literal(others)};\n'
                 f'const char rk_pictures_folder[] = "{folder_of_pictures}";\n'
                 f'const char rk_unsolved_features[] = "{starters}";\n')
     output = os.path.join(folder, "units.o")

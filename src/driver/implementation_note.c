@@ -5,8 +5,8 @@
 #include <stddef.h>
 
 const char rk_implementation_note[] = "";
-const rk_unit_author rk_unit_authors[] = {{NULL, NULL}};
-const char rk_other_units[] = "the kit's";
+const rk_implementation_author rk_implementation_authors[] = {{NULL, NULL}};
+const char rk_implementation_others[] = "the kit's";
 const char rk_pictures_folder[] = "out";
 /* In a pack for students the build says which of its starters nobody has touched. */
 #ifndef RK_UNSOLVED_FEATURES

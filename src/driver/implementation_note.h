@@ -7,13 +7,13 @@
 extern const char rk_implementation_note[];
 
 /* The same for each unit that is not the kit's own; ends with a stem NULL. */
-typedef struct rk_unit_author {
+typedef struct rk_implementation_author {
     const char *stem, *author;
-} rk_unit_author;
-extern const rk_unit_author rk_unit_authors[];
+} rk_implementation_author;
+extern const rk_implementation_author rk_implementation_authors[];
 
 /* What the other units are: "the kit's"; empty if there are none. */
-extern const char rk_other_units[];
+extern const char rk_implementation_others[];
 
 /* The default of --out, likewise: pictures by other units do not replace those by the kit's own. */
 extern const char rk_pictures_folder[];

@@ -94,7 +94,8 @@ rk_unsolved rk_driver_units(const rk_driver *driver)
     const char *last = NULL; /* authors stand together */
     rk_unsolved units = {""};
     size_t length = 0;
-    for (const rk_unit_author *unit = rk_unit_authors; unit->stem && length < size; unit++)
+    for (const rk_implementation_author *unit = rk_implementation_authors;
+         unit->stem && length < size; unit++)
         if (uses(driver, &plan, unit->stem)) {
             const bool same = last && strcmp(last, unit->author) == 0;
             length += (size_t)snprintf(units.text + length, size - length, "%s%s%s%s",
@@ -104,10 +105,10 @@ rk_unsolved rk_driver_units(const rk_driver *driver)
                                        same ? "" : unit->author, same ? "" : " (", unit->stem);
             last = unit->author;
         }
-    if (rk_unit_authors->stem && length < size)
+    if (rk_implementation_authors->stem && length < size)
         snprintf(units.text + length, size - length, "%s%s%s",
-                 last ? ")" : "units: ", last && *rk_other_units ? ", others: " : "",
-                 rk_other_units);
+                 last ? ")" : "units: ", last && *rk_implementation_others ? ", others: " : "",
+                 rk_implementation_others);
     return units;
 }
 
