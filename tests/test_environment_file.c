@@ -4,6 +4,8 @@
  * Each start of the helper takes a quarter of a second, so most pictures here are PNG, which needs
  * none. */
 #include "test.h"
+
+#include "remedy.h"
 #include "test_cost.h"
 #include "test_picture_file.h"
 
@@ -92,6 +94,7 @@ static void check_refused(const char *path, const char *part)
     rk_check(map.side == 0 && !map.faces[0], "%s: a map was left behind", path);
     rk_check_error_names(error, part);
     rk_check(!strchr(error.text, '\n'), "one line: %s", error.text);
+    rk_check_remedy(error.text);
 }
 
 /* --- layouts ---------------------------------------------------------------------------------- */
@@ -311,7 +314,8 @@ static void a_world_may_lack_a_row_or_a_column(void **state)
         rk_cubemap_free(&map);
     }
     rk_image image = make_image(256, 126);
-    check_refused(write_image(*state, "cropped.png", &image).text, "256 x 126 pixels: width");
+    check_refused(write_image(*state, "cropped.png", &image).text,
+                  "256 x 126 pixels: choose an environment");
 }
 
 static void the_smallest_world_is_two_pixels(void **state)
@@ -643,7 +647,7 @@ static void faces_of_different_sizes_are_refused(void **state)
     check_refused(folder->path, "nz.png: has 3 x 3 pixels, but the first face has 2 x 2");
     rk_image oblong = make_image(3, 2);
     write_image(folder, "px.png", &oblong);
-    check_refused(folder->path, "px.png: has 3 x 2 pixels: a face must be square");
+    check_refused(folder->path, "px.png: has 3 x 2 pixels: choose a square one");
 }
 
 static void a_missing_file_is_an_error(void **state)
@@ -696,13 +700,14 @@ static void another_shape_is_refused_by_its_header(void **state)
     test_path path = write_image(folder, "square.png", &image);
     test_cost cost = test_cost_of(read_and_free, path.text);
     rk_check(!cost.ok, "1:1 is no environment");
-    rk_check_error_names(cost.error, "2048 x 2048 pixels: width : height");
+    rk_check_error_names(cost.error,
+                         "2048 x 2048 pixels: choose an environment whose width : height");
     test_check_cost(path.text, &cost, 10, 0.5);
     image = make_image(2048, 1024);
     write_six(folder, "", ".png");
     write_image(folder, "px.png", &image);
     cost = test_cost_of(read_and_free, folder->path);
-    rk_check_error_names(cost.error, "2048 x 1024 pixels: a face must be square");
+    rk_check_error_names(cost.error, "2048 x 1024 pixels: choose a square one");
     test_check_cost(path.text, &cost, 10, 0.5);
 }
 

@@ -472,7 +472,7 @@ def the_rest_holds(pack):
     """All suites that do not wait for later assignments pass. Scripts that look at files of the pack run by
     make check, with a suite that is left out; programs by themselves, without make's second for each."""
     make = os.environ.get("MAKE", "make")
-    scripts = "tests/test_features.sh tests/test_includes.sh $(compare_suite)"
+    scripts = "tests/test_features.sh tests/test_includes.sh tests/test_remedies.sh $(compare_suite)"
     status, said = run(pack, make, "-s", "-j2", "check",
                        "check_PROGRAMS=$(filter-out $(left_out),$(suites) $(stress_suites))",
                        f"TESTS={scripts} tests/test_vec3 tests/test_render")

@@ -3,6 +3,8 @@
  * Each start of the real helper loads OpenImageIO with its 260 libraries, a quarter of a second or
  * more, so tests share one where their claim allows. */
 #include "test.h"
+
+#include "remedy.h"
 #include "test_picture_file.h"
 
 #include "base/random.h"
@@ -85,6 +87,7 @@ static void check_refused(test_path path, const char *part)
     rk_check(!image.pixels, "%s: pixels were left behind", path.text);
     rk_check_error_names(error, path.text);
     rk_check_error_names(error, part);
+    rk_check_remedy(error.text);
 }
 
 /* --- there and back -------------------------------------------------------------------------- */
@@ -514,7 +517,7 @@ static void a_picture_without_pixels_is_not_written(void **state)
         rk_check(!rk_image_file_write(path.text, &none[i / 2], &error), "%s was written",
                  path.text);
         rk_check_error_names(error, path.text);
-        rk_check_error_names(error, "each side must be 1 to 32768");
+        rk_check_error_names(error, "make each side 1 to 32768");
     }
     rk_check_equal(test_folder_count(*state), 0, "nothing is written");
 }

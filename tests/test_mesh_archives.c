@@ -203,7 +203,7 @@ static void a_3mf_that_cannot_be_read_has_a_true_reason(void **state)
     check_refused_path(path.text, ": its archive has sizes of 64 bits (ZIP64)", "zip it again");
     path = test_folder_write(&folder, "cut.3mf", (const char *)a.bytes, a.size - 1, 0600);
     check_refused_path(path.text, ": its archive has no end", "");
-    check_refused("text.3mf", "solid a\n", ": is not an archive", "another format");
+    check_refused("text.3mf", "solid a\n", ": is not an archive", "ending of its format");
     a = begin_3mf("\xff\xfe<");
     check_refused_path(write_archive(&a, "utf16.3mf").text, ": Assimp finds nothing in it",
                        "UTF-16");

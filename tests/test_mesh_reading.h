@@ -5,6 +5,7 @@
 
 #include "test.h"
 
+#include "remedy.h"
 #include "test_folder.h"
 
 #include "io/mesh_file.h"
@@ -49,6 +50,7 @@ static inline void check_refused_path(const char *path, const char *place, const
     rk_check(strncmp(error.text, begin, strlen(begin)) == 0,
              "the error should begin with \"%s\", but says: %s", begin, error.text);
     rk_check_error_names(error, what);
+    rk_check_remedy(error.text);
 }
 
 /* The file is refused with "PATHPLACE ...": `place` follows the file's name. */

@@ -43,8 +43,10 @@ __attribute__((weak)) void *rk_allocate_unset(size_t count, size_t size, const c
                                               rk_error *error)
 {
     if (size && count > (SIZE_MAX - cache_line) / size) {
-        rk_fail(error, "%s: %zu elements of %zu bytes are more than this machine can address", what,
-                count, size);
+        rk_fail(error,
+                "%s: %zu elements of %zu bytes are more than this machine can address: choose a "
+                "smaller size",
+                what, count, size);
         return NULL;
     }
     size_t bytes = (count * size + cache_line - 1) / cache_line * cache_line;

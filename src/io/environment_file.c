@@ -221,8 +221,8 @@ static bool fits(const rk_image *image, const rk_cubemap *map, const char *path,
 {
     if (map->side > 0 && image->width != map->side)
         return rk_fail(error,
-                       "%.700s: has %zu x %zu pixels, but the first face has %u x %u: all six "
-                       "must have the same size",
+                       "%.700s: has %zu x %zu pixels, but the first face has %u x %u: make all "
+                       "six the same size",
                        path, image->width, image->height, map->side, map->side);
     return true;
 }
@@ -249,13 +249,14 @@ static bool name_in_pattern(long_path *path, const char *pattern, const char *na
 {
     const char *hole = strstr(pattern, "%s");
     if (strstr(hole + 2, "%s"))
-        return rk_fail(error,
-                       "%.800s: has more than one %%s, which stands for px, nx, py, ny, pz, nz",
-                       pattern);
+        return rk_fail(
+            error,
+            "%.800s: has more than one %%s: leave the one that stands for px, nx, py, ny, pz, nz",
+            pattern);
     int length = snprintf(path->text, sizeof path->text, "%.*s%s%s", (int)(hole - pattern), pattern,
                           name, hole + 2);
     return (length >= 0 && (size_t)length < sizeof path->text) ||
-           rk_fail(error, "%.800s: the name is too long", pattern);
+           rk_fail(error, "%.800s: the name is too long: give a shorter one", pattern);
 }
 
 /* Is the file's name, without its ending, this one, or does it end with it after one of _-. and a
@@ -290,11 +291,11 @@ static bool name_in_folder(long_path *path, const char *folder, const char *name
     if (found == 0)
         found = count_in_folder(path, folder, name, true);
     if (found < 0)
-        return rk_fail(error, "%.800s: the name is too long", folder);
+        return rk_fail(error, "%.800s: the name is too long: give a shorter one", folder);
     return found == 1 ||
            rk_fail(error,
-                   "%.700s: holds %s picture %s.*: the faces of an environment are px, nx, "
-                   "py, ny, pz, nz (or posx ..., right, left ...), each in one file",
+                   "%.700s: holds %s picture %s.*: name the faces of an environment px, nx, py, "
+                   "ny, pz, nz (or posx ..., right, left ...), each in one file",
                    folder, found ? "more than one" : "no", name);
 }
 

@@ -281,7 +281,7 @@ static bool read_output(session *s, rk_error *error)
     if (s->output_size > most_output(s))
         return rk_fail(error,
                        "%s: %s sent more than the allowed %zu bytes: the file "
-                       "is damaged or too large",
+                       "is damaged or too large: save it again, or make it smaller",
                        s->subject, s->call->program, s->call->output_max);
     return true;
 }
@@ -341,8 +341,8 @@ static bool talk(session *s, rk_error *error)
         int wait_ms = left <= 0 ? 0 : left > 1e6 ? 1000000000 : (int)(left * 1e3) + 1;
         int ready = poll(polled, streams, wait_ms);
         if (ready < 0 && errno != EINTR && errno != EAGAIN)
-            return rk_fail(error, "%s: waiting for %s failed: %s", s->subject, s->call->program,
-                           strerror(errno));
+            return rk_fail(error, "%s: waiting for %s failed: %s: try again", s->subject,
+                           s->call->program, strerror(errno));
         if (ready == 0 && seconds_now() >= s->deadline)
             return fail_silent(s, error);
         if (ready <= 0)
@@ -401,8 +401,10 @@ static bool judge(const session *s, int status, rk_error *error)
         return true;
     }
     if (s->line_length == 0)
-        return rk_fail(error, "%s: %s failed with exit status %d and gave no reason", s->subject,
-                       s->call->program, WEXITSTATUS(status));
+        return rk_fail(error,
+                       "%s: %s failed with exit status %d and gave no reason: save the file again, "
+                       "or in another format",
+                       s->subject, s->call->program, WEXITSTATUS(status));
     return rk_fail(error, "%s", s->line);
 }
 

@@ -264,9 +264,9 @@ bool rk_image_file_write(const char *path, const rk_image *image, rk_error *erro
         return false;
     if (image->width < 1 || image->height < 1 || image->width > RK_IMAGE_SIDE_MAX ||
         image->height > RK_IMAGE_SIDE_MAX)
-        return rk_fail(
-            error, "%s: the picture to be written has %zu x %zu pixels: each side must be 1 to %d",
-            path, image->width, image->height, RK_IMAGE_SIDE_MAX);
+        return rk_fail(error,
+                       "%s: the picture to be written has %zu x %zu pixels: make each side 1 to %d",
+                       path, image->width, image->height, RK_IMAGE_SIDE_MAX);
     return has_ending(path, ".png") ? rk_png_write(path, image, NULL, 0, error)
                                     : write_exr(path, image, error);
 }

@@ -13,10 +13,10 @@ typedef enum rk_image_shape {
 } rk_image_shape;
 
 /* Follows "FILE: has W x H pixels: ". */
-#define RK_IMAGE_SHAPE_SQUARE_NEEDED "a face must be square"
+#define RK_IMAGE_SHAPE_SQUARE_NEEDED "choose a square one as a face"
 #define RK_IMAGE_SHAPE_ENVIRONMENT_NEEDED                                                          \
-    "width : height of an environment is 4:3 or 3:4 (a cross), 6:1 or 1:6 (a strip), or 2:1 "      \
-    "(longitude and latitude)"
+    "choose an environment whose width : height is 4:3 or 3:4 (a cross), 6:1 or 1:6 (a strip), "   \
+    "or 2:1 (longitude and latitude)"
 
 static inline bool rk_image_shape_has_cells(size_t width, size_t height, size_t columns,
                                             size_t rows)

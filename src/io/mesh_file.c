@@ -28,11 +28,15 @@ static bool check_header(const rk_mesh_stream_header *header, size_t size, const
         return rk_fail(error, "%s: uses %u materials, more than %d: merge equal ones", path,
                        header->material_count, UINT16_MAX);
     if (header->texture_count > RK_MESH_STREAM_TEXTURES_MAX)
-        return rk_fail(error, "%s: raykit-mesh sent %u textures, more than %d", path,
-                       header->texture_count, RK_MESH_STREAM_TEXTURES_MAX);
+        return rk_fail(
+            error,
+            "%s: raykit-mesh sent %u textures, more than %d: run make, or install raykit again",
+            path, header->texture_count, RK_MESH_STREAM_TEXTURES_MAX);
     if (rk_mesh_stream_size(header) != size)
-        return rk_fail(error, "%s: raykit-mesh sent %zu bytes, but its counts require %llu", path,
-                       size, (unsigned long long)rk_mesh_stream_size(header));
+        return rk_fail(error,
+                       "%s: raykit-mesh sent %zu bytes, but its counts require %llu: run make, or "
+                       "install raykit again",
+                       path, size, (unsigned long long)rk_mesh_stream_size(header));
     if (header->triangle_count == 0 || header->material_count == 0)
         return rk_fail(error, "%s: has no triangles: choose a mesh with faces", path);
     return true;
@@ -98,14 +102,17 @@ static bool check_textures(const tail *rest, const rk_mesh_stream_header *header
     }
     if (bytes != header->texture_bytes)
         return rk_fail(error,
-                       "%s: raykit-mesh sent %u bytes of textures, but their sizes require %llu",
+                       "%s: raykit-mesh sent %u bytes of textures, but their sizes require %llu: "
+                       "run make, or install raykit again",
                        path, header->texture_bytes, (unsigned long long)bytes);
     for (uint32_t i = 0; i < header->material_count; i++) {
         const rk_mesh_stream_material row = material_row(rest, i);
         const uint32_t texture = row.texture > row.alpha_texture ? row.texture : row.alpha_texture;
         if (texture > header->texture_count)
-            return rk_fail(error, "%s: material %u uses texture %u, but there are only %u", path, i,
-                           texture, header->texture_count);
+            return rk_fail(error,
+                           "%s: material %u uses texture %u, but there are only %u: run make, or "
+                           "install raykit again",
+                           path, i, texture, header->texture_count);
     }
     return true;
 }
@@ -255,7 +262,9 @@ static bool parse(rk_mesh *mesh, const unsigned char *bytes, size_t size, const 
 {
     rk_mesh_stream_header header;
     if (size < sizeof header)
-        return rk_fail(error, "%s: raykit-mesh sent only %zu bytes", path, size);
+        return rk_fail(error,
+                       "%s: raykit-mesh sent only %zu bytes: run make, or install raykit again",
+                       path, size);
     memcpy(&header, bytes, sizeof header);
     if (!check_header(&header, size, path, error))
         return false;

@@ -29,7 +29,8 @@ static bool check_head(const job *j)
     unsigned char head[24];
     size_t size = fread(head, 1, sizeof head, j->stream);
     if (size == 0 && ferror(j->stream))
-        return rk_fail(j->error, "%s: cannot be read: %s", j->path, strerror(errno));
+        return rk_fail(j->error, "%s: cannot be read: %s; check its name and permissions", j->path,
+                       strerror(errno));
     if (size == 0)
         return rk_fail(j->error, "%s: the file is empty; save or download it again", j->path);
     if (!rk_lfs_pointer_check(j->path, head, size, j->error))
@@ -43,8 +44,8 @@ static bool check_head(const job *j)
                        j->path);
     uint32_t width = big_endian(head + 16), height = big_endian(head + 20);
     if (width < 1 || height < 1 || width > RK_IMAGE_SIDE_MAX || height > RK_IMAGE_SIDE_MAX)
-        return rk_fail(j->error, "%s: claims %u x %u pixels: each side must be 1 to %d", j->path,
-                       width, height, RK_IMAGE_SIDE_MAX);
+        return rk_fail(j->error, "%s: claims %u x %u pixels: choose one with sides of 1 to %d",
+                       j->path, width, height, RK_IMAGE_SIDE_MAX);
     if ((uintmax_t)width * height > j->most_pixels)
         return rk_fail(j->error,
                        "%s: has %u x %u pixels, more than the %zu allowed here: make it smaller",
@@ -80,12 +81,14 @@ static bool open_picture(job *j)
 {
     struct stat status;
     if (stat(j->path, &status) != 0)
-        return rk_fail(j->error, "%s: cannot be read: %s", j->path, strerror(errno));
+        return rk_fail(j->error, "%s: cannot be read: %s; check its name and permissions", j->path,
+                       strerror(errno));
     if (!S_ISREG(status.st_mode) && !S_ISDIR(status.st_mode))
         return rk_fail(j->error, "%s: is not a regular file: copy the picture to one", j->path);
     j->stream = fopen(j->path, "rb");
     if (!j->stream)
-        return rk_fail(j->error, "%s: cannot be read: %s", j->path, strerror(errno));
+        return rk_fail(j->error, "%s: cannot be read: %s; check its name and permissions", j->path,
+                       strerror(errno));
     j->file_size = (uintmax_t)status.st_size;
     if (!check_head(j))
         return false;
@@ -95,7 +98,7 @@ static bool open_picture(job *j)
     return j->info ||
            rk_fail(j->error,
                    "%s: libpng cannot start: no memory, or another version than raykit was "
-                   "built with",
+                   "built with; close other programs, or run ./configure and make again",
                    j->path);
 }
 

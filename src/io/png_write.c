@@ -107,10 +107,11 @@ static bool encode(job *j)
     j->png = png_create_write_struct(PNG_LIBPNG_VER_STRING, j, on_error, on_warning);
     j->info = j->png ? png_create_info_struct(j->png) : NULL;
     if (!j->info)
-        return rk_fail(j->error,
-                       "%s: libpng cannot start: no memory, or another version than "
-                       "raykit was built with",
-                       j->path);
+        return rk_fail(
+            j->error,
+            "%s: libpng cannot start: no memory, or another version than "
+            "raykit was built with; close other programs, or run ./configure and make again",
+            j->path);
     return guarded(j, write_all) ||
            rk_fail(j->error,
                    "%s: could not be written whole: %s; free some space, or choose another place",

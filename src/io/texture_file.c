@@ -28,11 +28,13 @@ static bool find_at(long_path *path, const char *mesh_path, const char *name, rk
     int folder = slash && name[0] != '/' ? (int)(slash - mesh_path) + 1 : 0;
     int length = snprintf(path->text, sizeof path->text, "%.*s%s", folder, mesh_path, name);
     if (length < 0 || (size_t)length >= sizeof path->text)
-        return rk_fail(error, "%.300s...: the path is too long", path->text);
+        return rk_fail(error, "%.300s...: the path is too long: give it a shorter name",
+                       path->text);
     struct stat status;
     if (stat(path->text, &status) != 0)
-        return rk_fail(error, "%s: %s", path->text, strerror(errno));
-    return S_ISREG(status.st_mode) || rk_fail(error, "%s: is not a regular file", path->text);
+        return rk_fail(error, "%s: %s: put it beside the mesh file", path->text, strerror(errno));
+    return S_ISREG(status.st_mode) ||
+           rk_fail(error, "%s: is not a regular file: copy the picture to one", path->text);
 }
 
 static void turn_slashes(char *name)
@@ -63,7 +65,7 @@ static bool find_file(long_path *path, const char *mesh_path, const char *given,
 {
     long_path name;
     if (snprintf(name.text, sizeof name.text, "%s", given) >= (int)sizeof name.text)
-        return rk_fail(error, "%.300s...: the path is too long", given);
+        return rk_fail(error, "%.300s...: the path is too long: give it a shorter name", given);
     turn_slashes(name.text);
     if (find_at(path, mesh_path, name.text, error))
         return true;
@@ -137,7 +139,7 @@ static bool read_embedded(rk_image *image, const rk_texture_file_source *source,
         return true;
     return rk_fail(error, "picture %s in the mesh file%.700s", source->name,
                    strncmp(reason.text, path.text, length) == 0 ? reason.text + length
-                                                                : " is lost");
+                                                                : " is lost: try again");
 }
 
 bool rk_texture_file_read(rk_texture *texture, const rk_texture_file_source *source,

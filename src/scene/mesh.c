@@ -59,9 +59,10 @@ static bool is_fraction(float v)
     return v >= 0 && v <= 1;
 }
 
+static const char *const remedy = "repair the mesh or export it again";
+
 static bool validate_vertices(const rk_mesh *mesh, const char *name, rk_error *error)
 {
-    const char *remedy = "repair the mesh or export it again";
     for (uint32_t i = 0; i < mesh->vertex_count; i++) {
         if (!is_finite3(mesh->positions[i]))
             return rk_fail(error, "%s: vertex %u is not a finite point: %s", name, i, remedy);
@@ -81,14 +82,11 @@ static bool validate_triangles(const rk_mesh *mesh, const char *name, rk_error *
     for (uint32_t i = 0; i < mesh->triangle_count; i++) {
         for (int k = 0; k < 3; k++)
             if (mesh->triangles[i][k] >= mesh->vertex_count)
-                return rk_fail(
-                    error,
-                    "%s: triangle %u uses vertex %u, but there are only %u: repair the mesh "
-                    "or export it again",
-                    name, i, mesh->triangles[i][k], mesh->vertex_count);
+                return rk_fail(error, "%s: triangle %u uses vertex %u, but there are only %u: %s",
+                               name, i, mesh->triangles[i][k], mesh->vertex_count, remedy);
         if (mesh->triangle_materials[i] >= mesh->material_count)
-            return rk_fail(error, "%s: triangle %u uses material %u, but there are only %u", name,
-                           i, mesh->triangle_materials[i], mesh->material_count);
+            return rk_fail(error, "%s: triangle %u uses material %u, but there are only %u: %s",
+                           name, i, mesh->triangle_materials[i], mesh->material_count, remedy);
     }
     return true;
 }
@@ -111,7 +109,7 @@ static bool validate_materials(const rk_mesh *mesh, const char *name, rk_error *
             return rk_fail(
                 error,
                 "%s: material %u has a colour that is not finite, a negative shininess or an "
-                "opacity outside [0, 1]",
+                "opacity outside [0, 1]: repair it or export the mesh again",
                 name, i);
         if (!is_finite3(m->absorption) || !(m->absorption.x >= 0) || !(m->absorption.y >= 0) ||
             !(m->absorption.z >= 0))

@@ -7,6 +7,7 @@
 #include "../test.h"
 
 #include "../mesh_seeds.h"
+#include "../remedy.h"
 #include "../test_folder.h"
 
 #include "base/random.h"
@@ -128,6 +129,7 @@ static void run_case(int format, uint32_t number, tally *t)
                      !strchr(error.text, '\n') && strlen(error.text) > strlen(path.text) + 2,
                  "%s, case %u: the error should name the file and a reason, but is: \"%s\"; %s",
                  seed.name, number, error.text, again);
+        rk_check_remedy(error.text);
         rk_check(mesh.triangle_count == 0 && !mesh.positions, "%s, case %u: left a mesh behind; %s",
                  seed.name, number, again);
         rk_check(!strstr(error.text, "was silent"), "%s, case %u: the helper hung; %s", seed.name,

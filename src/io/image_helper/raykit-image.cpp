@@ -168,7 +168,7 @@ void check_size(const std::string &path, const OIIO::ImageSpec &spec, size_t mos
     const int most = RK_IMAGE_STREAM_SIDE_MAX;
     if (spec.width < 1 || spec.height < 1 || spec.width > most || spec.height > most)
         fail(path, "claims " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
-                       " pixels: each side must be 1 to " + std::to_string(most));
+                       " pixels: choose one with sides of 1 to " + std::to_string(most));
     if (size_t(spec.width) * size_t(spec.height) > most_pixels)
         fail(path, "has " + std::to_string(spec.width) + " x " + std::to_string(spec.height) +
                        " pixels, more than the " + std::to_string(most_pixels) +
@@ -217,7 +217,7 @@ Channels channels_of(const std::string &path, const OIIO::ImageSpec &spec,
     if (part != RK_IMAGE_STREAM_COLOUR && alpha >= 0)
         return {alpha, 1};
     if (part == RK_IMAGE_STREAM_ALPHA)
-        fail(path, "has no alpha channel");
+        fail(path, "has no alpha channel; save it with one");
     return colour_channels(path, spec);
 }
 
@@ -382,7 +382,7 @@ void check_readable(const std::string &path)
     if (file)
         std::fclose(file);
     if (!readable)
-        fail(path, "cannot be read: " + reason);
+        fail(path, "cannot be read: " + reason + "; check its name and permissions");
 }
 
 // Some readers fail without a reason.
@@ -482,7 +482,8 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
     wishes["oiio:UnassociatedAlpha"] = 1;
     auto input = OIIO::ImageInput::open(path, &wishes);
     if (!input)
-        fail(path, "cannot be read: " + first_line(OIIO::geterror()));
+        fail(path, "cannot be read: " + first_line(OIIO::geterror()) +
+                   "; save it again, or as PNG, HDR or EXR");
     OIIO::ImageSpec spec = input->spec();
     check_size(path, spec, most_pixels);
     check_shape(path, spec, shape);
@@ -558,7 +559,7 @@ std::string temporary_name(const std::string &path)
 {
     size_t slash = path.rfind('/'), dot = path.rfind('.');
     if (dot == std::string::npos || (slash != std::string::npos && dot < slash))
-        fail(path, "has no ending that names a format, such as .exr");
+        fail(path, "has no ending that names a format; use one such as .exr");
     return path.substr(0, dot) + ".part-" + std::to_string(::getpid()) + path.substr(dot);
 }
 
@@ -622,7 +623,7 @@ void store(const std::string &path, Picture picture)
 {
     auto output = OIIO::ImageOutput::create(path);
     if (!output)
-        fail(path, "no such format: " + first_line(OIIO::geterror()));
+        fail(path, "no such format: " + first_line(OIIO::geterror()) + "; use .exr or .png");
     OIIO::ImageSpec spec(picture.width, picture.height, 3, OIIO::TypeDesc::FLOAT);
     // Otherwise OpenImageIO stores the current time, and equal pictures would give different files.
     spec["DateTime"] = "1970:01:01 00:00:00";

@@ -204,15 +204,18 @@ bool rk_mesh_syntax_check(const char *path, rk_mesh_hints *hints, rk_error *erro
     /* Opening a pipe without a writer would block for ever. */
     int file = open(path, O_RDONLY | O_NONBLOCK | O_CLOEXEC);
     if (file < 0)
-        return rk_fail(error, "%s: cannot be read: %s", path, strerror(errno));
-    bool ok = fstat(file, &status) == 0 ? check_kind(path, &status, error)
-                                        : rk_fail(error, "%s: %s", path, strerror(errno));
+        return rk_fail(error, "%s: cannot be read: %s: check its name and permissions", path,
+                       strerror(errno));
+    bool ok = fstat(file, &status) == 0
+                  ? check_kind(path, &status, error)
+                  : rk_fail(error, "%s: cannot be read: %s: try again", path, strerror(errno));
     if (ok) {
         rk_mesh_guard_allow(&status);
         size_t size = (size_t)status.st_size;
         void *text = mmap(NULL, size, PROT_READ, MAP_PRIVATE, file, 0);
         if (text == MAP_FAILED)
-            ok = rk_fail(error, "%s: cannot be read: %s", path, strerror(errno));
+            ok = rk_fail(error, "%s: cannot be read: %s: check its name and permissions", path,
+                         strerror(errno));
         else
             ok = parse_bytes(path, text, size, hints, error);
         if (text != MAP_FAILED)

@@ -61,8 +61,10 @@ bool rk_mesh_syntax_3mf(const char *path, const char *text, size_t size, rk_mesh
 {
     const char *end = find_end(text, size);
     if (size < 4 || memcmp(text, "PK", 2) != 0)
-        return rk_fail(
-            error, "%s: is not an archive, as a 3MF file is: does it have another format?", path);
+        return rk_fail(error,
+                       "%s: is not an archive, as a 3MF file is: rename it with the ending of its "
+                       "format, or export it again",
+                       path);
     if (!end)
         return rk_fail(error, "%s: its archive has no end: download or export it again", path);
     if (has_wide_sizes(text, end))

@@ -27,7 +27,10 @@ bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_mesh
                         rk_error *error)
 {
     if (size < 20 || memcmp(text, "glTF", 4) != 0)
-        return rk_fail(error, "%s: is not a binary glTF file: does it have another format?", path);
+        return rk_fail(error,
+                       "%s: is not a binary glTF file: rename it with the ending of its format, or "
+                       "export it again",
+                       path);
     const uint32_t whole = word_at(text, 8);
     if (whole > size)
         return rk_fail(error, "%s: claims %u bytes, but has %zu: download or export it again", path,

@@ -323,7 +323,9 @@ static bool parse_pass(obj_parser *s, const char *text, size_t size, rk_error *e
                        "not drawn: export it as polygons",
                        s->path);
     return s->faces > 0 ||
-           rk_fail(error, "%s: has no face: is it an OBJ file with f lines?", s->path);
+           rk_fail(error,
+                   "%s: has no face: export it with faces, or rename it if it is no OBJ file",
+                   s->path);
 }
 
 static void note_words(const obj_parser *s)

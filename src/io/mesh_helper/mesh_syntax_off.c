@@ -76,7 +76,8 @@ static bool read_word(off_parser *s, text_cursor *c, rk_error *error)
         return true;
     if (length < 3 || strcmp(word + length - 3, "OFF") != 0)
         return rk_fail(error,
-                       "%s:%zu: an OFF file begins with the word OFF: does it have another format?",
+                       "%s:%zu: an OFF file begins with the word OFF: rename it with the ending of "
+                       "its format, or export it again",
                        s->path, c->line);
     if (strpbrk(word, "4n"))
         return rk_fail(error, "%s:%zu: OFF in four or more dimensions is not supported: %s",

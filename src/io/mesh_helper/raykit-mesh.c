@@ -25,7 +25,7 @@ static bool write_bytes(const void *bytes, uint64_t size, rk_error *error)
     for (const char *at = bytes; size > 0;) {
         ssize_t n = write(STDOUT_FILENO, at, size);
         if (n < 0 && errno != EINTR)
-            return rk_fail(error, "raykit-mesh: its answer could not be written: %s",
+            return rk_fail(error, "raykit-mesh: its answer could not be written: %s: try again",
                            strerror(errno));
         if (n > 0) {
             at += n;
