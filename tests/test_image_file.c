@@ -377,6 +377,51 @@ static void an_hdr_that_is_not_read_has_its_reason(void **state)
 
 /* --- broken files ---------------------------------------------------------------------------- */
 
+static void put_word(unsigned char *header, int index, uint32_t word)
+{
+    for (int i = 0; i < 4; i++)
+        header[4 * index + i] = (unsigned char)(word >> 8 * i);
+}
+
+/* A cube whose faces are of 2 x 2 pixels and of 1 x 1, of half floats ("DDS_HEADER_DXT10"). */
+static test_path write_dds(const test_folder *folder, uint32_t format, size_t lost)
+{
+    enum { head = 148, face = 5 * 8 };
+    static const uint16_t halves[6] = {0x3c00, 0x4000, 0x4200, 0x4400, 0x4500, 0x4600}; /* 1 to 6 */
+    unsigned char bytes[head + 6 * face] = "DDS ";
+    const uint32_t words[][2] = {
+        {1, 124},         {2, 0x21007},   {3, 2},       {4, 2},       {7, 2},  {19, 32}, {20, 4},
+        {21, 0x30315844}, {27, 0x401008}, {28, 0xfe00}, {32, format}, {33, 3}, {34, 4},  {35, 1}};
+    for (size_t i = 0; i < sizeof words / sizeof *words; i++)
+        put_word(bytes, (int)words[i][0], words[i][1]);
+    for (size_t i = 0; i < 6 * 5 * 4; i++) {
+        const bool is_small = i / 4 % 5 == 4;
+        const uint16_t value = is_small || i % 4 == 1 ? 0 : halves[i / 20];
+        bytes[head + 2 * i] = (unsigned char)value;
+        bytes[head + 2 * i + 1] = (unsigned char)(value >> 8);
+    }
+    return test_folder_write(folder, "cube.dds", bytes, sizeof bytes - lost, 0600);
+}
+
+static void a_dds_of_half_floats_is_read_face_by_face(void **state)
+{
+    rk_image image = read_image(write_dds(*state, 10, 0));
+    rk_check(image.width == 2 && image.height == 12, "six faces, one below the other");
+    for (size_t i = 0; i < 24; i++) {
+        rk_check_near(image.pixels[i].x, (double)(i / 4 + 1), 0, "red of pixel %zu", i);
+        rk_check_near(image.pixels[i].y, 0, 0, "green of pixel %zu", i);
+    }
+    rk_image_free(&image);
+    check_refused(write_dds(*state, 10, 9), "ends too early");
+}
+
+static void a_format_that_is_not_read_has_its_reason(void **state)
+{
+    check_refused(write_dds(*state, 26, 0), "is a DDS picture of a kind that is not read; convert");
+    check_refused(test_folder_write(*state, "a.ktx2", "\253KTX 20\273\r\n\032\n", 12, 0600),
+                  "has a format that OpenImageIO does not read; convert it to PNG, HDR or EXR");
+}
+
 static void a_pixel_that_is_not_a_number_is_named(void **state)
 {
     rk_image image = make_noise(4, 3);
@@ -800,6 +845,8 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(photos_in_all_orientations_are_turned_upright),
     test_in_folder(the_exposure_of_an_hdr_is_taken_back),
     test_in_folder(an_hdr_that_is_not_read_has_its_reason),
+    test_in_folder(a_dds_of_half_floats_is_read_face_by_face),
+    test_in_folder(a_format_that_is_not_read_has_its_reason),
     test_in_folder(a_pixel_that_is_not_a_number_is_named),
     test_in_folder(a_broken_jpeg_is_refused),
     test_in_folder(a_broken_tiff_is_refused),

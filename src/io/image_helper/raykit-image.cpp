@@ -11,6 +11,7 @@
 // file's name, and exit status 1.
 #include "base/sanitized.h"
 #include "io/helper_answer.h"
+#include "io/image_helper/dds.h"
 #include "io/image_shape.h"
 #include "io/image_stream.h"
 #include "io/image_world.h"
@@ -471,35 +472,35 @@ void check_radiance(const std::string &path)
                    "for instance by Radiance's ra_xyze -r");
 }
 
-Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
-                     rk_image_shape shape = RK_IMAGE_ANY,
-                     rk_image_stream_part part = RK_IMAGE_STREAM_COLOUR, size_t least_width = 0)
+// OpenImageIO's reasons tell of itself, not of the file.
+[[noreturn]] void fail_unknown(const std::string &path, const std::string &reason)
 {
-    check_readable(path);
-    check_radiance(path);
-    // Alpha is dropped, so colours must not be multiplied by it.
-    OIIO::ImageSpec wishes;
-    wishes["oiio:UnassociatedAlpha"] = 1;
-    auto input = OIIO::ImageInput::open(path, &wishes);
-    if (!input)
-        fail(path, "cannot be read: " + first_line(OIIO::geterror()) +
-                   "; save it again, or as PNG, HDR or EXR");
-    OIIO::ImageSpec spec = input->spec();
-    check_size(path, spec, most_pixels);
-    check_shape(path, spec, shape);
-    check_window(path, spec, shape);
-    Channels channels = channels_of(path, spec, part);
-    const int factor = world_factor(spec, shape, part, least_width);
-    if (factor > 1)
-        return read_means(path, *input, spec, channels, factor);
-    size_t pixels = size_t(spec.width) * size_t(spec.height);
-    Floats values(pixels * size_t(channels.count));
-    // Some readers fill missing parts with grey and report success, but leave an error message.
-    if (!input->read_image(0, 0, channels.first, channels.first + channels.count,
-                           OIIO::TypeDesc::FLOAT, values.data()) ||
-        input->has_error())
-        fail_damaged(path, first_line(input->geterror()));
-    if (part == RK_IMAGE_STREAM_COLOUR) {
+    if (reason.find("could not find a format reader") != std::string::npos)
+        fail(path, "has a format that OpenImageIO does not read; convert it to PNG, HDR or EXR");
+    if (reason.find("Unsupported compression type") != std::string::npos)
+        fail(path, "is a DDS picture of a kind that is not read; convert it to PNG, HDR or EXR");
+    fail(path, "cannot be read: " + reason + "; save it again, or as PNG, HDR or EXR");
+}
+
+struct Wish {
+    size_t most_pixels = SIZE_MAX;
+    rk_image_shape shape = RK_IMAGE_ANY;
+    rk_image_stream_part part = RK_IMAGE_STREAM_COLOUR;
+    size_t least_width = 0;
+};
+
+Channels check(const std::string &path, const OIIO::ImageSpec &spec, const Wish &wish)
+{
+    check_size(path, spec, wish.most_pixels);
+    check_shape(path, spec, wish.shape);
+    check_window(path, spec, wish.shape);
+    return channels_of(path, spec, wish.part);
+}
+
+// Of the values as they are stored.
+Picture finish(const OIIO::ImageSpec &spec, Channels channels, Floats values, const Wish &wish)
+{
+    if (wish.part == RK_IMAGE_STREAM_COLOUR) {
         Linearizer(spec).apply(values);
     } else if (channels.count == 3) {
         values = mean(values), channels.count = 1;
@@ -507,15 +508,55 @@ Picture read_picture(const std::string &path, size_t most_pixels = SIZE_MAX,
     Picture picture{spec.width, spec.height,
                     channels.count == 3 ? std::move(values) : replicate(values)};
     turn_upright(picture, spec.get_int_attribute("Orientation", 1));
-    if (shape == RK_IMAGE_ENVIRONMENT && is_openexr_cube(spec))
+    if (wish.shape == RK_IMAGE_ENVIRONMENT && is_openexr_cube(spec))
         order_openexr_cube(picture);
     return picture;
 }
 
-Picture load(const std::string &path, size_t most_pixels, rk_image_shape shape,
-             rk_image_stream_part part, size_t least_width)
+Floats make_values(const OIIO::ImageSpec &spec, Channels channels)
 {
-    Picture picture = read_picture(path, most_pixels, shape, part, least_width);
+    return Floats(size_t(spec.width) * size_t(spec.height) * size_t(channels.count));
+}
+
+Picture read_dds(const std::string &path, const Dds &dds, const Wish &wish)
+{
+    const Channels channels = check(path, dds.spec, wish);
+    Floats values = make_values(dds.spec, channels);
+    if (!dds_read(path, dds, channels.first, channels.count, values.data()))
+        fail_damaged(path, "it ends too early");
+    return finish(dds.spec, channels, std::move(values), wish);
+}
+
+Picture read_picture(const std::string &path, const Wish &wish = {})
+{
+    Dds dds;
+    check_readable(path);
+    check_radiance(path);
+    if (dds_open(path, &dds))
+        return read_dds(path, dds, wish);
+    // Alpha is dropped, so colours must not be multiplied by it.
+    OIIO::ImageSpec wishes;
+    wishes["oiio:UnassociatedAlpha"] = 1;
+    auto input = OIIO::ImageInput::open(path, &wishes);
+    if (!input)
+        fail_unknown(path, first_line(OIIO::geterror()));
+    OIIO::ImageSpec spec = input->spec();
+    const Channels channels = check(path, spec, wish);
+    const int factor = world_factor(spec, wish.shape, wish.part, wish.least_width);
+    if (factor > 1)
+        return read_means(path, *input, spec, channels, factor);
+    Floats values = make_values(spec, channels);
+    // Some readers fill missing parts with grey and report success, but leave an error message.
+    if (!input->read_image(0, 0, channels.first, channels.first + channels.count,
+                           OIIO::TypeDesc::FLOAT, values.data()) ||
+        input->has_error())
+        fail_damaged(path, first_line(input->geterror()));
+    return finish(spec, channels, std::move(values), wish);
+}
+
+Picture load(const std::string &path, const Wish &wish)
+{
+    Picture picture = read_picture(path, wish);
     check_finite(path, picture);
     return picture;
 }
@@ -688,8 +729,9 @@ void answer(const rk_image_stream_request &request, const std::string &path)
 {
     try {
         limit_cost(path, request.most_pixels);
-        const Picture picture = load(path, request.most_pixels, rk_image_shape(request.shape),
-                                     rk_image_stream_part(request.part), request.least_width);
+        const Picture picture =
+            load(path, {request.most_pixels, rk_image_shape(request.shape),
+                        rk_image_stream_part(request.part), request.least_width});
         send_answer(false, sizeof(rk_image_stream_head) + picture.rgb.size() * sizeof(float));
         send(picture);
     } catch (const std::bad_alloc &) {
