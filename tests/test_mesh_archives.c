@@ -267,6 +267,24 @@ static void an_amf_without_colours_is_grey(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* Assimp takes a missing opacity for 0. */
+static void a_colour_of_an_amf_without_opacity_is_opaque(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text(
+        "black.amf", AMF("<volume><triangle><color><r>0</r><g>0</g><b>0</b></color>" CORNERS(
+                         0, 1, 2) "</triangle><triangle><color><r>1</r><g>0</g><b>0</b><a>1</a>"
+                                  "</color>" CORNERS(0, 2, 3) "</triangle></volume>")));
+    check_point(mesh.colours[mesh.triangles[0][0]], 0, 0, 0);
+    check_point(mesh.colours[mesh.triangles[1][0]], 1, 0, 0);
+    rk_mesh_free(&mesh);
+    mesh = load_with_note(
+        write_text("clear.amf", AMF("<volume><triangle><color><r>1</r><g>0</g><b>0</b><a>0.5</a>"
+                                    "</color>" CORNERS(0, 1, 2) "</triangle></volume>")),
+        "transparent colours, which are drawn as opaque");
+    rk_mesh_free(&mesh);
+}
+
 static void an_amf_in_an_archive_is_refused(void **state)
 {
     (void)state;
@@ -458,6 +476,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_3mf_that_cannot_be_read_has_a_true_reason),
     cmocka_unit_test(every_volume_of_an_amf_is_drawn),
     cmocka_unit_test(an_amf_without_colours_is_grey),
+    cmocka_unit_test(a_colour_of_an_amf_without_opacity_is_opaque),
     cmocka_unit_test(an_amf_in_an_archive_is_refused),
     cmocka_unit_test(xml_may_be_in_utf16),
     cmocka_unit_test(a_transparency_of_0_in_collada_is_drawn_with_a_note),

@@ -61,16 +61,57 @@ static void see_tag(amf_parser *s, char *tag, size_t length, char **last_end)
     }
 }
 
+/* Assimp takes a missing opacity for 0, and so a black colour for none. Adds it to colours without
+ * one, and notes if one is below 1. */
+static char *copy_with_opacities(const char *path, const char *text, size_t size, size_t *copied,
+                                 bool *is_clear, rk_error *error)
+{
+    static const char opaque[] = "<a>1</a>", ending[] = "</color";
+    const char *const end = text + size, *from = text, *close;
+    size_t colours = 0;
+    for (const char *at = text; (at = memchr(at, '<', (size_t)(end - at))); at++)
+        colours += (size_t)(end - at) > sizeof ending && memcmp(at, ending, sizeof ending - 1) == 0;
+    char *const copy = rk_allocate_unset(size + colours * (sizeof opaque - 1), 1, path, error);
+    char *to = copy;
+    bool has_opacity = true;
+    for (const char *at = text; copy && (at = memchr(at, '<', (size_t)(end - at))); at = close) {
+        close = memchr(at, '>', (size_t)(end - at));
+        if (!close++)
+            break;
+        const size_t length = (size_t)(close - at);
+        if (is_tag(at, length, "<color")) {
+            has_opacity = false;
+        } else if (is_tag(at, length, "<a") && !has_opacity) {
+            char number[32] = {0};
+            memcpy(number, close, (size_t)(end - close) < 31 ? (size_t)(end - close) : 31);
+            *is_clear |= strtod(number, NULL) < 1;
+            has_opacity = true;
+        } else if (is_tag(at, length, ending) && !has_opacity) {
+            memcpy(to, from, (size_t)(at - from));
+            to += at - from;
+            memcpy(to, opaque, sizeof opaque - 1);
+            to += sizeof opaque - 1;
+            from = at;
+            has_opacity = true;
+        }
+    }
+    if (copy)
+        memcpy(to, from, (size_t)(end - from));
+    *copied = (size_t)(to - copy) + (size_t)(end - from);
+    return copy;
+}
+
 bool rk_mesh_syntax_amf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error)
 {
     if (size >= 2 && memcmp(text, "PK", 2) == 0)
         return rk_fail(error, "%s: is compressed by ZIP: unzip it, and name the file in it", path);
-    amf_parser s = {.text = rk_allocate_unset(size, 1, path, error)};
+    size_t copied = 0;
+    bool is_clear = false;
+    amf_parser s = {.text = copy_with_opacities(path, text, size, &copied, &is_clear, error)};
     if (!s.text)
         return false;
-    memcpy(s.text, text, size);
-    char *const end = s.text + size, *last_end = NULL;
+    char *const end = s.text + copied, *last_end = NULL;
     for (char *at = s.text, *close; (at = memchr(at, '<', (size_t)(end - at))); at = close) {
         close = memchr(at, '>', (size_t)(end - at));
         if (!close++)
@@ -83,11 +124,13 @@ bool rk_mesh_syntax_amf(const char *path, const char *text, size_t size, rk_mesh
         rk_mesh_hints_note(hints, path,
                            "has objects of several volumes, which are drawn in the colour of their "
                            "first one");
-    if (!s.joined) {
+    if (is_clear)
+        rk_mesh_hints_note(hints, path, "has transparent colours, which are drawn as opaque");
+    if (!s.joined && copied == size) {
         free(s.text);
         return true;
     }
     hints->text = s.text;
-    hints->size = size;
+    hints->size = copied;
     return true;
 }
