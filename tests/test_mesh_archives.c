@@ -388,6 +388,11 @@ static void what_an_x3d_does_not_show_is_told(void **state)
     rk_mesh_free(&mesh);
     mesh = load_with_note(path, "has prototypes (ProtoInstance)");
     rk_mesh_free(&mesh);
+    mesh = load(write_text("flat.x3d", "<X3D><Scene><Shape><IndexedFaceSet creaseAngle=\"0.0\" "
+                                       "coordIndex=\"0 1 2 -1\">"
+                                       "<Coordinate point=\"0 0 0 1 0 0 0 1 0\"/>"
+                                       "</IndexedFaceSet></Shape></Scene></X3D>"));
+    rk_mesh_free(&mesh);
 }
 
 /* As Godot writes them; Assimp reads no number after them. */

@@ -244,7 +244,31 @@ static void a_refusal_names_the_true_reason_and_a_remedy(void **state)
         ": has no triangles, only points", "surface");
     check_refused("a.step",
                   "ISO-10303-21;\nHEADER;\nFILE_SCHEMA(('AUTOMOTIVE_DESIGN'));\nENDSEC;\n",
-                  ": Assimp cannot read it: ", "export it again, or as glTF or OBJ");
+                  ": is a CAD model of exact surfaces", "FreeCAD, and export it as STL or OBJ");
+    check_refused("a.irr", "<?xml version=\"1.0\"?>\n<irr_scene></irr_scene>\n", ": ",
+                  "name one of the meshes that it uses");
+    check_refused("a.blend", "BLENDER-v300", ": could not be read", "open it in Blender");
+}
+
+static void a_format_that_nothing_reads_has_its_own_remedy(void **state)
+{
+    (void)state;
+    const struct {
+        const char *name, *what, *remedy;
+    } files[] = {
+        {"a.IGES", "exact surfaces", "export it as STL or OBJ"},
+        {"a.usdz", "Assimp does not read", "open it in Blender"},
+        {"a.spz", "Gaussian splats", "choose a mesh"},
+        {"a.las", "holds points", "reconstruct its surface"},
+        {"a.wrl", "Assimp does not read", "open it in MeshLab"},
+        {"a.vtp", "Assimp does not read", "save it as PLY"},
+        {"a.drc", "Draco", "draco_decoder"},
+        {"a.obj.zip", "is an archive", "unzip it, and name the mesh in it"},
+    };
+    for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
+        check_refused(files[i].name, "\x1f\x8b\10 \r 3", ": ", files[i].what);
+        check_refused(files[i].name, "\x1f\x8b\10 \r 3", ": ", files[i].remedy);
+    }
 }
 
 static void a_material_file_without_a_known_line_costs_no_mesh(void **state)
@@ -1193,6 +1217,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_mesh_without_any_area_says_so),
     cmocka_unit_test(a_mesh_in_gzip_names_the_program),
     cmocka_unit_test(a_refusal_names_the_true_reason_and_a_remedy),
+    cmocka_unit_test(a_format_that_nothing_reads_has_its_own_remedy),
     cmocka_unit_test(a_material_file_without_a_known_line_costs_no_mesh),
     cmocka_unit_test(what_an_obj_has_beside_faces_is_told),
     cmocka_unit_test(colours_of_an_obj_as_zbrush_writes_them_are_drawn),

@@ -271,6 +271,12 @@ static bool finish(rk_mesh_emit_state *g, rk_mesh *mesh, rk_mesh_textures *textu
                        "%s: has its parts in other models of its archive (production extension), "
                        "which Assimp does not read: export it without, or as STL",
                        g->path);
+    const char *dot = strrchr(g->path, '.');
+    if (g->triangle_count == 0 && dot && strcasecmp(dot, ".irr") == 0)
+        return rk_fail(error,
+                       "%s: is a scene of Irrlicht of which Assimp reads no triangles: name one of "
+                       "the meshes that it uses",
+                       g->path);
     if (g->triangle_count == 0)
         return rk_fail(error, "%s: has no triangles: choose a mesh with faces", g->path);
     int optional = (g->any_normals ? RK_MESH_NORMALS : 0) |

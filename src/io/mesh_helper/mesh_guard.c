@@ -10,6 +10,7 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
+#include <strings.h>
 #include <sys/resource.h>
 #include <unistd.h>
 
@@ -30,6 +31,7 @@ static struct {
     } files[most_files];
     const char *stack; /* the first function's */
     char time_line[1400], stack_line[1400];
+    char fault_line[1400]; /* or "" */
 } guard;
 
 static void say(const char *line)
@@ -55,6 +57,8 @@ static void on_fault(int number, siginfo_t *info, void *context)
     if (getrlimit(RLIMIT_STACK, &stack) == 0 && at < top && top - at > stack.rlim_cur - slack &&
         top - at < stack.rlim_cur + slack)
         say(guard.stack_line);
+    if (*guard.fault_line)
+        say(guard.fault_line);
     signal(number, SIG_DFL); /* it happens again, and ends the process */
 }
 
@@ -106,6 +110,10 @@ void rk_mesh_guard_begin(const char *path)
     guard.stack = __builtin_frame_address(0);
     snprintf(guard.stack_line, sizeof guard.stack_line,
              "%.900s: its parts are nested too deeply: export it again, with fewer levels\n", path);
+    const char *dot = strrchr(path, '.');
+    if (dot && strcasecmp(dot, ".blend") == 0) /* of newer versions, Assimp crashes on some */
+        snprintf(guard.fault_line, sizeof guard.fault_line,
+                 "%.900s: could not be read: open it in Blender, and export it as glTF\n", path);
     set_limits();
     catch_signals();
 }

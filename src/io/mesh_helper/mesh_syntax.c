@@ -5,6 +5,7 @@
 #include "io/lfs_pointer.h"
 #include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/mesh_ply_names.h"
+#include "io/mesh_helper/mesh_unread.h"
 #include "io/mesh_helper/text_encoding.h"
 
 #include <errno.h>
@@ -109,9 +110,26 @@ static bool has_word(const char *text, size_t size, const char *word)
     return false;
 }
 
+/* 0 is the default: flat. */
+static bool has_crease(const char *text, size_t size)
+{
+    static const char word[] = "creaseAngle=";
+    for (const char *at = text, *end = text + size;
+         (at = memchr(at, *word, (size_t)(end - at))) && (size_t)(end - at) > sizeof word; at++) {
+        char number[16] = {0};
+        if (memcmp(at, word, sizeof word - 1) != 0)
+            continue;
+        const char *value = at + sizeof word; /* behind the quote */
+        memcpy(number, value, (size_t)(end - value) < 15 ? (size_t)(end - value) : 15);
+        if (strtod(number, NULL) > 0)
+            return true;
+    }
+    return false;
+}
+
 static void note_rest_of_x3d(const char *path, const char *text, size_t size, rk_mesh_hints *hints)
 {
-    if (has_word(text, size, "creaseAngle"))
+    if (has_crease(text, size))
         rk_mesh_hints_note(hints, path,
                            "has creaseAngle, which Assimp does not read: smooth faces without "
                            "normals are drawn flat");
@@ -155,6 +173,8 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
 {
     size_t utf8_size = 0, named_size = 0;
     char *named = NULL;
+    if (!has_word(text, size < 4096 ? size : 4096, "'IFC") && !rk_mesh_unread_check(path, error))
+        return false; /* a STEP file may hold a building (IFC), which Assimp reads */
     if (!check_packing(path, text, size, error))
         return false;
     if (!rk_lfs_pointer_check(path, text, size, error))

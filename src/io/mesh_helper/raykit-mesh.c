@@ -265,6 +265,9 @@ static bool fail_unread(const char *path, const rk_mesh_hints *hints, rk_error *
     const char *reason = aiGetErrorString();
     if (is_unknown(path))
         return fail_unknown(path, error);
+    if (has_ending(path, "blend"))
+        return rk_fail(error, "%s: could not be read: open it in Blender, and export it as glTF",
+                       path);
     if (hints->parts && strstr(reason, "has no faces"))
         return rk_fail(error,
                        "%s: all triangles of a part use vertices that are not there: export it "

@@ -1,0 +1,64 @@
+/* Assimp says of them that it has no reader, or takes them for another format. */
+#include "io/mesh_helper/mesh_unread.h"
+
+#include <stddef.h>
+#include <string.h>
+#include <strings.h>
+
+static const char solid[] = "is a CAD model of exact surfaces";
+static const char solid_remedy[] =
+    "open it in a CAD program, such as FreeCAD, and export it as STL or OBJ";
+static const char points[] = "holds points, and no triangles";
+static const char points_remedy[] =
+    "reconstruct its surface, for instance in MeshLab, and save that";
+static const char splats[] = "holds Gaussian splats, and no triangles";
+static const char scene[] = "has a format that Assimp does not read";
+static const char blender_remedy[] = "open it in Blender, and export it as glTF";
+
+static const struct {
+    const char *ending, *what, *remedy;
+} formats[] = {
+    {"step", solid, solid_remedy},
+    {"stp", solid, solid_remedy},
+    {"iges", solid, solid_remedy},
+    {"igs", solid, solid_remedy},
+    {"brep", solid, solid_remedy},
+    {"fcstd", solid, solid_remedy},
+    {"sldprt", solid, "export it as STL or OBJ in its CAD program"},
+    {"x_t", solid, "export it as STL or OBJ in its CAD program"},
+    {"pcd", points, points_remedy},
+    {"las", points, points_remedy},
+    {"laz", points, points_remedy},
+    {"e57", points, points_remedy},
+    {"xyz", points, points_remedy},
+    {"pts", points, points_remedy},
+    {"splat", splats, "choose a mesh with faces"},
+    {"ksplat", splats, "choose a mesh with faces"},
+    {"spz", splats, "choose a mesh with faces"},
+    {"usd", scene, blender_remedy},
+    {"usda", scene, blender_remedy},
+    {"usdc", scene, blender_remedy},
+    {"usdz", scene, blender_remedy},
+    {"abc", scene, blender_remedy},
+    {"wrl", scene, "open it in MeshLab, and export it as PLY or OBJ"},
+    {"vtk", scene, "open it in ParaView, and save it as PLY"},
+    {"vtp", scene, "open it in ParaView, and save it as PLY"},
+    {"vtu", scene, "open it in ParaView, and save it as PLY"},
+    {"drc", "is compressed by Draco", "convert it to PLY, for instance by draco_decoder"},
+    {"scad", "is a program of OpenSCAD", "open it there, and export it as STL"},
+    {"zip", "is an archive", "unzip it, and name the mesh in it"},
+    {"7z", "is an archive", "open it, and name the mesh in it"},
+    {"rar", "is an archive", "open it, and name the mesh in it"},
+    {"tar", "is an archive", "open it, and name the mesh in it"},
+};
+
+bool rk_mesh_unread_check(const char *path, rk_error *error)
+{
+    const char *dot = strrchr(path, '.');
+    for (size_t i = 0; dot && i < sizeof formats / sizeof *formats; i++)
+        if (strcasecmp(dot + 1, formats[i].ending) == 0) {
+            const char *const remedy = formats[i].remedy;
+            return rk_fail(error, "%s: %s: %s", path, formats[i].what, remedy);
+        }
+    return true;
+}

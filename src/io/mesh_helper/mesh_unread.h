@@ -1,0 +1,10 @@
+/* Formats that no reader here knows, with what to do instead. Part of raykit-mesh. */
+#ifndef RK_IO_MESH_HELPER_MESH_UNREAD_H
+#define RK_IO_MESH_HELPER_MESH_UNREAD_H
+
+#include "base/error.h"
+
+/* False if the name's ending is one of theirs. */
+bool rk_mesh_unread_check(const char *path, rk_error *error);
+
+#endif
