@@ -229,6 +229,21 @@ static void morph_targets_have_the_files_weights(void **state)
     }
 }
 
+static void morph_weights_of_a_node_are_told(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load_with_note(
+        write_text("node.gltf",
+                   "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+                   "\"nodes\":[{\"mesh\":0,\"weights\":[0.5]}],\"meshes\":[{\"primitives\":["
+                   "{\"attributes\":{\"POSITION\":0},\"targets\":[{\"POSITION\":0}]}]}],"
+                   "\"accessors\":[{\"bufferView\":0,\"componentType\":5126,\"count\":3,"
+                   "\"type\":\"VEC3\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+                   "\"buffers\":[{\"byteLength\":36,\"uri\":\"morph.bin\"}]}"),
+        "weights of morph targets in its nodes, which Assimp does not read");
+    rk_mesh_free(&mesh);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_skin_stands_as_its_joints_do),
     cmocka_unit_test(normals_of_a_skin_turn_with_it),
@@ -237,6 +252,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_skin_without_matrices_is_refused),
     cmocka_unit_test(a_skin_of_collada_is_drawn_as_it_was_bound),
     cmocka_unit_test(morph_targets_have_the_files_weights),
+    cmocka_unit_test(morph_weights_of_a_node_are_told),
     cmocka_unit_test(a_skeleton_is_no_mesh),
 };
 

@@ -44,7 +44,7 @@ void rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene,
                           rk_mesh_hints *hints)
 {
     *colours = (rk_mesh_colours){
-        .is_linear = has_ending(path, (const char *const[]){"gltf", "glb", "vrm", NULL}),
+        .is_gltf = has_ending(path, (const char *const[]){"gltf", "glb", "vrm", NULL}),
         .replace = has_ending(path, (const char *const[]){"obj", "ply", "off", "stl", NULL}),
         .may_lack = has_ending(path, (const char *const[]){"amf", NULL}),
         .scale = 1};
@@ -56,7 +56,7 @@ void rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene,
         for (uint32_t k = 0; mesh->mColors[0] && k < mesh->mNumVertices; k++) {
             if (!lacks(colours, &mesh->mColors[0][k]))
                 see(colours, rk_mesh_colours_rgb(&mesh->mColors[0][k]));
-            colours->is_clear |= colours->is_linear && mesh->mColors[0][k].a < 1;
+            colours->is_clear |= colours->is_gltf && mesh->mColors[0][k].a < 1;
             has_alpha |= mesh->mColors[0][k].a > 0;
             colours->torn |= is_obj && !(mesh->mColors[0][k].a > 0);
         }
@@ -79,7 +79,7 @@ void rk_mesh_colours_free(rk_mesh_colours *colours)
 static float linear(const rk_mesh_colours *colours, float value)
 {
     value = isfinite(value) ? value * colours->scale : 0;
-    if (!colours->is_linear)
+    if (!colours->is_gltf)
         return rk_srgb_decode(value);
     return value > 0 ? (value < 1 ? value : 1) : 0;
 }

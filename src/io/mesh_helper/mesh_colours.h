@@ -16,13 +16,13 @@ typedef struct rk_mesh_colours_face {
 } rk_mesh_colours_face;
 
 typedef struct rk_mesh_colours {
-    bool any;       /* some colour is not white */
-    bool is_clear;  /* some colour is transparent, in glTF */
-    bool torn;      /* only some vertices of an OBJ file have one: whose they are is then lost */
-    bool is_linear; /* else sRGB-encoded */
-    bool replace;   /* they are the diffuse colours, where no picture is; else they multiply them */
-    bool may_lack;  /* in AMF, black with an opacity of 0 is Assimp's for a vertex without colour */
-    float scale;    /* to [0, 1] */
+    bool any;      /* some colour is not white */
+    bool is_clear; /* some colour is transparent, in glTF */
+    bool torn;     /* only some vertices of an OBJ file have one: whose they are is then lost */
+    bool is_gltf;  /* else sRGB-encoded */
+    bool replace;  /* they are the diffuse colours, where no picture is; else they multiply them */
+    bool may_lack; /* in AMF, black with an opacity of 0 is Assimp's for a vertex without colour */
+    float scale;   /* to [0, 1] */
     bool is_unfinite; /* the face that was taken last has nan or inf in its colour */
     uint32_t face_count, next_face;
     rk_mesh_colours_face *faces; /* of a file without colours of vertices, or NULL */

@@ -79,8 +79,9 @@ static bool find_material(rk_mesh_emit_state *g, rk_mesh_emit_part *p, rk_error 
     uint32_t set = 0, key = variants * source;
     bool textured =
         source < g->scene->mNumMaterials && rk_mesh_texture_set(g->scene->mMaterials[source], &set);
-    p->texcoords =
-        p->mesh->mTextureCoords[set] ? p->mesh->mTextureCoords[set] : p->mesh->mTextureCoords[0];
+    p->texcoords = p->mesh->mTextureCoords[set];
+    if (!p->texcoords && !g->colours.is_gltf) /* numbers of sets are Assimp's own */
+        p->texcoords = p->mesh->mTextureCoords[0];
     if (textured && !p->texcoords && g->any_texcoords) {
         key += WITHOUT_TEXTURE;
         g->left.has[RK_MESH_LEFT_OUT_UNPLACED] |= g->models == 0; /* of 3MF, all are told */

@@ -109,6 +109,22 @@ static bool check_skins(const char *path, json_cursor c, rk_error *error)
     return true;
 }
 
+/* Assimp poses morph targets by the mesh's weights, which those of a node replace. */
+static void note_node_weights(const char *path, json_cursor c, rk_mesh_hints *hints)
+{
+    if (!json_find_key(&c, "nodes") || !json_enter(&c, '['))
+        return;
+    for (; json_next(&c); json_skip(&c)) {
+        json_cursor node = c;
+        if (*c.at == '{' && json_find_key(&node, "weights")) {
+            rk_mesh_hints_note(hints, path,
+                               "has weights of morph targets in its nodes, which Assimp does not "
+                               "read: the picture shows those of the meshes");
+            return;
+        }
+    }
+}
+
 static void note_used(const char *path, json_cursor c, rk_mesh_hints *hints)
 {
     char list[600] = "";
@@ -129,6 +145,7 @@ bool rk_mesh_syntax_gltf_part(const char *path, json_cursor part, json_cursor fi
         !rk_mesh_gltf_parts_read(hints, path, part, file, error))
         return false;
     note_used(path, part, hints);
+    note_node_weights(path, part, hints);
     return true;
 }
 
