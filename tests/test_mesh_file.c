@@ -955,6 +955,23 @@ static void a_gltf_moves_its_picture_by_the_extension(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* Not by another set, in which it may lie anywhere. */
+static void a_gltf_part_without_the_pictures_set_is_plain(void **state)
+{
+    (void)state;
+    mesh_seed seed = {0};
+    seed_append_textured_gltf(&seed, seed_picture, "");
+    seed.bytes[seed.size] = '\0';
+    char *place = strstr((char *)seed.bytes, "\"texCoord\":1}");
+    assert_non_null(place);
+    place[strlen("\"texCoord\":")] = '3';
+    rk_mesh mesh =
+        load_with_note(test_folder_write(&folder, "set.gltf", seed.bytes, seed.size, 0600),
+                       "pictures on parts without texture coordinates");
+    rk_check_equal(mesh.texture_count, 0, "textures");
+    rk_mesh_free(&mesh);
+}
+
 static void an_mtl_with_tr_1_alone_is_drawn_with_a_note(void **state)
 {
     (void)state;
@@ -1477,6 +1494,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(line_ends_of_old_macintoshs_are_read_or_told),
     cmocka_unit_test(an_mtl_tiles_and_moves_its_picture),
     cmocka_unit_test(a_gltf_moves_its_picture_by_the_extension),
+    cmocka_unit_test(a_gltf_part_without_the_pictures_set_is_plain),
     cmocka_unit_test(an_mtl_with_tr_1_alone_is_drawn_with_a_note),
     cmocka_unit_test(specular_glossiness_gives_its_diffuse_colour),
     cmocka_unit_test(several_notes_are_in_one_line),

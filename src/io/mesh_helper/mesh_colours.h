@@ -19,7 +19,7 @@ typedef struct rk_mesh_colours {
     bool any;      /* some colour is not white */
     bool is_clear; /* some colour is transparent, in glTF */
     bool torn;     /* only some vertices of an OBJ file have one: whose they are is then lost */
-    bool is_gltf;  /* else sRGB-encoded */
+    bool is_gltf;  /* whose colours are linear; others are sRGB-encoded */
     bool replace;  /* they are the diffuse colours, where no picture is; else they multiply them */
     bool may_lack; /* in AMF, black with an opacity of 0 is Assimp's for a vertex without colour */
     float scale;   /* to [0, 1] */
