@@ -28,8 +28,8 @@ static bool stand_in(rk_driver *driver, rk_error *error)
     driver->accel = (rk_accel){0};
     if (!driver->quiet)
         fprintf(stderr,
-                "%s: the tree of %s finds no triangles yet, so the picture is traced through that "
-                "of --split wide\n",
+                "%s: the tree of %s finds no triangles yet, so the picture is traced through the "
+                "renderer's own tree\n",
                 driver->feature, builders_of(driver->split));
     return rk_accel_build(&driver->accel, RK_ACCEL_WIDE, &driver->scene, error);
 }
