@@ -508,6 +508,15 @@ static void a_gradient_is_linear_between_its_stops(void **state)
     /* Four floats apart. */
     const rk_gradient narrow = {2, {{0.5f, {0, 0, 1}}, {0.5f + 0x1p-22f, {1, 0, 0}}}};
     check_colour(rk_gradient_at(&narrow, 0.5f + 0x1p-23f), rk_vec(0.5f, 0, 0.5f), 0, hint);
+    const float least = 0x1p-149f; /* half of it is 0 */
+    for (int apart = 1; apart <= 4; apart += 3) {
+        const rk_gradient tiny = {2, {{0, {0, 0, 1}}, {(float)apart * least, {1, 0, 0}}}};
+        for (int i = 0; i <= apart; i++) {
+            float part = (float)i / (float)apart;
+            check_colour(rk_gradient_at(&tiny, (float)i * least), rk_vec(part, 0, 1 - part), 0,
+                         "stops at 0 and at the smallest floats, whose halves may be equal");
+        }
+    }
 }
 
 static void a_gradient_is_read_at_each_call(void **state)
@@ -764,11 +773,10 @@ static void check_highlights(bool normalized, double s, double tolerance_of_one,
     }
 }
 
-/* Cosines whose power of 50 is e^-2 to e^-80; the smallest float with all of its digits is e^-87.
+/* Cosines whose power of s is e^-2 to e^-80; the smallest float with all of its digits is e^-87.
  */
-static void check_faint_highlights(bool normalized)
+static void check_faint_highlights(bool normalized, double s)
 {
-    const double s = 50;
     for (int faint = 2; faint <= 80; faint += 2)
         for (int model = RK_SHADING_PHONG; model <= RK_SHADING_BLINN_PHONG; model++) {
             /* The viewer is where the light is: h = l, and r is twice as far from v as `up` is. */
@@ -792,7 +800,8 @@ static void highlights_agree_with_double_precision(void **state)
     const double shininess[] = {0, 1, 1.5, 2, 7, 10, 50};
     for (uint32_t i = 0; i < sizeof shininess / sizeof shininess[0]; i++)
         check_highlights(false, shininess[i], power_tolerance(shininess[i]), i);
-    check_faint_highlights(false);
+    check_faint_highlights(false, 50);
+    check_faint_highlights(false, 2000);
 }
 
 static void normalized_highlights_agree_with_double_precision(void **state)
@@ -801,7 +810,7 @@ static void normalized_highlights_agree_with_double_precision(void **state)
     const double shininess[] = {0, 1, 1.5, 2, 7, 10, 50};
     for (uint32_t i = 0; i < sizeof shininess / sizeof shininess[0]; i++)
         check_highlights(true, shininess[i], power_tolerance(shininess[i]), i);
-    check_faint_highlights(true);
+    check_faint_highlights(true, 50);
     for (int i = 0; i < grazing_count; i++)
         for (int model = RK_SHADING_LAMBERT; model <= RK_SHADING_BLINN_PHONG; model++) {
             rk_shading shading = shading_of((rk_shading_model)model, true);
@@ -1079,9 +1088,26 @@ static void no_colour_is_nan(void **state)
     }
 }
 
+/* A cosine so small that a part of it is 0, under a light that is infinite times kd. */
+static void check_grazing_light(void)
+{
+    const rk_vec3 l = rk_vec(1, 0, 0x1p-149f), v = direction(45, 0);
+    for (int i = 0; i < 6; i++) {
+        rk_shading shading = shading_of((rk_shading_model)(RK_SHADING_LAMBERT + i / 2), i & 1);
+        rk_vec3 got =
+            rk_shade(&shading, rk_vec(10, 10, 10), white, 5, up, l, v, rk_vec(3e38f, 3e38f, 3e38f));
+        rk_check(got.x >= 0,
+                 "%s%s, light of 3e38 with n.l = 2^-149, kd = 10: got %g, want 0 or more: multiply "
+                 "kd by the cosine before the light",
+                 model_names[RK_SHADING_LAMBERT + i / 2], i & 1 ? ", normalized" : "",
+                 (double)got.x);
+    }
+}
+
 static void no_colour_is_nan_though_products_overflow(void **state)
 {
     (void)state;
+    check_grazing_light();
     /* Of each three channels some are bright and some black; infinity times 0 would be NaN. */
     const float bright[] = {1e20f, 1e38f};
     const double angles[] = {0, 45, 89.99999, 90, 120};
