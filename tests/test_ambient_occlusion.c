@@ -691,6 +691,8 @@ static void a_disk_occludes_the_squared_sine_of_its_rim_angle(void **state)
     rk_check_close(rk_ambient_below_disk(300, 100), 0.1, 1e-7, "the same, larger");
     rk_check_close(rk_ambient_below_disk(1e6f, 1) * 1e12, 1, 1e-3,
                    "a disk over nearly everything: h^2 / (R^2 + h^2) does not cancel");
+    rk_check_near((double)rk_ambient_below_disk(1e20f, 1), 1e-40, 0x1p-148,
+                  "a disk whose squared radius is beyond the largest float");
     for (int h = 1; h <= 8; h++)
         rk_check_near(rk_ambient_below_disk(1, (float)h), h * h / (1.0 + h * h), 1e-6,
                       "a disk of radius 1, %d above", h);

@@ -1251,9 +1251,25 @@ static void check_equal_weights_inside(size_t place, size_t length, double want)
              place, length, reach, got, want);
 }
 
+/* Added to 1 in a float, each of them is lost. */
+static void check_small_weights_inside(void)
+{
+    enum { reach = RK_BLOOM_RADIUS_MAX };
+    static float weights[reach + 1];
+    weights[0] = 1;
+    for (size_t k = 1; k <= reach; k++)
+        weights[k] = 0x1p-25f;
+    const rk_bloom_filter filter = filter_of(weights, reach, RK_BLOOM_RENORMALIZE);
+    float got = rk_bloom_weight_inside(&filter, reach, 2 * reach + 1);
+    rk_check_near((double)got, 1 + 2 * reach * 0x1p-25, 0x1p-23,
+                  "reach %d, a weight of 1 in the middle and all others 2^-25: sum in double",
+                  reach);
+}
+
 static void the_weight_inside_sums_the_taps_in_the_picture(void **state)
 {
     (void)state;
+    check_small_weights_inside();
     check_weight_inside(0, 11, 0.6875, "the two on the left are beyond the border");
     check_weight_inside(9, 11, 0.9375, "the last one on the right is beyond the border");
     check_weight_inside(5, 11, 1, "all are inside");

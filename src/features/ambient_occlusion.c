@@ -96,8 +96,8 @@ rk_vec3 rk_ambient_radiance(rk_vec3 kd, float intensity, rk_vec3 sum, uint32_t s
 float rk_ambient_below_disk(float radius, float height)
 {
     /* solution */
-    float tangent = radius / height; /* of the angle to the rim; squared lengths might overflow */
-    return 1 / (1 + tangent * tangent);
+    double tangent = (double)radius / (double)height; /* of the angle to the rim */
+    return (float)(1 / (1 + tangent * tangent));      /* a float's square might overflow */
     /* starter
     // Fifth step: 1 - sin^2 of the angle between the normal and the direction to the rim.
     return -1;

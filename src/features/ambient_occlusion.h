@@ -35,8 +35,8 @@ typedef struct rk_ambient_occlusion_options {
     rk_sampler_kind sampling;
 } rk_ambient_occlusion_options;
 
-/* Returns the direction for xi in [0, 1)^2: unit, around the z axis. z, its cosine, is above 0 by
- * the uniform map, and at least 0 by the other. */
+/* Returns the direction for xi in [0, 1)^2, multiples of 2^-24 as samplers give them: unit, around
+ * the z axis. z, its cosine, is above 0 by the uniform map, and at least 0 by the other. */
 rk_vec3 rk_ambient_hemisphere(rk_ambient_map map, rk_vec2 xi);
 
 /* Returns the weight of a direction with this cosine; its mean over the map's directions is 1. */

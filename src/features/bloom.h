@@ -89,8 +89,8 @@ void rk_bloom_bright_pass(const rk_bloom_filter *filter, const rk_vec3 *row, siz
                           float threshold, rk_bloom_span bright, size_t from, size_t count,
                           rk_vec3 *masked);
 
-/* Returns the sum of the weights that fall inside a line of `length` pixels, for the pixel at
- * `place`; renormalizing divides by it. */
+/* Returns the sum, to an ulp, of the weights that fall inside a line of `length` pixels, for the
+ * pixel at `place`; renormalizing divides by it. */
 float rk_bloom_weight_inside(const rk_bloom_filter *filter, size_t place, size_t length);
 
 /* Floats that are filtered at a time: 16 pixels, or three cache lines. */

@@ -36,8 +36,8 @@ rk_cube_place rk_cubemap_place(rk_vec3 direction);
 /* Returns the map's colour in a direction of any finite length. The map must not be empty. */
 rk_vec3 rk_cubemap_at(const rk_cubemap *map, rk_vec3 direction, rk_cubemap_filter filter);
 
-/* Returns a texel's solid angle, in steradians, the same on every face; over all six faces they sum
- * to 4 pi. */
+/* Returns a texel's solid angle, in steradians, the same on every face, of a map of 1 to
+ * RK_CUBEMAP_SIDE_MAX texels per side; over all six faces they sum to 4 pi. */
 double rk_cubemap_solid_angle(uint32_t side, uint32_t column, uint32_t row);
 
 #endif
