@@ -3,6 +3,7 @@
 answers. Speaks TAP, for make check-judge; runs in a build folder."""
 
 import os
+import re
 import shutil
 import subprocess
 import sys
@@ -23,7 +24,7 @@ import judge_calls  # noqa: E402
 FEATURES = read_features(SOURCE)
 APART = [stem for stem in FEATURES
          if os.path.exists(os.path.join(SOURCE, "tests", "judge", stem + ".calls"))]
-FIRST_AHEAD = 200  # calls before which no predictor begins: DIRECT_FIRST of tests/judge/judge.c
+FIRST_AHEAD = int(re.search(r"DIRECT_FIRST = (\d+)", read(SOURCE, "tests", "judge", "judge.c"))[1])
 CALLED = "rk_vec3 rk_normals_colour(rk_vec3 n)\n{\n"  # by every second claim of normals
 
 

@@ -216,7 +216,7 @@ class Headers:
 def _copier(headers, name):
     """A function that copies a structure member by member. What lies between them is whatever the judge had
     there before; a bool from the unit's process can have other bits than 0 and 1, and a text no end."""
-    yield f"static void copy_{name}({name} *to, const {name} *from)\n{{"
+    yield f"static inline void copy_{name}({name} *to, const {name} *from)\n{{"
     for member in headers.structures[name]:
         place, each = member.name, ""
         if member.length:
@@ -307,6 +307,43 @@ def _disturbed(headers, kind, name, outs, arguments):
     yield "        return;\n    }" if kind == "void" else "        return result;\n    }"
 
 
+def _copied(headers, kind, target, source, number):
+    """Values, without what lies between the members of a structure."""
+    if kind in headers.structures:
+        yield f"        for (size_t i = 0; i < {number}; i++)"
+        yield f"            copy_{kind}(({kind} *){target} + i, {source} + i);"
+    else:
+        yield f"        memcpy({target}, {source}, {number} * sizeof *({source}));"
+
+
+def _noted(headers, kind, name, values, arguments):
+    """The reference's answer, noted as the unit would give it; one with pointers or counts is not."""
+    call = f"rk_reference_{name}({arguments});"
+    for value in values:
+        if value.way == "out":
+            byte = 0 if _has_text(headers, value.type) else 255
+            yield f"        if ({value.name})"
+            yield f"            memset({value.name}, {byte}, {value.count()} * sizeof *{value.name});"
+    if name in headers.returned or any(value.way in ("added", "made") for value in values):
+        yield f"        {'return ' if kind != 'void' else ''}{call}"
+        yield "        return;\n    }" if kind == "void" else "    }"
+        return
+    yield f"        {kind} result = {call}" if kind != "void" else f"        {call}"
+    yield "        void *note;"
+    for out in (value for value in values if value.is_out()):
+        yield f"        if ({out.name} && (note = rk_judge_note({out.count()} * sizeof *{out.name})))"
+        yield from (" " * 4 + line for line in _copied(headers, out.type, "note", out.name, out.count()))
+    if kind != "void":
+        yield "        if ((note = rk_judge_note(sizeof result)))"
+        yield from (" " * 4 + line for line in _copied(headers, kind, "note", "&result", "(size_t)1"))
+    yield "        (void)note;\n        rk_judge_note_allocations();"
+    yield "        return;\n    }" if kind == "void" else "        return result;\n    }"
+
+
+def _has_text(headers, kind):
+    return any(member.type == "char" for member in headers.structures.get(kind, []))
+
+
 def _stub(headers, number, kind, name, values, disturbs):
     outs = [value for value in values if value.is_out()]
     added = [value for value in values if value.way == "added"]
@@ -330,8 +367,7 @@ def _stub(headers, number, kind, name, values, disturbs):
     if disturbs:
         yield from _disturbed(headers, kind, name, outs, arguments)
     else:
-        yield f"        {'return ' if kind != 'void' else ''}rk_reference_{name}({arguments});"
-        yield "        return;\n    }" if kind == "void" else "    }"
+        yield from _noted(headers, kind, name, values, arguments)
     for out in outs:
         yield f"    if ({out.name}) {{"
         yield from _get(headers, out.type, out.name, out.count())
@@ -414,7 +450,7 @@ def _take_pointer(headers, value):
         return
     contents = "NULL" if value.way == "out" else f"rk_unit_take_array({size})"
     yield f"    {kind} *{name} = rk_unit_takes() ? rk_unit_room({contents}, {size}) : NULL;"
-    if value.way == "out" and any(member.type == "char" for member in headers.structures.get(kind, [])):
+    if value.way == "out" and _has_text(headers, kind):
         yield f"    if ({name})\n        memset({name}, 0, {size}); /* an empty text */"
     for _, pointer, bytes_ in pointers:
         yield f"    if ({name})\n        {pointer} = rk_unit_take_array({bytes_});"
@@ -457,8 +493,10 @@ def _server(headers, kind, name, values):
     yield "    rk_unit_end_call();"
     for value in values:
         if value.is_out():
-            yield f"    if ({value.name})"
-            yield f"        rk_unit_give({value.name}, {value.count()} * sizeof(*{value.name}));"
+            yield f"    if ({value.name}) {{"
+            yield f"        void *room = rk_unit_give_room({value.count()} * sizeof(*{value.name}));"
+            yield from _copied(headers, value.type, "room", value.name, value.count())
+            yield "    }"
     for value in values:
         if value.way == "added":
             name = value.name
@@ -474,12 +512,15 @@ def _server(headers, kind, name, values):
         yield f"    size_t at = result ? (size_t)(result - {array}) : SIZE_MAX;"
         yield "    rk_unit_give(&at, sizeof at);"
     elif kind != "void":
-        yield "    rk_unit_give(&result, sizeof result);"
+        yield "    void *room = rk_unit_give_room(sizeof result);"
+        yield from _copied(headers, kind, "room", "&result", "(size_t)1")
     yield "    rk_unit_give_allocations();\n}\n"
 
 
 def unit(headers):
     yield '#include "judge/unit.h"\n'
+    for name in headers.structures_used():
+        yield from _copier(headers, name)
     for kind in dict.fromkeys(value.type for _, _, values in headers.functions for value in values
                               if value.way == "kept"):
         yield from _opener(headers, kind)

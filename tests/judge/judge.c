@@ -2,6 +2,7 @@
 #define _GNU_SOURCE /* for F_SEAL_FUTURE_WRITE */
 #include "judge/judge.h"
 #include "base/error.h"
+#include "judge/held.h"
 #include "judge/kept.h"
 #include "judge/published.h"
 #include "judge/requests.h"
@@ -28,6 +29,7 @@ enum {
     DIRECT_FIRST = 200,    /* calls without a predictor: at the beginning, */
     DIRECT_MIN = 64,       /* and where predictors are not worth it */
     DIRECT_MAX = 1 << 20,
+    SETTLED_AFTER = 256, /* calls */
 };
 
 static struct {
@@ -41,9 +43,8 @@ static struct {
 
 static uint64_t after[RK_JUDGE_FUNCTIONS]; /* as rk_judge_after, in this test */
 
-/* In the predictor: */
-static uint64_t given;  /* a bit for each function of which the reference's answer was used */
-static bool leaves_out; /* requests that would tell one */
+static bool
+    leaves_out; /* the predictor does: requests that would tell an answer of the reference */
 
 void rk_judge_ask(int function)
 {
@@ -55,7 +56,10 @@ void rk_judge_ask(int function)
 
 static void publish_request(rk_judge_request *head)
 {
-    rk_judge_make_room_in_lap(head->span + rk_judge_object_bytes());
+    size_t requests = rk_judge.predicts ? RK_JUDGE_HELD_MAX : 1;
+    if (rk_judge.predicts && rk_judge_lap_is_full(requests + RK_JUDGE_KEPT_SLOTS))
+        rk_judge_settle_all();
+    rk_judge_make_room_in_lap(head->span + rk_judge_object_bytes(), requests);
     rk_judge_publish_objects();
     rk_judge_publish(head, head->bytes);
 }
@@ -75,6 +79,11 @@ static void become_predictor(void)
 
 static _Noreturn void end_as_predictor(void)
 {
+    static bool ends; /* also where the unit's process has ended, and nothing is to be waited for */
+    if (!ends) {
+        ends = true;
+        rk_judge_settle_all();
+    }
     rk_judge.asked->predictor_ends = 1;
     rk_judge_wake_readers();
     _exit(0);
@@ -126,6 +135,7 @@ static void stop_predictor(void)
     kill(predictor.process, SIGKILL);
     waitpid(predictor.process, NULL, 0);
     predictor.process = 0;
+    rk_judge_forget_held();
 }
 
 static void end_prediction(void)
@@ -146,24 +156,21 @@ static void look_at_predictor(void)
     uint32_t published = rk_judge.asked->published;
     bool has_ended =
         waitpid(predictor.process, NULL, rk_judge.asked->predictor_ends ? 0 : WNOHANG) != 0;
-    if (has_ended)
+    if (has_ended) {
         predictor.process = 0;
+        rk_judge_forget_held();
+    }
     bool has_passed = rk_judge.asked->predicted >= rk_judge.calls;
     if (rk_judge.asked->published != rk_judge.known && !rk_judge.lap_is_over)
         return;
     bool has_made_enough =
         published - predictor.begin >= predictor.batch ||
         rk_judge.asked->predicted - rk_judge.calls >= 4 * (uint64_t)predictor.batch;
-    if (has_ended || rk_judge.lap_is_over || (has_passed && has_made_enough))
+    if (has_ended || rk_judge.lap_is_over ||
+        (has_passed && has_made_enough && !rk_judge_may_hold(rk_judge.calls)))
         end_prediction();
     else
         rk_judge_wait(&rk_judge.asked->published, published, &rk_judge.asked->is_waiting);
-}
-
-/* The unit's process could read in a request what the reference answered before. */
-static bool would_tell_an_answer(const rk_judge_request *head)
-{
-    return (after[head->function] & given) != 0;
 }
 
 /* A predictor could publish one such request and no other. */
@@ -175,22 +182,30 @@ static bool may_be_ahead(const rk_judge_request *head)
 /* In the predictor: true where the reference is to be called. */
 static bool predict(rk_judge_request *head)
 {
-    size_t place;
+    size_t place = 0;
+    if (rk_judge_holds_all(head))
+        rk_judge_settle_all();
+    else if (rk_judge.calls % SETTLED_AFTER == 0)
+        rk_judge_settle();
     bool is_known = rk_judge_find(head, &place);
-    if (is_known)
-        rk_judge_take(place);
-    else if (would_tell_an_answer(head))
-        leaves_out = true;
-    else {
-        publish_request(head);
-        rk_judge_take(rk_judge.end - head->span);
+    rk_judge_way way = is_known ? RK_JUDGE_PUBLISH : rk_judge_way_of(head);
+    if (way == RK_JUDGE_HOLD && !rk_judge_objects_are_there()) {
+        rk_judge_settle_all();
+        way = rk_judge_way_of(head);
     }
+    if (way == RK_JUDGE_PUBLISH && !is_known) {
+        publish_request(head);
+        place = rk_judge.end - head->span;
+    }
+    if (way == RK_JUDGE_PUBLISH)
+        rk_judge_take(place);
+    leaves_out = leaves_out || way == RK_JUDGE_LEAVE_OUT;
     atomic_store_explicit(&rk_judge.asked->predicted, rk_judge.calls, memory_order_release);
     if (leaves_out && rk_judge.known - predictor.begin >= AHEAD_MAX)
         end_as_predictor(); /* the next one knows the answers of these */
     bool is_answer_known = is_known && rk_judge_is_answered(rk_judge_request_at(place)->number);
     if (!is_answer_known)
-        given |= UINT64_C(1) << head->function;
+        rk_judge_hold(head, way, place);
     return !is_answer_known;
 }
 
@@ -216,7 +231,7 @@ bool rk_judge_predicts(size_t bytes_max)
         return predict(head);
     predictor.used++;
     rk_judge_wait_for_answer(rk_judge_request_at(place)->number);
-    rk_judge_take(place);
+    rk_judge_take_answer(place);
     return false;
 }
 
@@ -275,6 +290,7 @@ void rk_judge_connect(const char *test)
     for (const rk_judge_exception *it = rk_judge_exceptions; it->test; it++)
         if (strcmp(it->test, test) == 0)
             after[it->function] = UINT64_MAX;
+    rk_judge_begin_holding(after);
 }
 
 /* The predictor's work ends here. */

@@ -6,11 +6,11 @@
  * fork of the judge, runs the test ahead with the reference in the unit's place, and publishes the
  * requests that come of it. The judge takes the answers of those that turn out to be its own. One
  * that was not predicted depends on an answer that is not the reference's; then another predictor
- * begins there, and takes the unit's answers where they are known. So it needs one for each step of
- * a chain of calls, not for each call.
+ * begins there, and takes the unit's answers where they are known.
  *
  * The unit's process can read what is published. So a request in which the reference's answers
- * could be read is not published ahead: it waits until the unit has given these answers itself.
+ * could be read is held until the unit has given these answers itself (held.h). If it has given
+ * others, that predictor leaves the request out, and the next one takes the unit's answers.
  * Which requests depend on no answers is said in the files of calls, and checked
  * (tests/judge/trace.c). */
 #ifndef RK_TESTS_JUDGE_H
@@ -92,6 +92,11 @@ extern const rk_judge_exception rk_judge_exceptions[];
 /* Ends the request, and waits for its answer of at most so many bytes; true in the predictor,
  * where the reference gives the results instead. */
 bool rk_judge_predicts(size_t bytes_max);
+
+/* In the predictor, where the reference has given a result, in the answer's order: returns where to
+ * note so many bytes of it, or NULL if nobody will compare the unit's with them. */
+void *rk_judge_note(size_t bytes);
+void rk_judge_note_allocations(void);
 
 /* In a trace (trace.c): makes an answer wrong. */
 void rk_judge_disturb(void *data, size_t bytes);

@@ -210,6 +210,14 @@ size_t rk_judge_object_bytes(void)
     return bytes;
 }
 
+bool rk_judge_objects_are_there(void)
+{
+    for (size_t i = 0; i < of_call_count; i++)
+        if (place_of_id(last_of_slot[of_call[i]].id)->lap != rk_judge.lap)
+            return false;
+    return true;
+}
+
 void rk_judge_publish_objects(void)
 {
     for (size_t i = 0; i < of_call_count; i++) {

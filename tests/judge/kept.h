@@ -16,6 +16,9 @@ size_t rk_judge_object_bytes(void);
 /* Sends the objects of this call that the unit's process lacks. */
 void rk_judge_publish_objects(void);
 
+/* Whether it lacks none. */
+bool rk_judge_objects_are_there(void);
+
 /* Notes an object that was sent. */
 void rk_judge_object_is_there(uint64_t id, size_t bytes);
 

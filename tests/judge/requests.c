@@ -53,11 +53,8 @@ static bool unit_has_ended(void)
 
 void rk_judge_wait_for_answer(uint32_t number)
 {
-    for (;;) {
-        uint32_t answered =
-            atomic_load_explicit(&rk_judge.answered->answered, memory_order_acquire);
-        if ((int32_t)(answered - number) > 0)
-            return;
+    for (uint32_t answered;
+         answered = rk_judge.answered->answered, !rk_judge_is_answered(number);) {
         rk_judge_wait(&rk_judge.answered->answered, answered, &rk_judge.asked->is_waiting);
         if (rk_judge.answered->answered == answered && unit_has_ended())
             rk_claim_failed(__FILE__, __LINE__,
@@ -118,9 +115,9 @@ bool rk_judge_lap_is_full(size_t requests)
            rk_judge.known - rk_judge.lap_begin + requests >= RK_JUDGE_LAP_REQUESTS;
 }
 
-void rk_judge_make_room_in_lap(size_t bytes)
+void rk_judge_make_room_in_lap(size_t bytes, size_t requests)
 {
-    if (rk_judge_lap_is_full(1 + RK_JUDGE_KEPT_SLOTS)) {
+    if (rk_judge_lap_is_full(requests + RK_JUDGE_KEPT_SLOTS)) {
         rk_judge_publish_end_of_lap();
         for (uint32_t lap; rk_judge.predicts && (lap = rk_judge.asked->lap) == rk_judge.lap;)
             rk_judge_wait(&rk_judge.asked->lap, lap, &rk_judge.asked->predictor_waits);

@@ -50,7 +50,7 @@ void rk_judge_begin_lap(void);
 void rk_judge_map_next_pages(void);
 
 bool rk_judge_lap_is_full(size_t requests);
-void rk_judge_make_room_in_lap(size_t bytes);
+void rk_judge_make_room_in_lap(size_t bytes, size_t requests);
 void rk_judge_publish_end_of_lap(void);
 
 /* Copies the first bytes of a request, whose others stand there already. */

@@ -41,10 +41,18 @@ void *rk_unit_kept_piece(size_t bytes);
  * answered. */
 void *rk_unit_room(const void *contents, size_t bytes);
 
+/* Returns where the answer's next value is to be written. Its bytes are zeros, so that equal values
+ * have equal bytes. */
+static inline void *rk_unit_give_room(size_t bytes)
+{
+    void *place = memset(rk_unit_call.answer, 0, rk_judge_aligned(bytes));
+    rk_unit_call.answer += rk_judge_aligned(bytes);
+    return place;
+}
+
 static inline void rk_unit_give(const void *data, size_t bytes)
 {
-    memcpy(rk_unit_call.answer, data, bytes);
-    rk_unit_call.answer += rk_judge_aligned(bytes);
+    memcpy(rk_unit_give_room(bytes), data, bytes);
 }
 
 /* Gives values that the call has allocated, and frees them; ends the process if they are more. */
