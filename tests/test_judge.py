@@ -180,6 +180,7 @@ ATTACKS = {
 }
 DECLARED = """
 #include <stdint.h>
+#include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
 #include <sys/types.h>
@@ -198,6 +199,7 @@ def forgeries_earn_no_more_than_their_code(grader):
         unit = (starter[:first] + DECLARED + by_address(*names) + before + starter[first:at] + "    "
                 + statement + "\n" + starter[at:])
         verdicts, points = grader.verdicts("normals", unit, True)
+        check("compile" not in str(verdicts), f"a unit that {what} is run", str(verdicts))
         check(points <= honest, f"a unit that {what} earns nothing by it",
               f"{points} points, {honest} without it: {verdicts}")
 
