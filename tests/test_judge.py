@@ -8,6 +8,8 @@ import shutil
 import subprocess
 import sys
 import tempfile
+import time
+from unittest import mock
 
 SOURCE = os.path.abspath(os.path.join(os.path.dirname(__file__), ".."))
 sys.dont_write_bytecode = True
@@ -186,7 +188,7 @@ DECLARED = """
 #include <sys/types.h>
 int open(const char *, int, ...); ssize_t read(int, void *, size_t); ssize_t write(int, const void *, size_t);
 int mprotect(void *, size_t, int); void *mmap(void *, size_t, int, int, int, long); pid_t fork(void);
-pid_t getppid(void); int kill(pid_t, int); void _exit(int);
+pid_t getppid(void); pid_t getpid(void); int kill(pid_t, int); void _exit(int);
 """
 
 
@@ -204,6 +206,35 @@ def forgeries_earn_no_more_than_their_code(grader):
               f"{points} points, {honest} without it: {verdicts}")
 
 
+# In each call of the function, the system's calls by their numbers: 35 is nanosleep, 202 futex.
+SLEEPERS = {
+    "sleeps": "syscall(35, (long[]){60, 0}, NULL);",
+    "sleeps a little in each call": "for (int i = 0; i < 200; i++)\n        syscall(35, (long[]){0, 5000000}, NULL);",
+    "waits for what never comes":
+        "int word = 0;\n    syscall(202, &word, 0, 0, NULL, NULL, 0);",
+    "takes short naps":
+        "int word = 0;\n    for (int i = 0; i < 200; i++)\n        "
+        "syscall(202, &word, 0, 0, (long[]){0, 5000000}, NULL, 0);",
+    "stops itself": "kill(getpid(), 19);",
+}
+
+
+def sleepers_are_not_waited_for(grader):
+    right = text_of("normals")
+    at, first = right.index(CALLED) + len(CALLED), right.index("#include")
+    before = DECLARED + "long syscall(long, ...);\n" + by_address("syscall", "kill", "getpid")
+    for what, statement in SLEEPERS.items():
+        unit = right[:first] + before + right[first:at] + "    " + statement + "\n" + right[at:]
+        began = time.monotonic()
+        with mock.patch.dict(os.environ, RAYKIT_TEST_SECONDS="2"):
+            verdicts, _ = grader.verdicts("normals", unit, True, "each_axis_has_a_colour_of_its_own")
+        passed, reason = verdicts["each_axis_has_a_colour_of_its_own"]
+        took = time.monotonic() - began
+        print(f"# {took:.1f}")
+        check(took < 20 and "compile" not in reason and (not passed or "syscall(35" in statement),
+              f"a unit that {what} holds nobody up", f"{took:.0f} s, {reason}")
+
+
 def main():
     if not judged.is_possible(build.Toolchain("."), "normals"):
         check(False, "there are judges", "make judges-ready")
@@ -218,6 +249,7 @@ def main():
         right_units_pass_apart(grader)
         starters_and_mistakes_get_the_same_verdicts(grader)
         forgeries_earn_no_more_than_their_code(grader)
+        sleepers_are_not_waited_for(grader)
     finally:
         sandbox.end_strays()
         shutil.rmtree(folder, ignore_errors=True)

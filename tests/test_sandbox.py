@@ -24,6 +24,7 @@ from test_grade import EMPTY, FEATURE, FEATURES, ONE, SOURCE, put, run, unit
 
 from grading import bubblewrap
 from grading import build
+from grading import idleness
 from grading import isolate
 from grading import private_copy
 from grading import sandbox
@@ -296,6 +297,26 @@ def who_has_nobody_to_answer_is_ended(folder):
           [outcome.limit, str(outcome.seconds)])
 
 
+def who_sleeps_is_ended_and_who_is_slow_is_not(folder):
+    def run_it(command, **options):
+        return sandbox.run(["/bin/sh", "-c", command], megabytes=100, folder=folder, patience=60,
+                           environment=dict(os.environ), **options)
+
+    for what, command in {"sleeps": "sleep 60", "stops itself": "kill -STOP $$",
+                          "sleeps again and again": "while :; do sleep 0.04; done"}.items():
+        outcome = run_it(command, seconds=1, partners=())
+        check(outcome.limit == "seconds" and outcome.seconds < 30, f"a program that {what} is ended",
+              [outcome.limit, str(outcome.seconds)])
+    partner = subprocess.Popen(["/bin/sh", "-c", "while :; do :; done"])
+    outcome = run_it("sleep 4", seconds=1, partners=(partner.pid,))
+    partner.kill()
+    partner.wait()
+    check(not outcome.limit, "but not one whose partner works meanwhile", str(outcome.limit))
+    with mock.patch.object(idleness, "_look_at", lambda thread: ("R", 0)):
+        outcome = run_it("sleep 4", seconds=1, partners=())
+    check(not outcome.limit, "nor one that waits for a processor", str(outcome.limit))
+
+
 def only_data_is_believed():
     def garble():
         for name in os.listdir("/proc/self/fd"):
@@ -512,6 +533,7 @@ def main():
         only_data_is_believed()
         children_of_threads_are_seen()
         who_has_nobody_to_answer_is_ended(place())
+        who_sleeps_is_ended_and_who_is_slow_is_not(place())
         what_was_left_is_removed(place())
         who_works_meanwhile_is_not_blamed(place())
         without_a_sandbox_this_is_said(place())

@@ -123,7 +123,7 @@ def run(toolchain, stem, name, program, secret, **options):
         # The judge sees by the pipe that the unit's process has ended.
         outcome = sandbox.run(["unit_" + stem], program=program, descriptors=(asked, answered, held),
                               when_begun=lambda: os.close(descriptors.pop()), patience=_WAITS,
-                              is_needless=judge.has_failed, **options)
+                              is_needless=judge.has_failed, partners=(judge.process.pid,), **options)
         status, attested, testimony, said = judge.finish()
     finally:
         if judge:

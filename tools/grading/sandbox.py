@@ -18,6 +18,7 @@ import threading
 import time
 
 from grading.assignments import ToolError
+from grading.idleness import Idleness
 
 stop = threading.Event()  # set: every run ends at once
 
@@ -236,12 +237,13 @@ def _limit_process(seconds):
 
 def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 20, program=None,
         secret=b"", enclose=None, system_calls=b"", descriptors=(), when_begun=None, patience=_PATIENCE,
-        is_needless=lambda: False):
+        is_needless=lambda: False, partners=None):
     """Runs the command in `folder` and returns its Outcome. A Program as `program` is run instead; if there
     is a secret, in RAYKIT_ATTEST it gets a descriptor from which it reads that, and outcome.attested tells
     whether it came back; outcome.testimony is what else came. `enclose` puts a command into bubblewrap.
     `when_begun` is called when the program has its descriptors. One that does not work all of the time may
-    take `patience` times its seconds, and it ends when it `is_needless`."""
+    take `patience` times its seconds, and it ends when it `is_needless`. With `partners`, the processes that it
+    works with, it may sleep no longer than its seconds while they do nothing either."""
     outcome, kept = Outcome(), _Tail()
     descriptors, options = tuple(descriptors), {}
     status = os.pipe() if enclose else ()
@@ -285,8 +287,9 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
         if enclose and system_calls:
             os.close(listed)
     try:
+        idle = partners is not None and Idleness(_family, (process.pid, *partners))
         _watch(process, outcome, kept, (began, seconds, patience), megabytes << 20, output_bytes,
-               bool(enclose), is_needless)
+               bool(enclose), is_needless, idle)
     finally:
         _kill(process.pid)
         outcome.status = process.wait()
@@ -340,7 +343,7 @@ def _drain(pipe, kept):
         pass
 
 
-def _watch(process, outcome, kept, times, memory_bytes, output_bytes, is_enclosed, is_needless):
+def _watch(process, outcome, kept, times, memory_bytes, output_bytes, is_enclosed, is_needless, idle):
     """Reads until the program ends or is ended, with the reason in outcome.limit."""
     began, seconds, patience = times
     next_look = 0.0
@@ -355,8 +358,9 @@ def _watch(process, outcome, kept, times, memory_bytes, output_bytes, is_enclose
             elif not selector.get_map():
                 time.sleep(0.005)
             now = time.monotonic()
-            occupied, processes = 0, 1
+            occupied, processes, slept = 0, 1, 0.0
             if now >= next_look:
+                slept = idle.look() if idle else 0.0
                 occupied, processes = _occupied(process.pid)
                 next_look = now + _LOOK
                 outcome.occupied = max(outcome.occupied, occupied)
@@ -370,8 +374,8 @@ def _watch(process, outcome, kept, times, memory_bytes, output_bytes, is_enclose
                 outcome.limit = "memory"
             elif processes > _PROCESSES_MAX:
                 outcome.limit = "processes"
-            elif now - began > seconds and (now - began > patience * seconds
-                                            or _worked(process.pid) > seconds):
+            elif slept > seconds or now - began > seconds and (now - began > patience * seconds
+                                                               or _worked(process.pid) > seconds):
                 outcome.limit = "seconds"
                 _ask_where(process, kept, is_enclosed)
             if outcome.limit:
