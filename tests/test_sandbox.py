@@ -148,6 +148,20 @@ def few_system_calls_are_answered(toolchain, folder):
           "without the list of system calls, units do", answered)
 
 
+def its_first_process_is_out_of_reach(toolchain, folder):
+    """bubblewrap's own, which tells how the program ended."""
+    before = (HEADERS + "#include <sys/ptrace.h>\n#include <sys/syscall.h>\nlong syscall(long number, ...);\n"
+              + by_address("syscall", "ptrace"))
+    units = {
+        "writes to": opens(["/proc/1/mem", "/proc/1/task/1/mem"], "O_RDWR"),
+        "traces": unit("if (ptrace(PTRACE_ATTACH, 1, NULL, NULL) == 0) abort();", before),
+        "seizes": unit("if (ptrace(PTRACE_SEIZE, 1, NULL, NULL) == 0) abort();", before),
+        "sees the descriptors of": opens(["/proc/1/fd/0", "/proc/1/fd/1"], "O_RDONLY"),
+    }
+    for name, suite in verdicts_on(toolchain, folder, units).items():
+        check(suite.passed(), f"no unit {name} the sandbox's first process", said_of(suite))
+
+
 def little_is_written(toolchain, folder):
     """Files in memory are limited, and go with the run."""
     fill = """
@@ -522,6 +536,7 @@ def main():
             test_grade.units_are_judged(toolchain, place())
             nothing_is_reached(toolchain, place())
             few_system_calls_are_answered(toolchain, place())
+            its_first_process_is_out_of_reach(toolchain, place())
             little_is_written(toolchain, place())
             the_compiler_sees_headers_only(toolchain, place())
             a_kit_among_the_systems_files_is_hidden(place())

@@ -34,7 +34,8 @@ class Bubblewrap:
                 self._begin += ["--symlink", os.readlink(path), path]
             else:
                 self._begin += ["--ro-bind-try", path, path]
-        self._begin += ["--proc", "/proc", "--dev", "/dev", *limited, "--tmpfs", "/dev/shm", "--remount-ro",
+        # Process 1 is bubblewrap's own, and its memory can be written to in its folder.
+        self._begin += ["--proc", "/proc", "--tmpfs", "/proc/1", "--remount-ro", "/proc/1", "--dev", "/dev", *limited, "--tmpfs", "/dev/shm", "--remount-ro",
                         "/dev",
                         *limited, "--tmpfs", "/tmp"]
         for path in os.environ.get("LD_LIBRARY_PATH", "").split(":"):
