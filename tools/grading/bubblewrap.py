@@ -35,8 +35,8 @@ class Bubblewrap:
             else:
                 self._begin += ["--ro-bind-try", path, path]
         # Process 1 is bubblewrap's own, and its memory can be written to in its folder.
-        self._begin += ["--proc", "/proc", "--tmpfs", "/proc/1", "--remount-ro", "/proc/1", "--dev", "/dev", *limited, "--tmpfs", "/dev/shm", "--remount-ro",
-                        "/dev",
+        self._begin += ["--proc", "/proc", "--tmpfs", "/proc/1", "--remount-ro", "/proc/1"]
+        self._begin += ["--dev", "/dev", *limited, "--tmpfs", "/dev/shm", "--remount-ro", "/dev",
                         *limited, "--tmpfs", "/tmp"]
         for path in os.environ.get("LD_LIBRARY_PATH", "").split(":"):
             self._begin += ["--ro-bind-try", path, path] if os.path.isabs(path) else []

@@ -1,7 +1,7 @@
 """How long have some processes done nothing, though the machine would have let them?
 
-A program that sleeps takes no processor time, which is what else is limited; one that waits for a slow machine
-does not sleep.
+A program that sleeps takes no processor time, which is what else is limited; one that waits for a slow
+machine does not sleep.
 """
 
 import os
@@ -45,8 +45,8 @@ def _threads(pid):
 
 
 def _look_at(thread):
-    """Returns the state's letter, "" if the thread has ended, and the nanoseconds that it worked or could have
-    worked, 0 if the system does not tell."""
+    """Returns the state's letter, "" if the thread has ended, and the nanoseconds that it worked or waited for
+    a processor, 0 if the system does not tell."""
     try:
         with open(thread + "/stat", encoding="ascii", errors="replace") as file:
             state = file.read().rpartition(")")[2].split()[0]

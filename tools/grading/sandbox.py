@@ -242,8 +242,8 @@ def run(command, *, seconds, megabytes, folder, environment, output_bytes=16 << 
     is a secret, in RAYKIT_ATTEST it gets a descriptor from which it reads that, and outcome.attested tells
     whether it came back; outcome.testimony is what else came. `enclose` puts a command into bubblewrap.
     `when_begun` is called when the program has its descriptors. One that does not work all of the time may
-    take `patience` times its seconds, and it ends when it `is_needless`. With `partners`, the processes that it
-    works with, it may sleep no longer than its seconds while they do nothing either."""
+    take `patience` times its seconds, and it ends when it `is_needless`. With `partners`, the processes that
+    it works with, it may sleep no longer than its seconds while they do nothing either."""
     outcome, kept = Outcome(), _Tail()
     descriptors, options = tuple(descriptors), {}
     status = os.pipe() if enclose else ()
