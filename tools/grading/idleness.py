@@ -45,8 +45,8 @@ def _threads(pid):
 
 
 def _look_at(thread):
-    """Returns the state's letter, "" if the thread has ended, and the nanoseconds that it worked or waited for
-    a processor, 0 if the system does not tell."""
+    """Returns the state's letter, "" if the thread has ended, and the nanoseconds that it worked or waited
+    for a processor, 0 if the system does not tell."""
     try:
         with open(thread + "/stat", encoding="ascii", errors="replace") as file:
             state = file.read().rpartition(")")[2].split()[0]

@@ -3,8 +3,8 @@ at each call. All others fail with "Operation not permitted".
 
 The list is of what the suites, the sanitizers and the C library use. A socket is none of it, nor a namespace,
 shared memory or memory without a size, nor a new process, but for one of the leak sanitizer's kind: it shares
-the memory of the program, which it stops while it looks. Threads are allowed. Nothing sleeps for a time of its
-own choice but in a futex, which waiting for a judge needs (idleness.py sees it).
+the memory of the program, which it stops while it looks. Threads are allowed. No call that sleeps is, but for
+the futex, by which a unit's process waits for its judge (idleness.py sees who sleeps there).
 Source: Linux, Documentation/userspace-api/seccomp_filter.rst.
 """
 
