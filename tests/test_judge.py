@@ -209,7 +209,8 @@ def forgeries_earn_no_more_than_their_code(grader):
 # In each call of the function, the system's calls by their numbers: 35 is nanosleep, 202 futex.
 SLEEPERS = {
     "sleeps": "syscall(35, (long[]){60, 0}, NULL);",
-    "sleeps a little in each call": "for (int i = 0; i < 200; i++)\n        syscall(35, (long[]){0, 5000000}, NULL);",
+    "sleeps a little in each call":
+        "for (int i = 0; i < 200; i++)\n        syscall(35, (long[]){0, 5000000}, NULL);",
     "waits for what never comes":
         "int word = 0;\n    syscall(202, &word, 0, 0, NULL, NULL, 0);",
     "takes short naps":
@@ -235,6 +236,25 @@ def sleepers_are_not_waited_for(grader):
               f"a unit that {what} holds nobody up", f"{took:.0f} s, {reason}")
 
 
+def what_one_call_leaves_another_does_not_find(grader):
+    right, claim = text_of("normals"), "each_axis_has_a_colour_of_its_own"
+    at, first = right.index(CALLED) + len(CALLED), right.index("#include")
+
+    def verdicts_of(statement, before):
+        text = right[:first] + before + right[first:at] + "    " + statement + "\n" + right[at:]
+        return grader.verdicts("normals", text, True)[0]
+
+    said = verdicts_of("errno++;\n    if (errno > 1)\n        return n;", "#include <errno.h>\n")
+    check(said[claim][0], "errno is 0 at each call", str(said[claim]))
+    hidden = verdicts_of("if (!*optarg)\n        *optarg = malloc(16);",
+                         DECLARED + "#include <unistd.h>\n" + by_address("optarg"))
+    check(hidden[claim][0] and "leaks memory" in hidden["all_memory_is_freed"][1],
+          "memory that only the C library's data point to is not freed", str(hidden))
+    printed = verdicts_of('printf("%g\\n", (double)n.x);\n    fprintf(stderr, "%g\\n", (double)n.y);',
+                          "#include <stdio.h>\n")
+    check(printed["all_memory_is_freed"][0], "but what the C library prints from is no leak", str(printed))
+
+
 def main():
     if not judged.is_possible(build.Toolchain("."), "normals"):
         check(False, "there are judges", "make judges-ready")
@@ -250,6 +270,7 @@ def main():
         starters_and_mistakes_get_the_same_verdicts(grader)
         forgeries_earn_no_more_than_their_code(grader)
         sleepers_are_not_waited_for(grader)
+        what_one_call_leaves_another_does_not_find(grader)
     finally:
         sandbox.end_strays()
         shutil.rmtree(folder, ignore_errors=True)
