@@ -255,6 +255,17 @@ def what_one_call_leaves_another_does_not_find(grader):
     check(printed["all_memory_is_freed"][0], "but what the C library prints from is no leak", str(printed))
 
 
+def a_tree_that_is_too_large_is_told(grader):
+    begin = "bool rk_bvh_build_median(rk_bvh *bvh, const rk_mesh *mesh, rk_error *error)\n{\n"
+    text = text_of("bvh_median").replace(begin, begin.replace("rk_bvh_build_median", "build").replace(
+        "bool", "static bool"))
+    text += f"\n{begin}    bool is_built = build(bvh, mesh, error);\n"
+    text += "    bvh->node_count = 1u << 30;\n    return is_built;\n}\n"
+    said = grader.verdicts("bvh_median", text, True)[0]
+    check(any("values were allocated, want at most" in reason for _, reason in said.values()),
+          "a unit that says that it has made too many nodes is told so", str(said))
+
+
 def main():
     if not judged.is_possible(build.Toolchain("."), "normals"):
         check(False, "there are judges", "make judges-ready")
@@ -271,6 +282,7 @@ def main():
         forgeries_earn_no_more_than_their_code(grader)
         sleepers_are_not_waited_for(grader)
         what_one_call_leaves_another_does_not_find(grader)
+        a_tree_that_is_too_large_is_told(grader)
     finally:
         sandbox.end_strays()
         shutil.rmtree(folder, ignore_errors=True)

@@ -55,7 +55,7 @@ static inline void rk_unit_give(const void *data, size_t bytes)
     memcpy(rk_unit_give_room(bytes), data, bytes);
 }
 
-/* Gives values that the call has allocated, and frees them; ends the process if they are more. */
+/* Gives values that the call has allocated, none if they are too many, and frees them. */
 void rk_unit_give_made(void *values, size_t count, size_t most, size_t size);
 
 /* Around the call: counts its allocations, which are the answer's last value. */
