@@ -76,6 +76,7 @@ def the_goal_is_one_of_the_course():
     order = handout._order(SOURCE, ["bloom"], ["cubemap", "sampling"])
     check("pictures/bloom.png" in order
           and "make driver-bloom\n    impl/assignments/06_bloom/bloom --scene lanterns" in order
+          and "--bloom-radius 100 --width 320 --height 320" in order
           and "cover" not in order and "more noise" in order,
           "where the picture at the top needs what is left open, the goal is the assignment's own", order)
     order = handout._order(SOURCE, [STEM], ["shading"])

@@ -222,8 +222,9 @@ static void a_list_of_the_greatest_length_stays_in_its_memory(void **state)
         }
         rk_check_equal(memory.list.count, RK_CROSSINGS_MAX, "a full list stays full");
         for (uint32_t i = 0; i < RK_CROSSINGS_MAX; i++)
-            rk_check(memory.list.crossings[i].primitive == i, "entry %u: got primitive %u", i,
-                     memory.list.crossings[i].primitive);
+            rk_check(memory.list.crossings[i].primitive == i,
+                     "entry %u: got primitive %u, want %u: sorted by t", i,
+                     memory.list.crossings[i].primitive, i);
         for (size_t i = 0; i < sizeof memory.beyond; i++)
             rk_check(memory.beyond[i] == 0x5a,
                      "RK_CROSSINGS_MAX + 1 crossings, %s: wrote beyond the list's last entry",

@@ -12,6 +12,7 @@ import os
 import re
 import shutil
 import signal
+import struct
 import subprocess
 import sys
 import tarfile
@@ -196,6 +197,15 @@ def _title_and_time(pack, feature):
     return text.splitlines()[0].lstrip("# "), time[1]
 
 
+def _at_the_size_of(source, picture, command):
+    """Returns the command that draws the picture as large as it is shown: some options count pixels."""
+    if "--width" in command:
+        return command
+    with open(os.path.join(source, "docs", "pictures", f"{picture}.png"), "rb") as file:
+        width, height = struct.unpack(">II", file.read(24)[16:])
+    return f"{command} --width {width} --height {height}"
+
+
 def _goal(source, stems, left_open):
     """A picture that students can draw when these features are solved, with its command: the one at the top
     of README.md if it uses any of them and none that is left open, or else the last feature's own, if what it
@@ -219,7 +229,8 @@ def _goal(source, stems, left_open):
     if "sampling" in left_open:
         takes.append("`sampling` is not asked for yet: pictures with random samples have more noise.")
     return [f"The goal is this picture, which uses {_and([f'`{stem}`' for stem in used])}:", shown[0],
-            with_built_drivers(command[0]), *([" ".join(takes)] if takes else [])]
+            with_built_drivers(_at_the_size_of(source, picture, command[0])),
+            *([" ".join(takes)] if takes else [])]
 
 
 def _order(source, stems, left_open=()):
