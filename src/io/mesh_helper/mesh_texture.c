@@ -54,15 +54,42 @@ static bool find_picture(const struct aiMaterial *material, named_picture *found
            find_typed(material, aiTextureType_BASE_COLOR, found);
 }
 
-/* An embedded picture is named "*" and its number. Uncompressed ones (no height), which only a few
- * games' models have, are in no format that raykit-image reads. */
+/* Without its folders, in the spelling of any system. */
+static const char *base_name(const char *name)
+{
+    for (const char *c = name; *c; c++)
+        if (*c == '/' || *c == '\\')
+            name = c + 1;
+    return name;
+}
+
+/* The whole name decides before its last part. */
+static const struct aiTexture *find_by_name(const struct aiScene *scene, const char *name)
+{
+    const char *base = base_name(name);
+    const struct aiTexture *found = NULL;
+    for (unsigned i = scene->mNumTextures; i-- > 0;) {
+        const char *other = scene->mTextures[i]->mFilename.data;
+        if (strcmp(other, name) == 0)
+            return scene->mTextures[i];
+        if (*base && strcmp(base_name(other), base) == 0)
+            found = scene->mTextures[i];
+    }
+    return found;
+}
+
+/* An embedded picture is named "*" and its number, or in FBX by its file. Uncompressed ones (with a
+ * height), which only a few games' models have, are in no format that raykit-image reads. */
 static const struct aiTexture *find_embedded(const struct aiScene *scene, const char *name)
 {
     char *end;
-    unsigned long number = name[0] == '*' ? strtoul(name + 1, &end, 10) : scene->mNumTextures;
-    if (number >= scene->mNumTextures || *end != '\0' || scene->mTextures[number]->mHeight != 0)
-        return NULL;
-    return scene->mTextures[number];
+    const struct aiTexture *found = NULL;
+    const unsigned long number = name[0] == '*' ? strtoul(name + 1, &end, 10) : 0;
+    if (name[0] != '*')
+        found = find_by_name(scene, name);
+    else if (number < scene->mNumTextures && *end == '\0')
+        found = scene->mTextures[number];
+    return found && found->mHeight == 0 ? found : NULL;
 }
 
 static rk_mesh_texture make_entry(const struct aiScene *scene, const named_picture *picture)

@@ -1,0 +1,67 @@
+/* Files of programs that model whole scenes, and of their exchange formats: FBX. */
+#include "test_mesh_reading.h"
+
+/* --- FBX ------------------------------------------------------------------------------------ */
+
+/* A triangle in the xy-plane. `settings` are lines of the file, `picture` the name by which the
+ * texture calls for it; the embedded one is a red pixel. */
+static test_path write_fbx(const char *name, const char *settings, const char *picture)
+{
+    char text[4000];
+    snprintf(
+        text, sizeof text,
+        "; FBX 7.4.0 project file\n"
+        "FBXHeaderExtension: {\n FBXHeaderVersion: 1003\n FBXVersion: 7400\n}\n"
+        "GlobalSettings: {\n Version: 1000\n Properties70: {\n%s }\n}\n"
+        "Objects: {\n"
+        " Geometry: 100, \"Geometry::\", \"Mesh\" {\n"
+        "  Vertices: *9 {\n   a: 0,0,0,1,0,0,0,2,0\n  }\n"
+        "  PolygonVertexIndex: *3 {\n   a: 0,1,-3\n  }\n  GeometryVersion: 124\n"
+        "  LayerElementUV: 0 {\n   Version: 101\n   Name: \"\"\n"
+        "   MappingInformationType: \"ByPolygonVertex\"\n"
+        "   ReferenceInformationType: \"Direct\"\n   UV: *6 {\n    a: 0,0,1,0,0,1\n   }\n  }\n"
+        "  LayerElementMaterial: 0 {\n   Version: 101\n   Name: \"\"\n"
+        "   MappingInformationType: \"AllSame\"\n"
+        "   ReferenceInformationType: \"IndexToDirect\"\n   Materials: *1 {\n    a: 0\n   }\n  }\n"
+        "  Layer: 0 {\n   Version: 100\n   LayerElement: {\n    Type: \"LayerElementUV\"\n"
+        "    TypedIndex: 0\n   }\n   LayerElement: {\n    Type: \"LayerElementMaterial\"\n"
+        "    TypedIndex: 0\n   }\n  }\n }\n"
+        " Model: 200, \"Model::t\", \"Mesh\" {\n  Version: 232\n }\n"
+        " Material: 300, \"Material::m\", \"\" {\n  Version: 102\n  ShadingModel: \"lambert\"\n }\n"
+        " Video: 400, \"Video::v\", \"Clip\" {\n  Type: \"Clip\"\n  Filename: "
+        "\"C:\\work\\red.ppm\"\n"
+        "  RelativeFilename: \"..\\red.ppm\"\n  Content: ,\n   \"UDYKMSAxCjI1NQr/AAA=\"\n }\n"
+        " Texture: 500, \"Texture::u\", \"\" {\n  Type: \"TextureVideoClip\"\n  Version: 202\n"
+        "  FileName: \"%s\"\n  RelativeFilename: \"%s\"\n }\n}\n"
+        "Connections: {\n C: \"OO\",200,0\n C: \"OO\",100,200\n C: \"OO\",300,200\n"
+        " C: \"OP\",500,300, \"DiffuseColor\"\n C: \"OO\",400,500\n}\n",
+        settings, picture, picture);
+    return write_text(name, text);
+}
+
+static void check_red(test_path path)
+{
+    rk_mesh mesh = load(path);
+    rk_check_equal(mesh.texture_count, 1, "textures");
+    if (mesh.texture_count == 1) {
+        const rk_vec3 *pixel = mesh.textures[0].image.pixels;
+        rk_check_close(pixel->x, 1, 0, "red");
+        rk_check_close(pixel->y, 0, 0, "green");
+    }
+    rk_mesh_free(&mesh);
+}
+
+/* As Blender, Maya and 3ds Max write them: by a path of the computer on which they were. */
+static void pictures_inside_an_fbx_are_found_by_their_names(void **state)
+{
+    (void)state;
+    check_red(write_fbx("same.fbx", "", "..\\red.ppm"));
+    check_red(write_fbx("folder.fbx", "", "D:\\elsewhere\\red.ppm"));
+    check_red(write_fbx("slash.fbx", "", "textures/red.ppm"));
+}
+
+static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(pictures_inside_an_fbx_are_found_by_their_names),
+};
+
+RK_SUITE_IN("mesh_scenes", tests, make_folder, remove_folder)
