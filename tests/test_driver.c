@@ -255,7 +255,7 @@ static void every_bad_option_is_named_in_one_line(void **state)
         {"--debug", "--debug", "the value is missing"},
         {"--scene cube --mesh a.obj", "--scene and --mesh", "choose one"},
         {"--up z", "--up", "--mesh"},
-        {"--mesh a.obj --up -z", "--up -z", "x|y|z"},
+        {"--mesh a.obj --up -z", "--up -z", "x|y|z|file"},
         {"--front -z", "--front", "--mesh"},
         {"--mesh a.obj --up z --front -z", "--front -z", "points up"},
         {"--mesh a.obj --up x --front x", "--front x", "points up"},

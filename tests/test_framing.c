@@ -341,6 +341,34 @@ static rk_scene framed_scene(float pitch, float yaw)
     return scene;
 }
 
+static void check_top(uint32_t of_file, rk_up asked, rk_vec3 top)
+{
+    rk_mesh mesh;
+    rk_framing framing = rk_framing_default();
+    rk_scene scene;
+    rk_framed framed;
+    rk_error error;
+    framing.up = asked;
+    rk_check_ok(rk_mesh_init(&mesh, 3, 1, 1, RK_MESH_NORMALS, &error), error);
+    mesh.up = of_file;
+    mesh.triangles[0][1] = 1, mesh.triangles[0][2] = 2;
+    mesh.positions[1] = rk_vec(1, 0, 0), mesh.positions[2] = rk_vec(0, 1, 1);
+    mesh.normals[0] = mesh.normals[1] = mesh.normals[2] = top;
+    rk_check_ok(rk_scene_framed(&scene, "one", &mesh, &framing, &framed, &error), error);
+    rk_check_close(scene.mesh.normals[0].y, 1, 0, "what is up in the file is up in the picture");
+    rk_scene_free(&scene);
+}
+
+static void a_file_stands_by_the_axis_that_it_names(void **state)
+{
+    (void)state;
+    check_top(0, RK_UP_OF_FILE, rk_vec(0, 1, 0));
+    check_top(1, RK_UP_OF_FILE, rk_vec(1, 0, 0));
+    check_top(3, RK_UP_OF_FILE, rk_vec(0, 0, 1));
+    check_top(3, RK_UP_Y, rk_vec(0, 1, 0)); /* the user knows better */
+    check_top(3, RK_UP_Z, rk_vec(0, 0, 1)); /* once */
+}
+
 static void the_light_turns_with_the_camera(void **state)
 {
     (void)state;
@@ -420,6 +448,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(where_z_is_up_the_front_is_minus_y),
     cmocka_unit_test(where_x_is_up_the_front_is_plus_z),
     cmocka_unit_test(any_other_axis_can_be_the_front),
+    cmocka_unit_test(a_file_stands_by_the_axis_that_it_names),
     cmocka_unit_test(the_light_turns_with_the_camera),
     cmocka_unit_test(from_the_default_camera_it_is_the_default_light),
     cmocka_unit_test(a_broken_mesh_is_refused_and_the_scene_empty),

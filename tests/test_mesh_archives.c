@@ -141,6 +141,18 @@ static void colours_of_a_3mf_are_srgb(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void in_a_3mf_z_points_up(void **state)
+{
+    (void)state;
+    archive a = begin_3mf(ONE_PART);
+    rk_mesh mesh;
+    rk_error error;
+    const test_path path = write_archive(&a, "up.3mf");
+    rk_check_ok(rk_mesh_file_read(&mesh, path.text, &error), error);
+    rk_check_equal(mesh.up, 3, "z");
+    rk_mesh_free(&mesh);
+}
+
 /* As it is told: Assimp gives its material black, and one place in the picture to each vertex. */
 static void a_3mf_with_a_texture_is_plain(void **state)
 {
@@ -475,6 +487,7 @@ static void flat_faces_of_3ds_are_told(void **state)
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(what_a_3mf_does_not_show_is_told),
     cmocka_unit_test(colours_of_a_3mf_are_srgb),
+    cmocka_unit_test(in_a_3mf_z_points_up),
     cmocka_unit_test(a_3mf_with_a_texture_is_plain),
     cmocka_unit_test(a_3mf_may_hold_a_thumbnail),
     cmocka_unit_test(parts_of_a_3mf_in_other_models_are_told),

@@ -1348,7 +1348,7 @@ typedef struct triangle_stream {
     unsigned char rest[2 + sizeof(rk_mesh_stream_material) + sizeof(rk_mesh_stream_texture) + 4];
 } triangle_stream;
 
-enum { triangle_stream_size = 36 + 36 + 12 + 2 + 44 + 12 + 4 };
+enum { triangle_stream_size = 40 + 36 + 12 + 2 + 44 + 12 + 4 };
 
 static void set_texture(triangle_stream *s, uint32_t of_material, rk_mesh_stream_texture texture)
 {
@@ -1409,14 +1409,17 @@ static void an_answer_is_accepted_only_if_consistent(void **state)
     triangle_stream good = make_stream();
     rk_check_ok(read_stream(&good, triangle_stream_size, &error), error);
     check_stream_refused(&good, 0, "only 0 bytes");
-    check_stream_refused(&good, 35, "only 35 bytes");
-    check_stream_refused(&good, triangle_stream_size - 1, "145 bytes, but its counts require 146");
+    check_stream_refused(&good, 39, "only 39 bytes");
+    check_stream_refused(&good, triangle_stream_size - 1, "149 bytes, but its counts require 150");
     triangle_stream bad = good;
     bad.header.magic[0] = 'X';
     check_stream_refused(&bad, triangle_stream_size, "another version's format");
     bad = good;
     bad.header.version = RK_MESH_STREAM_VERSION - 1;
     check_stream_refused(&bad, triangle_stream_size, "another version's format");
+    bad = good;
+    bad.header.up = 4;
+    check_stream_refused(&bad, triangle_stream_size, "up axis of number 4");
     bad = good;
     bad.header.vertex_count = UINT32_MAX;
     check_stream_refused(&bad, triangle_stream_size, "but its counts require");

@@ -60,8 +60,31 @@ static void pictures_inside_an_fbx_are_found_by_their_names(void **state)
     check_red(write_fbx("slash.fbx", "", "textures/red.ppm"));
 }
 
+#define UP(axis, sign)                                                                             \
+    "  P: \"UpAxis\", \"int\", \"Integer\", \"\"," #axis                                           \
+    "\n  P: \"UpAxisSign\", \"int\", \"Integer\", \"\"," #sign "\n"
+
+static void check_up(const char *settings, uint32_t up)
+{
+    rk_mesh mesh = load(write_fbx("up.fbx", settings, "red.ppm"));
+    rk_check_equal(mesh.up, up, "the axis that points up, or 0");
+    check_point(corner(&mesh, 0, 2), 0, 2, 0); /* nothing is turned yet */
+    rk_mesh_free(&mesh);
+}
+
+static void an_fbx_names_the_axis_that_points_up(void **state)
+{
+    (void)state;
+    check_up(UP(0, 1), 1);
+    check_up(UP(1, 1), 2);
+    check_up(UP(2, 1), 3);
+    check_up(UP(2, -1), 0); /* that needs a word of the user */
+    check_up(UP(7, 1), 0);
+}
+
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(pictures_inside_an_fbx_are_found_by_their_names),
+    cmocka_unit_test(an_fbx_names_the_axis_that_points_up),
 };
 
 RK_SUITE_IN("mesh_scenes", tests, make_folder, remove_folder)

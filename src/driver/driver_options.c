@@ -14,7 +14,7 @@
 RK_NAMES(split_names, rk_accel_kind, RK_ACCEL_WIDE, "median", "sah", "sah3", "collapsed", "morton",
          "wide");
 
-RK_NAMES(up_names, rk_up, RK_UP_Z, "x", "y", "z");
+RK_NAMES(up_names, rk_up, RK_UP_OF_FILE, "x", "y", "z", "file");
 RK_NAMES(front_names, rk_front, RK_FRONT_MINUS_Z, "usual", "x", "y", "z", "-x", "-y", "-z");
 
 /* The help of --scene, --debug, --pixel and --split depends on the driver, and --move on its scene:
@@ -28,9 +28,9 @@ static const rk_option common_rows[] = {
      "the picture at the default --distance and --fov, and its light turns with the camera",
      .of_scene = true},
     {"up", RK_CHOICE(rk_driver, up, up_names),
-     "the axis of the mesh file that points up: z in most scans and CAD files; its front is then "
-     "-y",
-     .initial = RK_UP_Y, .of_scene = true},
+     "the axis of the mesh file that points up: file is the one that it names, else y; z in most "
+     "scans and CAD files; its front is then -y",
+     .initial = RK_UP_OF_FILE, .of_scene = true},
     {"front", RK_CHOICE(rk_driver, front, front_names),
      "the axis of the mesh file that points to the viewer: usually z, or -y where z is up; -z in "
      "older OBJ files",
@@ -238,7 +238,7 @@ static bool check(const rk_driver *driver, const rk_driver_view *views, const ch
 {
     if (driver->mesh_path && driver->scene_name != usual_scene)
         return rk_fail(error, "--scene and --mesh: choose one of them");
-    if (driver->up != RK_UP_Y && !driver->mesh_path)
+    if (driver->up != RK_UP_OF_FILE && !driver->mesh_path)
         return rk_fail(error, "--up: turns a mesh file; name one by --mesh");
     if (driver->front != RK_FRONT_USUAL && !driver->mesh_path)
         return rk_fail(error, "--front: turns a mesh file; name one by --mesh");

@@ -37,6 +37,11 @@ static bool check_header(const rk_mesh_stream_header *header, size_t size, const
                        "%s: raykit-mesh sent %zu bytes, but its counts require %llu: run make, or "
                        "install raykit again",
                        path, size, (unsigned long long)rk_mesh_stream_size(header));
+    if (header->up > 3)
+        return rk_fail(error,
+                       "%s: raykit-mesh sent an up axis of number %u: run make, or install raykit "
+                       "again",
+                       path, header->up);
     if (header->triangle_count == 0 || header->material_count == 0)
         return rk_fail(error, "%s: has no triangles: choose a mesh with faces", path);
     return true;
@@ -273,6 +278,7 @@ static bool parse(rk_mesh *mesh, const unsigned char *bytes, size_t size, const 
                       (int)(header.flags & (RK_MESH_NORMALS | RK_MESH_TEXCOORDS | RK_MESH_COLOURS)),
                       &reason))
         return rk_fail(error, "%s: %.900s", path, reason.text);
+    mesh->up = header.up;
     tail rest = unpack(mesh, &header, bytes + sizeof header);
     if (check_textures(&rest, &header, path, error) && rk_mesh_validate(mesh, path, error) &&
         read_textures(mesh, &header, &rest, path, error)) {

@@ -12,7 +12,7 @@
 
 #define RK_MESH_STREAM_MAGIC "RKMESH\n"
 enum {
-    RK_MESH_STREAM_VERSION = 4,
+    RK_MESH_STREAM_VERSION = 5,
     RK_MESH_STREAM_TEXTURES_MAX = 1024, /* each may take a helper program a quarter of a second */
 };
 
@@ -22,8 +22,9 @@ typedef struct rk_mesh_stream_header {
     uint32_t flags; /* RK_MESH_NORMALS, ..._TEXCOORDS, ..._COLOURS: optional arrays that follow */
     uint32_t vertex_count, triangle_count, material_count;
     uint32_t texture_count, texture_bytes; /* bytes: all names and embedded pictures */
+    uint32_t up;                           /* as in rk_mesh */
 } rk_mesh_stream_header;
-static_assert(sizeof(rk_mesh_stream_header) == 36, "no padding");
+static_assert(sizeof(rk_mesh_stream_header) == 40, "no padding");
 
 /* In the stream a material is these numbers, whatever else rk_material may come to contain. */
 typedef struct rk_mesh_stream_material {

@@ -18,7 +18,7 @@ enum { SAMPLES = 1 << 13 };
 
 rk_framing rk_framing_default(void)
 {
-    return (rk_framing){RK_UP_Y, RK_FRONT_USUAL, rk_camera_default().rotation, 1, 1};
+    return (rk_framing){RK_UP_OF_FILE, RK_FRONT_USUAL, rk_camera_default().rotation, 1, 1};
 }
 
 /* --- Turning --------------------------------------------------------------------------------- */
@@ -281,14 +281,28 @@ static void light_with_camera(rk_scene *scene)
         rk_light_point(rk_madd(turned, to.forward, rk_dot(light, from.forward)), rk_vec(1, 1, 1));
 }
 
+static rk_up up_of(const rk_mesh *mesh, rk_up up)
+{
+    if (up != RK_UP_OF_FILE)
+        return up;
+    return mesh->up == 0 ? RK_UP_Y : (rk_up)(mesh->up - 1);
+}
+
 bool rk_scene_framed(rk_scene *scene, const char *name, rk_mesh *mesh, const rk_framing *framing,
                      rk_framed *framed, rk_error *error)
 {
     rk_scene_init(scene, name, mesh);
     scene->camera.rotation = framing->rotation;
+    const rk_up up = up_of(&scene->mesh, (rk_up)framing->up);
+    const rk_front front = (rk_front)framing->front;
     bool ok = rk_mesh_validate(&scene->mesh, name, error);
+    if (ok && rk_front_is_up(front, up))
+        ok = rk_fail(error,
+                     "%s: the front that you chose is the axis that points up: choose another one, "
+                     "or another one for up",
+                     name);
     if (ok) {
-        rk_mesh_face_viewer(&scene->mesh, (rk_up)framing->up, (rk_front)framing->front);
+        rk_mesh_face_viewer(&scene->mesh, up, front);
         ok = rk_mesh_frame(&scene->mesh, &scene->camera, framing->width, framing->height, framed,
                            error);
     }

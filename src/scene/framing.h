@@ -10,7 +10,12 @@
 
 #include "scene/scene.h"
 
-typedef enum rk_up { RK_UP_X, RK_UP_Y, RK_UP_Z } rk_up;
+typedef enum rk_up {
+    RK_UP_X,
+    RK_UP_Y,
+    RK_UP_Z,
+    RK_UP_OF_FILE /* the axis that the file names, else y */
+} rk_up;
 
 typedef enum rk_front {
     RK_FRONT_USUAL, /* -y where z is up, else z */
@@ -29,7 +34,8 @@ typedef struct rk_framing {
     size_t width, height; /* of the picture, or of any with the same shape */
 } rk_framing;
 
-/* Up is y, the front the usual one, the camera is the default one, the picture is square. */
+/* Up is the file's, the front the usual one, the camera is the default one, the picture is square.
+ */
 rk_framing rk_framing_default(void);
 
 /* The triangles for which the frame was chosen. */
@@ -38,7 +44,7 @@ typedef struct rk_framed {
     double extent; /* longest side of the bounds of these / of all triangles; 1 if these are all */
 } rk_framed;
 
-/* Turns positions and normals: up becomes +y, the front -z. Exact. */
+/* Turns positions and normals: up, an axis, becomes +y, the front -z. Exact. */
 void rk_mesh_face_viewer(rk_mesh *mesh, rk_up up, rk_front front);
 
 /* Whether the two are the same axis of the file. */

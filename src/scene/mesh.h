@@ -36,6 +36,7 @@ typedef struct rk_mesh {
     rk_material *materials;       /* material_count, at least 1 */
     uint32_t texture_count;
     rk_texture *textures; /* texture_count, each owning its image; or NULL */
+    uint32_t up; /* the axis that points up, 1 to 3 for x to z, where the file names it; else 0 */
 } rk_mesh;
 
 enum { RK_MESH_NORMALS = 1, RK_MESH_TEXCOORDS = 2, RK_MESH_COLOURS = 4 }; /* optional arrays */

@@ -71,7 +71,7 @@ while IFS= read -r mesh; do
     */"$drawn"/*) give_up "MESHES: the pictures of two files would be called $drawn; rename $mesh" ;;
     esac
     names=$names$drawn/
-    "$RAYKIT_BUILD"/assignments/01_bvh_median/bvh_median --mesh "$mesh" --up "${RAYKIT_UP:-y}" \
+    "$RAYKIT_BUILD"/assignments/01_bvh_median/bvh_median --mesh "$mesh" --up "${RAYKIT_UP:-file}" \
         --front "${RAYKIT_FRONT:-usual}" --width 1 --height 1 --quiet --out "$RAYKIT_SCRAPS" </dev/null || give_up "MESHES: $mesh cannot be used (its reason is above)"
 done <<END
 $MESHES

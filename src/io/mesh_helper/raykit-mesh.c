@@ -92,6 +92,7 @@ static bool write_mesh(const rk_mesh *mesh, const rk_mesh_textures *textures, co
         .triangle_count = mesh->triangle_count,
         .material_count = mesh->material_count,
         .texture_count = textures->count,
+        .up = mesh->up,
     };
     rk_mesh_stream_sizes sizes = rk_mesh_stream_sizes_of(&header);
     return count_texture_bytes(textures, path, &header.texture_bytes, error) &&
@@ -304,6 +305,24 @@ static bool is_skeleton(const struct aiScene *scene, const char *path)
            strcmp(name.data, "SkeletonMaterial") == 0;
 }
 
+/* Its number plus 1; 0 where the format or the file leaves it open. Collada's and 3DS's are +y,
+ * because Assimp turns them. */
+static uint32_t up_axis(const struct aiScene *scene, const char *path)
+{
+    const struct aiMetadata *data = scene->mMetaData;
+    int32_t axis = -1, sign = 1;
+    if (has_ending(path, "blend") || has_ending(path, "3mf"))
+        return 3;
+    for (uint32_t i = 0; has_ending(path, "fbx") && data && i < data->mNumProperties; i++) {
+        const struct aiMetadataEntry *entry = &data->mValues[i];
+        if (entry->mType == AI_INT32 && strcmp(data->mKeys[i].data, "UpAxis") == 0)
+            memcpy(&axis, entry->mData, sizeof axis);
+        if (entry->mType == AI_INT32 && strcmp(data->mKeys[i].data, "UpAxisSign") == 0)
+            memcpy(&sign, entry->mData, sizeof sign);
+    }
+    return sign == 1 && axis >= 0 && axis < 3 ? (uint32_t)axis + 1 : 0;
+}
+
 /* No post-processing: Assimp's triangulation aborts on some broken files, and its joining of
  * vertices is slow. Its scene is not released: that crashes after some 3MF files with pictures, and
  * the process ends anyway. */
@@ -334,6 +353,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
               rk_mesh_gather(&mesh, &textures, scene, path, hints, error) &&
               rk_mesh_validate(&mesh, path, error);
     if (ok) {
+        mesh.up = up_axis(scene, path);
         find_pictures(&textures, hints, path);
         note_distance(hints, &mesh, path);
         note_area(hints, &mesh, path);
