@@ -24,6 +24,21 @@ static void numbers_of_an_obj_may_begin_with_their_point(void **state)
     rk_mesh_free(&mesh);
 }
 
+static void a_comment_may_follow_any_numbers_of_an_obj(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load_with_note(
+        write_text("comments.obj",
+                   "v 0 0 0 # 1 2 3\nv 1 0 0 #two\nv 1 1 0# three\nv 0 1 0\t# .5\n"
+                   "vt 0 0 # 0\nvt 1 .5 # of .25\nvn 0 0 1 # up\ng all # of it\ns 1 # one\n"
+                   "l 1 2 # edge 3\nf 1/1/1 2/2/1 \\\n3/1/1 4/1/1 # face 5\nf 1 2 3#6\n"),
+        "has points or lines");
+    rk_check_equal(mesh.triangle_count, 3, "a quad and a triangle");
+    check_point(corner(&mesh, 0, 1), 1, 0, 0);
+    rk_check(!mesh.colours, "a comment's numbers are no colour");
+    rk_mesh_free(&mesh);
+}
+
 /* The manual: it is for curves and surfaces only. Assimp divides by it. */
 static void a_vertex_weight_moves_nothing(void **state)
 {
@@ -1205,6 +1220,7 @@ static void a_pointer_of_git_lfs_is_no_mesh(void **state)
 
 static const struct CMUnitTest tests[] = {
     cmocka_unit_test(numbers_of_an_obj_may_begin_with_their_point),
+    cmocka_unit_test(a_comment_may_follow_any_numbers_of_an_obj),
     cmocka_unit_test(a_vertex_weight_moves_nothing),
     cmocka_unit_test(the_opacity_of_an_obj_vertex_is_left_out),
     cmocka_unit_test(a_line_that_assimp_does_not_know_costs_no_material),

@@ -29,10 +29,8 @@ static bool has_points(const struct aiMesh *mesh)
 
 void rk_mesh_left_out_of_scene(rk_mesh_left_out *left, const struct aiScene *scene, bool pictures)
 {
-    for (uint32_t i = 0; i < scene->mNumMeshes; i++) {
+    for (uint32_t i = 0; i < scene->mNumMeshes; i++)
         left->has[RK_MESH_LEFT_OUT_POINTS] |= has_points(scene->mMeshes[i]);
-        left->has[RK_MESH_LEFT_OUT_ANIMATION] |= scene->mMeshes[i]->mNumAnimMeshes > 0;
-    }
     left->has[RK_MESH_LEFT_OUT_ANIMATION] |= scene->mNumAnimations > 0;
     left->has[RK_MESH_LEFT_OUT_CAMERAS] |= scene->mNumCameras > 0;
     left->has[RK_MESH_LEFT_OUT_LIGHTS] |= scene->mNumLights > 0;

@@ -38,11 +38,12 @@ typedef struct obj_parser {
     bool has_unfinite; /* positions */
     bool
         has_weights; /* a fourth number of a vertex, by which Assimp would divide, or of a colour */
-    bool has_colours; /* three more numbers of a vertex */
-    bool has_points;  /* numbers that begin with one, which Assimp does not read */
-    bool has_curves;  /* or curved surfaces */
-    bool has_lines;   /* or points */
-    bool calls_files; /* that are to be read in the line's place */
+    bool has_colours;  /* three more numbers of a vertex */
+    bool has_points;   /* numbers that begin with one, which Assimp does not read */
+    bool has_comments; /* after numbers */
+    bool has_curves;   /* or curved surfaces */
+    bool has_lines;    /* or points */
+    bool calls_files;  /* that are to be read in the line's place */
     const rk_mesh_obj_colours *colours; /* of its vertices, one each, or NULL */
     rk_mesh_obj_libraries libraries;
     mesh_rewrite *rewrite; /* in the second pass */
@@ -74,6 +75,8 @@ static bool begins_with_point(const char *from, const char *to)
 /* Numbers that begin with their point are told, or mended. */
 static void mend_points(obj_parser *s, const char *from, const char *to)
 {
+    const char *comment = memchr(from, '#', (size_t)(to - from));
+    to = comment ? comment : to;
     if (!s->rewrite)
         s->has_points |= begins_with_point(from, to);
     else if (s->rewrite->copied < to)
@@ -308,12 +311,30 @@ static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
     return true;
 }
 
+/* After numbers, where Assimp takes it for more of them. A name may have the sign in it. */
+static void skip_comment(obj_parser *s, const char *word, const text_cursor *c)
+{
+    static const char *const numbered[] = {"v", "vn", "vt", "f", "l", "p", NULL};
+    const char *end = line_end(c), *after = word;
+    while (after < end && *after != ' ' && *after != '\t')
+        after++;
+    const char *comment = memchr(word, '#', (size_t)(end - word));
+    if (!comment || !is_one_of(word, (size_t)(after - word), numbered))
+        return;
+    s->has_comments = true;
+    if (s->rewrite)
+        rewrite_skip(s->rewrite, comment > s->rewrite->copied ? comment : s->rewrite->copied, end);
+}
+
 static bool parse_pass(obj_parser *s, const char *text, size_t size, rk_error *error)
 {
     text_cursor c = text_begin(text, size);
-    for (; text_next_content(&c); text_next_line(&c))
+    for (; text_next_content(&c); text_next_line(&c)) {
+        const char *word = c.at;
         if (!parse_line(s, &c, error))
             return false;
+        skip_comment(s, word, &c);
+    }
     if (s->faces == 0 && s->faults[SHORT_FACE] > 0)
         return rk_fail(error, "%s:%zu: a face has %zu corners, but needs three: %s", s->path,
                        s->first[SHORT_FACE], s->short_corners, remedy);
@@ -396,7 +417,8 @@ static bool parse_coloured(const char *path, const char *text, size_t size,
                            "has %zu colours (#MRGB) for %lld vertices, which the picture does not "
                            "show",
                            colours->count, s.count[POSITION]);
-    bool whole = !s.has_unfinite && !s.has_weights && !s.has_points && !s.colours &&
+    bool whole = !s.has_unfinite && !s.has_weights && !s.has_comments && !s.has_points &&
+                 !s.colours &&
                  s.faults[SHORT_FACE] + s.faults[LACKING_FACE] + s.faults[UNFINITE] == 0 &&
                  !extent_is_far(&s.extent) && s.largest[TEXCOORD] <= s.count[TEXCOORD] &&
                  s.largest[NORMAL] <= s.count[NORMAL] &&
