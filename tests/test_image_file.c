@@ -331,9 +331,10 @@ static void photos_in_all_orientations_are_turned_upright(void **state)
 /* The format's manual: values are those of the scene times the exposure. */
 static void the_exposure_of_an_hdr_is_taken_back(void **state)
 {
-    static const char *const lines[] = {"", "EXPOSURE=4\n", "EXPOSURE= 0.5\n", "EXPOSURE=0\n"};
-    static const double want[] = {1, 0.25, 2, 1};
-    for (int i = 0; i < 4; i++) {
+    static const char *const lines[] = {"", "EXPOSURE=4\n", "EXPOSURE= 0.5\n", "EXPOSURE=0\n",
+                                        "EXPOSURE=4\nEXPOSURE=2\n"};
+    static const double want[] = {1, 0.25, 2, 1, 0.125};
+    for (int i = 0; i < 5; i++) {
         char text[200];
         snprintf(text, sizeof text, "#?RADIANCE\n%sFORMAT=32-bit_rle_rgbe\n\n-Y 1 +X 1\n%s",
                  lines[i], "\x80\x80\x80\x81");

@@ -472,6 +472,20 @@ void check_radiance(const std::string &path)
                    "for instance by Radiance's ra_xyze -r");
 }
 
+// Each program that scales the values adds a line; OpenImageIO knows the last one only.
+void multiply_exposures(const std::string &path, OIIO::ImageSpec &spec)
+{
+    std::ifstream file(path, std::ios::binary);
+    std::string line;
+    float product = 1;
+    if (spec.find_attribute("hdr:exposure") == nullptr)
+        return;
+    while (std::getline(file, line) && !line.empty())
+        if (line.rfind("EXPOSURE=", 0) == 0)
+            product *= std::strtof(line.c_str() + std::strlen("EXPOSURE="), nullptr);
+    spec.attribute("hdr:exposure", product);
+}
+
 // OpenImageIO's reasons tell of itself, not of the file.
 [[noreturn]] void fail_unknown(const std::string &path, const std::string &reason)
 {
@@ -541,6 +555,7 @@ Picture read_picture(const std::string &path, const Wish &wish = {})
     if (!input)
         fail_unknown(path, first_line(OIIO::geterror()));
     OIIO::ImageSpec spec = input->spec();
+    multiply_exposures(path, spec);
     const Channels channels = check(path, spec, wish);
     const int factor = world_factor(spec, wish.shape, wish.part, wish.least_width);
     if (factor > 1)
