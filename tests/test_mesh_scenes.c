@@ -1,5 +1,7 @@
-/* Files of programs that model whole scenes, and of their exchange formats: FBX. */
+/* Files of programs that model whole scenes, and of their exchange formats: FBX and Collada. */
 #include "test_mesh_reading.h"
+
+#include "base/sanitized.h"
 
 /* --- FBX ------------------------------------------------------------------------------------ */
 
@@ -82,7 +84,53 @@ static void an_fbx_names_the_axis_that_points_up(void **state)
     check_up(UP(7, 1), 0);
 }
 
+/* --- Collada -------------------------------------------------------------------------------- */
+
+/* Each level shows the one below it twice. */
+static test_path write_instances(int levels)
+{
+    const test_path path = test_folder_path(&folder, "instances.dae");
+    FILE *out = fopen(path.text, "w");
+    rk_check(out, "the file can be written");
+    fputs(
+        "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset>"
+        "<up_axis>Y_UP</up_axis></asset><library_geometries><geometry id=\"g\"><mesh>"
+        "<source id=\"p\"><float_array id=\"a\" count=\"9\">0 0 0 1 0 0 0 1 0</float_array>"
+        "<technique_common><accessor source=\"#a\" count=\"3\" stride=\"3\">"
+        "<param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"
+        "<param name=\"Z\" type=\"float\"/></accessor></technique_common></source>"
+        "<vertices id=\"v\"><input semantic=\"POSITION\" source=\"#p\"/></vertices>"
+        "<triangles count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>"
+        "<p>0 1 2</p></triangles></mesh></geometry></library_geometries><library_nodes>"
+        "<node id=\"n0\"><instance_geometry url=\"#g\"/></node>",
+        out);
+    for (int i = 1; i <= levels; i++)
+        fprintf(out,
+                "<node id=\"n%d\"><instance_node url=\"#n%d\"/><node><translate>%d 0 0</translate>"
+                "<instance_node url=\"#n%d\"/></node></node>",
+                i, i - 1, 1 << i, i - 1);
+    fprintf(out,
+            "</library_nodes><library_visual_scenes><visual_scene id=\"s\"><node>"
+            "<instance_node url=\"#n%d\"/></node></visual_scene></library_visual_scenes><scene>"
+            "<instance_visual_scene url=\"#s\"/></scene></COLLADA>",
+            levels);
+    fclose(out);
+    return path;
+}
+
+static void a_small_file_may_show_a_part_many_times(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_instances(15));
+    rk_check_equal(mesh.triangle_count, 1 << 15, "triangles");
+    rk_mesh_free(&mesh);
+#ifndef RK_SANITIZED /* they lift the limit */
+    check_refused_path(write_instances(24).text, "", "which is too much for a file of");
+#endif
+}
+
 static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(a_small_file_may_show_a_part_many_times),
     cmocka_unit_test(pictures_inside_an_fbx_are_found_by_their_names),
     cmocka_unit_test(an_fbx_names_the_axis_that_points_up),
 };

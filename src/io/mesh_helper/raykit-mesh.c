@@ -362,6 +362,8 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
         note_rest_of_3mf(hints, path);
         ok = write_mesh(&mesh, &textures, path, error);
     }
+    if (!ok && strstr(error->text, "no memory for"))
+        rk_mesh_guard_fail_memory(error);
     if (textures.too_many)
         rk_mesh_hints_note(hints, path,
                            "names more than %d textures: surfaces with the others are untextured",
