@@ -371,6 +371,30 @@ static below check_median(const rk_bvh *bvh, const rk_mesh *mesh, uint32_t index
     return all;
 }
 
+/* Which of the two zeros goes left with triangles 2 and 3? */
+static void check_both_zeros(int axis)
+{
+    const float places[6] = {0, -0.0f, -10, -10, 10, 10};
+    rk_mesh mesh = make_mesh(6);
+    for (uint32_t i = 0; i < mesh.vertex_count; i++) {
+        float across[2] = {(float)(i % 3 == 1), (float)(i % 3 == 2)}, along = places[i / 3];
+        mesh.positions[i] = axis == 0   ? rk_vec(along, across[0], across[1])
+                            : axis == 1 ? rk_vec(across[0], along, across[1])
+                                        : rk_vec(across[0], across[1], along);
+    }
+    rk_bvh bvh = build(&mesh);
+    const rk_bvh_node *left = &bvh.nodes[bvh.nodes[0].first];
+    bool goes_left[6] = {false};
+    for (uint32_t i = 0; i < left->count; i++)
+        goes_left[bvh.triangles[left->first + i].index] = true;
+    rk_check(left->count == 3 && goes_left[1] && goes_left[2] && goes_left[3],
+             "triangles 0 to 5 at %c = 0, -0, -10, -10, 10, 10: got %s in the left half, want 1, 2 "
+             "and 3: the sign is part of the key, and -0 is lower than 0",
+             "xyz"[axis], goes_left[0] ? "triangle 0" : "others");
+    rk_bvh_free(&bvh);
+    rk_mesh_free(&mesh);
+}
+
 static void every_node_is_split_at_the_median_of_its_longest_axis(void **state)
 {
     (void)state;
@@ -391,6 +415,8 @@ static void every_node_is_split_at_the_median_of_its_longest_axis(void **state)
         rk_bvh_free(&bvh);
         rk_mesh_free(&mesh);
     }
+    for (int axis = 0; axis < 3; axis++)
+        check_both_zeros(axis);
 }
 
 static void centroids_are_ordered_though_one_is_far_from_the_others(void **state)
