@@ -56,6 +56,23 @@ static void check_blocks(const rk_pixel_samples *pixel, const float want[4], con
         rk_check_near(pixel->block[i].x, want[i], 0, "block %d: %s", i, hint);
 }
 
+/* The first and the last sample of each quarter, for every number of samples that 32 bits hold. */
+static void check_ends_of_quarters(void)
+{
+    for (uint32_t count = 4; count; count *= 2)
+        for (uint32_t i = 0; i < 8; i++) {
+            rk_pixel_samples pixel = {0};
+            rk_adaptive_extend(&pixel, count);
+            uint32_t quarter = i / 2, sample = count / 4 * quarter + i % 2 * (count / 4 - 1);
+            rk_adaptive_add(&pixel, sample, grey(1));
+            rk_check(pixel.block[quarter].x == 1, "sample %u of %u: want it in block %u%s", sample,
+                     count, quarter,
+                     sample > UINT32_MAX / 4 ? ": 4 times its number exceeds 32 bits, so divide "
+                                               "by the size of a block, count / 4"
+                                             : "");
+        }
+}
+
 static void a_sample_is_added_to_the_block_of_its_quarter(void **state)
 {
     (void)state;
@@ -70,6 +87,7 @@ static void a_sample_is_added_to_the_block_of_its_quarter(void **state)
     rk_adaptive_add(&colour, 2, rk_vec(1, 2, 3));
     rk_check(colour.block[2].x == 1 && colour.block[2].y == 2 && colour.block[2].z == 3,
              "a sample keeps its colour");
+    check_ends_of_quarters();
 }
 
 static void the_samples_so_far_become_the_first_half(void **state)
@@ -178,6 +196,21 @@ static void equal_samples_and_no_samples_do_not_differ(void **state)
     rk_check_close(rk_adaptive_differences_of(&equal).quarters, 0, 0, "equal samples");
 }
 
+/* Samples are numbers, and so are blocks, but the sum of two blocks is infinite as a float. */
+static void check_sums_beyond_the_largest_float(void)
+{
+    const float last_half[] = {3e38f, -3e38f, 0};
+    for (int i = 0; i < 3; i++) {
+        const rk_vec3 first = grey(3e38f), last = grey(last_half[i]);
+        const rk_pixel_samples pixel = {{first, first, last, last}, 0, 4};
+        const rk_adaptive_differences d = rk_adaptive_differences_of(&pixel);
+        rk_check(isfinite(d.quarters) && isfinite(d.halves),
+                 "samples 3e38, 3e38, %g, %g: got quarters %g and halves %g, want 0 of both: the "
+                 "sum of a half exceeds the largest float, so check the halves' difference too",
+                 (double)last_half[i], (double)last_half[i], d.quarters, d.halves);
+    }
+}
+
 static void a_sample_that_is_no_number_counts_as_no_difference(void **state)
 {
     (void)state;
@@ -190,6 +223,7 @@ static void a_sample_that_is_no_number_counts_as_no_difference(void **state)
             rk_check_near(d.quarters, 0, 0, "%g in block %d", (double)bad[i], block);
             rk_check_near(d.halves, 0, 0, "%g in block %d", (double)bad[i], block);
         }
+    check_sums_beyond_the_largest_float();
 }
 
 static void the_ratio_is_between_an_eighth_and_a_half(void **state)
@@ -404,7 +438,9 @@ static void the_count_is_the_ratio_of_deviations(void **state)
             rk_check_near_or(
                 rk_adaptive_count(ldexpf(1, 2 * k + e), ldexpf(1, e), most), ldexp(1, k), 0,
                 RK_MISTAKES({ldexp(1, k - 1), count_too_low}, {ldexp(1, k + 1), count_too_high},
-                            {ldexp(1, 2 * k), "the root is missing: sigma^2 / lambda"}),
+                            {ldexp(1, 2 * k), "the root is missing: sigma^2 / lambda"},
+                            {k < 16 ? 0 : most, "2 n^2 exceeds 32 bits from n = 2^16 on: "
+                                                "multiply floats, not whole numbers"}),
                 "sigma^2 2^%d, lambda 2^%d: n = sigma / sqrt(lambda)", 2 * k + e, e);
 }
 

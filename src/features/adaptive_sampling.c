@@ -81,7 +81,8 @@ rk_adaptive_differences rk_adaptive_differences_of(const rk_pixel_samples *pixel
          squared_difference(block[2], block[3], quarter)) /
             2,
         squared_difference(rk_add(block[0], block[1]), rk_add(block[2], block[3]), half)};
-    return isfinite(d.quarters) ? d : (rk_adaptive_differences){0, 0};
+    bool are_finite = isfinite(d.quarters) && isfinite(d.halves);
+    return are_finite ? d : (rk_adaptive_differences){0, 0};
     /* starter
     // Second step: of the means of quarters, and of the means of halves.
     return (rk_adaptive_differences){0, 0};

@@ -76,7 +76,8 @@ typedef struct rk_adaptive_differences {
     double halves;   /* |h1 - h2|^2 / 4 */
 } rk_adaptive_differences;
 
-/* Those of a pixel; 0 if it has no samples, or if one is not a finite number. */
+/* Those of a pixel; both 0 if it has no samples, or if one, or a float sum of them, is not a finite
+ * number. */
 rk_adaptive_differences rk_adaptive_differences_of(const rk_pixel_samples *pixel);
 
 /* Returns V(2n) / V(n), by which twice as many samples reduce the variance: halves / quarters, but
