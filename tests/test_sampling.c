@@ -1180,6 +1180,25 @@ static void samples_of_every_square_are_even_together(void **state)
                 }
 }
 
+/* The first samples of 2 x 2 pixels are points 4 z N, (4 z + 1) N and so on, all different. With
+ * 2^20 samples the last of a square is point 2^32 - 1. */
+static void check_many_samples(void)
+{
+    for (uint32_t m = 0; m <= 20; m++) {
+        const rk_sampler sampler = shared_by(m, 1u << m);
+        float first[4];
+        for (uint32_t i = 0; i < 4; i++)
+            first[i] = coordinate(&sampler, pixel_at(44 + i % 2, 300 + i / 2), 0, 0);
+        for (uint32_t i = 0; i < 4; i++)
+            for (uint32_t k = 0; k < i; k++)
+                rk_check(first[i] != first[k],
+                         "2^%u samples of each of 2 x 2 pixels: pixels %u and %u have the same "
+                         "first number, want one from points of its own: is z N computed with all "
+                         "32 bits of N?",
+                         m, k, i);
+    }
+}
+
 /* Any n consecutive points of a dimension: those of whole aligned blocks lie one in each part, and
  * of the two blocks that are not whole at most one does. */
 static void any_number_of_samples_is_even_in_squares(void **state)
@@ -1205,6 +1224,7 @@ static void any_number_of_samples_is_even_in_squares(void **state)
                          "of %u parts, want about %.1f",
                          d, numbers[c], least, most, parts, (double)n / parts);
             }
+    check_many_samples();
 }
 
 /* No two of 4 x 4 squares, by any of the seeds, have the same numbers. */
@@ -1220,6 +1240,51 @@ static void check_square_owners(void)
                                 pixel_at(x + 40, y + 30));
         }
     check_all_differ(owners, count);
+}
+
+/* The first two numbers of the first pixel of the square in this column and row of squares. */
+static uint64_t numbers_of_square(uint32_t width, uint32_t column, uint32_t row)
+{
+    const rk_sampler sampler = {RK_SAMPLER_ZSOBOL, 7, 2, width};
+    uint32_t pixel = 64 * row * width + 64 * column;
+    float first = coordinate(&sampler, pixel, 0, 0), second = coordinate(&sampler, pixel, 1, 0);
+    return (uint64_t)(first * 0x1p24f) << 24 | (uint64_t)(second * 0x1p24f);
+}
+
+static void check_squares_differ(uint32_t width, const uint32_t (*squares)[2], uint32_t count)
+{
+    for (uint32_t i = 0; i < count; i++)
+        for (uint32_t k = 0; k < i; k++) {
+            const uint32_t *a = squares[k], *b = squares[i];
+            rk_check(numbers_of_square(width, a[0], a[1]) != numbers_of_square(width, b[0], b[1]),
+                     "width %u: the squares of 64 x 64 pixels that begin at (%u, %u) and (%u, %u) "
+                     "have the same numbers, want a sequence for each: its key has the whole "
+                     "Morton index of (x / 64, y / 64), whatever the width",
+                     width, 64 * a[0], 64 * a[1], 64 * b[0], 64 * b[1]);
+        }
+}
+
+/* Squares side by side where the last of a row is not whole, then some whose columns or rows differ
+ * in one digit, up to pixels at 65535. */
+static void check_squares_of_any_width(void)
+{
+    const uint32_t widths[] = {65, 100, 127, 129};
+    uint32_t squares[1 + 2 * 10][2];
+    for (uint32_t w = 0; w < 4; w++) {
+        uint32_t count = 0;
+        for (uint32_t i = 0; i < 9; i++)
+            if (64 * (i % 3) < widths[w]) {
+                squares[count][0] = i % 3;
+                squares[count++][1] = i / 3;
+            }
+        check_squares_differ(widths[w], squares, count);
+    }
+    squares[0][0] = squares[0][1] = 1023;
+    for (uint32_t i = 0; i < 20; i++) {
+        squares[1 + i][0] = 1023 ^ (i % 2 ? 0 : 1u << i / 2);
+        squares[1 + i][1] = 1023 ^ (i % 2 ? 1u << i / 2 : 0);
+    }
+    check_squares_differ(1 << 16, squares, 21);
 }
 
 /* Beyond 4^6 pixels, the next ones have another sequence. */
@@ -1257,6 +1322,7 @@ static void squares_of_64_pixels_are_independent(void **state)
         }
     }
     check_square_owners();
+    check_squares_of_any_width();
 }
 
 /* Number `d` of a pixel's sample: of the nine joint ones, then of the padded pairs. */
@@ -1292,6 +1358,34 @@ static void shared_samples_are_uniform_over_seeds(void **state)
         }
 }
 
+static void name_number(uint32_t d, char text[40])
+{
+    uint32_t k = d - RK_SOBOL_DIMENSIONS;
+    if (d < RK_SOBOL_DIMENSIONS)
+        snprintf(text, 40, "joint dimension %u", d);
+    else
+        snprintf(text, 40, "dimension %u", paddings[k / 2] + k % 2);
+}
+
+/* Two numbers of each draw. */
+static void check_unrelated_draws(const float *x, const float *y, const char *of_x,
+                                  const char *of_y, const char *where)
+{
+    unsigned counts[side * side] = {0}, equal = 0;
+    for (uint32_t i = 0; i < draws; i++) {
+        counts[(int)(x[i] * side) * side + (int)(y[i] * side)]++;
+        equal += x[i] == y[i];
+    }
+    rk_check(equal < draws / 4,
+             "%s and %s %s: the same number in %u of %d cases: does the key have all bits of the "
+             "dimension?",
+             of_x, of_y, where, equal, draws);
+    double z = deviate(counts, side * side, draws);
+    rk_check(z <= z_limit,
+             "%s and %s %s: related by %.2f standard deviations of chi-squared, limit %.2f", of_x,
+             of_y, where, z, z_limit);
+}
+
 /* Of one sample, by seeds: for neighbours' samples in the same dimension it does not hold, by
  * intention. */
 static void shared_dimensions_are_independent(void **state)
@@ -1306,15 +1400,33 @@ static void shared_dimensions_are_independent(void **state)
         }
         for (uint32_t d = 0; d < NUMBERS; d++)
             for (uint32_t e = 0; e < d; e++) {
-                unsigned counts[side * side] = {0};
-                for (uint32_t i = 0; i < draws; i++)
-                    counts[(int)(numbers[d][i] * side) * side + (int)(numbers[e][i] * side)]++;
-                double z = deviate(counts, side * side, draws);
-                rk_check(z <= z_limit,
-                         "numbers %u and %u of sample %u: related by %.2f standard deviations of "
-                         "chi-squared, limit %.2f",
-                         d, e, k, z, z_limit);
+                char of_d[40], of_e[40];
+                name_number(d, of_d);
+                name_number(e, of_e);
+                check_unrelated_draws(numbers[d], numbers[e], of_d, of_e,
+                                      k ? "of sample 1, by seeds" : "of sample 0, by seeds");
             }
+    }
+}
+
+static const char over_pixels[] = "over 128 x 128 pixels, which each dimension that is not joint "
+                                  "takes in an order of its own";
+
+/* Single numbers of dimensions that differ in one bit, 4 and 5 among them. */
+static void check_order_of_each_dimension(const rk_sampler *sampler)
+{
+    static float numbers[2][draws];
+    for (uint32_t bit = 0; bit < 32; bit++) {
+        const uint32_t dimensions[] = {4, 4 ^ 1u << bit};
+        char names[2][40];
+        if (rk_joint_dimension(dimensions[1]) >= 0)
+            continue;
+        for (int k = 0; k < 2; k++) {
+            snprintf(names[k], sizeof names[k], "dimension %u", dimensions[k]);
+            for (uint32_t i = 0; i < draws; i++)
+                numbers[k][i] = rk_joint_1d(sampler, pixel_at(i % 128, i / 128), 0, dimensions[k]);
+        }
+        check_unrelated_draws(numbers[0], numbers[1], names[0], names[1], over_pixels);
     }
 }
 
@@ -1329,15 +1441,12 @@ static void padded_pairs_are_in_an_order_of_their_own(void **state)
             numbers[d][i] = any_number(&sampler, pixel_at(i % 128, i / 128), 0, d);
     for (uint32_t d = RK_SOBOL_DIMENSIONS; d < NUMBERS; d++)
         for (uint32_t e = 0; e < d - (d - RK_SOBOL_DIMENSIONS) % 2; e++) {
-            unsigned counts[side * side] = {0};
-            for (uint32_t i = 0; i < draws; i++)
-                counts[(int)(numbers[d][i] * side) * side + (int)(numbers[e][i] * side)]++;
-            double z = deviate(counts, side * side, draws);
-            rk_check(z <= z_limit,
-                     "numbers %u and %u over 128 x 128 pixels: related by %.2f standard deviations "
-                     "of chi-squared, limit %.2f",
-                     d, e, z, z_limit);
+            char of_d[40], of_e[40];
+            name_number(d, of_d);
+            name_number(e, of_e);
+            check_unrelated_draws(numbers[d], numbers[e], of_d, of_e, over_pixels);
         }
+    check_order_of_each_dimension(&sampler);
 }
 
 static void a_shared_run_is_its_samples_one_by_one_in_any_order(void **state)
