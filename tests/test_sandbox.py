@@ -350,7 +350,7 @@ def only_data_is_believed():
         ended = isinstance(said, isolate.Ended) or (said is None and "Ctrl-Z" in name)
         check(ended and not os.path.exists("hacked"), f"{name} is no answer", said)
     suite = test_grade.grade.Suite(FEATURE, None, [ScoredTest(EMPTY, 1, "#")])
-    suite.take({"problem": "", "warnings": "", "beside": "",
+    suite.take({"problem": "", "warnings": "", "beside": "", "excused": [],
                 "verdicts": {EMPTY: ["yes", "", "", "", 0, "no"]}})
     check(not suite.verdicts[EMPTY].passed and not suite.verdicts[EMPTY].timed_out,
           "a verdict that is no boolean is none")
