@@ -7,7 +7,6 @@ import json
 import os
 import re
 import shutil
-import struct
 import subprocess
 import sys
 import tempfile
@@ -19,7 +18,6 @@ sys.dont_write_bytecode = True
 sys.path.insert(0, os.path.join(SOURCE, "tools"))
 
 import handout  # noqa: E402
-import live_loop  # noqa: E402
 from grading import leak_check  # noqa: E402
 from grading.assignments import ToolError, read_features, read_points  # noqa: E402
 from grading.build import Toolchain  # noqa: E402
@@ -414,27 +412,6 @@ def pictures_are_the_students(pack):
           "a picture that lacks only what is not asked for yet is said to be as good as it can be", said)
 
 
-def size_of(png):
-    with open(png, "rb") as file:
-        return struct.unpack(">II", file.read(24)[16:])
-
-
-def the_live_page_is_as_large_as_the_kits(pack):
-    """The pack's wanted pictures are small; the student's is drawn large, and small to be compared."""
-    with tempfile.TemporaryDirectory(dir=os.path.join(pack, "impl")) as folder:
-        feature = read_features(pack)[STEM]
-        loop = live_loop.Loop(Toolchain(pack), feature, os.path.join(pack, "workbook"), "", folder)
-        picture = live_loop.Picture(loop)
-        while not picture.is_over():
-            time.sleep(0.1)
-        known, files = loop.known, loop.files
-        check(known["drawn"] and size_of(files["own"]) == (400, 400)
-              and known["scale"] == 400 / size_of(files["wanted"])[0] and not known["kit"],
-              "the live page's picture is as large as in the kit, where the wanted one is small",
-              [known, files])
-        check(known["same"] or known["compared"], "and both are compared", known)
-
-
 def the_students_code_is_in_the_book(pack):
     make = os.environ.get("MAKE", "make")
     # Of the texts that the pack's own book has shown whole, a solved feature's and one's that is left open.
@@ -585,7 +562,6 @@ def main():
         the_starters_are_failed(pack)
         the_second_is_solved_first(pack)
         pictures_are_the_students(pack)
-        the_live_page_is_as_large_as_the_kits(pack)
         the_students_code_is_in_the_book(pack)
         the_rest_holds(pack)
         a_class_is_graded(places["class"])

@@ -3,7 +3,6 @@
 Speaks TAP, for make check-student; runs in a build folder."""
 
 import contextlib
-import glob
 import io
 import json
 import os
@@ -334,17 +333,6 @@ def the_pack_builds(pack):
           "the same in the workbook's own folder", said)
     check(re.search(r"^Error|No rule", said) is None, "without a word about rules", said)
     check("your code printed" not in said, "and nothing that the suite says as if the unit had printed it",
-          said)
-
-
-def two_checks_at_once_build_one_after_the_other(pack):
-    for path in glob.glob(os.path.join(pack, "src", "base", "*.o")):
-        os.unlink(path)
-    free = {key: value for key, value in os.environ.items() if key not in ("MAKEFLAGS", "MAKELEVEL")}
-    both = [subprocess.Popen([MAKE, "-s", f"check-{stem}"], cwd=pack, env=free, text=True,
-                             stdout=subprocess.PIPE, stderr=subprocess.STDOUT) for stem in (STEM, OTHER)]
-    said = [process.communicate()[0] for process in both]
-    check(all("work on this one first" in text for text in said), "two checks at once both give a verdict",
           said)
 
 
@@ -748,7 +736,7 @@ def main():
         pack = os.path.join(folder, NAME, "raykit")
         with redirect_stdout(io.StringIO()):
             handout.make_handout(SOURCE, [STEM, OTHER], folder=pack, book=False)
-        for part in (before_bootstrap, the_pack_builds, two_checks_at_once_build_one_after_the_other,
+        for part in (before_bootstrap, the_pack_builds,
                      names_that_are_nearly_right, warnings_tell_of_mistakes_alone,
                      progress_tests_what_changed, drivers_are_built_alone,
                      the_debugger_stops_where_arguments_are, editors_find_headers,

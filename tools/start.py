@@ -63,7 +63,7 @@ class Course:
         tests = [test for test in read_points(feature) if test.points]
         if is_starter(find_unit(feature, self.impl)):
             return tests[0]
-        make(self.build, f"in-turn-grade-ready-{feature.stem}", f"what checks {feature.stem}")
+        make(self.build, f"grade-ready-{feature.stem}", f"what checks {feature.stem}")
         suite = progress_of(self.build, [feature.stem], self.impl)[0][0]
         return next((test for test in suite.tests if not suite.verdicts[test.name].passed), None)
 
