@@ -1237,12 +1237,12 @@ static bool read_and_free(const char *path, rk_error *error)
     return ok;
 }
 
-/* A file of kilobytes may take 320 MB, as the helper allows itself, and the helper starts in 0.1 s.
+/* A file of kilobytes may take 256 MB, as the helper allows itself, and the helper starts in 0.1 s.
  */
 static void check_cheap(test_path path, const char *reason)
 {
     test_cost cost = test_cost_of(read_and_free, path.text);
-    test_check_cost(path.text, &cost, 370, 2);
+    test_check_cost(path.text, &cost, 300, 2);
     if (!reason) {
         rk_check_ok(cost.ok, cost.error);
         return;
@@ -1334,7 +1334,7 @@ static void many_materials_are_read_or_stopped_with_a_reason(void **state)
     cost = test_cost_of(read_and_free, path.text);
     rk_check(!cost.ok, "40000 parts take gigabytes");
     rk_check_error_names(cost.error, "parts or materials");
-    test_check_cost(path.text, &cost, 570, 25);
+    test_check_cost(path.text, &cost, 500, 25);
 #endif
 }
 

@@ -16,7 +16,7 @@
 
 /* Assimp takes 10 to 20 bytes for each of a text, 40 for one of compressed triangles, and 200 in
  * files of thousands of parts; it reads 5 MB a second or more. */
-static const uint64_t memory_base = (uint64_t)320 << 20, memory_per_byte = 128;
+static const uint64_t memory_base = (uint64_t)256 << 20, memory_per_byte = 128;
 static const uint64_t seconds_base = 20, bytes_per_second = 1 << 20;
 
 enum { most_files = 64 }; /* further ones are read, but raise no limit */
