@@ -1412,21 +1412,29 @@ static void shared_dimensions_are_independent(void **state)
 static const char over_pixels[] = "over 128 x 128 pixels, which each dimension that is not joint "
                                   "takes in an order of its own";
 
-/* Single numbers of dimensions that differ in one bit, 4 and 5 among them. */
-static void check_order_of_each_dimension(const rk_sampler *sampler)
+/* Numbers of dimension 4, and of those that differ from it in one bit: 5 is the other one of its pair.
+ * All of them are asked for before one is looked at. */
+static float of_4[draws], of_bit[32][draws];
+
+static void fill_orders(const rk_sampler *sampler)
 {
-    static float numbers[2][draws];
+    for (uint32_t i = 0; i < draws; i++) {
+        const uint32_t pixel = pixel_at(i % 128, i / 128);
+        of_4[i] = rk_joint_1d(sampler, pixel, 0, 4);
+        for (uint32_t bit = 0; bit < 32; bit++)
+            of_bit[bit][i] = rk_joint_1d(sampler, pixel, 0, 4 ^ 1u << bit);
+    }
+}
+
+static void check_order_of_each_dimension(void)
+{
     for (uint32_t bit = 0; bit < 32; bit++) {
-        const uint32_t dimensions[] = {4, 4 ^ 1u << bit};
-        char names[2][40];
-        if (rk_joint_dimension(dimensions[1]) >= 0)
+        const uint32_t dimension = 4 ^ 1u << bit;
+        char name[40];
+        if (rk_joint_dimension(dimension) >= 0)
             continue;
-        for (int k = 0; k < 2; k++) {
-            snprintf(names[k], sizeof names[k], "dimension %u", dimensions[k]);
-            for (uint32_t i = 0; i < draws; i++)
-                numbers[k][i] = rk_joint_1d(sampler, pixel_at(i % 128, i / 128), 0, dimensions[k]);
-        }
-        check_unrelated_draws(numbers[0], numbers[1], names[0], names[1], over_pixels);
+        snprintf(name, sizeof name, "dimension %u", dimension);
+        check_unrelated_draws(of_4, of_bit[bit], "dimension 4", name, over_pixels);
     }
 }
 
@@ -1439,6 +1447,7 @@ static void padded_pairs_are_in_an_order_of_their_own(void **state)
     for (uint32_t d = 0; d < NUMBERS; d++)
         for (uint32_t i = 0; i < draws; i++)
             numbers[d][i] = any_number(&sampler, pixel_at(i % 128, i / 128), 0, d);
+    fill_orders(&sampler);
     for (uint32_t d = RK_SOBOL_DIMENSIONS; d < NUMBERS; d++)
         for (uint32_t e = 0; e < d - (d - RK_SOBOL_DIMENSIONS) % 2; e++) {
             char of_d[40], of_e[40];
@@ -1446,7 +1455,7 @@ static void padded_pairs_are_in_an_order_of_their_own(void **state)
             name_number(e, of_e);
             check_unrelated_draws(numbers[d], numbers[e], of_d, of_e, over_pixels);
         }
-    check_order_of_each_dimension(&sampler);
+    check_order_of_each_dimension();
 }
 
 static void a_shared_run_is_its_samples_one_by_one_in_any_order(void **state)
