@@ -166,6 +166,21 @@ static void a_portable_float_map_is_linear(void **state)
     rk_image_free(&image);
 }
 
+/* As of a picture within a mesh file; the smallest ones have fewer bytes than other formats' heads.
+ */
+static void the_first_bytes_name_the_format(void **state)
+{
+    static const char red[] = "P6\n1 1\n255\n\xff\0";
+    const char *names[] = {"none", "lies.tga", "lies.jpg"};
+    for (int i = 0; i < 3; i++) {
+        rk_image image =
+            read_image(test_folder_write(*state, names[i], red, sizeof red, 0600)); /* 3 values */
+        rk_check_close(image.pixels[0].x, 1, 0, "red");
+        rk_check_close(image.pixels[0].z, 0, 0, "blue");
+        rk_image_free(&image);
+    }
+}
+
 typedef struct byte_list {
     unsigned char bytes[1000];
     size_t size;
@@ -839,6 +854,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(float_tiff_is_linear_and_exact),
     test_in_folder(hdr_keeps_a_hundredth_of_the_brightest_channel),
     test_in_folder(a_portable_float_map_is_linear),
+    test_in_folder(the_first_bytes_name_the_format),
     test_in_folder(floats_are_decoded_only_if_their_file_names_a_curve),
     test_in_folder(jpeg_is_srgb_encoded),
     test_in_folder(eight_bit_grey_is_decoded_and_replicated),

@@ -1412,8 +1412,8 @@ static void shared_dimensions_are_independent(void **state)
 static const char over_pixels[] = "over 128 x 128 pixels, which each dimension that is not joint "
                                   "takes in an order of its own";
 
-/* Numbers of dimension 4, and of those that differ from it in one bit: 5 is the other one of its pair.
- * All of them are asked for before one is looked at. */
+/* Numbers of dimension 4, and of those that differ from it in one bit: 5 is the other one of its
+ * pair. All of them are asked for before one is looked at. */
 static float of_4[draws], of_bit[32][draws];
 
 static void fill_orders(const rk_sampler *sampler)

@@ -22,6 +22,7 @@
 #include <OpenImageIO/imageio.h>
 
 #include <algorithm>
+#include <cctype>
 #include <cerrno>
 #include <cmath>
 #include <csignal>
@@ -486,6 +487,38 @@ void multiply_exposures(const std::string &path, OIIO::ImageSpec &spec)
     spec.attribute("hdr:exposure", product);
 }
 
+// The format that the first bytes name, or NULL. A name may lie, or have no ending, as those of
+// pictures within mesh files; OpenImageIO would then ask one reader after another.
+const char *format_of(const std::string &path)
+{
+    char first[4] = {};
+    std::ifstream(path, std::ios::binary).read(first, sizeof first);
+    const std::string begin(first, sizeof first);
+    if (first[0] == 'P' && std::strchr("123456fF", first[1]) &&
+        std::isspace(static_cast<unsigned char>(first[2])))
+        return "pnm";
+    static const struct {
+        const char *begin, *format;
+    } formats[] = {
+        {"\xff\xd8\xff", "jpeg"}, {"\x89PNG", "png"}, {"GIF8", "gif"},       {"BM", "bmp"},
+        {"8BPS", "psd"},          {"#?", "hdr"},      {"v/1\x01", "openexr"}};
+    for (const auto &each : formats)
+        if (begin.compare(0, std::strlen(each.begin), each.begin) == 0)
+            return each.format;
+    return nullptr;
+}
+
+std::unique_ptr<OIIO::ImageInput> open_picture(const std::string &path,
+                                               const OIIO::ImageSpec &wishes)
+{
+    const char *format = format_of(path);
+    auto input = format ? OIIO::ImageInput::create(format) : nullptr;
+    OIIO::ImageSpec spec;
+    if (input && input->open(path, spec, wishes))
+        return input;
+    return OIIO::ImageInput::open(path, &wishes);
+}
+
 // OpenImageIO's reasons tell of itself, not of the file.
 [[noreturn]] void fail_unknown(const std::string &path, const std::string &reason)
 {
@@ -551,7 +584,7 @@ Picture read_picture(const std::string &path, const Wish &wish = {})
     // Alpha is dropped, so colours must not be multiplied by it.
     OIIO::ImageSpec wishes;
     wishes["oiio:UnassociatedAlpha"] = 1;
-    auto input = OIIO::ImageInput::open(path, &wishes);
+    auto input = open_picture(path, wishes);
     if (!input)
         fail_unknown(path, first_line(OIIO::geterror()));
     OIIO::ImageSpec spec = input->spec();
