@@ -5,6 +5,7 @@ answers. Speaks TAP, for make check-judge; runs in a build folder."""
 import os
 import re
 import shutil
+import signal
 import subprocess
 import sys
 import tempfile
@@ -266,6 +267,25 @@ def a_tree_that_is_too_large_is_told(grader):
           "a unit that says that it has made too many nodes is told so", str(said))
 
 
+def it_ends_with_its_grader():
+    """Though nobody has answered it."""
+    asked, answered = judged._shared_memory("requests"), judged._shared_memory("answers")
+    alive, held = os.pipe()
+    begin = ("RAYKIT_JUDGE=%d,%d,%d,$$ impl/judge/normals-judge --only each_axis_has_a_colour_of_its_own & "
+             "echo $!; read line" % (asked, answered, alive))
+    grader = subprocess.Popen(["/bin/sh", "-c", begin], stdin=subprocess.PIPE,
+                              stdout=subprocess.PIPE, pass_fds=(asked, answered, alive))
+    pid = int(grader.stdout.readline())
+    while not judged.fcntl.fcntl(asked, judged._GET_SEALS) & judged._SEAL_FUTURE_WRITE:
+        time.sleep(0.01)
+    grader.kill()
+    grader.communicate()
+    ended = os.waitpid(pid, 0)[1]  # of a subreaper (sandbox.prepare)
+    check(os.WTERMSIG(ended) == signal.SIGKILL, "a judge ends with its grader", str(ended))
+    for descriptor in (asked, answered, alive, held):
+        os.close(descriptor)
+
+
 def main():
     if not judged.is_possible(build.Toolchain("."), "normals"):
         check(False, "there are judges", "make judges-ready")
@@ -274,6 +294,7 @@ def main():
     folder = tempfile.mkdtemp(prefix="raykit-judge-")
     try:
         every_suite_can_be_judged_apart_or_says_why()
+        it_ends_with_its_grader()
         requests_tell_no_answers(folder)
         another_seed_asks_other_things(folder)
         grader = Grader(folder)

@@ -188,6 +188,20 @@ def little_is_written(toolchain, folder):
         check(suite.passed(), f"no unit makes a file in {place}/", said_of(suite))
 
 
+def each_process_has_limits(toolchain, folder):
+    """Of processor seconds and of a file's blocks, in case that nobody watches it any more."""
+    def limits():
+        outcome = sandbox.run(["/bin/sh", "-c", "ulimit -t; ulimit -Ht; ulimit -f"], seconds=5, megabytes=100,
+                              folder=folder, environment=dict(os.environ), enclose=toolchain.sandbox.around)
+        return outcome.output.split()
+
+    got = limits()
+    check(got == ["100", "100", str((256 << 20) // 512)], "a unit's process has limits of its own", got)
+    with mock.patch.object(sandbox.resource, "getrlimit", lambda _: (30, 30)):
+        got = limits()
+    check(got == ["30", "30", "0"], "none of them is above the grader's", got)
+
+
 def the_compiler_sees_headers_only(toolchain, folder):
     """As assembly, which can include any bytes."""
     data, place = os.path.join(folder, "data.bin"), os.path.join(folder, "unit")
@@ -538,6 +552,7 @@ def main():
             few_system_calls_are_answered(toolchain, place())
             its_first_process_is_out_of_reach(toolchain, place())
             little_is_written(toolchain, place())
+            each_process_has_limits(toolchain, place())
             the_compiler_sees_headers_only(toolchain, place())
             a_kit_among_the_systems_files_is_hidden(place())
             ends_are_told(toolchain, place())

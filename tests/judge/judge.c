@@ -262,16 +262,20 @@ void rk_judge_get_allocations(void)
 
 /* --- What tests/suite.c calls ---------------------------------------------------------------- */
 
-/* RAYKIT_JUDGE names three descriptors: of both memories, and of the pipe. The unit's process gets
- * the first as well, but can write to it no more. */
+/* RAYKIT_JUDGE names three descriptors: of both memories, and of the pipe; and the process that
+ * begins judges, with which they end. The unit's process gets the first descriptor as well, but can
+ * write to that memory no more. */
 void rk_judge_connect(const char *test)
 {
-    int asked, answered;
+    int asked, answered, grader;
     const char *value = getenv("RAYKIT_JUDGE");
-    if (!value || sscanf(value, "%d,%d,%d", &asked, &answered, &rk_judge.unit) != 3) {
+    if (!value || sscanf(value, "%d,%d,%d,%d", &asked, &answered, &rk_judge.unit, &grader) != 4) {
         fprintf(stderr, "this judge of a unit is run by make grade\n");
         exit(2);
     }
+    prctl(PR_SET_PDEATHSIG, SIGKILL);
+    if (getppid() != grader)
+        exit(2);
     rk_judge.asked_memory =
         mmap(NULL, RK_JUDGE_BYTES, PROT_READ | PROT_WRITE, MAP_SHARED | MAP_NORESERVE, asked, 0);
     rk_judge.answered_memory = mmap(NULL, RK_JUDGE_BYTES, PROT_READ, MAP_SHARED, answered, 0);

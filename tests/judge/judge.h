@@ -43,9 +43,10 @@ static inline void *rk_judge_put(const void *data, size_t bytes)
         rk_judge_grow(end);
     rk_judge_call.size = end;
     unsigned char *place = rk_judge_call.request + begin;
-    memset(place, 0, end - begin);
-    if (data && bytes)
-        memcpy(place, data, bytes);
+    size_t copied = data ? bytes : 0;
+    if (copied)
+        memcpy(place, data, copied);
+    memset(place + copied, 0, end - begin - copied);
     return place;
 }
 

@@ -69,12 +69,13 @@ class _Judge:
         self._ours.send(secret)
         self._said = tempfile.TemporaryFile()
         environment = dict(sandbox.bare_environment("/"), CMOCKA_MESSAGE_OUTPUT="TAP",
-                           RAYKIT_JUDGE=f"{asked},{answered},{alive}", RAYKIT_ATTEST=str(theirs.fileno()))
+                           RAYKIT_JUDGE=f"{asked},{answered},{alive},{os.getpid()}",
+                           RAYKIT_ATTEST=str(theirs.fileno()))
         with theirs:
             self.process = subprocess.Popen(
                 [toolchain.built(files(stem)[0]), "--only", name], env=environment, stdin=subprocess.DEVNULL,
                 stdout=self._said, stderr=subprocess.STDOUT, start_new_session=True,
-                pass_fds=(*descriptors, theirs.fileno()), preexec_fn=sandbox.end_with_parent)
+                pass_fds=(*descriptors, theirs.fileno()))
         while not fcntl.fcntl(asked, _GET_SEALS) & _SEAL_FUTURE_WRITE and self.process.poll() is None:
             time.sleep(0.0005)
 
