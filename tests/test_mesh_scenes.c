@@ -1,4 +1,5 @@
-/* Files of programs that model whole scenes, and of their exchange formats: FBX and Collada. */
+/* Files of programs that model whole scenes, and of their exchange formats: FBX, Collada, X3D
+ * and glTF. */
 #include "test_mesh_reading.h"
 
 #include "base/sanitized.h"
@@ -129,7 +130,75 @@ static void a_small_file_may_show_a_part_many_times(void **state)
 #endif
 }
 
+/* --- glTF ----------------------------------------------------------------------------------- */
+
+/* The triangle (0, 0, 0), (1, 0, 0), (0, 1, 0), whose bytes are at the address. */
+static test_path write_gltf(const char *address)
+{
+    char text[2000];
+    snprintf(text, sizeof text,
+             "{\"asset\":{\"version\":\"2.0\"},\"scene\":0,\"scenes\":[{\"nodes\":[0]}],"
+             "\"nodes\":[{\"mesh\":0}],\"meshes\":[{\"primitives\":[{\"attributes\":"
+             "{\"POSITION\":0}}]}],\"accessors\":[{\"bufferView\":0,\"componentType\":5126,"
+             "\"count\":3,\"type\":\"VEC3\",\"min\":[0,0,0],\"max\":[1,1,0]}],"
+             "\"bufferViews\":[{\"buffer\":0,\"byteLength\":36}],"
+             "\"buffers\":[{\"byteLength\":36,\"uri\":\"%s\"}]}",
+             address);
+    return write_text("a.gltf", text);
+}
+
+#define TRIANGLE_ADDRESS                                                                           \
+    "data:application/octet-stream;base64,AAAAAAAAAAAAAAAAAACAPwAAAAAAAAAAAAAAAAAAgD8AAAAA"
+
+/* The same triangle; what was a list in version 2 was an object. */
+#define GLTF_1(asset, address)                                                                     \
+    "{" asset "\"scene\":\"s\",\"scenes\":{\"s\":{\"nodes\":[\"n\"]}},"                            \
+    "\"nodes\":{\"n\":{\"meshes\":[\"m\"]}},\"meshes\":{\"m\":{\"primitives\":[{\"attributes\":"   \
+    "{\"POSITION\":\"a\"},\"mode\":4}]}},\"accessors\":{\"a\":{\"bufferView\":\"v\","              \
+    "\"byteOffset\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\"}},"                     \
+    "\"bufferViews\":{\"v\":{\"buffer\":\"b\",\"byteOffset\":0,\"byteLength\":36}},"               \
+    "\"buffers\":{\"b\":{\"byteLength\":36,\"type\":\"arraybuffer\",\"uri\":\"" address "\"}}}"
+
+static const float triangle_bytes[9] = {0, 0, 0, 1, 0, 0, 0, 1, 0};
+
+static void a_gltf_names_the_file_that_it_lacks(void **state)
+{
+    (void)state;
+    check_refused_path(write_gltf("lost.bin").text, ": needs the file lost.bin, which is missing",
+                       ": put it beside the mesh file");
+    check_refused_path(write_gltf("all/lost%20one.bin").text,
+                       ": needs the file all/lost%20one.bin, which is missing",
+                       ": put it beside the mesh file");
+    check_refused("one.gltf", GLTF_1("\"asset\":{\"version\":\"1.0\"},", "lost.bin"),
+                  ": needs the file lost.bin, which is missing", ": put it beside the mesh file");
+}
+
+static void blanks_in_the_name_of_a_gltfs_file_may_be_escaped(void **state)
+{
+    (void)state;
+    test_folder_write(&folder, "two words.bin", triangle_bytes, sizeof triangle_bytes, 0600);
+    rk_mesh mesh = load(write_gltf("two%20words.bin"));
+    check_point(corner(&mesh, 0, 1), 1, 0, 0);
+    rk_mesh_free(&mesh);
+}
+
+static void a_gltf_of_version_1_is_read_or_told_to_be_one(void **state)
+{
+    (void)state;
+    rk_mesh mesh =
+        load(write_text("one.gltf", GLTF_1("\"asset\":{\"version\":\"1.0\"},", TRIANGLE_ADDRESS)));
+    check_point(corner(&mesh, 0, 1), 1, 0, 0);
+    rk_mesh_free(&mesh);
+    check_refused("none.gltf", GLTF_1("", TRIANGLE_ADDRESS), ": is glTF 1.0",
+                  ": convert it to glTF 2.0");
+    check_refused("broken.gltf", "{\"asset\":{\"version\":\"1.0\"},\"meshes\":{\"m\":3}}",
+                  ": is glTF 1.0", ": convert it to glTF 2.0");
+}
+
 static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(a_gltf_names_the_file_that_it_lacks),
+    cmocka_unit_test(blanks_in_the_name_of_a_gltfs_file_may_be_escaped),
+    cmocka_unit_test(a_gltf_of_version_1_is_read_or_told_to_be_one),
     cmocka_unit_test(a_small_file_may_show_a_part_many_times),
     cmocka_unit_test(pictures_inside_an_fbx_are_found_by_their_names),
     cmocka_unit_test(an_fbx_names_the_axis_that_points_up),

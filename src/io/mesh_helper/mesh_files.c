@@ -1,8 +1,10 @@
 /* Each part of a path is looked for as it is written, then in its folder regardless of case. */
 #include "io/mesh_helper/mesh_files.h"
 
+#include <ctype.h>
 #include <dirent.h>
 #include <stdio.h>
+#include <stdlib.h>
 #include <string.h>
 #include <strings.h>
 #include <sys/stat.h>
@@ -54,6 +56,21 @@ static void clean(char *to, const char *name, size_t length)
     to[length] = '\0';
 }
 
+bool rk_mesh_files_unescape(char *name)
+{
+    char *to = name;
+    for (const char *from = name; *from; from++) {
+        const bool is_escape =
+            from[0] == '%' && isxdigit((unsigned char)from[1]) && isxdigit((unsigned char)from[2]);
+        const char digits[3] = {from[is_escape], is_escape ? from[2] : '\0', '\0'};
+        *to++ = is_escape ? (char)strtoul(digits, NULL, 16) : *from;
+        from += is_escape ? 2 : 0;
+    }
+    const bool changed = *to != '\0';
+    *to = '\0';
+    return changed;
+}
+
 bool rk_mesh_files_find(char found[RK_MESH_FILES_NAME], const char *mesh_path, const char *folder,
                         const char *name, size_t length)
 {
@@ -66,8 +83,9 @@ bool rk_mesh_files_find(char found[RK_MESH_FILES_NAME], const char *mesh_path, c
     int size = snprintf(path, sizeof path, "%.*s%s%s", (int)before, mesh_path,
                         cleaned[0] == '/' ? "" : folder, cleaned);
     if (size < 0 || (size_t)size >= sizeof path || (size_t)size - before >= RK_MESH_FILES_NAME ||
-        cleaned[0] == '\0' || !is_file(path))
+        cleaned[0] == '\0' ||
+        !(is_file(path) || (rk_mesh_files_unescape(path + before) && is_file(path))))
         return false;
-    memcpy(found, path + before, (size_t)size - before + 1);
+    strcpy(found, path + before);
     return true;
 }

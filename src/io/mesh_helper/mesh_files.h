@@ -13,4 +13,7 @@ enum { RK_MESH_FILES_NAME = 1024 };
 bool rk_mesh_files_find(char found[RK_MESH_FILES_NAME], const char *mesh_path, const char *folder,
                         const char *name, size_t length);
 
+/* Turns each % with two hexadecimal digits into one character, in place. False if there is none. */
+bool rk_mesh_files_unescape(char *name);
+
 #endif

@@ -3,6 +3,7 @@
  * it is given the lines that it understands. */
 #include "io/mesh_helper/mesh_io.h"
 
+#include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/mesh_mtl.h"
 #include "io/mesh_helper/text_encoding.h"
@@ -128,10 +129,23 @@ static FILE *open_stream(const char *path, opened *o)
     return open_known_lines(stream, o);
 }
 
-static struct aiFile *open_file(struct aiFileIO *io, const char *path, const char *mode)
+/* In glTF, %20 may be a blank. */
+static const char *unescaped(char to[4096], const char *path)
+{
+    struct stat status;
+    if (stat(path, &status) == 0 || strlen(path) >= 4096)
+        return path;
+    strcpy(to, path);
+    rk_mesh_files_unescape(to);
+    return to;
+}
+
+static struct aiFile *open_file(struct aiFileIO *io, const char *given, const char *mode)
 {
     (void)io;
     struct stat status;
+    char other[4096];
+    const char *path = unescaped(other, given);
     if (mode[0] != 'r' || stat(path, &status) != 0 || !S_ISREG(status.st_mode))
         return NULL;
     rk_mesh_guard_allow(&status);

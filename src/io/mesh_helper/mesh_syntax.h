@@ -27,6 +27,8 @@ typedef struct rk_mesh_hints {
     size_t part_count;
     size_t models;       /* in the archive of a 3MF file, of which Assimp reads one */
     bool has_wide_draco; /* compressed indices of 32 bits, which Assimp does not decode */
+    bool is_gltf_1;      /* version 1.0, of which Assimp reads some */
+    char missing[256];   /* the name of a file that a glTF file needs, if it is not there, or "" */
     char folders[RK_MESH_HINTS_FOLDERS][1024]; /* of material files, relative, with a slash */
     int folder_count;
 } rk_mesh_hints;

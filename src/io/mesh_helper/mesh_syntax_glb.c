@@ -35,7 +35,8 @@ bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_mesh
     if (whole > size)
         return rk_fail(error, "%s: claims %u bytes, but has %zu: download or export it again", path,
                        whole, size);
-    if (word_at(text, 4) == 1)
+    hints->is_gltf_1 = word_at(text, 4) == 1;
+    if (hints->is_gltf_1)
         return check_chunk(path, word_at(text, 12), size - 20, error);
     for (size_t at = 12; size - at >= 8;) {
         const uint32_t claimed = word_at(text, at);

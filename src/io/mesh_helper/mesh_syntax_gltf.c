@@ -2,6 +2,7 @@
  * if those that it does not know were not there, which shows another mesh, or none. Format:
  * Khronos, "glTF 2.0 Specification", section 3.12. */
 #include "io/mesh_helper/json_cursor.h"
+#include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_gltf_parts.h"
 #include "io/mesh_helper/mesh_syntax.h"
 
@@ -138,12 +139,45 @@ static void note_used(const char *path, json_cursor c, rk_mesh_hints *hints)
         rk_mesh_hints_note(hints, path, "uses %s, which the picture does not show", list);
 }
 
+/* What is a list in version 2.0 is an object in 1.0, whose `asset` may be missing. */
+static bool is_version_1(json_cursor c)
+{
+    json_cursor buffers = c, asset = c;
+    if (json_find_key(&buffers, "buffers") && *buffers.at == '{')
+        return true;
+    return json_find_key(&asset, "asset") && json_find_key(&asset, "version") &&
+           asset.end - asset.at > 2 && asset.at[0] == '"' && asset.at[1] < '2';
+}
+
+static void find_missing(const char *path, json_cursor c, rk_mesh_hints *hints)
+{
+    char found[RK_MESH_FILES_NAME];
+    json_string key;
+    if (!json_find_key(&c, "buffers") || !(json_enter(&c, '[') || json_enter(&c, '{')))
+        return;
+    for (; json_next(&c); json_skip(&c)) {
+        if (*c.at == '"' && !json_next_key(&c, &key)) /* in version 1.0 */
+            return;
+        json_cursor uri = c;
+        if (!json_find_key(&uri, "uri") || *uri.at != '"')
+            continue;
+        const json_string name = json_read_string(&uri);
+        if ((name.length > 5 && memcmp(name.begin, "data:", 5) == 0) ||
+            rk_mesh_files_find(found, path, "", name.begin, name.length))
+            continue;
+        snprintf(hints->missing, sizeof hints->missing, "%.*s", (int)name.length, name.begin);
+        return;
+    }
+}
+
 bool rk_mesh_syntax_gltf_part(const char *path, json_cursor part, json_cursor file,
                               rk_mesh_hints *hints, rk_error *error)
 {
     if (!check_required(path, part, error) || !check_skins(path, part, error) ||
         !rk_mesh_gltf_parts_read(hints, path, part, file, error))
         return false;
+    hints->is_gltf_1 = is_version_1(part);
+    find_missing(path, part, hints);
     note_used(path, part, hints);
     note_node_weights(path, part, hints);
     return true;

@@ -269,6 +269,15 @@ static bool fail_unread(const char *path, const rk_mesh_hints *hints, rk_error *
     if (has_ending(path, "blend"))
         return rk_fail(error, "%s: could not be read: open it in Blender, and export it as glTF",
                        path);
+    if (hints->missing[0])
+        return rk_fail(error,
+                       "%s: needs the file %s, which is missing: put it beside the mesh file", path,
+                       hints->missing);
+    if (hints->is_gltf_1)
+        return rk_fail(error,
+                       "%s: is glTF 1.0, of which Assimp cannot read this file: convert it to glTF "
+                       "2.0, for instance by Blender",
+                       path);
     if (hints->parts && strstr(reason, "has no faces"))
         return rk_fail(error,
                        "%s: all triangles of a part use vertices that are not there: export it "
@@ -336,7 +345,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
     scene = aiImportFileEx(path, 0, &rk_mesh_io);
     if (!scene && strstr(aiGetErrorString(), "bad_alloc"))
         return rk_mesh_guard_fail_memory(error);
-    if (!scene)
+    if (!scene || (hints->is_gltf_1 && !scene->mRootNode))
         return fail_unread(path, hints, error);
     if (is_unknown(path) && (is_skeleton(scene, path) || scene->mNumMeshes == 0))
         return fail_unknown(path, error);
