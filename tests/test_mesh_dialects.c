@@ -275,7 +275,6 @@ static void a_format_that_nothing_reads_has_its_own_remedy(void **state)
         {"a.usdz", "Assimp does not read", "open it in Blender"},
         {"a.spz", "Gaussian splats", "choose a mesh"},
         {"a.las", "holds points", "reconstruct its surface"},
-        {"a.wrl", "Assimp does not read", "open it in MeshLab"},
         {"a.vtp", "Assimp does not read", "save it as PLY"},
         {"a.drc", "Draco", "draco_decoder"},
         {"a.obj.zip", "is an archive", "unzip it, and name the mesh in it"},
@@ -283,6 +282,21 @@ static void a_format_that_nothing_reads_has_its_own_remedy(void **state)
     for (size_t i = 0; i < sizeof files / sizeof *files; i++) {
         check_refused(files[i].name, "\x1f\x8b\10 \r 3", ": ", files[i].what);
         check_refused(files[i].name, "\x1f\x8b\10 \r 3", ": ", files[i].remedy);
+    }
+}
+
+static void vrml_is_refused_by_its_version_and_packing(void **state)
+{
+    (void)state;
+    static const char *const names[] = {"a.wrl", "a.WRZ"};
+    for (size_t i = 0; i < 2; i++) {
+        check_refused(names[i], "\x1f\x8b\10 \r 3", ": is VRML compressed by gzip",
+                      ": gunzip it (gzip -dc), open it in MeshLab");
+        check_refused(names[i], "#VRML V1.0 ascii\nSeparator {}\n", ": is VRML 1.0",
+                      ": convert it to VRML 2.0, open that in MeshLab");
+        check_refused(names[i], "#VRML V2.0 utf8\nShape {}\n",
+                      ": has a format that Assimp does not read",
+                      ": open it in MeshLab, and export it as PLY or OBJ");
     }
 }
 
@@ -1234,6 +1248,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_mesh_in_gzip_names_the_program),
     cmocka_unit_test(a_refusal_names_the_true_reason_and_a_remedy),
     cmocka_unit_test(a_format_that_nothing_reads_has_its_own_remedy),
+    cmocka_unit_test(vrml_is_refused_by_its_version_and_packing),
     cmocka_unit_test(a_material_file_without_a_known_line_costs_no_mesh),
     cmocka_unit_test(what_an_obj_has_beside_faces_is_told),
     cmocka_unit_test(colours_of_an_obj_as_zbrush_writes_them_are_drawn),

@@ -173,7 +173,8 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
 {
     size_t utf8_size = 0, named_size = 0;
     char *named = NULL;
-    if (!has_word(text, size < 4096 ? size : 4096, "'IFC") && !rk_mesh_unread_check(path, error))
+    if (!has_word(text, size < 4096 ? size : 4096, "'IFC") &&
+        !rk_mesh_unread_check(path, text, size, error))
         return false; /* a STEP file may hold a building (IFC), which Assimp reads */
     if (!check_packing(path, text, size, error))
         return false;

@@ -1,7 +1,6 @@
 /* Assimp says of them that it has no reader, or takes them for another format. */
 #include "io/mesh_helper/mesh_unread.h"
 
-#include <stddef.h>
 #include <string.h>
 #include <strings.h>
 
@@ -41,6 +40,7 @@ static const struct {
     {"usdz", scene, blender_remedy},
     {"abc", scene, blender_remedy},
     {"wrl", scene, "open it in MeshLab, and export it as PLY or OBJ"},
+    {"wrz", scene, "open it in MeshLab, and export it as PLY or OBJ"},
     {"vtk", scene, "open it in ParaView, and save it as PLY"},
     {"vtp", scene, "open it in ParaView, and save it as PLY"},
     {"vtu", scene, "open it in ParaView, and save it as PLY"},
@@ -52,9 +52,33 @@ static const struct {
     {"tar", "is an archive", "open it, and name the mesh in it"},
 };
 
-bool rk_mesh_unread_check(const char *path, rk_error *error)
+static bool begins_with(const char *text, size_t size, const char *word)
+{
+    return size >= strlen(word) && memcmp(text, word, strlen(word)) == 0;
+}
+
+/* MeshLab reads VRML 2.0, uncompressed. */
+static bool check_vrml(const char *path, const char *text, size_t size, rk_error *error)
+{
+    if (begins_with(text, size, "\x1f\x8b"))
+        return rk_fail(error,
+                       "%s: is VRML compressed by gzip: gunzip it (gzip -dc), open it in MeshLab, "
+                       "and export it as PLY or OBJ",
+                       path);
+    if (begins_with(text, size, "#VRML V1.0"))
+        return rk_fail(error,
+                       "%s: is VRML 1.0, which Assimp does not read: convert it to VRML 2.0, open "
+                       "that in MeshLab, and export it as PLY or OBJ",
+                       path);
+    return true;
+}
+
+bool rk_mesh_unread_check(const char *path, const char *text, size_t size, rk_error *error)
 {
     const char *dot = strrchr(path, '.');
+    const bool is_vrml = dot && (strcasecmp(dot, ".wrl") == 0 || strcasecmp(dot, ".wrz") == 0);
+    if (is_vrml && !check_vrml(path, text, size, error))
+        return false;
     for (size_t i = 0; dot && i < sizeof formats / sizeof *formats; i++)
         if (strcasecmp(dot + 1, formats[i].ending) == 0) {
             const char *const remedy = formats[i].remedy;

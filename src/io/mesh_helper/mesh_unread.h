@@ -4,7 +4,9 @@
 
 #include "base/error.h"
 
-/* False if the name's ending is one of theirs. */
-bool rk_mesh_unread_check(const char *path, rk_error *error);
+#include <stddef.h>
+
+/* False if the name's ending is one of theirs. The file's bytes tell the kinds of VRML. */
+bool rk_mesh_unread_check(const char *path, const char *text, size_t size, rk_error *error);
 
 #endif
