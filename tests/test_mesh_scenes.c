@@ -130,6 +130,103 @@ static void a_small_file_may_show_a_part_many_times(void **state)
 #endif
 }
 
+/* --- X3D ------------------------------------------------------------------------------------ */
+
+#define X3D(nodes) "<X3D><head><!-- <Text/> --></head><Scene>" nodes "</Scene></X3D>"
+#define X3D_FACE(appearance, more)                                                                 \
+    "<Shape>" appearance "<IndexedFaceSet coordIndex='0 1 2 -1'>"                                  \
+    "<Coordinate point='0 0 0 1 0 0 0 1 0'/>" more "</IndexedFaceSet></Shape>"
+
+static void nodes_of_an_x3d_that_are_not_drawn_are_told(void **state)
+{
+    (void)state;
+    static const char *const nodes[][2] = {
+        {"<LOD>" X3D_FACE("", "") "</LOD>", "has nodes (LOD), which Assimp does not read"},
+        {"<Billboard>" X3D_FACE("", "") "</Billboard><LOD/>", "has nodes (Billboard, LOD), which"},
+        {"<Shape><Text string='\"a\"'/></Shape>", "has nodes (Text), which"},
+        {X3D_FACE("<Appearance><PixelTexture image='1 1 1 255'/></Appearance>", ""),
+         "has nodes (PixelTexture), which"},
+    };
+    for (size_t i = 0; i < sizeof nodes / sizeof *nodes; i++) {
+        char text[1000];
+        snprintf(text, sizeof text, X3D("%s" X3D_FACE("", "")), nodes[i][0]);
+        rk_mesh mesh = load_with_note(write_text("nodes.x3d", text), nodes[i][1]);
+        rk_check_equal(mesh.triangle_count, i == 3 ? 2 : 1, nodes[i][1]);
+        rk_mesh_free(&mesh);
+    }
+    check_refused("only.x3d", X3D("<LOD>" X3D_FACE("", "") "</LOD>"),
+                  ": Assimp reads no triangles of it, only nodes that it leaves out (LOD)",
+                  ": export it without them");
+    rk_mesh mesh = load(write_text("none.x3d", X3D(X3D_FACE("", ""))));
+    rk_mesh_free(&mesh);
+}
+
+static void check_picture(const char *name, const char *url)
+{
+    char text[1000];
+    snprintf(text, sizeof text,
+             X3D(X3D_FACE("<Appearance><ImageTexture url=%s/></Appearance>",
+                          "<TextureCoordinate point='0 0 1 0 0 1'/>")),
+             url);
+    test_folder_write(&folder, name, "P6\n1 1\n255\n\377\0\0", 14, 0600);
+    check_red(write_text("picture.x3d", text));
+}
+
+static void a_picture_of_an_x3d_may_have_quotes_and_others_after_it(void **state)
+{
+    (void)state;
+    check_picture("red.ppm", "'\"red.ppm\"'");
+    check_picture("red.ppm", "\"red.ppm\"");
+    check_picture("red.ppm", "\"&quot;red.ppm&quot;\"");
+    check_picture("red.ppm", "'\"red.ppm\" \"b.ppm\" \"http://localhost/red.ppm\"'");
+    check_picture("red.ppm", "'\"http://localhost/red.ppm\", \"red.ppm\"'");
+    check_picture("a red.ppm", "'\"a red.ppm\"'");
+    check_picture("a red.ppm", "'\"lost.ppm\" \"a red.ppm\"'");
+}
+
+/* ISO/IEC 19775-1, 17.2.2.4. */
+static void colours_of_an_x3d_replace_the_diffuse_colour(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text(
+        "colours.x3d",
+        X3D(X3D_FACE("<Appearance><Material diffuseColor='0 1 0'/></Appearance>",
+                     "<Color color='1 0 0 1 0 0 1 0 0'/>")
+                X3D_FACE("<Appearance><Material diffuseColor='0 1 0'/></Appearance>", ""))));
+    check_point(mesh.colours[mesh.triangles[0][0]], 1, 0, 0);
+    check_point(mesh.materials[mesh.triangle_materials[0]].kd, 1, 1, 1);
+    check_point(mesh.colours[mesh.triangles[1][0]], 1, 1, 1);
+    check_point(mesh.materials[mesh.triangle_materials[1]].kd, 0, 1, 0);
+    rk_mesh_free(&mesh);
+}
+
+/* ISO/IEC 19775-1, 13.3.2. */
+static void check_cone(const char *attributes, float apex)
+{
+    char text[300];
+    snprintf(text, sizeof text, X3D("<Shape><Cone %s/></Shape>"), attributes);
+    rk_mesh mesh = load(write_text("cone.x3d", text));
+    uint32_t top = 0, bottom = 0;
+    for (uint32_t i = 0; i < mesh.vertex_count; i++) {
+        const rk_vec3 p = mesh.positions[i];
+        top += p.y == apex && p.x == 0 && p.z == 0;
+        bottom += p.y == -apex && (p.x != 0 || p.z != 0);
+    }
+    rk_check(top > 0 && bottom > 10, "%u corners at the top, %u around the bottom", top, bottom);
+    rk_mesh_free(&mesh);
+}
+
+static void cones_of_an_x3d_point_upwards(void **state)
+{
+    (void)state;
+    check_cone("", 1);
+    check_cone("height='4'", 2);
+    check_cone("bottomRadius=\"2\" height=\"3\" bottom='false'", 1.5f);
+    rk_mesh mesh = load(write_text("disc.x3d", X3D("<Shape><Cone side='false'/></Shape>")));
+    check_point(rk_vec(0, corner(&mesh, 0, 0).y, 0), 0, -1, 0);
+    rk_mesh_free(&mesh);
+}
+
 /* --- glTF ----------------------------------------------------------------------------------- */
 
 /* The triangle (0, 0, 0), (1, 0, 0), (0, 1, 0), whose bytes are at the address. */
@@ -196,6 +293,10 @@ static void a_gltf_of_version_1_is_read_or_told_to_be_one(void **state)
 }
 
 static const struct CMUnitTest tests[] = {
+    cmocka_unit_test(nodes_of_an_x3d_that_are_not_drawn_are_told),
+    cmocka_unit_test(a_picture_of_an_x3d_may_have_quotes_and_others_after_it),
+    cmocka_unit_test(colours_of_an_x3d_replace_the_diffuse_colour),
+    cmocka_unit_test(cones_of_an_x3d_point_upwards),
     cmocka_unit_test(a_gltf_names_the_file_that_it_lacks),
     cmocka_unit_test(blanks_in_the_name_of_a_gltfs_file_may_be_escaped),
     cmocka_unit_test(a_gltf_of_version_1_is_read_or_told_to_be_one),

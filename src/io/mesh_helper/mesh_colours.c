@@ -45,7 +45,7 @@ void rk_mesh_colours_init(rk_mesh_colours *colours, const struct aiScene *scene,
 {
     *colours = (rk_mesh_colours){
         .is_gltf = has_ending(path, (const char *const[]){"gltf", "glb", "vrm", NULL}),
-        .replace = has_ending(path, (const char *const[]){"obj", "ply", "off", "stl", NULL}),
+        .replace = has_ending(path, (const char *const[]){"obj", "ply", "off", "stl", "x3d", NULL}),
         .may_lack = has_ending(path, (const char *const[]){"amf", NULL}),
         .scale = 1};
     const bool is_obj = has_ending(path, (const char *const[]){"obj", NULL});

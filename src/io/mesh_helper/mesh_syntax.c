@@ -110,35 +110,6 @@ static bool has_word(const char *text, size_t size, const char *word)
     return false;
 }
 
-/* 0 is the default: flat. */
-static bool has_crease(const char *text, size_t size)
-{
-    static const char word[] = "creaseAngle=";
-    for (const char *at = text, *end = text + size;
-         (at = memchr(at, *word, (size_t)(end - at))) && (size_t)(end - at) > sizeof word; at++) {
-        char number[16] = {0};
-        if (memcmp(at, word, sizeof word - 1) != 0)
-            continue;
-        const char *value = at + sizeof word; /* behind the quote */
-        memcpy(number, value, (size_t)(end - value) < 15 ? (size_t)(end - value) : 15);
-        if (strtod(number, NULL) > 0)
-            return true;
-    }
-    return false;
-}
-
-static void note_rest_of_x3d(const char *path, const char *text, size_t size, rk_mesh_hints *hints)
-{
-    if (has_crease(text, size))
-        rk_mesh_hints_note(hints, path,
-                           "has creaseAngle, which Assimp does not read: smooth faces without "
-                           "normals are drawn flat");
-    if (has_word(text, size, "<ProtoInstance"))
-        rk_mesh_hints_note(hints, path,
-                           "has prototypes (ProtoInstance), which Assimp does not read: what they "
-                           "stand for is not drawn");
-}
-
 static bool check_packing(const char *path, const char *text, size_t size, rk_error *error)
 {
     if (size >= 4 && memcmp(text, "\x28\xb5\x2f\xfd", 4) == 0)
@@ -206,7 +177,7 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
     if (has_ending(path, "amf"))
         return rk_mesh_syntax_amf(path, text, size, hints, error);
     if (has_ending(path, "x3d"))
-        note_rest_of_x3d(path, text, size, hints);
+        return rk_mesh_syntax_x3d(path, text, size, hints, error);
     if (has_ending(path, "dae")) {
         hints->text = copy_without_blanks(path, text, size, &hints->size, error);
         return hints->text != NULL;

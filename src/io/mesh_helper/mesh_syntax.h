@@ -28,6 +28,7 @@ typedef struct rk_mesh_hints {
     size_t models;       /* in the archive of a 3MF file, of which Assimp reads one */
     bool has_wide_draco; /* compressed indices of 32 bits, which Assimp does not decode */
     bool is_gltf_1;      /* version 1.0, of which Assimp reads some */
+    char undrawn[256];   /* nodes of an X3D file that Assimp leaves out, or "" */
     char missing[256];   /* the name of a file that a glTF file needs, if it is not there, or "" */
     char folders[RK_MESH_HINTS_FOLDERS][1024]; /* of material files, relative, with a slash */
     int folder_count;
@@ -53,6 +54,8 @@ bool rk_mesh_syntax_stl(const char *path, const char *text, size_t size, rk_mesh
 bool rk_mesh_syntax_3mf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
 bool rk_mesh_syntax_amf(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error);
+bool rk_mesh_syntax_x3d(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);
 bool rk_mesh_syntax_glb(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error);

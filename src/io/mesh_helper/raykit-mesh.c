@@ -371,6 +371,12 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
         note_rest_of_3mf(hints, path);
         ok = write_mesh(&mesh, &textures, path, error);
     }
+    if (!ok && hints->undrawn[0] && strstr(error->text, "has no triangles"))
+        rk_fail(
+            error,
+            "%s: Assimp reads no triangles of it, only nodes that it leaves out (%s): export it "
+            "without them, or as glTF",
+            path, hints->undrawn);
     if (!ok && strstr(error->text, "no memory for"))
         rk_mesh_guard_fail_memory(error);
     if (textures.too_many)

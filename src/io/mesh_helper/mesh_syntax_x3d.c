@@ -1,0 +1,219 @@
+/* io/mesh_helper/mesh_syntax.h for X3D in XML: tells what Assimp leaves out, and writes tags that
+ * Assimp reads wrongly as it needs them. Format: ISO/IEC 19775-1 and 19776-1. */
+#include "io/mesh_helper/mesh_files.h"
+#include "io/mesh_helper/mesh_rewrite.h"
+#include "io/mesh_helper/mesh_syntax.h"
+
+#include <stdio.h>
+#include <stdlib.h>
+#include <string.h>
+
+/* Nodes that show something, or hold what does. */
+static const char *const undrawn[] = {
+    "Anchor",       "Billboard",         "CADAssembly",      "CADFace",      "CADLayer",
+    "CADPart",      "Collision",         "GeoElevationGrid", "GeoLOD",       "GeoLocation",
+    "GeoTransform", "HAnimHumanoid",     "IndexedQuadSet",   "LOD",          "MovieTexture",
+    "MultiTexture", "NurbsPatchSurface", "ParticleSystem",   "PixelTexture", "QuadSet",
+    "Text",         "TriangleStripSet"};
+
+enum { undrawn_count = sizeof undrawn / sizeof *undrawn };
+
+typedef struct x3d_parser {
+    const char *path;
+    rk_mesh_hints *hints;
+    mesh_rewrite rewrite;
+    bool has_undrawn[undrawn_count], has_crease, has_prototypes;
+} x3d_parser;
+
+typedef struct span {
+    const char *from, *to;
+} span;
+
+static bool is_blank(char c)
+{
+    return c == ' ' || c == '\t' || c == '\r' || c == '\n';
+}
+
+/* `tag` begins with its bracket. */
+static bool is_tag(span tag, const char *name)
+{
+    const size_t length = strlen(name);
+    return (size_t)(tag.to - tag.from) > length + 1 && memcmp(tag.from + 1, name, length) == 0 &&
+           (is_blank(tag.from[length + 1]) || strchr("/>", tag.from[length + 1]));
+}
+
+/* The next tag, up to its last bracket, or comment, whose signs mean nothing. False at the end. */
+static bool next_tag(const char **at, const char *end, span *tag)
+{
+    static const char comment[] = "<!--";
+    tag->from = memchr(*at, '<', (size_t)(end - *at));
+    if (!tag->from)
+        return false;
+    const bool is_comment = end - tag->from > 4 && memcmp(tag->from, comment, 4) == 0;
+    char quote = '\0';
+    for (const char *c = tag->from; c < end; c++) {
+        if (is_comment ? *c == '>' && memcmp(c - 2, "--", 2) == 0 : *c == '>' && !quote) {
+            *at = tag->to = c + 1;
+            return true;
+        }
+        if (!is_comment && (quote ? *c == quote : *c == '"' || *c == '\''))
+            quote = quote ? '\0' : *c;
+    }
+    return false;
+}
+
+/* Finds its value, without the quotes. */
+static bool find_attribute(span tag, const char *name, span *value)
+{
+    const size_t length = strlen(name);
+    for (const char *c = tag.from; c < tag.to; c++) {
+        const bool is_it = (size_t)(tag.to - c) > length + 3 && is_blank(c[0]) &&
+                           memcmp(c + 1, name, length) == 0 &&
+                           (c[length + 1] == '=' || is_blank(c[length + 1]));
+        if (is_it) {
+            const char *from = c + 1 + length;
+            from += strspn(from, " \t\r\n="); /* ends at the tag's bracket */
+            const char *to = memchr(from + 1, *from, (size_t)(tag.to - from - 1));
+            *value = (span){from + 1, to};
+            return to && strchr("\"'", *from);
+        }
+        if (*c == '"' || *c == '\'') { /* another's value */
+            const char *close = memchr(c + 1, *c, (size_t)(tag.to - c - 1));
+            c = close ? close : tag.to - 1;
+        }
+    }
+    return false;
+}
+
+static double number_of(span value)
+{
+    char number[16] = {0};
+    const size_t length = (size_t)(value.to - value.from);
+    memcpy(number, value.from, length < 15 ? length : 15);
+    return strtod(number, NULL);
+}
+
+/* --- addresses ----------------------------------------------------------------------------- */
+
+/* A list of strings in quotes, or one string without. Moves `at` behind the string. */
+static bool next_string(const char **at, const char *end, span *string)
+{
+    static const char escaped[] = "&quot;";
+    while (*at < end && (is_blank(**at) || **at == ','))
+        ++*at;
+    const bool is_escaped = end - *at >= 6 && memcmp(*at, escaped, 6) == 0;
+    if (*at == end)
+        return false;
+    if (!is_escaped && **at != '"') {
+        *string = (span){*at, end};
+        *at = end;
+        return true;
+    }
+    const size_t quote = is_escaped ? 6 : 1;
+    string->from = *at + quote;
+    for (const char *c = string->from; (size_t)(end - c) >= quote; c++)
+        if (memcmp(c, is_escaped ? escaped : "\"", quote) == 0) {
+            string->to = c;
+            *at = c + quote;
+            return true;
+        }
+    return false;
+}
+
+/* Assimp refuses the whole file for a string in quotes without a blank, joins it to the next one,
+ * and loses blanks; so it is given one alone: the first that is there. */
+static void write_address(x3d_parser *s, span list)
+{
+    char found[RK_MESH_FILES_NAME];
+    span first = {NULL, NULL}, string;
+    bool is_there = false;
+    for (const char *at = list.from; !is_there && next_string(&at, list.to, &string);) {
+        const size_t length = (size_t)(string.to - string.from);
+        is_there = rk_mesh_files_find(found, s->path, "", string.from, length);
+        if (!first.from || is_there)
+            first = string;
+    }
+    if (!first.from || (first.from == list.from && first.to == list.to))
+        return;
+    rewrite_skip(&s->rewrite, list.from, list.to);
+    for (const char *c = first.from; c < first.to; c++)
+        if (is_blank(*c))
+            fputs("%20", s->rewrite.out);
+        else
+            fputc(*c, s->rewrite.out);
+}
+
+/* --- tags ---------------------------------------------------------------------------------- */
+
+/* Assimp's points downwards, and upwards if its height is negative. */
+static void turn_cone(x3d_parser *s, span tag)
+{
+    span side, height, other;
+    if (find_attribute(tag, "USE", &other) ||
+        (find_attribute(tag, "side", &side) && *side.from == 'f'))
+        return;
+    if (!find_attribute(tag, "height", &height)) {
+        rewrite_skip(&s->rewrite, tag.from + 5, tag.from + 5);
+        fputs(" height='-2'", s->rewrite.out);
+        return;
+    }
+    const double value = number_of(height);
+    rewrite_skip(&s->rewrite, height.from, height.to);
+    fprintf(s->rewrite.out, "%.9g", -value);
+}
+
+static void see_tag(x3d_parser *s, span tag)
+{
+    span value;
+    for (int i = 0; i < undrawn_count; i++)
+        s->has_undrawn[i] |= is_tag(tag, undrawn[i]);
+    s->has_prototypes |= is_tag(tag, "ProtoInstance");
+    s->has_crease |= find_attribute(tag, "creaseAngle", &value) && number_of(value) > 0;
+    if (is_tag(tag, "Cone"))
+        turn_cone(s, tag);
+    if ((is_tag(tag, "ImageTexture") || is_tag(tag, "Inline")) &&
+        find_attribute(tag, "url", &value))
+        write_address(s, value);
+    if (is_tag(tag, "MetadataString") && find_attribute(tag, "value", &value))
+        write_address(s, value);
+}
+
+static void note(const x3d_parser *s)
+{
+    char *list = s->hints->undrawn;
+    for (int i = 0; i < undrawn_count; i++)
+        if (s->has_undrawn[i]) {
+            const size_t length = strlen(list);
+            snprintf(list + length, sizeof s->hints->undrawn - length, "%s%s", length ? ", " : "",
+                     undrawn[i]);
+        }
+    if (*list)
+        rk_mesh_hints_note(
+            s->hints, s->path,
+            "has nodes (%s), which Assimp does not read: what they hold is not drawn", list);
+    if (s->has_crease)
+        rk_mesh_hints_note(s->hints, s->path,
+                           "has creaseAngle, which Assimp does not read: smooth faces without "
+                           "normals are drawn flat");
+    if (s->has_prototypes)
+        rk_mesh_hints_note(s->hints, s->path,
+                           "has prototypes (ProtoInstance), which Assimp does not read: what they "
+                           "stand for is not drawn");
+}
+
+bool rk_mesh_syntax_x3d(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
+                        rk_error *error)
+{
+    const char *at = text, *const end = text + size;
+    x3d_parser s = {.path = path, .hints = hints};
+    s.rewrite = (mesh_rewrite){open_memstream(&hints->text, &hints->size), text};
+    if (!s.rewrite.out)
+        return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+    for (span tag; next_tag(&at, end, &tag);)
+        see_tag(&s, tag);
+    rewrite_skip(&s.rewrite, end, end);
+    if (fclose(s.rewrite.out) != 0)
+        return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
+    note(&s);
+    return true;
+}
