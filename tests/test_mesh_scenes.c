@@ -279,6 +279,73 @@ static void blanks_in_the_name_of_a_gltfs_file_may_be_escaped(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* All corners are at (.1, .2) in set 0, and at (.5, .75) in set 1. */
+static test_path write_sets(const char *name, const char *texture, bool is_glb)
+{
+    char json[2000];
+    int size = snprintf(
+        json, sizeof json,
+        "{\"asset\":{\"version\":\"2.0\"},\"extensionsUsed\":[\"KHR_texture_transform\"],"
+        "\"scene\":0,\"scenes\":[{\"nodes\":[0]}],\"nodes\":[{\"mesh\":0}],\"meshes\":[{"
+        "\"primitives\":[{\"material\":0,\"attributes\":{\"POSITION\":0,\"TEXCOORD_0\":1,"
+        "\"TEXCOORD_1\":2}}]}],\"materials\":[{\"pbrMetallicRoughness\":{\"baseColorTexture\":"
+        "{%s}}}],\"textures\":[{\"source\":0}],\"images\":[{\"uri\":\"red.ppm\"}],\"accessors\":["
+        "{\"bufferView\":0,\"componentType\":5126,\"count\":3,\"type\":\"VEC3\","
+        "\"min\":[0,0,0],\"max\":[1,1,0]},{\"bufferView\":1,\"componentType\":5126,"
+        "\"count\":3,\"type\":\"VEC2\"},{\"bufferView\":2,\"componentType\":5126,"
+        "\"count\":3,\"type\":\"VEC2\"}],\"bufferViews\":[{\"buffer\":0,\"byteLength\":36},"
+        "{\"buffer\":0,\"byteOffset\":36,\"byteLength\":24},"
+        "{\"buffer\":0,\"byteOffset\":60,\"byteLength\":24}],"
+        "\"buffers\":[{\"byteLength\":84%s}]}",
+        texture, is_glb ? "" : ",\"uri\":\"sets.bin\"");
+    const float sets[2][6] = {{.1f, .2f, .1f, .2f, .1f, .2f}, {.5f, .75f, .5f, .75f, .5f, .75f}};
+    unsigned char bytes[84], file[3000];
+    memcpy(bytes, triangle_bytes, 36);
+    memcpy(bytes + 36, sets, 48);
+    test_folder_write(&folder, "red.ppm", "P6\n1 1\n255\n\377\0\0", 14, 0600);
+    test_folder_write(&folder, "sets.bin", bytes, sizeof bytes, 0600);
+    if (!is_glb)
+        return write_text(name, json);
+    while (size % 4)
+        json[size++] = ' ';
+    const uint32_t words[] = {2, (uint32_t)size + 112, (uint32_t)size}, length = 84;
+    memcpy(file, "glTF", 4);
+    memcpy(file + 4, words, 12);
+    memcpy(file + 16, "JSON", 4);
+    memcpy(file + 20, json, (size_t)size);
+    memcpy(file + 20 + size, &length, 4);
+    memcpy(file + 24 + size, "BIN", 4);
+    memcpy(file + 28 + size, bytes, 84);
+    return test_folder_write(&folder, name, file, (size_t)size + 112, 0600);
+}
+
+/* The extension's specification, "Overrides the textureInfo texCoord value". */
+static void a_gltfs_transform_may_name_another_set_of_coordinates(void **state)
+{
+    (void)state;
+#define TRANSFORM(members) "\"extensions\":{\"KHR_texture_transform\":{" members "}}"
+    static const struct {
+        const char *texture;
+        float u, v;
+    } sets[] = {
+        {"\"index\":0," TRANSFORM(""), .1f, .2f},
+        {"\"index\":0," TRANSFORM("\"texCoord\":1"), .5f, .75f},
+        {"\"index\":0," TRANSFORM("\"texCoord\":1,\"offset\":[0.25,0]"), .75f, .75f},
+        {"\"index\":0,\"texCoord\":1," TRANSFORM("\"texCoord\":0"), .1f, .2f},
+        {TRANSFORM("\"texCoord\": 1") ",\"texCoord\":0,\"index\":0", .5f, .75f},
+    };
+    for (size_t i = 0; i < sizeof sets / sizeof *sets; i++)
+        for (int is_glb = 0; is_glb < 2; is_glb++) {
+            const char *name = is_glb ? "sets.glb" : "sets.gltf";
+            rk_mesh mesh = load(write_sets(name, sets[i].texture, is_glb));
+            rk_check_equal(mesh.texture_count, 1, sets[i].texture);
+            const rk_vec2 at = mesh.texcoords[mesh.triangles[0][0]];
+            rk_check_close(at.x, sets[i].u, 1e-6, sets[i].texture);
+            rk_check_close(1 - at.y, sets[i].v, 1e-6, sets[i].texture);
+            rk_mesh_free(&mesh);
+        }
+}
+
 static void a_gltf_of_version_1_is_read_or_told_to_be_one(void **state)
 {
     (void)state;
@@ -299,6 +366,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(cones_of_an_x3d_point_upwards),
     cmocka_unit_test(a_gltf_names_the_file_that_it_lacks),
     cmocka_unit_test(blanks_in_the_name_of_a_gltfs_file_may_be_escaped),
+    cmocka_unit_test(a_gltfs_transform_may_name_another_set_of_coordinates),
     cmocka_unit_test(a_gltf_of_version_1_is_read_or_told_to_be_one),
     cmocka_unit_test(a_small_file_may_show_a_part_many_times),
     cmocka_unit_test(pictures_inside_an_fbx_are_found_by_their_names),

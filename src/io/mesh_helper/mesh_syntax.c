@@ -3,6 +3,7 @@
 #include "io/mesh_helper/mesh_syntax.h"
 
 #include "io/lfs_pointer.h"
+#include "io/mesh_helper/mesh_gltf_sets.h"
 #include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/mesh_ply_names.h"
 #include "io/mesh_helper/mesh_unread.h"
@@ -142,8 +143,8 @@ static bool parse_changed(const char *path, char *changed, size_t size, rk_mesh_
 static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh_hints *hints,
                         rk_error *error)
 {
-    size_t utf8_size = 0, named_size = 0;
-    char *named = NULL;
+    size_t utf8_size = 0, mended_size = 0;
+    char *mended = NULL;
     if (!has_word(text, size < 4096 ? size : 4096, "'IFC") &&
         !rk_mesh_unread_check(path, text, size, error))
         return false; /* a STEP file may hold a building (IFC), which Assimp reads */
@@ -162,10 +163,12 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
     if ((has_ending(path, "ply") || has_ending(path, "off")) && ends_lines_by_returns(text, size))
         return rk_fail(
             error, "%s: its lines end in carriage returns alone: save it with line feeds", path);
-    if (has_ending(path, "ply") && !rk_mesh_ply_names_mend(text, size, &named, &named_size))
+    const bool is_gltf = has_ending(path, "glb") || has_ending(path, "gltf");
+    if ((has_ending(path, "ply") && !rk_mesh_ply_names_mend(text, size, &mended, &mended_size)) ||
+        (is_gltf && !rk_mesh_gltf_sets_mend(text, size, &mended, &mended_size)))
         return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
-    if (named)
-        return parse_changed(path, named, named_size, hints, error);
+    if (mended)
+        return parse_changed(path, mended, mended_size, hints, error);
     if (has_ending(path, "ply"))
         return rk_mesh_syntax_ply(path, text, size, hints, error);
     if (has_ending(path, "off"))
