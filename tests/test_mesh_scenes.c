@@ -81,21 +81,39 @@ static void an_fbx_names_the_axis_that_points_up(void **state)
     check_up(UP(0, 1), 1);
     check_up(UP(1, 1), 2);
     check_up(UP(2, 1), 3);
-    check_up(UP(2, -1), 0); /* that needs a word of the user */
     check_up(UP(7, 1), 0);
+}
+
+/* Turned by half about the axis to the front, which is y if the file names none. */
+static void an_fbx_that_hangs_from_its_axis_is_turned(void **state)
+{
+    (void)state;
+    static const char front[] = "  P: \"FrontAxis\", \"int\", \"Integer\", \"\",";
+    char settings[300];
+    check_up(UP(2, -1), 3);
+    for (int axis = 0; axis < 3; axis += 2) { /* to the sides of y */
+        snprintf(settings, sizeof settings, UP(1, -1) "%s%d\n", front, axis);
+        rk_mesh mesh = load(write_fbx("hangs.fbx", settings, "red.ppm"));
+        rk_check_equal(mesh.up, 2, "y");
+        check_point(corner(&mesh, 0, 2), 0, -2, 0);
+        check_point(corner(&mesh, 0, 1), axis == 0 ? 1 : -1, 0, 0);
+        check_point(vector_area(&mesh, 0), 0, 0, axis == 0 ? -1 : 1);
+        rk_mesh_free(&mesh);
+    }
 }
 
 /* --- Collada -------------------------------------------------------------------------------- */
 
 /* Each level shows the one below it twice. */
-static test_path write_instances(int levels)
+static test_path write_instances_up(const char *up, int levels)
 {
     const test_path path = test_folder_path(&folder, "instances.dae");
     FILE *out = fopen(path.text, "w");
     rk_check(out, "the file can be written");
-    fputs(
+    fprintf(
+        out,
         "<COLLADA xmlns=\"http://www.collada.org/2005/11/COLLADASchema\" version=\"1.4.1\"><asset>"
-        "<up_axis>Y_UP</up_axis></asset><library_geometries><geometry id=\"g\"><mesh>"
+        "%s</asset><library_geometries><geometry id=\"g\"><mesh>"
         "<source id=\"p\"><float_array id=\"a\" count=\"9\">0 0 0 1 0 0 0 1 0</float_array>"
         "<technique_common><accessor source=\"#a\" count=\"3\" stride=\"3\">"
         "<param name=\"X\" type=\"float\"/><param name=\"Y\" type=\"float\"/>"
@@ -104,7 +122,7 @@ static test_path write_instances(int levels)
         "<triangles count=\"1\"><input semantic=\"VERTEX\" source=\"#v\" offset=\"0\"/>"
         "<p>0 1 2</p></triangles></mesh></geometry></library_geometries><library_nodes>"
         "<node id=\"n0\"><instance_geometry url=\"#g\"/></node>",
-        out);
+        up);
     for (int i = 1; i <= levels; i++)
         fprintf(out,
                 "<node id=\"n%d\"><instance_node url=\"#n%d\"/><node><translate>%d 0 0</translate>"
@@ -117,6 +135,32 @@ static test_path write_instances(int levels)
             levels);
     fclose(out);
     return path;
+}
+
+static test_path write_instances(int levels)
+{
+    return write_instances_up("<up_axis>Y_UP</up_axis>", levels);
+}
+
+/* So that it is turned once, whether the user says it, too, or not. */
+static void a_collada_file_names_the_axis_that_points_up(void **state)
+{
+    (void)state;
+    static const struct {
+        const char *text;
+        uint32_t up;
+    } axes[] = {{"<up_axis>X_UP</up_axis>", 1},
+                {"<up_axis>Y_UP</up_axis>", 2},
+                {"<up_axis>Z_UP</up_axis>", 3},
+                {"<up_axis>\n Z_UP\n</up_axis>", 3},
+                {"", 0}};
+    for (size_t i = 0; i < sizeof axes / sizeof *axes; i++) {
+        rk_mesh mesh = load(write_instances_up(axes[i].text, 0));
+        rk_check_equal(mesh.up, axes[i].up, axes[i].text);
+        check_point(corner(&mesh, 0, 1), 1, 0, 0);
+        check_point(corner(&mesh, 0, 2), 0, 1, 0);
+        rk_mesh_free(&mesh);
+    }
 }
 
 static void a_small_file_may_show_a_part_many_times(void **state)
@@ -371,6 +415,8 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(a_small_file_may_show_a_part_many_times),
     cmocka_unit_test(pictures_inside_an_fbx_are_found_by_their_names),
     cmocka_unit_test(an_fbx_names_the_axis_that_points_up),
+    cmocka_unit_test(an_fbx_that_hangs_from_its_axis_is_turned),
+    cmocka_unit_test(a_collada_file_names_the_axis_that_points_up),
 };
 
 RK_SUITE_IN("mesh_scenes", tests, make_folder, remove_folder)

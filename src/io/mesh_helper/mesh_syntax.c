@@ -7,6 +7,7 @@
 #include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/mesh_ply_names.h"
 #include "io/mesh_helper/mesh_unread.h"
+#include "io/mesh_helper/mesh_up.h"
 #include "io/mesh_helper/text_encoding.h"
 
 #include <errno.h>
@@ -182,6 +183,7 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
     if (has_ending(path, "x3d"))
         return rk_mesh_syntax_x3d(path, text, size, hints, error);
     if (has_ending(path, "dae")) {
+        hints->up = rk_mesh_up_of_collada(text, size);
         hints->text = copy_without_blanks(path, text, size, &hints->size, error);
         return hints->text != NULL;
     }

@@ -6,6 +6,8 @@
 #include "base/error.h"
 #include "io/mesh_helper/json_cursor.h"
 
+#include <stdint.h>
+
 enum { RK_MESH_HINTS_FOLDERS = 8 };
 
 /* Further results of the check. */
@@ -27,6 +29,7 @@ typedef struct rk_mesh_hints {
     size_t part_count;
     size_t models;       /* in the archive of a 3MF file, of which Assimp reads one */
     bool has_wide_draco; /* compressed indices of 32 bits, which Assimp does not decode */
+    uint32_t up;         /* the axis that a Collada file names, 1 to 3 for x to z; or 0 */
     bool is_gltf_1;      /* version 1.0, of which Assimp reads some */
     char undrawn[256];   /* nodes of an X3D file that Assimp leaves out, or "" */
     char missing[256];   /* the name of a file that a glTF file needs, if it is not there, or "" */

@@ -10,9 +10,11 @@
 #include "io/mesh_helper/mesh_io.h"
 #include "io/mesh_helper/mesh_rewrite.h"
 #include "io/mesh_helper/mesh_syntax.h"
+#include "io/mesh_helper/mesh_up.h"
 #include "io/mesh_stream.h"
 
 #include <assimp/cimport.h>
+#include <assimp/config.h>
 #include <errno.h>
 #include <stdio.h>
 #include <stdlib.h>
@@ -314,22 +316,15 @@ static bool is_skeleton(const struct aiScene *scene, const char *path)
            strcmp(name.data, "SkeletonMaterial") == 0;
 }
 
-/* Its number plus 1; 0 where the format or the file leaves it open. Collada's and 3DS's are +y,
- * because Assimp turns them. */
-static uint32_t up_axis(const struct aiScene *scene, const char *path)
+/* A Collada file's axes stay as they are, as of other formats. */
+static const struct aiScene *import(const char *path)
 {
-    const struct aiMetadata *data = scene->mMetaData;
-    int32_t axis = -1, sign = 1;
-    if (has_ending(path, "blend") || has_ending(path, "3mf"))
-        return 3;
-    for (uint32_t i = 0; has_ending(path, "fbx") && data && i < data->mNumProperties; i++) {
-        const struct aiMetadataEntry *entry = &data->mValues[i];
-        if (entry->mType == AI_INT32 && strcmp(data->mKeys[i].data, "UpAxis") == 0)
-            memcpy(&axis, entry->mData, sizeof axis);
-        if (entry->mType == AI_INT32 && strcmp(data->mKeys[i].data, "UpAxisSign") == 0)
-            memcpy(&sign, entry->mData, sizeof sign);
-    }
-    return sign == 1 && axis >= 0 && axis < 3 ? (uint32_t)axis + 1 : 0;
+    struct aiPropertyStore *properties = aiCreatePropertyStore();
+    aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION,
+                               has_ending(path, "dae"));
+    const struct aiScene *scene = aiImportFileExWithProperties(path, 0, &rk_mesh_io, properties);
+    aiReleasePropertyStore(properties);
+    return scene;
 }
 
 /* No post-processing: Assimp's triangulation aborts on some broken files, and its joining of
@@ -342,7 +337,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
         return false;
     if (hints->text)
         rk_mesh_io_replace(path, hints->text, hints->size);
-    scene = aiImportFileEx(path, 0, &rk_mesh_io);
+    scene = import(path);
     if (!scene && strstr(aiGetErrorString(), "bad_alloc"))
         return rk_mesh_guard_fail_memory(error);
     if (!scene || (hints->is_gltf_1 && !scene->mRootNode))
@@ -362,7 +357,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
               rk_mesh_gather(&mesh, &textures, scene, path, hints, error) &&
               rk_mesh_validate(&mesh, path, error);
     if (ok) {
-        mesh.up = up_axis(scene, path);
+        rk_mesh_up_set(&mesh, scene, path, hints->up);
         find_pictures(&textures, hints, path);
         note_distance(hints, &mesh, path);
         note_area(hints, &mesh, path);
