@@ -297,6 +297,34 @@ static void a_colour_of_an_amf_without_opacity_is_opaque(void **state)
     rk_mesh_free(&mesh);
 }
 
+/* By degrees about x, then y, then z, before they are moved. */
+static void constellations_of_an_amf_turn_and_move_their_objects(void **state)
+{
+    (void)state;
+    rk_mesh mesh = load(write_text(
+        "placed.amf",
+        "<amf><object id=\"1\"><mesh><vertices>" POINT(1, 0) POINT(0, 1)
+            POINT(0, 0) "</vertices><volume><triangle>" CORNERS(
+                0, 1,
+                2) "</triangle></volume></mesh></object>"
+                   "<constellation id=\"2\"><instance objectid=\"1\"><deltax>5</deltax><rx>0</rx>"
+                   "</instance><instance objectid=\"1\"><deltax>0</deltax><deltay>0</deltay>"
+                   "<deltaz>10</deltaz><rx>90</rx><ry>0</ry><rz>90</rz></instance></constellation>"
+                   "<constellation id=\"3\"><instance "
+                   "objectid=\"2\"><deltay>100</deltay></instance>"
+                   "</constellation></amf>"));
+    static const double wanted[6][3] = {{6, 100, 0},  {5, 101, 0},  {5, 100, 0},
+                                        {0, 101, 10}, {0, 100, 11}, {0, 100, 10}};
+    rk_check_equal(mesh.triangle_count, 2, "only the outer constellation");
+    for (uint32_t i = 0; i < 6; i++) {
+        const rk_vec3 p = corner(&mesh, i / 3, (int)i % 3);
+        rk_check_close(p.x, wanted[i][0], 1e-6, "x");
+        rk_check_close(p.y, wanted[i][1], 1e-6, "y");
+        rk_check_close(p.z, wanted[i][2], 1e-6, "z");
+    }
+    rk_mesh_free(&mesh);
+}
+
 static void an_amf_in_an_archive_is_refused(void **state)
 {
     (void)state;
@@ -495,6 +523,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(every_volume_of_an_amf_is_drawn),
     cmocka_unit_test(an_amf_without_colours_is_grey),
     cmocka_unit_test(a_colour_of_an_amf_without_opacity_is_opaque),
+    cmocka_unit_test(constellations_of_an_amf_turn_and_move_their_objects),
     cmocka_unit_test(an_amf_in_an_archive_is_refused),
     cmocka_unit_test(xml_may_be_in_utf16),
     cmocka_unit_test(a_transparency_of_0_in_collada_is_drawn_with_a_note),

@@ -27,6 +27,8 @@ typedef struct rk_mesh_hints {
     size_t wedge_count;
     struct rk_mesh_gltf_parts_one *parts; /* of a glTF file, in its order, or NULL */
     size_t part_count;
+    struct rk_mesh_amf_place *places; /* of an AMF file's instances, in its order, or NULL */
+    size_t place_count;
     size_t models;       /* in the archive of a 3MF file, of which Assimp reads one */
     bool has_wide_draco; /* compressed indices of 32 bits, which Assimp does not decode */
     uint32_t up;         /* the axis that a Collada file names, 1 to 3 for x to z; or 0 */

@@ -1,6 +1,7 @@
 /* io/mesh_helper/mesh_syntax.h for AMF, whose objects have vertices and volumes of triangles:
  * Assimp 5.2 reads the first volume of an object, so the others are joined to it. Format: ISO/ASTM
  * 52915, "Additive manufacturing file format (AMF)". */
+#include "io/mesh_helper/mesh_amf_places.h"
 #include "io/mesh_helper/mesh_syntax.h"
 
 #include <stdlib.h>
@@ -106,6 +107,8 @@ bool rk_mesh_syntax_amf(const char *path, const char *text, size_t size, rk_mesh
 {
     if (size >= 2 && memcmp(text, "PK", 2) == 0)
         return rk_fail(error, "%s: is compressed by ZIP: unzip it, and name the file in it", path);
+    if (!rk_mesh_amf_places_read(hints, path, text, size, error))
+        return false;
     size_t copied = 0;
     bool is_clear = false;
     amf_parser s = {.text = copy_with_opacities(path, text, size, &copied, &is_clear, error)};

@@ -2,6 +2,7 @@
  * mesh_stream.h. On failure the exit status is 1 and the last line on standard error is the reason.
  * raykit-mesh --version: prints the version, which is that of the drivers.
  * rk_mesh_file_read starts it; a file that makes Assimp crash ends only this process. */
+#include "io/mesh_helper/mesh_amf_places.h"
 #include "io/mesh_helper/mesh_attributes.h"
 #include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_gather.h"
@@ -351,6 +352,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
                        path);
     compare_counts(hints, scene, path);
     rk_mesh_attributes_lend(scene, hints);
+    rk_mesh_amf_places_apply(scene, hints);
     rk_mesh mesh = {0};
     rk_mesh_textures textures = {0};
     bool ok = rk_mesh_gltf_parts_mend(scene, hints, path, error) &&
@@ -392,6 +394,7 @@ static void free_hints(rk_mesh_hints *hints)
     free(hints->face_colours);
     free(hints->wedges);
     free(hints->parts);
+    free(hints->places);
 }
 
 int main(int argc, char **argv)
