@@ -190,6 +190,24 @@ static void a_material_that_no_file_has_is_named(void **state)
     }
 }
 
+/* A name may have the sign in it, as 3ds Max writes it. */
+static void a_comment_may_follow_the_name_of_a_material(void **state)
+{
+    (void)state;
+    write_text("named.mtl", "newmtl red\nKd 1 0 0\nnewmtl Material #2\nKd 0 1 0\nnewmtl a#b\n"
+                            "Kd 0 0 1\nnewmtl Material\nKd 1 1 1\n");
+    rk_mesh mesh = load(write_text("named.obj", "mtllib named.mtl # all of them\n" CORNERS
+                                                "usemtl red # shiny # 2\n" FACE
+                                                "usemtl Material #2 # green\n" FACE
+                                                "usemtl a#b\t#c\n" FACE "usemtl red\n" FACE));
+    rk_check_equal(mesh.triangle_count, 4, "triangles");
+    for (uint32_t i = 0; i < mesh.triangle_count; i++) {
+        const rk_vec3 kd = mesh.materials[mesh.triangle_materials[i]].kd;
+        check_point(kd, i == 0 || i == 3, i == 1, i == 2);
+    }
+    rk_mesh_free(&mesh);
+}
+
 /* Assimp gives them a later one. */
 static void faces_before_the_first_material_have_none(void **state)
 {
@@ -1242,6 +1260,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(the_picture_of_a_black_material_is_drawn),
     cmocka_unit_test(words_of_an_mtl_may_be_in_capitals),
     cmocka_unit_test(a_material_that_no_file_has_is_named),
+    cmocka_unit_test(a_comment_may_follow_the_name_of_a_material),
     cmocka_unit_test(faces_before_the_first_material_have_none),
     cmocka_unit_test(invisible_materials_are_told),
     cmocka_unit_test(a_mesh_without_any_area_says_so),

@@ -70,12 +70,43 @@ static bool leaves_picture(const rk_mesh_emit_part *p)
     return false;
 }
 
+static uint32_t source_named(const rk_mesh_emit_state *g, const char *name, uint32_t otherwise)
+{
+    struct aiString other;
+    for (uint32_t i = 0; i < g->scene->mNumMaterials; i++)
+        if (aiGetMaterialString(g->scene->mMaterials[i], AI_MATKEY_NAME, &other) ==
+                aiReturn_SUCCESS &&
+            strcmp(other.data, name) == 0)
+            return i;
+    return otherwise;
+}
+
+/* Where no material file has the name that an OBJ uses, the longest one before a comment. */
+static uint32_t without_comment(const rk_mesh_emit_state *g, uint32_t source)
+{
+    struct aiString name;
+    if (!g->mtl.count || aiGetMaterialString(g->scene->mMaterials[source], AI_MATKEY_NAME, &name) !=
+                             aiReturn_SUCCESS)
+        return source;
+    for (char *sign; (sign = strrchr(name.data, '#')) && !rk_mesh_mtl_find(&g->mtl, name.data);) {
+        if (sign == name.data || !strchr(" \t", sign[-1]))
+            return source;
+        while (sign > name.data && strchr(" \t", sign[-1]))
+            sign--;
+        *sign = '\0';
+    }
+    const bool is_cut = strlen(name.data) < name.length;
+    return is_cut ? source_named(g, name.data, source) : source;
+}
+
 static bool find_material(rk_mesh_emit_state *g, rk_mesh_emit_part *p, rk_error *error)
 {
     uint32_t source = g->plain ? 0 : p->mesh->mMaterialIndex;
     if (source >= g->scene->mNumMaterials && !g->plain)
         return rk_fail(error, "%s: part \"%.100s\" uses material %u, but the file has %u: %s",
                        g->path, p->mesh->mName.data, source, g->scene->mNumMaterials, remedy);
+    if (source < g->scene->mNumMaterials && !g->plain)
+        source = without_comment(g, source);
     uint32_t set = 0, key = variants * source;
     bool textured =
         source < g->scene->mNumMaterials && rk_mesh_texture_set(g->scene->mMaterials[source], &set);
