@@ -136,12 +136,16 @@ void rk_mesh_guard_allow(const struct stat *file)
     set_limits();
 }
 
-bool rk_mesh_guard_fail_memory(rk_error *error)
+bool rk_mesh_guard_fail_memory(size_t uses, rk_error *error)
 {
+    char reason[100] = "it is damaged, or has too many parts or materials";
+    if (uses > 1000)
+        snprintf(reason, sizeof reason, "it has too many parts or materials (%zu usemtl lines)",
+                 uses);
     return rk_fail(
         error,
         "%.700s: takes more than %llu MB of memory, which is too much for a file of %llu "
-        "bytes: it is damaged, or has too many parts or materials: export it again, or "
-        "join some",
-        guard.path, (unsigned long long)(guard.memory >> 20), (unsigned long long)guard.bytes);
+        "bytes: %s: export it again, or join some",
+        guard.path, (unsigned long long)(guard.memory >> 20), (unsigned long long)guard.bytes,
+        reason);
 }

@@ -16,7 +16,7 @@ void rk_mesh_guard_begin(const char *path);
  * opened. */
 void rk_mesh_guard_allow(const struct stat *file);
 
-/* Fails with the reason for an allocation that failed. */
-bool rk_mesh_guard_fail_memory(rk_error *error);
+/* Fails with the reason for an allocation that failed; `uses` are the file's usemtl lines. */
+bool rk_mesh_guard_fail_memory(size_t uses, rk_error *error);
 
 #endif

@@ -31,6 +31,7 @@ typedef struct rk_mesh_hints {
     size_t place_count;
     size_t models;       /* in the archive of a 3MF file, of which Assimp reads one */
     bool has_wide_draco; /* compressed indices of 32 bits, which Assimp does not decode */
+    size_t uses;         /* usemtl lines of an OBJ file */
     uint32_t up;         /* the axis that a Collada file names, 1 to 3 for x to z; or 0 */
     bool is_gltf_1;      /* version 1.0, of which Assimp reads some */
     char undrawn[256];   /* nodes of an X3D file that Assimp leaves out, or "" */

@@ -303,8 +303,10 @@ static bool parse_line(obj_parser *s, text_cursor *c, rk_error *error)
         parse_attribute(s, c, NORMAL);
     if (length == 2 && memcmp(word, "vt", 2) == 0)
         parse_attribute(s, c, TEXCOORD);
-    if (length == 6 && memcmp(word, "usemtl", 6) == 0)
+    if (length == 6 && memcmp(word, "usemtl", 6) == 0) {
+        s->hints->uses += !s->rewrite;
         rk_mesh_obj_libraries_use(&s->libraries, c, s->faces > 0);
+    }
     if (length == 6 && memcmp(word, "mtllib", 6) == 0)
         rk_mesh_obj_libraries_read(&s->libraries, c, s->rewrite);
     see_word(s, word, length);

@@ -340,7 +340,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
         rk_mesh_io_replace(path, hints->text, hints->size);
     scene = import(path);
     if (!scene && strstr(aiGetErrorString(), "bad_alloc"))
-        return rk_mesh_guard_fail_memory(error);
+        return rk_mesh_guard_fail_memory(hints->uses, error);
     if (!scene || (hints->is_gltf_1 && !scene->mRootNode))
         return fail_unread(path, hints, error);
     if (is_unknown(path) && (is_skeleton(scene, path) || scene->mNumMeshes == 0))
@@ -375,7 +375,7 @@ static bool convert(const char *path, rk_mesh_hints *hints, rk_error *error)
             "without them, or as glTF",
             path, hints->undrawn);
     if (!ok && strstr(error->text, "no memory for"))
-        rk_mesh_guard_fail_memory(error);
+        rk_mesh_guard_fail_memory(hints->uses, error);
     if (textures.too_many)
         rk_mesh_hints_note(hints, path,
                            "names more than %d textures: surfaces with the others are untextured",
