@@ -7,7 +7,8 @@
 /* Reads and validates a mesh: polygons are triangulated, points and lines dropped, parts merged,
  * equal vertices joined, unused vertices and materials left out. Coordinates are the file's; but if
  * those of an OBJ, PLY or OFF file are 64 times the mesh's extent or more, its first vertex becomes
- * the origin, because single precision would lose details. See rk_mesh_normalize. False with an
+ * the origin, because single precision would lose details; and an FBX file whose axis points down
+ * is turned. See rk_mesh_normalize. False with an
  * error that names the file and the place (the line in OBJ, ASCII PLY and OFF) when it is missing,
  * empty, truncated or malformed; the mesh is then empty. On success error->text is "" or notes
  * worth printing, in one line: a missing MTL, faces of an OBJ file that have two corners, or what
@@ -16,8 +17,8 @@
  * Colours of vertices and faces are read, too: of vertices in PLY, OBJ (v x y z r g b), COFF and
  * glTF (COLOR_0), of faces in OFF and STL. In glTF they are linear and multiply the base colour, as
  * its specification says. Elsewhere they are sRGB-encoded, by custom, and from 0 to 255 if one
- * exceeds 1. In scans (PLY, OBJ, OFF, STL) they are the diffuse colour, except where there is a
- * texture, which then is. A file whose vertices are all white has none.
+ * exceeds 1. In X3D and scans (PLY, OBJ, OFF, STL) they are the diffuse colour, except where there
+ * is a texture, which then is. A file whose vertices are all white has none.
  *
  * A material's diffuse texture is read, too: map_Kd in MTL, the base colour in glTF, TextureFile in
  * PLY. Its path is relative to the folder of the mesh or of the MTL; if there is no such file, the
