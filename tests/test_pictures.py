@@ -233,6 +233,29 @@ def a_students_picture_is_compared(folder):
           "a step that shows nothing is refused, with those that do", said)
 
 
+def a_picture_that_does_not_show_a_broken_claim_says_so(folder):
+    """A unit whose normal of a triangle without area is wrong: no triangle of the picture is one."""
+    mine, claim = os.path.join(folder, "unseen"), "a_triangle_without_area_has_the_normal_0"
+    right = read(FEATURES["normals"].reference)
+    wrong = right.replace("return rk_normalize(rk_cross(rk_sub(b, a), rk_sub(c, a)));",
+                          "rk_vec3 n = rk_normalize(rk_cross(rk_sub(b, a), rk_sub(c, a)));\n"
+                          "    return rk_dot(n, n) > 0 ? n : rk_vec(0, 1, 0);")
+    write(wrong, mine, "normals.c")
+    commands = [os.environ["MAKE"], "-s", f"IMPL={mine}"]
+    said = run(BUILD, *commands, "draw-normals")[1]
+    check("look/2.png: the picture is the same\n" in said, "before a check, of claims nothing is said", said)
+    run(BUILD, *commands, "check-normals")
+    status, said = run(BUILD, *commands, "draw-normals")
+    check(status == 0 and "look/2.png: the picture is the same; it does not show that a claim of step 2 "
+          f"fails: {claim} (make check-normals IMPL={mine})\n" in said,
+          "a picture that is the same though a claim of its step fails says so, and names the claim", said)
+    said = run(BUILD, *commands, "draw-normals", "STEP=1")[1]
+    check("look/1.png: the picture is the same\n" in said, "it does not, of a later step's claim", said)
+    write(right + "/* mine */\n", mine, "normals.c")
+    said = run(BUILD, *commands, "draw-normals")[1]
+    check("look/2.png: the picture is the same\n" in said, "nor of a check of another text", said)
+
+
 def draws_at_once_do_not_meet(folder):
     """Three draws of a right unit, three of a wrong one, and a driver that is made, all at once."""
     make = os.environ["MAKE"]
@@ -314,6 +337,7 @@ def main():
         pictures_of_another_size_are_refused(os.path.join(folder, "out"))
         sizes_are_small()
         a_students_picture_is_compared(folder)
+        a_picture_that_does_not_show_a_broken_claim_says_so(folder)
         draws_at_once_do_not_meet(folder)
         a_unit_that_never_ends_is_stopped(folder)
         a_wrong_table_is_refused(folder)

@@ -17,7 +17,7 @@ import tempfile
 import zlib
 
 from drivers import Drivers, driver_of, private_folder
-from grading import build
+from grading import build, last_check
 from grading.assignments import Parser, ToolError, choose, find_unit, read_features, read_looks, run_command
 from grading.processor_time import limited
 from grading.results import command_of
@@ -43,16 +43,18 @@ def small(options, side=SIDE):
     return words
 
 
-def _run(command, name=None):
-    """Runs a driver; it has said why if it fails."""
+def _run(command, name=None, **options):
+    """Runs a driver, with options for its process; it has said why if it fails. Returns what it said, if
+    that goes to a pipe."""
     name = name or os.path.relpath(command[0])
-    with subprocess.Popen(limited(command, SECONDS)) as process:
+    with subprocess.Popen(limited(command, SECONDS), **options) as process:
         try:
-            process.wait(SILENT)
+            said, _ = process.communicate(timeout=SILENT)
         except subprocess.TimeoutExpired:
             print(f"still drawing; it may take {SECONDS} s of processor time, to which waiting does not add",
                   flush=True)
-        status = process.wait()
+            said, _ = process.communicate()
+    status = process.returncode
     if status == -signal.SIGXCPU:
         raise ToolError(f"{name} has drawn for {SECONDS} s of processor time and was stopped; does a loop in "
                         "your unit never end? make check-... says which test hangs")
@@ -61,6 +63,7 @@ def _run(command, name=None):
                         "make debug-... stops there")
     if status:
         raise ToolError(f"{name} could not draw it; its reason is above")
+    return said
 
 
 # --- The student's picture ------------------------------------------------------------------------
@@ -107,6 +110,7 @@ def _driver(toolchain, impl, feature, stack):
 
 
 def _draw_both(driver, path, look, unsolved):
+    """Returns what the driver said of the comparison."""
     try:
         _run([driver, *shlex.split(look.options)], path)
     except ToolError as error:
@@ -115,8 +119,18 @@ def _draw_both(driver, path, look, unsolved):
     wanted = os.path.relpath(look.picture)
     if not os.path.exists(wanted):
         raise ToolError(f"{wanted} is missing, the picture to compare with")
-    _run([driver, *small(look.options), "--quiet", "--out", os.path.join("out", "compared"), "--compare",
-          wanted], path)
+    return _run([driver, *small(look.options), "--quiet", "--out", os.path.join("out", "compared"),
+                 "--compare", wanted], path, stdout=subprocess.PIPE, text=True, errors="replace")
+
+
+def _unseen(toolchain, feature, impl, look):
+    """Names a claim of the steps up to this one that failed when this text of the unit was checked."""
+    claim, step = (last_check.read(toolchain.build, feature, impl) if impl else None) or ("", "")
+    if not claim or not step.isdigit() or int(step) > look.step:
+        return ""
+    whose = f" of step {step}" if int(step) else ""
+    return (f"; it does not show that a claim{whose} fails: {claim} "
+            f"({command_of('check', feature, impl)})")
 
 
 def draw(toolchain, impl, stem, step):
@@ -128,7 +142,9 @@ def draw(toolchain, impl, stem, step):
         driver, path = _driver(toolchain, impl, feature, stack)
         print(f"step {look.step}: {look.caption}\n{path} {look.options}", flush=True)
         unsolved = _unsolved(feature, impl)
-        _draw_both(driver, path, look, unsolved)
+        compared = _draw_both(driver, path, look, unsolved).rstrip("\n")
+    is_same = ": the picture is the same" in compared and look.step not in unsolved
+    print(compared + (_unseen(toolchain, feature, impl, look) if is_same else ""))
     if look.step in unsolved:
         print(f"step {look.step} is still the starter, however the picture looks; "
               f"its claims decide: {command_of('check', feature, impl)}")
