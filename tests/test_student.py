@@ -79,6 +79,15 @@ def a_verdict_fits_on_a_screen():
                         "mine", brief=True)
     check(told.splitlines()[-1].strip() == "does not compile: x.c:1: error: odd",
           "why nothing ran stands last", told)
+    error = "x.c:1:2: error: implicit declaration of function 'rk_odd'"
+    for own in (True, False):
+        suite = Suite(FEATURE, TESTS, everything, printed=f"x.c: In function 'f':\n{error}\n 1 | ;\n",
+                      problem=f"does not compile: {error}; #include \"odd.h\" declares it")
+        suite.is_own = own
+        told = results.text([suite], "mine", brief=own)
+        check(told.count(error) == 1 and told.rstrip().endswith('above; #include "odd.h" declares it'),
+              f"a compiler's error is shown once, {'at home' if own else 'in a report'}", told)
+        check(("0 of " in told) != own, "with points only in a report: at home nothing was checked", told)
     os.environ["COLUMNS"] = "60"
     told = results.text([Suite(FEATURE, TESTS, everything, reason="a long reason " * 20)], "mine", brief=True)
     del os.environ["COLUMNS"]
@@ -432,9 +441,10 @@ def drivers_are_built_alone(pack):
     check(not built, "only one driver is built", built)
     status, said = run(pack, driver, "--scene", "cornell", "--width", "16", "--height", "16")
     check(status == 0, "it draws", said)
-    status, said = make(pack, f"driver-{OTHER}")
-    check(status != 0 and "does not compile" in said, "the one that it belongs to says why there is none",
-          said)
+    for command in ("check", "draw", "driver", *(["debug"] if shutil.which("gdb") else [])):
+        status, said = make(pack, f"{command}-{OTHER}")
+        check(status != 0 and "does not compile" in said and said.count("error: expected") == 1,
+              f"make {command} of the unit that does not compile shows why, once", said)
     shutil.copyfile(os.path.join(pack, "src", "features", OTHER + ".c"),
                     os.path.join(pack, "workbook", OTHER + ".c"))
 

@@ -150,7 +150,8 @@ def main():
         print(f"debug: {error}", file=sys.stderr)
         return 1
     except build.BuildError as error:
-        print(f"{error.details}\ndebug: {error.reason}", file=sys.stderr)
+        reason = build.without_what_is_shown(error.reason, error.details)
+        print(f"{error.details.rstrip()}\ndebug: {reason}".lstrip(), file=sys.stderr)
         return 1
     except KeyboardInterrupt:
         return 130

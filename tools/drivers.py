@@ -132,10 +132,8 @@ class Drivers:
 
     def _told(self, error, in_full=True):
         """Shows why a driver cannot be made, and returns it for the page."""
-        reason, details = error.reason, error.details.strip() if in_full else ""
-        beginning, _, line = reason.partition(": ")
-        if details and line in details:
-            reason = f"it {beginning}; the errors are above"  # each once
+        details = error.details.strip() if in_full else ""
+        reason = build.without_what_is_shown(error.reason, details)
         print(f"{details}\ndrivers: {reason}".strip(), file=sys.stderr)
         return error.reason
 

@@ -28,6 +28,13 @@ class BuildError(Exception):
         self.reason, self.details = reason, details
 
 
+def without_what_is_shown(reason, shown):
+    """Returns the reason without the compiler's error in it, if that was shown in full above."""
+    beginning, _, error = reason.partition(": ")
+    error, include, header = error.partition("; #include")
+    return f"{beginning}; the errors are above{include}{header}" if error and error in shown else reason
+
+
 class Toolchain:
     """The contents of DIR/impl/toolchain: one NAME=VALUE per line."""
 

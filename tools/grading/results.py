@@ -13,6 +13,7 @@ import tempfile
 import textwrap
 
 from grading.assignments import DEDUCTION, ToolError, cannot_write
+from grading.build import without_what_is_shown
 from grading.starters import is_handed_out
 from grading.verdicts import printed_lines
 
@@ -177,8 +178,9 @@ def _text_of_failures(suite, brief):
     first = failed[0]
     if suite.problem:
         details = [line for line in _details(suite.verdicts[first.name]).strip().split("\n") if line]
-        said = [f"          {line}" for line in _some(details, 15 if brief else 20, "and {} more lines")]
-        return [*said, *_wrapped(suite.problem, " " * 6)]
+        said = _some(details, 15 if brief else 20, "and {} more lines")
+        reason = without_what_is_shown(suite.problem, "\n".join(said))
+        return [*(f"          {line}" for line in said), *_wrapped(reason, " " * 6)]
     lines = [f"      work on this one first: {first.name} ({_worth(suite, first)})"]
     explained = _explained(suite, first)
     if brief and first.step:
@@ -238,7 +240,8 @@ def text(suites, impl, colours=False, brief=False):
             word = f"\033[{32 if suite.passed() else 31}m{word}\033[m"
         whose = f"  ({_whose(suite)})" if _whose(suite) else ""
         said = _text_of_prints(suite) if brief else []
-        said.append(f"{word}{suite.feature.stem:<24}{_counts(suite)}{whose}")
+        counts = "no claim was checked" if suite.problem and suite.is_own else _counts(suite)
+        said.append(f"{word}{suite.feature.stem:<24}{counts}{whose}")
         said += _wrapped(_lost(suite), " " * 6) if _lost(suite) else []
         said += _steps(suite) if brief and not suite.passed() else []
         said += [line for remark in suite.remarks for line in _wrapped(remark, " " * 6)]
