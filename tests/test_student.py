@@ -252,6 +252,17 @@ def a_dry_run_starts_nothing(folder):
           "make -n start only prints", said)
 
 
+def only_what_is_graded_is_made_ready(folder):
+    changed = ["-W", os.path.join(os.environ.get("srcdir", "."), "tests", "test.h"), "-W", "tests/test.h"]
+    for command in ("grade", "grade-class", "progress"):
+        said = make(".", "-n", *changed, command, f"ASSIGNMENTS={STEM} {OTHER}", f"IMPL={folder}")[1]
+        suites = set(re.findall(r"tests/test_(\w+)\.o\b", said))
+        judges = set(re.findall(r"impl/judge/(\w+)-(?:judge|serve)\b", said))
+        check(suites == {STEM, OTHER} and judges <= {STEM, OTHER} and bool(judges) == (
+            command != "progress" and sys.platform == "linux"),
+              f"make {command} compiles the suites of its assignments alone", (suites, judges))
+
+
 def hints_come_one_at_a_time():
     hints = hint.hints_of(handout_of(SOURCE, FEATURE))
     check(len(hints) >= 4 and "2" in hints, "a handout's hints are found by their steps", list(hints))
@@ -389,6 +400,10 @@ def progress_tests_what_changed(pack):
     status, said, before = told()
     check(status == 0 and TESTS[0].name in said and list(before) == sorted([STEM + ".json", OTHER + ".json"]),
           "progress shows points, and keeps verdicts", said)
+    suites = [name for name in os.listdir(os.path.join(pack, "tests"))
+              if name.startswith("test_") and name.endswith(".o")]
+    check(sorted(suites) == [f"test_{OTHER}.o", f"test_{STEM}.o"],
+          "it compiles no suites but those of its assignments", suites)
     check(re.search(r"^  TEST +0 of \d+$", said, re.MULTILINE), "in a pipe it says that it works", said)
     status, again, after = told()
     # What the first run compiled is of no interest.
@@ -736,6 +751,7 @@ def main():
         a_starter_blames_no_needed_unit(folder)
         ctrl_c_is_quiet_at_any_moment(folder)
         a_dry_run_starts_nothing(folder)
+        only_what_is_graded_is_made_ready(folder)
         hints_come_one_at_a_time()
         the_tables_of_a_task_can_be_read()
         added_files_are_named(folder)
