@@ -434,6 +434,12 @@ def drivers_are_built_alone(pack):
     check(status != 0 and "STEP=99" in said and "CC" not in said, "a step that there is not is refused", said)
     status, said = make(pack, f"draw-{STEM}")
     check(status == 0 and ".png: the picture " in said, "a picture is drawn before any driver is built", said)
+    write(read(pack, "workbook", STEM + ".c") + "\n", pack, "workbook", STEM + ".c")
+    make(pack, f"draw-{STEM}")  # it is no starter any more
+    write(read(pack, "workbook", STEM + ".c") + "\n", pack, "workbook", STEM + ".c")
+    status, said = make(pack, f"draw-{STEM}")
+    check(status == 0 and "  CC " not in said, "after a save nothing of the kit is compiled again", said)
+    write(STARTER, pack, "workbook", STEM + ".c")
     status, said = make(pack, f"driver-{STEM}")
     path = f"impl/assignments/{FEATURE.folder}/{STEM}"
     driver = os.path.join(pack, path)
