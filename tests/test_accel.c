@@ -229,6 +229,28 @@ static void real_trees_find_triangles(void **state)
 }
 
 /* What the starters build. */
+/* As in cones: of each square at the tip one half has no area. Or there is nothing to find. */
+static void a_tree_is_not_blamed_for_triangles_without_area(void **state)
+{
+    (void)state;
+    enum { count = 128 };
+    for (uint32_t period = 1; period <= 4; period++)
+        for (uint32_t thick = 0; thick < period; thick++) {
+            rk_scene scene = test_scene_make(count);
+            for (uint32_t i = 0; i < count; i++) {
+                rk_vec3 a = noise3(1, i), b = noise3(2, i);
+                const bool is_flat = period == 1 || i % period != thick;
+                test_scene_triangle(&scene, i, a, b, is_flat ? b : noise3(3, i));
+            }
+            rk_accel accel = accel_of(&scene, RK_ACCEL_SAH);
+            rk_check(rk_accel_finds_triangles(&accel),
+                     "of each %u triangles number %u has an area: no triangle is found", period,
+                     thick);
+            rk_accel_free(&accel);
+            rk_scene_free(&scene);
+        }
+}
+
 static void a_tree_with_an_empty_root_or_a_huge_leaf_finds_none(void **state)
 {
     (void)state;
@@ -252,6 +274,7 @@ static const struct CMUnitTest tests[] = {
     cmocka_unit_test(all_kinds_find_the_same_hits),
     cmocka_unit_test(a_visitor_sees_each_triangle_that_is_hit_once),
     cmocka_unit_test(real_trees_find_triangles),
+    cmocka_unit_test(a_tree_is_not_blamed_for_triangles_without_area),
     cmocka_unit_test(a_tree_with_an_empty_root_or_a_huge_leaf_finds_none),
 };
 

@@ -92,6 +92,21 @@ static bool finds(const rk_tree *tree, const rk_ray *ray)
     return hits.triangle[0] != RK_MISS;
 }
 
+/* A ray towards the middle of a triangle; false if it has no area, or one beyond the largest float.
+ */
+static bool aim(rk_ray *ray, const rk_mesh *mesh, uint32_t triangle)
+{
+    rk_triangle corners = rk_bvh_triangle_of(mesh, triangle);
+    rk_vec3 normal = rk_cross(rk_sub(corners.b, corners.a), rk_sub(corners.c, corners.a));
+    float size = rk_length(normal);
+    if (!(size > 0) || !(size < INFINITY))
+        return false;
+    rk_vec3 centroid = rk_bvh_reference_of(mesh, triangle).centroid;
+    rk_vec3 above = rk_madd(centroid, normal, 1 / sqrtf(size));
+    *ray = (rk_ray){above, rk_scale(normal, -1 / size), INFINITY};
+    return true;
+}
+
 /* Of the triangles first .. first + count - 1. */
 static bool finds_triangles(rk_tree tree, const rk_mesh *mesh, uint32_t first, uint32_t count)
 {
@@ -100,19 +115,17 @@ static bool finds_triangles(rk_tree tree, const rk_mesh *mesh, uint32_t first, u
     if (!tree.kernel && (tree.bvh->node_count == 0 || tree.bvh->nodes[0].count > RK_BVH_LEAF_MAX))
         return false;
     const uint32_t step = count / TRIED + 1;
-    for (uint32_t i = 0; i < count; i += step) {
-        rk_triangle triangle = rk_bvh_triangle_of(mesh, first + i);
-        rk_vec3 normal = rk_cross(rk_sub(triangle.b, triangle.a), rk_sub(triangle.c, triangle.a));
-        float size = rk_length(normal);
-        if (!(size > 0) || !(size < INFINITY))
+    bool is_tried = false;
+    for (uint32_t i = 0; i < count; i++) {
+        rk_ray ray;
+        if (!aim(&ray, mesh, first + i))
             continue;
-        rk_vec3 centroid = rk_bvh_reference_of(mesh, first + i).centroid;
-        rk_vec3 above = rk_madd(centroid, normal, 1 / sqrtf(size));
-        const rk_ray ray = {above, rk_scale(normal, -1 / size), INFINITY};
         if (finds(&tree, &ray))
             return true;
+        is_tried = true;
+        i += step - 1;
     }
-    return false;
+    return !is_tried; /* there is nothing to find */
 }
 
 bool rk_accel_finds_triangles(const rk_accel *accel)
