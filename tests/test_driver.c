@@ -1051,6 +1051,40 @@ static void transparent_materials_that_are_drawn_as_opaque_are_told(void **state
     run_free(&r);
 }
 
+static void write_masked(const test_folder *folder, const char *opacity, const char *mask)
+{
+    static const char text[] =
+        "mtllib masked.mtl\nv 0 0 0\nv 1 0 0\nv 0 1 0\nvt 0 0\nvt 1 0\nvt 0 1\n"
+        "usemtl a\nf 1/1 2/2 3/3\n";
+    char mtl[200];
+    snprintf(mtl, sizeof mtl, "newmtl a\nKd 1 0 0\nd %s\nmap_d mask.pgm\n", opacity);
+    test_folder_write(folder, "masked.mtl", mtl, strlen(mtl), 0600);
+    test_folder_write(folder, "masked.obj", text, sizeof text - 1, 0600);
+    test_folder_write(folder, "mask.pgm", mask, strlen(mask), 0600);
+}
+
+static void surfaces_that_a_picture_makes_transparent_are_told(void **state)
+{
+    static const struct {
+        const char *opacity, *mask;
+        bool is_told;
+    } cases[] = {{"0.4", "P2\n2 1\n255\n255 0\n", true},
+                 {"0.9", "P2\n2 1\n255\n255 0\n", true},
+                 {"1", "P2\n4 1\n255\n255 160 100 160\n", true},
+                 {"1", "P2\n12 1\n255\n255 255 255 255 255 128 0 0 0 0 0 0\n", false}};
+    for (int i = 0; i < 4; i++) {
+        write_masked(*state, cases[i].opacity, cases[i].mask);
+        run r = run_driver(*state, "--mesh masked.obj --width 9 --height 9");
+        rk_check(!!strstr(r.err, "1 of 1 materials are transparent, and drawn as opaque") ==
+                     cases[i].is_told,
+                 "case %d: %s", i, r.err);
+        run_free(&r);
+        r = run_driver(*state, "--mesh masked.obj --width 9 --height 9 --transparency");
+        rk_check(!strstr(r.err, "transparent"), "told though it is shown: %s", r.err);
+        run_free(&r);
+    }
+}
+
 /* Quiet or not: the picture does not show the file as it is. */
 static void quiet_still_tells_what_a_picture_lacks(void **state)
 {
@@ -1133,6 +1167,7 @@ static const struct CMUnitTest tests[] = {
     test_in_folder(the_seam_of_a_panorama_is_behind_the_camera_of_open_scenes),
     test_in_folder(strays_of_a_mesh_file_are_told),
     test_in_folder(transparent_materials_that_are_drawn_as_opaque_are_told),
+    test_in_folder(surfaces_that_a_picture_makes_transparent_are_told),
     test_in_folder(quiet_still_tells_what_a_picture_lacks),
     test_in_folder(starting_up_takes_milliseconds),
 };

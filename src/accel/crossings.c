@@ -42,10 +42,14 @@ static rk_vec3 kd_at(const rk_scene *scene, const rk_crossing *crossing,
     return rk_surface_kd(&surface, &scene->mesh);
 }
 
+/* What is drawn as opaque is cut out by the picture alone: all of a faint material would be below
+ * one half. */
 static bool is_below_cutoff(const gathering *g, const rk_material *material, float alpha)
 {
     const float cutoff = material->alpha_cutoff;
-    return cutoff > 0 ? alpha < cutoff : g->wanted.cutouts_only ? alpha < 0.5f : !(alpha > 0);
+    return cutoff > 0               ? alpha < cutoff
+           : g->wanted.cutouts_only ? alpha < 0.5f * material->alpha
+                                    : !(alpha > 0);
 }
 
 /* Sets the crossing's opacity. False if the surface is cut out there. */

@@ -55,14 +55,29 @@ static void note_samples(const rk_driver *driver, const rk_plan *plan)
         note(driver, first_given_of_renderer(driver, "samples"), "a picture without --error");
 }
 
+/* Soft edges of what is cut out are no transparency. */
+static bool is_translucent(const rk_image *opacity)
+{
+    size_t between = 0;
+    const size_t count = opacity->width * opacity->height;
+    for (size_t i = 0; i < count; i++)
+        between += opacity->pixels[i].x > 0.05f && opacity->pixels[i].x < 0.95f;
+    return between > count / 10;
+}
+
 /* The opposite: an option that is missing. */
-static void note_transparent(const rk_driver *driver, const rk_plan *plan)
+static void note_transparent(const rk_driver *driver)
 {
     const rk_mesh *mesh = &driver->scene.mesh;
     uint32_t count = 0;
-    for (uint32_t i = 0; i < mesh->material_count; i++)
-        count += mesh->materials[i].alpha < 1;
-    if (driver->mesh_path && count > 0 && !plan->transparency)
+    if (!driver->mesh_path || driver->render.transparency)
+        return;
+    for (uint32_t i = 0; i < mesh->material_count; i++) {
+        const rk_material *m = &mesh->materials[i];
+        const rk_texture *texture = m->alpha_cutoff > 0 ? NULL : m->alpha_texture;
+        count += m->alpha < 1 || (texture && is_translucent(&texture->image));
+    }
+    if (count > 0)
         fprintf(stderr,
                 "%s: %s: %u of %u materials are transparent, and drawn as opaque without "
                 "--transparency\n",
@@ -79,7 +94,7 @@ void rk_driver_note_unused(const rk_driver *driver)
     const rk_plan usual = rk_plan_of(&driver->scene, &driver->render_usual);
     note_max_depth(driver, &usual);
     note_samples(driver, &plan);
-    note_transparent(driver, &plan);
+    note_transparent(driver);
     for (uint32_t i = 0; i < RK_FEATURE_COUNT; i++)
         if (!rk_plan_has(&plan, i) && !rk_plan_has(&usual, i))
             note(driver, first_given(driver, rk_features[i]->options, NULL), rk_features[i]->takes);

@@ -19,8 +19,8 @@ typedef struct rk_material {
     const rk_texture *kd_texture;    /* multiplies kd, or NULL; one of the mesh's textures */
     const rk_texture *alpha_texture; /* whose red multiplies alpha, or NULL; one of the mesh's */
     float alpha_cutoff; /* with an alpha_texture: where their product is below it, there is no
-                           surface; elsewhere it is opaque. 0: transparency, or one half where the
-                           renderer's option is off */
+                           surface; elsewhere it is opaque. 0: transparency; where the renderer's
+                           option is off, no surface where the texture is below one half */
 } rk_material;
 
 typedef struct rk_mesh {
