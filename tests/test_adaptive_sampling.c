@@ -204,7 +204,7 @@ static void check_sums_beyond_the_largest_float(void)
         const rk_vec3 first = grey(3e38f), last = grey(last_half[i]);
         const rk_pixel_samples pixel = {{first, first, last, last}, 0, 4};
         const rk_adaptive_differences d = rk_adaptive_differences_of(&pixel);
-        rk_check(isfinite(d.quarters) && isfinite(d.halves),
+        rk_check(d.quarters == 0 && d.halves == 0,
                  "samples 3e38, 3e38, %g, %g: got quarters %g and halves %g, want 0 of both: the "
                  "sum of a half exceeds the largest float, so check the halves' difference too",
                  (double)last_half[i], (double)last_half[i], d.quarters, d.halves);
@@ -637,14 +637,16 @@ static void lambda_reaches_the_variance_with_the_fewest_samples(void **state)
     (void)state;
     rk_adaptive_estimate estimates[many];
     make_estimates(estimates);
-    for (int i = 0; i < 8; i++) {
-        const double want = ldexp(1, -i);
+    /* The largest up to 0.1 %, and a little for rounding. */
+    for (int i = 0; i < 32; i++) {
+        const double want = exp2(-0.25 * i);
         float lambda = rk_adaptive_lambda(estimates, many, 1u << 20, 0.4, want, (double)INFINITY);
         rk_check(rk_adaptive_predict(estimates, many, lambda, 1u << 20, 0.4).variance <= want,
-                 "variance 2^-%d is not reached by lambda %g", i, (double)lambda);
-        rk_check(rk_adaptive_predict(estimates, many, 1.002f * lambda, 1u << 20, 0.4).variance >
+                 "variance %g is not reached by lambda %g", want, (double)lambda);
+        rk_check(rk_adaptive_predict(estimates, many, 1.0011f * lambda, 1u << 20, 0.4).variance >
                      want,
-                 "variance 2^-%d would be reached by a larger lambda than %g", i, (double)lambda);
+                 "variance %g would be reached by a larger lambda than %g, by more than 0.1 %%",
+                 want, (double)lambda);
     }
 }
 
@@ -671,8 +673,10 @@ static void lambda_is_the_smallest_if_nothing_suffices(void **state)
     rk_check_close(rk_adaptive_lambda(&one, 1, 64, 0.5, 1e-9, (double)INFINITY), 0x1p-149, 0,
                    "64 samples leave a variance of 1/64");
     const rk_adaptive_estimate none = {0, 8, 0};
-    rk_check(rk_adaptive_lambda(&none, 1, 64, 0.5, 0, (double)INFINITY) > 1e30f,
-             "without variance the least work suffices");
+    const float least_work = rk_adaptive_lambda(&none, 1, 64, 0.5, 0, (double)INFINITY);
+    rk_check(least_work > 1e30f,
+             "got lambda %g, want one above 1e30: without variance the least work suffices",
+             (double)least_work);
 }
 
 static const struct CMUnitTest tests[] = {

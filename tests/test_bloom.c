@@ -833,6 +833,17 @@ static void a_single_line_is_weighted_by_its_distance(void **state)
     rk_check(sum[0] == 0x1p-80f,
              "a line of 2^20, weight 2^-100: got %g, want 2^-80 = %g: no weight is too small",
              (double)sum[0], 0x1p-80);
+    /* Nor is one that is no normal float, beside the middle. */
+    const rk_bloom_filter faint = filter_of((const float[]){0, 0x1p-130f}, 1, RK_BLOOM_ZERO);
+    float bright[RK_BLOOM_BLOCK] = {0x1p120f};
+    for (int side = 0; side <= 2; side += 2) {
+        const float *lines[3] = {NULL, NULL, NULL};
+        lines[side] = bright;
+        rk_bloom_blur_lines(&faint, lines, RK_BLOOM_BLOCK, sum);
+        rk_check(sum[0] == 0x1p-10f,
+                 "a line of 2^120, weight 2^-130: got %g, want 2^-10 = %g: no weight is too small",
+                 (double)sum[0], 0x1p-10);
+    }
 }
 
 static void check_constant_lines(void)

@@ -475,6 +475,34 @@ static void candidates_are_on_the_longest_axis_of_the_centroids(void **state)
     }
 }
 
+/* Centroids at 0 and `length` on one axis and at 0 and 1 on another, in four combinations. */
+static void check_short_axis(int axis, int other, float length)
+{
+    rk_bvh_reference four[4];
+    for (int k = 0; k < 4; k++) {
+        float at[3] = {0, 0, 0};
+        at[axis] = (float)(k & 1) * length;
+        at[other] = (float)(k >> 1);
+        four[k] = cube_at(at[0], at[1], at[2]);
+    }
+    uint32_t found = list(four, 4, 4, true);
+    rk_check(found == 2 && candidates[0].axis != candidates[1].axis,
+             "four centroids, 0 or %g along %c, 0 or 1 along %c: got %u candidates, want one on "
+             "each of the two axes: none is too short",
+             (double)length, "xyz"[axis], "xyz"[other], found);
+}
+
+static void check_short_axes(void)
+{
+    for (int axis = 0; axis < 3; axis++)
+        for (int other = 0; other < 3; other++) {
+            if (axis == other)
+                continue;
+            check_short_axis(axis, other, 4000);
+            check_short_axis(axis, other, 0x1p60f);
+        }
+}
+
 static void all_axes_are_tried_on_request(void **state)
 {
     (void)state;
@@ -505,6 +533,7 @@ static void all_axes_are_tried_on_request(void **state)
         for (uint32_t k = 0; k < found; k++)
             rk_check_equal(candidates[k].axis, axis, "the axis of the row");
     }
+    check_short_axes();
     /* As many candidates as there may be: one cube in each bin of each axis. */
     rk_bvh_reference diagonal[RK_SAH_BINS_MAX];
     for (uint32_t i = 0; i < RK_SAH_BINS_MAX; i++)

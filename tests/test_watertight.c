@@ -276,6 +276,24 @@ static void sums_keep_the_smallest_part(void **state)
     }
 }
 
+/* Most of the products cancel, and the parts of the sum that are left are of similar size: the
+ * determinants are all of them. t and u by fractions of whole numbers. */
+static void check_needle(void)
+{
+    const rk_triangle needle = {{0, 0, 0},
+                                {-0x1.801a86p+6f, -0x1.fe0556p+9f, 0x1.f9300ap+10f},
+                                {0x1.a80bfep-14f, 0x1.01d21cp-10f, -0x1.eb1332p-12f},
+                                0};
+    const rk_ray ray = {{-0x1.e7a1ccp+9f, -0x1.43be76p+13f, 0x1.40ad02p+14f},
+                        {0x1.c21f36p+6f, 0x1.2ad734p+10f, -0x1.28022ap+11f},
+                        INFINITY};
+    const rk_hit hit = rk_watertight_intersect(&needle, &ray);
+    const char hint[] = "of a needle, by its exact determinants: a sum is all of its parts";
+    rk_check_near(hit.t, 8.06270809954953, 8 * 0x1p-23, "t %s", hint);
+    rk_check_near(hit.u, 0.7077637437467705, 0x1p-23, "u %s", hint);
+    rk_check_near(hit.v, 0.21385119906522732, 0x1p-23, "v %s", hint);
+}
+
 /* Some of the triangles are slivers: the edge is ac, and ab is much shorter. */
 static void rays_through_an_edge_hit_the_triangle(void **state)
 {
@@ -298,6 +316,7 @@ static void rays_through_an_edge_hit_the_triangle(void **state)
         hits += whole_hits(&p.want);
     }
     rk_check(hits > cases / 2, "%u hits: too few", hits);
+    check_needle();
 }
 
 static void the_neighbour_beyond_the_edge_is_hit_as_well(void **state)
