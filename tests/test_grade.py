@@ -798,6 +798,7 @@ def grade_class(place, out, *more):
     status, said = run(sys.executable, "-B", os.path.join(SOURCE, "tools", "grade_class.py"), "bvh_median",
                        *more,
                        "--submissions", place, "--out", out)
+    check(os.path.exists(os.path.join(out, "class.csv")), "a class has its table", f"status {status}: {said}")
     with open(os.path.join(out, "class.csv"), encoding="utf-8", newline="") as file:
         return status, said, {row[0]: row for row in csv.reader(file)}
 

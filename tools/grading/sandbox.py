@@ -233,8 +233,10 @@ def _limits(seconds):
             for name, value in wanted.items()}
 
 
-def _limit_process(seconds):
+def _limit_process(seconds, parent):
     end_with_parent()
+    if os.getppid() != parent:  # it has ended before, and the next one up must not be hit in its place
+        os._exit(1)
     for name, value in _limits(seconds).items():
         resource.setrlimit(getattr(resource, "RLIMIT_" + name), (value, value))
 
@@ -245,7 +247,8 @@ def _limited(command, seconds):
     costs to make a copy of this interpreter, as `preexec_fn` does."""
     prlimit = shutil.which("prlimit")
     if not prlimit or "--die-with-parent" not in command:
-        return command, {"preexec_fn": lambda: _limit_process(seconds)}
+        parent = os.getpid()
+        return command, {"preexec_fn": lambda: _limit_process(seconds, parent)}
     limits = [f"--{name.lower()}={value}" for name, value in _limits(seconds).items()]
     return [prlimit, *limits, *command], {}
 
