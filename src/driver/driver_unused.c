@@ -65,6 +65,17 @@ static bool is_translucent(const rk_image *opacity)
     return between > count / 10;
 }
 
+/* Returns for how many materials that are opaque but for it. */
+static uint32_t made_transparent_by(const rk_texture *texture, const rk_mesh *mesh)
+{
+    uint32_t users = 0;
+    for (uint32_t i = 0; i < mesh->material_count; i++) {
+        const rk_material *m = &mesh->materials[i];
+        users += m->alpha >= 1 && m->alpha_cutoff == 0 && m->alpha_texture == texture;
+    }
+    return users;
+}
+
 /* The opposite: an option that is missing. */
 static void note_transparent(const rk_driver *driver)
 {
@@ -72,10 +83,11 @@ static void note_transparent(const rk_driver *driver)
     uint32_t count = 0;
     if (!driver->mesh_path || driver->render.transparency)
         return;
-    for (uint32_t i = 0; i < mesh->material_count; i++) {
-        const rk_material *m = &mesh->materials[i];
-        const rk_texture *texture = m->alpha_cutoff > 0 ? NULL : m->alpha_texture;
-        count += m->alpha < 1 || (texture && is_translucent(&texture->image));
+    for (uint32_t i = 0; i < mesh->material_count; i++)
+        count += mesh->materials[i].alpha < 1;
+    for (uint32_t i = 0; i < mesh->texture_count; i++) { /* each is looked at once */
+        const uint32_t users = made_transparent_by(&mesh->textures[i], mesh);
+        count += users > 0 && is_translucent(&mesh->textures[i].image) ? users : 0;
     }
     if (count > 0)
         fprintf(stderr,

@@ -243,8 +243,8 @@ def _limit_process(seconds, parent):
 
 def _limited(command, seconds):
     """Returns the command and options of Popen with which it is limited and ends with this process.
-    bubblewrap ends with its parent by itself, and a program that sets limits costs a tenth of what it
-    costs to make a copy of this interpreter, as `preexec_fn` does."""
+    bubblewrap ends with its parent by itself, and a program that sets limits costs less than a copy of
+    this interpreter, which `preexec_fn` makes."""
     prlimit = shutil.which("prlimit")
     if not prlimit or "--die-with-parent" not in command:
         parent = os.getpid()
