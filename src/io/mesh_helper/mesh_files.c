@@ -56,6 +56,12 @@ static void clean(char *to, const char *name, size_t length)
     to[length] = '\0';
 }
 
+bool rk_mesh_files_has_ending(const char *path, const char *ending)
+{
+    const char *dot = strrchr(path, '.');
+    return dot && strcasecmp(dot + 1, ending) == 0;
+}
+
 bool rk_mesh_files_unescape(char *name)
 {
     char *to = name;

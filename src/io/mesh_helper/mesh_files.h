@@ -16,4 +16,7 @@ bool rk_mesh_files_find(char found[RK_MESH_FILES_NAME], const char *mesh_path, c
 /* Turns each % with two hexadecimal digits into one character, in place. False if there is none. */
 bool rk_mesh_files_unescape(char *name);
 
+/* `ending` without its dot, in any case. */
+bool rk_mesh_files_has_ending(const char *path, const char *ending);
+
 #endif

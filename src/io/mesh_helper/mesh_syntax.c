@@ -3,6 +3,7 @@
 #include "io/mesh_helper/mesh_syntax.h"
 
 #include "io/lfs_pointer.h"
+#include "io/mesh_helper/mesh_files.h"
 #include "io/mesh_helper/mesh_gltf_sets.h"
 #include "io/mesh_helper/mesh_guard.h"
 #include "io/mesh_helper/mesh_ply_names.h"
@@ -16,7 +17,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <sys/mman.h>
 #include <sys/stat.h>
 #include <unistd.h>
@@ -42,12 +42,6 @@ static bool ends_lines_by_returns(const char *text, size_t size)
     return memchr(text, '\r', size) && !memchr(text, '\n', size);
 }
 
-static bool has_ending(const char *path, const char *ending)
-{
-    const char *dot = strrchr(path, '.');
-    return dot && strcasecmp(dot + 1, ending) == 0;
-}
-
 static bool check_kind(const char *path, const struct stat *status, rk_error *error)
 {
     if (S_ISDIR(status->st_mode))
@@ -67,7 +61,7 @@ static bool is_text(const char *path)
                                           "x3d", "amf", "irr", "irrmesh", "xml",  "ac",
                                           "ase", "ask", "dxf", "md5mesh", "nff",  "smd"};
     for (size_t i = 0; i < sizeof endings / sizeof *endings; i++)
-        if (has_ending(path, endings[i]))
+        if (rk_mesh_files_has_ending(path, endings[i]))
             return true;
     return false;
 }
@@ -116,9 +110,9 @@ static bool check_packing(const char *path, const char *text, size_t size, rk_er
 {
     if (size >= 4 && memcmp(text, "\x28\xb5\x2f\xfd", 4) == 0)
         return rk_fail(error, "%s: is compressed by Zstandard: save it uncompressed", path);
-    if (size < 2 || memcmp(text, "\x1f\x8b", 2) != 0 || has_ending(path, "blend"))
+    if (size < 2 || memcmp(text, "\x1f\x8b", 2) != 0 || rk_mesh_files_has_ending(path, "blend"))
         return true;
-    if (has_ending(path, "gz"))
+    if (rk_mesh_files_has_ending(path, "gz"))
         return rk_fail(
             error, "%s: is compressed by gzip: gunzip it, and name the file that it makes", path);
     return rk_fail(error, "%s: is compressed by gzip: rename it to end in .gz and gunzip it", path);
@@ -157,39 +151,42 @@ static bool parse_bytes(const char *path, const char *text, size_t size, rk_mesh
         char *utf8 = rk_text_encoding_to_utf8(path, text, size, &utf8_size, error);
         return parse_changed(path, utf8, utf8_size, hints, error);
     }
-    if (has_ending(path, "obj") && ends_lines_by_returns(text, size))
+    if (rk_mesh_files_has_ending(path, "obj") && ends_lines_by_returns(text, size))
         return parse_changed(path, copy_with_feeds(path, text, size, error), size, hints, error);
-    if (has_ending(path, "obj"))
+    if (rk_mesh_files_has_ending(path, "obj"))
         return rk_mesh_syntax_obj(path, text, size, hints, error);
-    if ((has_ending(path, "ply") || has_ending(path, "off")) && ends_lines_by_returns(text, size))
+    if ((rk_mesh_files_has_ending(path, "ply") || rk_mesh_files_has_ending(path, "off")) &&
+        ends_lines_by_returns(text, size))
         return rk_fail(
             error, "%s: its lines end in carriage returns alone: save it with line feeds", path);
-    const bool is_gltf = has_ending(path, "glb") || has_ending(path, "gltf");
-    if ((has_ending(path, "ply") && !rk_mesh_ply_names_mend(text, size, &mended, &mended_size)) ||
+    const bool is_gltf =
+        rk_mesh_files_has_ending(path, "glb") || rk_mesh_files_has_ending(path, "gltf");
+    if ((rk_mesh_files_has_ending(path, "ply") &&
+         !rk_mesh_ply_names_mend(text, size, &mended, &mended_size)) ||
         (is_gltf && !rk_mesh_gltf_sets_mend(text, size, &mended, &mended_size)))
         return rk_fail(error, "%s: no memory for its text: simplify the mesh", path);
     if (mended)
         return parse_changed(path, mended, mended_size, hints, error);
-    if (has_ending(path, "ply"))
+    if (rk_mesh_files_has_ending(path, "ply"))
         return rk_mesh_syntax_ply(path, text, size, hints, error);
-    if (has_ending(path, "off"))
+    if (rk_mesh_files_has_ending(path, "off"))
         return rk_mesh_syntax_off(path, text, size, hints, error);
-    if (has_ending(path, "stl"))
+    if (rk_mesh_files_has_ending(path, "stl"))
         return rk_mesh_syntax_stl(path, text, size, hints, error);
-    if (has_ending(path, "3mf"))
+    if (rk_mesh_files_has_ending(path, "3mf"))
         return rk_mesh_syntax_3mf(path, text, size, hints, error);
-    if (has_ending(path, "amf"))
+    if (rk_mesh_files_has_ending(path, "amf"))
         return rk_mesh_syntax_amf(path, text, size, hints, error);
-    if (has_ending(path, "x3d"))
+    if (rk_mesh_files_has_ending(path, "x3d"))
         return rk_mesh_syntax_x3d(path, text, size, hints, error);
-    if (has_ending(path, "dae")) {
+    if (rk_mesh_files_has_ending(path, "dae")) {
         hints->up = rk_mesh_up_of_collada(text, size);
         hints->text = copy_without_blanks(path, text, size, &hints->size, error);
         return hints->text != NULL;
     }
-    if (has_ending(path, "glb"))
+    if (rk_mesh_files_has_ending(path, "glb"))
         return rk_mesh_syntax_glb(path, text, size, hints, error);
-    if (has_ending(path, "gltf"))
+    if (rk_mesh_files_has_ending(path, "gltf"))
         return rk_mesh_syntax_gltf(path, text, size, hints, error);
     return true;
 }

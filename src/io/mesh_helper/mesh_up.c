@@ -2,14 +2,9 @@
  * axis that the file names, too, would get a mesh that is turned twice. */
 #include "io/mesh_helper/mesh_up.h"
 
-#include <string.h>
-#include <strings.h>
+#include "io/mesh_helper/mesh_files.h"
 
-static bool has_ending(const char *path, const char *ending)
-{
-    const char *dot = strrchr(path, '.');
-    return dot && strcasecmp(dot + 1, ending) == 0;
-}
+#include <string.h>
 
 uint32_t rk_mesh_up_of_collada(const char *text, size_t size)
 {
@@ -66,8 +61,8 @@ static void set_of_fbx(rk_mesh *mesh, const struct aiScene *scene)
 void rk_mesh_up_set(rk_mesh *mesh, const struct aiScene *scene, const char *path, uint32_t named)
 {
     mesh->up = named;
-    if (has_ending(path, "blend") || has_ending(path, "3mf"))
+    if (rk_mesh_files_has_ending(path, "blend") || rk_mesh_files_has_ending(path, "3mf"))
         mesh->up = 3;
-    if (has_ending(path, "fbx"))
+    if (rk_mesh_files_has_ending(path, "fbx"))
         set_of_fbx(mesh, scene);
 }

@@ -20,7 +20,6 @@
 #include <stdio.h>
 #include <stdlib.h>
 #include <string.h>
-#include <strings.h>
 #include <unistd.h>
 
 static bool write_bytes(const void *bytes, uint64_t size, rk_error *error)
@@ -222,16 +221,10 @@ static void note_invisible(rk_mesh_hints *hints, const rk_mesh *mesh,
                            count, mesh->material_count);
 }
 
-static bool has_ending(const char *path, const char *ending)
-{
-    const char *dot = strrchr(path, '.');
-    return dot && strcasecmp(dot + 1, ending) == 0;
-}
-
 /* Assimp does not pass on which faces are flat. */
 static void note_flat_faces(rk_mesh_hints *hints, const char *path)
 {
-    if (has_ending(path, "blend") || has_ending(path, "3ds"))
+    if (rk_mesh_files_has_ending(path, "blend") || rk_mesh_files_has_ending(path, "3ds"))
         rk_mesh_hints_note(hints, path,
                            "flat faces may be drawn smooth: export it as glTF if they should not");
 }
@@ -269,7 +262,7 @@ static bool fail_unread(const char *path, const rk_mesh_hints *hints, rk_error *
     const char *reason = aiGetErrorString();
     if (is_unknown(path))
         return fail_unknown(path, error);
-    if (has_ending(path, "blend"))
+    if (rk_mesh_files_has_ending(path, "blend"))
         return rk_fail(error, "%s: could not be read: open it in Blender, and export it as glTF",
                        path);
     if (hints->missing[0])
@@ -310,7 +303,7 @@ static bool is_skeleton(const struct aiScene *scene, const char *path)
     struct aiString name;
     /* Its own material is there only if the file has none; Collada's meshes have names. */
     if (scene->mNumMeshes == 1 && scene->mMeshes[0]->mNumBones > 0 &&
-        scene->mMeshes[0]->mName.length == 0 && has_ending(path, "dae"))
+        scene->mMeshes[0]->mName.length == 0 && rk_mesh_files_has_ending(path, "dae"))
         return true;
     return scene->mNumMeshes == 1 && scene->mNumMaterials == 1 &&
            aiGetMaterialString(scene->mMaterials[0], AI_MATKEY_NAME, &name) == aiReturn_SUCCESS &&
@@ -322,7 +315,7 @@ static const struct aiScene *import(const char *path)
 {
     struct aiPropertyStore *properties = aiCreatePropertyStore();
     aiSetImportPropertyInteger(properties, AI_CONFIG_IMPORT_COLLADA_IGNORE_UP_DIRECTION,
-                               has_ending(path, "dae"));
+                               rk_mesh_files_has_ending(path, "dae"));
     const struct aiScene *scene = aiImportFileExWithProperties(path, 0, &rk_mesh_io, properties);
     aiReleasePropertyStore(properties);
     return scene;
