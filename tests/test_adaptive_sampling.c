@@ -36,15 +36,39 @@ static const float row_own[8] = {0, 0, 0, 64, 16, 0, 0, 0};
 static const double row_pooled[8] = {1.25, 1.25, 129.25, 545.25, 257.25, 33.25, 1.25, 1.25};
 
 /* Uniform in [0, 1), with the variance 1/12; independent of all others. */
-static rk_pixel_samples noise(uint32_t pixel, uint32_t count)
+static rk_vec3 noise(uint32_t pixel, uint32_t sample)
+{
+    return rk_vec(rk_unit_float(rk_case(pixel, sample, 0, 7)),
+                  rk_unit_float(rk_case(pixel, sample, 1, 7)),
+                  rk_unit_float(rk_case(pixel, sample, 2, 7)));
+}
+
+static rk_pixel_samples added_noise(uint32_t pixel, uint32_t count)
 {
     rk_pixel_samples samples = {0};
     rk_adaptive_extend(&samples, count);
     for (uint32_t i = 0; i < count; i++)
-        rk_adaptive_add(&samples, i,
-                        rk_vec(rk_unit_float(rk_case(pixel, i, 0, 7)),
-                               rk_unit_float(rk_case(pixel, i, 1, 7)),
-                               rk_unit_float(rk_case(pixel, i, 2, 7))));
+        rk_adaptive_add(&samples, i, noise(pixel, i));
+    return samples;
+}
+
+/* The same by the definitions, without the unit. */
+static rk_pixel_samples summed_noise(uint32_t pixel, uint32_t count)
+{
+    double block[RK_ADAPTIVE_BLOCKS][3] = {{0}}, deviations = 0;
+    for (int axis = 0; axis < 3; axis++) {
+        double mean = 0;
+        for (uint32_t i = 0; i < count; i++) {
+            const double value = (double)rk_axis(noise(pixel, i), axis);
+            block[4 * i / count][axis] += value;
+            mean += value / count;
+        }
+        for (uint32_t i = 0; i < count; i++)
+            deviations += pow((double)rk_axis(noise(pixel, i), axis) - mean, 2) / 3;
+    }
+    rk_pixel_samples samples = {.deviations = (float)deviations, .count = count};
+    for (int i = 0; i < RK_ADAPTIVE_BLOCKS; i++)
+        samples.block[i] = rk_vec((float)block[i][0], (float)block[i][1], (float)block[i][2]);
     return samples;
 }
 
@@ -265,6 +289,29 @@ static void variance_is_the_sum_of_the_series(void **state)
                    "quarters that happen to be equal");
 }
 
+/* 16 sums of numbers below 1, and of squares of differences, in float: errors stay below 1e-6 in a
+ * block of four, and below 1e-5 in all. */
+static void check_added_noise(const rk_pixel_samples *added, uint32_t pixel, uint32_t count)
+{
+    const rk_pixel_samples want = summed_noise(pixel, count);
+    for (int block = 0; block < RK_ADAPTIVE_BLOCKS; block++)
+        for (int axis = 0; axis < 3; axis++)
+            rk_check_near(rk_axis(added->block[block], axis), rk_axis(want.block[block], axis),
+                          1e-6, "%u random samples: block %d", count, block);
+    rk_check_near(added->deviations, want.deviations, 1e-5,
+                  "%u random samples: squared deviations from their mean", count);
+}
+
+static void random_samples_are_added_as_their_sums(uint32_t count)
+{
+    enum { added_pixels = 256 };
+    rk_pixel_samples added[added_pixels];
+    for (uint32_t i = 0; i < added_pixels; i++)
+        added[i] = added_noise(i, count);
+    for (uint32_t i = 0; i < added_pixels; i++)
+        check_added_noise(&added[i], i, count);
+}
+
 /* Variances of independent samples, over so many pixels that 5 standard errors are 3 %: a squared
  * difference of three channels has a relative variance of 2/3. */
 static void noise_of_known_variance_is_measured(void **state)
@@ -272,10 +319,11 @@ static void noise_of_known_variance_is_measured(void **state)
     (void)state;
     enum { pixels = 1 << 14 };
     for (uint32_t count = 4; count <= 16; count *= 2) {
+        random_samples_are_added_as_their_sums(count);
         rk_adaptive_differences sum = {0, 0};
         double own = 0;
         for (uint32_t i = 0; i < pixels; i++) {
-            const rk_pixel_samples samples = noise(i, count);
+            const rk_pixel_samples samples = summed_noise(i, count);
             const rk_adaptive_differences d = rk_adaptive_differences_of(&samples);
             sum.quarters += d.quarters / pixels;
             sum.halves += d.halves / pixels;
