@@ -324,7 +324,7 @@ def _noted(headers, kind, name, values, arguments):
             byte = 0 if _has_text(headers, value.type) else 255
             yield f"        if ({value.name})"
             yield f"            memset({value.name}, {byte}, {value.count()} * sizeof *{value.name});"
-    if name in headers.returned or any(value.way in ("added", "made") for value in values):
+    if not _is_noted(headers, name, values):
         yield f"        {'return ' if kind != 'void' else ''}{call}"
         yield "        return;\n    }" if kind == "void" else "    }"
         return
@@ -338,6 +338,11 @@ def _noted(headers, kind, name, values, arguments):
         yield from (" " * 4 + line for line in _copied(headers, kind, "note", "&result", "(size_t)1"))
     yield "        (void)note;\n        rk_judge_note_allocations();"
     yield "        return;\n    }" if kind == "void" else "        return result;\n    }"
+
+
+def _is_noted(headers, name, values):
+    return name not in headers.together | set(headers.returned) and all(
+        value.way not in ("added", "made") for value in values)
 
 
 def _has_text(headers, kind):
@@ -403,6 +408,9 @@ def _ahead(headers):
     for number, (_, claims) in headers.ahead.items():
         yield from (f'    {{{number}, "{claim}"}},' for claim in claims)
     yield "    {0, NULL},\n};\n"
+    noted = sum(1 << number for number, (_, name, values) in enumerate(headers.functions)
+                if _is_noted(headers, name, values))
+    yield f"const uint64_t rk_judge_noted = UINT64_C({noted:#x});\n"
 
 
 def judge(headers, disturbs=False):

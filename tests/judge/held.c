@@ -3,6 +3,7 @@
 #include "base/error.h"
 #include "judge/published.h"
 #include "judge/requests.h"
+#include "judge/speculation.h"
 #include "test.h"
 
 #include <sys/mman.h>
@@ -58,6 +59,11 @@ void rk_judge_begin_holding(const uint64_t in_test[RK_JUDGE_FUNCTIONS])
     rk_judge_forget_held();
 }
 
+bool rk_judge_can_hold(const rk_judge_request *head)
+{
+    return 2 * (size_t)head->span <= BYTES;
+}
+
 bool rk_judge_may_hold(uint64_t call)
 {
     return shared->oldest <= call;
@@ -92,27 +98,40 @@ void rk_judge_take_answer(size_t place)
 {
     const rk_judge_request *head = rk_judge_request_at(place);
     rk_judge_take(place);
-    if (is_awaited(head->function) && !is_first(head, 2 * rk_judge.lap) && has_copy(head))
+    bool may_be_copied = is_awaited(head->function) || rk_judge_was_wrong();
+    if (may_be_copied && !is_first(head, 2 * rk_judge.lap) && has_copy(head))
         rk_judge_call.answer = copies + place;
 }
 
-/* Returns whether the unit has answered as the reference has. */
-static bool is_answered_so(const struct call *call)
+static void copy_answer(const struct call *call)
 {
     const rk_judge_request *head = rk_judge_request_at(call->place);
+    if (has_copy(head))
+        return;
+    memcpy(copies + call->place, rk_judge.answered_memory + call->place, call->bytes);
+    is_first(head, 2 * rk_judge.lap + 1);
+}
+
+/* Returns whether the unit has answered as the reference has. Where requests tell of it, and where
+ * a speculation ends with it, the answer is copied. */
+static bool is_answered_so(const struct call *call)
+{
+    const unsigned char *want = contents + call->answer;
     if (call->bytes == 0)
         return false;
-    if (!has_copy(head)) {
-        memcpy(copies + call->place, rk_judge.answered_memory + call->place, call->bytes);
-        is_first(head, 2 * rk_judge.lap + 1);
-    }
-    return memcmp(copies + call->place, contents + call->answer, call->bytes) == 0;
+    if (!is_awaited((int)call->function) &&
+        memcmp(rk_judge.answered_memory + call->place, want, call->bytes) == 0)
+        return true;
+    copy_answer(call);
+    return memcmp(copies + call->place, want, call->bytes) == 0;
 }
 
 /* --- What the predictor has asked --- */
 
 static void begin_wrong(int function, uint32_t from)
 {
+    if (rk_judge.speculates)
+        rk_judge_retreat();
     if (!of[function].is_wrong || from < of[function].wrong)
         of[function].wrong = from;
     of[function].is_wrong = true;
@@ -149,7 +168,8 @@ void rk_judge_hold(const rk_judge_request *head, rk_judge_way way, size_t place)
     last_call = NULL;
     if (way == RK_JUDGE_LEAVE_OUT)
         begin_wrong(function, count + 1);
-    if (way == RK_JUDGE_LEAVE_OUT || (way == RK_JUDGE_PUBLISH && !is_awaited(function)))
+    bool is_compared = is_awaited(function) || rk_judge.speculates;
+    if (way == RK_JUDGE_LEAVE_OUT || (way == RK_JUDGE_PUBLISH && !is_compared))
         return;
     rk_check(!rk_judge_holds_all(head), "a call is too large to be held");
     struct of_function *it = &of[function];
@@ -171,7 +191,7 @@ void rk_judge_hold(const rk_judge_request *head, rk_judge_way way, size_t place)
         calls[it->last].next = count;
     it->last = count;
     it->open = it->open ? it->open : count;
-    last_call = is_awaited(function) ? call : NULL;
+    last_call = is_compared ? call : NULL;
     used += last_call ? head->span : 0;
 }
 
@@ -197,14 +217,24 @@ void rk_judge_note_allocations(void)
 
 /* --- What the unit has answered --- */
 
+/* The word that the unit's process writes is read where it may tell something new. */
+static bool is_answered(uint32_t number)
+{
+    static uint32_t answered;
+    if ((int32_t)(answered - number) <= 0)
+        answered = atomic_load_explicit(&rk_judge.answered->answered, memory_order_acquire);
+    return (int32_t)(answered - number) > 0;
+}
+
 static bool compare(struct of_function *it)
 {
     uint32_t before = it->open;
     for (; it->open && calls[it->open].place; it->open = calls[it->open].next) {
         const struct call *call = &calls[it->open];
-        if (!is_awaited((int)call->function) || (it->is_wrong && it->wrong <= it->open))
+        bool is_compared = is_awaited((int)call->function) || rk_judge.speculates;
+        if (!is_compared || (it->is_wrong && it->wrong <= it->open))
             continue;
-        if (!rk_judge_is_answered(rk_judge_request_at(call->place)->number))
+        if (!is_answered(rk_judge_request_at(call->place)->number))
             break;
         if (!is_answered_so(call))
             begin_wrong((int)call->function, it->open);
@@ -285,4 +315,6 @@ void rk_judge_settle_all(void)
         of[i] = (struct of_function){.is_wrong = of[i].is_wrong};
     count = 0;
     used = 0;
+    if (rk_judge.speculates)
+        used_answers = 0; /* they are the unit's own */
 }

@@ -1,5 +1,6 @@
-/* In a predictor: requests in which answers of the reference can be read are held until the unit
- * has given the same answers itself. Where it gives another one, they are left out. */
+/* In a predictor, or a judge that speculates: requests in which answers of the reference can be
+ * read are held until the unit has given the same answers itself. Where it gives another one, a
+ * predictor leaves them out, and a judge speculates no more. */
 #ifndef RK_TESTS_JUDGE_HELD_H
 #define RK_TESTS_JUDGE_HELD_H
 
@@ -32,6 +33,7 @@ rk_judge_way rk_judge_way_of(const rk_judge_request *head);
  * one. There is room for it unless rk_judge_holds_all. */
 void rk_judge_hold(const rk_judge_request *head, rk_judge_way way, size_t place);
 bool rk_judge_holds_all(const rk_judge_request *head);
+bool rk_judge_can_hold(const rk_judge_request *head); /* when nothing else is held */
 
 /* Publishes what can be published by now, or waits until there is nothing left to wait for. */
 void rk_judge_settle(void);

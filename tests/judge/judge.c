@@ -6,6 +6,7 @@
 #include "judge/kept.h"
 #include "judge/published.h"
 #include "judge/requests.h"
+#include "judge/speculation.h"
 #include "judge_hooks.h"
 #include "test.h"
 
@@ -41,6 +42,8 @@ static struct {
     size_t asked, used; /* requests of the last ones, and those that the judge made, too */
 } predictor;
 
+static uint64_t speculated_from; /* the call */
+
 static uint64_t after[RK_JUDGE_FUNCTIONS]; /* as rk_judge_after, in this test */
 
 static bool
@@ -56,6 +59,11 @@ void rk_judge_ask(int function)
 
 static void publish_request(rk_judge_request *head)
 {
+    if (rk_judge.speculates) { /* there is room in the lap */
+        rk_judge_publish_objects();
+        rk_judge_publish(head, head->bytes);
+        return;
+    }
     size_t requests = rk_judge.predicts ? RK_JUDGE_HELD_MAX : 1;
     if (rk_judge.predicts && rk_judge_lap_is_full(requests + RK_JUDGE_KEPT_SLOTS))
         rk_judge_settle_all();
@@ -89,11 +97,33 @@ static _Noreturn void end_as_predictor(void)
     _exit(0);
 }
 
-static void begin_prediction(void)
+static void make_calls_directly(void)
 {
-    if (rk_judge_lap_is_full(BATCH_MAX)) {
+    predictor.direct = predictor.direct_most;
+    if (predictor.direct_most < DIRECT_MAX)
+        predictor.direct_most *= 2;
+}
+
+static void end_speculation(void)
+{
+    rk_judge_end_speculation();
+    if (rk_judge.calls - speculated_from >= USED_MIN)
+        predictor.direct_most = DIRECT_MIN;
+    else
+        make_calls_directly();
+}
+
+static void begin_prediction(const rk_judge_request *head)
+{
+    if (rk_judge_lap_is_full(2 * RK_JUDGE_HELD_MAX + RK_JUDGE_KEPT_SLOTS)) {
         rk_judge_publish_end_of_lap();
         rk_judge_begin_lap();
+    }
+    if (rk_judge_may_speculate(head)) {
+        speculated_from = rk_judge.calls;
+        if (!rk_judge_begin_speculation() && !rk_judge_was_wrong())
+            predictor.direct = DIRECT_MAX;
+        return;
     }
     if (predictor.asked == 0)
         predictor.used = 0; /* calls without a predictor say nothing of it */
@@ -121,9 +151,7 @@ static void weigh_predictors(void)
     }
     if (predictor.batch < BATCH_MIN) {
         predictor.batch = BATCH_MIN;
-        predictor.direct = predictor.direct_most;
-        if (predictor.direct_most < DIRECT_MAX)
-            predictor.direct_most *= 2;
+        make_calls_directly();
     }
     predictor.asked = predictor.used = 0;
 }
@@ -179,6 +207,28 @@ static bool may_be_ahead(const rk_judge_request *head)
     return after[head->function] != UINT64_MAX;
 }
 
+/* What is known is the unit's own once all is settled, also to a request that would tell answers.
+ */
+static void speculate(rk_judge_request *head)
+{
+    if (rk_judge_holds_all(head))
+        rk_judge_settle_all();
+    else if (rk_judge.calls % SETTLED_AFTER == 0)
+        rk_judge_settle();
+    rk_judge_way way = rk_judge_way_of(head);
+    if (way == RK_JUDGE_LEAVE_OUT || (way == RK_JUDGE_HOLD && !rk_judge_objects_are_there())) {
+        rk_judge_settle_all();
+        way = RK_JUDGE_PUBLISH;
+    }
+    size_t place = 0;
+    if (way == RK_JUDGE_PUBLISH) {
+        publish_request(head);
+        place = rk_judge.end - head->span;
+        rk_judge_take(place);
+    }
+    rk_judge_hold(head, way, place);
+}
+
 /* In the predictor: true where the reference is to be called. */
 static bool predict(rk_judge_request *head)
 {
@@ -217,15 +267,21 @@ bool rk_judge_predicts(size_t bytes_max)
     head->bytes = (uint32_t)rk_judge_call.size;
     head->span = (uint32_t)rk_judge_aligned(most);
     rk_judge.calls++;
+    if (rk_judge.speculates && !rk_judge_may_speculate(head))
+        end_speculation();
     while (!rk_judge.predicts && !rk_judge_find(head, &place)) {
         if (predictor.process)
             look_at_predictor();
         else if (predictor.direct == 0 && may_be_ahead(head))
-            begin_prediction();
+            begin_prediction(head);
         else {
             predictor.direct -= predictor.direct > 0;
             publish_request(head);
         }
+    }
+    if (rk_judge.speculates) {
+        speculate(head);
+        return true;
     }
     if (rk_judge.predicts)
         return predict(head);
@@ -294,12 +350,15 @@ void rk_judge_connect(const char *test)
     for (const rk_judge_exception *it = rk_judge_exceptions; it->test; it++)
         if (strcmp(it->test, test) == 0)
             after[it->function] = UINT64_MAX;
+    rk_judge_prepare_speculation();
     rk_judge_begin_holding(after);
 }
 
-/* The predictor's work ends here. */
+/* The predictor's work ends here, and a speculation's. */
 bool rk_judge_end_of_test(void)
 {
+    if (rk_judge.speculates)
+        end_speculation();
     if (rk_judge.predicts)
         end_as_predictor();
     return false;

@@ -2,11 +2,17 @@
  * unit's place (tools/judge_calls.py writes them), put a call's arguments into a request
  * and take its results from the answer.
  *
- * To wait for each answer would take microseconds for each of millions of calls. So a predictor, a
- * fork of the judge, runs the test ahead with the reference in the unit's place, and publishes the
- * requests that come of it. The judge takes the answers of those that turn out to be its own. One
- * that was not predicted depends on an answer that is not the reference's; then another predictor
- * begins there, and takes the unit's answers where they are known.
+ * To wait for each answer would take microseconds for each of millions of calls. So the judge
+ * speculates: it goes on with the reference's answers, and compares them with the unit's as these
+ * come in. If all are the same to the last bit, its verdict is that of the unit's answers, for the
+ * unit's would have led the same way. A fork of it waits where the speculation began: with the
+ * first answer that is another one, this fork becomes the judge, and from here on there is a
+ * predictor.
+ *
+ * A predictor, a fork of the judge, runs the test ahead with the reference in the unit's place, and
+ * publishes the requests that come of it. The judge takes the answers of those that turn out to be
+ * its own. One that was not predicted depends on an answer that is not the reference's; then
+ * another predictor begins there, and takes the unit's answers where they are known.
  *
  * The unit's process can read what is published. So a request in which the reference's answers
  * could be read is held until the unit has given these answers itself (held.h). If it has given
@@ -93,6 +99,9 @@ extern const rk_judge_exception rk_judge_exceptions[];
 /* Ends the request, and waits for its answer of at most so many bytes; true in the predictor,
  * where the reference gives the results instead. */
 bool rk_judge_predicts(size_t bytes_max);
+
+/* A bit for each function whose whole answer is noted below; others are not speculated on. */
+extern const uint64_t rk_judge_noted;
 
 /* In the predictor, where the reference has given a result, in the answer's order: returns where to
  * note so many bytes of it, or NULL if nobody will compare the unit's with them. */

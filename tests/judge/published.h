@@ -11,6 +11,9 @@ bool rk_judge_find(const rk_judge_request *head, size_t *place);
 /* The call takes the answer of the request at this place. */
 void rk_judge_take(size_t place);
 
+/* All that were published so far have been taken. */
+void rk_judge_skip_published(void);
+
 /* Looks at all requests that the predictor has published. */
 void rk_judge_look_at_all(void);
 

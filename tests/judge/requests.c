@@ -69,7 +69,7 @@ void rk_judge_begin_lap(void)
 {
     rk_judge_wait_for_answer(rk_judge.known - 1);
     rk_judge.lap++;
-    if (!rk_judge.predicts)
+    if (!rk_judge.predicts || rk_judge.speculates)
         rk_judge.asked->lap = rk_judge.lap;
     rk_judge.lap_begin = rk_judge.known;
     rk_judge.end = RK_JUDGE_FIRST;

@@ -15,8 +15,9 @@ extern struct rk_judge {
     const unsigned char *answered_memory;
     rk_judge_asked *asked;
     const rk_judge_answered *answered;
-    int unit;      /* end of a pipe that the unit's process keeps open */
-    bool predicts; /* this process does, and the judge is another one: see judge.c */
+    int unit;        /* end of a pipe that the unit's process keeps open */
+    bool predicts;   /* this process goes on with the reference's answers: see judge.c */
+    bool speculates; /* and is the judge nevertheless, as long as the unit's are the same */
     uint64_t calls;
     uint32_t lap, lap_begin; /* the number of its first request */
     uint32_t known;          /* requests so far, as this process knows them */
