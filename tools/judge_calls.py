@@ -317,7 +317,7 @@ def _copied(headers, kind, target, source, number):
 
 
 def _noted(headers, kind, name, values, arguments):
-    """The reference's answer, noted as the unit would give it; one with pointers or counts is not."""
+    """The reference's answer, noted as the unit would give it; one with pointers is not."""
     call = f"rk_reference_{name}({arguments});"
     for value in values:
         if value.way == "out":
@@ -328,11 +328,23 @@ def _noted(headers, kind, name, values, arguments):
         yield f"        {'return ' if kind != 'void' else ''}{call}"
         yield "        return;\n    }" if kind == "void" else "    }"
         return
+    added = [value for value in values if value.way == "added"]
+    for value in added:
+        yield f"        {value.type} before_{value.name};"
+        yield f"        memset(&before_{value.name}, 0, sizeof(before_{value.name}));"
+        yield f"        if ({value.name})\n            before_{value.name} = *{value.name};"
     yield f"        {kind} result = {call}" if kind != "void" else f"        {call}"
     yield "        void *note;"
     for out in (value for value in values if value.is_out()):
         yield f"        if ({out.name} && (note = rk_judge_note({out.count()} * sizeof *{out.name})))"
         yield from (" " * 4 + line for line in _copied(headers, out.type, "note", out.name, out.count()))
+    for value in added:
+        yield f"        if ({value.name} && (note = rk_judge_note(sizeof *{value.name}))) {{"
+        yield f"            {value.type} added = *{value.name};"
+        for member in headers.structures[value.type]:
+            change = f"-= before_{value.name}.{member.name}" if member.type == "uint64_t" else "= 0"
+            yield f"            added.{member.name} {change};"
+        yield "            memcpy(note, &added, sizeof added);\n        }"
     if kind != "void":
         yield "        if ((note = rk_judge_note(sizeof result)))"
         yield from (" " * 4 + line for line in _copied(headers, kind, "note", "&result", "(size_t)1"))
@@ -342,7 +354,7 @@ def _noted(headers, kind, name, values, arguments):
 
 def _is_noted(headers, name, values):
     return name not in headers.together | set(headers.returned) and all(
-        value.way not in ("added", "made") for value in values)
+        value.way != "made" for value in values)
 
 
 def _has_text(headers, kind):

@@ -192,7 +192,6 @@ void rk_judge_hold(const rk_judge_request *head, rk_judge_way way, size_t place)
     it->last = count;
     it->open = it->open ? it->open : count;
     last_call = is_compared ? call : NULL;
-    used += last_call ? head->span : 0;
 }
 
 void *rk_judge_note(size_t bytes)
@@ -212,6 +211,7 @@ void rk_judge_note_allocations(void)
     const uint64_t made[2] = {rk_allocations - last_call->made[0],
                               rk_allocations_kept - last_call->made[1]};
     memcpy(rk_judge_note(sizeof made), made, sizeof made);
+    used = last_call->answer + last_call->bytes;
     last_call = NULL;
 }
 
